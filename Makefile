@@ -99,7 +99,7 @@ play: .venv/.installed
 
 screenshots: .venv/.installed
 	SDL_VIDEODRIVER=dummy $(BIN)/python -m tools.screenshots docs/window
-	$(BIN)/python -m tests.helpers.page_pictures docs/page
+	$(BIN)/python -m tools.page_pictures docs/page
 	SDL_VIDEODRIVER=dummy $(BIN)/softcradle render one-on-four -o docs/one-on-four.png
 	SDL_VIDEODRIVER=dummy $(BIN)/softcradle render draft-gear-two-on-two --size 960x480 -o docs/two-on-two.kymograph.png
 

@@ -16,7 +16,7 @@ from pathlib import Path
 from softcradle.sandbox.page import render_page
 from softcradle.sandbox.scene_runs import load_scene
 
-from tests.helpers.browser import Browser
+from tools.browser import Browser
 
 BOOKED = 1e-10  # relative error of the energy
 PICTURES = 60  # a second of the page's time

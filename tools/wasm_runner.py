@@ -22,7 +22,7 @@ from softcradle.physics.fixed_step.step_loop import NEVER
 from softcradle.physics.numerics.contact_solve import BEAD_ROWS
 from softcradle.physics.numerics.records import COUNTERS, DONE
 
-from tests.helpers import browser
+from tools import browser
 from tools.wasm_kernels import ARRAYS, FILE, LOSSY
 
 MOST_STEPS = 100_000  # of one frame

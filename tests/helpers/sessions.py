@@ -1,13 +1,166 @@
-"""Sessions for tests: their clock moves when the test moves it, so no frame is left out on a busy machine."""
+"""Sessions for tests, the scenes that they open, their inputs as values that Hypothesis draws, and what holds in every one."""
 
+import copy
+import math
+from dataclasses import fields, replace
+from pathlib import Path
 from typing import Any
 
+import numpy as np
+import pytest
+from hypothesis import strategies as st
+from softcradle.physics.contact import draft_gear, hertz, power_law
+from softcradle.sandbox.session import inputs
+from softcradle.sandbox.session.contact_conversion import KINDS
 from softcradle.sandbox.session.frame_pacing import FrameClock
+from softcradle.sandbox.session.replay import Replay
 from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.session.snapshots import NOTHING_HELD, snapshot_table
 
 from softcradle import scenes
 
 
-def opened(name: str = "one-on-four", **options: Any) -> Session:
-    """A session with the scene `name`; `options` are those of Session."""
-    return Session(scenes.load(name), **{"clock": FrameClock(), **options})
+def opened(name: str = "one-on-four", *edits: inputs.Input, **options: Any) -> Session:
+    """A session with the scene `name` after `edits`, whose clock moves when the test moves it; `options` are those of Session."""
+    session = Session(scenes.load(name), **{"clock": FrameClock(), **options})
+    for edit in edits:
+        session.apply(edit)
+    return session
+
+
+# One row; two lanes beside each other; a drive without an end; couplers, forces over time and friction.
+UNLIKE = ("one-on-four", "beads-against-gear", "driven-cluster", "train-braking")
+EVERY_SCENE = [name if name in UNLIKE else pytest.param(name, marks=pytest.mark.slow) for name in scenes.names()]
+
+
+def check_invariants(session: Session) -> None:
+    """What holds whatever was done: finite numbers, bounded memory, a frame of the history. AssertionError where not."""
+    for number, lane in enumerate(session.lanes):
+        for name in ("overlap", "rate", "anchor", "force"):
+            values = getattr(lane.state, name)
+            assert np.isfinite(values).all(), f"lane {number}: {name} is {values}"
+        assert np.isfinite(lane.ledger).all(), f"lane {number}: ledger is {lane.ledger}"
+        assert len(lane.chain.mass) == len(lane.state.overlap) + 1
+    assert session.history.memory <= session.history.bound + 2 * session.history.blocks[-1].memory
+    assert session.history.first <= session.frame <= session.history.last
+
+
+def read_all(session: Session) -> None:
+    """Read everything that a window shows. AssertionError where it is not finite or not in order."""
+    for lane in range(len(session.lanes)):
+        for part in session.history_slices(lane, 240):
+            assert np.isfinite(part.velocity).all()
+            assert np.isfinite(part.kinetic).all()
+        session.health(lane)
+    assert session.verdict()[1]
+    assert all(impact.speed > 0.0 for impact in session.impacts)
+    assert (np.diff(session.contact_events().time) >= 0.0).all()
+
+
+def frame_table(session: Session) -> dict[str, Any]:
+    """The frame that is shown with every digit, but for the bead that is held."""
+    table = snapshot_table(session.snapshot())
+    del table["hand"]
+    return table
+
+
+def check_order(session: Session) -> None:
+    """The frame shown lies in the history, and the recording ends with it. AssertionError where not."""
+    history, recording = session.history, session.recording
+    assert history.first <= session.frame <= history.last
+    assert recording.frame <= history.last
+    assert recording.last == history.last
+    assert all(recording.frame <= frame <= recording.last for frame, _ in recording.inputs)
+    frames = [frame for frame, _ in recording.inputs]
+    assert frames == sorted(frames)
+    if session.held != NOTHING_HELD:
+        lane, bead = int(session.held.lane), int(session.held.bead)
+        assert bead <= session.lanes[lane].chain.contacts
+
+
+def check_round_trip(session: Session) -> None:
+    """Undo and redo of a copy lead back to the frame shown, and redo and undo as well. AssertionError where not."""
+    for steps, there, back in (
+        (session.undo_stack.done, Session.undo, Session.redo),
+        (session.undo_stack.undone, Session.redo, Session.undo),
+    ):
+        if not steps:
+            continue
+        twin = copy.deepcopy(session)
+        before, span, steps_before = frame_table(twin), twin.span, _steps(twin)
+        name = there(twin)
+        assert name
+        check_order(twin)
+        assert back(twin) == name
+        check_order(twin)
+        assert (twin.frame, twin.span, twin.scene) == (session.frame, span, session.scene)
+        assert frame_table(twin) == before
+        assert twin.recording.inputs == session.recording.inputs
+        assert twin.recording.hashes == session.recording.hashes
+        assert _steps(twin) == steps_before
+
+
+def _steps(session: Session) -> list[list[int]]:
+    stack = session.undo_stack
+    return [[step.number for step in steps] for steps in (stack.done, stack.undone)]
+
+
+def check_replay(session: Session, file: Path) -> None:
+    """The recording, written to `file` and read again, leads to the same frames. AssertionError where not."""
+    session.recording.save(file, session.scene)
+    replay = Replay.load(file)
+    assert replay.run(), f"{replay.sentence}; inputs {replay.recording.inputs}"
+    if not session.scrubbed:
+        assert frame_table(replay.session) == frame_table(session)
+
+
+METHODS = ("auto", "conserving", "verlet", "euler", "yoshida4", "accurate", "radau", "dop853", "pymunk")
+MOST_BEADS = 30  # of a lane; with more, beads are only removed
+
+_NUMBERS = st.integers(0, 60)  # of lanes, beads and contacts, modulo how many there are
+_OR_ALL = st.one_of(_NUMBERS, st.none())
+_LAWS = st.one_of(
+    st.builds(power_law, st.sampled_from((0.1, 1.0, 100.0)), st.sampled_from((1 / 30, 1 / 14, 0.1, 0.5, 1.0, 1.5))),
+    st.builds(draft_gear, st.sampled_from((0.1, 5.0, 800.0)), st.sampled_from((1e-3, 0.02, 0.5))),
+    st.builds(hertz, st.sampled_from((1.0, 1e3))),
+)
+_MASSES = st.sampled_from((1.0, 0.01, 0.3, 100.0, math.inf, 0.0))
+_NUMBER = st.sampled_from((0.0, 1.0, -1.0, 0.3, -2.5, 1e3, math.nan, math.inf))
+_POSITIONS = st.sampled_from((0.0, 1.0, -1.0, 0.3, -2.5, 50.0))
+
+INPUTS: st.SearchStrategy[inputs.Input] = st.one_of(
+    st.builds(inputs.Place, _NUMBERS, _NUMBERS, _POSITIONS),
+    st.builds(inputs.Drag, _NUMBERS, _NUMBERS, _POSITIONS),
+    st.builds(inputs.Drop),
+    st.builds(inputs.SetVelocity, _NUMBERS, _OR_ALL, _NUMBER),
+    st.builds(inputs.SetMass, _NUMBERS, _OR_ALL, _MASSES),
+    st.builds(inputs.SetContact, _NUMBERS, _OR_ALL, _LAWS),
+    st.builds(inputs.SetKind, _NUMBERS, _OR_ALL, st.sampled_from(KINDS)),
+    st.builds(inputs.Lock, _NUMBERS, _OR_ALL, st.booleans()),
+    st.builds(inputs.SetGap, _NUMBERS, _NUMBERS, st.sampled_from((0.0, 0.5, -1.0))),
+    st.builds(inputs.SetDrive, _NUMBERS, _OR_ALL, _NUMBER),
+    st.builds(inputs.SetFriction, _NUMBERS, st.sampled_from((0.0, 0.2, 1.0, -0.1))),
+    st.builds(inputs.AddBead, _NUMBERS, _NUMBERS, _MASSES, st.sampled_from((0.0, 0.4))),
+    st.builds(inputs.RemoveBead, _NUMBERS, _NUMBERS),
+    st.builds(inputs.SetMethod, _OR_ALL, st.sampled_from(METHODS)),
+    st.builds(inputs.SetStep, _NUMBERS, st.sampled_from((None, 1e-3, 0.02, 0.0))),
+    st.builds(inputs.SetSlow, st.sampled_from((1.0, 10.0, 400.0, 0.0))),
+)
+
+
+def fitted(item: inputs.Input, session: Session) -> inputs.Input:
+    """`item` with numbers of a lane, a bead and a contact that `session` has."""
+    names = {field.name for field in fields(item)}
+    changed: dict[str, Any] = {}
+    lane = getattr(item, "lane", None)
+    if lane is not None:
+        changed["lane"] = lane % len(session.lanes)
+    contacts = session.lanes[changed.get("lane", 0)].chain.contacts
+    most = {"bead": contacts + (2 if isinstance(item, inputs.AddBead) else 1), "contact": contacts}
+    changed |= {
+        key: getattr(item, key) % n for key, n in most.items() if key in names and getattr(item, key) is not None
+    }
+    item = replace(item, **changed)
+    if isinstance(item, inputs.AddBead) and contacts >= MOST_BEADS:
+        return inputs.RemoveBead(item.lane, item.bead % (contacts + 1))
+    return item

@@ -13,7 +13,7 @@ import sys
 import tempfile
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import pygame
 from hypothesis import HealthCheck, seed, settings
@@ -35,11 +35,68 @@ from softcradle.sandbox.window.scene.page import ScenePage
 from softcradle.sandbox.window.theme import collect_garbage
 
 from softcradle import scenes
-from tests.helpers.session_checks import check_invariants, check_order, check_replay, check_round_trip, read_all
-from tests.helpers.session_inputs import INPUTS, fitted
-from tests.helpers.window_layout import faults
-from tests.helpers.window_places import PLACES, Place, point_of
-from tests.helpers.windows import Driver
+from tests.helpers.sessions import (
+    INPUTS,
+    check_invariants,
+    check_order,
+    check_replay,
+    check_round_trip,
+    fitted,
+    read_all,
+)
+from tests.helpers.windows import Driver, faults, widgets
+
+KINDS = ("bead", "contact", "widget", "plot", "bar", "window")
+
+
+class Place(NamedTuple):
+    """Somewhere in the window.
+
+    Attributes:
+        kind: one of KINDS; "window" where the page has nothing of the kind.
+        number: of the bead, contact, widget or plot, modulo how many there are.
+        across, down: shares of the rectangle of the plot, of the bar or of the window.
+    """
+
+    kind: str
+    number: int
+    across: float
+    down: float
+
+
+_SHARES = st.sampled_from((0.0, 0.1, 0.25, 0.5, 0.75, 0.9, 1.0))
+PLACES = st.builds(Place, st.sampled_from(KINDS), st.integers(0, 60), _SHARES, _SHARES)
+
+
+def point_of(place: Place, driver: Driver) -> tuple[int, int]:
+    """The pixel of `place` in the window as it is now."""
+    page, kind, number = driver.app.page, place.kind, place.number
+    if kind == "widget":
+        found = widgets(driver)
+        if found:
+            return tuple(found[number % len(found)].rect.center)
+    if isinstance(page, ScenePage) and kind in ("bead", "contact"):
+        view = page.view.lanes[number % len(page.view.lanes)]
+        number //= len(page.view.lanes)
+        x, y = view.centre(number % len(view.edges))
+        return _inside(driver, (view.contacts[number % len(view.contacts)] if kind == "contact" else x, y))
+    if isinstance(page, ScenePage) and kind == "plot" and page.board.plots:
+        return _share(driver, place, page.board.plots[number % len(page.board.plots)].area)
+    if isinstance(page, ScenePage) and kind == "bar":
+        return _share(driver, place, page.timeline.rect)
+    return _share(driver, place, (0, 0, *driver.app.size))
+
+
+def _share(driver: Driver, place: Place, rect: tuple[int, int, int, int]) -> tuple[int, int]:
+    left, top, width, height = rect
+    return _inside(driver, (left + place.across * (width - 1), top + place.down * (height - 1)))
+
+
+def _inside(driver: Driver, point: tuple[float, float]) -> tuple[int, int]:
+    """The pixel of the window nearest to `point`: a pointer does not leave it."""
+    width, height = driver.app.size
+    return min(max(round(point[0]), 0), width - 1), min(max(round(point[1]), 0), height - 1)
+
 
 LEFT_OUT = {"quit", "fullscreen", "sound"}  # end the machine, or need a screen or a loudspeaker
 KEYS = tuple(key for binding in bindings() if binding.action not in LEFT_OUT for key in binding.keys)
@@ -90,19 +147,19 @@ class WindowMachine(RuleBasedStateMachine):
     def hold_key(self, key: Key, times: int) -> None:
         """Hold a key down: the system repeats it."""
         for _ in range(times):
-            self._post(pygame.KEYDOWN, key=key.code, mod=key.modifiers, unicode="", scancode=0)
+            self.driver.post(pygame.KEYDOWN, key=key.code, mod=key.modifiers, unicode="", scancode=0)
             self.driver.frames()
-        self._post(pygame.KEYUP, key=key.code, mod=key.modifiers, unicode="", scancode=0)
+        self.driver.post(pygame.KEYUP, key=key.code, mod=key.modifiers, unicode="", scancode=0)
 
     @rule(keys=st.lists(st.sampled_from(KEYS), min_size=2, max_size=4), place=PLACES)
     def press_at_once(self, keys: list[Key], place: Place) -> None:
         """Several keys, and a click among them, between two frames."""
         point = point_of(place, self.driver)
         for k, key in enumerate(keys):
-            self._post(pygame.KEYDOWN, key=key.code, mod=key.modifiers, unicode="", scancode=0)
+            self.driver.post(pygame.KEYDOWN, key=key.code, mod=key.modifiers, unicode="", scancode=0)
             if k == 0:
-                self._post(pygame.MOUSEBUTTONDOWN, pos=point, button=1)
-        self._post(pygame.MOUSEBUTTONUP, pos=point, button=1)
+                self.driver.post(pygame.MOUSEBUTTONDOWN, pos=point, button=1)
+        self.driver.post(pygame.MOUSEBUTTONUP, pos=point, button=1)
         self.down = False
         self.driver.frames()
 
@@ -134,8 +191,7 @@ class WindowMachine(RuleBasedStateMachine):
     @rule(place=PLACES, turn=st.sampled_from((-1, 1)))
     def wheel(self, place: Place, turn: int) -> None:
         """Turn the wheel."""
-        self.driver.move(point_of(place, self.driver), (int(self.down), 0, 0))
-        self._post(pygame.MOUSEWHEEL, x=0, y=turn, precise_x=0.0, precise_y=float(turn), flipped=False)
+        self.driver.wheel(point_of(place, self.driver), turn, (int(self.down), 0, 0))
 
     @rule(count=st.integers(1, 20))
     def wait(self, count: int) -> None:
@@ -199,20 +255,15 @@ class WindowMachine(RuleBasedStateMachine):
     @rule(size=st.sampled_from(SIZES))
     def resize(self, size: tuple[int, int]) -> None:
         """Give the window another size."""
-        pygame.display.set_mode(size, pygame.RESIZABLE)
-        self._post(pygame.VIDEORESIZE, size=size, w=size[0], h=size[1])
+        self.driver.resize(size)
 
     @rule(kinds=st.lists(st.sampled_from(LEAVING), min_size=1, max_size=3))
     def leave(self, kinds: list[int]) -> None:
         """Go to another window and come back; nobody tells when the button was released."""
         for kind in kinds:
-            self._post(kind)
-        self._post(pygame.WINDOWRESTORED)
+            self.driver.post(kind)
+        self.driver.post(pygame.WINDOWRESTORED)
         self.down = False
-
-    def _post(self, kind: int, **values: Any) -> None:
-        pygame.event.post(pygame.Event(kind, **values))
-        self.driver.frames(2)
 
     # ---- what holds after each of these
 

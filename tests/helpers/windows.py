@@ -1,7 +1,8 @@
-"""A driver of the real window: posted events, without a screen."""
+"""A driver of the real window, by posted events and without a screen; and what is wrong with the layout of its widgets."""
 
 from __future__ import annotations
 
+import itertools
 import os
 from collections.abc import Callable
 from contextlib import nullcontext
@@ -9,12 +10,19 @@ from time import process_time
 from typing import ClassVar
 from unittest.mock import patch
 
+import pygame
+from pygame_gui.core import UIElement
+from pygame_gui.elements import UIButton, UIDropDownMenu, UITextEntryLine, UITooltip
+from softcradle.sandbox.window.app import App
+from softcradle.sandbox.window.scene.editor import Pick
+from softcradle.sandbox.window.scene.page import ScenePage
+from softcradle.sandbox.window.widgets import Slider
+
+from tests.helpers.drawn_text import DrawnText, drawn_texts
+
 os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
 os.environ.setdefault("SDL_AUDIODRIVER", "dummy")
 
-import pygame
-from softcradle.sandbox.window.app import App
-from softcradle.sandbox.window.scene.page import ScenePage
 
 LONGEST = 3600.0  # s: kernels are compiled, beside whatever else the machine does
 FRAME = 1.0 / 60.0
@@ -77,10 +85,14 @@ class Driver:
                 pygame.time.wait(2)
         self.frames()
 
-    def play(self, count: int) -> None:
-        """Play so many frames, and pause."""
+    def run(self, count: int) -> None:
+        """Play, or pause, and let so many frames pass."""
         self.key(pygame.K_SPACE)
         self.frames(count)
+
+    def play(self, count: int) -> None:
+        """Play so many frames, and pause."""
+        self.run(count)
         self.key(pygame.K_SPACE)
 
     def key(self, code: int, modifiers: int = 0, text: str = "") -> None:
@@ -116,6 +128,11 @@ class Driver:
     def click(self, point: tuple[float, float]) -> None:
         self.press(point)
         self.release(point)
+        self.frames(2)
+
+    def select(self, kind: str, index: int, lane: int = 0) -> None:
+        self.page.editor.selection = Pick(lane, kind, index)
+        self.frames(2)
 
     def drag(self, start: tuple[float, float], end: tuple[float, float], steps: int = 8) -> None:
         """Press at `start`, move to `end`; the button stays down."""
@@ -125,14 +142,95 @@ class Driver:
             point = start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1])
             self.move(point, (1, 0, 0))
 
+    def pull(self, start: tuple[float, float], end: tuple[float, float], steps: int = 8) -> None:
+        """Drag and let go."""
+        self.drag(start, end, steps)
+        self.release(end)
+
+    def wheel(self, point: tuple[float, float], turn: int, buttons: tuple[int, int, int] = (0, 0, 0)) -> None:
+        self.move(point, buttons)
+        self.post(pygame.MOUSEWHEEL, x=0, y=turn, precise_x=0.0, precise_y=float(turn), flipped=False)
+
+    def resize(self, size: tuple[int, int]) -> None:
+        pygame.display.set_mode(size, pygame.RESIZABLE)
+        self.post(pygame.VIDEORESIZE, size=size, w=size[0], h=size[1])
+
+    def post(self, kind: int, **values: object) -> None:
+        pygame.event.post(pygame.Event(kind, **values))
+        self.frames(2)
+
+    def enter(self, key: str, text: str) -> None:
+        """Type into the box of a number in the inspector, and take it."""
+        entry = self.page.inspector.controls[key].entry
+        self.click(entry.rect.center)
+        entry.set_text(text)
+        self.key(pygame.K_RETURN)
+
+    def answer(self, text: str) -> None:
+        """Type into the line of the dialog that is open, and take it."""
+        self.app.dialog.entry.set_text(text)
+        self.key(pygame.K_RETURN)
+
+    def texts(self) -> list[DrawnText]:
+        """All that is written on the window as it is now."""
+        if hasattr(self.app.page, "view"):
+            self.app.page.view.redraw()
+        with drawn_texts(self.app.size) as found:
+            self.app.paint()
+        return found
+
     def bead(self, bead: int, lane: int = 0) -> tuple[float, float]:
         return self.page.view.lanes[lane].centre(bead)
 
     def drop_file(self, path: object) -> None:
-        pygame.event.post(pygame.Event(pygame.DROPFILE, file=str(path)))
-        self.frames(2)
+        self.post(pygame.DROPFILE, file=str(path))
 
     def close(self) -> None:
         self.app.close()
         if self in self.opened:
             self.opened.remove(self)
+
+
+def widgets(driver: Driver) -> list[UIElement]:
+    """The widgets of the page, or of the dialog where there is one."""
+    dialog = driver.app.dialog
+    if dialog is not None and dialog.open:
+        found = dialog.manager.get_root_container().elements
+        return [one for one in found if one.visible and isinstance(one, UIButton | UITextEntryLine)]
+    shown = [one for one in driver.app.manager.get_root_container().elements if one.visible]
+    own = [one.button_container for one in shown if isinstance(one, Slider)]
+    return [one for one in shown if one not in own and one not in floating(shown)]
+
+
+def floating(shown: list[UIElement]) -> list[UIElement]:
+    """What lies on other widgets on purpose: tooltips, and the lists of menus that are unfolded."""
+    tips = [one for one in shown if isinstance(one, UITooltip)]
+    menus = [one.menu_states["expanded"] for one in shown if isinstance(one, UIDropDownMenu)]
+    lists = [menu.options_selection_list for menu in menus if menu.options_selection_list is not None]
+    inside = [one.item_list_container for one in lists]
+    return [*tips, *(tip.text_block for tip in tips), *lists, *inside]
+
+
+def faults(driver: Driver) -> list[str]:
+    """What is wrong with the page that is shown."""
+    window = pygame.Rect((0, 0), driver.app.size)
+    found = []
+    shown = widgets(driver)
+    for one in shown:
+        if not window.contains(one.rect):
+            found.append(f"{widget_name(one)} leaves the window: {one.rect}")
+        if isinstance(one, UIButton) and one.text and one.tool_tip_text is None and _clipped(one):
+            found.append(f"the text of {widget_name(one)} is clipped")
+    for one, other in itertools.combinations(shown, 2):
+        if one.rect.colliderect(other.rect):
+            found.append(f"{widget_name(one)} {one.rect} overlaps {widget_name(other)} {other.rect}")
+    return found
+
+
+def widget_name(one: UIElement) -> str:
+    """Its class and its text."""
+    return f"{type(one).__name__} {getattr(one, 'text', '')!r}"
+
+
+def _clipped(button: UIButton) -> bool:
+    return button.font.get_rect(button.text).width > button.rect.width

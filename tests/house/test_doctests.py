@@ -10,12 +10,10 @@ from tests.helpers.paths import module_name, source_files
 FLAGS = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS
 
 
-def modules() -> list[str]:
-    """Every module with an example in it."""
-    return [module_name(path) for path in source_files() if ">>> " in path.read_text(encoding="utf-8")]
+MODULES = [module_name(path) for path in source_files() if ">>> " in path.read_text(encoding="utf-8")]
 
 
-@pytest.mark.parametrize("name", modules())
+@pytest.mark.parametrize("name", MODULES)
 def test_examples_run(name):
     failed, tried = doctest.testmod(import_module(name), optionflags=FLAGS)
     assert tried > 0

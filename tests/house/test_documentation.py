@@ -1,16 +1,18 @@
-"""The documentation: its examples run, its commands and scenes exist, and it is built without a warning."""
+"""The documentation: its examples, notebooks and the commands of the README run, and it is built without a warning."""
 
 import doctest
 import importlib
+import os
 import re
 import shlex
 import subprocess
 import sys
-from importlib.util import find_spec
+from pathlib import Path
 
 import pytest
 from numpydoc.validate import validate
-from softcradle.sandbox.cli.main import COMMANDS
+from softcradle.sandbox.cli.main import COMMANDS, main
+from softcradle.sandbox.studies.stability import failure_scans, rigid_cradle
 
 from softcradle import scenes
 from tests.helpers.paths import ROOT
@@ -102,25 +104,10 @@ def test_docstrings_are_in_the_style_of_numpy(name, found):
 
 def test_it_is_built_without_a_warning(tmp_path):
     """Kernels that are compiled on the way say so on standard error, which is no warning."""
-    if any(
-        find_spec(name) is None
-        for name in ("sphinx", "furo", "myst_parser", "latex2mathml", "numpydoc", "sphinx_gallery")
-    ):
-        pytest.skip("the extra [docs] is not installed")
-    build = [
-        sys.executable,
-        "-m",
-        "sphinx",
-        "--fail-on-warning",
-        "--keep-going",
-        "-q",
-        "-b",
-        "html",
-        "-w",
-        str(tmp_path / "warnings.txt"),
-        "docs",
-        str(tmp_path),
-    ]
+    for name in ("sphinx", "furo", "myst_parser", "latex2mathml", "sphinx_gallery"):
+        pytest.importorskip(name, reason="the extra [docs] is not installed")
+    words = ("--fail-on-warning", "--keep-going", "-q", "-b", "html", "-w", str(tmp_path / "warnings.txt"), "docs")
+    build = [sys.executable, "-m", "sphinx", *words, str(tmp_path)]
     done = subprocess.run(build, cwd=ROOT, capture_output=True, text=True, check=False)
     assert (tmp_path / "warnings.txt").read_text(encoding="utf-8") == ""
     assert done.returncode == 0
@@ -135,3 +122,80 @@ def test_it_is_built_without_a_warning(tmp_path):
     assert live == set(scenes.names()) == set(linked["scenes.html"])
     assert set().union(*linked.values()) <= live
     assert all("<iframe" in (tmp_path / page).read_text() for page in LIVE[:2])
+
+
+LINES = [line.partition("  #")[0].strip() for line in re.findall(r"^    (?=\S)(.+)$", README, re.MULTILINE)]
+SHORTER = {  # the same commands on less: what is left out runs in the test of the command
+    "figures": ["1b"],
+    "maps": ["power-law", "--points", "4x3"],
+    "chart": ["--ours"],
+}
+ELSEWHERE = ("softcradle claims",)  # whole studies, which tests of their own run
+FURTHER = (  # what `softcradle --help` lists beside
+    "softcradle scenes",
+    "softcradle methods",
+    "softcradle render draft-gear-two-on-two -o out/x.kymograph.png",
+    "softcradle compare draft-gear-one-on-three --match",
+    "softcradle verify",
+    "softcradle maps",
+    "softcradle chart one-on-4",
+    "softcradle stability",
+    "softcradle scenes mixed > out/mine.toml",
+    "softcradle check out/mine.toml",
+    "softcradle play out/mine.toml",
+)
+TOUR = [*(line for line in LINES if line.startswith("softcradle") and line not in ELSEWHERE), *FURTHER]
+
+
+@pytest.fixture
+def quick(monkeypatch):
+    """Short scans, and a window that closes at once."""
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    monkeypatch.setattr("softcradle.sandbox.window.app.App.run", lambda app: app.close())
+    scan = next(scan for scan in failure_scans.SCANS if scan.name == "alpha")
+    short = failure_scans.Scan("alpha", scan.label, (0.1, 1.0), scan.chain)
+    monkeypatch.setattr(failure_scans, "SCANS", (short,))
+    monkeypatch.setattr(failure_scans, "STEPS", (0.01, 0.3))
+    monkeypatch.setattr(failure_scans, "TOLERANCES", (1e-3, 1e-2))
+    monkeypatch.setattr(rigid_cradle, "STEPS", (1 / 60,))
+
+
+@pytest.mark.usefixtures("quick", "own_folder")
+@pytest.mark.parametrize("line", TOUR)
+def test_a_command_of_the_readme_runs(line, tmp_path, capsys):
+    Path("out").mkdir()
+    Path("out/mine.toml").write_text(
+        (ROOT / "scenes/catalogue/mixed.toml").read_text(encoding="utf-8"), encoding="utf-8"
+    )
+    command, _, printed_to = line.partition(" > ")
+    arguments = shlex.split(command)[1:]
+    assert main([*arguments, *SHORTER.get((arguments or [""])[0], [])]) == 0
+    if printed_to:
+        assert capsys.readouterr().out == Path("out/mine.toml").read_text(encoding="utf-8")
+        assert printed_to.startswith("out/")
+    assert {path.name for path in tmp_path.iterdir()} - {"cache"} == {"out"}
+
+
+NOTEBOOKS = sorted((ROOT / "examples").glob("*.ipynb"))
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_notebooks_are_kept_without_outputs(path):
+    for cell in pytest.importorskip("nbformat").read(path, as_version=4).cells:
+        assert not cell.get("outputs")
+        assert cell.get("execution_count") is None
+
+
+@pytest.mark.own_process  # with the kernel of the notebook
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_runs(path, tmp_path, monkeypatch):
+    nbclient, nbformat = map(pytest.importorskip, ("nbclient", "nbformat"))
+    pytest.importorskip("ipykernel")
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")]))
+    monkeypatch.setenv("IPYTHONDIR", str(tmp_path / "ipython"))
+    notebook = nbformat.read(path, as_version=4)
+    client = nbclient.NotebookClient(notebook, timeout=1800, resources={"metadata": {"path": str(tmp_path)}})
+    client.execute()
+    shown = [output for cell in notebook.cells for output in cell.get("outputs", ())]
+    assert any("text/html" in output.get("data", {}) or "image/png" in output.get("data", {}) for output in shown)
+    assert not [output for output in shown if output.output_type == "error" or output.get("name") == "stderr"]

@@ -1,7 +1,9 @@
-"""The public names of softcradle: exactly these, importable, documented, the same from `softcradle.physics`."""
+"""The public names: exactly these, importable, documented, the same from `softcradle.physics`; and imports are light."""
 
 import ast
 import inspect
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
@@ -12,41 +14,22 @@ from softcradle import physics
 from tests.helpers.paths import ROOT
 
 PUBLIC = [
-    "Chain",
-    "ChainBatch",
-    "Contact",
-    "Coupler",
-    "EnsembleEnds",
-    "METHODS",
-    "OwnLaw",
-    "SoftChain",
-    "SoftContact",
-    "State",
-    "TimedForce",
-    "Trajectory",
-    "advance",
-    "cluster_on_cluster",
-    "draft_gear",
-    "ensemble",
-    "ensemble_ends",
-    "hertz",
-    "hooke",
-    "one_on",
-    "power_law",
-    "simulate",
-    "stable_step",
-    "step_force",
-    "warm",
-]
+    "Chain", "ChainBatch", "Contact", "Coupler", "EnsembleEnds", "METHODS", "OwnLaw", "SoftChain", "SoftContact", "State",
+    "TimedForce", "Trajectory", "advance", "cluster_on_cluster", "draft_gear", "ensemble", "ensemble_ends", "hertz", "hooke",
+    "one_on", "power_law", "simulate", "stable_step", "step_force", "warm",
+]  # fmt: skip
 
 
-def test_exactly_these():
-    assert sorted(physics.__all__) == PUBLIC
-    assert dir(physics) == PUBLIC
-
-
-def test_importable_and_documented():
+def test_exactly_these_are_importable_and_documented():
+    assert sorted(physics.__all__) == dir(physics) == PUBLIC
+    names: dict[str, object] = {}
+    exec("from softcradle import *", names)  # an import of this kind is for the top of a module alone
+    assert sorted(names.keys() - {"__builtins__"}) == sorted([*PUBLIC, "play", "sweep"])
+    assert dir(softcradle) == sorted([*PUBLIC, "__version__", "play", "sweep"])
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert softcradle.__version__ == project["version"]
     for name in PUBLIC:
+        assert not (ROOT / "physics" / f"{name}.py").exists()  # Python would bind that module to the package on import
         value = getattr(physics, name)
         assert inspect.getdoc(value)
         if callable(value):
@@ -73,18 +56,24 @@ def test_other_names_are_refused(package):
         package.Chian  # noqa: B018
 
 
-def test_a_star_import_gives_the_public_names():
-    names: dict[str, object] = {}
-    exec("from softcradle import *", names)  # an import of this kind is for the top of a module alone
-    assert sorted(names.keys() - {"__builtins__"}) == sorted([*PUBLIC, "play", "sweep"])
+HEAVY = ("numpy", "numba", "scipy", "pymunk", "pygame", "matplotlib", "av", "PIL", "pydantic")
 
 
-def test_the_version_is_that_of_the_project():
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    assert softcradle.__version__ == project["version"]
-    assert dir(softcradle) == sorted([*PUBLIC, "__version__", "play", "sweep"])
-
-
-def test_no_module_has_a_public_name():
-    """Python binds a module to its package on import: `physics.ensemble` would be the module, once that is imported."""
-    assert [name for name in PUBLIC if (ROOT / "physics" / f"{name}.py").exists()] == []
+@pytest.mark.parametrize(
+    ("code", "absent"),
+    [
+        ("from softcradle import physics", HEAVY),
+        ("import softcradle; softcradle.METHODS", HEAVY),
+        ("import softcradle.sandbox.cli.main", HEAVY),
+        ("from softcradle.physics import Chain", [name for name in HEAVY if name != "numpy"]),
+        ("import softcradle.physics.simulation", [name for name in HEAVY if name != "numpy"]),
+        ("import softcradle.physics.fixed_step.runner", ("pymunk", "pygame")),  # numba itself takes scipy where it is
+        ("import softcradle.physics.reference.runner", ("numba", "pymunk", "pygame")),
+        ("import softcradle.scenes", [name for name in HEAVY if name not in {"numpy", "pydantic"}]),
+        ("import softcradle.sandbox.session.session", [name for name in HEAVY if name not in {"numpy", "pydantic"}]),
+    ],
+)
+def test_imports_are_light(code, absent):
+    program = f"{code}; import sys; print([name for name in {tuple(absent)!r} if name in sys.modules])"
+    found = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == "[]"

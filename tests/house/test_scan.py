@@ -1,4 +1,4 @@
-"""The scan of random chains: what it draws, how it judges, and that it goes on where it stopped."""
+"""The scans of random chains: what they draw and judge, that one goes on where it stopped; a part of that of `conserving`."""
 
 import json
 from dataclasses import replace
@@ -9,6 +9,8 @@ from softcradle.physics import one_on, power_law, simulate
 from softcradle.physics.status import CodedWarning, Status, WarningCode
 
 from benchmarks import __main__ as command
+from benchmarks.conserving_scan import FAMILIES as CONSERVING
+from benchmarks.conserving_scan import LARGE, error_report, errors, report, run
 from benchmarks.scan import chain_points, verdict
 from benchmarks.scan.families import FAMILIES, Motion, motion
 from benchmarks.scan.truth import Truth, truth_of
@@ -117,3 +119,40 @@ def test_a_scan_that_is_stopped_has_written_what_was_done(tmp_path, monkeypatch)
     assert command.main(given) == 0
     assert judged_seeds == [0, 1, 1, 2]
     assert (tmp_path / "accurate-1e-08.jsonl").read_text().count("seed") == 3
+
+
+COUNT = 30 * len(CONSERVING)
+
+
+@pytest.fixture(scope="module")
+def found():
+    return [run(number) for number in range(COUNT)]
+
+
+def test_every_step_converges_and_conserves(found):
+    assert not [one for one in found if one.unconverged or one.gave_up]
+    assert max(one.momentum for one in found) < 1e-9
+    assert max(one.energy for one in found) < 1e-9
+    assert sum(one.steps for one in found) > 100 * COUNT
+
+
+def test_the_table_names_the_seeds_that_fail(found):
+    failed = replace(found[3], unconverged=True)
+    table = report([failed, *found[:20]])
+    row = next(row for row in table.rows if row[0] == failed.family)
+    assert row[3] == "1"
+    assert row[-1] == str(failed.seed)
+    assert table.rows[-1][:2] == ["all", "21"]
+
+
+def test_errors_beyond_a_thousandth_are_warned_of():
+    """But one in hundreds, at four times the default step."""
+    found = [one for number in range(40) for one in errors(number)]
+    assert [one for one in found if one.error > LARGE and not one.warned] == []
+    table = error_report(found)
+    assert sum(int(row[2]) for row in table.rows) == len(found)
+
+
+def test_the_command_writes_its_table(tmp_path, capsys):
+    assert command.main(["conserving", "--count", "10", "--jobs", "1", "--markdown", str(tmp_path / "table.md")]) == 0
+    assert "| all | 10 |" in (tmp_path / "table.md").read_text()

@@ -20,14 +20,7 @@ pytestmark = pytest.mark.slow
 PIP = (sys.executable, "-m", "pip", "--disable-pip-version-check", "--quiet")
 BUILD = (*PIP, "wheel", "--no-deps", "--no-index", "--no-build-isolation", "--wheel-dir")
 
-ASSETS = (
-    "theme.json",
-    "icon.png",
-    "Inter-Regular.otf",
-    "Inter-SemiBold.otf",
-    "page/page.css",
-    "page/kernels.wasm",
-)
+ASSETS = ("theme.json", "icon.png", "Inter-Regular.otf", "Inter-SemiBold.otf", "page/page.css", "page/kernels.wasm")
 
 # The user's own game: its folders bear the names of ours.
 GAME = """
@@ -105,13 +98,12 @@ def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Installe
     return Installed(python, Path(made.bin_path), packages, game)
 
 
-def test_one_name_at_the_top(wheel):
-    tops = {name.partition("/")[0] for name in contents(wheel)}
-    assert {name for name in tops if not name.endswith(".dist-info")} == {"softcradle"}
-    assert len(tops) == 2
-
-
 def test_everything_is_in_it_and_nothing_else(wheel):
+    tops = {name.partition("/")[0] for name in contents(wheel)}
+    assert len(tops) == 2
+    assert [name for name in tops if not name.endswith(".dist-info")] == ["softcradle"]
+    licences = {name.partition(".dist-info/licenses/")[2] for name in contents(wheel)}
+    assert licences >= {"LICENSE", "assets/Inter-LICENSE.txt"}
     homes = {"softcradle": "softcradle", "assets": "softcradle/sandbox/assets"}
     homes |= {layer: f"softcradle/{layer}" for layer in LAYERS}
     expected = {
@@ -123,11 +115,6 @@ def test_everything_is_in_it_and_nothing_else(wheel):
     assert {name for name in contents(wheel) if ".dist-info/" not in name} == expected
     assert expected >= {"softcradle/py.typed", "softcradle/scenes/catalogue/one-on-four.toml"}
     assert expected >= {f"softcradle/sandbox/assets/{name}" for name in ASSETS}
-
-
-def test_the_licences_are_in_it(wheel):
-    licences = {name.partition(".dist-info/licenses/")[2] for name in contents(wheel)}
-    assert licences >= {"LICENSE", "assets/Inter-LICENSE.txt"}
 
 
 def test_the_description_shows_no_file_that_an_index_does_not_have(wheel):
@@ -169,19 +156,13 @@ def test_the_command_runs(installed):
     printed = installed.run(installed.python, "-m", "softcradle", "run", "one-on-four")
     assert "-0.5675856" in printed  # final velocity of the striker [m/s]
     assert "accurate, tolerance 1e-08" in printed
-
-
-def test_the_script_runs(installed):
     assert "one-on-four" in installed.run(installed.scripts / "softcradle", "scenes")
 
 
-def test_fonts_theme_and_report_are_found(installed):
+def test_fonts_theme_report_and_languages_are_found(installed):
     program = f"from softcradle.sandbox.files import resource\nfor name in {ASSETS}: print(resource(name))"
     files = [Path(line) for line in installed.run(installed.python, "-c", program).splitlines()]
     assert [file for file in files if not file.is_relative_to(installed.packages)] == []
-
-
-def test_the_languages_are_found(installed):
     program = "from softcradle.sandbox.languages import _, use_language\nuse_language('de')\nprint(ascii(_('Undo')))"
     assert installed.run(installed.python, "-c", program) == ascii("Rückgängig") + "\n"
 
@@ -242,12 +223,8 @@ def test_the_source_archive_holds_documentation_and_examples(archive):
     with tarfile.open(archive) as opened:
         names = {name.partition("/")[2] for name in opened.getnames()}
     kept = {"README.md", "hatch_build.py", "LICENSE", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md"}
-    kept |= {path.relative_to(ROOT).as_posix() for path in (ROOT / "docs").glob("*.md")}
-    kept |= {
-        path.relative_to(ROOT).as_posix()
-        for path in (ROOT / "examples").rglob("*.*")
-        if path.suffix in (".ipynb", ".py")
-    }
+    pages = [*(ROOT / "docs").glob("*.md"), *(ROOT / "examples").rglob("*.ipynb"), *(ROOT / "examples").rglob("*.py")]
+    kept |= {path.relative_to(ROOT).as_posix() for path in pages}
     pictures = [path.relative_to(ROOT) for path in (ROOT / "docs").glob("**/*.png")]
     shown = {path.as_posix() for path in pictures if path.parts[1] not in ("_made", "gallery")}
     assert len(shown) >= 15

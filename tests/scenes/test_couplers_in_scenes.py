@@ -1,12 +1,10 @@
 """Couplers in scene files: read, written again, and refused in a sentence."""
 
-import tomllib
-
 import pytest
 from softcradle.physics import Chain, Contact, Coupler
 from softcradle.sandbox.cli.main import main
 from softcradle.scenes import Scene, SceneError
-from softcradle.scenes.contact_table import read_law, table_of
+from softcradle.scenes.contact_table import table_of
 
 from softcradle import scenes
 
@@ -66,11 +64,6 @@ def test_what_is_wrong_with_a_coupler_is_said(tmp_path, old, new, sentence):
     assert old in TEXT
     with pytest.raises(SceneError, match=sentence):
         scenes.load(written(tmp_path, TEXT.replace(old, new, 1)))
-
-
-def test_a_gear_is_no_coupler():
-    with pytest.raises(Exception, match="unknown law 'coupler'"):
-        read_law(tomllib.loads('law = "coupler"'))
 
 
 def test_the_table_of_results_has_the_largest_pull(capsys):

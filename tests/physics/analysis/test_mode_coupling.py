@@ -20,8 +20,7 @@ from softcradle.physics.analysis.measures import depth_bound, depth_law, respons
 from softcradle.physics.analysis.mode_coupling import Reduction, mode_coupling
 
 MIXED = Chain(
-    [1.3, 0.7, 1.1, 0.9, 1.6],
-    [Contact(0.0, f0, 1.0 / k) for f0, k in ((1.2, 9), (0.8, 11), (1.4, 13), (0.6, 10))],
+    [1.3, 0.7, 1.1, 0.9, 1.6], [Contact(0.0, f0, 1.0 / k) for f0, k in ((1.2, 9), (0.8, 11), (1.4, 13), (0.6, 10))]
 )
 HIT = [1.0, 0.0, 0.0, 0.0, 0.0]
 

@@ -113,19 +113,15 @@ def test_drawing_changes_nothing_and_depends_on_the_row_alone(two):
     picture = Picture(scene, motions, SIZE)
     middle, row = len(motions[0].time) // 2, len(motions[0].time) // 3
     first = painted(picture, middle)
+    surface = pygame.Surface(SIZE, 0, 32)
+    draw(surface, scene, motions, middle)
+    assert (pixels_of(surface)[..., 2::-1] == first).all()
     other = painted(picture, row, text_opacity=0.5)
     assert (painted(picture, middle) == first).all()
     assert (painted(Picture(scene, motions, SIZE), middle) == first).all()
     assert (other != first).any()
     for motion, arrays in zip(motions, before, strict=True):
         assert all((getattr(motion, name) == array).all() for name, array in arrays.items())
-
-
-def test_draw_is_the_picture_of_that_row(soft):
-    scene, motions = soft
-    surface = pygame.Surface(SIZE, 0, 32)
-    draw(surface, scene, motions, 20)
-    assert (pixels_of(surface)[..., 2::-1] == painted(Picture(scene, motions, SIZE), 20)).all()
 
 
 def test_bars_are_as_high_as_the_forces(soft):
@@ -193,12 +189,6 @@ def test_lanes_share_times_axes_and_scale(two):
     for a, b in zip(first.panels, second.panels, strict=True):
         assert (a.area.left, a.area.width, a.time, a.axis) == (b.area.left, b.area.width, b.time, b.axis)
     assert not first.drawing.rect.colliderect(second.drawing.rect)
-
-
-def test_beads_beside_gears_have_one_scale():
-    scene, motions = motions_of(SOFT + GEAR.split("[view]", maxsplit=1)[0].replace('title = "Gear"', ""))
-    beads, gears = Picture(scene, motions, SIZE).lanes
-    assert beads.drawing.scale == gears.drawing.scale
 
 
 def test_everything_stays_in_view(two):
@@ -305,15 +295,8 @@ def test_names_beside_curves_keep_order_and_distance(places, gap, high):
     assert (steps >= min(gap, high / max(1, len(places) - 1)) - 1e-6).all()
     assert min(moved) >= -1e-6
     assert max(moved) <= high + 1e-6
-
-
-def test_names_with_room_stay_where_they_are():
-    assert spread([10.0, 50.0, 90.0], 12.0, 0.0, 100.0) == [10.0, 50.0, 90.0]
+    assert spread([10.0, 50.0, 90.0], 12.0, 0.0, 100.0) == [10.0, 50.0, 90.0]  # those with room stay
     assert spread([50.0, 50.0], 12.0, 0.0, 100.0) == [44.0, 56.0]
-
-
-def test_more_names_than_fit_share_the_room():
-    assert np.ptp(spread([0.0] * 100, 0.05, 0.0, 1.0)) == pytest.approx(1.0)
 
 
 def test_ticks_of_a_low_axis_are_fewer():
@@ -328,77 +311,51 @@ MASSES = [1.0] * 5
 CLOSED = [0.0] * 4
 
 
-def test_rigid_forces_are_those_of_equation_5():
-    ends = cluster_ends([-1.0, 0.0, 0.0, 0.0], [1, 0, 0, 0, 0], 1.0)
-    assert ends == (True, False, False, False)
-    assert rigid_forces(MASSES, ends, CLOSED, [0.8, 0.5, 0.3, 0.1], 1.0) == pytest.approx([0, 0.6, 0.4, 0.2])
-    two = cluster_ends([0.0, -1.0, 0.0], [1, 1, 0, 0], 1.0)
-    assert rigid_forces([1.0, 3.0, 2.0, 2.0], two, [0.0] * 3, [9, 1.0, 9], 1.0) == pytest.approx([0.25, 0, 0.5])
+CLUSTERS = [  # overlaps and velocities before, overlaps and forces now, forces of the rigid cluster by Eq. (5)
+    ([-1, 0, 0, 0], [1, 0, 0, 0, 0], CLOSED, [0.8, 0.5, 0.3, 0.1], [0, 0.6, 0.4, 0.2]),
+    ([-1, 0, 0, -1], [1, 0, 0, 0, 0], [0, 0, 0, -1], [1, 1, 1, 0], [0, 2 / 3, 1 / 3, 0]),  # beyond a gap nothing pushes
+    ([-1, -1, 0, 0], [1, 0, 0, 0, 0], [0, -1, 0, 0], [1, 0, 1, 1], [0, 0, 0, 0]),
+    ([-1, 0, -1, 0], [1, 0, 0, 0, 0], [0, 0, -1, 0], [1, 1, 0, 1], [0, 0.5, 0, 0]),
+    ([0, -0.5, 0, -1], [0, 0, 0, 0, -1], [0, -0.5, 0, 0.1], [0, 0, 0.7, 1.0], [0, 0, 0.5, 0]),  # struck from the right
+    # three struck with 3 N on the left have run into a fourth, which pushes back with 1 N
+    ([-1, 0, 0, -1e-3], [1, 0, 0, 0, 0], [0.1] * 4, [3, 2, 2, 1], [0, 3 * 2 / 3 + 1 / 3, 3 / 3 + 2 / 3, 0]),
+]
 
 
-def test_beads_that_touch_already_meet_where_their_velocities_differ():
+@pytest.mark.parametrize(("before", "velocity", "now", "force", "expected"), CLUSTERS)
+def test_forces_of_rigid_clusters_are_those_of_equation_5_and_end_at_a_gap(before, velocity, now, force, expected):
+    ends = cluster_ends(before, velocity, 1.0)
+    assert rigid_forces(MASSES, ends, now, force, 1.0) == pytest.approx(expected)
+
+
+def test_where_clusters_end_and_which_have_marks():
+    """Beads that touch already meet where their velocities differ; no marks beside a wall, without a blow, of one bead."""
     assert cluster_ends(CLOSED, [1, 0, 0, 0, 0], 1.0) == (True, False, False, False)
     assert cluster_ends([0.0, -1e-17, 1e-30, 0.0], [0, 0, 0, 0, 1e-9], 1.0) == (False, False, False, True)
+    two = cluster_ends([0.0, -1.0, 0.0], [1, 1, 0, 0], 1.0)
+    assert rigid_forces([1.0, 3.0, 2.0, 2.0], two, [0.0] * 3, [9, 1.0, 9], 1.0) == pytest.approx([0.25, 0, 0.5])
+    assert rigid_forces([1.0, 1.0, math.inf], (True, False), [0.1, 0.1], [1.0, 1.0], 1.0) == [0.0, 0.0]
+    for overlap, velocity, marked in (
+        ([0, 0], [0, 0, 0], False), ([-1], [1, 0], False), ([-1, -1], [1, 0, 0], False), ([-1, 0], [1, 0, 0], True),
+    ):  # fmt: skip
+        assert has_marks(cluster_ends(overlap, velocity, 1.0)) is marked
 
 
-@pytest.mark.parametrize(("gap", "shares"), [(3, [0, 2 / 3, 1 / 3, 0]), (1, [0, 0, 0, 0]), (2, [0, 0.5, 0, 0])])
-def test_a_cluster_ends_at_an_open_gap(gap, shares):
-    """One bead strikes the row; the beads beyond a gap push nothing, and a gap has no mark."""
-    overlap = [-1.0 if i in (0, gap) else 0.0 for i in range(4)]
-    ends = cluster_ends(overlap, [1, 0, 0, 0, 0], 1.0)
-    now = [-1.0 if i == gap else 0.0 for i in range(4)]
-    force = [0.0 if i == gap else 1.0 for i in range(4)]
-    assert rigid_forces(MASSES, ends, now, force, 1.0) == pytest.approx(shares)
-
-
-def test_a_gap_on_the_left_of_what_is_struck_from_the_right():
-    ends = cluster_ends([0.0, -0.5, 0.0, -1.0], [0, 0, 0, 0, -1], 1.0)
-    assert rigid_forces(MASSES, ends, [0.0, -0.5, 0.0, 0.1], [0, 0, 0.7, 1.0], 1.0) == pytest.approx([0, 0, 0.5, 0])
-
-
-def test_a_gap_that_has_closed_pushes_from_the_other_end():
-    """Three beads are struck on the left with 3 N, and run into a fourth, which pushes back with 1 N."""
-    ends = cluster_ends([-1.0, 0.0, 0.0, -1e-3], [1, 0, 0, 0, 0], 1.0)
-    forces = rigid_forces(MASSES, ends, [0.1, 0.1, 0.1, 0.1], [3.0, 2.0, 2.0, 1.0], 1.0)
-    assert forces == pytest.approx([0, 3 * 2 / 3 + 1 / 3, 3 / 3 + 2 / 3, 0])
-
-
-def test_no_marks_beside_a_wall_without_a_blow_or_without_a_cluster():
-    wall = [1.0, 1.0, math.inf]
-    assert rigid_forces(wall, (True, False), [0.1, 0.1], [1.0, 1.0], 1.0) == [0.0, 0.0]
-    assert not has_marks(cluster_ends([0.0, 0.0], [0, 0, 0], 1.0))
-    assert not has_marks(cluster_ends([-1.0], [1, 0], 1.0))
-    assert not has_marks(cluster_ends([-1.0, -1.0], [1, 0, 0], 1.0))
-    assert has_marks(cluster_ends([-1.0, 0.0], [1, 0, 0], 1.0))
-
-
-ONE_ON_FOUR = parse("""
-title = "Soft"
-[[lanes]]
-beads = [1, 3]
-contact = {law = "power_law", f0 = 1.0, alpha = 0.25}
-velocity = 1.0
-""")
-
-
-@pytest.fixture(scope="module")
-def motion():
-    return scene_motions(ONE_ON_FOUR, 40.0)[0]
-
-
-def test_free_flight_before_the_start(motion):
+def test_free_flight_before_the_start(soft):
+    scene, (motion,) = soft
     early = motion.time < 0.0
     assert early.any()
     assert motion.position[early, 0] == pytest.approx(motion.time[early])
     assert (motion.position[early, 1:] == 0.0).all()
     assert (motion.force[early] == 0.0).all()
     assert motion.energy_error[early].max() == 0.0
-    chain = ONE_ON_FOUR.lanes[0].chain()
+    chain = scene.lanes[0].chain()
     assert longest_lead(chain, np.array([1.0, 0.0, 0.0, 0.0])) == math.inf
     assert longest_lead(chain, np.array([0.0, 0.0, 0.0, 1.0])) == 0.0
 
 
-def test_errors_are_those_of_the_motion(motion):
+def test_errors_are_those_of_the_motion(soft):
+    (motion,) = soft[1]
     energy = motion.kinetic.sum(axis=1) + motion.stored
     assert motion.energy_error[-1] == pytest.approx(np.abs(energy / energy[0] - 1.0).max())
     slowed = replace(motion, rate=0.5 * motion.rate, anchor=motion.anchor * [1.0, 0.5])

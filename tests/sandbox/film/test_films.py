@@ -13,11 +13,10 @@ from softcradle.sandbox.film import formats, scene_film, scene_motion
 from softcradle.sandbox.film.encoder import open_film
 from softcradle.sandbox.film.formats import pixels_of
 from softcradle.sandbox.film.kymograph import render_kymograph
-from softcradle.sandbox.film.scene_film import LAST_FRAME_TIME, MOST_BEFORE_HIT, film_shots, render_scene, shot_list
+from softcradle.sandbox.film.scene_film import MOST_BEFORE_HIT, film_shots, render_scene, shot_list
 from softcradle.sandbox.film.scene_motion import (
     AFTER,
     LEAD,
-    first_force,
     motion_end,
     scene_motions,
     scene_motions_quietly,
@@ -194,19 +193,6 @@ def test_no_text_of_a_film_lies_on_another(name, size):
         assert [text.text for text in texts if not whole.contains(text.rect)] == []
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", scenes.names())
-def test_at_most_a_fifth_of_a_film_comes_before_the_hit(name):
-    """Of the time in which something moves, and more so of the whole film; by the frames as planned, none is drawn."""
-    scene, rate = scenes.load(name), 60.0
-    motions, _ = scene_motions_quietly(scene, rate * scene.view.slow)
-    shots, hit = film_shots(scene, motions, rate), first_force(motions)
-    moving = [shot for shot in shots if shot.text_opacity == 0.0]
-    assert moving[-1].row == len(motions[0].time) - 1
-    assert sum(shot.row < hit for shot in moving) <= MOST_BEFORE_HIT * len(moving) + 1
-    assert len(moving) > LAST_FRAME_TIME * rate
-
-
 @pytest.mark.parametrize(
     ("name", "options", "sentence"),
     [
@@ -336,28 +322,19 @@ def runs(monkeypatch):
     return found
 
 
-def test_lanes_with_a_duration_are_computed_once(runs):
+def test_the_end_of_a_motion_is_looked_for_once_and_not_where_it_is_given(runs, tmp_path):
     scene_motions(TIMED, 20.0)
     assert len(runs) == 2
-
-
-def test_the_end_of_a_motion_is_looked_for_once(runs, tmp_path):
+    runs.clear()
     render_kymograph(ENDLESS, str(tmp_path / "x.kymograph.png"), (320, 180))
     assert [settings.get("duration") is None for settings in runs] == [True, True, False, False]
-
-
-def test_an_end_that_is_known_gives_the_same_rows():
-    for one, other in zip(
-        scene_motions(ENDLESS, 20.0), scene_motions(ENDLESS, 20.0, end=motion_end(ENDLESS)), strict=True
-    ):
-        assert (one.time == other.time).all()
-        assert (one.overlap == other.overlap).all()
 
 
 @pytest.mark.parametrize("scene", [ENDLESS, TIMED], ids=["endless", "timed"])
 def test_rows_cover_the_motion_and_free_flight(scene: Scene):
     end = motion_end(scene)
     first, second = scene_motions(scene, 20.0)
+    assert (first.overlap == scene_motions(scene, 20.0, end=end)[0].overlap).all()
     assert (first.time == second.time).all()
     assert np.diff(first.time) == pytest.approx(0.05)
     assert 0.0 in first.time

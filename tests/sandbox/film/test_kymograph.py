@@ -21,6 +21,7 @@ from softcradle.scenes import load, names
 from softcradle.scenes.catalogue import parse
 
 WIDTH = 420
+BALL = '{law = "hertz", stiffness = 5.0}'
 DARK = 60  # sum of red, green and blue below which a pixel is a marker's
 
 
@@ -133,6 +134,10 @@ def test_release_and_first_touch_are_marked(tmp_path):
     """Dotted lines of the foreground across the lane: at t = 0, and where 20 mm at 0.5 m/s are flown."""
     path, scene = tmp_path / "x.kymograph.png", load("draft-gear-two-on-two")
     motions = scene_motions(filmed_scene(scene, motion_end(scene)), CAMERA_RATE)
+    in_touch = parse(f'title = "x"\n[[lanes]]\nbeads = 2\nvelocity = [1.0, 0.0]\ncontact = {BALL}')
+    (touching,) = scene_motions(filmed_scene(in_touch, motion_end(in_touch)), 30.0)
+    assert touching.time[0] < 0.0
+    assert [name for name, _ in instants(touching)] == ["first touch"]  # it is not released
     (first, release), (second, touch) = instants(motions[0])
     assert (first, second) == ("release", "first touch")
     assert release == 0
@@ -143,14 +148,6 @@ def test_release_and_first_touch_are_marked(tmp_path):
     dotted = (picture[110:640] == np.array(tones.foreground)).all(axis=2).sum(axis=0) > 0.4 * 530
     width = 1280 - 2 * 28 - 92
     assert [28, 28 + round(width * touch / report.frames)] == np.flatnonzero(dotted[: 28 + width]).tolist()
-
-
-def test_a_motion_that_begins_in_touch_has_no_release():
-    contact = '{law = "hertz", stiffness = 5.0}'
-    scene = parse(f'title = "Touch"\n[[lanes]]\nbeads = 2\nvelocity = [1.0, 0.0]\ncontact = {contact}')
-    motions = scene_motions(filmed_scene(scene, motion_end(scene)), 30.0)
-    assert motions[0].time[0] < 0.0
-    assert [name for name, _ in instants(motions[0])] == ["first touch"]
 
 
 def test_command(tmp_path, capsys):

@@ -99,11 +99,6 @@ def test_a_scene_lives_in_a_cell_and_in_a_file(tmp_path):
     assert (tmp_path / "cell.html").read_text() == (tmp_path / "page.html").read_text()
 
 
-@pytest.mark.slow
-def test_a_scene_is_a_film():
-    assert scenes.load("one-on-four").film(slow=0.5, size=(320, 180)).data[4:8] == b"ftyp"
-
-
 def test_xarray(found):
     pytest.importorskip("xarray")
     data = found.to_xarray()

@@ -13,9 +13,10 @@ from softcradle.sandbox.draw.number_format import MINUS
 from softcradle.sandbox.page import write_page
 
 from softcradle import one_on, scenes, simulate
-from tests.helpers.browser import Browser, found
+from tools.browser import Browser, found
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(found() is None, reason="there is no browser")]
+SCENE = "one-on-four"
 DEVICES = {"telephone": (390, 844), "desk": (1280, 800)}
 FITS = "document.documentElement.scrollWidth <= document.documentElement.clientWidth"
 # Pairs of colours of the style sheet, text before ground; canvas and SVG text have the same.
@@ -32,10 +33,18 @@ COVERED = """(() => [...document.querySelectorAll('button, input, select, summar
 }))()"""
 
 
-@pytest.fixture
-def browser(tmp_path):
-    with Browser(tmp_path / "profile") as opened:
+@pytest.fixture(scope="module")
+def process(tmp_path_factory):
+    with Browser(tmp_path_factory.mktemp("browser") / "profile") as opened:
         yield opened
+
+
+@pytest.fixture
+def browser(process):
+    """An empty page of its own for each test, which complains of nothing but how tests read its canvases."""
+    process.fresh()
+    yield process
+    assert [one for one in process.complaints if "willReadFrequently" not in one] == []
 
 
 def error(browser):
@@ -63,17 +72,16 @@ def run_to_the_end(browser):
 
 def test_the_rows_end_as_simulate_says(pages, browser):
     """Of a long contact with 64 steps, velocities are right to some thousandths; energy and momentum to round-off."""
-    browser.visit(pages("one-on-four").output, "")
+    browser.visit(pages(SCENE).output, "")
     run_to_the_end(browser)
     found = simulate(scenes.load("one-on-four").lanes[0].chain(), [1, 0, 0, 0, 0])
     np.testing.assert_allclose(velocities(browser), found.final_velocity, atol=5e-3)
     assert velocities(browser).sum() == pytest.approx(1.0, abs=1e-13)
     assert error(browser) < 1e-13
-    assert browser.complaints == []
 
 
 def test_it_plays_by_itself_ends_in_words_and_begins_again(pages, browser):
-    browser.visit(pages("one-on-four").output, "#pace=4")
+    browser.visit(pages(SCENE).output, "#pace=4")
     browser.until("!page.playing")
     words = browser.run("document.getElementById('words').textContent")
     assert words == (
@@ -85,7 +93,7 @@ def test_it_plays_by_itself_ends_in_words_and_begins_again(pages, browser):
 
 
 def test_a_pause_within_a_picture_leaves_one_clock(pages, browser):
-    browser.visit(pages("one-on-four").output, "")
+    browser.visit(pages(SCENE).output, "")
     times = browser.run("""new Promise((done) => {
       const times = [];
       page.picture = (now) => { times.push(now); if (times.length < 9) page.next(); else done(times); };
@@ -96,54 +104,39 @@ def test_a_pause_within_a_picture_leaves_one_clock(pages, browser):
 
 def test_nobody_who_wants_less_motion_gets_some(pages, browser):
     browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-reduced-motion", "value": "reduce"}])
-    browser.visit(pages("one-on-four").output, "")
+    browser.visit(pages(SCENE).output, "")
     before = browser.run("page.source.time")
     time.sleep(0.2)
     assert not browser.run("page.playing")
     assert browser.run("page.source.time") == before
 
 
-def test_a_bead_is_thrown_with_the_mouse(pages, browser):
-    browser.device(*DEVICES["desk"])
-    browser.visit(pages("one-on-four").output, "")
+@pytest.mark.parametrize(("device", "bead", "pull"), [("desk", 4, -0.1), ("telephone", 0, 0.2)])
+def test_a_bead_is_thrown_with_the_mouse_or_a_finger_and_the_page_stays(pages, browser, device, bead, pull):
+    browser.device(*DEVICES[device])
+    browser.visit(pages(SCENE).output, "")
     hold_the_clock(browser)
-    x, y, size = browser.run(PLACE % (0, 4))
-    browser.mouse("Pressed", x, y)
-    for k in range(10):
-        browser.mouse("Moved", x - 0.1 * k * size, y)
+    pointer = browser.mouse if device == "desk" else browser.finger
+    down, move, up = ("Pressed", "Moved", "Released") if device == "desk" else ("Start", "Move", "End")
+    x, y, size = browser.run(PLACE % (0, bead))
+    pointer(down, x, y)
+    for k in range(12):
+        pointer(move, x + pull * k * size, y)
         pictures(browser, 2)
-    assert browser.run("page.source.hand.bead") == 4
+    assert browser.run("page.source.hand.bead") == bead
     assert browser.run("page.playing")
-    browser.mouse("Released", x - size, y)
+    pointer(up, x + 11 * pull * size, y)
     assert browser.run("page.source.hand") is None
     browser.run("page.pause()")
-    assert velocities(browser).sum() < 1.0  # it was pulled to the left
+    assert (velocities(browser).sum() - 1.0) * pull > 0.0  # the way in which it was pulled
     assert error(browser) < BOOKED
     assert browser.run("page.source.rows[0].given") != 0.0
-    assert browser.complaints == []
-
-
-def test_a_bead_is_thrown_with_a_finger_and_the_page_stays(pages, browser):
-    browser.device(*DEVICES["telephone"])
-    browser.visit(pages("one-on-four").output, "")
-    hold_the_clock(browser)
-    x, y, size = browser.run(PLACE % (0, 0))
-    browser.finger("Start", x, y)
-    for k in range(12):
-        browser.finger("Move", x + 0.2 * k * size, y)
-        pictures(browser, 2)
-    assert browser.run("page.source.hand.bead") == 0
-    browser.finger("End")
-    browser.run("page.pause()")
-    assert velocities(browser).sum() > 1.0
-    assert error(browser) < BOOKED
     assert browser.run("scrollY") == 0
-    assert browser.complaints == []
 
 
-def test_a_finger_moves_alpha(pages, browser):
+def test_a_finger_moves_alpha_and_the_page(pages, browser):
     browser.device(*DEVICES["telephone"])
-    browser.visit(pages("one-on-four").output, "")
+    browser.visit(pages(SCENE).output, "")
     browser.run("page.pause(), document.getElementById('alpha').scrollIntoView({block: 'center'})")
     left, y, width, share = browser.run("""(() => {
       const slider = document.getElementById('alpha'), {x, y, width, height} = slider.getBoundingClientRect();
@@ -154,7 +147,9 @@ def test_a_finger_moves_alpha(pages, browser):
         browser.finger("Move", left + (share + k / 9 * (0.8 - share)) * width, y)
     browser.finger("End")
     assert browser.run("page.experiment.alpha") > 0.5
-    assert browser.complaints == []
+    browser.run("scrollTo(0, 0)")
+    browser.swipe((195.0, 160.0), (195.0, 20.0))
+    browser.until("scrollY > 50")  # a finger that moves up scrolls the page
 
 
 def test_a_tap_pauses_another_brings_steel_balls_and_their_link_opens_them(pages, browser):
@@ -166,8 +161,9 @@ def test_a_tap_pauses_another_brings_steel_balls_and_their_link_opens_them(pages
         browser.finger("End")
 
     browser.device(*DEVICES["telephone"])
-    browser.visit(pages("one-on-four").output, "#pace=0.05")  # it plays for minutes
-    browser.call("Browser.grantPermissions", permissions=["clipboardReadWrite", "clipboardSanitizedWrite"])
+    browser.visit(pages(SCENE).output, "#pace=0.05")  # it plays for minutes
+    allowed = ["clipboardReadWrite", "clipboardSanitizedWrite"]
+    browser.call("Browser.grantPermissions", permissions=allowed, browserContextId=browser.context)
     browser.until("page.playing")
     tap("toggle")
     browser.until("!page.playing")
@@ -175,20 +171,12 @@ def test_a_tap_pauses_another_brings_steel_balls_and_their_link_opens_them(pages
     browser.until("page.source.rows.length === 2")
     tap("link")
     link = browser.until("navigator.clipboard.readText().then((text) => text.includes('#') && text)")
-    browser.visit(pages("one-on-four").output, f"#{link.partition('#')[2]}")
+    browser.visit(pages(SCENE).output, f"#{link.partition('#')[2]}")
     assert browser.run("page.source.rows.length") == 2
-    assert browser.complaints == []
-
-
-def test_a_finger_that_moves_up_scrolls_the_page(pages, browser):
-    browser.device(*DEVICES["telephone"])
-    browser.visit(pages("one-on-four").output, "")
-    browser.swipe((195.0, 160.0), (195.0, 20.0))
-    browser.until("scrollY > 50")
 
 
 def test_a_bead_is_chosen_pulled_and_thrown_by_keys(pages, browser):
-    browser.visit(pages("one-on-four").output, "")
+    browser.visit(pages(SCENE).output, "")
     hold_the_clock(browser)
     browser.run("page.stages[0].canvas.focus()")
     for _ in range(3):
@@ -209,11 +197,10 @@ def test_a_bead_is_chosen_pulled_and_thrown_by_keys(pages, browser):
     browser.run("page.pause()")
     assert browser.run("page.source.rows[0].given") == pytest.approx(0.5)  # a kilogram thrown at a metre a second
     assert error(browser) < BOOKED
-    assert browser.complaints == []
 
 
 def test_a_bead_in_hand_stays_there_when_the_pace_changes(pages, browser):
-    browser.visit(pages("one-on-four").output, "#pace=0.05")
+    browser.visit(pages(SCENE).output, "#pace=0.05")
     browser.run("page.pause(), page.grab(0, 2, null), page.pause(), page.source.hand.place += 0.2")
     browser.run(SET.format("pace", 4, "change"))
     browser.run("page.pause(); for (let k = 0; k < 300; k++) page.source.next()")
@@ -222,7 +209,7 @@ def test_a_bead_in_hand_stays_there_when_the_pace_changes(pages, browser):
 
 
 def test_alpha_changes_while_beads_touch(pages, browser):
-    browser.visit(pages("one-on-four").output, "")
+    browser.visit(pages(SCENE).output, "")
     browser.run("page.pause(), page.go(1.9)")
     assert browser.run("page.source.rows[0].stored(0)") > 0.1
     browser.run(SET.format("alpha", 1000, "input"))
@@ -234,7 +221,7 @@ def test_alpha_changes_while_beads_touch(pages, browser):
 
 
 def test_the_slider_tells_the_alpha_that_acts(pages, browser):
-    browser.visit(pages("one-on-four").output, "#a=1")
+    browser.visit(pages(SCENE).output, "#a=1")
     assert browser.run("document.getElementById('alpha-value').textContent") == "1"
     assert browser.run("page.looks[0].label") == "springs, alpha = 1"
     browser.run(SET.format("alpha", 0, "input"))
@@ -244,7 +231,7 @@ def test_the_slider_tells_the_alpha_that_acts(pages, browser):
 
 @pytest.mark.parametrize(("law", "last"), [("steel", 0.986), ("gear", 0.4)])
 def test_another_law_for_the_row(pages, browser, law, last):
-    browser.visit(pages("one-on-four").output, "")
+    browser.visit(pages(SCENE).output, "")
     browser.run(SET.format("law", law, "change"))
     run_to_the_end(browser)
     assert velocities(browser)[-1] == pytest.approx(last, abs=0.015)
@@ -252,7 +239,7 @@ def test_another_law_for_the_row(pages, browser, law, last):
 
 
 def test_numbers_of_beads(pages, browser):
-    browser.visit(pages("one-on-four").output, "#n=5&m=3&a=0.05")
+    browser.visit(pages(SCENE).output, "#n=5&m=3&a=0.05")
     assert browser.run("page.specs[0].velocity") == [1, 1, 1, 0, 0, 0, 0, 0]
     run_to_the_end(browser)
     found = simulate(scenes.load("three-on-five").lanes[0].chain(), [1, 1, 1, 0, 0, 0, 0, 0])
@@ -260,14 +247,14 @@ def test_numbers_of_beads(pages, browser):
 
 
 def test_friction_and_loss_take_energy_that_is_booked(pages, browser):
-    browser.visit(pages("one-on-four").output, "#mu=0.01&loss=0.2")
+    browser.visit(pages(SCENE).output, "#mu=0.01&loss=0.2")
     run_to_the_end(browser)
     assert browser.run("page.source.values(0).absorbed") > 0.1
     assert error(browser) < BOOKED
 
 
 def test_steel_balls_beside_soft_beads(pages, browser):
-    browser.visit(pages("one-on-four").output, "")
+    browser.visit(pages(SCENE).output, "")
     browser.run("document.getElementById('steel').click()")
     assert browser.run("page.stages.length") == 2
     run_to_the_end(browser)
@@ -281,28 +268,21 @@ def test_steel_balls_beside_soft_beads(pages, browser):
     assert times[0] == times[1]
     browser.run("document.getElementById('steel').click()")
     assert browser.run("page.stages.length") == 1
-    assert browser.complaints == []
 
 
 STATE = "Array.from(page.source.kept[0].subarray(k * page.source.rows[0].width, (k + 1) * page.source.rows[0].width))"
 
 
 def test_winding_back_and_on_gives_the_same_motion_to_the_bit(pages, browser):
-    browser.visit(pages("one-on-four").output, "")
+    browser.visit(pages(SCENE).output, "")
     run_to_the_end(browser)
     kept = browser.run(f"(() => {{ const k = page.source.count - 1; return [k, {STATE}]; }})()")
     browser.run("page.go(1.5), page.source.forget()")
     assert browser.run("page.source.count") < kept[0]
     run_to_the_end(browser)
     assert browser.run(f"(() => {{ const k = page.source.count - 1; return [k, {STATE}]; }})()") == kept
-
-
-def test_what_comes_after_an_edit_is_another_motion(pages, browser):
-    browser.visit(pages("one-on-four").output, "")
-    run_to_the_end(browser)
-    browser.run("page.go(1.5)")
-    browser.run("page.chosen = {lane: 0, bead: 4}, page.throwChosen(-1), page.pause()")
-    assert browser.run("page.source.last") < 2.0
+    browser.run("page.go(1.5), page.chosen = {lane: 0, bead: 4}, page.throwChosen(-1), page.pause()")
+    assert browser.run("page.source.last") < 2.0  # what comes after an edit is another motion
     assert error(browser) < BOOKED
 
 
@@ -314,7 +294,7 @@ CHART = """(() => { const {canvas} = page.charts[0], {width, height} = canvas;
     "edit", ["0", "page.throwChosen(1)", "page.go(1.2), page.source.forget(), page.throwChosen(-1)"]
 )
 def test_a_chart_that_grew_piece_by_piece_is_the_one_that_is_drawn_at_once(pages, browser, edit):
-    browser.visit(pages("one-on-four").output, "")
+    browser.visit(pages(SCENE).output, "")
     browser.run(f"page.pause(), page.go(1.5), page.chosen = {{lane: 0, bead: 4}}, {edit}, page.pause()")
     browser.run("for (let k = 0; k < 150; k++) { page.source.next(); page.source.next(); page.show(false); }")
     grown = np.array(browser.run(CHART))
@@ -325,7 +305,7 @@ def test_a_chart_that_grew_piece_by_piece_is_the_one_that_is_drawn_at_once(pages
 
 def test_a_picture_of_play_changes_canvases_alone_and_draws_what_moves(pages, browser):
     """The browser would lay the page out anew; captions, axes and the ground stay as they are."""
-    browser.visit(pages("one-on-four").output, "#t=1.5")
+    browser.visit(pages(SCENE).output, "#t=1.5")
     browser.run(SPY)
     browser.run("page.play(), page.pause(), page.playing = true, window.still = new MutationObserver(() => 0), 0")
     browser.run("still.observe(document, {subtree: true, childList: true, characterData: true, attributes: true})")
@@ -339,7 +319,7 @@ def test_a_picture_of_play_changes_canvases_alone_and_draws_what_moves(pages, br
 
 def test_what_is_out_of_sight_is_drawn_when_the_motion_stands(pages, browser):
     browser.device(390, 844)
-    browser.visit(pages("one-on-four").output, "#t=1.5")
+    browser.visit(pages(SCENE).output, "#t=1.5")
     browser.until("page.unseen.has(page.charts[1].canvas)")
     chart = CHART.replace("[0]", "[1]")
     before = browser.run(chart)
@@ -350,13 +330,13 @@ def test_what_is_out_of_sight_is_drawn_when_the_motion_stands(pages, browser):
 @pytest.mark.parametrize(("then", "density"), [(15.0, 1), (33.0, 3)])
 def test_pictures_that_come_late_have_fewer_pixels_if_that_helps(pages, browser, then, density):
     browser.device(390, 844, 3)
-    browser.visit(pages("one-on-four").output, "#t=1.5")
+    browser.visit(pages(SCENE).output, "#t=1.5")
     late = "for (let k = 0; k < 60; k++) page.spare({}); page.theme.density"
     assert [browser.run(late.format(wait)) for wait in (16.7, 33.0, then, 33.0)] == [3, 1, density, density]
 
 
 def test_only_the_last_minute_is_remembered(pages, browser):
-    browser.visit(pages("one-on-four").output, "")
+    browser.visit(pages(SCENE).output, "")
     browser.run("page.pause(), page.source.touched = true, page.source.apartFor = -1e9")
     browser.run("for (let k = 0; k < 9000; k++) page.source.next()")
     assert browser.run("page.source.count - page.source.first") == 3600
@@ -366,7 +346,7 @@ def test_only_the_last_minute_is_remembered(pages, browser):
 
 
 def test_a_cluster_ends_at_its_first_open_contact(pages, browser):
-    browser.visit(pages("one-on-four").output, "")
+    browser.visit(pages(SCENE).output, "")
     mass, force, overlap = [1.0, 2.0, 1.0, 3.0, 1.0], [1.0, 0.7, 0.1, 0.2], [0.1, 0.0, -0.1, 0.1]
     there = f"""(() => {{ const now = emptyNow(4); now.ends[0] = 1; now.force.set({force}); now.overlap.set({overlap});
       return Array.from(rigidForces({mass}, now, 1)); }})()"""
@@ -377,7 +357,7 @@ def test_a_cluster_ends_at_its_first_open_contact(pages, browser):
 
 
 def test_beads_that_just_touch_are_said_to_touch(pages, browser):
-    browser.visit(pages("one-on-four").output, "")
+    browser.visit(pages(SCENE).output, "")
     browser.run("page.pause(), page.go(0), document.getElementById('numbers').open = true")
     states = "[...document.querySelectorAll('#tables table')[1].tBodies[0].rows].map((row) => row.cells[1].textContent)"
     browser.until("document.querySelectorAll('#tables table').length >= 2")
@@ -415,7 +395,7 @@ HOSTILE = (
 
 @pytest.mark.parametrize("fragment", HOSTILE)
 def test_nothing_in_an_address_is_more_than_a_number_or_a_known_word(pages, browser, fragment):
-    browser.visit(pages("one-on-four").output, fragment)
+    browser.visit(pages(SCENE).output, fragment)
     experiment, own = browser.run("[page.experiment, page.own]")
     limits = browser.run("page.limits")
     for name, value in experiment.items():
@@ -427,7 +407,6 @@ def test_nothing_in_an_address_is_more_than_a_number_or_a_known_word(pages, brow
     assert browser.run("document.querySelectorAll('main script, main img').length") == 0
     run_to_the_end(browser)
     assert error(browser) < BOOKED
-    assert browser.complaints == []
 
 
 def test_a_host_that_refuses_kernels_gets_the_recorded_motion(pages, browser, tmp_path):
@@ -442,26 +421,21 @@ def test_a_host_that_refuses_kernels_gets_the_recorded_motion(pages, browser, tm
     assert browser.run("document.querySelector('.sliders').offsetParent") is None
 
 
-def test_a_recorded_motion_is_shown_as_it_was(browser, tmp_path):
-    scene = scenes.load("one-on-four")
-    recorded = simulate(scene.lanes[0].chain(), scene.lanes[0].velocity, samples=2001)
-    write_page(recorded, scene, tmp_path / "page.html")
-    k = 1200
+@pytest.mark.parametrize("own", [False, True], ids=["a scene", "a law of one's own"])
+def test_a_recorded_motion_is_shown_as_it_was(browser, tmp_path, own):
+    scene, k = scenes.load(SCENE), 1200
+    if own:
+        recorded = simulate(one_on(4, lambda d: d + d**3), [1, 0, 0, 0, 0], method="conserving", samples=2001)
+        recorded.to_page(tmp_path / "page.html")
+    else:
+        recorded = simulate(scene.lanes[0].chain(), scene.lanes[0].velocity, samples=2001)
+        write_page(recorded, scene, tmp_path / "page.html")
     browser.visit(tmp_path / "page.html", f"#t={recorded.time[k]}")
-    np.testing.assert_allclose(velocities(browser), recorded.velocity[k], atol=1e-3)
-    np.testing.assert_allclose(browser.run("Array.from(page.source.values(0).force)"), recorded.force[k], atol=1e-3)
+    np.testing.assert_allclose(velocities(browser), recorded.velocity[k], atol=2e-3)
+    np.testing.assert_allclose(browser.run("Array.from(page.source.values(0).force)"), recorded.force[k], atol=2e-3)
     shown = browser.run("Array.from(page.source.values(0).overlap)")
     np.testing.assert_allclose(shown, recorded.overlap[k], rtol=0.01)
     assert "cannot be changed here" in browser.run("document.getElementById('notice').innerText")
-    assert browser.complaints == []
-
-
-def test_a_law_of_ones_own_is_played_as_it_was_recorded(browser, tmp_path):
-    recorded = simulate(one_on(4, lambda d: d + d**3), [1, 0, 0, 0, 0], method="conserving", samples=1001)
-    recorded.to_page(tmp_path / "page.html")
-    browser.visit(tmp_path / "page.html", f"#t={recorded.time[400]}")
-    np.testing.assert_allclose(velocities(browser), recorded.velocity[400], atol=2e-3)
-    assert browser.complaints == []
 
 
 @pytest.mark.parametrize(
@@ -475,7 +449,7 @@ def test_a_law_of_ones_own_is_played_as_it_was_recorded(browser, tmp_path):
 def test_it_speaks_the_language_of_its_reader(pages, browser, code, title, decimal):
     agent = browser.run("navigator.userAgent")
     browser.call("Emulation.setUserAgentOverride", userAgent=agent, acceptLanguage=code)
-    browser.visit(pages("one-on-four").output, "")
+    browser.visit(pages(SCENE).output, "")
     assert browser.run("[document.title, document.getElementById('title').textContent]") == [title, title]
     run_to_the_end(browser)
     assert decimal in browser.run("document.getElementById('words').textContent")
@@ -485,7 +459,7 @@ def test_it_speaks_the_language_of_its_reader(pages, browser, code, title, decim
 
 
 def test_every_word_is_there_in_every_language(pages, browser):
-    browser.visit(pages("one-on-four").output, "")
+    browser.visit(pages(SCENE).output, "")
     missing = "['de', 'fr'].flatMap((code) => Object.keys(WORDS.en).filter((key) => !WORDS[code][key]))"
     assert browser.run(missing) == []
     holes = """Object.keys(WORDS.en).filter((key) => {
@@ -499,13 +473,12 @@ def test_every_word_is_there_in_every_language(pages, browser):
 @pytest.mark.parametrize("width", [320, 390, 768, 1280, 2560])
 def test_it_fits(pages, browser, width, fragment):
     browser.device(width, 844)
-    browser.visit(pages("one-on-four").output, fragment)
+    browser.visit(pages(SCENE).output, fragment)
     assert browser.run(FITS)
     assert browser.run("document.getElementById('toggle').getBoundingClientRect().bottom") <= 844  # Play is in sight
     for name, free, height in browser.run(COVERED):
         assert free, name
         assert height >= 24.0, name  # WCAG 2.2, target size
-    assert browser.complaints == []
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
@@ -513,7 +486,7 @@ def test_it_fits(pages, browser, width, fragment):
 def test_it_is_drawn(pages, browser, tmp_path, device, scheme):
     browser.device(*DEVICES[device])
     browser.media("screen", scheme)
-    browser.visit(pages("one-on-four").output, "#t=1.9")
+    browser.visit(pages(SCENE).output, "#t=1.9")
     browser.picture(tmp_path / "page.png")
     with Image.open(tmp_path / "page.png") as opened:
         picture = np.asarray(opened.convert("RGB"), dtype=int)
@@ -523,7 +496,9 @@ def test_it_is_drawn(pages, browser, tmp_path, device, scheme):
     colours = [tuple(int(bead[k : k + 2], 16) for k in (1, 3, 5)) for bead in beads]
     area = {bead: (np.abs(picture - colour).max(axis=2) < 3).sum() for bead, colour in zip(beads, colours, strict=True)}
     assert min(area.values()) > 100  # each bead has its part of the bars
-    assert browser.complaints == []
+    browser.media("print")
+    for part, shown in ((".transport", "none"), (".stage", "block")):
+        assert browser.run(f"getComputedStyle(document.querySelector('{part}')).display") == shown
 
 
 # Boxes of the texts, and of the thin lines, that are drawn with the beads from now on.
@@ -572,7 +547,7 @@ def test_no_text_of_the_drawing_covers_another_or_leaves_it(pages, browser, name
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_texts_stand_out(pages, browser, scheme):
     browser.media("screen", scheme)
-    browser.visit(pages("one-on-four").output, "#t=1")
+    browser.visit(pages(SCENE).output, "#t=1")
     style = "getComputedStyle(document.documentElement).getPropertyValue('--{}').trim()"
     for text, ground in TEXTS:
         assert contrast(*(browser.run(style.format(name)) for name in (text, ground))) >= 4.5, (text, ground)
@@ -598,7 +573,7 @@ def test_axe_finds_nothing(pages, browser, device, scheme):
         pytest.skip("axe-core-python is not installed")
     browser.device(*DEVICES[device])
     browser.media("screen", scheme)
-    browser.visit(pages("one-on-four").output, "#t=1.5&with=steel")
+    browser.visit(pages(SCENE).output, "#t=1.5&with=steel")
     browser.run((Path(spec.origin).parent / "axe.min.js").read_text(encoding="utf-8") + ";0")
     report = browser.run(
         "axe.run().then(({violations, passes}) => JSON.stringify({violations, passes: passes.length}))"
@@ -606,14 +581,6 @@ def test_axe_finds_nothing(pages, browser, device, scheme):
     found = json.loads(report)
     assert [(rule["id"], [node["html"] for node in rule["nodes"]]) for rule in found["violations"]] == []
     assert found["passes"] > 20
-
-
-def test_print_shows_the_motion_without_its_controls(pages, browser):
-    browser.visit(pages("one-on-four").output, "#t=1.9")
-    browser.media("print")
-    assert browser.run("getComputedStyle(document.querySelector('.transport')).display") == "none"
-    assert browser.run("getComputedStyle(document.querySelector('.stage')).display") == "block"
-    assert browser.complaints == []
 
 
 @pytest.mark.parametrize("name", scenes.names())
@@ -627,7 +594,6 @@ def test_every_scene_plays_to_its_end_without_an_error(pages, browser, name):
     if browser.run("page.source.live"):
         assert error(browser) < BOOKED
     assert browser.run(FITS)
-    assert browser.complaints == []
 
 
 def test_it_lives_in_a_frame_that_may_do_nothing_else(browser, tmp_path):
@@ -643,4 +609,3 @@ def test_it_lives_in_a_frame_that_may_do_nothing_else(browser, tmp_path):
             break
         time.sleep(0.1)
     assert colours > 50
-    assert browser.complaints == []

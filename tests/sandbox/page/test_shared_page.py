@@ -13,11 +13,10 @@ from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.page import render_page, write_page
 from softcradle.sandbox.page.data import can_be_computed
 from softcradle.sandbox.scene_runs import load_scene
-from softcradle.sandbox.session import Session, SetContact
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes.catalogue import parse
 
-from softcradle import power_law, scenes, simulate
+from softcradle import scenes, simulate
 from tests.helpers.paths import ROOT
 from tests.sandbox.page.conftest import TagChecker, page_data
 
@@ -101,14 +100,6 @@ def test_labels_of_users_are_text_not_markup(tmp_path):
     assert page_data(text)["texts"]["en"] == {"title": "<b>&x", "text": evil, "labels": [evil, evil]}
 
 
-def test_a_page_needs_a_trajectory_for_each_lane(tmp_path):
-    scene = load_scene("galilean")
-    found = simulate(scene.lanes[0].chain(), scene.lanes[0].velocity)
-    with pytest.raises(UserError, match="a trajectory for each lane: 2, not 1"):
-        write_page(found, scene, tmp_path / "page.html")
-    assert list(tmp_path.iterdir()) == []
-
-
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
@@ -124,6 +115,9 @@ def test_refusals_leave_nothing(capsys, tmp_path, arguments, sentence):
     assert errors.startswith("softcradle: ")
     assert sentence in errors
     assert errors.count("\n") == 1
+    scene = load_scene("galilean")
+    with pytest.raises(UserError, match="a trajectory for each lane: 2, not 1"):
+        write_page(simulate(scene.lanes[0].chain(), scene.lanes[0].velocity), scene, tmp_path / "page.html")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -133,20 +127,3 @@ def test_the_command_reports_the_page(capsys, tmp_path, command):
     printed = capsys.readouterr().out
     assert printed.startswith(f"written: {tmp_path / 'two.html'}, a page of ")
     assert [path.name for path in tmp_path.iterdir()] == ["two.html"]
-
-
-def test_a_session_of_the_window_can_be_shared(tmp_path):
-    """What was played in the window, with an edit in the middle, is a page of what has been played since."""
-    session = Session(load_scene("galilean"))
-    session.step_frames(150)
-    session.apply(SetContact(0, 1, power_law(1.0, 0.3)))
-    session.step_frames(150)
-    trajectories = [session.trajectory(lane) for lane in range(2)]
-    report = write_page(trajectories, session.to_scene(), tmp_path / "page.html")
-    text = report.output.read_text(encoding="utf-8")
-    TagChecker(text)
-    lanes = page_data(text)["lanes"]
-    assert lanes[0]["recorded"]["rows"] <= trajectories[0].time.size
-    assert lanes[1]["recorded"]["rows"] <= trajectories[1].time.size + 2  # and free flight before the start
-    assert "exported from a session: begins at frame 150" in text
-    assert report.size < 1_000_000

@@ -7,8 +7,16 @@ from softcradle.sandbox.session import Session
 from softcradle.sandbox.session.inputs import Input, SetMethod, SetStep
 
 from softcradle import scenes
-from tests.helpers.session_checks import check_invariants, check_order, check_replay, check_round_trip, read_all
-from tests.helpers.session_inputs import INPUTS, fitted
+from tests.helpers.sessions import (
+    INPUTS,
+    check_invariants,
+    check_order,
+    check_replay,
+    check_round_trip,
+    fitted,
+    opened,
+    read_all,
+)
 
 # One row, two lanes, drives, laws side by side, couplers with friction and brakes, and beads pressed from the start.
 SCENES = st.sampled_from(
@@ -43,7 +51,7 @@ def test_inputs_in_any_order(name, items, tmp_path_factory):
 @given(items=EDITS)
 @settings(max_examples=30)
 def test_the_chosen_method_balances_the_ledger_whatever_is_edited(items):
-    session = Session(scenes.load("mixed"))
+    session = opened("mixed")
     for item in items:
         if isinstance(item, SetMethod | SetStep) or not given_to(session, item):
             continue
@@ -56,7 +64,7 @@ def test_the_chosen_method_balances_the_ledger_whatever_is_edited(items):
 @given(name=SCENES, items=EDITS)
 @settings(max_examples=40)
 def test_the_scene_of_any_session_reads_back_as_its_start(name, items):
-    session = Session(scenes.load(name))
+    session = opened(name)
     for item in items:
         given_to(session, item)
     again = Session(scenes.parse(session.to_scene().to_toml()))

@@ -1,24 +1,35 @@
-"""The history of a session: its frames, and the bound of its memory."""
+"""The history of a session: its frames, the bound of its memory, and the contact events found in it and dropped with it."""
+
+import math
 
 import numpy as np
 import pytest
+from softcradle.physics import hertz, simulate
 from softcradle.sandbox.session import (
     AddBead,
+    Place,
     RemoveBead,
     Session,
+    SetContact,
+    SetGap,
     SetMass,
+    SetMethod,
+    SetSlow,
+    SetVelocity,
 )
+from softcradle.sandbox.session.contact_events import contact_events
 from softcradle.sandbox.session.frame_history import BLOCK_ROWS
 from softcradle.sandbox.session.history_slices import history_slices, last_slice, slice_at
 from softcradle.sandbox.session.ledger import KINETIC, STORED, energy_error
 
 from softcradle import scenes
+from tests.helpers.sessions import opened
 
 FRAMES = BLOCK_ROWS + 300
 
 
 def test_frame_at_finds_the_nearest_frame():
-    session = Session(scenes.load("beads-against-gear"))
+    session = opened("beads-against-gear")
     session.step_frames(FRAMES)
     session.apply(AddBead(0, 1))
     session.step_frames(FRAMES)
@@ -49,7 +60,7 @@ def test_memory_is_bounded_and_the_oldest_is_dropped():
 
 
 def test_paused_edits_stay_on_their_frame():
-    session = Session(scenes.load("one-on-four"))
+    session = opened()
     session.step_frames(10)
     for k in range(50):
         session.apply(SetMass(0, 1, 1.0 + k))
@@ -60,7 +71,7 @@ def test_paused_edits_stay_on_their_frame():
 
 
 def test_a_branch_is_another_one_where_frames_are_dropped_or_replaced_and_not_where_they_are_added():
-    session = Session(scenes.load("one-on-four"))
+    session = opened()
     branch, version = session.history.branch, session.history.version
     session.step_frames(BLOCK_ROWS + 10)
     assert session.history.branch == branch
@@ -75,8 +86,7 @@ def test_a_branch_is_another_one_where_frames_are_dropped_or_replaced_and_not_wh
 @pytest.fixture(scope="module")
 def edited():
     """A session of several blocks with edits in between, which change the number of beads too."""
-    session = Session(scenes.load("beads-against-gear"))
-    session.apply(AddBead(0, 4))
+    session = opened("beads-against-gear", AddBead(0, 4))
     session.step_frames(100)
     session.apply(AddBead(0, 5))
     session.step_frames(200)
@@ -128,7 +138,7 @@ def test_the_last_slice_begins_where_the_chain_was_last_changed(edited):
 
 
 def test_slices_are_thinned_and_follow_changes_of_the_number_of_beads():
-    session = Session(scenes.load("one-on-four"))
+    session = opened()
     session.step_frames(700)
     session.apply(AddBead(0, 5, 1.0))
     session.step_frames(50)
@@ -151,3 +161,72 @@ def test_slices_are_thinned_and_follow_changes_of_the_number_of_beads():
     state = session.history.snapshot(600).states[0]
     assert np.array_equal(part.velocity[0], state.velocity(part.chain))
     assert part.energy[0] == pytest.approx(0.5, rel=1e-9)
+
+
+@pytest.mark.parametrize(("method", "error"), [("conserving", 1.5e-3), ("accurate", 1e-5)])
+def test_contact_events_and_exported_times_are_those_the_engine_located(method, error):
+    session = opened("hertz-cradle", SetMethod(None, method))
+    lane = session.scene.lanes[0]
+    session.step_frames(2 * FRAMES)
+    truth = simulate(lane.chain(), lane.velocity, session.time, "accurate", tolerance=1e-10)
+    events = session.contact_events()
+    assert (np.diff(events.time) >= 0.0).all()
+    for contact, intervals in enumerate(truth.contact_intervals):
+        own = events.select(events.contact == contact)
+        expected = [time for interval in intervals for time in interval]
+        assert np.isfinite(expected).all()
+        assert own.time == pytest.approx(expected, abs=error), "at the most a step"
+        assert own.closed.tolist() == [True, False] * len(intervals)
+        np.testing.assert_array_equal(np.ravel(session.trajectory(0).contact_intervals[contact]), own.time)
+
+
+def test_bounces_within_one_frame_are_all_events():
+    session = opened("one-on-four", SetMethod(None, "accurate"), SetContact(0, None, hertz(1e9)))
+    for bead, mass in ((0, math.inf), (1, 1e-3), (2, math.inf)):
+        session.apply(SetMass(0, bead, mass))
+    session.apply(SetVelocity(0, 1, 1.0))
+    session.apply(SetGap(0, 0, 1e-3))
+    session.apply(SetGap(0, 1, 1e-3))
+    session.apply(SetSlow(1.0))
+    session.step_frames(1)
+    lane = session.to_scene().lanes[0]
+    truth = simulate(lane.chain(), lane.velocity, session.time, "accurate").contact_intervals
+    events = session.contact_events()
+    assert len(truth[1]) > 1
+    assert events.speed[events.contact == 1][0] == pytest.approx(1.0)
+    for contact in (0, 1):
+        times = events.select(events.contact == contact).time
+        assert times == pytest.approx([t for span in truth[contact] for t in span if t < math.inf], abs=1e-6)
+
+
+def test_a_contact_that_an_edit_opens_does_so_at_its_frame():
+    session = opened()
+    session.step_frames(300)
+    before = len(session.contact_events().time)
+    session.apply(Place(0, 0, -0.5))
+    assert len(session.contact_events().time) == before + 1
+    assert [column[-1] for column in session.contact_events().columns()] == [session.time, 300, 0, 0, False, 0.0]
+
+
+def events_anew(session):
+    for block in session.history.blocks:
+        block._found.clear()
+    return contact_events(session.history)
+
+
+def test_contact_events_read_all_along_are_those_found_at_the_end():
+    session = Session(scenes.load("hertz-cradle"), memory=700_000)
+    for edit in (SetMass(0, 0, math.inf), SetMass(0, 4, math.inf), SetSlow(1.0), SetVelocity(0, None, 0.0)):
+        session.apply(edit)
+    session.apply(SetVelocity(0, 2, 1.0))
+    for k in range(25):
+        session.step_frames(190)
+        session.contact_events()
+        if k % 6 == 5:
+            session.scrub_frame(session.history.last - 300)
+            session.apply(SetVelocity(0, 1 + k % 3, 1.5))
+    assert session.history.first > 0
+    known_events, fresh = session.contact_events(), events_anew(session)
+    assert len(fresh.time) > 20
+    for known, found in zip(known_events.columns(), fresh.columns(), strict=True):
+        assert (known == found).all()

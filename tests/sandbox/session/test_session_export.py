@@ -1,8 +1,9 @@
-"""Exports of a session: scenes that read back equal, histories that other programs read."""
+"""Files of a session: scenes that read back equal, histories that other programs read, data that others have measured."""
 
 import csv
 import math
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,14 +24,14 @@ from softcradle.sandbox.session import (
     SetVelocity,
 )
 from softcradle.sandbox.session.history_slices import last_slice
+from softcradle.sandbox.session.measured_data import load_measured
 from softcradle.sandbox.session.values_table import values_csv, values_table
 from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window.plots.kinds import Signal
 from softcradle.scenes import parse
 
 from softcradle import scenes
-from tests.helpers.scene_kinds import EVERY_SCENE
-from tests.helpers.sessions import opened
+from tests.helpers.sessions import EVERY_SCENE, opened
 
 
 @pytest.mark.parametrize("name", EVERY_SCENE)
@@ -43,7 +44,7 @@ def test_an_unedited_scene_comes_back_equal(name):
 
 
 def test_an_edited_scene_reads_back_as_the_same_session(tmp_path):
-    session = Session(scenes.load("beads-against-gear"))
+    session = opened("beads-against-gear")
     for edit in (
         AddBead(0, 4, 0.25, 0.5),
         RemoveBead(1, 0),
@@ -82,33 +83,29 @@ def test_an_edited_scene_reads_back_as_the_same_session(tmp_path):
 
 
 def test_a_label_says_once_that_a_lane_was_edited(tmp_path):
-    session = Session(scenes.load("beads-against-gear"))
+    session = opened("beads-against-gear")
     for mass in (2.0, 3.0):
         session.apply(SetMass(0, 1, mass))
         session.save_scene(tmp_path / "mine.toml")
-        session = Session(scenes.load(tmp_path / "mine.toml"))
+        session = opened(tmp_path / "mine.toml")
     assert session.label(0) == f"{scenes.load('beads-against-gear').lanes[0].label}, edited"
 
 
 def test_a_scene_is_the_start_with_the_edits_and_not_the_frame_shown():
-    session = Session(scenes.load("one-on-four"))
+    session = opened()
     session.step_frames(300)
     session.apply(SetMass(0, 1, 2.0))
     session.apply(SetVelocity(0, 1, 9.0))
     lane = session.to_scene().lanes[0]
     assert lane.velocity == (1.0, 0.0, 0.0, 0.0, 0.0)
     assert lane.chain().mass[1] == 2.0
-
-
-def test_a_scene_with_two_walls_has_a_duration():
-    session = Session(scenes.load("one-on-four"))
-    session.apply(SetMass(0, 0, math.inf))
-    session.apply(SetMass(0, 4, math.inf))
-    assert parse(session.to_scene().to_toml()).duration == 10.0
+    for bead in (0, 4):
+        session.apply(SetMass(0, bead, math.inf))
+    assert parse(session.to_scene().to_toml()).duration == 10.0, "between two walls it has no end of its own"
 
 
 def test_the_history_is_exported_as_a_trajectory(tmp_path):
-    session = Session(scenes.load("beads-against-gear"))
+    session = opened("beads-against-gear")
     session.step_frames(700)
     paths = session.export(tmp_path / "history.npz")
     assert [path.name for path in paths] == ["history-1.npz", "history-2.npz"]
@@ -123,12 +120,18 @@ def test_the_history_is_exported_as_a_trajectory(tmp_path):
 
 
 def test_the_export_begins_where_the_chain_was_last_changed(tmp_path):
-    session = Session(scenes.load("one-on-four"))
+    session = opened()
     session.step_frames(350)
     session.apply(SetMass(0, 1, 2.0))
     session.step_frames(20)
     session.apply(SetSlow(5.0))
     session.step_frames(30)
+    with pytest.raises(UserError, match=r"\.npz or \.csv"):
+        session.export(tmp_path / "history.xls")
+    for write in (session.export, session.save_scene, session.save_recording):
+        with pytest.raises(UserError, match="no folder"):
+            write(tmp_path / "nowhere" / "history.npz")
+    assert list(tmp_path.iterdir()) == []
     (path,) = session.export(tmp_path / "history.csv")
     with path.open(newline="") as file:
         rows = list(csv.reader(file))
@@ -137,16 +140,6 @@ def test_the_export_begins_where_the_chain_was_last_changed(tmp_path):
     closed = [intervals[0][0] for intervals in session.trajectory(0).contact_intervals]
     assert min(closed) == session.trajectory(0).time[0], "closed from the start"
     assert np.isfinite(np.array(rows[1:], dtype=float)).all()
-
-
-def test_an_export_that_cannot_be_written_is_refused_in_a_sentence(tmp_path):
-    session = Session(scenes.load("one-on-four"))
-    with pytest.raises(UserError, match=r"\.npz or \.csv"):
-        session.export(tmp_path / "history.xls")
-    with pytest.raises(UserError, match="no folder"):
-        session.export(tmp_path / "nowhere" / "history.csv")
-    with pytest.raises(UserError, match="no folder"):
-        session.save_scene(tmp_path / "nowhere" / "mine.toml")
 
 
 def test_beads_that_touch_are_a_length_apart():
@@ -160,3 +153,51 @@ def test_beads_that_touch_are_a_length_apart():
     assert Signal("x", 2).values(session.lanes[0].motion, length)[0] == places[2]
     rows = [line.split(",") for line in values_csv(session).splitlines()]
     assert [float(row[3]) for row in rows[2:7]] == places
+
+
+def written(folder: Path, text: str) -> Path:
+    path = folder / "track.csv"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "t,v0,v1\n0,1,0\n0.5,0.5,\n1,0,1\n",
+        "t;v0;v1\n0;1;0\n0,5;0,5;\n1;0;1\n",
+        "t\tv0\tv1\n\n0\t1\t0\n.5\t.5\t\n1\t0\t1\n",
+    ],
+)
+def test_commas_semicolons_and_tabs_part_columns(tmp_path, text):
+    data = load_measured(written(tmp_path, text))
+    assert data.columns == ("v0", "v1")
+    assert data.time.tolist() == [0.0, 0.5, 1.0]
+    assert data.values[:, 0].tolist() == [1.0, 0.5, 0.0]
+    assert np.isnan(data.values[1, 1])
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("", "needs a line of names"),
+        ("t,v\n0,1\n", "at least two rows"),
+        ("0,1\n1,2\n2,3\n", "first line must be names"),
+        ("t,v\n0,1\n0,2\n", "times must ascend, but 0 s in row 3 follows 0 s"),
+        ("t,v\n0,1\n1,fast\n", "'v' in row 3 is 'fast', not a finite number"),
+        ("t,v\n0,1\n1,inf\n", "'v' in row 3 is 'inf'"),
+        ("t,v\n0,1\n,2\n", "'t' in row 3 is ''"),
+        ("t,v\n0,1\n1,2,3\n", "row 3 has 3 cells, and 2 names"),
+    ],
+)
+def test_what_is_no_table_is_refused_in_a_sentence(tmp_path, text, sentence):
+    with pytest.raises(UserError, match=sentence):
+        load_measured(written(tmp_path, text))
+
+
+def test_a_missing_file_and_bytes_are_refused(tmp_path):
+    with pytest.raises(UserError, match="cannot read"):
+        load_measured(tmp_path / "none.csv")
+    (tmp_path / "bytes.csv").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(UserError, match="UTF-8"):
+        load_measured(tmp_path / "bytes.csv")

@@ -1,11 +1,18 @@
-"""The verification: every number known from outside is met, and one that is not is said."""
+"""Every number known from outside is met, and the page that says where each part of the paper is names what exists."""
 
+import importlib
 import json
+import re
 
 import pytest
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies import verify
+from softcradle.sandbox.studies.claims.claim_list import CLAIMS
+from softcradle.sandbox.studies.figures.figure_list import FIGURES
 from softcradle.sandbox.studies.verify import KnownNumber
+
+from softcradle import scenes
+from tests.helpers.paths import ROOT
 
 
 def test_every_number_is_met(capsys):
@@ -28,3 +35,26 @@ def test_a_number_that_is_missed_is_said(capsys, monkeypatch):
     assert row["allowed"] == 0.01
     assert row["met"] is False
     assert row["error"] == pytest.approx(0.05)
+
+
+PAGE = (ROOT / "docs" / "paper.md").read_text(encoding="utf-8")
+
+
+def named(kind: str) -> set[str]:
+    """The names in backticks after `kind`, or its plural, up to the next semicolon or cell."""
+    lists = re.findall(rf"\b{kind}s? ((?:`[^`]+`(?:, | and | to )?)+)", PAGE)
+    return {name for text in lists for name in re.findall(r"`([^`]+)`", text)}
+
+
+def test_claims_figures_and_scenes_exist():
+    assert named("claim") == {claim.name for claim in CLAIMS}  # and none is missing
+    assert named("figure") == {figure.name for figure in FIGURES}
+    assert named("scene") <= set(scenes.names())
+
+
+def test_paths_exist_and_are_those_of_a_wheel():
+    for path in re.findall(r"`([a-z]+/[\w/]+\.py)`", PAGE):
+        assert path.startswith("tests/")  # what is no test is named as it is imported
+        assert (ROOT / path).is_file(), path
+    for module in re.findall(r"`(softcradle\.[\w.]+)`", PAGE):
+        importlib.import_module(module)

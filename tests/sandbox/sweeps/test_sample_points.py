@@ -33,12 +33,13 @@ def test_chunks_do_not_change_the_points(points):
         np.testing.assert_array_equal(early[path], values[5:10])
 
 
-def test_a_grid_has_every_combination_the_last_fastest():
+def test_a_grid_has_every_combination_the_last_fastest_and_points_far_out_need_no_others():
     columns = DESIGNS["grid"].columns(0, 42)
-    assert list(zip(columns["x"][:6], columns["y"][:6], columns["z"][:6], strict=True)) == [
-        (0.0, 1, "a"), (0.0, 1, "b"), (0.0, 2, "a"), (0.0, 2, "b"), (0.0, 3, "a"), (0.0, 3, "b"),
-    ]  # fmt: skip
+    expected = [(0.0, y, z) for y in (1, 2, 3) for z in "ab"]
+    assert list(zip(columns["x"][:6], columns["y"][:6], columns["z"][:6], strict=True)) == expected
     assert DESIGNS["grid"].shape == (7, 3, 2)
+    far = grid({"x": range(10_000), "y": range(10_000)}).columns(99_999_999, 100_000_000)
+    assert (far["x"].item(), far["y"].item()) == (9999, 9999)
 
 
 def test_samples_are_those_of_scipy_between_their_bounds():
@@ -50,15 +51,7 @@ def test_samples_are_those_of_scipy_between_their_bounds():
         np.testing.assert_allclose(columns["y"], 0.01 * 100.0 ** unit[:, 1], rtol=1e-14)
         np.testing.assert_array_equal(columns["n"], 2 + np.floor(4 * unit[:, 2]))
         assert set(columns["n"]) == {2, 3, 4, 5}
-
-
-def test_a_longer_sobol_sequence_begins_with_the_shorter_one():
     np.testing.assert_array_equal(sobol(BOUNDS, 1000, 3).columns(0, 42)["y"], DESIGNS["sobol"].columns(0, 42)["y"])
-
-
-def test_points_far_out_need_no_others():
-    far = grid({"x": range(10_000), "y": range(10_000)}).columns(99_999_999, 100_000_000)
-    assert (far["x"].item(), far["y"].item()) == (9999, 9999)
 
 
 @pytest.mark.parametrize(
@@ -139,10 +132,11 @@ def test_of_two_values_for_one_number_the_last_counts(paths):
 
 def test_contacts_one_by_one_or_all():
     mixed = ScenePoints(parse(LISTS))
-    (found,) = mixed.starts({"lanes.0.contact.1.stiffness": 7.0, "lanes.0.contact.*.loss": 0.25, "tolerance": 1e-3})
+    values = {"lanes.0.contact.1.stiffness": 7.0, "lanes.0.contact.*.loss": 0.25, "method": "radau", "tolerance": 1e-3}
+    (found,) = mixed.starts(values)
     assert [contact.stiffness for contact in found.chain.contact] == [1.0, 7.0]
     assert [contact.loss for contact in found.chain.contact] == [0.25, 0.25]
-    assert found.settings["tolerance"] == 1e-3
+    assert (found.settings["method"], found.settings["tolerance"]) == ("radau", 1e-3)
     assert mixed.scene == parse(LISTS)
 
 
@@ -152,11 +146,6 @@ def test_it_can_be_sent_to_another_process():
         assert sent.scene == known
         values = {"lanes.0.mass.1": 3.0}
         assert sent.starts(values)[0].chain == ScenePoints(known).starts(values)[0].chain
-
-
-def test_methods_are_texts():
-    (found,) = ScenePoints(SCENE).starts({"method": "conserving", "step": 0.01})
-    assert (found.settings["method"], found.settings["step"]) == ("conserving", 0.01)
 
 
 @pytest.mark.parametrize(

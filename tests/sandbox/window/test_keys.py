@@ -1,12 +1,17 @@
-"""The table of keys."""
+"""The table of keys, and the whole of a lesson without a mouse."""
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pygame
 import pytest
+from pygame_gui.elements import UIButton, UIDropDownMenu, UITextEntryLine
 from softcradle.sandbox.draw.text import width
 from softcradle.sandbox.languages import LANGUAGES, gettext, use_language
+from softcradle.sandbox.window.gallery.page import GalleryPage
 from softcradle.sandbox.window.keys import COLUMN, CTRL, KEYS_ROOM, MOUSE, ORDER, SHIFT, action_of, bindings, groups
+from softcradle.sandbox.window.widgets import KEYS, REPEAT, Slider
 
 from tests.helpers.windows import Driver
 
@@ -19,15 +24,6 @@ def test_every_key_has_one_action_and_every_action_is_offered():
     driver.key(pygame.K_ESCAPE)
     offered |= set(driver.app.page.actions)
     assert {binding.action for binding in bindings()} == offered
-
-
-def test_modifiers_distinguish_keys():
-    assert action_of(pygame.K_s, pygame.KMOD_LCTRL) == "save_scene"
-    assert action_of(pygame.K_s, pygame.KMOD_RMETA | pygame.KMOD_SHIFT) == "save_session"
-    assert action_of(pygame.K_s, 0) is None
-    assert action_of(pygame.K_r, pygame.KMOD_ALT) is None
-    assert action_of(pygame.K_MINUS, SHIFT) == "slower"  # on keyboards where the sign needs Shift
-    assert action_of(pygame.K_MINUS, CTRL) == "smaller"
 
 
 def test_a_key_that_is_held_repeats_only_what_is_gradual():
@@ -67,9 +63,15 @@ def test_a_key_that_is_held_repeats_only_what_is_gradual():
         (pygame.K_PERIOD, SHIFT, ">", "next_event"),
         (pygame.K_PERIOD, SHIFT, ":", "next_event"),  # German
         (pygame.K_QUOTE, SHIFT, "*", None),
+        (pygame.K_s, pygame.KMOD_LCTRL, "", "save_scene"),
+        (pygame.K_s, pygame.KMOD_RMETA | pygame.KMOD_SHIFT, "", "save_session"),
+        (pygame.K_s, 0, "", None),
+        (pygame.K_r, pygame.KMOD_ALT, "", None),
+        (pygame.K_MINUS, SHIFT, "", "slower"),  # on keyboards where the sign needs Shift
+        (pygame.K_MINUS, CTRL, "", "smaller"),
     ],
 )
-def test_a_sign_is_the_same_on_every_keyboard(code, modifiers, text, action):
+def test_a_sign_is_the_same_on_every_keyboard_and_modifiers_distinguish_keys(code, modifiers, text, action):
     assert action_of(code, modifiers, text) == action
 
 
@@ -90,7 +92,6 @@ def test_the_letter_of_a_key_does_not_land_in_the_line_that_it_opens(driver: Dri
 def test_escape_closes_an_open_list_and_nothing_else(driver: Driver) -> None:
     driver.click(driver.bead(1))
     driver.click(driver.page.cards.menus[0].rect.center)
-    driver.frames(2)
     menu = driver.page.cards.menus[0]
     assert menu.current_state is menu.menu_states["expanded"]
     driver.key(pygame.K_ESCAPE)
@@ -101,7 +102,6 @@ def test_escape_closes_an_open_list_and_nothing_else(driver: Driver) -> None:
     driver.frames(2)
     page = driver.app.page
     driver.click(page.menus["law"].rect.center)
-    driver.frames(2)
     driver.key(pygame.K_ESCAPE)
     assert driver.app.page is page
 
@@ -115,7 +115,8 @@ def test_bare_letters_edit_what_is_selected_alone(driver: Driver) -> None:
 
 
 @pytest.mark.parametrize("code", LANGUAGES)
-def test_every_text_fits_into_its_column(code):
+def test_every_group_is_shown_and_every_text_fits_into_its_column(code):
+    assert sorted(ORDER) == sorted([*groups(), "Mouse"])
     use_language(code)
     bindings = [binding for group in groups().values() for binding in group]
     texts = [gettext(text) for text in [binding.text for binding in bindings] + [text for _, text in MOUSE]]
@@ -125,5 +126,91 @@ def test_every_text_fits_into_its_column(code):
     assert not [text for text in keys if width(text, 13.0, bold=True) + 10 > KEYS_ROOM]
 
 
-def test_every_group_is_shown():
-    assert sorted(ORDER) == sorted([*groups(), "Mouse"])
+CTRL, SHIFT = pygame.KMOD_CTRL, pygame.KMOD_SHIFT
+
+
+def focus(driver: Driver, wanted) -> None:
+    """Press Tab until the control is reached."""
+    for _ in range(len(driver.app.focus.controls()) + 1):
+        driver.key(pygame.K_TAB)
+        control = driver.app.focus.control
+        if control is not None and wanted(control):
+            return
+    raise AssertionError("Tab does not reach it")
+
+
+def test_a_lesson_without_a_mouse(tmp_path: Path) -> None:
+    driver = Driver()
+    driver.key(pygame.K_f, CTRL)
+    driver.type("four")
+    driver.key(pygame.K_RETURN)  # the first that is found
+    assert driver.session.scene.title == "One bead on four"
+    driver.run(60)
+    focus(driver, lambda one: one is driver.page.time_controls.buttons["play_pause"])
+    driver.key(pygame.K_RETURN)
+    assert not driver.session.playing
+    driver.key(pygame.K_HOME)
+    assert driver.session.scrubbed
+    driver.key(pygame.K_ESCAPE)
+    for _ in range(3):
+        driver.key(pygame.K_RIGHT)  # bead 0, contact 01, bead 1
+    focus(driver, lambda one: isinstance(one, UITextEntryLine))
+    driver.page.inspector.controls["mass"].entry.set_text("2.5")
+    driver.key(pygame.K_RETURN)
+    assert driver.session.lanes[0].chain.mass[1] == 2.5
+    driver.key(pygame.K_ESCAPE)
+    focus(driver, lambda one: isinstance(one, Slider) and one is driver.page.inspector.controls["mass"].slider)
+    driver.key(pygame.K_PAGEUP)
+    driver.frames(2)
+    assert driver.session.lanes[0].chain.mass[1] > 2.5
+    focus(driver, lambda one: isinstance(one, UIDropDownMenu))
+    driver.key(pygame.K_DOWN)
+    driver.frames(2)
+    assert driver.session.lanes[0].setup.method == "euler"
+    focus(driver, lambda one: isinstance(one, UIButton) and one.text == "Undo")
+    for _ in range(3):
+        driver.run(2)
+    assert driver.session.lanes[0].chain.mass[1] == 1.0
+    driver.key(pygame.K_y, CTRL)
+    driver.key(pygame.K_s, CTRL)
+    driver.answer("mine.toml")
+    assert (tmp_path / "mine.toml").exists()
+    for _ in range(4):
+        driver.key(pygame.K_ESCAPE)
+    assert isinstance(driver.app.page, GalleryPage)
+
+
+@pytest.mark.parametrize("name", ["one-on-four", "beads-against-gear", "hanging-cradle"])
+def test_tab_reaches_every_control_and_comes_back(name: str) -> None:
+    driver = Driver(name)
+    controls = driver.app.focus.controls()
+    assert len(controls) > 4
+    reached = []
+    for _ in controls:
+        driver.key(pygame.K_TAB)
+        reached.append(driver.app.focus.control)
+    assert set(reached) == set(controls)
+    driver.key(pygame.K_TAB, SHIFT)
+    assert driver.app.focus.control is reached[-2]
+    driver.click((400, 300))
+    assert driver.app.focus.control is None
+
+
+@pytest.mark.parametrize(("key", "by"), KEYS.items(), ids=[pygame.key.name(key) for key in KEYS])
+def test_keys_move_a_slider(driver: Driver, key: int, by: float) -> None:
+    driver.click(driver.bead(2))
+    slider = driver.page.inspector.controls["velocity"].slider
+    focus(driver, lambda one: one is slider)
+    driver.key(pygame.K_UP)  # away from its middle, at which a value is 0
+    before, speed = slider.get_current_value(), driver.session.lanes[0].velocity[2]
+    driver.key(key)
+    driver.frames(2)
+    assert slider.get_current_value() == pytest.approx(min(max(before + by, 0.0), 1.0), abs=2e-3)
+    assert (driver.session.lanes[0].velocity[2] > speed) == (by > 0.0)
+
+
+def test_keys_that_are_held_repeat_after_something_was_typed(driver: Driver) -> None:
+    driver.click(driver.bead(1))
+    driver.click(driver.page.inspector.controls["mass"].entry.rect.center)
+    driver.key(pygame.K_RETURN)
+    assert pygame.key.get_repeat() == REPEAT

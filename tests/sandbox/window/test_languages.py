@@ -23,7 +23,6 @@ from softcradle.sandbox.window.scene import inspector
 from softcradle.sandbox.window.scene.editor import Pick
 from softcradle.sandbox.window.settings import Settings, settings_path, system_language
 
-from tests.helpers.drawn_text import drawn_texts
 from tests.helpers.windows import Driver
 
 
@@ -33,10 +32,7 @@ def test_a_key_takes_the_next_language_at_once_and_for_the_next_start(driver: Dr
     assert driver.page.toolbar.buttons["undo"].text == "Rückgängig"
     assert driver.messages == ["Deutsch"]
     assert Settings.load().language == language() == "de"
-    with drawn_texts(driver.app.size) as texts:
-        driver.page.view.redraw()
-        driver.app.paint()
-    assert "One bead on four" not in {one.text for one in texts}
+    assert "One bead on four" not in {one.text for one in driver.texts()}
     driver.key(pygame.K_F8)
     assert driver.page.toolbar.buttons["undo"].text == "Annuler"
     driver.app.close()
@@ -48,15 +44,6 @@ def test_a_key_takes_the_next_language_at_once_and_for_the_next_start(driver: Dr
     assert language() == "en"
     again.close()
     driver.app = App()  # for the fixture to close
-
-
-def test_the_menu_of_tools_has_it(driver: Driver) -> None:
-    driver.key(pygame.K_F10)
-    row = driver.app.dialog.names.index("language")
-    driver.app.dialog.choose("language")
-    driver.frames(2)
-    assert row >= 0
-    assert language() == "de"
 
 
 def test_a_language_that_is_unknown_is_that_of_the_locale(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -84,13 +71,9 @@ def german(monkeypatch: pytest.MonkeyPatch):
 
 @pytest.mark.parametrize("typed", ["0,25", "0.25", "1/4"])
 def test_boxes_take_both_marks_and_show_that_of_the_language(german: Driver, typed: str) -> None:
-    german.page.editor.selection = Pick(0, "contact", 1)
-    german.frames(2)
-    control = german.page.inspector.controls["exponent"]
-    assert control.entry.get_text() == "0,1"
-    german.click(control.entry.rect.center)
-    control.entry.set_text(typed)
-    german.key(pygame.K_RETURN)
+    german.select("contact", 1)
+    assert german.page.inspector.controls["exponent"].entry.get_text() == "0,1"
+    german.enter("exponent", typed)
     assert german.session.lanes[0].chain.power_laws[1].exponent == 0.25
     assert german.page.inspector.controls["exponent"].entry.get_text() == "0,25"
 
@@ -109,12 +92,8 @@ def test_words_are_taken_in_the_language_and_in_english(german: Driver) -> None:
 
 
 def test_refusals_and_verdicts_follow_the_language(german: Driver) -> None:
-    german.page.editor.selection = Pick(0, "contact", 1)
-    german.frames(2)
-    control = german.page.inspector.controls["loss"]
-    german.click(control.entry.rect.center)
-    control.entry.set_text("1,5")
-    german.key(pygame.K_RETURN)
+    german.select("contact", 1)
+    german.enter("loss", "1,5")
     assert (
         german.messages[-1]
         == "der Verlust eines Kontakts muss >= 0 und unter 1 sein, nicht 1,5: mit 1 käme er nie wieder heraus"
@@ -183,11 +162,7 @@ def english_words(text: str) -> list[str]:
 def shown_texts(driver: Driver) -> list[str]:
     """All that is written, the texts and tooltips of widgets, messages and dialogs."""
     app = driver.app
-    if hasattr(app.page, "view"):
-        app.page.view.redraw()
-    with drawn_texts(app.size) as drawn:
-        app.paint()
-    found = [one.text for one in drawn] + driver.messages
+    found = [one.text for one in driver.texts()] + driver.messages
     managers = [app.manager] + ([app.dialog.manager] if app.dialog is not None and app.dialog.open else [])
     for one in [one for manager in managers for one in manager.get_root_container().elements]:
         found += [getattr(one, "tool_tip_text", None) or "", getattr(one, "name", "")]

@@ -7,7 +7,6 @@ from types import SimpleNamespace
 
 import pygame
 import pytest
-from pygame_gui.elements import UIDropDownMenu
 from softcradle.sandbox.draw.text import width
 from softcradle.sandbox.session.editable_numbers import parameters
 from softcradle.sandbox.window.app import page_of
@@ -15,9 +14,8 @@ from softcradle.sandbox.window.gallery.page import GalleryPage
 from softcradle.sandbox.window.plots.kinds import PLOT_KINDS
 from softcradle.sandbox.window.scene.editor import Pick
 
-from tests.helpers.drawn_text import colliding, drawn_texts
-from tests.helpers.window_layout import faults, widget_name, widgets
-from tests.helpers.windows import Driver
+from tests.helpers.drawn_text import colliding
+from tests.helpers.windows import Driver, faults, widget_name, widgets
 
 pytestmark = pytest.mark.slow
 
@@ -82,11 +80,7 @@ PAGES: dict[str, tuple[str | None, Callable[[Driver], None]]] = {
 
 def faults_of_texts(driver: Driver) -> list[str]:
     """What is wrong with the texts that are drawn: they leave the window or the panel, or lie below a control."""
-    app, window = driver.app, pygame.Rect((0, 0), driver.app.size)
-    if hasattr(app.page, "view"):
-        app.page.view.redraw()
-    with drawn_texts(app.size) as texts:
-        app.paint()
+    app, window, texts = driver.app, pygame.Rect((0, 0), driver.app.size), driver.texts()
     assert texts
     if app.dialog is not None and app.dialog.open:
         box = app.dialog.box
@@ -161,8 +155,7 @@ def test_nothing_overlaps_or_is_cut(size: tuple[int, int], code: str, monkeypatc
     starts = dict.fromkeys(start for start, _ in PAGES.values())
     pages = {start: driver.app.page if start is None else page_of(driver.app, start, list) for start in starts}
     assert len(PLOT_KINDS) >= 8
-    pygame.display.set_mode(size, pygame.RESIZABLE)
-    pygame.event.post(pygame.Event(pygame.VIDEORESIZE, size=size, w=size[0], h=size[1]))
+    driver.resize(size)
     driver.frames()
     found, looked_at = [], set()
     for scale in SCALES:
@@ -181,10 +174,3 @@ def test_nothing_overlaps_or_is_cut(size: tuple[int, int], code: str, monkeypatc
     driver.close()
     assert len(looked_at) > 2
     assert not found, "\n" + "\n".join(found[:40])
-
-
-def test_a_menu_shows_the_whole_name_of_every_method(driver: Driver) -> None:
-    menu = driver.page.cards.menus[0]
-    assert isinstance(menu, UIDropDownMenu)
-    room = menu.rect.width - 40 * driver.app.unit
-    assert all(width(name, 13 * driver.app.unit) < room for name in menu.options_list[0][:1] or ("conserving",))

@@ -10,12 +10,7 @@ from softcradle.sandbox.cli.commands.figures import KEPT
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies.data_table import write_table
 from softcradle.sandbox.studies.figures import collision, figure_list
-from softcradle.sandbox.studies.figures.figure_list import (
-    FIGURES,
-    compute_tables,
-    figures_named,
-    write_figure,
-)
+from softcradle.sandbox.studies.figures.figure_list import FIGURES, compute_tables, figures_named, write_figure
 from softcradle.sandbox.studies.plot_style import SUFFIXES, styled
 
 from tests.helpers.figure_layout import (

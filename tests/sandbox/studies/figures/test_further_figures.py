@@ -3,18 +3,11 @@
 import numpy as np
 import pytest
 from softcradle.sandbox.studies.data_table import rows_where
-from softcradle.sandbox.studies.figures import (
-    disorder,
-    rigidity,
-    scaling,
-    train,
-    variant,
-    wave,
-)
+from softcradle.sandbox.studies.figures import disorder, rigidity, scaling, train, variant, wave
 from softcradle.sandbox.studies.paper import DRIVE
 from softcradle.scenes import load
 
-from tests.helpers.figure_tables import columns, forces
+from tests.sandbox.studies.figures.conftest import columns, forces
 
 pytestmark = pytest.mark.slow  # tables of seconds to a minute
 
@@ -164,11 +157,6 @@ def test_both_modes_of_cluster_on_cluster(tables):
     count = variant.STRIKERS + variant.TARGETS - 1
     inside = (table["t"] > 0.1) & (table["t"] < 3.7)
     np.testing.assert_allclose(forces(table, "model", count)[inside], forces(table, "full", count)[inside], rtol=0.01)
-
-
-def test_exchange_is_a_mirror_image(tables):
-    table = tables["exchange"]
-    np.testing.assert_allclose(columns(table, "v", 5, " seen"), columns(table, "v", 5), atol=1e-7)
 
 
 def test_hooke_interface_opens_last_and_leaves_a_rigid_cluster(tables):

@@ -1,10 +1,12 @@
-"""Measurement of our solvers: errors over start phases and samples, time limits, failures."""
+"""Measurement of solvers, ours and peers: errors over start phases and samples, time limits, failures."""
 
 import math
+import os
+from importlib.util import find_spec
 
 import numpy as np
 import pytest
-from softcradle.physics import METHODS, Chain, one_on, power_law, simulate
+from softcradle.physics import METHODS, Chain, hertz, one_on, power_law, simulate
 from softcradle.sandbox.studies.precision import measurement
 from softcradle.sandbox.studies.precision.cases import TRUTH_TOLERANCE, CaseDefinition, definitions_of
 from softcradle.sandbox.studies.precision.measurement import (
@@ -19,6 +21,8 @@ from softcradle.sandbox.studies.precision.measurement import (
 )
 from softcradle.scenes import load
 
+from benchmarks import peers
+from benchmarks.peers import PEERS, missing_peers, peer_solvers
 from tests.helpers.series import SHORT_LIMITS, made_series, our_solver
 from tests.helpers.truth import ELASTIC
 
@@ -29,12 +33,19 @@ def test_every_method_has_a_solver(case):
     assert all(solver.steps != method.adaptive for solver, method in zip(found[:-1], METHODS, strict=True))
     assert len(our_solver(case, "verlet").starts(case, 100.0)) == START_PHASES
     assert len(our_solver(case, "radau").starts(case, 1e-3)) == 1
-
-
-def test_a_chain_with_friction_has_the_methods_that_can_take_it():
     sliding = type("ChartCase", (), {"chain": Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1), friction=0.1)})()
     methods = {method.name for method in METHODS if method.dissipative}
     assert {solver.name for solver in our_solvers(sliding)} == {"auto", *methods}
+    assert peer_solvers(sliding) == []
+
+
+def test_errors_are_distances_from_the_truth_which_is_that_in_quadruple_precision(case):
+    truth = next(truth for truth in ELASTIC if truth.name == "one on 4, alpha 1/10")
+    assert (case.truth == truth.final).all()
+    assert case.uncertainty == 0.0
+    assert case.error(case.truth) == 0.0
+    assert case.error(case.truth + np.array([0, 0, 1e-3, 0, 0])) == pytest.approx(1e-3)
+    assert case.error(np.full(5, np.nan)) == np.inf
 
 
 def test_errors_average_over_the_start_phase(case):
@@ -94,18 +105,6 @@ def test_a_peer_that_raises_has_given_up_and_a_method_of_ours_has_a_bug(case):
         measure_case(case, [Solver("method", "", (1e-2,), broken, ours=True)], limits=SHORT_LIMITS)
 
 
-def test_errors_are_distances_from_the_truth(case):
-    assert case.uncertainty == 0.0
-    assert case.error(case.truth) == 0.0
-    assert case.error(case.truth + np.array([0, 0, 1e-3, 0, 0])) == pytest.approx(1e-3)
-    assert case.error(np.full(5, np.nan)) == np.inf
-
-
-def test_known_digits_are_those_in_quadruple_precision(case):
-    truth = next(truth for truth in ELASTIC if truth.name == "one on 4, alpha 1/10")
-    assert (case.truth == truth.final).all()
-
-
 def test_without_the_reference_two_ways_to_the_truth_agree(definitions):
     solved = definitions["one-on-10"].solve(by_reference=False)
     assert 0.0 < solved.uncertainty < 1e-10
@@ -153,3 +152,71 @@ def test_a_scene_is_one_case_for_each_lane():
     assert definition.make_chain() == scene.lanes[0].chain()
     two = definitions_of(load("galilean"))
     assert len(two) == len(load("galilean").lanes)
+
+
+needs_numba = pytest.mark.skipif(
+    find_spec("numba") is None or os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="peers need compiled code"
+)
+
+
+@needs_numba
+def test_the_right_hand_side_of_the_peers_is_that_of_the_chain():
+    from benchmarks.peers.problem import derivatives, parameter_array
+
+    chain = Chain(
+        [1.0, 2.0, 0.5, np.inf], [power_law(1.0, 0.1), hertz(2.0), power_law(3.0, 1.0)], 0.0, [0.5, 0, 0.25, 0]
+    )
+    overlap, rate, counter = np.array([0.1, -0.2, 0.3]), np.array([1.0, 2.0, 3.0]), np.zeros(1)
+    out = np.empty(6)
+    parameters = parameter_array(type("ChartCase", (), {"chain": chain})(), counter)
+    for _ in range(3):
+        derivatives(np.concatenate((overlap, rate)), out, parameters)
+    force = [contact.force(d) for contact, d in zip(chain.contact, overlap, strict=True)]
+    total = -np.diff(np.concatenate(([0.0], force, [0.0]))) + chain.drive_force
+    assert out[:3] == pytest.approx(rate)
+    assert out[3:] == pytest.approx(-np.diff(total * chain.parameters.inverse_mass), rel=1e-14)
+    assert counter[0] == 3.0
+
+
+@needs_numba
+def test_verlet_by_hand_is_verlet(case):
+    from benchmarks.peers.integrators import verlet_by_hand
+
+    (solver,) = verlet_by_hand(case)
+    start = case.starts([0.0])[0]
+    found = solver.run(500.0, start, NO_SAMPLES).velocity
+    assert found == pytest.approx(our_solver(case, "verlet").run(500.0, start, NO_SAMPLES).velocity, abs=1e-12)
+
+
+# CyRK compiles for half a minute, in `make bench` alone; Radau of SciPy reaches no small error in its time
+@needs_numba
+@pytest.mark.parametrize("peer", [peer for peer in PEERS if peer.name != "CyRK"], ids=lambda peer: peer.name)
+def test_an_installed_peer_reaches_the_truth(case, peer):
+    pytest.importorskip(peer.package)
+    solver = next(solver for solver in peer.solvers(case)[::-1] if solver.name != "SciPy Radau")
+    fineness = 30000.0 if solver.steps else 1e-12 if solver.name == "CVODE BDF" else 1e-10
+    start = case.starts([0.0])[0]
+    final, sampled = (solver.run(fineness, start, times) for times in (NO_SAMPLES, case.sample_times))
+    assert case.error(final.velocity) < 1e-3
+    assert final.seconds > 0.0
+    assert sampled.force.shape == sampled.overlap.shape == (64, 4)
+    assert error_of(case, "forces", sampled) < 0.3
+
+
+@needs_numba
+@pytest.mark.parametrize("package", ["scipy", "sksundae"])
+def test_a_peer_called_from_python_gives_up_at_its_time_limit(definitions, monkeypatch, package):
+    pytest.importorskip(package)
+    from benchmarks.peers import integrators
+
+    monkeypatch.setattr(integrators, "TIME_LIMIT", 0.02)
+    case = definitions["one-on-10"].solve(by_reference=False)
+    (peer,) = (peer for peer in PEERS if peer.package == package)
+    solution = peer.solvers(case)[0].run(1e-8, case.starts([0.0])[0], NO_SAMPLES)
+    assert solution.velocity is None
+
+
+def test_missing_peers_are_left_out(monkeypatch):
+    monkeypatch.setattr(peers, "find_spec", lambda package: None)
+    assert missing_peers() == list(PEERS)
+    assert peer_solvers(type("ChartCase", (), {"chain": one_on(2, hertz(1.0))})()) == []

@@ -12,7 +12,6 @@ from softcradle.sandbox.window.gallery import thumbnails
 from softcradle.sandbox.window.gallery.page import SECTIONS, GalleryPage
 
 from softcradle import scenes
-from tests.helpers.drawn_text import drawn_texts
 from tests.helpers.windows import Driver
 
 UNDRAWN = ("one-on-four", "galilean")
@@ -32,14 +31,12 @@ def test_scenes_without_a_picture_get_one_and_the_one_that_is_clicked_is_opened(
     monkeypatch.setattr(thumbnails, "shipped", shipped.get)
     gallery = Driver()
     page = gallery.app.page
-    assert isinstance(page, GalleryPage)
     gallery.until(lambda: len(page.pictures) == len(page.names))
     assert len(list((tmp_path / "cache").glob("*.png"))) == len(UNDRAWN)
     chosen = page.names.index("one-on-four")
     page.selected = chosen
     page.step(0)
     gallery.click(page.place(chosen).center)
-    gallery.frames(2)
     assert gallery.session.scene.title == "One bead on four"
     gallery.key(pygame.K_ESCAPE)
     again = gallery.app.page
@@ -47,19 +44,8 @@ def test_scenes_without_a_picture_get_one_and_the_one_that_is_clicked_is_opened(
     assert len(again.pictures) == len(again.names)  # as it was left
 
 
-def test_the_gallery_is_used_by_keys_alone(gallery: Driver) -> None:
-    page = gallery.app.page
-    assert isinstance(page, GalleryPage)
-    gallery.key(pygame.K_RIGHT)
-    gallery.key(pygame.K_DOWN)
-    assert page.selected == 1 + page.grid.columns
-    gallery.key(pygame.K_RETURN)
-    assert gallery.session.scene == page.scenes[page.names[page.selected]]
-
-
 def test_a_press_that_ends_on_another_card_opens_nothing(gallery: Driver) -> None:
     page = gallery.app.page
-    assert isinstance(page, GalleryPage)
     gallery.drag(page.place(0).center, page.place(1).center)
     gallery.release(page.place(1).center)
     gallery.click((page.place(0).centerx, 8))  # the header
@@ -72,11 +58,9 @@ def test_a_press_that_ends_on_another_card_opens_nothing(gallery: Driver) -> Non
 def test_pages_and_widgets_that_are_left_are_freed(gallery: Driver) -> None:
     """They refer to each other in cycles and hold their surfaces: some 100 MB in an hour of use."""
     page = gallery.app.page
-    assert isinstance(page, GalleryPage)
     place = page.place(0).center
     del page
     gallery.click(place)
-    gallery.frames()
     old_page = weakref.ref(gallery.page)
     for action in ("larger", "smaller"):
         old_widget = weakref.ref(next(iter(gallery.page.time_controls.buttons.values())))
@@ -91,7 +75,6 @@ def test_pages_and_widgets_that_are_left_are_freed(gallery: Driver) -> None:
 
 def test_every_scene_has_a_picture_at_once_and_a_section(gallery: Driver) -> None:
     page = gallery.app.page
-    assert isinstance(page, GalleryPage)
     assert not page.moving
     listed = [name for section in SECTIONS for name in section.names]
     assert sorted(listed) == sorted(page.names)
@@ -100,7 +83,6 @@ def test_every_scene_has_a_picture_at_once_and_a_section(gallery: Driver) -> Non
 
 def test_a_search_finds_scenes_by_words(gallery: Driver) -> None:
     page = gallery.app.page
-    assert isinstance(page, GalleryPage)
     count = len(page.names)
     gallery.key(pygame.K_f, pygame.KMOD_CTRL)
     gallery.type("wagon")
@@ -121,26 +103,25 @@ def test_a_search_finds_scenes_by_words(gallery: Driver) -> None:
 
 def test_keys_and_the_bar_scroll_to_every_card(gallery: Driver) -> None:
     page = gallery.app.page
-    assert isinstance(page, GalleryPage)
     gallery.key(pygame.K_END)
     assert page.selected == len(page.names) - 1
     assert page.place(page.selected).bottom <= gallery.app.size[1]
     gallery.key(pygame.K_HOME)
     assert (page.selected, page.grid.scroll) == (0, 0.0)
+    gallery.key(pygame.K_RIGHT)
+    gallery.key(pygame.K_DOWN)
+    assert page.selected == 1 + page.grid.columns
+    gallery.key(pygame.K_HOME)
     gallery.key(pygame.K_PAGEDOWN)
     gallery.key(pygame.K_TAB)
     assert page.selected > page.grid.columns
     track, knob = page.grid._bar()
-    gallery.drag(knob.center, (knob.centerx, track.bottom))
-    gallery.release((knob.centerx, track.bottom))
+    gallery.pull(knob.center, (knob.centerx, track.bottom))
     assert page.place(len(page.names) - 1).bottom <= gallery.app.size[1]
 
 
 def test_captions_are_whole_sentences(gallery: Driver) -> None:
-    page = gallery.app.page
-    assert isinstance(page, GalleryPage)
-    with drawn_texts(gallery.app.size) as texts:
-        gallery.app.paint()
+    page, texts = gallery.app.page, gallery.texts()
     for k in range(4):
         title, *lines = [one.text for one in texts if page.place(k).collidepoint(one.rect.center)]
         scene = page.scenes[page.names[k]]
@@ -151,17 +132,13 @@ def test_captions_are_whole_sentences(gallery: Driver) -> None:
         assert scene.source.startswith(lines[-1])
 
 
-def test_thumbnail_of_another_scene_has_another_file():
+def test_thumbnails_of_others_have_other_files_and_a_cache_that_cannot_be_written_is_no_error(tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("in the way")
+    monkeypatch.setenv("SOFTCRADLE_CACHE", str(tmp_path / "file" / "cache"))
     scene = scenes.load("one-on-four")
     other = scene.model_copy(update={"title": "Another"})
     assert thumbnails.cached_path(scene, "light") == thumbnails.cached_path(scenes.load("one-on-four"), "light")
     assert len({thumbnails.cached_path(*each) for each in ((scene, "light"), (other, "light"), (scene, "dark"))}) == 3
-
-
-def test_a_cache_that_cannot_be_written_is_no_error(tmp_path, monkeypatch):
-    (tmp_path / "file").write_text("in the way")
-    monkeypatch.setenv("SOFTCRADLE_CACHE", str(tmp_path / "file" / "cache"))
-    scene = scenes.load("one-on-four")
     assert thumbnails.load(scene, "light") is None
     thumbnails.save(scene, "light", pygame.Surface((4, 4)))
     assert thumbnails.load(scene, "light") is None

@@ -36,8 +36,7 @@ def test_the_hanging_page_is_driven_by_mouse_menus_and_keys():
     driver = Driver("hanging-cradle")
     page = driver.app.page
     assert isinstance(page, HangingPage)
-    driver.key(pygame.K_SPACE)
-    driver.frames(30)
+    driver.run(30)
     assert page.model.time > 0.4
     ball = to_screen(page.pictures[1], page.model.cradles[1].places()[4])
     driver.drag(ball, (ball[0] + 60, ball[1] - 40), steps=10)

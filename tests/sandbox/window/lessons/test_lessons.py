@@ -13,7 +13,7 @@ from softcradle.sandbox.window.lessons.runner import lessons
 from softcradle.sandbox.window.plots.scales import motions_ahead
 
 from softcradle import scenes
-from tests.helpers.drawn_text import drawn_texts, film_texts
+from tests.helpers.drawn_text import film_texts
 from tests.helpers.windows import Driver
 
 ANSWERS = (1, 1, 0, 1, 0)
@@ -69,10 +69,7 @@ def test_the_reason_is_of_what_was_measured_and_an_edited_scene_has_none(driver:
 
 
 def drawn(driver: Driver) -> str:
-    driver.page.view.redraw()
-    with drawn_texts(driver.app.size) as texts:
-        driver.app.paint()
-    return " ".join(one.text for one in texts)
+    return " ".join(one.text for one in driver.texts())
 
 
 def test_the_text_of_a_scene_is_read_after_its_question(driver: Driver) -> None:

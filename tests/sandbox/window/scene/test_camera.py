@@ -15,12 +15,6 @@ def in_sight(driver: Driver) -> bool:
     return bool((lane.edges >= rect.left).all() and (lane.edges + lane.drawing.bead <= rect.right + 1).all())
 
 
-def wheel(driver: Driver, point: tuple[int, int], turn: int) -> None:
-    driver.move(point)
-    pygame.event.post(pygame.Event(pygame.MOUSEWHEEL, x=0, y=turn, precise_x=0.0, precise_y=float(turn), flipped=False))
-    driver.frames(2)
-
-
 def test_beads_stay_in_sight_by_themselves(driver: Driver) -> None:
     driver.page.clock.end.toggle()
     driver.session.apply(SetVelocity(0, 0, 4.0))
@@ -38,16 +32,14 @@ def test_wheel_and_drag_take_the_view_and_fit_gives_it_back(driver: Driver) -> N
     place = driver.page.view.metres_at(point)
     slow = driver.session.slow
     for turn in (-1, -1, -1, 1):
-        wheel(driver, point, turn)
+        driver.wheel(point, turn)
         assert driver.page.view.metres_at(point) == pytest.approx(place, abs=1e-6)
     assert driver.session.slow == slow
     before = float(driver.page.view.lanes[0].edges[0])
-    driver.drag(point, (point[0] + 2 * rect.width, point[1]))
-    driver.release((point[0] + 2 * rect.width, point[1]))
+    driver.pull(point, (point[0] + 2 * rect.width, point[1]))
     assert driver.page.view.lanes[0].edges[0] == pytest.approx(before + 2 * rect.width, abs=3)
     assert not in_sight(driver)
     driver.click(driver.page.time_controls.buttons["fit"].rect.center)
-    driver.frames(2)
     assert in_sight(driver)
 
 
@@ -61,8 +53,7 @@ def test_the_clock_pauses_once_when_the_beads_are_apart_and_a_card_says_what_hap
     assert list(card.buttons) == ["Close", "Now with steel balls", "Why? The forces"]
     assert not driver.messages
     stopped = driver.session.time
-    driver.key(pygame.K_SPACE)
-    driver.frames(100)
+    driver.run(100)
     assert driver.session.playing
     assert driver.session.time > stopped
     assert not card.text
@@ -76,27 +67,14 @@ def played_to_the_end(driver: Driver) -> None:
 def test_the_card_goes_to_the_greatest_force_and_to_steel_balls(driver: Driver) -> None:
     played_to_the_end(driver)
     driver.click(driver.page.outcome.buttons["Why? The forces"].rect.center)
-    driver.frames(2)
     assert "one rigid body" in driver.page.outcome.text
     assert driver.session.lanes[0].state.force.max() > 0.9
     driver.click(driver.page.outcome.buttons["Close"].rect.center)
     assert not driver.page.outcome.buttons
     driver.page.outcome.show_outcome()
     driver.click(driver.page.outcome.buttons["Now with steel balls"].rect.center)
-    driver.frames(2)
     soft, steel = driver.session.lanes
     assert [law.exponent for law in steel.chain.contact] == [1.5] * 4
     assert driver.session.label(1) == "steel balls"
     assert soft.chain.contact[0].exponent == 0.1
     assert driver.session.playing
-
-
-def test_the_clock_can_be_faster_than_real_time(driver: Driver) -> None:
-    for _ in range(20):
-        driver.key(pygame.K_EQUALS)
-    assert driver.session.slow == 0.01
-    driver.key(pygame.K_MINUS)
-    assert driver.session.slow == 0.02
-    driver.key(pygame.K_SPACE)
-    driver.frames(10)
-    assert driver.session.time > 5.0

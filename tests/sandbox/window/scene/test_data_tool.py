@@ -111,8 +111,7 @@ def test_edges_that_are_none_are_refused(text):
 
 def test_any_signal_is_plotted_against_any(played: Driver) -> None:
     played.key(pygame.K_8, pygame.KMOD_SHIFT)
-    played.app.dialog.entry.set_text("p1 against s")
-    played.key(pygame.K_RETURN)
+    played.answer("p1 against s")
     played.frames(3)
     board = played.page.board
     plot = board.plots[board.keys.index(("x-y", 0))]
@@ -124,8 +123,7 @@ def test_any_signal_is_plotted_against_any(played: Driver) -> None:
     drawn = pygame.surfarray.array3d(played.app.surface.subsurface(plot.area)).astype(int)
     assert (np.ptp(drawn, axis=2) > 60).sum() > 50
     played.key(pygame.K_8, pygame.KMOD_SHIFT)
-    played.app.dialog.entry.set_text("f9 against q")
-    played.key(pygame.K_RETURN)
+    played.answer("f9 against q")
     assert "the contacts of this lane are numbered 0 to 3" in played.messages[-1]
 
 

@@ -46,7 +46,6 @@ def test_a_newcomer_sees_few_controls_and_beads_in_the_upper_half(explorer: Driv
 
 def test_one_switch_leads_to_the_lab_and_is_remembered(explorer: Driver) -> None:
     explorer.click(explorer.page.toolbar.buttons["level"].rect.center)
-    explorer.frames(2)
     assert explorer.page.cards.menus
     assert not explorer.page.explore.controls
     assert {"share", "plots_menu", "tools"} < explorer.page.toolbar.buttons.keys()
@@ -60,8 +59,7 @@ def test_one_switch_leads_to_the_lab_and_is_remembered(explorer: Driver) -> None
 def test_alpha_is_that_of_the_whole_row_and_the_blow_goes_as_deep(explorer: Driver) -> None:
     lane = explorer.session.lanes[0]
     before = impact_energy(lane.chain, 1, lane.setup.speed)
-    explorer.key(pygame.K_SPACE)
-    explorer.frames(60)
+    explorer.run(60)
     typed(explorer, "alpha", "1")
     assert explorer.session.frame == 0  # begun anew
     assert [law.exponent for law in laws(explorer)] == [1.0] * 4
@@ -85,16 +83,12 @@ def test_speed_and_number_of_beads(explorer: Driver) -> None:
     for button, count in (("+", 6), ("\N{MINUS SIGN}", 5)):
         found = next(one for one in explorer.page.explore.buttons if one.text == button)
         explorer.click(found.rect.center)
-        explorer.frames(2)
         assert len(explorer.session.lanes[0].chain.mass) == count
 
 
 def test_the_text_of_a_scene_is_not_said_of_another(explorer: Driver) -> None:
     def said() -> str:
-        explorer.page.view.redraw()
-        with drawn_texts(explorer.app.size) as texts:
-            explorer.app.paint()
-        return " ".join(one.text for one in texts)
+        return " ".join(one.text for one in explorer.texts())
 
     explorer.page.lessons.answered = True  # its question comes first
     assert "nearly as one" in said()
@@ -107,7 +101,6 @@ def test_the_text_of_a_scene_is_not_said_of_another(explorer: Driver) -> None:
 def test_the_same_blow_among_steel_balls_plays_below(explorer: Driver) -> None:
     button = next(one for one in explorer.page.explore.buttons if "steel" in one.text)
     explorer.click(button.rect.center)
-    explorer.frames(2)
     assert [law.exponent for law in laws(explorer, 1)] == [1.5] * 4
     assert explorer.session.playing
     assert len(explorer.app.focus.controls()) <= MOST_CONTROLS
@@ -121,9 +114,7 @@ def test_the_same_blow_among_steel_balls_plays_below(explorer: Driver) -> None:
 def test_the_badge_speaks_where_all_is_not_well(explorer: Driver, level: str) -> None:
     state = replace(explorer.session.health(0), level=level, sentence="beads are off")
     explorer.page.explore.health = lambda: [state]
-    with drawn_texts(explorer.app.size) as texts:
-        explorer.app.paint()
-    assert ("beads are off" in [one.text for one in texts]) == (level == "bad")
+    assert ("beads are off" in [one.text for one in explorer.texts()]) == (level == "bad")
 
 
 def test_a_text_without_room_is_read_whole_below_the_pointer() -> None:

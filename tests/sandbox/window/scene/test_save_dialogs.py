@@ -5,7 +5,6 @@ from __future__ import annotations
 from itertools import product
 from pathlib import Path
 
-import numpy as np
 import pygame
 import pytest
 from softcradle.physics import power_law
@@ -24,8 +23,7 @@ def test_a_scene_is_saved_and_opened_again(driver: Driver, tmp_path: Path) -> No
     driver.key(pygame.K_a)
     driver.key(pygame.K_s, CTRL)
     assert driver.app.dialog is not None
-    driver.app.dialog.entry.set_text("mine.toml")
-    driver.key(pygame.K_RETURN)
+    driver.answer("mine.toml")
     assert driver.messages == [f"saved {tmp_path / 'mine.toml'}"]
     masses = driver.session.lanes[0].chain.mass
     driver.key(pygame.K_ESCAPE)
@@ -35,32 +33,10 @@ def test_a_scene_is_saved_and_opened_again(driver: Driver, tmp_path: Path) -> No
     assert driver.session.lanes[0].chain.mass == masses
 
 
-def test_a_session_is_saved_and_replayed_with_the_same_digits(driver: Driver, tmp_path: Path) -> None:
-    driver.key(pygame.K_SPACE)
-    driver.frames(40)
-    x, y = driver.bead(4)
-    driver.drag((x, y), (x + 80, y), steps=20)
-    driver.release((x + 80, y))
-    driver.frames(20)
-    state, last = driver.session.lanes[0].state.copy(), driver.session.history.last
-    driver.page.dialogs.save("save_session", "played")
-    driver.drop_file(tmp_path / "played.npz")
-    replay = driver.page.replay
-    assert replay is not None
-    driver.frames(200)
-    assert replay.done
-    assert replay.diverged is None
-    assert any("agrees" in text for text in driver.messages)
-    shown = driver.session.history.snapshot(last).states[0]
-    assert np.array_equal(shown.overlap, state.overlap)
-
-
 def test_the_history_is_exported(driver: Driver, tmp_path: Path) -> None:
-    driver.key(pygame.K_SPACE)
-    driver.frames(60)
+    driver.run(60)
     driver.key(pygame.K_e, CTRL)
-    driver.app.dialog.entry.set_text("motion.csv")
-    driver.key(pygame.K_RETURN)
+    driver.answer("motion.csv")
     rows = (tmp_path / "motion.csv").read_text().splitlines()
     assert len(rows) > 60
     driver.page.dialogs.save("export", "motion.doc")
@@ -72,8 +48,7 @@ def test_the_experiment_is_shared_as_a_page_in_which_it_lives(driver: Driver, tm
     """What was played is recorded; before a run there is nothing but the experiment."""
     driver.session.apply(SetContact(0, 1, power_law(3.0, 0.3)))
     if played:
-        driver.key(pygame.K_SPACE)
-        driver.frames(60)
+        driver.run(60)
     driver.key(pygame.K_h, CTRL | SHIFT if played else CTRL)
     driver.key(pygame.K_RETURN)
     page = tmp_path / "one-bead-on-four.html"
@@ -143,8 +118,7 @@ NO_NAMES = (
 
 
 def test_a_name_that_no_file_can_have_is_refused_in_a_sentence(driver: Driver) -> None:
-    driver.key(pygame.K_SPACE)
-    driver.frames(5)
+    driver.run(5)
     for saving, text in product(("save_scene", "save_session", "export", "share_page", "live_page", "film"), NO_NAMES):
         driver.app.messages.visible.clear()
         driver.page.dialogs.save(saving, text)

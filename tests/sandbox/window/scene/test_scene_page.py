@@ -16,32 +16,16 @@ from tests.helpers.windows import Driver
 SHIFT = pygame.KMOD_SHIFT
 
 
-def test_space_plays_and_pauses_and_r_restarts(driver: Driver) -> None:
-    driver.key(pygame.K_SPACE)
-    driver.frames(30)
-    assert driver.session.playing
-    assert driver.session.time > 0.1
-    driver.key(pygame.K_SPACE)
-    stopped = driver.session.time
-    driver.frames(5)
-    assert driver.session.time == stopped
-    driver.key(pygame.K_r)
-    assert driver.session.time == 0.0
-
-
 def test_the_timeline_scrubs_and_playing_on_starts_a_new_branch(driver: Driver) -> None:
-    driver.key(pygame.K_SPACE)
-    driver.frames(200)
+    driver.run(200)
     last = driver.session.history.last
     line = driver.page.timeline
     y = line.rect.centery
-    driver.drag((line.x(last), y), (line.x(last // 3), y))
-    driver.release((line.x(last // 3), y))
+    driver.pull((line.x(last), y), (line.x(last // 3), y))
     assert abs(driver.session.frame - last // 3) <= 2
     assert driver.session.scrubbed
     assert not driver.session.playing
-    driver.key(pygame.K_SPACE)
-    driver.frames(3)
+    driver.run(3)
     assert driver.session.history.last < last
 
 
@@ -53,14 +37,24 @@ def test_keys_and_the_slider_set_the_slow_motion(driver: Driver) -> None:
     assert driver.session.slow == 2.0
     slider = driver.page.time_controls.slider
     assert slider is not None
-    driver.drag(slider.sliding_button.rect.center, (slider.rect.right - 5, slider.rect.centery))
-    driver.release((slider.rect.right - 5, slider.rect.centery))
+    driver.pull(slider.sliding_button.rect.center, (slider.rect.right - 5, slider.rect.centery))
     assert driver.session.slow > 500.0
+    driver.press((slider.rect.left + 3 * slider.rect.width // 4, slider.rect.centery))  # on its track
+    driver.frames(2)
+    assert 40.0 < driver.session.slow < 80.0
+    driver.move((slider.rect.right, slider.rect.centery), (1, 0, 0))
+    driver.frames(2)
+    assert driver.session.slow == 1000.0
+    driver.release((slider.rect.right, slider.rect.centery))
+    for _ in range(20):
+        driver.key(pygame.K_EQUALS)
+    assert driver.session.slow == 0.01  # faster than real time
+    driver.run(10)
+    assert driver.session.time > 5.0
 
 
 def test_another_slow_motion_while_scrubbed_drops_no_frame(driver: Driver) -> None:
-    driver.key(pygame.K_SPACE)
-    driver.frames(60)
+    driver.run(60)
     driver.key(pygame.K_HOME)
     last = driver.session.history.last
     driver.key(pygame.K_MINUS)
@@ -70,8 +64,7 @@ def test_another_slow_motion_while_scrubbed_drops_no_frame(driver: Driver) -> No
 
 
 def test_a_key_scrubs_to_the_next_contact_event(driver: Driver) -> None:
-    driver.key(pygame.K_SPACE)
-    driver.frames(200)
+    driver.run(200)
     driver.key(pygame.K_HOME)
     driver.key(pygame.K_PERIOD, SHIFT)
     before, after = driver.session.history.snapshot(driver.session.frame - 1), driver.session.lanes[0].state

@@ -1,20 +1,25 @@
-"""The tools of the page: arrows, values, sharing, comparison, stopwatch, ruler, and their menu by keys."""
+"""The tools of the page: arrows, tables of values, sharing, comparison, stopwatch, ruler, and their menu by keys."""
 
 from __future__ import annotations
 
 import csv
 import io
+from itertools import product
 
 import pygame
 import pytest
 from softcradle.sandbox.draw.lane_drawing import ARROWS
+from softcradle.sandbox.draw.number_format import scientific
+from softcradle.sandbox.draw.text import width
 from softcradle.sandbox.session.export import scene_from_text, shared_text
 from softcradle.sandbox.session.inputs import SetMass
+from softcradle.sandbox.session.values_table import BEAD_COLUMNS, CONTACT_COLUMNS, SET_COLUMNS
 from softcradle.sandbox.window.scene.editor import Pick
 from softcradle.sandbox.window.scene.toolbar import MENUS
+from softcradle.sandbox.window.scene.values_board import BODY, HEAD, LESS_NEEDED, MOST_DIGITS, fitting
 
 from softcradle import scenes
-from tests.helpers.scene_kinds import EVERY_SCENE
+from tests.helpers.sessions import EVERY_SCENE
 from tests.helpers.windows import Driver
 
 CTRL = pygame.KMOD_CTRL
@@ -93,8 +98,7 @@ def test_a_scene_is_compared_with_a_copy(driver: Driver) -> None:
     driver.key(pygame.K_d, CTRL)
     assert [lane.chain for lane in driver.session.lanes] == [driver.session.lanes[0].chain] * 2
     driver.session.apply(SetMass(1, 1, 3.0))
-    driver.key(pygame.K_SPACE)
-    driver.frames(60)
+    driver.run(60)
     assert driver.session.lanes[0].chain.mass[1] == 1.0
     driver.key(pygame.K_d, CTRL)  # the first lane of the two
     assert driver.page.title == "One bead on four, compared"
@@ -117,8 +121,7 @@ def test_edits_stay_unsaved_in_a_comparison(driver: Driver) -> None:
 def test_stopwatch_and_ruler_measure(driver: Driver) -> None:
     driver.key(pygame.K_k)
     begin = driver.session.time
-    driver.key(pygame.K_SPACE)
-    driver.frames(30)
+    driver.run(30)
     driver.key(pygame.K_k)
     elapsed = driver.page.tools.stopwatch.elapsed
     driver.frames(10)
@@ -129,8 +132,7 @@ def test_stopwatch_and_ruler_measure(driver: Driver) -> None:
     driver.key(pygame.K_u)
     ruler = driver.page.tools.ruler
     first, last = ruler.points()
-    driver.drag(first, (last[0], first[1] + 5))
-    driver.release((last[0], first[1] + 5))
+    driver.pull(first, (last[0], first[1] + 5))
     assert ruler.distance == pytest.approx(0.0, abs=0.02)
     driver.key(pygame.K_u)
     assert ruler.ends is None
@@ -140,7 +142,6 @@ def test_stopwatch_and_ruler_measure(driver: Driver) -> None:
 def test_a_menu_does_its_actions_by_keys_and_clicks(driver: Driver, menu: str) -> None:
     for k, name in enumerate(MENUS[menu]):
         driver.click(driver.page.toolbar.buttons[menu].rect.center)
-        driver.frames()
         for _ in range(k):
             driver.key(pygame.K_DOWN)
         shown = driver.app.dialog
@@ -171,3 +172,47 @@ def test_what_happened_is_told_and_copied(driver: Driver, clipboard: list[str]) 
     driver.key(pygame.K_LEFT)
     driver.key(pygame.K_RETURN)
     assert clipboard[0].startswith("At 0 seconds.")
+
+
+ALL_COLUMNS = BEAD_COLUMNS, CONTACT_COLUMNS, (*CONTACT_COLUMNS, *SET_COLUMNS)
+
+NUMBERS = (0.0, 1.0, -0.1657, 4.277e-3, -6.846e-4, -2.466e-7, 0.09249, 123.4, -5.678e8)
+
+
+def test_no_number_covers_another():
+    for names, unit, room in product(ALL_COLUMNS, (0.75, 1.0, 1.5, 2.0), (300, 370, 520, 900)):
+        columns = fitting(names, room, unit)
+        assert columns.shown[0] == 0
+        assert set(names) - {names[k] for k in columns.shown} <= set(LESS_NEEDED)
+        if columns.right[-1] > room + 1:  # no more can be left out
+            assert {names[k] for k in columns.shown}.isdisjoint(LESS_NEEDED)
+        rooms = [right - left for left, right in zip((0.0, *columns.right), columns.right, strict=False)]
+        for k, free in zip(columns.shown[1:], rooms[1:], strict=True):
+            assert max(width(scientific(number, columns.digits), BODY * unit) for number in NUMBERS) < free
+            assert max(width(word, HEAD * unit) for word in names[k].replace(" (", "\n(").split("\n")) < free
+
+
+def test_all_columns_are_there_where_there_is_room():
+    for names in (BEAD_COLUMNS, CONTACT_COLUMNS):
+        columns = fitting(names, 700, 1.0)
+        assert columns.shown == tuple(range(len(names)))
+        assert columns.digits == MOST_DIGITS
+
+
+def test_rows_are_selected_and_scrolled_to(monkeypatch: pytest.MonkeyPatch) -> None:
+    driver = Driver("one-on-ten")
+    driver.key(pygame.K_t)
+    driver.app.scale = 1.5
+    driver.app.rebuild()
+    driver.frames(2)
+    values = driver.page.tools.values
+    place = values.places[0]
+    assert not place.whole
+    driver.click(place.strip(1).center)
+    assert driver.page.editor.selection == Pick(0, "bead", 1)
+    monkeypatch.setattr(pygame.mouse, "get_pos", lambda: place.rect.center)
+    driver.wheel(place.rect.center, -9)
+    assert values.places[0].last == 11
+    driver.key(pygame.K_LEFT)
+    driver.key(pygame.K_LEFT)  # the selection comes into view
+    assert values.places[0].first == 0

@@ -13,16 +13,8 @@ from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.window.plots.kinds import PLOT_KINDS
 from softcradle.sandbox.window.scene.editor import Pick
 
-from tests.helpers.drawn_text import colliding, drawn_texts
+from tests.helpers.drawn_text import colliding
 from tests.helpers.windows import Driver
-
-
-def texts_of(driver: Driver) -> list:
-    """The texts of the window as it is now."""
-    driver.page.view.redraw()
-    with drawn_texts(driver.app.size) as texts:
-        driver.app.paint()
-    return texts
 
 
 def has_colour(driver: Driver, points, colour) -> bool:
@@ -31,7 +23,7 @@ def has_colour(driver: Driver, points, colour) -> bool:
 
 def test_the_title_marks_unsaved_edits(driver: Driver) -> None:
     def title() -> str:
-        return next(one.text for one in texts_of(driver) if "One bead on four" in one.text)
+        return next(one.text for one in driver.texts() if "One bead on four" in one.text)
 
     assert title() == "One bead on four"
     driver.click(driver.bead(1))
@@ -47,11 +39,11 @@ def test_arrows_count_the_beads_outside(driver: Driver) -> None:
     driver.release((rect.left, rect.top + 40))
     driver.frames(2)
     ground = driver.page.view.lanes[0].drawing.ground
-    found = [one for one in texts_of(driver) if one.text == "5" and abs(one.rect.centery - (ground - 14)) < 4]
+    found = [one for one in driver.texts() if one.text == "5" and abs(one.rect.centery - (ground - 14)) < 4]
     assert len(found) == 1
     assert found[0].rect.left < rect.left + 30
     driver.key(pygame.K_f)
-    assert not [one for one in texts_of(driver) if one.text == "5" and one.rect.left < rect.left + 30]
+    assert not [one for one in driver.texts() if one.text == "5" and one.rect.left < rect.left + 30]
 
 
 def test_marks_of_rigid_clusters_are_of_the_beads_that_there_are(driver: Driver) -> None:
@@ -67,8 +59,7 @@ def test_marks_of_rigid_clusters_end_at_a_gap(driver: Driver) -> None:
     """Bead 4 is dragged away: three are pushed, and their contacts alone have marks."""
     driver.drag(driver.bead(4), (driver.bead(4)[0] + 150, driver.bead(4)[1]))
     driver.release(driver.bead(4))
-    driver.key(pygame.K_SPACE)
-    driver.frames(220)
+    driver.run(220)
     drawing, state = driver.page.view.lanes[0].drawing, driver.session.lanes[0].state
     assert state.force[0] > 0.5
     forces = rigid_forces(drawing.chain.mass, drawing.ends, state.overlap.tolist(), state.force.tolist(), 1.0)
@@ -84,7 +75,7 @@ def test_force_labels_of_a_train_have_prefixes_and_room(name: str) -> None:
         driver.session.step_frames(40)
         driver.frames(2)
         lane = driver.page.view.lanes[0]
-        texts = [one for one in texts_of(driver) if lane.drawing.rect.collidepoint(one.rect.center)]
+        texts = [one for one in driver.texts() if lane.drawing.rect.collidepoint(one.rect.center)]
         forces = [one for one in texts if re.fullmatch(rf"{MINUS}?[\d.]+ [kM]", one.text)]
         seen = max(seen, len(forces))
         assert not [pair for pair in colliding(texts) if {*pair} & {one.text for one in forces}]
@@ -107,18 +98,15 @@ def test_seven_plots_of_two_lanes_are_wide_and_scrolled_to() -> None:
     driver.frames(2)
     assert len(view.rows) < view.row_count
     seen = set(board.keys)
-    driver.move(view.plots_area().center)
     for _ in range(view.row_count):
-        pygame.event.post(pygame.Event(pygame.MOUSEWHEEL, x=0, y=-1, precise_x=0.0, precise_y=-1.0, flipped=False))
-        driver.frames(2)
+        driver.wheel(view.plots_area().center, -1)
         seen |= set(board.keys)
     assert seen == {(name, lane) for name in board.shown for lane in (0, 1)}
 
 
 def test_a_selection_has_the_shape_of_its_body() -> None:
     driver = Driver("draft-gear-one-on-three")
-    driver.page.editor.selection = Pick(0, "bead", 1)
-    driver.frames(2)
+    driver.select("bead", 1)
     lane, gap = driver.page.view.lanes[0], 4
     rect, corner = lane.drawing.body_shape(1, float(lane.edges[1]))
     assert 2 * corner < rect.width
@@ -138,11 +126,9 @@ def test_a_selection_has_the_shape_of_its_body() -> None:
 
 def test_a_wall_is_made_of_any_bead_and_freed_again(driver: Driver) -> None:
     driver.click(driver.bead(4))
-    driver.frames(2)
     for text, mass in (("make it a wall", math.inf), ("free it", 1.0)):
         button = next(one for one in driver.page.inspector.buttons if one.text == text)
         driver.click(button.rect.center)
-        driver.frames(2)
         assert driver.session.lanes[0].chain.mass[4] == mass
 
 

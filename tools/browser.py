@@ -1,4 +1,4 @@
-"""A headless browser, driven over two pipes by the DevTools protocol, for tests of HTML pages."""
+"""A headless browser, driven over two pipes by the DevTools protocol, for tests, pictures and measurements of pages."""
 
 from __future__ import annotations
 
@@ -45,12 +45,21 @@ class Browser:
         for end in browser_ends:
             os.close(end)
         os.set_blocking(self._read, False)
-        self._unread, self._count, self._session = b"", 0, ""
+        self._unread, self._count, self._session, self.context = b"", 0, "", ""
         self.complaints: list[str] = []
-        target = self.call("Target.createTarget", url="about:blank")["targetId"]
+        self.fresh()
+
+    def fresh(self) -> None:
+        """Begin anew with an empty page, which knows nothing of what the last one was told and allowed."""
+        before, self._session = self.context, ""
+        self.context = self.call("Target.createBrowserContext")["browserContextId"]
+        target = self.call("Target.createTarget", url="about:blank", browserContextId=self.context)["targetId"]
+        if before:
+            self.call("Target.disposeBrowserContext", browserContextId=before)
         self._session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Log", "Network"):
             self.call(f"{domain}.enable")
+        self.complaints.clear()
 
     def __enter__(self) -> Browser:
         return self

@@ -1,4 +1,4 @@
-"""Pictures of a page on a desk and on a telephone, for the README: python -m tests.helpers.page_pictures FOLDER."""
+"""Pictures of a page on a desk and on a telephone, for the README: python -m tools.page_pictures FOLDER."""
 
 import os
 import sys
@@ -9,13 +9,14 @@ from PIL import Image
 from softcradle.sandbox.page import render_page
 from softcradle.sandbox.scene_runs import load_scene
 
-from tests.helpers.browser import Browser
+from tools.browser import Browser
 
 PICTURES = (("desk", 1280, 800, "light", "&with=steel"), ("telephone", 390, 844, "dark", ""))
 MOMENT = 1.9  # s, of the greatest force of one on four
 
 
 def main(folder: Path) -> None:
+    """Write the pictures into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as made:
         page = Path(made) / "page.html"

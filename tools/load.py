@@ -1,8 +1,8 @@
 """The suite again and again, on a machine with nothing else to do or with every processor busy: is it green each time?
 
-python -m tests.load 10                 # make test ten times
-python -m tests.load 5 --busy           # five times, beside a process for each processor that never rests
-python -m tests.load 3 --run "make test-all"
+python -m tools.load 10                 # make test ten times
+python -m tools.load 5 --busy           # five times, beside a process for each processor that never rests
+python -m tools.load 3 --run "make test-all"
 """
 
 import argparse

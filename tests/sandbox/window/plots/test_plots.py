@@ -1,15 +1,22 @@
-"""The live plots: curves, cursor, stacked energies, the kymograph, two lanes, and a plot that is added to the table."""
+"""The live plots: curves, cursor, stacked energies, the kymograph, two lanes; an entry of the table is all that one needs."""
 
 from __future__ import annotations
+
+from itertools import pairwise
 
 import numpy as np
 import pygame
 import pytest
+from softcradle.sandbox.draw.curve_panels import linear_axis
 from softcradle.sandbox.draw.palette import bead_colours
 from softcradle.sandbox.session.history_slices import slice_at
-from softcradle.sandbox.window.plots.curves import ScrollingSurface, TimeSpan
-from softcradle.sandbox.window.plots.shapes import StackedPlot
+from softcradle.sandbox.window.plots.curves import Plot, PlotContent, ScrollingSurface, TimeSpan
+from softcradle.sandbox.window.plots.kinds import PLOT_KINDS, PlotKind, PlotSetting
+from softcradle.sandbox.window.plots.scales import estimated_scales
+from softcradle.sandbox.window.plots.shapes import StackedPlot, StripPlot
 
+from softcradle import scenes
+from tests.helpers.sessions import opened
 from tests.helpers.windows import Driver
 
 
@@ -34,8 +41,7 @@ def test_the_energy_split_shows_beads_that_are_gone(driver: Driver) -> None:
 
 def test_every_plot_can_be_hidden_and_shown(driver: Driver) -> None:
     kinds = ("velocities", "forces", "overlaps", "energy", "space-time", "kymograph")
-    driver.key(pygame.K_SPACE)
-    driver.frames(100)
+    driver.run(100)
     shown = set(driver.page.board.shown)
     keys = (pygame.K_1, pygame.K_2, pygame.K_3, pygame.K_4, pygame.K_5, pygame.K_7)
     for key, kind in zip(keys, kinds, strict=True):
@@ -71,8 +77,7 @@ def test_the_kymograph_shows_where_the_beads_were(driver: Driver) -> None:
 
 
 def test_curves_are_drawn_and_the_cursor_reads_them(driver: Driver) -> None:
-    driver.key(pygame.K_SPACE)
-    driver.frames(150)
+    driver.run(150)
     plot = driver.page.board.plots[0]
     striker = pygame.mask.from_threshold(plot.curves.surface, plot.content.colours[0], (60, 60, 60, 255))
     assert striker.count() > 60
@@ -91,8 +96,7 @@ def test_the_overlap_axis_is_logarithmic_or_linear(driver: Driver) -> None:
 
 def test_two_lanes_share_the_clock_and_show_their_difference() -> None:
     driver = Driver("beads-against-gear")
-    driver.key(pygame.K_SPACE)
-    driver.frames(120)
+    driver.run(120)
     first, second = driver.session.lanes
     assert first.state.time == second.state.time
     differences = [plot for plot in driver.page.board.plots if plot.content.title.startswith("second less first")]
@@ -162,3 +166,69 @@ def test_columns_of_a_dropped_branch_are_cleared():
     surface.invalidate_from(20)
     surface.update(0.0, 21.0, True, 10)
     assert pixels(surface)[22:] == [(0, 0)] * 28
+
+
+def momentum(setting: PlotSetting) -> PlotContent:
+    axis = linear_axis("", *setting.scales.momentum)
+    return PlotContent("momentum (N s)", axis, setting.bead_names("p"), setting.colours, lambda motion: motion.momentum)
+
+
+MOMENTUM = PlotKind("momentum", pygame.K_8, "momentum of each bead", momentum)
+
+
+def plots_of_momentum(driver: Driver) -> list[Plot]:
+    return [plot for plot in driver.page.board.plots if plot.content.title == "momentum (N s)"]
+
+
+def test_a_plot_in_the_table_has_its_key_and_its_place_on_the_board(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(PLOT_KINDS, MOMENTUM.name, MOMENTUM)
+    driver = Driver("one-on-four")
+    assert plots_of_momentum(driver) == []
+    driver.key(pygame.K_8)
+    driver.run(60)
+    (plot,) = plots_of_momentum(driver)
+    lane = driver.session.lanes[0]
+    assert plot.values_at(driver.session.frame) == pytest.approx(np.array(lane.chain.mass) * lane.velocity)
+    drawn = pygame.mask.from_threshold(plot.curves.surface, plot.content.colours[0], (60, 60, 60, 255))
+    assert drawn.count() > 20
+    driver.key(pygame.K_8)
+    assert plots_of_momentum(driver) == []
+
+
+def test_the_choice_of_plots_is_remembered() -> None:
+    for name in ("energy", "forces"):
+        driver = Driver("one-on-four")
+        driver.key(PLOT_KINDS[name].key)
+        driver.close()
+    for scene, more in (("one-on-four", []), ("beads-against-gear", ["difference"])):  # which one lane cannot show
+        driver = Driver(scene)
+        assert sorted(driver.page.board.shown) == sorted(["velocities", "overlaps", "energy", *more])
+        driver.close()
+
+
+def test_a_plot_of_two_lanes_exists_only_beside_two() -> None:
+    for scene, lanes in (("one-on-four", 1), ("beads-against-gear", 2)):
+        driver = Driver(scene)
+        assert ("difference" in driver.page.board.shown) == (lanes == 2)
+        driver.key(PLOT_KINDS["difference"].key)
+        assert any("needs two lanes" in text for text in driver.messages) == (lanes == 1)
+        driver.close()
+
+
+def test_no_difference_of_two_lanes_is_cut_by_its_axis():
+    scales = estimated_scales(scenes.load("beads-against-gear"), opened("beads-against-gear"))
+    for lane, (low, high) in enumerate((scales.velocity, (scales.pull, scales.force))):
+        axis = PLOT_KINDS["difference"].content(PlotSetting(scales, lane, 4, 1.0, True)).axis
+        assert axis.low <= low - high
+        assert axis.high >= high - low
+
+
+def test_space_time_has_a_scale_of_its_shades(driver):
+    driver.key(pygame.K_5)
+    driver.frames(3)
+    plot = next(plot for plot in driver.page.board.plots if isinstance(plot, StripPlot))
+    x = plot.area.right + round(6 * plot.unit) + 3
+    column = [sum(driver.app.surface.get_at((x, y))[:3]) for y in range(plot.area.top + 2, plot.area.bottom - 2)]
+    assert column[0] < 200  # the greatest force is dark
+    assert column[-1] > 700
+    assert all(b >= a - 3 for a, b in pairwise(column))

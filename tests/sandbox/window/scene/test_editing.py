@@ -1,0 +1,248 @@
+"""Edits by the pointer, by keys, by the inspector and the sweep of its sliders, and by the cards of the lanes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pygame
+import pytest
+from softcradle.physics import one_on, power_law, simulate
+from softcradle.sandbox.draw.palette import mix, tones
+from softcradle.sandbox.session.inputs import SetContact, SetMass, SetMethod, SetStep
+from softcradle.sandbox.session.lane_setup import setup_of
+from softcradle.sandbox.window.scene.editor import Pick
+from softcradle.sandbox.window.scene.inspector import COUNT, SweepBoard
+from softcradle.sandbox.window.widgets import number
+
+from softcradle import scenes
+from tests.helpers.sessions import opened
+from tests.helpers.windows import Driver
+
+SHIFT = pygame.KMOD_SHIFT
+
+
+def test_a_bead_is_placed_while_paused(driver: Driver) -> None:
+    x, y = driver.bead(0)
+    before = driver.session.lanes[0].position.copy()
+    driver.pull((x, y), (x - 60, y))
+    after = driver.session.lanes[0].position
+    assert after[0] < before[0]
+    assert after[0] - before[0] == pytest.approx(driver.page.view.lanes[0].metres(-60), rel=0.05)
+    assert np.array_equal(after[1:], before[1:])
+
+
+def test_a_bead_is_pulled_and_thrown_while_running(driver: Driver) -> None:
+    driver.run(5)
+    x, y = driver.bead(4)
+    driver.drag((x, y), (x + 120, y), steps=25)
+    pulled = driver.session.lanes[0].velocity[4]
+    assert pulled > 0.2
+    driver.release((x + 120, y))
+    thrown = driver.session.lanes[0].velocity[4]
+    driver.frames(10)
+    assert driver.session.lanes[0].velocity[4] == pytest.approx(thrown, rel=1e-6)
+    assert driver.session.health(0).level == "good"  # the work of the spring is booked
+
+
+def test_keys_convert_and_lock_one_contact_and_all(driver: Driver) -> None:
+    driver.key(pygame.K_l)
+    assert any("select a contact" in text for text in driver.messages)
+    driver.key(pygame.K_RIGHT)
+    driver.key(pygame.K_RIGHT)
+    assert driver.page.editor.selection == Pick(0, "contact", 0)
+    driver.key(pygame.K_g)
+    assert [law.preload > 0.0 for law in driver.session.lanes[0].chain.contact] == [True, False, False, False]
+    driver.key(pygame.K_g, SHIFT)
+    soft = driver.session.lanes[0].chain.contact
+    assert all(law.preload > 0.0 for law in soft)
+    for modifiers, locked in ((0, [True, False, False, False]), (SHIFT, [True] * 4)):
+        driver.key(pygame.K_l, modifiers)
+        assert [law != old for law, old in zip(driver.session.lanes[0].chain.contact, soft, strict=True)] == locked
+
+
+SCENE = """
+title = "Friction, loss and drive"
+duration = 5.0
+[[lanes]]
+beads = [1, 2]
+contact = {law = "draft_gear", stiffness = 100.0, precompression = 0.1, loss = 0.5}
+velocity = 1.0
+friction = 0.1
+drive = [0.5, 0.0, 0.0]
+"""
+
+
+def test_keys_do_nothing_while_a_number_is_typed(driver: Driver) -> None:
+    driver.click(driver.bead(2))
+    driver.click(driver.page.inspector.controls["mass"].entry.rect.center)
+    driver.type("r a")
+    assert driver.session.lanes[0].chain.contacts == 4
+    assert not driver.session.playing
+    driver.key(pygame.K_ESCAPE)
+    assert not driver.page.typing
+    driver.key(pygame.K_a)
+    assert driver.session.lanes[0].chain.contacts == 5
+
+
+def test_friction_drive_and_loss_have_sliders_where_the_scene_has_them(tmp_path: Path) -> None:
+    (tmp_path / "dissipative.toml").write_text(SCENE)
+    driver = Driver(str(tmp_path / "dissipative.toml"))
+    driver.click(driver.bead(0))
+    driver.enter("friction", "0.25")
+    driver.enter("drive", "0.75")
+    chain = driver.session.lanes[0].chain
+    assert (chain.friction, chain.drive) == (0.25, (0.75, 0.0, 0.0))
+    driver.key(pygame.K_RIGHT)
+    assert driver.page.editor.selection == Pick(0, "contact", 0)
+    slider = driver.page.inspector.controls["loss"].slider.sliding_button.rect
+    driver.pull(slider.center, (slider.centerx + 400, slider.centery))
+    driver.frames(2)
+    assert driver.session.lanes[0].chain.contact[0].loss == 0.95
+    driver.run(120)
+    assert driver.session.health(0).energy_error < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("text", "value"), [("0,5", 0.5), ("1/14", 1 / 14), ("\N{MINUS SIGN}2e-3", -2e-3), (" 7 ", 7.0)]
+)
+def test_numbers_are_read_as_people_type_them(text, value):
+    assert number(text) == value
+
+
+@pytest.mark.parametrize("text", ["", "x", "1/0", "1/", "--1"])
+def test_a_text_that_is_no_number_is_refused(text):
+    with pytest.raises(ValueError):  # noqa: PT011 - the inspector names the field and the text itself
+        number(text)
+
+
+def test_the_slider_goes_where_its_number_is(driver: Driver) -> None:
+    """After a typed number, and while the model changes it."""
+    driver.click(driver.bead(0))
+    driver.enter("velocity", "-8")
+    driver.frames(20)
+    control = driver.page.inspector.controls["velocity"]
+    assert control.parameter.value == -8.0
+    assert control.slider.current_value == pytest.approx(control.parameter.share(), abs=0.01)
+    driver.key(pygame.K_z, pygame.KMOD_CTRL)
+    driver.play(300)
+    driver.frames(20)
+    control = driver.page.inspector.controls["velocity"]
+    assert control.parameter.value < 0.5
+    assert control.slider.current_value == pytest.approx(control.parameter.share(), abs=0.01)
+
+
+def test_the_kind_of_a_contact_says_what_its_law_is(driver: Driver) -> None:
+    """A spring of 1 N/m is not hard."""
+    driver.page.editor.selection = Pick(0, "contact", 1)
+    driver.session.apply(SetContact(0, 1, power_law(1.0, 1.0)))
+    driver.frames(2)
+    lit = [button.text for button in driver.page.inspector.buttons if button.is_selected]
+    assert lit == ["alpha ≥ 1"]
+
+
+def test_a_coupler_is_of_none_of_the_kinds() -> None:
+    """Wagons are coupled: none of the three kinds is lit, and the buttons are there."""
+    driver = Driver("train-starting")
+    driver.select("contact", 1)
+    assert driver.page.inspector.buttons
+    assert not [button.text for button in driver.page.inspector.buttons if button.is_selected]
+
+
+CTRL = pygame.KMOD_CTRL
+
+
+def test_the_menu_switches_the_method_while_running(driver: Driver) -> None:
+    menu = driver.page.cards.menus[0]
+    driver.key(pygame.K_SPACE)
+    driver.click(menu.rect.center)
+    driver.frames(3)
+    options = menu.menu_states["expanded"].options_selection_list
+    item = next(one for one in options.item_list_container.elements if one.text == "euler")
+    driver.click(item.rect.center)
+    driver.frames(5)
+    assert driver.session.lanes[0].setup.method == "euler"
+
+
+def test_the_badge_is_red_when_the_method_is_past_its_limit() -> None:
+    driver = Driver("draft-gear-one-on-three")
+    driver.key(pygame.K_m, pygame.KMOD_SHIFT)
+    for _ in range(3):
+        driver.key(pygame.K_PLUS)
+    driver.session.apply(SetStep(None, 0.01))
+    driver.run(60)
+    health = driver.page.cards.health[0]
+    assert driver.session.lanes[0].setup.method == "euler"
+    assert health.level == "bad"
+    card = driver.page.cards.rects[0]
+    assert driver.app.surface.get_at((card.centerx, card.top))[:3] == mix(tones.background, tones.bad, 0.12)
+
+
+def chosen(driver: Driver) -> str:
+    return driver.page.cards.menus[0].selected_option[0]
+
+
+def test_the_menu_of_methods_follows_keys_undo_and_redo(driver: Driver) -> None:
+    driver.key(pygame.K_m, pygame.KMOD_SHIFT)
+    driver.key(pygame.K_m, pygame.KMOD_SHIFT)
+    assert chosen(driver) == "verlet"
+    for modifiers, name in ((CTRL, "euler"), (CTRL, "auto"), (CTRL | pygame.KMOD_SHIFT, "euler")):
+        driver.key(pygame.K_z, modifiers)
+        driver.frames(2)
+        assert chosen(driver) == name
+
+
+def test_no_badge_advises_the_method_that_failed() -> None:
+    for method, advice in (("conserving", "take more slow motion"), ("euler", "take conserving or a smaller step")):
+        setup = setup_of(scenes.load("one-on-four")).lanes[0].with_method(method)
+        assert setup.remedy == advice
+    session = opened("one-on-four", SetMethod(None, "conserving"), SetMass(0, 1, 1e-30))
+    session.step_frames(400)
+    assert "take conserving" not in session.health(0).sentence
+
+
+def swept(driver: Driver) -> SweepBoard:
+    """The board, when all is computed."""
+    board = driver.app.dialog
+    assert isinstance(board, SweepBoard)
+    driver.until(lambda: board.found is not None)
+    return board
+
+
+def test_each_of_nine_masses_has_the_motion_that_it_makes(driver: Driver) -> None:
+    driver.select("bead", 0)
+    driver.click(driver.page.inspector.controls["mass"].sweep.rect.center)
+    board = swept(driver)
+    masses = [variant.value for variant in board.found]
+    assert len(masses) == COUNT
+    assert masses == sorted(masses)
+    law = power_law(1.0, 0.1)
+    for variant in (board.found[4], board.found[7]):
+        chain = one_on(4, law, mass=[variant.value, 1.0, 1.0, 1.0, 1.0])
+        exact = simulate(chain, [1.0, 0.0, 0.0, 0.0, 0.0])
+        assert variant.motion.velocity[-1] == pytest.approx(exact.final_velocity, abs=5e-3)
+    assert board.focus == 4  # the present mass
+    driver.key(pygame.K_DOWN)
+    driver.key(pygame.K_RETURN)
+    assert driver.session.lanes[0].chain.mass[0] == masses[7]
+    driver.key(pygame.K_z, pygame.KMOD_CTRL)
+    assert driver.session.lanes[0].chain.mass[0] == 1.0
+
+
+def test_a_click_takes_a_value_and_a_key_sweeps_the_slider_used_last(driver: Driver) -> None:
+    driver.key(pygame.K_y)
+    assert "select a bead or a contact" in driver.messages[-1]
+    driver.select("contact", 1)
+    control = driver.page.inspector.controls["preload"]
+    driver.click((control.slider.rect.centerx, control.slider.rect.centery))
+    driver.key(pygame.K_y)
+    board = swept(driver)
+    assert board.parameter.key == "preload"
+    driver.frames(2)
+    wanted = board.found[8].value
+    driver.click(board.places[8].center)
+    assert driver.session.lanes[0].chain.contact[1].preload == pytest.approx(wanted)
+    driver.key(pygame.K_y)
+    swept(driver)
+    driver.key(pygame.K_ESCAPE)
+    assert not driver.app.dialog.open
