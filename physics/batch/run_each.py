@@ -106,10 +106,9 @@ def integrate_each(
             law, inverse_mass, none, external if braked else none, batch.anchor_bead[c], None, joints, knots,
             Dissipation(none, none),
         )  # fmt: skip
-        own = batch.law[c], batch.inverse_mass[c]
         regime = (
-            *own, none, loss, bed, slide if braked else slide[:0], easing if lossy else easing[:0], easing[:0], law[:0],
-            which[:0],
+            batch.law[c], batch.inverse_mass[c], none, loss, bed, slide if braked else slide[:0],
+            easing if lossy else easing[:0], easing[:0], law[:0], which[:0],
         )  # fmt: skip
         motion = moving.overlap[c], moving.rate[c], moving.anchor[c], moving.force[c], taken, mode, held
         log = contact, switch_time, moving.closed[c], moving.counter[c]

@@ -6,7 +6,7 @@ import sys
 
 import numpy as np
 import pytest
-from softcradle.physics.adaptive import dop853_tableau, radau_tableau
+from softcradle.physics.adaptive import dop853_tableau, radau
 from softcradle.physics.numerics.exact_matrices import exact_inverse, exact_product
 
 LAST_DIGIT = 2.3e-16
@@ -14,7 +14,7 @@ CORES = ("Prescott", "Haswell", "SkylakeX", "Zen")  # processors whose routines 
 
 PRINTED = """
 import hashlib
-from softcradle.physics.adaptive import dop853_tableau as d, radau_tableau as r
+from softcradle.physics.adaptive import dop853_tableau as d, radau as r
 arrays = (r.INVERSE, r.SQUARE_INVERSE, r.EMBEDDED, r.COARSE, d.SQUARE, d.WEIGHTS_SQUARE, d.THIRD_SQUARE, d.FIFTH_SQUARE)
 print(hashlib.sha256(b"".join(array.tobytes() for array in arrays)).hexdigest())
 """
@@ -38,10 +38,10 @@ def test_a_matrix_without_an_inverse_is_an_error():
 
 def test_gamma_is_the_reciprocal_of_the_eigenvalue_of_the_radau_method():
     """Of det(1 - z A) = 1 - 3/5 z + 3/20 z² - z³/60, whose root in 1/z is the eigenvalue (Hairer & Wanner, IV.8)."""
-    eigenvalue = 1.0 / radau_tableau.GAMMA
+    eigenvalue = 1.0 / radau.GAMMA
     assert eigenvalue == pytest.approx(3.0 + 9.0 ** (1 / 3) - 3.0 ** (1 / 3), rel=1e-15)
     assert eigenvalue**3 - 9.0 * eigenvalue**2 + 36.0 * eigenvalue == pytest.approx(60.0, rel=1e-15)
-    assert pytest.approx(1.0 / np.linalg.eigvals(radau_tableau.INVERSE).real.max(), rel=1e-12) == radau_tableau.GAMMA
+    assert pytest.approx(1.0 / np.linalg.eigvals(radau.INVERSE).real.max(), rel=1e-12) == radau.GAMMA
 
 
 def test_coefficients_do_not_depend_on_the_processor():
@@ -59,4 +59,4 @@ def test_products_of_the_tableaus_are_those_that_their_steps_need():
     tableau = dop853_tableau._TABLEAU
     assert pytest.approx(tableau @ tableau, abs=1e-12) == dop853_tableau.SQUARE
     assert dop853_tableau.WEIGHTS_SQUARE.sum() == pytest.approx(0.5, rel=1e-14)  # of d'' = 1: h²/2
-    assert exact_product(radau_tableau.INVERSE, radau_tableau.TABLEAU) == pytest.approx(np.eye(3), abs=1e-15)
+    assert exact_product(radau.INVERSE, radau.TABLEAU) == pytest.approx(np.eye(3), abs=1e-15)
