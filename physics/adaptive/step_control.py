@@ -263,6 +263,8 @@ def find_step(time, h, kind, alone, chain, regime, motion, wanted, slow, past_st
             if near < 1.0 and looked < FEW_TRIES and time + near * h > time:  # what is at the end of a step is exact
                 looked, row, tries, h = looked + 1, NO_CONTACT, 0, near * h
                 continue
+            if miss > FIRST_PART * h:  # all tries are spent, and the step does not reach the corner
+                row = NO_CONTACT
             return h, error, row, side, rejected
         counter[REJECTED] += 1
         row, tries = NO_CONTACT, 0  # a shorter step has events of its own
