@@ -166,8 +166,10 @@ def stays(row, h, chain, regime, motion, trial, inactive, slow):
         return least >= low - ROUND_OFF * high and most <= half
     # one that begins at d = 0 from rest, and is pressed in at the end: what neighbours hand on begins with any power of time
     inward, at_start = side_of(regime, row), motion.overlap[row] == 0.0 and abs(motion.rate[row]) <= slow
-    pressed = inward * trial.overlap[2, row] >= 0.0 and inward * trial.rate[2, row] >= 0.0
-    return at_start and pressed and inward * trial.overlap[2, row] < length_of(regime, row)
+    d0, d1, d2 = inward * trial.overlap[0, row], inward * trial.overlap[1, row], inward * trial.overlap[2, row]
+    pressed = 0.0 <= d0 <= d1 <= d2 and inward * trial.rate[2, row] >= 0.0
+    still = abs(trial.overlap[2, row]) <= slow * h and abs(trial.rate[2, row]) <= slow  # no more than round-off
+    return at_start and (still or (pressed and d2 < length_of(regime, row)))
 
 
 @piece

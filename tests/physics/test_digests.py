@@ -41,7 +41,7 @@ def test_digits_are_those_recorded(name, chain, velocity, method):
 
 @pytest.mark.parametrize(
     ("module", "name", "method"),
-    [("adaptive.step", "SAFETY", "accurate"), ("adaptive.adaptive_loop", "TOLERANCE_PART", "radau")],
+    [("adaptive.step_control", "SAFETY", "accurate"), ("adaptive.adaptive_loop", "TOLERANCE_PART", "radau")],
 )
 def test_a_constant_that_moves_by_its_last_digits_changes_a_digest(module, name, method):
     """By one part in 1e15, in a process whose kernels are plain Python, so that the constant can be replaced."""
