@@ -219,7 +219,7 @@ class Phase:
         force = self.force(time, y)
         low, high = self.bounds(time, y)
         noise = ROUND_OFF * (np.abs(force) @ np.abs(system.coupling)) / system.response
-        inside = (np.minimum(force - low, high - force) + noise) / high + SLACK
+        inside = (np.minimum(force - low, high - force) + noise) / np.maximum(high, TINY) + SLACK
         return by_overlap, by_velocity, np.where(self.fixed, inside, np.inf)
 
     def bounds(self, time: Any, y: Array) -> tuple[Array, Array]:

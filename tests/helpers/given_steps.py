@@ -27,16 +27,6 @@ NOTHING, CLOSES, OPENS, YIELDS, EASES, TURNS, STOPS, SLIPS = (
     "stops",
     "slips",
 )
-NOTHING, CLOSES, OPENS, YIELDS, EASES, TURNS, STOPS, SLIPS = (
-    "nothing",
-    "closes",
-    "opens",
-    "yields",
-    "eases",
-    "turns",
-    "stops",
-    "slips",
-)
 
 
 class Step:

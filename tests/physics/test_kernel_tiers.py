@@ -9,7 +9,8 @@ import numpy as np
 import pymunk
 import pytest
 from softcradle.physics import Chain, SoftChain, State, advance, hertz, kernel_tiers, one_on, power_law, simulate
-from softcradle.physics.adaptive.runner import KERNELS, PLAIN_PAUSE
+from softcradle.physics.adaptive.runner import PLAIN_PAUSE
+from softcradle.physics.adaptive.runner import TIERS as ADAPTIVE
 from softcradle.physics.fixed_step.runner import TIERS
 from softcradle.physics.kernel_tiers import KernelTiers, plain
 from softcradle.physics.numerics import kernel_cache
@@ -20,7 +21,8 @@ from tests.helpers.random_chains import random_collision
 
 pytest.importorskip("numba")
 pytestmark = pytest.mark.skipif(not COMPILED, reason="nothing compiles here")
-ALL = (KERNELS, *TIERS.values(), soft_chain.KERNELS)
+KERNELS = ADAPTIVE["adaptive"]
+ALL = (*ADAPTIVE.values(), *TIERS.values(), soft_chain.KERNELS)
 
 
 @pytest.fixture
@@ -270,7 +272,8 @@ def test_an_empty_cache_is_filled_behind(tmp_path):
     script = (
         "import os\n"
         "from softcradle import one_on, power_law, simulate\n"
-        "from softcradle.physics.adaptive.runner import KERNELS\n"
+        "from softcradle.physics.adaptive.runner import TIERS\n"
+        "KERNELS = TIERS['adaptive']\n"
         "from softcradle.physics.kernel_tiers import YIELDING\n"
         "KERNELS.compile_behind(YIELDING)\n"
         "print(KERNELS.in_memory, simulate(one_on(4, power_law(1, .1)), [1, 0, 0, 0, 0]).final_velocity.tolist())\n"

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from softcradle.physics import Contact, kernel_records
+from softcradle.physics.kernel_tiers import plain
 from softcradle.physics.numerics.own_contacts import OwnLaws, own_energy, own_force, own_inverse, own_slope
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.notebook.views import html_of
@@ -295,8 +296,8 @@ def test_slope_and_inverse_of_a_table(force, energy):
     law = OwnLaw(force)
     own = OwnLaws(np.zeros(1, dtype=np.int64), *kernel_records._tables((law,)))
     for overlap in 10.0 ** np.random.default_rng(2).uniform(-8.0, -1e-3, 50):
-        assert own_inverse(own, own.force, 0, own_force(own, 0, overlap)) == pytest.approx(overlap, rel=1e-9)
-        assert own_inverse(own, own.energy, 0, own_energy(own, 0, overlap)) == pytest.approx(overlap, rel=1e-9)
+        assert own_inverse(own, own.force, 0, plain(own_force)(own, 0, overlap)) == pytest.approx(overlap, rel=1e-9)
+        assert own_inverse(own, own.energy, 0, plain(own_energy)(own, 0, overlap)) == pytest.approx(overlap, rel=1e-9)
         digits = 1e-10 * force(overlap) / overlap  # that a difference of forces has
         assert own_slope(own, 0, overlap) == pytest.approx(law.slope(overlap), rel=1e-5, abs=digits)
     assert own_inverse(own, own.force, 0, 1e300) == math.inf

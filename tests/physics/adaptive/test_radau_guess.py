@@ -63,15 +63,16 @@ def test_a_soft_contact_goes_on_as_a_power_of_the_time_since_its_onset():
 
 def test_a_contact_at_rest_is_pushed_by_its_neighbour():
     force, overlap = np.zeros((3, 2)), np.zeros((3, 2))
-    law = np.array([[0.0, 2.0, 0.5], [0.0, 2.0, 0.5]])
-    set_pushed(0.1, law, np.array([1.0, 4.0, 1.0]), 1, 1, 1, 3.0, overlap, force)
+    chain = Chain([1.0, 0.25, 1.0], power_law(2.0, 0.5))
+    data, _, _ = records_of(chain, State.at_start(chain, [0.0, 0.0, 0.0]))
+    set_pushed(0.1, data, 1, 1, 1, 3.0, overlap, force)
     flown = 0.5 * (0.1 * NODES[1]) ** 2 * 4.0 * 3.0
     assert force[1, 1] == pytest.approx(2.0 * math.sqrt(flown))
     assert overlap[1, 1] == pytest.approx(flown)
-    set_pushed(10.0, law, np.array([1.0, 4.0, 1.0]), 1, 2, 1, 3.0, overlap, force)
+    set_pushed(10.0, data, 1, 2, 1, 3.0, overlap, force)
     assert force[2, 1] == pytest.approx(2.4)
     assert overlap[2, 1] == pytest.approx(1.44)
-    set_pushed(10.0, law, np.array([1.0, 4.0, 1.0]), 1, 0, 1, 0.0, overlap, force)
+    set_pushed(10.0, data, 1, 0, 1, 0.0, overlap, force)
     assert force[0, 1] == 0.0
 
 

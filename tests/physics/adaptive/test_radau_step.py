@@ -13,7 +13,7 @@ from softcradle.physics.adaptive.radau import AFTER, INSIDE, euler_stages, first
 from softcradle.physics.adaptive.radau_error import compliance, embedded_error
 from softcradle.physics.adaptive.step_records import empty_scratch, empty_trial
 from softcradle.physics.numerics.law_curve import NODES, care, signed_force
-from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
+from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING, ChainData
 
 from tests.helpers.plain_kernels import only_plain, records_of, row_matrix
 
@@ -193,7 +193,7 @@ def test_the_error_is_that_of_two_quadratures_filtered(seed):
     fine_w = reach * (drive - matrix @ motion.force) + embedded() @ by_rate
     fine_d = reach * motion.rate + embedded() @ by_overlap
     coarse_w, coarse_d = coarse() @ by_rate, coarse() @ by_overlap
-    give = [compliance(data.law, motion.mode, i, trial.overlap[2, i], trial.force[2, i]) for i in range(n)]
+    give = [compliance(data, motion.mode, i, trial.overlap[2, i], trial.force[2, i]) for i in range(n)]
     rows = [i for i in range(n) if give[i] >= 0.0]
     phi = np.zeros((2, n))
     if rows:
@@ -229,13 +229,14 @@ def coarse():
 
 def test_compliance():
     law = np.array([[0.0, 2.0, 0.5], [0.5, 2.0, 1.0], [0.0, 2.0, 1.5]])
+    data = ChainData(law, np.ones(2), np.zeros(0), np.zeros(0), 0)
     modes = np.array([LOADED, LOADED, LOADED])
-    assert compliance(law, modes, 0, 0.25, 1.0) == pytest.approx(0.5)  # of f = 2 sqrt(d)
-    assert compliance(law, modes, 1, 0.25, 1.0) == 0.5
-    assert compliance(law, modes, 2, -0.1, 0.0) == -1.0
-    assert compliance(law, modes, 0, 0.0, 0.0) == 0.0
+    assert compliance(data, modes, 0, 0.25, 1.0) == pytest.approx(0.5)  # of f = 2 sqrt(d)
+    assert compliance(data, modes, 1, 0.25, 1.0) == 0.5
+    assert compliance(data, modes, 2, -0.1, 0.0) == -1.0
+    assert compliance(data, modes, 0, 0.0, 0.0) == 0.0
     for mode, wanted in ((OPEN, -1.0), (FROZEN, -1.0), (TOUCHING, 0.0)):
-        assert compliance(law, np.array([mode]), 0, 0.25, 1.0) == wanted
+        assert compliance(data, np.array([mode]), 0, 0.25, 1.0) == wanted
 
 
 def test_a_guess_by_the_step_before_is_as_good_as_its_cubic():
