@@ -26,7 +26,9 @@ from softcradle.physics.adaptive.constants import ROUND_OFF, TOLERANCE_PART
 from softcradle.physics.adaptive.runner import DOUBT, sampled, scale_of
 from softcradle.physics.adaptive.step_records import ERROR_EXPONENT, RADAU
 from softcradle.physics.adaptive.usual_budget import STEPS_A_CONTACT, usual_steps
-from softcradle.physics.chain import Chain, per_chain
+from softcradle.physics.chain import Chain, Joint, per_chain
+from softcradle.physics.contact import Contact
+from softcradle.physics.coupler import Coupler
 from softcradle.physics.fixed_step import runner as fixed_step
 from softcradle.physics.kernel_records import law_rows
 from softcradle.physics.problem import NO_TIMES, SAMPLED, Problem, Record, continued_switches, with_ends_as_samples
@@ -39,7 +41,6 @@ EPSILON = float(np.finfo(np.float64).eps)
 
 # What a run promises, and when another one has to confirm it
 PROMISED = 10.0  # tolerances: errors up to these are promised
-AGREES = 0.1  # of what is promised: a coarser run that ends no further away confirms
 MOST_GROWN = 8.0  # errors that grow by more have to be confirmed by another run: `mixed` is off by 40 tolerances at 10
 GROWN_ANYWAY = 8.0  # of that factor: what another run does not tell, because it is the same in both
 LEAST_PROMISED = (
@@ -96,9 +97,8 @@ def to_its_end(problem: Problem) -> Record:
 def confirmed(problem: Problem, record: Record) -> Record:
     """The record, if its errors hardly grow or another run of a slightly different chain agrees with it; else a finer one.
 
-    The other run is a coarser one, which takes the fewest steps: where it ends within a tenth of what is promised of the record,
-    the latter is off by less than what is promised; at half of that `weak-contact` was off by 1.1 times as much at 1e-4. Where it
-    does not, finer ones decide.
+    The other run is a coarser one, which takes the fewest steps: where it ends within half of what is promised of the record, the
+    latter is off by less than that, as a rule by far. Where it does not, finer ones decide.
     """
     if record.growth <= MOST_GROWN or record.warnings:
         return record
@@ -108,7 +108,7 @@ def confirmed(problem: Problem, record: Record) -> Record:
     coarser = to_its_end(replace(coarse, samples=2, later=False, most_steps=2 * record.steps + STEPS_A_CONTACT))
     apart = np.abs(coarser.end.velocity(problem.chain) - record.end.velocity(problem.chain))
     promised = PROMISED * max(problem.tolerance, LEAST_PROMISED) * scale_of(problem)
-    if coarser.warnings or record.steps > ALIKE * coarser.steps or not apart.max() <= AGREES * promised:
+    if coarser.warnings or record.steps > ALIKE * coarser.steps or not apart.max() <= 0.5 * promised:
         return _with_cost_of(_finer(problem, record), coarser)
     return replace(_with_cost_of(record, coarser), velocity_error=DOUBT * apart + _error_anyway(record))
 
@@ -169,13 +169,30 @@ def _with_cost_of(record: Record, other: Record) -> Record:
 
 
 def _shaken(chain: Chain, part: float) -> Chain:
-    """The chain with masses that differ by a part of them: so do all accelerations, whatever the laws.
+    """The chain with forces that differ by a part of them; where a law is one's own, with masses that do.
 
-    The heaviest bead stays the heaviest, for its velocity is the one that a State holds.
+    Masses turn the phase of a bead that is pressed from both sides, forces hardly do: so these where they can be changed. The
+    heaviest bead stays the heaviest, for its velocity is the one that a State holds.
     """
+    if not chain.own_laws:
+        factors = _up_and_down(part, chain.contacts).tolist()
+        return replace(chain, contact=tuple(map(_stronger, chain.contact, factors)))
     mass = np.array(chain.mass) * _up_and_down(part, len(chain.mass))
     mass[chain.anchor] = (1.0 + EPSILON) * mass.max()
     return replace(chain, mass=tuple(mass.tolist()))
+
+
+def _stronger(contact: Joint, factor: float) -> Joint:
+    """A contact or coupler with forces times a factor."""
+    if isinstance(contact, Coupler):
+        pull = contact.pull and _times(contact.pull, factor)
+        return replace(contact, push=_times(contact.push, factor), pull=pull, stop=factor * contact.stop)
+    assert isinstance(contact, Contact)
+    return _times(contact, factor)
+
+
+def _times(contact: Contact, factor: float) -> Contact:
+    return replace(contact, preload=contact.preload * factor, stiffness=contact.stiffness * factor)
 
 
 def _up_and_down(part: float, size: int) -> Array:

@@ -92,7 +92,9 @@ def geometry(
     above = Rect(main.left, main.top, main.width, round(main.height - plots_height - card))
     top = above.bottom + round(8 * unit) + card
     below = Rect(main.left, top, main.width, max(round(LEAST_PLOT_ROW * unit), main.bottom - top))
-    beads, insets, bars = _beads(above, unit, lanes, len(rows) < 2, explore)
+    beads, insets, bars = _beads(
+        above, unit, lanes, len(rows) < 2 and not card, explore, LANE_BESIDE_CARD[1] if card else LEAST_LANE
+    )
     return Geometry(toolbar, footer, right, beads, insets, bars, _plots(below, unit, rows))
 
 
@@ -110,15 +112,17 @@ def most_plot_rows(size: tuple[int, int], unit: float, lanes: int, card: int = 0
     return max(1, int(room / LEAST_PLOT_ROW))
 
 
-def _beads(rect: Rect, unit: float, lanes: int, roomy: bool, explore: bool) -> tuple[tuple[Rect, ...], Rect, Rect]:
-    """Rectangles of the lanes, the insets and the energy bars."""
+def _beads(
+    rect: Rect, unit: float, lanes: int, roomy: bool, explore: bool, least: float
+) -> tuple[tuple[Rect, ...], Rect, Rect]:
+    """Rectangles of the lanes, the insets and the energy bars, which go where one lane would be lower than `least`."""
     if lanes > 1 or explore:
         none = Rect(rect.left, rect.bottom, rect.width, 0)
         pitch, gap = rect.height / lanes, round(4 * unit)
         rects = [Rect(rect.left, round(rect.top + k * pitch), rect.width, round(pitch) - gap) for k in range(lanes)]
         return tuple(rects), none, none
-    bars = round(ENERGY_BARS * unit) if roomy and rect.height > (LEAST_LANE + ENERGY_BARS) * unit else 0
-    insets = round(INSETS * unit) if rect.height - bars > (LEAST_LANE + INSETS) * unit else 0
+    bars = round(ENERGY_BARS * unit) if roomy and rect.height > (least + ENERGY_BARS) * unit else 0
+    insets = round(INSETS * unit) if rect.height - bars > (least + INSETS) * unit else 0
     lane = Rect(rect.left, rect.top, rect.width, rect.height - insets - bars)
     below = Rect(rect.left, lane.bottom, rect.width, insets)
     return (lane,), below, Rect(rect.left, below.bottom, rect.width, bars)

@@ -137,7 +137,7 @@ def test_a_finer_run_that_follows_more_confirms_nothing(monkeypatch: pytest.Monk
     assert not found.warnings
 
 
-@pytest.mark.parametrize(("growth", "taken"), [(29.0, []), (500.0, [1e-5]), (2000.0, [1e-7, 1e-8])])
+@pytest.mark.parametrize(("growth", "taken"), [(7.0, []), (500.0, [1e-5]), (2000.0, [1e-7, 1e-8])])
 def test_the_more_errors_grow_the_more_runs_confirm(
     growth: float, taken: list[float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
