@@ -48,8 +48,10 @@ LEAST_PROMISED = (
 )
 # Other runs
 FINER = 10.0  # ratio of the tolerances of successive runs
-# growth of errors beyond which another run may agree by chance: two finer ones have to confirm such a motion
+# Where errors grow by more, or where a run states more than this part of the closing speed, another run may agree with it by
+# chance: differences tell of errors as long as these are small. A coarser one then confirms nothing, and two finer ones have to.
 MOST_TRUSTED = FINER**3
+MOST_STATED = 0.3
 # Times the steps of a run that the order of radau asks for in one as much finer. A finer one that takes more of them may follow
 # what the other damped: a coarser run then confirms nothing, and with the square of it a finer one neither.
 ALIKE = FINER ** ERROR_EXPONENT[RADAU]
@@ -102,7 +104,7 @@ def confirmed(problem: Problem, record: Record) -> Record:
     """
     if record.growth <= MOST_GROWN or record.warnings:
         return record
-    if record.growth > MOST_TRUSTED:
+    if _agrees_by_chance(record, FINER, problem):
         return _finer(problem, record)
     coarse = _shaken_run(problem, FINER * problem.tolerance, 0)
     coarser = to_its_end(replace(coarse, samples=2, later=False, most_steps=2 * record.steps + STEPS_A_CONTACT))
@@ -121,6 +123,7 @@ def _finer(problem: Problem, record: Record) -> Record:
     scale = scale_of(problem)
     allowed = max(problem.tolerance, LEAST_PROMISED) * scale
     tolerance, runs, confirming, usual, steps = problem.tolerance, 0, 0, usual_steps(problem, scale), record.steps
+    chance = _agrees_by_chance(record, 1.0, problem)
     while not record.warnings:
         tolerance, runs = max(tolerance / FINER, ROUND_OFF), runs + 1
         finest = tolerance < 2.0 * ROUND_OFF  # a run as fine as another agrees with it, whatever both are off by
@@ -131,7 +134,8 @@ def _finer(problem: Problem, record: Record) -> Record:
         if finer.status == Status.UNDETERMINED:
             return replace(_with_cost_of(record, finer), status=Status.UNDETERMINED, velocity_error=error)
         confirming = confirming + 1 if agrees and finer.steps <= ALIKE**2 * steps else 0
-        if confirming >= (2 if finer.growth > MOST_TRUSTED else 1):
+        before, chance = chance, _agrees_by_chance(finer, 1.0, problem)
+        if confirming >= (2 if chance or before else 1):
             return replace(_with_cost_of(record, finer), velocity_error=error)
         steps, record = finer.steps, replace(_with_cost_of(finer, record), velocity_error=error)
         if finest or record.steps + finer.steps > usual:
@@ -140,6 +144,13 @@ def _finer(problem: Problem, record: Record) -> Record:
             # what its budget leaves unconfirmed may be off by more than the difference
             return record if finest or agrees else replace(record, velocity_error=FINER * error)
     return record
+
+
+def _agrees_by_chance(record: Record, coarser: float, problem: Problem) -> bool:
+    """Whether a run as fine as the record's, or `coarser` by this factor, may agree with another by chance."""
+    return record.growth > MOST_TRUSTED or coarser * float(record.velocity_error.max()) > MOST_STATED * scale_of(
+        problem
+    )
 
 
 def _error_anyway(record: Record) -> Array:

@@ -1,6 +1,6 @@
 """Two tiers of the kernels that Python calls: machine code, and the same source as plain Python until that is at hand.
 
-Machine code is made once a machine, which takes up to half a minute. Plain Python gives the same digits at once, some hundred
+Machine code is made once a machine, which takes up to a minute or so. Plain Python gives the same digits at once, some hundred
 times slower. So a run begins in plain Python while a process behind compiles into the cache on the disk; what is too long for
 plain Python waits for it. SOFTCRADLE_COMPILE=first compiles before the first run, in its own process.
 """
@@ -40,7 +40,7 @@ WAITING = (
     "Ctrl+C is harmless"
 )
 
-FIRST = "compiling for this machine, about half a minute for a method; the next start loads it from the disk"
+FIRST = "compiling for this machine, about a minute for a method; the next start loads it from the disk"
 SLOW = "numba is not installed: methods run as plain Python, a hundred times slower; pip install 'softcradle[fast]'"
 
 logger = logging.getLogger("softcradle")

@@ -13,7 +13,7 @@ SOFT_CHAIN, ENSEMBLE_ENDS = "SoftChain", "ensemble_ends"  # what else has kernel
 def warm(methods: Iterable[str] | str | None = None) -> None:
     """Compile what `simulate` and `advance` need for these methods, or load it where it has been compiled before.
 
-    On a new machine this takes about half a minute a method, later a fraction of a second; the logger ``softcradle`` tells of it.
+    On a new machine this takes about a minute a method, later a fraction of a second; the logger ``softcradle`` tells of it.
 
     Parameters
     ----------

@@ -33,14 +33,14 @@ from softcradle.physics.adaptive.row_graphs import (
     slack_of,
 )
 from softcradle.physics.numerics.bead_velocities import bead_velocities
-from softcradle.physics.numerics.jit import inlined, piece
+from softcradle.physics.numerics.jit import inlined
 from softcradle.physics.numerics.law_curve import NODES, curve_force, is_continued
 from softcradle.physics.numerics.records import LOADED, NO_CONTACT, OPEN, TOUCHING, ZERO
 
 BEFORE, AFTER = 5, 6  # rows (n+1,) of the work array: velocities of the beads at both ends of a step
 
 
-@piece
+@inlined
 def closes_inactive(chain, i, inactive, rate, end_rate, end_overlap):
     """True where a contact closes so slowly, and has so little energy at the end, that its closing may be passed over.
 
@@ -154,6 +154,8 @@ def stays(row, h, chain, regime, motion, trial, inactive, slow):
             needed = max(needed, abs(friction_needed(j, chain, regime, f[k], h * NODES[k])))
         return needed < 0.5 * least
     if motion.mode[row] == OPEN:
+        if motion.rate[row] == 0.0 == trial.rate[2, row] and trial.overlap[2, row] == motion.overlap[row]:
+            return True  # far from all that moves
         return flies_apart(row, chain, regime, motion, trial) or closes_inactive(
             chain, row, inactive, motion.rate[row], trial.rate[2, row], trial.overlap[2, row]
         )
@@ -172,7 +174,7 @@ def stays(row, h, chain, regime, motion, trial, inactive, slow):
     return at_start and (still or (pressed and d2 < length_of(regime, row)))
 
 
-@piece
+@inlined
 def first_corner(h, chain, regime, motion, trial, landing, landing_side, inactive, slow, work):
     """The first corner within the step: (row, side, part of the step, miss [s], near); row -1 where there is none.
 
@@ -233,7 +235,7 @@ def nearest(i, side, h, b, chain, regime, motion, trial):
 NONE = 2.0  # in place of a part of the step: there is no root
 
 
-@piece
+@inlined
 def hermite_quintic(h, y0, v0, a0, y1, v1, a1):
     """Bernstein coefficients of the quintic through values, rates and accelerations of both ends of a step of length h."""
     return (
@@ -246,7 +248,7 @@ def hermite_quintic(h, y0, v0, a0, y1, v1, a1):
     )
 
 
-@piece
+@inlined
 def hermite_cubic(h, y0, v0, y1, v1):
     """Bernstein coefficients, of degree 5, of the cubic through values and rates of both ends of a step of length h."""
     b1, b2 = y0 + h * v0 / 3.0, y1 - h * v1 / 3.0
@@ -266,7 +268,7 @@ def elevated(b0, b1, b2, b3):
     )
 
 
-@piece
+@inlined
 def stage_cubic(y0, y1, y2, y3):
     """Bernstein coefficients, of degree 5, of the cubic through the start and the stages of a step."""
     c1, c2 = NODES[0], NODES[1]
@@ -319,7 +321,7 @@ def safe_move(b):
     return 0.0 if b[1] < 0.0 or b[2] < 0.0 else FIRST_PART
 
 
-@piece
+@inlined
 def first_root(b):
     """The first part x in [0, 1] at which the quintic with coefficients `b` turns from positive to negative; NONE without."""
     if min(b[1], b[2], b[3], b[4], b[5]) >= 0.0:

@@ -39,7 +39,9 @@ def is_active(i, h, inactive, chain, motion):
     if motion.mode[i] == TOUCHING:
         return True
     law, rate = chain.law, motion.rate[i]
-    if motion.overlap[i] < 0.0 or (motion.overlap[i] == 0.0 and rate < 0.0):  # a coupler that pulls
+    if law.shape[1] > 3 and (
+        motion.overlap[i] < 0.0 or (motion.overlap[i] == 0.0 and rate < 0.0)
+    ):  # a coupler that pulls
         return True
     reach = motion.overlap[i] + max(rate, 0.0) * h
     end = curve_force(law, chain.own, i, reach) if reach > 0.0 else 0.0
@@ -47,7 +49,7 @@ def is_active(i, h, inactive, chain, motion):
     return rate > inactive or push * h > inactive or push * max(reach, 0.0) > inactive * inactive
 
 
-@piece
+@inlined
 def next_range(after, h, inactive, chain, motion):
     """The next range [first, last) of active contacts from contact `after` on, with a margin; (n, n) where there is none."""
     n = motion.mode.size
@@ -67,7 +69,7 @@ def next_range(after, h, inactive, chain, motion):
     return max(first - MARGIN, after), min(last + MARGIN, n)
 
 
-@piece
+@inlined
 def accelerate(first, last, passed, chain, mode, carried, overlap, force, acceleration, upper):
     """Forces (n,) and overlap accelerations (n,) in a range, from the overlaps of one stage, `passed` [s] after now.
 
@@ -131,7 +133,7 @@ def anchor_acceleration(chain, force, passed):
     return net * inverse_mass[anchor_bead] + drive_at(chain, force.size, passed)
 
 
-@piece
+@inlined
 def dop853_step(h, inactive, firm, chain, motion, trial, scratch):
     """One step into `trial`: overlaps, rates and forces at its end, and for the event finder at the nodes of `radau`.
 
@@ -226,7 +228,7 @@ def nearly_opens(h, overlap, rate, end_overlap, end_rate):
     return least < GRAZE * max(overlap, end_overlap)
 
 
-@piece
+@inlined
 def error_of_range(h, first, last, chain, motion, trial, force):
     """Error of a step as a velocity [m/s]; of order 5 alone where a soft contact begins to push in it, ceases to, or nearly does.
 
@@ -269,14 +271,14 @@ def error_of_range(h, first, last, chain, motion, trial, force):
     return worst
 
 
-@piece
+@inlined
 def frequency_of(chain, i, overlap):
     """The local frequency, squared, of contact i at `overlap` > 0 [1/s²]."""
     slope = curve_slope(chain.law, chain.own, i, overlap, force_at(chain, i, overlap))
     return (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * slope
 
 
-@piece
+@inlined
 def force_at(chain, i, overlap):
     """Force of contact i, loaded, at `overlap`."""
     return curve_force(chain.law, chain.own, i, overlap)

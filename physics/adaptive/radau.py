@@ -123,7 +123,7 @@ def first_guess(h, chain, motion, past_step, origin, past, trial):
                     set_pushed(h, chain, i, k, i + 1, push, stage_overlap, stage_force)
 
 
-@piece
+@inlined
 def time_since_onset(law, mode, overlap, rate, force):
     """Time since the overlap of the soft contact that pushes most was zero, had its rate been constant; negative until then."""
     largest, since = 0.0, 1e30
@@ -133,7 +133,7 @@ def time_since_onset(law, mode, overlap, rate, force):
     return since
 
 
-@piece
+@inlined
 def set_pushed(h, chain, i, k, bead, push, stage_overlap, stage_force):
     """Guess for contact i at rest when its neighbour pushes `bead`: what the bead would fly, at most most of the push."""
     if push <= 0.0:
@@ -391,7 +391,7 @@ def move_anchor(h, chain, anchor, trial):
         end_anchor[1] += h * TABLEAU[2, j] * acceleration
 
 
-@piece
+@inlined
 def radau_step(h, chain, motion, precision, past_step, origin, trial, scratch):
     """One step into `trial`; `past_step` is the length of the one before; for `origin` see `first_guess`.
 

@@ -6,14 +6,14 @@ import math
 
 from softcradle.physics.adaptive.constants import KINK, RATIO, ROUND_OFF
 from softcradle.physics.adaptive.radau import COARSE, EMBEDDED, GAMMA
-from softcradle.physics.numerics.jit import piece
+from softcradle.physics.numerics.jit import inlined
 from softcradle.physics.numerics.knots import drive_at
 from softcradle.physics.numerics.law_curve import care, curve_slope, flow_into, larger
 from softcradle.physics.numerics.own_contacts import bend_passed
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
 
 
-@piece
+@inlined
 def compliance(chain, mode, i, overlap, force):
     """dd/df of contact i: 0 while it touches, -1 for a contact that carries no force at all."""
     if mode[i] == OPEN or mode[i] == FROZEN:
@@ -24,7 +24,7 @@ def compliance(chain, mode, i, overlap, force):
     return 1.0 / slope if slope > 0.0 else -1.0
 
 
-@piece
+@inlined
 def embedded_error(h, chain, motion, trial, work):
     """Error of the step as a velocity [m/s] from two embedded quadratures, of orders h**4 and h**3; `work` (3 or more, n+1).
 

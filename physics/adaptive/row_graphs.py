@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.numerics.jit import inlined, piece
+from softcradle.physics.numerics.jit import inlined
 from softcradle.physics.numerics.knots import drive_at, put_values
 from softcradle.physics.numerics.law_curve import BEFORE, LAW_SIDE, STOP, curve_force, flow_into
 
@@ -150,7 +150,7 @@ def bead_bend(chain, regime, j):
     return found - regime.slide[j] * knots.brake_slope[j] if regime.bed.size and knots.brake_slope.size else found
 
 
-@piece
+@inlined
 def drive_overlaps(chain, regime):
     """What all contacts and the anchor bead see of the forces from outside, and of friction of beads that slide."""
     n, bend = regime.inverse_mass.size - 1, chain.knots.bend
@@ -163,7 +163,7 @@ def drive_overlaps(chain, regime):
         bend[n] = bead_bend(chain, regime, chain.anchor_bead)
 
 
-@piece
+@inlined
 def put_drive(time, chain, regime):
     """Let forces and brakes be those at `time`; returns whether beads that nothing touches move otherwise than in parabolas."""
     acts = put_values(time, chain.knots, regime.push, regime.bed)

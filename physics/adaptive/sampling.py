@@ -26,7 +26,7 @@ from softcradle.physics.numerics.records import FROZEN, KEPT, SAMPLE, ChainData,
 from softcradle.physics.numerics.switches import copy_into
 
 
-@piece
+@inlined
 def absorbed_between(chain, regime, before, moved, end, path):
     """Energy [J] that (contacts, the bed) absorb while overlaps go from `before` to `end` (n,), and the anchor bead by `path`.
 
@@ -63,7 +63,7 @@ def bead_paths(chain, before, end, path, moved):
         moved[j + 1] = moved[j] - (end[j] - before[j])
 
 
-@piece
+@inlined
 def changing_work(h, chain, regime, motion, trial, work):
     """(work of forces over time, what brakes absorb beyond their strength at the start) [J] in a step of length `h`.
 
@@ -123,7 +123,7 @@ def carry_step(keeps, k, chain, regime, motion, stage_force, stage_overlap, step
             at = carry(keeps, row, carry(keeps, row, at, stage_force[s]), stage_overlap[s])
 
 
-@piece
+@inlined
 def keep_step(time, length, kind, chain, regime, motion, trial, steps, counter):
     """Keep the step from `time` of `length` [s] into `trial`, or the flight, with the motion at its start."""
     k = counter[KEPT]

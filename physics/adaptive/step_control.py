@@ -107,7 +107,7 @@ def soft_contacts(chain, motion, wanted):
     return reach, left, push
 
 
-@piece
+@inlined
 def before_opening(left, push, wanted):
     """A step that ends just before an opening, the closer the less it matters: its error is that of (t_o - t)**a."""
     return left * (0.9 if push > 1e3 * wanted else 0.99 if push > 10.0 * wanted else 0.999)
@@ -165,7 +165,7 @@ def update_control(control, h, kind, error, near, landing, rejected, wanted):
         control[NEXT] = min(control[NEXT], max(h, SAFETY * SAFETY * rejected))
 
 
-@piece
+@inlined
 def take_step(h, kind, firm, chain, motion, wanted, past_step, origin, trial, scratch, log):
     """One step into `trial`; returns -1 where its stages do not converge, else the error of dop853. `firm`: beads may stick."""
     log.counter[EVALUATION] += TRY_EVALUATIONS[kind]
@@ -209,7 +209,7 @@ def measured_exponent(exponent, h, error, length_before, error_before):
     return exponent
 
 
-@piece
+@inlined
 def find_step(time, h, kind, alone, chain, regime, motion, wanted, slow, past_step, trial, scratch, log, most_steps):
     """Find the step that holds the error and ends at the first event in it, if any; `alone`: dop853 takes every step.
 
@@ -253,8 +253,8 @@ def find_step(time, h, kind, alone, chain, regime, motion, wanted, slow, past_st
             else:
                 row, side, h = found, its_side, part * h
             continue
-        if found >= 0 and part * h < h + min(miss, 0.0) and h > least:
-            # an event that was not met in so many tries: no step passes over it
+        if ((found >= 0 and part * h < h + min(miss, 0.0)) or miss < -FIRST_PART * h) and h > least:
+            # an event that was not met in so many tries, or that at which the step was to end: no step passes over it
             counter[REJECTED] += 1
             row, tries, h = NO_CONTACT, 0, SHRINK * h
             continue

@@ -66,6 +66,9 @@ def grow_errors(row, side, chain, regime, motion, wanted, scratch):
     for i in range(motion.mode.size):
         inward = side_of(regime, i)
         loaded, rate, overlap = motion.mode[i] == LOADED, inward * motion.rate[i], inward * motion.overlap[i]
+        quiet = abs(rate) <= slowest if loaded else course[i] == 0.0
+        if quiet and i != row and scratch.lateness[i] == 0.0:
+            continue
         own = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * motion.force[i]
         others = own - flow_into(i, chain.inverse_mass, motion.force)
         others = inward * (others + drive_at(chain, i, 0.0))
@@ -90,7 +93,7 @@ def grow_errors(row, side, chain, regime, motion, wanted, scratch):
             scratch.grown[i] = max(scratch.grown[i], grown)
 
 
-@piece
+@inlined
 def swing_push(i, weight, fastest, chain):
     """Acceleration by contact i where it holds the energy of the rate `fastest`: about that of the push it swings against."""
     depth = curve_depth(chain.law, chain.own, i, 0.5 * fastest * fastest / weight)
@@ -121,7 +124,7 @@ def return_to_touch(i, fastest, rate, least, others, chain, control):
         control[LOCAL_SQUARE] = max(control[LOCAL_SQUARE], error * error)
 
 
-@piece
+@inlined
 def find_openings(h, kind, firm, chain, motion, wanted, past_step, trial, look, scratch, log):
     """When within the step contacts open without an event, into `scratch.opening`: by the quintic of both ends, then, where
     the stages tell that it may be off, by shorter steps of the method, tried in `look`."""

@@ -12,7 +12,7 @@ beads that move as one have equal accelerations to the last digit.
 
 from __future__ import annotations
 
-from softcradle.physics.numerics.jit import inlined, piece
+from softcradle.physics.numerics.jit import inlined
 
 
 @inlined
@@ -88,7 +88,7 @@ def clip(low, high, slow, fast, knots, count):
     return kept + 2
 
 
-@piece
+@inlined
 def balance(inverse_mass, load, give, low, high, acceleration, force, bounds, knots):
     """Solve for the accelerations (n+1,) and forces (n,) of a chain.
 

@@ -210,7 +210,7 @@ def single_step(h, chain, motion, beads, work, forced, whole):
     return used, 1.0
 
 
-@jit
+@inlined
 def gradient_step(h, chain, motion, beads, work):
     """One step in place, in shorter ones where it does not converge and cut where a bead stops or a contact reverses.
 

@@ -137,7 +137,7 @@ def slide(h, j, chain, force, beads):
     beads[FRICTION, j] = 0.0 if bed == 0.0 else (STICKS if stuck else math.copysign(bed, -u))
 
 
-@jit
+@inlined
 def distance_to_bend(h, i, chain, rate, up, beads, work):
     """How far s_i has to move (up, or down) until the contact leaves its vertical piece or a bead beside it breaks loose."""
     weight, ahead, s = 0.5 * h * h * work[DIAGONAL, i], 0.5 * h * rate, work[UNKNOWN, i]
@@ -155,7 +155,7 @@ def distance_to_bend(h, i, chain, rate, up, beads, work):
     return found if up else -found
 
 
-@jit
+@inlined
 def lossy_resolvent(preload, stiffness, exponent, loss, start, start_power, ahead, least, at_hold, weight, s, guess):
     """The one (d1, g) with d1 - start + weight g = s, and dg/ds, for start >= 0; q is from `least` to `at_hold` at the overlap
     start + `ahead` where w1 = 0."""
@@ -243,7 +243,7 @@ def solve_all(h, chain, motion, beads, work):
         slide(h, j, chain, motion.force, beads)
 
 
-@jit
+@inlined
 def sweep(h, chain, motion, beads, work):
     """Solve each row alone for its s, by bisection, once from left to right and once back."""
     n, s = motion.overlap.size, work[UNKNOWN]

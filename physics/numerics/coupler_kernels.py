@@ -24,7 +24,7 @@ def is_joint(joints, i):
     return joints.first.size > 0 and joints.first[i + 1] > joints.first[i]
 
 
-@jit
+@inlined
 def joint_force(joints, i, overlap, rate):
     """Force of coupler i at `overlap`, by the sign of its rate; 0 or more is the way up."""
     total = 0.0
@@ -48,7 +48,7 @@ def joint_fall(joints, i, before, after, lost):
     return fall
 
 
-@jit
+@inlined
 def joint_mean_force(joints, i, start, moved, up):
     """Mean force of coupler i from overlap `start` to `start` + `moved`, on the way `up` or down, and its slope by `moved`.
 
@@ -76,7 +76,7 @@ def joint_mean_force(joints, i, start, moved, up):
     return total, slope
 
 
-@jit
+@inlined
 def joint_resolvent(joints, i, start, ahead, weight, s):
     """The one (x, g) of coupler i with x + weight g = s, and dg/ds: x the way of its overlap, g the mean force over it.
 

@@ -25,7 +25,7 @@ SMALLEST = 1e-290  # an overlap below is zero: the contact then is vertical, wha
 BEFORE, STOP, LAW_SIDE = 3, 4, 5  # columns of a law with segments, after preload, stiffness, exponent
 
 
-@jit
+@inlined
 def signed_force(preload, stiffness, exponent, overlap):
     """``F + K d**a``, continued oddly to d < 0 where the law has a preload or a = 1, else 0 there."""
     if overlap > 0.0:
@@ -37,7 +37,7 @@ def signed_force(preload, stiffness, exponent, overlap):
     return preload - stiffness * power(-overlap, exponent)
 
 
-@jit
+@inlined
 def slope_at(preload, stiffness, exponent, overlap, force):
     """df/dd on the curve; inf where it is vertical, 0 where the contact is open."""
     if exponent == 1.0:
@@ -49,7 +49,7 @@ def slope_at(preload, stiffness, exponent, overlap, force):
     return exponent * (force - preload) / overlap
 
 
-@jit
+@inlined
 def care(exponent, swing, faster):
     """Weight of a contact's error: 1 + min(h²ω², 1) min(ω/ω_slowest, MOST_CARE) for a < 1, else 1.
 
@@ -60,7 +60,7 @@ def care(exponent, swing, faster):
     return 1.0 + min(swing, 1.0) * min(math.sqrt(faster), MOST_CARE) if exponent < 1.0 else 1.0
 
 
-@jit
+@inlined
 def larger(a, b):
     """The larger of two errors; nan where either is none, which ``max`` may pass over."""
     return b if b > a or math.isnan(b) else a
@@ -116,7 +116,7 @@ def curve_slope(law, own, i, overlap, force):
     return slope_at(law[i, 0], law[i, 1], law[i, 2], overlap, force)
 
 
-@jit
+@inlined
 def segment_force(law, i, overlap):
     """Force of a coupler's segment at `overlap` from its origin; beyond that it goes on oddly for a >= 1."""
     x = law[i, LAW_SIDE] * overlap
@@ -127,7 +127,7 @@ def segment_force(law, i, overlap):
     return law[i, LAW_SIDE] * (law[i, 0] + (own if y > 0.0 else -own) + law[i, STOP] * x)
 
 
-@jit
+@inlined
 def segment_slope(law, i, overlap):
     """Its slope, for a >= 1."""
     y = abs(law[i, LAW_SIDE] * overlap + law[i, BEFORE])
@@ -185,7 +185,7 @@ def own_signed_force(law, own, i, overlap):
     return 2.0 * law[i, 0] - own_force(own, own.number[i], -overlap)
 
 
-@jit
+@inlined
 def move_along(law, own, i, weight, overlap, force, by_overlap, by_force):
     """One Newton move on the curve, on the side where it cannot overshoot: for a < 1 towards d = 0 in force, else in d.
 
@@ -221,7 +221,7 @@ def move_along(law, own, i, weight, overlap, force, by_overlap, by_force):
     return moved, curve_force(law, own, i, moved)
 
 
-@jit
+@inlined
 def flow_into(i, inverse_mass, force):
     """(L f)_i, the rate at which the contact forces (n,) pull overlap i apart."""
     flow = (inverse_mass[i] + inverse_mass[i + 1]) * force[i]
@@ -232,7 +232,7 @@ def flow_into(i, inverse_mass, force):
     return flow
 
 
-@jit
+@inlined
 def cubic(x, y0, y1, y2, y3):
     """Value at x of the cubic through (0, y0) and the stages (c_k, y_k), by divided differences."""
     c1, c2 = NODES[0], NODES[1]

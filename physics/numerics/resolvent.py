@@ -9,14 +9,14 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.numerics.elementary import exp, expm1, log1p, power
-from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.jit import inlined
 
 EPSILON = 2.220446049250313e-16
 SMALLEST = 1e-280  # overlaps and energies below are zero: what is computed from them would be denormal
 MOST_SCALAR = 100  # iterations of one contact; a bracket halved that often is closed
 
 
-@jit
+@inlined
 def mean_force(preload, stiffness, exponent, start, start_power, overlap):
     """Mean force g = (E(d1)-E(d0))/(d1-d0) and slope dg/dd1 for d1 > 0, without cancellation where d1 is near d0.
 
@@ -42,14 +42,14 @@ def mean_force(preload, stiffness, exponent, start, start_power, overlap):
     return mean, (preload + stiffness * end_power - mean) / (overlap - start)
 
 
-@jit
+@inlined
 def quadratic_root(a, b, c):
     """The root x > 0 of a x² + b x + c = 0 for a > 0, c <= 0, without cancellation."""
     root = math.sqrt(b * b - 4.0 * a * c)
     return -2.0 * c / (b + root) if b > 0.0 else (root - b) / (2.0 * a)
 
 
-@jit
+@inlined
 def solve_loaded(preload, stiffness, exponent, start, start_power, weight, s, guess):
     """d1 > 0 with d1 + weight g(d1) = s by a bracketed Newton: to smaller d1 in its logarithm, to larger in d1 itself.
 
@@ -81,19 +81,19 @@ def solve_loaded(preload, stiffness, exponent, start, start_power, weight, s, gu
     return overlap, force, slope
 
 
-@jit
+@inlined
 def touching(weight, s):
     """d1, g and dg/ds where no energy is stored at the start that a number tells: pressed on at d1 = 0, or open."""
     return (0.0, s / weight, 1.0 / weight) if s > 0.0 else (s, 0.0, 0.0)
 
 
-@jit
+@inlined
 def resolvent_slope(slope, weight):
     """dg/ds = 1 / (1/slope + weight), from slope = dg/dd1 in [0, inf]."""
     return 1.0 / (1.0 / slope + weight) if slope > 0.0 else 0.0
 
 
-@jit
+@inlined
 def resolvent(preload, stiffness, exponent, start, start_power, weight, s, guess):
     """The one (d1, g) with d1 + weight g = s, and dg/ds; `start` is d0, `guess` a d1 to begin from."""
     if abs(start) < SMALLEST:

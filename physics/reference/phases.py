@@ -49,6 +49,7 @@ SLACK = 1e-12  # of its largest: a multiplier further than this outside of its b
 ROUND_OFF = 1e-15  # of the forces that a multiplier balances: it is known no better
 SINGULAR = 1e-13  # of the largest eigenvalue: motions that multipliers share below it are one
 TINY = float(np.finfo(np.float64).tiny)
+SETTLED = 8.0  # times the energy at which bounces with loss would go on for ever, each by what the one before was late
 STILL = 1e-9  # part of any push that a bead feels which the fixed rows hold in its place: round-off
 MOST_EVALUATIONS = 20_000_000  # of a run: some minutes
 
@@ -80,6 +81,10 @@ class System:
         self.least_overlap = laws.depth * tolerance**2
         self.least_rate = 1e-3 * tolerance * speed
         self.capacity = laws.force(self.least_overlap)
+        # with loss a bounce at less comes to no more than the least overlap, by which each is located late
+        with np.errstate(divide="ignore", invalid="ignore"):
+            square = SETTLED * self.response[: self.m] * self.capacity * self.least_overlap / laws.loss
+        self.least_bounce = np.where(laws.loss > 0.0, np.sqrt(square), 0.0)
         self.relative = relative = max((RELATIVE_STIFF if laws.stiff else RELATIVE_SMOOTH) * tolerance, FINEST)
         anchor = [float(laws.depth.max()) * relative, speed * relative]
         self.absolute = np.concatenate((0.1 * self.least_overlap, np.full(self.n, 0.1 * relative * speed), anchor))
@@ -273,6 +278,7 @@ def next_phase(before: Phase, span: Span, time: float, y: Array, closing: Which,
         velocity[turning] = 0.0
     _brake(system, span, time, mode, velocity)
     slow = np.abs(velocity) <= 2.0 * system.least_rate
+    slow[:m] |= np.abs(velocity[:m]) <= system.least_bounce
     corner = (mode[:m] == TOUCHING) | (slow[:m] & (np.abs(overlap) <= 2.0 * system.least_overlap))
     turns = (mode[:m] == LOADED) | (mode[:m] == RELEASED)
     turns &= (system.laws.loss > 0.0) & (np.abs(velocity[:m]) <= 2.0 * system.least_turn(overlap))

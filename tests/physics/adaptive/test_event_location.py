@@ -15,6 +15,7 @@ from benchmarks.scan.families import motion
 from tests.helpers.relations import simulate_quietly
 
 ADAPTIVE = ("radau", "dop853", "accurate")
+FAMILIES = ("hooke-hertz", "gears", "clusters", "walls", "extreme", "loss")  # of random chains
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
@@ -125,9 +126,33 @@ def test_an_opening_behind_a_guard_that_comes_and_goes_is_not_passed_over():
     assert np.abs(found[0].final_velocity - found[1].final_velocity).max() < 1e-3
 
 
-@pytest.mark.parametrize("family", ["hooke-hertz", "gears", "clusters", "walls", "extreme", "loss"])
+def test_a_step_that_goes_on_past_the_corner_at_which_it_was_to_end_is_not_taken():
+    """Tries that began far beyond an opening went to and fro before it, and the last of them went on past it."""
+    chosen = motion("walls", 163)
+    found = [
+        simulate_quietly(chosen.chain, chosen.velocity, chosen.duration, tolerance=tolerance, samples=2)
+        for tolerance in (1e-2, 1e-3, 1e-4, 1e-9)
+    ]
+    for run, allowed in zip(found, (1e-1, 1e-2, 1e-3), strict=False):
+        assert np.abs(run.final_velocity - found[-1].final_velocity).max() < allowed
+
+
+@pytest.mark.parametrize("family", FAMILIES)
 def test_loose_tolerances_err_no_more_than_they_state(family):
-    for seed in range(40):
+    assert silent_at_loose_tolerances(family, range(40)) == []
+
+
+@pytest.mark.slow
+def test_one_run_in_a_thousand_at_a_loose_tolerance_errs_by_more_than_it_states():
+    """Sensitive motions: a coarser run may agree with one by chance."""
+    found = [silent for family in FAMILIES for silent in silent_at_loose_tolerances(family, range(40, 400))]
+    assert len(found) <= 0.001 * 3 * 360 * len(FAMILIES), found
+
+
+def silent_at_loose_tolerances(family, seeds):
+    """(family, seed, tolerance) of each run that is off by more than ten tolerances, and than it states, without a warning."""
+    silent = []
+    for seed in seeds:
         chosen = motion(family, seed)
         runs = {
             tolerance: solve(chosen.chain, chosen.velocity, chosen.duration, samples=2, tolerance=tolerance)
@@ -137,4 +162,6 @@ def test_loose_tolerances_err_no_more_than_they_state(family):
         for tolerance, loose in runs.items():
             error = np.abs(loose.final_velocity - fine.final_velocity)
             allowed = max(10.0 * tolerance * chosen.speed, float(loose.velocity_error.max()))
-            assert loose.warnings or fine.warnings or error.max() <= allowed, (seed, tolerance)
+            if not (loose.warnings or fine.warnings or error.max() <= allowed):
+                silent.append((family, seed, tolerance))
+    return silent

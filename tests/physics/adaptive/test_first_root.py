@@ -9,6 +9,10 @@ import pytest
 from softcradle.physics.adaptive.corners import NONE, first_root, hermite_cubic, hermite_quintic, stage_cubic
 from softcradle.physics.numerics.law_curve import NODES, cubic
 
+from tests.helpers.plain_kernels import only_plain
+
+pytestmark = only_plain
+
 PART = np.linspace(0.0, 1.0, 20001)
 BASIS = np.array([comb(5, k) * PART**k * (1.0 - PART) ** (5 - k) for k in range(6)])
 

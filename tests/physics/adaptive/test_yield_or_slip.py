@@ -4,6 +4,10 @@ import numpy as np
 import pytest
 from softcradle.physics.adaptive.yield_or_slip import balance
 
+from tests.helpers.plain_kernels import only_plain
+
+pytestmark = only_plain
+
 
 def random_rows(seed):
     draw = np.random.default_rng(seed)

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from softcradle.physics import Chain, State, advance, draft_gear, hooke, one_on, power_law, simulate, step_force
 from softcradle.physics.fixed_step import runner
 from softcradle.physics.kernel_records import NO_FLAGS
+from softcradle.physics.kernel_tiers import plain
 from softcradle.physics.numerics.contact_solve import BEAD_ROWS, DIAGONAL, END, FREE, SOLVER_ROWS, solve_contacts
 from softcradle.physics.numerics.law_kernels import energy
 from softcradle.physics.numerics.records import NOTHING, ChainData, Motion
@@ -119,7 +120,7 @@ NO_ENERGY = 1e-260  # what the resolvent takes for none
 def solved(law, start, weight, s, guess=0.5):
     preload, stiffness, exponent = law
     start_power = start**exponent if start > 0.0 else 0.0
-    return resolvent(preload, stiffness, exponent, start, start_power, weight, s, guess * s)
+    return plain(resolvent)(preload, stiffness, exponent, start, start_power, weight, s, guess * s)
 
 
 @given(LAW, START, WEIGHT, SUM, SIZES)

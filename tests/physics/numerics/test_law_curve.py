@@ -16,6 +16,10 @@ from softcradle.physics.numerics.law_curve import (
 )
 from softcradle.physics.numerics.law_curve import move_along as move_along_curve
 
+from tests.helpers.plain_kernels import only_plain
+
+pytestmark = only_plain
+
 LAWS = [
     (preload, stiffness, exponent)
     for preload in (0.0, 0.3, 2.0)
