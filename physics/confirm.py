@@ -41,8 +41,9 @@ EPSILON = float(np.finfo(np.float64).eps)
 
 # What a run promises, and when another one has to confirm it
 PROMISED = 10.0  # tolerances: errors up to these are promised
-MOST_GROWN = 8.0  # errors that grow by more have to be confirmed by another run: `mixed` is off by 40 tolerances at 10
-GROWN_ANYWAY = 8.0  # of that factor: what another run does not tell, because it is the same in both
+# errors that grow by more have to be confirmed by another run: `mixed` is off by 40 tolerances at 10; that much of a growth no
+# other run tells, for it is the same in both
+MOST_GROWN = 8.0
 LEAST_PROMISED = (
     1e-11  # tolerance: nothing finer is promised, for round-off decides; the stated error tells how far it goes
 )
@@ -155,7 +156,7 @@ def _agrees_by_chance(record: Record, coarser: float, problem: Problem) -> bool:
 
 def _error_anyway(record: Record) -> Array:
     """What a record whose growth of errors another run has shown, or bounded, may be off by beside their difference."""
-    error: Array = record.velocity_error * (min(record.growth, GROWN_ANYWAY) / record.growth)
+    error: Array = record.velocity_error * (min(record.growth, MOST_GROWN) / record.growth)
     return error
 
 

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 NO_APPROACH = 1e-13  # of the fastest bead: beads that close slower do not close
 # of the largest difference of velocities: the least scale, for round-off of velocities ends not far below
-LEAST_SCALE = 1e-10
+LEAST_SCALE = 1e-6
 # [m] of contacts that are computed: with powers of them, floats end not far beyond
 LEAST_DEPTH, MOST_DEPTH = 1e-60, 1e25
 # of a default step: in the shortest contact time; at the least, in the time in which bed friction stops a bead

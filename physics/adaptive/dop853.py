@@ -259,7 +259,7 @@ def error_of_range(h, first, last, chain, motion, trial, force):
         frequency[i] = 0.0
         # where a smooth contact begins to push, its end tells: errors of rates alone vanish at some lengths of a step
         at = overlap[i] if overlap[i] > 0.0 or law[i, 2] < 1.0 else end_overlap[i]
-        if mode[i] == LOADED and (at > 0.0 or law.shape[1] > 3):
+        if mode[i] == LOADED and (at > 0.0 or (law.shape[1] > 3 and law[i, 2] >= 1.0)):
             frequency[i] = frequency_of(chain, i, at)
             of_overlap = abs(fifth_overlap[i]) if rough else combined(fifth_overlap[i], third_overlap[i])
             error[i] = larger(error[i], math.sqrt(frequency[i]) * of_overlap)

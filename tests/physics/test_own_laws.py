@@ -132,6 +132,7 @@ def test_adaptive_methods_take_a_power_law_of_ones_own_as_the_built_in(own, buil
     found, wanted = (solve(Chain([1.0, 1.0, 2.0, 1.0], law), START[:4], method=method) for law in (own, built_in))
     assert found.final_velocity == pytest.approx(wanted.final_velocity, abs=3e-8)
     assert found.steps < 1.4 * wanted.steps + 20
+    assert found.warnings == ()
 
 
 OWN_SHAPES = {
