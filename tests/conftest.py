@@ -53,9 +53,12 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 
 
 @pytest.hookimpl(tryfirst=True)
-def pytest_runtest_protocol(item: pytest.Item) -> bool | None:
+def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> bool | None:
     """Run a test that is marked `own_process` in one, and end all that it started with it."""
-    return run_alone(item) if item.get_closest_marker("own_process") else None
+    done = run_alone(item) if item.get_closest_marker("own_process") else None
+    if done:  # the folders that it shares with the test before it, and not with the next
+        item.session._setupstate.teardown_exact(nextitem)
+    return done
 
 
 def pytest_runtest_teardown(item: pytest.Item) -> None:
