@@ -15,7 +15,7 @@ from softcradle.physics.state import State
 Array = NDArray[np.float64]
 
 NO_APPROACH = 1e-13  # of the fastest bead: beads that close slower do not close
-# of the largest difference of velocities: the least scale, for round-off of velocities ends not far below
+# of the largest difference of velocities, now or by what pushes: the least scale, for their round-off ends not far below
 LEAST_SCALE = 1e-6
 # [m] of contacts that are computed: with powers of them, floats end not far beyond
 LEAST_DEPTH, MOST_DEPTH = 1e-60, 1e25
@@ -72,10 +72,11 @@ def closing_scale(
         approach = 0.0
     if chain.pulls:  # what goes apart comes back
         approach = high - low
-    found = max(approach, _released_speed(chain, overlap), _driven_speed(chain, external))
+    found, apart = max(approach, _released_speed(chain, overlap), _driven_speed(chain, external)), high - low
     if chain.forces:
         until = chain.knots[-1] if duration is None else duration
         found = max(found, min(_inner_speed(chain), approach + until * _pull(chain)))
+        apart += until * _pull(chain)
     if external is not None:
         acceleration = external * chain.inverse_mass
         gap = float(-np.minimum(overlap, 0.0).sum())
@@ -83,10 +84,11 @@ def closing_scale(
         fall = math.sqrt(approach**2 + 2.0 * pull * gap)
         if duration is not None:
             fall = min(fall, approach + pull * duration)
+            apart += float(np.ptp(acceleration)) * duration
         found = max(found, fall)
         if not found and duration is not None:
             found = float(np.abs(acceleration).max()) * duration
-    return max(found, LEAST_SCALE * (high - low)) or closing_speed(velocity)
+    return max(found, LEAST_SCALE * apart) if found or high > low else closing_speed(velocity)
 
 
 def largest_error(chain: Chain, start: State, end: State) -> Array:

@@ -9,6 +9,7 @@ from softcradle.physics.scales import scales_at
 CONTACT_STEPS = 120_000  # steps times contacts, rejected steps included: the budget of a short chain, about 0.1 s
 STEPS_A_CONTACT = 60  # more steps for each contact, for waves pass through long chains one contact after another
 STEPS_A_CONTACT_TIME = 400  # more steps for each of the longest contact times in the duration
+MOST_COUNTED = 2.0**60  # steps
 USUAL_TOLERANCE = 1e-8  # below it the budget grows as the number of steps does
 
 
@@ -33,7 +34,8 @@ def _lasting(problem: Problem, time: float, speed: float) -> int:
     if problem.duration is None or time == problem.state.time:
         return 0
     longest = scales_at(problem.chain, speed)[1].max()
-    return int(STEPS_A_CONTACT_TIME * _finer(problem.tolerance) * (time - problem.state.time) / longest)
+    steps = STEPS_A_CONTACT_TIME * _finer(problem.tolerance) * (time - problem.state.time) / longest
+    return int(min(steps, MOST_COUNTED))
 
 
 def usual_steps(problem: Problem, speed: float) -> int:

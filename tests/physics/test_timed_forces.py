@@ -7,6 +7,7 @@ import pytest
 from softcradle.physics import (
     METHODS,
     Chain,
+    Contact,
     State,
     TimedForce,
     Trajectory,
@@ -96,6 +97,17 @@ def test_methods_agree_on_a_train_that_is_pushed_from_both_ends(method):
     bound = 0.3 if method.name in ("euler", "verlet", "yoshida4", "pymunk") else 2e-4
     np.testing.assert_allclose(found.final_velocity, reference.final_velocity, atol=bound)
     np.testing.assert_allclose(found.momentum, found.impulse, atol=1e-9)
+
+
+def test_a_push_on_soft_contacts_that_hardly_close_is_computed():
+    """They close at 1e-22 m/s while all beads are pushed to 1e-3: steps counted by their contact times were no number."""
+    chain = Chain(
+        [1.0] * 5,
+        [Contact(0.93, 0.0, 1.0), Contact(1.35, 11.3, 0.58), power_law(20.4, 0.0615), power_law(3.3, 0.0886)],
+        forces=(TimedForce(3, (0.3, 0.35), (-0.08, 0.0)),),
+    )
+    found = simulate(chain, [0.0] * 5, 0.5)
+    assert found.final_velocity == pytest.approx([-0.0005] * 4 + [0.0], abs=1e-9)
 
 
 def timed_chain(seed):
