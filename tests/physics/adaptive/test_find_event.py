@@ -11,19 +11,7 @@ from softcradle.physics.adaptive.corners import closes_inactive, is_continued
 from softcradle.physics.numerics.law_curve import NODES
 from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
 
-from tests.helpers.given_steps import (
-    CLOSES,
-    EASES,
-    NOTHING,
-    OPENS,
-    SLIPS,
-    STOPS,
-    TURNS,
-    YIELDS,
-    H,
-    Step,
-    thrown,
-)
+from tests.helpers.given_steps import CLOSES, EASES, NOTHING, OPENS, SLIPS, STOPS, TURNS, YIELDS, H, Step, thrown
 from tests.helpers.plain_kernels import only_plain
 
 pytestmark = only_plain

@@ -4,17 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from softcradle.physics import (
-    Chain,
-    Coupler,
-    cluster_on_cluster,
-    draft_gear,
-    hertz,
-    hooke,
-    one_on,
-    power_law,
-    simulate,
-)
+from softcradle.physics import Chain, Coupler, cluster_on_cluster, draft_gear, hertz, hooke, one_on, power_law, simulate
 from softcradle.physics.analysis.closed_forms import critical_speed, rigid_collision, rigid_stroke
 from softcradle.physics.analysis.collision import CollisionMeasures, collide, measured, struck_contact
 from softcradle.physics.analysis.measures import (
