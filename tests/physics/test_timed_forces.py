@@ -137,6 +137,7 @@ def test_a_run_that_pauses_at_every_step_is_the_same(seed, monkeypatch):
     paused = simulate_quietly(chain, velocity, 2.0)
     np.testing.assert_array_equal(paused.final_velocity, whole.final_velocity)
     np.testing.assert_array_equal(paused.given, whole.given)
+    np.testing.assert_array_equal(paused.overlap, whole.overlap)
 
 
 def test_without_a_duration_it_ends_when_forces_and_contacts_do():

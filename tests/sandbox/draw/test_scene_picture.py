@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from softcradle.sandbox.draw import Picture, draw, longest_lead, scales_of
 from softcradle.sandbox.draw.bodies import cluster_ends, has_marks, rigid_forces
-from softcradle.sandbox.draw.curve_panels import LABEL_GAP, ticks_apart
+from softcradle.sandbox.draw.curve_panels import LABEL_GAP
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.number_format import spread
 from softcradle.sandbox.draw.palette import tones
@@ -297,14 +297,6 @@ def test_names_beside_curves_keep_order_and_distance(places, gap, high):
     assert max(moved) <= high + 1e-6
     assert spread([10.0, 50.0, 90.0], 12.0, 0.0, 100.0) == [10.0, 50.0, 90.0]  # those with room stay
     assert spread([50.0, 50.0], 12.0, 0.0, 100.0) == [44.0, 56.0]
-
-
-def test_ticks_of_a_low_axis_are_fewer():
-    ticks = [(-1.0, "-1"), (0.0, "0"), (1.0, "1"), (2.0, "2"), (3.0, "3")]
-    assert ticks_apart(ticks, 12.0, 12.0) == ticks_apart(ticks, -12.0, 12.0) == ticks
-    assert [value for value, _ in ticks_apart(ticks, 7.0, 12.0)] == [0.0, 2.0]
-    assert [value for value, _ in ticks_apart(ticks, 1.0, 12.0)] == [0.0]
-    assert ticks_apart(ticks[:1], 1.0, 12.0) == ticks[:1]
 
 
 MASSES = [1.0] * 5

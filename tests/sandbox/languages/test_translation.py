@@ -24,7 +24,7 @@ from softcradle.sandbox.languages import (
 )
 from softcradle.sandbox.languages.translation import catalogue_path
 from softcradle.sandbox.session.export import EDITED
-from softcradle.sandbox.trajectory_summary import clusters_in_words, hit_in_words, seconds_in_words
+from softcradle.sandbox.trajectory_summary import seconds_in_words
 from softcradle.scenes import load, parse
 
 from tools.update_catalogues import is_translated, main, read_catalogue, update
@@ -90,15 +90,6 @@ def test_words_of_scenes_and_labels():
     assert label_words("draft gear and Hooke, alpha = 1") == "amortisseur d'attelage et Hooke, alpha = 1"
     assert label_words("alpha = 0.123") == "alpha = 0,123"
     assert label_words("version 1.2 and a half") == "version 1.2 et a half"
-
-
-def test_sentences_about_a_motion():
-    use_language("de")
-    assert hit_in_words(0, 0.5, 1.5) == "Kugel 0 stieß nach 0,5 Sekunden mit 1,5 Meter pro Sekunde auf Kugel 1."
-    assert clusters_in_words([-0.5, 0.4, 0.4], 1.0) == (
-        "Kugel 0 läuft mit 0,5 Meter pro Sekunde nach links. "
-        "Die Kugeln 1 und 2 laufen gemeinsam mit 0,4 Meter pro Sekunde nach rechts."
-    )
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,6 @@ from softcradle.sandbox.session import (
     AddBead,
     Lock,
     RemoveBead,
-    Replay,
     SetContact,
     SetDrive,
     SetFriction,
@@ -115,24 +114,6 @@ def test_a_throw_is_undone_to_the_frame_at_which_the_bead_was_taken():
     assert not session.undo_stack.unsaved  # the scene is as it was
     assert session.undo() == "bead pulled"
     assert picture(session) == before
-
-
-def test_a_recording_after_an_undo_replays(tmp_path):
-    session = opened()
-    session.step_frames(100)
-    session.apply(SetMass(0, 1, 2.5))
-    session.step_frames(100)
-    session.undo()
-    session.step_frames(60)
-    session.apply(SetKind(0, 1, "gear"))
-    session.step_frames(60)
-    session.undo()
-    session.redo()
-    session.step_frames(10)
-    session.save_recording(tmp_path / "a.npz")
-    replay = Replay.load(tmp_path / "a.npz")
-    assert replay.run()
-    assert replay.session.frame == session.frame
 
 
 def test_unsaved_edits_are_known():
