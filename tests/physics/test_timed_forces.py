@@ -177,36 +177,6 @@ def test_it_is_saved(tmp_path):
     np.testing.assert_array_equal(again.given, found.given)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        (([], 0.0, 1.0), "beads"),
-        (([0, 0], 0.0, 1.0), "each once"),
-        (([-1], 0.0, 1.0), "beads"),
-        ((0, [1.0, 0.5], [1.0, 1.0]), "ascend"),
-        ((0, [-1.0], 1.0), "times"),
-        ((0, [0.0, 1.0], [1.0, 2.0, 3.0]), "2 forces"),
-        ((0, 0.0, math.nan), "number"),
-    ],
-)
-def test_bad_forces_are_refused(arguments, sentence):
-    with pytest.raises(ValueError, match=sentence):
-        TimedForce(*arguments)
-
-
-@pytest.mark.parametrize(
-    ("given", "sentence"),
-    [
-        ({"forces": TimedForce(4, 0.0, 1.0)}, "forces act on bead 4"),
-        ({"brakes": TimedForce(0, 0.0, -1.0)}, "brake must be >= 0"),
-        ({"forces": 3.0}, "TimedForce"),
-    ],
-)
-def test_a_chain_refuses_what_does_not_fit_it(given, sentence):
-    with pytest.raises(ValueError, match=sentence):
-        Chain([1.0, 1.0], hooke(1.0), **given)
-
-
 SCENE = """
 title = "braked"
 duration = 2.0

@@ -10,9 +10,7 @@ from softcradle.physics import (
     METHODS,
     Chain,
     Contact,
-    State,
     Trajectory,
-    advance,
     draft_gear,
     hertz,
     hooke,
@@ -149,25 +147,6 @@ def test_a_saved_trajectory_keeps_its_choice(tmp_path):
 
 def test_other_methods_have_no_choice_to_tell():
     assert simulate(one_on(2, power_law(1.0, 0.1)), [1, 0, 0]).choice == ""
-
-
-@pytest.mark.parametrize(
-    ("wish", "said"),
-    [
-        ({"step": 0.1}, "'auto' chooses its own steps"),
-        ({"tolerance": 0.0}, "tolerance must be a finite number > 0"),
-        ({"duration": -1.0}, "duration"),
-    ],
-)
-def test_refusals(wish, said):
-    with pytest.raises(ValueError, match=said):
-        simulate(one_on(2, power_law(1.0, 0.1)), [1, 0, 0], method="auto", **wish)
-
-
-def test_advance_wants_a_name():
-    chain = one_on(2, power_law(1.0, 0.1))
-    with pytest.raises(ValueError, match="'auto' is for simulate"):
-        advance(chain, State.at_start(chain, [1, 0, 0]), 0.1, method="auto")
 
 
 def test_run_and_scenes_take_it(capsys, tmp_path):
