@@ -161,14 +161,6 @@ def test_loss_takes_its_part_of_the_energy(law):
     assert found.final_velocity == pytest.approx([1 / 3 - restitution * 2 / 3, (1 + restitution) / 3], abs=1e-11)
 
 
-def test_friction_brings_a_bead_to_rest():
-    chain = Chain([1.0, 2.0], hertz(3.0), gap=100.0, friction=0.3)
-    assert ended(chain, [1.0, 0.0], 0.1).final_velocity == pytest.approx([1.0 - 0.03 * GRAVITY, 0.0], abs=1e-13)
-    found = ended(chain, [1.0, 0.0])
-    assert found.final_velocity.tolist() == [0.0, 0.0]
-    assert found.time[-1] == pytest.approx(1.0 / (0.3 * GRAVITY), rel=1e-12)
-
-
 def test_a_bead_slides_after_it_stuck():
     """The bed holds a bead until a gear, pressed slowly by the next bead, pushes with more than friction."""
     chain = Chain([1.0, 1.0], hooke(10.0), drive=[1.2 * 0.2 * GRAVITY, 0.0], friction=0.2)
