@@ -33,9 +33,7 @@ from tests.helpers.drawn_text import colliding, film_texts
 SIZE = (480, 270)
 FPS = 12.0
 ROWS = math.ceil(scene_film.LEAST_ROWS / FPS)  # of the motion, a frame
-SCENE = parse("""
-title = "Two rows"
-text = "Three words here."
+LANES = """
 [[lanes]]
 label = "soft"
 beads = [1, 3]
@@ -46,7 +44,8 @@ label = "hard"
 beads = [1, 3]
 contact = {law = "hertz", stiffness = 30.0}
 velocity = 1.0
-""")
+"""
+SCENE = parse(f'title = "Two rows"\ntext = "Three words here."\n{LANES}')
 
 
 @pytest.fixture(scope="module")
@@ -295,17 +294,6 @@ def test_few_frames_show_the_same_curves(tmp_path, monkeypatch):
     assert report.frames < len(motions[0].time) / 5
 
 
-LANES = """
-[[lanes]]
-beads = [1, 3]
-contact = {law = "power_law", f0 = 1.0, alpha = 0.25}
-velocity = 1.0
-[[lanes]]
-beads = [1, 3]
-contact = {law = "hertz", stiffness = 30.0}
-velocity = 1.0
-"""
-ENDLESS = parse(f'title = "Two lanes"\n{LANES}')
 TIMED = parse(f'title = "Two lanes"\nduration = 2.0\n{LANES}')
 
 
@@ -326,11 +314,11 @@ def test_the_end_of_a_motion_is_looked_for_once_and_not_where_it_is_given(runs, 
     scene_motions(TIMED, 20.0)
     assert len(runs) == 2
     runs.clear()
-    render_kymograph(ENDLESS, str(tmp_path / "x.kymograph.png"), (320, 180))
+    render_kymograph(SCENE, str(tmp_path / "x.kymograph.png"), (320, 180))
     assert [settings.get("duration") is None for settings in runs] == [True, True, False, False]
 
 
-@pytest.mark.parametrize("scene", [ENDLESS, TIMED], ids=["endless", "timed"])
+@pytest.mark.parametrize("scene", [SCENE, TIMED], ids=["endless", "timed"])
 def test_rows_cover_the_motion_and_free_flight(scene: Scene):
     end = motion_end(scene)
     first, second = scene_motions(scene, 20.0)
