@@ -1,8 +1,6 @@
 """Two tiers of kernels: the same digits, whichever runs, and nobody waits for what plain Python does at once."""
 
 import os
-import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +15,7 @@ from softcradle.physics.numerics import kernel_cache
 from softcradle.physics.numerics.float_bits import COMPILED
 from softcradle.physics.pymunk_contacts import soft_chain
 
+from tests.helpers.own_process import python
 from tests.helpers.random_chains import random_collision
 
 pytest.importorskip("numba")
@@ -29,9 +28,8 @@ ALL = (*ADAPTIVE.values(), *TIERS.values(), soft_chain.KERNELS)
 def cold(monkeypatch):
     """A machine on which nothing has been compiled, and nothing will be."""
     for kernels in ALL:
-        monkeypatch.setattr(kernels, "_loaded", False)
-        monkeypatch.setattr(kernels, "_first", False)
-        monkeypatch.setattr(kernels, "spent", 0.0)
+        for name, value in (("_loaded", False), ("_first", False), ("spent", 0.0)):
+            monkeypatch.setattr(kernels, name, value)
     monkeypatch.setattr(KernelTiers, "on_disk", False)
     monkeypatch.setattr(KernelTiers, "compile_behind", lambda self, niceness=0: False)
     return monkeypatch
@@ -142,9 +140,15 @@ def test_machine_code_takes_over_between_steps(cold):
     assert digits(simulate(chain, velocity, samples=2)) == digits(mixed)
 
 
-def test_what_is_long_for_plain_python_waits_for_machine_code(cold):
-    waited = []
-    cold.setattr(KernelTiers, "wait", lambda self: waited.append(self.name))
+@pytest.fixture
+def waited(cold):
+    """The kernels that runs wait for."""
+    names = []
+    cold.setattr(KernelTiers, "wait", lambda self: names.append(self.name))
+    return names
+
+
+def test_what_is_long_for_plain_python_waits_for_machine_code(waited):
     simulate(one_on(2, hertz(1.0)), [1, 0, 0], 1.0, method="verlet", step=1e-3)
     assert waited == []
     assert TIERS["fixed-step"].spent == 2000.0
@@ -152,13 +156,12 @@ def test_what_is_long_for_plain_python_waits_for_machine_code(cold):
     assert waited == ["fixed-step"]
 
 
-def test_a_run_of_unknown_length_is_tried_and_begun_anew(cold):
-    waited = []
-    cold.setattr(KernelTiers, "wait", lambda self: waited.append(self.name))
-    found = simulate(one_on(2, hertz(1.0)), [1, 0, 0], method="verlet", step=1e-4, samples=3)
+def test_a_run_of_unknown_length_is_tried_and_begun_anew(cold, waited):
+    chain, options = one_on(2, hertz(1.0)), {"method": "verlet", "step": 1e-4, "samples": 3}
+    found = simulate(chain, [1, 0, 0], **options)
     assert waited == ["fixed-step"]
     cold.undo()
-    assert digits(simulate(one_on(2, hertz(1.0)), [1, 0, 0], method="verlet", step=1e-4, samples=3)) == digits(found)
+    assert digits(simulate(chain, [1, 0, 0], **options)) == digits(found)
 
 
 def test_where_nothing_compiles_that_is_said_once(monkeypatch, caplog):
@@ -281,13 +284,9 @@ def test_an_empty_cache_is_filled_behind(tmp_path):
         "KERNELS.load_made()\n"
         "print(KERNELS.in_memory, simulate(one_on(4, power_law(1, .1)), [1, 0, 0, 0, 0]).final_velocity.tolist())\n"
     )
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
-    done = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=True)
-    before, after = done.stdout.splitlines()
-    assert before.split(" ", 1)[0] == "False"
-    assert after.split(" ", 1)[0] == "True"
-    assert before.split(" ", 1)[1] == after.split(" ", 1)[1]
-    said = [
-        line for line in done.stderr.splitlines() if not line.startswith("waiting for kernels")
-    ]  # on a busy machine
-    assert said == []
+    done = python("-c", script, NUMBA_CACHE_DIR=str(tmp_path))
+    before, after = (line.split(" ", 1) for line in done.stdout.splitlines())
+    assert (before[0], after[0]) == ("False", "True")
+    assert before[1] == after[1]
+    waits = "waiting for kernels"  # on a busy machine
+    assert [line for line in done.stderr.splitlines() if not line.startswith(waits)] == []
