@@ -8,13 +8,12 @@ from dataclasses import asdict, replace
 import numpy as np
 import pymunk
 import pytest
-from softcradle.physics.methods import find_method, refusal_of
+from softcradle.physics.contact import Contact, hooke, power_law
+from softcradle.physics.methods import METHODS, find_method, refusal_of
 from softcradle.physics.trajectory_file import chain_from_table
 
 from softcradle import (
-    METHODS,
     Chain,
-    Contact,
     Coupler,
     SoftContact,
     State,
@@ -22,8 +21,6 @@ from softcradle import (
     Trajectory,
     advance,
     ensemble,
-    hooke,
-    power_law,
     simulate,
     stable_step,
 )

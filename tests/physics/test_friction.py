@@ -4,19 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from softcradle.physics import (
-    Chain,
-    Contact,
-    State,
-    advance,
-    draft_gear,
-    hertz,
-    one_on,
-    power_law,
-    simulate,
-    step_force,
-)
+from softcradle.physics import Chain, State, advance, one_on, simulate
 from softcradle.physics.chain import GRAVITY
+from softcradle.physics.contact import Contact, draft_gear, hertz, power_law, step_force
 from softcradle.physics.methods import METHODS, find_method
 from softcradle.physics.scales import default_step
 from softcradle.physics.simulation import solve

@@ -5,22 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from softcradle.physics import (
-    Chain,
-    Contact,
-    Coupler,
-    State,
-    TimedForce,
-    advance,
-    cluster_on_cluster,
-    draft_gear,
-    hertz,
-    hooke,
-    one_on,
-    power_law,
-    simulate,
-    step_force,
-)
+from softcradle.physics import Chain, Coupler, State, TimedForce, advance, cluster_on_cluster, one_on, simulate
+from softcradle.physics.contact import Contact, draft_gear, hertz, hooke, power_law, step_force
 from softcradle.physics.methods import refusal_of
 from softcradle.physics.status import Status
 

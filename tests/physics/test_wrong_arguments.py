@@ -7,29 +7,13 @@ from collections.abc import Callable
 import numpy as np
 import pymunk
 import pytest
+from softcradle.physics.chain import Chain, cluster_on_cluster, one_on
 from softcradle.physics.checked_input import LARGEST, SMALLEST
-from softcradle.physics.contact import LEAST_EXPONENT, MOST_EXPONENT
+from softcradle.physics.contact import LEAST_EXPONENT, MOST_EXPONENT, Contact, draft_gear, hertz, power_law
+from softcradle.physics.methods import METHODS
 from softcradle.physics.simulation import solve
 
-from softcradle import (
-    METHODS,
-    Chain,
-    Contact,
-    Coupler,
-    SoftChain,
-    SoftContact,
-    State,
-    TimedForce,
-    advance,
-    cluster_on_cluster,
-    draft_gear,
-    ensemble,
-    hertz,
-    one_on,
-    power_law,
-    simulate,
-    stable_step,
-)
+from softcradle import Coupler, SoftChain, SoftContact, State, TimedForce, advance, ensemble, simulate, stable_step
 
 LAW = power_law(1.0, 0.1)
 CHAIN, START = one_on(4, LAW), [1, 0, 0, 0, 0]

@@ -1,7 +1,5 @@
 """No switch is missed: contacts under a steady force, beads on a bed, contacts that are pulled apart at rest."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 

@@ -1,7 +1,5 @@
 """Event location by motions whose switches are known in closed form: each kind of row, the earliest of several, and none."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

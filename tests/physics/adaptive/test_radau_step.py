@@ -1,7 +1,5 @@
 """One step of radau, by the collocation equations that define it; its error estimate, written anew."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

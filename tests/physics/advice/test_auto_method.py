@@ -6,20 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from softcradle.physics import (
-    METHODS,
-    Chain,
-    Contact,
-    Trajectory,
-    draft_gear,
-    hertz,
-    hooke,
-    one_on,
-    power_law,
-    simulate,
-)
+from softcradle.physics import METHODS, Chain, Trajectory, one_on, simulate
 from softcradle.physics.advice import auto_method as auto
 from softcradle.physics.analysis.closed_forms import critical_speed
+from softcradle.physics.contact import Contact, draft_gear, hertz, hooke, power_law
 from softcradle.physics.scales import contact_scales
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS

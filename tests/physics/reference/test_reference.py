@@ -5,22 +5,9 @@ import math
 import numpy as np
 import pytest
 import softcradle.physics.reference.runner
-from softcradle.physics import (
-    Chain,
-    Contact,
-    Coupler,
-    OwnLaw,
-    TimedForce,
-    cluster_on_cluster,
-    draft_gear,
-    hertz,
-    hooke,
-    one_on,
-    power_law,
-    simulate,
-    step_force,
-)
+from softcradle.physics import Chain, Coupler, OwnLaw, TimedForce, cluster_on_cluster, one_on, simulate
 from softcradle.physics.chain import GRAVITY
+from softcradle.physics.contact import Contact, draft_gear, hertz, hooke, power_law, step_force
 
 from tests.helpers.relations import ADAPTIVE, FIXED_STEP, NAMES
 from tests.helpers.truth import GEAR, GEARS

@@ -14,14 +14,7 @@ from softcradle.sandbox.film.encoder import open_film
 from softcradle.sandbox.film.formats import pixels_of
 from softcradle.sandbox.film.kymograph import render_kymograph
 from softcradle.sandbox.film.scene_film import MOST_BEFORE_HIT, film_shots, render_scene, shot_list
-from softcradle.sandbox.film.scene_motion import (
-    AFTER,
-    LEAD,
-    motion_end,
-    scene_motions,
-    scene_motions_quietly,
-    strongest_row,
-)
+from softcradle.sandbox.film.scene_motion import motion_end, scene_motions, scene_motions_quietly, strongest_row
 from softcradle.sandbox.page.shared_page import recorded
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
@@ -326,8 +319,8 @@ def test_rows_cover_the_motion_and_free_flight(scene: Scene):
     assert (first.time == second.time).all()
     assert np.diff(first.time) == pytest.approx(0.05)
     assert 0.0 in first.time
-    after = AFTER * end if scene.duration is None else 0.0
-    assert first.time[0] == pytest.approx(-LEAD * end, abs=0.05)
+    after = scene_motion.AFTER * end if scene.duration is None else 0.0
+    assert first.time[0] == pytest.approx(-scene_motion.LEAD * end, abs=0.05)
     assert first.time[-1] == pytest.approx(end + after, abs=0.05)
 
 

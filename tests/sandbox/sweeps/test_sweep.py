@@ -3,8 +3,6 @@
 import errno
 import os
 import signal
-import subprocess
-import sys
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -19,6 +17,7 @@ from softcradle.sandbox.sweeps.work import PointStatus, Work, packed, sweep_work
 from softcradle.sandbox.user_error import StudyError
 from softcradle.scenes import load
 
+from tests.helpers.own_process import python
 from tests.helpers.paths import ROOT
 from tests.helpers.swept import deadly, logged, numbers, reasoned
 
@@ -45,11 +44,6 @@ def alone():
 
 def same(found, alone) -> bool:
     return found.load().identical(alone)
-
-
-def ran(*words, **options):
-    command = [sys.executable, *words]
-    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=300, **options)
 
 
 def test_numbers_stand_where_they_belong(alone):
@@ -107,7 +101,7 @@ def test_what_died_of_a_first_point_goes_on_in_processes(tmp_path):
         f"found = sweep(deadly, few, workers=2, output={str(tmp_path / 'x.nc')!r})\n"
         "print(found['status'].to_numpy().ravel().tolist())\n"
     )
-    first, second = (ran("-c", program, env=os.environ | {"PYTHONPATH": str(ROOT)}) for _ in range(2))
+    first, second = (python("-c", program, check=False, timeout=300, PYTHONPATH=str(ROOT)) for _ in range(2))
     assert first.returncode == -signal.SIGKILL
     assert second.stdout == "[0, 0, 0, 6]\n", second.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["x.nc"]
@@ -331,7 +325,7 @@ GUARD
 def test_a_function_of_the_script_itself_gets_processes(guard, code, told, tmp_path):
     script = tmp_path / "script.py"
     script.write_text(SCRIPT.replace("GUARD", guard).replace("EXECUTOR", "processes"))
-    done = ran(str(script), cwd=tmp_path)
+    done = python(str(script), check=False, cwd=tmp_path, timeout=300)
     assert done.returncode == code, done.stderr
     assert told in done.stdout + done.stderr
 

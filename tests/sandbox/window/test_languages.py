@@ -1,7 +1,5 @@
 """The languages of the window: chosen by the locale or a key, at once and for all that is shown; numbers with their mark."""
 
-from __future__ import annotations
-
 import re
 import string
 from gettext import NullTranslations
@@ -61,11 +59,9 @@ def test_a_language_that_is_unknown_is_that_of_the_locale(monkeypatch: pytest.Mo
 
 
 @pytest.fixture
-def german(monkeypatch: pytest.MonkeyPatch):
+def german(monkeypatch: pytest.MonkeyPatch) -> Driver:
     monkeypatch.setenv("LANGUAGE", "de")
-    made = Driver("one-on-four")
-    yield made
-    made.close()
+    return Driver("one-on-four")
 
 
 @pytest.mark.parametrize("typed", ["0,25", "0.25", "1/4"])
@@ -161,13 +157,11 @@ def shown_texts(driver: Driver) -> list[str]:
 
 
 @pytest.fixture
-def other(monkeypatch: pytest.MonkeyPatch):
+def other(monkeypatch: pytest.MonkeyPatch) -> Driver:
     """The window in a language in which every message differs from the source in each letter."""
     monkeypatch.setattr(translation, "catalogue", lambda code: Other())
     monkeypatch.setenv("LANGUAGE", "de")
-    made = Driver()
-    yield made
-    made.close()
+    return Driver()
 
 
 @pytest.mark.slow

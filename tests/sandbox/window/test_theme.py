@@ -1,7 +1,5 @@
 """The themes: everything is drawn in the one that is chosen, and the next start has it too."""
 
-from __future__ import annotations
-
 import ctypes
 import itertools
 import weakref

@@ -1,7 +1,5 @@
 """The window as a state machine, short runs; one that shrinks what it finds is `python -m tests.helpers.window_machine`."""
 
-from __future__ import annotations
-
 import random
 
 import numpy as np
@@ -87,9 +85,7 @@ def last_bead(driver: Driver) -> int:
 
 @pytest.mark.parametrize("table", [False, True], ids=["plots", "table"])
 @pytest.mark.parametrize("edit", EDITS)
-def test_a_click_meets_the_chain_that_an_edit_of_the_same_frame_has_left(
-    driver: Driver, table: bool, edit: str
-) -> None:
+def test_a_click_meets_the_chain_that_an_edit_of_the_same_frame_has_left(driver, table: bool, edit: str) -> None:
     rng, page = random.Random(f"{table} {edit}"), driver.page
     if table:
         driver.key(pygame.K_t)

@@ -1,7 +1,5 @@
 """The hanging cradle: its energy, its motion, what it says of both, and its page."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import pygame

@@ -1,7 +1,5 @@
 """The camera: beads stay in sight, the wheel zooms about the pointer, a drag pans, and the clock stops at the end."""
 
-from __future__ import annotations
-
 import pygame
 import pytest
 from softcradle.sandbox.session.inputs import SetVelocity

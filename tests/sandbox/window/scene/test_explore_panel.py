@@ -1,8 +1,5 @@
 """The first level of the window: few controls, alpha of the whole row, and the same blow among steel balls."""
 
-from __future__ import annotations
-
-from collections.abc import Iterator
 from dataclasses import replace
 
 import pygame
@@ -18,10 +15,8 @@ MOST_CONTROLS = 16
 
 
 @pytest.fixture
-def explorer() -> Iterator[Driver]:
-    made = Driver("one-on-four", lab=False)
-    yield made
-    made.close()
+def explorer() -> Driver:
+    return Driver("one-on-four", lab=False)
 
 
 def typed(driver: Driver, key: str, text: str) -> None:

@@ -1,7 +1,5 @@
 """What the window saves and opens: scenes, sessions, histories, screenshots, films."""
 
-from __future__ import annotations
-
 from itertools import product
 from pathlib import Path
 
