@@ -43,9 +43,7 @@ def test_swings_of_deep_contacts_are_kept(n: int, softness: int, method: str) ->
         assert np.abs(found.final_velocity - truth).max() < PROMISE * tolerance, tolerance
 
 
-def hit_from_both_sides(
-    n: int, stiffness: float, precompression: float, last: float, tolerance: float, method: str = "accurate"
-) -> Trajectory:
+def hit_from_both_sides(n, stiffness, precompression, last, tolerance, method="accurate") -> Trajectory:
     """Gears between two strikers; a warning is a value here."""
     velocity: NDArray[np.float64] = np.zeros(n + 1)
     velocity[0], velocity[-1] = 1.0, last

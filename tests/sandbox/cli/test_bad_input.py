@@ -36,17 +36,11 @@ BAD_FILES = {
     "alpha NaN": (changed("alpha = 0.1", "alpha = nan"), r"contact\.alpha must be a finite number, not nan"),
     "fraction by zero": (changed("alpha = 0.1", 'alpha = "1/0"'), r"contact\.alpha: must not divide by zero"),
     "f0 as text": (changed("f0 = 1.0", 'f0 = "strong"'), r"contact\.f0 must be a number, not 'strong'"),
-    "unknown law": (
-        changed('"power_law"', '"pover_law"'),
-        r"contact: unknown law 'pover_law' \(did you mean 'power_law'\?\)",
-    ),
+    "unknown law": (changed('"power_law"', '"pover_law"'), r"contact: unknown law 'pover_law' \(did you mean 'power_law'\?\)"),
     "no law": (changed('law = "power_law", ', ""), r"contact: key 'law' is missing"),
     "velocities too short": (changed(", 0.0]\n", "]\n"), r"lanes\[0\]: velocity is a list of 2, but 3 beads need 3"),
     "gaps too long": (GOOD + "gap = [1, 1, 1]", r"lanes\[0\]: gap is a list of 3, but 3 beads need 2"),
-    "contacts too few": (
-        changed("{law", "[{law").replace("0.1}", "0.1}]"),
-        r"contact is a list of 1, but 3 beads need 2",
-    ),
+    "contacts too few": (changed("{law", "[{law").replace("0.1}", "0.1}]"), r"contact is a list of 1, but 3 beads need 2"),
     "empty chain": (
         changed("mass = [1.0, 1.0, 1.0]", "mass = []").replace("[1.0, 0.0, 0.0]", "[]"),
         r"at least 2 beads, not 0",
@@ -58,10 +52,7 @@ BAD_FILES = {
     "step 0": ("step = 0\n" + GOOD, r"step must be greater than 0, not 0"),
     "duration negative": ("duration = -1\n" + GOOD, r"duration must be greater than 0, not -1"),
     "a million million beads": (changed("mass = [1.0, 1.0, 1.0]", "beads = 1000000000000"), r"less than or equal to"),
-    "loss 1": (
-        changed("alpha = 0.1", "alpha = 0.1, loss = 1"),
-        r"lanes\[0\]\.contact\.loss must be less than 1, not 1",
-    ),
+    "loss 1": (changed("alpha = 0.1", "alpha = 0.1, loss = 1"), r"lanes\[0\]\.contact\.loss must be less than 1, not 1"),
     "loss negative": (changed("alpha = 0.1", "alpha = 0.1, loss = -1"), r"contact\.loss must be greater than"),
     "friction negative": (GOOD + "friction = -1", r"lanes\[0\]\.friction must be greater than or equal to 0"),
     "friction by yoshida4": ('method = "yoshida4"\n' + GOOD + "friction = 0.1", "yoshida4"),
@@ -71,13 +62,10 @@ BAD_FILES = {
     "brake on no bead": (LASTS + "brakes = [{beads = [1, 3], time = 0, force = 3}]", "brakes act on bead 3"),
     "brake that drives": (LASTS + "brakes = [{beads = 0, time = [1, 2], force = [0, -3]}]", "brake must be >= 0"),
     "times that go back": (LASTS + "forces = [{beads = 0, time = [1.5, 1], force = [0, 3]}]", "ascend"),
-    "a force too few": (
-        LASTS + "forces = [{beads = 0, time = [0, 1, 2], force = [0, 2]}]",
-        "3 times of a force need 3",
-    ),
+    "a force too few": (LASTS + "forces = [{beads = 0, time = [0, 1, 2], force = [0, 2]}]", "3 times of a force need 3"),
     "key of a force": (LASTS + "forces = [{beads = 0, times = [0, 1], force = [0, 2]}]", "unknown key 'times'"),
     "not TOML": (changed("mass = [1.0", "mass = [1.0 1.0"), r"not valid TOML: .*\(at line 4, column \d+\)"),
-}
+}  # fmt: skip
 
 
 def refused(capsys: pytest.CaptureFixture[str], arguments: list[str]) -> str:

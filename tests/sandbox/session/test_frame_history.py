@@ -197,14 +197,9 @@ def events_anew(session):
 
 def test_contact_events_read_all_along_are_those_found_at_the_end():
     session = Session(scenes.load("hertz-cradle"), memory=700_000)
-    for edit in (
-        inputs.SetMass(0, 0, math.inf),
-        inputs.SetMass(0, 4, math.inf),
-        inputs.SetSlow(1.0),
-        inputs.SetVelocity(0, None, 0.0),
-    ):
+    walls = [inputs.SetMass(0, bead, math.inf) for bead in (0, 4)]
+    for edit in (*walls, inputs.SetSlow(1.0), inputs.SetVelocity(0, None, 0.0), inputs.SetVelocity(0, 2, 1.0)):
         session.apply(edit)
-    session.apply(inputs.SetVelocity(0, 2, 1.0))
     for k in range(25):
         session.step_frames(190)
         session.contact_events()

@@ -30,20 +30,13 @@ def overlapping_boxes(boxes):
 
 
 def test_labels_of_a_chart_do_not_overlap(case):
-    series = [
-        made_series(f"method {k}", k < 9, (1e-2, 1e-4), (1e-5, 1e-3), (1e-5 if k % 2 else 1e-7, 2e-3))
-        for k in range(20)
-    ]
+    fine = [(1e-5 if k % 2 else 1e-7, 2e-3) for k in range(20)]
+    series = [made_series(f"method {k}", k < 9, (1e-2, 1e-4), (1e-5, 1e-3), last) for k, last in enumerate(fine)]
     with styled():
         picture = draw_chart([MeasuredCase(case, series)])
         picture.canvas.draw()
-        boxes = [
-            text.get_window_extent().extents
-            for axes in picture.axes
-            for text in axes.texts
-            if text.get_gid() == "label"
-        ]
-        inside = picture.bbox.extents
+        labels = [text for axes in picture.axes for text in axes.texts if text.get_gid() == "label"]
+        boxes, inside = [text.get_window_extent().extents for text in labels], picture.bbox.extents
     assert len(boxes) == 40
     assert overlapping_boxes(boxes) == []
     assert max(box[2] for box in boxes) < inside[2]
@@ -108,10 +101,8 @@ def test_a_small_error_by_chance_does_not_count():
 
 
 def test_the_frontier_has_the_points_that_no_other_beats():
-    first, second = (
-        made_series("x", True, (1e-1, 1.0), (1e-3, 4.0)),
-        made_series("x", True, (1e-2, 2.0), (1e-2, 3.0), (1e-5, 9.0)),
-    )
+    first = made_series("x", True, (1e-1, 1.0), (1e-3, 4.0))
+    second = made_series("x", True, (1e-2, 2.0), (1e-2, 3.0), (1e-5, 9.0))
     assert [point.error for point in table.frontier([first, second])] == [1e-1, 1e-2, 1e-3, 1e-5]
     assert [point.error for point in table.frontier([first], "evaluations")] == [1e-1, 1e-3]
 
@@ -131,9 +122,8 @@ def test_an_order_needs_three_points_that_count():
 
 def test_ratios_are_of_the_fastest_on_each_side():
     fine = (1e-12, 5e-3)
-    found = MeasuredCase(
-        None, [made_series("a", True, (1e-4, 2e-3), fine), made_series("b", False, (1e-4, 4e-3), fine)]
-    )
+    pair = [made_series("a", True, (1e-4, 2e-3), fine), made_series("b", False, (1e-4, 4e-3), fine)]
+    found = MeasuredCase(None, pair)
     assert ratio(curve_rows(found), 0) == pytest.approx(2.0)
     assert ratio(curve_rows(found), 1) == pytest.approx(1.0)
     assert "b / a = 2" in table.ratio_sentence(curve_rows(found))
