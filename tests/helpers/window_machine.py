@@ -28,7 +28,15 @@ from softcradle.sandbox.window.scene.page import ScenePage
 from softcradle.sandbox.window.theme import collect_garbage
 
 from softcradle import scenes
-from tests.helpers.sessions import INPUTS, check_invariants, check_replay, check_round_trip, fitted, read_all
+from tests.helpers.sessions import (
+    INPUTS,
+    check_invariants,
+    check_order,
+    check_replay,
+    check_round_trip,
+    fitted,
+    read_all,
+)
 from tests.helpers.windows import Driver, faults, widgets
 
 KINDS = ("bead", "contact", "widget", "plot", "bar", "window")
@@ -267,6 +275,7 @@ class WindowMachine(RuleBasedStateMachine):
             return
         page, session = self.driver.page, self.driver.session
         check_invariants(session)
+        check_order(session)
         read_all(session)
         self.driver.frames()  # follows a session that something else than the window has changed
         assert [len(view.edges) for view in page.view.lanes] == [len(lane.chain.mass) for lane in session.lanes]

@@ -219,7 +219,7 @@ def floating(shown: list[UIElement]) -> list[UIElement]:
     tips = [one for one in shown if isinstance(one, UITooltip)]
     menus = [one.menu_states["expanded"] for one in shown if isinstance(one, UIDropDownMenu)]
     lists = [menu.options_selection_list for menu in menus if menu.options_selection_list is not None]
-    inside = [one.item_list_container for one in lists]
+    inside = [part for one in lists for part in (one.list_and_scroll_bar_container, one.item_list_container)]
     return [*tips, *(tip.text_block for tip in tips), *lists, *inside]
 
 
