@@ -81,9 +81,7 @@ def test_an_exponential_law_against_scipy_alone():
         force = np.array([law.force(max(y[i] - y[i + 1], 0.0)) for i in range(2)])
         return np.concatenate((y[3:], np.array([-force[0], force[0] - force[1], force[1]]) / mass))
 
-    truth = solve_ivp(
-        slope, (0.0, 3.0), [0.0, 0.0, 0.0, 1.0, 0.0, 0.0], "DOP853", rtol=1e-12, atol=1e-13, max_step=0.01
-    )
+    truth = solve_ivp(slope, (0.0, 3.0), [0, 0, 0, 1, 0, 0], "DOP853", rtol=1e-12, atol=1e-13, max_step=0.01)
     chain = Chain(mass, law)
     steps = {method: 3e-3 if method in FIXED else None for method in CARRY if method != "pymunk"}
     ends = {method: solve(chain, [1.0, 0.0, 0.0], 3.0, method, step).final_velocity for method, step in steps.items()}

@@ -285,9 +285,7 @@ def test_drawings_are_kept_up_to_their_memory_and_the_oldest_is_dropped_first():
     assert drawn == [*sides, 400, 255, 2000, *sides]
 
 
-@given(
-    st.lists(st.floats(-50, 250, allow_nan=False), min_size=1, max_size=12), st.floats(1, 16), st.floats(100.0, 300.0)
-)
+@given(st.lists(st.floats(-50, 250, allow_nan=False), min_size=1, max_size=12), st.floats(1, 16), st.floats(100, 300))
 def test_names_beside_curves_keep_order_and_distance(places, gap, high):
     moved = spread(places, gap, 0.0, high)
     order = sorted(range(len(places)), key=lambda k: places[k])

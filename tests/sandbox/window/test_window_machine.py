@@ -69,10 +69,8 @@ CLICKS = 15  # a view and edit; the machine presses keys and clicks in one frame
 EDITS = {"remove": (pygame.K_DELETE, 0), "undo": (pygame.K_z, pygame.KMOD_CTRL), "redo": (pygame.K_y, pygame.KMOD_CTRL)}
 
 
-def pressed(key: int, modifiers: int = 0) -> list[pygame.Event]:
-    return [
-        pygame.Event(kind, key=key, mod=modifiers, unicode="", scancode=0) for kind in (pygame.KEYDOWN, pygame.KEYUP)
-    ]
+def pressed(key: int, mod: int = 0) -> list[pygame.Event]:
+    return [pygame.Event(kind, key=key, mod=mod, unicode="", scancode=0) for kind in (pygame.KEYDOWN, pygame.KEYUP)]
 
 
 def clicked(point: tuple[int, int]) -> list[pygame.Event]:

@@ -71,9 +71,7 @@ def test_command_writes_the_wanted_figures_and_lists_all(tmp_path, capsys):
 
 
 def same(found, expected):
-    return list(found) == list(expected) and all(
-        np.array_equal(found[n], expected[n], equal_nan=True) for n in expected
-    )
+    return [*found] == [*expected] and all(np.array_equal(found[n], expected[n], equal_nan=True) for n in expected)
 
 
 def test_tables_of_a_sweep_are_those_of_the_figures(tables):

@@ -160,9 +160,7 @@ needs_numba = pytest.mark.skipif(
 def test_the_right_hand_side_of_the_peers_is_that_of_the_chain():
     from benchmarks.peers.problem import derivatives, parameter_array
 
-    chain = Chain(
-        [1.0, 2.0, 0.5, np.inf], [power_law(1.0, 0.1), hertz(2.0), power_law(3.0, 1.0)], 0.0, [0.5, 0, 0.25, 0]
-    )
+    chain = Chain([1, 2, 0.5, np.inf], [power_law(1.0, 0.1), hertz(2.0), power_law(3.0, 1.0)], 0.0, [0.5, 0, 0.25, 0])
     overlap, rate, counter = np.array([0.1, -0.2, 0.3]), np.array([1.0, 2.0, 3.0]), np.zeros(1)
     out = np.empty(6)
     parameters = parameter_array(type("ChartCase", (), {"chain": chain})(), counter)

@@ -15,9 +15,7 @@ from tests.helpers.windows import Driver
 ANSWERS = (1, 1, 0, 1, 0)
 
 
-@pytest.mark.parametrize(
-    ("lesson", "answer"), list(zip(lessons(), ANSWERS, strict=True)), ids=lambda one: str(one)[:40]
-)
+@pytest.mark.parametrize(("lesson", "answer"), [*zip(lessons(), ANSWERS, strict=True)], ids=lambda one: str(one)[:40])
 def test_the_answer_is_that_of_an_accurate_run(lesson, answer):
     scene = scenes.load(lesson.scene)
     found = [simulate(lane.chain(), lane.velocity, scene.duration) for lane in scene.lanes]
