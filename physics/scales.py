@@ -15,8 +15,9 @@ from softcradle.physics.state import State
 Array = NDArray[np.float64]
 
 NO_APPROACH = 1e-13  # of the fastest bead: beads that close slower do not close
-# of the largest difference of velocities, now or by what pushes: the least scale, for their round-off ends not far below
-LEAST_SCALE = 1e-6
+# of the largest difference of velocities: the least scale
+LEAST_SCALE = 1e-10
+ROUND_OFF = 16.0 * float(np.finfo(np.float64).eps)  # of that, now or by forces over time: no error is less
 # [m] of contacts that are computed: with powers of them, floats end not far beyond
 LEAST_DEPTH, MOST_DEPTH = 1e-60, 1e25
 # of a default step: in the shortest contact time; at the least, in the time in which bed friction stops a bead
@@ -59,13 +60,18 @@ def _pull(chain: Chain) -> float:
 
 
 def closing_scale(
-    chain: Chain, velocity: Array, overlap: Array, external: Array | None, duration: float | None
+    chain: Chain,
+    velocity: Array,
+    overlap: Array,
+    external: Array | None,
+    duration: float | None,
+    tolerance: float = math.inf,
 ) -> float:
     """The speed [m/s] that the tolerance of a motion from here is relative to: that of the fastest closing there can be.
 
     It is the largest of the speeds at which beads approach, or go apart where couplers pull, that contacts have stored, that
     `external` forces (n+1,) [N] can give by pressing on contacts and over the gaps; in a motion without any of these, of what
-    moves at all.
+    moves at all. That `tolerance` of it is no less than the round-off of velocities.
     """
     high, low, approach = float(velocity.max()), float(velocity.min()), _approach(velocity)
     if approach <= NO_APPROACH * max(high, -low):
@@ -84,11 +90,12 @@ def closing_scale(
         fall = math.sqrt(approach**2 + 2.0 * pull * gap)
         if duration is not None:
             fall = min(fall, approach + pull * duration)
-            apart += float(np.ptp(acceleration)) * duration
         found = max(found, fall)
         if not found and duration is not None:
             found = float(np.abs(acceleration).max()) * duration
-    return max(found, LEAST_SCALE * apart) if found or high > low else closing_speed(velocity)
+    if not found and high == low:
+        return closing_speed(velocity)
+    return max(found, LEAST_SCALE * (high - low), ROUND_OFF / tolerance * apart)
 
 
 def largest_error(chain: Chain, start: State, end: State) -> Array:

@@ -192,7 +192,9 @@ def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kep
 def scale_of(problem: Problem) -> float:
     """The velocity [m/s] that a tolerance is relative to: that of the fastest closing there can be, see `closing_scale`."""
     chain, state = problem.chain, problem.state
-    return closing_scale(chain, state.velocity(chain), state.overlap, state.external(chain), problem.duration)
+    return closing_scale(
+        chain, state.velocity(chain), state.overlap, state.external(chain), problem.duration, problem.tolerance
+    )
 
 
 def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> Warnings:

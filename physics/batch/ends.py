@@ -30,6 +30,7 @@ from softcradle.physics.scales import (
     LEAST_SCALE,
     MOST_DEPTH,
     NO_APPROACH,
+    ROUND_OFF,
     STEPS_A_CONTACT,
     STEPS_A_STOP,
     require_computable,
@@ -245,7 +246,7 @@ class _Accuracy:
         approach = np.maximum((ahead - np.minimum.accumulate(velocity[:, ::-1], axis=1)[:, -2::-1]).max(axis=1), 0.0)
         approach[approach <= NO_APPROACH * np.abs(velocity).max(axis=1)] = 0.0
         spread = np.ptp(velocity, axis=1)
-        scale = np.maximum(approach, LEAST_SCALE * spread)
+        scale = np.maximum(approach, max(LEAST_SCALE, ROUND_OFF / tolerance) * spread)
         scale[scale == 0.0] = np.where(spread == 0.0, 1.0, spread)[scale == 0.0]
         budget = MOST_STEPS if ALLOWED[method] == DOP853 else usual_budget(batch.contacts, tolerance)
         grown, turns, control = (np.zeros((batch.chains, count)) for count in (batch.contacts, batch.contacts, 2))

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import pygame
 from softcradle.sandbox.draw import Picture, text
+from softcradle.sandbox.draw.palette import luminance
 from softcradle.sandbox.motion import Motion
 from softcradle.scenes import Scene
 
@@ -52,6 +53,12 @@ def colliding(texts: list[DrawnText]) -> list[tuple[str, str]]:
             if not digits and common.width > 2 and common.height > 0.3 * min(one.rect.height, other.rect.height):
                 found.append((other.text, one.text))
     return found
+
+
+def contrast(one: Sequence[int], other: Sequence[int]) -> float:
+    """Ratio of luminances of two colours, as the rules for readable text (WCAG) define it."""
+    high, low = sorted((luminance(one), luminance(other)), reverse=True)
+    return (high + 0.05) / (low + 0.05)
 
 
 def film_texts(

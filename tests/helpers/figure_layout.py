@@ -94,6 +94,11 @@ def keys_on_curves(figure: Figure) -> list[tuple[str, str]]:
     return found
 
 
+def unreadable(figure: Figure) -> list[object]:
+    """All that is wrong with its texts."""
+    return [one for wrong in (small_texts, texts_beyond, texts_on_texts, texts_on_curves) for one in wrong(figure)]
+
+
 def unnamed_colours(figure: Figure) -> set[str]:
     """Colours of curves in panels of several, which no key of a legend and no text of the figure has."""
     panels = figure.findobj(Axes)

@@ -17,16 +17,8 @@ from tests.helpers.plain_kernels import records_of, row_matrix
 
 H = 0.4  # [s] length of the steps
 NODE_TIMES = H * NODES
-NOTHING, CLOSES, OPENS, YIELDS, EASES, TURNS, STOPS, SLIPS = (
-    "nothing",
-    "closes",
-    "opens",
-    "yields",
-    "eases",
-    "turns",
-    "stops",
-    "slips",
-)
+NOTHING, CLOSES, OPENS, YIELDS = "nothing", "closes", "opens", "yields"
+EASES, TURNS, STOPS, SLIPS = "eases", "turns", "stops", "slips"
 
 
 class Step:
@@ -72,9 +64,7 @@ class Step:
 
     def corner(self, landing=(-1, 0), inactive=0.0, slow=0.0):
         """What `first_corner` returns."""
-        return first_corner(
-            H, self.data, self.regime, self.motion, self.trial, *landing, inactive, slow, self.work
-        )  # fmt: skip
+        return first_corner(H, self.data, self.regime, self.motion, self.trial, *landing, inactive, slow, self.work)
 
     def find(self, landing=(-1, 0), inactive=0.0, slow=0.0):
         """(contact or bead, what happens at its corner, part of the step)."""

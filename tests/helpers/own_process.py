@@ -6,12 +6,27 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
+from subprocess import CompletedProcess
+from typing import Any
 
 import pytest
 
 from tests.helpers.paths import ROOT
+
+
+def python(
+    *words: str, check: bool = True, env: Mapping[str, str] = os.environ, **options: Any
+) -> CompletedProcess[str]:
+    """Python with these words, in a process of its own, which ends well unless that is not wanted; variables in capitals."""
+    variables = {name: options.pop(name) for name in list(options) if name.isupper()}
+    command, environment = [sys.executable, *words], {**env, **variables}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, **options)
+    assert not check or done.returncode == 0, (done.stdout + done.stderr)[-4000:]
+    return done
+
 
 INSIDE = "SOFTCRADLE_OWN_PROCESS"  # set in the process of a test
 LONGEST = 900.0  # s, far beyond what any takes on a busy machine: one that hangs ends, with all that it started

@@ -2,21 +2,15 @@
 
 from dataclasses import replace
 
-from softcradle.sandbox.studies.precision.measurement import (
-    ChartPoint,
-    Series,
-    Solution,
-    Solver,
-    TimeLimits,
-    our_solvers,
-)
+from softcradle.sandbox.studies.precision import measurement
+from softcradle.sandbox.studies.precision.measurement import ChartPoint, Series, Solution, Solver, TimeLimits
 
 SHORT_LIMITS = TimeLimits(run=0.05, series=0.05, case=2.0)
 
 
 def our_solver(case, name, *finenesses):
     """The solver of that name; with `finenesses`, at these alone."""
-    solver = next(solver for solver in our_solvers(case) if solver.name == name)
+    solver = next(solver for solver in measurement.our_solvers(case) if solver.name == name)
     return replace(solver, finenesses=finenesses) if finenesses else solver
 
 

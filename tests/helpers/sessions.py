@@ -42,7 +42,7 @@ def check_invariants(session: Session) -> None:
         assert np.isfinite(lane.ledger).all(), f"lane {number}: ledger is {lane.ledger}"
         assert len(lane.chain.mass) == len(lane.state.overlap) + 1
     assert session.history.memory <= session.history.bound + 2 * session.history.blocks[-1].memory
-    assert session.history.first <= session.frame <= session.history.last
+    check_order(session)
 
 
 def read_all(session: Session) -> None:

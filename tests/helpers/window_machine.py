@@ -16,16 +16,9 @@ from time import perf_counter
 from typing import Any, NamedTuple
 
 import pygame
-from hypothesis import HealthCheck, seed, settings
+from hypothesis import HealthCheck, seed, settings, stateful
 from hypothesis import strategies as st
-from hypothesis.stateful import (
-    RuleBasedStateMachine,
-    initialize,
-    invariant,
-    precondition,
-    rule,
-    run_state_machine_as_test,
-)
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 from softcradle.sandbox.session.inputs import Input
 from softcradle.sandbox.session.snapshots import NOTHING_HELD
 from softcradle.sandbox.window import app
@@ -336,7 +329,7 @@ def main() -> int:
         end = perf_counter() + 60.0 * args.minutes
         number, begun = args.seed, False
         while not begun or perf_counter() < end:
-            run_state_machine_as_test(seed(number)(WindowMachine), settings=wanted)
+            stateful.run_state_machine_as_test(seed(number)(WindowMachine), settings=wanted)
             print(f"seed {number}: {args.examples} examples of up to {args.steps} steps: nothing found", flush=True)
             number, begun = number + 1, True
     return 0

@@ -11,6 +11,7 @@ from typing import ClassVar
 from unittest.mock import patch
 
 import pygame
+import pygame_gui
 from pygame_gui.core import UIElement
 from pygame_gui.elements import UIButton, UIDropDownMenu, UITextEntryLine, UITooltip
 from softcradle.sandbox.window.app import App
@@ -94,6 +95,17 @@ class Driver:
         """Play so many frames, and pause."""
         self.run(count)
         self.key(pygame.K_SPACE)
+
+    def play_to_the_end(self) -> None:
+        """Play until the card below the beads is there."""
+        if not self.session.playing:
+            self.key(pygame.K_SPACE)
+        self.until(lambda: self.page.outcome.text, most=900)
+        self.frames(2)
+
+    def choose(self, menu: UIDropDownMenu, text: str) -> None:
+        """Choose from a menu."""
+        self.post(pygame_gui.UI_DROP_DOWN_MENU_CHANGED, ui_element=menu, text=text)
 
     def key(self, code: int, modifiers: int = 0, text: str = "") -> None:
         pygame.event.post(pygame.Event(pygame.KEYDOWN, key=code, mod=modifiers, unicode=text, scancode=0))
@@ -207,7 +219,7 @@ def floating(shown: list[UIElement]) -> list[UIElement]:
     tips = [one for one in shown if isinstance(one, UITooltip)]
     menus = [one.menu_states["expanded"] for one in shown if isinstance(one, UIDropDownMenu)]
     lists = [menu.options_selection_list for menu in menus if menu.options_selection_list is not None]
-    inside = [one.item_list_container for one in lists]
+    inside = [part for one in lists for part in (one.list_and_scroll_bar_container, one.item_list_container)]
     return [*tips, *(tip.text_block for tip in tips), *lists, *inside]
 
 

@@ -88,9 +88,7 @@ SECTION = r"^\s+(Parameters|Attributes|Raises)\n\s+-+$"
 LEFT_OUT = "GL01", "GL02", "GL03", "SA01", "EX01", "ES01", "RT01", "SS05", "SS06", "PR07"
 
 
-@pytest.mark.parametrize(
-    ("name", "found"), list(documented()), ids=lambda value: value if isinstance(value, str) else ""
-)
+@pytest.mark.parametrize(("name", "found"), [*documented()], ids=lambda value: value if isinstance(value, str) else "")
 def test_docstrings_are_in_the_style_of_numpy(name, found):
     """As numpydoc reads and validates them: sections known, in order and complete; sentences."""
     for text in (found.__doc__, *members_texts(name, found)):

@@ -2,8 +2,6 @@
 
 import ast
 import inspect
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
@@ -11,6 +9,7 @@ import pytest
 
 import softcradle
 from softcradle import physics
+from tests.helpers.own_process import python
 from tests.helpers.paths import ROOT
 
 PUBLIC = [
@@ -75,5 +74,4 @@ HEAVY = ("numpy", "numba", "scipy", "pymunk", "pygame", "matplotlib", "av", "PIL
 )
 def test_imports_are_light(code, absent):
     program = f"{code}; import sys; print([name for name in {tuple(absent)!r} if name in sys.modules])"
-    found = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
-    assert found.stdout.strip() == "[]"
+    assert python("-c", program, cwd=ROOT).stdout.strip() == "[]"

@@ -31,31 +31,6 @@ def test_a_chain_cannot_be_changed():
         chain.parameters.law[0, 0] = 1.0
 
 
-@pytest.mark.parametrize(
-    ("make", "sentence"),
-    [
-        (lambda: Chain([], LAW), "at least 2 masses"),
-        (lambda: Chain([1.0], LAW), "at least 2 masses"),
-        (lambda: Chain([[1.0, 2.0]], LAW), "at least 2 masses"),
-        (lambda: Chain([1.0, -1.0], LAW), r"every mass \(inf is a wall\) must be a finite number > 0, not -1"),
-        (lambda: Chain([1.0, 0.0], LAW), r"every mass .* must be a finite number > 0"),
-        (lambda: Chain([1.0, math.nan], LAW), r"every mass .* must be a finite number > 0"),
-        (lambda: Chain([math.inf, math.inf], LAW), "two walls side by side"),
-        (lambda: Chain([1.0, 1.0], [LAW, LAW]), "one contact for all or 1 contacts, not 2"),
-        (lambda: Chain([1.0, 1.0], ["hertz"]), "every contact must be a Contact"),
-        (lambda: Chain([1.0, 1.0], LAW, [0.1, 0.1]), "one gap for all or 1 gaps"),
-        (lambda: Chain([1.0, 1.0], LAW, math.nan), "every gap must be a number up to 1e.30, not nan"),
-        (lambda: one_on(0, LAW), "at least one bead, not 0"),
-        (lambda: cluster_on_cluster(2, 2, LAW, [1.0]), "one mass for all or 4 masses, not .1.0."),
-        (lambda: State.at_start(one_on(1, LAW), [1.0]), "2 beads need 2 velocities"),
-        (lambda: State.at_start(one_on(1, LAW), [1.0, math.nan]), "every velocity must be finite"),
-    ],
-)
-def test_bad_chains_are_refused_in_a_sentence(make, sentence):
-    with pytest.raises(ValueError, match=sentence):
-        make()
-
-
 def test_the_start_has_the_gaps_of_the_chain():
     chain = Chain([1, 9, 3, 1], LAW, [0.5, 0.0, 0.25])
     state = State.at_start(chain, [1.0, 0.5, 0.25, -1.0])

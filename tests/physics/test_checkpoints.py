@@ -2,14 +2,7 @@
 
 import numpy as np
 import pytest
-from softcradle.physics import (
-    Chain,
-    TimedForce,
-    draft_gear,
-    hooke,
-    one_on,
-    power_law,
-)
+from softcradle.physics import Chain, TimedForce, draft_gear, hooke, one_on, power_law
 from softcradle.physics.fixed_step import runner as fixed_step
 from softcradle.physics.fixed_step import step_loop
 from softcradle.physics.own_law import OwnLaw
@@ -76,11 +69,7 @@ def test_the_reference_takes_its_samples_from_its_solution():
 
 @pytest.mark.parametrize(
     ("module", "method", "name"),
-    [
-        (fixed_step, "conserving", "power law"),
-        (fixed_step, "verlet", "loss"),
-        (pymunk_contacts, "pymunk", "power law"),
-    ],
+    [(fixed_step, "conserving", "power law"), (fixed_step, "verlet", "loss"), (pymunk_contacts, "pymunk", "power law")],
 )
 def test_samples_cost_no_second_run(module, method, name, monkeypatch):
     runs, once = [], module._pass

@@ -1,7 +1,7 @@
 """Motions that make much of small errors: deep soft contacts that swing, gears that rattle between two strikers."""
 
 import math
-import warnings
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
@@ -16,8 +16,8 @@ from softcradle.physics.state import State
 from softcradle.physics.status import Status
 
 from softcradle import scenes
+from tests.helpers.relations import PROMISE, simulate_quietly
 
-PROMISE = 10.0  # times the tolerance
 GROWN = 2000.0  # growth of errors that only finer runs confirm
 SWINGING = ((2, 16), (3, 14), (3, 24))  # one on n, alpha = 1 / this: a velocity of 1e-6 in the deepest contact
 
@@ -43,16 +43,12 @@ def test_swings_of_deep_contacts_are_kept(n: int, softness: int, method: str) ->
         assert np.abs(found.final_velocity - truth).max() < PROMISE * tolerance, tolerance
 
 
-def hit_from_both_sides(
-    n: int, stiffness: float, precompression: float, last: float, tolerance: float, method: str = "accurate"
-) -> Trajectory:
+def hit_from_both_sides(n, stiffness, precompression, last, tolerance, method="accurate") -> Trajectory:
     """Gears between two strikers; a warning is a value here."""
     velocity: NDArray[np.float64] = np.zeros(n + 1)
     velocity[0], velocity[-1] = 1.0, last
     chain = Chain(np.ones(n + 1), draft_gear(stiffness, precompression))
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)
-        return simulate(chain, velocity, method=method, samples=2, tolerance=tolerance)
+    return simulate_quietly(chain, velocity, method=method, samples=2, tolerance=tolerance)
 
 
 @pytest.mark.parametrize("method", ["accurate", "radau"])
@@ -88,12 +84,21 @@ def test_unequal_beads_squeezed_at_their_preload_have_no_nan() -> None:
     mass = np.random.default_rng(1).uniform(0.1, 6.0, 14)
     velocity = np.zeros(14)
     velocity[0], velocity[-1] = 1.0, -0.41
-    chain = Chain(mass, draft_gear(1.88, 106.0))
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)
-        found = simulate(chain, velocity, 1e-3, samples=2, tolerance=1e-6)
+    found = simulate_quietly(Chain(mass, draft_gear(1.88, 106.0)), velocity, 1e-3, samples=2, tolerance=1e-6)
     assert np.isfinite(found.final_velocity).all()
     assert np.sum(mass * found.final_velocity) == pytest.approx(float(mass @ velocity), abs=1e-9)
+
+
+def hit(tolerance: float = 1e-6) -> Problem:
+    """One on two, to its end."""
+    chain = one_on(2, hertz(1.0))
+    return Problem(chain, State.at_start(chain, [1.0, 0.0, 0.0]), "accurate", None, tolerance=tolerance, samples=2)
+
+
+@pytest.fixture
+def other_runs(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[Problem], Record]], None]:
+    """A function: lets another one compute the runs that confirm."""
+    return lambda run: monkeypatch.setattr(confirm, "to_its_end", run)
 
 
 def grown(record: Record, growth: float) -> Record:
@@ -102,10 +107,9 @@ def grown(record: Record, growth: float) -> Record:
 
 
 @pytest.mark.parametrize("tolerance", 10.0 ** -np.arange(3.0, 12.5, 0.25))
-def test_every_run_that_confirms_is_finer(tolerance: float, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_every_run_that_confirms_is_finer(tolerance: float, other_runs) -> None:
     """Two runs as fine as each other agree, whatever both are off by: from 1e-8 the last two were both at 1e-13."""
-    chain = one_on(2, hertz(1.0))
-    problem = Problem(chain, State.at_start(chain, [1.0, 0.0, 0.0]), "accurate", None, tolerance=tolerance, samples=2)
+    problem = hit(tolerance)
     first, tolerances = to_its_end(problem), [tolerance]
 
     def another(finer: Problem) -> Record:
@@ -114,62 +118,49 @@ def test_every_run_that_confirms_is_finer(tolerance: float, monkeypatch: pytest.
         end.rate *= 1.0 + 0.1 * len(tolerances)
         return replace(first, end=end)
 
-    monkeypatch.setattr(confirm, "to_its_end", another)
+    other_runs(another)
     assert confirmed(problem, grown(first, GROWN)).status == Status.UNDETERMINED
     assert len(tolerances) > 1
     assert all(finer < 0.5 * coarser for coarser, finer in pairwise(tolerances))
 
 
-def test_a_finer_run_that_follows_more_confirms_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_finer_run_that_follows_more_confirms_nothing(other_runs) -> None:
     """A rattle that both a run and a finer one damp is followed by a still finer one: many more steps tell where that begins."""
-    chain = one_on(2, hertz(1.0))
-    problem = Problem(chain, State.at_start(chain, [1.0, 0.0, 0.0]), "accurate", None, tolerance=1e-6, samples=2)
-    first, steps = to_its_end(problem), []
+    first, steps = to_its_end(hit()), []
 
     def another(_: Problem) -> Record:
         steps.append([3, 4][len(steps)] * first.steps)
         return replace(first, steps=steps[-1])
 
-    monkeypatch.setattr(confirm, "to_its_end", another)
-    found = confirmed(problem, grown(first, GROWN))
+    other_runs(another)
+    found = confirmed(hit(), grown(first, GROWN))
     assert steps == [3 * first.steps, 4 * first.steps]
     assert found.steps == first.steps + sum(steps)
     assert not found.warnings
 
 
 @pytest.mark.parametrize(("growth", "taken"), [(7.0, []), (500.0, [1e-5]), (2000.0, [1e-7, 1e-8])])
-def test_the_more_errors_grow_the_more_runs_confirm(
-    growth: float, taken: list[float], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_more_errors_grow_the_more_runs_confirm(growth: float, taken: list[float], other_runs) -> None:
     """None, a coarser one, two finer ones: with growth of 1e4, runs at 1e-8 and 1e-9 agreed to 1e-8 and were off by 1e-5."""
-    chain = one_on(2, hertz(1.0))
-    problem = Problem(chain, State.at_start(chain, [1.0, 0.0, 0.0]), "accurate", None, tolerance=1e-6, samples=2)
-    first, found = grown(to_its_end(problem), growth), []
-
-    def another(other: Problem) -> Record:
-        found.append(other.tolerance)
-        return first
-
-    monkeypatch.setattr(confirm, "to_its_end", another)
-    assert not confirmed(problem, first).warnings
+    first, found = grown(to_its_end(hit()), growth), []
+    other_runs(lambda other: found.append(other.tolerance) or first)
+    assert not confirmed(hit(), first).warnings
     assert found == pytest.approx(taken)
 
 
 @pytest.mark.parametrize("apart", [4e-6, 6e-6])
-def test_a_coarser_run_that_ends_elsewhere_confirms_nothing(apart: float, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_coarser_run_that_ends_elsewhere_confirms_nothing(apart: float, other_runs) -> None:
     """It ends within five tolerances where the record is within the ten that are promised; else finer runs decide."""
-    chain = one_on(2, hertz(1.0))
-    problem = Problem(chain, State.at_start(chain, [1.0, 0.0, 0.0]), "accurate", None, tolerance=1e-6, samples=2)
-    first, tolerances = grown(to_its_end(problem), 100.0), []
+    first, tolerances = grown(to_its_end(hit()), 100.0), []
 
     def another(other: Problem) -> Record:
         tolerances.append(other.tolerance)
         end = first.end.copy()
-        end.anchor[1] += apart * (other.tolerance > problem.tolerance)
+        end.anchor[1] += apart * (other.tolerance > 1e-6)
         return replace(first, end=end)
 
-    monkeypatch.setattr(confirm, "to_its_end", another)
-    found = confirmed(problem, first)
+    other_runs(another)
+    found = confirmed(hit(), first)
     assert tolerances == pytest.approx([1e-5] if apart < 5e-6 else [1e-5, 1e-7])
     assert (found.velocity_error > apart).all() == (apart < 5e-6)
 
@@ -187,21 +178,17 @@ def test_other_runs_keep_the_bead_whose_velocity_they_hold(mass: list[float]) ->
 
 
 @pytest.mark.parametrize("tolerances", [0.3, 3.0, 30.0])
-def test_what_its_budget_leaves_unconfirmed_is_stated_with_more_doubt(
-    tolerances: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_its_budget_leaves_unconfirmed_is_stated_with_more_doubt(tolerances: float, other_runs) -> None:
     """Runs that differ by three tolerances when the budget is spent may both be off by ten; with thirty there is a warning."""
-    chain = one_on(2, hertz(1.0))
-    problem = Problem(chain, State.at_start(chain, [1.0, 0.0, 0.0]), "accurate", None, tolerance=1e-6, samples=2)
-    first, apart = to_its_end(problem), 1e-6 * tolerances
+    first, apart = to_its_end(hit()), 1e-6 * tolerances
 
     def another(_: Problem) -> Record:
         end = first.end.copy()
         end.anchor[1] += apart
         return replace(first, end=end, steps=10**9)
 
-    monkeypatch.setattr(confirm, "to_its_end", another)
-    found = confirmed(problem, grown(first, GROWN))
+    other_runs(another)
+    found = confirmed(hit(), grown(first, GROWN))
     assert (found.status == Status.UNDETERMINED) == (tolerances > 10.0)
     assert (found.velocity_error > (10.0 if tolerances == 3.0 else 1.0) * apart).all()
 
@@ -209,9 +196,7 @@ def test_what_its_budget_leaves_unconfirmed_is_stated_with_more_doubt(
 def test_the_end_of_a_motion_that_rattles_is_stated_no_finer_than_it_is_determined() -> None:
     """Finer runs differ by 1e-6 m/s, and two at 1e-8 and 1e-9 agreed to 1e-9: both damped what the others follow."""
     lane = scenes.load("mixed").lanes[0]
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)
-        found = [simulate(lane.chain(), lane.velocity, samples=2, tolerance=tolerance) for tolerance in (1e-8, 1e-10)]
+    found = [simulate_quietly(lane.chain(), lane.velocity, samples=2, tolerance=each) for each in (1e-8, 1e-10)]
     apart = np.abs(found[0].final_velocity - found[1].final_velocity)
     assert (apart < found[0].velocity_error).all()
     assert found[0].warnings

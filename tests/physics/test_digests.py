@@ -1,13 +1,11 @@
 """Determinism: the same digits run for run and on every machine."""
 
 import json
-import os
-import subprocess
-import sys
 
 import pytest
 
 from tests.helpers.digests import FILE, NOT_OURS, digest, motions, runs, solved, states
+from tests.helpers.own_process import python
 
 RECORDED = json.loads(FILE.read_text())
 
@@ -48,10 +46,6 @@ def test_a_constant_that_moves_by_its_last_digits_changes_a_digest(module, name,
 
     def told(moved):
         script = MOVE_A_CONSTANT.format(module=module, name=name, method=method, moved=moved)
-        environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
-        found = subprocess.run(
-            [sys.executable, "-c", script], env=environment, check=True, capture_output=True, text=True
-        )
-        return found.stdout.split()[-1]
+        return python("-c", script, NUMBA_DISABLE_JIT="1").stdout.split()[-1]
 
     assert told(True) != told(False)

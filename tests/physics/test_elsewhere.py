@@ -1,12 +1,9 @@
 """What may not depend on the processor, on the functions of the C library, nor on compiled kernels: every digit."""
 
-import os
-import subprocess
-import sys
-
 import pytest
 from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
 
+from tests.helpers.own_process import python
 from tests.helpers.paths import ROOT
 
 VECTORS = " ".join(name for name in __cpu_dispatch__ if __cpu_features__[name])  # that NumPy may use, by its own names
@@ -29,8 +26,5 @@ PLACES = {
 @pytest.mark.slow
 @pytest.mark.parametrize(("variables", "tests"), PLACES.values(), ids=PLACES)
 def test_the_same_elsewhere(variables, tests):
-    command = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider"]
-    command += [f"tests/physics/{name}" for name in tests]
-    environment = os.environ | variables | {"PYTEST_ADDOPTS": ""}
-    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout[-4000:]
+    files = [f"tests/physics/{name}" for name in tests]
+    python("-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", *files, cwd=ROOT, PYTEST_ADDOPTS="", **variables)

@@ -52,20 +52,6 @@ def test_nothing_is_an_ensemble_too():
     assert ensemble([], []) == []
 
 
-@pytest.mark.parametrize(
-    ("changes", "sentence"),
-    [
-        ({"velocities": STARTS[1:]}, "8 chains need 8 lists of velocities, not 7"),
-        ({"duration": [1.0]}, "8 chains need 8 durations or one for all, not 1"),
-        ({"step": [1.0, 2.0]}, "8 chains need 8 steps or one for all, not 2"),
-        ({"method": "verlett"}, "verlett"),
-    ],
-)
-def test_bad_lists_are_refused_in_a_sentence(changes, sentence):
-    with pytest.raises(ValueError, match=sentence):
-        ensemble(**{"chains": CHAINS, "velocities": STARTS, **changes})
-
-
 def test_the_reference_gives_the_same_digits_beside_itself():
     """Its dense solves keep to one thread of BLAS, a number that all runs of a process share."""
     chains = [Chain([1.0] * n, power_law(1.0, 0.3, loss=0.2)) for n in (2, 3, 4)]

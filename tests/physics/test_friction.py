@@ -4,19 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from softcradle.physics import (
-    Chain,
-    Contact,
-    State,
-    advance,
-    draft_gear,
-    hertz,
-    one_on,
-    power_law,
-    simulate,
-    step_force,
-)
+from softcradle.physics import Chain, State, advance, one_on, simulate
 from softcradle.physics.chain import GRAVITY
+from softcradle.physics.contact import Contact, draft_gear, hertz, power_law, step_force
 from softcradle.physics.methods import METHODS, find_method
 from softcradle.physics.scales import default_step
 from softcradle.physics.simulation import solve
@@ -53,9 +43,11 @@ def test_a_bead_slides_to_rest(method, friction):
     time = 1.5 / (friction * GRAVITY)
     step = None if step_of(method, chain, [1.5, 0]) is None else time / 333.3
     found = simulate(chain, [1.5, 0], 1.5 * time, method, step, samples=16)
-    assert found.position[-1, 0] == pytest.approx(1.5**2 / (2 * friction * GRAVITY), rel=1e-2 if step else 1e-9)
-    if method == "conserving":
-        assert found.position[-1, 0] == pytest.approx(1.5**2 / (2 * friction * GRAVITY), rel=1e-13)
+    way, sliding = 1.5**2 / (2 * friction * GRAVITY), found.time < time
+    allowed = 1e-13 if method == "conserving" else 1e-2 if step else 1e-12
+    assert found.position[-1, 0] == pytest.approx(way, rel=allowed)
+    speed = 1.5 - friction * GRAVITY * found.time[sliding]
+    assert found.velocity[sliding, 0] == pytest.approx(speed, abs=1e-2 if step else 1e-13)
     assert (found.velocity[11:, 0] == 0.0).all()
     assert (found.position[11:, 0] == found.position[-1, 0]).all()
     assert found.absorbed_by_bed[-1] == pytest.approx(0.5 * 2.0 * 1.5**2, rel=1e-12)
@@ -133,12 +125,6 @@ def test_yoshida4_is_refused_in_a_sentence():
             simulate(chain, [1.0, 0.0], method="yoshida4")
         with pytest.raises(ValueError, match="yoshida4"):
             advance(chain, State.at_start(chain, [1.0, 0.0]), 0.1, "yoshida4")
-
-
-@pytest.mark.parametrize("friction", [-0.1, math.inf, math.nan])
-def test_a_friction_out_of_range(friction):
-    with pytest.raises(ValueError, match="friction must be"):
-        Chain([1, 1], hertz(1.0), friction=friction)
 
 
 @pytest.mark.parametrize("method", ["accurate", "radau"])

@@ -1,8 +1,6 @@
 """Two tiers of kernels: the same digits, whichever runs, and nobody waits for what plain Python does at once."""
 
 import os
-import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +15,7 @@ from softcradle.physics.numerics import kernel_cache
 from softcradle.physics.numerics.float_bits import COMPILED
 from softcradle.physics.pymunk_contacts import soft_chain
 
+from tests.helpers.own_process import python
 from tests.helpers.random_chains import random_collision
 
 pytest.importorskip("numba")
@@ -29,9 +28,8 @@ ALL = (*ADAPTIVE.values(), *TIERS.values(), soft_chain.KERNELS)
 def cold(monkeypatch):
     """A machine on which nothing has been compiled, and nothing will be."""
     for kernels in ALL:
-        monkeypatch.setattr(kernels, "_loaded", False)
-        monkeypatch.setattr(kernels, "_first", False)
-        monkeypatch.setattr(kernels, "spent", 0.0)
+        for name, value in (("_loaded", False), ("_first", False), ("spent", 0.0)):
+            monkeypatch.setattr(kernels, name, value)
     monkeypatch.setattr(KernelTiers, "on_disk", False)
     monkeypatch.setattr(KernelTiers, "compile_behind", lambda self, niceness=0: False)
     return monkeypatch
@@ -80,6 +78,52 @@ def test_what_runs_call_is_made_before(monkeypatch, method, friction):
         assert kernels <= called[name]
 
 
+def live_frames():
+    chain = one_on(3, power_law(1.0, 0.2))
+    state = State.at_start(chain, [1, 0, 0, 0])
+    for _ in range(20):
+        advance(chain, state, 0.1, "conserving")
+        advance(chain, state, 0.01, "accurate")
+    return state.overlap.tobytes() + state.rate.tobytes()
+
+
+def long_row(method):
+    n = 70
+    laws = [power_law(1.0 + 0.01 * k, 0.1 + 0.02 * k) for k in range(n)]
+    chain = Chain([1.0] * (n + 1), laws, [-0.01 * (k % 7) for k in range(n)])
+    state = State.at_start(chain, [1.0] + [0.0] * n)
+    for _ in range(3):
+        advance(chain, state, 0.02, method, step=1e-3)
+    found = simulate(chain, [1.0] + [0.0] * n, 0.02, method=method, step=1e-3, samples=3)
+    return np.concatenate((state.overlap, state.rate, found.overlap.ravel())).tolist()
+
+
+def soft_chain_steps(loss):
+    space = pymunk.Space()
+    balls = [pymunk.Body(1.0, 1.0) for _ in range(4)]
+    for k, ball in enumerate(balls):
+        ball.position = k, 0.1 * k * k
+    balls[0].velocity = 1.0, 0.0
+    space.add(*balls, *SoftChain(balls, power_law(100.0, 1.5, loss), [1.01, 1.04, 1.1]))
+    for _ in range(200):
+        space.step(1e-2)
+    return [tuple(ball.velocity) for ball in balls]
+
+
+@pytest.mark.parametrize(
+    ("moved", "given"),
+    [
+        (live_frames, ()),
+        *((long_row, (method,)) for method in ("euler", "verlet", "yoshida4", "conserving")),
+        *((soft_chain_steps, (loss,)) for loss in (0.0, 0.3)),
+    ],
+)
+def test_live_frames_long_rows_and_soft_chains_have_the_same_digits(cold, moved, given):
+    plainly = moved(*given)
+    cold.undo()
+    assert moved(*given) == plainly
+
+
 def test_machine_code_takes_over_between_steps(cold):
     chain, velocity = one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0]
     called = []
@@ -96,59 +140,15 @@ def test_machine_code_takes_over_between_steps(cold):
     assert digits(simulate(chain, velocity, samples=2)) == digits(mixed)
 
 
-def test_frames_of_live_use_have_the_same_digits(cold):
-    def played(frames=20):
-        chain = one_on(3, power_law(1.0, 0.2))
-        state = State.at_start(chain, [1, 0, 0, 0])
-        for _ in range(frames):
-            advance(chain, state, 0.1, "conserving")
-            advance(chain, state, 0.01, "accurate")
-        return state.overlap.tobytes() + state.rate.tobytes()
-
-    plainly = played()
-    cold.undo()
-    assert played() == plainly
+@pytest.fixture
+def waited(cold):
+    """The kernels that runs wait for."""
+    names = []
+    cold.setattr(KernelTiers, "wait", lambda self: names.append(self.name))
+    return names
 
 
-@pytest.mark.parametrize("method", ["euler", "verlet", "yoshida4", "conserving"])
-def test_long_rows_have_the_same_digits(cold, method):
-
-    def moved():
-        n = 70
-        laws = [power_law(1.0 + 0.01 * k, 0.1 + 0.02 * k) for k in range(n)]
-        chain = Chain([1.0] * (n + 1), laws, [-0.01 * (k % 7) for k in range(n)])
-        state = State.at_start(chain, [1.0] + [0.0] * n)
-        for _ in range(3):
-            advance(chain, state, 0.02, method, step=1e-3)
-        found = simulate(chain, [1.0] + [0.0] * n, 0.02, method=method, step=1e-3, samples=3)
-        return np.concatenate((state.overlap, state.rate, found.overlap.ravel()))
-
-    plainly = moved()
-    cold.undo()
-    np.testing.assert_array_equal(moved(), plainly)
-
-
-@pytest.mark.parametrize("loss", [0.0, 0.3])
-def test_a_soft_chain_has_the_same_digits(cold, loss):
-    def stepped():
-        space = pymunk.Space()
-        balls = [pymunk.Body(1.0, 1.0) for _ in range(4)]
-        for k, ball in enumerate(balls):
-            ball.position = k, 0.1 * k * k
-        balls[0].velocity = 1.0, 0.0
-        space.add(*balls, *SoftChain(balls, power_law(100.0, 1.5, loss), [1.01, 1.04, 1.1]))
-        for _ in range(200):
-            space.step(1e-2)
-        return [tuple(ball.velocity) for ball in balls]
-
-    plainly = stepped()
-    cold.undo()
-    assert stepped() == plainly
-
-
-def test_what_is_long_for_plain_python_waits_for_machine_code(cold):
-    waited = []
-    cold.setattr(KernelTiers, "wait", lambda self: waited.append(self.name))
+def test_what_is_long_for_plain_python_waits_for_machine_code(waited):
     simulate(one_on(2, hertz(1.0)), [1, 0, 0], 1.0, method="verlet", step=1e-3)
     assert waited == []
     assert TIERS["fixed-step"].spent == 2000.0
@@ -156,13 +156,12 @@ def test_what_is_long_for_plain_python_waits_for_machine_code(cold):
     assert waited == ["fixed-step"]
 
 
-def test_a_run_of_unknown_length_is_tried_and_begun_anew(cold):
-    waited = []
-    cold.setattr(KernelTiers, "wait", lambda self: waited.append(self.name))
-    found = simulate(one_on(2, hertz(1.0)), [1, 0, 0], method="verlet", step=1e-4, samples=3)
+def test_a_run_of_unknown_length_is_tried_and_begun_anew(cold, waited):
+    chain, options = one_on(2, hertz(1.0)), {"method": "verlet", "step": 1e-4, "samples": 3}
+    found = simulate(chain, [1, 0, 0], **options)
     assert waited == ["fixed-step"]
     cold.undo()
-    assert digits(simulate(one_on(2, hertz(1.0)), [1, 0, 0], method="verlet", step=1e-4, samples=3)) == digits(found)
+    assert digits(simulate(chain, [1, 0, 0], **options)) == digits(found)
 
 
 def test_where_nothing_compiles_that_is_said_once(monkeypatch, caplog):
@@ -173,20 +172,30 @@ def test_where_nothing_compiles_that_is_said_once(monkeypatch, caplog):
     assert caplog.messages == [kernel_tiers.SLOW]
 
 
-def test_a_process_that_died_does_not_count_as_compiling(tmp_path, monkeypatch):
+@pytest.fixture
+def locked(tmp_path, monkeypatch):
+    """A function: kernels that process `number` compiles, as its lock in a cache of its own says."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    kernels = KernelTiers("nothing", "no.such.module", lambda: None)
-    kernels._lock.parent.mkdir(parents=True)
-    kernels._lock.write_text("999999999 0")
+
+    def made(number=None, niceness=0, load=lambda: None):
+        kernels = KernelTiers("nothing", "no.such.module", load)
+        kernels._lock.parent.mkdir(parents=True)
+        kernels._lock.write_text(f"{number or os.getpid()} {niceness}")
+        return kernels
+
+    return made
+
+
+def test_a_process_that_died_does_not_count_as_compiling(locked):
+    kernels = locked(999999999)
     assert kernels.compile_behind()  # a process of its own, which finds no such module
     kernels.wait()
     assert not kernels.compile_behind()
     assert not kernels.on_disk
 
 
-def test_a_process_that_compiles_gives_signs_of_life(tmp_path, monkeypatch):
+def test_a_process_that_compiles_gives_signs_of_life(locked, monkeypatch):
     """However long it takes, nobody begins the same kernels again while it does; a number of a process may be another's."""
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     monkeypatch.setattr(kernel_tiers, "HEARTBEAT", 0.0)
     long_ago = kernel_tiers.time() - 2.0 * kernel_tiers.LONGEST_SILENCE
 
@@ -195,23 +204,18 @@ def test_a_process_that_compiles_gives_signs_of_life(tmp_path, monkeypatch):
         while not kernel_tiers._is_alive(kernels._lock):
             pass
 
-    kernels = KernelTiers("nothing", "no.such.module", compile_long)
+    kernels = locked(load=compile_long)
     kernels._loaded, kernels._first = False, True
-    kernels._lock.parent.mkdir(parents=True)
-    kernels._lock.write_text(f"{os.getpid()} 0")
     os.utime(kernels._lock, (long_ago, long_ago))
     assert not kernel_tiers._is_alive(kernels._lock)
     kernels.compile_and_unlock()
     assert not kernels._lock.exists()
 
 
-def test_who_waits_long_says_for_what(tmp_path, monkeypatch, caplog):
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+def test_who_waits_long_says_for_what(locked, monkeypatch, caplog):
     monkeypatch.setattr(kernel_tiers, "TOLD_AFTER", 0.0)
-    kernels = KernelTiers("nothing", "no.such.module", lambda: None)
+    kernels = locked()
     monkeypatch.setattr(kernel_tiers, "sleep", lambda seconds: caplog.messages and kernels._made.touch())
-    kernels._lock.parent.mkdir(parents=True)
-    kernels._lock.write_text(f"{os.getpid()} 0")
     kernels.wait()
     assert f"waiting for kernels (nothing) that process {os.getpid()} compiles" in caplog.text
 
@@ -232,13 +236,10 @@ def test_kernels_that_are_asked_for_are_compiled_where_signals_are_heard(cold):
 
 @pytest.mark.skipif(os.name != "posix", reason="processes are not nice here")
 @pytest.mark.parametrize(("niceness", "begun"), [(0, False), (10, True)])
-def test_what_is_waited_for_does_not_yield(tmp_path, monkeypatch, niceness, begun):
+def test_what_is_waited_for_does_not_yield(locked, monkeypatch, niceness, begun):
     """Where another process compiles behind frames, and so yields to all others, the one that waits has one of its own."""
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    kernels = KernelTiers("nothing", "no.such.module", lambda: None)
+    kernels = locked(niceness=niceness)
     monkeypatch.setattr(kernel_tiers, "sleep", lambda seconds: kernels._made.touch())  # the other one ends
-    kernels._lock.parent.mkdir(parents=True)
-    kernels._lock.write_text(f"{os.getpid()} {niceness}")
     assert kernels.compile_behind()
     assert kernels._process is None
     kernels.wait()
@@ -283,13 +284,9 @@ def test_an_empty_cache_is_filled_behind(tmp_path):
         "KERNELS.load_made()\n"
         "print(KERNELS.in_memory, simulate(one_on(4, power_law(1, .1)), [1, 0, 0, 0, 0]).final_velocity.tolist())\n"
     )
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
-    done = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=True)
-    before, after = done.stdout.splitlines()
-    assert before.split(" ", 1)[0] == "False"
-    assert after.split(" ", 1)[0] == "True"
-    assert before.split(" ", 1)[1] == after.split(" ", 1)[1]
-    said = [
-        line for line in done.stderr.splitlines() if not line.startswith("waiting for kernels")
-    ]  # on a busy machine
-    assert said == []
+    done = python("-c", script, NUMBA_CACHE_DIR=str(tmp_path))
+    before, after = (line.split(" ", 1) for line in done.stdout.splitlines())
+    assert (before[0], after[0]) == ("False", "True")
+    assert before[1] == after[1]
+    waits = "waiting for kernels"  # on a busy machine
+    assert [line for line in done.stderr.splitlines() if not line.startswith(waits)] == []

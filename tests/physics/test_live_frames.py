@@ -63,11 +63,6 @@ def test_a_run_whose_budget_ends_between_changes_of_friction_reaches_its_end(cha
     assert found.ledger[-1] == pytest.approx(found.ledger[0], rel=1e-6)
 
 
-def test_a_budget_must_be_one():
-    with pytest.raises(ValueError, match="most_steps must be at least 1, not 0"):
-        advance(SOFT, _struck(SOFT), 0.1, "radau", most_steps=0)
-
-
 HIT = Chain(np.ones(4), [hertz(50.0)] * 3, gap=(0.013, 0.0, 0.021))
 BRAKED = Chain(np.ones(4), [Contact(0.0, 50.0, 1.5, loss=0.3)] * 3, gap=(0.013, 0.0, 0.021), friction=0.02)
 PUSHED = replace(HIT, forces=(TimedForce(0, (0.1, 0.3), (0.0, 0.5)),))

@@ -8,27 +8,13 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from softcradle.physics import Contact, kernel_records
+from softcradle.physics.contact import draft_gear, hertz, hooke, power_law, step_force
 from softcradle.physics.kernel_tiers import plain
 from softcradle.physics.numerics.own_contacts import OwnLaws, own_energy, own_force, own_inverse, own_slope
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.notebook.views import html_of
 
-from softcradle import (
-    METHODS,
-    Chain,
-    OwnLaw,
-    State,
-    Trajectory,
-    advance,
-    draft_gear,
-    hertz,
-    hooke,
-    one_on,
-    power_law,
-    simulate,
-    stable_step,
-    step_force,
-)
+from softcradle import METHODS, Chain, OwnLaw, State, Trajectory, advance, one_on, simulate, stable_step
 
 START = [1.0, 0.0, 0.0, 0.0, 0.0]
 CARRY = [method.name for method in METHODS]
@@ -95,11 +81,11 @@ def test_an_exponential_law_against_scipy_alone():
         force = np.array([law.force(max(y[i] - y[i + 1], 0.0)) for i in range(2)])
         return np.concatenate((y[3:], np.array([-force[0], force[0] - force[1], force[1]]) / mass))
 
-    truth = solve_ivp(
-        slope, (0.0, 3.0), [0.0, 0.0, 0.0, 1.0, 0.0, 0.0], "DOP853", rtol=1e-12, atol=1e-13, max_step=0.01
-    )
+    truth = solve_ivp(slope, (0.0, 3.0), [0, 0, 0, 1, 0, 0], "DOP853", rtol=1e-12, atol=1e-13, max_step=0.01)
     chain = Chain(mass, law)
-    errors = {method: _error(chain, truth.y[3:, -1], method) for method in CARRY if method != "pymunk"}
+    steps = {method: 3e-3 if method in FIXED else None for method in CARRY if method != "pymunk"}
+    ends = {method: solve(chain, [1.0, 0.0, 0.0], 3.0, method, step).final_velocity for method, step in steps.items()}
+    errors = {method: np.abs(end - truth.y[3:, -1]).max() for method, end in ends.items()}
     assert errors["scipy"] < 1e-8
     assert errors["verlet"] < 1e-5
     assert errors["conserving"] < 1e-5
@@ -107,11 +93,6 @@ def test_an_exponential_law_against_scipy_alone():
     assert errors["euler"] < 1e-3
 
     assert max(errors[method] for method in ADAPTIVE) < 1e-8
-
-
-def _error(chain, truth, method):
-    step = 3e-3 if method in FIXED else None
-    return np.abs(solve(chain, [1.0, 0.0, 0.0], 3.0, method, step).final_velocity - truth).max()
 
 
 PAIRS = {
@@ -325,16 +306,13 @@ def test_what_a_law_raises_is_raised():
 
     with pytest.raises(KeyError, match="pressed too far"):
         solve(Chain([1.0, 1.0], with_a_limit), [9.0, 0.0], method="verlet")
-    lost = Chain([1.0] * 4, lambda d: d if d < 0.72 else float("nan"))  # two beads press further than one alone would
-    with pytest.raises(ValueError, match="gave no number in the course of the motion"):
-        solve(lost, [0.5, 0.5, -0.5, -0.5], method="verlet")
 
 
 LAW = Toda(3.0)
 REFUSED = {
     "no number": (
-        lambda: simulate(Chain([1] * 4, lambda d: d if d < 0.72 else math.nan), [0.5, 0.5, -0.5, -0.5]),
-        "gave no number in the course of the motion",
+        lambda: simulate(Chain([1] * 4, lambda d: d if d < 0.72 else math.nan), [0.5, 0.5, -0.5, -0.5], method="verlet"),
+        "gave no number in the course of the motion",  # two beads press further than one alone would
     ),
     "a number": (lambda: simulate(Chain([1, 1], lambda d: math.nan), [1, 0], method="verlet"), "never stores|force nan"),
     "a pull": (lambda: simulate(Chain([1, 1], lambda d: d - 0.1), [1, 0], method="verlet"), "the force -0.1 N .* only pushes"),
@@ -348,10 +326,6 @@ REFUSED = {
     "no energy": (lambda: OwnLaw(lambda d: d, 3.0), "the energy of a law must be a function"),
     "power laws": (lambda: one_on(4, LAW).parameters, "contact 0-1 has a law of its own, 'Toda'"),
 }  # fmt: skip
-
-
-def _solved() -> Trajectory:
-    return solve(Chain([1.0] * 3, LAW), START[:3], method="verlet", step=0.05)
 
 
 @pytest.mark.parametrize(("mistake", "sentence"), REFUSED.values(), ids=REFUSED)
@@ -375,7 +349,7 @@ def test_explicit_methods_know_their_limit():
 
 
 def test_results_show_themselves(tmp_path):
-    found = _solved()
+    found = solve(Chain([1.0] * 3, LAW), START[:3], method="verlet", step=0.05)
     found.to_csv(tmp_path / "x.csv")
     assert (tmp_path / "x.csv").stat().st_size > 1000
     assert repr(found.chain) == "Chain(mass=3 x 1.0, contact=2 x OwnLaw(Toda))"

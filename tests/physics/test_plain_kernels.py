@@ -1,11 +1,8 @@
 """Kernels one by one, as plain Python in a process of their own: compiled, each would be compiled for its test alone."""
 
-import os
-import subprocess
-import sys
-
 import pytest
 
+from tests.helpers.own_process import python
 from tests.helpers.paths import ROOT, plain_files
 from tests.helpers.plain_kernels import COMPILED
 
@@ -14,8 +11,5 @@ from tests.helpers.plain_kernels import COMPILED
 @pytest.mark.parametrize("room", sorted({path.parent.name for path in plain_files()}))
 def test_kernels_one_by_one(room: str) -> None:
     files = [str(path) for path in plain_files() if path.parent.name == room]
-    environment = os.environ | {"NUMBA_DISABLE_JIT": "1", "PYTEST_ADDOPTS": ""}
-    command = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", *files]
-    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout[-4000:]
-    assert " skipped" not in done.stdout
+    words = ("-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", *files)
+    assert " skipped" not in python(*words, cwd=ROOT, NUMBA_DISABLE_JIT="1", PYTEST_ADDOPTS="").stdout

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from softcradle.physics import METHODS, Chain, hertz, hooke, one_on, power_law, simulate
 from softcradle.physics.scales import speed_scale
-from softcradle.sandbox.session import Place, Session
 
 from softcradle import scenes
 
@@ -52,13 +51,3 @@ def test_the_contrast_scenes_begin_at_rest_under_their_press(name):
     found = simulate(chain, [0.0] * (chain.contacts + 1), 1.0, "conserving")
     assert found.overlap[0, 1:].min() > 0.0
     np.testing.assert_allclose(found.velocity, 0.0, atol=1e-9)
-
-
-def test_a_saved_scene_keeps_what_was_pressed(tmp_path):
-    session = Session(scenes.load("stiff-springs"))
-    session.apply(Place(0, 0, -1.0))
-    session.save_scene(tmp_path / "mine.toml")
-    again = Session(scenes.load(tmp_path / "mine.toml"))
-    for one, other in zip(session.lanes, again.lanes, strict=True):
-        np.testing.assert_allclose(one.state.overlap, other.state.overlap, rtol=1e-15)
-    assert again.lanes[1].state.overlap[1:].min() > 0.0

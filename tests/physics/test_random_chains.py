@@ -11,21 +11,9 @@ from hypothesis import assume, given, settings
 from softcradle.physics import simulate
 from softcradle.physics.scales import contact_scales, default_step
 
+from tests.helpers import relations
 from tests.helpers.random_chains import collisions
-from tests.helpers.relations import (
-    ADAPTIVE,
-    FIXED_STEP,
-    KERNELS,
-    LIVE,
-    MOST_ENERGY,
-    SET_VALUED,
-    assert_momentum,
-    assert_sound,
-    closing_speed,
-    energy_error,
-    separating,
-    simulate_quietly,
-)
+from tests.helpers.relations import ADAPTIVE, FIXED_STEP, SET_VALUED, assert_momentum, assert_sound, simulate_quietly
 
 # energy error of `conserving`, for the root of the steps: the worst of 12 800 random collisions had a third of it, half of
 # them had 1e-15
@@ -44,7 +32,7 @@ def few_steps():
         yield
 
 
-@pytest.mark.parametrize("method", LIVE, ids=lambda method: method.name)
+@pytest.mark.parametrize("method", relations.LIVE, ids=lambda method: method.name)
 @given(collisions())
 @settings(max_examples=60)
 def test_fixed_steps_keep_momentum_and_stay_finite(method, collision):
@@ -67,11 +55,11 @@ def test_energy_is_exact_at_any_step(method, parts, collision):
     found = simulate(chain, velocity, 3 * parts * step, method.name, step, samples=31)  # a warning is an error
     assert_sound(found)
     assert_momentum(found, velocity)
-    assert energy_error(found, velocity) < ENERGY_ROUND_OFF * math.sqrt(found.steps + 1)
+    assert relations.energy_error(found, velocity) < ENERGY_ROUND_OFF * math.sqrt(found.steps + 1)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("method", KERNELS)
+@pytest.mark.parametrize("method", relations.KERNELS)
 @given(collision=collisions(most=8))
 @settings(max_examples=30)
 def test_adaptive_methods_end_with_the_beads_in_order(method, collision):
@@ -93,8 +81,8 @@ def assert_ends_in_order(method, chain, velocity):
     assert_sound(found)
     if not found.warnings:
         assert_momentum(found, velocity, TOLERANCE * (1.0 + NEWTON * found.steps))
-        assert energy_error(found, velocity) < MOST_ENERGY * TOLERANCE
-        assert separating(found.final_velocity, 10.0 * TOLERANCE * closing_speed(velocity))
+        assert relations.energy_error(found, velocity) < relations.MOST_ENERGY * TOLERANCE
+        assert relations.separating(found.final_velocity, 10.0 * TOLERANCE * relations.closing_speed(velocity))
 
 
 @pytest.mark.parametrize("method", ADAPTIVE, ids=lambda method: method.name)
@@ -109,7 +97,7 @@ def test_two_tolerances_give_one_motion(method, collision):
         for tolerance in (1e-5, 1e-7)
     )
     if not (one.warnings or other.warnings):
-        assert np.abs(one.velocity - other.velocity).max() < 1e-3 * closing_speed(velocity)
+        assert np.abs(one.velocity - other.velocity).max() < 1e-3 * relations.closing_speed(velocity)
 
 
 @pytest.mark.parametrize("method", [one for one in SET_VALUED if one.name != "scipy"], ids=lambda method: method.name)
@@ -122,4 +110,4 @@ def test_set_valued_methods_agree_with_the_reference(method, collision):
     fine = {"tolerance": 1e-7} if method.adaptive else {"step": end / 20000}
     found = simulate_quietly(chain, velocity, end, method.name, samples=9, **fine)
     if not (exact.warnings or found.warnings):
-        assert np.abs(found.velocity - exact.velocity).max() < 3e-3 * closing_speed(velocity)
+        assert np.abs(found.velocity - exact.velocity).max() < 3e-3 * relations.closing_speed(velocity)

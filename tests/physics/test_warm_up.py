@@ -1,13 +1,12 @@
 """Compiling is told of, and can be done ahead: in processes of their own, with an empty cache."""
 
-import os
 import subprocess
-import sys
 
 import pytest
 from softcradle.physics.kernel_tiers import FIRST, KernelTiers
 
 from softcradle import warm
+from tests.helpers.own_process import python
 
 pytest.importorskip("numba")
 CRADLE = (
@@ -17,9 +16,7 @@ CRADLE = (
 
 def run(folder, *arguments: str, **more: str) -> subprocess.CompletedProcess[str]:
     cache = {"NUMBA_CACHE_DIR": str(folder / "kernels"), "SOFTCRADLE_CACHE": str(folder), **more}
-    return subprocess.run(
-        [sys.executable, *arguments], env=os.environ | cache, capture_output=True, text=True, check=True
-    )
+    return python(*arguments, **cache)
 
 
 @pytest.mark.slow

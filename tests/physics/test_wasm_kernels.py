@@ -19,12 +19,8 @@ MOST_BYTES = 64_000  # a page holds them as text, a third longer
 
 # sections of a module, and what follows an instruction of the WebAssembly of 2017
 IMPORTS, EXPORTS, CODE, DATA = 2, 7, 10, 11
-BLOCKS, ONE_INDEX, TWO_NUMBERS, BYTE = (
-    {2, 3, 4},
-    {12, 13, 16, *range(0x20, 0x25)},
-    {17, *range(0x28, 0x3F)},
-    {0x3F, 0x40},
-)
+BLOCKS, ONE_INDEX, TWO_NUMBERS = {2, 3, 4}, {12, 13, 16, *range(0x20, 0x25)}, {17, *range(0x28, 0x3F)}
+BYTE = {0x3F, 0x40}
 TABLE_JUMP, CONSTANT_I, CONSTANT_F4, CONSTANT_F8, LAST = 14, {0x41, 0x42}, 0x43, 0x44, 0xBF
 
 
@@ -120,17 +116,8 @@ def kernels():
 def plainly(tmp_path_factory):
     """Frames of all motions by plain Python, in a process of its own."""
     out = tmp_path_factory.mktemp("frames") / "plain.npz"
-    command = [
-        sys.executable,
-        "-m",
-        "tools.same_digits",
-        "--frames",
-        str(FRAMES),
-        "--tiers",
-        "plain Python",
-        "--write",
-        str(out),
-    ]
+    words = ["--frames", str(FRAMES), "--tiers", "plain Python", "--write", str(out)]
+    command = [sys.executable, "-m", "tools.same_digits", *words]
     subprocess.run(command, cwd=ROOT, env=os.environ | TIERS["plain Python"], check=True)
     with np.load(out) as file:
         return dict(file)

@@ -5,22 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from softcradle.physics import (
-    Chain,
-    Contact,
-    Coupler,
-    State,
-    TimedForce,
-    advance,
-    cluster_on_cluster,
-    draft_gear,
-    hertz,
-    hooke,
-    one_on,
-    power_law,
-    simulate,
-    step_force,
-)
+from softcradle.physics import Chain, Coupler, State, TimedForce, advance, cluster_on_cluster, one_on, simulate
+from softcradle.physics.contact import Contact, draft_gear, hertz, hooke, power_law, step_force
 from softcradle.physics.methods import refusal_of
 from softcradle.physics.status import Status
 
@@ -60,26 +46,18 @@ GEAR = draft_gear(770.0, 0.0177)
 EXPLICIT = ("verlet", "yoshida4", "euler")  # which chatter, at the step of the others, on what is stiff
 CASES = {
     "one on four": Case(one_on(4, power_law(1.0, 0.1)), [1.0, 0.0, 0.0, 0.0, 0.0], None, 0.01, ("dop853",)),
-    "hertz with gaps": Case(
-        Chain([1.0, 3.0, 1.0, 2.0], hertz(50.0), gap=[0.1, 0.2, 0.1]), [1.0, 0.0, 0.0, -0.5], None, 0.005
-    ),
+    "hertz with gaps": Case(Chain([1.0, 3.0, 1.0, 2.0], hertz(50.0), gap=[0.1, 0.2, 0.1]), [1.0, 0.0, 0.0, -0.5], None, 0.005),
     "two gears on two": Case(cluster_on_cluster(2, 2, GEAR, 0.396), [0.5, 0.5, 0.0, 0.0], None, 1e-3),
     "gears on straws": Case(
         Chain([0.4] * 4, draft_gear(770.0, 0.0177, loss=0.122), gap=[0.02, 0.0, 0.0], friction=0.064),
-        [0.5, 0.0, 0.0, 0.0],
-        None,
-        1e-3,
+        [0.5, 0.0, 0.0, 0.0], None, 1e-3,
     ),
     "step forces": Case(one_on(2, step_force(1.0)), [1.0, 0.0, 0.0], None, 0.01),
     "between walls": Case(
         Chain([math.inf, 1.0, 2.0, math.inf], [hertz(50.0), draft_gear(2.0, 0.1), hooke(30.0)], gap=[0.1, 0.2, 0.1]),
-        [0.0, 1.0, 0.0, 0.0],
-        1.5,
-        0.005,
+        [0.0, 1.0, 0.0, 0.0], 1.5, 0.005,
     ),
-    "pushed from rest": Case(
-        Chain([1.0, 1.0, 2.0], power_law(1.0, 0.5), drive=[1.0, 0.0, 0.0]), [0.0, 0.0, 0.0], 2.0, 0.005
-    ),
+    "pushed from rest": Case(Chain([1.0, 1.0, 2.0], power_law(1.0, 0.5), drive=[1.0, 0.0, 0.0]), [0.0, 0.0, 0.0], 2.0, 0.005),
     "a stack under its weight": Case(
         Chain([1.0, 1.0, math.inf], draft_gear(20.0, 0.2), drive=[1.0, 1.0, 0.0]), [0.5, 0.0, 0.0], 0.8, 0.005, EXPLICIT
     ),
@@ -92,35 +70,21 @@ CASES = {
     "pushed past its friction": Case(
         Chain([1.0, 1.0, 1.0], draft_gear(20.0, 0.05), drive=[2.5, 0.0, -0.3], friction=0.1), [0.0] * 3, 0.5, 2e-3
     ),
-    "held by friction": Case(
-        Chain([1.0, 1.0, 1.0], hertz(20.0), drive=[0.5, 0.0, -0.3], friction=0.1), [0.0] * 3, 0.5, 0.01
-    ),
+    "held by friction": Case(Chain([1.0, 1.0, 1.0], hertz(20.0), drive=[0.5, 0.0, -0.3], friction=0.1), [0.0] * 3, 0.5, 0.01),
     "loss and friction in a mixed chain": Case(
         Chain(
-            [1.0, 0.3, 2.0, 1.0],
-            [hertz(50.0, loss=0.3), power_law(1.0, 0.3, loss=0.5), draft_gear(5.0, 0.2, loss=0.6)],
-            gap=[0.0, 0.05, 0.0],
-            friction=0.1,
+            [1.0, 0.3, 2.0, 1.0], [hertz(50.0, loss=0.3), power_law(1.0, 0.3, loss=0.5), draft_gear(5.0, 0.2, loss=0.6)],
+            gap=[0.0, 0.05, 0.0], friction=0.1,
         ),
-        [1.0, 0.0, 0.0, -0.5],
-        None,
-        5e-3,
-        EXPLICIT,
+        [1.0, 0.0, 0.0, -0.5], None, 5e-3, EXPLICIT,
     ),
     "a wagon train": Case(
-        Chain(
-            [1.0, 1.0, 1.0],
-            Coupler(hooke(50.0, loss=0.3), pull=hertz(80.0, loss=0.5), slack=0.1, travel=0.05, stop=1e3),
-        ),
-        [1.0, 0.0, -0.5],
-        1.0,
-        2e-3,
+        Chain([1.0] * 3, Coupler(hooke(50.0, loss=0.3), pull=hertz(80.0, loss=0.5), slack=0.1, travel=0.05, stop=1e3)),
+        [1.0, 0.0, -0.5], 1.0, 2e-3,
     ),
     "laws of one's own": Case(
         Chain([1.0, 2.0, 1.0, math.inf], [Toda(), hertz(50.0), hardening], gap=[0.05, 0.0, 0.05]),
-        [1.0, 0.0, 0.0, 0.0],
-        1.5,
-        3e-3,
+        [1.0, 0.0, 0.0, 0.0], 1.5, 3e-3,
     ),
     "laws of one's own with friction": Case(
         Chain([1.0, 2.0, 1.0], [hardening, Toda()], friction=0.1), [1.0, 0.0, -0.5], 0.6, 3e-3, EXPLICIT
@@ -128,11 +92,9 @@ CASES = {
     "an exponential law to the end": Case(Chain([1.0, 2.0, 1.0], Toda()), [1.0, 0.0, -0.5], None, 2e-3),
     "a force that comes and goes": Case(
         Chain([1.0] * 3, hertz(50.0), forces=TimedForce([0, 2], [0.0, 0.2, 0.4, 0.4], [0.0, 3.0, 1.0, 0.0])),
-        [0.0] * 3,
-        0.8,
-        4e-3,
+        [0.0] * 3, 0.8, 4e-3,
     ),
-}
+}  # fmt: skip
 
 
 def solved(case, method, duration=None):

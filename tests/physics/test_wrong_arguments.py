@@ -7,30 +7,17 @@ from collections.abc import Callable
 import numpy as np
 import pymunk
 import pytest
+from softcradle.physics.chain import Chain, cluster_on_cluster, one_on
 from softcradle.physics.checked_input import LARGEST, SMALLEST
-from softcradle.physics.contact import LEAST_EXPONENT, MOST_EXPONENT
+from softcradle.physics.contact import LEAST_EXPONENT, MOST_EXPONENT, Contact, draft_gear, hertz, power_law
+from softcradle.physics.methods import METHODS
 from softcradle.physics.simulation import solve
 
-from softcradle import (
-    METHODS,
-    Chain,
-    Contact,
-    SoftChain,
-    SoftContact,
-    State,
-    advance,
-    draft_gear,
-    ensemble,
-    hertz,
-    one_on,
-    power_law,
-    simulate,
-    stable_step,
-)
+from softcradle import Coupler, SoftChain, SoftContact, State, TimedForce, advance, ensemble, simulate, stable_step
 
 LAW = power_law(1.0, 0.1)
 CHAIN, START = one_on(4, LAW), [1, 0, 0, 0, 0]
-BODY = pymunk.Body(1, 1)
+BODY, *BODIES = (pymunk.Body(1, 1) for _ in range(4))
 
 
 class OwnLaw:
@@ -81,6 +68,77 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "no body": (lambda: SoftContact(BODY, 5, (0, 0), (0, 0), 1, LAW), "b must be a Body, not 5"),
     "a chain of numbers": (lambda: SoftChain([1, 2], LAW, 1), "every body must be a Body, not 1"),
     "a chain of one body": (lambda: SoftChain(BODY, LAW, 1), "bodies must be a Sequence"),
+    "a list of one body": (lambda: SoftChain([BODY], LAW, 1), "at least 2 different bodies"),
+    "a contact too few": (lambda: SoftChain(BODIES, [LAW], 1), "one Contact for all or 2"),
+    "a number for all contacts": (lambda: SoftChain(BODIES, 3.0, 1), "one Contact for all or 2"),
+    "a distance too few": (lambda: SoftChain(BODIES, LAW, [1.0]), "one or 2 finite numbers"),
+    "a distance of 0": (lambda: SoftChain(BODIES, LAW, 0.0), "finite numbers > 0"),
+    "a distance that is no number": (lambda: SoftChain(BODIES, LAW, math.nan), "finite numbers > 0"),
+    "a SoftChain by euler": (lambda: SoftChain(BODIES, LAW, 1, method="euler"), "one of conserving, not 'euler'"),
+    "no beads": (lambda: Chain([], LAW), "at least 2 masses"),
+    "one bead": (lambda: Chain([1], LAW), "at least 2 masses"),
+    "a table of masses": (lambda: Chain([[1, 2]], LAW), "at least 2 masses"),
+    "a mass below 0": (lambda: Chain([1, -1], LAW), r"every mass \(inf is a wall\) must be a finite number > 0, not -1"),
+    "a mass of 0": (lambda: Chain([1, 0], LAW), "every mass .* must be a finite number > 0"),
+    "a mass that is no number": (lambda: Chain([1, math.nan], LAW), "every mass .* must be a finite number > 0"),
+    "two walls": (lambda: Chain([math.inf, math.inf], LAW), "two walls side by side"),
+    "two contacts for one": (lambda: Chain([1, 1], [LAW, LAW]), "one contact for all or 1 contacts, not 2"),
+    "two gaps for one": (lambda: Chain([1, 1], LAW, [0.1, 0.1]), "one gap for all or 1 gaps"),
+    "a gap that is no number": (lambda: Chain([1, 1], LAW, math.nan), "every gap must be a number up to 1e.30, not nan"),
+    "a drive that is no number": (lambda: Chain([1, 1], LAW, drive=[math.nan, 0]), "drive"),
+    "an infinite drive": (lambda: Chain([1, 1], LAW, drive=[math.inf, 0]), "drive"),
+    "a drive for one of two": (lambda: Chain([1, 1], LAW, drive=[1]), "drive"),
+    "an infinite friction": (lambda: Chain([1, 1], LAW, friction=math.inf), "friction must be"),
+    "a friction that is no number": (lambda: Chain([1, 1], LAW, friction=math.nan), "friction must be"),
+    "no target": (lambda: one_on(0, LAW), "at least one bead, not 0"),
+    "one mass in a list": (lambda: cluster_on_cluster(2, 2, LAW, [1.0]), "one mass for all or 4 masses, not .1.0."),
+    "a velocity too few": (lambda: State.at_start(one_on(1, LAW), [1.0]), "2 beads need 2 velocities"),
+    "a velocity that is none": (lambda: State.at_start(one_on(1, LAW), [1, math.nan]), "every velocity must be finite"),
+    "a method that is none": (lambda: simulate(CHAIN, START, method="rk4"), "'rk4'; there are auto, euler, verlet"),
+    "an endless duration": (lambda: simulate(CHAIN, START, math.inf), "duration must be a finite number >= 0, not inf"),
+    "a frame below 0": (lambda: advance(CHAIN, State.at_start(CHAIN, START), -1), "duration must be .* >= 0, not -1"),
+    "no steps": (lambda: advance(CHAIN, State.at_start(CHAIN, START), 0.1, most_steps=0), "most_steps must be at least 1"),
+    "auto for a frame": (lambda: advance(CHAIN, State.at_start(CHAIN, START), 0.1, "auto"), "'auto' is for simulate"),
+    "auto with a step": (lambda: simulate(CHAIN, START, method="auto", step=0.1), "'auto' chooses its own steps"),
+    "auto without an error": (lambda: simulate(CHAIN, START, method="auto", tolerance=0), "tolerance must be a finite"),
+    "auto below 0": (lambda: simulate(CHAIN, START, -1.0, "auto"), "duration"),
+    "a step of 0": (lambda: simulate(CHAIN, START, step=0.0), "step must be a finite number > 0, not 0.0"),
+    "a step that is no number": (lambda: simulate(CHAIN, START, step=math.nan), "step must be a finite number > 0, not nan"),
+    "a step for scipy": (lambda: simulate(CHAIN, START, method="scipy", step=0.1), "method 'scipy' chooses its own steps"),
+    "a tolerance of 0": (lambda: simulate(CHAIN, START, tolerance=0.0), "tolerance must be a finite number > 0, not 0.0"),
+    "one sample": (lambda: simulate(CHAIN, START, samples=1), r"from 2 \(start and end\) to 20000000 of these beads, not 1"),
+    "an empty list of samples": (lambda: simulate(CHAIN, START, samples=[]), "a list of 1 to 20000000 times"),
+    "samples that go back": (lambda: simulate(CHAIN, START, samples=[1.0, 0.5]), "ascending"),
+    "a sample before the start": (lambda: simulate(CHAIN, START, samples=[-1.0, 0.5]), ">= 0"),
+    "a sample after the end": (lambda: simulate(CHAIN, START, 2.0, samples=[0.5, 3.0]), "within the duration 2.0"),
+    "a tiny time": (  # it hung, and heard no signal
+        lambda: simulate(CHAIN, START, samples=[0.0, 1e-310]), "sample times must be 0 or at least 1e-100 s, not 1e-310"
+    ),
+    "no end between walls": (
+        lambda: simulate(Chain([math.inf, 1, math.inf], LAW, 0.1), [0, 1, 0]), "two walls may never come apart: give a duration"
+    ),
+    "no end of a drive": (lambda: simulate(Chain([1, 1], LAW, drive=[1, 0]), [0, 0]), "duration"),
+    "one list for two chains": (lambda: ensemble([CHAIN] * 2, [START]), "2 chains need 2 lists of velocities, not 1"),
+    "one duration in a list": (lambda: ensemble([CHAIN] * 2, [START] * 2, [1.0]), "2 durations or one for all, not 1"),
+    "three steps for two": (lambda: ensemble([CHAIN] * 2, [START] * 2, step=[1, 2, 3]), "2 steps or one for all, not 3"),
+    "an ensemble by none": (lambda: ensemble([CHAIN], [START], method="verlett"), "verlett"),
+    "a number that pushes": (lambda: Coupler(3.0), "coupler push must be a Contact, not 3.0"),
+    "a text that pulls": (lambda: Coupler(LAW, "x"), "coupler pull must be a Contact, not 'x'"),
+    "a slack below 0": (lambda: Coupler(LAW, slack=-1.0), "coupler slack must be a finite number >= 0, not -1.0"),
+    "a slack before nothing": (lambda: Coupler(LAW, slack=0.1), "slack 0.1 m needs a pull"),
+    "a travel without a stop": (lambda: Coupler(LAW, travel=0.1), "needs both travel and stop"),
+    "a stop without a travel": (lambda: Coupler(LAW, stop=1e8), "needs both travel and stop"),
+    "a travel of 0": (lambda: Coupler(LAW, travel=0.0, stop=1e8), "coupler travel must be a finite number > 0"),
+    "a force on nothing": (lambda: TimedForce([], 0.0, 1.0), "beads"),
+    "a force on one twice": (lambda: TimedForce([0, 0], 0.0, 1.0), "each once"),
+    "a force on bead -1": (lambda: TimedForce([-1], 0.0, 1.0), "beads"),
+    "times that go back": (lambda: TimedForce(0, [1.0, 0.5], [1.0, 1.0]), "ascend"),
+    "a time before the start": (lambda: TimedForce(0, [-1.0], 1.0), "times"),
+    "three forces at two times": (lambda: TimedForce(0, [0.0, 1.0], [1.0, 2.0, 3.0]), "2 forces"),
+    "a force that is no number": (lambda: TimedForce(0, 0.0, math.nan), "number"),
+    "a force on a bead too many": (lambda: Chain([1, 1], LAW, forces=TimedForce(4, 0.0, 1.0)), "forces act on bead 4"),
+    "a brake that drives": (lambda: Chain([1, 1], LAW, brakes=TimedForce(0, 0.0, -1.0)), "brake must be >= 0"),
+    "a number for forces": (lambda: Chain([1, 1], LAW, forces=3.0), "TimedForce"),
 }  # fmt: skip
 
 

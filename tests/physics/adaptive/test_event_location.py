@@ -1,7 +1,5 @@
 """No switch is missed: contacts under a steady force, beads on a bed, contacts that are pulled apart at rest."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 
@@ -65,18 +63,6 @@ def test_touching_beads_that_are_pulled_apart_part_at_once(method, law):
     found = simulate_quietly(chain, [0.0, 0.0, 0.0], 1.0, method, samples=2)
     np.testing.assert_allclose(found.final_velocity, [-1.0, 0.0, 1.5], atol=1e-12)
     assert found.steps <= 10
-
-
-@pytest.mark.parametrize("method", ADAPTIVE)
-def test_a_slide_ends_to_the_digit(method):
-    """A bead that slides alone rests after v / (mu g) and v² / (2 mu g)."""
-    chain = Chain([1.0, 1.0], hooke(1.0), gap=10.0, friction=0.1)
-    found = simulate_quietly(chain, [1.0, 0.0], 3.0, method, samples=[0.5, 3.0])
-    brake = chain.bed[0]
-    assert found.velocity[0, 0] == pytest.approx(1.0 - 0.5 * brake, abs=1e-14)
-    assert found.position[1, 0] - found.position[0, 0] == pytest.approx(0.5 / brake - 0.5 + 0.125 * brake, abs=1e-12)
-    assert found.final_velocity[0] == 0.0
-    assert found.absorbed_by_bed[-1] == pytest.approx(0.5, abs=1e-13)
 
 
 def test_a_contact_with_loss_gives_back_its_part():

@@ -1,7 +1,5 @@
 """Event location by motions whose switches are known in closed form: each kind of row, the earliest of several, and none."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -11,19 +9,7 @@ from softcradle.physics.adaptive.corners import closes_inactive, is_continued
 from softcradle.physics.numerics.law_curve import NODES
 from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
 
-from tests.helpers.given_steps import (
-    CLOSES,
-    EASES,
-    NOTHING,
-    OPENS,
-    SLIPS,
-    STOPS,
-    TURNS,
-    YIELDS,
-    H,
-    Step,
-    thrown,
-)
+from tests.helpers.given_steps import CLOSES, EASES, NOTHING, OPENS, SLIPS, STOPS, TURNS, YIELDS, H, Step, thrown
 from tests.helpers.plain_kernels import only_plain
 
 pytestmark = only_plain
@@ -93,11 +79,9 @@ def on_bed(velocity, slide, drive=(0.0, 0.0)):
     step = Step(chain, velocity, [-5.0], [OPEN], [0.0], slide)
     brake = chain.bed * np.array(slide)
     push = np.array(drive) - brake  # as the effective chain has it
-    accelerations = np.where(np.array(slide) == 0, 0.0, push)
-    step.data = step.data._replace(
-        external=np.append(accelerations[:1] - accelerations[1:], accelerations[chain.anchor])
-    )
-    ended = np.array(velocity) + H * accelerations
+    gained = np.where(np.array(slide) == 0, 0.0, push)
+    step.data = step.data._replace(external=np.append(gained[:1] - gained[1:], gained[chain.anchor]))
+    ended = np.array(velocity) + H * gained
     step.trial.rate[2] = ended[0] - ended[1]
     step.trial.anchor[1] = ended[chain.anchor]
     return step
@@ -148,9 +132,7 @@ def test_a_steady_push_on_a_bead_counts():
 def test_the_earliest_of_several_counts():
     chain = Chain([1.0, math.inf, 1.0], [draft_gear(2.0, 0.4), draft_gear(2.0, 0.4)])
     for first, second in ((0.1, 0.2), (0.3, 0.2)):
-        step = Step(
-            chain, [0.0, 0.0, 0.0], [0.0, 0.0], [TOUCHING, TOUCHING], [[0.2, -0.2 / first], [0.2, -0.2 / second]]
-        )
+        step = Step(chain, [0.0] * 3, [0.0] * 2, [TOUCHING] * 2, [[0.2, -0.2 / first], [0.2, -0.2 / second]])
         row, kind, part = step.find()
         assert (row, kind) == (0 if first < second else 1, OPENS)
         assert part * H == pytest.approx(min(first, second), abs=1e-10)

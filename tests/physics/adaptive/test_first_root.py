@@ -1,7 +1,5 @@
 """The first root of a guard, against dense sampling of random quintics."""
 
-from __future__ import annotations
-
 from math import comb
 
 import numpy as np

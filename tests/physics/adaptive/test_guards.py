@@ -1,7 +1,5 @@
 """Guards of events where they come near to zero, and at the end of a step."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -30,9 +30,7 @@ def test_a_bead_that_comes_back_to_zero_overlap_is_as_exact_as_the_tolerance(see
     law = hertz(float(10.0 ** draw.uniform(-1, 2)))
     chain, period = pressed_bead(law, float(10.0 ** draw.uniform(-1, 0)), float(10.0 ** draw.uniform(-1, 1)))
     for part in (1.25, 1.5, 2.3):
-        wanted = simulate(chain, [0.0, 0.0], part * period, method="radau", tolerance=1e-12, samples=2).final_velocity[
-            0
-        ]
+        wanted = simulate(chain, [0, 0], part * period, method="radau", tolerance=1e-12, samples=2).final_velocity[0]
         if part == 1.5:
             assert wanted == pytest.approx(0.0, abs=1e-7)  # the deepest point, known by quadrature
         for tolerance in 10.0 ** np.arange(-5.0, -9.1, -0.5):

@@ -1,7 +1,5 @@
 """A row of one's own, the example of the documentation: a segment more, nothing else."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -116,16 +116,6 @@ def test_a_driven_chain_at_rest_has_the_scale_of_its_own_drive():
     np.testing.assert_allclose(found.ledger[-1], found.ledger[0], atol=1e-26)
 
 
-def test_a_kernel_hands_back_at_bounded_intervals(monkeypatch):
-    """The same digits whether it is called once or after every 7 steps; a signal is heard in between."""
-    chain = one_on(4, power_law(1.0, 0.1))
-    whole = simulate_quietly(chain, struck(chain), samples=31)
-    monkeypatch.setattr(runner, "PAUSE", 7)
-    parts = simulate_quietly(chain, struck(chain), samples=31)
-    np.testing.assert_array_equal(parts.final_velocity, whole.final_velocity)
-    np.testing.assert_array_equal(parts.overlap, whole.overlap)
-
-
 def test_a_log_that_is_too_small_grows_as_the_run_goes_on(monkeypatch):
     """A run that rattles is computed once, not once more with a larger log; no switch is lost, of samples or not."""
     chain = one_on(7, power_law(1.0, 0.02))

@@ -5,25 +5,10 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from softcradle.physics import (
-    Chain,
-    Contact,
-    cluster_on_cluster,
-    draft_gear,
-    hertz,
-    hooke,
-    power_law,
-    simulate,
-    step_force,
-)
-from softcradle.physics.analysis.closed_forms import (
-    LinearChain,
-    critical_speed,
-    long_linear_chain,
-    one_on_one,
-    rigid_collision,
-    rigid_stroke,
-)
+from softcradle.physics import Chain, cluster_on_cluster, simulate
+from softcradle.physics.analysis import closed_forms
+from softcradle.physics.analysis.closed_forms import LinearChain, critical_speed, one_on_one, rigid_collision
+from softcradle.physics.contact import Contact, draft_gear, hertz, hooke, power_law, step_force
 
 from tests.helpers.relations import SET_VALUED
 from tests.helpers.truth import CRITICAL_SPEEDS, ELASTIC, GEAR, GEARS
@@ -83,7 +68,7 @@ def test_rigid_gears_are_two_rigid_bodies(truth):
     mass, speed = truth.chain.mass, truth.start[0]
     assert speed < critical_speed(GEAR, mass, 1)
     assert rigid_collision(mass, 1, speed) == pytest.approx(truth.final, rel=1e-14)
-    stroke = rigid_stroke(GEAR, mass, 1, speed)
+    stroke = closed_forms.rigid_stroke(GEAR, mass, 1, speed)
     assert stroke == pytest.approx((truth.largest_overlap[0], truth.contact_time, truth.peak_force[0]), rel=1e-13)
 
 
@@ -124,9 +109,9 @@ def test_eigenmodes_of_unequal_beads_agree_with_the_reference():
 
 
 def test_a_long_linear_chain_returns_a_bessel_number():
-    kept, time = long_linear_chain()
+    kept, time = closed_forms.long_linear_chain()
     assert (kept, time) == pytest.approx((-0.1322795, 2.56781), rel=2e-6)
     modes = LinearChain(np.ones(40), 1.0, np.eye(40)[0])
     assert modes.first_opening() == pytest.approx(time, rel=1e-12)
     assert modes.velocity(time)[0] == pytest.approx(kept, rel=1e-12)
-    assert long_linear_chain(4.0, 9.0) == pytest.approx((kept, time * 2 / 3))
+    assert closed_forms.long_linear_chain(4.0, 9.0) == pytest.approx((kept, time * 2 / 3))

@@ -5,18 +5,10 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import Chain, cluster_on_cluster, draft_gear, hertz, hooke, one_on, power_law, step_force
+from softcradle.physics.analysis import matching
 from softcradle.physics.analysis.closed_forms import critical_speed, rigid_stroke, speed_ratio
 from softcradle.physics.analysis.collision import collide
-from softcradle.physics.analysis.matching import (
-    DISTANCES,
-    NEAR,
-    RATIOS,
-    Match,
-    gears_of_all_speeds,
-    laws_of_all_exponents,
-    match,
-    squared_difference,
-)
+from softcradle.physics.analysis.matching import DISTANCES, NEAR, RATIOS, Match, match, squared_difference
 
 pytestmark = pytest.mark.slow  # each match is a search of some seconds
 
@@ -123,12 +115,13 @@ def test_equal_forces_are_not_equal_outcomes():
 
 def test_starts_hold_rigid_clusters_together_for_the_given_time():
     chain = one_on(4, power_law(1.0, 0.1))
-    gears, laws = (starts(chain, 0, 2.0, 1.7) for starts in (gears_of_all_speeds, laws_of_all_exponents))
+    gears = matching.gears_of_all_speeds(chain, 0, 2.0, 1.7)
+    laws = matching.laws_of_all_exponents(chain, 0, 2.0, 1.7)
     for contact in (*gears, *laws):
         assert rigid_stroke(contact, chain.mass, 1, 2.0).contact_time == pytest.approx(1.7, rel=1e-12)
     assert [speed_ratio(one_on(4, gear), 0, 2.0) for gear in gears] == pytest.approx(RATIOS)
     assert speed_ratio(one_on(4, laws[0]), 0, 2.0) is None
-    assert gears_of_all_speeds(one_on(1, hooke(1.0)), 0, 1.0, 1.0) == []
+    assert matching.gears_of_all_speeds(one_on(1, hooke(1.0)), 0, 1.0, 1.0) == []
 
 
 def test_the_residual_is_the_distance_that_it_says():

@@ -4,18 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from softcradle.physics import (
-    Chain,
-    ChainBatch,
-    Coupler,
-    OwnLaw,
-    TimedForce,
-    ensemble_ends,
-    hertz,
-    hooke,
-    one_on,
-    power_law,
-)
+from softcradle.physics import Chain, ChainBatch, Coupler, OwnLaw, TimedForce, ensemble_ends, one_on
+from softcradle.physics.contact import hertz, hooke, power_law
 from softcradle.physics.simulation import solve
 from softcradle.physics.status import Status
 

@@ -8,13 +8,7 @@ import pytest
 from softcradle.physics import Chain, Contact, Coupler, State, draft_gear, hertz, hooke, power_law, step_force
 from softcradle.physics.chain import GRAVITY
 from softcradle.physics.fixed_step import discrete_gradient
-from softcradle.physics.fixed_step.discrete_gradient import (
-    WORK_ROWS,
-    first_event,
-    gradient_step,
-    gradient_steps,
-    single_step,
-)
+from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS, gradient_step, gradient_steps, single_step
 from softcradle.physics.numerics.contact_solve import BEAD_ROWS, UNKNOWN, row_residual, slide, sweep
 from softcradle.physics.numerics.records import COUNTERS, EVALUATION, UNCONVERGED
 
@@ -170,7 +164,7 @@ def test_the_first_bead_to_stop_and_the_first_contact_to_turn_cut_the_step():
     assert used > 0
     assert part == pytest.approx(0.25)
     assert motion.rate[0] == 0.75 * brake, "the motion stays as it was"
-    assert first_event(1.0, data, motion, beads, work) == pytest.approx(0.25)
+    assert discrete_gradient.first_event(1.0, data, motion, beads, work) == pytest.approx(0.25)
 
     chain = Chain([1.0, math.inf], step_force(2.0, loss=0.5))  # it turns at w/a = 0.4/2
     state = State.at_start(chain, [0.4, 0.0])

@@ -3,15 +3,8 @@
 import numpy as np
 import pytest
 from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
-from softcradle.physics.numerics.contact_solve import (
-    BEAD_ROWS,
-    DIAGONAL,
-    FORCE_AT_HOLD,
-    FREE_VELOCITY,
-    LEAST_AT_HOLD,
-    UNKNOWN,
-    distance_to_bend,
-)
+from softcradle.physics.numerics import contact_solve
+from softcradle.physics.numerics.contact_solve import BEAD_ROWS, DIAGONAL, UNKNOWN, distance_to_bend
 from softcradle.physics.numerics.records import NOTHING, ChainData, Dissipation
 from softcradle.physics.numerics.resolvent import mean_force, resolvent, touching
 
@@ -54,8 +47,8 @@ def test_a_row_without_slope_moves_to_where_a_bead_breaks_loose_or_its_contact_d
     h, weight, s = 0.1, 0.02, resting * 0.02 + 0.05 * 0.6
     mass, bed, free = np.array([2.0, 0.5]), np.array([1.0, 4.0]), np.array([0.04, -0.1])
     beads, work = np.zeros((BEAD_ROWS, 2)), np.zeros((WORK_ROWS, 1))
-    beads[FREE_VELOCITY] = free
-    work[UNKNOWN], work[LEAST_AT_HOLD], work[FORCE_AT_HOLD] = s, 2.0, 5.0
+    beads[contact_solve.FREE_VELOCITY] = free
+    work[UNKNOWN], work[contact_solve.LEAST_AT_HOLD], work[contact_solve.FORCE_AT_HOLD] = s, 2.0, 5.0
     work[DIAGONAL] = 2.0 * weight / h**2
     law = np.array([[0.3, 1.0, 1.0]])
     chain = ChainData(law, 1.0 / mass, NOTHING, NOTHING, 0, dissipation=Dissipation(np.zeros(1), bed))

@@ -3,12 +3,7 @@
 import numpy as np
 import pytest
 from softcradle.physics import Chain, Coupler, State, draft_gear, hertz, hooke
-from softcradle.physics.numerics.coupler_kernels import (
-    joint_fall,
-    joint_force,
-    joint_mean_force,
-    joint_resolvent,
-)
+from softcradle.physics.numerics.coupler_kernels import joint_fall, joint_force, joint_mean_force, joint_resolvent
 
 from tests.helpers.plain_kernels import only_plain, records_of
 

@@ -1,13 +1,11 @@
 """Matrices of coefficients: rounded once, the same on every processor."""
 
-import os
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 from softcradle.physics.adaptive import dop853_tableau, radau
 from softcradle.physics.numerics.exact_matrices import exact_inverse, exact_product
+
+from tests.helpers.own_process import python
 
 LAST_DIGIT = 2.3e-16
 CORES = ("Prescott", "Haswell", "SkylakeX", "Zen")  # processors whose routines the linear algebra library has
@@ -45,14 +43,7 @@ def test_gamma_is_the_reciprocal_of_the_eigenvalue_of_the_radau_method():
 
 
 def test_coefficients_do_not_depend_on_the_processor():
-    def printed(core: str) -> str:
-        environment = {**os.environ, "OPENBLAS_CORETYPE": core}
-        done = subprocess.run(
-            [sys.executable, "-c", PRINTED], env=environment, capture_output=True, text=True, check=True
-        )
-        return done.stdout
-
-    assert len({printed(core) for core in CORES}) == 1
+    assert len({python("-c", PRINTED, OPENBLAS_CORETYPE=core).stdout for core in CORES}) == 1
 
 
 def test_products_of_the_tableaus_are_those_that_their_steps_need():

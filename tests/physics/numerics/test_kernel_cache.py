@@ -2,8 +2,6 @@
 
 import os
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -12,6 +10,7 @@ from softcradle.physics.numerics.jit import jit
 from softcradle.physics.numerics.kernel_cache import cache_folder
 from softcradle.physics.source_digest import digest_of, kernel_sources
 
+from tests.helpers.own_process import python
 from tests.helpers.paths import ROOT
 
 PHYSICS = ROOT / "physics"
@@ -38,11 +37,7 @@ print(force(0.0, 1.0, 0.7, 0.5))
 
 def run(code: str, folder: Path = ROOT, **environment: str) -> str:
     kept = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_")}
-    found = subprocess.run(
-        [sys.executable, "-c", code], cwd=folder, env=kept | environment, capture_output=True, text=True, check=False
-    )
-    assert found.returncode == 0, found.stderr
-    return found.stdout
+    return python("-c", code, cwd=folder, env=kept, **environment).stdout
 
 
 def test_the_key_follows_every_source(tmp_path):

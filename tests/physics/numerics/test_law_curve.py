@@ -4,17 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from softcradle.physics.numerics.law_curve import (
-    MOST_CARE,
-    NODES,
-    SMALLEST,
-    care,
-    cubic,
-    flow_into,
-    signed_force,
-    slope_at,
-)
-from softcradle.physics.numerics.law_curve import move_along as move_along_curve
+from softcradle.physics.numerics import law_curve
+from softcradle.physics.numerics.law_curve import NODES, SMALLEST, care, cubic, flow_into, signed_force, slope_at
 
 from tests.helpers.plain_kernels import only_plain
 
@@ -30,7 +21,7 @@ LAWS = [
 
 def move_along(preload, stiffness, exponent, *moves):
     """A move on the curve of one power law."""
-    return move_along_curve(np.array([[preload, stiffness, exponent]]), None, 0, *moves)
+    return law_curve.move_along(np.array([[preload, stiffness, exponent]]), None, 0, *moves)
 
 
 @pytest.mark.parametrize("law", LAWS, ids=str)
@@ -61,7 +52,7 @@ def test_the_weight_of_an_error():
     assert care(1.0, 5.0, 9.0) == care(1.5, 5.0, 9.0) == 1.0
     assert care(0.5, 0.25, 9.0) == 1.0 + 0.25 * 3.0
     assert care(0.1, 7.0, 9.0) == 1.0 + 3.0
-    assert care(0.1, 1.0, 1e30) == 1.0 + MOST_CARE
+    assert care(0.1, 1.0, 1e30) == 1.0 + law_curve.MOST_CARE
 
 
 @pytest.mark.parametrize("law", LAWS, ids=str)

@@ -1,13 +1,10 @@
 """Compiled callbacks: the same digits as Python ones, shared, and never used where anything is unexpected."""
 
-import os
-import subprocess
-import sys
-
 import pytest
 from softcradle.physics import hooke, power_law
 from softcradle.physics.pymunk_contacts import compiled_force
 
+from tests.helpers.own_process import python
 from tests.helpers.spaces import LAWS, Quadratic, cradle, pair, run
 
 compiled_only = pytest.mark.skipif(bool(compiled_force.unavailable()), reason=compiled_force.unavailable())
@@ -61,22 +58,14 @@ except RuntimeError as error:
 """
 
 
-def fallback(**environment):
-    environment = {**os.environ, **environment}
-    done = subprocess.run(
-        [sys.executable, "-c", CHECK_FALLBACK], env=environment, capture_output=True, text=True, check=True
-    )
-    return done.stdout
-
-
 def test_without_compiler_the_python_callback_gives_the_same_digits():
-    without = fallback(NUMBA_DISABLE_JIT="1").splitlines()
+    without = python("-c", CHECK_FALLBACK, NUMBA_DISABLE_JIT="1").stdout.splitlines()
     reason, used, digits = without[0].split("|")
     assert "NUMBA_DISABLE_JIT" in reason
     assert used == "[False, False]"
     assert without[1].startswith("refused no compiled callback")
     assert "native=None" in without[1]
-    usual = fallback(NUMBA_DISABLE_JIT="0").splitlines()[0].split("|")
+    usual = python("-c", CHECK_FALLBACK, NUMBA_DISABLE_JIT="0").stdout.splitlines()[0].split("|")
     assert usual[2] == digits
 
 

@@ -109,7 +109,7 @@ def test_a_wall_that_moves():
 @pytest.mark.parametrize("law", [hertz(1e6), power_law(200.0, 0.1), draft_gear(1e4, 0.02)], ids=str)
 def test_a_column_bounces_without_loss_under_gravity(law):
     space, bodies, chain = chain_row(
-        law, gap=[0.5, 0, 0], beads=4, direction=(0, 1), masses=[math.inf] + [1.0] * 3, speed=0
+        law, gap=[0.5, 0, 0], beads=4, direction=(0, 1), masses=[math.inf, 1, 1, 1], speed=0
     )
     space.gravity = 0.0, -10.0
     energy = 10.0 * (1.5 + 2.5 + 3.5)

@@ -5,22 +5,9 @@ import math
 import numpy as np
 import pytest
 import softcradle.physics.reference.runner
-from softcradle.physics import (
-    Chain,
-    Contact,
-    Coupler,
-    OwnLaw,
-    TimedForce,
-    cluster_on_cluster,
-    draft_gear,
-    hertz,
-    hooke,
-    one_on,
-    power_law,
-    simulate,
-    step_force,
-)
+from softcradle.physics import Chain, Coupler, OwnLaw, TimedForce, cluster_on_cluster, one_on, simulate
 from softcradle.physics.chain import GRAVITY
+from softcradle.physics.contact import Contact, draft_gear, hertz, hooke, power_law, step_force
 
 from tests.helpers.relations import ADAPTIVE, FIXED_STEP, NAMES
 from tests.helpers.truth import GEAR, GEARS
@@ -159,14 +146,6 @@ def test_loss_takes_its_part_of_the_energy(law):
     restitution = math.sqrt(0.7)
     found = ended(Chain([1.0, 2.0], LOSSY[law]), [1.0, 0.0])
     assert found.final_velocity == pytest.approx([1 / 3 - restitution * 2 / 3, (1 + restitution) / 3], abs=1e-11)
-
-
-def test_friction_brings_a_bead_to_rest():
-    chain = Chain([1.0, 2.0], hertz(3.0), gap=100.0, friction=0.3)
-    assert ended(chain, [1.0, 0.0], 0.1).final_velocity == pytest.approx([1.0 - 0.03 * GRAVITY, 0.0], abs=1e-13)
-    found = ended(chain, [1.0, 0.0])
-    assert found.final_velocity.tolist() == [0.0, 0.0]
-    assert found.time[-1] == pytest.approx(1.0 / (0.3 * GRAVITY), rel=1e-12)
 
 
 def test_a_bead_slides_after_it_stuck():

@@ -92,8 +92,6 @@ def test_what_happens_is_said_in_words(capsys):
     )
     assert "Beads 2 to 4 go together to the right at 0.465 metres a second." in said
     assert output(capsys, "run", "galilean", "--describe").startswith("Who hits whom?\n")
-    assert main(["run", "one-on-four", "--describe", "--json"]) == 2
-    assert "--json: not allowed with argument --describe" in capsys.readouterr().err
 
 
 def test_results_say_how_well_the_final_velocities_are_known(capsys):

@@ -1,10 +1,11 @@
 """Without the packages of an extra: what needs them says how to get them, in a sentence; the rest works."""
 
 import subprocess
-import sys
 
 import pytest
 from softcradle.physics.extras import EXTRA_OF, needed_for
+
+from tests.helpers.own_process import python
 
 WITHOUT = "import sys\nfor name in {names!r}: sys.modules[name] = None\n"
 MAIN = "from softcradle.sandbox.cli.main import main\nsys.exit(main({arguments!r}))"
@@ -30,8 +31,7 @@ for method in METHODS:
 
 
 def run(without: tuple[str, ...], program: str) -> subprocess.CompletedProcess[str]:
-    code = WITHOUT.format(names=without) + program
-    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    return python("-c", WITHOUT.format(names=without) + program, check=False)
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,6 @@
 """`softcradle sweep`: studies from files, refusals in a sentence, what is missing, what is there already."""
 
 import re
-import subprocess
-import sys
 
 import pytest
 from softcradle.sandbox.cli.main import main
@@ -12,6 +10,7 @@ from softcradle.sandbox.sweeps.study_file import load_study
 from softcradle.sandbox.sweeps.work import Work, lost
 from softcradle.sandbox.user_error import POINTS_LOST
 
+from tests.helpers.own_process import python
 from tests.helpers.paths import ROOT
 
 xr = pytest.importorskip("xarray")
@@ -147,24 +146,6 @@ def test_bad_study_file(text, sentence, tmp_path, capsys):
     assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        ([], "a study file is missing"),
-        (["nowhere.toml"], "cannot read nowhere.toml: no such file"),
-        (["study.toml", "-o", "x.csv"], "must end in .zarr or .nc, not 'x.csv'"),
-        (["study.toml", "--threads", "--scheduler", "tcp://127.0.0.1:1"], "give one of them"),
-        (["study.toml", "--chunk", "0"], "must be a number > 0, not '0'"),
-        (["study.toml", "--workers", "0"], "must be a whole number from 1"),
-    ],
-)
-def test_bad_arguments(arguments, sentence, tmp_path, capsys, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "study.toml").write_text(GOOD)
-    assert main(["sweep", *arguments]) == 2
-    assert sentence in capsys.readouterr().err
-
-
 def test_measures_are_listed(capsys):
     assert main(["sweep", "--measures"]) == 0
     printed = capsys.readouterr().out
@@ -175,7 +156,6 @@ def test_measures_are_listed(capsys):
 def test_without_the_extra_it_is_a_sentence(tmp_path):
     (tmp_path / "study.toml").write_text(GOOD)
     program = "from softcradle.sandbox.cli.main import main\nsys.exit(main(['sweep', 'study.toml']))"
-    code = f"import sys\nsys.modules['zarr'] = None\n{program}"
-    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False)
+    done = python("-c", f"import sys\nsys.modules['zarr'] = None\n{program}", check=False, cwd=tmp_path)
     assert done.returncode == 2
     assert done.stderr.endswith("needs zarr, which is not installed: pip install 'softcradle[sweep]'\n")

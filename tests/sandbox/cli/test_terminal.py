@@ -164,20 +164,6 @@ def test_a_second_file_is_written_too_and_each_lane_has_its_own_and_what_is_repl
     assert float(rows[0]["velocity 0 [m/s]"]) == 1.0
 
 
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        ("render mixed -o a.mp4 -o b.mp4", "-o/--output: is given twice"),
-        ("run mixed --method verlet --method euler", "--method: is given twice"),
-        ("run mixed -o a.csv -o ./a.csv", "the same file is given twice with -o"),
-        ("list", "did you mean scenes?"),
-    ],
-)
-def test_what_would_be_dropped_or_misread_is_refused(arguments, sentence, capsys):
-    assert main(arguments.split()) == 2
-    assert sentence in capsys.readouterr().err
-
-
 def test_open_shows_the_first_file(tmp_path, monkeypatch, capsys):
     opened: list[str] = []
     monkeypatch.setattr("webbrowser.open", lambda address: opened.append(address) or True)

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from softcradle.sandbox.draw import Picture, draw, longest_lead, scales_of
 from softcradle.sandbox.draw.bodies import cluster_ends, has_marks, rigid_forces
-from softcradle.sandbox.draw.curve_panels import LABEL_GAP, ticks_apart
+from softcradle.sandbox.draw.curve_panels import LABEL_GAP
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.number_format import spread
 from softcradle.sandbox.draw.palette import tones
@@ -85,14 +85,19 @@ def motions_of(text, rows_per_second=40.0):
     return scene, scene_motions(scene, rows_per_second * scene.view.slow)
 
 
+def pictured(text):
+    scene, motions = motions_of(text)
+    return scene, motions, Picture(scene, motions, SIZE)
+
+
 @pytest.fixture(scope="module")
 def soft():
-    return motions_of(SOFT)
+    return pictured(SOFT)
 
 
 @pytest.fixture(scope="module")
 def two():
-    return motions_of(TWO)
+    return pictured(TWO)
 
 
 def painted(picture, row, **options):
@@ -106,7 +111,7 @@ def near(pixels, colour, tolerance=6):
 
 
 def test_drawing_changes_nothing_and_depends_on_the_row_alone(two):
-    scene, motions = two
+    scene, motions, _ = two
     before = [
         {name: getattr(motion, name).copy() for name in ("time", "position", "overlap", "force")} for motion in motions
     ]
@@ -125,8 +130,7 @@ def test_drawing_changes_nothing_and_depends_on_the_row_alone(two):
 
 
 def test_bars_are_as_high_as_the_forces(soft):
-    scene, motions = soft
-    picture = Picture(scene, motions, SIZE)
+    _, motions, picture = soft
     drawing, row = picture.lanes[0].drawing, strongest_row(motions)
     above = painted(picture, row)[
         drawing.rect.top : math.floor(drawing.bar_base), drawing.rect.left : drawing.rect.right
@@ -140,7 +144,7 @@ def test_bars_are_as_high_as_the_forces(soft):
 
 @pytest.mark.parametrize("height", [60, 75, 80, 150])
 def test_a_lane_without_room_for_bars_is_drawn(soft, height):
-    scene, motions = soft
+    scene, motions, _ = soft
     surface = pygame.Surface((564, height), 0, 32)
     drawing = LaneDrawing(surface.get_rect(), 0.75, scene, 0, scales_of(scene, motions))
     assert (drawing.bar_room > 0.0) == (height > 80)
@@ -152,8 +156,7 @@ def test_a_lane_without_room_for_bars_is_drawn(soft, height):
 
 
 def test_beads_are_at_their_positions_and_overlaps_are_darker(soft):
-    scene, motions = soft
-    picture = Picture(scene, motions, SIZE)
+    _, motions, picture = soft
     drawing, row = picture.lanes[0].drawing, strongest_row(motions)
     pixels = painted(picture, row)
     edges = drawing.left() + drawing.scale * left_edges(
@@ -181,8 +184,7 @@ def test_piston_moves_in_by_the_magnified_overlap():
 
 
 def test_lanes_share_times_axes_and_scale(two):
-    scene, motions = two
-    picture = Picture(scene, motions, SIZE)
+    _, motions, picture = two
     first, second = picture.lanes
     assert (motions[0].time == motions[1].time).all()
     assert first.drawing.scale == second.drawing.scale
@@ -192,7 +194,7 @@ def test_lanes_share_times_axes_and_scale(two):
 
 
 def test_everything_stays_in_view(two):
-    scene, motions = two
+    scene, motions, _ = two
     scales = scales_of(scene, motions)
     for motion in motions:
         edges = left_edges(motion.position, motion.overlap, scene.view.length, scales.magnify)
@@ -211,7 +213,7 @@ def test_magnified_overlaps_move_beads_about_their_mean():
 
 
 def test_names_of_overlaps_stand_beside_the_greatest_though_beads_fly_far_apart(soft):
-    scene, motions = soft
+    scene, motions, _ = soft
     assert (motions[0].overlap.min(axis=0) < -motions[0].overlap.max(axis=0)).any()
     with drawn_texts(SIZE) as texts:
         picture = Picture(scene, motions, SIZE)
@@ -225,7 +227,7 @@ def test_names_of_overlaps_stand_beside_the_greatest_though_beads_fly_far_apart(
 
 @pytest.mark.parametrize("size", [(160, 90), (320, 180), (540, 960), (3840, 2160)])
 def test_any_size(two, size):
-    scene, motions = two
+    scene, motions, _ = two
     pixels = painted(Picture(scene, motions, size), 40, text_opacity=1.0)
     assert pixels.shape == (size[1], size[0], 3)
     assert 0.01 < (~near(pixels, tones.background)).mean() < 0.9
@@ -242,8 +244,7 @@ def test_any_chain(text):
 
 
 def test_camera_moves_the_beads_and_nothing_else(soft):
-    scene, motions = soft
-    picture = Picture(scene, motions, SIZE)
+    _, _, picture = soft
     drawing = picture.lanes[0].drawing
     still, moved = painted(picture, 5), painted(picture, 5, centre=sum(picture.scales.window) / 2 + 0.5)
     changed = np.argwhere((still != moved).any(axis=-1))
@@ -252,8 +253,7 @@ def test_camera_moves_the_beads_and_nothing_else(soft):
 
 
 def test_text_of_the_scene_is_written_and_fades(soft):
-    scene, motions = soft
-    picture = Picture(scene, motions, SIZE)
+    _, _, picture = soft
     plain, half, full = (painted(picture, 0, text_opacity=opacity) for opacity in (0.0, 0.5, 1.0))
     assert (full != plain).any()
     assert np.abs(half - plain).sum() < np.abs(full - plain).sum()
@@ -285,9 +285,7 @@ def test_drawings_are_kept_up_to_their_memory_and_the_oldest_is_dropped_first():
     assert drawn == [*sides, 400, 255, 2000, *sides]
 
 
-@given(
-    st.lists(st.floats(-50, 250, allow_nan=False), min_size=1, max_size=12), st.floats(1, 16), st.floats(100.0, 300.0)
-)
+@given(st.lists(st.floats(-50, 250, allow_nan=False), min_size=1, max_size=12), st.floats(1, 16), st.floats(100, 300))
 def test_names_beside_curves_keep_order_and_distance(places, gap, high):
     moved = spread(places, gap, 0.0, high)
     order = sorted(range(len(places)), key=lambda k: places[k])
@@ -297,14 +295,6 @@ def test_names_beside_curves_keep_order_and_distance(places, gap, high):
     assert max(moved) <= high + 1e-6
     assert spread([10.0, 50.0, 90.0], 12.0, 0.0, 100.0) == [10.0, 50.0, 90.0]  # those with room stay
     assert spread([50.0, 50.0], 12.0, 0.0, 100.0) == [44.0, 56.0]
-
-
-def test_ticks_of_a_low_axis_are_fewer():
-    ticks = [(-1.0, "-1"), (0.0, "0"), (1.0, "1"), (2.0, "2"), (3.0, "3")]
-    assert ticks_apart(ticks, 12.0, 12.0) == ticks_apart(ticks, -12.0, 12.0) == ticks
-    assert [value for value, _ in ticks_apart(ticks, 7.0, 12.0)] == [0.0, 2.0]
-    assert [value for value, _ in ticks_apart(ticks, 1.0, 12.0)] == [0.0]
-    assert ticks_apart(ticks[:1], 1.0, 12.0) == ticks[:1]
 
 
 MASSES = [1.0] * 5
@@ -342,7 +332,7 @@ def test_where_clusters_end_and_which_have_marks():
 
 
 def test_free_flight_before_the_start(soft):
-    scene, (motion,) = soft
+    scene, (motion,), _ = soft
     early = motion.time < 0.0
     assert early.any()
     assert motion.position[early, 0] == pytest.approx(motion.time[early])

@@ -4,18 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from softcradle.sandbox.draw.number_format import (
-    MINUS,
-    decades,
-    factor,
-    fixed,
-    power_of_ten,
-    round_down,
-    round_step,
-    scientific,
-    subscript,
-    ticks,
-)
+from softcradle.sandbox.draw import number_format
+from softcradle.sandbox.draw.number_format import MINUS, factor, fixed, scientific, ticks
 from softcradle.sandbox.draw.palette import BEAD_COLOURS, OKABE_ITO, bead_colours
 from softcradle.sandbox.draw.text import font, shortened, width, wrapped
 
@@ -37,10 +27,10 @@ def test_text_fits_its_room():
 
 @given(st.floats(1e-9, 1e9), st.integers(1, 8))
 def test_steps_are_round(span, most):
-    step = round_step(span, most)
+    step = number_format.round_step(span, most)
     assert span / step <= most * (1 + 1e-6)
     assert float(f"{step:.0e}"[:-4]) in {1.0, 2.0, 5.0}
-    assert round_down(step) == pytest.approx(step)
+    assert number_format.round_down(step) == pytest.approx(step)
     assert len(ticks(0.0, span, most)) <= most + 1
 
 
@@ -58,10 +48,10 @@ def test_steps_are_round(span, most):
         (factor(1e29), "\N{MULTIPLICATION SIGN}10²⁹"),
         (fixed(-0.001, 2), "0.00"),
         (fixed(-1.5, 1), "\N{MINUS SIGN}1.5"),
-        (subscript(1, 2), "₁₂"),
-        (subscript(9, 10), "₉₋₁₀"),
-        (power_of_ten(-12), "10⁻¹²"),
-        (decades(-6, 0, 3), [(0.0, "10⁰"), (-2.0, "10⁻²"), (-4.0, "10⁻⁴"), (-6.0, "10⁻⁶")]),
+        (number_format.subscript(1, 2), "₁₂"),
+        (number_format.subscript(9, 10), "₉₋₁₀"),
+        (number_format.power_of_ten(-12), "10⁻¹²"),
+        (number_format.decades(-6, 0, 3), [(0.0, "10⁰"), (-2.0, "10⁻²"), (-4.0, "10⁻⁴"), (-6.0, "10⁻⁶")]),
         (ticks(-0.2, 1.0, 4), [(0.0, "0.0"), (0.5, "0.5"), (1.0, "1.0")]),
         ([text for _, text in ticks(0.0, 1.4e6, 3)], ["0", "500 k", "1 M"]),
         ([text for _, text in ticks(-2e4, 2e4, 4)], [f"{MINUS}20 k", f"{MINUS}10 k", "0", "10 k", "20 k"]),

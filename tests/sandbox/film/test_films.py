@@ -14,14 +14,7 @@ from softcradle.sandbox.film.encoder import open_film
 from softcradle.sandbox.film.formats import pixels_of
 from softcradle.sandbox.film.kymograph import render_kymograph
 from softcradle.sandbox.film.scene_film import MOST_BEFORE_HIT, film_shots, render_scene, shot_list
-from softcradle.sandbox.film.scene_motion import (
-    AFTER,
-    LEAD,
-    motion_end,
-    scene_motions,
-    scene_motions_quietly,
-    strongest_row,
-)
+from softcradle.sandbox.film.scene_motion import motion_end, scene_motions, scene_motions_quietly, strongest_row
 from softcradle.sandbox.page.shared_page import recorded
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
@@ -33,9 +26,7 @@ from tests.helpers.drawn_text import colliding, film_texts
 SIZE = (480, 270)
 FPS = 12.0
 ROWS = math.ceil(scene_film.LEAST_ROWS / FPS)  # of the motion, a frame
-SCENE = parse("""
-title = "Two rows"
-text = "Three words here."
+LANES = """
 [[lanes]]
 label = "soft"
 beads = [1, 3]
@@ -46,7 +37,8 @@ label = "hard"
 beads = [1, 3]
 contact = {law = "hertz", stiffness = 30.0}
 velocity = 1.0
-""")
+"""
+SCENE = parse(f'title = "Two rows"\ntext = "Three words here."\n{LANES}')
 
 
 @pytest.fixture(scope="module")
@@ -295,17 +287,6 @@ def test_few_frames_show_the_same_curves(tmp_path, monkeypatch):
     assert report.frames < len(motions[0].time) / 5
 
 
-LANES = """
-[[lanes]]
-beads = [1, 3]
-contact = {law = "power_law", f0 = 1.0, alpha = 0.25}
-velocity = 1.0
-[[lanes]]
-beads = [1, 3]
-contact = {law = "hertz", stiffness = 30.0}
-velocity = 1.0
-"""
-ENDLESS = parse(f'title = "Two lanes"\n{LANES}')
 TIMED = parse(f'title = "Two lanes"\nduration = 2.0\n{LANES}')
 
 
@@ -326,11 +307,11 @@ def test_the_end_of_a_motion_is_looked_for_once_and_not_where_it_is_given(runs, 
     scene_motions(TIMED, 20.0)
     assert len(runs) == 2
     runs.clear()
-    render_kymograph(ENDLESS, str(tmp_path / "x.kymograph.png"), (320, 180))
+    render_kymograph(SCENE, str(tmp_path / "x.kymograph.png"), (320, 180))
     assert [settings.get("duration") is None for settings in runs] == [True, True, False, False]
 
 
-@pytest.mark.parametrize("scene", [ENDLESS, TIMED], ids=["endless", "timed"])
+@pytest.mark.parametrize("scene", [SCENE, TIMED], ids=["endless", "timed"])
 def test_rows_cover_the_motion_and_free_flight(scene: Scene):
     end = motion_end(scene)
     first, second = scene_motions(scene, 20.0)
@@ -338,8 +319,8 @@ def test_rows_cover_the_motion_and_free_flight(scene: Scene):
     assert (first.time == second.time).all()
     assert np.diff(first.time) == pytest.approx(0.05)
     assert 0.0 in first.time
-    after = AFTER * end if scene.duration is None else 0.0
-    assert first.time[0] == pytest.approx(-LEAD * end, abs=0.05)
+    after = scene_motion.AFTER * end if scene.duration is None else 0.0
+    assert first.time[0] == pytest.approx(-scene_motion.LEAD * end, abs=0.05)
     assert first.time[-1] == pytest.approx(end + after, abs=0.05)
 
 

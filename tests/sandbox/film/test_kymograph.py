@@ -6,15 +6,14 @@ from PIL import Image
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.draw import scales_of
 from softcradle.sandbox.draw.palette import tones
+from softcradle.sandbox.film import kymograph
 from softcradle.sandbox.film.kymograph import (
     CAMERA_RATE,
     SlitCamera,
     camera_rate,
     filmed_scene,
-    in_si,
     instants,
     render_kymograph,
-    stacked,
 )
 from softcradle.sandbox.film.scene_motion import motion_end, scene_motions
 from softcradle.scenes import load, names
@@ -32,7 +31,7 @@ def filmed(name, rate, number=0, width=WIDTH):
     motions = scene_motions(scene, rate)
     camera = SlitCamera(scene, number, scales_of(scene, motions), width)
     motion = motions[number]
-    return camera, motion, stacked(camera, motion), traced(camera, motion)
+    return camera, motion, kymograph.stacked(camera, motion), traced(camera, motion)
 
 
 def traced(camera, motion):
@@ -96,7 +95,7 @@ gap = 1.0
 
 
 def test_the_paper_s_camera_where_units_are_the_paper_s():
-    si = {name for name in names() if in_si(load(name))}
+    si = {name for name in names() if kymograph.in_si(load(name))}
     assert {"draft-gear-one-on-three", "draft-gear-two-on-two"} <= si
     assert not {"one-on-four", "hooke-interface", "mixed"} & si
     scene = load("draft-gear-one-on-three")
@@ -157,18 +156,3 @@ def test_command(tmp_path, capsys):
     with Image.open(path) as picture:
         assert picture.size == (640, 360)
     assert [file.name for file in tmp_path.iterdir()] == ["x.kymograph.png"]
-
-
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        (["--slow", "2"], "--slow is for films"),
-        (["--pixel-format", "yuv444p"], "--pixel-format is for films"),
-        (["--size", "9x9"], "out of range"),
-        (["--step", "0.1", "--method", "radau"], "chooses its own steps"),
-    ],
-)
-def test_refusals(tmp_path, capsys, arguments, sentence):
-    assert main(["render", "one-on-four", "-o", str(tmp_path / "x.kymograph.png"), *arguments]) == 2
-    assert sentence in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == []

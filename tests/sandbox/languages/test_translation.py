@@ -5,36 +5,23 @@ import string
 
 import pytest
 from softcradle.physics import Chain, Contact, power_law
+from softcradle.sandbox import languages
 from softcradle.sandbox.draw.number_format import MINUS, TIMES, factor, fixed, number_text, prefixed, scientific, ticks
 from softcradle.sandbox.draw.text import font
-from softcradle.sandbox.languages import (
-    LANGUAGES,
-    _,
-    english,
-    label_words,
-    language,
-    language_of_environment,
-    localized,
-    ngettext,
-    pgettext,
-    refusal_words,
-    scene_words,
-    translation,
-    use_language,
-)
+from softcradle.sandbox.languages import LANGUAGES, _, ngettext, refusal_words, translation, use_language
 from softcradle.sandbox.languages.translation import catalogue_path
 from softcradle.sandbox.session.export import EDITED
-from softcradle.sandbox.trajectory_summary import clusters_in_words, hit_in_words, seconds_in_words
+from softcradle.sandbox.trajectory_summary import seconds_in_words
 from softcradle.scenes import load, parse
 
 from tools.update_catalogues import is_translated, main, read_catalogue, update
 
 
 def test_english_is_the_source():
-    assert language() == "en"
+    assert languages.language() == "en"
     assert _("saved {seconds:.1f} s to {path}", seconds=1.25, path="a") == "saved 1.2 s to a"
     assert ngettext("And {n} more group.", "And {n} more groups.", 1) == "And 1 more group."
-    assert pgettext("button", "velocities") == "velocities"
+    assert languages.pgettext("button", "velocities") == "velocities"
     assert _("a brace { stays") == "a brace { stays"
     assert _("") == ""
 
@@ -58,9 +45,9 @@ def test_numbers_have_the_decimal_mark_of_the_language():
     assert factor(0.5) == f"{TIMES}0,5"
     assert number_text(12345.678) == "1,23·10⁴"
     assert [text for _value, text in ticks(0.0, 1.0, 2)] == ["0,0", "0,5", "1,0"]
-    assert localized("0.1") == "0,1"
+    assert languages.localized("0.1") == "0,1"
     assert _("slow motion 1/{times:.4g}", times=2.5) == "Zeitlupe 1/2,5"
-    with english():
+    with languages.english():
         assert fixed(1.5, 1) == "1.5"
     assert fixed(1.5, 1) == "1,5"
 
@@ -78,27 +65,18 @@ def test_numbers_have_the_decimal_mark_of_the_language():
     ],
 )
 def test_the_locale_chooses(variables, code):
-    assert language_of_environment(variables) == code
+    assert languages.language_of_environment(variables) == code
 
 
 def test_words_of_scenes_and_labels():
     use_language("fr")
-    assert scene_words("One bead on four") == "Une bille contre quatre"
-    assert scene_words("One bead\n  on four, compared") == "Une bille contre quatre, comparé"
-    assert scene_words("A scene of mine") == "A scene of mine"
-    assert label_words("draft gear" + EDITED) == "amortisseur d'attelage, modifié"
-    assert label_words("draft gear and Hooke, alpha = 1") == "amortisseur d'attelage et Hooke, alpha = 1"
-    assert label_words("alpha = 0.123") == "alpha = 0,123"
-    assert label_words("version 1.2 and a half") == "version 1.2 et a half"
-
-
-def test_sentences_about_a_motion():
-    use_language("de")
-    assert hit_in_words(0, 0.5, 1.5) == "Kugel 0 stieß nach 0,5 Sekunden mit 1,5 Meter pro Sekunde auf Kugel 1."
-    assert clusters_in_words([-0.5, 0.4, 0.4], 1.0) == (
-        "Kugel 0 läuft mit 0,5 Meter pro Sekunde nach links. "
-        "Die Kugeln 1 und 2 laufen gemeinsam mit 0,4 Meter pro Sekunde nach rechts."
-    )
+    assert languages.scene_words("One bead on four") == "Une bille contre quatre"
+    assert languages.scene_words("One bead\n  on four, compared") == "Une bille contre quatre, comparé"
+    assert languages.scene_words("A scene of mine") == "A scene of mine"
+    assert languages.label_words("draft gear" + EDITED) == "amortisseur d'attelage, modifié"
+    assert languages.label_words("draft gear and Hooke, alpha = 1") == "amortisseur d'attelage et Hooke, alpha = 1"
+    assert languages.label_words("alpha = 0.123") == "alpha = 0,123"
+    assert languages.label_words("version 1.2 and a half") == "version 1.2 et a half"
 
 
 @pytest.mark.parametrize(

@@ -7,12 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import Image, ImageColor
 from softcradle.sandbox.draw.bodies import rigid_forces
 from softcradle.sandbox.draw.number_format import MINUS
 from softcradle.sandbox.page import write_page
 
 from softcradle import one_on, scenes, simulate
+from tests.helpers.drawn_text import contrast
 from tools.browser import Browser, found
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(found() is None, reason="there is no browser")]
@@ -550,19 +551,8 @@ def test_texts_stand_out(pages, browser, scheme):
     browser.visit(pages(SCENE).output, "#t=1")
     style = "getComputedStyle(document.documentElement).getPropertyValue('--{}').trim()"
     for text, ground in TEXTS:
-        assert contrast(*(browser.run(style.format(name)) for name in (text, ground))) >= 4.5, (text, ground)
-
-
-def contrast(one, other):
-    """The contrast of two colours as WCAG has it."""
-    light, dark = sorted((_luminance(one), _luminance(other)), reverse=True)
-    return (light + 0.05) / (dark + 0.05)
-
-
-def _luminance(colour):
-    parts = np.array([int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)])
-    linear = np.where(parts <= 0.04045, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4)
-    return float(linear @ [0.2126, 0.7152, 0.0722])
+        colours = [ImageColor.getrgb(browser.run(style.format(name))) for name in (text, ground)]
+        assert contrast(*colours) >= 4.5, (text, ground)
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

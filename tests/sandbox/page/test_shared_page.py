@@ -100,21 +100,7 @@ def test_labels_of_users_are_text_not_markup(tmp_path):
     assert page_data(text)["texts"]["en"] == {"title": "<b>&x", "text": evil, "labels": [evil, evil]}
 
 
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        (["-o", "{}/missing/page.html"], "there is no folder"),
-        (["-o", "{}/page.html", "--fps", "30"], "a page has no frames: --fps is for films"),
-        (["-o", "{}/page.html", "--pixel-format", "yuv444p"], "--pixel-format is for films"),
-        (["-o", "{}/page.html", "--method", "radau", "--step", "1e-3"], "chooses its own steps"),
-    ],
-)
-def test_refusals_leave_nothing(capsys, tmp_path, arguments, sentence):
-    assert main(["render", "one-on-four", *(word.format(tmp_path) for word in arguments)]) == 2
-    errors = capsys.readouterr().err
-    assert errors.startswith("softcradle: ")
-    assert sentence in errors
-    assert errors.count("\n") == 1
+def test_a_trajectory_is_missing_for_a_lane(tmp_path):
     scene = load_scene("galilean")
     with pytest.raises(UserError, match="a trajectory for each lane: 2, not 1"):
         write_page(simulate(scene.lanes[0].chain(), scene.lanes[0].velocity), scene, tmp_path / "page.html")

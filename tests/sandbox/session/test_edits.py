@@ -7,24 +7,7 @@ import numpy as np
 import pytest
 from softcradle.physics import hertz
 from softcradle.sandbox.quantities import OVERLAP
-from softcradle.sandbox.session import (
-    AddBead,
-    Drag,
-    Lock,
-    Place,
-    RemoveBead,
-    Session,
-    SetContact,
-    SetDrive,
-    SetFriction,
-    SetGap,
-    SetKind,
-    SetMass,
-    SetMethod,
-    SetSlow,
-    SetStep,
-    SetVelocity,
-)
+from softcradle.sandbox.session import Session, inputs
 from softcradle.sandbox.session.contact_conversion import kind_of
 from softcradle.sandbox.session.editable_numbers import NUMBERS, EditableNumber, parameters
 from softcradle.sandbox.session.replay import Replay
@@ -41,7 +24,7 @@ PYTHON = re.compile(
 
 def mid_collision(name="one-on-four"):
     """A session in which all contacts are loaded."""
-    session = opened(name, SetMethod(None, "conserving"))
+    session = opened(name, inputs.SetMethod(None, "conserving"))
     while not (session.lanes[0].state.overlap > 0.0).all():
         session.step_frames(1)
     return session
@@ -52,7 +35,7 @@ def test_a_new_velocity_of_one_bead_changes_no_other():
         session = mid_collision()
         before = session.lanes[0].velocity
         overlaps = session.lanes[0].state.overlap.copy()
-        session.apply(SetVelocity(0, bead, 3.25))
+        session.apply(inputs.SetVelocity(0, bead, 3.25))
         after = session.lanes[0].velocity
         assert after[bead] == pytest.approx(3.25, abs=1e-15)
         others = np.arange(5) != bead
@@ -64,7 +47,7 @@ def test_a_new_velocity_of_one_bead_changes_no_other():
 def test_a_new_heaviest_bead_moves_no_bead(bead):
     lane = (session := mid_collision()).lanes[0]
     position, velocity = lane.position, lane.velocity
-    session.apply(SetMass(0, bead, 50.0))
+    session.apply(inputs.SetMass(0, bead, 50.0))
     lane = session.lanes[0]
     assert lane.chain.anchor == bead
     assert lane.position == pytest.approx(position, abs=1e-15)
@@ -72,7 +55,13 @@ def test_a_new_heaviest_bead_moves_no_bead(bead):
 
 
 @pytest.mark.parametrize(
-    "edit", [SetMass(0, 1, 4.0), SetContact(0, None, hertz(100.0)), SetVelocity(0, 0, 0.5), SetDrive(0, 0, 1.0)]
+    "edit",
+    [
+        inputs.SetMass(0, 1, 4.0),
+        inputs.SetContact(0, None, hertz(100.0)),
+        inputs.SetVelocity(0, 0, 0.5),
+        inputs.SetDrive(0, 0, 1.0),
+    ],
 )
 def test_an_edit_acts_in_the_next_frame(edit):
     plain, changed = mid_collision(), mid_collision()
@@ -92,10 +81,10 @@ def test_placement_pushes_neighbours_along_and_lets_no_bead_through():
     assert session.lanes[0].position == pytest.approx([-0.5, -0.5, -0.25, -0.25, -0.25])
     assert (session.lanes[0].state.overlap <= 0.0).all()
     walled = Session(scenes.load("one-on-four"))
-    walled.apply(SetGap(0, 3, 0.5))
+    walled.apply(inputs.SetGap(0, 3, 0.5))
     assert walled.lanes[0].position.tolist() == [0.0, 1.0, 1.0, 1.0, 1.5]  # all beads to the right of a gap move
-    walled.apply(SetMass(0, 4, math.inf))
-    walled.apply(Place(0, 0, 99.0))
+    walled.apply(inputs.SetMass(0, 4, math.inf))
+    walled.apply(inputs.Place(0, 0, 99.0))
     assert walled.lanes[0].position == pytest.approx([1.5] * 5)
     assert walled.lanes[0].state.overlap.max() <= 0.0
 
@@ -103,7 +92,7 @@ def test_placement_pushes_neighbours_along_and_lets_no_bead_through():
 def test_placement_of_a_loaded_bead_adds_no_overlap_ahead_of_it():
     session = mid_collision()
     before = session.lanes[0].state.overlap.copy()
-    session.apply(Place(0, 2, session.lanes[0].position[2] + 0.3))
+    session.apply(inputs.Place(0, 2, session.lanes[0].position[2] + 0.3))
     after = session.lanes[0].state.overlap
     assert after[1] == pytest.approx(before[1] - 0.3)
     assert (after[2:] == before[2:]).all()
@@ -112,13 +101,13 @@ def test_placement_of_a_loaded_bead_adds_no_overlap_ahead_of_it():
 @pytest.mark.parametrize("bead", range(6))
 @pytest.mark.parametrize("heavy", [0, 2, 4])
 def test_adding_and_removing_a_bead_changes_nothing(bead, heavy):
-    session = opened("one-on-four", SetMass(0, heavy, 2.0))
+    session = opened("one-on-four", inputs.SetMass(0, heavy, 2.0))
     position, velocity, mass = session.lanes[0].position, session.lanes[0].velocity, session.lanes[0].chain.mass
-    session.apply(AddBead(0, bead, 7.0, 0.25))
+    session.apply(inputs.AddBead(0, bead, 7.0, 0.25))
     assert session.lanes[0].chain.mass[bead] == 7.0
     others = np.arange(6) != bead
     assert session.lanes[0].position[others] == pytest.approx(position)
-    session.apply(RemoveBead(0, bead))
+    session.apply(inputs.RemoveBead(0, bead))
     assert session.lanes[0].chain.mass == mass
     assert session.lanes[0].position == pytest.approx(position)
     assert session.lanes[0].velocity == pytest.approx(velocity)
@@ -127,9 +116,9 @@ def test_adding_and_removing_a_bead_changes_nothing(bead, heavy):
 def test_the_last_two_beads_cannot_be_removed():
     session = opened()
     for _ in range(3):
-        session.apply(RemoveBead(0, 0))
+        session.apply(inputs.RemoveBead(0, 0))
     with pytest.raises(ValueError, match="at least 2 beads"):
-        session.apply(RemoveBead(0, 0))
+        session.apply(inputs.RemoveBead(0, 0))
 
 
 @pytest.mark.parametrize("name", ["one-on-four", "draft-gear-one-on-three", "hertz-cradle"])
@@ -137,7 +126,7 @@ def test_the_last_two_beads_cannot_be_removed():
 def test_a_converted_contact_stops_the_same_impact(name, kind):
     session = opened(name)
     before = session.lanes[0].chain.contact
-    session.apply(SetKind(0, None, kind))
+    session.apply(inputs.SetKind(0, None, kind))
     after = session.lanes[0].chain.contact
     assert {kind_of(contact) for contact in after} == {kind}
     if kind_of(before[0]) == kind:
@@ -150,14 +139,14 @@ def test_a_converted_contact_stops_the_same_impact(name, kind):
 def test_locked_pistons_make_a_usual_cradle_and_unlocked_ones_a_rigid_cluster_again():
     session = opened("draft-gear-one-on-three")
     soft = session.lanes[0].chain.contact
-    session.apply(Lock(0, None))
-    session.apply(Lock(0, 1))
+    session.apply(inputs.Lock(0, None))
+    session.apply(inputs.Lock(0, 1))
     session.step_frames(600)
     final = session.lanes[0].velocity
     assert final[3] > 0.45, "the last cylinder leaves with nearly all of the 0.5 m/s"
     assert abs(final[0]) < 0.05
     session.restart()
-    session.apply(Lock(0, None, locked=False))
+    session.apply(inputs.Lock(0, None, locked=False))
     assert session.lanes[0].chain.contact == soft
     session.step_frames(600)
     assert np.ptp(session.lanes[0].velocity[1:]) < 1e-6
@@ -166,20 +155,20 @@ def test_locked_pistons_make_a_usual_cradle_and_unlocked_ones_a_rigid_cluster_ag
 def test_a_chosen_step_follows_edits_and_a_typed_one_stays():
     session = opened("hertz-cradle")
     chosen = session.setup.lanes[0].step
-    session.apply(SetContact(0, None, hertz(1e5)))
+    session.apply(inputs.SetContact(0, None, hertz(1e5)))
     assert session.setup.lanes[0].step < 0.1 * chosen
-    session.apply(SetStep(0, 0.003))
-    session.apply(SetContact(0, None, hertz(1.0)))
+    session.apply(inputs.SetStep(0, 0.003))
+    session.apply(inputs.SetContact(0, None, hertz(1.0)))
     assert session.setup.lanes[0].step == 0.003
-    session.apply(SetStep(0, None))
+    session.apply(inputs.SetStep(0, None))
     assert session.setup.lanes[0].step > chosen
-    session.apply(SetMethod(0, "scipy"))
+    session.apply(inputs.SetMethod(0, "scipy"))
     with pytest.raises(ValueError, match="chooses its own steps"):
-        session.apply(SetStep(0, 0.1))
+        session.apply(inputs.SetStep(0, 0.1))
 
 
 def test_a_tiny_step_is_bounded_by_the_cost_of_a_frame():
-    session = opened("one-on-four", SetStep(0, 1e-12))
+    session = opened("one-on-four", inputs.SetStep(0, 1e-12))
     session.step_frames(1)
     assert session.setup.lanes[0].step_for(session.setup.frame_time) > 1e-8
 
@@ -187,27 +176,27 @@ def test_a_tiny_step_is_bounded_by_the_cost_of_a_frame():
 @pytest.mark.parametrize(
     ("edit", "sentence"),
     [
-        (SetMass(0, 0, math.nan), "mass"),
-        (SetMass(0, None, 0.0), "mass"),
-        (SetVelocity(0, 0, math.inf), "velocity"),
-        (SetVelocity(0, 5, 1.0), "numbered 0 to 4"),
-        (SetContact(0, 4, hertz(1.0)), "numbered 0 to 3"),
-        (SetKind(0, 0, "rubber"), "power, gear, hard"),
-        (SetGap(0, 0, math.nan), "gap"),
-        (SetGap(0, 0, -1.0), "overlap must be below the length of a bead"),
-        (SetMethod(0, "magic"), "unknown method"),
-        (SetStep(0, -1.0), "step"),
-        (SetFriction(0, -0.1), "friction"),
-        (AddBead(0, 9), "numbered 0 to 5"),
-        (Place(0, 1, math.nan), "position"),
-        (Drag(0, 9, 0.0), "no bead 9"),
-        (SetMass(3, 0, 1.0), "no lane 3"),
-        (SetSlow(-1.0), "slow motion must be from"),
-        (SetMass(0, 1, np.float64(-1.0)), "mass"),
-        (SetVelocity(0, 1, np.float64(1e13)), "velocity"),
-        (SetGap(0, 0, np.float64(1e13)), "gap"),
-        (SetFriction(0, np.float64(-1.0)), "friction"),
-        (Place(0, 1, np.float64("nan")), "position"),
+        (inputs.SetMass(0, 0, math.nan), "mass"),
+        (inputs.SetMass(0, None, 0.0), "mass"),
+        (inputs.SetVelocity(0, 0, math.inf), "velocity"),
+        (inputs.SetVelocity(0, 5, 1.0), "numbered 0 to 4"),
+        (inputs.SetContact(0, 4, hertz(1.0)), "numbered 0 to 3"),
+        (inputs.SetKind(0, 0, "rubber"), "power, gear, hard"),
+        (inputs.SetGap(0, 0, math.nan), "gap"),
+        (inputs.SetGap(0, 0, -1.0), "overlap must be below the length of a bead"),
+        (inputs.SetMethod(0, "magic"), "unknown method"),
+        (inputs.SetStep(0, -1.0), "step"),
+        (inputs.SetFriction(0, -0.1), "friction"),
+        (inputs.AddBead(0, 9), "numbered 0 to 5"),
+        (inputs.Place(0, 1, math.nan), "position"),
+        (inputs.Drag(0, 9, 0.0), "no bead 9"),
+        (inputs.SetMass(3, 0, 1.0), "no lane 3"),
+        (inputs.SetSlow(-1.0), "slow motion must be from"),
+        (inputs.SetMass(0, 1, np.float64(-1.0)), "mass"),
+        (inputs.SetVelocity(0, 1, np.float64(1e13)), "velocity"),
+        (inputs.SetGap(0, 0, np.float64(1e13)), "gap"),
+        (inputs.SetFriction(0, np.float64(-1.0)), "friction"),
+        (inputs.Place(0, 1, np.float64("nan")), "position"),
     ],
 )
 def test_a_refusal_names_what_is_wrong_and_changes_nothing(edit, sentence):

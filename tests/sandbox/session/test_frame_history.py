@@ -5,18 +5,7 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import hertz, simulate
-from softcradle.sandbox.session import (
-    AddBead,
-    Place,
-    RemoveBead,
-    Session,
-    SetContact,
-    SetGap,
-    SetMass,
-    SetMethod,
-    SetSlow,
-    SetVelocity,
-)
+from softcradle.sandbox.session import Session, inputs
 from softcradle.sandbox.session.contact_events import contact_events
 from softcradle.sandbox.session.frame_history import BLOCK_ROWS
 from softcradle.sandbox.session.history_slices import history_slices, last_slice, slice_at
@@ -31,7 +20,7 @@ FRAMES = BLOCK_ROWS + 300
 def test_frame_at_finds_the_nearest_frame():
     session = opened("beads-against-gear")
     session.step_frames(FRAMES)
-    session.apply(AddBead(0, 1))
+    session.apply(inputs.AddBead(0, 1))
     session.step_frames(FRAMES)
     history = session.history
     times = np.concatenate([block.time[: block.used] for block in history.blocks])
@@ -63,9 +52,9 @@ def test_paused_edits_stay_on_their_frame():
     session = opened()
     session.step_frames(10)
     for k in range(50):
-        session.apply(SetMass(0, 1, 1.0 + k))
-        session.apply(AddBead(0, 1))
-        session.apply(RemoveBead(0, 1))
+        session.apply(inputs.SetMass(0, 1, 1.0 + k))
+        session.apply(inputs.AddBead(0, 1))
+        session.apply(inputs.RemoveBead(0, 1))
     assert (session.frame, session.history.last) == (10, 10)
     assert sum(len(part.time) for part in session.history_slices(0, 100)) == 11
 
@@ -77,7 +66,7 @@ def test_a_branch_is_another_one_where_frames_are_dropped_or_replaced_and_not_wh
     assert session.history.branch == branch
     assert session.history.version != version
     found = [branch]
-    for act in (lambda: session.apply(SetMass(0, 1, 2.0)), session.undo, session.redo, session.restart):
+    for act in (lambda: session.apply(inputs.SetMass(0, 1, 2.0)), session.undo, session.redo, session.restart):
         act()
         found.append(session.history.branch)
     assert len(set(found)) == 5
@@ -86,14 +75,14 @@ def test_a_branch_is_another_one_where_frames_are_dropped_or_replaced_and_not_wh
 @pytest.fixture(scope="module")
 def edited():
     """A session of several blocks with edits in between, which change the number of beads too."""
-    session = opened("beads-against-gear", AddBead(0, 4))
+    session = opened("beads-against-gear", inputs.AddBead(0, 4))
     session.step_frames(100)
-    session.apply(AddBead(0, 5))
+    session.apply(inputs.AddBead(0, 5))
     session.step_frames(200)
     for k in range(20):
-        session.apply(SetMass(0, 1, 0.4 + 0.1 * k))
+        session.apply(inputs.SetMass(0, 1, 0.4 + 0.1 * k))
         session.step_frames(7)
-    session.apply(SetMass(0, 2, 77.0))
+    session.apply(inputs.SetMass(0, 2, 77.0))
     session.step_frames(FRAMES)
     return session
 
@@ -140,7 +129,7 @@ def test_the_last_slice_begins_where_the_chain_was_last_changed(edited):
 def test_slices_are_thinned_and_follow_changes_of_the_number_of_beads():
     session = opened()
     session.step_frames(700)
-    session.apply(AddBead(0, 5, 1.0))
+    session.apply(inputs.AddBead(0, 5, 1.0))
     session.step_frames(50)
     whole = list(history_slices(session.history, 0, 0, session.history.last, 10**6))
     assert sum(len(part.time) for part in whole) == session.history.last + 1
@@ -150,13 +139,8 @@ def test_slices_are_thinned_and_follow_changes_of_the_number_of_beads():
     taken = {float(time) for part in thin for time in part.time}
     for first, last, most in ((0, 330, 50), (17, 680, 99), (301, 699, 60)):
         pieces = history_slices(session.history, 0, first, last, most)
-        times = {float(time) for part in pieces for time in part.time}
-        wanted = {
-            time
-            for time in taken
-            if session.history.snapshot(first).time <= time <= session.history.snapshot(last).time
-        }
-        assert wanted <= times
+        begin, end = (session.history.snapshot(frame).time for frame in (first, last))
+        assert {time for time in taken if begin <= time <= end} <= {time for part in pieces for time in part.time}
     part = slice_at(session.history, 0, 600)
     state = session.history.snapshot(600).states[0]
     assert np.array_equal(part.velocity[0], state.velocity(part.chain))
@@ -165,7 +149,7 @@ def test_slices_are_thinned_and_follow_changes_of_the_number_of_beads():
 
 @pytest.mark.parametrize(("method", "error"), [("conserving", 1.5e-3), ("accurate", 1e-5)])
 def test_contact_events_and_exported_times_are_those_the_engine_located(method, error):
-    session = opened("hertz-cradle", SetMethod(None, method))
+    session = opened("hertz-cradle", inputs.SetMethod(None, method))
     lane = session.scene.lanes[0]
     session.step_frames(2 * FRAMES)
     truth = simulate(lane.chain(), lane.velocity, session.time, "accurate", tolerance=1e-10)
@@ -181,13 +165,10 @@ def test_contact_events_and_exported_times_are_those_the_engine_located(method, 
 
 
 def test_bounces_within_one_frame_are_all_events():
-    session = opened("one-on-four", SetMethod(None, "accurate"), SetContact(0, None, hertz(1e9)))
-    for bead, mass in ((0, math.inf), (1, 1e-3), (2, math.inf)):
-        session.apply(SetMass(0, bead, mass))
-    session.apply(SetVelocity(0, 1, 1.0))
-    session.apply(SetGap(0, 0, 1e-3))
-    session.apply(SetGap(0, 1, 1e-3))
-    session.apply(SetSlow(1.0))
+    edits = [inputs.SetMethod(None, "accurate"), inputs.SetContact(0, None, hertz(1e9)), inputs.SetSlow(1.0)]
+    edits += [inputs.SetMass(0, bead, mass) for bead, mass in enumerate((math.inf, 1e-3, math.inf))]
+    edits += [inputs.SetVelocity(0, 1, 1.0), inputs.SetGap(0, 0, 1e-3), inputs.SetGap(0, 1, 1e-3)]
+    session = opened("one-on-four", *edits)
     session.step_frames(1)
     lane = session.to_scene().lanes[0]
     truth = simulate(lane.chain(), lane.velocity, session.time, "accurate").contact_intervals
@@ -203,7 +184,7 @@ def test_a_contact_that_an_edit_opens_does_so_at_its_frame():
     session = opened()
     session.step_frames(300)
     before = len(session.contact_events().time)
-    session.apply(Place(0, 0, -0.5))
+    session.apply(inputs.Place(0, 0, -0.5))
     assert len(session.contact_events().time) == before + 1
     assert [column[-1] for column in session.contact_events().columns()] == [session.time, 300, 0, 0, False, 0.0]
 
@@ -216,15 +197,15 @@ def events_anew(session):
 
 def test_contact_events_read_all_along_are_those_found_at_the_end():
     session = Session(scenes.load("hertz-cradle"), memory=700_000)
-    for edit in (SetMass(0, 0, math.inf), SetMass(0, 4, math.inf), SetSlow(1.0), SetVelocity(0, None, 0.0)):
+    walls = [inputs.SetMass(0, bead, math.inf) for bead in (0, 4)]
+    for edit in (*walls, inputs.SetSlow(1.0), inputs.SetVelocity(0, None, 0.0), inputs.SetVelocity(0, 2, 1.0)):
         session.apply(edit)
-    session.apply(SetVelocity(0, 2, 1.0))
     for k in range(25):
         session.step_frames(190)
         session.contact_events()
         if k % 6 == 5:
             session.scrub_frame(session.history.last - 300)
-            session.apply(SetVelocity(0, 1 + k % 3, 1.5))
+            session.apply(inputs.SetVelocity(0, 1 + k % 3, 1.5))
     assert session.history.first > 0
     known_events, fresh = session.contact_events(), events_anew(session)
     assert len(fresh.time) > 20

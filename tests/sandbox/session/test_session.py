@@ -57,13 +57,8 @@ def test_a_played_scene_ends_with_the_velocities_of_the_reference(name):
 
 
 def test_slow_motion_changes_the_speed_and_hardly_the_motion():
-    fast, slow = opened(), opened()
-    fast.apply(SetSlow(1.0))
-    slow.apply(SetSlow(8.0))
-    played(fast, 3 * FRAME_RATE)
-    played(slow, 3 * 8 * FRAME_RATE)
-    assert fast.time == pytest.approx(3.0)
-    assert slow.time == pytest.approx(3.0)
+    fast, slow = (played(opened("one-on-four", SetSlow(times)), round(3 * times * FRAME_RATE)) for times in (1.0, 8.0))
+    assert (fast.time, slow.time) == pytest.approx((3.0, 3.0))
     assert np.abs(fast.lanes[0].velocity - slow.lanes[0].velocity).max() < 1e-3
 
 

@@ -8,21 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from softcradle.physics import Contact, Trajectory, hertz
-from softcradle.sandbox.session import (
-    AddBead,
-    Lock,
-    Place,
-    RemoveBead,
-    Session,
-    SetContact,
-    SetDrive,
-    SetGap,
-    SetMass,
-    SetMethod,
-    SetSlow,
-    SetStep,
-    SetVelocity,
-)
+from softcradle.sandbox.session import Session, inputs
 from softcradle.sandbox.session.history_slices import last_slice
 from softcradle.sandbox.session.measured_data import load_measured
 from softcradle.sandbox.session.values_table import values_csv, values_table
@@ -46,30 +32,18 @@ def test_an_unedited_scene_comes_back_equal(name):
 def test_an_edited_scene_reads_back_as_the_same_session(tmp_path):
     session = opened("beads-against-gear")
     for edit in (
-        AddBead(0, 4, 0.25, 0.5),
-        RemoveBead(1, 0),
-        SetMass(0, 4, math.inf),
-        SetMass(1, 0, 1.0 / 3.0),
-        SetContact(0, 0, hertz(12.0)),
-        SetContact(0, 1, Contact(0.1, 0.3, 0.7)),
-        SetVelocity(0, 1, -0.1),
-        SetGap(0, 2, 0.015),
-        Place(1, 0, -0.5),
-        SetDrive(1, 1, 0.2),
-        Lock(1, 0),
-        SetSlow(7.0),
-        SetMethod(None, "verlet"),
-        SetStep(None, 1e-4),
-    ):
+        inputs.AddBead(0, 4, 0.25, 0.5), inputs.RemoveBead(1, 0), inputs.SetMass(0, 4, math.inf),
+        inputs.SetMass(1, 0, 1.0 / 3.0), inputs.SetContact(0, 0, hertz(12.0)), inputs.SetVelocity(0, 1, -0.1),
+        inputs.SetContact(0, 1, Contact(0.1, 0.3, 0.7)), inputs.SetGap(0, 2, 0.015), inputs.Place(1, 0, -0.5),
+        inputs.SetDrive(1, 1, 0.2), inputs.Lock(1, 0), inputs.SetSlow(7.0), inputs.SetMethod(None, "verlet"),
+        inputs.SetStep(None, 1e-4),
+    ):  # fmt: skip
         session.apply(edit)
     session.save_scene(tmp_path / "mine.toml")
     again = Session(scenes.load(tmp_path / "mine.toml"))
     for one, other in zip(session.lanes, again.lanes, strict=True):
-        assert (one.chain.mass, one.chain.contact, one.chain.drive) == (
-            other.chain.mass,
-            other.chain.contact,
-            other.chain.drive,
-        )
+        for name in ("mass", "contact", "drive"):
+            assert getattr(one.chain, name) == getattr(other.chain, name)
         assert (one.setup.method, one.setup.step) == (other.setup.method, other.setup.step)
         assert one.velocity == pytest.approx(other.velocity, abs=1e-15)
         assert one.state.overlap == pytest.approx(other.state.overlap, abs=1e-15)
@@ -85,7 +59,7 @@ def test_an_edited_scene_reads_back_as_the_same_session(tmp_path):
 def test_a_label_says_once_that_a_lane_was_edited(tmp_path):
     session = opened("beads-against-gear")
     for mass in (2.0, 3.0):
-        session.apply(SetMass(0, 1, mass))
+        session.apply(inputs.SetMass(0, 1, mass))
         session.save_scene(tmp_path / "mine.toml")
         session = opened(tmp_path / "mine.toml")
     assert session.label(0) == f"{scenes.load('beads-against-gear').lanes[0].label}, edited"
@@ -94,13 +68,13 @@ def test_a_label_says_once_that_a_lane_was_edited(tmp_path):
 def test_a_scene_is_the_start_with_the_edits_and_not_the_frame_shown():
     session = opened()
     session.step_frames(300)
-    session.apply(SetMass(0, 1, 2.0))
-    session.apply(SetVelocity(0, 1, 9.0))
+    session.apply(inputs.SetMass(0, 1, 2.0))
+    session.apply(inputs.SetVelocity(0, 1, 9.0))
     lane = session.to_scene().lanes[0]
     assert lane.velocity == (1.0, 0.0, 0.0, 0.0, 0.0)
     assert lane.chain().mass[1] == 2.0
     for bead in (0, 4):
-        session.apply(SetMass(0, bead, math.inf))
+        session.apply(inputs.SetMass(0, bead, math.inf))
     assert parse(session.to_scene().to_toml()).duration == 10.0, "between two walls it has no end of its own"
 
 
@@ -122,9 +96,9 @@ def test_the_history_is_exported_as_a_trajectory(tmp_path):
 def test_the_export_begins_where_the_chain_was_last_changed(tmp_path):
     session = opened()
     session.step_frames(350)
-    session.apply(SetMass(0, 1, 2.0))
+    session.apply(inputs.SetMass(0, 1, 2.0))
     session.step_frames(20)
-    session.apply(SetSlow(5.0))
+    session.apply(inputs.SetSlow(5.0))
     session.step_frames(30)
     with pytest.raises(UserError, match=r"\.npz or \.csv"):
         session.export(tmp_path / "history.xls")

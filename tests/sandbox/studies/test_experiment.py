@@ -9,21 +9,7 @@ import pytest
 from softcradle.physics import simulate
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies import experiment
-from softcradle.sandbox.studies.experiment import (
-    ENERGY_DEFICIT,
-    MASS,
-    MOMENTUM_DEFICIT,
-    PISTON,
-    PRECOMPRESSION,
-    PRECOMPRESSION_ERROR,
-    SPEEDS,
-    STIFFNESS,
-    STIFFNESS_ERROR,
-    STRIKERS,
-    Apparatus,
-    fit_friction,
-    piston_deficits,
-)
+from softcradle.sandbox.studies.experiment import PISTON, PRECOMPRESSION, STIFFNESS, Apparatus, piston_deficits
 from softcradle.sandbox.studies.figures import train
 from softcradle.sandbox.studies.plot_style import styled
 
@@ -33,15 +19,15 @@ GEAR_TRAVEL = 0.083  # [m] of one draft gear; a coupling has two
 
 
 def test_scenes_have_the_fitted_friction_and_a_loss_that_takes_the_energy_and_come_to_rest():
-    (fit, _) = fit_friction(0.5)
+    (fit, _) = experiment.fit_friction(0.5)
     for name, strikers in (("experiment-one-on-three", 1), ("experiment-two-on-two", 2)):
         lane = scenes.load(name).lanes[0]
         chain = lane.chain()
-        assert chain.mass == MASS
+        assert chain.mass == experiment.MASS
         assert chain.friction == pytest.approx(fit.friction, rel=2e-2)
         lost = experiment.deficits(strikers, 0.5, float(chain.friction), chain.loss[0])
-        assert MOMENTUM_DEFICIT[0] <= lost.momentum <= MOMENTUM_DEFICIT[1]
-        assert ENERGY_DEFICIT[0] <= lost.energy <= ENERGY_DEFICIT[1]
+        assert experiment.MOMENTUM_DEFICIT[0] <= lost.momentum <= experiment.MOMENTUM_DEFICIT[1]
+        assert experiment.ENERGY_DEFICIT[0] <= lost.energy <= experiment.ENERGY_DEFICIT[1]
         found = simulate(chain, lane.velocity, 1.5)
         assert (found.velocity[-1] == 0.0).all()
         targets = found.position[-1, strikers:]
@@ -87,7 +73,7 @@ def test_caught_pistons_take_energy_and_no_momentum():
     """20 g take 9.2 % of one on three's energy without a bed: m_p/(m + m_p) at each of two catches."""
     momentum, energy = piston_deficits(1, 0.5, Apparatus(STIFFNESS, PRECOMPRESSION, 0.0), PISTON, 0.0)
     assert abs(momentum) < 1e-12
-    share = PISTON / (MASS[0] + PISTON)
+    share = PISTON / (experiment.MASS[0] + PISTON)
     assert energy == pytest.approx(2.0 * share, rel=0.06)
     assert piston_deficits(1, 0.5, Apparatus(STIFFNESS, PRECOMPRESSION, 0.0), 1e-9, 0.0) == pytest.approx(
         (0.0, 0.0), abs=1e-8
@@ -108,18 +94,19 @@ def test_the_command_finds_what_friction_and_pistons_explain_and_what_not(capsys
     assert "pistons of 20 g" in shown
     printed = json.loads((tmp_path / "x.json").read_text(encoding="utf-8"))
     assert set(printed) == {"fits", "pistons", "critical speeds", "open", "versions"}
-    assert {(fit["experiment"], fit["speed"]) for fit in printed["fits"]} == set(product(STRIKERS, SPEEDS))
+    cases = set(product(experiment.STRIKERS, experiment.SPEEDS))
+    assert {(fit["experiment"], fit["speed"]) for fit in printed["fits"]} == cases
     for fit in printed["fits"]:
-        assert MOMENTUM_DEFICIT[0] <= fit["deficits"]["momentum"] <= MOMENTUM_DEFICIT[1]
-        assert fit["deficits"]["energy"] < ENERGY_DEFICIT[0]
+        assert experiment.MOMENTUM_DEFICIT[0] <= fit["deficits"]["momentum"] <= experiment.MOMENTUM_DEFICIT[1]
+        assert fit["deficits"]["energy"] < experiment.ENERGY_DEFICIT[0]
     pistons = {(one["experiment"], one["speed"], one["window"]): one for one in printed["pistons"]}
-    for case in product(STRIKERS, SPEEDS):
+    for case in cases:
         momentum, energy = (pistons[*case, 0.0][kind] for kind in ("momentum", "energy"))
-        assert MOMENTUM_DEFICIT[0] <= momentum["value"] <= MOMENTUM_DEFICIT[1]
-        assert ENERGY_DEFICIT[0] <= energy["value"] <= ENERGY_DEFICIT[1]
+        assert experiment.MOMENTUM_DEFICIT[0] <= momentum["value"] <= experiment.MOMENTUM_DEFICIT[1]
+        assert experiment.ENERGY_DEFICIT[0] <= energy["value"] <= experiment.ENERGY_DEFICIT[1]
         assert 0.005 < momentum["error"] < 0.02
         assert pistons[*case, 0.04]["momentum"]["value"] > momentum["value"]  # beads slide on
     found = printed["critical speeds"]["one on three"]
-    parts = 0.5 * STIFFNESS_ERROR / STIFFNESS, PRECOMPRESSION_ERROR / PRECOMPRESSION
+    parts = 0.5 * experiment.STIFFNESS_ERROR / STIFFNESS, experiment.PRECOMPRESSION_ERROR / PRECOMPRESSION
     assert found["value"] == pytest.approx(1.013, abs=1e-3)
     assert found["error"] == pytest.approx(found["value"] * math.hypot(*parts), rel=0.01)

@@ -13,7 +13,7 @@ from softcradle.sandbox.studies import rigidity_maps as rigidity_scan
 from softcradle.sandbox.studies.plot_style import styled
 from softcradle.sandbox.studies.rigidity_maps import compute_map, draw_map, rigidity_maps
 
-from tests.helpers.figure_layout import small_texts, texts_beyond, texts_of, texts_on_curves, texts_on_texts
+from tests.helpers.figure_layout import texts_of, unreadable
 
 
 @pytest.fixture(scope="module")
@@ -136,8 +136,7 @@ def test_a_map_can_be_read(number):
     with styled():
         figure = draw_map(scanned, compute_map(scanned))
         assert [text.get_text() for text, _ in texts_of(figure) if "white: below 0.1 %" in text.get_text()]
-        for wrong in (small_texts, texts_on_texts, texts_on_curves, texts_beyond):
-            assert wrong(figure) == []
+        assert unreadable(figure) == []
 
 
 def test_white_cells_are_white_at_a_hundredth_of_the_tolerance():
@@ -180,18 +179,3 @@ def test_kept_points_of_other_settings_are_not_taken(tmp_path, monkeypatch):
     monkeypatch.setattr(rigidity_scan, "solve", lambda chain, *a, **k: asked.append(chain) or solve(chain, *a, **k))
     compute_map(power, kept, workers=1)
     assert len(asked) == 2 * 6
-
-
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        (["gear"], "no map 'gear'; there are power-law, draft-gear"),
-        (["--points", "200"], "--points must be two whole numbers from 2 to 2000"),
-        (["--points", "1x20"], "--points must be two whole numbers"),
-        (["--points", "20x-3"], "--points must be two whole numbers"),
-    ],
-)
-def test_command_refuses_in_a_sentence(arguments, sentence, tmp_path, capsys):
-    assert main(["maps", *arguments, "-o", str(tmp_path / "none")]) == 2
-    assert sentence in capsys.readouterr().err
-    assert not (tmp_path / "none").exists()

@@ -160,17 +160,3 @@ def test_it_can_be_sent_to_another_process():
 def test_a_path_that_is_not_there(path, value, sentence):
     with pytest.raises(SceneError, match=sentence):
         replaced(SCENE, path.split("."), value, path)
-
-
-@pytest.mark.parametrize(
-    ("values", "sentence"),
-    [
-        ({"lanes.0.contact.alpha": -1.0}, "exponent|alpha"),
-        ({"lanes.0.mass": 0.0}, "mass"),
-        ({"lanes.0.beads.1": 0}, "beads"),
-        ({"method": "verlett"}, "unknown method 'verlett'"),
-    ],
-)
-def test_numbers_that_cannot_be(values, sentence):
-    with pytest.raises(ValueError, match=sentence):
-        ScenePoints(scene(1, 4, 1.0, 0.1)).starts(values)

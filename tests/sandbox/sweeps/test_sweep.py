@@ -3,8 +3,6 @@
 import errno
 import os
 import signal
-import subprocess
-import sys
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -19,6 +17,7 @@ from softcradle.sandbox.sweeps.work import PointStatus, Work, packed, sweep_work
 from softcradle.sandbox.user_error import StudyError
 from softcradle.scenes import load
 
+from tests.helpers.own_process import python
 from tests.helpers.paths import ROOT
 from tests.helpers.swept import deadly, logged, numbers, reasoned
 
@@ -28,6 +27,7 @@ pytest.importorskip("h5netcdf")
 
 A = np.linspace(0.0, 1.0, 21)
 GRID = grid({"a": A, "n": [1, 2, 3]})
+ONE_BY_ONE = {"executor": "here", "chunk_seconds": 0.0}
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -71,13 +71,10 @@ def test_a_point_that_fails_is_marked_with_its_reason(alone):
 def test_it_is_equal_however_it_is_computed(kind, output, alone, tmp_path):
     path = tmp_path / output if output else None
     options = {"output": path, "units": {"product": "m"}}
-    if kind in ("threads", "processes"):
-        found = sweep(numbers, GRID, executor=kind, workers=3, chunk_seconds=1e-5, **options)
-    elif kind == "executor":
-        with ThreadPoolExecutor(2) as executor:
-            found = sweep(numbers, GRID, executor=executor, chunk_seconds=1e-4, **options)
-    else:
-        found = sweep(numbers, GRID, executor="here", chunk_seconds=0.0, **options)
+    with ThreadPoolExecutor(2) as pool:
+        own = {"executor": {"executor": pool, "chunk_seconds": 1e-4}, "one by one": ONE_BY_ONE}
+        settings = own.get(kind, {"executor": kind, "workers": 3, "chunk_seconds": 1e-5})
+        found = sweep(numbers, GRID, **settings, **options)
     assert same(found, alone)
     assert [p.name for p in tmp_path.iterdir()] == ([output] if output else [])
     found.close()
@@ -104,12 +101,7 @@ def test_what_died_of_a_first_point_goes_on_in_processes(tmp_path):
         f"found = sweep(deadly, few, workers=2, output={str(tmp_path / 'x.nc')!r})\n"
         "print(found['status'].to_numpy().ravel().tolist())\n"
     )
-    command = [sys.executable, "-c", program]
-    environment = os.environ | {"PYTHONPATH": str(ROOT)}
-    first, second = (
-        subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=300)
-        for _ in range(2)
-    )
+    first, second = (python("-c", program, check=False, timeout=300, PYTHONPATH=str(ROOT)) for _ in range(2))
     assert first.returncode == -signal.SIGKILL
     assert second.stdout == "[0, 0, 0, 6]\n", second.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["x.nc"]
@@ -143,9 +135,7 @@ def test_it_goes_on_where_it_was_stopped(tmp_path, monkeypatch, caplog):
 def test_points_of_a_study_keep_their_reasons_and_come_one_by_one():
     taken: list[int] = []
     points = grid({"a": [0.5, 0.25], "n": [2, 3]})
-    found = map_points(
-        reasoned, points, executor="here", chunk_seconds=0.0, each=lambda number, row: taken.append(number)
-    )
+    found = map_points(reasoned, points, each=lambda number, row: taken.append(number), **ONE_BY_ONE)
     assert taken == [0, 1, 2, 3]
     assert [row.get("reason") for row in found] == [None, "three", None, "three"]
     assert [row["product"] for row in found] == [1.0, 1.5, 0.5, 0.75]
@@ -186,18 +176,16 @@ def test_a_study_of_unlike_points_begins_with_processes(monkeypatch):
 def test_what_is_complete_is_opened_and_not_computed(tmp_path, monkeypatch):
     log, output = tmp_path / "log", tmp_path / "x.nc"
     monkeypatch.setenv("SWEPT_LOG", str(log))
-    few = {"a": [0.1, 0.2], "n": [1]}
-    first = sweep(logged, few, executor="here", output=output).load()
-    first.close()
-    second = sweep(logged, few, executor="here", output=output).load()
-    second.close()
-    assert second.identical(first)
+
+    def swept(*a, **options):
+        with sweep(logged, {"a": a, "n": [1]}, executor="here", output=output, **options) as found:
+            return found.load()
+
+    assert swept(0.1, 0.2).identical(swept(0.1, 0.2))
     assert len(log.read_text().splitlines()) == 2
     with pytest.raises(StudyError, match=r"x.nc holds another study"):
-        sweep(logged, {"a": [0.1, 0.3], "n": [1]}, executor="here", output=output)
-    third = sweep(logged, {"a": [0.1, 0.3], "n": [1]}, executor="here", output=output, fresh=True).load()
-    third.close()
-    assert third["product"].to_numpy().ravel().tolist() == [0.1, 0.3]
+        swept(0.1, 0.3)
+    assert swept(0.1, 0.3, fresh=True)["product"].to_numpy().ravel().tolist() == [0.1, 0.3]
 
 
 @pytest.mark.skipif(os.name == "nt", reason="files are locked otherwise there")
@@ -215,6 +203,7 @@ def test_one_sweep_at_a_time(tmp_path):
 def test_a_full_disk_loses_nothing_and_no_other_study_goes_on(tmp_path, monkeypatch, alone):
     """The disk is full in the middle of the third chunk."""
     output, real, synced = tmp_path / "x.zarr", os.fsync, []
+    options = {"executor": "here", "output": output, "units": {"product": "m"}}
 
     def full(descriptor: int) -> None:
         synced.append(descriptor)
@@ -223,22 +212,14 @@ def test_a_full_disk_loses_nothing_and_no_other_study_goes_on(tmp_path, monkeypa
         real(descriptor)
 
     monkeypatch.setattr(store, "fsync", full)
-    with pytest.raises(
-        StudyError, match=r"cannot write .*x.zarr.partial: no space left on device; 2 points are kept in"
-    ):
-        sweep(numbers, GRID, executor="here", output=output, chunk_seconds=0.0, units={"product": "m"})
+    sentence = r"cannot write .*x.zarr.partial: no space left on device; 2 points are kept in"
+    with pytest.raises(StudyError, match=sentence):
+        sweep(numbers, GRID, chunk_seconds=0.0, **options)
     assert [path.name for path in tmp_path.iterdir()] == ["x.zarr.partial"]
     with pytest.raises(StudyError, match=r"x.zarr.partial was begun for another study"):
         sweep(numbers, {"a": [0.1], "n": [1]}, executor="here", output=output)
     begun: list[int] = []
-    found = sweep(
-        numbers,
-        GRID,
-        executor="here",
-        output=output,
-        units={"product": "m"},
-        progress=lambda _, done, __: begun.append(done),
-    )
+    found = sweep(numbers, GRID, progress=lambda _, done, __: begun.append(done), **options)
     assert begun[0] == 2
     assert same(found, alone)
 
@@ -301,18 +282,10 @@ def test_motions_of_a_function_are_measured():
         ((numbers, {"status": [1]}), {}, "a parameter cannot be called 'status'"),
         (("one-on-four", {"lanes.0.mass": [1.0]}), {}, "needs at least one measure"),
         (
-            ("one-on-four", {"lanes.0.mass": [1.0]}, ["rigidty"]),
-            {},
-            r"no measure 'rigidty' \(did you mean 'rigidity'\?\)",
-        ),
-        (("one-on-four", {"lanes.0.mas": [1.0]}, ["end"]), {}, r"there is no 'mas' \(did you mean 'mass'\?\)"),
-        (
             ("one-on-four", {"lanes.0.mass": [1.0, -1.0]}, ["end"]),
             {},
             r"lanes\[0\].mass must be greater than 0, not -1",
         ),
-        (("one-on-fore", {"lanes.0.mass": [1.0]}, ["end"]), {}, "there is no scene 'one-on-fore'"),
-        ((numbers, GRID), {"output": "x.csv"}, "must end in .zarr or .nc, not 'x.csv'"),
         ((numbers, GRID), {"output": "nowhere/x.nc"}, "there is no folder"),
         ((numbers, GRID), {"executor": "nobody"}, "executor must be auto, here, threads, processes"),
         ((numbers, GRID), {"workers": 0}, "workers must be at least 1, not 0"),
@@ -352,9 +325,7 @@ GUARD
 def test_a_function_of_the_script_itself_gets_processes(guard, code, told, tmp_path):
     script = tmp_path / "script.py"
     script.write_text(SCRIPT.replace("GUARD", guard).replace("EXECUTOR", "processes"))
-    done = subprocess.run(
-        [sys.executable, str(script)], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300
-    )
+    done = python(str(script), check=False, cwd=tmp_path, timeout=300)
     assert done.returncode == code, done.stderr
     assert told in done.stdout + done.stderr
 
@@ -368,15 +339,15 @@ def test_threads_in_place_of_processes_are_told_of(monkeypatch, caplog):
     assert "put the function into a module" in caplog.text
 
 
+SPEED = "lanes.0.velocity.0"
+
+
 @pytest.mark.parametrize(
     ("scene", "over"),
     [
-        (
-            "draft-gear-one-on-three",
-            {"lanes.0.mass.0": [0.5, 0.7, -1.0, 1.0, 2.0], "lanes.0.velocity.0": [0.5, 1.0, 2.0]},
-        ),
-        ("one-on-four", {"lanes.0.contact.alpha": [0.1, 0.11, 0.12, 0.4], "lanes.0.velocity.0": [1.0, 1.1]}),
-        ("one-on-four", {"lanes.0.beads.1": [3, 4], "lanes.0.velocity.0": [1.0, 2.0]}),
+        ("draft-gear-one-on-three", {"lanes.0.mass.0": [0.5, 0.7, -1.0, 1.0, 2.0], SPEED: [0.5, 1.0, 2.0]}),
+        ("one-on-four", {"lanes.0.contact.alpha": [0.1, 0.11, 0.12, 0.4], SPEED: [1.0, 1.1]}),
+        ("one-on-four", {"lanes.0.beads.1": [3, 4], SPEED: [1.0, 2.0]}),
     ],
     ids=["gears, and a mass that cannot be", "motions of several runs", "chains of two shapes"],
 )

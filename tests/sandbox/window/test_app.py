@@ -1,7 +1,5 @@
 """The application: help, sizes and scales, the end of the loop."""
 
-from __future__ import annotations
-
 import io
 import locale
 import os

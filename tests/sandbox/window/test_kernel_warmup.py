@@ -1,9 +1,5 @@
 """The warm-up of kernels behind the window."""
 
-from __future__ import annotations
-
-import os
-import subprocess
 import sys
 
 import pytest
@@ -12,6 +8,7 @@ from softcradle.sandbox.session import Session
 from softcradle.sandbox.window.kernel_warmup import PLAIN_FRAME, KernelWarmup
 
 from softcradle import scenes
+from tests.helpers.own_process import python
 from tests.helpers.paths import ROOT
 
 PLAYED = """
@@ -69,13 +66,8 @@ def test_a_scene_is_played_before_anything_is_compiled(tmp_path):
     """With the digits that compiled kernels give."""
 
     def played(**more: str) -> str:
-        environment = {**os.environ, "SDL_VIDEODRIVER": "dummy", "SDL_AUDIODRIVER": "dummy", **more}
-        script = (
-            PLAYED if more else PLAYED.replace("wait=False", "wait=True").replace("assert not driver.app", "driver.app")
-        )
-        done = subprocess.run(
-            [sys.executable, "-c", script], cwd=ROOT, env=environment, capture_output=True, text=True, check=True
-        )
-        return done.stdout.splitlines()[-1]
+        waiting = PLAYED.replace("wait=False", "wait=True").replace("assert not driver.app", "driver.app")
+        drivers = {"SDL_VIDEODRIVER": "dummy", "SDL_AUDIODRIVER": "dummy"}
+        return python("-c", PLAYED if more else waiting, cwd=ROOT, **drivers, **more).stdout.splitlines()[-1]
 
     assert played(NUMBA_CACHE_DIR=str(tmp_path)) == played()

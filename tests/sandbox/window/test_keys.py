@@ -1,7 +1,5 @@
 """The table of keys, and the whole of a lesson without a mouse."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pygame

@@ -1,7 +1,5 @@
 """The layout: at six sizes and five scales no widget or text of any page leaves the window, lies on another or is clipped."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """Nothing is lost: edits are undone, redone and asked for, files are not replaced unasked, drags end, films are written."""
 
-from __future__ import annotations
-
 import signal
 import subprocess
 import sys

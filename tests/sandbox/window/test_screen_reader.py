@@ -1,7 +1,5 @@
 """What the window says to a screen reader."""
 
-from __future__ import annotations
-
 import sys
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """The themes: everything is drawn in the one that is chosen, and the next start has it too."""
 
-from __future__ import annotations
-
 import ctypes
 import itertools
 import weakref
@@ -11,18 +9,13 @@ from unittest.mock import Mock
 import numpy as np
 import pygame
 import pytest
-from softcradle.sandbox.draw.palette import BEAD_COLOURS, DARK, THEMES, luminance, mix, text_on, use_theme
+from softcradle.sandbox.draw.palette import BEAD_COLOURS, DARK, THEMES, mix, text_on, use_theme
 from softcradle.sandbox.window.keys import bindings
 from softcradle.sandbox.window.settings import MOST_RECENT, Settings, settings_path
 from softcradle.sandbox.window.theme import collect_garbage
 
+from tests.helpers.drawn_text import contrast
 from tests.helpers.windows import Driver
-
-
-def contrast(one, other) -> float:
-    """Ratio of luminances as the rules for readable text (WCAG) define it."""
-    high, low = sorted((luminance(one), luminance(other)), reverse=True)
-    return (high + 0.05) / (low + 0.05)
 
 
 @pytest.mark.parametrize("name", THEMES)

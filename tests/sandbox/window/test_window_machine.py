@@ -1,7 +1,5 @@
 """The window as a state machine, short runs; one that shrinks what it finds is `python -m tests.helpers.window_machine`."""
 
-from __future__ import annotations
-
 import random
 
 import numpy as np
@@ -71,10 +69,8 @@ CLICKS = 15  # a view and edit; the machine presses keys and clicks in one frame
 EDITS = {"remove": (pygame.K_DELETE, 0), "undo": (pygame.K_z, pygame.KMOD_CTRL), "redo": (pygame.K_y, pygame.KMOD_CTRL)}
 
 
-def pressed(key: int, modifiers: int = 0) -> list[pygame.Event]:
-    return [
-        pygame.Event(kind, key=key, mod=modifiers, unicode="", scancode=0) for kind in (pygame.KEYDOWN, pygame.KEYUP)
-    ]
+def pressed(key: int, mod: int = 0) -> list[pygame.Event]:
+    return [pygame.Event(kind, key=key, mod=mod, unicode="", scancode=0) for kind in (pygame.KEYDOWN, pygame.KEYUP)]
 
 
 def clicked(point: tuple[int, int]) -> list[pygame.Event]:
@@ -87,9 +83,7 @@ def last_bead(driver: Driver) -> int:
 
 @pytest.mark.parametrize("table", [False, True], ids=["plots", "table"])
 @pytest.mark.parametrize("edit", EDITS)
-def test_a_click_meets_the_chain_that_an_edit_of_the_same_frame_has_left(
-    driver: Driver, table: bool, edit: str
-) -> None:
+def test_a_click_meets_the_chain_that_an_edit_of_the_same_frame_has_left(driver, table: bool, edit: str) -> None:
     rng, page = random.Random(f"{table} {edit}"), driver.page
     if table:
         driver.key(pygame.K_t)

@@ -1,7 +1,5 @@
 """The window on a virtual screen, with pointer and keyboard events of the system: Xvfb and xdotool."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

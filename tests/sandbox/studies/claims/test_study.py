@@ -10,7 +10,7 @@ from softcradle.sandbox.studies.claims.study_figure import as_json, draw_study, 
 from softcradle.sandbox.studies.paper import MEASURING, NotSolvedError
 from softcradle.sandbox.studies.plot_style import styled
 
-from tests.helpers.figure_layout import small_texts, texts_beyond, texts_on_curves, texts_on_texts
+from tests.helpers.figure_layout import texts_on_texts, unreadable
 
 
 def case(x, value, error=0.0, allowed=1.0):
@@ -123,10 +123,7 @@ def test_the_words_of_every_claim_have_room_in_its_picture(claim):
     )
     with styled():
         picture = draw_study(found)
-        assert small_texts(picture) == []
-        assert texts_beyond(picture) == []
-        assert texts_on_texts(picture) == []
-        assert texts_on_curves(picture) == []
+        assert unreadable(picture) == []
 
 
 def test_a_verdict_says_how_it_moves_with_the_bar():

@@ -9,16 +9,7 @@ import pytest
 from softcradle.physics import METHODS, Chain, hertz, one_on, power_law, simulate
 from softcradle.sandbox.studies.precision import measurement
 from softcradle.sandbox.studies.precision.cases import TRUTH_TOLERANCE, CaseDefinition, definitions_of
-from softcradle.sandbox.studies.precision.measurement import (
-    NO_SAMPLES,
-    START_PHASES,
-    Solver,
-    TimeLimits,
-    error_of,
-    measure_case,
-    measure_series,
-    our_solvers,
-)
+from softcradle.sandbox.studies.precision.measurement import NO_SAMPLES, Solver, TimeLimits, error_of, measure_series
 from softcradle.scenes import load
 
 from benchmarks import peers
@@ -28,14 +19,14 @@ from tests.helpers.truth import ELASTIC
 
 
 def test_every_method_has_a_solver(case):
-    found = our_solvers(case)
+    found = measurement.our_solvers(case)
     assert [solver.name for solver in found] == [*(method.name for method in METHODS), "auto"]
     assert all(solver.steps != method.adaptive for solver, method in zip(found[:-1], METHODS, strict=True))
-    assert len(our_solver(case, "verlet").starts(case, 100.0)) == START_PHASES
+    assert len(our_solver(case, "verlet").starts(case, 100.0)) == measurement.START_PHASES
     assert len(our_solver(case, "radau").starts(case, 1e-3)) == 1
     sliding = type("ChartCase", (), {"chain": Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1), friction=0.1)})()
     methods = {method.name for method in METHODS if method.dissipative}
-    assert {solver.name for solver in our_solvers(sliding)} == {"auto", *methods}
+    assert {solver.name for solver in measurement.our_solvers(sliding)} == {"auto", *methods}
     assert peer_solvers(sliding) == []
 
 
@@ -90,7 +81,7 @@ def test_a_case_shares_its_time_among_its_solvers(case, monkeypatch):
         measurement, "measure_series", lambda *a: shares.append(a[3].series) or made_series("x", True, (0.1, 1.0))
     )
     solver = our_solver(case, "verlet", 30.0)
-    measure_case(case, [solver] * 4, limits=TimeLimits(1.0, 10.0, 8.0))
+    measurement.measure_case(case, [solver] * 4, limits=TimeLimits(1.0, 10.0, 8.0))
     assert shares[0] == pytest.approx(2.0)
     assert shares[-1] == pytest.approx(8.0, abs=0.5)  # what the others have not used
 
@@ -99,10 +90,10 @@ def test_a_peer_that_raises_has_given_up_and_a_method_of_ours_has_a_bug(case):
     def broken(*_):
         raise ValueError("array must not contain infs or NaNs")
 
-    (series,) = measure_case(case, [Solver("peer", "", (1e-2, 1e-3), broken)], limits=SHORT_LIMITS)
+    (series,) = measurement.measure_case(case, [Solver("peer", "", (1e-2, 1e-3), broken)], limits=SHORT_LIMITS)
     assert all(point.error == math.inf for point in series.points)
     with pytest.raises(ValueError, match="infs"):
-        measure_case(case, [Solver("method", "", (1e-2,), broken, ours=True)], limits=SHORT_LIMITS)
+        measurement.measure_case(case, [Solver("method", "", (1e-2,), broken, ours=True)], limits=SHORT_LIMITS)
 
 
 def test_without_the_reference_two_ways_to_the_truth_agree(definitions):
@@ -169,9 +160,7 @@ needs_numba = pytest.mark.skipif(
 def test_the_right_hand_side_of_the_peers_is_that_of_the_chain():
     from benchmarks.peers.problem import derivatives, parameter_array
 
-    chain = Chain(
-        [1.0, 2.0, 0.5, np.inf], [power_law(1.0, 0.1), hertz(2.0), power_law(3.0, 1.0)], 0.0, [0.5, 0, 0.25, 0]
-    )
+    chain = Chain([1, 2, 0.5, np.inf], [power_law(1.0, 0.1), hertz(2.0), power_law(3.0, 1.0)], 0.0, [0.5, 0, 0.25, 0])
     overlap, rate, counter = np.array([0.1, -0.2, 0.3]), np.array([1.0, 2.0, 3.0]), np.zeros(1)
     out = np.empty(6)
     parameters = parameter_array(type("ChartCase", (), {"chain": chain})(), counter)

@@ -1,10 +1,6 @@
 """The gallery, driven by mouse and keys, and the memory of pages that were left."""
 
-from __future__ import annotations
-
 import weakref
-from collections.abc import Iterator
-from pathlib import Path
 
 import pygame
 import pytest
@@ -18,15 +14,11 @@ UNDRAWN = ("one-on-four", "galilean")
 
 
 @pytest.fixture
-def gallery() -> Iterator[Driver]:
-    made = Driver()
-    yield made
-    made.close()
+def gallery() -> Driver:
+    return Driver()
 
 
-def test_scenes_without_a_picture_get_one_and_the_one_that_is_clicked_is_opened(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_scenes_without_a_picture_get_one_and_the_one_that_is_clicked_is_opened(tmp_path, monkeypatch) -> None:
     shipped = {name: None if name in UNDRAWN else thumbnails.shipped(name, "light") for name in scenes.names()}
     monkeypatch.setattr(thumbnails, "shipped", shipped.get)
     gallery = Driver()

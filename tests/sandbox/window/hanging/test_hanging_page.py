@@ -1,9 +1,8 @@
 """The hanging cradle: its energy, its motion, what it says of both, and its page."""
 
-from __future__ import annotations
+from itertools import product
 
 import pygame
-import pygame_gui
 import pytest
 from softcradle.sandbox.draw.palette import bead_colours
 from softcradle.sandbox.window.hanging.cradle import LAWS, HangingModel
@@ -50,9 +49,7 @@ def test_the_hanging_page_is_driven_by_mouse_menus_and_keys():
     driver.key(pygame.K_r)
     assert page.model.time < 0.1
     for field, text in (("rate", "960"), ("lifted", "2"), ("law", "draft gear")):
-        menu = page.menus[field]
-        pygame.event.post(pygame.Event(pygame_gui.UI_DROP_DOWN_MENU_CHANGED, ui_element=menu, text=text))
-        driver.frames(2)
+        driver.choose(page.menus[field], text)
     assert (page.model.rate, page.model.lifted, page.model.law) == (960, 2, "draft gear")
     driver.key(pygame.K_ESCAPE)
     assert not isinstance(driver.app.page, (HangingPage, ScenePage))
@@ -105,9 +102,7 @@ def test_throws_choices_and_restarts_are_undone():
     driver.frames(20)
     driver.key(pygame.K_SPACE)
     driver.key(pygame.K_r)
-    menu = page.menus["law"]
-    pygame.event.post(pygame.Event(pygame_gui.UI_DROP_DOWN_MENU_CHANGED, ui_element=menu, text="draft gear"))
-    driver.frames(2)
+    driver.choose(page.menus["law"], "draft gear")
     for _ in range(3):
         assert state(page.model) != before
         driver.key(pygame.K_z, pygame.KMOD_CTRL)
@@ -127,7 +122,6 @@ def test_balls_are_numbered_as_beads_are():
         centre = to_screen(page.pictures[0], place)
         box = pygame.Rect(0, 0, 14, 14)
         box.center = round(centre[0]), round(centre[1])
-        pixels = {
-            tuple(surface.get_at((x, y))[:3]) for x in range(*(box.left, box.right)) for y in range(box.top, box.bottom)
-        }
+        places = product(range(box.left, box.right), range(box.top, box.bottom))
+        pixels = {tuple(surface.get_at(place)[:3]) for place in places}
         assert any(sum(abs(a - b) for a, b in zip(one, colour, strict=True)) > 150 for one in pixels), number

@@ -1,7 +1,5 @@
 """The live plots: curves, cursor, stacked energies, the kymograph, two lanes; an entry of the table is all that one needs."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

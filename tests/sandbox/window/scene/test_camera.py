@@ -1,7 +1,5 @@
 """The camera: beads stay in sight, the wheel zooms about the pointer, a drag pans, and the clock stops at the end."""
 
-from __future__ import annotations
-
 import pygame
 import pytest
 from softcradle.sandbox.session.inputs import SetVelocity
@@ -44,7 +42,7 @@ def test_wheel_and_drag_take_the_view_and_fit_gives_it_back(driver: Driver) -> N
 
 
 def test_the_clock_pauses_once_when_the_beads_are_apart_and_a_card_says_what_happened(driver: Driver) -> None:
-    played_to_the_end(driver)
+    driver.play_to_the_end()
     state, length = driver.session.lanes[0].state, driver.session.scene.view.length
     assert (state.overlap < 0.0).all()
     assert state.overlap.min() <= -2.0 * length
@@ -59,13 +57,8 @@ def test_the_clock_pauses_once_when_the_beads_are_apart_and_a_card_says_what_hap
     assert not card.text
 
 
-def played_to_the_end(driver: Driver) -> None:
-    driver.key(pygame.K_SPACE)
-    driver.until(lambda: not driver.session.playing, 900)
-
-
 def test_the_card_goes_to_the_greatest_force_and_to_steel_balls(driver: Driver) -> None:
-    played_to_the_end(driver)
+    driver.play_to_the_end()
     driver.click(driver.page.outcome.buttons["Why? The forces"].rect.center)
     assert "one rigid body" in driver.page.outcome.text
     assert driver.session.lanes[0].state.force.max() > 0.9

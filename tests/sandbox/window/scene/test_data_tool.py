@@ -1,7 +1,5 @@
 """Data of one's own over the plots, and signals chosen for a plot."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -90,9 +88,7 @@ LARGE = [(pygame.K_d, pygame.KMOD_CTRL), *[(pygame.K_PLUS, pygame.KMOD_CTRL)] * 
 
 
 @pytest.mark.parametrize("keys", [[(pygame.K_F3, 0)], LARGE])
-def test_a_picture_finds_the_kymograph_that_is_not_on_screen(
-    driver: Driver, tmp_path: Path, keys: list[tuple[int, int]]
-) -> None:
+def test_a_picture_finds_the_kymograph_that_is_not_on_screen(driver: Driver, tmp_path: Path, keys) -> None:
     """At the first level, which shows one plot, and in a row that is scrolled to."""
     pygame.image.save(pygame.Surface((4, 4)), str(tmp_path / "camera.png"))
     for code, modifiers in keys:

@@ -1,7 +1,5 @@
 """Edits by the pointer, by keys, by the inspector and the sweep of its sliders, and by the cards of the lanes."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

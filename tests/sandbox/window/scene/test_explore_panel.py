@@ -1,8 +1,5 @@
 """The first level of the window: few controls, alpha of the whole row, and the same blow among steel balls."""
 
-from __future__ import annotations
-
-from collections.abc import Iterator
 from dataclasses import replace
 
 import pygame
@@ -18,10 +15,8 @@ MOST_CONTROLS = 16
 
 
 @pytest.fixture
-def explorer() -> Iterator[Driver]:
-    made = Driver("one-on-four", lab=False)
-    yield made
-    made.close()
+def explorer() -> Driver:
+    return Driver("one-on-four", lab=False)
 
 
 def typed(driver: Driver, key: str, text: str) -> None:
@@ -133,14 +128,6 @@ def test_a_text_without_room_is_read_whole_below_the_pointer() -> None:
         assert ("rigid-like, not rigid" in said) == cut
 
 
-def played_to_the_end(driver: Driver) -> None:
-    """Play until the card below the beads is there."""
-    if not driver.session.playing:
-        driver.key(pygame.K_SPACE)
-    driver.until(lambda: driver.page.outcome.text, most=900)
-    driver.frames(2)
-
-
 @pytest.mark.parametrize("lab", [False, True], ids=["explore", "lab"])
 @pytest.mark.parametrize(("size", "scale"), [((1280, 720), 1.0), ((1024, 600), 1.0), ((1920, 1080), 2.0)], ids=str)
 @pytest.mark.parametrize("compared", [False, True], ids=["one row", "two rows"])
@@ -152,7 +139,7 @@ def test_the_card_at_the_end_leaves_room_for_beads_and_forces(
     driver.app.rebuild()
     if compared:
         driver.app.act("compare_balls")
-    played_to_the_end(driver)
+    driver.play_to_the_end()
     driver.page.outcome.show_forces()
     driver.frames(2)
     view, card, unit = driver.page.view, driver.page.outcome._rect, driver.app.unit
@@ -170,7 +157,7 @@ def test_the_card_at_the_end_leaves_room_for_beads_and_forces(
 
 
 def test_at_the_end_plots_show_all_that_was_played(explorer: Driver) -> None:
-    played_to_the_end(explorer)
+    explorer.play_to_the_end()
     span, session = explorer.page.board.span, explorer.session
     assert span.x(0.0) >= 0.0
     assert span.x(session.time) <= span.width
@@ -181,11 +168,11 @@ def test_at_the_end_plots_show_all_that_was_played(explorer: Driver) -> None:
 
 
 def test_the_card_says_in_few_words_what_happened_in_each_row(explorer: Driver) -> None:
-    played_to_the_end(explorer)
+    explorer.play_to_the_end()
     assert "Beads 2 to 4 go together to the right at 0.46\N{NO-BREAK SPACE}m/s." in explorer.page.outcome.text
     explorer.app.act("compare_balls")
     explorer.frames(2)
-    played_to_the_end(explorer)
+    explorer.play_to_the_end()
     soft, steel = explorer.page.outcome.text.split("\n")
     assert "go together" in soft
     assert steel.startswith("steel balls: Beads 0 to 2 nearly stand still.")

@@ -1,7 +1,5 @@
 """What the window saves and opens: scenes, sessions, histories, screenshots, films."""
 
-from __future__ import annotations
-
 from itertools import product
 from pathlib import Path
 
@@ -105,16 +103,8 @@ def test_a_bad_file_gives_a_message_and_no_crash(driver: Driver, tmp_path: Path)
         assert driver.app.messages.visible[-1].warning
 
 
-NO_NAMES = (
-    "x" * 300,
-    "..",
-    "/",
-    "~nobody-at-all/\0",
-    "a" * 250 + "/" + "b" * 270,
-    "\0",
-    "~" * 400,
-    "there/" + "é" * 200,
-)
+LONG_NAMES = "x" * 300, "a" * 250 + "/" + "b" * 270, "~" * 400, "there/" + "é" * 200
+NO_NAMES = "..", "/", "~nobody-at-all/\0", "\0", *LONG_NAMES
 
 
 def test_a_name_that_no_file_can_have_is_refused_in_a_sentence(driver: Driver) -> None:

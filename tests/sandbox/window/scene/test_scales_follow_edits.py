@@ -1,7 +1,5 @@
 """What is shown follows edits: labels, axes and loupes, the badge with an accurate run behind, the size of the window."""
 
-from __future__ import annotations
-
 import warnings
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The scene page, driven by posted events: time, slow motion, contact events, sound, kernels that are being loaded."""
 
-from __future__ import annotations
-
 import numpy as np
 import pygame
 import pytest
@@ -72,9 +70,7 @@ def test_a_key_scrubs_to_the_next_contact_event(driver: Driver) -> None:
     assert abs(after.time - 1.0) < 0.02  # the striker flies 1 m at 1 m/s
 
 
-def test_friction_whose_kernels_are_not_loaded_pauses_a_clock_too_fast_for_plain_python(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_friction_whose_kernels_are_not_loaded_pauses_a_clock_too_fast_for_plain_python(monkeypatch) -> None:
     driver = Driver("one-on-four")
     monkeypatch.setattr(TIERS["fixed-step"], "_loaded", False)
     monkeypatch.setattr(kernel_warmup, "PLAIN_FRAME", 0)

@@ -1,7 +1,5 @@
 """The tools of the page: arrows, tables of values, sharing, comparison, stopwatch, ruler, and their menu by keys."""
 
-from __future__ import annotations
-
 import csv
 import io
 from itertools import product
@@ -140,16 +138,14 @@ def test_stopwatch_and_ruler_measure(driver: Driver) -> None:
 
 @pytest.mark.parametrize("menu", MENUS)
 def test_a_menu_does_its_actions_by_keys_and_clicks(driver: Driver, menu: str) -> None:
+    left = ("compare", "compare_balls", "copy_values", "copy_scene", "sound")
     for k, name in enumerate(MENUS[menu]):
         driver.click(driver.page.toolbar.buttons[menu].rect.center)
         for _ in range(k):
             driver.key(pygame.K_DOWN)
         shown = driver.app.dialog
         assert shown.names[shown.focus] == name
-        if name in ("compare", "compare_balls", "copy_values", "copy_scene", "sound"):
-            driver.key(pygame.K_ESCAPE)
-        else:
-            driver.key(pygame.K_RETURN)
+        driver.key(pygame.K_ESCAPE if name in left else pygame.K_RETURN)
         assert not shown.open
         if driver.app.dialog.open:
             driver.app.dialog.close()

@@ -1,7 +1,5 @@
 """What a scene shows beside its beads: the mark of unsaved edits, arrows to beads outside, labels, plots that are scrolled to."""
 
-from __future__ import annotations
-
 import math
 import re
 
