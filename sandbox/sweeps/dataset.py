@@ -97,7 +97,7 @@ def _axis_coordinates(points: Points) -> dict[str, Any]:
     columns = points.columns(0, points.count) if points.design != "grid" else {}
     found = {}
     for axis in points.axes:
-        values = columns[axis.path] if columns else points.axis_values(axis)
+        values = columns[axis.path] if columns else axis.array
         dimension = "point" if columns else axis.coordinate
         found[axis.coordinate] = dimension, values, {"long_name": axis.path}
     return found
