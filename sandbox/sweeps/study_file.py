@@ -8,6 +8,7 @@ from typing import Annotated, Any, Self, get_args
 
 import numpy as np
 from pydantic import BeforeValidator, Field, Strict, ValidationError, model_validator
+from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.sweeps.sample_points import (
     Axis,
     Design,
@@ -20,8 +21,8 @@ from softcradle.sandbox.sweeps.sample_points import (
     sobol,
 )
 from softcradle.sandbox.sweeps.scene_points import replaced, validated
-from softcradle.sandbox.sweeps.work import checked_source, scene_of
-from softcradle.sandbox.user_error import StudyError, reason
+from softcradle.sandbox.sweeps.work import sweep_work
+from softcradle.sandbox.user_error import StudyError, UserError, reason
 from softcradle.scenes import Scene
 from softcradle.scenes.scene_errors import SceneError, scene_error
 from softcradle.scenes.toml_table import Number, Table, problem
@@ -154,9 +155,9 @@ def load_study(path: str) -> SweepStudy:
         raise StudyError(str(scene_error(path, error)).replace("the scene: key", "the study: key")) from None
     try:
         study = SweepStudy(found.title, _scene(found, Path(path).parent), found.points(), found.measures)
-        checked_source(study.scene, study.points, study.measures)
+        sweep_work(study.scene, study.points, study.measures)
         return study
-    except StudyError as error:
+    except UserError as error:
         raise StudyError(f"{path}: {error}") from None
     except SceneError as error:
         raise StudyError(f"{path}: set: {str(error).removeprefix('the scene: ')}") from None
@@ -165,5 +166,5 @@ def load_study(path: str) -> SweepStudy:
 def _scene(study: StudyFile, folder: Path) -> Scene:
     """The scene of a study, with the numbers that it sets."""
     beside = folder / study.scene
-    scene = scene_of(str(beside) if study.scene.endswith(".toml") and beside.is_file() else study.scene)
+    scene = load_scene(str(beside) if study.scene.endswith(".toml") and beside.is_file() else study.scene)
     return validated(replaced(scene, study.set))
