@@ -87,7 +87,7 @@ def _of_block(block: Block, lane: int, low: int, high: int, stride: int) -> Iter
         start += -(block.first + start) % stride
         if start < stop:
             rows = slice(start, stop, stride)
-            arrays = LaneRows(*(array[rows] for array in block.lanes[lane].arrays()))
+            arrays = LaneRows(*(array[rows] for array in block.lanes[lane]))
             yield _slice(block.first + start, setup.lanes[lane], block.time[rows], arrays)
 
 

@@ -92,10 +92,6 @@ class LaneSetup:
     origin: tuple[Contact | None, ...] = ()
     length: float = math.inf
 
-    def with_start(self, start: State) -> LaneSetup:
-        """The same lane with another start."""
-        return replace(self, start=start)
-
     def with_speed(self, velocity: NDArray[np.float64]) -> LaneSetup:
         """The same lane at the closing speed of `velocity` (n+1,) [m/s]; a chosen step is chosen again."""
         return replace(self, speed=speed_scale(self.chain, velocity)).with_choice()

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.motion import Array
-from softcradle.sandbox.user_error import UserError
+from softcradle.sandbox.user_error import UserError, reason
 
 DELIMITERS = ",;\t"
 TIMES_ASCEND = N_("{path}: times must ascend, but {next:.6g} s in row {row} follows {last:.6g} s")
@@ -40,9 +40,7 @@ def load_measured(path: str | Path) -> MeasuredData:
     try:
         text = path.read_text(encoding="utf-8-sig")
     except OSError as error:
-        raise UserError(
-            _("cannot read {path}: {error}", path=path, error=(error.strerror or str(error)).lower())
-        ) from None
+        raise UserError(_("cannot read {path}: {error}", path=path, error=reason(error))) from None
     except UnicodeDecodeError:
         raise UserError(_("{path}: not a table in UTF-8", path=path)) from None
     head = text.partition("\n")[0]
