@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from softcradle.physics.state import NO_SWITCHES, State, Switches
 from softcradle.sandbox.session.lane_setup import Setup
 from softcradle.sandbox.session.ledger import LEDGER_COLUMNS
-from softcradle.sandbox.session.snapshots import HeldBead, Snapshot
+from softcradle.sandbox.session.snapshots import STATE_ARRAYS, HeldBead, Snapshot
 
 Array = NDArray[np.float64]
 Found = TypeVar("Found")
@@ -98,8 +98,9 @@ class Block:
             self.setups.append((row, snapshot.setup))
         self.time[row], self.held[row] = snapshot.time, snapshot.held
         for lane, state, ledger in zip(self.lanes, snapshot.states, snapshot.ledgers, strict=True):
-            lane.overlap[row], lane.rate[row], lane.force[row] = state.overlap, state.rate, state.force
-            lane.anchor[row], lane.ledger[row] = state.anchor, ledger
+            for name in STATE_ARRAYS:
+                getattr(lane, name)[row] = getattr(state, name)
+            lane.ledger[row] = ledger
         switched = tuple(state.switched for state in snapshot.states)
         if any(own.time.size for own in switched):
             self.switches[row] = switched
@@ -114,14 +115,7 @@ class Block:
         time = float(self.time[row])
         switches = self.switches.get(row, (NO_SWITCHES,) * len(self.lanes))
         states = tuple(
-            State(
-                time,
-                lane.overlap[row].copy(),
-                lane.rate[row].copy(),
-                lane.anchor[row].copy(),
-                lane.force[row].copy(),
-                switched=own,
-            )
+            State(time, **{name: getattr(lane, name)[row].copy() for name in STATE_ARRAYS}, switched=own)
             for lane, own in zip(self.lanes, switches, strict=True)
         )
         ledgers = tuple(lane.ledger[row].copy() for lane in self.lanes)

@@ -8,7 +8,7 @@ from time import perf_counter
 from softcradle.physics.trajectory import Trajectory
 from softcradle.sandbox.files import output_file
 from softcradle.sandbox.languages import _, error_words
-from softcradle.sandbox.motion import BAD, LEVELS, Array
+from softcradle.sandbox.motion import Array
 from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.contact_events import ContactEvents, Impact, contact_events
 from softcradle.sandbox.session.export import lane_label, scene_of, trajectory_of
@@ -359,14 +359,6 @@ class Session:
         """What is written beside a lane: the scene's label, or what its contacts are after an edit."""
         old, now = self.scene.lanes[lane], self.lanes[lane].chain
         return lane_label(old.label, old.chain(), now)
-
-    def verdict(self) -> tuple[str, str]:
-        """The worst level of any lane, 'good', 'fair' or 'bad', and its sentence."""
-        if self.failure:
-            return BAD, self.failure
-        found = [self.health(lane) for lane in range(len(self.lanes))]
-        worst = max(found, key=lambda health: LEVELS.index(health.level))
-        return worst.level, worst.sentence
 
     # ---- exports
 

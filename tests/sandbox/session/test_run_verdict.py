@@ -115,7 +115,6 @@ def test_a_method_that_blows_up_is_stopped_and_reported():
     for _ in range(240):
         session.tick(1 / 60)
     assert not session.playing
-    assert session.verdict() == ("bad", session.failure)
     assert "blown up" in session.failure
     assert np.isfinite(session.lanes[0].velocity).all()
     session.apply(SetMethod(0, "auto"))
@@ -156,9 +155,8 @@ def test_beads_that_pass_through_each_other_are_not_good():
     session = opened("one-on-four", SetVelocity(0, 0, 8.0))
     session.step_frames(240)
     assert (session.lanes[0].state.overlap > 1.0).any()
-    level, sentence = session.verdict()
-    assert level == "bad"
-    assert "passed through each other" in sentence
+    assert session.health(0).level == "bad"
+    assert "passed through each other" in session.health(0).sentence
     assert PASSED in [item.cause for item in session.findings(0)]
 
 
