@@ -21,8 +21,8 @@ from softcradle.sandbox.studies.stability.failure_scans import (
     Failure,
     Scan,
     ScanRun,
+    finenesses,
     scan_run,
-    scan_runs,
     scanned_methods,
     summarise_failures,
     swept_runs,
@@ -32,6 +32,11 @@ from softcradle.sandbox.studies.stability.scan_maps import ORDER, draw_details, 
 BY_NAME = {scan.name: scan for scan in SCANS}
 EXPLICIT = ("euler", "verlet", "yoshida4")
 ADAPTIVE = ("radau", "accurate")
+
+
+def scan_runs(scan, method, steps=None):
+    """Every run of a scan by a method; `steps` replaces its finenesses."""
+    return [scan_run(scan, value, method, fine) for value in scan.values for fine in steps or finenesses(method)]
 
 
 def made_run(spread, energy=0.0, switches=0, fineness=0.1, warned=True):
