@@ -32,7 +32,7 @@ def dataset_of(chunk: Chunk, work: Work, units: Mapping[str, str], attributes: M
     taken = next((name for name in RESERVED if name in chunk.columns), None)
     if taken:
         raise StudyError(f"a measure cannot be called {taken!r}: give it another name")
-    known = MEASURE_BY_NAME | {own.name: own for own in work.measures if isinstance(own, Measure)}
+    known = MEASURE_BY_NAME | {one.name: one for one in work.measures if isinstance(one, Measure)}
     inner = {
         name: _inner_dimensions(name, column.ndim - 1, known.get(name), len(lanes) > 1)
         for name, column in chunk.columns.items()
@@ -48,7 +48,8 @@ def dataset_of(chunk: Chunk, work: Work, units: Mapping[str, str], attributes: M
         ]
         whole = np.pad(column, [(0, 0), *beyond], constant_values=np.nan) if any(map(any, beyond)) else column
         whole = whole.reshape(*points.shape, *whole.shape[1:])
-        told = OWN_COLUMNS.get(name) or _attributes(name, known.get(name), units)
+        own, told = known.get(name), OWN_COLUMNS.get(name)
+        told = told or ({"units": own.unit, "long_name": own.meaning} if own else {"units": units.get(name, "")})
         values = whole.astype(object) if name == REASON else whole
         variables[name.removeprefix(":")] = (*points.dimensions, *inner[name]), values, told
     coordinates: dict[str, Any] = {name: np.arange(sizes[name]) for name in ("bead", "contact") if name in sizes}
@@ -77,10 +78,6 @@ def _inner_dimensions(name: str, count: int, own: Measure | None, lanes: bool) -
     return first + tuple(
         own.each or f"{name}_item" if own else f"{name}_item{k or ''}" for k in range(count - len(first))
     )
-
-
-def _attributes(name: str, own: Measure | None, units: Mapping[str, str]) -> dict[str, Any]:
-    return {"units": own.unit, "long_name": own.meaning} if own else {"units": units.get(name, "")}
 
 
 def _axis_coordinates(points: Points) -> dict[str, Any]:
