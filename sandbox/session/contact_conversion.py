@@ -55,18 +55,16 @@ def converted_contact(chain: Chain, index: int, kind: str, speed: float, length:
     energy, depth = impact_energy(chain, index, speed)
     soft_depth = min(depth / HARD_DEPTH, max(depth, DEEPEST * length)) if present == "hard" else depth
     if kind == "power":
-        factor = (1.0 + SOFT_EXPONENT) * energy / soft_depth ** (1.0 + SOFT_EXPONENT)
-        return power_law(factor, SOFT_EXPONENT, contact.loss)
+        return _power_law(energy, soft_depth, SOFT_EXPONENT, contact.loss)
     if kind == "gear":
         preload, stiffness = PRELOAD_SHARE * energy / soft_depth, 2.0 * (1.0 - PRELOAD_SHARE) * energy / soft_depth**2
         return Contact(preload, stiffness, 1.0, contact.loss)
-    return _hertz(energy, soft_depth)
+    return _hertz(energy, HARD_DEPTH * soft_depth)
 
 
 def at_the_same_depth(chain: Chain, index: int, alpha: float, speed: float) -> Contact:
     """A power law `alpha` in place of contact `index`: it stops the same impact at `speed` [m/s] within the same depth."""
-    energy, depth = impact_energy(chain, index, speed)
-    return power_law((1.0 + alpha) * energy / depth ** (1.0 + alpha), alpha, plain_contact(chain, index).loss)
+    return _power_law(*impact_energy(chain, index, speed), alpha, plain_contact(chain, index).loss)
 
 
 def steel_ball(chain: Chain, index: int, speed: float, length: float) -> Contact:
@@ -74,17 +72,21 @@ def steel_ball(chain: Chain, index: int, speed: float, length: float) -> Contact
 
     Forces are then some times those of soft contacts: both can be seen on one axis.
     """
-    energy, _ = impact_energy(chain, index, speed)
-    return hertz(2.5 * energy / (STEEL_DEPTH * length) ** 2.5)
+    return _hertz(impact_energy(chain, index, speed)[0], STEEL_DEPTH * length)
 
 
 def hard_contact(chain: Chain, index: int, speed: float) -> Contact:
     """Hertz's contact in place of contact `index`: it stops the same impact within a twentieth of the depth."""
-    return _hertz(*impact_energy(chain, index, speed))
+    energy, depth = impact_energy(chain, index, speed)
+    return _hertz(energy, HARD_DEPTH * depth)
 
 
-def _hertz(energy: float, soft_depth: float) -> Contact:
-    return hertz(2.5 * energy / (HARD_DEPTH * soft_depth) ** 2.5)
+def _hertz(energy: float, depth: float) -> Contact:
+    return hertz(2.5 * energy / depth**2.5)
+
+
+def _power_law(energy: float, depth: float, alpha: float, loss: float) -> Contact:
+    return power_law((1.0 + alpha) * energy / depth ** (1.0 + alpha), alpha, loss)
 
 
 def impact_energy(chain: Chain, index: int, speed: float) -> tuple[float, float]:

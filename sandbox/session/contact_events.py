@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +15,7 @@ Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 
-@dataclass(frozen=True, eq=False)
-class ContactEvents:
+class ContactEvents(NamedTuple):
     """Closings and openings of contacts in order of time, (K,) each.
 
     Attributes:
@@ -38,11 +36,7 @@ class ContactEvents:
 
     def select(self, rows: Mask | Integers) -> ContactEvents:
         """Some of them, by mask or index."""
-        return ContactEvents(*(array[rows] for array in self.columns()))
-
-    def columns(self) -> tuple[NDArray[Any], ...]:
-        """All six arrays, in the order of the fields."""
-        return self.time, self.frame, self.lane, self.contact, self.closed, self.speed
+        return ContactEvents._make(array[rows] for array in self)
 
 
 class Impact(NamedTuple):
@@ -112,6 +106,6 @@ def _joined(parts: list[ContactEvents]) -> ContactEvents:
     if not parts:
         empty, integers = np.empty(0), np.empty(0, dtype=np.int64)
         return ContactEvents(empty, integers, integers, integers, empty.astype(bool), empty)
-    columns = [np.concatenate(column) for column in zip(*(part.columns() for part in parts), strict=True)]
+    columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
     order = np.argsort(columns[0], kind="stable")
-    return ContactEvents(*(column[order] for column in columns))
+    return ContactEvents._make(column[order] for column in columns)

@@ -36,8 +36,12 @@ def lane_label(label: str, before: Chain, now: Chain) -> str:
     """The label of a lane that was `label` with the chain `before`."""
     if set(now.contact) != set(before.contact):
         return contacts_text(now.contact)
-    same = before.contacts == now.contacts and replace(before, gap=now.gap) == now
-    return label if same or not label or label.endswith(EDITED) else label + EDITED
+    return label if _differ_by_gaps(before, now) or not label or label.endswith(EDITED) else label + EDITED
+
+
+def _differ_by_gaps(before: Chain, now: Chain) -> bool:
+    """Whether nothing but gaps tells the chains apart."""
+    return before.contacts == now.contacts and replace(before, gap=now.gap) == now
 
 
 def contacts_text(contacts: tuple[Joint, ...]) -> str:
@@ -88,8 +92,7 @@ def _lane(old: Lane, new: LaneSetup, label: str) -> Lane:
     velocity = tuple(start.velocity(chain).tolist())
     gap = tuple((0.0 - start.overlap).tolist())  # 0.0 - 0.0 is 0.0, not -0.0
     before = old.chain()
-    same = before.contacts == chain.contacts and replace(before, gap=chain.gap) == chain
-    if same and (before.gap, old.velocity) == (gap, velocity):
+    if _differ_by_gaps(before, chain) and (before.gap, old.velocity) == (gap, velocity):
         return old
     laws = [table_of(contact) for contact in chain.contact if not isinstance(contact, OwnLaw)]
     alike = all(law == laws[0] for law in laws)
@@ -110,15 +113,11 @@ def _lane(old: Lane, new: LaneSetup, label: str) -> Lane:
 
 def _method(scene: Scene, setup: Setup) -> dict[str, Any]:
     """Method and step where all lanes share them; None for what is chosen automatically."""
-    first = setup.lanes[0]
-    method = None if first.automatic else first.method
-    step = first.step if first.step_given else None
-    for lane in setup.lanes:
-        if (lane.automatic, lane.step_given) != (first.automatic, first.step_given):
-            return {}
-        if lane.method != first.method or (first.step_given and lane.step != first.step):
-            return {}
-    return {"method": method, "step": step}
+    first, *others = (
+        {"method": None if lane.automatic else lane.method, "step": lane.step if lane.step_given else None}
+        for lane in setup.lanes
+    )
+    return first if all(other == first for other in others) else {}
 
 
 def trajectory_of(part: HistorySlice, lane: int, events: ContactEvents) -> Trajectory:

@@ -6,14 +6,14 @@ from bisect import bisect_right
 from collections import deque
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.state import NO_SWITCHES, State, Switches
 from softcradle.sandbox.session.lane_setup import Setup
 from softcradle.sandbox.session.ledger import LEDGER_COLUMNS
-from softcradle.sandbox.session.snapshots import HeldBead, Snapshot
+from softcradle.sandbox.session.snapshots import STATE_ARRAYS, HeldBead, Snapshot
 
 Array = NDArray[np.float64]
 Found = TypeVar("Found")
@@ -24,8 +24,7 @@ SETUP_MEMORY = 2048  # bytes that one setup in a block counts as
 SWITCHES_MEMORY = 400  # bytes that the arrays of one lane's switches in a frame count as, beside their numbers
 
 
-@dataclass(eq=False)
-class LaneRows:
+class LaneRows(NamedTuple):
     """Rows of one lane: overlap, rate, force (R, n), anchor (R, 2), ledger (R, 10)."""
 
     overlap: Array
@@ -39,13 +38,9 @@ class LaneRows:
         """Room for `rows` frames of a lane of that many contacts."""
         return cls(*(np.empty((rows, width)) for width in (contacts, contacts, contacts, 2, LEDGER_COLUMNS)))
 
-    def arrays(self) -> tuple[Array, ...]:
-        """All five, in the order of the fields."""
-        return self.overlap, self.rate, self.force, self.anchor, self.ledger
-
     def cut(self, rows: int) -> LaneRows:
         """A copy of the first `rows` rows, without the room for more."""
-        return LaneRows(*(array[:rows].copy() for array in self.arrays()))
+        return LaneRows(*(array[:rows].copy() for array in self))
 
 
 @dataclass(eq=False)
@@ -92,7 +87,7 @@ class Block:
     @property
     def memory(self) -> int:
         """Bytes."""
-        rows = sum(array.nbytes for lane in self.lanes for array in lane.arrays())
+        rows = sum(array.nbytes for lane in self.lanes for array in lane)
         switches = sum(SWITCHES_MEMORY + 2 * own.time.nbytes for lanes in self.switches.values() for own in lanes)
         return rows + switches + self.time.nbytes + self.held.nbytes + SETUP_MEMORY * len(self.setups)
 
@@ -103,8 +98,9 @@ class Block:
             self.setups.append((row, snapshot.setup))
         self.time[row], self.held[row] = snapshot.time, snapshot.held
         for lane, state, ledger in zip(self.lanes, snapshot.states, snapshot.ledgers, strict=True):
-            lane.overlap[row], lane.rate[row], lane.force[row] = state.overlap, state.rate, state.force
-            lane.anchor[row], lane.ledger[row] = state.anchor, ledger
+            for name in STATE_ARRAYS:
+                getattr(lane, name)[row] = getattr(state, name)
+            lane.ledger[row] = ledger
         switched = tuple(state.switched for state in snapshot.states)
         if any(own.time.size for own in switched):
             self.switches[row] = switched
@@ -119,14 +115,7 @@ class Block:
         time = float(self.time[row])
         switches = self.switches.get(row, (NO_SWITCHES,) * len(self.lanes))
         states = tuple(
-            State(
-                time,
-                lane.overlap[row].copy(),
-                lane.rate[row].copy(),
-                lane.anchor[row].copy(),
-                lane.force[row].copy(),
-                switched=own,
-            )
+            State(time, **{name: getattr(lane, name)[row].copy() for name in STATE_ARRAYS}, switched=own)
             for lane, own in zip(self.lanes, switches, strict=True)
         )
         ledgers = tuple(lane.ledger[row].copy() for lane in self.lanes)
@@ -188,12 +177,12 @@ class History:
     @property
     def first_time(self) -> float:
         """Time of the oldest frame [s]."""
-        return float(self.blocks[0].time[0])
+        return self._time_of(self.first)
 
     @property
     def last_time(self) -> float:
         """Time of the newest frame [s]."""
-        return float(self.blocks[-1].time[self.blocks[-1].used - 1])
+        return self._time_of(self.last)
 
     @property
     def memory(self) -> int:
@@ -273,21 +262,13 @@ class History:
         """The frame nearest to `time` [s]."""
         starts = [float(block.time[0]) for block in self.blocks]
         block = self.blocks[max(0, bisect_right(starts, time) - 1)]
-        times = block.time[: block.used]
-        after = int(np.searchsorted(times, time))
-        if after == block.used:
-            return min(block.first + block.used - 1 + _nearer_next(block, self.blocks, time), self.last)
-        if after > 0 and time - times[after - 1] < times[after] - time:
-            after -= 1
-        return block.first + after
+        after = block.first + int(np.searchsorted(block.time[: block.used], time))
+        near = range(max(after - 1, self.first), min(after, self.last) + 1)
+        return min(reversed(near), key=lambda frame: abs(self._time_of(frame) - time))
 
-
-def _nearer_next(block: Block, blocks: deque[Block], time: float) -> int:
-    """1 where the first row of the next block is nearer to `time` than the last of `block`, else 0."""
-    following = blocks.index(block) + 1
-    if following == len(blocks):
-        return 0
-    return int(float(blocks[following].time[0]) - time < time - float(block.time[block.used - 1]))
+    def _time_of(self, frame: int) -> float:
+        block = self.block_of(frame)
+        return float(block.time[frame - block.first])
 
 
 def _widths(snapshot: Snapshot) -> tuple[int, ...]:

@@ -70,13 +70,9 @@ def last_slice(history: History, lane: int, last: int) -> HistorySlice:
     """The frames up to `last` since the lane's chain was last changed, in one slice with the setup of `last`."""
     chain = slice_at(history, lane, last).chain
     slices = [part for part in history_slices(history, lane, history.first, last) if part.chain is chain]
-    columns = zip(*(_columns(part) for part in slices), strict=True)
-    time, *arrays = (np.concatenate(column) for column in columns)
+    names = ("time", *LaneRows._fields)
+    time, *arrays = (np.concatenate([getattr(part, name) for part in slices]) for name in names)
     return _slice(slices[0].first, slices[-1].setup, time, LaneRows(*arrays))
-
-
-def _columns(part: HistorySlice) -> tuple[Array, ...]:
-    return part.time, part.overlap, part.rate, part.force, part.anchor, part.ledger
 
 
 def _of_block(block: Block, lane: int, low: int, high: int, stride: int) -> Iterator[HistorySlice]:
@@ -87,21 +83,10 @@ def _of_block(block: Block, lane: int, low: int, high: int, stride: int) -> Iter
         start += -(block.first + start) % stride
         if start < stop:
             rows = slice(start, stop, stride)
-            arrays = LaneRows(*(array[rows] for array in block.lanes[lane].arrays()))
+            arrays = LaneRows(*(array[rows] for array in block.lanes[lane]))
             yield _slice(block.first + start, setup.lanes[lane], block.time[rows], arrays)
 
 
 def _slice(first: int, setup: LaneSetup, time: Array, rows: LaneRows) -> HistorySlice:
     absorbed = rows.ledger[:, BY_CONTACTS] + rows.ledger[:, BY_BED] if setup.chain.dissipative else np.zeros(0)
-    return HistorySlice(
-        chain=setup.chain,
-        time=time,
-        overlap=rows.overlap,
-        rate=rows.rate,
-        anchor=rows.anchor,
-        force=rows.force,
-        absorbed=absorbed,
-        first=first,
-        setup=setup,
-        ledger=rows.ledger,
-    )
+    return HistorySlice(chain=setup.chain, time=time, absorbed=absorbed, first=first, setup=setup, **rows._asdict())

@@ -23,18 +23,12 @@ FRAME_COST = 1500.0  # us, the most with a chosen step: a picture takes two fram
 TYPED_STEP_FRAME_COST = 30_000.0  # us, the most with a typed step: beyond it a dragged bead lags behind the pointer
 
 
-def choose_method(chain: Chain, speed: float) -> tuple[str, float]:
-    """The cheapest method whose final velocities are right within ERROR, and its step [s].
-
-    It is that of all that is shown, `conserving`, whose energy and momentum are exact at any step, with the step that the
-    rule of method "auto" has for this error. That holds ERROR in every scene of the catalogue, for 0.3 microseconds a contact
-    and step.
-    """
-    return SHOWN, suitable_step(SHOWN, chain, speed)
-
-
 def suitable_step(method: str, chain: Chain, speed: float) -> float:
-    """Step [s] with which `method` holds about that error too; 0 for adaptive methods."""
+    """Step [s] with which `method` holds about ERROR in the final velocities; 0 for adaptive methods.
+
+    That of `conserving`, which is chosen where nobody has, follows the rule of method "auto" for this error. It holds it in
+    every scene of the catalogue, for 0.3 microseconds a contact and step.
+    """
     if find_method(method).adaptive:
         return 0.0
     if method == KEEPING:
@@ -69,7 +63,7 @@ class LaneSetup:
         chain: the Chain.
         method: a name from METHODS.
         step: longest step [s]; 0 for adaptive methods.
-        automatic: True: the method is chosen by :func:`choose_method`.
+        automatic: True: the method is that of all that is shown, as nobody has chosen one.
         step_given: True: a person has typed the step; False: it is chosen, again after every edit.
         tolerance: of adaptive methods.
         locked: per contact the law it had before its piston was locked, else None.
@@ -91,10 +85,6 @@ class LaneSetup:
     start: State = field(compare=False, repr=False)
     origin: tuple[Contact | None, ...] = ()
     length: float = math.inf
-
-    def with_start(self, start: State) -> LaneSetup:
-        """The same lane with another start."""
-        return replace(self, start=start)
 
     def with_speed(self, velocity: NDArray[np.float64]) -> LaneSetup:
         """The same lane at the closing speed of `velocity` (n+1,) [m/s]; a chosen step is chosen again."""
@@ -118,8 +108,7 @@ class LaneSetup:
     def with_choice(self) -> LaneSetup:
         """The same lane; method and step are chosen again where nobody has given them."""
         if self.automatic:
-            method, step = choose_method(self.chain, self.speed)
-            return replace(self, method=method, step=step)
+            return replace(self, method=SHOWN, step=suitable_step(SHOWN, self.chain, self.speed))
         return self if self.step_given else replace(self, step=suitable_step(self.method, self.chain, self.speed))
 
     def with_method(self, name: str) -> LaneSetup:
@@ -181,12 +170,11 @@ def lane_setup(scene: Scene, lane: Lane) -> LaneSetup:
     """How `lane` moves in `scene`: by the scene's method and step where it names them."""
     chain = lane.chain()
     speed = speed_scale(chain, lane.velocity)
-    method, step = choose_method(chain, speed)
     setup = LaneSetup(
         label=lane.label,
         chain=chain,
-        method=method,
-        step=step,
+        method=SHOWN,
+        step=suitable_step(SHOWN, chain, speed),
         automatic=scene.method is None,
         step_given=False,
         tolerance=TOLERANCE if scene.tolerance is None else scene.tolerance,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from softcradle.physics.state import State
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.motion import Motion
 from softcradle.sandbox.session.inputs import LaneInput, SetVelocity
-from softcradle.sandbox.session.lane_setup import LaneSetup
+from softcradle.sandbox.session.lane_setup import LaneSetup, Setup
 from softcradle.sandbox.session.ledger import (
     BY_BED,
     BY_CONTACTS,
@@ -28,21 +28,6 @@ from softcradle.sandbox.session.ledger import (
 
 FREQUENCY = 12.0  # 1/s of wall time: the bead follows the pointer within about a sixth of a second
 MOST_SPEED = 10.0  # of the pull, relative to the scene's closing speed
-
-
-def spring_frequency(slow: float) -> float:
-    """Angular frequency omega of the spring [1/s of model time]."""
-    return FREQUENCY * slow
-
-
-def spring_force(setup: LaneSetup, bead: int, offset: float, velocity: float, frequency: float) -> float:
-    """Force [N] on `bead`, which moves at `velocity`, from a pointer `offset` [m] ahead of it; 0 on a wall."""
-    mass = setup.chain.mass[bead]
-    if math.isinf(mass):
-        return 0.0
-    reach = 2.0 * MOST_SPEED * setup.speed / frequency
-    stretch = min(max(offset, -reach), reach)
-    return mass * (frequency * frequency * stretch - 2.0 * frequency * velocity)
 
 
 Array = NDArray[np.float64]
@@ -121,20 +106,24 @@ class LiveLane:
             start = item.edited(self.setup, self.setup.start.copy())[1] if item.changes_start else self.setup.start
         if at_start and isinstance(item, SetVelocity):
             setup = setup.with_speed(state.velocity(setup.chain))
-        return LiveLane(setup.with_start(start), state, ledger)
+        return LiveLane(replace(setup, start=start), state, ledger)
 
-    def advance(self, duration: float, bead: int, pointer: float, frequency: float) -> None:
-        """Move on by one frame; a spring of that `frequency` [1/s] pulls `bead` (-1: none) to `pointer` [m].
+    def advance(self, whole: Setup, bead: int, pointer: float) -> None:
+        """Move on by one frame of the `whole` session; a spring pulls `bead` (-1: none) to `pointer` [m].
 
         BlownUpError, with a useless state, where a number is not finite or beyond LARGEST.
         """
-        chain, state, setup = self.chain, self.state, self.setup
+        chain, state, setup, duration = self.chain, self.state, self.setup, whole.frame_time
         before, closed, switches = self.position, state.closed, state.switches
         absorbed, given = state.absorbed.copy(), state.given.copy()
-        state.push = self._push(bead, pointer, frequency)
-        move(chain, state, duration, setup.method, setup.step_for(duration), setup.tolerance, self._most_steps)
+        state.push = self._push(bead, pointer, FREQUENCY * whole.slow) if bead >= 0 else None
+        # after these steps of a frame `conserving` moves on: none freezes the window
+        most = REFERENCE_STEPS if find_method(setup.method).family is Family.REFERENCE else LIVE_STEPS
+        move(chain, state, duration, setup.method, setup.step_for(duration), setup.tolerance, most)
         self._take_warning(" ".join(map(str, state.warnings)))
-        if not _within_bounds(state):
+        if not all(
+            (np.abs(values) < LARGEST).all() for values in (state.overlap, state.rate, state.anchor, state.force)
+        ):
             raise BlownUpError(_("{method} has blown up: {remedy}", method=setup.method, remedy=setup.remedy))
         ledger = self.ledger.copy()
         measure(chain, state, ledger)
@@ -145,11 +134,6 @@ class LiveLane:
         ledger[SWITCHES] += max(seen, state.switches - switches)
         self.ledger = ledger
 
-    @property
-    def _most_steps(self) -> int:
-        """Steps of the method in one frame, after which `conserving` moves on: no frame freezes the window."""
-        return REFERENCE_STEPS if find_method(self.setup.method).family is Family.REFERENCE else LIVE_STEPS
-
     def _take_warning(self, warning: str) -> None:
         """Keep a new warning of the method, and drop an old one."""
         if warning:
@@ -159,13 +143,14 @@ class LiveLane:
         if self.warning_age >= WARNING_FRAMES:
             self.warning = ""
 
-    def _push(self, bead: int, pointer: float, frequency: float) -> Array | None:
-        """(n+1,) force of the pointer spring on each bead [N]."""
-        if bead < 0:
-            return None
-        push = np.zeros(self.chain.contacts + 1)
-        offset, velocity = pointer - float(self.position[bead]), float(self.velocity[bead])
-        push[bead] = spring_force(self.setup, bead, offset, velocity, frequency)
+    def _push(self, bead: int, pointer: float, frequency: float) -> Array:
+        """(n+1,) force [N] on each bead from a spring of that angular `frequency` [1/s] to the pointer; none on a wall."""
+        push, mass = np.zeros(self.chain.contacts + 1), self.chain.mass[bead]
+        if math.isfinite(mass):
+            offset, velocity = pointer - float(self.position[bead]), float(self.velocity[bead])
+            reach = 2.0 * MOST_SPEED * self.setup.speed / frequency
+            stretch = min(max(offset, -reach), reach)
+            push[bead] = mass * (frequency * frequency * stretch - 2.0 * frequency * velocity)
         return push
 
     def _external(self, before: Array, duration: float, absorbed: Array, given: Array) -> External:
@@ -179,8 +164,3 @@ class LiveLane:
         on_beads = np.where(walls, 0.0, external)
         work = float(on_beads @ (self.position - before)) + float(given[0])
         return External(work, duration * float(on_beads.sum()) + float(given[1]), wall_velocity, absorbed)
-
-
-def _within_bounds(state: State) -> bool:
-    arrays = (state.overlap, state.rate, state.anchor, state.force)
-    return all(bool((np.abs(values) < LARGEST).all()) for values in arrays)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.motion import Array
-from softcradle.sandbox.user_error import UserError
+from softcradle.sandbox.user_error import UserError, reason
 
 DELIMITERS = ",;\t"
 TIMES_ASCEND = N_("{path}: times must ascend, but {next:.6g} s in row {row} follows {last:.6g} s")
@@ -40,9 +40,7 @@ def load_measured(path: str | Path) -> MeasuredData:
     try:
         text = path.read_text(encoding="utf-8-sig")
     except OSError as error:
-        raise UserError(
-            _("cannot read {path}: {error}", path=path, error=(error.strerror or str(error)).lower())
-        ) from None
+        raise UserError(_("cannot read {path}: {error}", path=path, error=reason(error))) from None
     except UnicodeDecodeError:
         raise UserError(_("{path}: not a table in UTF-8", path=path)) from None
     head = text.partition("\n")[0]
@@ -53,7 +51,7 @@ def load_measured(path: str | Path) -> MeasuredData:
             _("{path}: needs a line of names, time first, and at least two rows of numbers below it", path=path)
         )
     names = tuple(cell.strip() for cell in rows[0])
-    if all(_is_number(cell, delimiter) for cell in rows[0]):
+    if all(math.isfinite(_number(cell, delimiter)) for cell in rows[0]):
         raise UserError(_("{path}: its first line must be names, time first, not numbers", path=path))
     numbers = np.array([_row(path, row, k + 2, names, delimiter) for k, row in enumerate(rows[1:])])
     time = numbers[:, 0]
@@ -76,13 +74,9 @@ def _row(path: Path, row: list[str], line: int, names: tuple[str, ...], delimite
                 names=len(names),
             )
         )
-    found: list[float] = []
-    for name, cell in zip(names, row, strict=True):
-        if not cell.strip() and found:
-            found.append(math.nan)
-        elif _is_number(cell, delimiter):
-            found.append(_number(cell, delimiter))
-        else:
+    found = [_number(cell, delimiter) for cell in row]
+    for k, (name, cell, number) in enumerate(zip(names, row, found, strict=True)):
+        if math.isnan(number) and (k == 0 or cell.strip()):
             raise UserError(
                 _(
                     "{path}: {name!r} in row {row} is {cell!r}, not a finite number",
@@ -96,11 +90,9 @@ def _row(path: Path, row: list[str], line: int, names: tuple[str, ...], delimite
 
 
 def _number(cell: str, delimiter: str) -> float:
-    return float(cell.replace(",", ".") if delimiter != "," else cell)
-
-
-def _is_number(cell: str, delimiter: str) -> bool:
+    """The finite number in a cell, else nan."""
     try:
-        return math.isfinite(_number(cell, delimiter))
+        number = float(cell.replace(",", ".") if delimiter != "," else cell)
     except ValueError:
-        return False
+        return math.nan
+    return number if math.isfinite(number) else math.nan

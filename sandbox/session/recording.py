@@ -17,7 +17,7 @@ from softcradle.sandbox.files import output_file
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.snapshots import Snapshot, snapshot_from_table, snapshot_table
-from softcradle.sandbox.user_error import UserError
+from softcradle.sandbox.user_error import UserError, reason
 from softcradle.scenes import Scene, SceneError, parse
 
 FORMAT = 1
@@ -110,9 +110,7 @@ def load_recording(path: Path) -> tuple[Recording, Scene]:
         recording.hashes = array("Q", hashes.tolist())
         return recording, scene
     except OSError as error:
-        raise UserError(
-            _("cannot read {path}: {error}", path=path, error=(error.strerror or str(error)).lower())
-        ) from None
+        raise UserError(_("cannot read {path}: {error}", path=path, error=reason(error))) from None
     except (KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile, ValueError, SceneError):
         raise UserError(_("{path}: not a recording of softcradle", path=path)) from None
 

@@ -68,14 +68,10 @@ class Replay:
             return False
         session, frame = self.session, self.session.frame + 1
         session.step_frames(1)
-        agrees = not session.failure and hash_of(session.snapshot()) == self._hash(frame)
-        if not agrees:
+        if session.failure or hash_of(session.snapshot()) != self.recording.hashes[frame - self.recording.frame - 1]:
             self._diverge(frame)
         self._apply_inputs()
         return not self.done
-
-    def _hash(self, frame: int) -> int:
-        return self.recording.hashes[frame - self.recording.frame - 1]
 
     def _diverge(self, frame: int) -> None:
         if self.diverged is None:

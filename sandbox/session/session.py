@@ -8,7 +8,7 @@ from time import perf_counter
 from softcradle.physics.trajectory import Trajectory
 from softcradle.sandbox.files import output_file
 from softcradle.sandbox.languages import _, error_words
-from softcradle.sandbox.motion import BAD, LEVELS, Array
+from softcradle.sandbox.motion import Array
 from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.contact_events import ContactEvents, Impact, contact_events
 from softcradle.sandbox.session.export import lane_label, scene_of, trajectory_of
@@ -16,7 +16,7 @@ from softcradle.sandbox.session.frame_history import MEMORY, History
 from softcradle.sandbox.session.frame_pacing import BUDGET, FramePacer
 from softcradle.sandbox.session.history_slices import HistorySlice, approach_of, history_slices, last_slice
 from softcradle.sandbox.session.lane_setup import Setup, setup_of
-from softcradle.sandbox.session.live_lane import BlownUpError, LiveLane, spring_frequency
+from softcradle.sandbox.session.live_lane import BlownUpError, LiveLane
 from softcradle.sandbox.session.recording import Recording
 from softcradle.sandbox.session.run_verdict import WINDOW, Finding, Health, health_of, run_findings
 from softcradle.sandbox.session.snapshots import NOTHING_HELD, HeldBead, Snapshot
@@ -250,21 +250,22 @@ class Session:
         return self._go_to(self.undo_stack.redo(self._checkpoint()))
 
     def _checkpoint(self) -> FrozenSession:
-        return self.frame, self.history.copy_blocks(), self.recording.copy(), self.scene
+        return FrozenSession(self.frame, self.history.copy_blocks(), self.recording.copy(), self.scene)
 
     def _go_to(self, step: Checkpoint | None) -> str:
         if step is None:
             return ""
-        if step.scene is not self.scene:
-            self.scene = step.scene
+        frame, blocks, recording, scene = step.session
+        if scene is not self.scene:
+            self.scene = scene
             return step.name
         self.pause()
         self.undo_stack.end_gesture()
-        self.history.restore(step.blocks)
-        self._show(self.history.snapshot(step.frame), step.frame)
+        self.history.restore(blocks)
+        self._show(self.history.snapshot(frame), frame)
         self._from_history, self.failure = True, ""
-        self.last_tick = step.frame, step.frame
-        self.recording = step.recording.copy()
+        self.last_tick = frame, frame
+        self.recording = recording.copy()
         return step.name
 
     # ---- frames
@@ -274,7 +275,9 @@ class Session:
         self._renew_recording()
         self._branch()
         try:
-            self._advance()
+            for index, lane in enumerate(self.lanes):
+                bead = int(self.held.bead) if index == int(self.held.lane) else -1
+                lane.advance(self.setup, bead, self.held.position)
         except BlownUpError as error:
             self.failure = str(error)
             self.pause()
@@ -286,12 +289,6 @@ class Session:
         self.history.append(self.snapshot())
         self.recording.add_frame(self.snapshot())
         return True
-
-    def _advance(self) -> None:
-        frequency = spring_frequency(self.setup.slow)
-        for index, lane in enumerate(self.lanes):
-            bead = int(self.held.bead) if index == int(self.held.lane) else -1
-            lane.advance(self.setup.frame_time, bead, self.held.position, frequency)
 
     def snapshot(self) -> Snapshot:
         """The frame shown, all of it; its arrays are those of the lanes."""
@@ -362,14 +359,6 @@ class Session:
         """What is written beside a lane: the scene's label, or what its contacts are after an edit."""
         old, now = self.scene.lanes[lane], self.lanes[lane].chain
         return lane_label(old.label, old.chain(), now)
-
-    def verdict(self) -> tuple[str, str]:
-        """The worst level of any lane, 'good', 'fair' or 'bad', and its sentence."""
-        if self.failure:
-            return BAD, self.failure
-        found = [self.health(lane) for lane in range(len(self.lanes))]
-        worst = max(found, key=lambda health: LEVELS.index(health.level))
-        return worst.level, worst.sentence
 
     # ---- exports
 

@@ -5,8 +5,8 @@ back the edit and the motion after it. No frame is lost by either.
 """
 
 from collections import deque
-from dataclasses import dataclass, replace
 from itertools import count
+from typing import NamedTuple
 
 from softcradle.sandbox.languages import N_
 from softcradle.sandbox.session import inputs
@@ -17,12 +17,17 @@ from softcradle.scenes import Scene
 MOST_STEPS = 200
 MEMORY = 24 * 2**20  # bytes of blocks and recordings that only undo steps hold
 
-# The frame shown, the history, the recording, the words.
-FrozenSession = tuple[int, tuple[Block, ...], Recording, Scene]
+
+class FrozenSession(NamedTuple):
+    """A session as it is: the frame shown, the blocks of the history, the recording, the scene with its words."""
+
+    frame: int
+    blocks: tuple[Block, ...]
+    recording: Recording
+    scene: Scene
 
 
-@dataclass(frozen=True, eq=False)
-class Checkpoint:
+class Checkpoint(NamedTuple):
     """A session before an edit (or, to be redone, after it).
 
     Attributes:
@@ -30,10 +35,7 @@ class Checkpoint:
         name: of the edit.
         is_edit: whether it changes the scene; a bead pulled while the model runs changes only the motion.
         target: what the edit changes: inputs of one gesture that change the same are one step.
-        frame: the frame shown.
-        blocks: of the history.
-        recording: as it was.
-        scene: with its words as they were.
+        session: as it was.
         memory: bytes that the step before it does not hold too.
     """
 
@@ -41,10 +43,7 @@ class Checkpoint:
     name: str
     is_edit: bool
     target: tuple[object, ...]
-    frame: int
-    blocks: tuple[Block, ...]
-    recording: Recording
-    scene: Scene
+    session: FrozenSession
     memory: int
 
 
@@ -75,9 +74,9 @@ class UndoStack:
     def add(self, item: inputs.Input | Scene, gesture: bool, present: FrozenSession) -> None:
         """Remember the `present` before `item`, or before the words of a scene."""
         is_edit = not isinstance(item, inputs.Drag)
-        own = _own_memory(present, self.done[-1].blocks if self.done else ())
+        own = _own_memory(present, self.done[-1].session.blocks if self.done else ())
         name = N_("words") if isinstance(item, Scene) else item.undo_name
-        self.done.append(Checkpoint(next(self._numbers), name, is_edit, target_of(item), *present, own))
+        self.done.append(Checkpoint(next(self._numbers), name, is_edit, target_of(item), present, own))
         self._memory += own
         self.undone.clear()
         self._open = gesture
@@ -119,9 +118,8 @@ class UndoStack:
 
 def _own_memory(present: FrozenSession, before: tuple[Block, ...]) -> int:
     """Bytes of `present` that are not in the blocks `before`."""
-    _, blocks, recording, _ = present
     shared = set(map(id, before))
-    return recording.memory + sum(block.memory for block in blocks if id(block) not in shared)
+    return present.recording.memory + sum(block.memory for block in present.blocks if id(block) not in shared)
 
 
 def _move(
@@ -130,6 +128,5 @@ def _move(
     if not source:
         return None
     step = source.pop()
-    frame, blocks, recording, scene = present
-    target.append(replace(step, frame=frame, blocks=blocks, recording=recording, scene=scene))
+    target.append(step._replace(session=present))
     return step

@@ -37,17 +37,21 @@ class CheckedFrame:
 
 
 class VelocityCheck:
-    """The check of one lane; its jobs may run on another thread, one at a time."""
+    """The check of one lane; its jobs may run on another thread, one at a time.
+
+    Attributes:
+        base: what the present checks begin with.
+    """
 
     def __init__(self, session: Session, lane: int) -> None:
         self.session, self.lane = session, lane
-        self._base: tuple[object, ...] = ()
+        self.base: tuple[object, ...] = ()
         self._found: list[CheckedFrame] = []
         self._busy = False
 
     def error(self) -> float | None:
         """The error at the frame shown, as last checked; None where it is not known."""
-        if self._base != self._present_base():
+        if self.base != self._present_base():
             return None
         self._drop_stale()
         return next((one.error for one in reversed(self._found) if one.frame <= self.session.frame), None)
@@ -60,8 +64,8 @@ class VelocityCheck:
             return None
         if refusal_of(METHOD, session.lanes[self.lane].chain):
             return None
-        if base != self._base:
-            self._base, self._found = base, []
+        if base != self.base:
+            self.base, self._found = base, []
         self._drop_stale()
         begin = self._touched()
         last = self._found[-1] if self._found else None
@@ -76,7 +80,7 @@ class VelocityCheck:
     def take(self, base: tuple[object, ...], result: object) -> None:
         """Take the result of a job that was begun for `base`."""
         self._busy = False
-        if base == self._base and isinstance(result, CheckedFrame):
+        if base == self.base and isinstance(result, CheckedFrame):
             self._found.append(result)
 
     def _drop_stale(self) -> None:
@@ -89,11 +93,6 @@ class VelocityCheck:
             )
         ):
             self._found.pop()
-
-    @property
-    def base(self) -> tuple[object, ...]:
-        """What the present checks begin with."""
-        return self._base
 
     def _touched(self) -> int:
         """The frame at which the motion was last touched."""

@@ -29,7 +29,6 @@ from softcradle.physics import Chain, draft_gear, simulate
 from softcradle.physics.analysis.closed_forms import critical_speed
 from softcradle.physics.chain import GRAVITY
 from softcradle.sandbox.scene_runs import KEEPING
-from softcradle.sandbox.studies.data_table import Array
 from softcradle.sandbox.sweeps import grid
 from softcradle.sandbox.sweeps.run_sweep import Progress, map_points
 
@@ -87,12 +86,6 @@ def friction_for(momentum: float, strikers: int, speed: float) -> float:
     return float(
         brentq(lambda friction: deficits(strikers, speed, friction).momentum - momentum, 0.0, LARGEST_FRICTION)
     )
-
-
-def friction_range(strikers: int, speed: float) -> tuple[float, float]:
-    """Coefficients whose momentum deficit is within the stated one, with gears without loss."""
-    low, high = (friction_for(part, strikers, speed) for part in MOMENTUM_DEFICIT)
-    return low, high
 
 
 def fit_friction(speed: float) -> list[Fit]:
@@ -195,19 +188,12 @@ def critical_speed_with_error(strikers: int) -> Measured:
 
 def friction_with_error(speed: float) -> Measured:
     """Friction of the bed that gives both experiments their momentum deficits at that speed: middle and half of the range."""
-    ranges = [friction_range(strikers, speed) for strikers in STRIKERS.values()]
-    low, high = max(low for low, _ in ranges), min(high for _, high in ranges)
+    lows, highs = ([friction_for(part, k, speed) for k in STRIKERS.values()] for part in MOMENTUM_DEFICIT)
+    low, high = max(lows), min(highs)
     return Measured(0.5 * (low + high), 0.5 * (high - low))
 
 
-def deficits_at(speed: float) -> list[FittedDeficits]:
-    """Both experiments at that launch speed, at the moments themselves and fitted over every window."""
-    friction = friction_with_error(speed)
-    return [
-        fitted_deficits(name, strikers, speed, friction, window=window)
-        for name, strikers in STRIKERS.items()
-        for window in (0.0, *WINDOWS)
-    ]
+PISTON_CASES = [(name, window) for name in STRIKERS for window in (0.0, *WINDOWS)]  # at the moments themselves first
 
 
 def compute_experiment(
@@ -217,23 +203,16 @@ def compute_experiment(
     found = map_points(speed_numbers, grid({"speed": list(speeds)}), None, progress, workers)
     fits, pistons = list[Fit](), list[FittedDeficits]()
     for speed, numbers in zip(speeds, found, strict=True):
-        fits += [_fit(name, speed, row) for name, row in zip(STRIKERS, numbers["fits"], strict=True)]
-        cases = [(name, window) for name in STRIKERS for window in (0.0, *WINDOWS)]
-        pistons += [_piston(*case, speed, row) for case, row in zip(cases, numbers["pistons"], strict=True)]
+        for name, (friction, *lost) in zip(STRIKERS, numbers["fits"].tolist(), strict=True):
+            fits.append(Fit(name, speed, friction, Deficits(*lost)))
+        for (name, window), row in zip(PISTON_CASES, numbers["pistons"].tolist(), strict=True):
+            pistons.append(FittedDeficits(name, speed, window, Measured(*row[:2]), Measured(*row[2:])))
     return fits, pistons
 
 
 def speed_numbers(speed: float) -> dict[str, list[list[float]]]:
     """The numbers of one launch speed, a row an experiment and with pistons a row each of its windows, too."""
+    friction = friction_with_error(speed)
     fits = [[fit.friction, *astuple(fit.deficits)] for fit in fit_friction(speed)]
-    return {"fits": fits, "pistons": [[*found.momentum, *found.energy] for found in deficits_at(speed)]}
-
-
-def _fit(experiment: str, speed: float, row: Array) -> Fit:
-    friction, *deficits = row.tolist()
-    return Fit(experiment, speed, friction, Deficits(*deficits))
-
-
-def _piston(experiment: str, window: float, speed: float, row: Array) -> FittedDeficits:
-    momentum, momentum_error, energy, energy_error = row.tolist()
-    return FittedDeficits(experiment, speed, window, Measured(momentum, momentum_error), Measured(energy, energy_error))
+    pistons = [fitted_deficits(name, STRIKERS[name], speed, friction, window=window) for name, window in PISTON_CASES]
+    return {"fits": fits, "pistons": [[*found.momentum, *found.energy] for found in pistons]}

@@ -2,14 +2,14 @@
 
 import math
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics import Chain, Contact, Trajectory, one_on, power_law
-from softcradle.physics.analysis.measures import rigidity
+from softcradle.physics.analysis.measures import loads, rigidity
 from softcradle.physics.analysis.mode_coupling import ModeCoupling, mode_coupling
 from softcradle.physics.simulation import solve
 from softcradle.physics.status import CodedWarning, WarningCode
@@ -263,6 +263,11 @@ def crest(time: Array, curve: Array) -> tuple[float, float]:
     k = int(np.argmax(curve))
     a, b, c = np.polyfit(time[k - 1 : k + 2] - time[k], curve[k - 1 : k + 2], 2)
     return float(time[k] - 0.5 * b / a), float(c - 0.25 * b * b / a)
+
+
+def by_load(cases: Sequence[Parameters], chain: Callable[[Parameters], Chain]) -> list[Parameters]:
+    """The cases with the greatest load of an inner contact of their chains."""
+    return [{**case, "load": float(loads(chain(case))[1:].max())} for case in cases]
 
 
 def n_alpha(case: Parameters) -> float:

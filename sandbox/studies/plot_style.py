@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from softcradle.sandbox.files import output_file
 from softcradle.sandbox.studies.data_table import Table, write_table
 
@@ -77,15 +78,23 @@ def styled() -> Iterator[None]:
 
 
 def new_figure(
-    width: float = COLUMN_WIDTH, height: float = 2.5, rows: int = 1, columns: int = 1, **options: Any
+    width: float = COLUMN_WIDTH,
+    height: float = 2.5,
+    rows: int = 1,
+    columns: int = 1,
+    titles: Sequence[str] = (),
+    **options: Any,
 ) -> tuple[Figure, Any]:
-    """A figure of that size [inches] without a window, and its axes: an array of them for several."""
+    """A figure of that size [inches] without a window, and its axes: an array of them for several, with those `titles`."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(width, height))
     FigureCanvasAgg(figure)
-    return figure, figure.subplots(rows, columns, **options)
+    panels = figure.subplots(rows, columns, **options)
+    for axes, title in zip(np.ravel(panels), titles, strict=False):
+        panel_title(axes, title)
+    return figure, panels
 
 
 def inner_label(axes: Axes, text: str, x: float = 0.03, y: float = 0.95, **options: Any) -> None:

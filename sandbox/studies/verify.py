@@ -1,13 +1,13 @@
 """The numbers known from outside: what a row is, the list of all, and their check."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache, partial
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 from softcradle.physics import (
     Chain,
@@ -87,13 +87,15 @@ def _closed_forms() -> Iterator[KnownNumber]:
     """Velocities of the striker and of the last of two on two; contact times, critical speeds; loss, and balls with gaps."""
     for (n, exponent), value in FINAL.items():
         name = f"velocity of the striker, one on {n}, alpha {exponent:.3g} [m/s]"
-        yield KnownNumber(name, value, QUADRUPLE, partial(_striker, n, power_law(1.0, exponent)))
+        yield KnownNumber(name, value, QUADRUPLE, partial(_final, one_on(n, power_law(1.0, exponent)), 0))
     bessel, long = "J0 at the first zero of J2", long_linear_chain()[0]
-    yield KnownNumber("striker of a long Hooke chain [m/s]", long, bessel, partial(_striker, 12, hooke(1.0)))
+    yield KnownNumber("striker of a long Hooke chain [m/s]", long, bessel, partial(_final, one_on(12, hooke(1.0)), 0))
     for n in (2, 9):
         name, rigid = f"rigid limit: striker, one on {n} step forces [m/s]", (1 - n) / (1 + n)
-        yield KnownNumber(name, rigid, "two rigid bodies", partial(_striker, n, step_force(1.0)))
-    yield KnownNumber("velocity of the last, two on two, alpha 0.1 [m/s]", 1.0011285726409516, QUADRUPLE, _two_on_two)
+        yield KnownNumber(name, rigid, "two rigid bodies", partial(_final, one_on(n, step_force(1.0)), 0))
+    pairs = cluster_on_cluster(2, 2, power_law(1.0, 0.1))
+    last = partial(_final, pairs, 3, strikers=2)
+    yield KnownNumber("velocity of the last, two on two, alpha 0.1 [m/s]", 1.0011285726409516, QUADRUPLE, last)
     laws = {"alpha 1/10": power_law(1.0, 0.1), "Hertz": hertz(1.0), "draft gear": GEAR, "step force": step_force(1.0)}
     for kind, law in laws.items():
         name, time = f"contact time of two beads, {kind} [s]", one_on_one(law, 0.5, 1.0).contact_time
@@ -106,22 +108,27 @@ def _closed_forms() -> Iterator[KnownNumber]:
     yield KnownNumber("way of a bead on a bed, friction 0.3 [m]", 1.0 / (0.6 * GRAVITY), "v**2 / (2 mu g)", _way)
     tapered = tuple(TAPER ** (3 * k) for k in range(10))  # each diameter 0.95 of the one before
     passed = math.prod(2.0 * m / (m + after) for m, after in pairwise(tapered))
-    pairs = "elastic collisions of two balls, 2 m / (m + M) each"
+    known_from = "elastic collisions of two balls, 2 m / (m + M) each"
     for name, known, mass in (
         ("Newton's cradle with gaps: last of five [m/s]", 1.0, (1.0,) * 5),
         ("ball 4 to 1 through 2, with gaps [m/s]", 16 / 9, (4.0, 2.0, 1.0)),
         ("tapered chain of ten, with gaps: last [m/s]", passed, tapered),
     ):
-        yield KnownNumber(name, known, pairs, partial(_with_gaps, mass))
+        yield KnownNumber(name, known, known_from, partial(_final, Chain(mass, hertz(1e6), gap=0.5), -1))
 
 
-def _striker(n: int, law: Contact) -> float:
-    found = simulate(one_on(n, law), [1.0] + [0.0] * n, samples=2, tolerance=TOLERANCE)
-    return float(found.final_velocity[0])
+def _end(chain: Chain, start: ArrayLike, duration: float | None = None) -> Trajectory:
+    """The run from `start`, of which the end alone is kept."""
+    return simulate(chain, np.asarray(start), duration, samples=2, tolerance=TOLERANCE)
+
+
+def _final(chain: Chain, bead: int, strikers: int = 1) -> float:
+    """Velocity of a bead after the first ones, at 1 m/s, have struck the rest."""
+    return float(_end(chain, [1.0] * strikers + [0.0] * (chain.contacts + 1 - strikers)).final_velocity[bead])
 
 
 def _contact_time(law: Contact) -> float:
-    closed, opened = simulate(one_on(1, law), [1.0, 0.0], samples=2, tolerance=TOLERANCE).contact_intervals[0][0]
+    closed, opened = _end(one_on(1, law), [1.0, 0.0]).contact_intervals[0][0]
     return opened - closed
 
 
@@ -138,25 +145,12 @@ def _measured_critical_speed(n: int) -> float:
 
 
 def _restitution() -> float:
-    final = simulate(one_on(1, hertz(1.0, 0.36), [1.0, 3.0]), [1.0, 0.0], samples=2, tolerance=TOLERANCE).final_velocity
-    return float(final[1] - final[0])
+    return float(np.diff(_end(one_on(1, hertz(1.0, 0.36), [1.0, 3.0]), [1.0, 0.0]).final_velocity)[0])
 
 
 def _way() -> float:
     chain = Chain([1.0, 1.0], hertz(1.0), gap=10.0, friction=0.3)
-    return float(simulate(chain, [1.0, 0.0], 1.0, samples=2, tolerance=TOLERANCE).position[-1, 0])
-
-
-def _with_gaps(mass: Sequence[float]) -> float:
-    chain = Chain(mass, hertz(1e6), gap=0.5)
-    return float(simulate(chain, [1.0] + [0.0] * (len(mass) - 1), samples=2, tolerance=TOLERANCE).final_velocity[-1])
-
-
-def _two_on_two() -> float:
-    found = simulate(
-        cluster_on_cluster(2, 2, power_law(1.0, 0.1)), [1.0, 1.0, 0.0, 0.0], samples=2, tolerance=TOLERANCE
-    )
-    return float(found.final_velocity[3])
+    return float(_end(chain, [1.0, 0.0], 1.0).position[-1, 0])
 
 
 RESTITUTION = 0.8  # with gaps the striker then follows, while it is thrown back by balls that touch
@@ -167,16 +161,18 @@ def _three_balls() -> Iterator[KnownNumber]:
     modes = "normal modes up to each opening"
     for ball, known in enumerate(touching_springs()):
         name = f"three balls that touch, Hooke: {BALLS[ball]} [m/s]"
-        yield KnownNumber(name, known, modes, partial(_touching, ball))
+        yield KnownNumber(name, known, modes, partial(_final, one_on(2, hooke(1.0)), ball))
     undone = "collisions of two balls; Donahue et al., Phys. Fluids 20, 113301 (2008)"
+    apart = Chain([1.0] * 3, hertz(1e6, 1.0 - RESTITUTION**2), gap=0.5)
     for ball, known in enumerate(with_gaps(RESTITUTION)):
         name = f"three balls with gaps, restitution {RESTITUTION:g}: {BALLS[ball]} [m/s]"
-        yield KnownNumber(name, known, undone, partial(_lossy_with_gaps, ball))
+        yield KnownNumber(name, known, undone, partial(_final, apart, ball))
     magic = "1 / cos(pi / n) - 1; Ee and Lee, arXiv:1310.5200"
     for n in (5, 7, 9):
         name = f"ball of {magic_mass(n):.4g} between two of 1, with gaps"
-        yield KnownNumber(f"{name}: last [m/s]", 1.0, magic, partial(_last_of_magic_masses, n))
-        yield KnownNumber(f"{name}: its collisions", n - 1.0, magic, partial(_collisions_of_magic_masses, n), 0.0)
+        chain = Chain([1.0, magic_mass(n), 1.0], hertz(1e6), gap=0.5)
+        yield KnownNumber(f"{name}: last [m/s]", 1.0, magic, partial(_final, chain, 2))
+        yield KnownNumber(f"{name}: its collisions", n - 1.0, magic, partial(_collisions, chain), 0.0)
 
 
 def magic_mass(n: int) -> float:
@@ -212,26 +208,9 @@ def with_gaps(restitution: float) -> tuple[float, float, float]:
     return velocity[0], velocity[1], velocity[2]
 
 
-def _touching(ball: int) -> float:
-    return float(simulate(one_on(2, hooke(1.0)), [1.0, 0.0, 0.0], samples=2, tolerance=TOLERANCE).final_velocity[ball])
-
-
-def _lossy_with_gaps(ball: int) -> float:
-    chain = Chain([1.0] * 3, hertz(1e6, 1.0 - RESTITUTION**2), gap=0.5)
-    return float(simulate(chain, [1.0, 0.0, 0.0], samples=2, tolerance=TOLERANCE).final_velocity[ball])
-
-
-def _through_magic_mass(n: int) -> Trajectory:
-    chain = Chain([1.0, magic_mass(n), 1.0], hertz(1e6), gap=0.5)
-    return simulate(chain, [1.0, 0.0, 0.0], samples=2, tolerance=TOLERANCE)
-
-
-def _last_of_magic_masses(n: int) -> float:
-    return float(_through_magic_mass(n).final_velocity[2])
-
-
-def _collisions_of_magic_masses(n: int) -> float:
-    return float(sum(len(intervals) for intervals in _through_magic_mass(n).contact_intervals))
+def _collisions(chain: Chain) -> float:
+    """How often contacts close after bead 0, at 1 m/s, has struck the rest."""
+    return float(sum(map(len, _end(chain, [1.0] + [0.0] * chain.contacts).contact_intervals)))
 
 
 ROW_MASS = (1.0, 2.0, 0.5, 1.5, 1.0)
@@ -247,22 +226,18 @@ def _symmetries() -> Iterator[KnownNumber]:
     yield KnownNumber("start found again backwards [m/s]", 0.0, source, _reversed)
 
 
-def _end(chain: Chain, start: Array, duration: float | None = None) -> Array:
-    return simulate(chain, start, duration, samples=2, tolerance=TOLERANCE).final_velocity
-
-
 def _apart(one: Array, other: Array) -> float:
     return float(np.abs(one - other).max())
 
 
 def _galilean() -> float:
     chain, start = Chain(ROW_MASS, ROW_LAWS), np.array(ROW_START)
-    return _apart(_end(chain, start + 3.0) - 3.0, _end(chain, start))
+    return _apart(_end(chain, start + 3.0).final_velocity - 3.0, _end(chain, start).final_velocity)
 
 
 def _mirrored() -> float:
-    image = Chain(ROW_MASS[::-1], ROW_LAWS[::-1])
-    return _apart(-_end(image, -np.array(ROW_START)[::-1])[::-1], _end(Chain(ROW_MASS, ROW_LAWS), np.array(ROW_START)))
+    image = _end(Chain(ROW_MASS[::-1], ROW_LAWS[::-1]), -np.array(ROW_START)[::-1])
+    return _apart(-image.final_velocity[::-1], _end(Chain(ROW_MASS, ROW_LAWS), ROW_START).final_velocity)
 
 
 def _rescaled() -> float:
@@ -270,18 +245,16 @@ def _rescaled() -> float:
     length, time, mass = 1e-3, 1e-4, 7.0
     force = mass * length / time**2
     laws = [Contact(c.preload * force, c.stiffness * force / length**c.exponent, c.exponent) for c in ROW_LAWS]
-    image = Chain(np.array(ROW_MASS) * mass, laws)
     speed = length / time
-    return _apart(
-        _end(image, np.array(ROW_START) * speed) / speed, _end(Chain(ROW_MASS, ROW_LAWS), np.array(ROW_START))
-    )
+    image = _end(Chain(np.array(ROW_MASS) * mass, laws), np.array(ROW_START) * speed)
+    return _apart(image.final_velocity / speed, _end(Chain(ROW_MASS, ROW_LAWS), ROW_START).final_velocity)
 
 
 def _reversed() -> float:
     """The collision run back from its end: the beads at the places where they were, with velocities turned about."""
-    forward = simulate(Chain(ROW_MASS, hertz(5.0)), ROW_START, samples=2, tolerance=TOLERANCE)
+    forward = _end(Chain(ROW_MASS, hertz(5.0)), ROW_START)
     back = Chain(ROW_MASS, hertz(5.0), gap=-forward.overlap[-1])
-    return _apart(-_end(back, -forward.final_velocity), np.array(ROW_START))
+    return _apart(-_end(back, -forward.final_velocity).final_velocity, np.array(ROW_START))
 
 
 LENGTH = 60  # beads behind the striker
@@ -299,13 +272,9 @@ def _pulse_numbers() -> Iterator[KnownNumber]:
         "width of the Hertz pulse in diameters", 4.967, "pi sqrt(10) / 2, Nesterenko's compacton", _width, 0.1
     )
     for m in (2, 3, 5):
-        yield KnownNumber(f"pulses that {m} strikers send", float(m), "one each", partial(_pulses_as_number, m), 0.0)
+        yield KnownNumber(f"pulses that {m} strikers send", float(m), "one each", partial(_pulses, m), 0.0)
     hong = "Hong, Ji and Kim, Phys. Rev. Lett. 82, 3058 (1999): weak pulses, great depths"
     yield KnownNumber("Hertz chain under its weight: peak velocity as depth to the power", -0.25, hong, _weighted, 0.02)
-
-
-def _pulses_as_number(strikers: int) -> float:
-    return float(_pulses(strikers))
 
 
 @cache
@@ -359,12 +328,12 @@ _X = np.linspace(-0.5, 0.5, 20001)
 _COSINE_SPREAD = float(np.sqrt((np.cos(np.pi * _X) ** 4 * _X**2).sum() / (np.cos(np.pi * _X) ** 4).sum()))  # of width 1
 
 
-def _pulses(strikers: int) -> int:
+def _pulses(strikers: int) -> float:
     """Maxima of the force in a contact far from the strikers, of at least a twentieth of the largest."""
     force = _struck(strikers).force[:, LENGTH // 2 + strikers]
     inner = force[1:-1]
     tops = (inner > force[:-2]) & (inner >= force[2:]) & (inner > 0.05 * force.max())
-    return int(tops.sum())
+    return float(tops.sum())
 
 
 def known_numbers() -> list[KnownNumber]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,35 +13,26 @@ from softcradle.physics.atomic_files import output_file, output_folder
 from softcradle.physics.extras import needed_for
 from softcradle.sandbox.sweeps.measure_table import MEASURE_BY_NAME, Measure
 from softcradle.sandbox.sweeps.sample_points import Points
-from softcradle.sandbox.sweeps.work import REASON, STATUS, WARNED, Chunk, PointStatus
+from softcradle.sandbox.sweeps.work import REASON, STATUS, WARNED, Chunk, PointStatus, Work
 from softcradle.sandbox.user_error import StudyError
 
 if TYPE_CHECKING:
     import xarray as xr
 
-KINDS = (".zarr", ".nc")  # endings of files
+ENGINES = {".zarr": "zarr", ".nc": "h5netcdf"}  # of xarray, by the ending of a file
 COMPRESSION = 4  # of numbers in NetCDF, 1 to 9
 NO_NUMBERS = (2, 3, 5, 6)  # values of status: the point has no numbers, or not those of its end
 
 
-def dataset_of(
-    chunk: Chunk, points: Points, lanes: Sequence[str], measures: Sequence[Measure], units: Mapping[str, str],
-    attributes: Mapping[str, str],
-) -> xr.Dataset:  # fmt: skip
-    """The Dataset of all points.
-
-    Arguments:
-        chunk: their numbers.
-        lanes: the labels of a scene's lanes; with more than one, each measure has a number for each of them.
-        measures: those that are not of the table.
-        units: of the numbers that a function returns.
-    """
+def dataset_of(chunk: Chunk, work: Work, units: Mapping[str, str], attributes: Mapping[str, str]) -> xr.Dataset:
+    """The Dataset of all points, with `units` of the numbers that a function returns."""
     import xarray as xr
 
+    points, lanes = work.points, work.lanes
     taken = next((name for name in RESERVED if name in chunk.columns), None)
     if taken:
         raise StudyError(f"a measure cannot be called {taken!r}: give it another name")
-    known = MEASURE_BY_NAME | {measure.name: measure for measure in measures}
+    known = MEASURE_BY_NAME | {one.name: one for one in work.measures if isinstance(one, Measure)}
     inner = {
         name: _inner_dimensions(name, column.ndim - 1, known.get(name), len(lanes) > 1)
         for name, column in chunk.columns.items()
@@ -57,7 +48,8 @@ def dataset_of(
         ]
         whole = np.pad(column, [(0, 0), *beyond], constant_values=np.nan) if any(map(any, beyond)) else column
         whole = whole.reshape(*points.shape, *whole.shape[1:])
-        told = OWN_COLUMNS.get(name) or _attributes(name, known.get(name), units)
+        own, told = known.get(name), OWN_COLUMNS.get(name)
+        told = told or ({"units": own.unit, "long_name": own.meaning} if own else {"units": units.get(name, "")})
         values = whole.astype(object) if name == REASON else whole
         variables[name.removeprefix(":")] = (*points.dimensions, *inner[name]), values, told
     coordinates: dict[str, Any] = {name: np.arange(sizes[name]) for name in ("bead", "contact") if name in sizes}
@@ -88,16 +80,12 @@ def _inner_dimensions(name: str, count: int, own: Measure | None, lanes: bool) -
     )
 
 
-def _attributes(name: str, own: Measure | None, units: Mapping[str, str]) -> dict[str, Any]:
-    return {"units": own.unit, "long_name": own.meaning} if own else {"units": units.get(name, "")}
-
-
 def _axis_coordinates(points: Points) -> dict[str, Any]:
     """The parameters that vary: along their own dimension in a grid, else along the points."""
     columns = points.columns(0, points.count) if points.design != "grid" else {}
     found = {}
     for axis in points.axes:
-        values = columns[axis.path] if columns else points.axis_values(axis)
+        values = columns[axis.path] if columns else axis.array
         dimension = "point" if columns else axis.coordinate
         found[axis.coordinate] = dimension, values, {"long_name": axis.path}
     return found
@@ -108,8 +96,8 @@ def checked_output(output: str | Path | None) -> Path | None:
     if output is None:
         return None
     path = Path(output)
-    if path.suffix not in KINDS:
-        raise StudyError(f"the output of a sweep must end in {' or '.join(KINDS)}, not {str(output)!r}")
+    if path.suffix not in ENGINES:
+        raise StudyError(f"the output of a sweep must end in {' or '.join(ENGINES)}, not {str(output)!r}")
     if not path.absolute().parent.is_dir():
         raise StudyError(f"cannot write {path}: there is no folder {path.absolute().parent}")
     with needed_for(f"a sweep that is kept as {path.suffix}", "sweep"):
@@ -138,10 +126,7 @@ def opened_dataset(path: Path, study: str) -> xr.Dataset:
     with needed_for("a sweep", "sweep"):
         import xarray as xr
     try:
-        if path.suffix == ".zarr":
-            found = xr.open_zarr(path, chunks=None, consolidated=True, decode_timedelta=False)
-        else:
-            found = xr.open_dataset(path, engine="h5netcdf", decode_timedelta=False)
+        found = xr.open_dataset(path, engine=ENGINES[path.suffix], decode_timedelta=False)
     except (OSError, ValueError, KeyError) as error:
         raise StudyError(
             f"{path} is there and cannot be read ({type(error).__name__}): give another output, or begin afresh"
@@ -155,16 +140,14 @@ def opened_dataset(path: Path, study: str) -> xr.Dataset:
 def summary_rows(found: xr.Dataset) -> list[tuple[str, str, str, str, str]]:
     """Name with unit, least, mean, greatest number and how many points have none, of every measure."""
     rows = []
-    for name, variable in found.data_vars.items():
-        if name in RESERVED or variable.dtype.kind != "f":
+    for name, variable in found.drop_vars(RESERVED).data_vars.items():
+        if variable.dtype.kind != "f":
             continue
-        values = variable.to_numpy()
-        known = values[np.isfinite(values)]
-        own = [variable.get_axis_num(dimension) for dimension in variable.dims if dimension not in found["status"].dims]
-        without = int((~np.isfinite(values)).all(axis=tuple(own)).sum())
+        known = variable.where(np.isfinite(variable))
+        without = int(known.isnull().all({*known.dims} - {*found["status"].dims}).sum())
+        ends = (known.min(), known.mean(), known.max())
+        least, mean, greatest = ("-" if np.isnan(number) else f"{number.item():.4g}" for number in ends)
         unit = variable.attrs.get("units", "")
-        numbers = (known.min(), known.mean(), known.max()) if known.size else ()
-        least, mean, greatest = (f"{number:.4g}" for number in numbers) if numbers else ("-", "-", "-")
         rows.append((f"{name} [{unit}]" if unit else str(name), least, mean, greatest, str(without)))
     return rows
 

@@ -25,7 +25,7 @@ from dataclasses import dataclass
 from functools import lru_cache, partial
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from softcradle.physics.ensemble_runs import DaemonThreads, cores
 from softcradle.physics.extras import needed_for
@@ -40,7 +40,6 @@ QUEUED = 2  # chunks for each worker that are handed out: one that is computed, 
 CONNECT = 15.0  # s, for which a scheduler is waited for
 
 Where = Literal["auto", "here", "threads", "processes"]
-ALL_OF_WHERE = ("auto", "here", "threads", "processes")
 
 
 @dataclass
@@ -210,7 +209,7 @@ def place_of(
     """The place that is asked for, before any work, so that a wrong address is told at once; None for "auto"."""
     if scheduler is not None and executor != "auto":
         raise StudyError("a sweep takes an executor or a scheduler, not both")
-    if isinstance(executor, str) and executor not in ALL_OF_WHERE:
+    if isinstance(executor, str) and executor not in get_args(Where):
         raise StudyError(f"executor must be auto, here, threads, processes or an Executor, not {executor!r}")
     if workers is not None and workers < 1:
         raise StudyError(f"workers must be at least 1, not {workers}")

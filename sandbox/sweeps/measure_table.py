@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -153,32 +154,21 @@ class Measure:
     function: Callable[[Run], Value]
 
 
-def _of_collision(name: str) -> Callable[[Run], Value]:
-    return lambda run: getattr(run.collision, name)
-
-
 def _of_contacts(name: str) -> Callable[[Run], Value]:
     return lambda run: [getattr(contact, name) for contact in run.collision.contacts]
 
 
-def _of_motion(function: Callable[[Trajectory], Any]) -> Callable[[Run], Value]:
-    return lambda run: function(run.motion)
-
-
-def _closings(motion: Trajectory) -> list[int]:
-    return [len(spans) for spans in motion.contact_intervals]
-
-
 # Those of the run to its end alone cost least; two runs; one with fine samples.
 CHEAP = (
-    Measure("final_velocity", "m/s", "velocity at the end", "bead", _of_motion(lambda run: run.final_velocity)),
-    Measure("velocity_error", "m/s", "estimated error of final_velocity", "bead", _of_motion(lambda run: run.velocity_error)),
-    Measure("end", "s", "time at which the run ended", "", _of_motion(lambda run: run.time[-1])),
-    Measure("steps", "", "steps that the method took", "", _of_motion(lambda run: run.steps)),
-    Measure("evaluations", "", "evaluations of all contact forces", "", _of_motion(lambda run: run.evaluations)),
-    Measure("closings", "", "how often each contact closed", "contact", _of_motion(_closings)),
-    Measure("lost_to_contacts", "J", "energy that contacts took", "", _of_motion(lambda run: run.absorbed_by_contacts[-1])),
-    Measure("lost_to_bed", "J", "energy that friction took", "", _of_motion(lambda run: run.absorbed_by_bed[-1])),
+    Measure("final_velocity", "m/s", "velocity at the end", "bead", lambda run: run.motion.final_velocity),
+    Measure("velocity_error", "m/s", "estimated error of final_velocity", "bead", lambda run: run.motion.velocity_error),
+    Measure("end", "s", "time at which the run ended", "", lambda run: run.motion.time[-1]),
+    Measure("steps", "", "steps that the method took", "", lambda run: run.motion.steps),
+    Measure("evaluations", "", "evaluations of all contact forces", "", lambda run: run.motion.evaluations),
+    Measure("closings", "", "how often each contact closed", "contact",
+            lambda run: list(map(len, run.motion.contact_intervals))),
+    Measure("lost_to_contacts", "J", "energy that contacts took", "", lambda run: run.motion.absorbed_by_contacts[-1]),
+    Measure("lost_to_bed", "J", "energy that friction took", "", lambda run: run.motion.absorbed_by_bed[-1]),
     Measure("detachment", "s", "time of the last opening of the struck contact", "", lambda run: run.detachment),
     Measure("contact_time", "s", "for how long the struck contact was closed", "", lambda run: run.contact_time),
     Measure("rigidity", "", "spread of the struck cluster's velocities over their mean", "", lambda run: run.spread(run.motion)),
@@ -191,7 +181,10 @@ def _collision_measures() -> tuple[Measure, ...]:
     known = {measure.name for measure in CHEAP}
     whole = [item for item in fields(CollisionMeasures) if item.metadata and item.name not in known]
     return (
-        *(Measure(f.name, f.metadata["unit"], f.metadata["meaning"], "", _of_collision(f.name)) for f in whole),
+        *(
+            Measure(f.name, f.metadata["unit"], f.metadata["meaning"], "", attrgetter(f"collision.{f.name}"))
+            for f in whole
+        ),
         *(
             Measure(f"contact_{f.name}", f.metadata["unit"], f.metadata["meaning"], "contact", _of_contacts(f.name))
             for f in fields(ContactMeasures)

@@ -26,7 +26,6 @@ from softcradle.sandbox.sweeps.work import (
     Outcome,
     PointStatus,
     Work,
-    lanes_of,
     merged,
     sweep_work,
 )
@@ -118,21 +117,20 @@ def sweep(
         LOGGER.info("%s is complete: nothing to compute", path)
         return opened_dataset(path, study)
     with opened(path, study, fresh) as store:
-        place = place_of(work, executor, scheduler, workers)
-        _compute_missing(work, store, place, workers, progress, chunk_seconds)
         tell = progress or _untold
+        place = place_of(work, executor, scheduler, workers)
+        _compute_missing(work, store, place, workers, tell, chunk_seconds)
         tell("writing", 0, points.count)
-        own = [measure for measure in work.measures if isinstance(measure, Measure)]
         digest = hashlib.sha256(study.encode()).hexdigest()[:16]
-        attributes = {"title": title or lanes_of(work)[1], **work.versions, "study": study, "digest": digest}
-        whole = merged(store.chunks(), points.count)
-        found = dataset_of(whole, points, lanes_of(work)[0], own, units or {}, attributes)
+        attributes = {"title": title or work.title, **work.versions, "study": study, "digest": digest}
+        found = dataset_of(merged(store.chunks(), points.count), work, units or {}, attributes)
         if path is not None:
             try:
                 write_dataset(found, path)
             except OSError as error:
-                told_where = f"the points are kept in {store.folder}"
-                raise StudyError(f"cannot write {path}: {reason(error)}; {told_where}") from None
+                raise StudyError(
+                    f"cannot write {path}: {reason(error)}; the points are kept in {store.folder}"
+                ) from None
         tell("writing", points.count, points.count)
         store.remove()
     return found if path is None else opened_dataset(path, study)
@@ -205,7 +203,7 @@ def map_points(
                 each(k, row)  # type: ignore[misc]
 
         place = place_of(work, executor, None, workers)
-        _compute_missing(work, store, place, workers, progress, chunk_seconds, alike, take)
+        _compute_missing(work, store, place, workers, progress or _untold, chunk_seconds, alike, take)
         return [row for chunk in store.chunks() for row in _rows(chunk)]
 
 
@@ -238,13 +236,13 @@ def _compute_missing(
     store: Store,
     place: Workplace | None,
     workers: int | None,
-    progress: Progress | None,
+    tell: Progress,
     chunk_seconds: float,
     alike: bool = True,
     take: Callable[[Chunk], None] = lambda _: None,
 ) -> None:
     """Compute all points that are not kept. Without a place the first ones are tried here, if all cost `alike`."""
-    count, tell = work.points.count, progress or _untold
+    count = work.points.count
 
     def keep(chunk: Chunk) -> None:
         take(chunk)

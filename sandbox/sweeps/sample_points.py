@@ -4,8 +4,8 @@ import math
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import Any, Literal
+from functools import cached_property, lru_cache
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,6 @@ Array = NDArray[np.float64]
 Scale = Literal["linear", "log", "whole"]
 Design = Literal["grid", "list", "sobol", "latin_hypercube"]
 
-SCALES = ("linear", "log", "whole")
 MOST_POINTS = 2**53  # whole numbers up to here are exact as floats
 MOST_SAMPLED = 2**24  # numbers of samples, which exist as a whole alone: 128 MB in every process
 SOBOL_BITS = 30  # of the sequence, so that 2**30 points differ
@@ -54,6 +53,13 @@ class Axis:
     def coordinate(self) -> str:
         """The name of its coordinate in the Dataset."""
         return self.name or self.path
+
+    @cached_property
+    def array(self) -> NDArray[Any]:
+        """The values as whole numbers or floats where all are, else as objects."""
+        flags = any(isinstance(value, bool) for value in self.values)
+        whole, real = (all(isinstance(value, kinds) for value in self.values) for kinds in (int, (int, float)))
+        return np.array(self.values, dtype=object if flags or not real else np.int64 if whole else np.float64)
 
     def between(self, unit: Array) -> NDArray[Any]:
         """The values at (N,) places from 0 to 1; number by number, so that they do not depend on N."""
@@ -96,18 +102,14 @@ class Points:
         """The dimensions of the Dataset: the axes of a grid, else "point"."""
         return tuple(axis.coordinate for axis in self.axes) if self.design == "grid" else ("point",)
 
-    def axis_values(self, axis: Axis) -> NDArray[Any]:
-        """The values of an axis of a grid."""
-        return _array(axis.values)
-
     def columns(self, begin: int, end: int) -> dict[str, NDArray[Any]]:
         """The values of every axis, by path, at the points from `begin` to `end`."""
         numbers = np.arange(begin, end)
         if self.design == "grid":
             places = np.unravel_index(numbers, self.shape)
-            return {axis.path: _array(axis.values)[place] for axis, place in zip(self.axes, places, strict=True)}
+            return {axis.path: axis.array[place] for axis, place in zip(self.axes, places, strict=True)}
         if self.design == "list":
-            return {axis.path: _array(axis.values[begin:end]) for axis in self.axes}
+            return {axis.path: axis.array[begin:end] for axis in self.axes}
         unit = _unit_rows(self.design, len(self.axes), self.count, self.seed)[begin:end]
         return {axis.path: axis.between(unit[:, k]) for k, axis in enumerate(self.axes)}
 
@@ -175,17 +177,21 @@ def _bounded(axes: Mapping[str, Any] | Sequence[Axis]) -> tuple[Axis, ...]:
     for axis in axes:
         if axis.values:
             raise StudyError(f"{axis.path} must be sampled between bounds, not from a list of values")
-        if axis.scale not in SCALES:
-            raise StudyError(f"{axis.path}: scale must be one of {', '.join(SCALES)}, not {axis.scale!r}")
-        if not (math.isfinite(axis.low) and math.isfinite(axis.high) and axis.low < axis.high):
-            raise StudyError(
-                f"{axis.path} must lie between two numbers, the smaller one first, not {axis.low!r} and {axis.high!r}"
-            )
-        if axis.scale == "log" and axis.low <= 0.0:
-            raise StudyError(f"{axis.path}: bounds on a log scale must be greater than 0, not {axis.low!r}")
-        if axis.scale == "whole" and not (float(axis.low).is_integer() and float(axis.high).is_integer()):
-            raise StudyError(f"{axis.path}: bounds of whole numbers must be whole, not {axis.low!r} and {axis.high!r}")
+        check_bounds(axis)
     return _named(axes)
+
+
+def check_bounds(axis: Axis) -> None:
+    """Raise StudyError where nothing can lie between the bounds of the axis."""
+    path, low, high = axis.path, axis.low, axis.high
+    if axis.scale not in get_args(Scale):
+        raise StudyError(f"{path}: scale must be one of {', '.join(get_args(Scale))}, not {axis.scale!r}")
+    if not (math.isfinite(low) and math.isfinite(high) and low < high):
+        raise StudyError(f"{path} must lie between two numbers, the smaller one first, not {low!r} and {high!r}")
+    if axis.scale == "log" and low <= 0.0:
+        raise StudyError(f"{path}: bounds on a log scale must be greater than 0, not {low!r}")
+    if axis.scale == "whole" and not (float(low).is_integer() and float(high).is_integer()):
+        raise StudyError(f"{path}: bounds of whole numbers must be whole, not {low!r} and {high!r}")
 
 
 def _from_bounds(path: str, bounds: Any) -> Axis:
@@ -211,13 +217,6 @@ def _checked(points: Points) -> Points:
     if points.seed < 0:
         raise StudyError(f"seed must be at least 0, not {points.seed}")
     return points
-
-
-def _array(values: tuple[Any, ...]) -> NDArray[Any]:
-    """The values as floats or whole numbers where all are, else as objects."""
-    whole = all(isinstance(value, int) and not isinstance(value, bool) for value in values)
-    real = all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values)
-    return np.array(values, dtype=np.int64 if whole else np.float64 if real else object)
 
 
 @lru_cache(maxsize=2)

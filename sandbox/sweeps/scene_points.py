@@ -14,7 +14,7 @@ from softcradle.scenes.toml_table import suggestion
 ONE_OR_MANY = ("mass", "contact", "gap")  # fields of a lane that may be one value for all
 LENGTHS = ("beads",)  # fields that decide how long the lists of a lane are
 EVERY = "*"  # a path of every item of a list
-KEPT_BASES = 64  # scenes with other beads, laws or methods that are kept in memory
+KEPT = 64  # scenes with other beads, laws or methods that are kept in memory
 
 Change = Callable[[Mapping[str, Any]], Any]  # gives a scene or a part of it with the values of a point, by path
 Moving = tuple[Sequence[Lane], Mapping[str, Any]]  # the lanes of a scene, and its keywords of `simulate`
@@ -37,7 +37,6 @@ class ScenePoints:
     """
 
     scene: Scene
-    _bases: dict[tuple[Any, ...], Scene] = field(default_factory=dict, repr=False, compare=False)
     _moving: dict[tuple[Any, ...], Callable[[Mapping[str, Any]], Moving]] = field(
         default_factory=dict, repr=False, compare=False
     )
@@ -47,14 +46,14 @@ class ScenePoints:
         return self.scene.model_dump()
 
     def __setstate__(self, table: dict[str, Any]) -> None:
-        self.scene, self._bases, self._moving = Scene.model_validate(table), {}, {}
+        self.scene, self._moving = Scene.model_validate(table), {}
 
     def starts(self, values: Mapping[str, Any]) -> list[LaneStart]:
         """What moves at a point, a lane each. Raises ValueError where the numbers cannot be."""
         structure = {path: value for path, value in values.items() if is_structure(path, value)}
         key = (*structure.items(), tuple(path for path in values if path not in structure))
         if key not in self._moving:
-            if len(self._moving) >= KEPT_BASES:
+            if len(self._moving) >= KEPT:
                 self._moving.clear()
             self._moving[key] = _moving_at(self._base(structure), key[-1])
         lanes, settings = self._moving[key](values)
@@ -62,25 +61,13 @@ class ScenePoints:
 
     def checked(self, values: Mapping[str, Any]) -> Scene:
         """The scene at a point, checked as a file is. Raises SceneError."""
-        scene = self._base({path: value for path, value in values.items() if is_structure(path, value)})
-        for path, value in values.items():
-            if not is_structure(path, value):
-                scene = replaced(scene, path.split("."), value, path)
-        return validated(scene)
+        structure = {path: value for path, value in values.items() if is_structure(path, value)}
+        numbers = {path: value for path, value in values.items() if path not in structure}
+        return validated(replaced(self._base(structure), numbers))
 
     def _base(self, structure: Mapping[str, Any]) -> Scene:
-        """The scene with other beads or texts, checked; made once for all points that share these."""
-        key = tuple(structure.items())
-        if not key:
-            return self.scene
-        if key not in self._bases:
-            scene = self.scene
-            for path, value in structure.items():
-                scene = replaced(scene, path.split("."), value, path)
-            if len(self._bases) >= KEPT_BASES:
-                self._bases.clear()
-            self._bases[key] = validated(scene)
-        return self._bases[key]
+        """The scene with other beads or texts, checked."""
+        return validated(replaced(self.scene, structure)) if structure else self.scene
 
 
 def _moving_at(scene: Scene, paths: Sequence[str]) -> Callable[[Mapping[str, Any]], Moving]:
@@ -88,7 +75,12 @@ def _moving_at(scene: Scene, paths: Sequence[str]) -> Callable[[Mapping[str, Any
     places = [(path.split("."), path) for path in paths]
     lanes = change_of(scene.lanes, [(keys[1:], path) for keys, path in places if keys[0] == "lanes"])
     others = change_of(scene, [(keys, path) for keys, path in places if keys[0] != "lanes"])
-    return lambda values: (lanes(values), others(values).settings())
+
+    def moving(values: Mapping[str, Any]) -> Moving:
+        numbers = {path: float(values[path]) for path in paths}
+        return lanes(numbers), others(numbers).settings()
+
+    return moving
 
 
 def is_structure(path: str, value: Any) -> bool:
@@ -116,13 +108,15 @@ def _lane_table(table: dict[str, Any], lane: Lane) -> dict[str, Any]:
     return table
 
 
-def replaced(item: Any, keys: list[str], value: Any, path: str) -> Any:
-    """`item` with the value at `keys`; tables and lists on the way are new, `item` itself stays. Raises SceneError."""
-    return change_of(item, [(keys, path)], as_number=False)({path: value})
+def replaced(scene: Scene, values: Mapping[str, Any]) -> Scene:
+    """The scene with the values at their paths, one after the other; it is not checked. Raises SceneError."""
+    for path in values:
+        scene = change_of(scene, [(path.split("."), path)])(values)
+    return scene
 
 
-def change_of(item: Any, places: Sequence[tuple[list[str], str]], as_number: bool = True) -> Change:
-    """A function that gives `item` with the values of each path at its keys, as floats with `as_number`; of two the last.
+def change_of(item: Any, places: Sequence[tuple[list[str], str]]) -> Change:
+    """A function that gives `item` with the values of each path at its keys; of two the last.
 
     Tables and lists on the way are new, `item` itself stays; what the values do not tell is found once. Raises SceneError.
     """
@@ -130,16 +124,16 @@ def change_of(item: Any, places: Sequence[tuple[list[str], str]], as_number: boo
         return lambda _: item
     path = places[-1][1]
     if not places[-1][0]:
-        return (lambda values: float(values[path])) if as_number else (lambda values: values[path])
+        return lambda values: values[path]
     if isinstance(item, BaseModel):
-        return _change_of_table(item, places, as_number)
+        return _change_of_table(item, places)
     if isinstance(item, tuple):
-        return _change_of_list(item, places, as_number)
+        return _change_of_list(item, places)
     keys = places[-1][0]
     raise SceneError([f"{path}: there is nothing below {'.'.join(path.split('.')[: -len(keys)])!r}, which is {item!r}"])
 
 
-def _change_of_table(item: BaseModel, places: Sequence[tuple[list[str], str]], as_number: bool) -> Change:
+def _change_of_table(item: BaseModel, places: Sequence[tuple[list[str], str]]) -> Change:
     known, changes = type(item).model_fields, {}
     for (key, *_), path in places:
         if key not in known:
@@ -150,16 +144,16 @@ def _change_of_table(item: BaseModel, places: Sequence[tuple[list[str], str]], a
         if single and isinstance(item, Lane) and any(rest and _is_place(rest[0]) for rest, _ in own):
             inner = (inner,) * (len(item.velocity) - (key != "mass"))
             own = [(rest if rest and _is_place(rest[0]) else [EVERY, *rest], of) for rest, of in own]
-        changes[key] = change_of(inner, own, as_number)
+        changes[key] = change_of(inner, own)
     return lambda values: item.model_copy(update={key: change(values) for key, change in changes.items()})
 
 
-def _change_of_list(item: tuple[Any, ...], places: Sequence[tuple[list[str], str]], as_number: bool) -> Change:
+def _change_of_list(item: tuple[Any, ...], places: Sequence[tuple[list[str], str]]) -> Change:
     for (key, *_), path in places:
         if key != EVERY and not (key.isdigit() and int(key) < len(item)):
             raise SceneError([f"{path}: {key!r} must be a number from 0 to {len(item) - 1}, or * for all"])
     changes = [
-        change_of(part, [(keys[1:], path) for keys, path in places if keys[0] == EVERY or int(keys[0]) == k], as_number)
+        change_of(part, [(keys[1:], path) for keys, path in places if keys[0] == EVERY or int(keys[0]) == k])
         for k, part in enumerate(item)
     ]
     return lambda values: tuple([change(values) for change in changes])

@@ -4,19 +4,30 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Self, get_args
 
 import numpy as np
 from pydantic import BeforeValidator, Field, Strict, ValidationError, model_validator
-from softcradle.sandbox.sweeps.sample_points import Axis, Points, grid, latin_hypercube, listed, sobol
+from softcradle.sandbox.scene_runs import load_scene
+from softcradle.sandbox.sweeps.sample_points import (
+    Axis,
+    Design,
+    Points,
+    Scale,
+    check_bounds,
+    grid,
+    latin_hypercube,
+    listed,
+    sobol,
+)
 from softcradle.sandbox.sweeps.scene_points import replaced, validated
-from softcradle.sandbox.sweeps.work import checked_source, scene_of
-from softcradle.sandbox.user_error import StudyError, reason
+from softcradle.sandbox.sweeps.work import sweep_work
+from softcradle.sandbox.user_error import StudyError, UserError, reason
 from softcradle.scenes import Scene
 from softcradle.scenes.scene_errors import SceneError, scene_error
 from softcradle.scenes.toml_table import Number, Table, problem
 
-DESIGNS = ("grid", "list", "sobol", "latin_hypercube")
+DESIGNS = get_args(Design)
 Whole = Annotated[int, Strict()]
 Value = Annotated[Whole | Number | str, Field(union_mode="left_to_right")]  # a fraction such as "1/14" is a number
 
@@ -35,17 +46,13 @@ class ParameterSpan(Table):
     values: tuple[Value, ...] = ()
     between: tuple[Number | Whole, Number | Whole] | None = None
     count: Annotated[int, Strict(), Field(ge=2)] | None = None
-    scale: Literal["linear", "log", "whole"] = "linear"
+    scale: Scale = "linear"
     name: str = ""
 
     @model_validator(mode="after")
     def _check(self) -> Self:
         if bool(self.values) == (self.between is not None):
             raise problem("needs either values = [...] or between = [low, high]")
-        if self.between is not None and (
-            self.between[0] >= self.between[1] or (self.scale == "log" and self.between[0] <= 0)
-        ):
-            raise problem(f"between must be the smaller number first, both > 0 on a log scale, not {[*self.between]}")
         return self
 
     def valued(self, path: str) -> Axis:
@@ -53,6 +60,7 @@ class ParameterSpan(Table):
         if self.between is None:
             return Axis(path, self.values, name=self.name)
         low, high = self.between
+        check_bounds(Axis(path, low=low, high=high, scale=self.scale))
         if self.scale == "whole":
             values = tuple(range(int(low), int(high) + 1))
         elif self.count is None:
@@ -147,9 +155,9 @@ def load_study(path: str) -> SweepStudy:
         raise StudyError(str(scene_error(path, error)).replace("the scene: key", "the study: key")) from None
     try:
         study = SweepStudy(found.title, _scene(found, Path(path).parent), found.points(), found.measures)
-        checked_source(study.scene, study.points, study.measures)
+        sweep_work(study.scene, study.points, study.measures)
         return study
-    except StudyError as error:
+    except UserError as error:
         raise StudyError(f"{path}: {error}") from None
     except SceneError as error:
         raise StudyError(f"{path}: set: {str(error).removeprefix('the scene: ')}") from None
@@ -158,7 +166,5 @@ def load_study(path: str) -> SweepStudy:
 def _scene(study: StudyFile, folder: Path) -> Scene:
     """The scene of a study, with the numbers that it sets."""
     beside = folder / study.scene
-    scene = scene_of(str(beside) if study.scene.endswith(".toml") and beside.is_file() else study.scene)
-    for key, value in study.set.items():
-        scene = replaced(scene, key.split("."), value, key)
-    return validated(scene)
+    scene = load_scene(str(beside) if study.scene.endswith(".toml") and beside.is_file() else study.scene)
+    return validated(replaced(scene, study.set))

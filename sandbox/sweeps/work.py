@@ -91,6 +91,17 @@ class Work:
     measures: tuple[str | Measure, ...]
     versions: Mapping[str, str]
 
+    @property
+    def lanes(self) -> list[str]:
+        """The labels of the scene's lanes, numbers where they have none; one for a function."""
+        lanes = self.source.scene.lanes if isinstance(self.source, ScenePoints) else ()
+        return [lane.label or str(k) for k, lane in enumerate(lanes)] or [""]
+
+    @property
+    def title(self) -> str:
+        """The title of the scene, or the name of the function."""
+        return self.source.scene.title if isinstance(self.source, ScenePoints) else function_name(self.source)
+
     def compute(self, begin: int, end: int, seconds: float = math.inf) -> Chunk:
         """The points from `begin` on, up to `end` or until `seconds` have passed, at least one."""
         began, outcomes = perf_counter(), list[Outcome]()
@@ -134,21 +145,14 @@ class Work:
     def outcome(self, values: Mapping[str, Any]) -> Outcome:
         """One point. What goes wrong with it is its status and reason."""
         try:
-            return self._outcome(values)
-        except Exception as error:  # whatever a point or a user's function does, the others go on
-            return Outcome({}, PointStatus.REFUSED, 0, sentence_of(error))
-
-    def _outcome(self, values: Mapping[str, Any]) -> Outcome:
-        if isinstance(self.source, ScenePoints):
-            runs = [Run(start) for start in self.source.starts(values)]
-        else:
+            if isinstance(self.source, ScenePoints):
+                return self._measured([Run(start) for start in self.source.starts(values)])
             found = self.source(**{axis.coordinate: values[axis.path] for axis in self.points.axes})
             if isinstance(found, Outcome):
                 return found
-            if isinstance(found, Mapping):
-                return Outcome(found)
-            runs = [_run_of(found)]
-        return self._measured(runs)
+            return Outcome(found) if isinstance(found, Mapping) else self._measured([_run_of(found)])
+        except Exception as error:  # whatever a point or a user's function does, the others go on
+            return Outcome({}, PointStatus.REFUSED, 0, _sentence_of(error))
 
     def _measured(self, runs: Sequence[Run]) -> Outcome:
         """What is measured of the runs of all lanes at a point."""
@@ -173,7 +177,7 @@ def _run_of(found: Any) -> Run:
     raise StudyError(f"the function must return {kinds}, not {type(found).__name__}")
 
 
-def sentence_of(error: BaseException) -> str:
+def _sentence_of(error: BaseException) -> str:
     """What an error says, in one line; errors that are no refusals have their name before it."""
     text = " ".join(str(error).split())
     return text if isinstance(error, ValueError) and text else f"{type(error).__name__}: {text}".rstrip(": ")
@@ -254,14 +258,7 @@ def compute_checked(work: Work, begin: int, end: int, seconds: float) -> Chunk:
 
 
 def sweep_work(what: Scene | str | Callable[..., Any], points: Points, measures: Sequence[str | Measure]) -> Work:
-    """The Work of a sweep. Raises StudyError."""
-    return Work(points, checked_source(what, points, measures), tuple(measures), current_versions())
-
-
-def checked_source(
-    what: Scene | str | Callable[..., Any], points: Points, measures: Sequence[str | Measure]
-) -> ScenePoints | Callable[..., Any]:
-    """What is swept; all that can be checked before the work begins is. Raises StudyError."""
+    """The Work of a sweep; all that can be checked before it begins is. Raises StudyError, or the SceneError of a file."""
     names = [find_measure(item).name if isinstance(item, str) else item.name for item in measures]
     for name in [axis.coordinate for axis in points.axes]:
         if name in (*TAKEN, *names) or set(name) & set(" /"):
@@ -272,20 +269,11 @@ def checked_source(
     if callable(what) and not isinstance(what, Scene):
         source: ScenePoints | Callable[..., Any] = what
     else:
-        scene = what if isinstance(what, Scene) else scene_of(str(what))
+        source = ScenePoints(what if isinstance(what, Scene) else load(str(what)))
         if not measures:
             raise StudyError("a sweep of a scene needs at least one measure")
-        source = ScenePoints(scene)
         _check(source, points)
-    return source
-
-
-def scene_of(name_or_path: str) -> Scene:
-    """The scene of that name or in that file. Raises StudyError with what is wrong with it."""
-    try:
-        return load(name_or_path)
-    except SceneError as error:
-        raise StudyError(str(error)) from None
+    return Work(points, source, tuple(measures), current_versions())
 
 
 def _check(source: ScenePoints, points: Points) -> None:
@@ -296,14 +284,6 @@ def _check(source: ScenePoints, points: Points) -> None:
             source.checked(changed)
         except SceneError as error:
             raise StudyError(str(error).removeprefix("the scene: ")) from None
-
-
-def lanes_of(work: Work) -> tuple[tuple[str, ...], str]:
-    """The labels of the lanes, numbers where there are none, and the title of the scene or function."""
-    if isinstance(work.source, ScenePoints):
-        scene = work.source.scene
-        return tuple(lane.label or str(k) for k, lane in enumerate(scene.lanes)), scene.title
-    return ("",), function_name(work.source)
 
 
 def function_name(function: Any) -> str:

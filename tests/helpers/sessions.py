@@ -51,8 +51,7 @@ def read_all(session: Session) -> None:
         for part in session.history_slices(lane, 240):
             assert np.isfinite(part.velocity).all()
             assert np.isfinite(part.kinetic).all()
-        session.health(lane)
-    assert session.verdict()[1]
+        assert session.health(lane).sentence
     assert all(impact.speed > 0.0 for impact in session.impacts)
     assert (np.diff(session.contact_events().time) >= 0.0).all()
 

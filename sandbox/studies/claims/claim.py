@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from enum import StrEnum
 from functools import cached_property
-from itertools import groupby
+from itertools import groupby, product
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -294,15 +294,21 @@ class Claim(Statement):
         """The value of the paper's own case by the independent reference; nan where that is not asked."""
         if not self.refer:
             return math.nan
-        blank = [Case(each, self.order(each), math.nan, math.nan, self.allowed) for each in self.cases]
+        blank = [self.measured(each) for each in self.cases]
         return self.value(self.study_of(blank).own_case.parameters, REFERENCE)[0]
+
+    def measured(
+        self, parameters: Parameters, value: float = math.nan, error: float = math.nan, reason: str = ""
+    ) -> Case:
+        """The case of these parameters with what was measured of it."""
+        return Case(dict(parameters), self.order(parameters), value, error, self.allowed, reason)
 
     def case(self, parameters: Parameters) -> Case:
         """The quantity at `parameters` and its error bar."""
         value, reason = self.value(parameters, self.first)
         other, _ = self.value(parameters, self.second) if not reason else (math.nan, reason)
         reason = reason or ("" if math.isfinite(other) else "the second method found nothing")
-        return Case(dict(parameters), self.order(parameters), value, abs(value - other), self.allowed, reason)
+        return self.measured(parameters, value, abs(value - other), reason)
 
     def value(self, parameters: Parameters, solver: MethodFineness) -> tuple[float, str]:
         """The quantity by that method, and why there is none (nan) or empty."""
@@ -322,7 +328,5 @@ def _with_reference(study: JudgedClaim) -> JudgedClaim:
 
 def grid(**values: ArrayLike) -> list[Parameters]:
     """Parameters of all combinations of the named values, several or one of each."""
-    found: list[dict[str, float]] = [{}]
-    for name, column in values.items():
-        found = [{**case, name: float(value)} for case in found for value in np.atleast_1d(column)]
-    return list(found)
+    columns = [np.atleast_1d(column).tolist() for column in values.values()]
+    return [dict(zip(values, map(float, case), strict=True)) for case in product(*columns)]

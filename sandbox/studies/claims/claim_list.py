@@ -7,7 +7,7 @@ from time import process_time
 from typing import Any
 
 from softcradle.sandbox.studies.claims import collision, driven, experiment, hypothesis, limit, model, variant
-from softcradle.sandbox.studies.claims.claim import Case, Claim, JudgedClaim
+from softcradle.sandbox.studies.claims.claim import Claim, JudgedClaim
 from softcradle.sandbox.sweeps import listed
 from softcradle.sandbox.sweeps.run_sweep import Progress, map_points
 from softcradle.sandbox.sweeps.work import Outcome
@@ -64,14 +64,7 @@ def _study(claim: Claim, found: Sequence[Mapping[str, Any]]) -> JudgedClaim:
     """The study of a claim from the points of all its cases."""
     reference, rows = (float(found[0]["value"]), found[1:]) if claim.refer else (math.nan, found)
     cases = [
-        Case(
-            dict(each),
-            claim.order(each),
-            float(row["value"]),
-            float(row["error"]),
-            claim.allowed,
-            row.get("reason", ""),
-        )
+        claim.measured(each, float(row["value"]), float(row["error"]), row.get("reason", ""))
         for each, row in zip(claim.cases, rows, strict=True)
     ]
     return claim.study_of(cases, reference, sum(float(row["seconds"]) for row in found))

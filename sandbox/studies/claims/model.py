@@ -2,7 +2,7 @@
 
 import numpy as np
 from softcradle.physics import Chain, cluster_on_cluster, one_on, power_law
-from softcradle.physics.analysis.measures import depth_law, loads
+from softcradle.physics.analysis.measures import depth_law
 from softcradle.physics.analysis.ringing import turning_points
 from softcradle.sandbox.scene_runs import KEEPING, TOLD
 from softcradle.sandbox.studies.claims.claim import Claim, grid
@@ -14,6 +14,7 @@ from softcradle.sandbox.studies.paper import (
     MethodFineness,
     NotSolvedError,
     Parameters,
+    by_load,
     chain_of,
     first_opening,
     power_laws,
@@ -112,12 +113,6 @@ def force_error(chain: Chain, solver: MethodFineness, strikers: int = 1) -> floa
     return float((np.abs(full - model) / full.max(axis=0)).max())
 
 
-def random_cases() -> list[Parameters]:
-    """The homogeneous chain, seed 0, and the random ones, with the greatest load of their inner contacts."""
-    cases = grid(n=4, seed=range(RANDOM_CHAINS + 1))
-    return [{**case, "load": float(loads(random_chain(case))[1:].max())} for case in cases]
-
-
 def clusters(case: Parameters) -> Chain:
     """m on n, homogeneous."""
     return cluster_on_cluster(round(case["m"]), round(case["n"]), power_law(1.0, 1.0 / case["1/alpha"]))
@@ -203,7 +198,7 @@ CLAIMS = (
         statement="equations (A3) are the core of the motion for heterogeneous masses, strengths and exponents that are small",
         quantity="largest |full - model| over the peak of the force, all contacts",
         measure=lambda case, solver: force_error(random_chain(case), solver),
-        cases=random_cases(), own={"load": 0.75},
+        cases=by_load(grid(n=4, seed=range(RANDOM_CHAINS + 1)), random_chain), own={"load": 0.75},
         variable="greatest load of an inner contact", order=lambda case: case["load"], allowed=0.05,
         how=f"{RANDOM_CHAINS} random chains, seed {SEED}: masses and strengths of 1/2 to 2, exponents of 1/40 to 1/20; "
         f"middle 80 % of the striker's contact",

@@ -13,7 +13,7 @@ from rich.text import Text
 from softcradle.sandbox.console import print_table, table
 from softcradle.sandbox.studies.claims.claim import Case, CaseOutcome, JudgedClaim, Verdict, case_text
 from softcradle.sandbox.studies.data_table import Table
-from softcradle.sandbox.studies.plot_style import BLACK, BLUE, GREY, RED, new_figure
+from softcradle.sandbox.studies.plot_style import BLACK, BLUE, GREY, RED, new_figure, styled, write_picture
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -194,9 +194,6 @@ def _finite(value: float) -> float | None:
 
 def write_studies(studies: Sequence[JudgedClaim], folder: Path) -> list[Path]:
     """The picture of each study as .png, .pdf and .csv; the paths."""
-    from softcradle.sandbox.studies.claims.study_figure import draw_study, study_table
-    from softcradle.sandbox.studies.plot_style import styled, write_picture
-
     paths: list[Path] = []
     with styled():
         for study in studies:

@@ -207,10 +207,6 @@ class FilmSettings:
         height = max(FILM_LEAST_HEIGHT, FILM_MARGIN + FILM_ROW * len(comparison.sides))
         return self.size or (FILM_WIDTH, height)
 
-    def slow_motion(self, scene: Scene, end: float) -> float:
-        """Seconds of film for one of motion, which lasts until `end` [s]."""
-        return self.slow or min(scene.view.slow, LONGEST_FILM / end)
-
 
 def check_outputs(paths: Sequence[Path], comparison: Comparison, settings: FilmSettings) -> None:
     """Raise a UserError for an unknown kind of file, an impossible size, or a file that is given twice."""
@@ -266,4 +262,5 @@ class ComparisonReport:
         return self.comparison.as_scene(end_time(self.results))
 
     def _slow_motion(self, scene: Scene) -> float:
-        return self.settings.slow_motion(scene, end_time(self.results))
+        """Seconds of film for one of motion."""
+        return self.settings.slow or min(scene.view.slow, LONGEST_FILM / end_time(self.results))

@@ -30,14 +30,9 @@ class SideResult:
 
     @property
     def contact(self) -> str:
-        """Its contacts in a line of text."""
-        return _contacts_text(self.trajectory)
-
-
-def _contacts_text(trajectory: Trajectory) -> str:
-    """The contacts of a chain; equal neighbours are named once."""
-    found = [text for text, _ in groupby(contact_text(contact) for contact in trajectory.chain.contact)]
-    return ", ".join(found) if len(found) <= 4 else f"{found[0]}, ... {found[-1]}"
+        """Its contacts in a line of text; equal neighbours are named once."""
+        found = [text for text, _ in groupby(map(contact_text, self.trajectory.chain.contact))]
+        return ", ".join(found) if len(found) <= 4 else f"{found[0]}, ... {found[-1]}"
 
 
 def solve_sides(comparison: Comparison, method: str | None = None, step: float | None = None) -> list[SideResult]:

@@ -27,7 +27,6 @@ from softcradle.sandbox.studies.plot_style import (
     label_above,
     model_legend,
     new_figure,
-    panel_title,
     zero_line,
 )
 
@@ -109,7 +108,8 @@ def history() -> Table:
 
 def draw_history(table: Table) -> Figure:
     """(a) f12 less its branch over time, (b) the periods over 1/alpha."""
-    figure, (left, right) = new_figure(PAGE_WIDTH, 2.5, 1, 2)
+    titles = rf"(a)  $n={SIZE}$, $\alpha=1/{1 / SHOWN:.0f}$", f"(b)  $n={SIZE}$"
+    figure, (left, right) = new_figure(PAGE_WIDTH, 2.5, 1, 2, titles)
     shown = np.isfinite(table["t"]) & (table["t"] > 0.1) & (table["t"] < 1.35)
     left.plot(table["t"][shown], 1e3 * (table["f12"] - table["branch"])[shown], color=ORANGE, linewidth=0.9)
     left.axhline(0.0, color=GREY, linewidth=0.5)
@@ -121,8 +121,6 @@ def draw_history(table: Table) -> Figure:
     right.semilogy(inverse, table["period"], "o", color=ORANGE, markersize=3.5, label="measured")
     right.set(xlabel=r"$1/\alpha$", ylabel="period of $f_{1,2}$")
     right.legend(loc="upper right")
-    panel_title(left, rf"(a)  $n={SIZE}$, $\alpha=1/{1 / SHOWN:.0f}$")
-    panel_title(right, f"(b)  $n={SIZE}$")
     return figure
 
 
@@ -204,7 +202,8 @@ def draw_forces(table: Table) -> Figure:
 
 def draw_discrepancies(table: Table) -> Figure:
     """Fig. 2c, and beside it the end of the contact, against the time that is left until the striker separates."""
-    figure, (axes, end) = new_figure(PAGE_WIDTH * 0.72, 2.5, 1, 2, width_ratios=(3, 2))
+    titles = "(a)  while the striker pushes", "(b)  at the end"
+    figure, (axes, end) = new_figure(PAGE_WIDTH * 0.72, 2.5, 1, 2, titles, width_ratios=(3, 2))
     axes.axhspan(-1.0, 1.0, **ACCURACY_BAND)
     zero_line(axes)
     for name, colour, symbol in (("f01", BLUE, "$f_{0,1}$"), ("f12", ORANGE, "$f_{1,2}$")):
@@ -216,8 +215,6 @@ def draw_discrepancies(table: Table) -> Figure:
     end.axhspan(1e-9, 1e-3, **ACCURACY_BAND)
     end.set(xlabel="time to separation", ylabel="|relative discrepancy|", xscale="log", yscale="log")
     end.set(xlim=(1e-6, table["t"][-1]), ylim=(3e-7, 1.0))
-    panel_title(axes, "(a)  while the striker pushes")
-    panel_title(end, "(b)  at the end")
     return figure
 
 

@@ -21,7 +21,6 @@ from softcradle.sandbox.studies.plot_style import (
     RED,
     label_above,
     new_figure,
-    panel_title,
 )
 
 if TYPE_CHECKING:
@@ -144,7 +143,7 @@ def _gear_outcomes(n: int) -> Array:
 
 def draw_nearest(table: Table) -> Figure:
     """(a) the nearest V/v_c over alpha, (b) how near it comes."""
-    figure, (left, right) = new_figure(PAGE_WIDTH, 2.6, 1, 2)
+    figure, (left, right) = new_figure(PAGE_WIDTH, 2.6, 1, 2, ("(a)", "(b)"))
     for n, colour in zip(SIZES, COLOUR_CYCLE, strict=False):
         points = rows_where(table, n=n)
         left.loglog(points["alpha"], points["V over v_c"], color=colour, linewidth=0.9, label=f"$n={n}$")
@@ -154,6 +153,4 @@ def draw_nearest(table: Table) -> Figure:
     left.set(xlabel=r"$\alpha$ of the power law", ylabel="$V/v_c$ of the nearest draft gear", ylim=(0.7, 40.0))
     left.legend(loc="upper left", fontsize=7.5)
     right.set(xlabel=r"$\alpha$ of the power law", ylabel="final velocities apart / striker's")
-    panel_title(left, "(a)")
-    panel_title(right, "(b)")
     return figure

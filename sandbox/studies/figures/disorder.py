@@ -12,7 +12,7 @@ from softcradle.physics import Chain
 from softcradle.physics.analysis.measures import loads
 from softcradle.sandbox.studies.data_table import Array, Table, long_table, rows_where
 from softcradle.sandbox.studies.paper import full_motion, power_laws, random_beads, spread_by_mass, start
-from softcradle.sandbox.studies.plot_style import BLUE, GREY, ORANGE, PAGE_WIDTH, RED, new_figure, panel_title
+from softcradle.sandbox.studies.plot_style import BLUE, GREY, ORANGE, PAGE_WIDTH, RED, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -76,7 +76,8 @@ def loads_and_spreads(table: Table, kind: float) -> tuple[Array, Array]:
 
 def draw_outcomes(table: Table) -> Figure:
     """Velocities of all targets in both kinds of chain; between them the spread of the soft ones against their load."""
-    figure, (left, middle, right) = new_figure(PAGE_WIDTH, 2.6, 1, 3)
+    titles = r"(a)  $\alpha_{i,i+1}$ from 1/50 to 1/30", "(b)  the chains of (a)", r"(c)  $\alpha=3/2$, usual cradle"
+    figure, (left, middle, right) = new_figure(PAGE_WIDTH, 2.6, 1, 3, titles)
     _draw_velocities(left, table, SOFT)
     _draw_velocities(right, table, CRADLE)
     for colour, text in ((RED, "all alike"), (BLUE, "loads < 1"), (ORANGE, "a load > 1")):
@@ -87,9 +88,6 @@ def draw_outcomes(table: Table) -> Figure:
         middle.semilogy(load[rows], spreads[rows], "o", color=colour, markersize=3.5)
     middle.axvline(1.0, color=GREY, linewidth=0.7, linestyle=":")
     middle.set(xlabel="greatest load of an inner contact", ylabel="spread of the targets")
-    panel_title(left, r"(a)  $\alpha_{i,i+1}$ from 1/50 to 1/30")
-    panel_title(middle, "(b)  the chains of (a)")
-    panel_title(right, r"(c)  $\alpha=3/2$, usual cradle")
     return figure
 
 

@@ -22,7 +22,6 @@ from softcradle.sandbox.studies.plot_style import (
     bead_colour,
     inner_label,
     new_figure,
-    panel_title,
     zero_line,
 )
 
@@ -78,7 +77,7 @@ def spreads() -> Table:
 
 def draw_spreads(table: Table) -> Figure:
     """Velocities for two targets, and the spread for two to four."""
-    figure, (left, right) = new_figure(PAGE_WIDTH, 2.6, 1, 2)
+    figure, (left, right) = new_figure(PAGE_WIDTH, 2.6, 1, 2, ("(a)  $n=2$", "(b)"))
     pair = rows_where(table, n=2)
     for bead, name in enumerate(("v striker", "v first", "v last")):
         left.plot(1.0 / pair["alpha"], pair[name], color=bead_colour(bead), label=f"$v_{bead}$")
@@ -86,13 +85,11 @@ def draw_spreads(table: Table) -> Figure:
         left.axhline(velocity, color=GREY, linewidth=0.6, linestyle="--")
     left.set(xlabel=r"$1/\alpha$", ylabel="velocity after the collision")
     left.legend(loc="center right")
-    panel_title(left, "(a)  $n=2$")
     for n, colour in zip(SPREAD_SIZES, (BLUE, ORANGE, GREEN), strict=True):
         points = rows_where(table, n=n)
         right.semilogy(1.0 / points["alpha"], points["spread"], color=colour, label=f"$n={n}$")
     right.set(xlabel=r"$1/\alpha$", ylabel=r"$(v_{\max}-v_{\min})/\langle v\rangle$ of the targets")
     right.legend(loc="lower left")
-    panel_title(right, "(b)")
     return figure
 
 
@@ -107,7 +104,7 @@ def losses() -> Table:
 
 def draw_losses(table: Table) -> Figure:
     """Left: one on four, all velocities against the exponent. Right: long clusters at one small exponent."""
-    figure, (left, right) = new_figure(PAGE_WIDTH, 2.7, 1, 2)
+    figure, (left, right) = new_figure(PAGE_WIDTH, 2.7, 1, 2, ("(a)  $n=4$", r"(b)  $\alpha=1/10$"))
     _draw_exponents(left, rows_where(table, n=4))
     for n, colour in zip(LONG_SIZES, (BLUE, ORANGE, RED), strict=True):
         beads = rows_where(table, n=n, alpha=LONG_ALPHA)
@@ -117,7 +114,6 @@ def draw_losses(table: Table) -> Figure:
     right.axhline(1.0, color=GREY, linewidth=0.6, linestyle="--")
     right.set(xlabel="$i/n$", ylabel=r"$v_i\,/\,\frac{2}{n+1}$", xlim=(0.0, 1.04))
     right.legend(loc="lower right")
-    panel_title(right, r"(b)  $\alpha=1/10$")
     return figure
 
 
@@ -131,7 +127,6 @@ def _draw_exponents(axes: Axes, table: Table) -> None:
     axes.axvline(1.0, color=GREY, linewidth=0.7, linestyle=":")
     axes.set(xlabel=r"$\alpha$", ylabel="velocity after the collision", xlim=(1.0 / 30.0, 2.0))
     axes.legend(loc="lower left", ncols=2, bbox_to_anchor=(0.0, 0.13), columnspacing=0.8, handlelength=1.2)
-    panel_title(axes, "(a)  $n=4$")
 
 
 ALPHAS = (1.0 / 7.0, 1.0 / 10.0, 1.0 / 14.0)  # a column of panels each

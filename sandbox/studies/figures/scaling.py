@@ -59,11 +59,9 @@ def contact_time_limit(n: int) -> float:
 
 def draw_scalings(table: Table) -> Figure:
     """(a) max psi, (b) the two times; solid and dashed lines are limits for alpha -> 0, dotted ones what Sec. IV states."""
-    figure, (left, right) = new_figure(PAGE_WIDTH, 2.9, 1, 2)
+    figure, (left, right) = new_figure(PAGE_WIDTH, 2.9, 1, 2, ("(a)", "(b)"))
     _draw_psi(left, table)
     _draw_times(right, table)
-    panel_title(left, "(a)")
-    panel_title(right, "(b)")
     return figure
 
 

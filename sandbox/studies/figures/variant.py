@@ -17,7 +17,6 @@ from softcradle.sandbox.studies.plot_style import (
     bead_colour,
     model_legend,
     new_figure,
-    panel_title,
     zero_line,
 )
 
@@ -64,31 +63,30 @@ def exchange() -> Table:
 
 def draw_interface(table: Table) -> Figure:
     """Forces and velocities with the Hooke interface."""
-    figure, (left, right) = new_figure(PAGE_WIDTH, 2.6, 1, 2)
-    _draw_forces(left, table, N, 0)
-    left.set_ylim(0.0, 1.3)
-    model_legend(left, 3, columnspacing=1.0)
-    _draw_velocities(right, table, N + 1, 1)
-    panel_title(left, r"(a)  $\alpha_{0,1}=1$, inner $\alpha=1/10$")
-    panel_title(right, "(b)")
-    return figure
+    return _draw_forces_and_velocities(table, 1, N, r"(a)  $\alpha_{0,1}=1$, inner $\alpha=1/10$", 2.6, 1.3)
 
 
 def draw_clusters(table: Table) -> Figure:
     """Forces and velocities of three on five."""
-    figure, (left, right) = new_figure(PAGE_WIDTH, 2.8, 1, 2)
-    _draw_forces(left, table, STRIKERS + TARGETS - 1, STRIKERS - 1)
-    left.set_ylim(0.0, 1.45)
+    return _draw_forces_and_velocities(table, STRIKERS, TARGETS, r"(a)  3 on 5, $\alpha=1/14$", 2.8, 1.45)
+
+
+def _draw_forces_and_velocities(
+    table: Table, strikers: int, targets: int, title: str, height: float, most: float
+) -> Figure:
+    """Forces up to `most` on the left, velocities on the right."""
+    figure, (left, right) = new_figure(PAGE_WIDTH, height, 1, 2, (title, "(b)"))
+    _draw_forces(left, table, strikers + targets - 1, strikers - 1)
+    left.set_ylim(0.0, most)
     model_legend(left, 3, columnspacing=1.0)
-    _draw_velocities(right, table, STRIKERS + TARGETS, STRIKERS)
-    panel_title(left, r"(a)  3 on 5, $\alpha=1/14$")
-    panel_title(right, "(b)")
+    _draw_velocities(right, table, strikers + targets, strikers)
     return figure
 
 
 def draw_exchange(table: Table) -> Figure:
     """Left: four on one as it is. Right: seen from the strikers and mirrored, on top of one on four."""
-    figure, (left, right) = new_figure(PAGE_WIDTH, 2.6, 1, 2, sharey=True)
+    titles = "(a)  four on one", "(b)  mirrored, seen by the strikers"
+    figure, (left, right) = new_figure(PAGE_WIDTH, 2.6, 1, 2, titles, sharey=True)
     zero_line(left)
     zero_line(right)
     for i in range(N + 1):
@@ -103,8 +101,6 @@ def draw_exchange(table: Table) -> Figure:
     right.legend(loc="upper right", fontsize=7.5)
     left.set(xlabel="$t$", ylabel="velocity", xlim=(0.0, 3.0))
     right.set(xlabel="$t$", xlim=(0.0, 3.0))
-    panel_title(left, "(a)  four on one")
-    panel_title(right, "(b)  mirrored, seen by the strikers")
     return figure
 
 

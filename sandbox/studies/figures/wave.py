@@ -208,7 +208,7 @@ def draw_history(table: Table) -> Figure:
 
 def draw_scan(table: Table) -> Figure:
     """Period and amplitude against 1/alpha; lines are the closed forms."""
-    figure, (left, right) = new_figure(PAGE_WIDTH, 2.6, 1, 2)
+    figure, (left, right) = new_figure(PAGE_WIDTH, 2.6, 1, 2, ("(a)", "(b)"))
     alphas = np.geomspace(1.0 / 22.0, 1.0 / 4.5, 60)
     for n, colour in zip(SIZES, (BLUE, ORANGE, GREEN), strict=True):
         points = rows_where(table, n=n)
@@ -221,6 +221,4 @@ def draw_scan(table: Table) -> Figure:
     right.set(xlabel=r"$1/\alpha$", ylabel=r"$\max\,\psi$")
     left.plot([], [], color=GREY, linewidth=0.8, label="mode coupling")
     left.legend(loc="lower left")
-    panel_title(left, "(a)")
-    panel_title(right, "(b)")
     return figure

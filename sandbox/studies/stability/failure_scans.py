@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, astuple, dataclass, fields
 from enum import StrEnum
 from functools import lru_cache, partial
@@ -122,13 +122,6 @@ def finenesses(method: Method) -> tuple[float, ...]:
     return TOLERANCES if method.adaptive else STEPS
 
 
-def scan_runs(scan: Scan, method: Method, steps: Sequence[float] | None = None) -> Iterator[ScanRun]:
-    """Every run of a scan by a method; `steps` replaces its finenesses."""
-    for value in scan.values:
-        for fineness in finenesses(method) if steps is None else steps:
-            yield scan_run(scan, value, method, fineness)
-
-
 def scan_run(scan: Scan, value: float, method: Method, fineness: float) -> ScanRun:
     """One run, compared with the reference motion."""
     chain = scan.chain(value)
@@ -154,7 +147,7 @@ def scan_run(scan: Scan, value: float, method: Method, fineness: float) -> ScanR
 
 
 def swept_runs(scans: Sequence[Scan], progress: Progress | None = None, workers: int | None = None) -> list[ScanRun]:
-    """Every run of the scans by every method, as `scan_runs` has them; processes compute them where that pays."""
+    """Every run of the scans by every method; processes compute them where that pays."""
     order = [method.name for method in scanned_methods()]
     found = []
     for scan in scans:

@@ -125,7 +125,14 @@ def test_the_example_is_a_study():
         (GOOD + SOBOL, "needs one of the tables grid, list, sobol, latin_hypercube, not 2"),
         (changed("velocity.0", "velocity.9"), "'9' must be a number from 0 to 4"),
         (changed("lanes.0.velocity.0", "lanes.0.mess"), r"there is no 'mess' \(did you mean 'mass'\?\)"),
-        (changed("values = [0.5, 1]", "between = [1, 0.5]"), "between must be the smaller number first"),
+        (
+            changed("values = [0.5, 1]", "between = [1, 0.5]"),
+            "study.toml: lanes.0.velocity.0 must lie between two numbers, the smaller one first, not 1 and 0.5",
+        ),
+        (
+            changed("values = [0.5, 1]", 'between = [0.5, 2], scale = "whole"'),
+            "bounds of whole numbers must be whole, not 0.5 and 2",
+        ),
         (changed("values = [0.5, 1]", "between = [0.5, 1]"), "count is missing"),
         (changed("values = [0.5, 1]", "values = []"), r"needs either values = \[...\] or between"),
         (changed('"rigidity"', '"rigid"'), "there is no measure 'rigid'"),

@@ -186,7 +186,7 @@ def test_a_contact_that_an_edit_opens_does_so_at_its_frame():
     before = len(session.contact_events().time)
     session.apply(inputs.Place(0, 0, -0.5))
     assert len(session.contact_events().time) == before + 1
-    assert [column[-1] for column in session.contact_events().columns()] == [session.time, 300, 0, 0, False, 0.0]
+    assert [column[-1] for column in session.contact_events()] == [session.time, 300, 0, 0, False, 0.0]
 
 
 def events_anew(session):
@@ -209,5 +209,5 @@ def test_contact_events_read_all_along_are_those_found_at_the_end():
     assert session.history.first > 0
     known_events, fresh = session.contact_events(), events_anew(session)
     assert len(fresh.time) > 20
-    for known, found in zip(known_events.columns(), fresh.columns(), strict=True):
+    for known, found in zip(known_events, fresh, strict=True):
         assert (known == found).all()

@@ -85,8 +85,8 @@ def test_late_physics_slows_the_clock_and_is_reported():
     assert set(frames) == {1}, "the second frame does not fit into the budget"
     assert session.pacer.clock_ratio == pytest.approx(0.5, abs=0.1)
     assert session.pacer.milliseconds == pytest.approx(8.0)
-    assert session.verdict()[0] == "fair"
-    assert "speed" in session.verdict()[1]
+    assert session.health(0).level == "fair"
+    assert "speed" in session.health(0).sentence
     took = 3.0
     assert session.tick(PICTURE) == 1, "a frame beyond the budget is still computed"
     frame = session.frame

@@ -14,12 +14,24 @@ from softcradle.physics.simulation import solve
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies.plot_style import styled
 from softcradle.sandbox.studies.stability import failure_scans, rigid_cradle
-from softcradle.sandbox.studies.stability.failure_scans import SCANS, STEPS, Failure, ScanRun, scan_run, scan_runs
+from softcradle.sandbox.studies.stability.failure_scans import (
+    SCANS,
+    STEPS,
+    Failure,
+    ScanRun,
+    finenesses,
+    scan_run,
+)
 from softcradle.sandbox.studies.stability.scan_maps import ORDER, draw_details, draw_overview
 
 BY_NAME = {scan.name: scan for scan in SCANS}
 EXPLICIT = ("euler", "verlet", "yoshida4")
 ADAPTIVE = ("radau", "accurate")
+
+
+def scan_runs(scan, method, steps=None):
+    """Every run of a scan by a method; `steps` replaces its finenesses."""
+    return [scan_run(scan, value, method, fine) for value in scan.values for fine in steps or finenesses(method)]
 
 
 def made_run(spread, energy=0.0, switches=0, fineness=0.1, warned=True):

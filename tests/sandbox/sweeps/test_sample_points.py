@@ -159,4 +159,4 @@ def test_it_can_be_sent_to_another_process():
 )
 def test_a_path_that_is_not_there(path, value, sentence):
     with pytest.raises(SceneError, match=sentence):
-        replaced(SCENE, path.split("."), value, path)
+        replaced(SCENE, {path: value})
