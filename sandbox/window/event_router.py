@@ -184,6 +184,8 @@ class EventRouter:
             self._take_in_help(event)
         elif not self.app.messages.handle(event):
             self._take_in_page(event)
+        if event.type == pygame.MOUSEBUTTONUP and event.button == 1:
+            self.app.page.let_go()
 
     @property
     def _typed_into(self) -> tuple[object, ...]:

@@ -52,6 +52,9 @@ class Page:
         """Take an event that no widget took; whether the page used it."""
         return False
 
+    def let_go(self) -> None:
+        """Let go of what is dragged: what lies over the page may have taken the release of the button."""
+
     def take_file(self, path: str, point: tuple[int, int]) -> bool:
         """Take a file that was dropped at `point`; False where it is to be opened."""
         return False

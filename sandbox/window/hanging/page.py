@@ -165,10 +165,15 @@ class HangingPage(Page):
             self.pointer, self.playing = event.pos, True
             return True
         if event.type == pygame.MOUSEBUTTONUP and self.held is not None:
-            self.held = None
-            self.model.release()
+            self.let_go()
             return True
         return False
+
+    def let_go(self) -> None:
+        """Let the ball that is held swing."""
+        if self.held is not None:
+            self.held = None
+            self.model.release()
 
     def _choose(self, event: pygame.Event) -> bool:
         """Begin anew with what a menu says."""

@@ -308,6 +308,12 @@ class ScenePage(Page):
         """Record the finished picture, if a film is being made."""
         self.film.record(surface, seconds)
 
+    def let_go(self) -> None:
+        """Let go of the bead that is held, and of the view."""
+        self.pointer.panned = None
+        if self.pointer.pressed is not None:
+            self.pointer.release()
+
     def close(self) -> None:
         """Close the film and the sound."""
         if not self.unsaved:

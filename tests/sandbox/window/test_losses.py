@@ -11,6 +11,7 @@ import pygame
 import pytest
 from softcradle.sandbox.draw.text import width
 from softcradle.sandbox.session.inputs import SetMass
+from softcradle.sandbox.session.snapshots import NOTHING_HELD
 from softcradle.sandbox.window.app import App
 from softcradle.sandbox.window.gallery.page import GalleryPage
 from softcradle.sandbox.window.settings import unsaved_path
@@ -156,6 +157,17 @@ def test_a_folder_of_the_home_is_understood(driver: Driver, tmp_path: Path, monk
     driver.page.dialogs.save("save_scene", "~/there")
     assert (tmp_path / "there.toml").exists()
     assert driver.messages == ["saved ~/there.toml"]
+
+
+def test_a_bead_is_let_go_where_a_menu_takes_the_release(driver: Driver) -> None:
+    """F7 opened a menu during a drag: the menu took the release of the button, and the bead stayed in hand."""
+    place = driver.bead(4)
+    driver.press(place)
+    driver.move((place[0] + 60, place[1]), (1, 0, 0))
+    driver.key(pygame.K_F7)
+    driver.release((place[0] + 60, place[1]))
+    assert driver.session.held == NOTHING_HELD
+    assert driver.page.pointer.pressed is None
 
 
 def test_del_while_a_bead_is_dragged_lets_it_go(driver: Driver) -> None:
