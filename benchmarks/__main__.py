@@ -35,6 +35,7 @@ COMMANDS = {
     "mutants": "benchmarks.mutants",
     "conserving": "benchmarks.conserving_scan",
     "soft-contacts": "benchmarks.soft_contacts",
+    "two-versions": "benchmarks.two_versions",
 }
 
 

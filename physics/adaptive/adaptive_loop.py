@@ -32,8 +32,11 @@ from softcradle.physics.adaptive.step_records import (
     NEXT,
     PAST_STEP,
     RADAU,
+    Accuracy,
+    Bounds,
     Regime,
     Scratch,
+    Span,
     Steps,
     Trial,
 )
@@ -104,52 +107,43 @@ def any_frozen(motion):
 
 @whole
 def integrate(
-    allowed, resumed, start, end, stop, most_steps, pause, scale, tolerance, chain_fields, regime_fields, motion_fields,
-    trial_fields, look_fields, scratch_fields, steps_fields, log_fields,
+    span_fields, accuracy_fields, chain_fields, regime_fields, motion_fields, trial_fields, look_fields, scratch_fields,
+    steps_fields, log_fields,
 ):  # fmt: skip
-    """Integrate from `start` to `end` (or, with `stop`, until no contact can close again); the motion is moved in place.
+    """Integrate over a Span; the motion is moved in place. Where it hands back before the end, or where no row for another step
+    is left, the status is PAUSED, and a call that is resumed goes on.
 
-    `allowed` is a kind of step or EITHER, `scale` the velocity [m/s] that `tolerance` is relative to. After `pause` steps,
-    rejected ones included, or where no row for another step is left, the status is PAUSED, and a call with `resumed` goes on.
     Records come as plain tuples of their fields; `look` is a second Trial, for what happens inside a step. Returns the status
     and the time reached.
     """
+    span, accuracy = Span(*span_fields), Accuracy(*accuracy_fields)
     chain, motion, steps = ChainData(*chain_fields), Motion(*motion_fields), Steps(*steps_fields)
-    regime = Regime(*regime_fields)
-    trial, look, scratch, log = (
-        Trial(*trial_fields),
-        Trial(*look_fields),
-        Scratch(*scratch_fields),
-        SwitchLog(*log_fields),
-    )
-    code, time = go_on(
-        allowed, resumed, start, end, stop, most_steps, pause, scale, tolerance, chain, regime, motion, trial, look, scratch,
-        steps, log,
-    )  # fmt: skip
+    regime, trial, look = Regime(*regime_fields), Trial(*trial_fields), Trial(*look_fields)
+    scratch, log = Scratch(*scratch_fields), SwitchLog(*log_fields)
+    code, time = go_on(span, accuracy, chain, regime, motion, trial, look, scratch, steps, log)
     if code != PAUSED:
         count_from_touch(motion.overlap, regime, 1.0)
     return code, time
 
 
 @inlined
-def go_on(
-    allowed, resumed, start, end, stop, most_steps, pause, scale, tolerance, chain, regime, motion, trial, look, scratch,
-    steps, log,
-):  # fmt: skip
+def go_on(span, accuracy, chain, regime, motion, trial, look, scratch, steps, log):
     """`integrate`, with overlaps of couplers from the origins of their segments."""
+    allowed, tolerance, scale = accuracy
+    time, end, stop, resumed, most_steps, pause = span
     wanted = TOLERANCE_PART * tolerance * scale
-    slow, negligible = NEWTON_PART * wanted, max(TOLERANCE_PART * wanted, ROUND_OFF * scale)
-    time, control, counter, firm = start, scratch.control, log.counter, regime.bed.size > 0
+    bounds = Bounds(wanted, NEWTON_PART * wanted, max(TOLERANCE_PART * wanted, ROUND_OFF * scale))
+    control, counter, firm = scratch.control, log.counter, regime.bed.size > 0
     timed, acts, until = chain.knots.time.size > 0, False, next_knot(time, end, chain.knots)
     if timed:
         acts = put_drive(time, chain, regime)
     if not resumed:
-        begin(time, chain, regime, motion, wanted, slow, scratch, log)
+        begin(time, chain, regime, motion, bounds, scratch, log)
     while True:
         if time >= end:
             return DONE, end
         if time >= until:
-            acts = pass_knot(time, chain, regime, motion, wanted, slow, scratch, log)
+            acts = pass_knot(time, chain, regime, motion, bounds, scratch, log)
             until = next_knot(time, end, chain.knots)
         spent = counter[STEP] + counter[REJECTED]
         if spent >= most_steps:
@@ -161,14 +155,11 @@ def go_on(
                 return (SEPARATED, time) if stop else (DONE, end)
             time = until
             continue
-        if not acts and nothing_pushes(chain, regime, motion, negligible):
+        if not acts and nothing_pushes(chain, regime, motion, bounds.negligible):
             apart = stop and firm and until == end and not any_frozen(motion)  # what stays closed may only come to rest
-            if apart and not meets_again(chain, regime.bed, motion, negligible, scratch.work[0]):
+            if apart and not meets_again(chain, regime.bed, motion, bounds.negligible, scratch.work[0]):
                 return SEPARATED, back_to_opening(time, chain, regime, motion, scratch)
-            time, row = fly_to_event(
-                time, until, chain, regime, motion, wanted, slow, negligible, trial, scratch, steps,
-                log,
-            )  # fmt: skip
+            time, row = fly_to_event(time, until, chain, regime, motion, bounds, trial, scratch, steps, log)
             if row < 0 and stop and until == end:
                 return SEPARATED, time
             counter[FLIGHT] += 1
@@ -180,12 +171,11 @@ def go_on(
         kind, proposed, near = propose_step(control, until - time, allowed, chain, motion, wanted)
         past_step = control[PAST_STEP]
         h, error, row, side, rejected = find_step(
-            time, proposed, kind, allowed == DOP853, chain, regime, motion, wanted, slow, past_step, trial, scratch, log,
-            most_steps,
-        )  # fmt: skip
+            time, proposed, kind, allowed == DOP853, most_steps, chain, regime, motion, bounds, trial, scratch, log
+        )
         if h == 0.0 and row >= 0 and control[AT_ONCE] < FEW_TRIES * (motion.mode.size + regime.bed.size):
             control[AT_ONCE] += 1.0
-            cross(row, side, time, chain, regime, motion, wanted, slow, scratch, log)
+            cross(row, side, time, chain, regime, motion, bounds, scratch, log)
             continue
         if h == 0.0:
             return OUT_OF_STEPS, time
@@ -202,12 +192,12 @@ def go_on(
             acts = put_drive(time if time < until else before + (1.0 - BESIDE) * (time - before), chain, regime)
         control[PAST_STEP] = h if kind == RADAU else 0.0
         counter[STEP] += 1
-        if open_passed(row, chain, regime, motion, slow):
+        if open_passed(row, chain, regime, motion, bounds.slow):
             control[LAST] = 0.0
         log_switches(before, time, row, regime, motion, wanted, scratch, log)
         grow_errors(row, side, chain, regime, motion, wanted, scratch)
         if row >= 0:
-            cross(row, side, time, chain, regime, motion, wanted, slow, scratch, log)
+            cross(row, side, time, chain, regime, motion, bounds, scratch, log)
 
 
 @inlined

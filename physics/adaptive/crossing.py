@@ -249,7 +249,7 @@ def carried(row, chain, regime, motion):
 
 
 @piece
-def cross(row, side, time, chain, regime, motion, wanted, slow, scratch, log):
+def cross(row, side, time, chain, regime, motion, bounds, scratch, log):
     """Move a row over its corner on that side, and decide all rows anew.
 
     One that was held gives way, unless another that did has relieved it.
@@ -270,8 +270,8 @@ def cross(row, side, time, chain, regime, motion, wanted, slow, scratch, log):
     else:
         motion.overlap[row] = 0.0
         if motion.mode[row] == OPEN:
-            restart_control(control, min(control[NEXT], onset_step(chain, row, motion.rate[row], wanted)))
-    decide(NO_CONTACT, chain, regime, motion, slow, scratch)
+            restart_control(control, min(control[NEXT], onset_step(chain, row, motion.rate[row], bounds.wanted)))
+    decide(NO_CONTACT, chain, regime, motion, bounds.slow, scratch)
     after, most = carried(row, chain, regime, motion)
     if held > 0.0 and most > 0.0 and abs(after - before) <= held:
         slipping = NO_CONTACT
@@ -284,9 +284,9 @@ def cross(row, side, time, chain, regime, motion, wanted, slow, scratch, log):
                 ease(row, regime, motion)
             elif regime.easing.size:
                 regime.easing[row] = 0
-        decide(slipping, chain, regime, motion, slow, scratch)
+        decide(slipping, chain, regime, motion, bounds.slow, scratch)
     control[PAST_STEP] = 0.0
-    log_switches(time, time, NO_CONTACT, regime, motion, wanted, scratch, log)
+    log_switches(time, time, NO_CONTACT, regime, motion, bounds.wanted, scratch, log)
 
 
 @piece
@@ -337,23 +337,23 @@ def open_passed(row, chain, regime, motion, slow):
 
 
 @piece
-def fly_to_event(time, end, chain, regime, motion, wanted, slow, negligible, trial, scratch, steps, log):
+def fly_to_event(time, end, chain, regime, motion, bounds, trial, scratch, steps, log):
     """Open all loaded contacts, fly to the first event, and carry it out. Returns the time and the row (-1: none)."""
     for i in range(motion.mode.size):
         if motion.mode[i] == LOADED:
             motion.mode[i], motion.force[i] = OPEN, 0.0
             if side_of(regime, i) < 0.0:
                 put_segment(i, regime.segment[i] + 1, regime, motion)
-    log_switches(time, time, NO_CONTACT, regime, motion, wanted, scratch, log)
+    log_switches(time, time, NO_CONTACT, regime, motion, bounds.wanted, scratch, log)
     scratch.control[NEXT] = math.inf
-    until, row, side = next_event(time, end, chain, regime, motion, negligible, scratch.work[0])
+    until, row, side = next_event(time, end, chain, regime, motion, bounds.negligible, scratch.work[0])
     if until < math.inf:
         if steps.time.size:
             keep_step(time, until - time, FLOWN, chain, regime, motion, trial, steps, log.counter)
         drift(until - time, chain, regime, motion, scratch.work[0])
         time = until
     if row >= 0:
-        cross(row, side, time, chain, regime, motion, wanted, slow, scratch, log)
+        cross(row, side, time, chain, regime, motion, bounds, scratch, log)
     return time, row
 
 
@@ -371,7 +371,7 @@ def find_slides(chain, regime, motion, known, velocity):
 
 
 @piece
-def begin(time, chain, regime, motion, wanted, slow, scratch, log):
+def begin(time, chain, regime, motion, bounds, scratch, log):
     """Modes, first step and log at the start of a run."""
     first = math.inf
     for i in range(motion.mode.size):
@@ -381,10 +381,10 @@ def begin(time, chain, regime, motion, wanted, slow, scratch, log):
     for j in range(regime.bed.size):
         scratch.work[1, j] = 0.0
     find_slides(chain, regime, motion, scratch.work[1], scratch.work[0])
-    decide(NO_CONTACT, chain, regime, motion, slow, scratch)
+    decide(NO_CONTACT, chain, regime, motion, bounds.slow, scratch)
     for i in range(motion.mode.size):
         if motion.mode[i] == LOADED and motion.overlap[i] == 0.0:
-            first = min(first, onset_step(chain, i, max(motion.rate[i], 0.0), wanted))
+            first = min(first, onset_step(chain, i, max(motion.rate[i], 0.0), bounds.wanted))
     restart_control(scratch.control, first)
     for k in (PAST_STEP, AT_ONCE, LOCAL_SQUARE, GROWTH):
         scratch.control[k] = 0.0
@@ -392,11 +392,11 @@ def begin(time, chain, regime, motion, wanted, slow, scratch, log):
         scratch.opened[i] = time if motion.overlap[i] < 0.0 else math.inf
         scratch.lateness[i] = scratch.grown[i] = scratch.most_grown[i] = 0.0
         scratch.course[i] = scratch.turns[i] = 0.0
-    log_switches(time, time, NO_CONTACT, regime, motion, wanted, scratch, log)
+    log_switches(time, time, NO_CONTACT, regime, motion, bounds.wanted, scratch, log)
 
 
 @piece
-def pass_knot(time, chain, regime, motion, wanted, slow, scratch, log):
+def pass_knot(time, chain, regime, motion, bounds, scratch, log):
     """Go on under the forces and brakes after a knot; what is held is resolved anew. Returns what `put_drive` does."""
     known = scratch.work[1]
     for j in range(regime.bed.size):
@@ -405,7 +405,7 @@ def pass_knot(time, chain, regime, motion, wanted, slow, scratch, log):
     find_slides(chain, regime, motion, known, scratch.work[0])
     for i in range(motion.mode.size):
         motion.held[i] = 0
-    decide(NO_CONTACT, chain, regime, motion, slow, scratch)
+    decide(NO_CONTACT, chain, regime, motion, bounds.slow, scratch)
     scratch.control[LAST], scratch.control[PAST_STEP] = 0.0, 0.0
-    log_switches(time, time, NO_CONTACT, regime, motion, wanted, scratch, log)
+    log_switches(time, time, NO_CONTACT, regime, motion, bounds.wanted, scratch, log)
     return acts

@@ -162,7 +162,7 @@ def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kep
     code, time, resumed, end = PAUSED, state.time, False, problem.end
     motion = tuple(motion_record(state, memory.mode, memory.held))
     records: Any = data, regime, motion, tuple(memory.trial), tuple(memory.look), tuple(memory.scratch)
-    tiers = kernels_of(problem.chain)
+    tiers, accuracy = kernels_of(problem.chain), (ALLOWED[problem.method], problem.tolerance, scale)
     while code == PAUSED:
         memory.log = with_free_rows(memory.log) if kept else memory.log  # that of a frame stays as long as it is
         most_now = min(PAUSE, memory.log.contact.size // ROWS_A_STEP or PAUSE) if kept else PAUSE
@@ -175,9 +175,8 @@ def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kep
         steps = kept.steps if kept else memory.steps
         with kernel_arithmetic():
             code, time = kernel(
-                ALLOWED[problem.method], resumed, time, end, stop, most, pause, scale, problem.tolerance, *records,
-                tuple(steps), tuple(memory.log),
-            )  # fmt: skip
+                (time, end, stop, resumed, most, pause), accuracy, *records, tuple(steps), tuple(memory.log)
+            )
         resumed = True
         if code == OUT_OF_STEPS:
             allowed = step_budget(problem, time, scale)

@@ -36,6 +36,7 @@ from softcradle.physics.adaptive.step_records import (
     LAST,
     LEFT,
     NEXT,
+    PAST_STEP,
     RADAU,
     RADAU_NEXT,
     REACH,
@@ -210,13 +211,14 @@ def measured_exponent(exponent, h, error, length_before, error_before):
 
 
 @inlined
-def find_step(time, h, kind, alone, chain, regime, motion, wanted, slow, past_step, trial, scratch, log, most_steps):
+def find_step(time, h, kind, alone, most_steps, chain, regime, motion, bounds, trial, scratch, log):
     """Find the step that holds the error and ends at the first event in it, if any; `alone`: dop853 takes every step.
 
     Returns its length (0 with a corner: it is now; 0 without: its stages do not converge, or out of steps), error, the row and
     side of the corner, and the length of the last step rejected for its error (inf: none).
     """
-    rejected, inactive, counter, length_before, error_before = math.inf, TOLERANCE_PART * wanted, log.counter, h, 0.0
+    wanted, past_step, counter = bounds.wanted, scratch.control[PAST_STEP], log.counter
+    rejected, inactive, length_before, error_before = math.inf, TOLERANCE_PART * wanted, h, 0.0
     row, side, tries, ceiling, looked, least = NO_CONTACT, ZERO, 0, h, 0, ROUND_OFF * h
     firm = regime.bed.size > 0
     while counter[STEP] + counter[REJECTED] < most_steps:
@@ -228,7 +230,7 @@ def find_step(time, h, kind, alone, chain, regime, motion, wanted, slow, past_st
                 return 0.0, 0.0, NO_CONTACT, ZERO, rejected
             continue
         found, its_side, part, miss, near = first_corner(
-            h, chain, regime, motion, trial, row, side, inactive, slow, scratch.work
+            h, chain, regime, motion, trial, row, side, inactive, bounds.slow, scratch.work
         )
         if math.isnan(miss):  # none is landed on, or what looked like one from further off
             row, tries, miss = NO_CONTACT, tries + (1 if row >= 0 else 0), 0.0

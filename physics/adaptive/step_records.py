@@ -34,6 +34,33 @@ STAGES = 12  # of dop853
 WORK_ROWS = 12  # rows of scratch memory that steps of radau, corners and what is decided at them name
 
 
+class Span(NamedTuple):
+    """How far one call of the loop goes."""
+
+    start: float  # [s]
+    end: float  # [s]; inf: as far as the motion goes
+    stop: bool  # whether it ends where no contact can close again
+    resumed: bool  # whether it goes on where the last call paused
+    most_steps: int  # of the run, rejected ones included
+    pause: int  # steps likewise, after which it hands back
+
+
+class Accuracy(NamedTuple):
+    """What is asked for."""
+
+    allowed: int  # a kind of step, or EITHER
+    tolerance: float  # of the scale
+    scale: float  # [m/s]
+
+
+class Bounds(NamedTuple):
+    """The velocities [m/s] that follow from the tolerance."""
+
+    wanted: float  # the largest error of a step
+    slow: float  # a rate at a corner, or the velocity of a bead, that counts as none
+    negligible: float  # a push, or a rate of closing, that counts as none where nothing else pushes
+
+
 class Trial(NamedTuple):
     """A step tried: the motion at its three output nodes, the last of which is its end."""
 

@@ -217,11 +217,14 @@ class _Run:
 def _march(kernel: Any, method: str, run: _Run, which: Which) -> None:
     """Move the chains `which` to their ends by a method of fixed steps."""
     scratch = fixed_step.Scratch.of(method, run.moving.overlap.shape[1])
+    memory = (
+        tuple(scratch.spare), tuple(scratch.samples), (scratch.log.contact, scratch.log.time), tuple(scratch.checkpoints),
+        tuple(scratch.pause), np.zeros(4), (scratch.beads, scratch.work),
+    )  # fmt: skip
     with kernel_arithmetic():
         kernel(
-            which, *fixed_step.kind_of(method), run.stop, fixed_step.MOST_FIXED_STEPS, tuple(run.data), tuple(run.moving),
-            tuple(scratch.spare), tuple(scratch.samples), scratch.log.contact, scratch.log.time, tuple(scratch.checkpoints),
-            tuple(scratch.pause), np.zeros(4), NO_FLAGS, NO_JOINTS, NO_KNOTS, scratch.beads, scratch.work,
+            which, fixed_step.kind_of(method), run.stop, fixed_step.MOST_FIXED_STEPS, tuple(run.data), tuple(run.moving),
+            memory, (NO_FLAGS, NO_JOINTS, NO_KNOTS),
         )  # fmt: skip
 
 
@@ -262,13 +265,13 @@ def _integrate(kernel: Any, accuracy: _Accuracy, run: _Run, which: Which) -> Non
     """Move the chains `which` as far as an adaptive method goes by itself."""
     n = run.moving.overlap.shape[1]
     effective = np.zeros((n, 3)), np.zeros(n + 1), np.zeros(n + 1), np.zeros(4)
-    memory, records = _in_one_block(empty_trial(n), empty_trial(n), empty_scratch(n))
+    block, records = _in_one_block(empty_trial(n), empty_trial(n), empty_scratch(n))
+    memory = effective, np.zeros(4 * n + 1, dtype=np.int8), block, (*records, tuple(empty_steps(0, n, False)))
+    nothing = np.zeros(0, dtype=np.int64), np.zeros(0), NO_JOINTS, NO_KNOTS
     with kernel_arithmetic():
         kernel(
-            which, ALLOWED[accuracy.method], run.stop, accuracy.budget, accuracy.scale, accuracy.tolerance, tuple(run.data),
-            tuple(run.moving), effective, np.zeros(4 * n + 1, dtype=np.int8), memory,
-            (*records, tuple(empty_steps(0, n, False))), np.zeros(0, dtype=np.int64), np.zeros(0), NO_JOINTS, NO_KNOTS,
-            accuracy.grown, accuracy.turns, accuracy.control,
+            which, (ALLOWED[accuracy.method], accuracy.tolerance, accuracy.scale), run.stop, accuracy.budget,
+            tuple(run.data), tuple(run.moving), memory, nothing, (accuracy.grown, accuracy.turns, accuracy.control),
         )  # fmt: skip
 
 

@@ -46,12 +46,16 @@ class BatchMotion(NamedTuple):
 
 
 @jit
-def march_each(
-    which, kind, drifts, kicks, stop, most_steps, batch_fields, motion_fields, spare_fields, sample_fields, contact,
-    switch_time, checkpoint_fields, pause_fields, taken, flags, joints, knots, beads, work,
-):  # fmt: skip
-    """`march` for each of the chains `which`."""
+def march_each(which, stepper, stop, most_steps, batch_fields, motion_fields, memory, nothing):
+    """`march` for each of the chains `which`.
+
+    `stepper` is (kind, drifts, kicks); `memory` holds the fields of a second Motion and of Samples, columns of the log, the
+    fields of Checkpoints and Pause, energies taken, and the memory of steps; `nothing` flags, Joints and Knots without rows.
+    """
     batch, moving = BatchData(*batch_fields), BatchMotion(*motion_fields)
+    spare_fields, sample_fields, switches, checkpoint_fields, pause_fields, taken, of_steps = memory
+    flags, joints, knots = nothing
+    kind, drifts, kicks = stepper
     for k in range(which.size):
         c = which[k]
         loss, bed = batch.loss[c], batch.bed[c]
@@ -59,10 +63,10 @@ def march_each(
         dissipation = Dissipation(loss if batch.lossy[c] or braked else loss[:0], bed if braked else none)
         chain = batch.law[c], batch.inverse_mass[c], none, none, batch.anchor_bead[c], None, joints, knots, dissipation
         motion = moving.overlap[c], moving.rate[c], moving.anchor[c], moving.force[c], taken, flags, flags
-        log = contact, switch_time, moving.closed[c], moving.counter[c]
+        log = switches[0], switches[1], moving.closed[c], moving.counter[c]
         moving.status[c], moving.time[c] = march(
-            kind, drifts, kicks, batch.step[c], 0.0, batch.end[c], stop, most_steps, chain, motion, spare_fields,
-            sample_fields, log, checkpoint_fields, pause_fields, beads, work,
+            (kind, drifts, kicks, batch.step[c]), (0.0, batch.end[c], stop, most_steps), chain, motion, spare_fields,
+            sample_fields, log, checkpoint_fields, pause_fields, of_steps,
         )  # fmt: skip
 
 
@@ -74,25 +78,27 @@ def clear(row):
 
 
 @jit
-def integrate_each(
-    which, allowed, stop, most_steps, scale, tolerance, batch_fields, motion_fields, effective, flags, memory, records,
-    contact, switch_time, joints, knots, grown, turns, control,
-):  # fmt: skip
+def integrate_each(which, accuracy, stop, most_steps, batch_fields, motion_fields, memory, nothing, errors):
     """`integrate` for each of the chains `which`.
 
-    `effective` are arrays (n, 3), (n+1,), (n+1,) and (4,) for the chain of the steps and what is absorbed; `flags` (4n+1,) and
-    `memory` hold the modes and the fields of `records`, which are two Trials, a Scratch and Steps, and are cleared. The rows of
-    `grown` (C, n) get the growth of errors by the last bounces, those of `turns` (C, n) the turns of oscillations, those of
-    `control` (C, 2) the growth by earlier bounces and the sum of squares of the errors of steps.
+    `accuracy` is (allowed, tolerance, scales (C,)). `memory` holds arrays (n, 3), (n+1,), (n+1,) and (4,) for the chain of the
+    steps and what is absorbed, flags (4n+1,) for the modes, and one block with the fields of the records that follow it: two
+    Trials, a Scratch and Steps; all are cleared. `nothing` are columns of a log, Joints and Knots without rows. Of `errors`, the
+    rows of the first (C, n) get the growth by the last bounces, those of the second (C, n) the turns of oscillations, those of
+    the third (C, 2) the growth by earlier bounces and the sum of squares of the errors of steps.
     """
     batch, moving = BatchData(*batch_fields), BatchMotion(*motion_fields)
+    allowed, tolerance, scale = accuracy
+    effective, flags, block, records = memory
+    contact, switch_time, joints, knots = nothing
+    grown, turns, control = errors
     law, inverse_mass, external, taken = effective
     trial, look, scratch_fields, steps = records
     scratch, none, n = Scratch(*scratch_fields), external[:0], law.shape[0]
     mode, held, easing, slide = flags[:n], flags[n : 2 * n], flags[2 * n : 3 * n], flags[3 * n :]
     for k in range(which.size):
         c = which[k]
-        clear(memory)
+        clear(block)
         clear(flags)
         clear(taken)
         for j in range(n + 1):
@@ -113,8 +119,8 @@ def integrate_each(
         motion = moving.overlap[c], moving.rate[c], moving.anchor[c], moving.force[c], taken, mode, held
         log = contact, switch_time, moving.closed[c], moving.counter[c]
         moving.status[c], moving.time[c] = integrate(
-            allowed, False, 0.0, batch.end[c], stop, most_steps, NEVER, scale[c], tolerance, chain, regime, motion, trial,
-            look, scratch_fields, steps, log,
+            (0.0, batch.end[c], stop, False, most_steps, NEVER), (allowed, tolerance, scale[c]), chain, regime, motion,
+            trial, look, scratch_fields, steps, log,
         )  # fmt: skip
         for i in range(n):
             grown[c, i], turns[c, i] = scratch.grown[i], scratch.turns[i]

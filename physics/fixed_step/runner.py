@@ -169,10 +169,10 @@ class _KeptRun:
         if kernel is not sample_between:
             _kernels(chain).spent += work
         none = tuple(empty_checkpoints(chain.contacts, False))
-        span = problem.step, problem.most_steps or MOST_FIXED_STEPS
+        most = problem.most_steps or MOST_FIXED_STEPS
         kept, pause = tuple(scratch.checkpoints), scratch.pause
         pause.counts[AT], pause.counts[BEGUN], pause.counts[NEXT] = _steps_at_once(problem), 0, 0
-        while not _call(kernel, span, problem, state, scratch, (kept, none, tuple(pause))):
+        while not _call(kernel, most, problem, state, scratch, (kept, none, tuple(pause))):
             pass  # signals are heard here
         rows = int(scratch.log.counter[SAMPLE])
         sampled: dict[str, Any] = {name: getattr(scratch.samples, name)[:rows] for name in SAMPLED}
@@ -201,7 +201,7 @@ def _march_chain(
     kernel: Any, most: int, problem: Problem, state: State, end: float, stop: bool, scratch: Scratch
 ) -> tuple[int, float]:
     """Run a tier of `march` on `state` for `most` steps. Returns its status and the time reached."""
-    span, counts = (problem.step, state.time, end, stop, most), scratch.pause.counts
+    span, counts = (state.time, end, stop, most), scratch.pause.counts
     code, time, counts[BEGUN] = PAUSED, state.time, 0
     while code == PAUSED:
         counts[AT] = scratch.log.counter[STEP] + _steps_at_once(problem)
@@ -215,15 +215,16 @@ def _steps_at_once(problem: Problem) -> int:
 
 
 def _call(
-    kernel: Any, span: tuple[Any, ...], problem: Problem, state: State, scratch: Scratch, checkpoints: tuple[Any, ...]
+    kernel: Any, span: Any, problem: Problem, state: State, scratch: Scratch, checkpoints: tuple[Any, ...]
 ) -> Any:
-    """Call a tier of a kernel on `state` with its `span` of time and steps and its `checkpoints`."""
+    """Call a tier of a kernel on `state` with its `span`, or most steps, and its `checkpoints`."""
     chain = problem.chain
     records = motion_record(state), tuple(scratch.spare), tuple(scratch.samples), tuple(scratch.log), *checkpoints
     with kernel_arithmetic():
         found = kernel(
-            *kind_of(problem.method), *span, chain_records(chain, state), *records, scratch.beads, scratch.work
-        )
+            (*kind_of(problem.method), problem.step), span, chain_records(chain, state), *records,
+            (scratch.beads, scratch.work),
+        )  # fmt: skip
     require_finite_motion(chain, state)
     return found
 

@@ -82,6 +82,24 @@ FIRST_SPACING = 4
 NEVER = 2**62  # steps
 
 
+class Stepper(NamedTuple):
+    """What a step is."""
+
+    kind: int  # SPLITTING or DISCRETE_GRADIENT
+    drifts: Array  # of splitting: parts of a step, see `explicit_steps`; (0,) for a discrete gradient
+    kicks: Array
+    step: float  # [s]
+
+
+class Span(NamedTuple):
+    """How far a run goes."""
+
+    start: float  # [s]
+    end: float  # [s]; inf: as far as the motion goes
+    stop: bool  # whether it ends where no contact can close again
+    most_steps: int  # those of free flight that are taken at once do not count
+
+
 class Checkpoints(NamedTuple):
     """Rows of a motion as of Samples, and the plan: how many there are and when the next is due."""
 
@@ -195,28 +213,27 @@ def seems_over(looks, closed, look, still, pushed, chain, motion, counter):
 
 
 @inlined
-def look_ahead(
-    time, end, until, stop, h, most_steps, closed, over, rests, still, pushed, chain, brakes, motion, counter, velocity
-):
+def look_ahead(time, end, until, h, most_steps, over, free, rests, still, chain, motion, counter):
     """How a run goes on from `time`; a flight in which no contact closes is flown at once. `until` is the next sample or the end.
 
-    `closed` is the number of closed contacts, `over` as of `seems_over`, `rests` whether all beads rest whatever acts on them,
-    `pushed` whether a force from outside acts on any, `brakes` (n+1,) or (0,) as of `meets_again`, `velocity` (n+1,) scratch
-    memory. Returns a status, or RUNNING or FLOWN; how many steps to take at the most, or have been flown; their length; and
-    whether they end at `end`, off the grid.
+    `over` tells that it is to end where it is, `free` that no force acts, `rests` that all beads rest whatever acts on them.
+    Returns a status, or RUNNING or FLOWN; how many steps to take at the most, or have been flown; their length; and whether they
+    end at `end`, off the grid.
     """
-    bed = brakes.size > 0
     if time > end - h * GRID_TOLERANCE:
         return DONE, ONE, h, True
-    free = closed == 0 and not pushed
-    if stop and (rests or (over and not meets_again(chain, brakes, motion, still, velocity))):
+    if over:
         return SEPARATED, ONE, h, True
     if counter[STEP] >= min(most_steps, MOST_COUNTED):
         return OUT_OF_STEPS, ONE, h, True
     ahead = until - time
     if rests or free:
         flight = math.inf if rests else flight_time(chain.joints, motion.overlap, motion.rate, still)
-        whole = 0.0 if bed and not rests else math.floor(min(flight, ahead, MOST_FLOWN * h) / h) - 1.0
+        whole = (
+            0.0
+            if chain.dissipation.bed.size > 0 and not rests
+            else math.floor(min(flight, ahead, MOST_FLOWN * h) / h) - 1.0
+        )
         if whole >= 1.0:
             fly(whole, h, motion)
             counter[STEP] += int(whole)
@@ -260,16 +277,18 @@ def largest(values):
 
 @jit
 def march(
-    kind, drifts, kicks, h, start, end, stop, most_steps, chain_fields, motion_fields, spare_fields, sample_fields,
-    log_fields, checkpoint_fields, pause_fields, beads, work,
+    stepper_fields, span_fields, chain_fields, motion_fields, spare_fields, sample_fields, log_fields, checkpoint_fields,
+    pause_fields, memory,
 ):  # fmt: skip
-    """Step from `start` to `end` (or, with `stop`, until no contact can close again); the motion is moved in place.
-    Steps of free flight that are taken at once do not count among `most_steps`. Where the pause wants it, the status is PAUSED,
-    and a call with the same arguments goes on.
+    """Step over a Span; the motion is moved in place. Where the pause wants it, the status is PAUSED, and a call with the same
+    arguments goes on.
 
-    Records come as plain tuples of their fields; `spare` is a second Motion for samples, `beads` (BEAD_ROWS, n+1) and `work`
-    (WORK_ROWS, n) are scratch memory. Returns the status and the time reached.
+    Records come as plain tuples of their fields; `spare` is a second Motion for samples, `memory` scratch memory of the steps:
+    (BEAD_ROWS, n+1) and (WORK_ROWS, n). Returns the status and the time reached.
     """
+    kind, drifts, kicks, h = Stepper(*stepper_fields)
+    start, end, stop, most_steps = Span(*span_fields)
+    beads, work = memory
     chain, samples, log = ChainData(*chain_fields), Samples(*sample_fields), SwitchLog(*log_fields)
     motion, spare, kept = Motion(*motion_fields), Motion(*spare_fields), Checkpoints(*checkpoint_fields)
     pause = Pause(*pause_fields)
@@ -313,10 +332,13 @@ def march(
             until = end if counter[SAMPLE] == wanted.size else min(end, wanted[counter[SAMPLE]])
             over, look = seems_over(stop and not bed, closed, look, still, pushed, chain, motion, counter)
             rests = rests and not changing
+            over = (
+                stop and not changing and (rests or (over and not meets_again(chain, brakes, motion, still, beads[0])))
+            )
+            free = closed == 0 and not pushed
             status, most, length, last = look_ahead(
-                time, end, until, stop and not changing, h, most_steps + flown, closed, over, rests, still, pushed, chain,
-                brakes, motion, counter, beads[0],
-            )  # fmt: skip
+                time, end, until, h, most_steps + flown, over, free, rests, still, chain, motion, counter
+            )
             if status == FLOWN:
                 flown += most
                 time = start + counter[STEP] * h
@@ -356,8 +378,8 @@ def march(
 
 @jit
 def sample_between(
-    kind, drifts, kicks, h, most_steps, chain_fields, motion_fields, spare_fields, sample_fields, log_fields,
-    checkpoint_fields, no_checkpoints, pause_fields, beads, work,
+    stepper_fields, most_steps, chain_fields, motion_fields, spare_fields, sample_fields, log_fields, checkpoint_fields,
+    no_checkpoints, pause_fields, memory,
 ):  # fmt: skip
     """Fill the samples of a run by going on from the last of its checkpoints before each.
 
@@ -365,7 +387,7 @@ def sample_between(
     """
     kept, motion, counter = Checkpoints(*checkpoint_fields), Motion(*motion_fields), SwitchLog(*log_fields).counter
     wanted, count = Samples(*sample_fields).time, kept.plan[COUNT]
-    pause, made = Pause(*pause_fields), ZERO
+    pause, made, h = Pause(*pause_fields), ZERO, Stepper(*stepper_fields).step
     budget, pause.counts[AT] = pause.counts[AT], NEVER
     for k in range(pause.counts[NEXT], count):
         begun, until = kept.time[k], kept.time[k + 1] if k + 1 < count else math.inf
@@ -378,8 +400,8 @@ def sample_between(
         counter[STEP] = 0
         end = begun + h * math.floor((wanted[last - 1] - begun) / h + GRID_TOLERANCE)
         march(
-            kind, drifts, kicks, h, begun, end, NO, most_steps, chain_fields, motion_fields, spare_fields,
-            sample_fields, log_fields, no_checkpoints, pause_fields, beads, work,
+            stepper_fields, (begun, end, NO, most_steps), chain_fields, motion_fields, spare_fields, sample_fields,
+            log_fields, no_checkpoints, pause_fields, memory,
         )  # fmt: skip
         made += counter[STEP]
         if made >= budget:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from softcradle.physics.numerics.jit import inlined, jit
-from softcradle.physics.numerics.resolvent import EPSILON
+from softcradle.physics.numerics.law_kernels import EPSILON
 
 
 @jit

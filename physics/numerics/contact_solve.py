@@ -31,8 +31,9 @@ import math
 from softcradle.physics.numerics.coupler_kernels import is_joint, joint_mean_force, joint_resolvent
 from softcradle.physics.numerics.elementary import power
 from softcradle.physics.numerics.jit import inlined, jit
-from softcradle.physics.numerics.own_contacts import own_resolvent
-from softcradle.physics.numerics.resolvent import EPSILON, mean_force, resolvent
+from softcradle.physics.numerics.law_kernels import EPSILON
+from softcradle.physics.numerics.own_contacts import number_of
+from softcradle.physics.numerics.resolvent import mean_force, resolvent
 from softcradle.physics.numerics.switches import copy_into
 
 # rows (n,) of scratch memory: what a step gives, of which END is a guess on entry and then d1
@@ -156,27 +157,6 @@ def distance_to_bend(h, i, chain, rate, up, beads, work):
 
 
 @inlined
-def lossy_resolvent(preload, stiffness, exponent, loss, start, start_power, ahead, least, at_hold, weight, s, guess):
-    """The one (d1, g) with d1 - start + weight g = s, and dg/ds, for start >= 0; q is from `least` to `at_hold` at the overlap
-    start + `ahead` where w1 = 0."""
-    kept = 1.0 - loss
-    if start + ahead > 0.0:
-        if s - ahead > weight * at_hold:
-            return resolvent(preload, stiffness, exponent, start, start_power, weight, start + s, guess)
-        if s - ahead >= weight * least:
-            return start + ahead, (s - ahead) / weight, 1.0 / weight
-    return resolvent(kept * preload, kept * stiffness, exponent, start, start_power, weight, start + s, guess)
-
-
-@inlined
-def elastic_resolvent(own, law, i, start, start_power, weight, s, guess):
-    """The one (d1, g) with d1 + weight g = s of contact i without loss, and dg/ds."""
-    if own is not None and own.number[i] >= 0:
-        return own_resolvent(own, own.number[i], law[i, 0], start, weight, s, guess)
-    return resolvent(law[i, 0], law[i, 1], law[i, 2], start, start_power, weight, s, guess)
-
-
-@inlined
 def solve_contact(h, i, chain, motion, work):
     """Put overlap, force and slope dg/ds of contact i of a chain with dissipation at its s into their rows."""
     law, loss, start_power = chain.law, chain.dissipation.loss, work[START_POWER, i]
@@ -185,13 +165,22 @@ def solve_contact(h, i, chain, motion, work):
     if is_joint(chain.joints, i):
         moved, force, slope = joint_resolvent(chain.joints, i, start, ahead, weight, s)
         end = start + moved
-    elif loses(loss[i], start, rate):
-        end, force, slope = lossy_resolvent(
-            law[i, 0], law[i, 1], law[i, 2], loss[i], start, start_power, ahead, work[LEAST_AT_HOLD, i], work[FORCE_AT_HOLD, i],
-            weight, s, guess,
-        )  # fmt: skip
     else:
-        end, force, slope = elastic_resolvent(chain.own, law, i, start, start_power, weight, s, guess)
+        kept, stands, begin = 1.0, False, 0.0
+        if loses(loss[i], start, rate):
+            kept, begin = 1.0 - loss[i], start
+            if start + ahead > 0.0:
+                if s - ahead > weight * work[FORCE_AT_HOLD, i]:
+                    kept = 1.0
+                else:
+                    stands = s - ahead >= weight * work[LEAST_AT_HOLD, i]
+        if stands:
+            end, force, slope = start + ahead, (s - ahead) / weight, 1.0 / weight
+        else:
+            end, force, slope = resolvent(
+                chain.own, number_of(chain.own, i), kept * law[i, 0], kept * law[i, 1], law[i, 2], start, start_power,
+                weight, begin + s, guess,
+            )  # fmt: skip
     work[END, i], motion.force[i], work[SLOPE, i] = end, force, slope
 
 
@@ -234,9 +223,10 @@ def solve_all(h, chain, motion, beads, work):
     if loss.size == 0:
         for i in range(start.size):
             weight, start_power = 0.5 * h * h * work[DIAGONAL, i], work[START_POWER, i]
-            work[END, i], motion.force[i], work[SLOPE, i] = elastic_resolvent(
-                chain.own, law, i, start[i], start_power, weight, work[UNKNOWN, i], work[END, i]
-            )
+            work[END, i], motion.force[i], work[SLOPE, i] = resolvent(
+                chain.own, number_of(chain.own, i), law[i, 0], law[i, 1], law[i, 2], start[i], start_power, weight,
+                work[UNKNOWN, i], work[END, i],
+            )  # fmt: skip
     for i in range(loss.size):
         solve_contact(h, i, chain, motion, work)
     for j in range(chain.dissipation.bed.size):

@@ -12,8 +12,8 @@ import math
 
 from softcradle.physics.numerics.elementary import power
 from softcradle.physics.numerics.jit import inlined, jit
-from softcradle.physics.numerics.law_kernels import energy, force
-from softcradle.physics.numerics.resolvent import EPSILON, MOST_SCALAR, mean_force, resolvent_slope
+from softcradle.physics.numerics.law_kernels import EPSILON, MOST_SCALAR, energy, force
+from softcradle.physics.numerics.resolvent import mean_force, resolvent_slope
 
 PRELOAD, STIFFNESS, EXPONENT, LOSS, SIDE, ORIGIN = 0, 1, 2, 3, 4, 5  # columns of the parts
 

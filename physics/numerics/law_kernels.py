@@ -5,6 +5,9 @@ from __future__ import annotations
 from softcradle.physics.numerics.elementary import power
 from softcradle.physics.numerics.jit import jit
 
+EPSILON = 2.220446049250313e-16
+MOST_SCALAR = 100  # iterations of one contact; a bracket halved that often is closed
+
 
 @jit
 def force(preload, stiffness, exponent, overlap):

@@ -1,4 +1,4 @@
-"""Contacts with laws of one's own inside kernels: force, mean force and resolvent from the tables of these laws.
+"""Contacts with laws of one's own inside kernels: force, mean force and energy from the tables of these laws.
 
 A kernel gets the tables as a record, or None in its place where all contacts are power laws.
 """
@@ -10,17 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.numerics.elementary import exp
 from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.law_kernels import EPSILON, MOST_SCALAR
 from softcradle.physics.numerics.law_kernels import force as power_force
-from softcradle.physics.numerics.resolvent import (
-    EPSILON,
-    MOST_SCALAR,
-    SMALLEST,
-    quadratic_root,
-    resolvent_slope,
-    touching,
-)
 
 Array = NDArray[np.float64]
 
@@ -142,6 +134,14 @@ def bend_passed(own, i, start, end):
 
 
 @inlined
+def number_of(own, i):
+    """The number of the law of contact i; -1 where it is the power law."""
+    if own is None:
+        return -1
+    return own.number[i]
+
+
+@inlined
 def own_force(own, number, overlap):
     """Force of law `number` at an overlap > 0."""
     return table_value(own, own.force, number, overlap)
@@ -178,53 +178,3 @@ def own_mean_force(own, number, start, overlap):
         if abs(smooth - mean) * abs(distance) <= DOUBT * max(begin, end):
             mean = smooth
     return mean, max((own_force(own, number, overlap) - mean) / distance, 0.0)
-
-
-@jit
-def own_solve_loaded(own, number, start, weight, s, guess):
-    """d1 > 0 with d1 + weight g(d1) = s by a bracketed Newton: to smaller d1 in its logarithm, to larger in d1 itself.
-
-    Returns d1, g, dg/dd1.
-    """
-    low, high = 0.0, s
-    overlap = guess if 0.0 < guess < s else 0.5 * s
-    force, slope = 0.0, 0.0
-    for _ in range(MOST_SCALAR):
-        force, slope = own_mean_force(own, number, start, overlap)
-        excess = overlap + weight * force - s
-        if excess > 0.0:
-            high = overlap
-        else:
-            low = overlap
-        move = -excess / (1.0 + weight * slope)
-        following = overlap + move if move > 0.0 else overlap * exp(max(move / overlap, -200.0))
-        if not low <= following <= high:
-            following = math.sqrt(low * high) if low > 0.0 and high > 4.0 * low else 0.5 * (low + high)
-        if abs(following - overlap) <= 4.0 * EPSILON * overlap:
-            break
-        overlap = following
-        if overlap < SMALLEST:  # too small for a number, not for a force: it touches
-            return 0.0, s / weight, math.inf
-    return overlap, (s - overlap) / weight if weight * slope > 1.0 else force, slope
-
-
-@jit
-def own_resolvent(own, number, preload, start, weight, s, guess):
-    """The one (d1, g) with d1 + weight g = s, and dg/ds; `start` is d0, `guess` a d1 to begin from."""
-    if abs(start) < SMALLEST:
-        start = 0.0
-    if start > 0.0:
-        energy = own_energy(own, number, start)
-        if s <= weight * (energy / start):  # the contact opens within the step: g = E(d0) / (d0 - d1)
-            if weight * energy < SMALLEST:
-                return touching(weight, s)
-            apart = quadratic_root(1.0, s - start, -weight * energy)
-            return start - apart, energy / apart, 1.0 / (apart * apart / energy + weight)
-    elif s < 0.0:
-        return s, 0.0, 0.0
-    elif start == 0.0 and s <= weight * preload:
-        return 0.0, s / weight, 1.0 / weight
-    if s < SMALLEST:
-        return 0.0, 0.0, 0.0
-    overlap, force, slope = own_solve_loaded(own, number, start, weight, s, guess)
-    return overlap, force, resolvent_slope(slope, weight)

@@ -1,7 +1,8 @@
 """The resolvent of one contact: (d1, g) with d1 + weight g(d1) = s, where g is the mean force from d0 to d1.
 
 `g = (E(d1) - E(d0)) / (d1 - d0)` grows with d1 for every law, set-valued ones too, so there is one solution for every s:
-closed where the law is linear or the contact opens, a safeguarded scalar Newton elsewhere.
+closed where the law is linear or the contact opens, a safeguarded scalar Newton elsewhere. A law of one's own brings its table
+and its number there; `number` is -1 where force and energy are those of the power law, and `own` may be None.
 """
 
 from __future__ import annotations
@@ -10,10 +11,10 @@ import math
 
 from softcradle.physics.numerics.elementary import exp, expm1, log1p, power
 from softcradle.physics.numerics.jit import inlined
+from softcradle.physics.numerics.law_kernels import EPSILON, MOST_SCALAR
+from softcradle.physics.numerics.own_contacts import own_energy, own_mean_force
 
-EPSILON = 2.220446049250313e-16
 SMALLEST = 1e-280  # overlaps and energies below are zero: what is computed from them would be denormal
-MOST_SCALAR = 100  # iterations of one contact; a bracket halved that often is closed
 
 
 @inlined
@@ -50,7 +51,23 @@ def quadratic_root(a, b, c):
 
 
 @inlined
-def solve_loaded(preload, stiffness, exponent, start, start_power, weight, s, guess):
+def mean_of_law(own, number, preload, stiffness, exponent, start, start_power, overlap):
+    """`mean_force` of either kind of law."""
+    if own is not None and number >= 0:
+        return own_mean_force(own, number, start, overlap)
+    return mean_force(preload, stiffness, exponent, start, start_power, overlap)
+
+
+@inlined
+def mean_on_opening(own, number, preload, stiffness, exponent, start, start_power):
+    """Mean force from an overlap `start` > 0 to 0."""
+    if own is not None and number >= 0:
+        return own_energy(own, number, start) / start
+    return preload + stiffness * start_power / (1.0 + exponent)
+
+
+@inlined
+def solve_loaded(own, number, preload, stiffness, exponent, start, start_power, weight, s, guess):
     """d1 > 0 with d1 + weight g(d1) = s by a bracketed Newton: to smaller d1 in its logarithm, to larger in d1 itself.
 
     Returns d1, g, dg/dd1.
@@ -60,7 +77,7 @@ def solve_loaded(preload, stiffness, exponent, start, start_power, weight, s, gu
     precision = 4.0 * EPSILON * max(1.0, 1.0 / exponent)
     force, slope = 0.0, 0.0
     for _ in range(MOST_SCALAR):
-        force, slope = mean_force(preload, stiffness, exponent, start, start_power, overlap)
+        force, slope = mean_of_law(own, number, preload, stiffness, exponent, start, start_power, overlap)
         excess = overlap + weight * force - s
         if excess > 0.0:
             high = overlap
@@ -94,12 +111,12 @@ def resolvent_slope(slope, weight):
 
 
 @inlined
-def resolvent(preload, stiffness, exponent, start, start_power, weight, s, guess):
+def resolvent(own, number, preload, stiffness, exponent, start, start_power, weight, s, guess):
     """The one (d1, g) with d1 + weight g = s, and dg/ds; `start` is d0, `guess` a d1 to begin from."""
     if abs(start) < SMALLEST:
         start = 0.0
     if start > 0.0:
-        mean = preload + stiffness * start_power / (1.0 + exponent)
+        mean = mean_on_opening(own, number, preload, stiffness, exponent, start, start_power)
         if s <= weight * mean:  # the contact opens within the step: g = E(d0) / (d0 - d1)
             energy = mean * start
             if weight * energy < SMALLEST:
@@ -112,7 +129,7 @@ def resolvent(preload, stiffness, exponent, start, start_power, weight, s, guess
         return 0.0, s / weight, 1.0 / weight
     elif s == 0.0:  # at the kink: the slope on the side of contact, so that one Newton step reaches a whole cluster
         return 0.0, 0.0, 1.0 / weight if start == 0.0 and exponent < 1.0 else 0.0
-    if exponent == 1.0:
+    if number < 0 and exponent == 1.0:
         half = 0.5 * stiffness
         if start >= 0.0:
             overlap = max((s - weight * (preload + half * start)) / (1.0 + weight * half), 0.0)
@@ -122,8 +139,10 @@ def resolvent(preload, stiffness, exponent, start, start_power, weight, s, guess
         return overlap, force, resolvent_slope(slope, weight)
     if s < SMALLEST:
         return 0.0, 0.0, 0.0
-    if not 0.0 < guess < s:
+    if number < 0 and not 0.0 < guess < s:
         reach = (s / weight - preload) * (1.0 + exponent) / stiffness
         guess = power(reach, 1.0 / exponent) if 0.0 < reach < power(s, exponent) else 0.5 * s
-    overlap, force, slope = solve_loaded(preload, stiffness, exponent, start, start_power, weight, s, guess)
+    overlap, force, slope = solve_loaded(
+        own, number, preload, stiffness, exponent, start, start_power, weight, s, guess
+    )
     return overlap, force, resolvent_slope(slope, weight)

@@ -15,9 +15,8 @@ import math
 
 from softcradle.physics.numerics.contact_solve import DIAGONAL, END, FREE, HOLD, SOLVER_ROWS, loses, solve_contacts
 from softcradle.physics.numerics.jit import jit
-from softcradle.physics.numerics.law_kernels import energy
+from softcradle.physics.numerics.law_kernels import EPSILON, energy
 from softcradle.physics.numerics.records import ChainData, Dissipation, Motion
-from softcradle.physics.numerics.resolvent import EPSILON
 
 PLACE_TOLERANCE = 4096.0 * EPSILON  # of coordinates: what rounding piles up in a position over millions of steps
 RATE_TOLERANCE = 1024.0 * EPSILON  # of velocities
@@ -109,16 +108,16 @@ def along(i, direction, j, mobility):
 
 
 @jit
-def solve_chain_step(
-    h, law, joints, loss, absorbed, mobility, expected, velocity, direction, outside, overlap, rate, force, beads, work
-):  # fmt: skip
+def solve_chain_step(h, law, joints, loss, absorbed, bodies, outside, overlap, rate, force, memory):
     """Mean forces of the step into `force`; overlaps and rates to its end. Returns False where it did not converge.
 
-    `velocity` (n+1, 2) is that of the drift, `expected` that at the end of the step without contacts, `mobility`
-    (n+1, 2, 2) what impulses change of it; `outside` (n,) what others did to the rates in the last step beyond this.
-    `joints` are none; `loss` (n,), or (0,) where nothing is lost. What contacts with loss take is added to `absorbed` (1,);
-    `beads` (BEAD_ROWS, n+1) and `work` (CHAIN_ROWS, n) are scratch.
+    Of the `bodies`: (n+1, 2, 2) what impulses change of their velocities, (n+1, 2) these at the end of the step without
+    contacts, (n+1, 2) those of the drift, (n, 2) directions of contacts; `outside` (n,) is what others did to the rates in the
+    last step beyond this. `joints` are none; `loss` (n,), or (0,) where nothing is lost. What contacts with loss take is added to
+    `absorbed` (1,); `memory` is scratch, (BEAD_ROWS, n+1) and (CHAIN_ROWS, n).
     """
+    mobility, expected, velocity, direction = bodies
+    beads, work = memory
     n = overlap.size
     diagonal, free, end, given = work[DIAGONAL], work[FREE], work[END], work[GIVEN]
     coupling = work[COUPLING : COUPLING + 2].reshape(2 * n)

@@ -120,7 +120,7 @@ NO_ENERGY = 1e-260  # what the resolvent takes for none
 def solved(law, start, weight, s, guess=0.5):
     preload, stiffness, exponent = law
     start_power = start**exponent if start > 0.0 else 0.0
-    return plain(resolvent)(preload, stiffness, exponent, start, start_power, weight, s, guess * s)
+    return plain(resolvent)(None, -1, preload, stiffness, exponent, start, start_power, weight, s, guess * s)
 
 
 @given(LAW, START, WEIGHT, SUM, SIZES)

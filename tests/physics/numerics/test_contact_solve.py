@@ -15,7 +15,7 @@ pytestmark = only_plain
 
 def test_a_very_soft_contact_takes_any_push_without_a_guess():
     """Without the push of the contact alone the guess of its overlap would be 1e350 m, which plain Python refuses."""
-    overlap, force, _ = resolvent(0.0, 1e-3, 0.02, 0.0, 0.0, 1e-4, 1.0, 0.0)
+    overlap, force, _ = resolvent(None, -1, 0.0, 1e-3, 0.02, 0.0, 0.0, 1e-4, 1.0, 0.0)
     assert overlap + 1e-4 * force == pytest.approx(1.0, rel=1e-15)
     assert force == pytest.approx(1e-3 * overlap**0.02 / 1.02, rel=1e-12)
 
