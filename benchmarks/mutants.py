@@ -51,7 +51,7 @@ ROOMS = {  # sources, and the arguments of pytest that choose their tests
         ("tests/physics/adaptive/test_radau_step.py", "tests/physics/adaptive/test_radau_guess.py"),
     ),
     "events": (
-        ("physics/adaptive/corners.py", "physics/adaptive/crossing.py"),
+        ("physics/adaptive/corner_search.py", "physics/adaptive/corner_action.py"),
         (
             "tests/physics/adaptive/test_first_root.py",
             "tests/physics/adaptive/test_find_event.py",

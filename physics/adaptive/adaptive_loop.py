@@ -13,7 +13,7 @@ from softcradle.physics.adaptive.constants import (
     ROUND_OFF,
     TOLERANCE_PART,
 )
-from softcradle.physics.adaptive.crossing import begin, cross, fly_to_event, open_passed, pass_knot
+from softcradle.physics.adaptive.corner_action import begin, cross, fly_to_event, open_passed, pass_knot
 from softcradle.physics.adaptive.flight import back_to_opening, nothing_pushes
 from softcradle.physics.adaptive.row_graphs import acceleration_of, bead_acceleration, put_drive
 from softcradle.physics.adaptive.sampling import absorbed_between, changing_work, count_from_touch, keep_step

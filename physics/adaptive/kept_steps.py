@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.adaptive.effective_chain import chain_and_regime
 from softcradle.physics.adaptive.sampling import sample_steps
-from softcradle.physics.adaptive.step_records import Steps, empty_scratch, empty_steps, empty_trial
+from softcradle.physics.adaptive.step_records import Steps, chain_and_regime, empty_scratch, empty_steps, empty_trial
 from softcradle.physics.chain import Chain
 from softcradle.physics.kernel_records import empty_log, motion_record
 from softcradle.physics.kernel_tiers import KernelTiers

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.adaptive.adaptive_loop import integrate
 from softcradle.physics.adaptive.constants import TOLERANCE_PART
-from softcradle.physics.adaptive.effective_chain import chain_and_regime
 from softcradle.physics.adaptive.kept_steps import KeptSteps
 from softcradle.physics.adaptive.step_records import (
     ALLOWED,
@@ -20,6 +19,7 @@ from softcradle.physics.adaptive.step_records import (
     Scratch,
     Steps,
     Trial,
+    chain_and_regime,
     empty_scratch,
     empty_steps,
     empty_trial,

@@ -24,7 +24,7 @@ from softcradle.physics.adaptive.constants import (
     STIFF,
     TOLERANCE_PART,
 )
-from softcradle.physics.adaptive.corners import first_corner, first_root, stage_cubic
+from softcradle.physics.adaptive.corner_search import first_corner, first_root, stage_cubic
 from softcradle.physics.adaptive.dop853 import dop853_step
 from softcradle.physics.adaptive.radau import AFTER, radau_step
 from softcradle.physics.adaptive.radau_error import embedded_error

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import Chain, draft_gear, hertz, hooke, power_law
-from softcradle.physics.adaptive.corners import closes_inactive, is_continued
+from softcradle.physics.adaptive.corner_search import closes_inactive, is_continued
 from softcradle.physics.numerics.law_curve import NODES
 from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
 

@@ -4,7 +4,7 @@ from math import comb
 
 import numpy as np
 import pytest
-from softcradle.physics.adaptive.corners import NONE, first_root, hermite_cubic, hermite_quintic, stage_cubic
+from softcradle.physics.adaptive.corner_search import NONE, first_root, hermite_cubic, hermite_quintic, stage_cubic
 from softcradle.physics.numerics.law_curve import NODES, cubic
 
 from tests.helpers.plain_kernels import only_plain

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from softcradle.physics import Chain, draft_gear, hertz, hooke
 from softcradle.physics.adaptive.constants import SAFETY
-from softcradle.physics.adaptive.corners import guard_of
+from softcradle.physics.adaptive.corner_search import guard_of
 from softcradle.physics.numerics.records import LOADED, TOUCHING
 
 from tests.helpers.given_steps import H, Step, thrown
