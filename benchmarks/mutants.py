@@ -44,10 +44,7 @@ ROOMS = {  # sources, and the arguments of pytest that choose their tests
         ),
     ),
     "radau": (
-        (
-            "physics/adaptive/radau.py",
-            "physics/adaptive/radau_error.py",
-        ),
+        ("physics/adaptive/radau.py",),
         ("tests/physics/adaptive/test_radau_step.py", "tests/physics/adaptive/test_radau_guess.py"),
     ),
     "events": (

@@ -31,7 +31,7 @@ AIMS = {
 
 def cases() -> dict[str, tuple[Any, list[float], float | None]]:
     """Chain, velocities and duration of each case, by what both versions have."""
-    from softcradle import Chain, draft_gear, hertz, hooke, one_on, power_law
+    from softcradle import Chain, TimedForce, draft_gear, hertz, hooke, one_on, power_law
 
     inf = float("inf")
     gears = [draft_gear(3.0, 0.05), draft_gear(20.0, 0.2), draft_gear(50.0, 0.01), draft_gear(8.0, 0.1)]
@@ -51,7 +51,13 @@ def cases() -> dict[str, tuple[Any, list[float], float | None]]:
         name: (chain, [1.0, *[0.0] * chain.contacts], None) for name, chain in chains.items()
     }
     walls = Chain([inf, 1.0, 1.0, 1.0, inf], hooke(10.0), gap=0.1)
-    return found | {"walls": (walls, [0.0, 1.0, 0.0, 0.0, 0.0], 20.0)}
+    steady = Chain([1.0] * 5, power_law(1.0, 0.1), drive=[0.1, 0.0, 0.0, 0.0, 0.0])
+    sloped = Chain([1.0] * 5, power_law(1.0, 0.1), forces=TimedForce(0, [0.0, 10.0], [0.0, 0.2]))
+    return found | {
+        "walls": (walls, [0.0, 1.0, 0.0, 0.0, 0.0], 20.0),
+        "a steady force": (steady, [1.0, 0.0, 0.0, 0.0, 0.0], 5.0),
+        "a force with a slope": (sloped, [1.0, 0.0, 0.0, 0.0, 0.0], 5.0),
+    }
 
 
 def measured() -> dict[str, float]:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import GRAVITY, Chain, per_chain
+from softcradle.physics.coupler import Coupler
 from softcradle.physics.numerics.own_contacts import OwnLaws
 from softcradle.physics.numerics.records import (
     COUNTERS,
@@ -33,6 +34,7 @@ ROWS_A_STEP = 4  # of it for each step until a pause, at which it grows
 MOST_LOG = 4_000_000  # rows at the most: 64 MB
 KEPT_TABLES = 64  # combinations of laws of one's own
 NO_FLAGS = np.zeros(0, dtype=np.int8)
+NO_SEGMENTS = (NO_FLAGS, np.zeros((0, 9)), np.zeros(0, dtype=np.int64))  # of a chain without couplers
 
 
 def chain_records(chain: Chain, state: State) -> tuple[Any, ...]:
@@ -109,6 +111,39 @@ def knots_of(chain: Chain, state: State) -> Knots:
     steady = np.zeros(beads) if push is None else push.copy()
     friction = np.where(np.isfinite(chain.mass), chain.friction * GRAVITY, 0.0) if chain.brakes else np.zeros(0)
     return Knots(*chain.knot_rows, steady, friction, np.zeros(beads), np.zeros(friction.size), np.zeros(beads))
+
+
+def chain_and_regime(chain: Chain, state: State) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    """The fields of the effective chain of adaptive steps and of its Regime; without dissipation they share their arrays."""
+    law, inverse_mass, push, external, anchor, *others, dissipation = chain_records(chain, state)
+    others.append(NO_DISSIPATION)
+    if not (chain.dissipative or chain.couplers):
+        regime = (law, inverse_mass, push, NOTHING, NOTHING, NO_FLAGS, NO_FLAGS, *NO_SEGMENTS)
+        return (law, inverse_mass, push, external, anchor, *others), regime
+    loss = dissipation.loss if dissipation.loss.any() or chain.couplers else NOTHING
+    bed = dissipation.bed if dissipation.bed.any() else NOTHING
+    slide, easing = np.zeros(bed.size, dtype=np.int8), np.zeros(loss.size, dtype=np.int8)
+    joints = NO_SEGMENTS
+    if chain.couplers:
+        joints, law = _segments(chain), np.zeros((chain.contacts, 6))
+    regime = (law, inverse_mass, push, loss, bed, slide, easing, *joints)
+    if bed.size and not external.size:
+        external = np.zeros(bed.size)
+    return (law.copy(), inverse_mass.copy(), push, external, anchor, *others), regime
+
+
+def _segments(chain: Chain) -> tuple[Any, ...]:
+    """The segments of all contacts, each on the one in which it pushes first."""
+    rows: list[tuple[float, ...]] = []
+    first, segment = np.zeros(chain.contacts + 1, dtype=np.int64), np.zeros(chain.contacts, dtype=np.int8)
+    for i, contact in enumerate(chain.contact):
+        if isinstance(contact, Coupler):
+            rows += contact.segments
+            segment[i] = sum(side < 0.0 for side, *_ in contact.segments)
+        else:
+            rows.append((1.0, 0.0, *law_rows(chain)[i].tolist(), 0.0, 0.0, float(chain.loss[i]), np.inf))
+        first[i + 1] = len(rows)
+    return segment, np.array(rows), first
 
 
 def require_finite_motion(chain: Chain, state: State) -> None:

@@ -30,8 +30,6 @@ from softcradle.physics.adaptive.step_records import (
     LAST,
     LOCAL_SQUARE,
     NEXT,
-    PAST_STEP,
-    RADAU,
     Accuracy,
     Bounds,
     Regime,
@@ -62,13 +60,8 @@ from softcradle.physics.numerics.records import (
 
 
 @inlined
-def accept_step(kind, motion, trial, past):
-    """Make the end of the trial the motion; its stages become the guess for the next step of radau."""
-    if kind == RADAU:
-        for i in range(motion.mode.size):
-            past[0, i], past[4, i] = motion.force[i], motion.overlap[i]
-            for k in range(3):
-                past[1 + k, i], past[5 + k, i] = trial.force[k, i], trial.overlap[k, i]
+def accept_step(motion, trial):
+    """Make the end of the trial the motion."""
     for i in range(motion.mode.size):
         motion.overlap[i], motion.rate[i], motion.force[i] = trial.overlap[2, i], trial.rate[2, i], trial.force[2, i]
         motion.held[i] = 0
@@ -159,7 +152,7 @@ def go_on(span, accuracy, chain, regime, motion, trial, look, scratch, steps, lo
             apart = stop and firm and until == end and not any_frozen(motion)  # what stays closed may only come to rest
             if apart and not meets_again(chain, regime.bed, motion, bounds.negligible, scratch.work[0]):
                 return SEPARATED, back_to_opening(time, chain, regime, motion, scratch)
-            time, row = fly_to_event(time, until, chain, regime, motion, bounds, trial, scratch, steps, log)
+            time, row = fly_to_event(time, until, chain, regime, motion, bounds, scratch, steps, log)
             if row < 0 and stop and until == end:
                 return SEPARATED, time
             counter[FLIGHT] += 1
@@ -169,7 +162,6 @@ def go_on(span, accuracy, chain, regime, motion, trial, look, scratch, steps, lo
         if not math.isfinite(control[NEXT]):
             restart_control(control, first_step(chain, motion, scale))
         kind, proposed, near = propose_step(control, until - time, allowed, chain, motion, wanted)
-        past_step = control[PAST_STEP]
         h, error, row, side, rejected = find_step(
             time, proposed, kind, allowed == DOP853, most_steps, chain, regime, motion, bounds, trial, scratch, log
         )
@@ -182,15 +174,14 @@ def go_on(span, accuracy, chain, regime, motion, trial, look, scratch, steps, lo
         update_control(control, h, kind, error, near and h == proposed, row, rejected, wanted)
         control[AT_ONCE] = 0.0
         control[LOCAL_SQUARE] += error * error
-        find_openings(h, kind, firm, chain, motion, wanted, past_step, trial, look, scratch, log)
+        find_openings(h, kind, firm, chain, motion, wanted, trial, look, scratch, log)
         if steps.time.size:
-            keep_step(time, h, kind, chain, regime, motion, trial, steps, counter)
+            keep_step(time, h, kind, chain, regime, motion, steps, counter)
         absorb(h, chain, regime, motion, trial, scratch.work)
-        accept_step(kind, motion, trial, scratch.past)
+        accept_step(motion, trial)
         before, time = time, time + h if h < until - time else until
         if timed:  # at a knot those just before it
             acts = put_drive(time if time < until else before + (1.0 - BESIDE) * (time - before), chain, regime)
-        control[PAST_STEP] = h if kind == RADAU else 0.0
         counter[STEP] += 1
         if open_passed(row, chain, regime, motion, bounds.slow):
             control[LAST] = 0.0

@@ -34,9 +34,7 @@ STIFF = 9.0  # (step times local frequency)², above which a soft contact is lef
 COST_RATIO = 0.4  # time of a step of dop853 over one of radau
 
 # Guesses of stages
-FOLLOW = 1.3  # largest ratio of successive steps at which the cubics of the step before are extrapolated
 MOST_GUESSED = 3.0  # growth of a force in a guess, or fall, at the most
-SUDDEN = 0.2  # of the time since an onset, or until an opening: a longer step goes on by a power of that time
 
 # Searches
 MOST_TRIES = 15  # iterations of Newton, and tries to end a step at an event

@@ -32,7 +32,7 @@ from softcradle.physics.adaptive.row_graphs import (
 )
 from softcradle.physics.adaptive.sampling import keep_step
 from softcradle.physics.adaptive.step_control import onset_step, restart_control
-from softcradle.physics.adaptive.step_records import AT_ONCE, FLOWN, GROWTH, LAST, LOCAL_SQUARE, NEXT, PAST_STEP
+from softcradle.physics.adaptive.step_records import AT_ONCE, FLOWN, GROWTH, LAST, LOCAL_SQUARE, NEXT
 from softcradle.physics.adaptive.switch_log import log_switches
 from softcradle.physics.adaptive.yield_or_slip import balance
 from softcradle.physics.numerics.bead_velocities import bead_velocities
@@ -285,7 +285,6 @@ def cross(row, side, time, chain, regime, motion, bounds, scratch, log):
             elif regime.easing.size:
                 regime.easing[row] = 0
         decide(slipping, chain, regime, motion, bounds.slow, scratch)
-    control[PAST_STEP] = 0.0
     log_switches(time, time, NO_CONTACT, regime, motion, bounds.wanted, scratch, log)
 
 
@@ -337,7 +336,7 @@ def open_passed(row, chain, regime, motion, slow):
 
 
 @piece
-def fly_to_event(time, end, chain, regime, motion, bounds, trial, scratch, steps, log):
+def fly_to_event(time, end, chain, regime, motion, bounds, scratch, steps, log):
     """Open all loaded contacts, fly to the first event, and carry it out. Returns the time and the row (-1: none)."""
     for i in range(motion.mode.size):
         if motion.mode[i] == LOADED:
@@ -349,7 +348,7 @@ def fly_to_event(time, end, chain, regime, motion, bounds, trial, scratch, steps
     until, row, side = next_event(time, end, chain, regime, motion, bounds.negligible, scratch.work[0])
     if until < math.inf:
         if steps.time.size:
-            keep_step(time, until - time, FLOWN, chain, regime, motion, trial, steps, log.counter)
+            keep_step(time, until - time, FLOWN, chain, regime, motion, steps, log.counter)
         drift(until - time, chain, regime, motion, scratch.work[0])
         time = until
     if row >= 0:
@@ -386,7 +385,7 @@ def begin(time, chain, regime, motion, bounds, scratch, log):
         if motion.mode[i] == LOADED and motion.overlap[i] == 0.0:
             first = min(first, onset_step(chain, i, max(motion.rate[i], 0.0), bounds.wanted))
     restart_control(scratch.control, first)
-    for k in (PAST_STEP, AT_ONCE, LOCAL_SQUARE, GROWTH):
+    for k in (AT_ONCE, LOCAL_SQUARE, GROWTH):
         scratch.control[k] = 0.0
     for i in range(motion.mode.size):
         scratch.opened[i] = time if motion.overlap[i] < 0.0 else math.inf
@@ -406,6 +405,6 @@ def pass_knot(time, chain, regime, motion, bounds, scratch, log):
     for i in range(motion.mode.size):
         motion.held[i] = 0
     decide(NO_CONTACT, chain, regime, motion, bounds.slow, scratch)
-    scratch.control[LAST], scratch.control[PAST_STEP] = 0.0, 0.0
+    scratch.control[LAST] = 0.0
     log_switches(time, time, NO_CONTACT, regime, motion, bounds.wanted, scratch, log)
     return acts

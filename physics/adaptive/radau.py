@@ -1,9 +1,10 @@
-"""One step of Radau IIA with three stages (order 5), solved for force and overlap together.
+"""One step of Radau IIA with three stages (order 5), solved for force and overlap together, and its error.
 
     d_k = d0 + h c_k w0 - h² sum_j (A²)_kj (L f_j)        w_k = w0 - h sum_j A_kj (L f_j),   k = 1..3
 
 In the variables (d, f) on the curve of the law a step costs one block-tridiagonal solve an iteration, with 3x3 blocks
 and diagonal couplings. A touching contact is the vertical part of the curve: its d stays and its f is a multiplier.
+The error is that of two embedded quadratures, filtered by the stiff part of the motion.
 """
 
 from __future__ import annotations
@@ -12,13 +13,13 @@ import math
 
 import numpy as np
 from softcradle.physics.adaptive.constants import (
-    FOLLOW,
     FORCE_PRECISION,
     HUGE,
+    KINK,
     MOST_GUESSED,
     MOST_TRIES,
+    RATIO,
     ROUND_OFF,
-    SUDDEN,
 )
 from softcradle.physics.numerics.elementary import exp, log
 from softcradle.physics.numerics.exact_matrices import exact_inverse, exact_product
@@ -28,15 +29,17 @@ from softcradle.physics.numerics.law_curve import (
     NODES,
     ROOT6,
     SMALLEST,
-    cubic,
+    care,
     curve_force,
     curve_overlap,
     curve_slope,
     flow_into,
+    larger,
     move_along,
     pressed_force,
     put_on_curve,
 )
+from softcradle.physics.numerics.own_contacts import bend_passed
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
 
 TABLEAU = np.array(
@@ -54,40 +57,30 @@ _COARSE = np.array([0.0, 0.5 / (1.0 - NODES[1]), (0.5 - NODES[1]) / (1.0 - NODES
 COARSE = exact_product(TABLEAU[2] - _COARSE, INVERSE)  # its error, of one order less than the embedded one
 
 
-AFTER, INSIDE = 1.0, 0.0  # where a step begins in the one whose cubics it is guessed by, as part of it
-
-
 @inlined
-def first_guess(h, chain, motion, past_step, origin, past, trial):
-    """Put first stages into `trial`: the cubics of the step before, where there was one of like size, extrapolated.
-
-    `past` (8, n): force at the start and stages of that step, then the overlaps; `origin` says whether the new one begins AFTER
-    it or with it, INSIDE. Else soft contacts go on as a power of the time since an onset, d (1 + t/T)**(w T/d), others keep
-    their rate.
+def first_guess(h, chain, motion, trial):
+    """Put first stages into `trial`: soft contacts go on as a power of the time since an onset, d (1 + t/T)**(w T/d), others
+    keep their rate. To extrapolate the step before would save 3 % of the iterations.
     """
     law, own_laws, inverse_mass = chain.law, chain.own, chain.inverse_mass
     overlap, rate, force, mode = motion.overlap, motion.rate, motion.force, motion.mode
     stage_overlap, stage_force = trial.overlap, trial.force
-    follows = past_step > 0.0 and h < FOLLOW * past_step
     since = time_since_onset(law, mode, overlap, rate, force)
     for i in range(overlap.size):
         preload, exponent = law[i, 0], law[i, 2]
         for k in range(3):
             flown = overlap[i] + h * NODES[k] * rate[i]
-            x = origin + NODES[k] * h / past_step if follows else 0.0
             if mode[i] == OPEN:
                 stage_overlap[k, i], stage_force[k, i] = flown, 0.0
             elif mode[i] == TOUCHING or mode[i] == FROZEN:
                 stage_overlap[k, i], stage_force[k, i] = overlap[i], force[i]
-                if follows and mode[i] == TOUCHING:
-                    stage_force[k, i] = cubic(x, past[0, i], past[1, i], past[2, i], past[3, i])
             elif exponent < 1.0 and force[i] > preload:
                 stage_overlap[k, i], stage_force[k, i] = overlap[i], force[i]
                 weight = inverse_mass[i] + inverse_mass[i + 1]
                 stiff = weight * exponent * (force[i] - preload)  # times d: it keeps its rate until d = 0 where small
                 own = rate[i] < 0.0 and overlap[i] > SMALLEST and overlap[i] * stiff < 4.0 * rate[i] * rate[i]
                 time = overlap[i] / rate[i] if own else since
-                if (not follows or (origin == AFTER and h > SUDDEN * abs(time))) and overlap[i] > SMALLEST:
+                if overlap[i] > SMALLEST:
                     growth = log(max(1.0 + h * NODES[k] / time, ROUND_OFF))
                     if own and flown <= 0.0 and preload == 0.0:
                         stage_overlap[k, i], stage_force[k, i] = flown, 0.0
@@ -99,18 +92,11 @@ def first_guess(h, chain, motion, past_step, origin, past, trial):
                     stage_overlap[k, i] = overlap[i] * exp(growth)
                     stage_force[k, i] = preload + (force[i] - preload) * exp(exponent * growth)
                     put_on_curve(law, own_laws, i, k, stage_overlap, stage_force)
-                elif follows:
-                    excess = cubic(x, past[0, i], past[1, i], past[2, i], past[3, i]) - preload
-                    if force[i] - preload < MOST_GUESSED * excess < MOST_GUESSED * MOST_GUESSED * (force[i] - preload):
-                        stage_overlap[k, i] = curve_overlap(law, own_laws, i, excess, 1.0)
-                        stage_force[k, i] = preload + excess
             elif overlap[i] == 0.0 and rate[i] == 0.0:
                 stage_overlap[k, i], stage_force[k, i] = 0.0, curve_force(law, own_laws, i, 0.0)
                 if i > 0 and preload == 0.0:
                     set_pushed(h, chain, i, k, i, stage_force[k, i - 1], stage_overlap, stage_force)
             else:
-                if follows:
-                    flown = cubic(x, past[4, i], past[5, i], past[6, i], past[7, i])
                 stage_overlap[k, i] = flown
                 stage_force[k, i] = curve_force(law, own_laws, i, flown)
     for i in range(overlap.size - 2, -1, -1):
@@ -392,12 +378,9 @@ def move_anchor(h, chain, anchor, trial):
 
 
 @inlined
-def radau_step(h, chain, motion, precision, past_step, origin, trial, scratch):
-    """One step into `trial`; `past_step` is the length of the one before; for `origin` see `first_guess`.
-
-    Returns the iterations used, 0 where the stages did not converge, and how many were tried.
-    """
-    first_guess(h, chain, motion, past_step, origin, scratch.past, trial)
+def radau_step(h, chain, motion, precision, trial, scratch):
+    """One step into `trial`. Returns the iterations used, 0 where the stages did not converge, and how many were tried."""
+    first_guess(h, chain, motion, trial)
     used = solve_stages(h, chain, motion, precision, trial, scratch)
     tried = used
     if used == 0:
@@ -408,3 +391,80 @@ def radau_step(h, chain, motion, precision, past_step, origin, trial, scratch):
         stage_rates(h, chain, motion, trial)
         move_anchor(h, chain, motion.anchor, trial)
     return used, tried
+
+
+@inlined
+def compliance(chain, mode, i, overlap, force):
+    """dd/df of contact i: 0 while it touches, -1 for a contact that carries no force at all."""
+    if mode[i] == OPEN or mode[i] == FROZEN:
+        return -1.0
+    if mode[i] == TOUCHING:
+        return 0.0
+    slope = curve_slope(chain.law, chain.own, i, overlap, force)
+    return 1.0 / slope if slope > 0.0 else -1.0
+
+
+@inlined
+def embedded_error(h, chain, motion, trial, work):
+    """Error of the step as a velocity [m/s] from two embedded quadratures, of orders h**4 and h**3; `work` (3 or more, n+1).
+
+    Each is filtered through (I - h gamma J)^-1. With the compliance C = dd/df and the force error phi:
+    (C + (h gamma)² L) phi = e_d + h gamma e_w; then the errors are e_w - h gamma L phi in the rate and C phi in the
+    overlap, which counts by its energy, sqrt(L C) phi. Of each contact counts its own ratio of the two.
+    """
+    law, inverse_mass = chain.law, chain.inverse_mass
+    overlap, rate, force, mode = motion.overlap, motion.rate, motion.force, motion.mode
+    stage_overlap, stage_rate, stage_force = trial.overlap, trial.rate, trial.force
+    n = overlap.size
+    fine, coarse, upper = work[0, :n], work[1, :n], work[2, :n]
+    reach = h * GAMMA
+    fine_rate, coarse_rate = stage_rate[0], stage_rate[1]  # free by now: the end of the step is the third row
+    for i in range(n):
+        fine_w = reach * (drive_at(chain, i, 0.0) - flow_into(i, inverse_mass, force))
+        fine_d = reach * rate[i]
+        coarse_w, coarse_d = 0.0, 0.0
+        for k in range(3):
+            by_rate, by_overlap = stage_rate[k, i] - rate[i], stage_overlap[k, i] - overlap[i]
+            fine_w += EMBEDDED[k] * by_rate
+            fine_d += EMBEDDED[k] * by_overlap
+            coarse_w += COARSE[k] * by_rate
+            coarse_d += COARSE[k] * by_overlap
+        fine_rate[i], coarse_rate[i] = fine_w, coarse_w
+        give = compliance(chain, mode, i, stage_overlap[2, i], stage_force[2, i])
+        upper[i], fine[i], coarse[i] = 0.0, 0.0, 0.0
+        if give >= 0.0:
+            lower = -reach * reach * inverse_mass[i] if i > 0 else 0.0
+            pivot = reach * reach * (inverse_mass[i] + inverse_mass[i + 1]) + give
+            fine[i], coarse[i] = fine_d + reach * fine_w, coarse_d + reach * coarse_w
+            if i > 0:
+                pivot -= lower * upper[i - 1]
+                fine[i] -= lower * fine[i - 1]
+                coarse[i] -= lower * coarse[i - 1]
+            if pivot > ROUND_OFF * reach * reach * (inverse_mass[i] + inverse_mass[i + 1]):
+                fine[i] /= pivot
+                coarse[i] /= pivot
+                upper[i] = -reach * reach * inverse_mass[i + 1] / pivot
+            else:  # a force through all beads from wall to wall moves nothing, and is not determined
+                fine[i], coarse[i] = 0.0, 0.0
+    for i in range(n - 2, -1, -1):
+        fine[i] -= upper[i] * fine[i + 1]
+        coarse[i] -= upper[i] * coarse[i + 1]
+    worst, slowest = 0.0, math.inf
+    for i in range(n):
+        upper[i] = compliance(chain, mode, i, stage_overlap[2, i], stage_force[2, i])
+        if upper[i] > 0.0:
+            slowest = min(slowest, (inverse_mass[i] + inverse_mass[i + 1]) / upper[i])
+    for i in range(n):
+        by_fine = abs(fine_rate[i] - reach * flow_into(i, inverse_mass, fine))
+        by_coarse = abs(coarse_rate[i] - reach * flow_into(i, inverse_mass, coarse))
+        times = 1.0
+        if mode[i] == LOADED:
+            push = bend_passed(chain.own, i, overlap[i], stage_overlap[2, i])
+            worst = larger(worst, KINK * h * (inverse_mass[i] + inverse_mass[i + 1]) * push)
+        if upper[i] > 0.0:
+            weight = inverse_mass[i] + inverse_mass[i + 1]
+            by_fine = larger(by_fine, math.sqrt(weight * upper[i]) * abs(fine[i]))
+            by_coarse = larger(by_coarse, math.sqrt(weight * upper[i]) * abs(coarse[i]))
+            times = care(law[i, 2], h * h * weight / upper[i], weight / upper[i] / slowest)
+        worst = larger(worst, times * by_fine * min(1.0, RATIO * by_fine / max(by_coarse, 1e-300)))
+    return worst

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from softcradle.physics.adaptive.constants import ROUND_OFF, SAFETY
 from softcradle.physics.adaptive.flight import bend_of, flight_work, flown
-from softcradle.physics.adaptive.radau import INSIDE
 from softcradle.physics.adaptive.row_graphs import (
     ORIGIN,
     bead_acceleration,
@@ -17,7 +16,7 @@ from softcradle.physics.adaptive.row_graphs import (
     side_of,
 )
 from softcradle.physics.adaptive.step_control import take_step
-from softcradle.physics.adaptive.step_records import FLOWN, RADAU, Regime, Scratch, Steps, Trial
+from softcradle.physics.adaptive.step_records import FLOWN, Regime, Scratch, Steps, Trial
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece, whole
 from softcradle.physics.numerics.law_curve import BEFORE
@@ -97,11 +96,8 @@ def carry(keeps, row, at, values):
 
 
 @inlined
-def carry_step(keeps, k, chain, regime, motion, stage_force, stage_overlap, steps):
-    """Put row k of `steps` there where it `keeps`, else into the motion and the chain, and into stages that are of radau.
-
-    A row holds the motion, where something dissipates the effective chain, and of radau forces and overlaps of the stages.
-    """
+def carry_step(keeps, k, chain, regime, motion, steps):
+    """Put row k of `steps` there where it `keeps`, else into the motion and, where something dissipates, the effective chain."""
     row, flags = steps.values[k], steps.flags[k]
     at = carry(keeps, row, carry(keeps, row, 0, motion.force), motion.overlap)
     at = carry(keeps, row, carry(keeps, row, at, motion.rate), motion.anchor)
@@ -118,26 +114,15 @@ def carry_step(keeps, k, chain, regime, motion, stage_force, stage_overlap, step
                 overlap = motion.overlap[i]
                 put_segment(i, flags[end + i], regime, motion)
                 motion.overlap[i] = overlap
-    if steps.kind[k] == RADAU:
-        for s in range(3):
-            at = carry(keeps, row, carry(keeps, row, at, stage_force[s]), stage_overlap[s])
 
 
 @inlined
-def keep_step(time, length, kind, chain, regime, motion, trial, steps, counter):
-    """Keep the step from `time` of `length` [s] into `trial`, or the flight, with the motion at its start."""
+def keep_step(time, length, kind, chain, regime, motion, steps, counter):
+    """Keep the step or flight from `time` of `length` [s], with the motion at its start."""
     k = counter[KEPT]
     counter[KEPT] = k + 1
     steps.time[k], steps.length[k], steps.kind[k] = time, length, kind
-    carry_step(True, k, chain, regime, motion, trial.force, trial.overlap, steps)
-
-
-@inlined
-def restore_step(k, chain, regime, motion, past, steps):
-    """Make the motion and the chain those at the start of step k, and `past` its stages."""
-    carry_step(False, k, chain, regime, motion, past[1:4], past[5:8], steps)
-    copy_into(past[0], motion.force)
-    copy_into(past[4], motion.overlap)
+    carry_step(True, k, chain, regime, motion, steps)
 
 
 @whole
@@ -153,7 +138,7 @@ def sample_steps(
     for k in range(count):
         end = steps.time[k] + steps.length[k]
         if counter[SAMPLE] < samples.time.size and samples.time[counter[SAMPLE]] < end:
-            restore_step(k, chain, regime, motion, scratch.past, steps)
+            carry_step(False, k, chain, regime, motion, steps)
             if chain.knots.time.size:
                 put_drive(steps.time[k], chain, regime)
         while counter[SAMPLE] < samples.time.size and samples.time[counter[SAMPLE]] < end:
@@ -161,9 +146,7 @@ def sample_steps(
             if steps.kind[k] == FLOWN or passed <= 0.0:  # before the step lies one of another method
                 sample_flight(passed, chain, regime, motion, samples, counter[SAMPLE], scratch.work[0])
             else:
-                sample_inside(
-                    passed, steps.length[k], steps.kind[k], wanted, chain, regime, motion, trial, scratch, samples, log
-                )
+                sample_inside(passed, steps.kind[k], wanted, chain, regime, motion, trial, scratch, samples, log)
             count_from_touch(samples.overlap[counter[SAMPLE]], regime, 1.0)
             counter[SAMPLE] += 1
 
@@ -182,13 +165,13 @@ def count_from_touch(overlap, regime, sign):
 
 
 @piece
-def sample_inside(passed, h, kind, wanted, chain, regime, motion, trial, scratch, samples, log):
-    """Fill the next sample row, `passed` [s] after the start of a step of length `h`, by a shorter step into `trial`.
+def sample_inside(passed, kind, wanted, chain, regime, motion, trial, scratch, samples, log):
+    """Fill the next sample row, `passed` [s] after the start of a step, by a shorter step into `trial`.
 
     Where its stages do not converge, the step is made a little shorter and the rest drifts.
     """
     k, length, firm = log.counter[SAMPLE], passed, regime.bed.size > 0
-    while take_step(length, kind, firm, chain, motion, wanted, h, INSIDE, trial, scratch, log) < 0.0:
+    while take_step(length, kind, firm, chain, motion, wanted, trial, scratch, log) < 0.0:
         length *= SAFETY
         if length < ROUND_OFF * passed:
             break

@@ -26,8 +26,7 @@ from softcradle.physics.adaptive.constants import (
 )
 from softcradle.physics.adaptive.corner_search import first_corner, first_root, stage_cubic
 from softcradle.physics.adaptive.dop853 import dop853_step
-from softcradle.physics.adaptive.radau import AFTER, radau_step
-from softcradle.physics.adaptive.radau_error import embedded_error
+from softcradle.physics.adaptive.radau import embedded_error, radau_step
 from softcradle.physics.adaptive.step_records import (
     DOP853,
     EITHER,
@@ -36,7 +35,6 @@ from softcradle.physics.adaptive.step_records import (
     LAST,
     LEFT,
     NEXT,
-    PAST_STEP,
     RADAU,
     RADAU_NEXT,
     REACH,
@@ -167,21 +165,21 @@ def update_control(control, h, kind, error, near, landing, rejected, wanted):
 
 
 @inlined
-def take_step(h, kind, firm, chain, motion, wanted, past_step, origin, trial, scratch, log):
+def take_step(h, kind, firm, chain, motion, wanted, trial, scratch, log):
     """One step into `trial`; returns -1 where its stages do not converge, else the error of dop853. `firm`: beads may stick."""
     log.counter[EVALUATION] += TRY_EVALUATIONS[kind]
     if kind == DOP853:
         return dop853_step(h, TOLERANCE_PART * wanted, firm, chain, motion, trial, scratch)
     precision = NEWTON_PART * wanted
-    used, tried = radau_step(h, chain, motion, precision, past_step, origin, trial, scratch)
+    used, tried = radau_step(h, chain, motion, precision, trial, scratch)
     log.counter[EVALUATION] += 3 * tried
     return 0.0 if used > 0 else -1.0
 
 
 @inlined
-def try_step(h, kind, firm, chain, motion, wanted, past_step, trial, scratch, log):
+def try_step(h, kind, firm, chain, motion, wanted, trial, scratch, log):
     """One step that may be taken; returns its error as a velocity [m/s], negative where its stages do not converge."""
-    error = take_step(h, kind, firm, chain, motion, wanted, past_step, AFTER, trial, scratch, log)
+    error = take_step(h, kind, firm, chain, motion, wanted, trial, scratch, log)
     return error if kind == DOP853 or error < 0.0 else embedded_error(h, chain, motion, trial, scratch.work)
 
 
@@ -217,12 +215,12 @@ def find_step(time, h, kind, alone, most_steps, chain, regime, motion, bounds, t
     Returns its length (0 with a corner: it is now; 0 without: its stages do not converge, or out of steps), error, the row and
     side of the corner, and the length of the last step rejected for its error (inf: none).
     """
-    wanted, past_step, counter = bounds.wanted, scratch.control[PAST_STEP], log.counter
+    wanted, counter = bounds.wanted, log.counter
     rejected, inactive, length_before, error_before = math.inf, TOLERANCE_PART * wanted, h, 0.0
     row, side, tries, ceiling, looked, least = NO_CONTACT, ZERO, 0, h, 0, ROUND_OFF * h
     firm = regime.bed.size > 0
     while counter[STEP] + counter[REJECTED] < most_steps:
-        error = try_step(h, kind, firm, chain, motion, wanted, past_step, trial, scratch, log)
+        error = try_step(h, kind, firm, chain, motion, wanted, trial, scratch, log)
         if error < 0.0 or not math.isfinite(error):
             counter[REJECTED] += 1
             row, h = NO_CONTACT, SHRINK * h

@@ -1,16 +1,11 @@
-"""What adaptive kernels share beside the records of all kernels: kinds of step, the effective chain, a step tried, memory."""
+"""What adaptive kernels share beside the records of all kernels: kinds of step, a step tried, scratch memory."""
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.chain import Chain
-from softcradle.physics.coupler import Coupler
-from softcradle.physics.kernel_records import NO_FLAGS, chain_records, law_rows
-from softcradle.physics.numerics.records import NO_DISSIPATION, NOTHING
-from softcradle.physics.state import State
 
 Array = NDArray[np.float64]
 
@@ -29,11 +24,10 @@ ERROR = 3  # its error [m/s]
 LEFT = 4  # time left to an opening at its start [s]
 UNLIMITED = 5  # next step had no event or opening come near [s]
 REACH = 6  # longest step of dop853, beyond which a soft contact is stiff [s]
-PAST_STEP = 7  # length of the last step of radau [s], for the first guess of the next; 0: there is none
-AT_ONCE = 8  # events one after another without a step between them
-LOCAL_SQUARE = 9  # sum of the squares of the errors of all steps
-GROWTH = 10  # by what factor, beside 1, bounces have made errors grow
-CONTROLS = 11
+AT_ONCE = 7  # events one after another without a step between them
+LOCAL_SQUARE = 8  # sum of the squares of the errors of all steps
+GROWTH = 9  # by what factor, beside 1, bounces have made errors grow
+CONTROLS = 10
 
 STAGES = 12  # of dop853
 WORK_ROWS = 12  # rows of scratch memory that steps of radau, corners and what is decided at them name
@@ -104,47 +98,10 @@ class Regime(NamedTuple):
     first: NDArray[np.int64]  # (n+1,) row of the first segment of each contact
 
 
-NO_SEGMENTS = (NO_FLAGS, np.zeros((0, 9)), np.zeros(0, dtype=np.int64))  # of a chain without couplers
-
-
-def chain_and_regime(chain: Chain, state: State) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-    """The fields of the effective chain and of its Regime; without dissipation they share their arrays."""
-    law, inverse_mass, push, external, anchor, *others, dissipation = chain_records(chain, state)
-    others.append(NO_DISSIPATION)
-    if not (chain.dissipative or chain.couplers):
-        regime = (law, inverse_mass, push, NOTHING, NOTHING, NO_FLAGS, NO_FLAGS, *NO_SEGMENTS)
-        return (law, inverse_mass, push, external, anchor, *others), regime
-    loss = dissipation.loss if dissipation.loss.any() or chain.couplers else NOTHING
-    bed = dissipation.bed if dissipation.bed.any() else NOTHING
-    slide, easing = np.zeros(bed.size, dtype=np.int8), np.zeros(loss.size, dtype=np.int8)
-    joints = NO_SEGMENTS
-    if chain.couplers:
-        joints, law = _segments(chain), np.zeros((chain.contacts, 6))
-    regime = (law, inverse_mass, push, loss, bed, slide, easing, *joints)
-    if bed.size and not external.size:
-        external = np.zeros(bed.size)
-    return (law.copy(), inverse_mass.copy(), push, external, anchor, *others), regime
-
-
-def _segments(chain: Chain) -> tuple[Any, ...]:
-    """The segments of all contacts, each on the one in which it pushes first."""
-    rows: list[tuple[float, ...]] = []
-    first, segment = np.zeros(chain.contacts + 1, dtype=np.int64), np.zeros(chain.contacts, dtype=np.int8)
-    for i, contact in enumerate(chain.contact):
-        if isinstance(contact, Coupler):
-            rows += contact.segments
-            segment[i] = sum(side < 0.0 for side, *_ in contact.segments)
-        else:
-            rows.append((1.0, 0.0, *law_rows(chain)[i].tolist(), 0.0, 0.0, float(chain.loss[i]), np.inf))
-        first[i + 1] = len(rows)
-    return segment, np.array(rows), first
-
-
 class Scratch(NamedTuple):
     """Memory of the steps between one call and the next, and within a step."""
 
     control: Array  # (CONTROLS,) of the step sizes
-    past: Array  # (8, n) forces and overlaps at start and stages of the last step of radau
     opening: Array  # (n,) when within the step a contact opens [s], -1 where it does not
     opened: Array  # (n,) when each contact opened last [s]; inf where it has not been apart
     lateness: Array  # (n,) of each closed contact, how much later it closed per velocity error before: flight over speed [s²/m]
@@ -170,7 +127,7 @@ def empty_trial(contacts: int) -> Trial:
 
 def empty_steps(rows: int, contacts: int, dissipative: bool) -> Steps:
     """Memory of `rows` steps."""
-    values, flags = 9 * contacts + 6, contacts
+    values, flags = 3 * contacts + 6, contacts
     if dissipative:
         values, flags = values + 8 * contacts + 2, flags + 3 * contacts + 1
     time, length, kind = np.empty(rows), np.empty(rows), np.empty(rows, dtype=np.int8)
@@ -181,7 +138,6 @@ def empty_scratch(contacts: int) -> Scratch:
     """Scratch memory of a chain with `contacts`."""
     return Scratch(
         control=np.zeros(CONTROLS),
-        past=np.zeros((8, contacts)),
         opening=np.zeros(contacts),
         opened=np.zeros(contacts),
         lateness=np.zeros(contacts),

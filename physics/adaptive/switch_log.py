@@ -10,7 +10,6 @@ import math
 
 from softcradle.physics.adaptive.constants import FEW_TRIES, ROUND_OFF, TOLERANCE_PART
 from softcradle.physics.adaptive.dop853 import hermite
-from softcradle.physics.adaptive.radau import AFTER
 from softcradle.physics.adaptive.row_graphs import side_of
 from softcradle.physics.adaptive.step_control import take_step
 from softcradle.physics.adaptive.step_records import GROWTH, LOCAL_SQUARE
@@ -125,7 +124,7 @@ def return_to_touch(i, fastest, rate, least, others, chain, control):
 
 
 @inlined
-def find_openings(h, kind, firm, chain, motion, wanted, past_step, trial, look, scratch, log):
+def find_openings(h, kind, firm, chain, motion, wanted, trial, look, scratch, log):
     """When within the step contacts open without an event, into `scratch.opening`: by the quintic of both ends, then, where
     the stages tell that it may be off, by shorter steps of the method, tried in `look`."""
     doubtful, allowed = False, TOLERANCE_PART * wanted * h
@@ -143,7 +142,7 @@ def find_openings(h, kind, firm, chain, motion, wanted, past_step, trial, look, 
             part = opening[i]
             if part <= 0.0:
                 break
-            if take_step(part, kind, firm, chain, motion, wanted, past_step, AFTER, look, scratch, log) < 0.0:
+            if take_step(part, kind, firm, chain, motion, wanted, look, scratch, log) < 0.0:
                 break
             miss, speed = look.overlap[2, i], look.rate[2, i]
             if speed >= 0.0:

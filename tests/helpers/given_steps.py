@@ -7,7 +7,8 @@ import math
 import numpy as np
 from softcradle.physics import Chain, State, hertz
 from softcradle.physics.adaptive.corner_search import AFTER, BEFORE, first_corner, guard_of
-from softcradle.physics.adaptive.step_records import NO_SEGMENTS, WORK_ROWS, Regime, empty_trial
+from softcradle.physics.adaptive.step_records import WORK_ROWS, Regime, empty_trial
+from softcradle.physics.kernel_records import NO_SEGMENTS
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.law_curve import NODES
 from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
