@@ -173,6 +173,11 @@ class OwnLaw:
         """Force [N] at `overlap` [m], any shape; 0 while open. ValueError where the law gives no finite force >= 0."""
         return self._where_pressed(overlap, self._force)
 
+    def tried(self, overlap: Array) -> Array:
+        """Force [N] at overlaps > 0 [m] that a solver only tries, any shape: what the function gives, nan where it gives nothing."""
+        flat = self._values(self.force_of, overlap.ravel(), self._takes_arrays)
+        return flat.reshape(overlap.shape)
+
     @overload
     def energy(self, overlap: float) -> float: ...
     @overload

@@ -61,10 +61,10 @@ class Laws:
         return found
 
     def force(self, overlap: Array) -> Array:
-        """(..., m) forces [N] of loaded contacts at overlaps (..., m)."""
+        """(..., m) forces [N] of loaded contacts at overlaps (..., m); no number where a solver tries what a law does not reach."""
         found: Array = self.preload + self.stiffness * np.maximum(overlap, 0.0) ** self.exponent
         for law, at in self.own:
-            found[..., at] = law.force(np.maximum(overlap[..., at], LEAST_OVERLAP))
+            found[..., at] = law.tried(np.maximum(overlap[..., at], LEAST_OVERLAP))
         return found
 
     def slope(self, overlap: Array) -> Array:

@@ -8,6 +8,7 @@ import softcradle.physics.reference.runner
 from softcradle.physics import Chain, Coupler, OwnLaw, TimedForce, cluster_on_cluster, one_on, simulate
 from softcradle.physics.chain import GRAVITY
 from softcradle.physics.contact import Contact, draft_gear, hertz, hooke, power_law, step_force
+from softcradle.physics.reference.laws import Laws
 
 from tests.helpers.relations import ADAPTIVE, FIXED_STEP, NAMES
 from tests.helpers.truth import GEAR, GEARS
@@ -218,3 +219,12 @@ def test_a_law_of_ones_own_is_what_it_is_as_a_power_law():
         for law in (OwnLaw(lambda overlap: 20.0 + 100.0 * overlap), Contact(20.0, 100.0, 1.0))
     ]
     assert ends[0].final_velocity == pytest.approx(ends[1].final_velocity, abs=1e-9)
+
+
+def test_a_solver_may_try_a_law_of_ones_own_where_that_has_no_number():
+    """Iterates of an implicit step went to 293 m, where exp ends: that step is tried again, shorter, and no run ends by it."""
+    laws = Laws(one_on(1, OwnLaw(lambda overlap: math.expm1(50.0 * overlap))), 1.0)
+    assert not np.isfinite(laws.force(np.array([293.0])))
+    assert laws.force(np.array([[0.1], [-0.1]])) == pytest.approx(np.array([[math.expm1(5.0)], [0.0]]))
+    with pytest.raises(ValueError, match=r"gives the force nan N at an overlap of 293"):
+        OwnLaw(lambda overlap: math.expm1(50.0 * overlap)).force(293.0)
