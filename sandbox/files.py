@@ -35,7 +35,7 @@ def _user_errors(opened: AbstractContextManager[Path], path: Name) -> Iterator[P
 def filled_folder(path: Name) -> Iterator[Path]:
     """The folder of that name, made where it does not exist, and removed again where an error leaves it empty (UserError)."""
     is_new = not os.path.exists(path)
-    folder = make_folder(path)
+    folder = _made(path)
     try:
         yield folder
     except BaseException:
@@ -45,8 +45,7 @@ def filled_folder(path: Name) -> Iterator[Path]:
         raise
 
 
-def make_folder(path: Name) -> Path:
-    """Make the folder of that name if it does not exist, and return it. Raises UserError where it cannot be made."""
+def _made(path: Name) -> Path:
     folder = Path(path)
     try:
         folder.mkdir(parents=True, exist_ok=True)
