@@ -139,10 +139,10 @@ def print_rows(
 
 
 def print_json(content: object) -> None:
-    """Print JSON; what is no number must be None."""
-    import json
+    """Print JSON, see `readable_json`."""
+    from softcradle.sandbox.files import readable_json
 
-    print(json.dumps(content, indent=2, allow_nan=False))
+    print(readable_json(content))
 
 
 def print_table(output: Console, grid: Table) -> None:

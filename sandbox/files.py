@@ -1,5 +1,6 @@
 """Files: assets of the package; what commands write, complete or not at all, with a UserError where that cannot be."""
 
+import json
 import os
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
@@ -53,6 +54,11 @@ def _made(path: Name) -> Path:
         told = "nothing can be written there" if isinstance(error, FileNotFoundError) else reason(error)
         raise UserError(f"cannot write to {path}: {told}") from None
     return folder
+
+
+def readable_json(content: object) -> str:
+    """JSON on lines of its own; what is no number must be None. Raises ValueError."""
+    return json.dumps(content, indent=2, allow_nan=False)
 
 
 def resource(name: str) -> Path:

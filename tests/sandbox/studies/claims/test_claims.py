@@ -64,7 +64,8 @@ def some() -> list[JudgedClaim]:
 
 def test_cases_of_a_sweep_are_those_of_the_study(some):
     for found in some:
-        alone = claim_named(found.name).study()
+        claim = claim_named(found.name)
+        alone = claim.study_of([claim.case(parameters) for parameters in claim.cases], claim.reference())
         assert found.seconds > 0.0
         assert replace(found, seconds=0.0, reference=0.0) == replace(alone, reference=0.0)
         assert np.array_equal([found.reference], [alone.reference], equal_nan=True)
