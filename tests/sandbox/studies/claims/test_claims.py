@@ -9,9 +9,9 @@ import pytest
 from softcradle.physics import simulate
 from softcradle.sandbox.cli.commands import claims
 from softcradle.sandbox.cli.main import main
-from softcradle.sandbox.studies.claims import claim_list
+from softcradle.sandbox.studies.claims import catalogue
+from softcradle.sandbox.studies.claims.catalogue import CLAIMS, claim_named, measure_claims
 from softcradle.sandbox.studies.claims.claim import Claim, JudgedClaim, Verdict
-from softcradle.sandbox.studies.claims.claim_list import CLAIMS, claim_named, measure_claims
 from softcradle.sandbox.studies.paper import NotSolvedError, chain_of, full_motion, start
 
 from tests.helpers.paths import ROOT
@@ -76,7 +76,7 @@ def test_a_case_that_is_not_solved_keeps_its_reason(monkeypatch):
         raise NotSolvedError(f"{solver.method}: never")
 
     broken = replace(claim_named("kicked-out"), measure=unsolved)
-    monkeypatch.setattr(claim_list, "CLAIMS", (broken,))
+    monkeypatch.setattr(catalogue, "CLAIMS", (broken,))
     (found,) = measure_claims(workers=1)
     assert {case.reason for case in found.cases} == {f"{broken.first.method}: never"}
     assert found.verdict is Verdict.UNDETERMINED
@@ -103,7 +103,7 @@ def test_cases_that_are_measured_are_not_measured_again(some, monkeypatch, tmp_p
 
 
 def test_command_prints_a_table_and_json_and_lists(some, monkeypatch, capsys):
-    monkeypatch.setattr(claim_list, "measure_claims", lambda *_, **__: some)
+    monkeypatch.setattr(catalogue, "measure_claims", lambda *_, **__: some)
     assert main(["claims"]) == 0
     shown = " ".join(capsys.readouterr().out.split())
     assert "fails beyond: 1" in shown

@@ -4,8 +4,8 @@ import math
 from dataclasses import replace
 
 import pytest
+from softcradle.sandbox.studies.claims.catalogue import CLAIMS
 from softcradle.sandbox.studies.claims.claim import Case, CaseOutcome, Claim, JudgedClaim, Verdict, grid
-from softcradle.sandbox.studies.claims.claim_list import CLAIMS
 from softcradle.sandbox.studies.claims.study_figure import as_json, draw_study, study_table
 from softcradle.sandbox.studies.paper import MEASURING, NotSolvedError
 from softcradle.sandbox.studies.plot_style import styled
