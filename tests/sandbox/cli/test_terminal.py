@@ -83,6 +83,27 @@ def test_progress_in_a_file_is_a_line_now_and_then(monkeypatch, capsys):
     assert capsys.readouterr().err == ""
 
 
+@pytest.mark.usefixtures("loud")
+def test_a_film_shows_how_far_it_is_unless_it_is_to_be_quiet(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(console, "LINE_AFTER", 0.0)
+    film = [
+        "render",
+        "one-on-four",
+        "-o",
+        str(tmp_path / "film.gif"),
+        "--size",
+        "320x180",
+        "--fps",
+        "5",
+        "--slow",
+        "0.5",
+    ]
+    assert main(film) == 0
+    assert "pictures: " in capsys.readouterr().err
+    assert main([*film, "-q"]) == 0
+    assert capsys.readouterr().err == ""
+
+
 @pytest.mark.parametrize("width", [20, 40, 80])
 @pytest.mark.parametrize("columns", [2, 4, 9])
 def test_tables_are_laid_out_or_become_records(width, columns):
