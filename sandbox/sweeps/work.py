@@ -122,8 +122,8 @@ class Work:
         return ends_alone and (kernels.in_memory or kernels.on_disk)
 
     def _at_once(self, points: Sequence[Mapping[str, Any]]) -> list[Outcome]:
-        """Points whose chains run side by side, to the same digits; those that have another shape, and those that do not end
-        as they should, run alone."""
+        """Points whose chains run side by side, to the same digits; those that have another shape, those that do not end
+        as they should, and those that cannot be measured, run alone."""
         lanes = list[list[LaneStart]]()
         for values in points:
             with suppress(Exception):  # the point alone tells why it cannot be
@@ -133,13 +133,16 @@ class Work:
             if len(lanes) < len(points) or any(start.settings != starts[0].settings for start in starts):
                 return [self.outcome(values) for values in points]
             ends = ends_of(starts)
-        except ValueError:
+        except Exception:  # likewise
             return [self.outcome(values) for values in points]
         found, row = list[Outcome](), iter(ends)
         for values, lane in zip(points, lanes, strict=True):
             runs = [Run(start, next(row)) for start in lane]
-            well = all(run.status in (Status.DONE, Status.SEPARATED) for run in runs)
-            found.append(self._measured(runs) if well else self.outcome(values))
+            outcome = None
+            if all(run.status in (Status.DONE, Status.SEPARATED) for run in runs):
+                with suppress(Exception):  # of a measure that cannot be taken: likewise
+                    outcome = self._measured(runs)
+            found.append(outcome or self.outcome(values))
         return found
 
     def outcome(self, values: Mapping[str, Any]) -> Outcome:

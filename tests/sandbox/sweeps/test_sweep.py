@@ -348,8 +348,9 @@ SPEED = "lanes.0.velocity.0"
         ("draft-gear-one-on-three", {"lanes.0.mass.0": [0.5, 0.7, -1.0, 1.0, 2.0], SPEED: [0.5, 1.0, 2.0]}),
         ("one-on-four", {"lanes.0.contact.alpha": [0.1, 0.11, 0.12, 0.4], SPEED: [1.0, 1.1]}),
         ("one-on-four", {"lanes.0.beads.1": [3, 4], SPEED: [1.0, 2.0]}),
+        ("one-on-four", {SPEED: [-1.0, 0.0, 1.0]}),
     ],
-    ids=["gears, and a mass that cannot be", "motions of several runs", "chains of two shapes"],
+    ids=["gears, and a mass that cannot be", "motions of several runs", "chains of two shapes", "no blow to measure"],
 )
 def test_points_that_run_side_by_side_have_the_digits_of_those_alone(scene, over, monkeypatch, request):
     measures = ("final_velocity", "velocity_error", "end", "steps", "evaluations", "rigidity")
