@@ -59,6 +59,7 @@ class ProgressShown:
         self._points, self._what, self._done, self._count = what, what, 0, count
         self._shown, self._ended = shown and not is_quiet(), threading.Event()
         self._bar: Progress | None = None
+        self._lines: threading.Thread | None = None
         self._began, self._before = monotonic(), 0
 
     def __enter__(self) -> ProgressShown:
@@ -68,13 +69,16 @@ class ProgressShown:
             self._task = self._bar.add_task(self._what, total=self._count)
             self._bar.start()
         elif output is not None:
-            threading.Thread(target=self._write_lines, name="progress", daemon=True).start()
+            self._lines = threading.Thread(target=self._write_lines, name="progress", daemon=True)
+            self._lines.start()
         return self
 
     def __exit__(self, *error: object) -> None:
         self._ended.set()
         if self._bar is not None:
             self._bar.stop()
+        if self._lines is not None:
+            self._lines.join()  # nothing is written behind what the command says next
 
     def tell(self, what: str, done: int, count: int | None = None) -> None:
         """So many are done, of so many."""
