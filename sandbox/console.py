@@ -89,9 +89,9 @@ class ProgressShown:
         if self._bar is not None:
             self._bar.update(self._task, description=what, completed=done, total=count)
 
-    def advance(self) -> None:
-        """One more is done."""
-        self.tell(self._what, self._done + 1, self._count)
+    def advance(self, by: int = 1) -> None:
+        """So many more are done."""
+        self.tell(self._what, self._done + by, self._count)
 
     def _write_lines(self) -> None:
         while not self._ended.wait(LINE_AFTER):

@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import os
+import re
 import subprocess
 import sys
 
@@ -100,7 +101,9 @@ def test_a_film_shows_how_far_it_is_unless_it_is_to_be_quiet(tmp_path, monkeypat
         "0.5",
     ]
     assert main(film) == 0
-    assert "pictures: " in capsys.readouterr().err
+    told = re.findall(r"frames: (\d+) of (\d+)", capsys.readouterr().err)
+    assert told
+    assert all(int(done) <= int(count) for done, count in told)  # also of a film that draws again what stays
     assert main([*film, "-q"]) == 0
     assert capsys.readouterr().err == ""
 
