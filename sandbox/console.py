@@ -89,9 +89,9 @@ class ProgressShown:
         if self._bar is not None:
             self._bar.update(self._task, description=what, completed=done, total=count)
 
-    def advance(self) -> None:
-        """One more is done."""
-        self.tell(self._what, self._done + 1, self._count)
+    def advance(self, by: int = 1) -> None:
+        """So many more are done."""
+        self.tell(self._what, self._done + by, self._count)
 
     def _write_lines(self) -> None:
         while not self._ended.wait(LINE_AFTER):
@@ -143,10 +143,10 @@ def print_rows(
 
 
 def print_json(content: object) -> None:
-    """Print JSON; what is no number must be None."""
-    import json
+    """Print JSON, see `readable_json`."""
+    from softcradle.sandbox.files import readable_json
 
-    print(json.dumps(content, indent=2, allow_nan=False))
+    print(readable_json(content))
 
 
 def print_table(output: Console, grid: Table) -> None:

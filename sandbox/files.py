@@ -1,5 +1,6 @@
 """Files: assets of the package; what commands write, complete or not at all, with a UserError where that cannot be."""
 
+import json
 import os
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
@@ -35,7 +36,7 @@ def _user_errors(opened: AbstractContextManager[Path], path: Name) -> Iterator[P
 def filled_folder(path: Name) -> Iterator[Path]:
     """The folder of that name, made where it does not exist, and removed again where an error leaves it empty (UserError)."""
     is_new = not os.path.exists(path)
-    folder = make_folder(path)
+    folder = _made(path)
     try:
         yield folder
     except BaseException:
@@ -45,8 +46,7 @@ def filled_folder(path: Name) -> Iterator[Path]:
         raise
 
 
-def make_folder(path: Name) -> Path:
-    """Make the folder of that name if it does not exist, and return it. Raises UserError where it cannot be made."""
+def _made(path: Name) -> Path:
     folder = Path(path)
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -54,6 +54,11 @@ def make_folder(path: Name) -> Path:
         told = "nothing can be written there" if isinstance(error, FileNotFoundError) else reason(error)
         raise UserError(f"cannot write to {path}: {told}") from None
     return folder
+
+
+def readable_json(content: object) -> str:
+    """JSON on lines of its own; what is no number must be None. Raises ValueError."""
+    return json.dumps(content, indent=2, allow_nan=False)
 
 
 def resource(name: str) -> Path:

@@ -26,24 +26,27 @@ def load_scene(name_or_path: str) -> Scene:
         raise UserError(str(error)) from None
 
 
-def run_scene(scene: Scene, **overrides: Any) -> list[Trajectory]:
+def run_scene(scene: Scene, most: int | None = None, **overrides: Any) -> list[Trajectory]:
     """The trajectory of every lane of `scene`; `overrides` are keywords of `physics.simulate`, None takes the scene's.
+
+    A lane that takes more than `most` steps times contacts has given up.
 
     Raises:
         UserError: settings that the method does not take.
     """
     settings = scene.settings(**overrides)
-    found = [_run_lane(lane, settings) for lane in scene.lanes]
+    found = [_run_lane(lane, settings, most) for lane in scene.lanes]
     fixed = any(trajectory.tolerance == 0.0 and not trajectory.choice for trajectory in found)
     if overrides.get("tolerance") is not None and fixed:
         raise UserError(f"method {found[0].method!r} takes a step, not a tolerance")
     return found
 
 
-def _run_lane(lane: Lane, settings: dict[str, Any]) -> Trajectory:
+def _run_lane(lane: Lane, settings: dict[str, Any], most: int | None) -> Trajectory:
     from softcradle.physics.simulation import solve  # what may be wrong is in trajectory.warnings, which callers print
 
     try:
-        return solve(lane.chain(), lane.velocity, **settings)
+        chain = lane.chain()
+        return solve(chain, lane.velocity, most_steps=most and most // chain.contacts, **settings)
     except ValueError as error:
         raise UserError(str(error)) from None

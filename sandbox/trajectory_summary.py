@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from softcradle.sandbox.languages import N_, _, localized, ngettext
+from softcradle.sandbox.quantities import FORCE, MASS, OVERLAP, TIME, VELOCITY
 
 if TYPE_CHECKING:
     from softcradle.physics import Trajectory
@@ -111,7 +112,7 @@ class ResultTable:
 
 def bead_table(summary: Summary) -> ResultTable:
     """A row a bead."""
-    last = "velocity when it gave up [m/s]" if summary.gave_up else "final velocity [m/s]"
+    last = f"velocity when it gave up [{VELOCITY.unit}]" if summary.gave_up else f"final {VELOCITY.label}"
     rows = (
         (
             str(i),
@@ -121,7 +122,7 @@ def bead_table(summary: Summary) -> ResultTable:
         )
         for i, bead in enumerate(summary.beads)
     )
-    return ResultTable(("bead", "mass [kg]", "velocity at start [m/s]", last), tuple(rows))
+    return ResultTable(("bead", MASS.label, f"velocity at start [{VELOCITY.unit}]", last), tuple(rows))
 
 
 def contact_table(summary: Summary) -> ResultTable:
@@ -130,7 +131,8 @@ def contact_table(summary: Summary) -> ResultTable:
     size, prefix = unit_prefix(
         max((max(item.largest_force, item.largest_pull) for item in summary.contacts), default=0.0)
     )
-    titles = "contact", "closed [s]", "opened [s]", "times", "largest overlap [m]", f"largest force [{prefix}N]"
+    closed, opened, force = f"closed [{TIME.unit}]", f"opened [{TIME.unit}]", f"{prefix}{FORCE.unit}"
+    titles = "contact", closed, opened, "times", f"largest {OVERLAP.label}", f"largest force [{force}]"
     rows = (
         (
             f"{i}-{i + 1}",
@@ -143,7 +145,7 @@ def contact_table(summary: Summary) -> ResultTable:
         )
         for i, contact in enumerate(summary.contacts)
     )
-    return ResultTable((*titles, *[f"largest pull [{prefix}N]"] * pulls), tuple(rows))
+    return ResultTable((*titles, *[f"largest pull [{force}]"] * pulls), tuple(rows))
 
 
 def unit_prefix(largest: float) -> tuple[float, str]:

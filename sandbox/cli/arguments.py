@@ -14,6 +14,8 @@ from pathlib import Path
 from softcradle.sandbox.console import note
 from softcradle.sandbox.user_error import UserError
 
+DEFAULT_FOLDER = Path("out")  # of what commands write that are not told where
+
 
 def positive_number(text: str) -> float:
     """A finite number > 0; it may be a fraction such as 1/60."""
@@ -93,11 +95,16 @@ def figure_path(name: str, command: str) -> Path:
 
 
 @contextmanager
-def opened_outputs(paths: Iterable[Path]) -> Iterator[list[Path]]:
-    """Temporary files that become `paths` at the end; opened before the runs, so that an unwritable place is refused at once."""
-    from softcradle.sandbox.files import output_file
+def opened_outputs(paths: Sequence[Path]) -> Iterator[list[Path]]:
+    """Temporary files that become `paths` at the end; opened before the runs, so that an unwritable place is refused at once.
+
+    Of folders the one is made in which commands write that are not told where.
+    """
+    from softcradle.sandbox.files import filled_folder, output_file
 
     with ExitStack() as stack:
+        if any(path.parent == DEFAULT_FOLDER for path in paths):
+            stack.enter_context(filled_folder(DEFAULT_FOLDER))
         yield [stack.enter_context(output_file(path)) for path in paths]
 
 

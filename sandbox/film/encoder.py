@@ -26,6 +26,7 @@ from softcradle.sandbox.film.formats import Codec, FrameMaker, Palette, check
 
 Packet = Any  # of PyAV, whose versions differ in the arguments of this type
 Paint = Callable[[pygame.Surface, Any], None]  # draws one of the pictures
+Tell = Callable[[int], None]  # hears of how many more frames are done
 
 # About; a segment begins with a frame that refers to no other, 30 times as long as the others: a tenth of a film of such
 # segments. They are even in number, because two cores are the fewest that matter.
@@ -53,11 +54,11 @@ def segment_lengths(frames: int) -> list[int]:
 
 
 def encoded_segments(
-    codec: Codec, size: tuple[int, int], rate: Fraction, pictures: Sequence[Any], paint: Paint
+    codec: Codec, size: tuple[int, int], rate: Fraction, pictures: Sequence[Any], paint: Paint, tell: Tell
 ) -> Iterator[Packet]:
     """Draw `pictures` by `paint` in this thread, encode them in others, and yield the packets of the film in order.
 
-    A picture that equals the one before it is neither drawn nor converted again.
+    A picture that equals the one before it is neither drawn nor converted again. `tell` hears of how many more are drawn.
     """
     segments, first = [], 0
     for count in segment_lengths(len(pictures)):
@@ -65,7 +66,7 @@ def encoded_segments(
         first += count
     workers = _Workers(codec, size, rate, min(cores(), len(segments), MOST_WORKERS))
     try:
-        yield from workers.run(segments, pictures, paint)
+        yield from workers.run(segments, pictures, paint, tell)
     finally:
         workers.stop()
 
@@ -88,7 +89,7 @@ class _Workers:
         for thread in self._threads:
             thread.start()
 
-    def run(self, segments: Sequence[_Segment], pictures: Sequence[Any], paint: Paint) -> Iterator[Packet]:
+    def run(self, segments: Sequence[_Segment], pictures: Sequence[Any], paint: Paint, tell: Tell) -> Iterator[Packet]:
         """Each worker has one segment after another, and gets its next frame whenever it has a free surface."""
         waiting, held = list(segments), dict[int, _Segment]()
         unwritten, left = list(segments), sum(segment.count for segment in segments)
@@ -107,6 +108,7 @@ class _Workers:
                 self._full[worker].put((segment, None))
             segment.drawn += drawn
             left -= drawn
+            tell(drawn)
             while unwritten and unwritten[0].done.is_set():
                 yield from unwritten.pop(0).packets
         for segment in unwritten:
@@ -188,15 +190,16 @@ class Film:
         """Add a finished frame. Its surface must not be drawn on any more."""
         raise NotImplementedError
 
-    def paint_frames(self, pictures: Sequence[Any], paint: Paint) -> None:
+    def paint_frames(self, pictures: Sequence[Any], paint: Paint, tell: Tell = lambda _: None) -> None:
         """Add a frame for each of `pictures`, drawn by `paint`, in the order in which they are written soonest.
 
-        A picture that equals the one before it need not be drawn.
+        A picture that equals the one before it need not be drawn. `tell` hears of how many more frames there are.
         """
         for picture in pictures:
             surface = self.free_surface()
             paint(surface, picture)
             self.add(surface)
+            tell(1)
 
 
 @contextmanager
@@ -282,11 +285,11 @@ class _Encoder(Film):
     def add(self, surface: pygame.Surface) -> None:
         self._full.put(surface)
 
-    def paint_frames(self, pictures: Sequence[Any], paint: Paint) -> None:
+    def paint_frames(self, pictures: Sequence[Any], paint: Paint, tell: Tell = lambda _: None) -> None:
         if not self._codec.segmented or len(segment_lengths(len(pictures))) == 1:
-            super().paint_frames(pictures, paint)
+            super().paint_frames(pictures, paint, tell)
             return
-        for packet in encoded_segments(self._codec, self._size, self._rate, pictures, paint):
+        for packet in encoded_segments(self._codec, self._size, self._rate, pictures, paint, tell):
             packet.stream = self._stream
             self._container.mux(packet)
 

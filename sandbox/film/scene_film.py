@@ -99,13 +99,12 @@ def render_scene(
         film.take_colours(sample)
         first_frame = perf_counter() - start
         shots = [Shot(strongest)] if single else film_shots(scene, motions, rate, rows_a_frame)
-        bar.tell("pictures", 0, sum(shot != before for shot, before in zip(shots, [None, *shots], strict=False)))
+        bar.tell("frames", 0, len(shots))
 
         def paint(surface: pygame.Surface, shot: Shot) -> None:
             picture.paint(surface, shot.row, text_opacity=shot.text_opacity)
-            bar.advance()
 
-        film.paint_frames(shots, paint)
+        film.paint_frames(shots, paint, bar.advance)
     duration, clock = 0.0 if single else len(shots) / rate, float(motions[0].time[shots[0].row])
     return RenderReport(Path(output), len(shots), duration, perf_counter() - start, simulated, first_frame, clock)
 

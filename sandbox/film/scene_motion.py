@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 from softcradle.physics import Chain, Trajectory
 from softcradle.physics.scales import closing_speed
-from softcradle.physics.simulation import solve
 from softcradle.sandbox.draw import longest_lead, motion_of
 from softcradle.sandbox.motion import Array, Motion
-from softcradle.sandbox.scene_runs import SHOWN
+from softcradle.sandbox.scene_runs import SHOWN, run_scene
 from softcradle.sandbox.user_error import GaveUpError, UserError
 from softcradle.scenes import Scene
 
@@ -118,15 +117,7 @@ def _end_and_sentence(
 def _solved(
     scene: Scene, method: str | None, step: float | None, most: int | None, **settings: Any
 ) -> list[Trajectory]:
-    try:
-        settings = scene.settings(method=method or scene.method or SHOWN, step=step, **settings)
-        chains = [lane.chain() for lane in scene.lanes]
-        found = [
-            solve(chain, lane.velocity, most_steps=most and most // chain.contacts, **settings)
-            for chain, lane in zip(chains, scene.lanes, strict=True)
-        ]
-    except ValueError as error:
-        raise UserError(str(error)) from error
+    found = run_scene(scene, most, method=method or scene.method or SHOWN, step=step, **settings)
     for trajectory in found:
         if trajectory.status.gave_up:
             raise GaveUpError(f"a film needs the whole motion: {'; '.join(map(str, trajectory.warnings))}")

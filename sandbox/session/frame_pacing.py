@@ -5,22 +5,6 @@ from time import perf_counter
 
 from softcradle.sandbox.session.lane_setup import FRAME_RATE
 
-
-class FrameClock:
-    """A clock that moves only when `now` is set.
-
-    Attributes:
-        now: the time that it tells [s].
-    """
-
-    def __init__(self) -> None:
-        self.now = 0.0
-
-    def __call__(self) -> float:
-        """The time [s]."""
-        return self.now
-
-
 BUDGET = 0.010  # wall seconds of physics in one tick: the rest of a 60th of a second is for drawing
 LONGEST_TICK = 0.25  # wall seconds: after a pause of the whole program the model does not catch up
 AVERAGED = 0.5  # wall seconds over which clock ratio and milliseconds are averaged

@@ -16,7 +16,8 @@ from softcradle.physics.state import State
 from softcradle.physics.timed_force import on_other_beads
 from softcradle.sandbox.languages import N_, gettext
 from softcradle.sandbox.session.contact_conversion import converted_contact, hard_contact, kind_of, plain_contact
-from softcradle.sandbox.session.edits import (
+from softcradle.sandbox.session.lane_setup import LaneSetup
+from softcradle.sandbox.session.state_changes import (
     LARGEST,
     MOST_BEADS,
     Changed,
@@ -33,7 +34,6 @@ from softcradle.sandbox.session.edits import (
     with_chain,
     with_contacts,
 )
-from softcradle.sandbox.session.lane_setup import LaneSetup
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,6 @@ Its figure: rigidity in decades by colour, cluster sizes as rows, contours and a
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -14,15 +13,15 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics import Chain, Trajectory, draft_gear, one_on, power_law
+from softcradle.physics import Chain, draft_gear, one_on, power_law
 from softcradle.physics.analysis.closed_forms import critical_speed
-from softcradle.physics.analysis.measures import rigidity
-from softcradle.physics.simulation import solve
 from softcradle.physics.status import Status
 from softcradle.sandbox.studies.data_table import Array, Table
 from softcradle.sandbox.studies.plot_style import PAGE_WIDTH, inner_label, new_figure, panel_title
 from softcradle.sandbox.sweeps import grid
+from softcradle.sandbox.sweeps.measure_table import Run
 from softcradle.sandbox.sweeps.run_sweep import Progress, map_points
+from softcradle.sandbox.sweeps.scene_points import LaneStart
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -82,7 +81,7 @@ CHAINS = {
 def compute_map(
     scanned: RigidityMap, kept: Path | None = None, progress: Progress | None = None, workers: int | None = None
 ) -> Table:
-    """A row a point: abscissa, n, rigidity when the striker leaves and at the end (nan where unknown), status, warned.
+    """A row a point: abscissa, n, rigidity when the striker leaves for good and at the end (nan where unknown), status, warned.
 
     The status is that of the run (softcradle.physics.status.Status): from 2 on it gave up, and its end is unknown. With `kept`,
     points that a run before has computed are not computed again, see `map_points`.
@@ -99,34 +98,17 @@ def compute_map(
 def point_numbers(name: str, tolerance: float, abscissa: float, n: int) -> dict[str, float]:
     """One point of the map of that name."""
     chain, speed = CHAINS[name](abscissa, n)
-    start = [speed, *[0.0] * n]
-    end = solve(chain, start, samples=2, tolerance=tolerance)
-    leaving = _detachment(end)
-    detached = solve(chain, start, leaving, samples=2, tolerance=tolerance)
-    return {
-        "rigidity_at_detachment": _rigidity(detached, leaving),
-        "rigidity_at_the_end": _rigidity(end, leaving),
-        "status": float(max((end.status, detached.status), key=_severity)),
-        "warned": float(bool(detached.warnings or end.warnings)),
+    run = Run(LaneStart(chain, [speed, *[0.0] * n], {"tolerance": tolerance}))
+    found = {"rigidity_at_detachment": run.spread(run.detached), "rigidity_at_the_end": run.spread(run.motion)}
+    return found | {
+        "status": float(max((one.status for one in run.runs()), key=_severity)),
+        "warned": float(any(one.warnings for one in run.runs())),
     }
 
 
 def _severity(status: Status) -> tuple[bool, int]:
     """Order of statuses in which those of runs that gave up, the reasons of hatched cells, come last."""
     return status.gave_up, status
-
-
-def _detachment(found: Trajectory) -> float:
-    """When the striker leaves; 0 where the run gave up before."""
-    spans = found.contact_intervals[0]
-    return spans[0][1] if spans and math.isfinite(spans[0][1]) else 0.0
-
-
-def _rigidity(found: Trajectory, leaving: float) -> float:
-    """Rigidity at the end of a run; nan where it gave up, or where the striker's leaving is unknown."""
-    if found.status.gave_up or leaving == 0.0:
-        return math.nan
-    return float(rigidity(found.final_velocity[1:]))
 
 
 COLUMNS = ("rigidity at detachment", "rigidity at the end")

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics import Chain, Trajectory
 from softcradle.physics.status import Status
-from softcradle.sandbox.sweeps.measure_table import OF_ENDS, Measure, Run, Value, ends_of, find_measure
+from softcradle.sandbox.sweeps.measure_table import OF_ENDS, Measure, Run, RunEnd, Value, ends_of, find_measure
 from softcradle.sandbox.sweeps.sample_points import Points
 from softcradle.sandbox.sweeps.scene_points import LaneStart, ScenePoints
 from softcradle.sandbox.user_error import StudyError
@@ -26,6 +26,8 @@ Array = NDArray[np.float64]
 
 
 AT_ONCE = 64  # points that are read at once, and may run side by side
+MOST_AT_ONCE = 256  # of them where they are so quick that these take no longer than a chunk should: more are alike
+LEAST_ALIKE = 4  # chains of one shape that run side by side: fewer cost less alone
 STATUS, WARNED, REASON = ":status", ":warned", ":reason"  # columns beside the measures, by names that none of these has
 WORTH_KERNELS = 1000  # points of a sweep for which the kernels of such runs are compiled behind it
 TAKEN = ("point", "lane", "bead", "contact", "status", "warned", "reason")  # names that parameters cannot have
@@ -109,6 +111,8 @@ class Work:
         size = AT_ONCE if self._runs_at_once() else 1
         while (not outcomes or perf_counter() - began <= seconds) and (block := [*islice(points, size)]):
             outcomes += self._at_once(block) if size > 1 else map(self.outcome, block)
+            pace = (perf_counter() - began) / len(outcomes)
+            size = MOST_AT_ONCE if size > 1 and MOST_AT_ONCE * pace < seconds else size
         return packed(begin, outcomes, perf_counter() - began)
 
     def _runs_at_once(self) -> bool:
@@ -122,25 +126,36 @@ class Work:
         return ends_alone and (kernels.in_memory or kernels.on_disk)
 
     def _at_once(self, points: Sequence[Mapping[str, Any]]) -> list[Outcome]:
-        """Points whose chains run side by side, to the same digits; those that have another shape, and those that do not end
-        as they should, run alone."""
-        lanes = list[list[LaneStart]]()
-        for values in points:
-            with suppress(Exception):  # the point alone tells why it cannot be
-                lanes.append(self.source.starts(values))  # type: ignore[union-attr]
-        starts = [start for lane in lanes for start in lane]
-        try:
-            if len(lanes) < len(points) or any(start.settings != starts[0].settings for start in starts):
-                return [self.outcome(values) for values in points]
-            ends = ends_of(starts)
-        except ValueError:
-            return [self.outcome(values) for values in points]
-        found, row = list[Outcome](), iter(ends)
-        for values, lane in zip(points, lanes, strict=True):
-            runs = [Run(start, next(row)) for start in lane]
-            well = all(run.status in (Status.DONE, Status.SEPARATED) for run in runs)
-            found.append(self._measured(runs) if well else self.outcome(values))
-        return found
+        """Points whose chains run side by side, those of one shape and with the same settings in one call, to the same digits.
+
+        Those that are alone of their shape, do not end as they should, or cannot be measured, run alone.
+        """
+        lanes = [self._starts(values) for values in points]
+        alike: dict[Any, list[LaneStart]] = {}
+        for start in (start for own in lanes for start in own):
+            alike.setdefault((start.chain.contacts, *sorted(start.settings.items())), []).append(start)
+        ends: dict[int, RunEnd] = {}  # by the identity of a start
+        for group in alike.values():
+            if len(group) >= LEAST_ALIKE:
+                with suppress(Exception):  # of chains that cannot run so; alone each tells what is wrong with it
+                    ends.update(zip(map(id, group), ends_of(group), strict=True))
+        return [
+            self._beside(values, own, [ends.get(id(start)) for start in own])
+            for values, own in zip(points, lanes, strict=True)
+        ]
+
+    def _starts(self, values: Mapping[str, Any]) -> list[LaneStart]:
+        """What moves at a point; nothing where it cannot be, which the point alone tells."""
+        with suppress(Exception):
+            return self.source.starts(values)  # type: ignore[union-attr]
+        return []
+
+    def _beside(self, values: Mapping[str, Any], starts: Sequence[LaneStart], ends: Sequence[RunEnd | None]) -> Outcome:
+        """A point whose chains ended so beside others; None where one did not run."""
+        if ends and all(end is not None and end.status in (Status.DONE, Status.SEPARATED) for end in ends):
+            with suppress(Exception):  # of a measure that cannot be taken: likewise
+                return self._measured([Run(*both) for both in zip(starts, ends, strict=True)])
+        return self.outcome(values)
 
     def outcome(self, values: Mapping[str, Any]) -> Outcome:
         """One point. What goes wrong with it is its status and reason."""

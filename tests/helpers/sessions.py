@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from softcradle.physics.contact import draft_gear, hertz, power_law
 from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.contact_conversion import KINDS
-from softcradle.sandbox.session.frame_pacing import FrameClock
 from softcradle.sandbox.session.replay import Replay
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.snapshots import NOTHING_HELD, snapshot_table
@@ -21,8 +20,8 @@ from softcradle import scenes
 
 
 def opened(name: str = "one-on-four", *edits: inputs.Input, **options: Any) -> Session:
-    """A session with the scene `name` after `edits`, whose clock moves when the test moves it; `options` are those of Session."""
-    session = Session(scenes.load(name), **{"clock": FrameClock(), **options})
+    """A session with the scene `name` after `edits`, whose clock stands still; `options` are those of Session."""
+    session = Session(scenes.load(name), **{"clock": lambda: 0.0, **options})
     for edit in edits:
         session.apply(edit)
     return session

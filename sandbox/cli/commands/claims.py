@@ -31,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(args: argparse.Namespace) -> int:
     """Measure the claims, print them, and write their pictures."""
     from softcradle.sandbox.files import output_file
-    from softcradle.sandbox.studies.claims.claim_list import CLAIMS, measure_claims
+    from softcradle.sandbox.studies.claims.catalogue import CLAIMS, measure_claims
     from softcradle.sandbox.studies.claims.study_figure import markdown, write_studies
 
     claims = named("claim", args.names, {claim.name: claim for claim in CLAIMS})

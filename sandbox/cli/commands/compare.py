@@ -12,7 +12,6 @@ from softcradle.sandbox.cli.arguments import (
     positive_number,
 )
 from softcradle.sandbox.console import console, print_json
-from softcradle.sandbox.files import make_folder
 from softcradle.sandbox.user_error import GAVE_UP
 
 DEFAULT_OUTPUT = "out/compare.html"
@@ -55,7 +54,8 @@ def main(args: argparse.Namespace) -> int:
     comparison = comparison_of(args.scenes, args.contact, fewest=1 if args.match else 2)
     if args.match:
         side_to_match(comparison)
-    paths, found = _paths(args), None
+    wanted = args.output or ([] if args.json else [DEFAULT_OUTPUT])
+    paths, found = list(map(Path, wanted)), None
     written = WrittenFiles(paths)
     settings = FilmSettings(args.size, args.slow, args.method, args.step)
     check_outputs(paths, comparison, settings)
@@ -74,11 +74,3 @@ def main(args: argparse.Namespace) -> int:
             output.print(note)
         written.report(paths, show=args.open)
     return GAVE_UP if any(result.trajectory.status.gave_up for result in report.results) else 0
-
-
-def _paths(args: argparse.Namespace) -> list[Path]:
-    if args.output or args.json:
-        return [Path(path) for path in args.output]
-    path = Path(DEFAULT_OUTPUT)
-    make_folder(path.parent)
-    return [path]

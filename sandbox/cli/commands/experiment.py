@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Fit the friction, and print what follows with and without pistons."""
-    from softcradle.sandbox.files import output_file
+    from softcradle.sandbox.files import output_file, readable_json
     from softcradle.sandbox.studies.experiment import STRIKERS, compute_experiment, critical_speed_with_error
 
     with ProgressShown("launch speeds") as progress:
@@ -44,7 +43,7 @@ def main(args: argparse.Namespace) -> int:
     if args.output is not None:
         written = WrittenFiles([Path(args.output)])
         with output_file(args.output) as temporary:
-            temporary.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+            temporary.write_text(readable_json(content) + "\n", encoding="utf-8")
         written.report([Path(args.output)])
     return 0
 

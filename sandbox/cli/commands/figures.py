@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Draw the figures, or list them."""
-    from softcradle.sandbox.studies.figures.figure_list import compute_tables, figures_named, write_figure
+    from softcradle.sandbox.studies.figures.catalogue import compute_tables, figures_named, write_figure
 
     figures = figures_named(args.names)
     if args.list:

@@ -14,7 +14,6 @@ from softcradle.sandbox.cli.arguments import (
     picture_size,
     positive_number,
 )
-from softcradle.sandbox.console import is_quiet
 from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.user_error import UserError
 
@@ -64,7 +63,6 @@ def main(args: argparse.Namespace) -> int:
         method=args.method,
         step=args.step,
         pixel_format=args.pixel_format,
-        progress=not is_quiet(),
     )
     frames = f"{report.frames} frames, {report.duration:.1f} s of film" if report.frames > 1 else "one picture"
     written.report([report.output], f", {frames}, in {report.seconds:.1f} s", args.open)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import argparse
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from softcradle.sandbox.cli.arguments import positive_number, whole_number
+from softcradle.sandbox.cli.arguments import DEFAULT_FOLDER, positive_number, whole_number
 from softcradle.sandbox.console import ProgressShown, console, note, print_rows
 from softcradle.sandbox.user_error import POINTS_LOST, UserError
 
@@ -53,7 +54,7 @@ def main(args: argparse.Namespace) -> int:
     from softcradle.sandbox.sweeps.study_file import load_study
 
     study = load_study(args.study)
-    output = Path(args.output or Path("out") / f"{Path(args.study).stem}.zarr")
+    output = Path(args.output or DEFAULT_FOLDER / f"{Path(args.study).stem}.zarr")
     if not args.status:
         return _compute(args, study, output)
     from softcradle.sandbox.sweeps.run_sweep import sweep_status
@@ -65,13 +66,12 @@ def main(args: argparse.Namespace) -> int:
 
 def _compute(args: argparse.Namespace, study: SweepStudy, output: Path) -> int:
     """Compute the study and say what was found; the exit code says whether points are lost."""
-    from softcradle.sandbox.files import make_folder
+    from softcradle.sandbox.files import filled_folder
     from softcradle.sandbox.sweeps.dataset import lost_points
     from softcradle.sandbox.sweeps.run_sweep import sweep
 
-    if args.output is None:
-        make_folder("out")
-    with ProgressShown("points") as progress:
+    folder = nullcontext() if args.output else filled_folder(DEFAULT_FOLDER)
+    with folder, ProgressShown("points") as progress:
         found = sweep(
             study.scene,
             study.points,

@@ -280,10 +280,6 @@ class Claim(Statement):
     refer: bool = True
     chosen: bool = True
 
-    def study(self) -> JudgedClaim:
-        """Measure all cases, and the paper's own by the reference."""
-        return self.study_of([self.case(parameters) for parameters in self.cases], self.reference())
-
     def study_of(self, cases: Sequence[Case], reference: float = math.nan, seconds: float = 0.0) -> JudgedClaim:
         """The study of cases that are measured; the reference's value widens the error bar of the paper's own."""
         stated = {field.name: getattr(self, field.name) for field in fields(Statement)}

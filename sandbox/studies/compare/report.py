@@ -1,6 +1,5 @@
 """The files of a comparison: a page with player, charts and tables, a film, or the numbers; each whole or not at all."""
 
-import json
 import math
 import os
 from collections.abc import Sequence
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 from softcradle.physics.analysis.collision import CollisionMeasures, ContactMeasures
 from softcradle.physics.analysis.matching import Match
 from softcradle.physics.analysis.measures import LEAST_OVERLAP, energy_inside, first_touch
+from softcradle.sandbox.files import readable_json
 from softcradle.sandbox.film.formats import check
 from softcradle.sandbox.film.scene_film import RenderReport, render_scene
 from softcradle.sandbox.page.document import footer, note, table
@@ -252,7 +252,7 @@ class ComparisonReport:
     def write(self, path: Path) -> None:
         """Write the kind of file that the name of `path` tells."""
         if path.suffix == ".json":
-            path.write_text(json.dumps(self.as_json(), indent=2, allow_nan=False) + "\n", encoding="utf-8")
+            path.write_text(readable_json(self.as_json()) + "\n", encoding="utf-8")
         elif path.suffix == ".html":
             path.write_text(self.html(), encoding="utf-8")
         else:

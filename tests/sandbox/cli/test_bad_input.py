@@ -4,8 +4,10 @@ import re
 from pathlib import Path
 
 import pytest
+from softcradle.sandbox.cli.arguments import opened_outputs
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies.compare.sides import MOST_SIDES
+from softcradle.sandbox.user_error import StudyError, UserError
 
 from tests.helpers.paths import ROOT
 
@@ -174,6 +176,38 @@ def test_existing_output_survives_a_refused_run(tmp_path, capsys):
     assert list(tmp_path.iterdir()) == [path]
     (tmp_path / "out.csv").mkdir()
     assert "it is a folder" in refused(capsys, ["run", "mixed", "-o", str(tmp_path / "out.csv")])
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "compare one-on-four two-on-two --size 10x10",
+        "chart no-scene",
+        "stability no-scan",
+        f"sweep {STUDY} --workers 1",
+    ],
+)
+def test_a_refusal_leaves_no_folder_where_commands_write_that_are_not_told_where(
+    tmp_path, monkeypatch, capsys, command
+):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("softcradle.sandbox.sweeps.run_sweep.checked_output", _refuse)
+    refused(capsys, command.split())
+    assert not Path("out").exists()
+
+
+def _refuse(output):
+    raise StudyError(f"cannot write {output}")
+
+
+def test_what_commands_write_that_are_not_told_where_makes_its_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with opened_outputs([Path("out/chart.png"), Path("out/chart.csv")]) as places:
+        for place in places:
+            place.touch()
+    assert {path.name for path in Path("out").iterdir()} == {"chart.png", "chart.csv"}
+    with pytest.raises(UserError, match="there is no folder"), opened_outputs([Path("elsewhere/chart.png")]):
+        pass
 
 
 def test_check_reports_every_problem_of_every_file(tmp_path, capsys):

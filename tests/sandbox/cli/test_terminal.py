@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import os
+import re
 import subprocess
 import sys
 
@@ -81,6 +82,29 @@ def test_progress_in_a_file_is_a_line_now_and_then(monkeypatch, capsys):
     set_quiet(True)  # where that is wanted it is left out
     with console.ProgressShown("points") as progress:
         progress.tell("points", 1, 2)
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.usefixtures("loud")
+def test_a_film_shows_how_far_it_is_unless_it_is_to_be_quiet(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(console, "LINE_AFTER", 0.0)
+    film = [
+        "render",
+        "one-on-four",
+        "-o",
+        str(tmp_path / "film.gif"),
+        "--size",
+        "320x180",
+        "--fps",
+        "5",
+        "--slow",
+        "0.5",
+    ]
+    assert main(film) == 0
+    told = re.findall(r"frames: (\d+) of (\d+)", capsys.readouterr().err)
+    assert told
+    assert all(int(done) <= int(count) for done, count in told)  # also of a film that draws again what stays
+    assert main([*film, "-q"]) == 0
     assert capsys.readouterr().err == ""
 
 

@@ -231,7 +231,7 @@ def test_a_motion_that_is_not_finite_is_refused(monkeypatch):
         trajectory.force[-1] = np.nan
         return trajectory
 
-    monkeypatch.setattr(scene_motion, "solve", broken)
+    monkeypatch.setattr("softcradle.physics.simulation.solve", broken)
     with pytest.raises(UserError, match="did not stay finite"):
         scene_motions(SCENE, FPS)
 
@@ -299,7 +299,7 @@ def runs(monkeypatch):
         found.append(settings)
         return solve(*arguments, **settings)
 
-    monkeypatch.setattr(scene_motion, "solve", counted)
+    monkeypatch.setattr("softcradle.physics.simulation.solve", counted)
     return found
 
 

@@ -71,8 +71,10 @@ def test_a_picture_that_stays_is_drawn_once_a_segment(tmp_path, monkeypatch):
 
     for name, repeats in (("quick", film_encoder._repeats), ("plain", lambda pictures: 0)):
         monkeypatch.setattr(film_encoder, "_repeats", repeats)
+        told = []
         with open_film(tmp_path / f"{name}.mp4", SIZE, 30.0) as film:
-            film.paint_frames(pictures, counted)
+            film.paint_frames(pictures, counted, told.append)
+        assert sum(told) == len(pictures), "what is said of the progress ends at all frames"
         if name == "quick":
             assert len(drawn) <= 31 + len(segment_lengths(len(pictures)))
             assert set(drawn) == set(pictures)

@@ -7,7 +7,6 @@ import pytest
 from softcradle.physics import simulate
 from softcradle.sandbox.scene_runs import run_scene
 from softcradle.sandbox.session import RemoveBead, SetMass, SetMethod, SetSlow, SetVelocity, live_lane
-from softcradle.sandbox.session.frame_pacing import FrameClock
 from softcradle.sandbox.session.history_slices import last_slice
 from softcradle.sandbox.session.lane_setup import FRAME_RATE
 from softcradle.sandbox.session.summary_text import summary_text
@@ -71,13 +70,14 @@ def test_uneven_pictures_lose_no_time():
 
 
 def test_late_physics_slows_the_clock_and_is_reported():
-    clock = FrameClock()
-    session = opened(clock=clock, budget=0.010)
+    now, took = 0.0, 0.008
+    session = opened(clock=lambda: now, budget=0.010)
     session.play()
-    compute, took = session._compute_frame, 0.008
+    compute = session._compute_frame
 
     def slow_frame():
-        clock.now += took
+        nonlocal now
+        now += took
         return compute()
 
     session._compute_frame = slow_frame

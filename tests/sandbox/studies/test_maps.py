@@ -12,6 +12,7 @@ from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies import rigidity_maps as rigidity_scan
 from softcradle.sandbox.studies.plot_style import styled
 from softcradle.sandbox.studies.rigidity_maps import compute_map, draw_map, rigidity_maps
+from softcradle.sandbox.sweeps import measure_table
 
 from tests.helpers.figure_layout import texts_of, unreadable
 
@@ -78,7 +79,7 @@ def giving_up(chain, *arguments, **options):
 
 
 def test_a_point_that_gives_up_is_hatched_and_the_map_complete(monkeypatch):
-    monkeypatch.setattr(rigidity_scan, "solve", giving_up)
+    monkeypatch.setattr(measure_table, "solve", giving_up)
     scanned, _ = rigidity_maps(4, 3)
     table = compute_map(scanned, workers=1)
     failed = table["n"] == 3
@@ -157,11 +158,11 @@ def test_the_reason_of_a_hatched_cell_is_that_of_the_run_that_gave_up(monkeypatc
     """The run to the end gives up at n = 2, that to the detachment at n = 3; what is undetermined is no reason."""
 
     def giving_up(chain, *arguments, **options):
-        to_the_end = len(arguments) == 1
+        to_the_end = "duration" not in options
         lost = Status.FAILED if to_the_end is (chain.contacts == 2) else Status.UNDETERMINED
         return replace(solve(chain, *arguments, **options), status=lost)
 
-    monkeypatch.setattr(rigidity_scan, "solve", giving_up)
+    monkeypatch.setattr(measure_table, "solve", giving_up)
     scanned, _ = rigidity_maps(3, 2)
     table = compute_map(scanned, workers=1)
     assert (table["status"] == Status.FAILED).all()
@@ -176,6 +177,6 @@ def test_kept_points_of_other_settings_are_not_taken(tmp_path, monkeypatch):
     compute_map(power, kept, workers=1)
     monkeypatch.setattr(rigidity_scan, "TOLERANCE", 1e-3)
     asked: list[object] = []
-    monkeypatch.setattr(rigidity_scan, "solve", lambda chain, *a, **k: asked.append(chain) or solve(chain, *a, **k))
+    monkeypatch.setattr(measure_table, "solve", lambda chain, *a, **k: asked.append(chain) or solve(chain, *a, **k))
     compute_map(power, kept, workers=1)
     assert len(asked) == 2 * 6

@@ -7,8 +7,8 @@ import re
 import pytest
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies import verify
-from softcradle.sandbox.studies.claims.claim_list import CLAIMS
-from softcradle.sandbox.studies.figures.figure_list import FIGURES
+from softcradle.sandbox.studies.claims.catalogue import CLAIMS
+from softcradle.sandbox.studies.figures.catalogue import FIGURES
 from softcradle.sandbox.studies.verify import KnownNumber
 
 from softcradle import scenes

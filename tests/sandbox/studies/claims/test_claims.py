@@ -9,9 +9,9 @@ import pytest
 from softcradle.physics import simulate
 from softcradle.sandbox.cli.commands import claims
 from softcradle.sandbox.cli.main import main
-from softcradle.sandbox.studies.claims import claim_list
+from softcradle.sandbox.studies.claims import catalogue
+from softcradle.sandbox.studies.claims.catalogue import CLAIMS, claim_named, measure_claims
 from softcradle.sandbox.studies.claims.claim import Claim, JudgedClaim, Verdict
-from softcradle.sandbox.studies.claims.claim_list import CLAIMS, claim_named, measure_claims
 from softcradle.sandbox.studies.paper import NotSolvedError, chain_of, full_motion, start
 
 from tests.helpers.paths import ROOT
@@ -64,7 +64,8 @@ def some() -> list[JudgedClaim]:
 
 def test_cases_of_a_sweep_are_those_of_the_study(some):
     for found in some:
-        alone = claim_named(found.name).study()
+        claim = claim_named(found.name)
+        alone = claim.study_of([claim.case(parameters) for parameters in claim.cases], claim.reference())
         assert found.seconds > 0.0
         assert replace(found, seconds=0.0, reference=0.0) == replace(alone, reference=0.0)
         assert np.array_equal([found.reference], [alone.reference], equal_nan=True)
@@ -75,7 +76,7 @@ def test_a_case_that_is_not_solved_keeps_its_reason(monkeypatch):
         raise NotSolvedError(f"{solver.method}: never")
 
     broken = replace(claim_named("kicked-out"), measure=unsolved)
-    monkeypatch.setattr(claim_list, "CLAIMS", (broken,))
+    monkeypatch.setattr(catalogue, "CLAIMS", (broken,))
     (found,) = measure_claims(workers=1)
     assert {case.reason for case in found.cases} == {f"{broken.first.method}: never"}
     assert found.verdict is Verdict.UNDETERMINED
@@ -102,7 +103,7 @@ def test_cases_that_are_measured_are_not_measured_again(some, monkeypatch, tmp_p
 
 
 def test_command_prints_a_table_and_json_and_lists(some, monkeypatch, capsys):
-    monkeypatch.setattr(claim_list, "measure_claims", lambda *_, **__: some)
+    monkeypatch.setattr(catalogue, "measure_claims", lambda *_, **__: some)
     assert main(["claims"]) == 0
     shown = " ".join(capsys.readouterr().out.split())
     assert "fails beyond: 1" in shown

@@ -4,8 +4,8 @@ import math
 from dataclasses import replace
 
 import pytest
+from softcradle.sandbox.studies.claims.catalogue import CLAIMS
 from softcradle.sandbox.studies.claims.claim import Case, CaseOutcome, Claim, JudgedClaim, Verdict, grid
-from softcradle.sandbox.studies.claims.claim_list import CLAIMS
 from softcradle.sandbox.studies.claims.study_figure import as_json, draw_study, study_table
 from softcradle.sandbox.studies.paper import MEASURING, NotSolvedError
 from softcradle.sandbox.studies.plot_style import styled
@@ -72,9 +72,14 @@ def claim(measure, **options):
     )  # fmt: skip
 
 
+def judged(claim):
+    """The claim with all its cases measured one after the other, and the paper's own by the reference."""
+    return claim.study_of([claim.case(parameters) for parameters in claim.cases], claim.reference())
+
+
 def test_the_error_bar_is_the_difference_of_two_methods_and_the_reference_widens_it():
     errors = {MEASURING.method: 0.0, "conserving": 0.1, "scipy": 0.3}
-    found = claim(lambda case, solver: case["x"] + errors[solver.method]).study()
+    found = judged(claim(lambda case, solver: case["x"] + errors[solver.method]))
     assert [one.error for one in found.cases] == pytest.approx([0.1, 0.3, 0.1])
     assert found.reference == pytest.approx(2.3)
     assert [one.side for one in found.cases] == [CaseOutcome.HOLDS, CaseOutcome.HOLDS, CaseOutcome.FAILS]
@@ -86,7 +91,7 @@ def test_a_run_that_gave_up_is_not_determined():
             raise NotSolvedError("too many steps")
         return parameters["x"]
 
-    found = claim(measure, refer=False).study()
+    found = judged(claim(measure, refer=False))
     assert found.verdict is Verdict.UNDETERMINED
     assert found.own_case.reason == "too many steps"
     json = as_json(found)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from softcradle.sandbox.studies.data_table import Table
-from softcradle.sandbox.studies.figures.figure_list import figures_named
+from softcradle.sandbox.studies.figures.catalogue import figures_named
 
 
 class Tables(dict[str, Table]):

@@ -9,8 +9,8 @@ from PIL import Image
 from softcradle.sandbox.cli.commands.figures import KEPT
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies.data_table import write_table
-from softcradle.sandbox.studies.figures import collision, figure_list
-from softcradle.sandbox.studies.figures.figure_list import FIGURES, compute_tables, figures_named, write_figure
+from softcradle.sandbox.studies.figures import catalogue, collision
+from softcradle.sandbox.studies.figures.catalogue import FIGURES, compute_tables, figures_named, write_figure
 from softcradle.sandbox.studies.plot_style import SUFFIXES, styled
 
 from tests.helpers.figure_layout import keys_on_curves, unnamed_colours, unreadable
@@ -91,7 +91,7 @@ def test_a_figure_that_is_computed_is_not_computed_again(tables, tmp_path, monke
     with pytest.raises(KeyboardInterrupt):
         list(compute_tables(wanted, tmp_path / KEPT, stop, 1))
     again = [replace(wanted[0], table=lambda: pytest.fail("computed again")), wanted[1]]
-    monkeypatch.setattr(figure_list, "FIGURES", again)
+    monkeypatch.setattr(catalogue, "FIGURES", again)
     found = list(compute_tables(again, tmp_path / KEPT, None, 1))
     assert all(same(table, tables[figure.name]) for table, figure in zip(found, wanted, strict=True))
     assert main(["figures", "2a", "exchange", "-o", str(tmp_path)]) == 0

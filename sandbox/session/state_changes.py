@@ -1,4 +1,4 @@
-"""Parts of edits: beads of a state are moved, immutable parts of a lane are replaced whole, numbers beyond use are refused."""
+"""Changes of a lane by edits: beads of a state are moved, immutable parts are replaced whole, numbers beyond use are refused."""
 
 import math
 from collections.abc import Callable

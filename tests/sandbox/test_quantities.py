@@ -1,0 +1,64 @@
+"""One table of quantities: whatever has a heading, an axis or a unit calls a quantity by the same name and unit."""
+
+import re
+
+import pytest
+from softcradle.physics import one_on, power_law
+from softcradle.physics.simulation import solve
+from softcradle.sandbox.quantities import FORCE, KINETIC, MASS, MOMENTUM, OVERLAP, POSITION, QUANTITIES, TIME, VELOCITY
+from softcradle.sandbox.session.editable_numbers import NUMBERS
+from softcradle.sandbox.session.values_table import BEAD_COLUMNS, CONTACT_COLUMNS, values_csv
+from softcradle.sandbox.sweeps.measure_table import MEASURES
+from softcradle.sandbox.trajectory_summary import bead_table, contact_table, summarise
+from softcradle.sandbox.window.plots.kinds import signal_of
+
+from tests.helpers.paths import ROOT
+from tests.helpers.sessions import opened
+
+TABLE = (*QUANTITIES.values(), MASS)
+# words of a heading that tell which quantity it is of; the later one where there are two: "momentum of force" is a force
+WORDS = {"mass": MASS, "time": TIME, "position": POSITION, "velocity": VELOCITY, "velocities": VELOCITY, "overlap": OVERLAP,
+         "force": FORCE, "forces": FORCE, "momentum": MOMENTUM, "energy": KINETIC}  # fmt: skip
+HEADING = re.compile(r"([A-Za-z _]+)[\d-]* [\[(]([^\])]*)[\])]")
+
+
+@pytest.fixture(scope="module")
+def trajectory():
+    return solve(one_on(2, power_law(1.0, 0.1)), [1.0, 0.0, 0.0])
+
+
+def wrong_units(headings):
+    """Headings such as "velocity (m/s)" whose unit is not that of the quantity; prefixes as in kN are right too."""
+    found = []
+    for heading in headings:
+        name, unit = HEADING.search(heading).groups()
+        exact = [one for one in TABLE if one.name == name]
+        owners = exact or [WORDS[word] for word in re.findall("[a-z]+", name.lower()) if word in WORDS]
+        if owners and unit not in [prefix + owners[-1].unit for prefix in ("", "k", "M")]:
+            found.append(heading)
+    return found
+
+
+def test_a_wrong_unit_is_found():
+    assert wrong_units(["velocity (m)", "largest force [kN]", "rate (m/s)", "v0 (m)"]) == ["velocity (m)"]
+
+
+def test_headings_of_files_tables_and_pages_have_the_units_of_the_table(trajectory, tmp_path):
+    trajectory.to_csv(tmp_path / "run.csv")
+    columns = (tmp_path / "run.csv").read_text().splitlines()[0].split(",")
+    assert {f"{one.name} 0 [{one.unit}]" for one in (POSITION, VELOCITY)} <= set(columns)
+    summary = summarise("", trajectory)
+    tables = [title for one in (bead_table(summary), contact_table(summary)) for title in one.titles if "[" in title]
+    measures = [f"{one.name.replace('_', ' ')} [{one.unit}]" for one in MEASURES if one.unit]
+    numbers = [f"{one.name} ({one.unit})" for one in NUMBERS if one.unit]
+    words = re.findall(r'"([^"]*\([A-Za-z/ ]+\))"', (ROOT / "assets/page/words.js").read_text().partition("  de: {")[0])
+    assert len(words) > 4
+    headings = [*columns, *tables, *measures, *numbers, *words, *(one.title for one in TABLE)]
+    assert wrong_units(headings) == []
+
+
+def test_the_table_of_values_and_signals_are_the_table(trajectory):
+    assert set(BEAD_COLUMNS[1:]) | set(CONTACT_COLUMNS[1:]) <= {one.column for one in TABLE}
+    assert all(f",{column}" in values_csv(opened()) for column in (*BEAD_COLUMNS, *CONTACT_COLUMNS))
+    for letter, quantity in QUANTITIES.items():
+        assert signal_of(letter if quantity.owner == "chain" else f"{letter}0", 3).quantity is quantity
