@@ -174,7 +174,7 @@ class OwnLaw:
         return self._where_pressed(overlap, self._force)
 
     def tried(self, overlap: Array) -> Array:
-        """Force [N] at overlaps > 0 [m] that a solver only tries, any shape: what the function gives, nan where it gives nothing."""
+        """Force [N] at overlaps > 0 [m] that a solver only tries, any shape; nan where the function gives none."""
         flat = self._values(self.force_of, overlap.ravel(), self._takes_arrays)
         return flat.reshape(overlap.shape)
 

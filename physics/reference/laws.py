@@ -61,7 +61,7 @@ class Laws:
         return found
 
     def force(self, overlap: Array) -> Array:
-        """(..., m) forces [N] of loaded contacts at overlaps (..., m); no number where a solver tries what a law does not reach."""
+        """(..., m) forces [N] of loaded contacts at overlaps (..., m); no finite ones beyond the reach of a law."""
         found: Array = self.preload + self.stiffness * np.maximum(overlap, 0.0) ** self.exponent
         for law, at in self.own:
             found[..., at] = law.tried(np.maximum(overlap[..., at], LEAST_OVERLAP))
