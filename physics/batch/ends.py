@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.adaptive.runner import DOUBT, error_growth
 from softcradle.physics.adaptive.step_records import ALLOWED, DOP853, empty_scratch, empty_steps, empty_trial
+from softcradle.physics.adaptive.usual_budget import STEPS_A_CONTACT as MORE_STEPS
 from softcradle.physics.adaptive.usual_budget import usual_budget
 from softcradle.physics.batch.chain_batch import ChainBatch
 from softcradle.physics.batch.run_each import BatchData, BatchMotion, integrate_each, march_each
@@ -44,6 +45,9 @@ Array = NDArray[np.float64]
 Which = NDArray[np.int64]
 
 LEAST_AT_ONCE = 16  # chains in a call of a kernel
+FIRST_STEPS = (
+    2000  # of a chain, and more for each contact; one that takes more rattles, and is run by `simulate` in any case
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -235,9 +239,7 @@ class _Accuracy:
     method: str
     tolerance: float
     scale: Array  # (C,) speed [m/s] that the tolerance is relative to
-    budget: (
-        int  # steps, rejected ones included: that of `step_budget` at the start; a chain that takes more is run again
-    )
+    budget: int  # steps, rejected ones included; a chain that takes more is run again
     grown: Array  # (C, n) growth of errors by the last bounce of each contact
     turns: Array  # (C, n) turns of the oscillation of each contact
     control: Array  # (C, 2) growth by those before, and the sum of squares of the errors of steps
@@ -251,7 +253,8 @@ class _Accuracy:
         spread = np.ptp(velocity, axis=1)
         scale = np.maximum(approach, max(LEAST_SCALE, ROUND_OFF / tolerance) * spread)
         scale[scale == 0.0] = np.where(spread == 0.0, 1.0, spread)[scale == 0.0]
-        budget = MOST_STEPS if ALLOWED[method] == DOP853 else usual_budget(batch.contacts, tolerance)
+        allowed = MOST_STEPS if ALLOWED[method] == DOP853 else usual_budget(batch.contacts, tolerance)
+        budget = min(allowed, FIRST_STEPS + MORE_STEPS * batch.contacts)
         grown, turns, control = (np.zeros((batch.chains, count)) for count in (batch.contacts, batch.contacts, 2))
         return cls(method, tolerance, scale, budget, grown, turns, control)
 
