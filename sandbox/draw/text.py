@@ -69,6 +69,11 @@ def shortened(text: str, size: float, room: float, *, bold: bool = False) -> str
     return text.rstrip() + "…"
 
 
+def paragraphs(text: str, size: float, room: float) -> list[str]:
+    """The lines of a text whose line breaks stay."""
+    return [line for part in text.split("\n") for line in wrapped(part, size, room)]
+
+
 def wrapped(text: str, size: float, room: float) -> list[str]:
     """`text` broken between words into lines of at most `room` pixels; spaces that do not break stay."""
     lines = [""]

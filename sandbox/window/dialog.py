@@ -15,7 +15,7 @@ from pygame_gui.core.utility import set_default_manager
 from pygame_gui.elements import UIButton
 from pygame_gui.windows import UIFileDialog
 from softcradle.sandbox.draw.palette import tones
-from softcradle.sandbox.draw.text import width, wrapped, write
+from softcradle.sandbox.draw.text import paragraphs, width, write
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.window import theme
 from softcradle.sandbox.window.keys import binding_of, hint
@@ -178,7 +178,7 @@ class Dialog(Overlay):
         super().__init__(host)
 
     def _lines(self) -> list[str]:
-        return wrapped(self.note, 16 * self.host.unit, (WIDTH - 2 * MARGIN) * self.host.unit)
+        return paragraphs(self.note, 16 * self.host.unit, (WIDTH - 2 * MARGIN) * self.host.unit)
 
     def make_widgets(self) -> None:
         """Take a place in the middle of the page and make the buttons: side by side, the first on the right, or in a column."""

@@ -67,7 +67,7 @@ class ScenePage(Page):
         self.inspector = Inspector(host, session, self.editor)
         self.explore = ExplorePanel(host, session, self.editor, lambda: self.cards.health)
         self.panels = (self.inspector, self.explore)
-        self.outcome = OutcomeCard(host, session, partial(host.act, "compare_balls"))
+        self.outcome = OutcomeCard(host, session, self.board, partial(host.act, "compare_balls"))
         self.view = SceneView(host, session, self.editor, self.board, self.panels, self.outcome)
         self.timeline = Timeline(session)
         self.clock = SceneClock(host, session, self.editor, self.view, self.timeline, replay, self.outcome.show_outcome)
@@ -162,9 +162,11 @@ class ScenePage(Page):
         )
 
     def escape(self) -> None:
-        """Deselect; with nothing selected, back to the gallery."""
+        """Deselect, or take the card away; with neither, back to the gallery."""
         if self.editor.selection is not None:
             self.editor.selection = None
+        elif self.outcome.text:
+            self.outcome.hide()
         else:
             self.leave()
 
@@ -187,9 +189,9 @@ class ScenePage(Page):
         lab, few = (nowhere, panel) if self.host.explore else (panel, nowhere)
         self.inspector.build(self.cards.build(lab, self.editor.selection is not None))
         self.explore.build(few)
+        self.outcome.build(places.card)
         self.view.rebuild()
         self.tools.build()
-        self.outcome.build(places.below_beads)
 
     def handle(self, event: pygame.Event) -> bool:
         """Take events of the widgets first, then those of the mouse."""

@@ -48,7 +48,7 @@ def test_the_clock_pauses_once_when_the_beads_are_apart_and_a_card_says_what_hap
     assert state.overlap.min() <= -2.0 * length
     card = driver.page.outcome
     assert "Beads 2 to 4 go together to the right" in card.text
-    assert list(card.buttons) == ["Close", "Now with steel balls", "Why? The forces"]
+    assert list(card.buttons) == ["Why? The forces", "Now with steel balls", "Close"]
     assert not driver.messages
     stopped = driver.session.time
     driver.run(100)
