@@ -16,7 +16,9 @@ ENERGY_BARS = 36.0  # design pixels, their height
 GUTTER = 24.0  # design pixels between two plots
 MARGIN = 14.0  # design pixels around beads and plots
 LEAST_LANE = 120.0  # design pixels of a lane, the least: plots, a card, insets and energy bars give way
-LANE = 180.0  # design pixels of a lane in which bars of forces can be compared; plots that have more than they need give way
+# Design pixels of a lane in which bars of forces can be compared, in the Lab and where beads are more than plots: what plots
+# have beyond PLOT_ROW gives way to it.
+LANE = {False: 150.0, True: 180.0}
 LANE_GAP = 4.0  # design pixels between two lanes
 PLOT_ROW = 96.0  # design pixels of a row of plots, the least: three labels below each other
 PLOTS_SHARE = {0: 0.0, 1: 0.44, 2: 0.53, 3: 0.6, 4: 0.66}  # of the height, for so many rows of plots
@@ -72,7 +74,7 @@ def geometry(
     rows = [count for count in plots if count]
     share = PLOTS_SHARE.get(len(rows), MOST_PLOTS_SHARE) * (EXPLORED if explore else 1.0)
     least = len(rows) * PLOT_ROW * unit
-    high = max(least, min(share * main.height, main.height - _lanes_height(lanes, LANE) * unit))
+    high = max(least, min(share * main.height, main.height - _lanes_height(lanes, LANE[explore]) * unit))
     high = round(max(least, high - card))
     above = Rect(main.left, main.top, main.width, main.height - high - card)
     gap = round(8 * unit)
@@ -91,7 +93,7 @@ def fitting(size: tuple[int, int], unit: float, lanes: int, explore: bool, card:
     """How many rows of plots there is room for, others are scrolled to; and the height of the `card`, 0 where it has none."""
     main = size[1] - (TOOLBAR + FOOTER + MARGIN) * unit
     card = card if card <= main - _lanes_height(lanes, LEAST_LANE) * unit else 0
-    low = LANE if explore or card else LEAST_LANE
+    low = LANE[True] if explore or card else LEAST_LANE
     return max(0, int((main - card - _lanes_height(lanes, low) * unit) / (PLOT_ROW * unit))), card
 
 
