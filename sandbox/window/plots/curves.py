@@ -273,8 +273,8 @@ class Plot:
     def backdrop(self, surface: pygame.Surface) -> None:
         """Draw the title and the labels of the vertical axis."""
         title, mark, lane = self.content.title.partition(" · ")
-        if width(self.content.title, 13 * self.unit) > self.title_room():  # what explains the title goes, the lane stays
-            title = title.split(": ")[0]
+        if width(self.content.title, 13 * self.unit) > self.title_room():
+            title = title.split(": ")[0]  # what explains it goes, the name of the lane stays
         self.write_title(surface, title + mark + lane)
         self.write_down(surface)
 

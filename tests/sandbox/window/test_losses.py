@@ -320,6 +320,8 @@ def test_a_session_is_saved_and_replayed_with_the_same_digits_and_can_be_paused(
     driver.drop_file(tmp_path / "played.npz")
     driver.frames(5)
     assert driver.page.clock.activity() == "replaying"
+    said = next(one for one in driver.texts() if one.text.startswith("replay, frame"))
+    assert driver.page.view.places.footer.contains(said.rect)  # on no bead and no force
     driver.key(pygame.K_SPACE)
     frame = driver.session.frame
     driver.frames(5)
