@@ -37,6 +37,7 @@ def test_a_window_that_is_killed_offers_its_edits_at_the_next_start(driver: Driv
     again.key(pygame.K_RETURN)
     assert again.session.lanes[0].chain.mass == masses
     assert again.page.unsaved
+    assert any("You have changed this scene" in one.text for one in again.texts())  # not what is true of four beads
     assert not again.app.settings.recent
     again.close()
     assert not unsaved_path().exists()
