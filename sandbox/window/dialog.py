@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
+from typing import ClassVar
 
 import pygame
 import pygame_gui
@@ -15,12 +16,12 @@ from pygame_gui.core.utility import set_default_manager
 from pygame_gui.elements import UIButton
 from pygame_gui.windows import UIFileDialog
 from softcradle.sandbox.draw.palette import tones
-from softcradle.sandbox.draw.text import paragraphs, width, write
+from softcradle.sandbox.draw.text import paragraphs, shortened, width, write
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.window import theme
 from softcradle.sandbox.window.keys import binding_of, hint
 from softcradle.sandbox.window.page import Host
-from softcradle.sandbox.window.widgets import TextBox, TextEntry
+from softcradle.sandbox.window.widgets import PRESS, TextBox, TextEntry
 
 POINTER_EVENTS = (pygame.MOUSEBUTTONDOWN, pygame.MOUSEBUTTONUP, pygame.MOUSEMOTION, pygame.MOUSEWHEEL)
 KEY_EVENTS = (pygame.KEYDOWN, pygame.KEYUP, pygame.TEXTINPUT)
@@ -33,7 +34,13 @@ class Overlay:
         open: whether it is on screen.
         manager: of its widgets.
         box: its rectangle.
+        focus: number of the choice that Enter takes; -1: none.
+        choice_count: how many there are.
+        steps: by how many choices a key moves the focus.
     """
+
+    focus, choice_count = 0, 0
+    steps: ClassVar[Mapping[int, int]] = {}
 
     def __init__(self, host: Host) -> None:
         self.host, self.open = host, True
@@ -49,9 +56,18 @@ class Overlay:
         """Take a place and make the widgets on it."""
         raise NotImplementedError
 
+    def take_choice(self) -> None:
+        """Take the choice that has the focus."""
+
     def key(self, event: pygame.Event) -> None:
-        """Take a pressed key."""
-        raise NotImplementedError
+        """Arrows and Tab move, Enter takes, Esc closes."""
+        step = self.steps.get(event.key)
+        if event.key == pygame.K_ESCAPE:
+            self.close()
+        elif event.key in PRESS and self.focus >= 0:
+            self.take_choice()
+        elif step is not None:
+            self.focus = ((max(self.focus, 0) if step < 0 else self.focus) + step) % self.choice_count
 
     def handle(self, event: pygame.Event) -> bool:
         """Take every key and click: the page below gets none."""
@@ -83,12 +99,13 @@ class Menu(Overlay):
     """The actions `names` of the page or the window, those `ticked` with a mark. A click elsewhere and Esc close it.
 
     Attributes:
-        focus: number of the row that Enter takes.
         buttons: the rows.
     """
 
+    steps: ClassVar[Mapping[int, int]] = {pygame.K_DOWN: 1, pygame.K_TAB: 1, pygame.K_UP: -1}
+
     def __init__(self, host: Host, corner: tuple[int, int], names: Sequence[str], ticked: Sequence[str] = ()) -> None:
-        self.corner, self.names, self.ticked, self.focus = corner, names, ticked, 0
+        self.corner, self.names, self.ticked, self.choice_count = corner, names, ticked, len(names)
         self.buttons: list[UIButton] = []
         super().__init__(host)
 
@@ -125,16 +142,9 @@ class Menu(Overlay):
             self.close()
         return super().handle(event)
 
-    def key(self, event: pygame.Event) -> None:
-        """Arrows move, Enter takes, Esc closes."""
-        if event.key == pygame.K_ESCAPE:
-            self.close()
-        elif event.key in (pygame.K_RETURN, pygame.K_KP_ENTER, pygame.K_SPACE):
-            self.choose(self.names[self.focus])
-        elif event.key in (pygame.K_DOWN, pygame.K_TAB):
-            self.focus = (self.focus + 1) % len(self.names)
-        elif event.key == pygame.K_UP:
-            self.focus = (self.focus - 1) % len(self.names)
+    def take_choice(self) -> None:
+        """Do the action of the row."""
+        self.choose(self.names[self.focus])
 
     def paint(self, surface: pygame.Surface) -> None:
         """Draw the box, the rows, and the ring of the row that Enter takes."""
@@ -155,6 +165,7 @@ ROW = 36.0  # design pixels of a button or of a line to type
 RECENT = 26.0  # design pixels of a recent file
 LONG = 90.0  # design pixels of lines to type
 SHADE_OPACITY = 110  # of 255, over the page
+STEPS = {pygame.K_TAB: 1, pygame.K_LEFT: 1, pygame.K_DOWN: 1, pygame.K_RIGHT: -1, pygame.K_UP: -1}
 Choices = Mapping[str, Callable[[], object]]
 
 
@@ -166,14 +177,14 @@ class Dialog(Overlay):
 
     Attributes:
         buttons: by text.
-        focus: number of the button that Enter presses; -1: none.
     """
 
+    steps: ClassVar[Mapping[int, int]] = STEPS
     body = 0.0  # design pixels between the note and the buttons
 
     def __init__(self, host: Host, title: str, note: str, choices: Choices, neutral: bool = False) -> None:
         self.title, self.note, self.choices, self.neutral = title, note, choices, neutral
-        self.focus = -1 if neutral else 0
+        self.focus, self.choice_count = -1 if neutral else 0, len(choices)
         self.buttons: dict[str, UIButton] = {}
         super().__init__(host)
 
@@ -206,17 +217,9 @@ class Dialog(Overlay):
         self.close()
         command()
 
-    def key(self, event: pygame.Event) -> None:
-        """Arrows and Tab move, Enter takes, Esc closes."""
-        commands = list(self.choices.values())
-        if event.key == pygame.K_ESCAPE:
-            self.close()
-        elif event.key in (pygame.K_RETURN, pygame.K_KP_ENTER, pygame.K_SPACE) and self.focus >= 0:
-            self.choose(commands[self.focus])
-        elif event.key in (pygame.K_TAB, pygame.K_LEFT, pygame.K_DOWN):
-            self.focus = (self.focus + 1) % len(commands)
-        elif event.key in (pygame.K_RIGHT, pygame.K_UP):
-            self.focus = (max(self.focus, 0) - 1) % len(commands)
+    def take_choice(self) -> None:
+        """Press the button."""
+        self.choose(list(self.choices.values())[self.focus])
 
     def paint(self, surface: pygame.Surface) -> None:
         """Draw the shade, the box, its widgets, and the ring of the button that Enter presses."""
@@ -415,9 +418,4 @@ class FileChooser(Overlay):
 
 def shortened_path(path: str, size: float, room: float) -> str:
     """`path` without its first letters where it is wider than `room` pixels: its end tells files apart."""
-    if width(path, size) <= room:
-        return path
-    kept = path
-    while kept and width("…" + kept, size) > room:
-        kept = kept[1:]
-    return "…" + kept
+    return path if width(path, size) <= room else shortened(path[::-1], size, room)[::-1]

@@ -45,12 +45,8 @@ class EndOfMotion:
     def toggle(self) -> None:
         """Pause at the end, or go on."""
         self.enabled = not self.enabled
-        text = (
-            N_("the clock pauses when all contacts are open for good")
-            if self.enabled
-            else N_("the clock does not pause")
-        )
-        self.host.messages.show(_(text))
+        on, off = _("the clock pauses when all contacts are open for good"), _("the clock does not pause")
+        self.host.messages.show(on if self.enabled else off)
 
     def update(self, frames: int) -> None:
         """After a tick of so many frames."""

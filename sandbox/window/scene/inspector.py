@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache, partial
+from typing import ClassVar
 
 import numpy as np
 import pygame
@@ -40,6 +41,7 @@ from softcradle.scenes import Lane, load, names
 
 COLUMNS, ROWS = 3, 3
 COUNT = COLUMNS * ROWS
+STEPS = {pygame.K_LEFT: -1, pygame.K_RIGHT: 1, pygame.K_UP: -COLUMNS, pygame.K_DOWN: COLUMNS, pygame.K_TAB: 1}
 HEAD = 46.0  # design pixels above the plots
 MARGIN = 20.0  # design pixels around them
 
@@ -54,15 +56,17 @@ class SweepBoard(Overlay):
 
     Attributes:
         found: the variants; None until they are computed.
-        focus: number of the variant that Enter takes.
     """
+
+    choice_count = COUNT
+    steps: ClassVar[Mapping[int, int]] = STEPS
 
     def __init__(
         self, host: Host, session: Session, pick: Pick, parameter: Parameter, take: Callable[[float], object]
     ) -> None:
         self.parameter, self.take = parameter, take
         self.found: list[Variant] | None = None
-        self.focus, self._panels = 0, list[Panel]()
+        self._panels: list[Panel] = []
         self.present = parameter.value
         self.places: list[pygame.Rect] = []
         super().__init__(host)
@@ -127,14 +131,9 @@ class SweepBoard(Overlay):
                     self._choose(k)
         return super().handle(event)
 
-    def key(self, event: pygame.Event) -> None:
-        """Arrows move, Enter takes, Esc closes."""
-        steps = {pygame.K_LEFT: -1, pygame.K_RIGHT: 1, pygame.K_UP: -COLUMNS, pygame.K_DOWN: COLUMNS, pygame.K_TAB: 1}
-        if event.key == pygame.K_ESCAPE:
-            self.close()
-        elif event.key in steps:
-            self.focus = (self.focus + steps[event.key]) % COUNT
-        elif event.key in (pygame.K_RETURN, pygame.K_KP_ENTER, pygame.K_SPACE) and self.found is not None:
+    def take_choice(self) -> None:
+        """Take the variant in focus, once there are some."""
+        if self.found is not None:
             self._choose(self.focus)
 
     def _choose(self, k: int) -> None:

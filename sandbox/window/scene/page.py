@@ -224,7 +224,7 @@ class ScenePage(Page):
             self.host.rebuild()  # cards make room for the selection, or come back
         for panel in self.panels:
             panel.update(seconds)
-        self.tools.values.update()
+        self.tools.values.arrange()
         self.sound.update(self.view.scales.scales.force)
         self.lessons.update()
         self.unsaved_scene.update(seconds)

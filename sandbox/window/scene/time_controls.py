@@ -170,9 +170,7 @@ FEW = ("play_pause", "restart")  # buttons of the first level
 MOVING = ("playing", "replaying")  # activities that can be paused
 SLOW_ROOM, GAP = 190.0, 24.0  # design pixels of the slider, and between groups
 CLOCK_ROOM = 240.0  # design pixels of the clock and its note
-MESSAGE_ROOM = (
-    260.0  # design pixels beside the clock, with which there is room for messages; else they lie on the time line
-)
+MESSAGE_ROOM = 260.0  # design pixels beside the clock, the least for messages; else they lie on the time line
 
 
 class TimeControls:

@@ -281,7 +281,7 @@ class SceneTools:
             self.board.show((self.board.present or self.board.shown or self.board.available())[0])
             self.host.rebuild()
         self.view.say_if_plots_have_no_room()
-        self.values.update()
+        self.values.arrange()
 
     def copy_values(self) -> None:
         """Put all values at the frame shown on the clipboard as CSV."""
