@@ -129,7 +129,7 @@ class LaneDrawing:
         self.ground = rect.bottom - GROUND * unit
         self.bar_base = self.ground - max(height * self.bead, 12 * unit) - BAR_LIFT * unit
         self.bar_room = max(self.bar_base - rect.top - (KEY + FORCE_LABEL) * unit, 0.0)  # pixels of the highest bar
-        self.heading: tuple[pygame.Rect, ...] = ()  # where the key and the ruler are, once drawn
+        self.heading: tuple[pygame.Rect, ...] = ()  # where key, ruler and labels of the axis are, once drawn
         self.arrows = "velocity"  # what the arrows show, of ARROWS
         self.take_approach([-gap for gap in self.chain.gap], lane.velocity)
         self.mass_labels = mass_labels(self.chain) if self.bead >= SMALLEST_LABELLED * unit else ()
@@ -147,16 +147,18 @@ class LaneDrawing:
         """Draw what is the same in every frame: ground, force axis, name, ruler."""
         unit, rect = self.unit, self.rect
         surface.fill(tones.lane_background, rect)
+        labels = []
         for value, text in ticks(
             0.0, self.scales.force / FORCE_MARGIN, max(1, min(4, int(self.bar_room / (24 * unit))))
         ):
             y = self._bar_top(value)
             surface.fill(tones.grid, (rect.left, round(y), rect.width, 1))
             if y > rect.top + (KEY + FORCE_LABEL + 2) * unit:  # the name of the lane and the key are above
-                write(surface, text, (rect.left + 8 * unit, y - 2 * unit), 12 * unit, tones.muted, align=(0, 1))
+                place = rect.left + 8 * unit, y - 2 * unit
+                labels.append(write(surface, text, place, 12 * unit, tones.muted, align=(0, 1)))
         surface.fill(tones.faint, (rect.left, round(self.ground), rect.width, max(1, round(1.5 * unit))))
         ruler, words = self._ruler(surface)
-        self.heading = self._key(surface, ruler.left), ruler, words
+        self.heading = self._key(surface, ruler.left), ruler, words, *labels
         if self.arrows != "velocity":
             place = rect.right - 12 * unit, rect.bottom - 4 * unit
             write(surface, _("arrows: {what}", what=_(self.arrows)), place, 12 * unit, tones.muted, align=(1, 1))
@@ -308,9 +310,10 @@ class LaneDrawing:
             text = fixed(forces[i], decimals) if self.scales.force < LARGEST_PLAIN else prefixed(forces[i])
             wide, foot = width(text, size, bold=True) + 4 * self.unit, self._label_foot(forces[i], rigid[i])
             place = pygame.Rect(round(contacts[i] - wide / 2), round(foot - size), round(wide), round(size))
-            if place.collidelist(taken) < 0:
+            if self.rect.left <= contacts[i] <= self.rect.right and place.collidelist(taken) < 0:
                 taken.append(place)
-                write(surface, text, (contacts[i], foot), size, bold=True, align=(0.5, 1))
+                place.left = min(max(place.left, self.rect.left), self.rect.right - place.width)
+                write(surface, text, (place.centerx, foot), size, bold=True, align=(0.5, 1))
 
     def _label_foot(self, force: float, rigid: float) -> float:
         """Pixel of the foot of a force's label: above its bar, and above the mark of rigid clusters where that is near."""

@@ -115,7 +115,7 @@ class Menu(Overlay):
         columns = max(1, -(-row * len(self.names) // (self.host.size[1] - self.corner[1] - 2 * margin)))
         rows, texts = -(-len(self.names) // columns), [_(binding_of(name).text) for name in self.names]
         needed = (width(hint(name), 13 * unit) + round(70 * unit) for name in self.names)
-        wide = max(round(LEAST_WIDTH * unit), *needed)
+        wide = min(max(round(LEAST_WIDTH * unit), *needed), self.host.size[0] // columns)
         self.box = pygame.Rect(0, 0, columns * wide, row * rows + 2 * margin)
         self.box.topright = self.corner
         self.box.clamp_ip(pygame.Rect((0, 0), self.host.size))
@@ -152,9 +152,10 @@ class Menu(Overlay):
         pygame.draw.rect(surface, tones.faint, self.box, max(1, round(1.5 * self.host.unit)), border_radius=6)
         super().paint(surface)
         for name, button in zip(self.names, self.buttons, strict=True):
-            place = button.rect.right - 10 * self.host.unit, button.rect.centery
+            size, place = 13 * self.host.unit, (button.rect.right - 10 * self.host.unit, button.rect.centery)
             keys = str(binding_of(name).keys[0])
-            write(surface, keys, place, 13 * self.host.unit, tones.muted, align=(1, 0.5))
+            if width(button.text + keys, size) + 3 * size < button.rect.width:
+                write(surface, keys, place, size, tones.muted, align=(1, 0.5))
         pygame.draw.rect(surface, tones.foreground, self.buttons[self.focus].rect, 2, border_radius=4)
 
 
@@ -163,7 +164,7 @@ MARGIN = 24.0  # design pixels inside the box
 LINE = 22.0  # design pixels of a line of the note
 ROW = 36.0  # design pixels of a button or of a line to type
 RECENT = 26.0  # design pixels of a recent file
-LONG = 90.0  # design pixels of lines to type
+LONG = 64.0  # design pixels of lines to type
 SHADE_OPACITY = 110  # of 255, over the page
 STEPS = {pygame.K_TAB: 1, pygame.K_LEFT: 1, pygame.K_DOWN: 1, pygame.K_RIGHT: -1, pygame.K_UP: -1}
 Choices = Mapping[str, Callable[[], object]]
