@@ -155,21 +155,21 @@ class LaneDrawing:
             surface.fill(tones.grid, (rect.left, round(y), rect.width, 1))
             if y > rect.top + (KEY + FORCE_LABEL + 2) * unit:  # the name of the lane and the key are above
                 place = rect.left + 8 * unit, y - 2 * unit
-                labels.append(write(surface, text, place, 12 * unit, tones.muted, align=(0, 1)))
+                labels.append(write(surface, text, place, 13 * unit, tones.muted, align=(0, 1)))
         surface.fill(tones.faint, (rect.left, round(self.ground), rect.width, max(1, round(1.5 * unit))))
         ruler, words = self._ruler(surface)
         self.heading = self._key(surface, ruler.left), ruler, words, *labels
         if self.arrows != "velocity":
             place = rect.right - 12 * unit, rect.bottom - 4 * unit
-            write(surface, _("arrows: {what}", what=_(self.arrows)), place, 12 * unit, tones.muted, align=(1, 1))
+            write(surface, _("arrows: {what}", what=_(self.arrows)), place, 13 * unit, tones.muted, align=(1, 1))
 
     def _key(self, surface: pygame.Surface, end: int) -> pygame.Rect:
         """The name of the lane, and what bars and lines mean, as far as there is room up to `end`; returns where."""
-        unit, rect, small = self.unit, self.rect, 12.5 * self.unit
+        unit, rect, small = self.unit, self.rect, 13 * self.unit
         x, y, space = rect.left + 8 * unit, rect.top + 8 * unit, 14 * unit
         if self.label:
-            name = shortened(self.label, 15 * unit, end - x, bold=True)
-            x = write(surface, name, (x, y - 3 * unit), 15 * unit, bold=True).right + space
+            name = shortened(self.label, 16 * unit, end - x, bold=True)
+            x = write(surface, name, (x, y - 3 * unit), 16 * unit, bold=True).right + space
         notes = {
             _(FORCE.title): True,
             _("hollow: pulls"): self.chain.pulls,
@@ -194,14 +194,14 @@ class LaneDrawing:
         length = round_down(min(1.6 * self.length, 0.3 * rect.width / self.scale))
         right, y = rect.right - 12 * unit, rect.top + 20 * unit
         left = right - length * self.scale
-        wide = width(magnification, 12.5 * unit)
+        wide = width(magnification, 13 * unit)
         surface.fill(tones.lane_background, (right - wide - 4 * unit, y + 8 * unit, wide + 8 * unit, 18 * unit))
         fill_rectangle(surface, tones.muted, (left, y, right - left, max(1.0, 1.5 * unit)))
         for x in (left, right):
             fill_rectangle(surface, tones.muted, (x - 0.75 * unit, y - 4 * unit, max(1.0, 1.5 * unit), 9 * unit))
         name, middle = f"{scientific(length, 0)} m", (left + right) / 2
-        named = write(surface, name, (middle, y - 3 * unit), 12.5 * unit, tones.muted, align=(0.5, 1))
-        words = write(surface, magnification, (right, y + 8 * unit), 12.5 * unit, tones.muted, align=(1, 0))
+        named = write(surface, name, (middle, y - 3 * unit), 13 * unit, tones.muted, align=(0.5, 1))
+        words = write(surface, magnification, (right, y + 8 * unit), 13 * unit, tones.muted, align=(1, 0))
         first, low = round(min(left, named.left) - 4 * unit), round(y + 8 * unit)
         return pygame.Rect(first, rect.top, rect.right - first, low - rect.top), words
 

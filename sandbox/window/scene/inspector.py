@@ -13,10 +13,12 @@ import pygame_gui
 from pygame_gui.elements import UIButton
 from softcradle.physics.contact import Contact
 from softcradle.sandbox.draw.curve_panels import Panel, linear_axis
+from softcradle.sandbox.draw.number_format import subscript
 from softcradle.sandbox.draw.palette import bead_colours, tones
 from softcradle.sandbox.draw.supersampling import draw_marker
 from softcradle.sandbox.draw.text import shortened, wrapped, write
 from softcradle.sandbox.languages import N_, NP_, _, error_words, pgettext, scene_words
+from softcradle.sandbox.quantities import VELOCITY
 from softcradle.sandbox.session.contact_conversion import kind_of
 from softcradle.sandbox.session.editable_numbers import Parameter, Variant, parameters, variants
 from softcradle.sandbox.session.inputs import SetContact, SetKind, SetMass
@@ -109,13 +111,14 @@ class SweepBoard(Overlay):
         low, high = min(0.0, float(speeds.min())), max(0.0, float(speeds.max()))
         room = 0.06 * (high - low) or 1.0
         colours = bead_colours(max(motion.velocity.shape[1] for motion in motions))
+        names = [VELOCITY.symbol + subscript(k) for k in range(len(colours))]
         for variant, place in zip(self.found or (), self.places, strict=True):
             motion = variant.motion or motions[0]
             time = float(motion.time[0]), float(motion.time[-1])
             title = f"{_(self.parameter.name)} = {number_text(variant.value)} {self.parameter.unit}".strip()
             axis = linear_axis(shortened(title, 13 * self.host.unit, 0.8 * place.width), low - room, high + room)
-            panel = Panel(place, self.host.unit, time, axis, colours=colours, names=[""] * len(colours))
-            panel.labelled = False
+            panel = Panel(place, self.host.unit, time, axis, colours=colours, names=names)
+            panel.labelled &= variant.motion is not None
             if variant.motion is not None:
                 panel.colours = colours[: variant.motion.velocity.shape[1]]
                 panel.draw_curves(variant.motion.time, variant.motion.velocity)
@@ -160,11 +163,11 @@ class SweepBoard(Overlay):
 
     def _paint_variant(self, surface: pygame.Surface, variant: Variant, panel: Panel) -> None:
         """Draw the axes and curves of one variant, or what is wrong with it."""
-        none = np.zeros((0, len(panel.colours)))
-        panel.backdrop(surface, np.zeros(0), none, np.zeros(len(panel.colours)), 0.0)
-        if variant.motion is not None:
-            panel.paint(surface, float(variant.motion.time[-1]), variant.motion.velocity[-1])
-            return
+        motion, count = variant.motion, len(panel.colours)
+        end = np.zeros(count) if motion is None else motion.velocity[-1]
+        panel.backdrop(surface, np.zeros(0), np.zeros((0, count)), end, 0.0)
+        if motion is not None:
+            panel.paint(surface, float(motion.time[-1]), end)
         write_wrapped(surface, variant.problem, panel.area, 13 * self.host.unit, tones.warning)
 
 

@@ -81,6 +81,18 @@ def test_force_labels_of_a_train_have_prefixes_and_room(name: str) -> None:
     assert seen > 2
 
 
+@pytest.mark.parametrize("lab", [False, True], ids=["explore", "lab"])
+def test_every_force_of_a_row_is_written_at_every_scale(lab: bool) -> None:
+    driver = Driver("one-on-four", lab=lab)
+    driver.session.step_frames(600)
+    driver.page.outcome.show_forces()
+    driver.key(pygame.K_ESCAPE)
+    for driver.app.scale in (1.0, 1.5, 2.0):
+        driver.app.rebuild()
+        driver.frames(2)
+        assert {"0.92", "0.71", "0.47", "0.24"} <= {one.text for one in driver.texts()}
+
+
 @pytest.mark.parametrize(("lab", "code"), [(False, "de"), (True, "en")], ids=str)
 def test_two_lanes_have_room_at_every_size_and_scale(lab: bool, code: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("LANGUAGE", code)
