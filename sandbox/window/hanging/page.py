@@ -164,9 +164,6 @@ class HangingPage(Page):
         if event.type == pygame.MOUSEMOTION and self.held is not None:
             self.pointer, self.playing = event.pos, True
             return True
-        if event.type == pygame.MOUSEBUTTONUP and self.held is not None:
-            self.let_go()
-            return True
         return False
 
     def let_go(self) -> None:

@@ -86,14 +86,14 @@ class ExplorePanel(Inspector):
         more = ("+", partial(self.change_beads, 1), _("one bead more"))
         self._row(y, [None, fewer, more], (0.0, 30.0, 30.0), 30.0)
         y += 54 * unit
-        if len(self.session.lanes) == 1 and not self.session.lanes[0].chain.couplers:
-            soft = has_soft_contacts(self.session.lanes[0].chain)
-            text = _("Compare with steel balls") if soft else _("Compare with soft beads")
-            compare = (text, partial(self.host.act, "compare_balls"), _("the same blow in a second row below"))
-            self._row(y, [compare], height=COMPARE)
-            y += COMPARE * unit
-        elif len(self.session.lanes) > 1:
-            self._row(y, [(_("Back to one row"), partial(self.host.act, "alone"), hint("alone"))], height=COMPARE)
+        chain, knob = self.session.lanes[0].chain, None
+        if len(self.session.lanes) > 1:
+            knob = _("Back to one row"), partial(self.host.act, "alone"), hint("alone")
+        elif not chain.couplers:
+            text = _("Compare with steel balls") if has_soft_contacts(chain) else _("Compare with soft beads")
+            knob = text, partial(self.host.act, "compare_balls"), _("the same blow in a second row below")
+        if knob is not None:
+            self._row(y, [knob], height=COMPARE)
             y += COMPARE * unit
         y += min(24 * unit, max(0.0, rect.bottom - y - 22 * unit))  # the title of the text has room below
         self._about = pygame.Rect(rect.left, round(y), rect.width, max(0, round(rect.bottom - y)))

@@ -269,10 +269,8 @@ class Inspector:
             sweep = partial(self.sweep, parameter.key)
             self.controls[parameter.key] = parameter_control(self.host, self.rect, parameter, y, sweep)
             y += ROW * unit
-        if self.pick.kind == "contact":
-            self._make_contact_buttons(self.pick, y + 4 * unit)
-        else:
-            self._make_bead_buttons(self.pick, y + 4 * unit)
+        for k, row in enumerate(self._knobs(self.pick)):
+            self._row(y + (4 + 34 * k) * unit, row)
 
     def _parameters(self) -> list[Parameter]:
         """The parameters that there are controls for."""
@@ -289,17 +287,17 @@ class Inspector:
         if present in KIND_NAMES:
             buttons[list(KIND_NAMES).index(present)].select()
 
-    def _make_contact_buttons(self, pick: Pick, y: float) -> None:
-        locked = self.session.lanes[pick.lane].setup.locked[pick.index] is not None
-        lock = (_("unlock piston") if locked else _("lock piston"), self.editor.lock, hint("lock"))
-        self._row(y, [lock, (_("all alike"), self._copy_to_all, _("give this law to every contact of the lane"))])
-
-    def _make_bead_buttons(self, pick: Pick, y: float) -> None:
+    def _knobs(self, pick: Pick) -> list[list[Knob]]:
+        """Rows of buttons below the parameters."""
+        lane = self.session.lanes[pick.lane]
+        if pick.kind == "contact":
+            lock = _("lock piston") if lane.setup.locked[pick.index] is None else _("unlock piston")
+            alike = (_("all alike"), self._copy_to_all, _("give this law to every contact of the lane"))
+            return [[(lock, self.editor.lock, hint("lock")), alike]]
         add = (_("add bead"), self.editor.add_bead, hint("add_bead"))
-        self._row(y, [add, (_("remove bead"), self.editor.remove_bead, hint("remove_bead"))])
-        wall = math.isinf(self.session.lanes[pick.lane].chain.mass[pick.index])
-        tip = _("a wall has no mass to move: it keeps its velocity")
-        self._row(y + 34 * self.host.unit, [(_("free it") if wall else _("make it a wall"), self._toggle_wall, tip)])
+        remove = (_("remove bead"), self.editor.remove_bead, hint("remove_bead"))
+        wall = _("free it") if math.isinf(lane.chain.mass[pick.index]) else _("make it a wall")
+        return [[add, remove], [(wall, self._toggle_wall, _("a wall has no mass to move: it keeps its velocity"))]]
 
     def _row(
         self,

@@ -125,21 +125,15 @@ class PointerTool:
         self._start, self._pointer, self._offset, self._beads = (0, 0), (0, 0), 0.0, 0
 
     def handle(self, event: pygame.Event) -> bool:
-        """Press, move, release, wheel."""
+        """Press, move, wheel; the page lets go."""
         if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
             return self._press(event.pos)
         if event.type == pygame.MOUSEMOTION and self.panned is not None:
             self.view.pan(event.pos[0] - self.panned)
             self.panned = event.pos[0]
             return True
-        if event.type == pygame.MOUSEBUTTONUP and event.button == 1 and self.panned is not None:
-            self.panned = None
-            return True
         if event.type == pygame.MOUSEMOTION and self.pressed is not None:
             self._move(event.pos)
-            return True
-        if event.type == pygame.MOUSEBUTTONUP and event.button == 1 and self.pressed is not None:
-            self.release()
             return True
         return event.type == pygame.MOUSEWHEEL and self._wheel(event)
 
