@@ -1,6 +1,7 @@
 """The gallery, driven by mouse and keys, and the memory of pages that were left."""
 
 import weakref
+from pathlib import Path
 
 import pygame
 import pytest
@@ -91,6 +92,26 @@ def test_a_search_finds_scenes_by_words(gallery: Driver) -> None:
     gallery.key(pygame.K_RETURN)
     gallery.key(pygame.K_DOWN)
     assert gallery.app.page is page
+
+
+def test_newton_finds_the_cradles_first_and_enter_opens_the_usual_one(gallery: Driver) -> None:
+    gallery.key(pygame.K_f, pygame.KMOD_CTRL)
+    gallery.type("newton")
+    gallery.frames(2)
+    assert gallery.app.page.names[:3] == ("hertz-cradle", "steel-and-soft", "hanging-cradle")
+    gallery.key(pygame.K_RETURN)
+    assert gallery.page.title == "Newton's cradle: steel balls"
+
+
+def test_scenes_of_ones_own_have_cards_below_the_first(gallery: Driver, tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text(scenes.load("mixed").model_copy(update={"title": "Mine"}).to_toml())
+    gallery.app.settings.remember(tmp_path / "mine.toml")
+    gallery.app.rebuild()
+    gallery.frames(2)
+    titles = [title for title, _y in gallery.app.page.grid.titles()]
+    assert titles[:2] == ["Start here", "My scenes"]
+    assert gallery.app.page.names[4] == str(tmp_path / "mine.toml")
+    assert "Mine" in [one.text for one in gallery.texts()]
 
 
 def test_keys_and_the_bar_scroll_to_every_card(gallery: Driver) -> None:
