@@ -53,7 +53,8 @@ class ExplorePanel(Inspector):
         found = []
         laws = self._laws()
         if laws:
-            name = N_("alpha of this contact") if self._contact is not None else N_("alpha of the whole row")
+            row = N_("alpha of the whole row") if len(self.session.lanes) == 1 else N_("alpha of the upper row")
+            name = row if self._contact is None else N_("alpha of this contact")
             alpha = laws[self._contact or 0].exponent
             found.append(Parameter("alpha", name, "", LEAST_ALPHA, MOST_ALPHA, True, alpha, _unused))
         if own > 0.0:

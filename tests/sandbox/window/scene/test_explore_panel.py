@@ -97,6 +97,9 @@ def test_the_same_blow_among_steel_balls_plays_below(explorer: Driver) -> None:
     button = next(one for one in explorer.page.explore.buttons if "steel" in one.text)
     explorer.click(button.rect.center)
     assert [law.exponent for law in laws(explorer, 1)] == [1.5] * 4
+    assert "alpha of the upper row" in [
+        one.text for one in explorer.texts()
+    ]  # the slider leaves the steel balls as they are
     assert explorer.session.playing
     assert len(explorer.app.focus.controls()) <= MOST_CONTROLS
     explorer.frames(330)
