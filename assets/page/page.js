@@ -286,7 +286,7 @@ class Page {
     useLanguage(this.language);
     this.texts = this.data.texts[this.language] ?? this.data.texts.en;
     part("title").textContent = document.title = this.texts.title;
-    part("text").textContent = this.texts.text;
+    this.explain();
     for (const element of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-say]"))) element.textContent = say(element.dataset.say);
     for (const element of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-name]"))) {
       element.setAttribute("aria-label", say(element.dataset.name));
@@ -296,11 +296,18 @@ class Page {
     for (const option of part("pace").options) option.textContent = paceText(Number(option.value));
   }
 
+  // The text of the scene, while the row is the scene's.
+  explain() {
+    const same = MADE.every((name) => this.experiment[name] === this.own?.[name]);
+    part("text").textContent = same ? this.texts.text : say("other numbers");
+  }
+
   // Controls as the experiment is.
   controls() {
     const { experiment, limits, source, data } = this;
     part("pace").value = String(experiment.pace);
     for (const name of SHOWN) part(`show-${name}`).checked = experiment.shown.includes(name);
+    this.explain();
     if (!source.live) return;
     for (const name of Object.keys(SLIDERS)) {
       part(name).value = String(Math.round(SLIDER * SLIDERS[name].to(experiment[name], limits[name])));
@@ -316,6 +323,8 @@ class Page {
     part("steel").setAttribute("aria-pressed", String(experiment.beside !== "none"));
   }
 }
+
+const MADE = ["law", "alpha", "strikers", "targets", "speed", "friction", "loss"]; // of the experiment: what the row is
 
 // What can change while the motion runs.
 const LIVE_EDITS = {

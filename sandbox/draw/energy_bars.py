@@ -46,9 +46,9 @@ class EnergyBars:
         unit = self.unit
         for rect, titles in zip(self.bars, (ENERGY_TITLES, MOMENTUM_TITLES), strict=True):
             surface.fill(tones.grid, rect)
-            fitting = [title for title in titles if width(_(title), 12.5 * unit) < rect.width - 14 * unit] or [""]
+            fitting = [title for title in titles if width(_(title), 13 * unit) < rect.width - 14 * unit] or [""]
             end = write(
-                surface, _(fitting[0]), (rect.left, rect.top - 3 * unit), 12.5 * unit, tones.muted, align=(0, 1)
+                surface, _(fitting[0]), (rect.left, rect.top - 3 * unit), 13 * unit, tones.muted, align=(0, 1)
             ).right
             if fitting[0].endswith("contacts"):
                 fill_rectangle(surface, tones.steel, (end + 4 * unit, rect.top - 14 * unit, 9 * unit, 9 * unit))
@@ -89,7 +89,7 @@ class EnergyBars:
             fill_rectangle(surface, colour, (x - wide / 2, rect.top - 3 * self.unit, wide, high))
 
     def _badge(self, surface: pygame.Surface, line: int, name: str, error: float) -> None:
-        unit, good, size = self.unit, level_of(error) == GOOD, 12.5 * self.unit
+        unit, good, size = self.unit, level_of(error) == GOOD, 13 * self.unit
         y = self.badges.top + (6 + 17 * line) * unit
         text = f"{name}  {scientific(error) if error >= 1e-17 else '0'}"
         colour = tones.foreground if good else tones.warning

@@ -24,7 +24,7 @@ from softcradle.sandbox.draw.number_format import LARGEST_PLAIN, factor, fixed, 
 from softcradle.sandbox.draw.palette import bead_colours, mix, text_on, tones
 from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, Scales, left_edges
 from softcradle.sandbox.draw.supersampling import blit_sprite, draw_arrow, fill_rectangle
-from softcradle.sandbox.draw.text import width, write
+from softcradle.sandbox.draw.text import shortened, width, write
 from softcradle.sandbox.languages import N_, _, label_words
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.quantities import FORCE
@@ -64,9 +64,8 @@ ARROWS: dict[str, Shares] = {
 
 KEY = 26.0  # design pixels of the line with name and key, above the bars
 FORCE_LABEL = 17.0  # design pixels of a force above its bar
-RULER = 150.0  # design pixels of the ruler with its words, at the right end of that line
 # of the height of the drawing: a bead, and what is left to it where bars need room
-TALLEST_BEAD, LEAST_BEAD = 0.40, 0.30
+TALLEST_BEAD, LEAST_BEAD = 0.40, 0.22
 BAR_LIFT = 8.0  # design pixels from the tops of the beads to the axis of the bars
 LEAST_BAR = 18.0  # design pixels of the highest bar, for which beads give way
 GROUND = 30.0  # design pixels from the ground line to the lower edge of the drawing
@@ -130,7 +129,7 @@ class LaneDrawing:
         self.ground = rect.bottom - GROUND * unit
         self.bar_base = self.ground - max(height * self.bead, 12 * unit) - BAR_LIFT * unit
         self.bar_room = max(self.bar_base - rect.top - (KEY + FORCE_LABEL) * unit, 0.0)  # pixels of the highest bar
-        self.heading: tuple[pygame.Rect, ...] = ()  # where the key and the ruler are, once drawn
+        self.heading: tuple[pygame.Rect, ...] = ()  # where key, ruler and labels of the axis are, once drawn
         self.arrows = "velocity"  # what the arrows show, of ARROWS
         self.take_approach([-gap for gap in self.chain.gap], lane.velocity)
         self.mass_labels = mass_labels(self.chain) if self.bead >= SMALLEST_LABELLED * unit else ()
@@ -148,40 +147,44 @@ class LaneDrawing:
         """Draw what is the same in every frame: ground, force axis, name, ruler."""
         unit, rect = self.unit, self.rect
         surface.fill(tones.lane_background, rect)
+        labels = []
         for value, text in ticks(
             0.0, self.scales.force / FORCE_MARGIN, max(1, min(4, int(self.bar_room / (24 * unit))))
         ):
             y = self._bar_top(value)
             surface.fill(tones.grid, (rect.left, round(y), rect.width, 1))
             if y > rect.top + (KEY + FORCE_LABEL + 2) * unit:  # the name of the lane and the key are above
-                write(surface, text, (rect.left + 8 * unit, y - 2 * unit), 12 * unit, tones.muted, align=(0, 1))
-        key = self._key(surface)
+                place = rect.left + 8 * unit, y - 2 * unit
+                labels.append(write(surface, text, place, 13 * unit, tones.muted, align=(0, 1)))
         surface.fill(tones.faint, (rect.left, round(self.ground), rect.width, max(1, round(1.5 * unit))))
-        self.heading = key, self._ruler(surface)
+        ruler, words = self._ruler(surface)
+        self.heading = self._key(surface, ruler.left), ruler, words, *labels
         if self.arrows != "velocity":
             place = rect.right - 12 * unit, rect.bottom - 4 * unit
-            write(surface, _("arrows: {what}", what=_(self.arrows)), place, 12 * unit, tones.muted, align=(1, 1))
+            write(surface, _("arrows: {what}", what=_(self.arrows)), place, 13 * unit, tones.muted, align=(1, 1))
 
-    def _key(self, surface: pygame.Surface) -> pygame.Rect:
-        """The name of the lane, and what bars and lines mean; returns where."""
-        unit, rect = self.unit, self.rect
-        x, y = rect.left + 8 * unit, rect.top + 8 * unit
+    def _key(self, surface: pygame.Surface, end: int) -> pygame.Rect:
+        """The name of the lane, and what bars and lines mean, as far as there is room up to `end`; returns where."""
+        unit, rect, small = self.unit, self.rect, 13 * self.unit
+        x, y, space = rect.left + 8 * unit, rect.top + 8 * unit, 14 * unit
         if self.label:
-            x = write(surface, self.label, (x, y - 3 * unit), 15 * unit, bold=True).right + 14 * unit
-        x = write(surface, _(FORCE.title), (x, y), 12.5 * unit, tones.muted).right + 14 * unit
-        if self.chain.pulls:
-            x = write(surface, _("hollow: pulls"), (x, y), 12.5 * unit, tones.muted).right + 14 * unit
-        if any(coupler.stop for i, coupler in self.chain.couplers):
-            x = write(surface, _("dark: solid"), (x, y), 12.5 * unit, tones.muted).right + 14 * unit
-        words = _("if clusters were rigid")
-        fits = x + 20 * unit + width(words, 12.5 * unit) < rect.right - RULER * unit
-        if fits and has_marks(self.ends):
-            fill_rectangle(surface, tones.foreground, (x, y + 7 * unit, 14 * unit, 1.5 * unit))
-            x = write(surface, words, (x + 20 * unit, y), 12.5 * unit, tones.muted).right + 14 * unit
+            name = shortened(self.label, 16 * unit, end - x, bold=True)
+            x = write(surface, name, (x, y - 3 * unit), 16 * unit, bold=True).right + space
+        notes = {
+            _(FORCE.title): True,
+            _("hollow: pulls"): self.chain.pulls,
+            _("dark: solid"): any(coupler.stop for i, coupler in self.chain.couplers),
+            _("if clusters were rigid"): has_marks(self.ends),
+        }
+        for k, (words, true) in enumerate(notes.items()):
+            mark = 20 * unit if k == len(notes) - 1 else 0.0
+            if true and x + mark + width(words, small) < end:
+                fill_rectangle(surface, tones.foreground, (x, y + 7 * unit, 0.7 * mark, 1.5 * unit))
+                x = write(surface, words, (x + mark, y), small, tones.muted).right + space
         return pygame.Rect(rect.left, rect.top, round(x - rect.left), round((KEY - 2) * unit))
 
-    def _ruler(self, surface: pygame.Surface) -> pygame.Rect:
-        """The length of the picture, and how overlaps are drawn; returns where."""
+    def _ruler(self, surface: pygame.Surface) -> tuple[pygame.Rect, pygame.Rect]:
+        """The length of the picture, and below it how overlaps are drawn; returns where."""
         unit, rect = self.unit, self.rect
         magnification = (
             _("drawn to scale")
@@ -191,16 +194,16 @@ class LaneDrawing:
         length = round_down(min(1.6 * self.length, 0.3 * rect.width / self.scale))
         right, y = rect.right - 12 * unit, rect.top + 20 * unit
         left = right - length * self.scale
-        wide = width(magnification, 12.5 * unit)
+        wide = width(magnification, 13 * unit)
         surface.fill(tones.lane_background, (right - wide - 4 * unit, y + 8 * unit, wide + 8 * unit, 18 * unit))
         fill_rectangle(surface, tones.muted, (left, y, right - left, max(1.0, 1.5 * unit)))
         for x in (left, right):
             fill_rectangle(surface, tones.muted, (x - 0.75 * unit, y - 4 * unit, max(1.0, 1.5 * unit), 9 * unit))
         name, middle = f"{scientific(length, 0)} m", (left + right) / 2
-        write(surface, name, (middle, y - 3 * unit), 12.5 * unit, tones.muted, align=(0.5, 1))
-        write(surface, magnification, (right, y + 8 * unit), 12.5 * unit, tones.muted, align=(1, 0))
-        first = round(min(left, right - wide) - 4 * unit)
-        return pygame.Rect(first, rect.top, rect.right - first, round(y + 24 * unit) - rect.top)
+        named = write(surface, name, (middle, y - 3 * unit), 13 * unit, tones.muted, align=(0.5, 1))
+        words = write(surface, magnification, (right, y + 8 * unit), 13 * unit, tones.muted, align=(1, 0))
+        first, low = round(min(left, named.left) - 4 * unit), round(y + 8 * unit)
+        return pygame.Rect(first, rect.top, rect.right - first, low - rect.top), words
 
     def paint(self, surface: pygame.Surface, motion: Motion, row: int, left: float) -> Array:
         """Draw row `row` of `motion` with position 0 at pixel `left`; returns (n,) where the contacts are [pixels]."""
@@ -300,17 +303,17 @@ class LaneDrawing:
         self, surface: pygame.Surface, contacts: list[float], forces: list[float], rigid: list[float], decimals: int
     ) -> None:
         """The forces above their bars, the greatest first; those that would lie on another or on the heading are left out."""
-        size, visible, taken = 13 * self.unit, VISIBLE_FORCE * self.scales.force, list[tuple[float, float]]()
+        size, visible, taken = 13 * self.unit, VISIBLE_FORCE * self.scales.force, list(self.heading)
         for i in sorted(range(len(forces)), key=lambda i: -abs(forces[i])):
             if abs(forces[i]) <= visible:
                 return
             text = fixed(forces[i], decimals) if self.scales.force < LARGEST_PLAIN else prefixed(forces[i])
-            half = 0.5 * width(text, size, bold=True) + 2 * self.unit
-            low, high, foot = contacts[i] - half, contacts[i] + half, self._label_foot(forces[i], rigid[i])
-            place = pygame.Rect(round(low), round(foot - size), round(high - low), round(size))
-            if place.collidelist(self.heading) < 0 and all(high <= left or low >= right for left, right in taken):
-                taken.append((low, high))
-                write(surface, text, (contacts[i], foot), size, bold=True, align=(0.5, 1))
+            wide, foot = width(text, size, bold=True) + 4 * self.unit, self._label_foot(forces[i], rigid[i])
+            place = pygame.Rect(round(contacts[i] - wide / 2), round(foot - size), round(wide), round(size))
+            if self.rect.left <= contacts[i] <= self.rect.right and place.collidelist(taken) < 0:
+                taken.append(place)
+                place.left = min(max(place.left, self.rect.left), self.rect.right - place.width)
+                write(surface, text, (place.centerx, foot), size, bold=True, align=(0.5, 1))
 
     def _label_foot(self, force: float, rigid: float) -> float:
         """Pixel of the foot of a force's label: above its bar, and above the mark of rigid clusters where that is near."""

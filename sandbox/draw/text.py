@@ -44,17 +44,6 @@ def write(
     return surface.blit(image, (round(place[0] - align[0] * width), round(place[1] - align[1] * height)))
 
 
-def write_on_plate(
-    surface: pygame.Surface, text: str, middle: tuple[float, float], size: float, colour: Colour, *, bold: bool = False
-) -> None:
-    """Write one line about `middle` on a plate, so that it can be read over anything."""
-    plate = pygame.Rect(0, 0, round(width(text, size, bold=bold) + 1.4 * size), round(1.7 * size))
-    plate.center = round(middle[0]), round(middle[1])
-    pygame.draw.rect(surface, tones.background, plate, border_radius=round(0.35 * size))
-    pygame.draw.rect(surface, tones.faint, plate, 1, border_radius=round(0.35 * size))
-    write(surface, text, middle, size, colour, bold=bold, align=(0.5, 0.5))
-
-
 def width(text: str, size: float, *, bold: bool = False) -> int:
     """Width [pixels] that :func:`write` needs."""
     return int(font(round(size), bold).size(text)[0])
@@ -67,6 +56,11 @@ def shortened(text: str, size: float, room: float, *, bold: bool = False) -> str
     while text and width(text + "…", size, bold=bold) > room:
         text = text[:-1]
     return text.rstrip() + "…"
+
+
+def paragraphs(text: str, size: float, room: float) -> list[str]:
+    """The lines of a text whose line breaks stay."""
+    return [line for part in text.split("\n") for line in wrapped(part, size, room)]
 
 
 def wrapped(text: str, size: float, room: float) -> list[str]:

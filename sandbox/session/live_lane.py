@@ -115,7 +115,7 @@ class LiveLane:
         """
         chain, state, setup, duration = self.chain, self.state, self.setup, whole.frame_time
         before, closed, switches = self.position, state.closed, state.switches
-        absorbed, given = state.absorbed.copy(), state.given.copy()
+        state.taken[:] = 0.0  # of this frame alone: a difference of sums would depend on where they began
         state.push = self._push(bead, pointer, FREQUENCY * whole.slow) if bead >= 0 else None
         # after these steps of a frame `conserving` moves on: none freezes the window
         most = REFERENCE_STEPS if find_method(setup.method).family is Family.REFERENCE else LIVE_STEPS
@@ -127,9 +127,7 @@ class LiveLane:
             raise BlownUpError(_("{method} has blown up: {remedy}", method=setup.method, remedy=setup.remedy))
         ledger = self.ledger.copy()
         measure(chain, state, ledger)
-        book_frame(
-            chain, self.ledger, ledger, self._external(before, duration, state.absorbed - absorbed, state.given - given)
-        )
+        book_frame(chain, self.ledger, ledger, self._external(before, duration, state.absorbed.copy(), state.given))
         seen = int(np.count_nonzero(closed != state.closed))
         ledger[SWITCHES] += max(seen, state.switches - switches)
         self.ledger = ledger

@@ -37,7 +37,8 @@ from softcradle.scenes import SceneError, load, names, parse
 STANDARD_INPUT = "-"
 DESIGN = (1280, 720)  # pixels of a window whose unit is 1
 SCALES = (0.7, 0.8, 0.9, 1.0, 1.15, 1.3, 1.5, 1.75, 2.0)
-LEAST = (850, 500)  # design pixels into which every page fits: a larger scale is cut to what fits
+# Design pixels into which every page fits, with all controls and with few: a larger scale is cut to what fits.
+LEAST, LEAST_EXPLORED = (850, 500), (640, 400)
 FRAMES_A_SECOND = 60
 LONGEST_FRAME = 0.25  # seconds of wall time: a window that was suspended does not catch up
 LONGEST_WAIT = 500  # milliseconds: results of the thread behind the window are taken no later
@@ -125,7 +126,8 @@ class App:
         return min(max(min(self.size[0] / DESIGN[0], self.size[1] / DESIGN[1]), 0.75), 2.5)
 
     def _unit(self) -> float:
-        return min(self.scale * self._usual_unit, self.size[0] / LEAST[0], self.size[1] / LEAST[1])
+        wide, high = LEAST_EXPLORED if self.explore else LEAST
+        return min(self.scale * self._usual_unit, self.size[0] / wide, self.size[1] / high)
 
     def show(self, page: Page) -> None:
         """Bring `page` on screen."""

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
+from typing import ClassVar
 
 import pygame
 import pygame_gui
@@ -15,12 +16,12 @@ from pygame_gui.core.utility import set_default_manager
 from pygame_gui.elements import UIButton
 from pygame_gui.windows import UIFileDialog
 from softcradle.sandbox.draw.palette import tones
-from softcradle.sandbox.draw.text import width, wrapped, write
+from softcradle.sandbox.draw.text import paragraphs, shortened, width, write
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.window import theme
 from softcradle.sandbox.window.keys import binding_of, hint
 from softcradle.sandbox.window.page import Host
-from softcradle.sandbox.window.widgets import TextBox, TextEntry
+from softcradle.sandbox.window.widgets import PRESS, TextBox, TextEntry
 
 POINTER_EVENTS = (pygame.MOUSEBUTTONDOWN, pygame.MOUSEBUTTONUP, pygame.MOUSEMOTION, pygame.MOUSEWHEEL)
 KEY_EVENTS = (pygame.KEYDOWN, pygame.KEYUP, pygame.TEXTINPUT)
@@ -33,7 +34,13 @@ class Overlay:
         open: whether it is on screen.
         manager: of its widgets.
         box: its rectangle.
+        focus: number of the choice that Enter takes; -1: none.
+        choice_count: how many there are.
+        steps: by how many choices a key moves the focus.
     """
+
+    focus, choice_count = 0, 0
+    steps: ClassVar[Mapping[int, int]] = {}
 
     def __init__(self, host: Host) -> None:
         self.host, self.open = host, True
@@ -49,9 +56,18 @@ class Overlay:
         """Take a place and make the widgets on it."""
         raise NotImplementedError
 
+    def take_choice(self) -> None:
+        """Take the choice that has the focus."""
+
     def key(self, event: pygame.Event) -> None:
-        """Take a pressed key."""
-        raise NotImplementedError
+        """Arrows and Tab move, Enter takes, Esc closes."""
+        step = self.steps.get(event.key)
+        if event.key == pygame.K_ESCAPE:
+            self.close()
+        elif event.key in PRESS and self.focus >= 0:
+            self.take_choice()
+        elif step is not None:
+            self.focus = ((max(self.focus, 0) if step < 0 else self.focus) + step) % self.choice_count
 
     def handle(self, event: pygame.Event) -> bool:
         """Take every key and click: the page below gets none."""
@@ -83,12 +99,13 @@ class Menu(Overlay):
     """The actions `names` of the page or the window, those `ticked` with a mark. A click elsewhere and Esc close it.
 
     Attributes:
-        focus: number of the row that Enter takes.
         buttons: the rows.
     """
 
+    steps: ClassVar[Mapping[int, int]] = {pygame.K_DOWN: 1, pygame.K_TAB: 1, pygame.K_UP: -1}
+
     def __init__(self, host: Host, corner: tuple[int, int], names: Sequence[str], ticked: Sequence[str] = ()) -> None:
-        self.corner, self.names, self.ticked, self.focus = corner, names, ticked, 0
+        self.corner, self.names, self.ticked, self.choice_count = corner, names, ticked, len(names)
         self.buttons: list[UIButton] = []
         super().__init__(host)
 
@@ -98,7 +115,7 @@ class Menu(Overlay):
         columns = max(1, -(-row * len(self.names) // (self.host.size[1] - self.corner[1] - 2 * margin)))
         rows, texts = -(-len(self.names) // columns), [_(binding_of(name).text) for name in self.names]
         needed = (width(hint(name), 13 * unit) + round(70 * unit) for name in self.names)
-        wide = max(round(LEAST_WIDTH * unit), *needed)
+        wide = min(max(round(LEAST_WIDTH * unit), *needed), self.host.size[0] // columns)
         self.box = pygame.Rect(0, 0, columns * wide, row * rows + 2 * margin)
         self.box.topright = self.corner
         self.box.clamp_ip(pygame.Rect((0, 0), self.host.size))
@@ -125,16 +142,9 @@ class Menu(Overlay):
             self.close()
         return super().handle(event)
 
-    def key(self, event: pygame.Event) -> None:
-        """Arrows move, Enter takes, Esc closes."""
-        if event.key == pygame.K_ESCAPE:
-            self.close()
-        elif event.key in (pygame.K_RETURN, pygame.K_KP_ENTER, pygame.K_SPACE):
-            self.choose(self.names[self.focus])
-        elif event.key in (pygame.K_DOWN, pygame.K_TAB):
-            self.focus = (self.focus + 1) % len(self.names)
-        elif event.key == pygame.K_UP:
-            self.focus = (self.focus - 1) % len(self.names)
+    def take_choice(self) -> None:
+        """Do the action of the row."""
+        self.choose(self.names[self.focus])
 
     def paint(self, surface: pygame.Surface) -> None:
         """Draw the box, the rows, and the ring of the row that Enter takes."""
@@ -142,9 +152,10 @@ class Menu(Overlay):
         pygame.draw.rect(surface, tones.faint, self.box, max(1, round(1.5 * self.host.unit)), border_radius=6)
         super().paint(surface)
         for name, button in zip(self.names, self.buttons, strict=True):
-            place = button.rect.right - 10 * self.host.unit, button.rect.centery
+            size, place = 13 * self.host.unit, (button.rect.right - 10 * self.host.unit, button.rect.centery)
             keys = str(binding_of(name).keys[0])
-            write(surface, keys, place, 13 * self.host.unit, tones.muted, align=(1, 0.5))
+            if width(button.text + keys, size) + 3 * size < button.rect.width:
+                write(surface, keys, place, size, tones.muted, align=(1, 0.5))
         pygame.draw.rect(surface, tones.foreground, self.buttons[self.focus].rect, 2, border_radius=4)
 
 
@@ -153,8 +164,9 @@ MARGIN = 24.0  # design pixels inside the box
 LINE = 22.0  # design pixels of a line of the note
 ROW = 36.0  # design pixels of a button or of a line to type
 RECENT = 26.0  # design pixels of a recent file
-LONG = 90.0  # design pixels of lines to type
+LONG = 64.0  # design pixels of lines to type
 SHADE_OPACITY = 110  # of 255, over the page
+STEPS = {pygame.K_TAB: 1, pygame.K_LEFT: 1, pygame.K_DOWN: 1, pygame.K_RIGHT: -1, pygame.K_UP: -1}
 Choices = Mapping[str, Callable[[], object]]
 
 
@@ -166,19 +178,19 @@ class Dialog(Overlay):
 
     Attributes:
         buttons: by text.
-        focus: number of the button that Enter presses; -1: none.
     """
 
+    steps: ClassVar[Mapping[int, int]] = STEPS
     body = 0.0  # design pixels between the note and the buttons
 
     def __init__(self, host: Host, title: str, note: str, choices: Choices, neutral: bool = False) -> None:
         self.title, self.note, self.choices, self.neutral = title, note, choices, neutral
-        self.focus = -1 if neutral else 0
+        self.focus, self.choice_count = -1 if neutral else 0, len(choices)
         self.buttons: dict[str, UIButton] = {}
         super().__init__(host)
 
     def _lines(self) -> list[str]:
-        return wrapped(self.note, 16 * self.host.unit, (WIDTH - 2 * MARGIN) * self.host.unit)
+        return paragraphs(self.note, 16 * self.host.unit, (WIDTH - 2 * MARGIN) * self.host.unit)
 
     def make_widgets(self) -> None:
         """Take a place in the middle of the page and make the buttons: side by side, the first on the right, or in a column."""
@@ -206,17 +218,9 @@ class Dialog(Overlay):
         self.close()
         command()
 
-    def key(self, event: pygame.Event) -> None:
-        """Arrows and Tab move, Enter takes, Esc closes."""
-        commands = list(self.choices.values())
-        if event.key == pygame.K_ESCAPE:
-            self.close()
-        elif event.key in (pygame.K_RETURN, pygame.K_KP_ENTER, pygame.K_SPACE) and self.focus >= 0:
-            self.choose(commands[self.focus])
-        elif event.key in (pygame.K_TAB, pygame.K_LEFT, pygame.K_DOWN):
-            self.focus = (self.focus + 1) % len(commands)
-        elif event.key in (pygame.K_RIGHT, pygame.K_UP):
-            self.focus = (max(self.focus, 0) - 1) % len(commands)
+    def take_choice(self) -> None:
+        """Press the button."""
+        self.choose(list(self.choices.values())[self.focus])
 
     def paint(self, surface: pygame.Surface) -> None:
         """Draw the shade, the box, its widgets, and the ring of the button that Enter presses."""
@@ -415,9 +419,4 @@ class FileChooser(Overlay):
 
 def shortened_path(path: str, size: float, room: float) -> str:
     """`path` without its first letters where it is wider than `room` pixels: its end tells files apart."""
-    if width(path, size) <= room:
-        return path
-    kept = path
-    while kept and width("…" + kept, size) > room:
-        kept = kept[1:]
-    return "…" + kept
+    return path if width(path, size) <= room else shortened(path[::-1], size, room)[::-1]

@@ -12,7 +12,7 @@ from pygame_gui.elements import UIButton, UIDropDownMenu, UITextEntryLine
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.window.keys import REPEATED, action_of
 from softcradle.sandbox.window.page import Host
-from softcradle.sandbox.window.widgets import KEYS, Slider
+from softcradle.sandbox.window.widgets import KEYS, PRESS, Slider
 
 SCROLL = 60.0  # design pixels of the help for a notch of the wheel or an arrow
 SCROLLING = {
@@ -23,7 +23,6 @@ SCROLLING = {
 }
 NEAR = 3.0  # pixels: a control that is made anew has its middle so near to the old one
 NOWHERE = (-1, -1)  # a place on no widget
-PRESS = (pygame.K_RETURN, pygame.K_KP_ENTER, pygame.K_SPACE)
 
 
 class KeyboardFocus:

@@ -91,11 +91,8 @@ class KernelWarmup:
     def _load(self, waiting: list[KernelTiers]) -> None:
         """Load kernels whose machine code has been made; begin to make what has not, two at a time, and look again later."""
         made = next((kernels for kernels in waiting if kernels.in_memory or kernels.on_disk), None)
-        compiling = (
-            [kernels for kernels in waiting[:COMPILED_AT_ONCE] if kernels.compile_behind(YIELDING)]
-            if made is None
-            else []
-        )
+        first = waiting[:COMPILED_AT_ONCE] if made is None else []
+        compiling = [kernels for kernels in first if kernels.compile_behind(YIELDING)]
         if compiling:
             sleep(LOOKING)
             return

@@ -53,7 +53,7 @@ class Page:
         return False
 
     def let_go(self) -> None:
-        """Let go of what is dragged: what lies over the page may have taken the release of the button."""
+        """Let go of what is dragged: the button was released, be it over what lies over the page."""
 
     def take_file(self, path: str, point: tuple[int, int]) -> bool:
         """Take a file that was dropped at `point`; False where it is to be opened."""

@@ -20,6 +20,7 @@ STEP = 0.01  # of the range, for an arrow key
 PAGE = 0.1  # of the range, for Page Up and Page Down
 ENTRY = 92.0  # design pixels of the box of a number
 SWEEP = 26.0  # design pixels of the button for a sweep
+PRESS = (pygame.K_RETURN, pygame.K_KP_ENTER, pygame.K_SPACE)  # keys that press the button in focus
 KEYS = {
     pygame.K_LEFT: -STEP,
     pygame.K_DOWN: -STEP,

@@ -350,10 +350,6 @@ class GalleryPage(Page):
             self.search, self.selected, self.grid.scroll = text, 0, 0.0
             self._arrange()
 
-    def place(self, k: int) -> pygame.Rect:
-        """Rectangle of card `k` on screen."""
-        return self.grid.place(k)
-
     def select(self, k: int) -> None:
         """Select card `k` and scroll to it."""
         if self.names:
@@ -368,10 +364,6 @@ class GalleryPage(Page):
         """Move the selection to the nearest card of another row."""
         if self.names:
             self.select(self.grid.neighbour(self.selected, by))
-
-    def card_at(self, point: tuple[int, int]) -> int | None:
-        """The visible card at `point`, or None."""
-        return self.grid.card_at(point)
 
     def handle(self, event: pygame.Event) -> bool:
         """Clicks, wheel, the search, and keys that move or open."""
@@ -392,11 +384,11 @@ class GalleryPage(Page):
     def _clicked(self, event: pygame.Event) -> bool:
         """Clicks on cards, and the wheel."""
         if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
-            self.pressed = self.card_at(event.pos)
+            self.pressed = self.grid.card_at(event.pos)
             return self.pressed is not None
         if event.type == pygame.MOUSEBUTTONUP and event.button == 1 and self.pressed is not None:
             pressed, self.pressed = self.pressed, None
-            if self.card_at(event.pos) == pressed:
+            if self.grid.card_at(event.pos) == pressed:
                 self.choose(self.names[pressed])
             return True
         if event.type == pygame.MOUSEWHEEL:
@@ -435,7 +427,7 @@ class GalleryPage(Page):
         for title, y in self.grid.titles():
             write(surface, title, (MARGIN * unit, y), 16 * unit, tones.foreground, bold=True)
         for k in range(len(self.names)):
-            place = self.place(k)
+            place = self.grid.place(k)
             if place.bottom > HEADER * unit and place.top < height:
                 self._card(surface, k, place)
         surface.fill(tones.background, (0, 0, width, round((HEADER - 4) * unit)))
@@ -461,7 +453,7 @@ class GalleryPage(Page):
             surface.blit(image, picture)
         paint_caption(surface, self.captions[name], picture, unit)
         surface.fill(tones.faint, (place.left, picture.bottom, place.width, 1))
-        hovered = self.card_at(pygame.mouse.get_pos()) == k
+        hovered = self.grid.card_at(pygame.mouse.get_pos()) == k
         paint_border(surface, place, hovered, hovered and self.pressed == k)
         if k == self.selected:
             frame = place.inflate(round(4 * unit), round(4 * unit))

@@ -32,7 +32,7 @@ from softcradle.sandbox.window.page_geometry import MARGIN, geometry
 from softcradle.sandbox.window.scene.save_dialogs import SaveDialogs, WindowFilm
 from softcradle.sandbox.window.scene.time_controls import TimeControls
 from softcradle.sandbox.window.scene.toolbar import Toolbar
-from softcradle.sandbox.window.widgets import write_wrapped
+from softcradle.sandbox.window.widgets import fits, write_wrapped
 
 HANGING_NAME = "hanging-cradle"
 HANGING_TITLE = N_("Newton's cradle, hanging, in pymunk")
@@ -164,9 +164,6 @@ class HangingPage(Page):
         if event.type == pygame.MOUSEMOTION and self.held is not None:
             self.pointer, self.playing = event.pos, True
             return True
-        if event.type == pygame.MOUSEBUTTONUP and self.held is not None:
-            self.let_go()
-            return True
         return False
 
     def let_go(self) -> None:
@@ -230,8 +227,9 @@ class HangingPage(Page):
         tint, top = getattr(tones, found.level), lane.bottom - FOOT * unit
         mark = "✓" if found.level == GOOD else "!"
         write(surface, mark, (lane.left + 10 * unit, top), 16 * unit, tint, bold=True)
-        place = pygame.Rect(lane.left + round(30 * unit), round(top), lane.width - round(44 * unit), round(46 * unit))
-        write_wrapped(surface, found.sentence, place, 16 * unit, tint)
+        place = pygame.Rect(lane.left + round(30 * unit), round(top), lane.width - round(44 * unit), round(56 * unit))
+        size = 16 if fits(found.sentence, place, 16 * unit) else 13
+        write_wrapped(surface, found.sentence, place, size * unit, tint)
 
     def paint_over(self, surface: pygame.Surface) -> None:
         """Draw the clock, and a ring at the pointer while it holds a ball."""

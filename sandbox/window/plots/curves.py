@@ -272,11 +272,10 @@ class Plot:
 
     def backdrop(self, surface: pygame.Surface) -> None:
         """Draw the title and the labels of the vertical axis."""
-        title = self.content.title
-        for end in (" · ", ": "):  # the name of the lane, then what explains the title
-            if width(title, 13 * self.unit) > self.title_room():
-                title = title.split(end)[0]
-        self.write_title(surface, title)
+        title, mark, lane = self.content.title.partition(" · ")
+        if width(self.content.title, 13 * self.unit) > self.title_room():
+            title = title.split(": ")[0]  # what explains it goes, the name of the lane stays
+        self.write_title(surface, title + mark + lane)
         self.write_down(surface)
 
     def title_room(self) -> float:

@@ -189,21 +189,11 @@ def _difference(setting: PlotSetting) -> PlotContent:
     """Velocities beside the first lane, forces beside the second; no two values that fit their axes differ by more."""
     if setting.lane == 0:
         half = setting.scales.velocity[1] - setting.scales.velocity[0]
-        title, names, colours, values = (
-            _("second less first (m/s)"),
-            setting.bead_names("Δv"),
-            setting.colours,
-            _velocity,
-        )
-    else:
-        half = setting.scales.force - setting.scales.pull
-        title, names, colours, values = (
-            _("second less first (N)"),
-            setting.contact_names("Δf"),
-            setting.colours[1:],
-            _force,
-        )
-    return PlotContent(title, linear_axis("", -half, half), names, colours, values)
+        axis, names = linear_axis("", -half, half), setting.bead_names("Δv")
+        return PlotContent(_("second less first (m/s)"), axis, names, setting.colours, _velocity)
+    half = setting.scales.force - setting.scales.pull
+    axis, names = linear_axis("", -half, half), setting.contact_names("Δf")
+    return PlotContent(_("second less first (N)"), axis, names, setting.colours[1:], _force)
 
 
 def _chosen(setting: PlotSetting) -> PlotContent:

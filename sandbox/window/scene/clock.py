@@ -15,6 +15,7 @@ from softcradle.sandbox.window.scene.editor import PREPARING, SceneEditor
 from softcradle.sandbox.window.scene.time_controls import SceneTimeControls, Timeline
 from softcradle.sandbox.window.scene.view import SceneView
 
+LATE = 0.95  # clock ratio below which the page shows that the clock is slow
 APART = 2.0  # lengths of a bead: a gap in every lane is that wide when it ends
 LEAST_FRAMES = FRAME_RATE // 2  # that are shown after the last contact has opened
 MOST_FRAMES = 5 * FRAME_RATE  # likewise, where beads part slowly
@@ -44,12 +45,8 @@ class EndOfMotion:
     def toggle(self) -> None:
         """Pause at the end, or go on."""
         self.enabled = not self.enabled
-        text = (
-            N_("the clock pauses when all contacts are open for good")
-            if self.enabled
-            else N_("the clock does not pause")
-        )
-        self.host.messages.show(_(text))
+        on, off = _("the clock pauses when all contacts are open for good"), _("the clock does not pause")
+        self.host.messages.show(on if self.enabled else off)
 
     def update(self, frames: int) -> None:
         """After a tick of so many frames."""
@@ -121,6 +118,17 @@ class SceneClock:
         if self._running is not None:
             return N_("replaying") if self._running.playing else N_("paused")
         return N_("playing") if self.session.playing else N_("paused")
+
+    def note(self) -> tuple[str, bool]:
+        """What is written below the time, and whether it is a warning."""
+        ratio = self.session.pacer.clock_ratio
+        if self.session.playing and ratio < LATE:
+            return _("late: clock at {percent:.0f} %", percent=100 * ratio), True
+        if self.replay is not None:
+            return self.replay.sentence, self.replay.diverged is not None
+        if self.editor.preparing:
+            return _(PREPARING), False
+        return _(N_("looking back") if self.session.scrubbed else self.activity()), False
 
     def play_pause(self) -> None:
         """Play or pause."""

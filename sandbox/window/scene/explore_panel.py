@@ -11,7 +11,7 @@ from pygame_gui.elements import UIButton
 from softcradle.physics.contact import Contact
 from softcradle.sandbox.draw.number_format import MINUS, fixed
 from softcradle.sandbox.draw.palette import tones
-from softcradle.sandbox.draw.text import width, wrapped, write
+from softcradle.sandbox.draw.text import paragraphs, width, write
 from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.session.contact_conversion import at_the_same_depth, has_soft_contacts
 from softcradle.sandbox.session.editable_numbers import MOST_SPEED, Parameter
@@ -22,6 +22,7 @@ from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.summary_text import outcome_text
 from softcradle.sandbox.window.keys import hint
 from softcradle.sandbox.window.page import Host
+from softcradle.sandbox.window.plots.board import PlotBoard
 from softcradle.sandbox.window.plots.kinds import FORCES
 from softcradle.sandbox.window.scene.editor import SceneEditor
 from softcradle.sandbox.window.scene.inspector import ROW, Inspector, paint_about
@@ -29,6 +30,7 @@ from softcradle.sandbox.window.widgets import Control, parameter_control, write_
 
 LEAST_ALPHA, MOST_ALPHA = 1 / 30, 1.5
 MOST_BEADS = 12  # that can be chosen here
+COMPARE = 44.0  # design pixels of the button that compares
 DOT = 6.0  # design pixels, the radius of the badge
 
 
@@ -51,7 +53,8 @@ class ExplorePanel(Inspector):
         found = []
         laws = self._laws()
         if laws:
-            name = N_("alpha of this contact") if self._contact is not None else N_("alpha of the whole row")
+            row = N_("alpha of the whole row") if len(self.session.lanes) == 1 else N_("alpha of the upper row")
+            name = row if self._contact is None else N_("alpha of this contact")
             alpha = laws[self._contact or 0].exponent
             found.append(Parameter("alpha", name, "", LEAST_ALPHA, MOST_ALPHA, True, alpha, _unused))
         if own > 0.0:
@@ -84,15 +87,16 @@ class ExplorePanel(Inspector):
         more = ("+", partial(self.change_beads, 1), _("one bead more"))
         self._row(y, [None, fewer, more], (0.0, 30.0, 30.0), 30.0)
         y += 54 * unit
-        if len(self.session.lanes) == 1 and not self.session.lanes[0].chain.couplers:
-            soft = has_soft_contacts(self.session.lanes[0].chain)
-            text = _("Compare with steel balls") if soft else _("Compare with soft beads")
-            compare = (text, partial(self.host.act, "compare_balls"), _("the same blow in a second row below"))
-            self._row(y, [compare], height=44.0)
-            y += 68 * unit
-        elif len(self.session.lanes) > 1:
-            self._row(y, [(_("Back to one row"), partial(self.host.act, "alone"), hint("alone"))], height=44.0)
-            y += 68 * unit
+        chain, knob = self.session.lanes[0].chain, None
+        if len(self.session.lanes) > 1:
+            knob = _("Back to one row"), partial(self.host.act, "alone"), hint("alone")
+        elif not chain.couplers:
+            text = _("Compare with steel balls") if has_soft_contacts(chain) else _("Compare with soft beads")
+            knob = text, partial(self.host.act, "compare_balls"), _("the same blow in a second row below")
+        if knob is not None:
+            self._row(y, [knob], height=COMPARE)
+            y += COMPARE * unit
+        y += min(24 * unit, max(0.0, rect.bottom - y - 22 * unit))  # the title of the text has room below
         self._about = pygame.Rect(rect.left, round(y), rect.width, max(0, round(rect.bottom - y)))
 
     def _apply(self, control: Control, value: float, gesture: bool) -> bool:
@@ -180,15 +184,15 @@ WHY = N_(
 
 
 class OutcomeCard:
-    """The card; it goes as soon as the clock runs or another frame is shown.
+    """The card, a dialog where the page has no room for it; it goes as soon as the clock runs or another frame is shown.
 
     Attributes:
         text: what it says; empty where it is not shown.
         buttons: by text.
     """
 
-    def __init__(self, host: Host, session: Session, steel: Callable[[], None]) -> None:
-        self.host, self.session, self.steel = host, session, steel
+    def __init__(self, host: Host, session: Session, board: PlotBoard, steel: Callable[[], None]) -> None:
+        self.host, self.session, self.board, self.steel = host, session, board, steel
         self.text = ""
         self.buttons: dict[str, UIButton] = {}
         self._rect = pygame.Rect(0, 0, 0, 0)
@@ -205,7 +209,7 @@ class OutcomeCard:
     def show_forces(self) -> None:
         """Go back to the moment of the greatest force, and say what the bars and marks mean there."""
         if self.host.explore:
-            self.host.act(FORCES)
+            self.board.single = FORCES
         history = self.session.history
         parts = list(history_slices(history, 0, history.first, history.last))
         peaks = [float(part.force.max()) for part in parts]
@@ -227,9 +231,14 @@ class OutcomeCard:
             self.host.rebuild()
 
     def height(self, room: int) -> int:
-        """Pixels of the card where it is so wide; 0 where it is not shown."""
-        rows = min(len(self._lines(room)), MOST_LINES)
-        return round((1.4 * self._size * rows + 54.0) * self.host.unit) if self.text else 0
+        """Pixels of the card where it is so wide; 0 where it is not shown, those of the window where its buttons are wider."""
+        if not self.text or sum(self._widths()) > room:
+            return self.host.size[1] if self.text else 0
+        return round((1.4 * self._size * min(len(self._lines(room)), MOST_LINES) + 46.0) * self.host.unit)
+
+    def _widths(self) -> list[int]:
+        """Pixels of each button with the space beside it."""
+        return [round(width(text, 13 * self.host.unit) + 32 * self.host.unit) for text in self._choices]
 
     @property
     def _size(self) -> float:
@@ -237,22 +246,22 @@ class OutcomeCard:
 
     def _lines(self, room: int) -> list[str]:
         """The lines of the text in a card so wide; each lane begins one."""
-        size = self._size * self.host.unit
-        return [line for part in self.text.split("\n") for line in wrapped(part, size, room - 28 * self.host.unit)]
+        return paragraphs(self.text, self._size * self.host.unit, room - 28 * self.host.unit)
 
-    def build(self, room: pygame.Rect) -> None:
-        """Take a place at the top of `room`, which lies below the beads."""
-        self.buttons = {}
-        self._rect = pygame.Rect(room.left, room.top, room.width, self.height(room.width))
+    def build(self, place: pygame.Rect) -> None:
+        """Take a `place` below the beads; without one, ask in a dialog."""
+        self.buttons, self._rect = {}, place
+        if self.text and not place.height:
+            note, self.text = self.text, ""
+            self.host.choose(_("What happened"), note, self._choices)
         if not self.text:
             return
-        unit, right = self.host.unit, room.right - round(10 * self.host.unit)
-        for k, (text, command) in enumerate(reversed(self._choices.items())):
-            wide = round(width(text, 13 * unit) + 24 * unit)
-            place = pygame.Rect(right - wide, self._rect.bottom - round(40 * unit), wide, round(30 * unit))
-            style = "#flat" if k == 0 else None
-            self.buttons[text] = UIButton(place, text, self.host.manager, object_id=style, command=command)
-            right = place.left - round(8 * unit)
+        unit, left = self.host.unit, place.right - sum(self._widths())
+        for (text, command), wide in zip(self._choices.items(), self._widths(), strict=True):
+            button = pygame.Rect(left, place.bottom - round(36 * unit), wide - round(8 * unit), round(30 * unit))
+            style = "#flat" if command == self.hide else None
+            self.buttons[text] = UIButton(button, text, self.host.manager, object_id=style, command=command)
+            left += wide
 
     def update(self) -> None:
         """Go where the clock runs, or another frame is shown."""

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache, partial
+from typing import ClassVar
 
 import numpy as np
 import pygame
@@ -12,10 +13,12 @@ import pygame_gui
 from pygame_gui.elements import UIButton
 from softcradle.physics.contact import Contact
 from softcradle.sandbox.draw.curve_panels import Panel, linear_axis
+from softcradle.sandbox.draw.number_format import subscript
 from softcradle.sandbox.draw.palette import bead_colours, tones
 from softcradle.sandbox.draw.supersampling import draw_marker
 from softcradle.sandbox.draw.text import shortened, wrapped, write
 from softcradle.sandbox.languages import N_, NP_, _, error_words, pgettext, scene_words
+from softcradle.sandbox.quantities import VELOCITY
 from softcradle.sandbox.session.contact_conversion import kind_of
 from softcradle.sandbox.session.editable_numbers import Parameter, Variant, parameters, variants
 from softcradle.sandbox.session.inputs import SetContact, SetKind, SetMass
@@ -36,9 +39,11 @@ from softcradle.sandbox.window.widgets import (
     stack,
     write_wrapped,
 )
+from softcradle.scenes import Lane, load, names
 
 COLUMNS, ROWS = 3, 3
 COUNT = COLUMNS * ROWS
+STEPS = {pygame.K_LEFT: -1, pygame.K_RIGHT: 1, pygame.K_UP: -COLUMNS, pygame.K_DOWN: COLUMNS, pygame.K_TAB: 1}
 HEAD = 46.0  # design pixels above the plots
 MARGIN = 20.0  # design pixels around them
 
@@ -53,15 +58,17 @@ class SweepBoard(Overlay):
 
     Attributes:
         found: the variants; None until they are computed.
-        focus: number of the variant that Enter takes.
     """
+
+    choice_count = COUNT
+    steps: ClassVar[Mapping[int, int]] = STEPS
 
     def __init__(
         self, host: Host, session: Session, pick: Pick, parameter: Parameter, take: Callable[[float], object]
     ) -> None:
         self.parameter, self.take = parameter, take
         self.found: list[Variant] | None = None
-        self.focus, self._panels = 0, list[Panel]()
+        self._panels: list[Panel] = []
         self.present = parameter.value
         self.places: list[pygame.Rect] = []
         super().__init__(host)
@@ -104,13 +111,14 @@ class SweepBoard(Overlay):
         low, high = min(0.0, float(speeds.min())), max(0.0, float(speeds.max()))
         room = 0.06 * (high - low) or 1.0
         colours = bead_colours(max(motion.velocity.shape[1] for motion in motions))
+        names = [VELOCITY.symbol + subscript(k) for k in range(len(colours))]
         for variant, place in zip(self.found or (), self.places, strict=True):
             motion = variant.motion or motions[0]
             time = float(motion.time[0]), float(motion.time[-1])
             title = f"{_(self.parameter.name)} = {number_text(variant.value)} {self.parameter.unit}".strip()
             axis = linear_axis(shortened(title, 13 * self.host.unit, 0.8 * place.width), low - room, high + room)
-            panel = Panel(place, self.host.unit, time, axis, colours=colours, names=[""] * len(colours))
-            panel.labelled = False
+            panel = Panel(place, self.host.unit, time, axis, colours=colours, names=names)
+            panel.labelled &= variant.motion is not None
             if variant.motion is not None:
                 panel.colours = colours[: variant.motion.velocity.shape[1]]
                 panel.draw_curves(variant.motion.time, variant.motion.velocity)
@@ -126,14 +134,9 @@ class SweepBoard(Overlay):
                     self._choose(k)
         return super().handle(event)
 
-    def key(self, event: pygame.Event) -> None:
-        """Arrows move, Enter takes, Esc closes."""
-        steps = {pygame.K_LEFT: -1, pygame.K_RIGHT: 1, pygame.K_UP: -COLUMNS, pygame.K_DOWN: COLUMNS, pygame.K_TAB: 1}
-        if event.key == pygame.K_ESCAPE:
-            self.close()
-        elif event.key in steps:
-            self.focus = (self.focus + steps[event.key]) % COUNT
-        elif event.key in (pygame.K_RETURN, pygame.K_KP_ENTER, pygame.K_SPACE) and self.found is not None:
+    def take_choice(self) -> None:
+        """Take the variant in focus, once there are some."""
+        if self.found is not None:
             self._choose(self.focus)
 
     def _choose(self, k: int) -> None:
@@ -160,11 +163,11 @@ class SweepBoard(Overlay):
 
     def _paint_variant(self, surface: pygame.Surface, variant: Variant, panel: Panel) -> None:
         """Draw the axes and curves of one variant, or what is wrong with it."""
-        none = np.zeros((0, len(panel.colours)))
-        panel.backdrop(surface, np.zeros(0), none, np.zeros(len(panel.colours)), 0.0)
-        if variant.motion is not None:
-            panel.paint(surface, float(variant.motion.time[-1]), variant.motion.velocity[-1])
-            return
+        motion, count = variant.motion, len(panel.colours)
+        end = np.zeros(count) if motion is None else motion.velocity[-1]
+        panel.backdrop(surface, np.zeros(0), np.zeros((0, count)), end, 0.0)
+        if motion is not None:
+            panel.paint(surface, float(motion.time[-1]), end)
         write_wrapped(surface, variant.problem, panel.area, 13 * self.host.unit, tones.warning)
 
 
@@ -175,12 +178,19 @@ CHANGED = N_("You have changed this scene: its text was written for other number
 PREDICT = N_("Say what you expect (Q), or play and see: then this text says what happens and why.")
 
 
+@lru_cache(maxsize=1)
+def _catalogue() -> dict[str, tuple[Lane, ...]]:
+    """Lanes of the scenes of the catalogue, by the text that is about them."""
+    return {scene.text: scene.lanes for scene in map(load, names())}
+
+
 def paint_about(surface: pygame.Surface, rect: pygame.Rect, unit: float, session: Session, question: str) -> str:
     """Write the text of the scene into `rect`; before it is answered its `question`; of an edited scene that it is another.
 
     Returns all of it where `rect` has no room for that.
     """
-    scene, size, changed = session.scene, 13 * unit, session.edited
+    scene, size = session.scene, 13 * unit
+    changed = session.edited or _catalogue().get(scene.text, scene.lanes) != scene.lanes  # it may have been saved since
     tips = math.ceil(1.4 * size * len(wrapped(_(TIPS), size, rect.width)) + 1) if rect.height > 150 * unit else 0
     low = pygame.Rect(rect.left, rect.bottom - tips, rect.width, tips)
     write_wrapped(surface, _(TIPS), low, size, tones.muted)
@@ -259,10 +269,8 @@ class Inspector:
             sweep = partial(self.sweep, parameter.key)
             self.controls[parameter.key] = parameter_control(self.host, self.rect, parameter, y, sweep)
             y += ROW * unit
-        if self.pick.kind == "contact":
-            self._make_contact_buttons(self.pick, y + 4 * unit)
-        else:
-            self._make_bead_buttons(self.pick, y + 4 * unit)
+        for k, row in enumerate(self._knobs(self.pick)):
+            self._row(y + (4 + 34 * k) * unit, row)
 
     def _parameters(self) -> list[Parameter]:
         """The parameters that there are controls for."""
@@ -279,17 +287,17 @@ class Inspector:
         if present in KIND_NAMES:
             buttons[list(KIND_NAMES).index(present)].select()
 
-    def _make_contact_buttons(self, pick: Pick, y: float) -> None:
-        locked = self.session.lanes[pick.lane].setup.locked[pick.index] is not None
-        lock = (_("unlock piston") if locked else _("lock piston"), self.editor.lock, hint("lock"))
-        self._row(y, [lock, (_("all alike"), self._copy_to_all, _("give this law to every contact of the lane"))])
-
-    def _make_bead_buttons(self, pick: Pick, y: float) -> None:
+    def _knobs(self, pick: Pick) -> list[list[Knob]]:
+        """Rows of buttons below the parameters."""
+        lane = self.session.lanes[pick.lane]
+        if pick.kind == "contact":
+            lock = _("lock piston") if lane.setup.locked[pick.index] is None else _("unlock piston")
+            alike = (_("all alike"), self._copy_to_all, _("give this law to every contact of the lane"))
+            return [[(lock, self.editor.lock, hint("lock")), alike]]
         add = (_("add bead"), self.editor.add_bead, hint("add_bead"))
-        self._row(y, [add, (_("remove bead"), self.editor.remove_bead, hint("remove_bead"))])
-        wall = math.isinf(self.session.lanes[pick.lane].chain.mass[pick.index])
-        tip = _("a wall has no mass to move: it keeps its velocity")
-        self._row(y + 34 * self.host.unit, [(_("free it") if wall else _("make it a wall"), self._toggle_wall, tip)])
+        remove = (_("remove bead"), self.editor.remove_bead, hint("remove_bead"))
+        wall = _("free it") if math.isinf(lane.chain.mass[pick.index]) else _("make it a wall")
+        return [[add, remove], [(wall, self._toggle_wall, _("a wall has no mass to move: it keeps its velocity"))]]
 
     def _row(
         self,

@@ -173,11 +173,9 @@ class LaneCards:
         x, y = rect.left, rect.top + 12 * unit
         step = lane.setup.step_for(self.session.setup.frame_time)
         method = lane.setup.method
-        line = (
-            _("{method}, step {step} s", method=method, step=scientific(step))
-            if step
-            else _("{method}, adaptive", method=method)
-        )
+        line = _("{method}, adaptive", method=method)
+        if step:
+            line = _("{method}, step {step} s", method=method, step=scientific(step))
         write(surface, line, (x, y + 26 * unit), 13 * unit, tones.muted)
         y += 43 * unit
         summary = shortened(_(SUMMARIES[method]), 13 * unit, rect.width)

@@ -6,8 +6,6 @@ from collections.abc import Callable
 from functools import partial
 
 import pygame
-from softcradle.sandbox.draw.palette import tones
-from softcradle.sandbox.draw.text import write_on_plate
 from softcradle.sandbox.languages import _, scene_words
 from softcradle.sandbox.session.lane_setup import Setup
 from softcradle.sandbox.session.replay import Replay
@@ -17,7 +15,7 @@ from softcradle.sandbox.window.lessons.runner import LessonRunner
 from softcradle.sandbox.window.page import Actions, Host, Page
 from softcradle.sandbox.window.plots.board import PlotBoard
 from softcradle.sandbox.window.scene.clock import SceneClock
-from softcradle.sandbox.window.scene.editor import PREPARING, SceneEditor
+from softcradle.sandbox.window.scene.editor import SceneEditor
 from softcradle.sandbox.window.scene.explore_panel import ExplorePanel, OutcomeCard
 from softcradle.sandbox.window.scene.inspector import Inspector
 from softcradle.sandbox.window.scene.lane_cards import LaneCards
@@ -67,11 +65,11 @@ class ScenePage(Page):
         self.inspector = Inspector(host, session, self.editor)
         self.explore = ExplorePanel(host, session, self.editor, lambda: self.cards.health)
         self.panels = (self.inspector, self.explore)
-        self.outcome = OutcomeCard(host, session, partial(host.act, "compare_balls"))
+        self.outcome = OutcomeCard(host, session, self.board, partial(host.act, "compare_balls"))
         self.view = SceneView(host, session, self.editor, self.board, self.panels, self.outcome)
         self.timeline = Timeline(session)
         self.clock = SceneClock(host, session, self.editor, self.view, self.timeline, replay, self.outcome.show_outcome)
-        self.time_controls = SceneTimeControls(host, session, self.board, self.clock.activity)
+        self.time_controls = SceneTimeControls(host, session, self.board, self.clock.activity, self.clock.note)
         self.clock.controls = self.time_controls
         self.pointer = PointerTool(host, session, self.editor, self.view)
         self.film = WindowFilm(host)
@@ -162,9 +160,11 @@ class ScenePage(Page):
         )
 
     def escape(self) -> None:
-        """Deselect; with nothing selected, back to the gallery."""
+        """Deselect, or take the card away; with neither, back to the gallery."""
         if self.editor.selection is not None:
             self.editor.selection = None
+        elif self.outcome.text:
+            self.outcome.hide()
         else:
             self.leave()
 
@@ -187,9 +187,9 @@ class ScenePage(Page):
         lab, few = (nowhere, panel) if self.host.explore else (panel, nowhere)
         self.inspector.build(self.cards.build(lab, self.editor.selection is not None))
         self.explore.build(few)
+        self.outcome.build(places.card)
         self.view.rebuild()
         self.tools.build()
-        self.outcome.build(places.below_beads)
 
     def handle(self, event: pygame.Event) -> bool:
         """Take events of the widgets first, then those of the mouse."""
@@ -224,7 +224,7 @@ class ScenePage(Page):
             self.host.rebuild()  # cards make room for the selection, or come back
         for panel in self.panels:
             panel.update(seconds)
-        self.tools.values.update()
+        self.tools.values.arrange()
         self.sound.update(self.view.scales.scales.force)
         self.lessons.update()
         self.unsaved_scene.update(seconds)
@@ -282,7 +282,7 @@ class ScenePage(Page):
 
     def paint_over(self, surface: pygame.Surface) -> None:
         """Draw what lies above the widgets."""
-        unit, places, point = self.host.unit, self.view.places, self.host.pointer
+        point = self.host.pointer
         self.time_controls.paint_over(surface)
         for lane in self.view.lanes if self.pointer.grip is None else ():
             lane.paint_handles(surface, point)
@@ -295,14 +295,6 @@ class ScenePage(Page):
             self.board.paint_reading(surface, point)
         self.tools.paint_over(surface)
         self.timeline.paint_reading(surface, point)
-        if self.editor.preparing or self.replay is not None:
-            text = _(PREPARING) if self.replay is None else self.replay.sentence
-            bad = self.replay is not None and self.replay.diverged is not None
-            place, tint = (
-                (places.lanes[0].centerx, places.lanes[0].top + 30 * unit),
-                tones.warning if bad else tones.muted,
-            )
-            write_on_plate(surface, text, place, 16 * unit, tint, bold=bad)
 
     def after_frame(self, surface: pygame.Surface, seconds: float) -> None:
         """Record the finished picture, if a film is being made."""

@@ -7,7 +7,7 @@ import math
 import pygame
 from softcradle.sandbox.draw.number_format import fixed, scientific, time_unit
 from softcradle.sandbox.draw.palette import tones
-from softcradle.sandbox.draw.text import write
+from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.page import Host
@@ -59,7 +59,7 @@ class Ruler:
         self.dragged: int | None = None
 
     def toggle(self) -> None:
-        """Put the ruler over the middle of the lanes, or away."""
+        """Put the ruler on the ground of the first lane, or away."""
         rect = self.view.places.lanes[0]
         places = [(round(rect.left + share * rect.width), 0) for share in (0.3, 0.7)]
         self.ends = [self.view.metres_at(place) for place in places] if self.ends is None else None
@@ -71,9 +71,8 @@ class Ruler:
 
     def points(self) -> list[tuple[int, int]]:
         """Both ends on screen."""
-        rect, zero = self.view.places.lanes[0], self.view.metres_at((0, 0))
+        y, zero = round(self.view.lanes[0].drawing.ground), self.view.metres_at((0, 0))
         scale = self.view.metres_at((1000, 0)) - zero
-        y = rect.top + round(46 * self.host.unit)
         return [(round((end - zero) / scale * 1000), y) for end in self.ends or ()]
 
     def handle(self, event: pygame.Event) -> bool:
@@ -100,8 +99,9 @@ class Ruler:
         pygame.draw.line(surface, tones.accent, first, last, max(2, round(2 * unit)))
         for x, y in (first, last):
             pygame.draw.circle(surface, tones.accent, (x, y), 5 * unit)
-        middle = ((first[0] + last[0]) / 2, first[1] - 12 * unit)
-        _tag(surface, f"{scientific(self.distance, 2)} m", middle, unit)
+        text, end = f"{scientific(self.distance, 2)} m", max(first[0], last[0])
+        beside = end + 16 * unit + width(text, 13 * unit) / 2
+        _tag(surface, text, (beside, first[1]), unit)
 
 
 def _tag(surface: pygame.Surface, text: str, place: tuple[float, float], unit: float) -> None:
@@ -125,21 +125,15 @@ class PointerTool:
         self._start, self._pointer, self._offset, self._beads = (0, 0), (0, 0), 0.0, 0
 
     def handle(self, event: pygame.Event) -> bool:
-        """Press, move, release, wheel."""
+        """Press, move, wheel; the page lets go."""
         if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
             return self._press(event.pos)
         if event.type == pygame.MOUSEMOTION and self.panned is not None:
             self.view.pan(event.pos[0] - self.panned)
             self.panned = event.pos[0]
             return True
-        if event.type == pygame.MOUSEBUTTONUP and event.button == 1 and self.panned is not None:
-            self.panned = None
-            return True
         if event.type == pygame.MOUSEMOTION and self.pressed is not None:
             self._move(event.pos)
-            return True
-        if event.type == pygame.MOUSEBUTTONUP and event.button == 1 and self.pressed is not None:
-            self.release()
             return True
         return event.type == pygame.MOUSEWHEEL and self._wheel(event)
 

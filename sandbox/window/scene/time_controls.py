@@ -10,7 +10,7 @@ import pygame_gui
 from pygame_gui.elements import UIButton
 from softcradle.sandbox.draw.number_format import fixed, time_unit
 from softcradle.sandbox.draw.palette import bead_colours, mix, tones
-from softcradle.sandbox.draw.text import write
+from softcradle.sandbox.draw.text import shortened, write
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.session.contact_events import ContactEvents
 from softcradle.sandbox.session.inputs import SetSlow
@@ -166,14 +166,11 @@ FASTEST = 0.01  # wall seconds for one second of the model
 SLOW_MOTIONS = FASTEST, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, SLOWEST
 BUTTONS = ("first", "back", "play_pause", "forward", "last", "restart", "fit")
 FEW = ("play_pause", "restart")  # buttons of the first level
-LATE = 0.95  # clock ratio below which the page shows that the clock is slow
 
 MOVING = ("playing", "replaying")  # activities that can be paused
 SLOW_ROOM, GAP = 190.0, 24.0  # design pixels of the slider, and between groups
-CLOCK_ROOM = 160.0  # design pixels of the clock
-MESSAGE_ROOM = (
-    260.0  # design pixels beside the clock, with which there is room for messages; else they lie on the time line
-)
+CLOCK_ROOM = 240.0  # design pixels of the clock and its note
+MESSAGE_ROOM = 260.0  # design pixels beside the clock, the least for messages; else they lie on the time line
 
 
 class TimeControls:
@@ -249,15 +246,22 @@ class TimeControls:
         write(surface, speed_text(self.slow), (self.slow_left, above), 13 * unit, tones.foreground)
         write(surface, clock, (self.clock_left, above), 16 * unit, tones.foreground, bold=True)
         below, tint = (self.clock_left, self.rect.centery + 4 * unit), tones.warning if late else tones.muted
-        write(surface, note, below, 13 * unit, tint, bold=late)
+        write(surface, shortened(note, 13 * unit, CLOCK_ROOM * unit, bold=late), below, 13 * unit, tint, bold=late)
 
 
 class SceneTimeControls(TimeControls):
-    """Those of a session, whose slow motion is an input."""
+    """Those of a session, whose slow motion is an input; below the time stands the `note`."""
 
-    def __init__(self, host: Host, session: Session, board: PlotBoard, activity: Callable[[], str]) -> None:
+    def __init__(
+        self,
+        host: Host,
+        session: Session,
+        board: PlotBoard,
+        activity: Callable[[], str],
+        note: Callable[[], tuple[str, bool]],
+    ) -> None:
         super().__init__(host, activity)
-        self.session, self.board, self.slow = session, board, session.slow
+        self.session, self.board, self.note, self.slow = session, board, note, session.slow
         self._set: float | None = None  # slow motion that is applied when the scene plays on
 
     def set_slow(self, slow: float) -> None:
@@ -280,13 +284,7 @@ class SceneTimeControls(TimeControls):
         session, span = self.session, self.board.span.seconds
         size, name = time_unit(span)
         clock = f"t = {fixed(session.time / size, max(0, 3 - math.floor(math.log10(span / size))))} {name}"
-        ratio = session.pacer.clock_ratio
-        late, note = session.playing and ratio < LATE, _(self.activity())
-        if late:
-            note = _("late: clock at {percent:.0f} %", percent=100 * ratio)
-        elif session.scrubbed:
-            note = _("looking back")
-        self.paint_clock(surface, clock, note, late)
+        self.paint_clock(surface, clock, *self.note())
 
 
 def speed_text(slow: float) -> str:

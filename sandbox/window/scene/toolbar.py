@@ -36,20 +36,8 @@ MENUS: dict[str, tuple[str, ...]] = {
     ),
     "plots_menu": (*PLOT_KINDS, "signals", "logarithmic", "plots", "values", "data"),
     "tools": (
-        *(
-            "lesson",
-            "tell",
-            "compare",
-            "compare_balls",
-            "alone",
-            "sweep",
-            "arrows",
-            "stopwatch",
-            "ruler",
-            "fit",
-            "pause_at_end",
-        ),
-        *("sound", "inspector", "larger", "smaller", "fullscreen", "theme", "language"),
+        *("lesson", "tell", "compare", "compare_balls", "alone", "sweep", "arrows", "stopwatch", "ruler", "fit"),
+        *("pause_at_end", "sound", "inspector", "larger", "smaller", "fullscreen", "theme", "language"),
     ),
 }
 MARGIN = 20.0  # design pixels of a button beside its text

@@ -36,7 +36,7 @@ from softcradle.sandbox.window.scene.lane_cards import LaneCards
 from softcradle.sandbox.window.scene.pointer_tool import Ruler, Stopwatch
 from softcradle.sandbox.window.scene.save_dialogs import shown_path
 from softcradle.sandbox.window.scene.values_board import ValuesBoard
-from softcradle.sandbox.window.scene.view import SceneView
+from softcradle.sandbox.window.scene.view import NO_ROOM, SceneView
 from softcradle.scenes import Scene
 
 
@@ -86,6 +86,8 @@ class DataTool:
         if under is not None and under.timed:
             return self.board.keys[self.board.plots.index(under)], under
         self.view.show_plot(kind)
+        if not self.board.plots:
+            raise UserError(_(NO_ROOM))
         where = next(k for k, key in enumerate(self.board.keys) if key[0] == kind)
         return self.board.keys[where], self.board.plots[where]
 
@@ -215,11 +217,13 @@ class ViewKeys:
             self.host.settings.plots = self.board.chosen
             self.host.settings.save()
         self.host.rebuild()
+        self.view.say_if_plots_have_no_room()
 
     def toggle_plots(self) -> None:
         """Show or hide all plots."""
         self.board.hidden = not self.board.hidden
         self.host.rebuild()
+        self.view.say_if_plots_have_no_room()
 
     def toggle_logarithmic(self) -> None:
         """Give overlaps a logarithmic axis or a linear one."""
@@ -276,7 +280,8 @@ class SceneTools:
         if not self.view.places.plots:
             self.board.show((self.board.present or self.board.shown or self.board.available())[0])
             self.host.rebuild()
-        self.values.update()
+        self.view.say_if_plots_have_no_room()
+        self.values.arrange()
 
     def copy_values(self) -> None:
         """Put all values at the frame shown on the clipboard as CSV."""

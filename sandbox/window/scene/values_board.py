@@ -165,9 +165,8 @@ class ValuesBoard:
         """Find the places of the tables; the row that is selected comes into view."""
         area, pick = self.area(), self.editor.selection
         chosen = 0 if pick is None else pick.lane
-        self.places = (
-            [] if area is None else table_places(self.session.lanes, area, self.host.unit, self._first, chosen)
-        )
+        lanes, unit = self.session.lanes, self.host.unit
+        self.places = [] if area is None else table_places(lanes, area, unit, self._first, chosen)
         if pick != self._seen and self.places:
             self._seen = pick
             self.bring_into_view(pick)
@@ -206,10 +205,6 @@ class ValuesBoard:
                 self._scroll(place, ROWS_A_TURN * by)
                 return True
         return False
-
-    def update(self) -> None:
-        """Follow the page and the selection."""
-        self.arrange()
 
     def paint(self, surface: pygame.Surface, area: pygame.Rect) -> None:
         """Draw the tables."""

@@ -9,11 +9,12 @@ import pygame
 from softcradle.sandbox.draw.lane_drawing import ARROWS
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
+from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window.page import Host
-from softcradle.sandbox.window.page_geometry import Geometry, geometry, most_plot_rows, plots_width
+from softcradle.sandbox.window.page_geometry import Geometry, fitting, geometry, plots_width
 from softcradle.sandbox.window.plots.board import PlotBoard
 from softcradle.sandbox.window.plots.kinds import VELOCITIES
 from softcradle.sandbox.window.plots.scales import METHOD as AHEAD
@@ -32,6 +33,7 @@ from softcradle.sandbox.window.scene.lane_view import LaneView, SessionLanes
 ZOOM = 1.25  # factor of one step
 MARGIN = 0.04  # of the width beyond the outermost beads, after it has framed them
 SPARE = 1.4  # of the width that would do, so that beads that go on do not leave again at once
+NO_ROOM = N_("there is no room for plots: make the window larger, or the scale smaller")
 NARROWEST = 1e-4  # m
 WIDEST = 1e9  # m
 
@@ -156,13 +158,12 @@ class SceneView:
         self.board.single = (self.board.single or VELOCITIES) if self.host.explore else ""
         size, unit = self.host.size, self.host.unit
         room = plots_width(size, unit, self.panel_shown)
-        rows, card = self.board.rows(room), self.card.height(round(room * unit))
-        most = most_plot_rows(size, unit, len(self.session.lanes), card)
+        rows, lanes, explore = self.board.rows(room), len(self.session.lanes), self.host.explore
+        most, card = fitting(size, unit, lanes, explore, self.card.height(round(room * unit)))
         self.row_count = len(rows)
         self.first_row = min(max(self.first_row, 0), max(0, len(rows) - most))
         self.rows = rows[self.first_row : self.first_row + most]
-        counts = [len(row) for row in self.rows]
-        return geometry(size, unit, len(self.session.lanes), counts, self.panel_shown, self.host.explore, card)
+        return geometry(size, unit, lanes, [len(row) for row in self.rows], self.panel_shown, explore, card)
 
     def plots_area(self) -> pygame.Rect:
         """The rectangle of all plots."""
@@ -180,10 +181,16 @@ class SceneView:
         self.card.text = ""
         self.board.show(kind)
         self.host.rebuild()
-        if all(name != kind for name, _lane in self.board.keys):
+        self.say_if_plots_have_no_room()
+        if self.rows and all(name != kind for name, _lane in self.board.keys):
             rows = self.board.rows(plots_width(self.host.size, self.host.unit, self.panel_shown))
             self.first_row = next(k for k, row in enumerate(rows) if kind in dict(row))
             self.host.rebuild()
+
+    def say_if_plots_have_no_room(self) -> None:
+        """Say why plots that a person asked for are not there."""
+        if self.row_count and not self.rows:
+            self.host.messages.show(_(NO_ROOM))
 
     def scroll_plots(self, point: tuple[int, int], by: int) -> bool:
         """Show the rows of plots that are `by` lower, if `point` is on plots that do not all fit."""

@@ -228,6 +228,11 @@ def test_the_slider_tells_the_alpha_that_acts(pages, browser):
     browser.run(SET.format("alpha", 0, "input"))
     assert browser.run("document.getElementById('alpha-value').textContent") == "1/40"
     assert browser.run("page.source.rows[0].kernel.law[2]") == 1 / 40
+    text = "document.getElementById('text').textContent"
+    assert "as one body" not in browser.run(text)
+    assert "other numbers" in browser.run(text)
+    browser.visit(pages(SCENE).output, "#pace=4&with=steel")
+    assert "as one body" in browser.run(text)
 
 
 @pytest.mark.parametrize(("law", "last"), [("steel", 0.986), ("gear", 0.4)])

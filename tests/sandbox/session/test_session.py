@@ -8,6 +8,7 @@ from softcradle.physics import simulate
 from softcradle.sandbox.scene_runs import run_scene
 from softcradle.sandbox.session import RemoveBead, SetMass, SetMethod, SetSlow, SetVelocity, live_lane
 from softcradle.sandbox.session.history_slices import last_slice
+from softcradle.sandbox.session.inputs import Resume
 from softcradle.sandbox.session.lane_setup import FRAME_RATE
 from softcradle.sandbox.session.summary_text import summary_text
 from softcradle.sandbox.trajectory_summary import describe
@@ -123,6 +124,17 @@ def test_playing_on_from_a_scrubbed_frame_is_a_new_branch_with_the_same_digits()
     assert session.history.last == 152
     session.step_frames(400 - 152)
     assert digits(session) == here
+
+
+def test_what_the_bed_takes_in_a_frame_has_the_same_digits_wherever_it_is_played_on_from():
+    """A recording of a session that was wound back once had another last digit in its ledger."""
+    session = opened("experiment-two-on-two")
+    session.step_frames(60)
+    ledgers = [session.history.snapshot(frame).ledgers[0] for frame in range(61)]
+    session.scrub_frame(20)
+    session.apply(Resume())
+    session.step_frames(40)
+    assert all((session.history.snapshot(k).ledgers[0] == ledgers[k]).all() for k in range(61))
 
 
 def test_an_edit_of_a_scrubbed_frame_drops_the_later_ones():

@@ -96,6 +96,23 @@ def test_the_window_is_resized_and_scaled_and_its_panel_hidden(driver: Driver) -
     assert driver.page.view.places.lanes[0].width > wide
 
 
+def test_the_scale_is_remembered(driver: Driver) -> None:
+    driver.key(pygame.K_EQUALS, CTRL)
+    driver.close()
+    assert Driver("one-on-four").app.scale == 1.15
+
+
+def test_values_below_the_pointer_do_not_shine_through_a_dialog(driver: Driver) -> None:
+    def times() -> int:
+        return sum(one.text.startswith("t = ") for one in driver.texts())
+
+    driver.session.step_frames(60)
+    driver.move(driver.page.board.plots[0].area.center)
+    assert times() == 2  # at the pointer, and that of the clock
+    driver.key(pygame.K_w)
+    assert times() == 1
+
+
 def test_a_message_takes_the_place_of_one_on_the_same_subject(driver):
     for _ in range(3):
         driver.key(pygame.K_EQUALS, CTRL)

@@ -37,6 +37,7 @@ def test_a_window_that_is_killed_offers_its_edits_at_the_next_start(driver: Driv
     again.key(pygame.K_RETURN)
     assert again.session.lanes[0].chain.mass == masses
     assert again.page.unsaved
+    assert any("You have changed this scene" in one.text for one in again.texts())  # not what is true of four beads
     assert not again.app.settings.recent
     again.close()
     assert not unsaved_path().exists()
@@ -320,6 +321,8 @@ def test_a_session_is_saved_and_replayed_with_the_same_digits_and_can_be_paused(
     driver.drop_file(tmp_path / "played.npz")
     driver.frames(5)
     assert driver.page.clock.activity() == "replaying"
+    said = next(one for one in driver.texts() if one.text.startswith("replay, frame"))
+    assert driver.page.view.places.footer.contains(said.rect)  # on no bead and no force
     driver.key(pygame.K_SPACE)
     frame = driver.session.frame
     driver.frames(5)

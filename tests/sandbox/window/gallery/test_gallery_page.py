@@ -1,6 +1,7 @@
 """The gallery, driven by mouse and keys, and the memory of pages that were left."""
 
 import weakref
+from pathlib import Path
 
 import pygame
 import pytest
@@ -28,7 +29,7 @@ def test_scenes_without_a_picture_get_one_and_the_one_that_is_clicked_is_opened(
     chosen = page.names.index("one-on-four")
     page.selected = chosen
     page.step(0)
-    gallery.click(page.place(chosen).center)
+    gallery.click(page.grid.place(chosen).center)
     assert gallery.session.scene.title == "One bead on four"
     gallery.key(pygame.K_ESCAPE)
     again = gallery.app.page
@@ -38,19 +39,19 @@ def test_scenes_without_a_picture_get_one_and_the_one_that_is_clicked_is_opened(
 
 def test_a_press_that_ends_on_another_card_opens_nothing(gallery: Driver) -> None:
     page = gallery.app.page
-    gallery.drag(page.place(0).center, page.place(1).center)
-    gallery.release(page.place(1).center)
-    gallery.click((page.place(0).centerx, 8))  # the header
+    gallery.drag(page.grid.place(0).center, page.grid.place(1).center)
+    gallery.release(page.grid.place(1).center)
+    gallery.click((page.grid.place(0).centerx, 8))  # the header
     assert gallery.app.page is page
-    page.grid.scroll_by(page.place(4).top - page.place(0).top)
-    gallery.click((page.place(0).centerx, round(90 * page.host.unit)))  # a card that is scrolled below the header
+    page.grid.scroll_by(page.grid.place(4).top - page.grid.place(0).top)
+    gallery.click((page.grid.place(0).centerx, round(90 * page.host.unit)))  # a card that is scrolled below the header
     assert gallery.app.page is page
 
 
 def test_pages_and_widgets_that_are_left_are_freed(gallery: Driver) -> None:
     """They refer to each other in cycles and hold their surfaces: some 100 MB in an hour of use."""
     page = gallery.app.page
-    place = page.place(0).center
+    place = page.grid.place(0).center
     del page
     gallery.click(place)
     old_page = weakref.ref(gallery.page)
@@ -93,11 +94,31 @@ def test_a_search_finds_scenes_by_words(gallery: Driver) -> None:
     assert gallery.app.page is page
 
 
+def test_newton_finds_the_cradles_first_and_enter_opens_the_usual_one(gallery: Driver) -> None:
+    gallery.key(pygame.K_f, pygame.KMOD_CTRL)
+    gallery.type("newton")
+    gallery.frames(2)
+    assert gallery.app.page.names[:3] == ("hertz-cradle", "steel-and-soft", "hanging-cradle")
+    gallery.key(pygame.K_RETURN)
+    assert gallery.page.title == "Newton's cradle: steel balls"
+
+
+def test_scenes_of_ones_own_have_cards_below_the_first(gallery: Driver, tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text(scenes.load("mixed").model_copy(update={"title": "Mine"}).to_toml())
+    gallery.app.settings.remember(tmp_path / "mine.toml")
+    gallery.app.rebuild()
+    gallery.frames(2)
+    titles = [title for title, _y in gallery.app.page.grid.titles()]
+    assert titles[:2] == ["Start here", "My scenes"]
+    assert gallery.app.page.names[4] == str(tmp_path / "mine.toml")
+    assert "Mine" in [one.text for one in gallery.texts()]
+
+
 def test_keys_and_the_bar_scroll_to_every_card(gallery: Driver) -> None:
     page = gallery.app.page
     gallery.key(pygame.K_END)
     assert page.selected == len(page.names) - 1
-    assert page.place(page.selected).bottom <= gallery.app.size[1]
+    assert page.grid.place(page.selected).bottom <= gallery.app.size[1]
     gallery.key(pygame.K_HOME)
     assert (page.selected, page.grid.scroll) == (0, 0.0)
     gallery.key(pygame.K_RIGHT)
@@ -109,13 +130,13 @@ def test_keys_and_the_bar_scroll_to_every_card(gallery: Driver) -> None:
     assert page.selected > page.grid.columns
     track, knob = page.grid._bar()
     gallery.pull(knob.center, (knob.centerx, track.bottom))
-    assert page.place(len(page.names) - 1).bottom <= gallery.app.size[1]
+    assert page.grid.place(len(page.names) - 1).bottom <= gallery.app.size[1]
 
 
 def test_captions_are_whole_sentences(gallery: Driver) -> None:
     page, texts = gallery.app.page, gallery.texts()
     for k in range(4):
-        title, *lines = [one.text for one in texts if page.place(k).collidepoint(one.rect.center)]
+        title, *lines = [one.text for one in texts if page.grid.place(k).collidepoint(one.rect.center)]
         scene = page.scenes[page.names[k]]
         said = " ".join(lines[:-1])
         assert title == scene.title

@@ -102,6 +102,12 @@ def test_two_lanes_share_the_clock_and_show_their_difference() -> None:
     assert differences[0].span is driver.page.board.plots[0].span
 
 
+def test_each_plot_of_two_lanes_says_whose_it_is() -> None:
+    titles = [one.text for one in Driver("steel-and-soft").texts() if "(m" in one.text or "(N)" in one.text]
+    assert sum(title.split(" · ")[-1].startswith("steel") for title in titles) == 3
+    assert sum(title.split(" · ")[-1].startswith("soft") for title in titles) == 3
+
+
 def test_the_time_axis_scrolls_only_when_it_must():
     span = TimeSpan(8.0, 400)
     span.follow(7.0)

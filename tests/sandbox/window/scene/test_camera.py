@@ -48,7 +48,7 @@ def test_the_clock_pauses_once_when_the_beads_are_apart_and_a_card_says_what_hap
     assert state.overlap.min() <= -2.0 * length
     card = driver.page.outcome
     assert "Beads 2 to 4 go together to the right" in card.text
-    assert list(card.buttons) == ["Close", "Now with steel balls", "Why? The forces"]
+    assert list(card.buttons) == ["Why? The forces", "Now with steel balls", "Close"]
     assert not driver.messages
     stopped = driver.session.time
     driver.run(100)
@@ -65,6 +65,11 @@ def test_the_card_goes_to_the_greatest_force_and_to_steel_balls(driver: Driver) 
     driver.click(driver.page.outcome.buttons["Close"].rect.center)
     assert not driver.page.outcome.buttons
     driver.page.outcome.show_outcome()
+    page = driver.page
+    driver.key(pygame.K_ESCAPE)  # closes the card, not the page
+    assert not page.outcome.text
+    assert driver.app.page is page
+    page.outcome.show_outcome()
     driver.click(driver.page.outcome.buttons["Now with steel balls"].rect.center)
     soft, steel = driver.session.lanes
     assert [law.exponent for law in steel.chain.contact] == [1.5] * 4

@@ -220,6 +220,7 @@ def test_each_of_nine_masses_has_the_motion_that_it_makes(driver: Driver) -> Non
         exact = simulate(chain, [1.0, 0.0, 0.0, 0.0, 0.0])
         assert variant.motion.velocity[-1] == pytest.approx(exact.final_velocity, abs=5e-3)
     assert board.focus == 4  # the present mass
+    assert [one.text for one in driver.texts()].count("v\N{SUBSCRIPT FOUR}") >= COUNT  # each curve is named
     driver.key(pygame.K_DOWN)
     driver.key(pygame.K_RETURN)
     assert driver.session.lanes[0].chain.mass[0] == masses[7]

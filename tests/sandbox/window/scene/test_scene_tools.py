@@ -136,6 +136,15 @@ def test_stopwatch_and_ruler_measure(driver: Driver) -> None:
     assert ruler.ends is None
 
 
+def test_the_ruler_lies_on_no_force() -> None:
+    driver = Driver("steel-and-soft", size=(1280, 800))
+    driver.session.step_frames(250)
+    driver.key(pygame.K_u)
+    first, last = driver.page.tools.ruler.points()
+    line = pygame.Rect(first, (last[0] - first[0], 1))
+    assert not [one.text for one in driver.texts() if one.rect.colliderect(line)]
+
+
 @pytest.mark.parametrize("menu", MENUS)
 def test_a_menu_does_its_actions_by_keys_and_clicks(driver: Driver, menu: str) -> None:
     left = ("compare", "compare_balls", "copy_values", "copy_scene", "sound")
