@@ -85,7 +85,7 @@ METHODS: tuple[Method, ...] = (
         False,
         True,
         Family.FIXED_STEP,
-        "discrete gradient: energy exact at any step",
+        "discrete gradient: exact energy",
         "live use and long runs: energy and momentum to round-off",
         couplers=True,
     ),
