@@ -205,9 +205,9 @@ class OwnLaw:
         return self.table.overlap(self.table.energy, energy) if energy > 0.0 else 0.0
 
     def slope(self, overlap: float) -> float:
-        """Slope df/dd of the force [N/m] at an overlap > 0 [m], by a difference."""
+        """Slope df/dd of the force [N/m] at an overlap > 0 [m], by a difference; nan where the function gives no number."""
         low, high = overlap * (1.0 - SLOPE_WIDTH), overlap * (1.0 + SLOPE_WIDTH)
-        below, above = self._force(np.array([low, high])).tolist()
+        below, above = self.tried(np.array([low, high])).tolist()
         return float(max(above - below, 0.0) / (high - low))
 
     def _integrated(self, overlaps: Array) -> Array:

@@ -225,6 +225,7 @@ def test_a_solver_may_try_a_law_of_ones_own_where_that_has_no_number():
     """Iterates of an implicit step went to 293 m, where exp ends: that step is tried again, shorter, and no run ends by it."""
     laws = Laws(one_on(1, OwnLaw(lambda overlap: math.expm1(50.0 * overlap))), 1.0)
     assert not np.isfinite(laws.force(np.array([293.0])))
+    assert not np.isfinite(laws.slope(np.array([293.0])))
     assert laws.force(np.array([[0.1], [-0.1]])) == pytest.approx(np.array([[math.expm1(5.0)], [0.0]]))
     with pytest.raises(ValueError, match=r"gives the force nan N at an overlap of 293"):
         OwnLaw(lambda overlap: math.expm1(50.0 * overlap)).force(293.0)
