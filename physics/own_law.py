@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar, Protocol, SupportsFloat, cast, overload, runtime_checkable
@@ -246,8 +247,9 @@ class OwnLaw:
     def _values(function: Callable[[float], SupportsFloat], overlaps: Array, arrays: bool) -> Array:
         with np.errstate(all="ignore"):  # what is not finite is refused, or ends an integral
             if arrays:
-                found: Any = cast(Any, function)(overlaps)
-                return np.array(np.broadcast_to(np.asarray(found, dtype=np.float64), overlaps.shape))
+                with suppress(ArithmeticError, ValueError):  # of one number among them: the others have theirs
+                    found: Any = cast(Any, function)(overlaps)
+                    return np.array(np.broadcast_to(np.asarray(found, dtype=np.float64), overlaps.shape))
             return np.array([_number(function, overlap) for overlap in overlaps.tolist()])
 
     @staticmethod

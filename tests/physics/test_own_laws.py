@@ -376,3 +376,13 @@ class Steep:
 
     def energy(self, overlap: float) -> float:
         return math.expm1(5.0 * overlap) / 5.0 - overlap
+
+
+def test_a_law_that_refuses_some_overlaps_of_an_array_has_the_others():
+    """As a law does that is made of another one: of a table's overlaps one is beyond what that has a number for."""
+    steep = OwnLaw(lambda overlap: np.expm1(50.0 * overlap))
+    twice = OwnLaw(lambda overlap: 2.0 * steep.force(overlap))
+    assert twice.table.edge[-1] == pytest.approx(steep.table.edge[-1], rel=0.1)
+    assert twice.force(np.array([0.1, 1.0])) == pytest.approx(2.0 * np.expm1([5.0, 50.0]))
+    with pytest.raises(ValueError, match="gives the force nan N at an overlap of 293"):
+        twice.force(np.array([0.1, 293.0]))
