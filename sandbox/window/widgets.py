@@ -267,7 +267,8 @@ def parameter_control(
     button = None
     if sweep:
         tip = _("{name}: nine values side by side", name=_(parameter.name))
-        place = pygame.Rect(right - wide, bar.top, wide, bar.height)
+        top, foot = entry.rect.bottom, round(y + 39 * unit)  # its text is higher than the slider
+        place = pygame.Rect(right - wide, top, wide, foot - top)
         button = UIButton(place, "…", manager, object_id="#chip", tool_tip_text=tip, command=sweep)
     slider = Slider(bar, parameter.share(), (0.0, 1.0), manager)
     slider.name = entry.name = f"{_(parameter.name)} {parameter.unit}".strip()

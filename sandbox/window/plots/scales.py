@@ -13,6 +13,7 @@ from softcradle.physics.scales import contact_scales
 from softcradle.sandbox.draw.number_format import round_step
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.motion import Array, Motion
+from softcradle.sandbox.scene_runs import SHOWN
 from softcradle.sandbox.session.history_slices import history_slices
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
@@ -21,7 +22,6 @@ from softcradle.scenes import Scene
 
 ROWS = 240  # of the motion, at least
 ROWS_PER_SECOND = 60.0  # of the scene as it is shown, at least
-METHOD = "conserving"  # where the scene gives none, or one that runs in Python alone: a picture needs no more digits
 IN_PYTHON = (Family.PYMUNK, Family.REFERENCE)  # of which a step takes up to a thousand times as long
 # steps times contacts of a lane, some 0.2 s: a run ahead that the window waits for takes no more
 MOST_AT_ONCE = 1_000_000
@@ -36,9 +36,9 @@ def motions_ahead(scene: Scene, most: int = MOST_BEHIND) -> list[Motion]:
     from softcradle.sandbox.film.scene_motion import scene_motions_quietly
 
     rate = max(ROWS / (scene.duration or 1.0), ROWS_PER_SECOND * scene.view.slow)
-    method = scene.method if scene.method not in (None, AUTO) else METHOD
+    method = scene.method if scene.method not in (None, AUTO) else SHOWN
     if find_method(method).family in IN_PYTHON:
-        method = METHOD
+        method = SHOWN
     motions, _ = scene_motions_quietly(scene, rate, method=method, most=most)
     return motions
 

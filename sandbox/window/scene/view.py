@@ -10,6 +10,7 @@ from softcradle.sandbox.draw.lane_drawing import ARROWS
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.languages import N_, _
+from softcradle.sandbox.scene_runs import SHOWN as AHEAD
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.user_error import UserError
@@ -17,7 +18,6 @@ from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.page_geometry import Geometry, fitting, geometry, plots_width
 from softcradle.sandbox.window.plots.board import PlotBoard
 from softcradle.sandbox.window.plots.kinds import VELOCITIES
-from softcradle.sandbox.window.plots.scales import METHOD as AHEAD
 from softcradle.sandbox.window.plots.scales import (
     MOST_AT_ONCE,
     EditFollower,
