@@ -206,10 +206,10 @@ class Chain:
         found.setflags(write=False)
         return found
 
-    def stored_energy(self, overlap: ArrayLike) -> Array:
-        """(..., n) energy [J] in each contact at overlaps (..., n) [m], see :meth:`Contact.energy`."""
+    def stored_energy(self, overlap: ArrayLike, power: Callable[..., Any] = np.power) -> Array:
+        """(..., n) energy [J] in each contact at overlaps (..., n) [m], see :meth:`Contact.energy`; `power` as there."""
         preload, stiffness, exponent = self.law_rows.T
-        found = stored_energy(preload, stiffness, exponent, overlap)
+        found = stored_energy(preload, stiffness, exponent, overlap, power)
         special: list[tuple[int, OwnLaw | Coupler]] = [*self.own_contacts, *self.couplers]
         for i, law in special:
             found[..., i] = law.energy(np.asarray(overlap)[..., i])

@@ -152,7 +152,7 @@ def _released_speed(chain: Chain, overlap: Array) -> float:
     """Largest speed [m/s] at which a contact that is pressed in to `overlap` drives its two beads apart; 0 without."""
     if not (overlap > 0.0).any():
         return 0.0
-    return float(np.sqrt(2.0 * chain.stored_energy(overlap) * chain.inverse_reduced_mass).max())
+    return float(np.sqrt(2.0 * chain.stored_energy(overlap, powers) * chain.inverse_reduced_mass).max())
 
 
 def _driven_speed(chain: Chain, force: Array | None) -> float:
