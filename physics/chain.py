@@ -209,6 +209,8 @@ class Chain:
     def stored_energy(self, overlap: ArrayLike, power: Callable[..., Any] = np.power) -> Array:
         """(..., n) energy [J] in each contact at overlaps (..., n) [m], see :meth:`Contact.energy`; `power` as there."""
         preload, stiffness, exponent = self.law_rows.T
+        if self.own_laws:  # whose energy follows
+            exponent = np.where(np.isnan(exponent), 1.0, exponent)
         found = stored_energy(preload, stiffness, exponent, overlap, power)
         special: list[tuple[int, OwnLaw | Coupler]] = [*self.own_contacts, *self.couplers]
         for i, law in special:
