@@ -1,7 +1,7 @@
 """All measurements in one run: ``make bench``, or ``python -m benchmarks [--json FILE] [NAME ...]``.
 
-``scan``, ``conserving`` and ``mutants`` are commands of their own, each with its ``--help``: random chains against the
-reference; steps of conserving; which changes of a kernel the tests notice.
+``scan``, ``conserving``, ``mutants``, ``soft-contacts`` and ``two-versions`` are commands of their own, each with its ``--help``:
+random chains against the reference; steps of conserving; which changes of a kernel the tests notice; SoftContacts; two checkouts.
 """
 
 from __future__ import annotations

@@ -86,14 +86,16 @@ def times_of(python: str) -> dict[str, float]:
 
 
 def rows(here: dict[str, float], there: dict[str, float]) -> Iterator[list[str]]:
-    """A row a case and method: other and own time, their ratio, the aim, at each tolerance."""
+    """A row a case and method: other time, own time with its aim, their ratio, at each tolerance."""
+    from benchmarks.reports import at_most
+
     for key in [key for key in here if key.endswith(f"{TOLERANCES[0]:g}")]:
         case, method, _ = key.rsplit(", ", 2)
         row = [case, method]
         for k, tolerance in enumerate(TOLERANCES):
             own, other = (times[f"{case}, {method}, {tolerance:g}"] for times in (here, there))
-            aim = f"{AIMS[case][k]:g}" if case in AIMS and method == "accurate" else ""
-            row += [f"{other:.3g}", f"{own:.3g}", f"{own / other:.2f}", aim]
+            aim = AIMS[case][k] if case in AIMS and method == "accurate" else None
+            row += [at_most(other, None), at_most(own, aim), f"{own / other:.2f}"]
         yield row
 
 
@@ -117,7 +119,7 @@ def main(arguments: list[str]) -> int:
                 least[key] = min(time, least.get(key, float("inf")))
     columns = ["case", "method"]
     for tolerance in TOLERANCES:
-        columns += [f"other to {tolerance:g}", "this", "ratio", "aim"]
+        columns += [f"other to {tolerance:g}", "this (aim)", "ratio"]
     note = f"milliseconds, the least of {args.turns} turns, Python included; tolerances are asked for alike in both"
     Report("Times of two versions", columns, list(rows(own, other)), [note], {"own": own, "other": other}).show(
         Console(width=140)

@@ -212,9 +212,10 @@ class Chain:
         if self.own_laws:  # whose energy follows
             exponent = np.where(np.isnan(exponent), 1.0, exponent)
         found = stored_energy(preload, stiffness, exponent, overlap, power)
-        special: list[tuple[int, OwnLaw | Coupler]] = [*self.own_contacts, *self.couplers]
-        for i, law in special:
+        for i, law in self.own_contacts:
             found[..., i] = law.energy(np.asarray(overlap)[..., i])
+        for i, coupler in self.couplers:
+            found[..., i] = coupler.stored_energy(np.asarray(overlap)[..., i], power)
         return found
 
     @cached_property

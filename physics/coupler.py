@@ -12,14 +12,15 @@ pulling side with the other sign. So each part loses, holds and touches as that 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple, cast, overload
+from typing import Any, NamedTuple, cast, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.checked_input import magnitude, require_kind
-from softcradle.physics.contact import Contact, Numbers, hooke
+from softcradle.physics.contact import Contact, Numbers, hooke, stored_energy
 
 Array = NDArray[np.float64]
 Segment = tuple[float, ...]
@@ -157,7 +158,13 @@ class Coupler:
 
     def energy(self, overlap: ArrayLike) -> Numbers:
         """Energy stored [J] at `overlap` [m], any shape."""
-        return _summed(overlap, [part.contact.energy(_own(part, overlap)) for part in self.parts])
+        return self.stored_energy(overlap)
+
+    def stored_energy(self, overlap: ArrayLike, power: Callable[..., Any] = np.power) -> Numbers:
+        """The same; `power` as of :func:`softcradle.physics.contact.stored_energy`."""
+        laws = [(law.preload, law.stiffness, law.exponent) for law, _, _ in self.parts]
+        both = zip(laws, self.parts, strict=True)
+        return _summed(overlap, [stored_energy(*law, _own(part, overlap), power) for law, part in both])
 
 
 def gear_segment(

@@ -163,7 +163,7 @@ class OwnLaw:
         """The law as kernels take it: polynomials that are the force to round-off wherever it has no jump, see its `error`."""
         if isinstance(self.law, TabledLaw):
             return self.law.table
-        return law_table(lambda overlaps: self._values(self.force_of, overlaps, self._takes_arrays))
+        return law_table(self.tried)
 
     @overload
     def force(self, overlap: float) -> float: ...
@@ -224,7 +224,7 @@ class OwnLaw:
 
     def _force(self, overlaps: Array) -> Array:
         """Forces (k,) at overlaps (k,) > 0, or a ValueError."""
-        return self._checked("force", self._values(self.force_of, overlaps, self._takes_arrays), overlaps, "N")
+        return self._checked("force", self.tried(overlaps), overlaps, "N")
 
     def _energy(self, overlaps: Array) -> Array:
         if self.energy_of is None:

@@ -36,7 +36,12 @@ def _user_errors(opened: AbstractContextManager[Path], path: Name) -> Iterator[P
 def filled_folder(path: Name) -> Iterator[Path]:
     """The folder of that name, made where it does not exist, and removed again where an error leaves it empty (UserError)."""
     is_new = not os.path.exists(path)
-    folder = _made(path)
+    folder = Path(path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        told = "nothing can be written there" if isinstance(error, FileNotFoundError) else reason(error)
+        raise UserError(f"cannot write to {path}: {told}") from None
     try:
         yield folder
     except BaseException:
@@ -44,16 +49,6 @@ def filled_folder(path: Name) -> Iterator[Path]:
             with suppress(OSError):  # of a folder that something was written to
                 folder.rmdir()
         raise
-
-
-def _made(path: Name) -> Path:
-    folder = Path(path)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        told = "nothing can be written there" if isinstance(error, FileNotFoundError) else reason(error)
-        raise UserError(f"cannot write to {path}: {told}") from None
-    return folder
 
 
 def readable_json(content: object) -> str:

@@ -34,7 +34,6 @@ from softcradle.physics.adaptive.step_records import (
     Bounds,
     Regime,
     Scratch,
-    Span,
     Steps,
     Trial,
 )
@@ -54,6 +53,7 @@ from softcradle.physics.numerics.records import (
     STEP,
     TOUCHING,
     ChainData,
+    Extent,
     Motion,
     SwitchLog,
 )
@@ -100,30 +100,32 @@ def any_frozen(motion):
 
 @whole
 def integrate(
-    span_fields, accuracy_fields, chain_fields, regime_fields, motion_fields, trial_fields, look_fields, scratch_fields,
-    steps_fields, log_fields,
+    extent_fields, pause, accuracy_fields, chain_fields, regime_fields, motion_fields, trial_fields, look_fields,
+    scratch_fields, steps_fields, log_fields,
 ):  # fmt: skip
-    """Integrate over a Span; the motion is moved in place. Where it hands back before the end, or where no row for another step
-    is left, the status is PAUSED, and a call that is resumed goes on.
+    """Integrate over an Extent; the motion is moved in place.
 
+    `pause` is whether the run is resumed, and the steps, rejected ones included, after which it hands back: the status then, or
+    where no row for another step is left, is PAUSED, and a call that is resumed goes on from the time reached.
     Records come as plain tuples of their fields; `look` is a second Trial, for what happens inside a step. Returns the status
     and the time reached.
     """
-    span, accuracy = Span(*span_fields), Accuracy(*accuracy_fields)
+    extent, accuracy = Extent(*extent_fields), Accuracy(*accuracy_fields)
     chain, motion, steps = ChainData(*chain_fields), Motion(*motion_fields), Steps(*steps_fields)
     regime, trial, look = Regime(*regime_fields), Trial(*trial_fields), Trial(*look_fields)
     scratch, log = Scratch(*scratch_fields), SwitchLog(*log_fields)
-    code, time = go_on(span, accuracy, chain, regime, motion, trial, look, scratch, steps, log)
+    code, time = go_on(extent, pause, accuracy, chain, regime, motion, trial, look, scratch, steps, log)
     if code != PAUSED:
         count_from_touch(motion.overlap, regime, 1.0)
     return code, time
 
 
 @inlined
-def go_on(span, accuracy, chain, regime, motion, trial, look, scratch, steps, log):
+def go_on(extent, pause, accuracy, chain, regime, motion, trial, look, scratch, steps, log):
     """`integrate`, with overlaps of couplers from the origins of their segments."""
     allowed, tolerance, scale = accuracy
-    time, end, stop, resumed, most_steps, pause = span
+    time, end, stop, most_steps = extent
+    resumed, budget = pause
     wanted = TOLERANCE_PART * tolerance * scale
     bounds = Bounds(wanted, NEWTON_PART * wanted, max(TOLERANCE_PART * wanted, ROUND_OFF * scale))
     control, counter, firm = scratch.control, log.counter, regime.bed.size > 0
@@ -141,7 +143,7 @@ def go_on(span, accuracy, chain, regime, motion, trial, look, scratch, steps, lo
         spent = counter[STEP] + counter[REJECTED]
         if spent >= most_steps:
             return OUT_OF_STEPS, time
-        if spent >= pause or (steps.time.size > 0 and counter[KEPT] == steps.time.size):
+        if spent >= budget or (steps.time.size > 0 and counter[KEPT] == steps.time.size):
             return PAUSED, time
         if firm and not acts and nothing_moves(chain, regime, motion):
             if until == end:

@@ -175,7 +175,7 @@ def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kep
         steps = kept.steps if kept else memory.steps
         with kernel_arithmetic():
             code, time = kernel(
-                (time, end, stop, resumed, most, pause), accuracy, *records, tuple(steps), tuple(memory.log)
+                (time, end, stop, most), (resumed, pause), accuracy, *records, tuple(steps), tuple(memory.log)
             )
         resumed = True
         if code == OUT_OF_STEPS:

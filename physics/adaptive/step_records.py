@@ -33,17 +33,6 @@ STAGES = 12  # of dop853
 WORK_ROWS = 12  # rows of scratch memory that steps of radau, corners and what is decided at them name
 
 
-class Span(NamedTuple):
-    """How far one call of the loop goes."""
-
-    start: float  # [s]
-    end: float  # [s]; inf: as far as the motion goes
-    stop: bool  # whether it ends where no contact can close again
-    resumed: bool  # whether it goes on where the last call paused
-    most_steps: int  # of the run, rejected ones included
-    pause: int  # steps likewise, after which it hands back
-
-
 class Accuracy(NamedTuple):
     """What is asked for."""
 

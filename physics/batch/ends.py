@@ -9,10 +9,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from softcradle.physics.adaptive import usual_budget
 from softcradle.physics.adaptive.runner import DOUBT, error_growth
-from softcradle.physics.adaptive.step_records import ALLOWED, DOP853, empty_scratch, empty_steps, empty_trial
-from softcradle.physics.adaptive.usual_budget import STEPS_A_CONTACT as MORE_STEPS
-from softcradle.physics.adaptive.usual_budget import usual_budget
+from softcradle.physics.adaptive.step_records import ALLOWED, empty_scratch, empty_steps, empty_trial
 from softcradle.physics.batch.chain_batch import ChainBatch
 from softcradle.physics.batch.run_each import BatchData, BatchMotion, integrate_each, march_each
 from softcradle.physics.checked_input import LARGEST, SMALLEST, number_array, require_kind, shown, whole_number
@@ -25,7 +24,6 @@ from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.methods import Family, Method, find_method, refusal_of
 from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic
 from softcradle.physics.numerics.records import COUNTERS, DONE, EVALUATION, NO_JOINTS, NO_KNOTS, SEPARATED, STEP
-from softcradle.physics.problem import MOST_STEPS
 from softcradle.physics.scales import (
     LEAST_DEPTH,
     LEAST_SCALE,
@@ -45,9 +43,8 @@ Array = NDArray[np.float64]
 Which = NDArray[np.int64]
 
 LEAST_AT_ONCE = 16  # chains in a call of a kernel
-FIRST_STEPS = (
-    2000  # of a chain, and more for each contact; one that takes more rattles, and is run by `simulate` in any case
-)
+# steps of a chain, and as many more for each contact as of the usual budget; one that takes more rattles, and `simulate` runs it
+FIRST_STEPS = 2000
 
 
 @dataclass(frozen=True, eq=False)
@@ -253,8 +250,8 @@ class _Accuracy:
         spread = np.ptp(velocity, axis=1)
         scale = np.maximum(approach, max(LEAST_SCALE, ROUND_OFF / tolerance) * spread)
         scale[scale == 0.0] = np.where(spread == 0.0, 1.0, spread)[scale == 0.0]
-        allowed = MOST_STEPS if ALLOWED[method] == DOP853 else usual_budget(batch.contacts, tolerance)
-        budget = min(allowed, FIRST_STEPS + MORE_STEPS * batch.contacts)
+        first = FIRST_STEPS + usual_budget.STEPS_A_CONTACT * batch.contacts
+        budget = min(first, usual_budget.usual_budget(batch.contacts, tolerance))
         grown, turns, control = (np.zeros((batch.chains, count)) for count in (batch.contacts, batch.contacts, 2))
         return cls(method, tolerance, scale, budget, grown, turns, control)
 

@@ -119,8 +119,8 @@ def integrate_each(which, accuracy, stop, most_steps, batch_fields, motion_field
         motion = moving.overlap[c], moving.rate[c], moving.anchor[c], moving.force[c], taken, mode, held
         log = contact, switch_time, moving.closed[c], moving.counter[c]
         moving.status[c], moving.time[c] = integrate(
-            (0.0, batch.end[c], stop, False, most_steps, NEVER), (allowed, tolerance, scale[c]), chain, regime, motion,
-            trial, look, scratch_fields, steps, log,
+            (0.0, batch.end[c], stop, most_steps), (False, NEVER), (allowed, tolerance, scale[c]), chain, regime,
+            motion, trial, look, scratch_fields, steps, log,
         )  # fmt: skip
         for i in range(n):
             grown[c, i], turns[c, i] = scratch.grown[i], scratch.turns[i]

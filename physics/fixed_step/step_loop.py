@@ -32,6 +32,7 @@ from softcradle.physics.numerics.records import (
     STEP,
     ZERO,
     ChainData,
+    Extent,
     Motion,
     Samples,
     SwitchLog,
@@ -89,15 +90,6 @@ class Stepper(NamedTuple):
     drifts: Array  # of splitting: parts of a step, see `explicit_steps`; (0,) for a discrete gradient
     kicks: Array
     step: float  # [s]
-
-
-class Span(NamedTuple):
-    """How far a run goes."""
-
-    start: float  # [s]
-    end: float  # [s]; inf: as far as the motion goes
-    stop: bool  # whether it ends where no contact can close again
-    most_steps: int  # those of free flight that are taken at once do not count
 
 
 class Checkpoints(NamedTuple):
@@ -277,17 +269,17 @@ def largest(values):
 
 @jit
 def march(
-    stepper_fields, span_fields, chain_fields, motion_fields, spare_fields, sample_fields, log_fields, checkpoint_fields,
+    stepper_fields, extent_fields, chain_fields, motion_fields, spare_fields, sample_fields, log_fields, checkpoint_fields,
     pause_fields, memory,
 ):  # fmt: skip
-    """Step over a Span; the motion is moved in place. Where the pause wants it, the status is PAUSED, and a call with the same
+    """Step over an Extent; the motion is moved in place. Where the pause wants it, the status is PAUSED, and a call with the same
     arguments goes on.
 
     Records come as plain tuples of their fields; `spare` is a second Motion for samples, `memory` scratch memory of the steps:
     (BEAD_ROWS, n+1) and (WORK_ROWS, n). Returns the status and the time reached.
     """
     kind, drifts, kicks, h = Stepper(*stepper_fields)
-    start, end, stop, most_steps = Span(*span_fields)
+    start, end, stop, most_steps = Extent(*extent_fields)
     beads, work = memory
     chain, samples, log = ChainData(*chain_fields), Samples(*sample_fields), SwitchLog(*log_fields)
     motion, spare, kept = Motion(*motion_fields), Motion(*spare_fields), Checkpoints(*checkpoint_fields)

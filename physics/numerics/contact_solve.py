@@ -166,16 +166,12 @@ def solve_contact(h, i, chain, motion, work):
         moved, force, slope = joint_resolvent(chain.joints, i, start, ahead, weight, s)
         end = start + moved
     else:
-        kept, stands, begin = 1.0, False, 0.0
-        if loses(loss[i], start, rate):
-            kept, begin = 1.0 - loss[i], start
-            if start + ahead > 0.0:
-                if s - ahead > weight * work[FORCE_AT_HOLD, i]:
-                    kept = 1.0
-                else:
-                    stands = s - ahead >= weight * work[LEAST_AT_HOLD, i]
-        if stands:
-            end, force, slope = start + ahead, (s - ahead) / weight, 1.0 / weight
+        lossy, past = loses(loss[i], start, rate), s - ahead
+        holds = lossy and start + ahead > 0.0  # there is an overlap at which it stands still at the end of the step
+        presses = not lossy or (holds and past > weight * work[FORCE_AT_HOLD, i])
+        kept, begin = 1.0 if presses else 1.0 - loss[i], start if lossy else 0.0
+        if holds and not presses and past >= weight * work[LEAST_AT_HOLD, i]:
+            end, force, slope = start + ahead, past / weight, 1.0 / weight
         else:
             end, force, slope = resolvent(
                 chain.own, number_of(chain.own, i), kept * law[i, 0], kept * law[i, 1], law[i, 2], start, start_power,

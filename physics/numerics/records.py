@@ -41,6 +41,15 @@ KEPT = 8  # rows of steps kept for samples
 COUNTERS = 9
 
 
+class Extent(NamedTuple):
+    """How far a run goes."""
+
+    start: float  # [s]
+    end: float  # [s]; inf: as far as the motion goes
+    stop: bool  # whether it ends where no contact can close again
+    most_steps: int  # rejected ones included, those of free flight that are taken at once not
+
+
 class Knots(NamedTuple):
     """Forces and brakes over time, linear between K knots, 0 before the first and kept after the last; K = 0 without any."""
 

@@ -170,14 +170,13 @@ class LaneDrawing:
         if self.label:
             name = shortened(self.label, 16 * unit, end - x, bold=True)
             x = write(surface, name, (x, y - 3 * unit), 16 * unit, bold=True).right + space
-        notes = {
-            _(FORCE.title): True,
-            _("hollow: pulls"): self.chain.pulls,
-            _("dark: solid"): any(coupler.stop for i, coupler in self.chain.couplers),
-            _("if clusters were rigid"): has_marks(self.ends),
-        }
-        for k, (words, true) in enumerate(notes.items()):
-            mark = 20 * unit if k == len(notes) - 1 else 0.0
+        notes = (
+            (_(FORCE.title), True, 0.0),
+            (_("hollow: pulls"), self.chain.pulls, 0.0),
+            (_("dark: solid"), any(coupler.stop for i, coupler in self.chain.couplers), 0.0),
+            (_("if clusters were rigid"), has_marks(self.ends), 20 * unit),  # behind the mark that it is about
+        )
+        for words, true, mark in notes:
             if true and x + mark + width(words, small) < end:
                 fill_rectangle(surface, tones.foreground, (x, y + 7 * unit, 0.7 * mark, 1.5 * unit))
                 x = write(surface, words, (x + mark, y), small, tones.muted).right + space

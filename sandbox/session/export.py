@@ -7,6 +7,7 @@ import zlib
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 from fractions import Fraction
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ from softcradle.sandbox.session.contact_events import ContactEvents
 from softcradle.sandbox.session.history_slices import HistorySlice
 from softcradle.sandbox.session.lane_setup import LaneSetup, Setup
 from softcradle.sandbox.session.ledger import BY_BED, BY_CONTACTS
-from softcradle.scenes import Lane, Scene, parse
+from softcradle.scenes import Lane, Scene, load, names, parse
 from softcradle.scenes.contact_table import table_of
 
 EDITED = ", edited"  # after the label of a lane that was edited in all but its contacts
@@ -75,15 +76,22 @@ def scene_of(scene: Scene, setup: Setup, labels: Sequence[str]) -> Scene:
     """`scene` as `setup` has it now: lanes with `labels`, slow motion, method and step where all lanes share them.
 
     A lane that has not been edited keeps the form in which it was written. A locked piston is written as the hard
-    contact it is.
+    contact it is. What the catalogue says of its own lanes is not said of others; words of a person's own stay.
     """
     lanes = tuple(_lane(*both) for both in zip(scene.lanes, setup.lanes, labels, strict=True))
     changed: dict[str, Any] = {**scene.model_dump(), "lanes": [lane.model_dump() for lane in lanes]}
+    if lanes != scene.lanes and scene.text in _catalogue_texts():
+        changed |= {"text": "", "source": ""}
     changed["view"] = {**changed["view"], "slow": setup.slow}
     changed |= _method(scene, setup)
     if scene.duration is None and any(one.chain.walls > 1 or one.chain.lasts for one in setup.lanes):
         changed["duration"] = DURATION
     return Scene.model_validate(changed)
+
+
+@cache
+def _catalogue_texts() -> frozenset[str]:
+    return frozenset(load(name).text for name in names())
 
 
 def _lane(old: Lane, new: LaneSetup, label: str) -> Lane:

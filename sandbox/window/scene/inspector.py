@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache, partial
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
@@ -39,7 +39,6 @@ from softcradle.sandbox.window.widgets import (
     stack,
     write_wrapped,
 )
-from softcradle.scenes import Lane, load, names
 
 COLUMNS, ROWS = 3, 3
 COUNT = COLUMNS * ROWS
@@ -178,19 +177,12 @@ CHANGED = N_("You have changed this scene: its text was written for other number
 PREDICT = N_("Say what you expect (Q), or play and see: then this text says what happens and why.")
 
 
-@lru_cache(maxsize=1)
-def _catalogue() -> dict[str, tuple[Lane, ...]]:
-    """Lanes of the scenes of the catalogue, by the text that is about them."""
-    return {scene.text: scene.lanes for scene in map(load, names())}
-
-
 def paint_about(surface: pygame.Surface, rect: pygame.Rect, unit: float, session: Session, question: str) -> str:
     """Write the text of the scene into `rect`; before it is answered its `question`; of an edited scene that it is another.
 
     Returns all of it where `rect` has no room for that.
     """
-    scene, size = session.scene, 13 * unit
-    changed = session.edited or _catalogue().get(scene.text, scene.lanes) != scene.lanes  # it may have been saved since
+    scene, size, changed = session.scene, 13 * unit, session.edited
     tips = math.ceil(1.4 * size * len(wrapped(_(TIPS), size, rect.width)) + 1) if rect.height > 150 * unit else 0
     low = pygame.Rect(rect.left, rect.bottom - tips, rect.width, tips)
     write_wrapped(surface, _(TIPS), low, size, tones.muted)

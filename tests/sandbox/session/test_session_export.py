@@ -29,6 +29,20 @@ def test_an_unedited_scene_comes_back_equal(name):
     assert parse(session.to_scene().to_toml()) == scene
 
 
+def test_what_the_catalogue_says_of_a_scene_is_not_said_of_an_edited_one():
+    """In its file, its film and on its page; words of a person's own stay, and come back with undo."""
+    session = opened("one-on-four")
+    words = session.scene.text
+    session.apply(inputs.RemoveBead(0, 4))
+    assert (session.to_scene().text, session.to_scene().source) == ("", "")
+    session.undo()
+    assert words
+    assert session.to_scene().text == words
+    session.set_words(session.to_scene().model_copy(update={"text": "Mine."}))
+    session.apply(inputs.SetMass(0, 0, 2.0))
+    assert session.to_scene().text == "Mine."
+
+
 def test_an_edited_scene_reads_back_as_the_same_session(tmp_path):
     session = opened("beads-against-gear")
     for edit in (
