@@ -28,7 +28,7 @@ from softcradle.sandbox.window.hanging.page import HANGING_NAME, HangingPage
 from softcradle.sandbox.window.kernel_warmup import KernelWarmup
 from softcradle.sandbox.window.keys import paint_help
 from softcradle.sandbox.window.messages import Messages
-from softcradle.sandbox.window.page import Page
+from softcradle.sandbox.window.page import Derived, Page
 from softcradle.sandbox.window.screen_reader import ScreenReader, spoken_by
 from softcradle.sandbox.window.settings import Settings, forget_unsaved, system_language, unsaved_path
 from softcradle.sandbox.window.theme import collect_garbage
@@ -78,7 +78,7 @@ class App:
         self.focus = KeyboardFocus(self)
         self.router = EventRouter(self)
         self.warmup.start()
-        self.unit = self._unit()
+        self.unit, self._drawn_in = self._unit(), self.look
         self.manager = theme.manager(self.size, self.unit)
         self.frames, self._page_left = 0, False
         self.actions: dict[str, Callable[[], None]] = {
@@ -96,6 +96,7 @@ class App:
             "next_control": partial(self.focus.move, 1),
             "previous_control": partial(self.focus.move, -1),
         }
+        self.widgets = Derived(self._made_of, self.rebuild)
         self.page: Page = self._first_page(start)
         self._build()
         self._keep_unsaved = False
@@ -129,6 +130,19 @@ class App:
         wide, high = LEAST_EXPLORED if self.explore else LEAST
         return min(self.scale * self._usual_unit, self.size[0] / wide, self.size[1] / high)
 
+    @property
+    def look(self) -> tuple[object, ...]:
+        """What everything that is drawn depends on."""
+        return self.size, self._unit(), self.explore, self.settings.theme, language()
+
+    def _made_of(self) -> object:
+        return self.page, self.look, self.page.made_of()
+
+    def follow(self) -> None:
+        """Let widgets, and what the page draws, be of the present state."""
+        self.widgets.follow()
+        self.page.follow()
+
     def show(self, page: Page) -> None:
         """Bring `page` on screen."""
         if page is not self.page:
@@ -141,23 +155,25 @@ class App:
         self._page_left = True
 
     def rebuild(self) -> None:
-        """Make all widgets anew: the page, the size or the scale has changed."""
+        """Make all widgets anew."""
         self.manager.clear_and_reset()
         collect_garbage()  # before new widgets are made, or there would be all surfaces twice
         self._build()
         gc.freeze()  # so that Python does not search the widgets in the middle of play
 
     def _build(self) -> None:
-        before, self.unit = self.unit, self._unit()
-        if self.unit == before:  # a new manager would draw the shapes of all widgets again
+        before, self._drawn_in, self.unit = self._drawn_in, self.look, self._unit()
+        if before[1:] == self._drawn_in[1:]:  # a new manager would draw the shapes of all widgets again
             self.manager.set_window_resolution(self.size)
         else:
+            clear_cached_surfaces()
             self.manager = theme.manager(self.size, self.unit)
         pygame.display.set_caption(f"{scene_words(self.page.title)} - softcradle" if self.page.title else "softcradle")
         self.page.build()
         self.focus.hide_tooltips()
         if self.dialog is not None and self.dialog.open:
             self.dialog.build()
+        self.widgets.note()
 
     def toggle_theme(self) -> None:
         """Draw everything in the other theme, now and after the next start."""
@@ -165,13 +181,11 @@ class App:
         self.settings.theme = names[(names.index(self.settings.theme) + 1) % len(names)]
         self.settings.save()
         use_theme(self.settings.theme)
-        self._draw_anew()
 
     def toggle_level(self) -> None:
         """Go from few controls to all of them, or back, now and after the next start."""
         self.explore = self.settings.explore = not self.explore
         self.settings.save()
-        self.rebuild()
 
     def next_language(self) -> None:
         """Take the next language, now and after the next start."""
@@ -179,13 +193,7 @@ class App:
         self.settings.language = codes[(codes.index(language()) + 1) % len(codes)]
         self.settings.save()
         use_language(self.settings.language)
-        self._draw_anew()
         self.messages.show(LANGUAGES[language()].name, subject="language")
-
-    def _draw_anew(self) -> None:
-        clear_cached_surfaces()
-        self.unit = 0.0  # no widget keeps its drawing
-        self.rebuild()
 
     def show_gallery(self) -> None:
         """Back to the gallery."""
@@ -272,8 +280,7 @@ class App:
         place = min(range(len(SCALES)), key=lambda k: abs(SCALES[k] - self.scale))
         self.scale = self.settings.scale = SCALES[min(max(place + by, 0), len(SCALES) - 1)] if by else 1.0
         self.settings.save()
-        self.rebuild()
-        text, shown = N_("scale {percent:.0f} %"), self.unit / self._usual_unit
+        text, shown = N_("scale {percent:.0f} %"), self._unit() / self._usual_unit
         if shown < self.scale - 0.005:
             text = N_("scale {percent:.0f} %: there is no room for more in this window")
         self.messages.show(_(text, percent=100 * shown), subject="scale")
@@ -321,12 +328,14 @@ class App:
         self._quiet += seconds
         for event in pygame.event.get() if events is None else events:
             self._quiet = 0.0
-            self.page.follow()
+            self.follow()  # the event before may be of the same frame
             self.router.take(event)
         if self.minimised:
             return
         self.warmup.deliver()
+        self.follow()
         self.page.update(seconds)
+        self.follow()
         self.messages.update(seconds)
         if self.dialog is not None and self.dialog.open:
             self.dialog.update(seconds)
@@ -371,10 +380,8 @@ class App:
         """Follow a new size of the display."""
         if surface is None:
             return
-        self.surface = surface = not_too_small(surface)
-        if surface.get_size() != self.size:
-            self.size = surface.get_size()
-            self.rebuild()
+        self.surface = not_too_small(surface)
+        self.size = self.surface.get_size()
 
 
 def page_of(host: App, name_or_path: str, leave: Callable[[], None]) -> Page:

@@ -17,6 +17,43 @@ else:
 Actions = dict[str, Callable[[], None]]
 
 
+class Derived:
+    """What is made of other things, and made anew once these are others: the one rule by which all that is shown keeps up.
+
+    Whoever changes something need not know what was made of it.
+
+    Arguments:
+        of: what it is made of, as values to be compared; cheap, for it is asked at every picture.
+        make: makes it.
+
+    Attributes:
+        version: how often it was made.
+    """
+
+    def __init__(self, of: Callable[[], object], make: Callable[[], object]) -> None:
+        self.of, self.make, self.version = of, make, 0
+        self._of: object = None  # nothing was made yet
+
+    def follow(self) -> bool:
+        """Make it where what it is made of has changed; whether it was made."""
+        of = self.of()
+        if self._of is not None and of == self._of:
+            return False
+        self._of = of
+        self.version += 1
+        self.make()
+        self.note()
+        return True
+
+    def note(self) -> None:
+        """Take it for up to date: it has been made, which may have settled some of what it is made of."""
+        self._of = self.of()
+
+    def forget(self) -> None:
+        """Make it at the next `follow` in any case."""
+        self._of = None
+
+
 class Page:
     """One of the window's pages.
 
@@ -42,11 +79,15 @@ class Page:
         """The rectangle for messages in a window of that `size`."""
         return pygame.Rect(0, 0, size[0], size[1] - round(24 * unit))
 
+    def made_of(self) -> object:
+        """What its widgets are made of, besides size, unit, level, theme and language of the window."""
+        return ()
+
     def build(self) -> None:
         """Make the widgets for the host's size and unit; the old ones are gone."""
 
     def follow(self) -> None:
-        """Let what is drawn be of the present state: before each event, for the one before it may be of the same frame."""
+        """Let what is drawn, besides the widgets, be of the present state."""
 
     def handle(self, event: pygame.Event) -> bool:
         """Take an event that no widget took; whether the page used it."""

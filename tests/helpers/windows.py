@@ -186,7 +186,7 @@ class Driver:
     def texts(self) -> list[DrawnText]:
         """All that is written on the window as it is now."""
         if hasattr(self.app.page, "view"):
-            self.app.page.view.redraw()
+            self.app.page.view.backdrop.forget()
         with drawn_texts(self.app.size) as found:
             self.app.paint()
         return found

@@ -108,7 +108,6 @@ class HangingPage(Page):
             return
         self.held, self.playing = None, False
         self.model = self.done.pop()
-        self.host.rebuild()  # menus do not change by themselves
 
     def play_pause(self) -> None:
         """Play or pause."""
@@ -122,6 +121,10 @@ class HangingPage(Page):
     def message_place(self, size: tuple[int, int], unit: float) -> pygame.Rect:
         """Beside the clock, or on the time line."""
         return self.time_controls.beside(self.places.footer)
+
+    def made_of(self) -> object:
+        """What the menus show, and whether a film is made: menus do not change by themselves."""
+        return [getattr(self.model, field) for field, _name, _choices in MENUS], self.film.film is not None
 
     def build(self) -> None:
         """Make the widgets, in the places of a scene's page."""

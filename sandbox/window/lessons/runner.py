@@ -89,8 +89,8 @@ class LessonRunner:
         answered: whether a motion has come to its end: what the scene says of it may be read.
     """
 
-    def __init__(self, host: Host, session: Session, clock: SceneClock, reveal: Callable[[], None]) -> None:
-        self.host, self.session, self.clock, self.reveal = host, session, clock, reveal
+    def __init__(self, host: Host, session: Session, clock: SceneClock) -> None:
+        self.host, self.session, self.clock = host, session, clock
         self.begin()
 
     def begin(self) -> None:
@@ -140,9 +140,7 @@ class LessonRunner:
         """Show the answer at the end of the motion."""
         if not self.clock.end.reached:
             return
-        if not self.answered:
-            self.answered = True
-            self.reveal()
+        self.answered = True
         predicted, self.predicted = self.predicted, None
         if isinstance(predicted, str):
             text = _("You predicted: {words} Measured: {outcome}", words=predicted, outcome=outcome_text(self.session))

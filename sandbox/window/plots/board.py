@@ -15,6 +15,7 @@ from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.languages import label_words
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.window.page import Derived
 from softcradle.sandbox.window.plots.curves import LATEST, SECONDS, Plot, TimeSpan
 from softcradle.sandbox.window.plots.data_overlay import NumbersOverlay, PictureOverlay
 from softcradle.sandbox.window.plots.kinds import PAIR, PLOT_KINDS, PlotSetting
@@ -92,7 +93,9 @@ class PlotBoard:
         self.keys: list[Key] = []
         self.overlays: dict[Key, list[NumbersOverlay | PictureOverlay]] = {}
         self.span = TimeSpan(SECONDS / session.slow, 100)
-        self._seen: tuple[object, int] = (None, -1)
+        self._last = -1  # the newest frame that was drawn
+        self._spanned = Derived(lambda: (session.slow, self.whole, self._width), self._set_span)
+        self._branch = Derived(lambda: session.history.branch, self._invalidate_branch)
 
     def available(self) -> list[str]:
         """Names of the kinds that this session can show."""
@@ -153,9 +156,9 @@ class PlotBoard:
             for (name, lane), rect in zip(keys, places, strict=True)
         ]
         self.keys = [key for row in rows for key in row]
-        if self.plots:
-            self._set_span(min(plot.area.width for plot in self.plots))
-        self._seen = (None, -1)
+        self._spanned.forget()  # all of what was played may be more now
+        self._spanned.follow()
+        self._last = -1
 
     def _plot(self, name: str, lane: int, rect: pygame.Rect, unit: float, scales: Scales) -> Plot:
         kind, live, session = PLOT_KINDS[name], self.session.lanes[lane], self.session
@@ -164,12 +167,13 @@ class PlotBoard:
         content = kind.content(PlotSetting(scales, lane, live.chain.contacts + 1, length, self.logarithmic, self.pair))
         return kind.plot(rect, unit, content.labelled(label), session.history, lane, self.span)
 
-    def follow_slow_motion(self) -> None:
-        """Span the same wall time as before: the slow motion has changed."""
-        self._set_span(self.span.width)
+    @property
+    def _width(self) -> int:
+        """Pixels of the time axis that all plots have."""
+        return min((plot.area.width for plot in self.plots), default=self.span.width)
 
-    def _set_span(self, width: int) -> None:
-        before = self.span.seconds, self.span.width
+    def _set_span(self) -> None:
+        before, width = (self.span.seconds, self.span.width), self._width
         share = self.span.x(self.session.time) / self.span.width
         history, seconds = self.session.history, SECONDS / self.session.slow
         if self.whole:
@@ -196,12 +200,11 @@ class PlotBoard:
 
     def update(self) -> None:
         """Draw what is new, then some of what is missing."""
-        history = self.session.history
+        last = self.session.history.last
+        self._spanned.follow()
         self.span.follow(self.session.time)
-        seen = history.branch, history.last
-        if seen[0] != self._seen[0]:
-            self._invalidate_branch()
-        grown, self._seen = seen != self._seen, seen
+        grown = self._branch.follow() or last != self._last
+        self._last = last
         began = self.clock()
         for plot in self.plots:
             plot.update(grown, COLUMNS_AT_ONCE)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -71,12 +71,13 @@ def estimated_scales(scene: Scene, session: Session) -> Scales:
 class LiveScales:
     """The scales in use: those of the run `ahead`, grown by what is in the history; `fit` tells whether they had to change."""
 
-    def __init__(self, ahead: Scales, session: Session) -> None:
+    ahead: Scales
+
+    def __init__(self, session: Session) -> None:
         self.session = session
-        self.take(ahead)
 
     def take(self, ahead: Scales) -> None:
-        """Take those of another run ahead."""
+        """Take those of a run ahead."""
         self.ahead = ahead
         self.follow_history()
 
@@ -161,10 +162,10 @@ EDIT_SECONDS = 0.3  # after which no other edit of the gesture is waited for
 
 
 class EditFollower:
-    """Gives `scales` of the edited scene, and calls `changed`."""
+    """Gives `scales` of the edited scene."""
 
-    def __init__(self, host: Host, session: Session, scales: LiveScales, changed: Callable[[], None]) -> None:
-        self.host, self.session, self.scales, self.changed = host, session, scales, changed
+    def __init__(self, host: Host, session: Session, scales: LiveScales) -> None:
+        self.host, self.session, self.scales = host, session, scales
         self._age: float | None = None  # seconds since the edit that scales are to follow
 
     def notice(self) -> None:
@@ -194,4 +195,3 @@ class EditFollower:
         if not self.pending:
             found = scales_of(scene, motions) if isinstance(motions, list) else estimated_scales(scene, self.session)
             self.scales.take(found)
-            self.changed()

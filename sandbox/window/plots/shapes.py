@@ -14,6 +14,7 @@ from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.session.history_slices import history_slices, slice_at
+from softcradle.sandbox.window.page import Derived
 from softcradle.sandbox.window.plots.curves import RIGHT, THICKNESS, Plot, draw_curves
 
 
@@ -159,8 +160,8 @@ class PhasePlot(Plot):
 
     def __init__(self, *arguments: object) -> None:
         super().__init__(*arguments)  # type: ignore[arg-type]
-        self._seen: tuple[object, ...] = ()
         self._points = np.zeros((0, 3))  # time, y, x
+        self._found = Derived(lambda: self.history.version, self._find_points)
 
     def update(self, grown: bool, budget: int) -> int:
         """Nothing is drawn ahead."""
@@ -173,14 +174,14 @@ class PhasePlot(Plot):
 
     def points(self) -> Array:
         """(T, 3) time, y and x of the history."""
-        history = self.history
-        if history.version != self._seen:
-            parts = history_slices(history, self.lane, history.first, history.last, MOST_POINTS)
-            self._points = np.concatenate(
-                [np.column_stack((part.time, self.content.values(part))) for part in parts] or [np.zeros((0, 3))]
-            )
-            self._seen = history.version
+        self._found.follow()
         return self._points
+
+    def _find_points(self) -> None:
+        parts = history_slices(self.history, self.lane, self.history.first, self.history.last, MOST_POINTS)
+        self._points = np.concatenate(
+            [np.column_stack((part.time, self.content.values(part))) for part in parts] or [np.zeros((0, 3))]
+        )
 
     def backdrop(self, surface: pygame.Surface) -> None:
         """The axes change with the values: nothing stays."""

@@ -44,6 +44,7 @@ class SceneEditor:
 
     Attributes:
         selection: the selected bead or contact; None where nothing is selected.
+        refused: how often a method was refused: what has shown it shows another one.
         preparing: whether kernels are still being loaded: the session can neither move nor be edited yet.
         actions: the edits that have keys.
     """
@@ -51,7 +52,7 @@ class SceneEditor:
     def __init__(self, host: Host, session: Session) -> None:
         self.host, self.session = host, session
         self._selection: Pick | None = None
-        self.preparing = False
+        self.refused, self.preparing = 0, False
         self.check_kernels()
         self.actions: dict[str, Callable[[], None]] = {
             "select_left": partial(self.select_neighbour, -1),
@@ -99,7 +100,7 @@ class SceneEditor:
         if isinstance(item, SetMethod) and not self._method_is_loaded(item.method):
             text = _("method {method} is still being prepared: try again in some seconds", method=item.method)
             self.host.messages.show(text)
-            self.host.rebuild()  # the menu goes back to the present method
+            self.refused += 1
             return False
         try:
             self.session.apply(item, gesture)

@@ -222,13 +222,10 @@ class OutcomeCard:
 
     def _show(self, text: str, choices: dict[str, Callable[[], None]]) -> None:
         self.text, self._choices, self._frame = text, {**choices, _("Close"): self.hide}, self.session.frame
-        self.host.rebuild()  # plots make room
 
     def hide(self) -> None:
         """Take it away."""
-        if self.text:
-            self.text = ""
-            self.host.rebuild()
+        self.text = ""
 
     def height(self, room: int) -> int:
         """Pixels of the card where it is so wide; 0 where it is not shown, those of the window where its buttons are wider."""

@@ -25,7 +25,7 @@ from softcradle.sandbox.session.inputs import SetContact, SetKind, SetMass
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.dialog import Overlay, paint_box
 from softcradle.sandbox.window.keys import hint
-from softcradle.sandbox.window.page import Host
+from softcradle.sandbox.window.page import Derived, Host
 from softcradle.sandbox.window.plots.scales import motions_ahead
 from softcradle.sandbox.window.scene.editor import PREPARING, Pick, SceneEditor, pick_title
 from softcradle.sandbox.window.widgets import (
@@ -230,15 +230,27 @@ class Inspector:
         self._whole = self.rect, ""  # a text for which there is no room, and its place
         self._seconds = 0.0  # since the numbers were last read
         self._last = ""  # key of the parameter that was changed last
+        self._made = Derived(self._made_of, self._remake)
         self.actions: dict[str, Callable[[], None]] = {"sweep": self.sweep}
 
     def build(self, rect: pygame.Rect) -> None:
         """Make the widgets in a page that is built anew: the old ones are gone."""
         self.rect, self.controls, self.buttons = rect, {}, []
         self._make()
+        self._made.note()
 
-    def remake(self) -> None:
-        """Make the widgets again: the selection, or the kind of the contact, has changed."""
+    def follow(self) -> None:
+        """Let the widgets be those of the selection and its kind; one that is in use stays."""
+        self._take_left_entries()
+        if self.busy and self.editor.selection == self.pick:
+            self._made.note()
+        else:
+            self._made.follow()
+
+    def _made_of(self) -> object:
+        return self.editor.selection, [(lane.chain, lane.locked) for lane in self.session.setup.lanes]
+
+    def _remake(self) -> None:
         for control in self.controls.values():
             control.kill()
         for button in self.buttons:
@@ -397,10 +409,7 @@ class Inspector:
         return self.editor.apply(control.parameter.edit(value), gesture)
 
     def update(self, seconds: float) -> None:
-        """Follow the selection, and the numbers slowly enough to be read."""
-        self._take_left_entries()
-        if self.editor.selection != self.pick:
-            self.remake()
+        """Follow the numbers, slowly enough to be read."""
         self._seconds += seconds
         if self._seconds >= SECONDS_BETWEEN_READINGS:
             self._seconds = 0.0

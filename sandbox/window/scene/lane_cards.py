@@ -51,7 +51,6 @@ class LaneCards:
         self.health: list[Health] = []
         self.checks = [VelocityCheck(session, lane) for lane in range(len(session.lanes))]
         self.tight = self.crowded_out = self.compact = False
-        self._named: list[str] = []  # the methods that menus began with
         self._cut: list[tuple[pygame.Rect, str]] = []  # places of texts for which there is no room, and all of them
         self._seconds = math.inf  # since the health was last read
 
@@ -66,11 +65,15 @@ class LaneCards:
         pitch = height + round(GAP * unit)
         lanes = range(count) if rect.width and not self.crowded_out else range(0)
         self.rects = [pygame.Rect(rect.left, rect.top + k * pitch, rect.width, height) for k in lanes]
-        self.menus, self._named = [self._menu(k) for k in lanes], [self.method(k) for k in lanes]
+        self.menus = [self._menu(k) for k in lanes]
         self.verdicts = [self._verdict(k) for k in lanes]
         self._seconds = math.inf
         used = len(self.rects) * pitch
         return pygame.Rect(rect.left, rect.top + used, rect.width, rect.height - used)
+
+    def made_of(self, selected: bool) -> object:
+        """What the widgets are made of: a menu does not change by itself, and the cards make room for what is selected."""
+        return [self.method(k) for k in range(len(self.session.lanes))], self.tight and selected
 
     def _menu(self, lane: int) -> UIDropDownMenu:
         unit, rect = self.host.unit, self.rects[lane]
@@ -110,9 +113,7 @@ class LaneCards:
         return None
 
     def update(self, seconds: float) -> None:
-        """Follow the methods, which keys, an undo and a replay change as well, and read the health of every lane now and then."""
-        if self._named != [self.method(k) for k in range(len(self._named))]:
-            self.host.rebuild()  # a menu does not change by itself
+        """Read the health of every lane now and then."""
         self._seconds += seconds
         if self._seconds < SECONDS_BETWEEN_READINGS:
             return

@@ -92,11 +92,14 @@ class LaneView:
         self.edges: Array = np.zeros(lane.live_chain.contacts + 1)
         self.contacts: Array = np.zeros(lane.live_chain.contacts)
 
-    def take_approach(self, overlap: Array, velocity: Array) -> bool:
-        """Take how the beads went into a collision; whether there are marks of rigid clusters now and were none, or not."""
-        before = has_marks(self.drawing.ends)
+    def take_approach(self, overlap: Array, velocity: Array) -> None:
+        """Take how the beads went into a collision."""
         self.drawing.take_approach(overlap.tolist(), velocity.tolist())
-        return has_marks(self.drawing.ends) != before
+
+    @property
+    def marked(self) -> bool:
+        """Whether there are marks of rigid clusters."""
+        return has_marks(self.drawing.ends)
 
     def backdrop(self, surface: pygame.Surface) -> None:
         """Draw what does not change."""

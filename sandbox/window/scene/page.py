@@ -7,12 +7,11 @@ from functools import partial
 
 import pygame
 from softcradle.sandbox.languages import _, scene_words
-from softcradle.sandbox.session.lane_setup import Setup
 from softcradle.sandbox.session.replay import Replay
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.dialog import EntryDialog
 from softcradle.sandbox.window.lessons.runner import LessonRunner
-from softcradle.sandbox.window.page import Actions, Host, Page
+from softcradle.sandbox.window.page import Actions, Derived, Host, Page
 from softcradle.sandbox.window.plots.board import PlotBoard
 from softcradle.sandbox.window.scene.clock import SceneClock
 from softcradle.sandbox.window.scene.editor import SceneEditor
@@ -58,7 +57,6 @@ class ScenePage(Page):
         alone: Scene | None = None,
     ) -> None:
         self.host, self.session, self.leave, self.replay = host, session, leave, replay
-        self._setup, self._scene = session.setup, session.scene
         self.editor = SceneEditor(host, session)
         self.board = PlotBoard(session, host.clock, host.settings.plots)
         self.cards = LaneCards(host, session)
@@ -66,7 +64,7 @@ class ScenePage(Page):
         self.explore = ExplorePanel(host, session, self.editor, lambda: self.cards.health)
         self.panels = (self.inspector, self.explore)
         self.outcome = OutcomeCard(host, session, self.board, partial(host.act, "compare_balls"))
-        self.view = SceneView(host, session, self.editor, self.board, self.panels, self.outcome)
+        self.view = SceneView(host, session, self.editor, self.board, self.panels, self.outcome, self._answered)
         self.timeline = Timeline(session)
         self.clock = SceneClock(host, session, self.editor, self.view, self.timeline, replay, self.outcome.show_outcome)
         self.time_controls = SceneTimeControls(host, session, self.board, self.clock.activity, self.clock.note)
@@ -79,9 +77,14 @@ class ScenePage(Page):
         self.sound = SceneSound(host, session)
         self.tools = SceneTools(host, session, self.editor, self.view, self.board, self.show_scene, alone)
         self.unsaved_scene = UnsavedScene(session)
-        self.lessons = LessonRunner(host, session, self.clock, self.view.redraw)
+        self.lessons = LessonRunner(host, session, self.clock)
         for panel in self.panels:
             panel.question = lambda: self.lessons.question
+        self._kernels = Derived(self._moved_of, self.editor.check_kernels)
+        self._edits = Derived(self._lanes_of, self.view.follower.notice)
+        self._words = Derived(lambda: session.scene, self.lessons.begin)
+        for one in (self._kernels, self._edits, self._words):
+            one.note()
         own: Actions = {
             "lesson": self.lessons.ask,
             "words": self.ask_words,
@@ -172,6 +175,23 @@ class ScenePage(Page):
         """Beside the clock, or on the time line."""
         return self.time_controls.beside(self.view.places.footer)
 
+    def _answered(self) -> bool:
+        return self.lessons.answered
+
+    def _lanes_of(self) -> object:
+        return [(lane.chain, lane.locked) for lane in self.session.setup.lanes]
+
+    def _moved_of(self) -> object:
+        """What decides whether there are kernels that move the lanes in time."""
+        setup = self.session.setup
+        return self._lanes_of(), [(lane.method, lane.step) for lane in setup.lanes], setup.slow
+
+    def made_of(self) -> object:
+        """Words, places and choices."""
+        places = self.view.panel_shown, self.board.present, self.board.single, self.outcome.text
+        selected = self.editor.selection is not None
+        return self.session.scene, places, self.film.film is not None, self.editor.refused, self.cards.made_of(selected)
+
     def build(self) -> None:
         """Make all widgets for the host's size and unit."""
         unit = self.host.unit
@@ -188,8 +208,7 @@ class ScenePage(Page):
         self.inspector.build(self.cards.build(lab, self.editor.selection is not None))
         self.explore.build(few)
         self.outcome.build(places.card)
-        self.view.rebuild()
-        self.tools.build()
+        self.view.follow()
 
     def handle(self, event: pygame.Event) -> bool:
         """Take events of the widgets first, then those of the mouse."""
@@ -210,25 +229,21 @@ class ScenePage(Page):
     def update(self, seconds: float) -> None:
         """Let time pass."""
         self._notice_kernels()
-        self.follow()
         self.pointer.update()
         if not self.editor.preparing:
             self.clock.tick(seconds)
-        self.follow()
+        self.outcome.update()
+        self.host.follow()
         self.view.update(seconds)
         self.board.update()
         self.timeline.update()
         self.cards.update(seconds)
         self.toolbar.update()
-        if self.cards.crowded_out != (self.cards.tight and self.editor.selection is not None):
-            self.host.rebuild()  # cards make room for the selection, or come back
         for panel in self.panels:
             panel.update(seconds)
-        self.tools.values.arrange()
         self.sound.update(self.view.scales.scales.force)
         self.lessons.update()
         self.unsaved_scene.update(seconds)
-        self.outcome.update()
 
     def _notice_kernels(self) -> None:
         """Go on where the kernels have been loaded."""
@@ -239,35 +254,18 @@ class ScenePage(Page):
             if self.host.warmup.problem:
                 self.host.messages.show(self.host.warmup.problem, warning=True)
             self.view.look_ahead()
-            self.view.rebuild()
+            self.view.follow()
 
     def follow(self) -> None:
         """Let what is drawn be of the present words and lanes."""
-        if self.session.scene is not self._scene:
-            self._scene = self.session.scene
-            self.lessons.begin()
-            self.host.rebuild()
-        if self.session.setup is not self._setup:
-            self._notice_edit(self._setup, self.session.setup)
-        elif self.view.setup is not self.session.setup:
-            self.view.rebuild()  # it was made of an edit that is undone by now
-
-    def _notice_edit(self, before: Setup, now: Setup) -> None:
-        """Follow another setup: after an edit, or at a frame from before one."""
-        self._setup = now
-        if before.slow != now.slow:
-            self.board.follow_slow_motion()
-            self.view.redraw()
-        self.editor.check_kernels()  # an edit may have brought friction or loss, which take kernels of their own
-        self.view.setup = now
-        old, new = ([(lane.chain, lane.locked) for lane in setup.lanes] for setup in (before, now))
-        if old != new:
-            self.view.rebuild()
-            self.tools.values.arrange()
-            self.view.follower.notice()
-            for panel in self.panels:
-                if not panel.busy:
-                    panel.remake()  # its widgets may be of another kind now
+        self._words.follow()
+        self._kernels.follow()
+        self._edits.follow()
+        self.view.follow()
+        self.timeline.follow()
+        self.tools.values.arrange()
+        for panel in self.panels:
+            panel.follow()
 
     def paint(self, surface: pygame.Surface) -> None:
         """Draw all but the widgets."""

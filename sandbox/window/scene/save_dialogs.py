@@ -105,7 +105,6 @@ class WindowFilm:
             self.host.messages.show(str(error), warning=True)
             return
         self._stack, self.path, self._due, self.seconds = stack, path, 0.0, 0.0
-        self.host.rebuild()  # the button says Stop now
 
     def end(self) -> None:
         """Write what was recorded."""

@@ -17,7 +17,7 @@ from softcradle.sandbox.session.inputs import SetSlow
 from softcradle.sandbox.session.lane_setup import FRAME_RATE
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.keys import hint
-from softcradle.sandbox.window.page import Host
+from softcradle.sandbox.window.page import Derived, Host
 from softcradle.sandbox.window.page_geometry import MARGIN
 from softcradle.sandbox.window.plots.board import PlotBoard
 from softcradle.sandbox.window.widgets import Slider, draw_icon
@@ -41,10 +41,9 @@ class Timeline:
         self.rect, self.unit = pygame.Rect(0, 0, 1, 1), 1.0
         self.frames, self.dragged = LEAST_FRAMES, False
         self.events: ContactEvents | None = None
-        self._ticks: pygame.Surface | None = None
-        self._seen: tuple[object, int] = (None, -1)
-        self._last = -1
-        self._age = 0  # pictures since the events were last read
+        self._ticks = pygame.Surface((1, 1), pygame.SRCALPHA, 32)
+        self._last, self._age = -1, 0  # newest frame whose events were read, and pictures since
+        self._read = Derived(self._read_of, self._read_events)
 
     @property
     def bounds(self) -> tuple[int, int]:
@@ -56,7 +55,8 @@ class Timeline:
         margin = 2 * round((MARGIN - 2.0) * unit)
         self.rect = footer.inflate(-2 * margin, 0)
         self.rect.top, self.rect.height = footer.top + round(12 * unit), round(22 * unit)
-        self.unit, self._ticks = unit, None
+        self.unit = unit
+        self._read.forget()
 
     def _time(self, frame: int) -> float:
         return self.session.history.snapshot(frame).time
@@ -99,16 +99,23 @@ class Timeline:
             self.session.scrub_frame(int(chosen[0]))
 
     def update(self) -> None:
-        """Read new events now and then, and make room for more frames."""
-        history = self.session.history
+        """Make room for more frames."""
         self.make_room()
         self._age += 1
-        seen = (history.branch, self.frames)
-        grown = history.last != self._last and self._age > PICTURES_BETWEEN_READINGS
-        if self._ticks is None or seen != self._seen or grown:
-            self._seen, self._last, self._age = seen, history.last, 0
-            self.events = self.session.contact_events()
-            self._ticks = self._drawn_ticks(self.events)
+
+    def follow(self) -> None:
+        """Draw the present events, new ones now and then."""
+        self._read.follow()
+
+    def _read_of(self) -> object:
+        history = self.session.history
+        newest = history.last if self._age > PICTURES_BETWEEN_READINGS else self._last
+        return history.branch, self.frames, newest
+
+    def _read_events(self) -> None:
+        self._last, self._age = self.session.history.last, 0
+        self.events = self.session.contact_events()
+        self._ticks = self._drawn_ticks(self.events)
 
     def _drawn_ticks(self, events: ContactEvents) -> pygame.Surface:
         """Ticks on a transparent surface: closings point up from the middle, openings down; one for each pixel."""
@@ -137,8 +144,7 @@ class Timeline:
         x = round(self.x(self.session.frame))
         past = pygame.Rect(rect.left, rect.top, x - rect.left, rect.height)
         pygame.draw.rect(surface, mix(tones.background, tones.faint, 0.75), past, border_radius=radius)
-        if self._ticks is not None:
-            surface.blit(self._ticks, self.rect)
+        surface.blit(self._ticks, self.rect)
         if first > 0:
             place = (rect.left + 6 * unit, rect.centery)
             write(surface, _("older frames are dropped"), place, 13 * unit, tones.muted, align=(0, 0.5))
@@ -276,7 +282,6 @@ class SceneTimeControls(TimeControls):
         if self._set is not None:
             self.session.apply(SetSlow(self._set))
             self._set = None
-            self.board.follow_slow_motion()
 
     def paint_over(self, surface: pygame.Surface) -> None:
         """Draw icons and numbers, the slow motion as an undo or a replay has left it."""

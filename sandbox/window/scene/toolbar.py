@@ -66,7 +66,6 @@ class Toolbar:
         self.host, self.film, self.stack, self.ticked = host, film, stack, ticked
         self.buttons: dict[str, UIButton] = {}
         self.title_room = 0.0
-        self._filming = False  # whether there is a button that ends a film
         self.actions = {name: partial(self.show_menu, name) for name in MENUS}
 
     def show_menu(self, name: str) -> None:
@@ -85,7 +84,6 @@ class Toolbar:
             place, "← " + _("Scenes"), manager, object_id="#flat", tool_tip_text=_("back to the gallery"), command=leave
         )
         x = rect.right - round(12 * unit)
-        self._filming = self.film.film is not None
         self.buttons = {}
         known: dict[str, Callable[[], None]] = {**actions, **self.actions}
         shown = {name: text for name, text in self._shown.items() if self._is_known(name, actions)}
@@ -105,7 +103,7 @@ class Toolbar:
     def _shown(self) -> dict[str, str]:
         """Action and text of each button at the present level; that of a film only while there is one."""
         shown = {**{name: BUTTONS[name] for name in FEW}, "level": N_("Lab")} if self.host.explore else BUTTONS
-        return {name: text for name, text in shown.items() if name != "film" or self._filming}
+        return {name: text for name, text in shown.items() if name != "film" or self.film.film is not None}
 
     def _is_known(self, name: str, actions: Mapping[str, object]) -> bool:
         """Whether the page does it, or something of that menu."""
@@ -117,9 +115,7 @@ class Toolbar:
 
     def update(self) -> None:
         """Enable what can be done, and let the button of a film say how long it is: its text changes once a second."""
-        if self._filming != (self.film.film is not None):
-            self.host.rebuild()  # the film has ended, or stopped
-        elif self._filming:
+        if "film" in self.buttons:
             self.buttons["film"].set_text(self._stop(self.film.clock))
         stack = self.stack
         for name, steps in (("undo", stack.done), ("redo", stack.undone)) if stack is not None else ():

@@ -216,24 +216,22 @@ class ViewKeys:
         if not self.board.single:
             self.host.settings.plots = self.board.chosen
             self.host.settings.save()
-        self.host.rebuild()
+        self.host.follow()
         self.view.say_if_plots_have_no_room()
 
     def toggle_plots(self) -> None:
         """Show or hide all plots."""
         self.board.hidden = not self.board.hidden
-        self.host.rebuild()
+        self.host.follow()
         self.view.say_if_plots_have_no_room()
 
     def toggle_logarithmic(self) -> None:
         """Give overlaps a logarithmic axis or a linear one."""
         self.board.logarithmic = not self.board.logarithmic
-        self.view.rebuild()
 
     def toggle_panel(self) -> None:
         """Show or hide the panel on the right."""
         self.view.panel_shown = not self.view.panel_shown
-        self.host.rebuild()
 
 
 class SceneTools:
@@ -276,12 +274,11 @@ class SceneTools:
         """Show the table of values in place of the plots, or the plots."""
         self.view.card.hide()
         self.view.plots_covered = not self.view.plots_covered
-        self.view.redraw()
+        self.host.follow()
         if not self.view.places.plots:
             self.board.show((self.board.present or self.board.shown or self.board.available())[0])
-            self.host.rebuild()
+            self.host.follow()
         self.view.say_if_plots_have_no_room()
-        self.values.arrange()
 
     def copy_values(self) -> None:
         """Put all values at the frame shown on the clipboard as CSV."""
@@ -363,10 +360,6 @@ class SceneTools:
     def values_area(self) -> pygame.Rect | None:
         """The place of the table; None while it is not shown."""
         return self.view.plots_area() if self.covers_plots else None
-
-    def build(self) -> None:
-        """Find places in a page that is built anew."""
-        self.values.arrange()
 
     def paint_over(self, surface: pygame.Surface) -> None:
         """Draw ruler and stopwatch."""

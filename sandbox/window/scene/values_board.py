@@ -15,7 +15,7 @@ from softcradle.sandbox.quantities import BEAD, CONTACT, KINETIC, MASS, MOMENTUM
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.values_table import SET_COLUMNS, ValuesTable, columns_of, values_table
-from softcradle.sandbox.window.page import Host
+from softcradle.sandbox.window.page import Derived, Host
 from softcradle.sandbox.window.scene.editor import Pick, SceneEditor
 
 MARGIN = 6.0  # design pixels between a number and the right end of its cell
@@ -159,7 +159,7 @@ class ValuesBoard:
         self.host, self.session, self.editor, self.area = host, session, editor, area
         self.places: list[TablePlace] = []
         self._first: dict[tuple[int, str], int] = {}  # rows that tables begin with, by lane and kind
-        self._seen: Pick | None = None  # the selection that was brought into view
+        self._shown = Derived(lambda: editor.selection, lambda: self.bring_into_view(editor.selection))
 
     def arrange(self) -> None:
         """Find the places of the tables; the row that is selected comes into view."""
@@ -167,9 +167,8 @@ class ValuesBoard:
         chosen = 0 if pick is None else pick.lane
         lanes, unit = self.session.lanes, self.host.unit
         self.places = [] if area is None else table_places(lanes, area, unit, self._first, chosen)
-        if pick != self._seen and self.places:
-            self._seen = pick
-            self.bring_into_view(pick)
+        if self.places:
+            self._shown.follow()
 
     def bring_into_view(self, pick: Pick | None) -> None:
         """Scroll to the row of `pick`."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import pygame
@@ -14,7 +14,7 @@ from softcradle.sandbox.scene_runs import SHOWN as AHEAD
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.user_error import UserError
-from softcradle.sandbox.window.page import Host
+from softcradle.sandbox.window.page import Derived, Host
 from softcradle.sandbox.window.page_geometry import Geometry, fitting, geometry, plots_width
 from softcradle.sandbox.window.plots.board import PlotBoard
 from softcradle.sandbox.window.plots.kinds import VELOCITIES
@@ -93,7 +93,6 @@ class SceneView:
     """What is shown of a session, apart from widgets.
 
     Attributes:
-        setup: what was made last was made of it.
         scales: of beads and plots.
         follower: lets scales follow edits.
         camera: which part of the line is shown.
@@ -113,26 +112,28 @@ class SceneView:
         board: PlotBoard,
         panels: Sequence[Inspector],
         card: OutcomeCard,
+        answered: Callable[[], bool],
     ) -> None:
         self.host, self.session, self.editor, self.board = host, session, editor, board
-        self.panels, self.card = panels, card
-        self.setup = session.setup
+        self.panels, self.card, self.answered = panels, card, answered
         self.lanes: list[LaneView] = []
         self.panel_shown, self.plots_covered = True, False
         self.first_row = self.row_count = 0
         self.arrows = next(iter(ARROWS))
         self.places: Geometry = self._geometry()
         self._frame = -1  # whose collision the marks are of
-        self._backdrop: pygame.Surface | None = None
-        self._backdrop_key: Pick | None = None
-        self._cuts = session.history.cuts
+        self._backdrop = pygame.Surface((1, 1))
+        self.scales = LiveScales(session)
+        self.follower = EditFollower(host, session, self.scales)
         self.look_ahead()
+        self._grown = Derived(lambda: session.history.cuts, self.scales.follow_history)
+        self.drawn = Derived(self._drawn_of, self._draw)
+        self.backdrop = Derived(self._backdrop_of, self._draw_backdrop)
 
     def look_ahead(self) -> None:
         """Take scales and camera from a run ahead, as a film does; estimate them, and run behind, where it would take long."""
         seen = self._scales_ahead()
-        self.scales = LiveScales(seen or estimated_scales(self.session.scene, self.session), self.session)
-        self.follower = EditFollower(self.host, self.session, self.scales, self.rebuild)
+        self.scales.take(seen or estimated_scales(self.session.scene, self.session))
         if seen is None:
             self.follower.notice()
         self.camera = Camera.of(self.scales.scales)
@@ -174,18 +175,17 @@ class SceneView:
         """Let arrows show the next of ARROWS."""
         names = list(ARROWS)
         self.arrows = names[(names.index(self.arrows) + 1) % len(names)]
-        self.rebuild()
 
     def show_plot(self, kind: str) -> None:
         """Bring a kind of plot on screen, also from rows that are not, and in place of the card."""
         self.card.text = ""
         self.board.show(kind)
-        self.host.rebuild()
+        self.host.follow()
         self.say_if_plots_have_no_room()
         if self.rows and all(name != kind for name, _lane in self.board.keys):
             rows = self.board.rows(plots_width(self.host.size, self.host.unit, self.panel_shown))
             self.first_row = next(k for k, row in enumerate(rows) if kind in dict(row))
-            self.host.rebuild()
+            self.follow()
 
     def say_if_plots_have_no_room(self) -> None:
         """Say why plots that a person asked for are not there."""
@@ -197,8 +197,6 @@ class SceneView:
         if len(self.rows) == self.row_count or not self.rows or not self.plots_area().collidepoint(point):
             return False
         self.first_row += by
-        self.arrange()
-        self.rebuild()
         return True
 
     def _paint_scroll_bar(self, surface: pygame.Surface) -> None:
@@ -220,14 +218,13 @@ class SceneView:
     def reset_camera(self) -> None:
         """Show the part of the line that was shown first."""
         self.camera = Camera.of(self.scales.scales)
-        self.rebuild()
 
     def zoom(self, steps: float, point: tuple[int, int] | None = None) -> None:
         """Zoom in by `steps`, out if negative, about `point`."""
         place = None if point is None else self.metres_at(point)
         self.camera.width = max(self.camera.width, self._visible())  # beads have a greatest size
         self.camera.zoom(steps)
-        self.rebuild()
+        self.follow()
         if point is not None and place is not None:
             self.camera.centre += place - self.metres_at(point)
 
@@ -238,7 +235,6 @@ class SceneView:
     def fit(self) -> None:
         """Show all beads, now and later."""
         self.camera.fit(self.session.lanes, self.session.scene.view.length)
-        self.rebuild()
 
     def metres_at(self, point: tuple[int, int]) -> float:
         """The place on the line [m] at `point`."""
@@ -249,10 +245,22 @@ class SceneView:
         """Metres that the lanes are wide."""
         return self.lanes[0].metres(self.lanes[0].drawing.rect.width)
 
-    def rebuild(self) -> None:
-        """Make beads and plots anew: scales, camera, lanes or places have changed."""
+    def follow(self) -> None:
+        """Let beads and plots be of the present lanes, scales, camera and places."""
+        self._grown.follow()
+        self.drawn.follow()
+
+    def _drawn_of(self) -> object:
+        board, camera = self.board, self.camera
+        lanes = [(lane.chain, lane.locked) for lane in self.session.setup.lanes]
+        plots = board.present, board.single, board.logarithmic, board.pair, self.first_row, self.panel_shown
+        shown = self.scales.scales, camera.width, camera.automatic, self.arrows
+        return self.host.look, self.session.scene, lanes, self.session.history.cuts, plots, shown, self.card.text
+
+    def _draw(self) -> None:
+        """Make beads and plots anew."""
+        self.arrange()
         lanes, unit, places = self.session.lanes, self.host.unit, self.places
-        self.setup = self.session.setup
         self.scales.reset_lanes(lanes)
         scales = self.camera.window(self.scales.scales)
         drawn = SessionLanes.of(self.session)
@@ -264,11 +272,6 @@ class SceneView:
             lane.drawing.arrows = self.arrows
         self.board.whole = bool(self.card.text)
         self.board.build(self.rows, places.plots, unit, scales)
-        self.redraw()
-
-    def redraw(self) -> None:
-        """Draw the backdrop again."""
-        self._backdrop = None
 
     def update(self, seconds: float) -> None:
         """Follow the lanes."""
@@ -277,21 +280,18 @@ class SceneView:
             self.follower.update(seconds)
         self.motions = [lane.motion for lane in lanes]
         self._follow_collisions()
-        length = self.session.scene.view.length
-        widened = self.camera.keep_in_sight(lanes, length, self._visible())
-        cut, self._cuts = self.session.history.cuts != self._cuts, self.session.history.cuts
-        if cut:
-            self.scales.follow_history()
-        if self.scales.fit(self.motions) or widened or cut:
-            self.rebuild()
+        self.camera.keep_in_sight(lanes, self.session.scene.view.length, self._visible())
+        self._grown.follow()
+        self.scales.fit(self.motions)
+        self.follow()
 
     def _follow_collisions(self) -> None:
         """Let marks of rigid clusters be those of the collision that is under way."""
         for k, (view, lane) in enumerate(zip(self.lanes, self.session.lanes, strict=True)):
             same = len(view.drawing.chain.mass) == len(lane.chain.mass)
             new = same and self.session.frame != self._frame and (lane.state.force > 0.0).any()
-            if new and view.take_approach(*self.session.approach(k)):
-                self.redraw()
+            if new:
+                view.take_approach(*self.session.approach(k))
         self._frame = self.session.frame
 
     def on_a_lane(self, point: tuple[int, int]) -> bool:
@@ -305,8 +305,7 @@ class SceneView:
     def paint(self, surface: pygame.Surface) -> None:
         """Draw it."""
         pick = self.editor.selection
-        if self._backdrop is None or pick != self._backdrop_key:
-            self._backdrop, self._backdrop_key = self._drawn_backdrop(surface.get_size()), pick
+        self.backdrop.follow()
         surface.blit(self._backdrop, (0, 0))
         for lane, motion in zip(self.lanes, self.motions, strict=True):
             lane.paint(surface, motion, self.camera.centre)
@@ -316,9 +315,14 @@ class SceneView:
             self.board.paint(surface)
             self._paint_scroll_bar(surface)
 
-    def _drawn_backdrop(self, size: tuple[int, int]) -> pygame.Surface:
-        places = self.places
-        backdrop = pygame.Surface(size, 0, 32)
+    def _backdrop_of(self) -> object:
+        marks = [lane.marked for lane in self.lanes]
+        panels = [(panel.rect, panel.pick, tuple(panel.controls)) for panel in self.panels]
+        return self.drawn.version, marks, panels, self.answered(), self.board.span.seconds, self.plots_covered
+
+    def _draw_backdrop(self) -> None:
+        places, size = self.places, self.host.size
+        self._backdrop = backdrop = pygame.Surface(size, 0, 32)
         backdrop.fill(tones.background)
         for lane in self.lanes:
             lane.backdrop(backdrop)
@@ -330,4 +334,3 @@ class SceneView:
             backdrop.fill(tones.faint, (0, y, size[0], 1))
         if self.panel_shown:
             backdrop.fill(tones.faint, (places.panel.left, places.panel.top, 1, places.panel.height))
-        return backdrop

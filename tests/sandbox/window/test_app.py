@@ -4,6 +4,7 @@ import io
 import locale
 import os
 import sys
+from functools import partial
 from pathlib import Path
 
 import pygame
@@ -11,6 +12,7 @@ import pytest
 from pygame_gui.core.utility import translate
 from pygame_gui.elements import UITooltip
 from softcradle.sandbox.session.export import shared_text
+from softcradle.sandbox.session.inputs import SetMethod
 from softcradle.sandbox.window.display import SMALLEST
 from softcradle.sandbox.window.gallery.page import GalleryPage
 from softcradle.sandbox.window.settings import Settings, settings_path
@@ -190,3 +192,36 @@ def test_messages_lie_on_neither_plots_nor_beads_nor_controls(start: str, scale:
         assert footer.top - 60 * driver.app.unit * (len(text) > 100) <= rect.top
         assert rect.bottom <= footer.bottom
         assert not any(rect.colliderect(one.rect) for one in page.time_controls.buttons.values())
+
+
+def made(driver: Driver) -> tuple[int, int]:
+    """How often widgets, and beads with plots, were made until now."""
+    return driver.app.widgets.version, driver.page.view.drawn.version
+
+
+def test_what_is_shown_is_made_anew_where_something_it_is_made_of_has_changed_and_only_there(driver: Driver) -> None:
+    view, session = driver.page.view, driver.session
+
+    def toggled() -> None:
+        view.panel_shown = not view.panel_shown
+
+    driver.play_to_the_end()
+    driver.key(pygame.K_ESCAPE)
+    begin = made(driver)
+    driver.frames(30)
+    driver.click(driver.bead(2))
+    session.scrub_frame(20)
+    driver.frames(2)
+    assert made(driver) == begin
+    for change, widgets, beads in (
+        (toggled, 1, 1),  # beads and plots become wider
+        (view.fit, 0, 1),
+        (partial(driver.page.editor.apply, SetMethod(0, "verlet")), 1, 1),  # the menu; an edit drops later frames
+        (partial(setattr, view, "arrows", "momentum"), 0, 1),
+        (partial(setattr, driver.app, "scale", 0.8), 1, 1),
+        (partial(session.scrub_frame, 5), 1, 0),  # before the edit of the method
+    ):
+        before = made(driver)
+        change()
+        driver.frames(3)
+        assert made(driver) == (before[0] + widgets, before[1] + beads), change

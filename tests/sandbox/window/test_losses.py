@@ -219,6 +219,7 @@ def test_a_film_keeps_all_of_a_window_that_is_resized(driver: Driver, tmp_path: 
     import av
 
     driver.page.dialogs.save("film", "mine.mp4")
+    driver.frames(1)
     assert driver.page.toolbar.buttons["film"].text == "Stop 0:00"
     driver.frames(20)
     driver.resize((1600, 900))
@@ -236,6 +237,7 @@ def test_the_button_of_a_film_says_stop_and_the_time(name: str, monkeypatch: pyt
     driver = Driver(name)
     page = driver.app.page
     page.dialogs.save("film", "mine.mp4")
+    driver.frames(1)
     button, texts = page.toolbar.buttons["film"], []
     with monkeypatch.context() as watched:
         watched.setattr(page, "build", Mock(side_effect=AssertionError("made anew")))

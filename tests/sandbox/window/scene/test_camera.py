@@ -70,6 +70,7 @@ def test_the_card_goes_to_the_greatest_force_and_to_steel_balls(driver: Driver) 
     assert not page.outcome.text
     assert driver.app.page is page
     page.outcome.show_outcome()
+    driver.frames(1)
     driver.click(driver.page.outcome.buttons["Now with steel balls"].rect.center)
     soft, steel = driver.session.lanes
     assert [law.exponent for law in steel.chain.contact] == [1.5] * 4

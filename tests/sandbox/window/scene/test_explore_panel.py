@@ -121,7 +121,7 @@ def test_a_text_without_room_is_read_whole_below_the_pointer() -> None:
     for scale, cut in ((0, False), (4, True)):
         for _ in range(scale):
             made.key(pygame.K_PLUS, pygame.KMOD_CTRL)
-        made.page.view.redraw()
+        made.page.view.backdrop.forget()
         made.frames(2)
         assert bool(made.page.explore._whole[1]) == cut
         made.move(made.page.explore._about.center)
