@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 import pygame
 from pygame import Rect
-from softcradle.sandbox.draw.curve_panels import Panel, decade_axis, linear_axis
+from softcradle.sandbox.draw.axes import decade_axis, linear_axis
+from softcradle.sandbox.draw.curve_panels import Panel
 from softcradle.sandbox.draw.energy_bars import EnergyBars
 from softcradle.sandbox.draw.lane_drawing import KEY, LaneDrawing
 from softcradle.sandbox.draw.magnified_insets import MagnifiedInsets

@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pygame
 from numpy.typing import NDArray
-from softcradle.sandbox.draw.curve_panels import VerticalAxis, ticks_apart
-from softcradle.sandbox.draw.number_format import spread, ticks, time_unit
+from softcradle.sandbox.draw.axes import TEXT, Axes, VerticalAxis
+from softcradle.sandbox.draw.number_format import ticks, time_unit
 from softcradle.sandbox.draw.palette import Colour, tones
-from softcradle.sandbox.draw.supersampling import SUBPIXELS, draw_marker
+from softcradle.sandbox.draw.supersampling import SUBPIXELS
 from softcradle.sandbox.draw.surfaces import cached_surfaces
-from softcradle.sandbox.draw.text import shortened, width, write
+from softcradle.sandbox.draw.text import width
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.session.frame_history import History
 from softcradle.sandbox.session.history_slices import history_slices, slice_at
@@ -156,11 +156,11 @@ class TimeSpan:
         return [(value * size, text) for value, text in ticks(low, high, 5)]
 
 
-LEFT, RIGHT, TOP, BOTTOM = 44.0, 30.0, 22.0, 22.0  # design pixels around the axes
+RIGHT = 30.0  # design pixels right of the axes
+MARGINS = 44.0, RIGHT, 22.0, 22.0  # design pixels around the axes
 THICKNESS = 2.0  # design pixels of a curve
 POINTS_A_COLUMN = 3  # frames of the history that a column of pixels takes, where there are more
 SMOOTH_TURN = 0.97  # cosine of the largest turn of a curve that is drawn without a round joint
-LINE = 14.0  # design pixels between labels, and between names that are written
 MOST_MARKED = 10  # curves that have a marker at the cursor
 VEIL_OPACITY = 150  # of 255, over what is later than the cursor
 
@@ -191,7 +191,7 @@ class PlotContent:
         return replace(self, title=f"{self.title} · {label}") if label else self
 
 
-class Plot:
+class Plot(Axes):
     """One plot of curves. What is drawn depends on the history alone; `paint` adds the cursor.
 
     Arguments:
@@ -208,24 +208,16 @@ class Plot:
     def __init__(
         self, rect: pygame.Rect, unit: float, content: PlotContent, history: History, lane: int, span: TimeSpan
     ) -> None:
-        self.rect, self.unit, self.content = rect, unit, content
-        self.history, self.lane, self.span = history, lane, span
-        self.axis = content.axis
-        self.area = area_of(rect, unit)
+        super().__init__(rect, unit, content.axis, MARGINS)
+        self.content, self.history, self.lane, self.span = content, history, lane, span
         self.curves = ScrollingSurface(self._background(), self.draw_columns)
 
     def _background(self) -> pygame.Surface:
         background = pygame.Surface(self.area.size, 0, 32)
         background.fill(tones.background)
-        for value, _ in self.axis.ticks:
-            tint = tones.faint if value == 0.0 and not self.axis.logarithmic else tones.grid
-            background.fill(tint, (0, round(float(self.y(np.array(value)))), self.area.width, 1))
+        for y, tint in self.levels():
+            background.fill(tint, (0, y, self.area.width, 1))
         return background
-
-    def y(self, value: Array) -> Array:
-        """Pixel of a value in units of the axis, from the top; those beyond it are just outside."""
-        share = np.clip((value - self.axis.low) / (self.axis.high - self.axis.low), -0.1, 1.1)
-        return (self.area.height - 1) * (1.0 - share)
 
     def frames(self, first: int, last: int) -> tuple[int, int, int]:
         """First and last frame of columns `first` to `last`, with a margin, and how many frames to take."""
@@ -273,40 +265,10 @@ class Plot:
     def backdrop(self, surface: pygame.Surface) -> None:
         """Draw the title and the labels of the vertical axis."""
         title, mark, lane = self.content.title.partition(" · ")
-        if width(self.content.title, 13 * self.unit) > self.title_room():
+        if width(self.content.title, TEXT * self.unit) > self.title_room():
             title = title.split(": ")[0]  # what explains it goes, the name of the lane stays
         self.write_title(surface, title + mark + lane)
         self.write_down(surface)
-
-    def title_room(self) -> float:
-        """How wide a title may be; pixels."""
-        return self.area.width + 20 * self.unit
-
-    def write_title(self, surface: pygame.Surface, title: str) -> None:
-        """Write what is shown above the axes."""
-        unit, area = self.unit, self.area
-        title = shortened(title, 13 * unit, self.title_room())
-        write(surface, title, (area.left, area.top - 4 * unit), 13 * unit, tones.foreground, align=(0, 1))
-
-    def write_down(self, surface: pygame.Surface) -> list[float]:
-        """Write the labels of the vertical axis; returns their pixels."""
-        unit, area = self.unit, self.area
-        apart = ticks_apart(self.axis.ticks, area.height / (self.axis.high - self.axis.low), LINE * unit)
-        places = [(area.top + float(self.y(np.array(value))), text) for value, text in apart]
-        shown = [(y, text) for y, text in places if area.top - 1 <= y <= area.bottom + 1]
-        for y, text in shown:
-            write(surface, text, (area.left - 6 * unit, y), 13 * unit, tones.muted, align=(1, 0.5))
-        return [y for y, _text in shown]
-
-    def write_across(self, surface: pygame.Surface, labels: Sequence[tuple[float, str]], name: str) -> None:
-        """Write the labels of the horizontal axis at their pixels, and its name at its end."""
-        unit, area = self.unit, self.area
-        room = area.right - width(name, 13 * unit) - 8 * unit
-        for x, text in labels:
-            half = 0.5 * width(text, 13 * unit)
-            if area.left - 12 * unit <= x - half and x + half < room:
-                write(surface, text, (x, area.bottom + 3 * unit), 13 * unit, tones.muted, align=(0.5, 0))
-        write(surface, name, (area.right, area.bottom + 3 * unit), 13 * unit, tones.muted, align=(1, 0))
 
     def paint(self, surface: pygame.Surface, time: float, values: Array) -> None:
         """Draw the curves, the times below them, and the cursor at `time` with the curves' `values` (k,) there."""
@@ -314,7 +276,7 @@ class Plot:
         surface.blit(self.curves.surface, area)
         place = area.left + self.span.x(time)
         labels = [(area.left + self.span.x(at), text) for at, text in self.span.ticks()]
-        self.write_across(surface, labels, f"t ({self.span.unit()[1]})")
+        self.write_across(surface, labels, f"t ({self.span.unit()[1]})", area.right)
         if not area.left <= place <= area.right:
             return
         self._paint_veil(surface, round(place))
@@ -329,19 +291,10 @@ class Plot:
 
     def _markers(self, surface: pygame.Surface, x: float, values: Array) -> None:
         """A marker on every curve at the cursor, and its name beside it, moved apart where curves are close."""
-        area, unit, colours = self.area, self.unit, self.content.colours
-        count = min(len(values), len(colours))
-        heights = np.nan_to_num(self.y(self.axis.on(values[:count]))).tolist()
-        for k in range(count - 1, -1, -1):
-            if 0.0 <= heights[k] <= area.height:
-                draw_marker(surface, k, (x + 0.5, area.top + heights[k] + 0.5), 3.4 * unit, colours[k])
-        places = spread(heights, LINE * unit, 2.0 * unit, area.height - 4.0 * unit)
-        written = -math.inf  # where the last name is; where there is no room, markers stand alone
-        for k, y in sorted(enumerate(places), key=lambda pair: pair[1]):
-            if y >= written + LINE * unit - 1e-6:
-                written, place = y, (x + 16 * unit, area.top + y)
-                draw_marker(surface, k, (x + 10 * unit, place[1]), 3.4 * unit, colours[k])
-                write(surface, self.content.names[k], place, 13 * unit, tones.foreground, align=(0, 0.5))
+        colours = self.content.colours
+        heights = np.nan_to_num(self.y(self.axis.on(values[: len(colours)]))).tolist()
+        self.mark(surface, x, heights, colours)
+        self.write_names(surface, x + 10 * self.unit, heights, self.content.names, colours)
 
 
 def draw_curves(fine: pygame.Surface, colours: Sequence[Colour], across: Array, down: Array, thickness: float) -> None:
@@ -366,13 +319,6 @@ def _turns(across: Array, down: Array) -> NDArray[np.bool_]:
         sharp[1:-1] = cosine < SMOOTH_TURN
         sharp[0] = False
     return sharp
-
-
-def area_of(rect: pygame.Rect, unit: float) -> pygame.Rect:
-    """The axes inside a plot's rectangle."""
-    left, top = rect.left + round(LEFT * unit), rect.top + round(TOP * unit)
-    right, bottom = rect.right - round(RIGHT * unit), rect.bottom - round(BOTTOM * unit)
-    return pygame.Rect(left, top, max(8, right - left), max(8, bottom - top))
 
 
 @cached_surfaces(8)

@@ -9,7 +9,7 @@ from operator import attrgetter
 
 import numpy as np
 import pygame
-from softcradle.sandbox.draw.curve_panels import VerticalAxis, decade_axis, linear_axis
+from softcradle.sandbox.draw.axes import VerticalAxis, decade_axis, linear_axis
 from softcradle.sandbox.draw.number_format import subscript
 from softcradle.sandbox.draw.palette import Colour, bead_colours, tones
 from softcradle.sandbox.draw.shared_scales import Scales

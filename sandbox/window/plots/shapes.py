@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pygame
-from softcradle.sandbox.draw.curve_panels import VerticalAxis, linear_axis, ticks_apart
+from softcradle.sandbox.draw.axes import VerticalAxis, linear_axis, ticks_apart
 from softcradle.sandbox.draw.number_format import TIMES, power_of_ten, prefixed
 from softcradle.sandbox.draw.palette import Colour, bead_colours, mix, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS, draw_marker
@@ -207,7 +207,7 @@ class PhasePlot(Plot):
             surface.fill(tones.grid, (round(x), area.top, 1, area.height))
         for y in self.write_down(surface):
             surface.fill(tones.grid, (area.left, round(y), area.width, 1))
-        self.write_across(surface, labels, names[1])
+        self.write_across(surface, labels, names[1], area.right)
         colour = self.content.colours[0]
         known = np.isfinite(points).all(axis=1)
         for rows, tint in (

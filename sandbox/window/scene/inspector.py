@@ -12,7 +12,8 @@ import pygame
 import pygame_gui
 from pygame_gui.elements import UIButton
 from softcradle.physics.contact import Contact
-from softcradle.sandbox.draw.curve_panels import Panel, linear_axis
+from softcradle.sandbox.draw.axes import linear_axis
+from softcradle.sandbox.draw.curve_panels import Panel
 from softcradle.sandbox.draw.number_format import subscript
 from softcradle.sandbox.draw.palette import bead_colours, tones
 from softcradle.sandbox.draw.supersampling import draw_marker

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from softcradle.sandbox.draw import Picture, draw, longest_lead, scales_of
+from softcradle.sandbox.draw.axes import LINE
 from softcradle.sandbox.draw.bodies import cluster_ends, has_marks, rigid_forces
-from softcradle.sandbox.draw.curve_panels import LABEL_GAP
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.number_format import spread
 from softcradle.sandbox.draw.palette import tones
@@ -222,7 +222,7 @@ def test_names_of_overlaps_stand_beside_the_greatest_though_beads_fly_far_apart(
     written = {text.text: text.rect.centery for text in texts}
     heights = [written[name] for name in panel.names]
     assert heights == sorted(heights)
-    assert np.abs(heights - places).max() <= 2 * LABEL_GAP * panel.unit
+    assert np.abs(heights - places).max() <= 2 * LINE * panel.unit
 
 
 @pytest.mark.parametrize("size", [(160, 90), (320, 180), (540, 960), (3840, 2160)])

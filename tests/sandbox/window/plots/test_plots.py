@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pygame
 import pytest
-from softcradle.sandbox.draw.curve_panels import linear_axis
+from softcradle.sandbox.draw.axes import linear_axis
 from softcradle.sandbox.draw.palette import bead_colours
 from softcradle.sandbox.session.history_slices import slice_at
 from softcradle.sandbox.window.plots.curves import Plot, PlotContent, ScrollingSurface, TimeSpan
