@@ -51,7 +51,7 @@ SINGULAR = 1e-13  # of the largest eigenvalue: motions that multipliers share be
 TINY = float(np.finfo(np.float64).tiny)
 SETTLED = 8.0  # times the energy at which bounces with loss would go on for ever, each by what the one before was late
 STILL = 1e-9  # part of any push that a bead feels which the fixed rows hold in its place: round-off
-MOST_EVALUATIONS = 20_000_000  # of a run: some minutes
+MOST_EVALUATIONS = 3_000_000  # of a run: some minutes, at about 100 us each
 
 
 class OutOfEvaluationsError(Exception):
