@@ -170,6 +170,7 @@ class App:
             self.manager = theme.manager(self.size, self.unit)
         pygame.display.set_caption(f"{scene_words(self.page.title)} - softcradle" if self.page.title else "softcradle")
         self.page.build()
+        self.manager.ui_group.update(0.0)  # what is disabled looks so, also below a dialog, where widgets are at rest
         self.focus.hide_tooltips()
         if self.dialog is not None and self.dialog.open:
             self.dialog.build()

@@ -225,3 +225,15 @@ def test_what_is_shown_is_made_anew_where_something_it_is_made_of_has_changed_an
         change()
         driver.frames(3)
         assert made(driver) == (before[0] + widgets, before[1] + beads), change
+
+
+def test_a_button_that_cannot_be_used_looks_so_below_a_dialog_too(driver: Driver) -> None:
+    def seen() -> bytes:
+        return pygame.image.tobytes(driver.page.toolbar.buttons["undo"].image, "RGB")
+
+    driver.frames(3)
+    alone = seen()
+    driver.app.choose("What happened", "nothing", {"Close": lambda: None})
+    driver.app.rebuild()
+    driver.frames(3)
+    assert seen() == alone
