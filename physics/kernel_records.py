@@ -45,7 +45,7 @@ def chain_records(chain: Chain, state: State) -> tuple[Any, ...]:
     law, inverse_mass = law_rows(chain).copy(), chain.inverse_mass.copy()
     dissipates = chain.dissipative or chain.couplers  # couplers are solved as if they lost something
     dissipation = Dissipation(chain.loss.copy(), chain.bed.copy()) if dissipates else NO_DISSIPATION
-    special = _own_laws(chain), _joints(chain), knots_of(chain, state), dissipation
+    special = own_laws(chain), _joints(chain), knots_of(chain, state), dissipation
     push = state.external(chain)
     if chain.timed:
         push = np.zeros(chain.contacts + 1) if push is None else push.copy()
@@ -65,7 +65,7 @@ def law_rows(chain: Chain) -> Array:
     return rows
 
 
-def _own_laws(chain: Chain) -> OwnLaws | None:
+def own_laws(chain: Chain) -> OwnLaws | None:
     """The record of the laws of one's own; None for a chain without."""
     if not chain.own_laws:
         return None

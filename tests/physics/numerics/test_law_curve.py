@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from softcradle.physics import Chain, Contact, Coupler, OwnLaw
+from softcradle.physics.kernel_records import own_laws
 from softcradle.physics.numerics import law_curve
 from softcradle.physics.numerics.law_curve import NODES, SMALLEST, care, cubic, flow_into, signed_force, slope_at
 
@@ -169,3 +171,90 @@ def test_nodes_and_cubic():
 
     for x in (0.0, 0.1, 0.4, 1.0, 1.7):
         assert cubic(x, wanted(0.0), *(wanted(c) for c in NODES)) == pytest.approx(wanted(x), abs=1e-13)
+
+
+POWERS = [(0.0, 2.0, 0.5), (1.0, 2.0, 0.5), (0.0, 3.0, 1.0), (0.0, 5.0, 1.5), (0.7, 5.0, 2.0)]
+MOVES = [  # weight, overlap, moves in overlap and force: of each way in which a contact can go
+    (1.0, 0.25, -0.1, -0.4), (1.0, 0.25, -0.5, -2.0), (1e-9, 0.25, -0.3, -1.4), (1.0, 0.25, -0.1, -2.0), (1e-3, 1.0, 1.25, 1.25),
+    (100.0, 0.01, 0.001, 0.01), (0.01, 4.0, -3.999, -1.0), (0.9, 4.0, -3.9, -1.0), (1.0, 0.5, 0.0, 1.0), (1.0, -0.3, 0.1, 0.2),
+]  # fmt: skip
+
+
+def with_its_table(law):
+    """A power law as a row and as the tables of a law of one's own."""
+    preload, stiffness, exponent = law
+    chain = Chain([1.0] * 3, [Contact(9.0, 0.0, 1.0), OwnLaw(lambda overlap: preload + stiffness * overlap**exponent)])
+    return np.array([[9.0, 0.0, 1.0], law]), own_laws(chain)
+
+
+@pytest.mark.parametrize("law", POWERS, ids=str)
+def test_a_law_of_ones_own_that_is_a_power_law_is_followed_as_one(law):
+    row, own = with_its_table(law)
+    preload, stiffness, exponent = law
+    assert own.onset[0, 0] < 1e-3
+    for overlap in (-2.0, -0.2, 0.0, 0.2, 1.0, 3.0):
+        force = signed_force(*law, overlap)
+        assert law_curve.curve_force(row, own, 1, overlap) == pytest.approx(force, rel=1e-12)
+        slope = law_curve.curve_slope(row, None, 1, overlap, force)
+        assert law_curve.curve_slope(row, own, 1, overlap, force) == pytest.approx(slope, rel=1e-9)
+    for overlap in (0.2, 1.0, 3.0):
+        force = law_curve.pressed_force(row, None, 1, overlap)
+        assert law_curve.pressed_force(row, own, 1, overlap) == pytest.approx(force, rel=1e-12)
+        assert law_curve.local_exponent(row, own, 1, overlap, force) == pytest.approx(exponent, rel=1e-9)
+        assert law_curve.local_exponent(row, own, 1, overlap, preload) == exponent
+        for part in (0.3, 2.0):
+            assert law_curve.curve_overlap(row, own, 1, part * (force - preload), part) == pytest.approx(
+                overlap, rel=1e-9
+            )
+        energy = (preload + stiffness * overlap**exponent / (1.0 + exponent)) * overlap
+        assert law_curve.curve_depth(row, own, 1, energy) == pytest.approx(overlap, rel=1e-9)
+    for weight, overlap, by_overlap, by_force in MOVES:
+        given = weight, overlap, law_curve.curve_force(row, None, 1, overlap), by_overlap, by_force
+        moved = law_curve.move_along(row, None, 1, *given)[0]
+        if (
+            moved * overlap < 0.0
+            and not by_overlap * overlap > 0.0
+            and exponent >= 1.0
+            and (preload or exponent == 1.0)
+        ):
+            moved = 0.0  # a law of one's own is not trusted beyond its beginning
+        reached = law_curve.move_along(row, own, 1, *given)
+        assert reached[0] == pytest.approx(moved, rel=1e-9), given
+        assert reached[1] == pytest.approx(signed_force(*law, moved), rel=1e-9, abs=1e-12), given
+
+
+def test_a_contact_beside_a_law_of_ones_own_keeps_its_row():
+    row, own = with_its_table((0.0, 2.0, 0.5))
+    assert law_curve.curve_force(row, own, 0, 0.3) == 9.0
+    assert law_curve.curve_depth(row, own, 0, 4.5) == 0.5
+    assert law_curve.local_exponent(row, own, 0, 0.3, 9.0) == 1.0
+    force = np.full((1, 2), -1.0)
+    law_curve.put_on_curve(row, own, 0, 0, np.array([[0.25, 0.25]]), force)
+    law_curve.put_on_curve(row, own, 1, 0, np.array([[0.25, 0.25]]), force)
+    assert force.tolist() == [[-1.0, pytest.approx(1.0)]]
+
+
+@pytest.mark.parametrize("push", [Contact(1.0, 2.0, 1.5), Contact(0.0, 2.0, 1.0), Contact(3.0, 0.5, 2.0)], ids=str)
+def test_the_segments_of_a_coupler_are_its_graph(push):
+    link = Coupler(push, pull=Contact(0.5, 20.0, 1.5), slack=0.5, travel=1.0, stop=1000.0)
+    assert len(link.segments) == 4
+    for side, origin, preload, stiffness, exponent, before, stop, _loss, length in link.segments:
+        row = np.array([[preload, stiffness, exponent, before, stop, side]])
+        for way in (0.01, 0.3, 0.9, 1.7):
+            if way < length:
+                force = law_curve.curve_force(row, None, 0, side * way)
+                assert force == pytest.approx(link.force(origin + side * way), rel=1e-12)
+                rise = law_curve.segment_force(row, 0, side * way + 1e-6) - law_curve.segment_force(
+                    row, 0, side * way - 1e-6
+                )
+                assert law_curve.curve_slope(row, None, 0, side * way, force) == pytest.approx(0.5e6 * rise, rel=1e-6)
+        if not before:  # oddly beyond its origin, where nothing but the stop has a slope
+            both = law_curve.segment_force(row, 0, 0.2) + law_curve.segment_force(row, 0, -0.2)
+            assert both == pytest.approx(2.0 * side * preload)
+            assert law_curve.segment_slope(row, 0, 0.0) == (stiffness if exponent == 1.0 else 0.0) + stop
+
+
+def test_a_soft_segment_without_preload_is_open_beyond_its_origin():
+    row = np.array([[0.0, 2.0, 0.5, 0.0, 0.0, -1.0]])
+    assert law_curve.segment_force(row, 0, 0.25) == 0.0
+    assert law_curve.segment_force(row, 0, -0.25) == -1.0
