@@ -285,11 +285,12 @@ def euler_change(k, time, chain, motion, trial, scratch):
     inverse_mass, along, across, z = chain.inverse_mass, scratch.along[k], scratch.across[k], scratch.correction[k]
     n, square, upper = motion.mode.size, time * time, scratch.block
     for i in range(n):
+        weight = square * (inverse_mass[i] + inverse_mass[i + 1])
+        along[i], across[i] = direction(i, chain, motion.mode[i], weight, trial.overlap[k, i], trial.force[k, i])
+    for i in range(n):
         left, right = square * inverse_mass[i], square * inverse_mass[i + 1]
-        d, f = trial.overlap[k, i], trial.force[k, i]
-        along[i], across[i] = direction(i, chain, motion.mode[i], left + right, d, f)
         flow = flow_into(i, inverse_mass, trial.force[k]) - drive_at(chain, i, time)
-        z[i] = motion.overlap[i] + time * motion.rate[i] - d - square * flow
+        z[i] = motion.overlap[i] + time * motion.rate[i] - trial.overlap[k, i] - square * flow
         pivot = along[i] + (left + right) * across[i]
         if i > 0:
             pivot -= left * across[i - 1] * upper[i - 1, 0]

@@ -103,6 +103,10 @@ def test_a_soft_contact_that_will_be_apart_within_the_step_flies_there():
     assert (found.force[apart, 0] == 0.0).all()
     assert found.overlap[~apart, 0] == pytest.approx(flown[~apart])
     assert found.force[~apart, 0] == pytest.approx(2.0 * np.sqrt(flown[~apart]))
+    light = Chain([1.0, 1.0 / 9.0], power_law(2.0, 0.5))  # its force turns such a bead before the contact opens
+    state = State.at_start(light, [-0.4, 0.0])
+    state.overlap[:], state.force[:] = 0.25, 1.0
+    assert guessed(light, state, [LOADED], 1.0).overlap[2, 0] == pytest.approx(0.25 * MOST_GUESSED**-2)
     gear = Chain([1.0, 1.0], Contact(1.0, 2.0, 0.1))
     state = State.at_start(gear, [-9.0, 0.0])
     state.overlap[:], state.force[:] = 1e-4, 1.0 + 2.0 * 1e-4**0.1
