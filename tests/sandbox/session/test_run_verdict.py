@@ -76,35 +76,23 @@ def test_contacts_that_only_seem_to_stay_closed_are_chatter(method):
 
 
 def test_too_large_a_step_of_an_explicit_method_is_bad():
-    edits = (
-        inputs.SetSlow(1.0),
-        inputs.SetMethod(0, "euler"),
-        inputs.SetStep(0, 0.05),
-        inputs.SetContact(0, None, hertz(1e7)),
-    )
-    session = opened("hertz-cradle", *edits)
+    hard = inputs.SetContact(0, None, hertz(1e7))
+    session = opened("hertz-cradle", inputs.SetSlow(1.0), inputs.SetMethod(0, "euler"), inputs.SetStep(0, 0.05), hard)
     health = worst_of(session, 240)
     assert health.level == "bad"
     assert "smaller step" in health.sentence
 
 
 def test_velocities_of_steps_longer_than_a_contact_are_called_arbitrary():
-    session = opened(
-        "hertz-cradle", inputs.SetSlow(1.0), inputs.SetContact(0, None, hertz(1e9)), inputs.SetStep(0, 1.0)
-    )
-    health = session.health(0)
+    hard = inputs.SetContact(0, None, hertz(1e9))
+    health = opened("hertz-cradle", inputs.SetSlow(1.0), hard, inputs.SetStep(0, 1.0)).health(0)
     assert health.steps_a_contact < 1.0
     assert (health.level, "arbitrary" in health.sentence) == ("bad", True)
 
 
 def test_a_method_that_blows_up_is_stopped_and_reported():
-    edits = (
-        inputs.SetSlow(1.0),
-        inputs.SetMethod(0, "euler"),
-        inputs.SetStep(0, 1.0),
-        inputs.SetContact(0, None, Contact(0.0, 1e12, 10.0)),
-    )
-    session = opened("hertz-cradle", *edits, inputs.SetVelocity(0, 0, 1e3))
+    fast = inputs.SetContact(0, None, Contact(0.0, 1e12, 10.0)), inputs.SetVelocity(0, 0, 1e3)
+    session = opened("hertz-cradle", inputs.SetSlow(1.0), inputs.SetMethod(0, "euler"), inputs.SetStep(0, 1.0), *fast)
     session.play()
     for _ in range(240):
         session.tick(1 / 60)
