@@ -55,7 +55,6 @@ def test_finer_is_nearer():
     assert errors[1] < 1e-14
 
 
-@pytest.mark.slow
 def test_a_contact_that_never_closes_changes_nothing():
     ends = [
         reference_end(
@@ -75,7 +74,6 @@ def test_forces_that_nothing_determines_do_not_stop_it():
     assert np.abs(found.velocity).max() < 1e-11
 
 
-@pytest.mark.slow
 def test_soft_clusters_to_an_exponent_of_a_fiftieth():
     found = reference_end(one_on(3, power_law(1.0, 0.02)), [1, 0, 0, 0], tolerance=1e-9)
     assert found.error < 1e-7

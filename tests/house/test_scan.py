@@ -55,11 +55,11 @@ def test_chains_that_a_method_refuses_are_left_out(tmp_path, capsys, monkeypatch
     assert (tmp_path / "accurate-1e-08.jsonl").read_text().count("hooke-hertz") == 1
 
 
-def judged(monkeypatch, error, **changes):
+def judged(monkeypatch, error, truth=TRUTH, **changes):
     run = simulate(PAPER.chain, PAPER.velocity, samples=2, tolerance=1e-9)
     run = replace(run, final_velocity=TRUTH.velocity + error, **changes)
     monkeypatch.setattr(verdict, "solve", lambda *_, **__: run)
-    return verdict.judge(PAPER, TRUTH, "accurate", 1e-6)
+    return verdict.judge(PAPER, truth, "accurate", 1e-6)
 
 
 def test_verdicts(monkeypatch):
@@ -75,10 +75,7 @@ def test_verdicts(monkeypatch):
 def test_what_is_not_known_is_no_verdict(monkeypatch, source, expected):
     """Coarse runs that differ tell nothing of an error; fine ones tell that the motion is not determined to what is stated."""
     truth = Truth(TRUTH.velocity, np.full(5, 1e-2), source)
-    run = simulate(PAPER.chain, PAPER.velocity, samples=2, tolerance=1e-9)
-    run = replace(run, final_velocity=TRUTH.velocity + 1e-3, velocity_error=np.full(5, 1e-7))
-    monkeypatch.setattr(verdict, "solve", lambda *_, **__: run)
-    assert verdict.judge(PAPER, truth, "accurate", 1e-6)["verdict"] == expected
+    assert judged(monkeypatch, 1e-3, truth, velocity_error=np.full(5, 1e-7))["verdict"] == expected
 
 
 def test_a_scan_is_kept_and_goes_on(tmp_path, capsys, monkeypatch):
@@ -86,13 +83,11 @@ def test_a_scan_is_kept_and_goes_on(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("benchmarks.scan.truth.TOLERANCE", 1e-9)
     assert command.main([*given, "--count", "1"]) == 0
     truths = (tmp_path / "truths.jsonl").read_text()
-    table = tmp_path / "scan.md"
-    assert command.main([*given, "--count", "1", "--markdown", str(table)]) == 0
-    assert "| hooke-hertz | 1 | 1 | 0 |" in table.read_text()
-    assert table.read_text().startswith("**Random chains, accurate at 1e-08**\n\n| family | chains |")
-    assert (
-        "* made by `python -m benchmarks scan --count 1 --families hooke-hertz walls`, softcradle " in table.read_text()
-    )
+    assert command.main([*given, "--count", "1", "--markdown", str(tmp_path / "scan.md")]) == 0
+    table = (tmp_path / "scan.md").read_text()
+    assert "| hooke-hertz | 1 | 1 | 0 |" in table
+    assert table.startswith("**Random chains, accurate at 1e-08**\n\n| family | chains |")
+    assert "* made by `python -m benchmarks scan --count 1 --families hooke-hertz walls`, softcradle " in table
     verdicts = tmp_path / "accurate-1e-08.jsonl"
     assert {json.loads(line)["verdict"] for line in verdicts.read_text().splitlines() if line} == {"within"}
     with verdicts.open("a") as file:

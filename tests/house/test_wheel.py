@@ -203,7 +203,6 @@ simulate(one_on(4, power_law(1.0, 0.1)), [1, 0], metod="verlet")  # call-arg
 
 
 def type_checked(installed: Installed, name: str, script: str) -> list[str]:
-    """What mypy says of a user's script, by lines."""
     (installed.game / name).write_text(script, encoding="utf-8")
     command = [sys.executable, "-m", "mypy", "--strict", "--python-executable", str(installed.python), name]
     kept = {key: value for key, value in os.environ.items() if key not in ("MYPYPATH", "PYTHONPATH")}

@@ -57,7 +57,6 @@ def begin(*words: str, folder: Path, **environment: str) -> subprocess.Popen[str
 
 
 def told(process: subprocess.Popen[str], number: int) -> list[str]:
-    """What a process says after a signal."""
     process.send_signal(number)
     try:
         return process.communicate(timeout=ANSWER)[1].splitlines()

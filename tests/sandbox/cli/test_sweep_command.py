@@ -10,7 +10,6 @@ from softcradle.sandbox.sweeps.study_file import load_study
 from softcradle.sandbox.sweeps.work import Work, lost
 from softcradle.sandbox.user_error import POINTS_LOST
 
-from tests.helpers.own_process import python
 from tests.helpers.paths import ROOT
 
 xr = pytest.importorskip("xarray")
@@ -97,24 +96,18 @@ def test_lost_points_have_an_exit_code(tmp_path, monkeypatch, capsys):
 
 def test_beads_that_smaller_targets_lack_are_no_missing_numbers(tmp_path, capsys):
     study = tmp_path / "study.toml"
-    study.write_text(
-        GOOD.replace('"lanes.0.velocity.0" = {values = [0.5, 1], name = "speed"}', '"lanes.0.beads.1" = [2, 3]')
-    )
+    study.write_text(GOOD.replace(GRID, '\n"lanes.0.beads.1" = [2, 3]'))
     assert main(["sweep", str(study), "-o", str(tmp_path / "found.nc"), "--workers", "1"]) == 0
     rows = [line.split() for line in capsys.readouterr().out.splitlines() if "final_velocity" in line]
     assert rows[0][-1] == "0"
 
 
-def test_samples_of_a_file(tmp_path):
+def test_samples_of_a_file_and_the_example(tmp_path):
     (tmp_path / "study.toml").write_text(GOOD.partition("[set]")[0] + SOBOL)
     points = load_study(str(tmp_path / "study.toml")).points
     assert (points.design, points.count, points.axes[0].low) == ("sobol", 8, 0.1)
-
-
-def test_the_example_is_a_study():
-    study = load_study(str(ROOT / "examples" / "softness-and-size.toml"))
-    assert study.points.shape == (24, 5)
-    assert study.scene.tolerance == 1e-6
+    example = load_study(str(ROOT / "examples" / "softness-and-size.toml"))
+    assert (example.points.shape, example.scene.tolerance) == ((24, 5), 1e-6)
 
 
 @pytest.mark.parametrize(
@@ -127,11 +120,7 @@ def test_the_example_is_a_study():
         (changed("lanes.0.velocity.0", "lanes.0.mess"), r"there is no 'mess' \(did you mean 'mass'\?\)"),
         (
             changed("values = [0.5, 1]", "between = [1, 0.5]"),
-            "study.toml: lanes.0.velocity.0 must lie between two numbers, the smaller one first, not 1 and 0.5",
-        ),
-        (
-            changed("values = [0.5, 1]", 'between = [0.5, 2], scale = "whole"'),
-            "bounds of whole numbers must be whole, not 0.5 and 2",
+            r"study.toml: lanes.0.velocity.0 must lie .*, not 1 and 0.5",
         ),
         (changed("values = [0.5, 1]", "between = [0.5, 1]"), "count is missing"),
         (changed("values = [0.5, 1]", "values = []"), r"needs either values = \[...\] or between"),
@@ -158,11 +147,3 @@ def test_measures_are_listed(capsys):
     printed = capsys.readouterr().out
     assert all(measure.name in printed for measure in MEASURES)
     assert all(measure.meaning for measure in MEASURES)
-
-
-def test_without_the_extra_it_is_a_sentence(tmp_path):
-    (tmp_path / "study.toml").write_text(GOOD)
-    program = "from softcradle.sandbox.cli.main import main\nsys.exit(main(['sweep', 'study.toml']))"
-    done = python("-c", f"import sys\nsys.modules['zarr'] = None\n{program}", check=False, cwd=tmp_path)
-    assert done.returncode == 2
-    assert done.stderr.endswith("needs zarr, which is not installed: pip install 'softcradle[sweep]'\n")

@@ -10,6 +10,7 @@ import sys
 
 import pytest
 from rich.console import Console
+from softcradle.physics import Trajectory
 from softcradle.physics.methods import METHODS, known_methods
 from softcradle.sandbox import console
 from softcradle.sandbox.cli.commands.run import print_report
@@ -18,21 +19,15 @@ from softcradle.sandbox.console import print_table, set_quiet, table
 from softcradle.sandbox.scene_runs import load_scene, run_scene
 from softcradle.sandbox.trajectory_summary import summarise
 
+from tests.helpers.own_process import python
+
 COMMAND = (sys.executable, "-m", "softcradle")
 SOFTWARE_DISPLAY = ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER", "SDL_VIDEO_DRIVER")
 
 
 def run(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
-    """The command in a process of its own, with further variables; its result."""
     kept = {key: value for key, value in os.environ.items() if key not in SOFTWARE_DISPLAY}
-    return subprocess.run(
-        [*COMMAND, *arguments],
-        env=kept | {"PYTHONUTF8": "0"} | environment,
-        capture_output=True,
-        encoding="utf-8",
-        errors="replace",
-        check=False,
-    )
+    return python("-m", "softcradle", *arguments, check=False, env=kept | {"PYTHONUTF8": "0"} | environment)
 
 
 @pytest.fixture
@@ -88,18 +83,8 @@ def test_progress_in_a_file_is_a_line_now_and_then(monkeypatch, capsys):
 @pytest.mark.usefixtures("loud")
 def test_a_film_shows_how_far_it_is_unless_it_is_to_be_quiet(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(console, "LINE_AFTER", 0.0)
-    film = [
-        "render",
-        "one-on-four",
-        "-o",
-        str(tmp_path / "film.gif"),
-        "--size",
-        "320x180",
-        "--fps",
-        "5",
-        "--slow",
-        "0.5",
-    ]
+    film = ["render", "one-on-four", "-o", str(tmp_path / "film.gif")]
+    film += ["--size", "320x180", "--fps", "5", "--slow", "0.5"]
     assert main(film) == 0
     told = re.findall(r"frames: (\d+) of (\d+)", capsys.readouterr().err)
     assert told
@@ -130,13 +115,8 @@ def test_a_poor_encoding_is_no_error(encoding):
         "from softcradle.sandbox.cli.main import use_plain_characters\nuse_plain_characters()\n"
         "print('v\\u2080 \\u22120.5 4\\u00b710\\u207b\\u2075 m/s\\u00b2 \\u2713 \\u03b1 \\u4e2d \\u2026')"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", program],
-        env=os.environ | {"PYTHONIOENCODING": encoding},
-        capture_output=True,
-        check=True,
-    )
-    text = done.stdout.decode(encoding)
+    command, variables = [sys.executable, "-c", program], os.environ | {"PYTHONIOENCODING": encoding}
+    text = subprocess.run(command, env=variables, capture_output=True, check=True).stdout.decode(encoding)
     assert text.startswith("v0 -0.5 4")
     assert "10-5 m/s" in text
     assert "alpha ?" in text
@@ -148,10 +128,9 @@ FULL = pytest.mark.skipif(not os.path.exists("/dev/full"), reason="this system h
 @FULL
 @pytest.mark.parametrize("arguments", ["scenes", "scenes one-on-four", "methods", "check mixed", "--help", "-V"])
 def test_a_full_disk_behind_standard_output(arguments):
+    command = [*COMMAND, *arguments.split()]
     with open("/dev/full", "w", encoding="utf-8") as full:
-        done = subprocess.run(
-            [*COMMAND, *arguments.split()], stdout=full, stderr=subprocess.PIPE, text=True, check=False
-        )
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert done.stderr == "softcradle: cannot write to standard output: no space left on device\n"
     assert done.returncode == 2
 
@@ -183,6 +162,9 @@ def test_a_second_file_is_written_too_and_each_lane_has_its_own_and_what_is_repl
         assert (printed.count("written: "), printed.count("replaced: ")) == (written, replaced)
         assert "final velocity" in printed
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a-1.npz", "a-2.npz", "b-1.csv", "b-2.csv"]
+    trajectory = Trajectory.load(tmp_path / "a-2.npz")
+    assert (trajectory.method, trajectory.time.shape) == ("verlet", (4,))
+    assert trajectory.chain == load_scene("galilean").lanes[1].chain()
     with (tmp_path / "b-2.csv").open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [float(row["time [s]"]) for row in rows] == [0.0, 0.5, 1.0, 1.5]
@@ -193,10 +175,11 @@ def test_open_shows_the_first_file(tmp_path, monkeypatch, capsys):
     opened: list[str] = []
     monkeypatch.setattr("webbrowser.open", lambda address: opened.append(address) or True)
     path = tmp_path / "with a space.csv"
-    assert main(["run", "one-on-four", "--method", "verlet", "--step", "1e-2", "-o", str(path), "--open"]) == 0
+    command = ["run", "one-on-four", "--method", "verlet", "--step", "1e-2", "-o", str(path), "--open"]
+    assert main(command) == 0
     assert opened == [path.as_uri()]
     monkeypatch.setattr("webbrowser.open", lambda _: False)
-    assert main(["run", "one-on-four", "--method", "verlet", "--step", "1e-2", "-o", str(path), "--open"]) == 2
+    assert main(command) == 2
     assert "no program was found to open it with" in capsys.readouterr().err
     assert path.exists()
 
@@ -237,8 +220,8 @@ def test_a_shell_completes(line, words, tmp_path):
 
 
 def test_the_lines_for_a_shell_and_the_version(capsys):
-    for words in (["completion", "bash"], ["completion", "zsh"], ["completion", "fish"]):
-        assert main(words) == 0
+    for shell in ("bash", "zsh", "fish"):
+        assert main(["completion", shell]) == 0
         assert "softcradle" in capsys.readouterr().out
     for flag in ("-V", "--version"):
         with pytest.raises(SystemExit, match="0"):

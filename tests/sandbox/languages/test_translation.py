@@ -183,9 +183,8 @@ def test_what_waits_for_a_translation_is_counted(tmp_path, monkeypatch, capsys):
     """New messages come in empty, and only a release is held up by them."""
     path = tmp_path / "de.po"
     monkeypatch.setattr("tools.update_catalogues.catalogue_path", lambda code: path)
-    path.write_bytes(
-        translation.catalogue_path("de").read_bytes().replace(b'msgstr "R\xc3\xbcckg\xc3\xa4ngig"', b'msgstr ""')
-    )
+    text = translation.catalogue_path("de").read_text(encoding="utf-8")
+    path.write_text(text.replace('msgstr "Rückgängig"', 'msgstr ""'), encoding="utf-8")
     waiting = update("de")
     assert waiting > 0
     with monkeypatch.context() as patched:

@@ -67,7 +67,6 @@ def brought_by_extras():
 
 
 def test_a_page_needs_none_of_the_extras(tmp_path):
-    """Nothing is imported that only the extras bring."""
     script = f"""
 import sys
 for name in {brought_by_extras()!r}: sys.modules[name] = None

@@ -198,7 +198,6 @@ SCENES = ("one-on-four", "experiment-one-on-three", "galilean")  # power laws, d
 
 
 def owner_of(number: EditableNumber) -> tuple[Session, int]:
-    """A session and a bead or contact of it that has the number."""
     for name in SCENES:
         session = opened(name)
         for index, value in enumerate(number.values(session.lanes[0])):
@@ -208,7 +207,6 @@ def owner_of(number: EditableNumber) -> tuple[Session, int]:
 
 
 def read(session: Session, number: EditableNumber, index: int) -> float:
-    """The number as the table of values has it."""
     table = values_table(session, 0, number.owner)
     shown = table.rows[index][table.columns.index(number.column)]
     return -shown if number.column == OVERLAP.column else shown

@@ -32,7 +32,6 @@ def played(name="one-on-four", method="auto"):
 
 
 def tampered(path, **changes):
-    """The same file with some of it changed."""
     with np.load(path) as file:
         metadata, hashes = json.loads(str(file["metadata"])), file["hashes"]
     metadata |= {key: value for key, value in changes.items() if key != "hashes"}

@@ -18,7 +18,6 @@ LIVE = [method.name for method in METHODS if method.name != "scipy"]
 
 
 def worst_of(session, frames=600):
-    """The worst health in `frames` frames."""
     found = []
     for _ in range(frames // 20):
         session.step_frames(20)

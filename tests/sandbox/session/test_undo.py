@@ -16,7 +16,6 @@ EDITS = (
 
 
 def picture(session):
-    """Everything that an undo must bring back."""
     snapshot = session.snapshot()
     states = [(s.overlap.tolist(), s.rate.tolist(), s.anchor.tolist()) for s in snapshot.states]
     return session.frame, session.history.first, session.history.last, session.setup, states

@@ -71,19 +71,14 @@ def test_figure_of_the_train():
 
 def test_caught_pistons_take_energy_and_no_momentum():
     """20 g take 9.2 % of one on three's energy without a bed: m_p/(m + m_p) at each of two catches."""
-    momentum, energy = piston_deficits(1, 0.5, Apparatus(STIFFNESS, PRECOMPRESSION, 0.0), PISTON, 0.0)
+    setup = Apparatus(STIFFNESS, PRECOMPRESSION, 0.0)
+    momentum, energy = piston_deficits(1, 0.5, setup, PISTON, 0.0)
     assert abs(momentum) < 1e-12
     share = PISTON / (experiment.MASS[0] + PISTON)
     assert energy == pytest.approx(2.0 * share, rel=0.06)
-    assert piston_deficits(1, 0.5, Apparatus(STIFFNESS, PRECOMPRESSION, 0.0), 1e-9, 0.0) == pytest.approx(
-        (0.0, 0.0), abs=1e-8
-    )
-
-
-def test_lines_at_the_cameras_frames_find_the_velocities_where_nothing_slows():
-    setup = Apparatus(STIFFNESS, PRECOMPRESSION, 0.0)
     moments, lines = (piston_deficits(1, 0.5, setup, 1e-9, window) for window in (0.0, 0.02))
-    assert lines == pytest.approx(moments, abs=1e-7)
+    assert moments == pytest.approx((0.0, 0.0), abs=1e-8)
+    assert lines == pytest.approx(moments, abs=1e-7)  # at the camera's frames, where nothing slows
 
 
 def test_the_command_finds_what_friction_and_pistons_explain_and_what_not(capsys, tmp_path):

@@ -16,7 +16,6 @@ from tests.helpers.paths import ROOT
 
 
 def test_every_number_is_met(capsys):
-    """As the command says, which is what a user has."""
     assert main(["verify", "--json"]) == 0, capsys.readouterr().out
     rows = json.loads(capsys.readouterr().out)["numbers"]
     assert len({row["name"] for row in rows}) == len(rows) == len(verify.known_numbers())

@@ -38,8 +38,6 @@ sweep(logged, POINTS, output=sys.argv[1], scheduler=sys.argv[2], chunk_seconds=0
 
 
 class Cluster:
-    """A scheduler on this machine and its workers, each a process."""
-
     def __init__(self, log: Path) -> None:
         self._environment = os.environ | QUICK | {"PYTHONPATH": str(ROOT), LOG: str(log)}
         self._told, self._place = (log.parent / "told").open("wb"), log.parent / "scheduler.json"

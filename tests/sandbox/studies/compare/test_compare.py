@@ -47,9 +47,8 @@ def test_one_scene_with_contacts_comes_first_and_equal_contacts_once(compared):
 
 def test_the_nearest_contact_is_one_more_side(compared, tmp_path):
     path = tmp_path / "x.html"
-    content = compared(
-        "draft-gear-one-on-three", "--match", "--contact", "hertz(1e6)", "-o", str(path), "--size", "480x270"
-    )
+    arguments = ["draft-gear-one-on-three", "--match", "--contact", "hertz(1e6)", "-o", str(path)]
+    content = compared(*arguments, "--size", "480x270")
     names = [side["name"] for side in content["sides"]]
     assert names[:2] == ["draft_gear(770, 0.0177)", "hertz(1e+06)"]
     assert names[2] == f"nearest: {short_text(content['match']['contact'])}"  # no raw digits in the film
@@ -102,7 +101,6 @@ def test_numbers_have_up_to_five_digits():
 
 @pytest.fixture(scope="module")
 def page(tmp_path_factory):
-    """A report as a file, its text, and its results."""
     comparison = comparison_of(["draft-gear-one-on-three"], ["power_law(16, 1/10)", "hertz(1e6)"])
     results = solve_sides(comparison)
     path = tmp_path_factory.mktemp("report") / "report.html"
@@ -122,11 +120,10 @@ def test_page_closes_its_tags_loads_nothing_and_has_every_number(page):
 
 
 def test_labels_of_users_are_text_not_markup(tmp_path):
-    (tmp_path / "x.toml").write_text(
-        'title = "<b>&x"\n[[lanes]]\nlabel="<script>alert(1)</script>"\nbeads=[1,1]\nvelocity=1.0\n'
-        'contact={law="hertz",stiffness=1.0}\n'
-        + '[[lanes]]\nlabel="b"\nbeads=[1,1]\nvelocity=1.0\ncontact={law="hertz",stiffness=2.0}\n'
+    lane = (
+        '[[lanes]]\nlabel="<script>alert(1)</script>"\nbeads=[1,1]\nvelocity=1.0\ncontact={law="hertz",stiffness=1}\n'
     )
+    (tmp_path / "x.toml").write_text(f'title = "<b>&x"\n{lane}{lane.replace("1}", "2}")}')
     comparison = comparison_of([str(tmp_path / "x.toml")], [])
     text = ComparisonReport(comparison, solve_sides(comparison)).html()
     assert "<script>alert" not in text

@@ -50,10 +50,8 @@ def test_errors_average_over_the_start_phase(case):
 
 @pytest.mark.parametrize("quantity", ["forces", "overlaps"])
 def test_forces_and_overlaps_have_errors_of_their_own(case, quantity):
-    coarse, fine = (
-        measure_series(case, our_solver(case, "accurate", tolerance), quantity, SHORT_LIMITS).points[0].error
-        for tolerance in (1e-3, 1e-9)
-    )
+    solvers = [our_solver(case, "accurate", tolerance) for tolerance in (1e-3, 1e-9)]
+    coarse, fine = (measure_series(case, solver, quantity, SHORT_LIMITS).points[0].error for solver in solvers)
     assert fine < 1e-6 < coarse < 0.3
 
 
@@ -76,11 +74,8 @@ def test_a_series_ends_at_its_time_limit(case):
 
 
 def test_a_case_shares_its_time_among_its_solvers(case, monkeypatch):
-    shares = []
-    monkeypatch.setattr(
-        measurement, "measure_series", lambda *a: shares.append(a[3].series) or made_series("x", True, (0.1, 1.0))
-    )
-    solver = our_solver(case, "verlet", 30.0)
+    shares, solver, made = [], our_solver(case, "verlet", 30.0), made_series("x", True, (0.1, 1.0))
+    monkeypatch.setattr(measurement, "measure_series", lambda *a: shares.append(a[3].series) or made)
     measurement.measure_case(case, [solver] * 4, limits=TimeLimits(1.0, 10.0, 8.0))
     assert shares[0] == pytest.approx(2.0)
     assert shares[-1] == pytest.approx(8.0, abs=0.5)  # what the others have not used
@@ -136,9 +131,8 @@ def test_an_earlier_start_ends_the_same(case):
 
 
 def test_a_case_that_cannot_begin_earlier_has_one_start():
-    parting = CaseDefinition(
-        "parting", "parting", lambda: one_on(2, power_law(1.0, 0.1)), velocity=np.array([1.0, 0.0, 0.1])
-    )
+    velocity = np.array([1.0, 0.0, 0.1])
+    parting = CaseDefinition("parting", "parting", lambda: one_on(2, power_law(1.0, 0.1)), velocity=velocity)
     assert len(parting.solve().starts([0.1, 0.2])) == 1
 
 

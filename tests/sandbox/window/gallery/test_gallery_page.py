@@ -1,7 +1,6 @@
 """The gallery, driven by mouse and keys, and the memory of pages that were left."""
 
 import weakref
-from pathlib import Path
 
 import pygame
 import pytest
@@ -74,36 +73,34 @@ def test_every_scene_has_a_picture_at_once_and_a_section(gallery: Driver) -> Non
     assert len(set(listed)) == len(listed)
 
 
-def test_a_search_finds_scenes_by_words(gallery: Driver) -> None:
-    page = gallery.app.page
-    count = len(page.names)
+def searched(gallery: Driver, words: str) -> tuple[str, ...]:
     gallery.key(pygame.K_f, pygame.KMOD_CTRL)
-    gallery.type("wagon")
+    gallery.type(words)
     gallery.frames(2)
-    assert set(page.names) == {"train-braking", "train-cut", "train-shunting", "train-solid", "train-starting"}
+    return gallery.app.page.names
+
+
+def test_a_search_finds_scenes_by_words_and_enter_opens_the_first(gallery: Driver) -> None:
+    count = len(gallery.app.page.names)
+    trains = {f"train-{kind}" for kind in ("braking", "cut", "shunting", "solid", "starting")}
+    assert set(searched(gallery, "wagon")) == trains
     gallery.key(pygame.K_ESCAPE)
     gallery.frames(2)
-    assert len(page.names) == count
-    gallery.key(pygame.K_f, pygame.KMOD_CTRL)
-    gallery.type("qqq")
-    gallery.frames(2)
-    assert page.names == ()
-    gallery.key(pygame.K_RETURN)
-    gallery.key(pygame.K_RETURN)
-    gallery.key(pygame.K_DOWN)
-    assert gallery.app.page is page
-
-
-def test_newton_finds_the_cradles_first_and_enter_opens_the_usual_one(gallery: Driver) -> None:
-    gallery.key(pygame.K_f, pygame.KMOD_CTRL)
-    gallery.type("newton")
-    gallery.frames(2)
-    assert gallery.app.page.names[:3] == ("hertz-cradle", "steel-and-soft", "hanging-cradle")
+    assert len(gallery.app.page.names) == count
+    assert searched(gallery, "newton")[:3] == ("hertz-cradle", "steel-and-soft", "hanging-cradle")
     gallery.key(pygame.K_RETURN)
     assert gallery.page.title == "Newton's cradle: steel balls"
 
 
-def test_scenes_of_ones_own_have_cards_below_the_first(gallery: Driver, tmp_path: Path) -> None:
+def test_a_search_that_finds_nothing_opens_nothing(gallery: Driver) -> None:
+    page = gallery.app.page
+    assert searched(gallery, "qqq") == ()
+    for key in (pygame.K_RETURN, pygame.K_RETURN, pygame.K_DOWN):
+        gallery.key(key)
+    assert gallery.app.page is page
+
+
+def test_scenes_of_ones_own_have_cards_below_the_first(gallery: Driver, tmp_path) -> None:
     (tmp_path / "mine.toml").write_text(scenes.load("mixed").model_copy(update={"title": "Mine"}).to_toml())
     gallery.app.settings.remember(tmp_path / "mine.toml")
     gallery.app.rebuild()

@@ -74,18 +74,6 @@ def test_the_kymograph_shows_where_the_beads_were(driver: Driver) -> None:
     assert all(300 < column[row] < 740 for row in band)  # the pale colour of a bead
 
 
-def test_curves_are_drawn_and_the_cursor_reads_them(driver: Driver) -> None:
-    driver.run(150)
-    plot = driver.page.board.plots[0]
-    striker = pygame.mask.from_threshold(plot.curves.surface, plot.content.colours[0], (60, 60, 60, 255))
-    assert striker.count() > 60
-    driver.move(plot.area.center)
-    driver.frames(2)
-    assert driver.page.board.plot_at(plot.area.center) is plot
-    frame = driver.session.history.frame_at(driver.page.board.span.time(plot.area.width / 2))
-    assert plot.values_at(frame).shape == (5,)
-
-
 def test_the_overlap_axis_is_logarithmic_or_linear(driver: Driver) -> None:
     assert driver.page.board.plots[2].axis.logarithmic
     driver.key(pygame.K_o)

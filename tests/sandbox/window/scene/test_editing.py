@@ -1,7 +1,5 @@
 """Edits by the pointer, by keys, by the inspector and the sweep of its sliders, and by the cards of the lanes."""
 
-from pathlib import Path
-
 import numpy as np
 import pygame
 import pytest
@@ -17,7 +15,7 @@ from softcradle import scenes
 from tests.helpers.sessions import opened
 from tests.helpers.windows import Driver
 
-SHIFT = pygame.KMOD_SHIFT
+CTRL, SHIFT = pygame.KMOD_CTRL, pygame.KMOD_SHIFT
 
 
 def test_a_bead_is_placed_while_paused(driver: Driver) -> None:
@@ -83,7 +81,7 @@ def test_keys_do_nothing_while_a_number_is_typed(driver: Driver) -> None:
     assert driver.session.lanes[0].chain.contacts == 5
 
 
-def test_friction_drive_and_loss_have_sliders_where_the_scene_has_them(tmp_path: Path) -> None:
+def test_friction_drive_and_loss_have_sliders_where_the_scene_has_them(tmp_path) -> None:
     (tmp_path / "dissipative.toml").write_text(SCENE)
     driver = Driver(str(tmp_path / "dissipative.toml"))
     driver.click(driver.bead(0))
@@ -115,7 +113,6 @@ def test_a_text_that_is_no_number_is_refused(text):
 
 
 def test_the_slider_goes_where_its_number_is(driver: Driver) -> None:
-    """After a typed number, and while the model changes it."""
     driver.click(driver.bead(0))
     driver.enter("velocity", "-8")
     driver.frames(20)
@@ -130,27 +127,18 @@ def test_the_slider_goes_where_its_number_is(driver: Driver) -> None:
     assert control.slider.current_value == pytest.approx(control.parameter.share(), abs=0.01)
 
 
-def test_the_kind_of_a_contact_says_what_its_law_is(driver: Driver) -> None:
-    """A spring of 1 N/m is not hard."""
-    driver.page.editor.selection = Pick(0, "contact", 1)
-    driver.session.apply(SetContact(0, 1, power_law(1.0, 1.0)))
-    driver.frames(2)
-    lit = [button.text for button in driver.page.inspector.buttons if button.is_selected]
-    assert lit == ["alpha ≥ 1"]
+def test_the_kind_of_a_contact_says_what_its_law_is() -> None:
+    """A spring of 1 N/m is not hard; wagons are coupled, which is none of the three kinds."""
+    for scene, law, expected in (("one-on-four", power_law(1.0, 1.0), ["alpha ≥ 1"]), ("train-starting", None, [])):
+        driver = Driver(scene)
+        if law:
+            driver.session.apply(SetContact(0, 1, law))
+        driver.select("contact", 1)
+        assert driver.page.inspector.buttons
+        assert [button.text for button in driver.page.inspector.buttons if button.is_selected] == expected
 
 
-def test_a_coupler_is_of_none_of_the_kinds() -> None:
-    """Wagons are coupled: none of the three kinds is lit, and the buttons are there."""
-    driver = Driver("train-starting")
-    driver.select("contact", 1)
-    assert driver.page.inspector.buttons
-    assert not [button.text for button in driver.page.inspector.buttons if button.is_selected]
-
-
-CTRL = pygame.KMOD_CTRL
-
-
-def test_the_menu_switches_the_method_while_running(driver: Driver) -> None:
+def test_the_menu_switches_the_method_while_running_and_follows_keys_undo_and_redo(driver: Driver) -> None:
     menu = driver.page.cards.menus[0]
     driver.key(pygame.K_SPACE)
     driver.click(menu.rect.center)
@@ -160,11 +148,17 @@ def test_the_menu_switches_the_method_while_running(driver: Driver) -> None:
     driver.click(item.rect.center)
     driver.frames(5)
     assert driver.session.lanes[0].setup.method == "euler"
+    driver.key(pygame.K_m, SHIFT)
+    assert chosen(driver) == "verlet"
+    for modifiers, name in ((CTRL, "euler"), (CTRL, "auto"), (CTRL | SHIFT, "euler")):
+        driver.key(pygame.K_z, modifiers)
+        driver.frames(2)
+        assert chosen(driver) == name
 
 
 def test_the_badge_is_red_when_the_method_is_past_its_limit() -> None:
     driver = Driver("draft-gear-one-on-three")
-    driver.key(pygame.K_m, pygame.KMOD_SHIFT)
+    driver.key(pygame.K_m, SHIFT)
     for _ in range(3):
         driver.key(pygame.K_PLUS)
     driver.session.apply(SetStep(None, 0.01))
@@ -180,16 +174,6 @@ def chosen(driver: Driver) -> str:
     return driver.page.cards.menus[0].selected_option[0]
 
 
-def test_the_menu_of_methods_follows_keys_undo_and_redo(driver: Driver) -> None:
-    driver.key(pygame.K_m, pygame.KMOD_SHIFT)
-    driver.key(pygame.K_m, pygame.KMOD_SHIFT)
-    assert chosen(driver) == "verlet"
-    for modifiers, name in ((CTRL, "euler"), (CTRL, "auto"), (CTRL | pygame.KMOD_SHIFT, "euler")):
-        driver.key(pygame.K_z, modifiers)
-        driver.frames(2)
-        assert chosen(driver) == name
-
-
 def test_no_badge_advises_the_method_that_failed() -> None:
     for method, advice in (("conserving", "take more slow motion"), ("euler", "take conserving or a smaller step")):
         setup = setup_of(scenes.load("one-on-four")).lanes[0].with_method(method)
@@ -200,7 +184,6 @@ def test_no_badge_advises_the_method_that_failed() -> None:
 
 
 def swept(driver: Driver) -> SweepBoard:
-    """The board, when all is computed."""
     board = driver.app.dialog
     assert isinstance(board, SweepBoard)
     driver.until(lambda: board.found is not None)

@@ -92,23 +92,21 @@ def test_every_scene_is_a_text_that_reads_back(name: str) -> None:
     assert len(text) < 2000
 
 
-def test_a_scene_is_compared_with_a_copy(driver: Driver) -> None:
+def test_a_scene_is_compared_with_a_copy_and_edits_stay_unsaved(driver: Driver) -> None:
     driver.key(pygame.K_d, CTRL)
     assert [lane.chain for lane in driver.session.lanes] == [driver.session.lanes[0].chain] * 2
+    assert not driver.page.unsaved
     driver.session.apply(SetMass(1, 1, 3.0))
     driver.run(60)
     assert driver.session.lanes[0].chain.mass[1] == 1.0
+    driver.session.apply(SetMass(0, 2, 3.0))
     driver.key(pygame.K_d, CTRL)  # the first lane of the two
     assert driver.page.title == "One bead on four, compared"
-    assert [driver.session.label(lane) for lane in (0, 1)] == ["alpha = 1/10", "alpha = 1/10, the other"]
-
-
-def test_edits_stay_unsaved_in_a_comparison(driver: Driver) -> None:
-    driver.key(pygame.K_d, CTRL)
-    assert not driver.page.unsaved
-    driver.session.apply(SetMass(0, 1, 3.0))
-    driver.key(pygame.K_d, CTRL)
-    assert driver.session.lanes[1].chain.mass[1] == 3.0
+    assert [driver.session.label(lane) for lane in (0, 1)] == [
+        "alpha = 1/10, edited",
+        "alpha = 1/10, edited, the other",
+    ]
+    assert driver.session.lanes[1].chain.mass == (1.0, 1.0, 3.0, 1.0, 1.0)
     assert driver.page.unsaved
     page = driver.page
     driver.key(pygame.K_ESCAPE)
