@@ -175,18 +175,16 @@ def test_existing_output_survives_a_refused_run(tmp_path, capsys):
     assert "it is a folder" in refused(capsys, ["run", "mixed", "-o", str(tmp_path / "out.csv")])
 
 
-UNTOLD = (
-    "compare one-on-four two-on-two --size 10x10",
+UNNAMED = (
+    "compare one-on-four two-on-two --size 9x9",
     "chart no-scene",
     "stability no-scan",
     f"sweep {STUDY} --workers 1",
 )
 
 
-@pytest.mark.parametrize("command", UNTOLD)
-def test_a_refusal_leaves_no_folder_where_commands_write_that_are_not_told_where(
-    tmp_path, monkeypatch, capsys, command
-):
+@pytest.mark.parametrize("command", UNNAMED)
+def test_a_refusal_leaves_no_folder_of_files_that_have_no_name(tmp_path, monkeypatch, capsys, command):
     refusing = Mock(side_effect=StudyError("cannot write"))
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("softcradle.sandbox.sweeps.run_sweep.checked_output", refusing)
@@ -194,7 +192,7 @@ def test_a_refusal_leaves_no_folder_where_commands_write_that_are_not_told_where
     assert not Path("out").exists()
 
 
-def test_what_commands_write_that_are_not_told_where_makes_its_folder(tmp_path, monkeypatch):
+def test_files_that_have_no_name_get_their_folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with opened_outputs([Path("out/chart.png"), Path("out/chart.csv")]) as places:
         for place in places:

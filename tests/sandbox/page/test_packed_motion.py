@@ -86,21 +86,17 @@ def test_what_rests_is_at_rest():
     assert (values["force"][before] == 0.0).all()
 
 
-def test_what_is_too_much_for_a_page_is_a_sentence(monkeypatch):
-    monkeypatch.setattr("softcradle.sandbox.page.data.USUAL_BYTES", 400)
-    monkeypatch.setattr("softcradle.sandbox.page.data.MOST_BYTES", 500)
-    motion = played("one-on-four")
-    with pytest.raises(UserError, match="5 beads is too much for one page"):
-        packed_lanes(motion.motions, motion.scales)
-
-
-def test_a_motion_that_needs_too_many_samples_gets_coarser_ones(monkeypatch):
+def test_a_motion_that_needs_too_many_samples_gets_coarser_ones_or_is_refused(monkeypatch):
     motion = played("one-on-four")
     (fine,) = packed_lanes(motion.motions, motion.scales)
     monkeypatch.setattr("softcradle.sandbox.page.data.USUAL_BYTES", 8000)
     (coarse,) = packed_lanes(motion.motions, motion.scales)
     assert coarse["rows"] < fine["rows"]
     assert len(coarse["data"]) <= 8000 * 4 / 3 + 4
+    monkeypatch.setattr("softcradle.sandbox.page.data.USUAL_BYTES", 400)
+    monkeypatch.setattr("softcradle.sandbox.page.data.MOST_BYTES", 500)
+    with pytest.raises(UserError, match="5 beads is too much for one page"):
+        packed_lanes(motion.motions, motion.scales)
 
 
 def test_a_trajectory_of_few_samples_is_played_as_it_is():

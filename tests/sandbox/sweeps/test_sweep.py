@@ -311,19 +311,13 @@ GUARD
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("guard", "code", "told"),
-    [
-        ('if __name__ == "__main__":', 0, "False\n"),
-        ("if True:", 1, "each would run all of script.py, put what begins the sweep below `if __name__"),
-    ],
-)
-def test_a_function_of_the_script_itself_gets_processes(guard, code, told, tmp_path):
-    script = tmp_path / "script.py"
-    script.write_text(SCRIPT.replace("GUARD", guard))
-    done = python(str(script), check=False, cwd=tmp_path, timeout=300)
-    assert done.returncode == code, done.stderr
-    assert told in done.stdout + done.stderr
+def test_a_function_of_the_script_itself_gets_processes(tmp_path):
+    refused = "each would run all of script.py, put what begins the sweep below `if __name__"
+    for guard, code, told in (('if __name__ == "__main__":', 0, "False\n"), ("if True:", 1, refused)):
+        (tmp_path / "script.py").write_text(SCRIPT.replace("GUARD", guard))
+        done = python("script.py", check=False, cwd=tmp_path, timeout=300)
+        assert done.returncode == code, done.stderr
+        assert told in done.stdout + done.stderr
 
 
 def test_threads_in_place_of_processes_are_told_of(monkeypatch, caplog):

@@ -138,7 +138,7 @@ def test_every_column_is_in_its_place_after_any_scrolling():
             assert pixel == ((column % 256, 1) if int(first) <= column <= int(last) else (0, 0))
 
 
-def test_an_update_stays_within_its_budget_and_draws_nothing_twice():
+def test_an_update_stays_within_its_budget_draws_nothing_twice_and_clears_a_dropped_branch():
     columns = Columns()
     surface = ScrollingSurface(pygame.Surface((50, 4), 0, 32), columns)
     surface.update(0.0, 49.0, True, 10)
@@ -148,13 +148,6 @@ def test_an_update_stays_within_its_budget_and_draws_nothing_twice():
     columns.drawn.clear()
     surface.update(0.0, 49.0, False, 10)
     assert columns.drawn == []
-
-
-def test_columns_of_a_dropped_branch_are_cleared():
-    columns = Columns()
-    surface = ScrollingSurface(pygame.Surface((50, 4), 0, 32), columns)
-    for _ in range(10):
-        surface.update(0.0, 40.0, True, 10)
     surface.invalidate_from(20)
     surface.update(0.0, 21.0, True, 10)
     assert pixels(surface)[22:] == [(0, 0)] * 28
