@@ -74,10 +74,9 @@ def test_run_prints_velocities_contacts_errors_and_cost(capsys):
         assert word in out
 
 
-def test_large_forces_have_the_prefix_of_their_unit(capsys):
+def test_large_forces_have_the_prefix_of_their_unit(softcradle):
     """1.33 MN, not 1330980 N; what the bed takes of the momentum is no error."""
-    assert main(["run", "train-shunting"]) == 0
-    printed = capsys.readouterr().out
+    printed = softcradle("run", "train-shunting").out
     assert "force [MN]" in printed
     assert re.search(r"\b0-1 .* 1\.33\d* *$", printed, re.MULTILINE)
     assert re.search(r"absorbed +\d{3}\.\d+ kJ by contacts, 9\.\d+ kJ by the bed", printed)

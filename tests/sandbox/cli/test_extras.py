@@ -60,17 +60,12 @@ def test_a_missing_extra_is_a_sentence(package, arguments, extra, tmp_path, monk
     assert list(tmp_path.iterdir()) == []
 
 
-ALL = tuple(EXTRA_OF)
+CORE = "scenes", "run one-on-four --method verlet --step 1e-2", "check mixed"
 
 
-@pytest.mark.parametrize("arguments", ["scenes", "run one-on-four --method verlet --step 1e-2", "check mixed"])
-def test_commands_of_the_core_need_no_extra(arguments):
-    done = run(ALL, MAIN.format(arguments=arguments.split()))
-    assert done.returncode == 0, done.stderr
-
-
-def test_a_game_needs_the_core_alone():
-    done = run(ALL, PYMUNK_GAME)
+@pytest.mark.parametrize("program", [PYMUNK_GAME, *(MAIN.format(arguments=words.split()) for words in CORE)])
+def test_games_and_commands_of_the_core_need_no_extra(program):
+    done = run(tuple(EXTRA_OF), program)
     assert done.returncode == 0, done.stderr
 
 

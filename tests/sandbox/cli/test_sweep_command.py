@@ -39,11 +39,10 @@ def changed(old: str, new: str) -> str:
 GRID = GOOD.partition("[grid]")[2]
 
 
-def test_a_study_is_computed_once(tmp_path, capsys):
+def test_a_study_is_computed_once(tmp_path, softcradle):
     study, output = tmp_path / "study.toml", tmp_path / "found.nc"
     study.write_text(GOOD)
-    assert main(["-q", "sweep", str(study), "-o", str(output), "--workers", "1"]) == 0
-    printed = capsys.readouterr().out
+    printed = softcradle("-q", "sweep", str(study), "-o", str(output), "--workers", "1").out
     assert "two speeds: 2 speed" in printed
     assert "final_velocity [m/s]" in printed
     with xr.open_dataset(output, engine="h5netcdf") as found:
@@ -57,14 +56,13 @@ def test_a_study_is_computed_once(tmp_path, capsys):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["found.nc", "study.toml"]
 
 
-def test_the_status_of_a_study(tmp_path, capsys, monkeypatch):
+def test_the_status_of_a_study(tmp_path, softcradle, monkeypatch):
     study, output = tmp_path / "study.toml", tmp_path / "found.nc"
     study.write_text(GOOD)
     command = ["sweep", str(study), "-o", str(output)]
 
     def status() -> str:
-        assert main([*command, "--status"]) == 0
-        return capsys.readouterr().out
+        return softcradle(*command, "--status").out
 
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
@@ -75,23 +73,20 @@ def test_the_status_of_a_study(tmp_path, capsys, monkeypatch):
     told = f"2 of 2 points are in {output}.partial, and no sweep is at it, the same command goes on\n"
     assert status() == f"two speeds: {told}"
     monkeypatch.undo()
-    assert main([*command, "--workers", "1"]) == 0
-    capsys.readouterr()
+    softcradle(*command, "--workers", "1")
     assert status() == f"two speeds: complete, 2 points are in {output}\n"
     study.write_text(changed("values = [0.5, 1]", "values = [0.5, 2]"))
-    assert main([*command, "--status"]) == 2
-    assert "holds another study" in capsys.readouterr().err
+    assert "holds another study" in softcradle(*command, "--status", code=2).err
 
 
-def test_lost_points_have_an_exit_code(tmp_path, monkeypatch, capsys):
+def test_lost_points_have_an_exit_code(tmp_path, monkeypatch, softcradle):
     study, output = tmp_path / "study.toml", tmp_path / "found.nc"
     study.write_text(GOOD)
     monkeypatch.setattr(Work, "compute", lambda work, begin, end, _: lost(begin, 3))
     command = ["sweep", str(study), "-o", str(output), "--workers", "1"]
-    assert main(command) == POINTS_LOST
-    assert "2 points without numbers: the process that computed it died, 3 times" in capsys.readouterr().out
-    assert main([*command[:-2], "--status"]) == POINTS_LOST
-    assert "2 of them lost" in capsys.readouterr().out
+    told = "2 points without numbers: the process that computed it died, 3 times"
+    assert told in softcradle(*command, code=POINTS_LOST).out
+    assert "2 of them lost" in softcradle(*command[:-2], "--status", code=POINTS_LOST).out
 
 
 def test_beads_that_smaller_targets_lack_are_no_missing_numbers(tmp_path, capsys):
@@ -142,8 +137,7 @@ def test_bad_study_file(text, sentence, tmp_path, capsys):
     assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
 
 
-def test_measures_are_listed(capsys):
-    assert main(["sweep", "--measures"]) == 0
-    printed = capsys.readouterr().out
+def test_measures_are_listed(softcradle):
+    printed = softcradle("sweep", "--measures").out
     assert all(measure.name in printed for measure in MEASURES)
     assert all(measure.meaning for measure in MEASURES)

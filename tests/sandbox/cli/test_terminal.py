@@ -81,16 +81,14 @@ def test_progress_in_a_file_is_a_line_now_and_then(monkeypatch, capsys):
 
 
 @pytest.mark.usefixtures("loud")
-def test_a_film_shows_how_far_it_is_unless_it_is_to_be_quiet(tmp_path, monkeypatch, capsys):
+def test_a_film_shows_how_far_it_is_unless_it_is_to_be_quiet(tmp_path, monkeypatch, softcradle):
     monkeypatch.setattr(console, "LINE_AFTER", 0.0)
     film = ["render", "one-on-four", "-o", str(tmp_path / "film.gif")]
     film += ["--size", "320x180", "--fps", "5", "--slow", "0.5"]
-    assert main(film) == 0
-    told = re.findall(r"frames: (\d+) of (\d+)", capsys.readouterr().err)
+    told = re.findall(r"frames: (\d+) of (\d+)", softcradle(*film).err)
     assert told
     assert all(int(done) <= int(count) for done, count in told)  # also of a film that draws again what stays
-    assert main([*film, "-q"]) == 0
-    assert capsys.readouterr().err == ""
+    assert softcradle(*film, "-q").err == ""
 
 
 @pytest.mark.parametrize("width", [20, 40, 80])
@@ -152,13 +150,12 @@ def test_without_a_display_the_window_is_refused_at_once(arguments, sentence):
 
 
 @pytest.mark.usefixtures("loud")
-def test_a_second_file_is_written_too_and_each_lane_has_its_own_and_what_is_replaced_is_said(tmp_path, capsys):
+def test_a_second_file_is_written_too_and_each_lane_has_its_own_and_what_is_replaced_is_said(tmp_path, softcradle):
     paths = [tmp_path / "a.npz", tmp_path / "b.csv"]
     arguments = ["run", "galilean", "--method", "verlet", "--step", "1e-2", "--duration", "1.5", "--samples", "4"]
     arguments += [word for path in paths for word in ("-o", str(path))]
     for flags, written, replaced in (([], 4, 0), ([], 0, 4), (["-q"], 0, 0)):
-        assert main([*arguments, *flags]) == 0
-        printed = capsys.readouterr().out
+        printed = softcradle(*arguments, *flags).out
         assert (printed.count("written: "), printed.count("replaced: ")) == (written, replaced)
         assert "final velocity" in printed
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a-1.npz", "a-2.npz", "b-1.csv", "b-2.csv"]
@@ -171,7 +168,7 @@ def test_a_second_file_is_written_too_and_each_lane_has_its_own_and_what_is_repl
     assert float(rows[0]["velocity 0 [m/s]"]) == 1.0
 
 
-def test_open_shows_the_first_file(tmp_path, monkeypatch, capsys):
+def test_open_shows_the_first_file(tmp_path, monkeypatch, softcradle):
     opened: list[str] = []
     monkeypatch.setattr("webbrowser.open", lambda address: opened.append(address) or True)
     path = tmp_path / "with a space.csv"
@@ -179,26 +176,22 @@ def test_open_shows_the_first_file(tmp_path, monkeypatch, capsys):
     assert main(command) == 0
     assert opened == [path.as_uri()]
     monkeypatch.setattr("webbrowser.open", lambda _: False)
-    assert main(command) == 2
-    assert "no program was found to open it with" in capsys.readouterr().err
+    assert "no program was found to open it with" in softcradle(*command, code=2).err
     assert path.exists()
 
 
-def test_scenes_as_json(capsys):
-    assert main(["scenes", "--json"]) == 0
-    listed = json.loads(capsys.readouterr().out)
+def test_scenes_as_json(softcradle):
+    listed = json.loads(softcradle("scenes", "--json").out)
     (found,) = (scene for scene in listed if scene["name"] == "one-on-four")
     assert found["title"] == "One bead on four"
-    assert main(["scenes", "one-on-four", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["lanes"][0]["velocity"] == [1.0, 0.0, 0.0, 0.0, 0.0]
+    (lane,) = json.loads(softcradle("scenes", "one-on-four", "--json").out)["lanes"]
+    assert lane["velocity"] == [1.0, 0.0, 0.0, 0.0, 0.0]
 
 
-def test_methods_are_listed_with_what_they_are_for(capsys):
-    assert main(["methods"]) == 0
-    text = capsys.readouterr().out
+def test_methods_are_listed_with_what_they_are_for(softcradle):
+    text = softcradle("methods").out
     assert all(name in text for name in known_methods())
-    assert main(["methods", "--json"]) == 0
-    listed = json.loads(capsys.readouterr().out)
+    listed = json.loads(softcradle("methods", "--json").out)
     assert [method["name"] for method in listed] == known_methods()
     assert [method["purpose"] for method in listed[1:]] == [method.purpose for method in METHODS]
 
@@ -219,10 +212,9 @@ def test_a_shell_completes(line, words, tmp_path):
     assert answer.read_text(encoding="utf-8").split() == words
 
 
-def test_the_lines_for_a_shell_and_the_version(capsys):
+def test_the_lines_for_a_shell_and_the_version(capsys, softcradle):
     for shell in ("bash", "zsh", "fish"):
-        assert main(["completion", shell]) == 0
-        assert "softcradle" in capsys.readouterr().out
+        assert "softcradle" in softcradle("completion", shell).out
     for flag in ("-V", "--version"):
         with pytest.raises(SystemExit, match="0"):
             main([flag])

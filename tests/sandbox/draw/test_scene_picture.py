@@ -24,33 +24,14 @@ from tests.helpers.drawn_text import drawn_texts
 
 SIZE = (960, 540)
 
-SOFT = """
-title = "Soft and hard"
-text = "Some words."
-source = "Fig. 0"
-[[lanes]]
-label = "soft"
-beads = [1, 3]
-contact = {law = "power_law", f0 = 1.0, alpha = 0.25}
-velocity = 1.0
-"""
-TWO = f"""{SOFT}
-[[lanes]]
-label = "hard"
-beads = [1, 3]
-contact = {{law = "hertz", stiffness = 30.0}}
-velocity = 1.0
-"""
+SOFT_ROW = '{label = "soft", beads = [1, 3], velocity = 1.0, contact = {law = "power_law", f0 = 1.0, alpha = 0.25}}'
+HARD_ROW = '{label = "hard", beads = [1, 3], velocity = 1.0, contact = {law = "hertz", stiffness = 30.0}}'
+SOFT = f'title = "Soft and hard"\ntext = "Some words."\nsource = "Fig. 0"\nlanes = [{SOFT_ROW}]'
+TWO = SOFT.replace(SOFT_ROW, f"{SOFT_ROW}, {HARD_ROW}")
 GEAR = """
 title = "Gear"
-[[lanes]]
-beads = [1, 1]
-contact = {law = "draft_gear", stiffness = 770.0, precompression = 0.0177}
-velocity = 0.5
-mass = 0.4
-[view]
-slow = 60.0
-length = 0.12
+view = {slow = 60.0, length = 0.12}
+lanes = [{beads = 2, velocity = [0.5, 0], mass = 0.4, contact = {law = "draft_gear", stiffness = 770, precompression = 0.0177}}]
 """
 WALL = """
 title = "Wall"
@@ -61,20 +42,8 @@ contact = [{law = "step_force", f0 = 1.0}, {law = "draft_gear", stiffness = 5.0,
            {law = "hooke", stiffness = 10.0}]
 gap = 0.3
 """
-MANY = """
-title = "Many"
-[[lanes]]
-beads = [1, 40]
-contact = {law = "hertz", stiffness = 100.0}
-velocity = 1.0
-"""
-AT_REST = """
-title = "Nothing moves"
-duration = 1.0
-[[lanes]]
-velocity = [0.0, 0.0]
-contact = {law = "hooke", stiffness = 1.0}
-"""
+MANY = 'title = "Many"\nlanes = [{beads = [1, 40], velocity = 1.0, contact = {law = "hertz", stiffness = 100.0}}]'
+AT_REST = 'title = "At rest"\nduration = 1.0\nlanes = [{velocity = [0, 0], contact = {law = "hooke", stiffness = 1.0}}]'
 
 
 def pictured(text, rows_per_second=40.0):

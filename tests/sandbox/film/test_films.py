@@ -28,16 +28,8 @@ SIZE = (480, 270)
 FPS = 12.0
 ROWS = math.ceil(scene_film.LEAST_ROWS / FPS)  # of the motion, a frame
 LANES = """
-[[lanes]]
-label = "soft"
-beads = [1, 3]
-contact = {law = "power_law", f0 = 1.0, alpha = 0.25}
-velocity = 1.0
-[[lanes]]
-label = "hard"
-beads = [1, 3]
-contact = {law = "hertz", stiffness = 30.0}
-velocity = 1.0
+lanes = [{label = "soft", beads = [1, 3], velocity = 1.0, contact = {law = "power_law", f0 = 1.0, alpha = 0.25}},
+         {label = "hard", beads = [1, 3], velocity = 1.0, contact = {law = "hertz", stiffness = 30.0}}]
 """
 SCENE = parse(f'title = "Two rows"\ntext = "Three words here."\n{LANES}')
 
@@ -315,10 +307,8 @@ def test_rows_cover_the_motion_and_free_flight(scene: Scene):
 
 def test_a_film_ends_before_a_pause_that_no_one_waits_for():
     """Remnants of a collision by explicit steps approach each other a million times slower than the beads that collided."""
-    scene = parse(
-        'title = "Remnants"\n[[lanes]]\nmass = [1, 1, 1]\ngap = [0.7, 0.3]\nvelocity = [1, 0, 0]\n'
-        'contact = {law = "hooke", stiffness = 1e3}'
-    )
+    lane = '{beads = 3, gap = [0.7, 0.3], velocity = [1, 0, 0], contact = {law = "hooke", stiffness = 1e3}}'
+    scene = parse(f'title = "Remnants"\nlanes = [{lane}]')
     with pytest.warns(RuntimeWarning, match=r"shown up to t = .* slow beads would meet again at t = .*e\+0"):
         end = motion_end(scene, "verlet", 1 / 500)
     usual = motion_end(scene)
@@ -329,10 +319,8 @@ def test_a_film_ends_before_a_pause_that_no_one_waits_for():
 
 
 def test_beads_that_are_far_apart_have_all_the_time_that_they_need():
-    far = parse(
-        'title = "Far apart"\n[[lanes]]\nmass = [1, 1, 1]\ngap = [0, 50]\nvelocity = [1, 0, 0]\n'
-        'contact = {law = "hertz", stiffness = 1e6}'
-    )
+    lane = '{beads = 3, gap = [0, 50], velocity = [1, 0, 0], contact = {law = "hertz", stiffness = 1e6}}'
+    far = parse(f'title = "Far apart"\nlanes = [{lane}]')
     end = motion_end(far)
     assert end > 50.0
     assert scene_motions(far, 1.0)[0].time[-1] > 50.0

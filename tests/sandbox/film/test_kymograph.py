@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from PIL import Image
-from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.draw import scales_of
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.film import kymograph
@@ -134,10 +133,9 @@ def test_release_and_first_touch_are_marked(tmp_path):
     assert [28, 28 + round(width * touch / report.frames)] == np.flatnonzero(dotted[: 28 + width]).tolist()
 
 
-def test_command(tmp_path, capsys):
+def test_command(tmp_path, softcradle):
     path = tmp_path / "x.kymograph.png"
-    assert main(["render", "galilean", "-o", str(path), "--size", "640x360", "--fps", "30"]) == 0
-    assert "camera frames" in capsys.readouterr().out
+    assert "camera frames" in softcradle("render", "galilean", "-o", str(path), "--size", "640x360", "--fps", "30").out
     with Image.open(path) as picture:
         assert picture.size == (640, 360)
     assert [file.name for file in tmp_path.iterdir()] == ["x.kymograph.png"]

@@ -9,7 +9,6 @@ from importlib.metadata import packages_distributions
 from itertools import chain
 
 import pytest
-from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.page import render_page, write_page
 from softcradle.sandbox.page.data import can_be_computed
 from softcradle.sandbox.scene_runs import load_scene
@@ -104,8 +103,7 @@ def test_a_trajectory_is_missing_for_a_lane(tmp_path):
 
 
 @pytest.mark.parametrize("command", ["render", "page"])
-def test_the_command_reports_the_page(capsys, tmp_path, command):
-    assert main([command, "two-on-two", "-o", str(tmp_path / "two.html")]) == 0
-    printed = capsys.readouterr().out
+def test_the_command_reports_the_page(softcradle, tmp_path, command):
+    printed = softcradle(command, "two-on-two", "-o", str(tmp_path / "two.html")).out
     assert printed.startswith(f"written: {tmp_path / 'two.html'}, a page of ")
     assert [path.name for path in tmp_path.iterdir()] == ["two.html"]

@@ -7,7 +7,6 @@ from itertools import product
 import numpy as np
 import pytest
 from softcradle.physics import simulate
-from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies import experiment
 from softcradle.sandbox.studies.experiment import PISTON, PRECOMPRESSION, STIFFNESS, Apparatus, piston_deficits
 from softcradle.sandbox.studies.figures import train
@@ -81,10 +80,9 @@ def test_caught_pistons_take_energy_and_no_momentum():
     assert lines == pytest.approx(moments, abs=1e-7)  # at the camera's frames, where nothing slows
 
 
-def test_the_command_finds_what_friction_and_pistons_explain_and_what_not(capsys, tmp_path):
+def test_the_command_finds_what_friction_and_pistons_explain_and_what_not(softcradle, tmp_path):
     """One coefficient gives both momenta but not the energies; with pistons both are those stated. v_c goes as sqrt(k) Delta0."""
-    assert main(["experiment", "-o", str(tmp_path / "x.json")]) == 0
-    shown = capsys.readouterr().out
+    shown = softcradle("experiment", "-o", str(tmp_path / "x.json")).out
     assert "1.013 ± 0.004 m/s" in shown
     assert "pistons of 20 g" in shown
     printed = json.loads((tmp_path / "x.json").read_text(encoding="utf-8"))

@@ -10,7 +10,6 @@ from softcradle.physics.advice.stability_limits import TRUSTED_ERROR
 from softcradle.physics.analysis.closed_forms import rigid_collision
 from softcradle.physics.methods import find_method
 from softcradle.physics.simulation import solve
-from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies.plot_style import styled
 from softcradle.sandbox.studies.stability import failure_scans, rigid_cradle
 from softcradle.sandbox.studies.stability.failure_scans import SCANS, STEPS, Failure, ScanRun, finenesses, scan_run
@@ -158,10 +157,9 @@ def test_pictures_have_a_map_for_each_method_with_the_limit_on_top_and_say_what_
     np.testing.assert_array_equal(shown, np.sort([ORDER.index(failure) for failure in euler]))
 
 
-def test_command_writes_picture_and_numbers(small_scan, tmp_path, capsys, monkeypatch):
+def test_command_writes_picture_and_numbers(small_scan, tmp_path, softcradle, monkeypatch):
     monkeypatch.setattr(rigid_cradle, "STEPS", (1 / 60,))
-    assert main(["stability", "-o", str(tmp_path / "x.png")]) == 0
-    printed = capsys.readouterr().out
+    printed = softcradle("stability", "-o", str(tmp_path / "x.png")).out
     assert sorted(path.name for path in tmp_path.iterdir()) == ["x.csv", "x.png"]
     assert all(method.name in printed for method in failure_scans.scanned_methods())
     assert "pymunk's own rigid contacts" in printed

@@ -22,15 +22,13 @@ def test_every_number_is_met(capsys):
     assert all(row["met"] and row["source"] for row in rows)
 
 
-def test_a_number_that_is_missed_is_said(capsys, monkeypatch):
+def test_a_number_that_is_missed_is_said(softcradle, monkeypatch):
     wrong = KnownNumber("two", 2.0, "counting", lambda: 2.1, 0.01)
     monkeypatch.setattr(verify, "known_numbers", lambda: [wrong])
-    assert main(["verify"]) == 1
-    shown = capsys.readouterr().out
+    shown = softcradle("verify", code=1).out
     assert "missed" in shown
     assert "1e-02" in shown  # the bound, of every row
-    assert main(["verify", "--json"]) == 1
-    row = json.loads(capsys.readouterr().out)["numbers"][0]
+    row = json.loads(softcradle("verify", "--json", code=1).out)["numbers"][0]
     assert row["allowed"] == 0.01
     assert row["met"] is False
     assert row["error"] == pytest.approx(0.05)

@@ -174,24 +174,22 @@ def test_the_browser_reports_mistakes(tmp_path):
         assert any("nothing is not defined" in complaint for complaint in browser.complaints)
 
 
-def test_no_file_is_half_written_when_the_film_fails(capsys, tmp_path, monkeypatch):
+def test_no_file_is_half_written_when_the_film_fails(softcradle, tmp_path, monkeypatch):
     def fail(*_, **__):
         raise UserError("the film has failed")
 
     monkeypatch.setattr("softcradle.sandbox.studies.compare.report.render_scene", fail)
     (tmp_path / "old.html").write_text("old")
     outputs = ["-o", str(tmp_path / "old.html"), "-o", str(tmp_path / "new.json"), "-o", str(tmp_path / "new.mp4")]
-    assert main(["compare", *PAIR, *outputs]) == 2
-    assert capsys.readouterr().err == "softcradle: the film has failed\n"
+    assert softcradle("compare", *PAIR, *outputs, code=2).err == "softcradle: the film has failed\n"
     assert [path.name for path in tmp_path.iterdir()] == ["old.html"]
     assert (tmp_path / "old.html").read_text() == "old"
 
 
-def test_film_report_and_numbers_in_one_run(capsys, tmp_path):
+def test_film_report_and_numbers_in_one_run(softcradle, tmp_path):
     names = ("film.mp4", "report.html", "numbers.json")
     outputs = [word for name in names for word in ("-o", str(tmp_path / name))]
-    assert main(["compare", *PAIR, *outputs, "--size", "480x270", "--slow", "0.5"]) == 0
-    printed = capsys.readouterr().out
+    printed = softcradle("compare", *PAIR, *outputs, "--size", "480x270", "--slow", "0.5").out
     assert all(f"written: {tmp_path / name}" in printed for name in names)
     assert "rigidity at detachment" in printed
     assert "known to (m/s)" in printed

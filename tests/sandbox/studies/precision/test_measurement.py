@@ -128,10 +128,7 @@ def test_an_earlier_start_ends_the_same(case):
         found = simulate(start.chain, start.velocity, method="accurate", tolerance=1e-10)
         assert case.error(found.final_velocity) < 1e-9
         assert found.contact_intervals[0][0][0] == pytest.approx(start.early, abs=1e-12)
-
-
-def test_a_case_that_cannot_begin_earlier_has_one_start():
-    velocity = np.array([1.0, 0.0, 0.1])
+    velocity = np.array([1.0, 0.0, 0.1])  # it cannot begin earlier
     parting = CaseDefinition("parting", "parting", lambda: one_on(2, power_law(1.0, 0.1)), velocity=velocity)
     assert len(parting.solve().starts([0.1, 0.2])) == 1
 

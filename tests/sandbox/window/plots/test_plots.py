@@ -126,9 +126,7 @@ def pixels(surface):
 
 
 def test_every_column_is_in_its_place_after_any_scrolling():
-    ground = pygame.Surface((50, 4), 0, 32)
-    columns = Columns()
-    surface = ScrollingSurface(ground, columns)
+    surface = ScrollingSurface(pygame.Surface((50, 4), 0, 32), Columns())
     for left, first, last in ((0, 0.0, 20.5), (0, 0.0, 49.9), (30, 0.0, 70.0), (10, 5.0, 70.0), (200, 150.0, 240.0)):
         surface.scroll(left)
         for _ in range(20):

@@ -60,12 +60,8 @@ def test_keys_convert_and_lock_one_contact_and_all(driver: Driver) -> None:
 SCENE = """
 title = "Friction, loss and drive"
 duration = 5.0
-[[lanes]]
-beads = [1, 2]
-contact = {law = "draft_gear", stiffness = 100.0, precompression = 0.1, loss = 0.5}
-velocity = 1.0
-friction = 0.1
-drive = [0.5, 0.0, 0.0]
+lanes = [{beads = [1, 2], velocity = 1.0, friction = 0.1, drive = [0.5, 0.0, 0.0],
+          contact = {law = "draft_gear", stiffness = 100.0, precompression = 0.1, loss = 0.5}}]
 """
 
 
