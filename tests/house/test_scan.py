@@ -30,14 +30,11 @@ def test_a_seed_is_one_chain(family):
     assert len(first.velocity) == first.chain.contacts + 1
 
 
-def test_the_truth_of_the_paper_case():
+def test_the_truth_is_by_the_reference_and_that_of_laws_of_ones_own_by_scipy():
     found = truth_of(PAPER)
     assert found.source == "reference"
     assert np.abs(found.velocity - VELOCITY).max() < 1e-10
     assert found.doubt.max() < 1e-10
-
-
-def test_the_truth_of_laws_of_ones_own_is_by_scipy():
     chosen = motion("own-laws", 1)
     found = truth_of(chosen)
     assert found.source == "scipy"
@@ -50,8 +47,7 @@ def test_chains_that_a_method_refuses_are_left_out(tmp_path, capsys, monkeypatch
     monkeypatch.setattr("benchmarks.scan.command.refusal_of", lambda _, chain: "no" if chain.couplers else "")
     given = ["scan", "--families", "couplers", "hooke-hertz", "--jobs", "1", "--folder", str(tmp_path), "--count", "1"]
     assert command.main(given) == 0
-    told = capsys.readouterr().out
-    assert "refuses 1 of the chains" in told
+    assert "refuses 1 of the chains" in capsys.readouterr().out
     assert (tmp_path / "accurate-1e-08.jsonl").read_text().count("hooke-hertz") == 1
 
 
@@ -144,8 +140,7 @@ def test_errors_beyond_a_thousandth_are_warned_of():
     """But one in hundreds, at four times the default step."""
     found = [one for number in range(40) for one in errors(number)]
     assert [one for one in found if one.error > LARGE and not one.warned] == []
-    table = error_report(found)
-    assert sum(int(row[2]) for row in table.rows) == len(found)
+    assert sum(int(row[2]) for row in error_report(found).rows) == len(found)
 
 
 def test_the_command_writes_its_table(tmp_path, capsys):

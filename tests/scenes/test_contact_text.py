@@ -1,6 +1,7 @@
 """Contacts in a line of text: read, written back, refused in a sentence."""
 
 import pytest
+from hypothesis import given
 from hypothesis import strategies as st
 from softcradle.scenes import SceneError, parse
 from softcradle.scenes.contact_kinds import KINDS
@@ -75,6 +76,7 @@ def test_files_and_texts_take_the_name_of_a_kind_and_its_former_one(kind):
 SIZE = st.floats(1e-9, 1e9)
 
 
+@given(SIZE | st.just(0.0), SIZE, st.floats(0.01, 3.0) | st.sampled_from([1.0, 1.5]), st.floats(0.0, 0.9))
 def test_the_table_of_any_contact_gives_exactly_its_numbers(preload, stiffness, exponent, loss):
     contact = physics.Contact(preload, stiffness, exponent, loss)
     assert law_of(contact).contact() == contact

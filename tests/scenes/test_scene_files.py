@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from softcradle.physics import METHODS, Chain, draft_gear, hooke, power_law, simulate
-from softcradle.physics.analysis.closed_forms import critical_speed
+from softcradle.physics.analysis.closed_forms import critical_speed, rigid_stroke
 from softcradle.scenes import Lane, Scene, SceneError, View
 
 from softcradle import scenes
@@ -83,9 +83,9 @@ def test_beads_touch_as_long_as_the_gears_beside_them():
     assert beads.chain().mass == gear.chain().mass
     assert beads.velocity == gear.velocity
     (closed, opened), *_ = simulate(beads.chain(), beads.velocity).contact_intervals[0]
-    mass = np.array(gear.chain().mass)
-    frequency = math.sqrt(770.0 * (1.0 / mass[0] + 1.0 / mass[1:].sum()))
-    assert opened - closed == pytest.approx(2.0 / frequency * math.atan(0.5 / (0.0177 * frequency)), rel=0.01)
+    chain = gear.chain()
+    expected = rigid_stroke(chain.contact[0], chain.mass, 1, gear.velocity[0]).contact_time
+    assert opened - closed == pytest.approx(expected, rel=0.01)
 
 
 def lane(text: str) -> Lane:

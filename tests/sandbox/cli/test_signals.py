@@ -78,7 +78,6 @@ def until(condition: Callable[[], object], process: subprocess.Popen[str]) -> No
 @pytest.mark.parametrize("method", ["verlet", "conserving"])
 def test_a_compiled_run_hears_it(program, method, tmp_path):
     process = begin("-c", program, method, folder=tmp_path)
-    assert process.stdout is not None
     assert process.stdout.readline() == "begun\n"
     time.sleep(0.5)  # so that it is in a kernel
     assert told(process, signal.SIGINT)[-1] == "KeyboardInterrupt"

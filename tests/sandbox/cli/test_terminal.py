@@ -40,11 +40,6 @@ def terminal(width: int) -> Console:
     return Console(file=io.StringIO(), width=width, force_terminal=True, color_system=None, markup=False)
 
 
-def shown(output: Console) -> str:
-    assert isinstance(output.file, io.StringIO)
-    return output.file.getvalue()
-
-
 @pytest.mark.parametrize("width", [30, 38, 39, 40, 41, 60, 80, 100])
 def test_no_number_of_a_run_is_lost(width, monkeypatch):
     scene = load_scene("one-on-four")
@@ -52,7 +47,7 @@ def test_no_number_of_a_run_is_lost(width, monkeypatch):
     output = terminal(width)
     monkeypatch.setattr("softcradle.sandbox.cli.commands.run.console", lambda: output)
     print_report(scene, [summary])
-    text = shown(output)
+    text = output.file.getvalue()
     assert "…" not in text
     assert max(map(len, text.splitlines())) <= width
     for bead in summary.beads:
@@ -99,12 +94,12 @@ def test_tables_are_laid_out_or_become_records(width, columns):
     grid.add_row("a long label", *cells)
     output = terminal(width)
     print_table(output, grid)
-    text = shown(output)
+    text = output.file.getvalue()
     assert all(cell in text for cell in ("label", *cells))
     assert max(map(len, text.splitlines())) <= max(width, 20)
     pipe = Console(file=io.StringIO(), width=width)
     print_table(pipe, grid)  # in a pipe it is as wide as it is
-    assert any(all(cell in line for cell in cells) for line in shown(pipe).splitlines())
+    assert any(all(cell in line for cell in cells) for line in pipe.file.getvalue().splitlines())
 
 
 @pytest.mark.parametrize("encoding", ["cp1252", "ascii", "latin-1"])

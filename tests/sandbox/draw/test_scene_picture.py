@@ -141,18 +141,14 @@ def test_piston_moves_in_by_the_magnified_overlap():
     assert rods[0] - rods[1] == pytest.approx(moved, abs=3)
 
 
-def test_lanes_share_times_axes_and_scale(two):
-    _, motions, picture = two
+def test_lanes_share_times_axes_and_a_scale_in_which_everything_stays_in_view(two):
+    scene, motions, picture = two
     first, second = picture.lanes
     assert (motions[0].time == motions[1].time).all()
     assert first.drawing.scale == second.drawing.scale
     for a, b in zip(first.panels, second.panels, strict=True):
         assert (a.area.left, a.area.width, a.time, a.axis) == (b.area.left, b.area.width, b.time, b.axis)
     assert not first.drawing.rect.colliderect(second.drawing.rect)
-
-
-def test_everything_stays_in_view(two):
-    scene, motions, _ = two
     scales = scales_of(scene, motions)
     for motion in motions:
         edges = left_edges(motion.position, motion.overlap, scene.view.length, scales.magnify)

@@ -66,8 +66,7 @@ def test_every_method_can_be_switched_to_while_it_runs(method):
 
 @pytest.mark.parametrize("method", ["euler", "verlet", "yoshida4", "pymunk"])
 def test_contacts_that_only_seem_to_stay_closed_are_chatter(method):
-    session = opened("draft-gear-one-on-three", inputs.SetMethod(0, method))
-    health = worst_of(session)
+    health = worst_of(opened("draft-gear-one-on-three", inputs.SetMethod(0, method)))
     assert health.chatter > MOST_CHATTER
     assert health.level == "bad"
     assert method in health.sentence

@@ -29,8 +29,7 @@ def test_scenes_have_the_fitted_friction_and_a_loss_that_takes_the_energy_and_co
         assert experiment.ENERGY_DEFICIT[0] <= lost.energy <= experiment.ENERGY_DEFICIT[1]
         found = simulate(chain, lane.velocity, 1.5)
         assert (found.velocity[-1] == 0.0).all()
-        targets = found.position[-1, strikers:]
-        assert np.ptp(targets) < 1e-6  # they came to rest together
+        assert np.ptp(found.position[-1, strikers:]) < 1e-6  # they came to rest together
         assert found.absorbed_by_bed[-1] + found.absorbed_by_contacts[-1] == pytest.approx(found.ledger[0], rel=1e-9)
 
 

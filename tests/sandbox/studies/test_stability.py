@@ -104,8 +104,7 @@ def test_conserving_keeps_its_energy_at_every_step(scan):
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-7])
 def test_adaptive_methods_hold_a_few_times_their_tolerance(scan, method, tolerance):
     for value in scan.values[::3]:
-        found = scan_run(scan, value, find_method(method), tolerance)
-        assert found.failure is None
+        assert scan_run(scan, value, find_method(method), tolerance).failure is None
 
 
 def test_rigid_contacts_of_pymunk_are_no_cradle_of_soft_beads():

@@ -43,13 +43,10 @@ def named(kind: str) -> set[str]:
     return {name for text in lists for name in re.findall(r"`([^`]+)`", text)}
 
 
-def test_claims_figures_and_scenes_exist():
+def test_what_the_page_names_exists_by_the_names_of_a_wheel():
     assert named("claim") == {claim.name for claim in CLAIMS}  # and none is missing
     assert named("figure") == {figure.name for figure in FIGURES}
     assert named("scene") <= set(scenes.names())
-
-
-def test_paths_exist_and_are_those_of_a_wheel():
     for path in re.findall(r"`([a-z]+/[\w/]+\.py)`", PAGE):
         assert path.startswith("tests/")  # what is no test is named as it is imported
         assert (ROOT / path).is_file(), path

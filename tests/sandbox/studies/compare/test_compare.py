@@ -36,13 +36,16 @@ def compared(capsys):
 PAIR = ["one-on-four", "--contact", "power_law(1,0.1)", "--contact", "draft_gear(5,0.2)"]
 
 
-def test_one_scene_with_contacts_comes_first_and_equal_contacts_once(compared):
-    content = compared(*PAIR)
+def test_one_scene_with_contacts_comes_first_equal_contacts_once_and_another_method_is_named(compared):
+    content, by_step = compared(*PAIR), compared(*PAIR, "--method", "conserving")
     assert [side["name"] for side in content["sides"]] == ["power_law(1, 0.1)", "draft_gear(5, 0.2)"]
     assert [side["contact"] for side in content["sides"]] == ["power_law(1, 0.1)", "draft_gear(5, 0.2)"]
     soft, gear = (side["measures"] for side in content["sides"])
     assert soft["rigidity"] < gear["rigidity"]
     assert content["versions"]
+    assert {side["method"] for side in by_step["sides"]} == {"conserving"}
+    for a, b in zip(by_step["sides"], content["sides"], strict=True):
+        assert a["measures"]["final_velocity"] == pytest.approx(b["measures"]["final_velocity"], abs=2e-3)
 
 
 def test_the_nearest_contact_is_one_more_side(compared, tmp_path):
@@ -57,8 +60,7 @@ def test_the_nearest_contact_is_one_more_side(compared, tmp_path):
     given, _, nearest = (side["measures"] for side in content["sides"])
     assert nearest["contact_time"] == pytest.approx(given["contact_time"], rel=0.02)
     assert nearest["peak_force"] == pytest.approx(given["peak_force"], rel=0.1)
-    text = path.read_text()
-    assert content["match"]["sentence"].partition(" in this collision")[0] in text
+    assert content["match"]["sentence"].partition(" in this collision")[0] in path.read_text()
 
 
 def test_where_no_contact_is_near_a_sentence_says_so(compared):
@@ -67,30 +69,19 @@ def test_where_no_contact_is_near_a_sentence_says_so(compared):
     assert match["ends"] == ["precompression"]
     assert match["sentence"].startswith("No draft gear comes near hertz(")
     assert "lies at the end of the range searched" in match["sentence"]
-    outcome = compared("one-on-four", "--match", "outcome")["match"]
-    assert outcome["distance"] == "outcome"
+    assert compared("one-on-four", "--match", "outcome")["match"]["distance"] == "outcome"
 
 
-def test_scenes_lanes_and_the_same_scene_twice(compared):
+def test_scenes_with_couplers_lanes_and_the_same_scene_twice(compared):
     assert [s["name"] for s in compared("galilean")["sides"]] == ["four on one", "one on four"]
     names = [s["name"] for s in compared("one-on-four", "one-on-four", "two-on-two")["sides"]]
     assert names == ["one-on-four", "one-on-four (2)", "two-on-two"]
     a, b = (s["measures"] for s in compared("galilean")["sides"])
     assert a["restitution"] == pytest.approx(b["restitution"], rel=1e-6)  # Galilean invariance
     assert a["peak_force"] == pytest.approx(b["peak_force"], rel=1e-6)
-
-
-def test_couplers_are_compared(compared):
     gears, solid = (side["measures"] for side in compared("train-shunting", "train-solid")["sides"])
     assert solid["peak_force"] > 1.5 * gears["peak_force"]
     assert (solid["speed_ratio"], solid["spread_variable"]) == (None, None)
-
-
-def test_another_method_is_named_and_measured(compared):
-    by_step, default = compared(*PAIR, "--method", "conserving"), compared(*PAIR)
-    assert {side["method"] for side in by_step["sides"]} == {"conserving"}
-    for a, b in zip(by_step["sides"], default["sides"], strict=True):
-        assert a["measures"]["final_velocity"] == pytest.approx(b["measures"]["final_velocity"], abs=2e-3)
 
 
 def test_numbers_have_up_to_five_digits():

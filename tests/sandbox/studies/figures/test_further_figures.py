@@ -21,8 +21,7 @@ def test_spread_vanishes_with_alpha_and_says_by_how_much_finer_runs_disagree(tab
     apart = tables["spread"]["finer runs apart"]
     assert (apart >= 0.0).all()
     assert apart.max() < 1e-3
-    steps = np.diff(1.0 / rows_where(tables["spread"], n=2)["alpha"])
-    assert np.abs(steps).max() < 0.11
+    assert np.abs(np.diff(1.0 / rows_where(tables["spread"], n=2)["alpha"])).max() < 0.11
 
 
 HALF_A_LINE = 0.005  # of velocities, in the figures of the spread and of softness; steps of 0.35 of 1/alpha miss more
@@ -33,8 +32,7 @@ HALF_A_LINE = 0.005  # of velocities, in the figures of the spread and of softne
 )
 def test_samples_are_dense_enough_where_curves_jag(tables, name, n, low, high):
     """Velocities between two samples, found by runs of their own, lie on the line that is drawn; on coarser ones not."""
-    table = tables[name]
-    cases = np.unique(rows_where(table, n=n)["alpha"])[::-1]
+    cases = np.unique(rows_where(tables[name], n=n)["alpha"])[::-1]
     cases = cases[(1.0 / cases > low - 0.01) & (1.0 / cases < high + 0.01)]
     at = 1.0 / cases
     drawn_velocity = np.array([rigidity.outcome(n, alpha) for alpha in cases])
@@ -90,8 +88,7 @@ def test_driven_cluster_oscillates_about_the_uniform_acceleration(tables):
     np.testing.assert_allclose(table["V"], DRIVE / wave.SHOWN_BEADS * table["t"], atol=1e-9)
     psi, model = table["psi full"], table["psi model"]
     assert np.abs(psi - model).max() < 0.2 * model.max()
-    maxima = (np.diff(np.sign(np.diff(psi))) < 0).sum()
-    assert maxima == wave.PERIODS
+    assert (np.diff(np.sign(np.diff(psi))) < 0).sum() == wave.PERIODS
     first, others = table["v1 - V"], np.column_stack([table[f"v{i} - V"] for i in (2, 3, 4)])
     assert np.corrcoef(first, others.mean(axis=1))[0, 1] < -0.99
     assert np.ptp(others, axis=1).max() < 0.1 * np.ptp(first)

@@ -57,8 +57,7 @@ def test_forces_and_overlaps_have_errors_of_their_own(case, quantity):
 
 def test_samples_of_an_earlier_start_are_as_much_later(case):
     solver = our_solver(case, "verlet")
-    early = case.starts([0.0, 0.25])
-    first, second = (solver.run(30000.0, start, case.sample_times) for start in early)
+    first, second = (solver.run(30000.0, start, case.sample_times) for start in case.starts([0.0, 0.25]))
     assert np.median(np.abs(first.force - second.force)) < 1e-3
     assert error_of(case, "forces", second) < 0.02
 
@@ -138,8 +137,7 @@ def test_a_scene_is_one_case_for_each_lane():
     (definition,) = definitions_of(scene)
     assert definition.label == scene.title
     assert definition.make_chain() == scene.lanes[0].chain()
-    two = definitions_of(load("galilean"))
-    assert len(two) == len(load("galilean").lanes)
+    assert len(definitions_of(load("galilean"))) == len(load("galilean").lanes)
 
 
 needs_numba = pytest.mark.skipif(
@@ -198,8 +196,7 @@ def test_a_peer_called_from_python_gives_up_at_its_time_limit(definitions, monke
     monkeypatch.setattr(integrators, "TIME_LIMIT", 0.02)
     case = definitions["one-on-10"].solve(by_reference=False)
     (peer,) = (peer for peer in PEERS if peer.package == package)
-    solution = peer.solvers(case)[0].run(1e-8, case.starts([0.0])[0], NO_SAMPLES)
-    assert solution.velocity is None
+    assert peer.solvers(case)[0].run(1e-8, case.starts([0.0])[0], NO_SAMPLES).velocity is None
 
 
 def test_missing_peers_are_left_out(monkeypatch):
