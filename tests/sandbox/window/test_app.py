@@ -13,7 +13,6 @@ from pygame_gui.elements import UITooltip
 from softcradle.sandbox.session.export import shared_text
 from softcradle.sandbox.session.inputs import SetMethod
 from softcradle.sandbox.window.display import SMALLEST
-from softcradle.sandbox.window.gallery.page import GalleryPage
 from softcradle.sandbox.window.settings import Settings, settings_path
 
 from softcradle import scenes
@@ -132,13 +131,6 @@ def test_a_scene_is_read_from_standard_input_the_command_line_or_a_drop(form, mo
         pygame.event.post(pygame.Event(pygame.DROPTEXT, text=text))
         driver.frames(2)
     assert driver.session.scene == scene
-
-
-def test_a_broken_file_is_a_message_in_the_gallery_at_once(tmp_path) -> None:
-    (tmp_path / "bad.toml").write_text("title = 3")
-    driver = Driver(str(tmp_path / "bad.toml"))
-    assert isinstance(driver.app.page, GalleryPage)
-    assert any("bad.toml" in text for text in driver.messages)
 
 
 def test_the_chooser_of_files_opens_where_the_locale_is_not_installed(monkeypatch: pytest.MonkeyPatch) -> None:

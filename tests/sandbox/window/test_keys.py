@@ -39,6 +39,9 @@ def test_a_key_that_is_held_repeats_only_what_is_gradual():
     driver.key(pygame.K_RIGHT)
     hold(pygame.K_a)
     assert len(driver.session.lanes[0].chain.mass) == beads + 1
+    driver.click(driver.page.inspector.controls["mass"].entry.rect.center)
+    driver.key(pygame.K_RETURN)
+    assert pygame.key.get_repeat() == REPEAT  # also after something was typed
     hold(pygame.K_SPACE, 4)
     assert driver.session.playing
 
@@ -197,10 +200,3 @@ def test_keys_move_a_slider(driver: Driver, key: int, by: float) -> None:
     driver.frames(2)
     assert slider.get_current_value() == pytest.approx(min(max(before + by, 0.0), 1.0), abs=2e-3)
     assert (driver.session.lanes[0].velocity[2] > speed) == (by > 0.0)
-
-
-def test_keys_that_are_held_repeat_after_something_was_typed(driver: Driver) -> None:
-    driver.click(driver.bead(1))
-    driver.click(driver.page.inspector.controls["mass"].entry.rect.center)
-    driver.key(pygame.K_RETURN)
-    assert pygame.key.get_repeat() == REPEAT

@@ -82,8 +82,7 @@ def test_keys_and_buttons_undo_and_redo_and_the_motion_stays(driver: Driver) -> 
 
 def test_a_slider_that_is_dragged_is_one_undo_step(driver: Driver) -> None:
     driver.click(driver.bead(2))
-    slider = driver.page.inspector.controls["mass"].slider
-    start = slider.sliding_button.rect.center
+    start = driver.page.inspector.controls["mass"].slider.sliding_button.rect.center
     driver.pull(start, (start[0] - 60, start[1]))
     assert driver.session.lanes[0].chain.mass[2] < 0.5
     driver.key(pygame.K_z, CTRL)
@@ -143,7 +142,10 @@ def test_the_gallery_stays_where_it_was(driver: Driver) -> None:
     assert scroll > 0
 
 
-def test_a_file_is_replaced_only_when_asked_for(driver: Driver, tmp_path: Path) -> None:
+def test_a_file_is_replaced_only_when_asked_for_and_a_folder_of_the_home_is_understood(driver, tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    driver.page.dialogs.save("save_scene", "~/mine")
+    assert driver.messages == ["saved ~/mine.toml"]
     mine = tmp_path / "mine.toml"
     mine.write_text("precious")
     driver.page.dialogs.save("save_scene", "mine")
@@ -153,13 +155,6 @@ def test_a_file_is_replaced_only_when_asked_for(driver: Driver, tmp_path: Path) 
     driver.page.dialogs.save("save_scene", "mine")
     driver.click(driver.app.dialog.buttons["Replace"].rect.center)
     assert mine.read_text() != "precious"
-
-
-def test_a_folder_of_the_home_is_understood(driver: Driver, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("HOME", str(tmp_path))
-    driver.page.dialogs.save("save_scene", "~/there")
-    assert (tmp_path / "there.toml").exists()
-    assert driver.messages == ["saved ~/there.toml"]
 
 
 def test_del_while_a_bead_is_dragged_lets_it_go(driver: Driver) -> None:
@@ -275,7 +270,6 @@ def test_a_signal_while_filming_keeps_the_film(tmp_path: Path, number: signal.Si
 
     command = [sys.executable, "-c", FILMING]
     with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
         while "filming" not in process.stdout.readline():
             assert process.poll() is None
         process.send_signal(number)

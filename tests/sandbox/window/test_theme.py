@@ -70,8 +70,7 @@ def test_the_open_dialog_offers_the_files_of_before(tmp_path):
     driver = Driver("one-on-four")
     for k in range(MOST_RECENT + 2):
         driver.page.dialogs.save("save_scene", f"mine-{k}.toml")
-    newest = str((tmp_path / f"mine-{MOST_RECENT + 1}.toml").resolve())
-    assert Settings.load().recent[0] == newest
+    assert Settings.load().recent[0] == str((tmp_path / f"mine-{MOST_RECENT + 1}.toml").resolve())
     driver.key(pygame.K_o, pygame.KMOD_CTRL)
     dialog = driver.app.dialog
     assert len(dialog.rows) == MOST_RECENT

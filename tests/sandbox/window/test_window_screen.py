@@ -112,8 +112,7 @@ def test_a_scene_is_played_on_a_screen(screen: Screen, tmp_path: Path) -> None:
     screen.key("space")
     screen.until(lambda: _beyond(screen, exported, 1.5))
     screen.drag((600, 180), (760, 180))
-    moved = Trajectory.load(str(exported))
-    assert moved.velocity[0, 0] == 1.0
+    assert Trajectory.load(str(exported)).velocity[0, 0] == 1.0
     # scrub to the beginning, change the method, add a bead, save
     screen.key("space")
     screen.drag((900, 652), (28, 652))
@@ -124,8 +123,7 @@ def test_a_scene_is_played_on_a_screen(screen: Screen, tmp_path: Path) -> None:
     assert len(scene.lanes[0].chain().mass) == 6
     assert scene.method == "euler"
     screen.key("ctrl+shift+s")
-    session = screen.type_path("played.npz")
-    screen.until(session.exists)
+    screen.until(screen.type_path("played.npz").exists)
     # reload both, quit
     screen.key("Escape")  # deselects
     for name in ("mine.toml", "played.npz"):

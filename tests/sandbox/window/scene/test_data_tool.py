@@ -3,9 +3,8 @@
 import numpy as np
 import pygame
 import pytest
-from softcradle.sandbox.window.plots.data_overlay import NumbersOverlay, PictureOverlay, edges_of
+from softcradle.sandbox.window.plots.data_overlay import PictureOverlay, edges_of
 from softcradle.sandbox.window.plots.kinds import QUANTITIES, Signal, pair_of, signal_of
-from softcradle.sandbox.window.plots.shapes import PhasePlot
 
 from tests.helpers.windows import Driver
 
@@ -32,7 +31,6 @@ def test_a_table_that_is_dropped_lies_over_the_velocities(played: Driver, tmp_pa
     after = pygame.surfarray.array3d(played.app.surface.subsurface(plot.area))
     assert (before != after).any(axis=2).sum() > 200
     overlay = played.page.board.overlays["velocities", 0][0]
-    assert isinstance(overlay, NumbersOverlay)
     assert overlay.differences(plot) == pytest.approx(0.25)
     x = round(plot.area.left + plot.span.x(float(overlay.data.time[3])))
     y = round(plot.area.top + float(plot.y(overlay.data.values[3, 1])))
@@ -53,8 +51,7 @@ def test_a_picture_lies_over_the_kymograph_where_its_edges_are_said_to_be(played
     played.drop_file(tmp_path / "camera.png")
     played.answer("0.5 1.5 4 2")
     played.frames(2)
-    overlay = played.page.board.overlays["kymograph", 0][0]
-    assert isinstance(overlay, PictureOverlay)
+    assert isinstance(played.page.board.overlays["kymograph", 0][0], PictureOverlay)
     plot = played.page.board.plots[played.page.board.keys.index(("kymograph", 0))]
 
     def redness(time: float, place: float) -> int:
@@ -82,19 +79,12 @@ def test_a_picture_finds_the_kymograph_that_is_not_on_screen(driver: Driver, tmp
     assert ("kymograph", 0) in driver.page.board.keys
 
 
-@pytest.mark.parametrize("text", ["", "1 2 3", "0 1 a b", "1 0 0 1", "0 1 2 2", "0 inf 0 1"])
-def test_edges_that_are_none_are_refused(text):
-    with pytest.raises(ValueError, match=r"four numbers|t right"):
-        edges_of(text)
-
-
 def test_any_signal_is_plotted_against_any(played: Driver) -> None:
     played.key(pygame.K_8, pygame.KMOD_SHIFT)
     played.answer("p1 against s")
     played.frames(3)
     board = played.page.board
     plot = board.plots[board.keys.index(("x-y", 0))]
-    assert isinstance(plot, PhasePlot)
     assert board.pair == (Signal("p", 1), Signal("s"))
     motion = played.session.lanes[0].motion
     assert plot.values_at(300).tolist() == pytest.approx([motion.momentum[0, 1], motion.stored[0]])
@@ -106,13 +96,16 @@ def test_any_signal_is_plotted_against_any(played: Driver) -> None:
     assert "the contacts of this lane are numbered 0 to 3" in played.messages[-1]
 
 
-def test_signals_are_read_and_refused():
+def test_signals_are_read_and_what_are_no_signals_or_edges_is_refused():
     assert [str(signal_of(str(signal_of(letter + "0", 3)), 3)) for letter in "xvpedrf"] == [f"{k}0" for k in "xvpedrf"]
     assert pair_of("f1, d1", 3) == (Signal("f", 1), Signal("d", 1))
     assert set(QUANTITIES) == set("txvpedrfs")
     for text in ("f0", "f0 d0 e0", "g0 against t", "v3 against t", "v against t"):
         with pytest.raises(ValueError, match=r"two signals|is no signal|numbered 0 to 2"):
             pair_of(text, 3)
+    for text in ("", "1 2 3", "0 1 a b", "1 0 0 1", "0 1 2 2", "0 inf 0 1"):
+        with pytest.raises(ValueError, match=r"four numbers|t right"):
+            edges_of(text)
 
 
 def test_a_plot_of_beads_that_were_removed_shows_what_is_left(played: Driver) -> None:

@@ -18,7 +18,7 @@ from tests.helpers.windows import Driver
 CTRL, SHIFT = pygame.KMOD_CTRL, pygame.KMOD_SHIFT
 
 
-def test_a_bead_is_placed_while_paused(driver: Driver) -> None:
+def test_a_bead_is_placed_while_paused_and_pulled_and_thrown_while_running(driver: Driver) -> None:
     x, y = driver.bead(0)
     before = driver.session.lanes[0].position.copy()
     driver.pull((x, y), (x - 60, y))
@@ -26,14 +26,10 @@ def test_a_bead_is_placed_while_paused(driver: Driver) -> None:
     assert after[0] < before[0]
     assert after[0] - before[0] == pytest.approx(driver.page.view.lanes[0].metres(-60), rel=0.05)
     assert np.array_equal(after[1:], before[1:])
-
-
-def test_a_bead_is_pulled_and_thrown_while_running(driver: Driver) -> None:
     driver.run(5)
     x, y = driver.bead(4)
     driver.drag((x, y), (x + 120, y), steps=25)
-    pulled = driver.session.lanes[0].velocity[4]
-    assert pulled > 0.2
+    assert driver.session.lanes[0].velocity[4] > 0.2
     driver.release((x + 120, y))
     thrown = driver.session.lanes[0].velocity[4]
     driver.frames(10)
@@ -60,8 +56,12 @@ def test_keys_convert_and_lock_one_contact_and_all(driver: Driver) -> None:
 SCENE = """
 title = "Friction, loss and drive"
 duration = 5.0
-lanes = [{beads = [1, 2], velocity = 1.0, friction = 0.1, drive = [0.5, 0.0, 0.0],
-          contact = {law = "draft_gear", stiffness = 100.0, precompression = 0.1, loss = 0.5}}]
+[[lanes]]
+beads = [1, 2]
+contact = {law = "draft_gear", stiffness = 100.0, precompression = 0.1, loss = 0.5}
+velocity = 1.0
+friction = 0.1
+drive = [0.5, 0.0, 0.0]
 """
 
 
@@ -167,8 +167,7 @@ def chosen(driver: Driver) -> str:
 
 def test_no_badge_advises_the_method_that_failed() -> None:
     for method, advice in (("conserving", "take more slow motion"), ("euler", "take conserving or a smaller step")):
-        setup = setup_of(scenes.load("one-on-four")).lanes[0].with_method(method)
-        assert setup.remedy == advice
+        assert setup_of(scenes.load("one-on-four")).lanes[0].with_method(method).remedy == advice
     session = opened("one-on-four", SetMethod(None, "conserving"), SetMass(0, 1, 1e-30))
     session.step_frames(400)
     assert "take conserving" not in session.health(0).sentence

@@ -37,6 +37,10 @@ def test_a_newcomer_sees_few_controls_and_beads_in_the_upper_half(explorer: Driv
     assert places.lanes[0].height > 0.45 * explorer.app.size[1]
     assert [len(row) for row in places.plots] == [1]
     assert not places.insets.height
+    for level in ("good", "bad"):  # the badge speaks where all is not well
+        state = replace(explorer.session.health(0), level=level, sentence="beads are off")
+        explorer.page.explore.health = lambda found=state: [found]
+        assert ("beads are off" in [one.text for one in explorer.texts()]) == (level == "bad")
 
 
 def test_one_switch_leads_to_the_lab_and_is_remembered(explorer: Driver) -> None:
@@ -65,8 +69,7 @@ def test_alpha_is_that_of_the_whole_row_and_the_blow_goes_as_deep(explorer: Driv
 
 
 def test_one_slider_changes_the_row_unless_one_contact_is_selected(explorer: Driver) -> None:
-    place = explorer.page.view.lanes[0].handles()[1]
-    explorer.click(place)
+    explorer.click(explorer.page.view.lanes[0].handles()[1])
     assert explorer.page.editor.selection == Pick(0, "contact", 1)
     typed(explorer, "alpha", "0.5")
     assert [law.exponent for law in laws(explorer)] == [0.1, 0.5, 0.1, 0.1]
@@ -103,13 +106,6 @@ def test_the_same_blow_among_steel_balls_plays_below(explorer: Driver) -> None:
     soft, steel = explorer.session.lanes
     assert steel.velocity[4] > 0.9
     assert soft.velocity[4] < 0.6
-
-
-@pytest.mark.parametrize("level", ["good", "bad"])
-def test_the_badge_speaks_where_all_is_not_well(explorer: Driver, level: str) -> None:
-    state = replace(explorer.session.health(0), level=level, sentence="beads are off")
-    explorer.page.explore.health = lambda: [state]
-    assert ("beads are off" in [one.text for one in explorer.texts()]) == (level == "bad")
 
 
 def test_a_text_without_room_is_read_whole_below_the_pointer() -> None:

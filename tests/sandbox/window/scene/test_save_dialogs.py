@@ -33,8 +33,7 @@ def test_the_history_is_exported(driver: Driver, tmp_path) -> None:
     driver.run(60)
     driver.key(pygame.K_e, CTRL)
     driver.answer("motion.csv")
-    rows = (tmp_path / "motion.csv").read_text().splitlines()
-    assert len(rows) > 60
+    assert len((tmp_path / "motion.csv").read_text().splitlines()) > 60
     driver.page.dialogs.save("export", "motion.doc")
     assert (tmp_path / "motion.doc.csv").exists()
 
@@ -57,8 +56,7 @@ def test_the_experiment_is_shared_as_a_page_in_which_it_lives(driver: Driver, tm
 def test_what_was_played_is_shared_as_a_page(driver: Driver, tmp_path) -> None:
     driver.play(60)
     driver.app.act("share")
-    row = MENUS["share"].index("share_page")
-    driver.click(driver.app.dialog.buttons[row].rect.center)
+    driver.click(driver.app.dialog.buttons[MENUS["share"].index("share_page")].rect.center)
     driver.key(pygame.K_RETURN)
     page = tmp_path / "one-bead-on-four.html"
     text = page.read_text(encoding="utf-8")
@@ -73,8 +71,7 @@ def test_a_screenshot_and_a_film_are_written(driver: Driver, tmp_path) -> None:
     import av
 
     driver.key(pygame.K_p)
-    picture = pygame.image.load(str(tmp_path / "one-bead-on-four.png"))
-    assert picture.get_size() == (1280, 720)
+    assert pygame.image.load(str(tmp_path / "one-bead-on-four.png")).get_size() == (1280, 720)
     driver.key(pygame.K_SPACE)
     driver.key(pygame.K_r, CTRL)
     driver.key(pygame.K_RETURN)
@@ -95,6 +92,9 @@ def test_a_bad_file_gives_a_message_and_no_crash(driver: Driver, tmp_path) -> No
         assert driver.app.page is page
         assert name in driver.messages[-1]
         assert driver.app.messages.visible[-1].warning
+    driver = Driver(str(tmp_path / "bad.toml"))  # at once, in the gallery
+    assert isinstance(driver.app.page, GalleryPage)
+    assert any("bad.toml" in text for text in driver.messages)
 
 
 LONG_NAMES = "x" * 300, "a" * 250 + "/" + "b" * 270, "~" * 400, "there/" + "é" * 200

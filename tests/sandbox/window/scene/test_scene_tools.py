@@ -182,7 +182,7 @@ ALL_COLUMNS = BEAD_COLUMNS, CONTACT_COLUMNS, (*CONTACT_COLUMNS, *SET_COLUMNS)
 NUMBERS = (0.0, 1.0, -0.1657, 4.277e-3, -6.846e-4, -2.466e-7, 0.09249, 123.4, -5.678e8)
 
 
-def test_no_number_covers_another():
+def test_no_number_covers_another_and_all_columns_are_there_where_there_is_room():
     for names, unit, room in product(ALL_COLUMNS, (0.75, 1.0, 1.5, 2.0), (300, 370, 520, 900)):
         columns = fitting(names, room, unit)
         assert columns.shown[0] == 0
@@ -193,9 +193,6 @@ def test_no_number_covers_another():
         for k, free in zip(columns.shown[1:], rooms[1:], strict=True):
             assert max(width(scientific(number, columns.digits), BODY * unit) for number in NUMBERS) < free
             assert max(width(word, HEAD * unit) for word in names[k].replace(" (", "\n(").split("\n")) < free
-
-
-def test_all_columns_are_there_where_there_is_room():
     for names in (BEAD_COLUMNS, CONTACT_COLUMNS):
         columns = fitting(names, 700, 1.0)
         assert columns.shown == tuple(range(len(names)))

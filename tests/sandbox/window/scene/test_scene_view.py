@@ -145,8 +145,7 @@ def test_a_selection_has_the_shape_of_its_body() -> None:
 def test_a_wall_is_made_of_any_bead_and_freed_again(driver: Driver) -> None:
     driver.click(driver.bead(4))
     for text, mass in (("make it a wall", math.inf), ("free it", 1.0)):
-        button = next(one for one in driver.page.inspector.buttons if one.text == text)
-        driver.click(button.rect.center)
+        driver.click(next(one for one in driver.page.inspector.buttons if one.text == text).rect.center)
         assert driver.session.lanes[0].chain.mass[4] == mass
 
 
