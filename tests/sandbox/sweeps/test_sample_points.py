@@ -94,15 +94,12 @@ def scene(strikers: int, targets: int, mass: float, alpha: float):
     return parse(f'title = "t"\n[[lanes]]\n{lane}contact = {{law = "power_law", f0 = 1.0, alpha = {alpha}}}\n')
 
 
-def test_a_point_is_the_scene_with_these_numbers():
+def test_a_point_is_the_scene_with_these_numbers_or_with_those_of_single_beads():
     values = {"lanes.0.beads.0": 2, "lanes.0.beads.1": 3, "lanes.0.mass": 2.5, "lanes.0.contact.alpha": 0.25}
     (found,) = ScenePoints(scene(3, 5, 1.0, 0.1)).starts(values)
     lane = scene(2, 3, 2.5, 0.25).lanes[0]
     assert found.chain == lane.chain()
     assert tuple(found.velocity) == lane.velocity == (0.5, 0.5, 0.0, 0.0, 0.0)
-
-
-def test_one_bead_of_those_that_have_one_mass():
     (found,) = ScenePoints(SCENE).starts({"lanes.0.mass.2": 5.0, "lanes.0.velocity.1": 0.5, "lanes.0.gap.3": 0.1})
     assert found.chain.mass == (1.0, 1.0, 5.0, 1.0, 1.0)
     assert found.chain.gap == (0.0, 0.0, 0.0, 0.1)
