@@ -98,7 +98,6 @@ CONFIGURATION = json.loads((ROOT / "asv.conf.json").read_text(encoding="utf-8"))
 
 
 def benchmarks_over_time():
-    """Every class of benchmarks that asv finds, with the name of its one measurement."""
     for stem in OVER_TIME:
         module = importlib.import_module(f"benchmarks.over_time.{stem}")
         for name, kind in vars(module).items():
@@ -136,9 +135,8 @@ KEPT = sorted(RELEASES.glob("*/*-*.json"))
 def test_every_benchmark_of_a_kept_release_ran(path):
     """With a number for each case, the hardware, and the versions of what it was measured with."""
     found, machine = (json.loads(file.read_text(encoding="utf-8")) for file in (path, path.parent / "machine.json"))
-    results = {
-        name: dict(zip(found["result_columns"], values, strict=False)) for name, values in found["results"].items()
-    }
+    columns = found["result_columns"]
+    results = {name: dict(zip(columns, values, strict=False)) for name, values in found["results"].items()}
     wanted = {f"{name}.{measurement_of(kind)}" for name, kind in benchmarks_over_time()}
     assert set(results) == wanted
     assert [name for name, one in results.items() if not all(isinstance(value, float) for value in one["result"])] == []

@@ -71,14 +71,12 @@ def test_python_blocks_run(page, body, tmp_path, monkeypatch):
 
 
 def documented():
-    """Every name of the page of the API with its object."""
     for name in re.findall(r"auto(?:class|function):: (\S+)", TEXTS["api.md"]):
         module, _, last = name.rpartition(".")
         yield name, getattr(importlib.import_module(module), last)
 
 
 def members_texts(name, found):
-    """The docstrings of those members of a class that the page of the API names."""
     members = re.search(rf":: {re.escape(name)}\n   :members: (.*)", TEXTS["api.md"])
     return [getattr(found, member).__doc__ for member in members[1].split(", ")] if members else []
 
@@ -123,11 +121,8 @@ def test_it_is_built_without_a_warning(tmp_path):
 
 
 LINES = [line.partition("  #")[0].strip() for line in re.findall(r"^    (?=\S)(.+)$", README, re.MULTILINE)]
-SHORTER = {  # the same commands on less: what is left out runs in the test of the command
-    "figures": ["1b"],
-    "maps": ["power-law", "--points", "4x3"],
-    "chart": ["--ours"],
-}
+# the same commands on less: what is left out runs in the test of the command
+SHORTER = {"figures": ["1b"], "maps": ["power-law", "--points", "4x3"], "chart": ["--ours"]}
 ELSEWHERE = ("softcradle claims",)  # whole studies, which tests of their own run
 FURTHER = (  # what `softcradle --help` lists beside
     "softcradle scenes",
@@ -147,7 +142,6 @@ TOUR = [*(line for line in LINES if line.startswith("softcradle") and line not i
 
 @pytest.fixture
 def quick(monkeypatch):
-    """Short scans, and a window that closes at once."""
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     monkeypatch.setattr("softcradle.sandbox.window.app.App.run", lambda app: app.close())
     scan = next(scan for scan in failure_scans.SCANS if scan.name == "alpha")
@@ -162,9 +156,7 @@ def quick(monkeypatch):
 @pytest.mark.parametrize("line", TOUR)
 def test_a_command_of_the_readme_runs(line, tmp_path, capsys):
     Path("out").mkdir()
-    Path("out/mine.toml").write_text(
-        (ROOT / "scenes/catalogue/mixed.toml").read_text(encoding="utf-8"), encoding="utf-8"
-    )
+    Path("out/mine.toml").write_text(scenes.text_of("mixed"), encoding="utf-8")
     command, _, printed_to = line.partition(" > ")
     arguments = shlex.split(command)[1:]
     assert main([*arguments, *SHORTER.get((arguments or [""])[0], [])]) == 0

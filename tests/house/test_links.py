@@ -24,14 +24,12 @@ def anchors(text: str) -> set[str]:
 
 
 def leads_somewhere(page: Path, target: str) -> bool:
-    """Whether a link that points inside the project has a file, and a heading where it names one."""
     name, _, anchor = target.partition("#")
     place = page.parent / name if name else page
     return place.exists() and (not anchor or anchor in anchors(place.read_text(encoding="utf-8")))
 
 
 def dead_links(page: Path, text: str) -> list[str]:
-    """What a page names that is not there."""
     inside = [target for target in LINK.findall(text) if "://" not in target and not target.startswith("mailto:")]
     dead = [target for target in inside if not leads_somewhere(page, target)]
     dead += [name for name in DOCUMENT.findall(text) if not (page.parent / f"{name}.md").is_file()]

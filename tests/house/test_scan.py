@@ -30,14 +30,11 @@ def test_a_seed_is_one_chain(family):
     assert len(first.velocity) == first.chain.contacts + 1
 
 
-def test_the_truth_of_the_paper_case():
+def test_the_truth_is_by_the_reference_and_that_of_laws_of_ones_own_by_scipy():
     found = truth_of(PAPER)
     assert found.source == "reference"
     assert np.abs(found.velocity - VELOCITY).max() < 1e-10
     assert found.doubt.max() < 1e-10
-
-
-def test_the_truth_of_laws_of_ones_own_is_by_scipy():
     chosen = motion("own-laws", 1)
     found = truth_of(chosen)
     assert found.source == "scipy"
@@ -50,16 +47,15 @@ def test_chains_that_a_method_refuses_are_left_out(tmp_path, capsys, monkeypatch
     monkeypatch.setattr("benchmarks.scan.command.refusal_of", lambda _, chain: "no" if chain.couplers else "")
     given = ["scan", "--families", "couplers", "hooke-hertz", "--jobs", "1", "--folder", str(tmp_path), "--count", "1"]
     assert command.main(given) == 0
-    told = capsys.readouterr().out
-    assert "refuses 1 of the chains" in told
+    assert "refuses 1 of the chains" in capsys.readouterr().out
     assert (tmp_path / "accurate-1e-08.jsonl").read_text().count("hooke-hertz") == 1
 
 
-def judged(monkeypatch, error, **changes):
+def judged(monkeypatch, error, truth=TRUTH, **changes):
     run = simulate(PAPER.chain, PAPER.velocity, samples=2, tolerance=1e-9)
     run = replace(run, final_velocity=TRUTH.velocity + error, **changes)
     monkeypatch.setattr(verdict, "solve", lambda *_, **__: run)
-    return verdict.judge(PAPER, TRUTH, "accurate", 1e-6)
+    return verdict.judge(PAPER, truth, "accurate", 1e-6)
 
 
 def test_verdicts(monkeypatch):
@@ -75,10 +71,7 @@ def test_verdicts(monkeypatch):
 def test_what_is_not_known_is_no_verdict(monkeypatch, source, expected):
     """Coarse runs that differ tell nothing of an error; fine ones tell that the motion is not determined to what is stated."""
     truth = Truth(TRUTH.velocity, np.full(5, 1e-2), source)
-    run = simulate(PAPER.chain, PAPER.velocity, samples=2, tolerance=1e-9)
-    run = replace(run, final_velocity=TRUTH.velocity + 1e-3, velocity_error=np.full(5, 1e-7))
-    monkeypatch.setattr(verdict, "solve", lambda *_, **__: run)
-    assert verdict.judge(PAPER, truth, "accurate", 1e-6)["verdict"] == expected
+    assert judged(monkeypatch, 1e-3, truth, velocity_error=np.full(5, 1e-7))["verdict"] == expected
 
 
 def test_a_scan_is_kept_and_goes_on(tmp_path, capsys, monkeypatch):
@@ -86,13 +79,11 @@ def test_a_scan_is_kept_and_goes_on(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("benchmarks.scan.truth.TOLERANCE", 1e-9)
     assert command.main([*given, "--count", "1"]) == 0
     truths = (tmp_path / "truths.jsonl").read_text()
-    table = tmp_path / "scan.md"
-    assert command.main([*given, "--count", "1", "--markdown", str(table)]) == 0
-    assert "| hooke-hertz | 1 | 1 | 0 |" in table.read_text()
-    assert table.read_text().startswith("**Random chains, accurate at 1e-08**\n\n| family | chains |")
-    assert (
-        "* made by `python -m benchmarks scan --count 1 --families hooke-hertz walls`, softcradle " in table.read_text()
-    )
+    assert command.main([*given, "--count", "1", "--markdown", str(tmp_path / "scan.md")]) == 0
+    table = (tmp_path / "scan.md").read_text()
+    assert "| hooke-hertz | 1 | 1 | 0 |" in table
+    assert table.startswith("**Random chains, accurate at 1e-08**\n\n| family | chains |")
+    assert "* made by `python -m benchmarks scan --count 1 --families hooke-hertz walls`, softcradle " in table
     verdicts = tmp_path / "accurate-1e-08.jsonl"
     assert {json.loads(line)["verdict"] for line in verdicts.read_text().splitlines() if line} == {"within"}
     with verdicts.open("a") as file:
@@ -149,8 +140,7 @@ def test_errors_beyond_a_thousandth_are_warned_of():
     """But one in hundreds, at four times the default step."""
     found = [one for number in range(40) for one in errors(number)]
     assert [one for one in found if one.error > LARGE and not one.warned] == []
-    table = error_report(found)
-    assert sum(int(row[2]) for row in table.rows) == len(found)
+    assert sum(int(row[2]) for row in error_report(found).rows) == len(found)
 
 
 def test_the_command_writes_its_table(tmp_path, capsys):

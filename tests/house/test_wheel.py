@@ -148,11 +148,8 @@ def test_every_module_comes_from_the_wheel(installed):
     assert [file for file in files if not file.is_relative_to(installed.packages / "softcradle")] == []
 
 
-def test_a_game_with_a_folder_physics_of_its_own(installed):
+def test_a_game_with_a_folder_physics_of_its_own_and_the_command_run(installed):
     assert installed.run(installed.python, "game.py") == "[0. 1.]\n"
-
-
-def test_the_command_runs(installed):
     printed = installed.run(installed.python, "-m", "softcradle", "run", "one-on-four")
     assert "-0.5675856" in printed  # final velocity of the striker [m/s]
     assert "accurate, tolerance 1e-08" in printed
@@ -203,7 +200,6 @@ simulate(one_on(4, power_law(1.0, 0.1)), [1, 0], metod="verlet")  # call-arg
 
 
 def type_checked(installed: Installed, name: str, script: str) -> list[str]:
-    """What mypy says of a user's script, by lines."""
     (installed.game / name).write_text(script, encoding="utf-8")
     command = [sys.executable, "-m", "mypy", "--strict", "--python-executable", str(installed.python), name]
     kept = {key: value for key, value in os.environ.items() if key not in ("MYPYPATH", "PYTHONPATH")}

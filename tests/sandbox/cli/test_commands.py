@@ -74,10 +74,9 @@ def test_run_prints_velocities_contacts_errors_and_cost(capsys):
         assert word in out
 
 
-def test_large_forces_have_the_prefix_of_their_unit(capsys):
+def test_large_forces_have_the_prefix_of_their_unit(softcradle):
     """1.33 MN, not 1330980 N; what the bed takes of the momentum is no error."""
-    assert main(["run", "train-shunting"]) == 0
-    printed = capsys.readouterr().out
+    printed = softcradle("run", "train-shunting").out
     assert "force [MN]" in printed
     assert re.search(r"\b0-1 .* 1\.33\d* *$", printed, re.MULTILINE)
     assert re.search(r"absorbed +\d{3}\.\d+ kJ by contacts, 9\.\d+ kJ by the bed", printed)
@@ -88,7 +87,7 @@ def test_what_happens_is_said_in_words(capsys):
     said = output(capsys, "run", "one-on-four", "--describe")
     assert "Bead 0 hit bead 1 at 1 second with 1 metre a second." in said
     assert (
-        "Bead 0 goes to the left at 0.568 metres a second. Bead 1 goes to the right at 0.174 metres a second." in said
+        "left at 0.568 metres a second. Bead 1 goes to the right at 0.174 metres a second. Beads 2 to 4 go tog" in said
     )
     assert "Beads 2 to 4 go together to the right at 0.465 metres a second." in said
     assert output(capsys, "run", "galilean", "--describe").startswith("Who hits whom?\n")
@@ -109,16 +108,6 @@ def test_results_say_how_well_the_final_velocities_are_known(capsys):
     (fixed,) = json.loads(output(capsys, "run", "one-on-four", "--json", "--method", "verlet"))["lanes"]
     assert fixed["velocity_error"] is None
     assert "velocity error" not in output(capsys, "run", "one-on-four", "--method", "verlet")
-
-
-def test_run_writes_everything(capsys, tmp_path):
-    out = output(capsys, "run", "two-on-two", "-o", str(tmp_path / "two.npz"), "--samples", "11", "--method", "euler")
-    assert "written: " in out
-    trajectory = Trajectory.load(tmp_path / "two.npz")
-    assert trajectory.method == "euler"
-    assert trajectory.time.shape == (11,)
-    assert trajectory.chain == scenes.load("two-on-two").lanes[0].chain()
-    assert [path.name for path in tmp_path.iterdir()] == ["two.npz"]
 
 
 def test_a_warning_is_a_sentence(capsys, monkeypatch):

@@ -6,6 +6,7 @@ import pytest
 from softcradle.physics.extras import EXTRA_OF, needed_for
 
 from tests.helpers.own_process import python
+from tests.helpers.paths import ROOT
 
 WITHOUT = "import sys\nfor name in {names!r}: sys.modules[name] = None\n"
 MAIN = "from softcradle.sandbox.cli.main import main\nsys.exit(main({arguments!r}))"
@@ -45,29 +46,26 @@ def run(without: tuple[str, ...], program: str) -> subprocess.CompletedProcess[s
         ("matplotlib", ["figures", "1b"], "figures"),
         ("matplotlib", ["maps"], "figures"),
         ("matplotlib", ["stability"], "figures"),
+        ("zarr", ["sweep", str(ROOT / "examples" / "softness-and-size.toml")], "sweep"),
     ],
 )
 def test_a_missing_extra_is_a_sentence(package, arguments, extra, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     done = run((package,), MAIN.format(arguments=arguments))
-    expected = f"softcradle {arguments[0]} needs {package}, which is not installed: pip install 'softcradle[{extra}]'"
+    what = "a sweep that is kept as .zarr" if package == "zarr" else f"softcradle {arguments[0]}"
+    expected = f"{what} needs {package}, which is not installed: pip install 'softcradle[{extra}]'"
     assert done.stderr.splitlines()[-1] == f"softcradle: {expected}"
     assert done.returncode == 2
     assert list(tmp_path.iterdir()) == []
 
 
-ALL = tuple(EXTRA_OF)
+CORE = "scenes", "run one-on-four --method verlet --step 1e-2", "check mixed"
 
 
-@pytest.mark.parametrize("arguments", ["scenes", "run one-on-four --method verlet --step 1e-2", "check mixed"])
-def test_commands_of_the_core_need_no_extra(arguments):
-    done = run(ALL, MAIN.format(arguments=arguments.split()))
-    assert done.returncode == 0, done.stderr
-
-
-def test_a_game_needs_the_core_alone():
-    done = run(ALL, PYMUNK_GAME)
+@pytest.mark.parametrize("program", [PYMUNK_GAME, *(MAIN.format(arguments=words.split()) for words in CORE)])
+def test_games_and_commands_of_the_core_need_no_extra(program):
+    done = run(tuple(EXTRA_OF), program)
     assert done.returncode == 0, done.stderr
 
 

@@ -1,17 +1,14 @@
 """A full disk: every writer notices, says so in a sentence, and leaves nothing behind. Here files end after 400 bytes."""
 
-import os
-import subprocess
-import sys
-
 import pytest
 from softcradle.sandbox.files import filled_folder
+
+from tests.helpers.own_process import python
 
 pytestmark = pytest.mark.slow  # every writer is a process of its own
 
 resource = pytest.importorskip("resource", reason="this system has no limit of file sizes")
 
-COMMAND = (sys.executable, "-m", "softcradle")
 COARSE = ("--method", "verlet", "--step", "1/50")
 SMALL = ("--size", "160x90")
 OUTPUTS = {
@@ -32,16 +29,14 @@ LIMIT = 400  # bytes
 
 @pytest.mark.parametrize("arguments", OUTPUTS.values(), ids=OUTPUTS)
 def test_a_full_disk_is_noticed(arguments, tmp_path):
-    quick = {"NUMBA_DISABLE_JIT": "1", "SDL_VIDEODRIVER": "dummy", "SDL_AUDIODRIVER": "dummy"}
-    done = subprocess.run(
-        [*COMMAND, *arguments],
-        cwd=tmp_path,
-        env=os.environ | quick | {"PYTHONDONTWRITEBYTECODE": "1"},
-        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (LIMIT, LIMIT)),
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    quick = {
+        "NUMBA_DISABLE_JIT": "1",
+        "SDL_VIDEODRIVER": "dummy",
+        "SDL_AUDIODRIVER": "dummy",
+        "PYTHONDONTWRITEBYTECODE": "1",
+    }
+    limited = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (LIMIT, LIMIT))}
+    done = python("-m", "softcradle", *arguments, check=False, cwd=tmp_path, **quick, **limited)
     assert done.returncode == 2, done.stderr
     assert done.stdout == ""
     assert len([line for line in done.stderr.splitlines() if line and "warning" not in line]) == 1, done.stderr
@@ -52,17 +47,20 @@ def test_a_full_disk_is_noticed(arguments, tmp_path):
 
 @pytest.mark.parametrize("suffix", [".png", ".pdf", ".svg"])
 def test_figures_on_a_full_disk(suffix, tmp_path):
-    program = (
-        "import resource\nfrom pathlib import Path\n"
-        "from softcradle.sandbox.studies.plot_style import save_figure\n"
-        "from softcradle.sandbox.studies.plot_style import new_figure\n"
-        "figure, axes = new_figure()\naxes.plot([0, 1], [0, 1])\n"
-        "save_figure(figure, Path('whole" + suffix + "'))\n"
-        f"resource.setrlimit(resource.RLIMIT_FSIZE, ({LIMIT}, {LIMIT}))\n"
-        "try:\n    save_figure(figure, Path('part" + suffix + "'))\nexcept OSError as error:\n    print(error.strerror)"
-    )
-    done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True)
-    assert done.stdout == "File too large\n"
+    program = f"""
+import resource
+from pathlib import Path
+from softcradle.sandbox.studies.plot_style import new_figure, save_figure
+figure, axes = new_figure()
+axes.plot([0, 1], [0, 1])
+save_figure(figure, Path("whole{suffix}"))
+resource.setrlimit(resource.RLIMIT_FSIZE, ({LIMIT}, {LIMIT}))
+try:
+    save_figure(figure, Path("part{suffix}"))
+except OSError as error:
+    print(error.strerror)
+"""
+    assert python("-c", program, cwd=tmp_path).stdout == "File too large\n"
 
 
 @pytest.mark.parametrize(("before", "written", "left"), [(0, 0, False), (1, 0, True), (0, 1, True)])

@@ -4,7 +4,6 @@ import json
 
 import pytest
 from softcradle.physics.fixed_step import runner
-from softcradle.sandbox.cli.main import main
 
 GIVES_UP = ("--method", "verlet", "--step", "1e-12")
 
@@ -15,28 +14,23 @@ def few_steps(monkeypatch):
     monkeypatch.setattr(runner, "MOST_FIXED_STEPS", 1000)
 
 
-def test_run_marks_the_velocities(capsys):
-    assert main(["run", "one-on-four", *GIVES_UP]) == 3
-    out = capsys.readouterr().out
-    assert "velocity when it gave up" in " ".join(out.split())
+def test_run_marks_the_velocities_and_says_it_in_json(softcradle, tmp_path):
+    out = " ".join(softcradle("run", "one-on-four", *GIVES_UP, code=3).out.split())
+    assert "velocity when it gave up" in out
     assert "final velocity" not in out
-    assert "verlet gave up after" in " ".join(out.split())
-
-
-def test_run_says_it_in_json(capsys, tmp_path):
-    assert main(["run", "one-on-four", *GIVES_UP, "--json", "-o", str(tmp_path / "part.npz")]) == 3
-    assert json.loads(capsys.readouterr().out)["lanes"][0]["gave_up"] is True
+    assert "verlet gave up after" in out
+    said = softcradle("run", "one-on-four", *GIVES_UP, "--json", "-o", str(tmp_path / "part.npz"), code=3).out
+    assert json.loads(said)["lanes"][0]["gave_up"] is True
     assert (tmp_path / "part.npz").exists()
 
 
-def test_compare_ends_with_the_same_code(capsys):
-    assert main(["compare", "one-on-four", "--contact", "hertz(1)", *GIVES_UP, "--json"]) == 3
-    assert json.loads(capsys.readouterr().out)["sides"]
+def test_compare_ends_with_the_same_code(softcradle):
+    said = softcradle("compare", "one-on-four", "--contact", "hertz(1)", *GIVES_UP, "--json", code=3).out
+    assert json.loads(said)["sides"]
 
 
 @pytest.mark.parametrize("output", ["film.mp4", "still.png", "frames/", "x.kymograph.png"])
-def test_there_is_no_film_of_a_part(output, tmp_path, capsys):
-    assert main(["render", "one-on-four", *GIVES_UP, "-o", f"{tmp_path}/{output}"]) == 3
-    err = capsys.readouterr().err
+def test_there_is_no_film_of_a_part(output, tmp_path, softcradle):
+    err = softcradle("render", "one-on-four", *GIVES_UP, "-o", f"{tmp_path}/{output}", code=3).err
     assert "a film needs the whole motion: verlet gave up" in err
     assert list(tmp_path.iterdir()) == []

@@ -10,7 +10,6 @@ from softcradle.sandbox.sweeps.study_file import load_study
 from softcradle.sandbox.sweeps.work import Work, lost
 from softcradle.sandbox.user_error import POINTS_LOST
 
-from tests.helpers.own_process import python
 from tests.helpers.paths import ROOT
 
 xr = pytest.importorskip("xarray")
@@ -40,11 +39,10 @@ def changed(old: str, new: str) -> str:
 GRID = GOOD.partition("[grid]")[2]
 
 
-def test_a_study_is_computed_once(tmp_path, capsys):
+def test_a_study_is_computed_once(tmp_path, softcradle):
     study, output = tmp_path / "study.toml", tmp_path / "found.nc"
     study.write_text(GOOD)
-    assert main(["-q", "sweep", str(study), "-o", str(output), "--workers", "1"]) == 0
-    printed = capsys.readouterr().out
+    printed = softcradle("-q", "sweep", str(study), "-o", str(output), "--workers", "1").out
     assert "two speeds: 2 speed" in printed
     assert "final_velocity [m/s]" in printed
     with xr.open_dataset(output, engine="h5netcdf") as found:
@@ -58,14 +56,13 @@ def test_a_study_is_computed_once(tmp_path, capsys):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["found.nc", "study.toml"]
 
 
-def test_the_status_of_a_study(tmp_path, capsys, monkeypatch):
+def test_the_status_of_a_study(tmp_path, softcradle, monkeypatch):
     study, output = tmp_path / "study.toml", tmp_path / "found.nc"
     study.write_text(GOOD)
     command = ["sweep", str(study), "-o", str(output)]
 
     def status() -> str:
-        assert main([*command, "--status"]) == 0
-        return capsys.readouterr().out
+        return softcradle(*command, "--status").out
 
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
@@ -76,45 +73,36 @@ def test_the_status_of_a_study(tmp_path, capsys, monkeypatch):
     told = f"2 of 2 points are in {output}.partial, and no sweep is at it, the same command goes on\n"
     assert status() == f"two speeds: {told}"
     monkeypatch.undo()
-    assert main([*command, "--workers", "1"]) == 0
-    capsys.readouterr()
+    softcradle(*command, "--workers", "1")
     assert status() == f"two speeds: complete, 2 points are in {output}\n"
     study.write_text(changed("values = [0.5, 1]", "values = [0.5, 2]"))
-    assert main([*command, "--status"]) == 2
-    assert "holds another study" in capsys.readouterr().err
+    assert "holds another study" in softcradle(*command, "--status", code=2).err
 
 
-def test_lost_points_have_an_exit_code(tmp_path, monkeypatch, capsys):
+def test_lost_points_have_an_exit_code(tmp_path, monkeypatch, softcradle):
     study, output = tmp_path / "study.toml", tmp_path / "found.nc"
     study.write_text(GOOD)
     monkeypatch.setattr(Work, "compute", lambda work, begin, end, _: lost(begin, 3))
     command = ["sweep", str(study), "-o", str(output), "--workers", "1"]
-    assert main(command) == POINTS_LOST
-    assert "2 points without numbers: the process that computed it died, 3 times" in capsys.readouterr().out
-    assert main([*command[:-2], "--status"]) == POINTS_LOST
-    assert "2 of them lost" in capsys.readouterr().out
+    told = "2 points without numbers: the process that computed it died, 3 times"
+    assert told in softcradle(*command, code=POINTS_LOST).out
+    assert "2 of them lost" in softcradle(*command[:-2], "--status", code=POINTS_LOST).out
 
 
 def test_beads_that_smaller_targets_lack_are_no_missing_numbers(tmp_path, capsys):
     study = tmp_path / "study.toml"
-    study.write_text(
-        GOOD.replace('"lanes.0.velocity.0" = {values = [0.5, 1], name = "speed"}', '"lanes.0.beads.1" = [2, 3]')
-    )
+    study.write_text(GOOD.replace(GRID, '\n"lanes.0.beads.1" = [2, 3]'))
     assert main(["sweep", str(study), "-o", str(tmp_path / "found.nc"), "--workers", "1"]) == 0
     rows = [line.split() for line in capsys.readouterr().out.splitlines() if "final_velocity" in line]
     assert rows[0][-1] == "0"
 
 
-def test_samples_of_a_file(tmp_path):
+def test_samples_of_a_file_and_the_example(tmp_path):
     (tmp_path / "study.toml").write_text(GOOD.partition("[set]")[0] + SOBOL)
     points = load_study(str(tmp_path / "study.toml")).points
     assert (points.design, points.count, points.axes[0].low) == ("sobol", 8, 0.1)
-
-
-def test_the_example_is_a_study():
-    study = load_study(str(ROOT / "examples" / "softness-and-size.toml"))
-    assert study.points.shape == (24, 5)
-    assert study.scene.tolerance == 1e-6
+    example = load_study(str(ROOT / "examples" / "softness-and-size.toml"))
+    assert (example.points.shape, example.scene.tolerance) == ((24, 5), 1e-6)
 
 
 @pytest.mark.parametrize(
@@ -127,11 +115,7 @@ def test_the_example_is_a_study():
         (changed("lanes.0.velocity.0", "lanes.0.mess"), r"there is no 'mess' \(did you mean 'mass'\?\)"),
         (
             changed("values = [0.5, 1]", "between = [1, 0.5]"),
-            "study.toml: lanes.0.velocity.0 must lie between two numbers, the smaller one first, not 1 and 0.5",
-        ),
-        (
-            changed("values = [0.5, 1]", 'between = [0.5, 2], scale = "whole"'),
-            "bounds of whole numbers must be whole, not 0.5 and 2",
+            r"study.toml: lanes.0.velocity.0 must lie .*, not 1 and 0.5",
         ),
         (changed("values = [0.5, 1]", "between = [0.5, 1]"), "count is missing"),
         (changed("values = [0.5, 1]", "values = []"), r"needs either values = \[...\] or between"),
@@ -153,16 +137,7 @@ def test_bad_study_file(text, sentence, tmp_path, capsys):
     assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
 
 
-def test_measures_are_listed(capsys):
-    assert main(["sweep", "--measures"]) == 0
-    printed = capsys.readouterr().out
+def test_measures_are_listed(softcradle):
+    printed = softcradle("sweep", "--measures").out
     assert all(measure.name in printed for measure in MEASURES)
     assert all(measure.meaning for measure in MEASURES)
-
-
-def test_without_the_extra_it_is_a_sentence(tmp_path):
-    (tmp_path / "study.toml").write_text(GOOD)
-    program = "from softcradle.sandbox.cli.main import main\nsys.exit(main(['sweep', 'study.toml']))"
-    done = python("-c", f"import sys\nsys.modules['zarr'] = None\n{program}", check=False, cwd=tmp_path)
-    assert done.returncode == 2
-    assert done.stderr.endswith("needs zarr, which is not installed: pip install 'softcradle[sweep]'\n")

@@ -10,6 +10,7 @@ import sys
 
 import pytest
 from rich.console import Console
+from softcradle.physics import Trajectory
 from softcradle.physics.methods import METHODS, known_methods
 from softcradle.sandbox import console
 from softcradle.sandbox.cli.commands.run import print_report
@@ -18,21 +19,15 @@ from softcradle.sandbox.console import print_table, set_quiet, table
 from softcradle.sandbox.scene_runs import load_scene, run_scene
 from softcradle.sandbox.trajectory_summary import summarise
 
+from tests.helpers.own_process import python
+
 COMMAND = (sys.executable, "-m", "softcradle")
 SOFTWARE_DISPLAY = ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER", "SDL_VIDEO_DRIVER")
 
 
 def run(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
-    """The command in a process of its own, with further variables; its result."""
     kept = {key: value for key, value in os.environ.items() if key not in SOFTWARE_DISPLAY}
-    return subprocess.run(
-        [*COMMAND, *arguments],
-        env=kept | {"PYTHONUTF8": "0"} | environment,
-        capture_output=True,
-        encoding="utf-8",
-        errors="replace",
-        check=False,
-    )
+    return python("-m", "softcradle", *arguments, check=False, env=kept | {"PYTHONUTF8": "0"} | environment)
 
 
 @pytest.fixture
@@ -45,11 +40,6 @@ def terminal(width: int) -> Console:
     return Console(file=io.StringIO(), width=width, force_terminal=True, color_system=None, markup=False)
 
 
-def shown(output: Console) -> str:
-    assert isinstance(output.file, io.StringIO)
-    return output.file.getvalue()
-
-
 @pytest.mark.parametrize("width", [30, 38, 39, 40, 41, 60, 80, 100])
 def test_no_number_of_a_run_is_lost(width, monkeypatch):
     scene = load_scene("one-on-four")
@@ -57,7 +47,7 @@ def test_no_number_of_a_run_is_lost(width, monkeypatch):
     output = terminal(width)
     monkeypatch.setattr("softcradle.sandbox.cli.commands.run.console", lambda: output)
     print_report(scene, [summary])
-    text = shown(output)
+    text = output.file.getvalue()
     assert "…" not in text
     assert max(map(len, text.splitlines())) <= width
     for bead in summary.beads:
@@ -86,26 +76,14 @@ def test_progress_in_a_file_is_a_line_now_and_then(monkeypatch, capsys):
 
 
 @pytest.mark.usefixtures("loud")
-def test_a_film_shows_how_far_it_is_unless_it_is_to_be_quiet(tmp_path, monkeypatch, capsys):
+def test_a_film_shows_how_far_it_is_unless_it_is_to_be_quiet(tmp_path, monkeypatch, softcradle):
     monkeypatch.setattr(console, "LINE_AFTER", 0.0)
-    film = [
-        "render",
-        "one-on-four",
-        "-o",
-        str(tmp_path / "film.gif"),
-        "--size",
-        "320x180",
-        "--fps",
-        "5",
-        "--slow",
-        "0.5",
-    ]
-    assert main(film) == 0
-    told = re.findall(r"frames: (\d+) of (\d+)", capsys.readouterr().err)
+    film = ["render", "one-on-four", "-o", str(tmp_path / "film.gif")]
+    film += ["--size", "320x180", "--fps", "5", "--slow", "0.5"]
+    told = re.findall(r"frames: (\d+) of (\d+)", softcradle(*film).err)
     assert told
     assert all(int(done) <= int(count) for done, count in told)  # also of a film that draws again what stays
-    assert main([*film, "-q"]) == 0
-    assert capsys.readouterr().err == ""
+    assert softcradle(*film, "-q").err == ""
 
 
 @pytest.mark.parametrize("width", [20, 40, 80])
@@ -116,12 +94,12 @@ def test_tables_are_laid_out_or_become_records(width, columns):
     grid.add_row("a long label", *cells)
     output = terminal(width)
     print_table(output, grid)
-    text = shown(output)
+    text = output.file.getvalue()
     assert all(cell in text for cell in ("label", *cells))
     assert max(map(len, text.splitlines())) <= max(width, 20)
     pipe = Console(file=io.StringIO(), width=width)
     print_table(pipe, grid)  # in a pipe it is as wide as it is
-    assert any(all(cell in line for cell in cells) for line in shown(pipe).splitlines())
+    assert any(all(cell in line for cell in cells) for line in pipe.file.getvalue().splitlines())
 
 
 @pytest.mark.parametrize("encoding", ["cp1252", "ascii", "latin-1"])
@@ -130,13 +108,8 @@ def test_a_poor_encoding_is_no_error(encoding):
         "from softcradle.sandbox.cli.main import use_plain_characters\nuse_plain_characters()\n"
         "print('v\\u2080 \\u22120.5 4\\u00b710\\u207b\\u2075 m/s\\u00b2 \\u2713 \\u03b1 \\u4e2d \\u2026')"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", program],
-        env=os.environ | {"PYTHONIOENCODING": encoding},
-        capture_output=True,
-        check=True,
-    )
-    text = done.stdout.decode(encoding)
+    command, variables = [sys.executable, "-c", program], os.environ | {"PYTHONIOENCODING": encoding}
+    text = subprocess.run(command, env=variables, capture_output=True, check=True).stdout.decode(encoding)
     assert text.startswith("v0 -0.5 4")
     assert "10-5 m/s" in text
     assert "alpha ?" in text
@@ -148,10 +121,9 @@ FULL = pytest.mark.skipif(not os.path.exists("/dev/full"), reason="this system h
 @FULL
 @pytest.mark.parametrize("arguments", ["scenes", "scenes one-on-four", "methods", "check mixed", "--help", "-V"])
 def test_a_full_disk_behind_standard_output(arguments):
+    command = [*COMMAND, *arguments.split()]
     with open("/dev/full", "w", encoding="utf-8") as full:
-        done = subprocess.run(
-            [*COMMAND, *arguments.split()], stdout=full, stderr=subprocess.PIPE, text=True, check=False
-        )
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert done.stderr == "softcradle: cannot write to standard output: no space left on device\n"
     assert done.returncode == 2
 
@@ -173,49 +145,48 @@ def test_without_a_display_the_window_is_refused_at_once(arguments, sentence):
 
 
 @pytest.mark.usefixtures("loud")
-def test_a_second_file_is_written_too_and_each_lane_has_its_own_and_what_is_replaced_is_said(tmp_path, capsys):
+def test_a_second_file_is_written_too_and_each_lane_has_its_own_and_what_is_replaced_is_said(tmp_path, softcradle):
     paths = [tmp_path / "a.npz", tmp_path / "b.csv"]
     arguments = ["run", "galilean", "--method", "verlet", "--step", "1e-2", "--duration", "1.5", "--samples", "4"]
     arguments += [word for path in paths for word in ("-o", str(path))]
     for flags, written, replaced in (([], 4, 0), ([], 0, 4), (["-q"], 0, 0)):
-        assert main([*arguments, *flags]) == 0
-        printed = capsys.readouterr().out
+        printed = softcradle(*arguments, *flags).out
         assert (printed.count("written: "), printed.count("replaced: ")) == (written, replaced)
         assert "final velocity" in printed
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a-1.npz", "a-2.npz", "b-1.csv", "b-2.csv"]
+    trajectory = Trajectory.load(tmp_path / "a-2.npz")
+    assert (trajectory.method, trajectory.time.shape) == ("verlet", (4,))
+    assert trajectory.chain == load_scene("galilean").lanes[1].chain()
     with (tmp_path / "b-2.csv").open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [float(row["time [s]"]) for row in rows] == [0.0, 0.5, 1.0, 1.5]
     assert float(rows[0]["velocity 0 [m/s]"]) == 1.0
 
 
-def test_open_shows_the_first_file(tmp_path, monkeypatch, capsys):
+def test_open_shows_the_first_file(tmp_path, monkeypatch, softcradle):
     opened: list[str] = []
     monkeypatch.setattr("webbrowser.open", lambda address: opened.append(address) or True)
     path = tmp_path / "with a space.csv"
-    assert main(["run", "one-on-four", "--method", "verlet", "--step", "1e-2", "-o", str(path), "--open"]) == 0
+    command = ["run", "one-on-four", "--method", "verlet", "--step", "1e-2", "-o", str(path), "--open"]
+    assert main(command) == 0
     assert opened == [path.as_uri()]
     monkeypatch.setattr("webbrowser.open", lambda _: False)
-    assert main(["run", "one-on-four", "--method", "verlet", "--step", "1e-2", "-o", str(path), "--open"]) == 2
-    assert "no program was found to open it with" in capsys.readouterr().err
+    assert "no program was found to open it with" in softcradle(*command, code=2).err
     assert path.exists()
 
 
-def test_scenes_as_json(capsys):
-    assert main(["scenes", "--json"]) == 0
-    listed = json.loads(capsys.readouterr().out)
+def test_scenes_as_json(softcradle):
+    listed = json.loads(softcradle("scenes", "--json").out)
     (found,) = (scene for scene in listed if scene["name"] == "one-on-four")
     assert found["title"] == "One bead on four"
-    assert main(["scenes", "one-on-four", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["lanes"][0]["velocity"] == [1.0, 0.0, 0.0, 0.0, 0.0]
+    (lane,) = json.loads(softcradle("scenes", "one-on-four", "--json").out)["lanes"]
+    assert lane["velocity"] == [1.0, 0.0, 0.0, 0.0, 0.0]
 
 
-def test_methods_are_listed_with_what_they_are_for(capsys):
-    assert main(["methods"]) == 0
-    text = capsys.readouterr().out
+def test_methods_are_listed_with_what_they_are_for(softcradle):
+    text = softcradle("methods").out
     assert all(name in text for name in known_methods())
-    assert main(["methods", "--json"]) == 0
-    listed = json.loads(capsys.readouterr().out)
+    listed = json.loads(softcradle("methods", "--json").out)
     assert [method["name"] for method in listed] == known_methods()
     assert [method["purpose"] for method in listed[1:]] == [method.purpose for method in METHODS]
 
@@ -236,10 +207,9 @@ def test_a_shell_completes(line, words, tmp_path):
     assert answer.read_text(encoding="utf-8").split() == words
 
 
-def test_the_lines_for_a_shell_and_the_version(capsys):
-    for words in (["completion", "bash"], ["completion", "zsh"], ["completion", "fish"]):
-        assert main(words) == 0
-        assert "softcradle" in capsys.readouterr().out
+def test_the_lines_for_a_shell_and_the_version(capsys, softcradle):
+    for shell in ("bash", "zsh", "fish"):
+        assert "softcradle" in softcradle("completion", shell).out
     for flag in ("-V", "--version"):
         with pytest.raises(SystemExit, match="0"):
             main([flag])

@@ -24,36 +24,14 @@ from tests.helpers.drawn_text import drawn_texts
 
 SIZE = (960, 540)
 
-SOFT = """
-title = "Soft and hard"
-text = "Some words."
-source = "Fig. 0"
-[[lanes]]
-label = "soft"
-beads = [1, 3]
-contact = {law = "power_law", f0 = 1.0, alpha = 0.25}
-velocity = 1.0
-"""
-TWO = (
-    SOFT
-    + """
-[[lanes]]
-label = "hard"
-beads = [1, 3]
-contact = {law = "hertz", stiffness = 30.0}
-velocity = 1.0
-"""
-)
+SOFT_ROW = '{label = "soft", beads = [1, 3], velocity = 1.0, contact = {law = "power_law", f0 = 1.0, alpha = 0.25}}'
+HARD_ROW = '{label = "hard", beads = [1, 3], velocity = 1.0, contact = {law = "hertz", stiffness = 30.0}}'
+SOFT = f'title = "Soft and hard"\ntext = "Some words."\nsource = "Fig. 0"\nlanes = [{SOFT_ROW}]'
+TWO = SOFT.replace(SOFT_ROW, f"{SOFT_ROW}, {HARD_ROW}")
 GEAR = """
 title = "Gear"
-[[lanes]]
-beads = [1, 1]
-contact = {law = "draft_gear", stiffness = 770.0, precompression = 0.0177}
-velocity = 0.5
-mass = 0.4
-[view]
-slow = 60.0
-length = 0.12
+view = {slow = 60.0, length = 0.12}
+lanes = [{beads = 2, velocity = [0.5, 0], mass = 0.4, contact = {law = "draft_gear", stiffness = 770, precompression = 0.0177}}]
 """
 WALL = """
 title = "Wall"
@@ -64,29 +42,13 @@ contact = [{law = "step_force", f0 = 1.0}, {law = "draft_gear", stiffness = 5.0,
            {law = "hooke", stiffness = 10.0}]
 gap = 0.3
 """
-MANY = """
-title = "Many"
-[[lanes]]
-beads = [1, 40]
-contact = {law = "hertz", stiffness = 100.0}
-velocity = 1.0
-"""
-AT_REST = """
-title = "Nothing moves"
-duration = 1.0
-[[lanes]]
-velocity = [0.0, 0.0]
-contact = {law = "hooke", stiffness = 1.0}
-"""
+MANY = 'title = "Many"\nlanes = [{beads = [1, 40], velocity = 1.0, contact = {law = "hertz", stiffness = 100.0}}]'
+AT_REST = 'title = "At rest"\nduration = 1.0\nlanes = [{velocity = [0, 0], contact = {law = "hooke", stiffness = 1.0}}]'
 
 
-def motions_of(text, rows_per_second=40.0):
+def pictured(text, rows_per_second=40.0):
     scene = parse(text)
-    return scene, scene_motions(scene, rows_per_second * scene.view.slow)
-
-
-def pictured(text):
-    scene, motions = motions_of(text)
+    motions = scene_motions(scene, rows_per_second * scene.view.slow)
     return scene, motions, Picture(scene, motions, SIZE)
 
 
@@ -112,9 +74,8 @@ def near(pixels, colour, tolerance=6):
 
 def test_drawing_changes_nothing_and_depends_on_the_row_alone(two):
     scene, motions, _ = two
-    before = [
-        {name: getattr(motion, name).copy() for name in ("time", "position", "overlap", "force")} for motion in motions
-    ]
+    names = ("time", "position", "overlap", "force")
+    before = [{name: getattr(motion, name).copy() for name in names} for motion in motions]
     picture = Picture(scene, motions, SIZE)
     middle, row = len(motions[0].time) // 2, len(motions[0].time) // 3
     first = painted(picture, middle)
@@ -132,9 +93,8 @@ def test_drawing_changes_nothing_and_depends_on_the_row_alone(two):
 def test_bars_are_as_high_as_the_forces(soft):
     _, motions, picture = soft
     drawing, row = picture.lanes[0].drawing, strongest_row(motions)
-    above = painted(picture, row)[
-        drawing.rect.top : math.floor(drawing.bar_base), drawing.rect.left : drawing.rect.right
-    ]
+    inside = slice(drawing.rect.left, drawing.rect.right)
+    above = painted(picture, row)[drawing.rect.top : math.floor(drawing.bar_base), inside]
     heights = [near(above, colour).sum(axis=0).max() for colour in drawing.contact_colours]
     expected = drawing.bar_room * motions[0].force[row] / (picture.scales.force / FORCE_MARGIN)
     lines_across = 3  # the line of the rigid cluster, and two partly covered pixels
@@ -170,31 +130,25 @@ def test_beads_are_at_their_positions_and_overlaps_are_darker(soft):
 
 
 def test_piston_moves_in_by_the_magnified_overlap():
-    scene, motions = motions_of(GEAR)
-    picture = Picture(scene, motions, SIZE)
+    _, motions, picture = pictured(GEAR)
     drawing = picture.lanes[0].drawing
     rows = [int(np.argmin(np.abs(motions[0].time))), strongest_row(motions)]
     y = round(drawing.ground - 0.33 * drawing.bead)
-    rods = [
-        near(painted(picture, row)[y, drawing.rect.left : drawing.rect.right], tones.steel, 3).sum() for row in rows
-    ]
+    across = [painted(picture, row)[y, drawing.rect.left : drawing.rect.right] for row in rows]
+    rods = [near(pixels, tones.steel, 3).sum() for pixels in across]
     moved = picture.scales.magnify * drawing.scale * motions[0].overlap[rows[1], 0]
     assert moved > 8
     assert rods[0] - rods[1] == pytest.approx(moved, abs=3)
 
 
-def test_lanes_share_times_axes_and_scale(two):
-    _, motions, picture = two
+def test_lanes_share_times_axes_and_a_scale_in_which_everything_stays_in_view(two):
+    scene, motions, picture = two
     first, second = picture.lanes
     assert (motions[0].time == motions[1].time).all()
     assert first.drawing.scale == second.drawing.scale
     for a, b in zip(first.panels, second.panels, strict=True):
         assert (a.area.left, a.area.width, a.time, a.axis) == (b.area.left, b.area.width, b.time, b.axis)
     assert not first.drawing.rect.colliderect(second.drawing.rect)
-
-
-def test_everything_stays_in_view(two):
-    scene, motions, _ = two
     scales = scales_of(scene, motions)
     for motion in motions:
         edges = left_edges(motion.position, motion.overlap, scene.view.length, scales.magnify)
@@ -236,8 +190,7 @@ def test_any_size(two, size):
 
 @pytest.mark.parametrize("text", [WALL, MANY, GEAR, AT_REST], ids=["wall", "many", "gear", "rest"])
 def test_any_chain(text):
-    scene, motions = motions_of(text, 20.0)
-    picture = Picture(scene, motions, SIZE)
+    _, motions, picture = pictured(text, 20.0)
     frames = [painted(picture, row) for row in (0, len(motions[0].time) // 2, len(motions[0].time) - 1)]
     assert all((~near(frame, tones.background)).mean() > 0.02 for frame in frames)
     assert (frames[0] != frames[-1]).any()
@@ -299,8 +252,6 @@ def test_names_beside_curves_keep_order_and_distance(places, gap, high):
 
 MASSES = [1.0] * 5
 CLOSED = [0.0] * 4
-
-
 CLUSTERS = [  # overlaps and velocities before, overlaps and forces now, forces of the rigid cluster by Eq. (5)
     ([-1, 0, 0, 0], [1, 0, 0, 0, 0], CLOSED, [0.8, 0.5, 0.3, 0.1], [0, 0.6, 0.4, 0.2]),
     ([-1, 0, 0, -1], [1, 0, 0, 0, 0], [0, 0, 0, -1], [1, 1, 1, 0], [0, 2 / 3, 1 / 3, 0]),  # beyond a gap nothing pushes

@@ -48,6 +48,14 @@ def test_steps_are_round(span, most):
         (factor(1e29), "\N{MULTIPLICATION SIGN}10²⁹"),
         (fixed(-0.001, 2), "0.00"),
         (fixed(-1.5, 1), "\N{MINUS SIGN}1.5"),
+        (
+            [number_format.number_text(v) for v in (None, 0.0, 1e-15, 0.5, -0.25)],
+            ["-", "0", "0", "0.5000", f"{MINUS}0.2500"],
+        ),
+        (
+            [number_format.number_text(v) for v in (2e-5, 1234.4, 8e4, 123456.0)],
+            ["2.00·10⁻⁵", "1234", "8.00·10⁴", "1.23·10⁵"],
+        ),
         (number_format.subscript(1, 2), "₁₂"),
         (number_format.subscript(9, 10), "₉₋₁₀"),
         (number_format.power_of_ten(-12), "10⁻¹²"),

@@ -3,18 +3,10 @@
 import numpy as np
 import pytest
 from PIL import Image
-from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.draw import scales_of
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.film import kymograph
-from softcradle.sandbox.film.kymograph import (
-    CAMERA_RATE,
-    SlitCamera,
-    camera_rate,
-    filmed_scene,
-    instants,
-    render_kymograph,
-)
+from softcradle.sandbox.film.kymograph import CAMERA_RATE, SlitCamera, filmed_scene, instants, render_kymograph
 from softcradle.sandbox.film.scene_motion import motion_end, scene_motions
 from softcradle.scenes import load, names
 from softcradle.scenes.catalogue import parse
@@ -25,7 +17,6 @@ DARK = 60  # sum of red, green and blue below which a pixel is a marker's
 
 
 def filmed(name, rate, number=0, width=WIDTH):
-    """The camera, the motion and both kymographs of a lane."""
     scene = load(name)
     scene = filmed_scene(scene, motion_end(scene))
     motions = scene_motions(scene, rate)
@@ -79,15 +70,8 @@ def test_frames_and_trajectory_agree_to_a_pixel(name, rate, number):
 
 
 def test_a_wall_has_no_marker():
-    scene = parse("""
-title = "Wall"
-duration = 4.0
-[[lanes]]
-mass = [1.0, inf]
-velocity = [1.0, 0.0]
-contact = {law = "hertz", stiffness = 5.0}
-gap = 1.0
-""")
+    lane = f"mass = [1.0, inf]\nvelocity = [1.0, 0.0]\ncontact = {BALL}\ngap = 1.0\n"
+    scene = parse(f'title = "Wall"\nduration = 4.0\n[[lanes]]\n{lane}')
     motions = scene_motions(scene, 20.0)
     camera = SlitCamera(scene, 0, scales_of(scene, motions), WIDTH)
     assert camera.markers(motions[0]).shape == (len(motions[0].time), 1)
@@ -99,10 +83,10 @@ def test_the_paper_s_camera_where_units_are_the_paper_s():
     assert {"draft-gear-one-on-three", "draft-gear-two-on-two"} <= si
     assert not {"one-on-four", "hooke-interface", "mixed"} & si
     scene = load("draft-gear-one-on-three")
-    assert camera_rate(filmed_scene(scene, 0.06), 0.06, 1137) == CAMERA_RATE
-    every = CAMERA_RATE / camera_rate(filmed_scene(scene, 6.0), 6.0, 1137)  # of so many frames one
+    assert kymograph.camera_rate(filmed_scene(scene, 0.06), 0.06, 1137) == CAMERA_RATE
+    every = CAMERA_RATE / kymograph.camera_rate(filmed_scene(scene, 6.0), 6.0, 1137)  # of so many frames one
     assert every == pytest.approx(round(every), rel=1e-12)
-    assert camera_rate(load("one-on-four"), 3.0, 1000) == pytest.approx(1000 / (3.0 * 1.6))
+    assert kymograph.camera_rate(load("one-on-four"), 3.0, 1000) == pytest.approx(1000 / (3.0 * 1.6))
 
 
 def bar_lengths(picture):
@@ -149,10 +133,9 @@ def test_release_and_first_touch_are_marked(tmp_path):
     assert [28, 28 + round(width * touch / report.frames)] == np.flatnonzero(dotted[: 28 + width]).tolist()
 
 
-def test_command(tmp_path, capsys):
+def test_command(tmp_path, softcradle):
     path = tmp_path / "x.kymograph.png"
-    assert main(["render", "galilean", "-o", str(path), "--size", "640x360", "--fps", "30"]) == 0
-    assert "camera frames" in capsys.readouterr().out
+    assert "camera frames" in softcradle("render", "galilean", "-o", str(path), "--size", "640x360", "--fps", "30").out
     with Image.open(path) as picture:
         assert picture.size == (640, 360)
     assert [file.name for file in tmp_path.iterdir()] == ["x.kymograph.png"]

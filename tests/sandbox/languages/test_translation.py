@@ -79,18 +79,17 @@ def test_words_of_scenes_and_labels():
     assert languages.label_words("version 1.2 and a half") == "version 1.2 et a half"
 
 
-@pytest.mark.parametrize(
-    ("code", "said"),
-    [
-        ("en", ["0 seconds", "0.5 seconds", "1 second", "1.5 seconds", "2 seconds", "2.5 seconds", "1 second"]),
-        ("de", ["0 Sekunden", "0,5 Sekunden", "1 Sekunde", "1,5 Sekunden", "2 Sekunden", "2,5 Sekunden", "1 Sekunde"]),
-        ("fr", ["0 seconde", "0,5 seconde", "1 seconde", "1,5 seconde", "2 secondes", "2,5 secondes", "1 seconde"]),
-    ],
-)
-def test_decimal_numbers_have_the_plural_of_the_language(code, said):
-    """The last of them is shown as 1."""
-    use_language(code)
-    assert [seconds_in_words(time) for time in (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 0.9999)] == said
+SECONDS = {
+    "en": "0 seconds, 0.5 seconds, 1 second, 1.5 seconds, 2 seconds, 2.5 seconds, 1 second",
+    "de": "0 Sekunden, 0,5 Sekunden, 1 Sekunde, 1,5 Sekunden, 2 Sekunden, 2,5 Sekunden, 1 Sekunde",
+    "fr": "0 seconde, 0,5 seconde, 1 seconde, 1,5 seconde, 2 secondes, 2,5 secondes, 1 seconde",
+}
+
+
+@pytest.mark.parametrize("code", SECONDS)
+def test_decimal_numbers_have_the_plural_of_the_language(code):
+    use_language(code)  # the last of them is shown as 1
+    assert ", ".join(map(seconds_in_words, (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 0.9999))) == SECONDS[code]
 
 
 def _refused(call) -> str:
@@ -183,9 +182,8 @@ def test_what_waits_for_a_translation_is_counted(tmp_path, monkeypatch, capsys):
     """New messages come in empty, and only a release is held up by them."""
     path = tmp_path / "de.po"
     monkeypatch.setattr("tools.update_catalogues.catalogue_path", lambda code: path)
-    path.write_bytes(
-        translation.catalogue_path("de").read_bytes().replace(b'msgstr "R\xc3\xbcckg\xc3\xa4ngig"', b'msgstr ""')
-    )
+    text = translation.catalogue_path("de").read_text(encoding="utf-8")
+    path.write_text(text.replace('msgstr "Rückgängig"', 'msgstr ""'), encoding="utf-8")
     waiting = update("de")
     assert waiting > 0
     with monkeypatch.context() as patched:

@@ -6,8 +6,6 @@ import re
 
 import numpy as np
 import pytest
-from PIL import Image
-from softcradle.physics.notebook_views import InlineFilm
 from softcradle.sandbox.notebook.views import play
 from softcradle.sandbox.user_error import UserError
 
@@ -42,7 +40,6 @@ def test_a_trajectory_is_a_picture_and_two_tables(n):
     assert "final velocity [m/s]" in beads
     assert "largest force [N]" in contacts
     data = re.search(r'src="data:image/png;base64,([^"]+)"', shown)
-    assert data is not None
     assert base64.b64decode(data[1]).startswith(b"\x89PNG")
 
 
@@ -67,7 +64,6 @@ def test_a_film_is_shown_and_saved(found, tmp_path):
     import av
 
     film = found.film(slow=1.0, size=(320, 180))
-    assert isinstance(film, InlineFilm)
     assert "data:video/mp4;base64," in film._repr_html_()
     assert repr(film).startswith("InlineFilm of 320x180 pixels, ")
     film.save(tmp_path / "film.mp4")
@@ -75,7 +71,6 @@ def test_a_film_is_shown_and_saved(found, tmp_path):
         frames = [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
     assert len(frames) == pytest.approx(30.0 * found.time[-1], abs=2)
     assert np.abs(frames[0].astype(int) - frames[-1]).max() > 50  # something has moved
-    Image.fromarray(frames[len(frames) // 2])
 
 
 def test_a_page_plays_the_samples(found, tmp_path):
@@ -126,7 +121,6 @@ def test_the_window_hands_its_history_back(monkeypatch, own_folder):
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     monkeypatch.setattr("softcradle.sandbox.window.app.App.run", run)
     (history,) = play(scenes.load("one-on-four"), size=(960, 540))
-    assert isinstance(history, Trajectory)
     assert history.chain == scenes.load("one-on-four").lanes[0].chain()
 
 

@@ -34,7 +34,6 @@ class TagChecker(HTMLParser):
 
 
 def page_data(text):
-    """The data of a page."""
     return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.DOTALL)[1])
 
 

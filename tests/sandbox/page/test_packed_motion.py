@@ -39,8 +39,7 @@ def test_lines_between_samples_follow_the_recorded_motion(name):
             (values["stored"][:, None], found.stored[:, None], LINE_ERROR * scales.energy),
         ):
             for k in range(true.shape[1]):
-                lines = np.interp(found.time, values["time"], read[:, k])
-                apart = np.abs(lines - true[:, k])
+                apart = np.abs(np.interp(found.time, values["time"], read[:, k]) - true[:, k])
                 # a jump lies between two times that are one as floats of the page
                 near_jump = np.abs(found.time[:, None] - found.time[_jumps(true[:, k], error)]).min(axis=1, initial=1e9)
                 assert apart[near_jump > 1e-6 * found.time[-1]].max() < 1.2 * error
@@ -86,29 +85,23 @@ def test_what_rests_is_at_rest():
     assert (values["force"][before] == 0.0).all()
 
 
-def test_what_is_too_much_for_a_page_is_a_sentence(monkeypatch):
-    monkeypatch.setattr("softcradle.sandbox.page.data.USUAL_BYTES", 400)
-    monkeypatch.setattr("softcradle.sandbox.page.data.MOST_BYTES", 500)
-    motion = played("one-on-four")
-    with pytest.raises(UserError, match="5 beads is too much for one page"):
-        packed_lanes(motion.motions, motion.scales)
-
-
-def test_a_motion_that_needs_too_many_samples_gets_coarser_ones(monkeypatch):
+def test_a_motion_that_needs_too_many_samples_gets_coarser_ones_or_is_refused(monkeypatch):
     motion = played("one-on-four")
     (fine,) = packed_lanes(motion.motions, motion.scales)
     monkeypatch.setattr("softcradle.sandbox.page.data.USUAL_BYTES", 8000)
     (coarse,) = packed_lanes(motion.motions, motion.scales)
     assert coarse["rows"] < fine["rows"]
     assert len(coarse["data"]) <= 8000 * 4 / 3 + 4
+    monkeypatch.setattr("softcradle.sandbox.page.data.USUAL_BYTES", 400)
+    monkeypatch.setattr("softcradle.sandbox.page.data.MOST_BYTES", 500)
+    with pytest.raises(UserError, match="5 beads is too much for one page"):
+        packed_lanes(motion.motions, motion.scales)
 
 
 def test_a_trajectory_of_few_samples_is_played_as_it_is():
     scene = load_scene("one-on-four")
-    chain = one_on(4, power_law(1.0, 0.1))
-    found = simulate(chain, [1, 0, 0, 0, 0], duration=1.0, samples=3)
-    motion = played_motion(scene, [found])
-    assert motion.motions[0].time[-3:].tolist() == [0.0, 0.5, 1.0]
+    found = simulate(one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0], duration=1.0, samples=3)
+    assert played_motion(scene, [found]).motions[0].time[-3:].tolist() == [0.0, 0.5, 1.0]
 
 
 def test_thinned_curves_keep_their_jumps():

@@ -57,7 +57,6 @@ def test_it_computes_and_draws(pages, tmp_path, size, dark):
 
 
 def said_by_firefox(profile, page, size):
-    """What the page has logged."""
     environment = {**os.environ, "MOZ_HEADLESS_WIDTH": str(size[0]), "MOZ_HEADLESS_HEIGHT": str(size[1])}
     command = [FIREFOX, "--headless", "--no-remote", "--profile", str(profile), page.as_uri()]
     with subprocess.Popen(

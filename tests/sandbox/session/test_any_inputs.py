@@ -17,7 +17,6 @@ EDITS = st.lists(INPUTS, min_size=5, max_size=25)
 
 
 def given_to(session: Session, item: Input) -> bool:
-    """Whether the session takes an input, or refuses it."""
     try:
         session.apply(fitted(item, session))
     except ValueError:

@@ -110,20 +110,17 @@ def test_slices_are_the_frames_one_by_one(edited):
     edited.scrub_frame(last)
 
 
-def test_slices_end_at_the_frame_shown(edited):
+def test_slices_end_at_the_frame_shown_and_the_last_begins_where_the_chain_was_last_changed(edited):
     last = edited.frame
+    part = last_slice(edited.history, 0, last)
+    assert part.first == last - FRAMES
+    assert (np.diff(part.time) > 0.0).all()
+    assert (part.overlap[-1] == edited.lanes[0].state.overlap).all()
     edited.scrub_frame(last - 50)
     slices = edited.history_slices(1, 30)
     assert slices[-1].time[-1] == edited.time
     assert sum(len(part.time) for part in slices) == 30
     edited.scrub_frame(last)
-
-
-def test_the_last_slice_begins_where_the_chain_was_last_changed(edited):
-    part = last_slice(edited.history, 0, edited.frame)
-    assert part.first == edited.frame - FRAMES
-    assert (np.diff(part.time) > 0.0).all()
-    assert (part.overlap[-1] == edited.lanes[0].state.overlap).all()
 
 
 def test_slices_are_thinned_and_follow_changes_of_the_number_of_beads():

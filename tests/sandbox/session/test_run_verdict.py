@@ -18,7 +18,6 @@ LIVE = [method.name for method in METHODS if method.name != "scipy"]
 
 
 def worst_of(session, frames=600):
-    """The worst health in `frames` frames."""
     found = []
     for _ in range(frames // 20):
         session.step_frames(20)
@@ -67,8 +66,7 @@ def test_every_method_can_be_switched_to_while_it_runs(method):
 
 @pytest.mark.parametrize("method", ["euler", "verlet", "yoshida4", "pymunk"])
 def test_contacts_that_only_seem_to_stay_closed_are_chatter(method):
-    session = opened("draft-gear-one-on-three", inputs.SetMethod(0, method))
-    health = worst_of(session)
+    health = worst_of(opened("draft-gear-one-on-three", inputs.SetMethod(0, method)))
     assert health.chatter > MOST_CHATTER
     assert health.level == "bad"
     assert method in health.sentence
@@ -76,35 +74,23 @@ def test_contacts_that_only_seem_to_stay_closed_are_chatter(method):
 
 
 def test_too_large_a_step_of_an_explicit_method_is_bad():
-    edits = (
-        inputs.SetSlow(1.0),
-        inputs.SetMethod(0, "euler"),
-        inputs.SetStep(0, 0.05),
-        inputs.SetContact(0, None, hertz(1e7)),
-    )
-    session = opened("hertz-cradle", *edits)
+    hard = inputs.SetContact(0, None, hertz(1e7))
+    session = opened("hertz-cradle", inputs.SetSlow(1.0), inputs.SetMethod(0, "euler"), inputs.SetStep(0, 0.05), hard)
     health = worst_of(session, 240)
     assert health.level == "bad"
     assert "smaller step" in health.sentence
 
 
 def test_velocities_of_steps_longer_than_a_contact_are_called_arbitrary():
-    session = opened(
-        "hertz-cradle", inputs.SetSlow(1.0), inputs.SetContact(0, None, hertz(1e9)), inputs.SetStep(0, 1.0)
-    )
-    health = session.health(0)
+    hard = inputs.SetContact(0, None, hertz(1e9))
+    health = opened("hertz-cradle", inputs.SetSlow(1.0), hard, inputs.SetStep(0, 1.0)).health(0)
     assert health.steps_a_contact < 1.0
     assert (health.level, "arbitrary" in health.sentence) == ("bad", True)
 
 
 def test_a_method_that_blows_up_is_stopped_and_reported():
-    edits = (
-        inputs.SetSlow(1.0),
-        inputs.SetMethod(0, "euler"),
-        inputs.SetStep(0, 1.0),
-        inputs.SetContact(0, None, Contact(0.0, 1e12, 10.0)),
-    )
-    session = opened("hertz-cradle", *edits, inputs.SetVelocity(0, 0, 1e3))
+    fast = inputs.SetContact(0, None, Contact(0.0, 1e12, 10.0)), inputs.SetVelocity(0, 0, 1e3)
+    session = opened("hertz-cradle", inputs.SetSlow(1.0), inputs.SetMethod(0, "euler"), inputs.SetStep(0, 1.0), *fast)
     session.play()
     for _ in range(240):
         session.tick(1 / 60)

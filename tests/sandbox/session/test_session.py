@@ -225,11 +225,9 @@ FRAMES = 6
 
 
 @pytest.mark.parametrize("scene", ["train-solid", "train-shunting", "train-starting"])
-def test_the_reference_plays_trains(scene: str) -> None:
+def test_the_reference_plays_trains(scene):
     """Frames of trains took it seconds, and more than it may."""
-    session = opened(scene)
-    for lane in range(len(session.lanes)):
-        session.apply(SetMethod(lane, "scipy"))
+    session = opened(scene, SetMethod(None, "scipy"))
     for _ in range(FRAMES):
         session.step_frames(1)
         assert not any(lane.warning for lane in session.lanes)
@@ -238,8 +236,7 @@ def test_the_reference_plays_trains(scene: str) -> None:
 def test_the_reference_takes_a_bounded_work_in_a_frame(monkeypatch: pytest.MonkeyPatch) -> None:
     """What it does not finish is moved on by `conserving`, and the lane says so."""
     monkeypatch.setattr(live_lane, "REFERENCE_STEPS", 5)
-    session = opened("train-shunting")
-    session.apply(SetMethod(0, "scipy"))
+    session = opened("train-shunting", SetMethod(0, "scipy"))
     session.step_frames(FRAMES)
     assert session.time == pytest.approx(FRAMES * session.setup.frame_time)
     assert np.isfinite(session.lanes[0].velocity).all()

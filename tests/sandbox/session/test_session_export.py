@@ -143,20 +143,20 @@ def test_beads_that_touch_are_a_length_apart():
     assert [float(row[3]) for row in rows[2:7]] == places
 
 
-def written(folder: Path, text: str) -> Path:
+TABLES = (
+    "t,v0,v1\n0,1,0\n0.5,0.5,\n1,0,1\n",
+    "t;v0;v1\n0;1;0\n0,5;0,5;\n1;0;1\n",
+    "t\tv0\tv1\n\n0\t1\t0\n.5\t.5\t\n1\t0\t1\n",
+)
+
+
+def written(folder: Path, text: str | bytes) -> Path:
     path = folder / "track.csv"
-    path.write_text(text, encoding="utf-8")
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
     return path
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "t,v0,v1\n0,1,0\n0.5,0.5,\n1,0,1\n",
-        "t;v0;v1\n0;1;0\n0,5;0,5;\n1;0;1\n",
-        "t\tv0\tv1\n\n0\t1\t0\n.5\t.5\t\n1\t0\t1\n",
-    ],
-)
+@pytest.mark.parametrize("text", TABLES)
 def test_commas_semicolons_and_tabs_part_columns(tmp_path, text):
     data = load_measured(written(tmp_path, text))
     assert data.columns == ("v0", "v1")
@@ -176,16 +176,11 @@ def test_commas_semicolons_and_tabs_part_columns(tmp_path, text):
         ("t,v\n0,1\n1,inf\n", "'v' in row 3 is 'inf'"),
         ("t,v\n0,1\n,2\n", "'t' in row 3 is ''"),
         ("t,v\n0,1\n1,2,3\n", "row 3 has 3 cells, and 2 names"),
+        (b"\xff\xfe\x00", "UTF-8"),
     ],
 )
 def test_what_is_no_table_is_refused_in_a_sentence(tmp_path, text, sentence):
     with pytest.raises(UserError, match=sentence):
         load_measured(written(tmp_path, text))
-
-
-def test_a_missing_file_and_bytes_are_refused(tmp_path):
     with pytest.raises(UserError, match="cannot read"):
         load_measured(tmp_path / "none.csv")
-    (tmp_path / "bytes.csv").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(UserError, match="UTF-8"):
-        load_measured(tmp_path / "bytes.csv")

@@ -7,7 +7,6 @@ from itertools import product
 import numpy as np
 import pytest
 from softcradle.physics import simulate
-from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies import experiment
 from softcradle.sandbox.studies.experiment import PISTON, PRECOMPRESSION, STIFFNESS, Apparatus, piston_deficits
 from softcradle.sandbox.studies.figures import train
@@ -30,8 +29,7 @@ def test_scenes_have_the_fitted_friction_and_a_loss_that_takes_the_energy_and_co
         assert experiment.ENERGY_DEFICIT[0] <= lost.energy <= experiment.ENERGY_DEFICIT[1]
         found = simulate(chain, lane.velocity, 1.5)
         assert (found.velocity[-1] == 0.0).all()
-        targets = found.position[-1, strikers:]
-        assert np.ptp(targets) < 1e-6  # they came to rest together
+        assert np.ptp(found.position[-1, strikers:]) < 1e-6  # they came to rest together
         assert found.absorbed_by_bed[-1] + found.absorbed_by_contacts[-1] == pytest.approx(found.ledger[0], rel=1e-9)
 
 
@@ -71,25 +69,19 @@ def test_figure_of_the_train():
 
 def test_caught_pistons_take_energy_and_no_momentum():
     """20 g take 9.2 % of one on three's energy without a bed: m_p/(m + m_p) at each of two catches."""
-    momentum, energy = piston_deficits(1, 0.5, Apparatus(STIFFNESS, PRECOMPRESSION, 0.0), PISTON, 0.0)
+    setup = Apparatus(STIFFNESS, PRECOMPRESSION, 0.0)
+    momentum, energy = piston_deficits(1, 0.5, setup, PISTON, 0.0)
     assert abs(momentum) < 1e-12
     share = PISTON / (experiment.MASS[0] + PISTON)
     assert energy == pytest.approx(2.0 * share, rel=0.06)
-    assert piston_deficits(1, 0.5, Apparatus(STIFFNESS, PRECOMPRESSION, 0.0), 1e-9, 0.0) == pytest.approx(
-        (0.0, 0.0), abs=1e-8
-    )
-
-
-def test_lines_at_the_cameras_frames_find_the_velocities_where_nothing_slows():
-    setup = Apparatus(STIFFNESS, PRECOMPRESSION, 0.0)
     moments, lines = (piston_deficits(1, 0.5, setup, 1e-9, window) for window in (0.0, 0.02))
-    assert lines == pytest.approx(moments, abs=1e-7)
+    assert moments == pytest.approx((0.0, 0.0), abs=1e-8)
+    assert lines == pytest.approx(moments, abs=1e-7)  # at the camera's frames, where nothing slows
 
 
-def test_the_command_finds_what_friction_and_pistons_explain_and_what_not(capsys, tmp_path):
+def test_the_command_finds_what_friction_and_pistons_explain_and_what_not(softcradle, tmp_path):
     """One coefficient gives both momenta but not the energies; with pistons both are those stated. v_c goes as sqrt(k) Delta0."""
-    assert main(["experiment", "-o", str(tmp_path / "x.json")]) == 0
-    shown = capsys.readouterr().out
+    shown = softcradle("experiment", "-o", str(tmp_path / "x.json")).out
     assert "1.013 ± 0.004 m/s" in shown
     assert "pistons of 20 g" in shown
     printed = json.loads((tmp_path / "x.json").read_text(encoding="utf-8"))

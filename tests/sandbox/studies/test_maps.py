@@ -1,6 +1,7 @@
 """Maps of rigid-like behaviour: a point is what `simulate` gives, and gears are rigid below the critical speed."""
 
 import csv
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -144,11 +145,8 @@ def test_white_cells_are_white_at_a_hundredth_of_the_tolerance():
     scanned, _ = rigidity_maps(12, 20)
     sides = []
     for tolerance in (rigidity_scan.TOLERANCE, 0.01 * rigidity_scan.TOLERANCE):
-        points = [
-            rigidity_scan.point_numbers("power-law", tolerance, alpha, n)
-            for n in (2, 5, 12)
-            for alpha in scanned.values
-        ]
+        cases = itertools.product(scanned.values, (2, 5, 12))
+        points = [rigidity_scan.point_numbers("power-law", tolerance, alpha, n) for alpha, n in cases]
         sides.append([point[key] < 1e-3 for point in points for key in point if key.startswith("rigidity")])
     assert sides[0] == sides[1]
     assert 0 < sum(sides[0]) < len(sides[0])

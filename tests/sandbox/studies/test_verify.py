@@ -16,22 +16,19 @@ from tests.helpers.paths import ROOT
 
 
 def test_every_number_is_met(capsys):
-    """As the command says, which is what a user has."""
     assert main(["verify", "--json"]) == 0, capsys.readouterr().out
     rows = json.loads(capsys.readouterr().out)["numbers"]
     assert len({row["name"] for row in rows}) == len(rows) == len(verify.known_numbers())
     assert all(row["met"] and row["source"] for row in rows)
 
 
-def test_a_number_that_is_missed_is_said(capsys, monkeypatch):
+def test_a_number_that_is_missed_is_said(softcradle, monkeypatch):
     wrong = KnownNumber("two", 2.0, "counting", lambda: 2.1, 0.01)
     monkeypatch.setattr(verify, "known_numbers", lambda: [wrong])
-    assert main(["verify"]) == 1
-    shown = capsys.readouterr().out
+    shown = softcradle("verify", code=1).out
     assert "missed" in shown
     assert "1e-02" in shown  # the bound, of every row
-    assert main(["verify", "--json"]) == 1
-    row = json.loads(capsys.readouterr().out)["numbers"][0]
+    row = json.loads(softcradle("verify", "--json", code=1).out)["numbers"][0]
     assert row["allowed"] == 0.01
     assert row["met"] is False
     assert row["error"] == pytest.approx(0.05)
@@ -46,13 +43,10 @@ def named(kind: str) -> set[str]:
     return {name for text in lists for name in re.findall(r"`([^`]+)`", text)}
 
 
-def test_claims_figures_and_scenes_exist():
+def test_what_the_page_names_exists_by_the_names_of_a_wheel():
     assert named("claim") == {claim.name for claim in CLAIMS}  # and none is missing
     assert named("figure") == {figure.name for figure in FIGURES}
     assert named("scene") <= set(scenes.names())
-
-
-def test_paths_exist_and_are_those_of_a_wheel():
     for path in re.findall(r"`([a-z]+/[\w/]+\.py)`", PAGE):
         assert path.startswith("tests/")  # what is no test is named as it is imported
         assert (ROOT / path).is_file(), path

@@ -23,11 +23,7 @@ pytestmark = [pytest.mark.own_process, pytest.mark.filterwarnings("ignore")]
 
 COUNT = 300
 POINTS = sobol({"a": (0.0, 1.0), "n": (1, 4, "whole")}, COUNT, seed=5)
-QUICK = {
-    "DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT": "20s",
-    "DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL": "120s",
-    "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "3",
-}
+QUICK = {"COMM__TIMEOUTS__CONNECT": "20s", "SCHEDULER__WORKER_TTL": "120s", "SCHEDULER__ALLOWED_FAILURES": "3"}
 COORDINATOR = """
 import sys
 from softcradle.sandbox.sweeps import sweep
@@ -38,20 +34,17 @@ sweep(logged, POINTS, output=sys.argv[1], scheduler=sys.argv[2], chunk_seconds=0
 
 
 class Cluster:
-    """A scheduler on this machine and its workers, each a process."""
-
     def __init__(self, log: Path) -> None:
-        self._environment = os.environ | QUICK | {"PYTHONPATH": str(ROOT), LOG: str(log)}
+        quick = {f"DASK_DISTRIBUTED__{name}": value for name, value in QUICK.items()}
+        self._environment = os.environ | quick | {"PYTHONPATH": str(ROOT), LOG: str(log)}
         self._told, self._place = (log.parent / "told").open("wb"), log.parent / "scheduler.json"
         self.processes: list[subprocess.Popen[bytes]] = []
         self.start_scheduler()
 
     def start(self, *words: str) -> subprocess.Popen[bytes]:
-        started = subprocess.Popen(
-            [sys.executable, *words], env=self._environment, stdout=subprocess.DEVNULL, stderr=self._told
-        )
-        self.processes.append(started)
-        return started
+        kept = {"env": self._environment, "stdout": subprocess.DEVNULL, "stderr": self._told}
+        self.processes.append(subprocess.Popen([sys.executable, *words], **kept))
+        return self.processes[-1]
 
     def start_scheduler(self) -> None:
         """On a port that is free, which it writes into a file."""
@@ -127,9 +120,8 @@ def test_killed_and_resumed_it_is_equal_bit_for_bit(cluster, tmp_path, caplog):
                 kill(process)
 
     options = {"output": output, "chunk_seconds": 0.05}
-    with pytest.raises(
-        StudyError, match=rf"^lost the scheduler at {cluster.address}; \d+ points are kept in .*partial; the"
-    ):
+    lost = rf"^lost the scheduler at {cluster.address}; \d+ points are kept in .*partial; the"
+    with pytest.raises(StudyError, match=lost):
         sweep(logged, POINTS, progress=strike, scheduler=cluster.address, **options)
     assert 0 < reached[0] < 0.6 * COUNT < reached[-1] < COUNT
     assert f"{reached[0]} of {COUNT} points are in {kept} and not computed again" in caplog.text

@@ -5,7 +5,6 @@ import locale
 import os
 import sys
 from functools import partial
-from pathlib import Path
 
 import pygame
 import pytest
@@ -14,11 +13,9 @@ from pygame_gui.elements import UITooltip
 from softcradle.sandbox.session.export import shared_text
 from softcradle.sandbox.session.inputs import SetMethod
 from softcradle.sandbox.window.display import SMALLEST
-from softcradle.sandbox.window.gallery.page import GalleryPage
 from softcradle.sandbox.window.settings import Settings, settings_path
 
 from softcradle import scenes
-from tests.helpers.drawn_text import drawn_texts
 from tests.helpers.windows import Driver
 from tools import screenshots
 
@@ -38,9 +35,7 @@ def test_help_covers_the_page_and_is_closed_by_a_key_and_the_loop_ends(driver: D
 
 
 def shown_help(driver: Driver) -> dict[str, pygame.Rect]:
-    with drawn_texts(driver.app.size) as texts:
-        driver.app.paint()
-    return {one.text: one.rect for one in texts}
+    return {one.text: one.rect for one in driver.texts()}
 
 
 def test_the_help_grows_with_the_scale_and_is_scrolled(driver: Driver) -> None:
@@ -87,6 +82,10 @@ def test_the_window_is_resized_and_scaled_and_its_panel_hidden(driver: Driver) -
         driver.resize(size)
         driver.frames(3)
         assert driver.app.size == size
+    for _ in range(2):
+        driver.key(pygame.K_F11)  # the whole screen, and back
+        driver.frames(2)
+    assert driver.app.size == (1280, 720)
     driver.resize((300, 200))
     driver.frames(3)
     assert driver.app.size == SMALLEST
@@ -96,12 +95,11 @@ def test_the_window_is_resized_and_scaled_and_its_panel_hidden(driver: Driver) -
     wide = driver.page.view.places.lanes[0].width
     driver.key(pygame.K_i)
     assert driver.page.view.places.lanes[0].width > wide
-
-
-def test_the_scale_is_remembered(driver: Driver) -> None:
+    driver.key(pygame.K_0, CTRL)
+    driver.resize((1280, 720))
     driver.key(pygame.K_EQUALS, CTRL)
     driver.close()
-    assert Driver("one-on-four").app.scale == 1.15
+    assert Driver("one-on-four").app.scale == 1.15  # remembered
 
 
 def test_values_below_the_pointer_do_not_shine_through_a_dialog(driver: Driver) -> None:
@@ -133,13 +131,6 @@ def test_a_scene_is_read_from_standard_input_the_command_line_or_a_drop(form, mo
         pygame.event.post(pygame.Event(pygame.DROPTEXT, text=text))
         driver.frames(2)
     assert driver.session.scene == scene
-
-
-def test_a_broken_file_is_a_message_in_the_gallery_at_once(tmp_path: Path) -> None:
-    (tmp_path / "bad.toml").write_text("title = 3")
-    driver = Driver(str(tmp_path / "bad.toml"))
-    assert isinstance(driver.app.page, GalleryPage)
-    assert any("bad.toml" in text for text in driver.messages)
 
 
 def test_the_chooser_of_files_opens_where_the_locale_is_not_installed(monkeypatch: pytest.MonkeyPatch) -> None:

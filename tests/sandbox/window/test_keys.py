@@ -1,7 +1,5 @@
 """The table of keys, and the whole of a lesson without a mouse."""
 
-from pathlib import Path
-
 import pygame
 import pytest
 from pygame_gui.elements import UIButton, UIDropDownMenu, UITextEntryLine
@@ -29,11 +27,9 @@ def test_a_key_that_is_held_repeats_only_what_is_gradual():
     driver = Driver("one-on-four")
 
     def hold(code, times=5):
-        for _ in range(times):
-            pygame.event.post(pygame.Event(pygame.KEYDOWN, key=code, mod=0, unicode="", scancode=0))
-        driver.frames()
-        pygame.event.post(pygame.Event(pygame.KEYUP, key=code, mod=0, unicode="", scancode=0))
-        driver.frames()
+        for kind in (*[pygame.KEYDOWN] * times, pygame.KEYUP):
+            pygame.event.post(pygame.Event(kind, key=code, mod=0, unicode="", scancode=0))
+        driver.frames(2)
 
     hold(pygame.K_PERIOD)
     assert driver.session.frame == 5
@@ -43,6 +39,9 @@ def test_a_key_that_is_held_repeats_only_what_is_gradual():
     driver.key(pygame.K_RIGHT)
     hold(pygame.K_a)
     assert len(driver.session.lanes[0].chain.mass) == beads + 1
+    driver.click(driver.page.inspector.controls["mass"].entry.rect.center)
+    driver.key(pygame.K_RETURN)
+    assert pygame.key.get_repeat() == REPEAT  # also after something was typed
     hold(pygame.K_SPACE, 4)
     assert driver.session.playing
 
@@ -124,11 +123,7 @@ def test_every_group_is_shown_and_every_text_fits_into_its_column(code):
     assert not [text for text in keys if width(text, 13.0, bold=True) + 10 > KEYS_ROOM]
 
 
-CTRL, SHIFT = pygame.KMOD_CTRL, pygame.KMOD_SHIFT
-
-
 def focus(driver: Driver, wanted) -> None:
-    """Press Tab until the control is reached."""
     for _ in range(len(driver.app.focus.controls()) + 1):
         driver.key(pygame.K_TAB)
         control = driver.app.focus.control
@@ -137,7 +132,7 @@ def focus(driver: Driver, wanted) -> None:
     raise AssertionError("Tab does not reach it")
 
 
-def test_a_lesson_without_a_mouse(tmp_path: Path) -> None:
+def test_a_lesson_without_a_mouse(tmp_path) -> None:
     driver = Driver()
     driver.key(pygame.K_f, CTRL)
     driver.type("four")
@@ -205,10 +200,3 @@ def test_keys_move_a_slider(driver: Driver, key: int, by: float) -> None:
     driver.frames(2)
     assert slider.get_current_value() == pytest.approx(min(max(before + by, 0.0), 1.0), abs=2e-3)
     assert (driver.session.lanes[0].velocity[2] > speed) == (by > 0.0)
-
-
-def test_keys_that_are_held_repeat_after_something_was_typed(driver: Driver) -> None:
-    driver.click(driver.bead(1))
-    driver.click(driver.page.inspector.controls["mass"].entry.rect.center)
-    driver.key(pygame.K_RETURN)
-    assert pygame.key.get_repeat() == REPEAT

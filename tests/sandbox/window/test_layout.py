@@ -25,9 +25,8 @@ SCALES = (0.8, 1.0, 1.3, 1.5, 2.0)
 CASES = [
     *((size, "en", True) for size in SIZES),
     *((size, code, True) for code in ("de", "fr") for size in (SIZES[0], SIZES[2])),
-    *(
-        (size, code, False) for code in ("de", "fr") for size in ((1024, 600), (1280, 800))
-    ),  # few controls, at true 200 %
+    # few controls, at true 200 %
+    *((size, code, False) for code in ("de", "fr") for size in ((1024, 600), (1280, 800))),
 ]
 
 
@@ -50,7 +49,6 @@ def _film(driver: Driver) -> None:
 
 
 def _end(driver: Driver) -> None:
-    """The card below the beads."""
     _select(driver, None)
     driver.page.outcome.show_outcome()
 
@@ -65,19 +63,13 @@ PAGES: dict[str, tuple[str | None, Callable[[Driver], None]]] = {
     "a contact of two lanes": ("beads-against-gear", lambda driver: _select(driver, Pick(1, "contact", 0), plots=True)),
     "a train": ("train-braking", lambda driver: _select(driver, Pick(0, "contact", 1))),
     "values": ("one-on-ten", lambda driver: _select(driver, Pick(0, "bead", 9), plots=True, values=True)),
-    "values of two lanes": (
-        "beads-against-gear",
-        lambda driver: _select(driver, Pick(1, "contact", 2), plots=True, values=True),
-    ),
+    "values of two lanes": ("beads-against-gear", lambda driver: _select(driver, Pick(1, "contact", 2), True, True)),
     "values of a train": ("train-braking", lambda driver: _select(driver, Pick(0, "bead", 1), plots=True, values=True)),
     "film": ("three-on-five", _film),
     "the end": ("two-on-two", _end),
     "the end of two": ("steel-and-soft", _end),
     "cradle": ("hanging-cradle", lambda driver: None),
-    "question": (
-        "one-on-four",
-        lambda driver: driver.app.choose("Keep it?", "A note. " * 30, dict.fromkeys("abc", list)),
-    ),
+    "question": ("one-on-four", lambda driver: driver.app.choose("Keep?", "A note. " * 30, dict.fromkeys("abc", list))),
     "menu": ("one-on-four", lambda driver: driver.app.act("tools")),
     "path": ("one-on-four", lambda driver: driver.page.dialogs.ask("export")),
     "words": ("steel-and-soft", lambda driver: driver.page.ask_words()),
@@ -85,7 +77,6 @@ PAGES: dict[str, tuple[str | None, Callable[[Driver], None]]] = {
 
 
 def faults_of_texts(driver: Driver) -> list[str]:
-    """What is wrong with the texts that are drawn: they leave the window or the panel, or lie below a control."""
     app, window, texts = driver.app, pygame.Rect((0, 0), driver.app.size), driver.texts()
     assert texts
     if app.dialog is not None and app.dialog.open:
@@ -109,7 +100,6 @@ def faults_of_texts(driver: Driver) -> list[str]:
 
 
 def faults_of_cradle(driver: Driver) -> list[str]:
-    """What is wrong with the parts of the cradle's page that are no widgets."""
     page = driver.app.page
     return [
         f"the name of a cradle {lane} lies on its beam {rect}"
@@ -119,13 +109,11 @@ def faults_of_cradle(driver: Driver) -> list[str]:
 
 
 def _words(dialog) -> set[str]:
-    """The texts of a dialog."""
     lines = dialog._lines() if hasattr(dialog, "_lines") else []
     return {getattr(dialog, "title", ""), *lines}
 
 
 def faults_of_scene(driver: Driver) -> list[str]:
-    """What is wrong with the parts of a scene's page that are no widgets."""
     page, unit, found = driver.page, driver.app.unit, []
     places, inspector, controls = page.view.places, page.inspector, page.time_controls
     if page.toolbar.title_room < 60 * unit and page.film.film is None:
@@ -155,9 +143,7 @@ def faults_of_scene(driver: Driver) -> list[str]:
 
 
 @pytest.mark.parametrize(("size", "code", "lab"), CASES, ids=str)
-def test_nothing_overlaps_or_is_cut(
-    size: tuple[int, int], code: str, lab: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_nothing_overlaps_or_is_cut(size, code, lab, monkeypatch) -> None:
     monkeypatch.setenv("LANGUAGE", code)
     driver = Driver(lab=lab)
     starts = dict.fromkeys(start for start, _ in PAGES.values())

@@ -27,7 +27,6 @@ class Adapter:
 
 @pytest.fixture
 def spoken(driver: Driver, monkeypatch: pytest.MonkeyPatch):
-    """The driver, and all that is said."""
     kit = SimpleNamespace(unix=SimpleNamespace(Adapter=Adapter))
     monkeypatch.setitem(sys.modules, "accesskit", kit)
     monkeypatch.setattr(screen_reader.sys, "platform", "linux")

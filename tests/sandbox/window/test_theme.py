@@ -3,7 +3,6 @@
 import ctypes
 import itertools
 import weakref
-from pathlib import Path
 from unittest.mock import Mock
 
 import numpy as np
@@ -67,12 +66,11 @@ def test_settings_that_cannot_be_read_are_the_usual_ones():
         assert Settings.load().theme == "light"
 
 
-def test_the_open_dialog_offers_the_files_of_before(tmp_path: Path):
+def test_the_open_dialog_offers_the_files_of_before(tmp_path):
     driver = Driver("one-on-four")
     for k in range(MOST_RECENT + 2):
         driver.page.dialogs.save("save_scene", f"mine-{k}.toml")
-    newest = str((tmp_path / f"mine-{MOST_RECENT + 1}.toml").resolve())
-    assert Settings.load().recent[0] == newest
+    assert Settings.load().recent[0] == str((tmp_path / f"mine-{MOST_RECENT + 1}.toml").resolve())
     driver.key(pygame.K_o, pygame.KMOD_CTRL)
     dialog = driver.app.dialog
     assert len(dialog.rows) == MOST_RECENT
@@ -86,7 +84,6 @@ def test_the_open_dialog_offers_the_files_of_before(tmp_path: Path):
 
 
 def test_no_widget_of_a_selection_that_is_gone_stays_behind_a_dialog():
-    """Though both keys come within one frame."""
     driver = Driver("one-on-four")
     driver.click(driver.bead(2))
     driver.frames(3)

@@ -10,47 +10,25 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from softcradle.physics import Trajectory
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(
-        not (shutil.which("Xvfb") and shutil.which("xdotool")), reason="needs Xvfb and xdotool, which CI installs"
-    ),
-]
+from softcradle import scenes
+
+HERE = shutil.which("Xvfb") and shutil.which("xdotool")
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(not HERE, reason="needs Xvfb and xdotool, which CI installs")]
 LONGEST_WORK = 120.0  # s of processor time that a step may take: however busy the machine is, the window needs no more
 # s of wall time on a machine with nothing else to do, in which a step that waits for nothing is done
 LONGEST_IDLE = 60.0
 BUSY = 0.5  # load for each core, above which time on the wall says nothing
 
 
-@pytest.fixture
-def display() -> Iterator[str]:
-    reading, writing = os.pipe()
-    server = subprocess.Popen(
-        # without -noreset it starts anew whenever its last client has left, and refuses who comes in that moment
-        ["Xvfb", "-displayfd", str(writing), "-screen", "0", "1400x900x24", "-nolisten", "tcp", "-noreset"],
-        pass_fds=(writing,),
-        stderr=subprocess.DEVNULL,
-    )
-    os.close(writing)
-    with os.fdopen(reading) as output:
-        number = output.readline().strip()
-    yield f":{number}"
-    server.kill()
-    server.wait()
-
-
 class Screen:
-    """A softcradle process on a display, with a folder of its own."""
-
     def __init__(self, display: str, folder: Path) -> None:
         self.folder = folder
         self.environment = {**os.environ, "DISPLAY": display, "SDL_VIDEODRIVER": "x11", "SDL_AUDIODRIVER": "dummy"}
-        self.log = folder / "stderr.txt"
+        self.log, command = folder / "stderr.txt", [sys.executable, "-m", "softcradle"]
         with self.log.open("wb") as log:
-            self.process = subprocess.Popen(
-                [sys.executable, "-m", "softcradle"], cwd=folder, env=self.environment, stderr=log
-            )
+            self.process = subprocess.Popen(command, cwd=folder, env=self.environment, stderr=log)
         self.window = self.until(lambda: self.tool("search", "--onlyvisible", "--class", ".").split())[0]
         self.tool("windowfocus", "--sync", self.window)
 
@@ -70,12 +48,10 @@ class Screen:
         return result if isinstance(result, list) else []
 
     def work(self) -> float:
-        """Seconds of processor time that the process has taken."""
         fields = Path(f"/proc/{self.process.pid}/stat").read_text().rpartition(")")[2].split()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
     def shows(self, title: str) -> None:
-        """Wait until the window shows the page of that title."""
         self.until(lambda: self.tool("getwindowname", self.window).startswith(title))
 
     def key(self, *names: str) -> None:
@@ -101,27 +77,30 @@ class Screen:
         time.sleep(0.3)
 
     def type_path(self, text: str) -> Path:
-        """Type the name of a file into the box that is open."""
         self.key("ctrl+a")
         self.tool("type", "--window", self.window, "--delay", "30", text)
         self.key("Return")
         return self.folder / text
 
 
-def test_a_scene_is_played_on_a_screen(display: str, tmp_path: Path) -> None:
-    screen = Screen(display, tmp_path)
-    try:
-        _play(screen, tmp_path)
-    finally:
-        screen.process.kill()
-        screen.process.wait()
+@pytest.fixture
+def screen(tmp_path: Path) -> Iterator[Screen]:
+    reading, writing = os.pipe()
+    # without -noreset it starts anew whenever its last client has left, and refuses who comes in that moment
+    words = ["-displayfd", str(writing), "-screen", "0", "1400x900x24", "-nolisten", "tcp", "-noreset"]
+    with subprocess.Popen(["Xvfb", *words], pass_fds=(writing,), stderr=subprocess.DEVNULL) as server:
+        os.close(writing)
+        try:
+            with os.fdopen(reading) as output:
+                made = Screen(f":{output.readline().strip()}", tmp_path)
+            yield made
+            made.process.kill()
+            made.process.wait()
+        finally:
+            server.kill()
 
 
-def _play(screen: Screen, tmp_path: Path) -> None:
-    from softcradle.physics import Trajectory
-
-    from softcradle import scenes
-
+def test_a_scene_is_played_on_a_screen(screen: Screen, tmp_path: Path) -> None:
     screen.key("ctrl+o")
     screen.type_path("one-on-four")
     screen.shows("One bead on four")
@@ -133,8 +112,7 @@ def _play(screen: Screen, tmp_path: Path) -> None:
     screen.key("space")
     screen.until(lambda: _beyond(screen, exported, 1.5))
     screen.drag((600, 180), (760, 180))
-    moved = Trajectory.load(str(exported))
-    assert moved.velocity[0, 0] == 1.0
+    assert Trajectory.load(str(exported)).velocity[0, 0] == 1.0
     # scrub to the beginning, change the method, add a bead, save
     screen.key("space")
     screen.drag((900, 652), (28, 652))
@@ -145,8 +123,7 @@ def _play(screen: Screen, tmp_path: Path) -> None:
     assert len(scene.lanes[0].chain().mass) == 6
     assert scene.method == "euler"
     screen.key("ctrl+shift+s")
-    session = screen.type_path("played.npz")
-    screen.until(session.exists)
+    screen.until(screen.type_path("played.npz").exists)
     # reload both, quit
     screen.key("Escape")  # deselects
     for name in ("mine.toml", "played.npz"):
@@ -166,9 +143,6 @@ def _play(screen: Screen, tmp_path: Path) -> None:
 
 
 def _beyond(screen: Screen, file: Path, seconds: float) -> bool:
-    """Whether an export, made now, reaches beyond `seconds`."""
-    from softcradle.physics import Trajectory
-
     file.unlink(missing_ok=True)
     screen.key("ctrl+e")
     screen.type_path(file.name)

@@ -102,16 +102,13 @@ def test_cases_that_are_measured_are_not_measured_again(some, monkeypatch, tmp_p
     assert sorted({path.suffix for path in tmp_path.iterdir()}) == [".csv", ".pdf", ".png"]
 
 
-def test_command_prints_a_table_and_json_and_lists(some, monkeypatch, capsys):
+def test_command_prints_a_table_and_json_and_lists(some, monkeypatch, softcradle):
     monkeypatch.setattr(catalogue, "measure_claims", lambda *_, **__: some)
-    assert main(["claims"]) == 0
-    shown = " ".join(capsys.readouterr().out.split())
+    shown = " ".join(softcradle("claims").out.split())
     assert "fails beyond: 1" in shown
     assert f"processor time: {sum(study.seconds for study in some):.0f} s for 2 claims" in shown
-    assert main(["claims", "--json"]) == 0
-    printed = json.loads(capsys.readouterr().out)["claims"]
+    printed = json.loads(softcradle("claims", "--json").out)["claims"]
     assert [one["name"] for one in printed] == ["contact-duration", "kicked-out"]
     assert printed[0]["verdict"] == Verdict.BEYOND
     assert {"range", "how", "limit", "cases", "counter-example", "own case", "reference"} <= set(printed[0])
-    assert main(["claims", "--list"]) == 0
-    assert "contact-duration" in capsys.readouterr().out
+    assert "contact-duration" in softcradle("claims", "--list").out

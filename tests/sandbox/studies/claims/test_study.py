@@ -73,7 +73,6 @@ def claim(measure, **options):
 
 
 def judged(claim):
-    """The claim with all its cases measured one after the other, and the paper's own by the reference."""
     return claim.study_of([claim.case(parameters) for parameters in claim.cases], claim.reference())
 
 
@@ -123,12 +122,9 @@ def test_the_labels_of_every_logarithmic_axis_are_apart(span):
 def test_the_words_of_every_claim_have_room_in_its_picture(claim):
     """With cases that are made up; as wide as a column."""
     cases = [case(1.0, 0.5, 0.1), case(2.0, 0.5, 0.1), case(30.0, 200.0, 10.0), case(40.0, 0.9, 0.5)]
-    found = JudgedClaim(
-        claim.name, claim.statement, "", claim.quantity, claim.variable, "", "", {"x": 2.0}, tuple(cases)
-    )
+    words = {name: getattr(claim, name) for name in ("name", "statement", "quantity", "variable")}
     with styled():
-        picture = draw_study(found)
-        assert unreadable(picture) == []
+        assert unreadable(draw_study(replace(study(*cases), **words))) == []
 
 
 def test_a_verdict_says_how_it_moves_with_the_bar():

@@ -7,8 +7,6 @@ from softcradle.sandbox.studies.figures.catalogue import figures_named
 
 
 class Tables(dict[str, Table]):
-    """Tables by the name of their figure."""
-
     def __missing__(self, name: str) -> Table:
         (figure,) = figures_named([name])
         self[name] = figure.table()

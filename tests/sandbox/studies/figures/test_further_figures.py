@@ -12,12 +12,16 @@ from tests.sandbox.studies.figures.conftest import columns, forces
 pytestmark = pytest.mark.slow  # tables of seconds to a minute
 
 
-def test_spread_vanishes_with_alpha(tables):
+def test_spread_vanishes_with_alpha_and_says_by_how_much_finer_runs_disagree(tables):
     for n in rigidity.SPREAD_SIZES:
         points = rows_where(tables["spread"], n=n)
         assert points["spread"][-1] > 0.5
         assert points["spread"][0] < 0.05
         assert (points["v striker"][0], points["v last"][0]) == pytest.approx(rigidity.rigid_outcome(n), abs=0.01)
+    apart = tables["spread"]["finer runs apart"]
+    assert (apart >= 0.0).all()
+    assert apart.max() < 1e-3
+    assert np.abs(np.diff(1.0 / rows_where(tables["spread"], n=2)["alpha"])).max() < 0.11
 
 
 HALF_A_LINE = 0.005  # of velocities, in the figures of the spread and of softness; steps of 0.35 of 1/alpha miss more
@@ -28,8 +32,7 @@ HALF_A_LINE = 0.005  # of velocities, in the figures of the spread and of softne
 )
 def test_samples_are_dense_enough_where_curves_jag(tables, name, n, low, high):
     """Velocities between two samples, found by runs of their own, lie on the line that is drawn; on coarser ones not."""
-    table = tables[name]
-    cases = np.unique(rows_where(table, n=n)["alpha"])[::-1]
+    cases = np.unique(rows_where(tables[name], n=n)["alpha"])[::-1]
     cases = cases[(1.0 / cases > low - 0.01) & (1.0 / cases < high + 0.01)]
     at = 1.0 / cases
     drawn_velocity = np.array([rigidity.outcome(n, alpha) for alpha in cases])
@@ -75,9 +78,8 @@ def test_in_train_forces_grow_with_the_blow_and_fall_along_the_train(tables):
         for speed in train.SPEEDS:
             behind = rows_where(table, train=number, speed=speed)["force"][struck - 1 : last]
             assert (np.diff(behind) <= 1e-9).all()
-    forces = np.maximum(
-        coupling.preload, coupling.force(1e-3 * table["travel"])
-    )  # below the preload a gear only touches
+    # below the preload a gear only touches
+    forces = np.maximum(coupling.preload, coupling.force(1e-3 * table["travel"]))
     np.testing.assert_allclose(np.maximum(table["force"], 1e-3 * coupling.preload), 1e-3 * forces, rtol=5e-3)
 
 
@@ -86,8 +88,7 @@ def test_driven_cluster_oscillates_about_the_uniform_acceleration(tables):
     np.testing.assert_allclose(table["V"], DRIVE / wave.SHOWN_BEADS * table["t"], atol=1e-9)
     psi, model = table["psi full"], table["psi model"]
     assert np.abs(psi - model).max() < 0.2 * model.max()
-    maxima = (np.diff(np.sign(np.diff(psi))) < 0).sum()
-    assert maxima == wave.PERIODS
+    assert (np.diff(np.sign(np.diff(psi))) < 0).sum() == wave.PERIODS
     first, others = table["v1 - V"], np.column_stack([table[f"v{i} - V"] for i in (2, 3, 4)])
     assert np.corrcoef(first, others.mean(axis=1))[0, 1] < -0.99
     assert np.ptp(others, axis=1).max() < 0.1 * np.ptp(first)
@@ -130,14 +131,6 @@ def test_the_softer_the_slower_the_gear_that_does_the_same(tables):
     assert np.nanmax(table["apart"]) < 0.07
     soft, hard = (four["alpha"] < 0.07, four["alpha"] > 0.5)
     assert four["V over v_c"][soft].max() < 1.15 < four["V over v_c"][hard].min()
-
-
-def test_spreads_say_by_how_much_finer_runs_disagree(tables):
-    table = tables["spread"]
-    assert (table["finer runs apart"] >= 0.0).all()
-    assert table["finer runs apart"].max() < 1e-3
-    steps = np.diff(1.0 / rows_where(table, n=2)["alpha"])
-    assert np.abs(steps).max() < 0.11
 
 
 def test_disorder_breaks_the_cradle_and_clusters_with_weak_contacts(tables):

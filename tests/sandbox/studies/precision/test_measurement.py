@@ -50,17 +50,14 @@ def test_errors_average_over_the_start_phase(case):
 
 @pytest.mark.parametrize("quantity", ["forces", "overlaps"])
 def test_forces_and_overlaps_have_errors_of_their_own(case, quantity):
-    coarse, fine = (
-        measure_series(case, our_solver(case, "accurate", tolerance), quantity, SHORT_LIMITS).points[0].error
-        for tolerance in (1e-3, 1e-9)
-    )
+    solvers = [our_solver(case, "accurate", tolerance) for tolerance in (1e-3, 1e-9)]
+    coarse, fine = (measure_series(case, solver, quantity, SHORT_LIMITS).points[0].error for solver in solvers)
     assert fine < 1e-6 < coarse < 0.3
 
 
 def test_samples_of_an_earlier_start_are_as_much_later(case):
     solver = our_solver(case, "verlet")
-    early = case.starts([0.0, 0.25])
-    first, second = (solver.run(30000.0, start, case.sample_times) for start in early)
+    first, second = (solver.run(30000.0, start, case.sample_times) for start in case.starts([0.0, 0.25]))
     assert np.median(np.abs(first.force - second.force)) < 1e-3
     assert error_of(case, "forces", second) < 0.02
 
@@ -76,11 +73,8 @@ def test_a_series_ends_at_its_time_limit(case):
 
 
 def test_a_case_shares_its_time_among_its_solvers(case, monkeypatch):
-    shares = []
-    monkeypatch.setattr(
-        measurement, "measure_series", lambda *a: shares.append(a[3].series) or made_series("x", True, (0.1, 1.0))
-    )
-    solver = our_solver(case, "verlet", 30.0)
+    shares, solver, made = [], our_solver(case, "verlet", 30.0), made_series("x", True, (0.1, 1.0))
+    monkeypatch.setattr(measurement, "measure_series", lambda *a: shares.append(a[3].series) or made)
     measurement.measure_case(case, [solver] * 4, limits=TimeLimits(1.0, 10.0, 8.0))
     assert shares[0] == pytest.approx(2.0)
     assert shares[-1] == pytest.approx(8.0, abs=0.5)  # what the others have not used
@@ -133,12 +127,8 @@ def test_an_earlier_start_ends_the_same(case):
         found = simulate(start.chain, start.velocity, method="accurate", tolerance=1e-10)
         assert case.error(found.final_velocity) < 1e-9
         assert found.contact_intervals[0][0][0] == pytest.approx(start.early, abs=1e-12)
-
-
-def test_a_case_that_cannot_begin_earlier_has_one_start():
-    parting = CaseDefinition(
-        "parting", "parting", lambda: one_on(2, power_law(1.0, 0.1)), velocity=np.array([1.0, 0.0, 0.1])
-    )
+    velocity = np.array([1.0, 0.0, 0.1])  # it cannot begin earlier
+    parting = CaseDefinition("parting", "parting", lambda: one_on(2, power_law(1.0, 0.1)), velocity=velocity)
     assert len(parting.solve().starts([0.1, 0.2])) == 1
 
 
@@ -147,8 +137,7 @@ def test_a_scene_is_one_case_for_each_lane():
     (definition,) = definitions_of(scene)
     assert definition.label == scene.title
     assert definition.make_chain() == scene.lanes[0].chain()
-    two = definitions_of(load("galilean"))
-    assert len(two) == len(load("galilean").lanes)
+    assert len(definitions_of(load("galilean"))) == len(load("galilean").lanes)
 
 
 needs_numba = pytest.mark.skipif(
@@ -207,8 +196,7 @@ def test_a_peer_called_from_python_gives_up_at_its_time_limit(definitions, monke
     monkeypatch.setattr(integrators, "TIME_LIMIT", 0.02)
     case = definitions["one-on-10"].solve(by_reference=False)
     (peer,) = (peer for peer in PEERS if peer.package == package)
-    solution = peer.solvers(case)[0].run(1e-8, case.starts([0.0])[0], NO_SAMPLES)
-    assert solution.velocity is None
+    assert peer.solvers(case)[0].run(1e-8, case.starts([0.0])[0], NO_SAMPLES).velocity is None
 
 
 def test_missing_peers_are_left_out(monkeypatch):

@@ -20,7 +20,6 @@ from tests.helpers.series import SHORT_LIMITS, made_series, our_solver
 
 
 def overlapping_boxes(boxes):
-    """Pairs of boxes (left, bottom, right, top) that overlap."""
     return [
         (i, j)
         for i, a in enumerate(boxes)
@@ -43,7 +42,6 @@ def test_labels_of_a_chart_do_not_overlap(case):
 
 
 def test_a_chart_says_where_it_was_measured(case):
-    """Below the panels, on no other text."""
     stamp = machine_stamp(["no such package"])
     assert f"softcradle {version()}" in stamp
     assert f"numpy {np.__version__}" in stamp
@@ -72,35 +70,25 @@ def test_methods_differ_without_colour(case):
     assert len(styles) == 24
 
 
-def test_the_command_draws_a_scene_of_your_own(tmp_path, monkeypatch, capsys):
+def test_the_command_draws_a_scene_of_your_own_and_lists_the_cases(tmp_path, definitions, monkeypatch, softcradle):
     monkeypatch.setattr(measurement.measure_case, "__defaults__", ("velocities", SHORT_LIMITS, lambda _: None))
     picture = tmp_path / "chart.png"
-    assert main(["chart", "one-on-four", "--ours", "--csv", "-o", str(picture)]) == 0
-    printed = capsys.readouterr().out
+    printed = softcradle("chart", "one-on-four", "--ours", "--csv", "-o", str(picture)).out
     assert picture.stat().st_size > 10_000
-    assert {row.split(",")[1] for row in (tmp_path / "chart.csv").read_text().splitlines()[1:]} == {
-        "auto",
-        *(method.name for method in METHODS),
-    }
+    rows = (tmp_path / "chart.csv").read_text().splitlines()[1:]
+    assert {row.split(",")[1] for row in rows} == {"auto", *(method.name for method in METHODS)}
     assert "accurate" in printed
     assert sorted(path.name for path in tmp_path.iterdir()) == ["chart.csv", "chart.png"]
     assert main(["chart", "step-force", "--ours", "--error", "forces", "-o", str(tmp_path / "two.svg")]) == 0
     assert sorted(path.name for path in tmp_path.iterdir()) == ["chart.csv", "chart.png", "two.svg"]
-
-
-def test_the_list_of_cases(definitions, capsys):
-    assert main(["chart", "--list"]) == 0
-    printed = capsys.readouterr().out
+    printed = softcradle("chart", "--list").out
     assert all(name in printed for name in definitions)
 
 
-def test_a_small_error_by_chance_does_not_count():
+def test_a_small_error_by_chance_does_not_count_and_the_frontier_has_what_no_other_point_beats():
     series = made_series("x", True, (1e-7, 1e-3), (1e-2, 2e-3), (1e-6, 3e-3), (1e-8, 4e-3))
     assert fastest([series], 1e-6) is series.points[2]
     assert fastest([series], 1e-9) is None
-
-
-def test_the_frontier_has_the_points_that_no_other_beats():
     first = made_series("x", True, (1e-1, 1.0), (1e-3, 4.0))
     second = made_series("x", True, (1e-2, 2.0), (1e-2, 3.0), (1e-5, 9.0))
     assert [point.error for point in table.frontier([first, second])] == [1e-1, 1e-2, 1e-3, 1e-5]
@@ -115,9 +103,10 @@ def test_orders_at_an_impact_are_those_of_the_onset(alpha):
 
 
 def test_an_order_needs_three_points_that_count():
+    series = made_series("x", True, (1e-2, 1.0), (1e-4, 1.0), (1e-6, 1.0))
     assert fitted_order(made_series("x", True, (1e-2, 1.0), (1e-3, 1.0)), 1e-14) is None
-    assert fitted_order(made_series("x", True, (1e-2, 1.0), (1e-4, 1.0), (1e-6, 1.0)), 1e-14) == pytest.approx(2.0)
-    assert fitted_order(made_series("x", True, (1e-2, 1.0), (1e-4, 1.0), (1e-6, 1.0)), 1e-6) is None
+    assert fitted_order(series, 1e-14) == pytest.approx(2.0)
+    assert fitted_order(series, 1e-6) is None
 
 
 def test_ratios_are_of_the_fastest_on_each_side():

@@ -1,7 +1,6 @@
 """The gallery, driven by mouse and keys, and the memory of pages that were left."""
 
 import weakref
-from pathlib import Path
 
 import pygame
 import pytest
@@ -33,11 +32,10 @@ def test_scenes_without_a_picture_get_one_and_the_one_that_is_clicked_is_opened(
     assert gallery.session.scene.title == "One bead on four"
     gallery.key(pygame.K_ESCAPE)
     again = gallery.app.page
-    assert isinstance(again, GalleryPage)
     assert len(again.pictures) == len(again.names)  # as it was left
 
 
-def test_a_press_that_ends_on_another_card_opens_nothing(gallery: Driver) -> None:
+def test_a_press_that_ends_on_another_card_or_a_search_that_finds_none_opens_nothing(gallery: Driver) -> None:
     page = gallery.app.page
     gallery.drag(page.grid.place(0).center, page.grid.place(1).center)
     gallery.release(page.grid.place(1).center)
@@ -45,6 +43,10 @@ def test_a_press_that_ends_on_another_card_opens_nothing(gallery: Driver) -> Non
     assert gallery.app.page is page
     page.grid.scroll_by(page.grid.place(4).top - page.grid.place(0).top)
     gallery.click((page.grid.place(0).centerx, round(90 * page.host.unit)))  # a card that is scrolled below the header
+    assert gallery.app.page is page
+    assert searched(gallery, "qqq") == ()
+    for key in (pygame.K_RETURN, pygame.K_RETURN, pygame.K_DOWN):
+        gallery.key(key)
     assert gallery.app.page is page
 
 
@@ -66,44 +68,42 @@ def test_pages_and_widgets_that_are_left_are_freed(gallery: Driver) -> None:
     assert old_page() is None
 
 
-def test_every_scene_has_a_picture_at_once_and_a_section(gallery: Driver) -> None:
-    page = gallery.app.page
+def test_every_scene_has_a_picture_at_once_a_section_and_whole_sentences(gallery: Driver) -> None:
+    page, texts = gallery.app.page, gallery.texts()
     assert not page.moving
     listed = [name for section in SECTIONS for name in section.names]
     assert sorted(listed) == sorted(page.names)
     assert len(set(listed)) == len(listed)
+    for k in range(4):
+        title, *lines = [one.text for one in texts if page.grid.place(k).collidepoint(one.rect.center)]
+        scene = page.scenes[page.names[k]]
+        said = " ".join(lines[:-1])
+        assert title == scene.title
+        assert scene.text.startswith(said)
+        assert said.endswith(".")
+        assert scene.source.startswith(lines[-1])
 
 
-def test_a_search_finds_scenes_by_words(gallery: Driver) -> None:
-    page = gallery.app.page
-    count = len(page.names)
+def searched(gallery: Driver, words: str) -> tuple[str, ...]:
     gallery.key(pygame.K_f, pygame.KMOD_CTRL)
-    gallery.type("wagon")
+    gallery.type(words)
     gallery.frames(2)
-    assert set(page.names) == {"train-braking", "train-cut", "train-shunting", "train-solid", "train-starting"}
+    return gallery.app.page.names
+
+
+def test_a_search_finds_scenes_by_words_and_enter_opens_the_first(gallery: Driver) -> None:
+    count = len(gallery.app.page.names)
+    trains = {f"train-{kind}" for kind in ("braking", "cut", "shunting", "solid", "starting")}
+    assert set(searched(gallery, "wagon")) == trains
     gallery.key(pygame.K_ESCAPE)
     gallery.frames(2)
-    assert len(page.names) == count
-    gallery.key(pygame.K_f, pygame.KMOD_CTRL)
-    gallery.type("qqq")
-    gallery.frames(2)
-    assert page.names == ()
-    gallery.key(pygame.K_RETURN)
-    gallery.key(pygame.K_RETURN)
-    gallery.key(pygame.K_DOWN)
-    assert gallery.app.page is page
-
-
-def test_newton_finds_the_cradles_first_and_enter_opens_the_usual_one(gallery: Driver) -> None:
-    gallery.key(pygame.K_f, pygame.KMOD_CTRL)
-    gallery.type("newton")
-    gallery.frames(2)
-    assert gallery.app.page.names[:3] == ("hertz-cradle", "steel-and-soft", "hanging-cradle")
+    assert len(gallery.app.page.names) == count
+    assert searched(gallery, "newton")[:3] == ("hertz-cradle", "steel-and-soft", "hanging-cradle")
     gallery.key(pygame.K_RETURN)
     assert gallery.page.title == "Newton's cradle: steel balls"
 
 
-def test_scenes_of_ones_own_have_cards_below_the_first(gallery: Driver, tmp_path: Path) -> None:
+def test_scenes_of_ones_own_have_cards_below_the_first(gallery: Driver, tmp_path) -> None:
     (tmp_path / "mine.toml").write_text(scenes.load("mixed").model_copy(update={"title": "Mine"}).to_toml())
     gallery.app.settings.remember(tmp_path / "mine.toml")
     gallery.app.rebuild()
@@ -131,18 +131,6 @@ def test_keys_and_the_bar_scroll_to_every_card(gallery: Driver) -> None:
     track, knob = page.grid._bar()
     gallery.pull(knob.center, (knob.centerx, track.bottom))
     assert page.grid.place(len(page.names) - 1).bottom <= gallery.app.size[1]
-
-
-def test_captions_are_whole_sentences(gallery: Driver) -> None:
-    page, texts = gallery.app.page, gallery.texts()
-    for k in range(4):
-        title, *lines = [one.text for one in texts if page.grid.place(k).collidepoint(one.rect.center)]
-        scene = page.scenes[page.names[k]]
-        said = " ".join(lines[:-1])
-        assert title == scene.title
-        assert scene.text.startswith(said)
-        assert said.endswith(".")
-        assert scene.source.startswith(lines[-1])
 
 
 def test_thumbnails_of_others_have_other_files_and_a_cache_that_cannot_be_written_is_no_error(tmp_path, monkeypatch):

@@ -34,7 +34,6 @@ def test_a_small_exponent_makes_the_balls_swing_off_nearly_as_one_body():
 def test_the_hanging_page_is_driven_by_mouse_menus_and_keys():
     driver = Driver("hanging-cradle")
     page = driver.app.page
-    assert isinstance(page, HangingPage)
     driver.run(30)
     assert page.model.time > 0.4
     ball = to_screen(page.pictures[1], page.model.cradles[1].places()[4])

@@ -58,8 +58,7 @@ def test_the_reason_is_of_what_was_measured_and_an_edited_scene_has_none(driver:
     driver.key(pygame.K_ESCAPE)
     driver.page.lessons._next = 0
     driver.page.editor.apply(SetContact(0, None, power_law(100.0, 1.0)))
-    note = answered(driver)
-    assert note == "Measured: the last bead alone."
+    assert answered(driver) == "Measured: the last bead alone."
 
 
 def drawn(driver: Driver) -> str:

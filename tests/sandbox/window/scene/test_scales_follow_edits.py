@@ -47,14 +47,6 @@ def test_the_badge_goes_to_the_fault_of_the_run() -> None:
     assert driver.session.frame == driver.session.findings(0)[0].first
 
 
-def test_fullscreen_gives_the_size_back(driver: Driver) -> None:
-    driver.key(pygame.K_F11)
-    driver.frames(2)
-    driver.key(pygame.K_F11)
-    driver.frames(2)
-    assert driver.app.size == (1280, 720)
-
-
 def settled(driver: Driver) -> object:
     """The scales once they follow the last edit."""
     driver.frames(30)

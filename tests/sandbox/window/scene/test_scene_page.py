@@ -34,7 +34,6 @@ def test_keys_and_the_slider_set_the_slow_motion(driver: Driver) -> None:
     driver.key(pygame.K_EQUALS)
     assert driver.session.slow == 2.0
     slider = driver.page.time_controls.slider
-    assert slider is not None
     driver.pull(slider.sliding_button.rect.center, (slider.rect.right - 5, slider.rect.centery))
     assert driver.session.slow > 500.0
     driver.press((slider.rect.left + 3 * slider.rect.width // 4, slider.rect.centery))  # on its track
@@ -104,8 +103,7 @@ def test_a_tone_goes_on_without_a_jump(pitch):
     wave = np.frombuffer(tone(pitch), np.int16).astype(float)
     steps = np.abs(np.diff(np.concatenate((wave, wave[:2]))))
     assert steps[-2:].max() <= steps[:-2].max() + 1.0
-    spectrum = np.abs(np.fft.rfft(wave))
-    assert np.argmax(spectrum) * RATE / len(wave) == pytest.approx(pitch)
+    assert np.argmax(np.abs(np.fft.rfft(wave))) * RATE / len(wave) == pytest.approx(pitch)
 
 
 def test_one_key_goes_from_silence_to_clicks_to_tones_and_back(driver: Driver):

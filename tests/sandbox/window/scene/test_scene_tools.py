@@ -92,23 +92,21 @@ def test_every_scene_is_a_text_that_reads_back(name: str) -> None:
     assert len(text) < 2000
 
 
-def test_a_scene_is_compared_with_a_copy(driver: Driver) -> None:
+def test_a_scene_is_compared_with_a_copy_and_edits_stay_unsaved(driver: Driver) -> None:
     driver.key(pygame.K_d, CTRL)
     assert [lane.chain for lane in driver.session.lanes] == [driver.session.lanes[0].chain] * 2
+    assert not driver.page.unsaved
     driver.session.apply(SetMass(1, 1, 3.0))
     driver.run(60)
     assert driver.session.lanes[0].chain.mass[1] == 1.0
+    driver.session.apply(SetMass(0, 2, 3.0))
     driver.key(pygame.K_d, CTRL)  # the first lane of the two
     assert driver.page.title == "One bead on four, compared"
-    assert [driver.session.label(lane) for lane in (0, 1)] == ["alpha = 1/10", "alpha = 1/10, the other"]
-
-
-def test_edits_stay_unsaved_in_a_comparison(driver: Driver) -> None:
-    driver.key(pygame.K_d, CTRL)
-    assert not driver.page.unsaved
-    driver.session.apply(SetMass(0, 1, 3.0))
-    driver.key(pygame.K_d, CTRL)
-    assert driver.session.lanes[1].chain.mass[1] == 3.0
+    assert [driver.session.label(lane) for lane in (0, 1)] == [
+        "alpha = 1/10, edited",
+        "alpha = 1/10, edited, the other",
+    ]
+    assert driver.session.lanes[1].chain.mass == (1.0, 1.0, 3.0, 1.0, 1.0)
     assert driver.page.unsaved
     page = driver.page
     driver.key(pygame.K_ESCAPE)
@@ -184,7 +182,7 @@ ALL_COLUMNS = BEAD_COLUMNS, CONTACT_COLUMNS, (*CONTACT_COLUMNS, *SET_COLUMNS)
 NUMBERS = (0.0, 1.0, -0.1657, 4.277e-3, -6.846e-4, -2.466e-7, 0.09249, 123.4, -5.678e8)
 
 
-def test_no_number_covers_another():
+def test_no_number_covers_another_and_all_columns_are_there_where_there_is_room():
     for names, unit, room in product(ALL_COLUMNS, (0.75, 1.0, 1.5, 2.0), (300, 370, 520, 900)):
         columns = fitting(names, room, unit)
         assert columns.shown[0] == 0
@@ -195,9 +193,6 @@ def test_no_number_covers_another():
         for k, free in zip(columns.shown[1:], rooms[1:], strict=True):
             assert max(width(scientific(number, columns.digits), BODY * unit) for number in NUMBERS) < free
             assert max(width(word, HEAD * unit) for word in names[k].replace(" (", "\n(").split("\n")) < free
-
-
-def test_all_columns_are_there_where_there_is_room():
     for names in (BEAD_COLUMNS, CONTACT_COLUMNS):
         columns = fitting(names, 700, 1.0)
         assert columns.shown == tuple(range(len(names)))

@@ -6,7 +6,6 @@ import re
 
 import pygame
 import pytest
-from softcradle.sandbox.draw.bodies import rigid_forces
 from softcradle.sandbox.draw.number_format import MINUS
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.window.plots.kinds import PLOT_KINDS
@@ -34,8 +33,7 @@ def test_the_title_marks_unsaved_edits(driver: Driver) -> None:
 
 def test_arrows_count_the_beads_outside(driver: Driver) -> None:
     rect = driver.page.view.lanes[0].drawing.rect
-    driver.drag((rect.left + 40, rect.top + 40), (rect.left + 40 - 3 * rect.width, rect.top + 40))
-    driver.release((rect.left, rect.top + 40))
+    driver.pull((rect.left + 40, rect.top + 40), (rect.left + 40 - 3 * rect.width, rect.top + 40))
     driver.frames(2)
     ground = driver.page.view.lanes[0].drawing.ground
     found = [one for one in driver.texts() if one.text == "5" and abs(one.rect.centery - (ground - 14)) < 4]
@@ -54,22 +52,9 @@ def test_marks_of_rigid_clusters_are_of_the_beads_that_there_are(driver: Driver)
     assert driver.page.view.lanes[0].drawing.ends == (True, False, False)  # of three beads that are pushed, Eq. (5)
 
 
-def test_marks_of_rigid_clusters_end_at_a_gap(driver: Driver) -> None:
-    """Bead 4 is dragged away: three are pushed, and their contacts alone have marks."""
-    driver.drag(driver.bead(4), (driver.bead(4)[0] + 150, driver.bead(4)[1]))
-    driver.release(driver.bead(4))
-    driver.run(220)
-    drawing, state = driver.page.view.lanes[0].drawing, driver.session.lanes[0].state
-    assert state.force[0] > 0.5
-    forces = rigid_forces(drawing.chain.mass, drawing.ends, state.overlap.tolist(), state.force.tolist(), 1.0)
-    assert forces == pytest.approx([0.0, 2 / 3 * state.force[0], 1 / 3 * state.force[0], 0.0])
-
-
 @pytest.mark.parametrize("name", ["train-shunting", "train-braking", "train-cut"])
 def test_force_labels_of_a_train_have_prefixes_and_room(name: str) -> None:
-    driver = Driver(name)
-    lane = driver.page.view.lanes[0]
-    seen = 0
+    driver, seen = Driver(name), 0
     for _ in range(12):
         driver.session.step_frames(40)
         driver.frames(2)
@@ -153,17 +138,14 @@ def test_a_selection_has_the_shape_of_its_body() -> None:
     rect, corner = lane.drawing.body_shape(1, float(lane.edges[1]))
     assert 2 * corner == pytest.approx(rect.width, abs=1)
     radius = corner + gap - 1
-    round_ones = [
-        (rect.centerx + radius * math.cos(turn), rect.centery + radius * math.sin(turn)) for turn in (-0.8, -1.6, -2.4)
-    ]
-    assert has_colour(driver, round_ones, tones.foreground)
+    turns = [pygame.Vector2(radius, 0).rotate_rad(turn) for turn in (-0.8, -1.6, -2.4)]
+    assert has_colour(driver, [rect.center + turn for turn in turns], tones.foreground)
 
 
 def test_a_wall_is_made_of_any_bead_and_freed_again(driver: Driver) -> None:
     driver.click(driver.bead(4))
     for text, mass in (("make it a wall", math.inf), ("free it", 1.0)):
-        button = next(one for one in driver.page.inspector.buttons if one.text == text)
-        driver.click(button.rect.center)
+        driver.click(next(one for one in driver.page.inspector.buttons if one.text == text).rect.center)
         assert driver.session.lanes[0].chain.mass[4] == mass
 
 

@@ -1,0 +1,15 @@
+"""What tests of the command share."""
+
+import pytest
+from softcradle.sandbox.cli.main import main
+
+
+@pytest.fixture
+def softcradle(capsys):
+    """A function: what the command prints for its words, on standard output and error, when it ends with `code`."""
+
+    def run(*words, code=0):
+        assert main(list(words)) == code
+        return capsys.readouterr()
+
+    return run
