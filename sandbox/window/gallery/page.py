@@ -270,7 +270,7 @@ class GalleryPage(Page):
             "first": partial(self.select, 0),
             "last": lambda: self.select(len(self.names) - 1),
             "search": self.focus_search,
-            "leave": lambda: host.messages.show(_("Ctrl+Q quits")),
+            "leave": self.leave,
         }
 
     def _take_mine(self) -> None:
@@ -316,10 +316,18 @@ class GalleryPage(Page):
             self.entry.set_text("")
         self._search("")
 
+    def leave(self) -> None:
+        """Show all scenes again after a search; else there is nothing to leave."""
+        if self.search:
+            self.cancel_typing()
+        else:
+            self.host.messages.show(_("Ctrl+Q quits"))
+
     def focus_search(self) -> None:
-        """Let keys go into the search."""
+        """Let keys go into the search, in place of what was searched for before."""
         if self.entry is not None:
             self.host.manager.set_focus_set({self.entry})
+            self.entry.select_range = [0, len(self.entry.get_text())]
 
     def build(self) -> None:
         """Make the line for the search, and find the places of the cards for the host's size and unit."""

@@ -48,6 +48,14 @@ def test_a_press_that_ends_on_another_card_or_a_search_that_finds_none_opens_not
     for key in (pygame.K_RETURN, pygame.K_RETURN, pygame.K_DOWN):
         gallery.key(key)
     assert gallery.app.page is page
+    assert searched(gallery, "braking") == ("train-braking",)  # in place of what found nothing
+    gallery.key(pygame.K_RETURN)
+    gallery.key(pygame.K_ESCAPE)
+    assert gallery.app.page is page
+    assert searched(gallery, "qqq") == ()
+    gallery.key(pygame.K_RETURN)
+    gallery.key(pygame.K_ESCAPE)
+    assert page.names
 
 
 def test_pages_and_widgets_that_are_left_are_freed(gallery: Driver) -> None:
