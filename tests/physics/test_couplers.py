@@ -1,29 +1,16 @@
 """Couplers: the solid stop and the run-out of slack against closed forms, every method against the reference, refusals."""
 
-import json
 import math
 import re
-from dataclasses import asdict, replace
+from dataclasses import replace
 
 import numpy as np
 import pymunk
 import pytest
 from softcradle.physics.contact import Contact, hooke, power_law
 from softcradle.physics.methods import METHODS, find_method, refusal_of
-from softcradle.physics.trajectory_file import chain_from_table
 
-from softcradle import (
-    Chain,
-    Coupler,
-    SoftContact,
-    State,
-    TimedForce,
-    Trajectory,
-    advance,
-    ensemble,
-    simulate,
-    stable_step,
-)
+from softcradle import Chain, Coupler, SoftContact, State, TimedForce, advance, ensemble, simulate, stable_step
 
 CARRY = [method.name for method in METHODS if method.couplers]
 GEAR = Contact(250e3, 3.75e7, 1.7, loss=0.8)
@@ -153,14 +140,6 @@ def test_frames_and_ensembles_move_couplers_as_simulate_does():
     assert state.switches == sum(2 - math.isinf(opened) for spans in whole.contact_intervals for _, opened in spans)
     (found,) = ensemble([chain], [start], 0.5, "conserving", step=1e-3)
     np.testing.assert_array_equal(found.final_velocity, whole.final_velocity)
-
-
-def test_a_file_gives_the_couplers_back(tmp_path):
-    chain = Chain([8e4] * 4, [TRAIN, GEAR, Coupler(GEAR)], 0.01)
-    found = simulate(chain, [2.0, 0.0, 0.0, 0.0], 0.5, "conserving", step=1e-3)
-    found.save(tmp_path / "train.npz")
-    assert Trajectory.load(tmp_path / "train.npz").chain == chain
-    assert chain_from_table(json.loads(json.dumps(asdict(chain)))) == chain
 
 
 @pytest.mark.parametrize("method", [method.name for method in METHODS if not method.couplers])

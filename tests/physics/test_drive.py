@@ -2,23 +2,12 @@
 
 import numpy as np
 import pytest
-from softcradle.physics import METHODS, Chain, State, Trajectory, advance, power_law, simulate
+from softcradle.physics import METHODS, Chain, State, advance, power_law, simulate
 from softcradle.physics.adaptive.adaptive_loop import integrate
 from softcradle.physics.fixed_step.step_loop import march
 
-from softcradle import scenes
-
 PUSHED = Chain([1.0, 2.0, 1.0, 0.5], power_law(1.0, 0.2), drive=[1.0, 0.0, 0.0, 0.0])
 REST = [0.0] * 4
-SCENE = """
-title = "pushed"
-duration = 2.0
-[[lanes]]
-mass = [1.0, 2.0, 1.0]
-contact = {law = "power_law", f0 = 1.0, alpha = 0.2}
-velocity = [0.0, 0.0, 0.0]
-drive = [1.0, 0.0, "1/2"]
-"""
 
 
 @pytest.fixture(scope="module")
@@ -50,15 +39,8 @@ def test_advance_drives_and_adds_the_push(method):
     np.testing.assert_allclose(split.velocity(half), alone.velocity(PUSHED), rtol=1e-9, atol=1e-8 * method.adaptive)
 
 
-def test_drive_is_stored_and_zero_drive_is_none(tmp_path, reference):
-    reference.save(str(tmp_path / "driven.npz"))
-    assert Trajectory.load(str(tmp_path / "driven.npz")).chain == PUSHED
+def test_zero_drive_is_none():
     assert Chain(PUSHED.mass, PUSHED.contact, drive=[0.0] * 4).drive is None
-
-
-def test_a_scene_may_drive():
-    (lane,) = scenes.parse(SCENE).lanes
-    assert lane.chain().drive == (1.0, 0.0, 0.5)
 
 
 def test_kernels_see_one_type_of_force_from_outside():

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from softcradle.physics import METHODS, Chain, State, TimedForce, Trajectory, advance, one_on, simulate
+from softcradle.physics import METHODS, Chain, State, TimedForce, advance, one_on, simulate
 from softcradle.physics.contact import Contact, draft_gear, hooke, power_law
 
 from softcradle import scenes
@@ -166,34 +166,6 @@ def test_contacts_that_stay_closed_over_a_knot_switch_once():
     found = simulate(chain, [0.0, 0.0, 0.0], 0.6, method="radau")
     assert [spans[0][0] for spans in found.contact_intervals] == [0.0, 0.0]
     assert all(len(spans) == 1 for spans in found.contact_intervals)
-
-
-def test_it_is_saved(tmp_path):
-    found = simulate(BRAKED, [1.0, 0.0], 2.0, method="conserving", step=0.01)
-    found.save(tmp_path / "braked.npz")
-    again = Trajectory.load(tmp_path / "braked.npz")
-    assert again.chain == BRAKED
-    np.testing.assert_array_equal(again.given, found.given)
-
-
-SCENE = """
-title = "braked"
-duration = 2.0
-[[lanes]]
-beads = 3
-contact = {law = "hooke", stiffness = 1.0}
-velocity = [1.0, 1.0, 1.0]
-forces = [{beads = 0, time = [0, "1/2", 1], force = [0, 2, 0]}]
-brakes = [{beads = [1, 2], time = [1, 1.5], force = [0, 3]}]
-"""
-
-
-def test_a_scene_may_have_them():
-    scene = scenes.parse(SCENE)
-    chain = scene.lanes[0].chain()
-    assert chain.forces == (TimedForce(0, [0.0, 0.5, 1.0], [0.0, 2.0, 0.0]),)
-    assert chain.brakes == (TimedForce([1, 2], [1.0, 1.5], [0.0, 3.0]),)
-    assert scenes.parse(scene.to_toml()) == scene
 
 
 @pytest.mark.parametrize("before", [4.7e-15, 1e-12, 1e-9, 1e-6])

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from softcradle.physics import METHODS, Chain, Trajectory, one_on, simulate
+from softcradle.physics import METHODS, Chain, one_on, simulate
 from softcradle.physics.advice import auto_method as auto
 from softcradle.physics.analysis.closed_forms import critical_speed
 from softcradle.physics.contact import Contact, draft_gear, hertz, hooke, power_law
@@ -125,12 +125,6 @@ def test_near_a_critical_speed_is_said_of_what_is_near():
     assert near == [False, True, True, False]
     assert not auto.nearly_yields(one_on(4, power_law(1.0, 0.1)), np.eye(1, 5)[0])
     assert not auto.nearly_yields(one_on(4, gear), np.zeros(5))
-
-
-def test_a_saved_trajectory_keeps_its_choice(tmp_path):
-    found = simulate(one_on(2, power_law(1.0, 0.1)), [1, 0, 0], method="auto", tolerance=1e-4)
-    found.save(tmp_path / "x.npz")
-    assert Trajectory.load(tmp_path / "x.npz").choice == found.choice != ""
 
 
 def test_other_methods_have_no_choice_to_tell():
