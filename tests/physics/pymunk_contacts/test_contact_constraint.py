@@ -24,16 +24,6 @@ def test_one_step_gives_the_impulse_of_the_law(law, native):
     assert b.velocity.x == pytest.approx(contact.impulse / 3.0, rel=1e-14)
 
 
-@pytest.mark.parametrize("native", [None, False])
-def test_it_never_pulls(native):
-    space, (a, b), contact = pair(1.0, native=native)
-    b.velocity = 5.0, 0.0
-    run(space)
-    assert a.velocity == (0.0, 0.0)
-    assert b.velocity == (5.0, 0.0)
-    assert contact.overlap < -1.0
-
-
 def test_anchors_turn_with_their_bodies():
     """Ends of two rods, both turned: the push goes along the line between the anchors and turns the bodies."""
     space = pymunk.Space()
@@ -70,7 +60,7 @@ def test_beside_joints_gravity_and_shapes():
 
 
 @pytest.mark.parametrize("native", [None, False])
-def test_a_new_contact_or_distance_counts_at_once(native):
+def test_a_new_contact_or_distance_counts_at_once_and_no_contact_pulls(native):
     space, _, contact = pair(0.75, hooke(10.0), native=native)
     space.step(1e-9)
     contact.contact = draft_gear(20.0, 0.1)

@@ -90,11 +90,9 @@ def test_a_spring_and_a_mouse_joint_add_no_energy(spring_first):
         stretch = chain.positions[0].length
         return total_energy(bodies, chain) + 0.5 * 20.0 * stretch**2
 
-    largest = 0.0
     for _ in range(1200):
         space.step(FRAME)
-        largest = max(largest, energy())
-    assert largest < 0.55
+        assert energy() < 0.55
     assert energy() < 0.4, "the joint takes energy"
     assert all(abs(body.velocity.y) < 1e-12 for body in bodies)
 
@@ -363,22 +361,14 @@ def test_a_solver_that_does_not_converge_says_so(monkeypatch):
         space.step(FRAME)
 
 
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("max_force", 0.1),
-        ("force_func", lambda spring, distance: 0.0),
-        ("stiffness", 1.0),
-        ("damping", 1.0),
-        ("rest_length", 2.0),
-        ("anchor_a", (0.1, 0.0)),
-        ("anchor_b", (0.1, 0.0)),
-    ],
-)
-def test_a_link_takes_no_force_of_its_own(name, value):
+OF_A_SPRING = {"stiffness": 1.0, "damping": 1.0, "rest_length": 2.0, "anchor_a": (0.1, 0.0), "anchor_b": (0.1, 0.0)}
+
+
+def test_a_link_takes_no_force_of_its_own():
     """What pymunk lets a spring have would break the ledger of the chain, or be of no effect."""
     space, bodies, chain = chain_row(hertz(1e4), gap=0.1)
-    for link in chain:
+    forces = {"max_force": 0.1, "force_func": lambda spring, distance: 0.0}
+    for link, (name, value) in itertools.product(chain, (OF_A_SPRING | forces).items()):
         with pytest.raises(AttributeError, match=f"takes no {name}: its force is the chain's"):
             setattr(link, name, value)
     for _ in range(60):

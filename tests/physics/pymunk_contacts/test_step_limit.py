@@ -105,7 +105,7 @@ def test_a_law_that_has_no_energy_at_some_depth_is_left_to_itself():
     space, _, contact = pair(1.0)
     contact.contact = lambda overlap: 10.0 * overlap if overlap < 1e-3 else math.nan
     contact.a.velocity = 1.0, 0.0
-    with pytest.raises(ValueError, match="finite force"):
+    with pytest.raises(ValueError, match=r"finite force, not nan at an overlap of 0.0"):
         run(space, 1e-3, 10)
 
 
