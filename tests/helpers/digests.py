@@ -105,7 +105,6 @@ def differences(old: dict[str, str], new: dict[str, str]) -> list[str]:
 
 
 def main() -> int:
-    """Compare, or write."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--write", action="store_true")
     wanted, found = parser.parse_args(), record()

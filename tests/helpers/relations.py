@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics import METHODS, Chain, State, Trajectory, simulate
-from softcradle.physics.methods import Family
+from softcradle.physics.methods import Family, find_method
 
 Array = NDArray[np.float64]
 
@@ -32,6 +32,16 @@ def simulate_quietly(*arguments: Any, **options: Any) -> Trajectory:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         return simulate(*arguments, **options)
+
+
+def fineness(method: str, step: float, **of_adaptive: float) -> dict[str, float]:
+    """The step of a fixed-step method, which adaptive ones have not; what is given of these, a tolerance, otherwise."""
+    return of_adaptive if find_method(method).adaptive else {"step": step}
+
+
+def struck(chain: Chain) -> Array:
+    """Start velocities: the first bead at 1 m/s, all others at rest."""
+    return np.eye(1, chain.contacts + 1)[0]
 
 
 def closing_speed(velocity: ArrayLike) -> float:

@@ -8,18 +8,14 @@ import numpy as np
 import pymunk
 import pytest
 from softcradle.physics.contact import Contact, hooke, power_law
-from softcradle.physics.methods import METHODS, find_method, refusal_of
+from softcradle.physics.methods import METHODS, refusal_of
 
 from softcradle import Chain, Coupler, SoftContact, State, TimedForce, advance, ensemble, simulate, stable_step
+from tests.helpers.relations import fineness
 
 CARRY = [method.name for method in METHODS if method.couplers]
 GEAR = Contact(250e3, 3.75e7, 1.7, loss=0.8)
 TRAIN = Coupler(GEAR, pull=GEAR, slack=0.02, travel=0.166, stop=1e8)
-
-
-def settings(method, step):
-    """The step of a fixed-step method, which others have not."""
-    return {"method": method} if find_method(method).adaptive else {"method": method, "step": step}
 
 
 def bounce_in_the_stop(spring, stop, travel, mass, speed):
@@ -40,7 +36,7 @@ def test_two_wagons_bounce_in_the_solid_stop(method, side):
     chain = Chain([mass, mass], Coupler(hooke(spring), **pulled, travel=travel, stop=stop), gap=1.0 if pulled else 0.0)
     peak, time = bounce_in_the_stop(spring, stop, travel, mass / 2.0, speed)
     assert peak > 5.0 * speed * math.sqrt(spring * mass / 2.0)  # what the gear alone would carry
-    found = simulate(chain, [side * speed, 0.0], 1.2 * time, samples=401, **settings(method, 2e-6))
+    found = simulate(chain, [side * speed, 0.0], 1.2 * time, samples=401, method=method, **fineness(method, 2e-6))
     assert (side * found.force).max() == pytest.approx(peak, rel=1e-4)
     assert found.final_velocity == pytest.approx([0.0, side * speed], abs=1e-4)
     ((closed, opened),) = found.contact_intervals[0]
@@ -60,7 +56,7 @@ def test_wagons_of_a_pulled_train_start_one_after_another(method):
         chain = Chain([mass] * (wagons + 1), link, slack, forces=traction)
         contact = math.pi / math.sqrt(stiffness * 2.0 / mass)
         end = 0.95 * whole * (wagons + 1) / 2.0
-        found = simulate(chain, [0.0] * (wagons + 1), end, samples=2, **settings(method, contact / 50.0))
+        found = simulate(chain, [0.0] * (wagons + 1), end, samples=2, method=method, **fineness(method, contact / 50.0))
         starts = [spans[0][0] for spans in reversed(found.contact_intervals) if spans]
         wanted = [whole * (k + 1) / 2.0 for k in range(1, wagons)]
         assert len(starts) == len(wanted)
@@ -73,7 +69,7 @@ def test_wagons_of_a_pulled_train_start_one_after_another(method):
 def test_pulling_is_pushing_seen_from_the_other_side(method):
     """Two beads that a coupler pulls together move as two that it pushes apart, with the other sign."""
     pushing, pulling = (
-        simulate(Chain([8e4, 8e4], TRAIN, gap), [speed, 0.0], 0.6, samples=31, **settings(method, 1e-4))
+        simulate(Chain([8e4, 8e4], TRAIN, gap), [speed, 0.0], 0.6, samples=31, method=method, **fineness(method, 1e-4))
         for gap, speed in ((0.01, 3.0), (0.01, -3.0))
     )
     np.testing.assert_allclose(pulling.overlap + 0.02, -pushing.overlap, atol=1e-9)

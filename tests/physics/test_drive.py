@@ -6,6 +6,8 @@ from softcradle.physics import METHODS, Chain, State, advance, power_law, simula
 from softcradle.physics.adaptive.adaptive_loop import integrate
 from softcradle.physics.fixed_step.step_loop import march
 
+from tests.helpers.relations import fineness
+
 PUSHED = Chain([1.0, 2.0, 1.0, 0.5], power_law(1.0, 0.2), drive=[1.0, 0.0, 0.0, 0.0])
 REST = [0.0] * 4
 
@@ -17,8 +19,7 @@ def reference():
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
 def test_every_method_drives(method, reference):
-    step = {} if method.adaptive else {"step": 1e-4}
-    found = simulate(PUSHED, REST, 2.0, method=method.name, **step)
+    found = simulate(PUSHED, REST, 2.0, method=method.name, **fineness(method.name, 1e-4))
     np.testing.assert_allclose(found.final_velocity, reference.final_velocity, atol=2e-4)
     np.testing.assert_allclose(found.momentum, found.impulse, atol=1e-10)
     energy = found.kinetic_energy + found.contact_energy
@@ -27,7 +28,7 @@ def test_every_method_drives(method, reference):
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
 def test_advance_drives_and_adds_the_push(method):
-    step = {} if method.adaptive else {"step": 1e-3}
+    step = fineness(method.name, 1e-3)
     alone = State.at_start(PUSHED, REST)
     half = Chain(PUSHED.mass, PUSHED.contact, drive=[0.5, 0.0, 0.0, 0.0])
     split = State.at_start(half, REST)

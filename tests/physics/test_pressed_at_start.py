@@ -6,14 +6,14 @@ from softcradle.physics import METHODS, Chain, hertz, hooke, one_on, power_law, 
 from softcradle.physics.scales import speed_scale
 
 from softcradle import scenes
+from tests.helpers.relations import fineness
 
 SPRUNG = Chain([1.0, 3.0], hooke(4.0), gap=-0.5)  # energy 1/2, reduced mass 3/4
 
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
 def test_a_pressed_spring_gives_its_energy_to_both_ends(method):
-    step = {} if method.adaptive else {"step": 1e-4}
-    found = simulate(SPRUNG, [0.0, 0.0], method=method.name, **step)
+    found = simulate(SPRUNG, [0.0, 0.0], method=method.name, **fineness(method.name, 1e-4))
     relative = (2.0 * 0.5 / 0.75) ** 0.5
     np.testing.assert_allclose(found.final_velocity, [-0.75 * relative, 0.25 * relative], atol=2e-4)
     assert found.force[0, 0] == 2.0

@@ -10,14 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from softcradle.physics import Chain, State, advance, hertz, hooke, one_on, power_law, simulate
 
-from tests.helpers.relations import ADAPTIVE, FIXED_STEP, LIVE, NAMES, separating
+from tests.helpers.relations import FIXED_STEP, LIVE, NAMES, fineness, separating
 
 CRADLE = one_on(4, hertz(1.0))
 START = [1.0, 0.0, 0.0, 0.0, 0.0]
-
-
-def fineness(method, step):
-    return {} if method in [m.name for m in ADAPTIVE] else {"step": step}
 
 
 @pytest.mark.parametrize("method", NAMES)

@@ -5,13 +5,13 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, Coupler, State, TimedForce, advance, cluster_on_cluster, one_on, simulate
+from softcradle.physics import Chain, Coupler, OwnLaw, State, TimedForce, advance, cluster_on_cluster, one_on, simulate
 from softcradle.physics.contact import Contact, draft_gear, hertz, hooke, power_law, step_force
 from softcradle.physics.methods import refusal_of
 from softcradle.physics.status import Status
 
 from tests.helpers.random_chains import random_collision, random_dissipative
-from tests.helpers.relations import assert_momentum, assert_sound, ledger_error, separating, simulate_quietly
+from tests.helpers.relations import assert_momentum, assert_sound, fineness, ledger_error, separating, simulate_quietly
 
 METHODS = ("accurate", "radau", "dop853", "conserving", "verlet", "yoshida4", "euler")
 TOLERANCE = 1e-6
@@ -28,20 +28,8 @@ class Case(NamedTuple):
     without: tuple[str, ...] = ()
 
 
-class Toda:
-    """Exponential repulsion, with its energy."""
-
-    def force(self, overlap: float) -> float:
-        return 20.0 * math.expm1(overlap)
-
-    def energy(self, overlap: float) -> float:
-        return 20.0 * (math.expm1(overlap) - overlap)
-
-
-def hardening(overlap: float) -> float:
-    return 2.0 + 30.0 * overlap + 50.0 * overlap**3
-
-
+TODA = OwnLaw(lambda d: 20.0 * math.expm1(d), lambda d: 20.0 * (math.expm1(d) - d))  # exponential, with its energy
+HARDENING = OwnLaw(lambda d: 2.0 + 30.0 * d + 50.0 * d**3)
 GEAR = draft_gear(770.0, 0.0177)
 EXPLICIT = ("verlet", "yoshida4", "euler")  # which chatter, at the step of the others, on what is stiff
 CASES = {
@@ -83,13 +71,13 @@ CASES = {
         [1.0, 0.0, -0.5], 1.0, 2e-3,
     ),
     "laws of one's own": Case(
-        Chain([1.0, 2.0, 1.0, math.inf], [Toda(), hertz(50.0), hardening], gap=[0.05, 0.0, 0.05]),
+        Chain([1.0, 2.0, 1.0, math.inf], [TODA, hertz(50.0), HARDENING], gap=[0.05, 0.0, 0.05]),
         [1.0, 0.0, 0.0, 0.0], 1.5, 3e-3,
     ),
     "laws of one's own with friction": Case(
-        Chain([1.0, 2.0, 1.0], [hardening, Toda()], friction=0.1), [1.0, 0.0, -0.5], 0.6, 3e-3, EXPLICIT
+        Chain([1.0, 2.0, 1.0], [HARDENING, TODA], friction=0.1), [1.0, 0.0, -0.5], 0.6, 3e-3, EXPLICIT
     ),
-    "an exponential law to the end": Case(Chain([1.0, 2.0, 1.0], Toda()), [1.0, 0.0, -0.5], None, 2e-3),
+    "an exponential law to the end": Case(Chain([1.0, 2.0, 1.0], TODA), [1.0, 0.0, -0.5], None, 2e-3),
     "a force that comes and goes": Case(
         Chain([1.0] * 3, hertz(50.0), forces=TimedForce([0, 2], [0.0, 0.2, 0.4, 0.4], [0.0, 3.0, 1.0, 0.0])),
         [0.0] * 3, 0.8, 4e-3,
@@ -97,9 +85,9 @@ CASES = {
 }  # fmt: skip
 
 
-def solved(case, method, duration=None):
-    finer = {"tolerance": TOLERANCE} if method in ("accurate", "radau", "dop853") else {"step": case.step}
-    return simulate_quietly(case.chain, case.velocity, duration or case.duration, method, samples=SAMPLES, **finer)
+def solved(case, method):
+    finer = fineness(method, case.step, tolerance=TOLERANCE)
+    return simulate_quietly(case.chain, case.velocity, case.duration, method, samples=SAMPLES, **finer)
 
 
 RUNS = [

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, Trajectory, draft_gear, hertz, one_on, power_law
+from softcradle.physics import Chain, TimedForce, Trajectory, draft_gear, hertz, one_on, power_law
 from softcradle.physics.adaptive import kept_steps, runner
 
-from tests.helpers.relations import simulate_quietly
+from tests.helpers.relations import simulate_quietly, struck
 
 KERNELS = runner.TIERS["adaptive"]
 
@@ -16,12 +16,9 @@ CHAINS = {
     "loss": one_on(4, power_law(1.0, 0.1, loss=0.2)),
     "friction": Chain([1.0] * 5, power_law(1.0, 0.1), friction=0.05, gap=[0.0, 0.02, 0.0, 0.1]),
     "gaps": Chain([1.0] * 4, draft_gear(100.0, 0.05), gap=[0.0, 0.02, 0.0]),
+    "forces": Chain([1.0] * 4, power_law(1.0, 0.1), forces=TimedForce(0, [0.0, 0.6, 0.7], [0.3, 0.3, 0.0])),
 }
 ROWS = ("time", "overlap", "rate", "force", "anchor", "absorbed_by_contacts", "absorbed_by_bed")
-
-
-def struck(chain: Chain) -> np.ndarray:
-    return np.eye(1, chain.contacts + 1)[0]
 
 
 def same_rows(one: Trajectory, other: Trajectory) -> bool:
@@ -33,7 +30,7 @@ def test_a_run_to_its_end_has_the_samples_of_one_with_this_duration(name):
     chain = CHAINS[name]
     found = simulate_quietly(chain, struck(chain), samples=37)
     known = simulate_quietly(chain, struck(chain), found.time[-1], samples=37)
-    for row in ("overlap", "rate", "anchor"):
+    for row in ("overlap", "rate", "anchor", "given"):
         assert getattr(found, row) == pytest.approx(getattr(known, row), abs=1e-8)
     inner = slice(0, -1)  # at the end itself the last contact has just opened, or is about to
     assert found.force[inner] == pytest.approx(known.force[inner], rel=1e-6, abs=1e-6)

@@ -13,7 +13,7 @@ def box(beads: int, contact: object, **more: object) -> Chain:
     return Chain([np.inf, *np.linspace(1.0, 3.0, beads), np.inf], contact, **more)
 
 
-@pytest.mark.parametrize("method", ADAPTIVE)
+@pytest.mark.parametrize("method", [*ADAPTIVE, "scipy"])
 @pytest.mark.parametrize("beads", [1, 2, 5])
 def test_a_box_at_rest_stays_at_rest(method, beads):
     found = simulate(box(beads, Contact(1.4, 3.0, 0.5)), np.zeros(beads + 2), 9.64, method=method, samples=5)

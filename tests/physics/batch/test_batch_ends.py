@@ -13,7 +13,6 @@ from tests.helpers.random_chains import random_collision, random_dissipative
 
 CHAINS = 40
 STEP = 1e-2  # s: some chains chatter, some blow up
-DURATION = 2.0  # s, of chains with friction, loss and drives
 
 
 def chains_of(maker, contacts, count=CHAINS):
@@ -40,22 +39,19 @@ def require_same(chains, velocities, ends, **settings):
 
 
 @pytest.mark.parametrize("contacts", [1, 3, 4])
-@pytest.mark.parametrize("method", ["euler", "verlet", "yoshida4", "conserving"])
+@pytest.mark.parametrize(
+    ("method", "maker", "duration"),
+    [(method, random_collision, None) for method in ("euler", "verlet", "yoshida4", "conserving")]
+    + [(method, random_dissipative, 2.0) for method in ("euler", "verlet", "conserving")],
+)
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
-def test_collisions_end_as_they_would_alone(method, contacts):
-    chains, velocities = chains_of(random_collision, contacts)
-    ends = ensemble_ends(ChainBatch.of(chains), velocities, method=method, step=STEP)
-    require_same(chains, velocities, ends, method=method, step=STEP)
-
-
-@pytest.mark.parametrize("contacts", [1, 3, 4])
-@pytest.mark.parametrize("method", ["euler", "verlet", "conserving"])
-@pytest.mark.filterwarnings("ignore::RuntimeWarning")
-def test_chains_with_beds_losses_walls_and_drives_end_as_they_would_alone(method, contacts):
-    chains, velocities = chains_of(random_dissipative, contacts)
-    assert any(chain.drive for chain in chains)
-    ends = ensemble_ends(ChainBatch.of(chains), velocities, DURATION, method, STEP)
-    require_same(chains, velocities, ends, duration=DURATION, method=method, step=STEP)
+def test_collisions_and_chains_with_beds_losses_walls_and_drives_end_as_they_would_alone(
+    method, maker, duration, contacts
+):
+    chains, velocities = chains_of(maker, contacts)
+    assert maker is random_collision or any(chain.drive for chain in chains)
+    settings = {"method": method, "step": STEP, **({"duration": duration} if duration else {})}
+    require_same(chains, velocities, ensemble_ends(ChainBatch.of(chains), velocities, **settings), **settings)
 
 
 @pytest.mark.parametrize("contacts", [1, 3])
@@ -65,8 +61,8 @@ def test_adaptive_methods_end_as_they_would_alone(contacts):
     ends = ensemble_ends(ChainBatch.of(chains), velocities, tolerance=1e-6)
     require_same(chains, velocities, ends, tolerance=1e-6)
     chains, velocities = chains_of(random_dissipative, contacts, 12)
-    ends = ensemble_ends(ChainBatch.of(chains), velocities, DURATION, tolerance=1e-6)
-    require_same(chains, velocities, ends, duration=DURATION, tolerance=1e-6)
+    ends = ensemble_ends(ChainBatch.of(chains), velocities, 2.0, tolerance=1e-6)
+    require_same(chains, velocities, ends, duration=2.0, tolerance=1e-6)
 
 
 def test_chains_that_rattle_end_as_they_would_alone():
