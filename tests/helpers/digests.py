@@ -71,10 +71,8 @@ def digest(rows: Array) -> str:
 def runs() -> Iterator[tuple[str, Chain, Array, str]]:
     """Name, chain, start velocities and method of the runs of random chains; dop853 alone is for those that lose nothing."""
     for seed in range(SEEDS):
-        for kind, (chain, velocity) in (
-            ("collision", random_collision(seed, MOST_CONTACTS)),
-            ("rubbing", random_dissipative(seed)),
-        ):
+        kinds = {"collision": random_collision(seed, MOST_CONTACTS), "rubbing": random_dissipative(seed)}
+        for kind, (chain, velocity) in kinds.items():
             slow = {"scipy", "dop853", "radau"} if kind == "rubbing" else {"scipy", "dop853"}
             for method in METHODS:
                 if method.name not in slow and not refusal_of(method.name, chain):

@@ -1,8 +1,9 @@
-"""Samples of a run to its end are taken from its checkpoints: the same motion as with a known duration, and no second run."""
+"""Samples of a run to its end are taken from what it kept: the same motion as with a known duration, and no second run."""
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, TimedForce, draft_gear, hooke, one_on, power_law
+from softcradle.physics import Chain, TimedForce, draft_gear, hertz, hooke, one_on, power_law
+from softcradle.physics.adaptive import kept_steps, runner
 from softcradle.physics.fixed_step import runner as fixed_step
 from softcradle.physics.fixed_step import step_loop
 from softcradle.physics.own_law import OwnLaw
@@ -25,6 +26,12 @@ DISSIPATIVE = {
 METHODS = ("euler", "verlet", "yoshida4", "conserving", "pymunk")
 ROUND_OFF = 1e-12, 1e-9  # a Space goes on from positions rounded anew, and bounces make that grow
 NOT_CARRIED = {("own law", "pymunk")}
+ADAPTIVE = {  # whose samples are taken from the steps that a run has kept
+    "gears in a row": one_on(10, draft_gear(1.0, 0.1)),
+    "hertz": one_on(20, hertz(1.0)),
+    **{name: PLAIN[name] for name in ("power law", "gears with gaps")},
+    **DISSIPATIVE,
+}
 CASES = [
     *((name, method) for name in PLAIN for method in METHODS if (name, method) not in NOT_CARRIED),
     *((name, method) for name in DISSIPATIVE for method in ("verlet", "conserving", "pymunk")),
@@ -75,6 +82,51 @@ def test_samples_cost_no_second_run(module, method, name, monkeypatch):
     chain, velocity = named(name)
     simulate_quietly(chain, velocity, method=method, samples=50)  # the first of a process loads kernels too
     monkeypatch.setattr(module, "_pass", counted)
-    found = simulate_quietly(chain, velocity, method=method, samples=50)
-    assert len(found.time) == 50
+    assert len(simulate_quietly(chain, velocity, method=method, samples=50).time) == 50
     assert runs == [np.inf]
+
+
+@pytest.mark.parametrize("chain", ADAPTIVE.values(), ids=ADAPTIVE)
+def test_adaptive_methods_take_samples_from_their_steps(chain):
+    found = simulate_quietly(chain, struck(chain), samples=37)
+    known = simulate_quietly(chain, struck(chain), found.time[-1], samples=37)
+    for row in ("overlap", "rate", "anchor", "given"):
+        assert getattr(found, row) == pytest.approx(getattr(known, row), abs=1e-8)
+    inner = slice(0, -1)  # at the end itself the last contact has just opened, or is about to
+    assert found.force[inner] == pytest.approx(known.force[inner], rel=1e-6, abs=1e-6)
+
+
+@pytest.mark.parametrize("chain", ADAPTIVE.values(), ids=ADAPTIVE)
+def test_samples_cost_no_second_run_of_an_adaptive_method(chain, monkeypatch):
+    runs, kernels, integrate = [], runner.TIERS["adaptive"], runner.integrate
+    kernels.load_made()  # each kernel is called once as it is loaded
+
+    def counted(span, resumed_and_pause, *rest):
+        runs.append(resumed_and_pause[0])
+        return integrate(span, resumed_and_pause, *rest)
+
+    monkeypatch.setattr(runner, "integrate", counted)
+    monkeypatch.setattr(kernels, "of", lambda kernel, work=0.0: kernel)
+    simulate_quietly(chain, struck(chain), samples=2, tolerance=1e-4)
+    before = len(runs)
+    simulate_quietly(chain, struck(chain), samples=50, tolerance=1e-4)
+    assert runs[before:].count(False) == runs[:before].count(False) > 0
+
+
+@pytest.mark.parametrize("chain", ADAPTIVE.values(), ids=ADAPTIVE)
+def test_samples_do_not_tell_in_how_many_blocks_the_steps_were_kept(chain, monkeypatch):
+    whole = simulate_quietly(chain, struck(chain), samples=23)
+    monkeypatch.setattr(kept_steps, "MOST_ROWS", 3)
+    monkeypatch.setattr(kept_steps, "_spare", kept_steps._Spare())
+    found = simulate_quietly(chain, struck(chain), samples=23)
+    for row in ("time", "overlap", "rate", "force", "anchor", "absorbed_by_contacts", "absorbed_by_bed"):
+        np.testing.assert_array_equal(getattr(found, row), getattr(whole, row))
+
+
+def test_a_run_of_more_steps_than_are_kept_is_run_again(monkeypatch):
+    chain = PLAIN["power law"]
+    whole = simulate_quietly(chain, struck(chain), samples=23)
+    monkeypatch.setattr(kept_steps, "MOST_KEPT", 1)
+    again = simulate_quietly(chain, struck(chain), samples=23)
+    assert again.rate == pytest.approx(whole.rate, abs=1e-8)
+    assert again.overlap == pytest.approx(whole.overlap, abs=1e-8)

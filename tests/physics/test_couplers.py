@@ -52,8 +52,7 @@ def test_wagons_of_a_pulled_train_start_one_after_another(method):
     errors = []
     for stiffness in (1e10, 1e12):
         link = Coupler(hooke(stiffness), pull=hooke(stiffness), slack=2.0 * slack)  # each wagon begins in its middle
-        traction = TimedForce(wagons, 0.0, force)
-        chain = Chain([mass] * (wagons + 1), link, slack, forces=traction)
+        chain = Chain([mass] * (wagons + 1), link, slack, forces=TimedForce(wagons, 0.0, force))
         contact = math.pi / math.sqrt(stiffness * 2.0 / mass)
         end = 0.95 * whole * (wagons + 1) / 2.0
         found = simulate(chain, [0.0] * (wagons + 1), end, samples=2, method=method, **fineness(method, contact / 50.0))
@@ -122,8 +121,7 @@ def test_random_trains_move_as_the_reference_says(seed):
         assert np.abs(run.ledger - run.ledger[0]).max() < closes * scale
         assert (np.diff(run.absorbed_by_contacts) >= -1e-9 * scale).all()
     if not chain.dissipative:
-        slips = found[1].momentum - found[1].impulse
-        assert np.ptp(slips) < 1e-9 * sum(chain.mass)
+        assert np.ptp(found[1].momentum - found[1].impulse) < 1e-9 * sum(chain.mass)
 
 
 def test_frames_and_ensembles_move_couplers_as_simulate_does():
@@ -174,7 +172,6 @@ def test_a_train_that_pulls_has_no_end_of_its_own():
 
 
 def test_the_stable_step_knows_the_stop():
-    soft, hard = (
-        stable_step(Chain([8e4] * 2, Coupler(hooke(1e6), travel=0.1, stop=stop)), [3, 0], 0.5) for stop in (1e6, 1e10)
-    )
+    links = [Coupler(hooke(1e6), travel=0.1, stop=stop) for stop in (1e6, 1e10)]
+    soft, hard = (stable_step(Chain([8e4] * 2, link), [3, 0], 0.5) for link in links)
     assert hard < 0.2 * soft

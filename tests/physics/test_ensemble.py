@@ -26,8 +26,7 @@ def test_each_chain_moves_as_it_would_alone(method, workers):
 
 def test_durations_and_steps_may_differ_from_chain_to_chain():
     durations, steps = np.linspace(0.5, 2.0, len(CHAINS)).tolist(), np.geomspace(1e-3, 1e-2, len(CHAINS)).tolist()
-    found = ensemble(CHAINS, STARTS, durations, "conserving", steps)
-    for k, one in enumerate(found):
+    for k, one in enumerate(ensemble(CHAINS, STARTS, durations, "conserving", steps)):
         alone = simulate(CHAINS[k], STARTS[k], durations[k], "conserving", steps[k], samples=2)
         assert np.array_equal(one.velocity, alone.velocity)
         assert one.time[-1] == durations[k]

@@ -1,6 +1,7 @@
 """Bed friction and contacts with loss: closed forms, sticking, the end of a motion, refusals, live steps."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -48,8 +49,7 @@ def test_a_bead_slides_to_rest(method, friction):
 @pytest.mark.parametrize("law", LAWS)
 def test_restitution_of_one_on_one(method, law):
     """What comes back is (1 - loss) of the energy: restitution sqrt(1 - loss), whatever the law."""
-    chain = one_on(1, LAWS[law], [1.0, 3.0])
-    found = simulate(chain, [1.0, 0.0], method=method)
+    found = simulate(one_on(1, LAWS[law], [1.0, 3.0]), [1.0, 0.0], method=method)
     parting = found.final_velocity[1] - found.final_velocity[0]
     error = ERRORS.get(method, 1e-7)
     assert parting == pytest.approx(math.sqrt(0.2), rel=max(error, 1e-5) if law == "Hertz" else error)
@@ -58,15 +58,12 @@ def test_restitution_of_one_on_one(method, law):
     assert found.absorbed_by_bed[-1] == 0.0
 
 
-@pytest.mark.parametrize(
-    "method", [method.name for method in SET_VALUED]
-)  # others have f = 0 at overlap 0, and chatter
+@pytest.mark.parametrize("method", [one.name for one in SET_VALUED])  # others have f = 0 at overlap 0, and chatter
 def test_a_push_below_the_threshold_moves_nothing(method):
     """Four beads on a bed, pushed with 0.99 mu g of all of them, stay bit for bit; with 1.01 they all move alike."""
     weight = 0.3 * GRAVITY * 4
     for share in (0.99, 1.01):
-        drive = [share * weight, 0.0, 0.0, 0.0]
-        chain = Chain([1.0] * 4, draft_gear(100.0, 0.5), drive=drive, friction=0.3)
+        chain = Chain([1.0] * 4, draft_gear(100.0, 0.5), drive=[share * weight, 0.0, 0.0, 0.0], friction=0.3)
         found = simulate(chain, [0.0] * 4, 0.5, method, samples=11, **fineness(method, 1e-3))
         if share < 1.0:
             assert (found.position == 0.0).all()
@@ -91,8 +88,7 @@ def test_beads_that_a_weak_impact_does_not_reach_stay():
 
 def test_a_gear_may_stay_pressed_on_its_bed():
     """Where friction can carry the force with which a gear comes out, it stays pressed: all beads rest and the run ends."""
-    chain = Chain([1.0, 1.0], Contact(0.0, 50.0, 1.0, 0.95), friction=0.8)
-    found = simulate(chain, [1.0, 0.0], method="conserving")
+    found = simulate(Chain([1.0, 1.0], Contact(0.0, 50.0, 1.0, 0.95), friction=0.8), [1.0, 0.0], method="conserving")
     assert found.contact_intervals[0][0][1] == math.inf
     assert found.velocity[-1].tolist() == [0.0, 0.0]
     assert found.overlap[-1, 0] > 0.0
@@ -122,23 +118,16 @@ def test_what_rubs_and_loses_comes_to_its_end(method, seed):
     """Beads that a held contact joins rest together, and one that creeps at round-off rests; runs once went on to 1e45 s."""
     draw = np.random.default_rng(seed)
     beads = int(draw.integers(2, 6))
-    laws = [
-        (
-            power_law(1.0, 0.5, loss=loss),
-            step_force(1.0, loss=loss),
-            hertz(10.0, loss=loss),
-            power_law(5.0, 0.1, loss=loss),
-        )[k]
-        for k, loss in zip(draw.integers(4, size=beads - 1), draw.uniform(0.1, 0.8, beads - 1), strict=True)
-    ]
+    kinds = power_law(1.0, 0.5), step_force(1.0), hertz(10.0), power_law(5.0, 0.1)
+    drawn = zip(draw.integers(4, size=beads - 1), draw.uniform(0.1, 0.8, beads - 1), strict=True)
+    laws = [replace(kinds[k], loss=loss) for k, loss in drawn]
     mass, velocity = np.ones(beads), np.eye(1, beads)[0] * draw.uniform(0.3, 2.0)
     if seed % 3 == 0:
         mass[-1], velocity[-1] = np.inf, 0.0
     chain = Chain(mass, laws, friction=float(10.0 ** draw.uniform(-3.0, -0.7)))
     found = simulate_quietly(chain, velocity, method=method, samples=2, tolerance=1e-7)
     assert np.isfinite(found.final_velocity).all()
-    brake = chain.bed[np.isfinite(mass)].min()
-    assert found.time[-1] < 20.0 + 2.0 * np.ptp(velocity) / brake
+    assert found.time[-1] < 20.0 + 2.0 * np.ptp(velocity) / chain.bed[np.isfinite(mass)].min()
     assert ledger_error(found) < 1e-5
 
 
@@ -160,6 +149,5 @@ def test_contacts_between_beads_that_stick_beside_a_stiff_one_keep_no_run_from_i
         for method in ("radau", "accurate")
     ]
     np.testing.assert_allclose(runs[0], runs[1], rtol=0.0, atol=1e-9)
-    step = motion.duration / 20_000
-    coarse = solve(motion.chain, motion.velocity, motion.duration, "conserving", step, samples=2)
+    coarse = solve(motion.chain, motion.velocity, motion.duration, "conserving", motion.duration / 20_000, samples=2)
     np.testing.assert_allclose(coarse.final_velocity, runs[1], rtol=0.0, atol=1e-4)

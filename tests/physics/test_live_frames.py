@@ -5,11 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import softcradle.physics.adaptive.usual_budget
 from softcradle.physics import METHODS, Chain, Contact, State, TimedForce, advance, hertz, one_on, power_law, simulate
 from softcradle.physics.methods import find_method, refusal_of
 from softcradle.physics.simulation import move, solve
 from softcradle.physics.status import Status
+
+from tests.helpers.relations import struck, total_energy
 
 SOFT = one_on(4, power_law(1.0, 0.1))
 RUBS = Chain(np.ones(4), [power_law(1.0, 0.1)] * 3, friction=0.02)
@@ -17,27 +18,21 @@ LOSES = Chain(np.ones(4), [Contact(0.0, 1.0, 0.5, loss=0.3)] * 3, friction=0.02)
 ADAPTIVE = [method.name for method in METHODS if method.adaptive]
 
 
-def _struck(chain: Chain) -> State:
-    return State.at_start(chain, np.eye(1, chain.contacts + 1)[0])
-
-
 @pytest.mark.parametrize("chain", [SOFT, RUBS, LOSES], ids=["soft", "rubs", "loses"])
 @pytest.mark.parametrize("method", ADAPTIVE)
 def test_out_of_steps_conserving_finishes_and_says_so(chain, method):
-    state, frame = _struck(chain), 0.5
-    with pytest.warns(RuntimeWarning, match=f"{method} gave up .*; conserving moved on from there"):
+    state, frame = State.at_start(chain, struck(chain)), 0.5
+    with pytest.warns(RuntimeWarning, match=f"{method} gave up at t = .*3 steps.*; conserving moved on from there"):
         advance(chain, state, frame, method, most_steps=3)
     assert state.time == frame
-    kinetic = 0.5 * float(np.sum(state.velocity(chain) ** 2))
-    stored = sum(float(c.energy(d)) for c, d in zip(chain.contact, state.overlap, strict=True))
-    assert kinetic + stored + state.absorbed.sum() == pytest.approx(0.5, abs=1e-8)
-    fine = simulate(chain, np.eye(1, chain.contacts + 1)[0], frame, method="accurate", samples=2)
+    assert total_energy(chain, state) + state.absorbed.sum() == pytest.approx(0.5, abs=1e-8)
+    fine = simulate(chain, struck(chain), frame, method="accurate", samples=2)
     np.testing.assert_allclose(state.velocity(chain), fine.final_velocity, atol=0.01)
 
 
 @pytest.mark.parametrize("method", ADAPTIVE)
 def test_with_steps_enough_nothing_is_said_and_old_trouble_is_forgotten(method):
-    state = _struck(SOFT)
+    state = State.at_start(SOFT, struck(SOFT))
     move(SOFT, state, 0.01, method, None, 1e-6, 3)
     assert state.status.gave_up
     assert state.warnings
@@ -52,9 +47,9 @@ def test_with_steps_enough_nothing_is_said_and_old_trouble_is_forgotten(method):
 @pytest.mark.parametrize("steps", [1, 2, 5, 20, 60])
 def test_a_run_whose_budget_ends_between_changes_of_friction_reaches_its_end(chain, steps, monkeypatch):
     """Wherever it happens; what it says of its end is then true of it."""
-    exact = solve(chain, np.eye(1, chain.contacts + 1)[0], None, "radau", None, 11, 1e-8)
-    monkeypatch.setattr(softcradle.physics.adaptive.usual_budget, "MOST_STEPS", steps)
-    found = solve(chain, np.eye(1, chain.contacts + 1)[0], None, "radau", None, 11, 1e-8)
+    exact = solve(chain, struck(chain), None, "radau", None, 11, 1e-8)
+    monkeypatch.setattr("softcradle.physics.adaptive.usual_budget.MOST_STEPS", steps)
+    found = solve(chain, struck(chain), None, "radau", None, 11, 1e-8)
     (warning,) = found.warnings
     assert found.status == Status.UNDETERMINED
     assert warning.code == "sensitive"
@@ -70,12 +65,7 @@ PUSHED = replace(HIT, forces=(TimedForce(0, (0.1, 0.3), (0.0, 0.5)),))
 
 @pytest.mark.parametrize(
     ("method", "chain"),
-    [
-        (method.name, chain)
-        for method in METHODS
-        for chain in (HIT, BRAKED, PUSHED)
-        if not refusal_of(method.name, chain)
-    ],
+    [(one.name, chain) for one in METHODS for chain in (HIT, BRAKED, PUSHED) if not refusal_of(one.name, chain)],
 )
 def test_frames_hand_out_the_switches_of_the_whole_motion(method, chain):
     start, step = np.eye(1, 4)[0], None if find_method(method).adaptive else 1e-3

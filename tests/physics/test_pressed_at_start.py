@@ -26,8 +26,7 @@ def test_a_pressed_spring_gives_its_energy_to_both_ends(method):
 def test_a_pressed_row_at_rest_under_its_press_stays(method):
     contact = power_law(1.0, 0.1)
     gap = -float(contact.overlap(0.75))
-    chain = Chain([1.0] * 4, contact, gap, drive=[0.75, 0.0, 0.0, -0.75])
-    found = simulate(chain, [0.0] * 4, 5.0, method)
+    found = simulate(Chain([1.0] * 4, contact, gap, drive=[0.75, 0.0, 0.0, -0.75]), [0.0] * 4, 5.0, method)
     np.testing.assert_allclose(found.overlap, -gap, rtol=1e-9)
     np.testing.assert_allclose(found.velocity, 0.0, atol=1e-10)
 
@@ -46,8 +45,7 @@ def test_speed_scale_knows_the_press():
 
 @pytest.mark.parametrize("name", ["stiff-springs", "prestressed"])
 def test_the_contrast_scenes_begin_at_rest_under_their_press(name):
-    lane = scenes.load(name).lanes[1]
-    chain = lane.chain()
+    chain = scenes.load(name).lanes[1].chain()
     found = simulate(chain, [0.0] * (chain.contacts + 1), 1.0, "conserving")
     assert found.overlap[0, 1:].min() > 0.0
     np.testing.assert_allclose(found.velocity, 0.0, atol=1e-9)

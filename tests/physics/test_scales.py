@@ -51,8 +51,7 @@ def test_a_gear_that_yields_too_little_is_told_of(factor):
     """Where the gear yields by a thousandth of its precompression: v**2 / 4 = preload * yield for two beads of 1 kg."""
     gear = draft_gear(3.0, 2.0)
     border = float(np.sqrt(4.0 * gear.preload * 2e-3))
-    found = unusual_warnings(Chain([1, 1], gear), [factor * border, 0.0], 1e-8)
-    assert bool(found) == (factor < 1.0)
+    assert bool(unusual_warnings(Chain([1, 1], gear), [factor * border, 0.0], 1e-8)) == (factor < 1.0)
 
 
 def test_what_a_chain_alone_determines_is_found_once():

@@ -9,18 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from softcradle.physics import (
-    Chain,
-    Contact,
-    Coupler,
-    TimedForce,
-    Trajectory,
-    draft_gear,
-    hertz,
-    one_on,
-    power_law,
-    simulate,
-)
+from softcradle.physics import Chain, Contact, Coupler, TimedForce, Trajectory, hertz, one_on, power_law, simulate
 from softcradle.physics.atomic_files import output_file, output_folder
 from softcradle.physics.status import CodedWarning, Status, WarningCode
 from softcradle.physics.trajectory_file import chain_from_table
@@ -90,7 +79,7 @@ def test_file_needs_no_pickle_and_says_what_made_it(collision, tmp_path):
 
 GEAR = Contact(250e3, 3.75e7, 1.7, loss=0.8)
 ROWS = {
-    "a wall": Chain([1.0, 1.0, math.inf], draft_gear(100.0, 0.1), gap=0.1),
+    "a wall": Chain([1.0, 1.0, math.inf], Contact(10.0, 100.0, 1.0), gap=0.1),
     "couplers": Chain([8e4] * 3, [Coupler(GEAR, GEAR, 0.02, 0.166, 1e8), GEAR], 0.01),
     "friction, loss and a drive": Chain([1.0] * 3, hertz(50.0, loss=0.8), drive=[1.0, 0.0, 0.5], friction=0.1),
     "forces and brakes": Chain([1.0] * 3, GEAR, forces=TimedForce(0, [0, 1], [0, 2]), brakes=TimedForce(1, 0.0, 4.0)),

@@ -1,5 +1,6 @@
 """Short motions through every kind of step, switch and rest: what must hold of each by any method, compiled or not."""
 
+import itertools
 import math
 from typing import NamedTuple
 
@@ -10,10 +11,11 @@ from softcradle.physics.contact import Contact, draft_gear, hertz, hooke, power_
 from softcradle.physics.methods import refusal_of
 from softcradle.physics.status import Status
 
+from tests.helpers import relations
 from tests.helpers.random_chains import random_collision, random_dissipative
-from tests.helpers.relations import assert_momentum, assert_sound, fineness, ledger_error, separating, simulate_quietly
+from tests.helpers.relations import KERNELS, assert_momentum, assert_sound, fineness, ledger_error, simulate_quietly
 
-METHODS = ("accurate", "radau", "dop853", "conserving", "verlet", "yoshida4", "euler")
+METHODS = (*KERNELS, "conserving", "verlet", "yoshida4", "euler")
 TOLERANCE = 1e-6
 SAMPLES = 7
 
@@ -90,31 +92,31 @@ def solved(case, method):
     return simulate_quietly(case.chain, case.velocity, case.duration, method, samples=SAMPLES, **finer)
 
 
-RUNS = [
-    (name, method)
-    for name, case in CASES.items()
-    for method in METHODS
-    if not refusal_of(method, case.chain) and method not in case.without
-]
+def runs(names, methods):
+    """(name, method) for all cases and methods that go together."""
+    pairs = itertools.product(names, methods)
+    return [
+        (name, one) for name, one in pairs if not (refusal_of(one, CASES[name].chain) or one in CASES[name].without)
+    ]
 
 
-@pytest.mark.parametrize(("name", "method"), RUNS)
+@pytest.mark.parametrize(("name", "method"), runs(CASES, METHODS))
 def test_what_holds_of_every_motion(name, method):
     case = CASES[name]
     found = solved(case, method)
     assert found.status in (Status.DONE, Status.SEPARATED)
     if not case.chain.pulls:
         assert_sound(found)
-    exact = method in ("accurate", "radau", "dop853", "conserving")
+    exact = method in (*KERNELS, "conserving")
     if np.abs(found.velocity).max() > 0.0:
         assert ledger_error(found) < (100.0 * TOLERANCE if exact else 0.3)
     if not (case.chain.on_bed or case.chain.lasts or case.chain.timed):
         assert_momentum(found, case.velocity, TOLERANCE)
     if found.status is Status.SEPARATED and not case.chain.on_bed:
-        assert separating(found.final_velocity, 1e-6)
+        assert relations.separating(found.final_velocity, 1e-6)
 
 
-@pytest.mark.parametrize("method", ["accurate", "radau", "dop853"])
+@pytest.mark.parametrize("method", KERNELS)
 @pytest.mark.parametrize(
     "name",
     ["hertz with gaps", "two gears on two", "gears on straws", "loss and friction in a mixed chain", "between walls"],
@@ -140,37 +142,31 @@ def test_contacts_that_stiffen_open_when_the_finest_steps_say(exponent):
             assert np.array(one) == pytest.approx(np.array(other), abs=1e-3)
 
 
-FRAMES = [
-    (name, method)
-    for name in (
-        "hertz with gaps", "gears on straws", "between walls", "a ball that bounces to rest", "laws of one's own",
-        "loss and friction in a mixed chain",
-    )
-    for method in ("accurate", "radau", "dop853", "conserving", "verlet", "pymunk")
-    if not refusal_of(method, CASES[name].chain) and method not in CASES[name].without
-]  # fmt: skip
+IN_FRAMES = (
+    "hertz with gaps", "gears on straws", "between walls", "a ball that bounces to rest", "laws of one's own",
+    "loss and friction in a mixed chain",
+)  # fmt: skip
 
 
-@pytest.mark.parametrize(("name", "method"), FRAMES)
+@pytest.mark.parametrize(("name", "method"), runs(IN_FRAMES, (*KERNELS, "conserving", "verlet", "pymunk")))
 def test_frames_go_where_the_whole_run_goes(name, method):
     """Live use moves a state by a fiftieth of a second at a time: twenty fixed steps, which are those of the whole run."""
     case = CASES[name]
     state = State.at_start(case.chain, case.velocity)
-    step = None if method in ("accurate", "radau", "dop853") else 1e-3
-    tolerance = {"tolerance": TOLERANCE} if step is None else {}
+    finer = fineness(method, 1e-3, tolerance=TOLERANCE)
     for _ in range(10):
-        advance(case.chain, state, 0.02, method, step, **tolerance)
-    whole = simulate_quietly(case.chain, case.velocity, 0.2, method, step, samples=2, **tolerance)
+        advance(case.chain, state, 0.02, method, **finer)
+    whole = simulate_quietly(case.chain, case.velocity, 0.2, method, samples=2, **finer)
     assert state.time == pytest.approx(0.2)
     # a contact of "between walls" closes at 0.2 s: within a step of pymunk, by round-off
-    allowed = 1e-3 if method == "pymunk" else 1e-6 if step else 30.0 * TOLERANCE
+    allowed = 1e-3 if method == "pymunk" else 1e-6 if "step" in finer else 30.0 * TOLERANCE
     assert state.velocity(case.chain) == pytest.approx(whole.final_velocity, abs=allowed)
     absorbed = whole.absorbed_by_contacts[-1], whole.absorbed_by_bed[-1]
-    assert state.absorbed == pytest.approx(absorbed, rel=1e-6 if step else 1e-4, abs=1e-6)
+    assert state.absorbed == pytest.approx(absorbed, rel=1e-6 if "step" in finer else 1e-4, abs=1e-6)
     assert state.copy().absorbed.tolist() == state.absorbed.tolist()
 
 
-@pytest.mark.parametrize("method", ["accurate", "radau", "dop853"])
+@pytest.mark.parametrize("method", KERNELS)
 @pytest.mark.parametrize("seed", [1, 2, 5, 8])
 def test_random_motions_on_a_bed_keep_their_ledger(seed, method):
     chain, velocity = random_dissipative(seed, 4)
@@ -179,7 +175,7 @@ def test_random_motions_on_a_bed_keep_their_ledger(seed, method):
     assert ledger_error(found) < 100.0 * TOLERANCE
 
 
-@pytest.mark.parametrize("method", ["accurate", "radau", "dop853"])
+@pytest.mark.parametrize("method", KERNELS)
 @pytest.mark.parametrize("seed", [0, 1, 2, 4, 5])
 def test_random_collisions_keep_energy_and_momentum(seed, method):
     chain, velocity = random_collision(seed, 4)

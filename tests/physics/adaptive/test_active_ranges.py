@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, hertz, one_on, simulate
+from softcradle.physics import hertz, one_on, simulate
 
 ROUND_OFF = 2.3e-16
 
@@ -10,14 +10,9 @@ ROUND_OFF = 2.3e-16
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-7, 1e-10])
 def test_two_impacts_on_one_chain_do_what_each_does_alone(tolerance):
     """Struck at both ends, before the waves meet: the left half is that of a chain struck once, the right its mirror."""
-    both = simulate(
-        Chain(np.ones(41), [hertz(1.0)] * 40),
-        np.r_[1.0, np.zeros(39), -1.0],
-        15.0,
-        method="accurate",
-        tolerance=tolerance,
-    )
-    alone = simulate(one_on(40, hertz(1.0)), np.r_[1.0, np.zeros(40)], 15.0, method="accurate", tolerance=tolerance)
+    chain, options = one_on(40, hertz(1.0)), {"method": "accurate", "tolerance": tolerance}
+    both = simulate(chain, np.r_[1.0, np.zeros(39), -1.0], 15.0, **options)
+    alone = simulate(chain, np.r_[1.0, np.zeros(40)], 15.0, **options)
     end = both.final_velocity
     np.testing.assert_allclose(end, -end[::-1], atol=2.0 * tolerance)
     np.testing.assert_allclose(end[:18], alone.final_velocity[:18], atol=2.0 * tolerance)

@@ -33,10 +33,7 @@ def lanes():
             if chain.walls < 2 and chain.drive is None and not chain.dissipative:
                 found.setdefault((chain, velocity), f"{name}-{k}")
     marks = {"mixed-0": pytest.mark.slow}
-    return [
-        pytest.param(chain, np.array(velocity), id=name, marks=marks.get(name, ()))
-        for (chain, velocity), name in found.items()
-    ]
+    return [pytest.param(*motion, id=name, marks=marks.get(name, ())) for motion, name in found.items()]
 
 
 def check_errors(exact, tolerances, *arguments, speed=1.0, **options):
@@ -49,8 +46,7 @@ def check_errors(exact, tolerances, *arguments, speed=1.0, **options):
 @pytest.mark.parametrize("truth", CASES, ids=lambda truth: truth.name)
 @pytest.mark.parametrize("method", ["radau", "accurate"])
 def test_error_stays_below_ten_tolerances(method, truth):
-    speed = closing_speed(truth.start)
-    check_errors(truth.final, TOLERANCES, truth.chain, truth.start, method=method, speed=speed)
+    check_errors(truth.final, TOLERANCES, truth.chain, truth.start, method=method, speed=closing_speed(truth.start))
 
 
 DEEP = {5: 1 / 14, 10: 1 / 30, 20: 1 / 50}  # n: exponent
@@ -90,9 +86,8 @@ def fine_ends(chain, velocity):
             replace(contact, preload=contact.preload * factor, stiffness=contact.stiffness * factor)
             for contact, factor in zip(chain.contact, factors, strict=True)
         ]
-        runs.append(
-            simulate_quietly(replace(chain, contact=contacts), velocity, method="radau", samples=2, tolerance=1e-10)
-        )
+        other = replace(chain, contact=contacts)
+        runs.append(simulate_quietly(other, velocity, method="radau", samples=2, tolerance=1e-10))
     closings = max(len(intervals) for run in runs for intervals in run.contact_intervals)
     return np.array([run.final_velocity for run in runs]), closings
 

@@ -69,11 +69,8 @@ def test_the_stated_error_holds_on_mixes_of_hooke_and_hertz(seed):
 )
 def test_positions_state_an_error(chain):
     """Of 495 chains of `benchmarks scan` at 1e-6 it was never exceeded, nor more than a third of it reached."""
-    end = simulate_quietly(chain, struck(chain), tolerance=1e-6, samples=2).time[-1]
-    found, exact = (
-        simulate_quietly(chain, struck(chain), 0.999 * end, tolerance=tolerance, samples=15)
-        for tolerance in (1e-6, 1e-11)
-    )
+    end = 0.999 * simulate_quietly(chain, struck(chain), tolerance=1e-6, samples=2).time[-1]
+    found, exact = (simulate_quietly(chain, struck(chain), end, tolerance=each, samples=15) for each in (1e-6, 1e-11))
     error = np.abs(found.position - exact.position).max(axis=1)
     assert (error <= found.position_error + exact.position_error).all()
     assert found.position_error[-1] < 1e-4

@@ -81,8 +81,7 @@ def test_both_sides_of_the_critical_speed(strikers, targets, method):
     struck = strikers - 1
     for factor, rigid in ((0.999, True), (1.01, False)):
         speed = factor * critical
-        start = np.repeat([speed, 0.0], [strikers, targets])
-        found = simulate(chain, start, method=method.name, samples=401)
+        found = simulate(chain, np.repeat([speed, 0.0], [strikers, targets]), method=method.name, samples=401)
         inner = np.delete(found.overlap, struck, axis=1)[found.force[:, struck] > 0.0]
         assert (inner.max() <= 0.0) == rigid
         error = np.abs(found.final_velocity - rigid_collision(mass, strikers, speed)).max() / speed
@@ -102,8 +101,7 @@ def test_eigenmodes_of_unequal_beads_agree_with_the_reference():
     mass, stiffness = [1.0, 3.0, 0.5, 2.0], [1.0, 4.0, 0.7]
     modes = LinearChain(mass, stiffness, [1, 0, 0, 0])
     end = min(modes.first_opening(i) for i in range(3))
-    chain = Chain(mass, [hooke(k) for k in stiffness])
-    found = simulate(chain, [1, 0, 0, 0], end, "scipy", samples=20)
+    found = simulate(Chain(mass, [hooke(k) for k in stiffness]), [1, 0, 0, 0], end, "scipy", samples=20)
     assert found.overlap == pytest.approx(modes.overlap(found.time), abs=1e-9)
     assert found.velocity == pytest.approx(modes.velocity(found.time), abs=1e-9)
 

@@ -75,8 +75,7 @@ def test_gears_below_the_critical_speed_are_rigid(share):
 
 def test_gears_above_the_critical_speed_are_not():
     chain = one_on(3, GEAR, MASS)
-    speed = 1.5 * critical_speed(GEAR, chain.mass, 1)
-    found = measured(collide(chain, [speed, 0.0, 0.0, 0.0]))
+    found = measured(collide(chain, [1.5 * critical_speed(GEAR, chain.mass, 1), 0.0, 0.0, 0.0]))
     assert found.rigidity > 0.5 > found.rigidity_at_detachment > 0.01
     assert found.restitution < 0.95
     assert found.contacts[1].loaded > 0.5 * found.contact_time
@@ -89,13 +88,6 @@ def test_softer_is_more_rigid_in_every_measure():
         assert values == sorted(values, reverse=falls), name
     during, after = found[-1].rigidity_at_detachment, found[-1].rigidity
     assert during < after < 0.25  # the velocities diverge after the detachment, Sec. IV
-
-
-def test_a_hard_cradle_keeps_its_energy_inside_the_targets():
-    found = measured(collide(one_on(4, hertz(1.0)), [1, 0, 0, 0, 0]))
-    assert found.rigidity > 3.0
-    assert found.restitution < 0.4
-    assert found.energy_inside > 0.6
 
 
 def test_times_of_a_contact_add_up():
@@ -115,8 +107,7 @@ def test_a_longer_way_to_the_target_changes_nothing():
 
 
 def test_against_a_wall():
-    chain = Chain([1, 1, math.inf], hertz(2.0), [0.0, 0.5])
-    found = measured(collide(chain, [1.0, 1.0, 0.0]))
+    found = measured(collide(Chain([1, 1, math.inf], hertz(2.0), [0.0, 0.5]), [1.0, 1.0, 0.0]))
     assert found.struck == 1
     assert found.rigidity is None  # behind the struck contact there is only the wall
     assert found.peak_acceleration is None
@@ -146,8 +137,7 @@ def test_between_samples():
 
 
 def test_loss_of_one_on_one_is_its_restitution():
-    chain = one_on(1, draft_gear(770.0, 0.0177, loss=0.64), MASS)
-    found = measured(collide(chain, [1.0, 0.0]))
+    found = measured(collide(one_on(1, draft_gear(770.0, 0.0177, loss=0.64), MASS), [1.0, 0.0]))
     assert found.restitution == pytest.approx(0.6, abs=2e-3)  # sqrt(1 - loss)
     assert found.absorbed_by_contacts == pytest.approx(0.5 * 0.64, rel=1e-2)  # of the energy of approach, half of all
     assert found.absorbed_by_bed == 0.0
@@ -157,8 +147,7 @@ def test_loss_of_one_on_one_is_its_restitution():
 
 def test_the_bed_takes_momentum():
     friction, speed, way = 0.2, 1.0, 0.05
-    chain = Chain([MASS] * 4, GEAR, [way, 0.0, 0.0], friction=friction)
-    trajectory = collide(chain, [speed, 0.0, 0.0, 0.0])
+    trajectory = collide(Chain([MASS] * 4, GEAR, [way, 0.0, 0.0], friction=friction), [speed, 0.0, 0.0, 0.0])
     found = measured(trajectory)
     left = 0.5 * MASS * (trajectory.velocity[-1] ** 2).sum() / (0.5 * MASS * speed**2)
     assert found.absorbed_by_bed == pytest.approx(1.0 - left, rel=1e-9)
@@ -175,8 +164,7 @@ def test_the_bed_takes_momentum():
     gained = 3.0 * MASS * interpolated(trajectory, trajectory.velocity, found.detachment)[1]
     taken = 3.0 * friction * MASS * 9.80665 * found.contact_time  # all three slide while they are pushed
     assert found.momentum == pytest.approx(gained + taken, rel=2e-3)
-    last = found.contacts[2].momentum  # to the last of the three
-    assert last == pytest.approx((gained + taken) / 3.0, rel=2e-3)
+    assert found.contacts[2].momentum == pytest.approx((gained + taken) / 3.0, rel=2e-3)
 
 
 def test_the_scaling_variable_of_the_spread_is_that_of_one_on_n_alike():
@@ -218,10 +206,8 @@ def test_momentum_is_transmitted_or_reflected():
 
 def test_inner_contacts_of_small_exponents_ring_about_their_branch():
     trajectory = collide(one_on(2, power_law(1.0, 1 / 20)), [1, 0, 0], samples=20_001)
-    inner = measured(trajectory).contacts[1]
-    assert inner.turns >= 7
-    usual = measured(collide(one_on(2, power_law(1.0, 1 / 10)), [1, 0, 0]))
-    assert usual.contacts[0].turns == 1
+    assert measured(trajectory).contacts[1].turns >= 7
+    assert measured(collide(one_on(2, power_law(1.0, 1 / 10)), [1, 0, 0])).contacts[0].turns == 1
     struck = simulate(trajectory.chain, [1, 0, 0], trajectory.contact_intervals[1][0][1], samples=20_001)
     found = ringing(struck.time, struck.force[:, 1])
     assert found.period == pytest.approx(2.0 * math.pi * response_times(struck)[1], rel=0.03)

@@ -45,9 +45,7 @@ def require_same(chains, velocities, ends, **settings):
     + [(method, random_dissipative, 2.0) for method in ("euler", "verlet", "conserving")],
 )
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
-def test_collisions_and_chains_with_beds_losses_walls_and_drives_end_as_they_would_alone(
-    method, maker, duration, contacts
-):
+def test_collisions_and_chains_with_beds_losses_and_drives_end_as_they_would_alone(method, maker, duration, contacts):
     chains, velocities = chains_of(maker, contacts)
     assert maker is random_collision or any(chain.drive for chain in chains)
     settings = {"method": method, "step": STEP, **({"duration": duration} if duration else {})}
@@ -68,13 +66,10 @@ def test_adaptive_methods_end_as_they_would_alone(contacts):
 def test_chains_that_rattle_end_as_they_would_alone():
     """Errors have grown in most of these, so more than one run decides, and some are not determined."""
     draw = np.random.default_rng(3)
-    chains = [
-        Chain(np.exp(draw.uniform(-1, 1, 6)), [power_law(1.0, float(draw.uniform(0.02, 0.12))) for _ in range(5)])
-        for _ in range(25)
-    ]
+    masses, exponents = np.exp(draw.uniform(-1, 1, (25, 6))), draw.uniform(0.02, 0.12, (25, 5))
+    chains = [Chain(mass, [power_law(1.0, a) for a in few]) for mass, few in zip(masses, exponents, strict=True)]
     velocities = -np.sort(-draw.normal(size=(25, 6)))
-    ends = ensemble_ends(ChainBatch.of(chains), velocities, tolerance=1e-6)
-    require_same(chains, velocities, ends, tolerance=1e-6)
+    require_same(chains, velocities, ensemble_ends(ChainBatch.of(chains), velocities, tolerance=1e-6), tolerance=1e-6)
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
@@ -151,9 +146,7 @@ REFUSED = {
     "a drive": (
         lambda: ensemble_ends(ChainBatch(ONES, 0, 1, 1, drive=[1, 0, 0]), [1, 0, 0]), "a driven chain may never come apart"
     ),
-    "walls": (
-        lambda: ensemble_ends(ChainBatch([[math.inf, 1, math.inf]], 0, 1, 1), [0, 1, 0]), "two walls may never come apart"
-    ),
+    "walls": (lambda: ensemble_ends(ChainBatch([[math.inf, 1, math.inf]], 0, 1, 1), [0, 1, 0]), "two walls may never come apart"),
     "a depth": (lambda: ensemble_ends(ChainBatch(ONES, 0, 1e-30, 1e-3), [1e30, 0, 0]), "would be pressed by about"),
 }  # fmt: skip
 

@@ -36,23 +36,14 @@ def test_native_true_refuses_what_it_cannot_compile():
 
 
 CHECK_FALLBACK = """
-import pymunk
 from softcradle.physics import hertz
 from softcradle.physics.pymunk_contacts import compiled_force
-from softcradle.physics.pymunk_contacts.contact_constraint import SoftContact
-space = pymunk.Space()
-balls = [pymunk.Body(1, 1) for _ in range(3)]
-for i, ball in enumerate(balls):
-    ball.position = i, 0
-    space.add(ball)
-contacts = [SoftContact(a, b, (0, 0), (0, 0), 1, hertz(1e4)) for a, b in zip(balls, balls[1:])]
-space.add(*contacts)
-balls[0].velocity = 1, 0
-for _ in range(1000):
-    space.step(1e-4)
+from tests.helpers.spaces import cradle, run
+space, balls, contacts = cradle(hertz(1e4), beads=3)
+run(space, 1e-4, 1000)
 print(compiled_force.unavailable(), [c.native for c in contacts], [b.velocity.x.hex() for b in balls], sep="|")
 try:
-    SoftContact(*balls[:2], (0, 0), (0, 0), 1, hertz(1.0), native=True)
+    cradle(hertz(1.0), native=True)
 except RuntimeError as error:
     print("refused", error)
 """

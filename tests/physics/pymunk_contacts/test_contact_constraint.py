@@ -124,9 +124,7 @@ def test_interrupting_a_callback_stops_the_step():
 
 
 @pytest.mark.parametrize("native", [None, False])
-@pytest.mark.parametrize(
-    "duplicate", [copy.deepcopy, lambda space: space.copy(), lambda s: pickle.loads(pickle.dumps(s))]
-)
+@pytest.mark.parametrize("duplicate", [copy.deepcopy, lambda s: s.copy(), lambda s: pickle.loads(pickle.dumps(s))])
 def test_copies_move_alike(native, duplicate):
     space, bodies, _ = cradle(power_law(2.0, 0.5), native)
     run(space, count=300)

@@ -56,8 +56,7 @@ def test_overlaps_follow_bodies_whose_positions_are_set():
         space.step(FRAME)
         bodies[2].position += pymunk.Vec2d(0.003, 0.001)
     space.step(FRAME)
-    places = chain.positions
-    apart = [(b - a).length for a, b in itertools.pairwise(places)]
+    apart = [(b - a).length for a, b in itertools.pairwise(chain.positions)]
     np.testing.assert_allclose(chain.overlaps, 1.0 - np.array(apart), atol=1e-9)
 
 
@@ -87,8 +86,7 @@ def test_a_spring_and_a_mouse_joint_add_no_energy(spring_first):
         space.add(spring, joint)
 
     def energy():
-        stretch = chain.positions[0].length
-        return total_energy(bodies, chain) + 0.5 * 20.0 * stretch**2
+        return total_energy(bodies, chain) + 0.5 * 20.0 * chain.positions[0].length ** 2
 
     for _ in range(1200):
         space.step(FRAME)

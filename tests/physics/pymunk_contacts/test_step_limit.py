@@ -12,15 +12,8 @@ from benchmarks import soft_contacts
 from tests.helpers.paths import ROOT
 from tests.helpers.spaces import FRAME, cradle, pair, run
 
-GROWING = {
-    "hertz": hertz(1e6),
-    "hooke": hooke(1e4),
-    "power law": power_law(50.0, 0.1),
-    "gear": draft_gear(1000.0, 0.05),
-}
-pytestmark = pytest.mark.filterwarnings(
-    "default::RuntimeWarning"
-)  # those that pytest.ini leaves out are what is tested
+GROWING = {"hertz": hertz(1e6), "hooke": hooke(1e4), "power law": power_law(50.0, 0.1), "gear": draft_gear(1e3, 0.05)}
+pytestmark = pytest.mark.filterwarnings("default::RuntimeWarning")  # those that the settings leave out are tested
 
 
 def warned(space, step, count):
@@ -79,8 +72,7 @@ def test_a_faster_blow_and_a_longer_step_are_looked_at_again():
     assert "m/s" in sentence
     space, bodies, contacts = cradle(hertz(1e4), beads=2)
     assert warned(space, 1e-4, 2000) == []
-    speed = bodies[1].velocity.x + 1.0
-    bodies[0].velocity, bodies[0].position = (speed, 0.0), bodies[1].position - (1.1, 0.0)
+    bodies[0].velocity, bodies[0].position = (bodies[1].velocity.x + 1.0, 0.0), bodies[1].position - (1.1, 0.0)
     assert len(warned(space, FRAME, 30)) == 1
 
 

@@ -59,9 +59,8 @@ def test_the_only_body_before_a_wall_removed(chained):
     wall = pymunk.Body(body_type=pymunk.Body.STATIC)
     wall.position = 0.99, 0
     law = hertz(100.0)
-    space.add(
-        *(SoftChain([ball, wall], law, 1.0) if chained else [SoftContact(ball, wall, (0, 0), (0, 0), 1.0, law, False)])
-    )
+    links = SoftChain([ball, wall], law, 1.0) if chained else [SoftContact(ball, wall, (0, 0), (0, 0), 1.0, law, False)]
+    space.add(*links)
     space.step(1e-3)
     space.remove(ball)
     with pytest.raises(RuntimeError, match="is not in the Space"):
