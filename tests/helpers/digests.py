@@ -64,7 +64,6 @@ def states(chain: Chain, velocity: Array, method: str) -> Array:
 
 
 def digest(rows: Array) -> str:
-    """Of every bit of the states."""
     return hashlib.sha256((rows + 0.0).tobytes()).hexdigest()[:12]  # -0 as 0
 
 

@@ -50,7 +50,6 @@ def closing_speed(velocity: ArrayLike) -> float:
 
 
 def finite(chain: Chain) -> NDArray[np.bool_]:
-    """Which beads are no walls."""
     return np.isfinite(chain.mass)
 
 

@@ -191,7 +191,6 @@ class WindowMachine(RuleBasedStateMachine):
 
     @rule(keys=st.lists(st.sampled_from(UNDO_KEYS), min_size=1, max_size=4))
     def undo(self, keys: list[Key]) -> None:
-        """Some steps back and forth."""
         for key in keys:
             self.driver.key(key.code, key.modifiers)
 

@@ -98,7 +98,6 @@ def test_the_ledger_of_conserving_closes_to_round_off(seed, parts):
     assert ledger_error(found) < 1e-10
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(15))
 def test_the_ledger_of_radau_closes_with_the_tolerance(seed):
     """Within ten tolerances (measured: 0.4), and better at a finer one."""
@@ -110,13 +109,6 @@ def test_the_ledger_of_radau_closes_with_the_tolerance(seed):
         errors.append(ledger_error(found))
         assert errors[-1] < PROMISE * tolerance
     assert errors[1] < max(0.1 * errors[0], 1e-11)
-
-
-def test_the_ledger_of_radau_closes_on_a_bed_with_a_very_soft_contact():
-    """Exponent 0.05 with loss 0.95, until all beads rest."""
-    chain, velocity = random_dissipative(3, 4)
-    found = simulate_quietly(chain, velocity, 2.0 * longest_time(chain, velocity), "radau", samples=21, tolerance=1e-8)
-    assert ledger_error(found) < PROMISE * 1e-8
 
 
 @pytest.mark.parametrize("method", ["radau", "accurate", "scipy"])
@@ -151,7 +143,6 @@ def test_conserving_is_of_second_order_through_stops_and_reversals():
 
 
 def test_absorbed_energy_never_falls():
-    chain = Chain([1.0] * 5, draft_gear(300.0, 0.01, 0.8), friction=0.1)
-    found = simulate(chain, [1.0, 0, 0, 0, 0], method="conserving")
+    found = simulate(Chain([1.0] * 5, draft_gear(300.0, 0.01, 0.8), friction=0.1), [1, 0, 0, 0, 0], method="conserving")
     assert np.diff(found.absorbed_by_contacts).min() > -1e-14
     assert np.diff(found.absorbed_by_bed).min() >= 0.0

@@ -5,12 +5,11 @@ import re
 from dataclasses import replace
 
 import numpy as np
-import pymunk
 import pytest
 from softcradle.physics.contact import Contact, hooke, power_law
 from softcradle.physics.methods import METHODS, refusal_of
 
-from softcradle import Chain, Coupler, SoftContact, State, TimedForce, advance, ensemble, simulate, stable_step
+from softcradle import Chain, Coupler, State, TimedForce, advance, ensemble, simulate, stable_step
 from tests.helpers.relations import fineness
 
 CARRY = [method.name for method in METHODS if method.couplers]
@@ -160,15 +159,6 @@ def test_what_takes_friction_in_place_of_yoshida4_takes_the_chain():
             simulate(chain, [1.0, 0.0], 0.1, "yoshida4")
         for method in re.findall(r"'(\w+)'", str(refused.value).partition(": take ")[2]):
             assert simulate(chain, [1.0, 0.0], 0.1, method).absorbed_by_bed[-1] > 0.0
-
-
-def test_a_train_that_pulls_has_no_end_of_its_own():
-    with pytest.raises(ValueError, match="whose couplers pull never comes apart: give a duration"):
-        simulate(Chain([1.0, 1.0], TRAIN), [1.0, 0.0], method="conserving")
-    with pytest.raises(ValueError, match="contact 0-1 is a coupler: this takes"):
-        assert Chain([1.0, 1.0], TRAIN).parameters
-    with pytest.raises(ValueError, match="a coupler pulls"):
-        SoftContact(pymunk.Body(1.0, math.inf), pymunk.Body(1.0, math.inf), (0, 0), (0, 0), 1.0, TRAIN)
 
 
 def test_the_stable_step_knows_the_stop():

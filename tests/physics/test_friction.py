@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, State, advance, one_on, simulate
+from softcradle.physics import Chain, one_on, simulate
 from softcradle.physics.chain import GRAVITY
 from softcradle.physics.contact import Contact, draft_gear, hertz, power_law, step_force
 from softcradle.physics.methods import METHODS, find_method
@@ -13,17 +13,11 @@ from softcradle.physics.simulation import solve
 
 from benchmarks.scan import families
 from tests.helpers.relations import SET_VALUED, fineness, ledger_error, simulate_quietly
+from tests.helpers.spaces import LOSSY
 
 DISSIPATIVE = [method.name for method in METHODS if method.dissipative]
 # relative, of a restitution
 ERRORS = {"conserving": 1e-6, "scipy": 1e-7, "euler": 2e-2, "verlet": 4e-3, "pymunk": 2e-2}
-LAWS = {
-    "draft gear": draft_gear(770.0, 0.0177, 0.8),
-    "Hertz": hertz(1.0, 0.8),
-    "power law": power_law(1.0, 0.1, 0.8),
-    "step": step_force(1.0, 0.8),
-    "preload and root": Contact(0.5, 2.0, 0.5, 0.8),
-}
 
 
 @pytest.mark.parametrize("method", DISSIPATIVE)
@@ -46,10 +40,10 @@ def test_a_bead_slides_to_rest(method, friction):
 
 
 @pytest.mark.parametrize("method", DISSIPATIVE)
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("law", LOSSY)
 def test_restitution_of_one_on_one(method, law):
     """What comes back is (1 - loss) of the energy: restitution sqrt(1 - loss), whatever the law."""
-    found = simulate(one_on(1, LAWS[law], [1.0, 3.0]), [1.0, 0.0], method=method)
+    found = simulate(one_on(1, LOSSY[law], [1.0, 3.0]), [1.0, 0.0], method=method)
     parting = found.final_velocity[1] - found.final_velocity[0]
     error = ERRORS.get(method, 1e-7)
     assert parting == pytest.approx(math.sqrt(0.2), rel=max(error, 1e-5) if law == "Hertz" else error)
@@ -102,14 +96,6 @@ def test_the_end_comes_when_nothing_can_meet_again():
         found = simulate(chain, [speed, 0.0], method="conserving", step=1e-4)
         assert bool(found.contact_intervals[0]) == hits
         assert found.time[-1] < 0.3
-
-
-def test_yoshida4_is_refused_in_a_sentence():
-    for chain in (one_on(1, hertz(1.0, 0.1)), Chain([1, 1], hertz(1.0), friction=0.1)):
-        with pytest.raises(ValueError, match=r"'yoshida4' steps back in time.*take 'conserving'"):
-            simulate(chain, [1.0, 0.0], method="yoshida4")
-        with pytest.raises(ValueError, match="yoshida4"):
-            advance(chain, State.at_start(chain, [1.0, 0.0]), 0.1, "yoshida4")
 
 
 @pytest.mark.parametrize("method", ["accurate", "radau"])

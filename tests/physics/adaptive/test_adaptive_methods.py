@@ -8,6 +8,7 @@ import pytest
 from softcradle.physics import Chain, State, advance, draft_gear, hertz, hooke, one_on, power_law, simulate, step_force
 from softcradle.physics.status import Status
 
+from examples.largest_force import LargestForce
 from tests.helpers.relations import KERNELS, PROMISE, momentum, separating
 from tests.helpers.truth import GEAR, gear_critical_speed
 
@@ -139,3 +140,23 @@ def test_a_gap_between_clusters_counts_from_the_first_touch():
             assert intervals[0][0] == pytest.approx(0.3, abs=1e-12)
             assert all(math.isfinite(time) for interval in intervals for time in interval)
         assert separating(found.final_velocity, 1e-7)
+
+
+@pytest.mark.parametrize("method", KERNELS)
+def test_a_contact_with_a_largest_force_against_its_closed_form(method):
+    """A row of one's own, as in the documentation: a preloaded spring to the largest force, then a steady one, in closed form."""
+    preload, stiffness, most, speed = 0.2, 2.0, 1.0, 2.0
+    crush = LargestForce(draft_gear(stiffness, preload / stiffness), most=most)
+    way = (most - preload) / stiffness
+    at_yield = math.sqrt(speed**2 - 2.0 * preload * way - stiffness * way**2)
+    swing, begin = math.sqrt(stiffness), preload / stiffness
+    first = (math.atan2(swing * (way + begin), at_yield) - math.atan2(swing * begin, speed)) / swing
+    turn = first + at_yield / most
+    found = simulate(Chain([1.0, math.inf], crush), [speed, 0.0], 2.5 * turn, method, tolerance=1e-10, samples=[turn])
+    assert found.overlap[0, 0] == pytest.approx(way + at_yield**2 / 2.0 / most, abs=1e-8)
+    assert found.force[0, 0] == pytest.approx(most, abs=1e-12)
+    assert found.velocity[0, 0] == pytest.approx(0.0, abs=1e-8)
+    assert found.final_velocity[0] == pytest.approx(-speed, abs=1e-8)
+    ((closed, opened),) = found.contact_intervals[0]
+    assert (closed, opened) == (0.0, pytest.approx(2.0 * turn, abs=1e-8))
+    assert found.ledger == pytest.approx(found.ledger[0], abs=1e-8)

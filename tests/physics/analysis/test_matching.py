@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, cluster_on_cluster, draft_gear, hertz, hooke, one_on, power_law, step_force
+from softcradle.physics import Chain, cluster_on_cluster, draft_gear, hooke, one_on, power_law
 from softcradle.physics.analysis import matching
 from softcradle.physics.analysis.closed_forms import critical_speed, rigid_stroke, speed_ratio
 from softcradle.physics.analysis.collision import collide
@@ -157,19 +157,3 @@ def test_pairs_strike_pairs_after_a_gap():
     assert far.contact.exponent == pytest.approx(near.contact.exponent, rel=1e-2)
     assert far.residual == pytest.approx(near.residual, rel=1e-2)
     assert 0.0 < near.residual < NEAR
-
-
-@pytest.mark.parametrize(
-    ("chain", "velocity", "options", "said"),
-    [
-        (Chain([1, 1, 1], [hooke(1.0), hertz(1.0)]), [1, 0, 0], {}, "all alike"),
-        (one_on(1, step_force(1.0)), [1, 0], {}, "between power laws"),
-        (one_on(2, hooke(1.0)), [1, 0, 0], {"distance": "shape"}, "unknown distance 'shape'"),
-        (one_on(2, hooke(1.0)), [0, 0, 1], {}, "no two neighbours approach"),
-        (Chain([1, 1], hooke(1.0), 0.0, [1.0, 0.0]), [1, 0], {}, "no drive"),
-        (Chain([math.inf, 1, math.inf], hooke(1.0), 0.5), [0, 1, 0], {}, "second wall"),
-    ],
-)
-def test_refusals(chain, velocity, options, said):
-    with pytest.raises(ValueError, match=said):
-        match(chain, velocity, **options)

@@ -8,7 +8,7 @@ from scipy.special import beta
 from softcradle.physics import Chain, cluster_on_cluster, one_on, simulate
 from softcradle.physics.analysis.measures import depth_bound, depth_law, response_times, time_scale_separation
 from softcradle.physics.analysis.mode_coupling import Reduction, mode_coupling
-from softcradle.physics.contact import draft_gear, hooke, power_law
+from softcradle.physics.contact import hooke, power_law
 
 LAWS = [power_law(f0, 1 / k) for f0, k in ((1.2, 9), (0.8, 11), (1.4, 13), (0.6, 10))]
 MIXED = Chain([1.3, 0.7, 1.1, 0.9, 1.6], LAWS)
@@ -136,22 +136,6 @@ def test_agrees_with_the_full_chain_where_modes_are_separate():
 def test_a_lump_keeps_the_drive_of_its_beads():
     chain = Chain([1, 1, 1, 1], power_law(1, 0.1), drive=[0.0, 0.1, 0.2, 0.3])
     assert Reduction.of(chain, [1, 0, 0, 0]).reduced.drive == pytest.approx((0.0, 0.1, 0.5))
-
-
-@pytest.mark.parametrize(
-    ("chain", "velocity", "sentence"),
-    [
-        (MIXED, [0.0] * 5, "one cluster that strikes another"),
-        (MIXED, [0.0, 1.0, 0.0, 0.0, 0.0], "one cluster that strikes another"),
-        (MIXED, [0.0, 0.0, 0.0, 1.0, 1.0], "one cluster that strikes another"),
-        (one_on(3, draft_gear(1.0, 1.0)), [1, 0, 0, 0], "contact 1 has a preload"),
-        (Chain([1, 1, 1], power_law(1, 0.1), [0.5, 0.1]), [1, 0, 0], "contact 1 has a gap"),
-        (Chain([1, 1, 1], power_law(1, 0.1), drive=[0, 1, 0]), [0, 0, 0], "a drive on the first bead"),
-    ],
-)
-def test_other_starts_are_refused(chain, velocity, sentence):
-    with pytest.raises(ValueError, match=sentence):
-        mode_coupling(chain, velocity, 1.0)
 
 
 def test_depth_law_stays_below_its_bound():

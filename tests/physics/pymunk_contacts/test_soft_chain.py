@@ -13,7 +13,6 @@ from tests.helpers.spaces import FRAME, LAWS, chain_row, momentum, run, total_en
 
 
 def run_for(space, seconds, step=FRAME):
-    """Take the steps of so many seconds."""
     run(space, step, round(seconds / step))
 
 

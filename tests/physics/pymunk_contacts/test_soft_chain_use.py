@@ -8,10 +8,10 @@ import pickle
 import numpy as np
 import pymunk
 import pytest
-from softcradle.physics import SoftChain, draft_gear, hertz, hooke, power_law, step_force
+from softcradle.physics import SoftChain, draft_gear, hertz, hooke, power_law
 from softcradle.physics.pymunk_contacts import soft_chain
 
-from tests.helpers.spaces import FRAME, chain_row, momentum, pair, run, total_energy
+from tests.helpers.spaces import FRAME, LOSS, LOSSY, chain_row, momentum, pair, run, total_energy
 
 
 @pytest.mark.parametrize("law", [power_law(1.0, 0.1), hertz(1e6), draft_gear(1e4, 0.02)], ids=str)
@@ -158,7 +158,6 @@ def test_taken_out_and_added_again():
 
 
 def dies(space, chain, body, way):
-    """Remove a body with its contacts."""
     if way == "remove_from":
         chain.remove_from(space, body)
         space.remove(body)
@@ -308,15 +307,6 @@ def test_a_centre_of_gravity_that_is_not_the_origin():
     assert total_energy(bodies, chain) == pytest.approx(0.5, rel=1e-10)
     assert bodies[2].velocity.x > 0.9
     assert all(body.angular_velocity == 0.0 for body in bodies)
-
-
-LOSS = 0.8
-LOSSY = {
-    "draft gear": draft_gear(770.0, 0.0177, LOSS),
-    "Hertz": hertz(1.0, LOSS),
-    "power law": power_law(1.0, 0.1, LOSS),
-    "step": step_force(1.0, LOSS),
-}
 
 
 def test_a_soft_contact_with_loss():

@@ -17,7 +17,6 @@ pytestmark = pytest.mark.filterwarnings("default::RuntimeWarning")  # those that
 
 
 def warned(space, step, count):
-    """The sentences of the warnings in so many steps."""
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
         run(space, step, count)
@@ -99,12 +98,6 @@ def test_a_law_that_has_no_energy_at_some_depth_is_left_to_itself():
     contact.a.velocity = 1.0, 0.0
     with pytest.raises(ValueError, match=r"finite force, not nan at an overlap of 0.0"):
         run(space, 1e-3, 10)
-
-
-@pytest.mark.parametrize(("arguments", "message"), [((0.0, 1.0), "dt must be"), ((FRAME, -1.0), "speed must be")])
-def test_substeps_of_no_step(arguments, message):
-    with pytest.raises(ValueError, match=message):
-        pair()[2].substeps(*arguments)
 
 
 def test_functions_of_the_overlap_as_in_a_chain():
