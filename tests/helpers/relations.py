@@ -34,6 +34,11 @@ def simulate_quietly(*arguments: Any, **options: Any) -> Trajectory:
         return simulate(*arguments, **options)
 
 
+def run(*arguments: Any, **options: Any) -> Trajectory:
+    """`simulate` with two samples unless more are wanted."""
+    return simulate(*arguments, **{"samples": 2} | options)
+
+
 def fineness(method: str, step: float, **of_adaptive: float) -> dict[str, float]:
     """The step of a fixed-step method, which adaptive ones have not; what is given of these, a tolerance, otherwise."""
     return of_adaptive if find_method(method).adaptive else {"step": step}
@@ -49,26 +54,24 @@ def closing_speed(velocity: ArrayLike) -> float:
     return float(np.ptp(np.asarray(velocity))) or 1.0
 
 
-def finite(chain: Chain) -> NDArray[np.bool_]:
-    return np.isfinite(chain.mass)
+def masses(chain: Chain) -> Array:
+    """Masses of the beads, 0 for a wall."""
+    return np.where(np.isfinite(chain.mass), chain.mass, 0.0)
 
 
 def momentum(chain: Chain, velocity: ArrayLike) -> float:
     """Momentum of the beads, walls left out."""
-    bead = finite(chain)
-    return float(np.array(chain.mass)[bead] @ np.asarray(velocity)[bead])
+    return float(masses(chain) @ np.asarray(velocity))
 
 
 def momentum_scale(chain: Chain, velocity: ArrayLike) -> float:
     """Sum of the beads' momenta without their signs: what round-off is measured against."""
-    bead = finite(chain)
-    return float(np.array(chain.mass)[bead] @ np.abs(np.asarray(velocity)[bead])) or 1.0
+    return float(masses(chain) @ np.abs(np.asarray(velocity))) or 1.0
 
 
 def kinetic_energy(chain: Chain, velocity: ArrayLike) -> float:
     """Kinetic energy of the beads, walls left out."""
-    bead = finite(chain)
-    return 0.5 * float(np.array(chain.mass)[bead] @ np.asarray(velocity)[bead] ** 2)
+    return 0.5 * float(masses(chain) @ np.asarray(velocity) ** 2)
 
 
 def total_energy(chain: Chain, state: State) -> float:

@@ -1,4 +1,4 @@
-"""Trajectories on disk: read back equal, readable without softcradle, whole or not at all."""
+"""Trajectories on disk: read back equal, readable without softcradle, whole or not at all; a scene of all that acts on beads."""
 
 import csv
 import json
@@ -13,6 +13,9 @@ from softcradle.physics import Chain, Contact, Coupler, TimedForce, Trajectory, 
 from softcradle.physics.atomic_files import output_file, output_folder
 from softcradle.physics.status import CodedWarning, Status, WarningCode
 from softcradle.physics.trajectory_file import chain_from_table
+from softcradle.sandbox.trajectory_summary import summarise
+
+from softcradle import scenes
 
 
 @pytest.fixture(scope="module")
@@ -167,3 +170,40 @@ def test_output_file_has_the_suffix_and_the_usual_permissions(tmp_path):
         assert temporary.suffix == ".mp4"
         temporary.write_bytes(b"film")
     assert (tmp_path / "film.mp4").stat().st_mode == (tmp_path / "usual").stat().st_mode
+
+
+SCENE = """
+title = "Wagons"
+duration = 2.0
+[[lanes]]
+beads = [1, 2]
+mass = 80e3
+contact = {law = "draft_gear", stiffness = 2e7, precompression = 0.01, loss = 0.8}
+velocity = 1.5
+approach = 0.1
+friction = 0.002
+drive = [1.0, 0.0, "1/2"]
+forces = [{beads = 0, time = [0, "1/2", 1], force = [0, 2, 0]}]
+brakes = [{beads = [1, 2], time = [1, 1.5], force = [0, 3]}]
+"""
+
+
+def test_a_scene_has_what_acts_on_its_beads_and_its_tables_book_what_is_absorbed(tmp_path):
+    scene = scenes.parse(SCENE)
+    assert scenes.parse(scene.to_toml()) == scene
+    chain = scene.lanes[0].chain()
+    assert chain.friction == 0.002
+    assert {contact.loss for contact in chain.contact} == {0.8}
+    assert chain.drive == (1.0, 0.0, 0.5)
+    assert chain.forces == (TimedForce(0, [0.0, 0.5, 1.0], [0.0, 2.0, 0.0]),)
+    assert chain.brakes == (TimedForce([1, 2], [1.0, 1.5], [0.0, 3.0]),)
+    found = simulate(chain, scene.lanes[0].velocity, 2.0, method="conserving")
+    assert found.absorbed_by_contacts[-1] > 0.0
+    found.to_csv(tmp_path / "wagons.csv")
+    header, *rows = (tmp_path / "wagons.csv").read_text().splitlines()
+    assert header.endswith("absorbed by contacts [J],absorbed by bed [J]")
+    assert float(rows[-1].split(",")[-1]) == pytest.approx(found.absorbed_by_bed[-1])
+    summary = summarise("", found)
+    assert summary.energy_error < 1e-12
+    assert summary.absorbed_by_contacts == found.absorbed_by_contacts[-1]
+    assert summary.momentum_error is None

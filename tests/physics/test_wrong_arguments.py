@@ -17,7 +17,18 @@ from softcradle.physics.contact import LEAST_EXPONENT, MOST_EXPONENT, Contact, d
 from softcradle.physics.methods import METHODS
 from softcradle.physics.simulation import solve
 
-from softcradle import Coupler, SoftChain, SoftContact, State, TimedForce, advance, ensemble, simulate, stable_step
+from softcradle import (
+    Coupler,
+    OwnLaw,
+    SoftChain,
+    SoftContact,
+    State,
+    TimedForce,
+    advance,
+    ensemble,
+    simulate,
+    stable_step,
+)
 
 LAW = power_law(1.0, 0.1)
 CHAIN, START = one_on(4, LAW), [1, 0, 0, 0, 0]
@@ -31,7 +42,7 @@ RANGE = r"must be|can be computed"
 NO_BACK = "'yoshida4' steps back in time.*take 'conserving'"
 
 
-class OwnLaw:
+class Spring:
     def force(self, overlap: float) -> float:
         return overlap
 
@@ -39,7 +50,7 @@ class OwnLaw:
 MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "a number for a contact": (lambda: one_on(4, 0.1), "contact must be a Contact or a list of them"),
     "a text for a contact": (lambda: Chain([1, 1], "hertz"), "contact must be a Contact .*; not 'hertz'"),
-    "the class of a law": (lambda: Chain([1, 1], OwnLaw), "contact must be a Contact"),
+    "the class of a law": (lambda: Chain([1, 1], Spring), "contact must be a Contact"),
     "a list with no contact": (lambda: Chain([1, 1, 1], [LAW, 0.1]), "every contact must be a Contact, not 0.1"),
     "a text for a count": (lambda: one_on("4", LAW), "the number of targets must be a whole number, not '4'"),
     "half a bead": (lambda: one_on(4.5, LAW), "the number of targets must be a whole number, not 4.5"),
@@ -181,7 +192,7 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "too driven": (lambda: Chain([1, 1], LAW, drive=[1e300, 0]), RANGE),
     "too together": (lambda: simulate(one_on(4, power_law(SMALLEST, 0.1), LARGEST), [LARGEST, 0, 0, 0, 0]), RANGE),
     "batch: couplers": (lambda: ChainBatch.of([TRAIN]), "not couplers: take ensemble"),
-    "batch: own laws": (lambda: ChainBatch.of([Chain([1, 1], OwnLaw())]), "not laws of your own: take ensemble"),
+    "batch: own laws": (lambda: ChainBatch.of([Chain([1, 1], Spring())]), "not laws of your own: take ensemble"),
     "batch: forces": (lambda: ChainBatch.of([Chain([1, 1], LAW, forces=TimedForce(0, [0, 1], [0, 1]))]), "forces over time"),
     "batch: brakes": (lambda: ChainBatch.of([Chain([1, 1], LAW, brakes=TimedForce(0, 0, 1))]), "not brakes: take ensemble"),
     "batch: lengths": (lambda: ChainBatch.of([one_on(1, LAW), one_on(2, LAW)]), "of one length, not of 1 and 2"),
@@ -212,6 +223,21 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     ),
     "batch: walls": (lambda: ensemble_ends(ChainBatch(WALLED, 0, 1, 1), [0, 1, 0]), "two walls may never come apart"),
     "batch: a depth": (lambda: ensemble_ends(ChainBatch(ONES, 0, 1e-30, 1e-3), [1e30, 0, 0]), "would be pressed by about"),
+    "own law: no number": (
+        lambda: simulate(Chain([1] * 4, lambda d: d if d < 0.72 else math.nan), [0.5, 0.5, -0.5, -0.5], method="verlet"),
+        "gave no number in the course of the motion",  # two beads press further than one alone would
+    ),
+    "own law: a number": (lambda: simulate(Chain([1, 1], lambda d: math.nan), [1, 0], method="verlet"), "never stores|force nan"),
+    "own law: a pull": (lambda: simulate(Chain([1, 1], lambda d: d - 0.1), [1, 0]), "the force -0.1 N .* only pushes"),
+    "own law: a weak law": (lambda: simulate(Chain([1, 1], lambda d: math.exp(-d)), [9, 0]), "never stores the energy"),
+    "own law: another energy": (
+        lambda: simulate(Chain([1, 1], OwnLaw(lambda d: d, lambda d: d**2)), [1, 0], method="conserving"),
+        "its energy is not the integral of its force",
+    ),
+    "own law: no law": (lambda: OwnLaw(3.0), "must be a function or have a method force"),
+    "own law: a class": (lambda: OwnLaw(Spring), "must be a function or have a method force"),
+    "own law: no energy": (lambda: OwnLaw(lambda d: d, 3.0), "the energy of a law must be a function"),
+    "own law: power laws": (lambda: one_on(4, Spring()).parameters, "contact 0-1 has a law of its own, 'Spring'"),
 }  # fmt: skip
 
 

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, Contact, hertz, hooke, one_on, power_law, simulate, step_force
+from softcradle.physics import Chain, Contact, hertz, hooke, one_on, power_law, step_force
 
 from softcradle import scenes
-from tests.helpers.relations import PROMISE, closing_speed, kinetic_energy, simulate_quietly
+from tests.helpers.relations import PROMISE, closing_speed, kinetic_energy, run, simulate_quietly
 from tests.helpers.truth import ELASTIC, GEAR, GEARS, gear_critical_speed
 
 TOLERANCES = tuple(10.0 ** (-0.25 * k) for k in range(12, 41))  # quarter decades, 1e-3 to 1e-10
@@ -17,11 +17,6 @@ FINE_RUNS = 8  # of a motion, to see how far it is determined
 SHAKEN = 1e-14  # relative change of forces between fine runs: a few units of the last place, as between two processors
 SPREADS = 3.0  # spreads of the fine runs by which another run may lie away from their mean
 CASES = ELASTIC + GEARS
-
-
-def run(*arguments, **options):
-    """`simulate` with two samples unless more are wanted: the error of final velocities is what is tested here."""
-    return simulate(*arguments, **{"samples": 2} | options)
 
 
 def lanes():

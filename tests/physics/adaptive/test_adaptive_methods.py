@@ -9,13 +9,8 @@ from softcradle.physics import Chain, State, advance, draft_gear, hertz, hooke, 
 from softcradle.physics.status import Status
 
 from examples.largest_force import LargestForce
-from tests.helpers.relations import KERNELS, PROMISE, momentum, separating
+from tests.helpers.relations import KERNELS, PROMISE, momentum, run, separating
 from tests.helpers.truth import GEAR, gear_critical_speed
-
-
-def run(*arguments, **options):
-    """`simulate` with two samples unless more are wanted: most tests here are of final velocities."""
-    return simulate(*arguments, **{"samples": 2} | options)
 
 
 @pytest.mark.parametrize("method", KERNELS)
