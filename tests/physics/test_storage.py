@@ -4,6 +4,7 @@ import csv
 import json
 import math
 from dataclasses import asdict, fields
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -132,11 +133,7 @@ def test_other_files_and_those_of_the_future_are_refused_in_a_sentence(content, 
 def test_failed_write_leaves_the_old_file(collision, tmp_path, monkeypatch):
     path = tmp_path / "one.npz"
     path.write_bytes(b"old")
-
-    def disk_full(*_arguments: object, **_keywords: object) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(np, "savez_compressed", disk_full)
+    monkeypatch.setattr(np, "savez_compressed", Mock(side_effect=OSError(28, "No space left on device")))
     with pytest.raises(OSError, match="No space"):
         collision.save(path)
     assert path.read_bytes() == b"old"

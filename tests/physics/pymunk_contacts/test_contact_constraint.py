@@ -6,6 +6,7 @@ These have the digits of Python ones, are shared, and never used where anything 
 import copy
 import math
 import pickle
+from unittest.mock import Mock
 
 import pymunk
 import pytest
@@ -120,11 +121,7 @@ def test_several_errors_of_a_step_are_raised_as_one():
 
 def test_interrupting_a_callback_stops_the_step():
     space, _, contact = pair(0.75, Quadratic())
-
-    def interrupted(overlap):
-        raise KeyboardInterrupt
-
-    contact.contact.force = interrupted
+    contact.contact.force = Mock(side_effect=KeyboardInterrupt)
     with pytest.raises(KeyboardInterrupt):
         space.step(0.01)
 
