@@ -5,30 +5,19 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import Chain, Coupler, cluster_on_cluster, draft_gear, hertz, hooke, one_on, power_law, simulate
+from softcradle.physics.analysis import measures
 from softcradle.physics.analysis.closed_forms import critical_speed, rigid_collision, rigid_stroke
-from softcradle.physics.analysis.collision import CollisionMeasures, collide, measured, struck_contact
-from softcradle.physics.analysis.measures import (
-    dwell,
-    energy_inside,
-    interpolated,
-    response_times,
-    rigidity,
-    spread_variable,
-)
+from softcradle.physics.analysis.collision import collide, measured, struck_contact
 from softcradle.physics.analysis.ringing import ringing
 
-from tests.helpers.truth import ELASTIC, GEARS, Truth
+from tests.helpers.truth import ELASTIC, GEARS
 
 GEAR, MASS = draft_gear(770.0, 0.0177), 0.396
 
 
-def measures(case: Truth) -> CollisionMeasures:
-    return measured(collide(case.chain, case.start))
-
-
 @pytest.mark.parametrize("case", ELASTIC + GEARS, ids=lambda case: case.name)
 def test_against_the_truth(case):
-    found = measures(case)
+    found = measured(collide(case.chain, case.start))
     assert found.struck == case.struck
     assert found.contact_time == pytest.approx(case.contact_time, rel=1e-8)
     assert [c.peak_force for c in found.contacts] == pytest.approx(list(case.peak_force), rel=1e-5)
@@ -42,7 +31,7 @@ def test_against_the_truth(case):
 @pytest.mark.parametrize("case", ELASTIC + GEARS, ids=lambda case: case.name)
 def test_lost_restitution_is_energy_inside_the_clusters(case):
     """1 - e^2 of the energy of approach stays inside; with one striker all of that is in the target cluster."""
-    found = measures(case)
+    found = measured(collide(case.chain, case.start))
     strikers = case.struck + 1
     mass = np.array(case.chain.mass)
     first, second = mass[:strikers].sum(), mass[strikers:].sum()
@@ -92,7 +81,7 @@ def test_softer_is_more_rigid_in_every_measure():
 
 def test_times_of_a_contact_add_up():
     trajectory = collide(one_on(3, GEAR, MASS), [1.3, 0, 0, 0])
-    times = dwell(trajectory, 0)
+    times = measures.dwell(trajectory, 0)
     assert (times >= -1e-12).all()
     assert times.sum(axis=1) == pytest.approx(np.full(3, trajectory.time[-1]), rel=1e-9)
 
@@ -125,15 +114,15 @@ def test_the_struck_contact():
 
 
 def test_rigidity():
-    assert rigidity([[1.0, 1.0], [3.0, 1.0]]) == pytest.approx([0.0, 1.0])
-    assert math.isinf(rigidity([-1.0, 1.0]))
+    assert measures.rigidity([[1.0, 1.0], [3.0, 1.0]]) == pytest.approx([0.0, 1.0])
+    assert math.isinf(measures.rigidity([-1.0, 1.0]))
 
 
 def test_between_samples():
     trajectory = simulate(cluster_on_cluster(1, 1, power_law(1.0, 0.5)), [1, 0], samples=11)
-    assert interpolated(trajectory, trajectory.time, 0.123) == pytest.approx(0.123)
-    assert interpolated(trajectory, trajectory.velocity, 0.0) == pytest.approx([1, 0])
-    assert energy_inside(trajectory, 0) == pytest.approx(0.0)
+    assert measures.interpolated(trajectory, trajectory.time, 0.123) == pytest.approx(0.123)
+    assert measures.interpolated(trajectory, trajectory.velocity, 0.0) == pytest.approx([1, 0])
+    assert measures.energy_inside(trajectory, 0) == pytest.approx(0.0)
 
 
 def test_loss_of_one_on_one_is_its_restitution():
@@ -161,7 +150,7 @@ def test_the_bed_takes_momentum():
     assert 0.2 * most < found.momentum_deficit < most
     assert 0.0 < found.energy_deficit < 0.5
     assert found.restitution < free.restitution
-    gained = 3.0 * MASS * interpolated(trajectory, trajectory.velocity, found.detachment)[1]
+    gained = 3.0 * MASS * measures.interpolated(trajectory, trajectory.velocity, found.detachment)[1]
     taken = 3.0 * friction * MASS * 9.80665 * found.contact_time  # all three slide while they are pushed
     assert found.momentum == pytest.approx(gained + taken, rel=2e-3)
     assert found.contacts[2].momentum == pytest.approx((gained + taken) / 3.0, rel=2e-3)
@@ -170,10 +159,10 @@ def test_the_bed_takes_momentum():
 def test_the_scaling_variable_of_the_spread_is_that_of_one_on_n_alike():
     """Where it is equal the spread is, whatever n and alpha; other chains have none."""
     found = []
-    for n, inverse in ((4, 10.0), (8, 16.0 * math.log(9.0 / spread_variable(4, 0.1)))):
+    for n, inverse in ((4, 10.0), (8, 16.0 * math.log(9.0 / measures.spread_variable(4, 0.1)))):
         chain = one_on(n, power_law(1.0, 1.0 / inverse))
         found.append(measured(collide(chain, [1.0] + [0.0] * n)))
-    assert [one.spread_variable for one in found] == pytest.approx([spread_variable(4, 0.1)] * 2)
+    assert [one.spread_variable for one in found] == pytest.approx([measures.spread_variable(4, 0.1)] * 2)
     assert found[1].rigidity == pytest.approx(found[0].rigidity, rel=0.1)
     assert (found[0].speed_ratio, found[0].speed_margin) == (None, None)
     others = [
@@ -210,7 +199,7 @@ def test_inner_contacts_of_small_exponents_ring_about_their_branch():
     assert measured(collide(one_on(2, power_law(1.0, 1 / 10)), [1, 0, 0])).contacts[0].turns == 1
     struck = simulate(trajectory.chain, [1, 0, 0], trajectory.contact_intervals[1][0][1], samples=20_001)
     found = ringing(struck.time, struck.force[:, 1])
-    assert found.period == pytest.approx(2.0 * math.pi * response_times(struck)[1], rel=0.03)
+    assert found.period == pytest.approx(2.0 * math.pi * measures.response_times(struck)[1], rel=0.03)
     assert 0.0 < found.amplitude < 1e-4
     assert abs(found.decay) * found.period < 1.0  # it rings for many periods
     alone = measured(struck).contacts[1]
