@@ -28,15 +28,7 @@ from softcradle.sandbox.window.scene.page import ScenePage
 from softcradle.sandbox.window.theme import collect_garbage
 
 from softcradle import scenes
-from tests.helpers.sessions import (
-    INPUTS,
-    check_invariants,
-    check_order,
-    check_replay,
-    check_round_trip,
-    fitted,
-    read_all,
-)
+from tests.helpers import sessions
 from tests.helpers.windows import Driver, faults, widgets
 
 KINDS = ("bead", "contact", "widget", "plot", "bar", "window")
@@ -194,11 +186,11 @@ class WindowMachine(RuleBasedStateMachine):
         for key in keys:
             self.driver.key(key.code, key.modifiers)
 
-    @rule(item=INPUTS, gesture=st.booleans())
+    @rule(item=sessions.INPUTS, gesture=st.booleans())
     def change(self, item: Input, gesture: bool) -> None:
         """An input that comes from no widget."""
         if isinstance(self.driver.app.page, ScenePage):
-            self.driver.page.editor.apply(fitted(item, self.driver.session), gesture)
+            self.driver.page.editor.apply(sessions.fitted(item, self.driver.session), gesture)
 
     @rule(name=st.sampled_from(STARTS))
     def open_scene(self, name: str) -> None:
@@ -262,9 +254,9 @@ class WindowMachine(RuleBasedStateMachine):
         if self.driver is None or not isinstance(self.driver.app.page, ScenePage):
             return
         page, session = self.driver.page, self.driver.session
-        check_invariants(session)
-        check_order(session)
-        read_all(session)
+        sessions.check_invariants(session)
+        sessions.check_order(session)
+        sessions.read_all(session)
         self.driver.frames()  # follows a session that something else than the window has changed
         assert [len(view.edges) for view in page.view.lanes] == [len(lane.chain.mass) for lane in session.lanes]
         pick = page.editor.selection
@@ -278,13 +270,13 @@ class WindowMachine(RuleBasedStateMachine):
     @invariant()
     def edits_go_back_and_forth(self) -> None:
         if self.driver is not None and isinstance(self.driver.app.page, ScenePage):
-            check_round_trip(self.driver.session)
+            sessions.check_round_trip(self.driver.session)
 
     def teardown(self) -> None:
         """What was recorded runs again, digit by digit; then the window closes."""
         try:
             if self.driver is not None and isinstance(self.driver.app.page, ScenePage):
-                check_replay(self.driver.session, Path(self.folder.name) / "replay.npz")
+                sessions.check_replay(self.driver.session, Path(self.folder.name) / "replay.npz")
         finally:
             if self.driver is not None:
                 self.driver.close()
