@@ -64,17 +64,14 @@ def states(chain: Chain, velocity: Array, method: str) -> Array:
 
 
 def digest(rows: Array) -> str:
-    """Of every bit of the states."""
     return hashlib.sha256((rows + 0.0).tobytes()).hexdigest()[:12]  # -0 as 0
 
 
 def runs() -> Iterator[tuple[str, Chain, Array, str]]:
     """Name, chain, start velocities and method of the runs of random chains; dop853 alone is for those that lose nothing."""
     for seed in range(SEEDS):
-        for kind, (chain, velocity) in (
-            ("collision", random_collision(seed, MOST_CONTACTS)),
-            ("rubbing", random_dissipative(seed)),
-        ):
+        kinds = {"collision": random_collision(seed, MOST_CONTACTS), "rubbing": random_dissipative(seed)}
+        for kind, (chain, velocity) in kinds.items():
             slow = {"scipy", "dop853", "radau"} if kind == "rubbing" else {"scipy", "dop853"}
             for method in METHODS:
                 if method.name not in slow and not refusal_of(method.name, chain):
@@ -105,7 +102,6 @@ def differences(old: dict[str, str], new: dict[str, str]) -> list[str]:
 
 
 def main() -> int:
-    """Compare, or write."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--write", action="store_true")
     wanted, found = parser.parse_args(), record()

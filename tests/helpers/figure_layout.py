@@ -44,7 +44,6 @@ def small_texts(figure: Figure) -> list[str]:
 
 
 def texts_on_texts(figure: Figure) -> list[tuple[str, str]]:
-    """Pairs of texts that lie on each other."""
     texts, touch = texts_of(figure), TOUCH * figure.dpi / 72.0
     return [
         (one.get_text(), other.get_text())
@@ -56,7 +55,6 @@ def texts_on_texts(figure: Figure) -> list[tuple[str, str]]:
 
 
 def texts_beyond(figure: Figure) -> list[str]:
-    """Texts that the edge of the figure cuts off."""
     edge = figure.bbox
     return [
         text.get_text()
@@ -95,7 +93,6 @@ def keys_on_curves(figure: Figure) -> list[tuple[str, str]]:
 
 
 def unreadable(figure: Figure) -> list[object]:
-    """All that is wrong with its texts."""
     return [one for wrong in (small_texts, texts_beyond, texts_on_texts, texts_on_curves) for one in wrong(figure)]
 
 

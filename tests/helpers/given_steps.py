@@ -27,7 +27,7 @@ class Step:
     Overlaps and velocities follow exactly, by integration of the polynomials.
     """
 
-    def __init__(self, chain, velocity, overlap, modes, forces, slide=None, easing=None):
+    def __init__(self, chain, velocity, overlap, modes, forces, slide=0, easing=0):
         self.chain = chain
         state = State.at_start(chain, velocity)
         state.overlap[:] = overlap
@@ -37,12 +37,8 @@ class Step:
         self.motion.mode[:] = modes
         loss = chain.loss.copy() if chain.loss.any() else np.zeros(0)
         bed = chain.bed.copy() if chain.on_bed else np.zeros(0)
-        flags = np.zeros(chain.contacts + 1, dtype=np.int8)
-        if slide is not None:
-            flags[:] = slide
-        eased = np.zeros(chain.contacts, dtype=np.int8)
-        if easing is not None:
-            eased[:] = easing
+        flags = np.full(chain.contacts + 1, slide, dtype=np.int8)
+        eased = np.full(chain.contacts, easing, dtype=np.int8)
         self.regime = Regime(
             self.data.law, self.data.inverse_mass, self.data.push, loss, bed, flags, eased, *NO_SEGMENTS
         )
@@ -72,11 +68,8 @@ class Step:
         n = self.chain.contacts
         if row >= n:
             return row - n, STOPS if self.regime.slide[row - n] else SLIPS, part
-        names = {
-            OPEN: (CLOSES,),
-            LOADED: (OPENS, TURNS),
-            TOUCHING: (EASES if self.motion.overlap[row] > 0.0 else OPENS, YIELDS),
-        }
+        eases = EASES if self.motion.overlap[row] > 0.0 else OPENS
+        names = {OPEN: (CLOSES,), LOADED: (OPENS, TURNS), TOUCHING: (eases, YIELDS)}
         return row, names[int(self.motion.mode[row])][side] if row >= 0 else NOTHING, part
 
     def guard(self, row, side):

@@ -8,7 +8,6 @@ LAYERS = ("physics", "scenes", "sandbox")  # imports point to the left only
 
 
 def source_files() -> list[Path]:
-    """Every source file of the package, sorted."""
     return sorted(path for folder in ("softcradle", *LAYERS) for path in (ROOT / folder).rglob("*.py"))
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics import METHODS, Chain, State, Trajectory, simulate
-from softcradle.physics.methods import Family
+from softcradle.physics.methods import Family, find_method
 
 Array = NDArray[np.float64]
 
@@ -34,32 +34,44 @@ def simulate_quietly(*arguments: Any, **options: Any) -> Trajectory:
         return simulate(*arguments, **options)
 
 
+def run(*arguments: Any, **options: Any) -> Trajectory:
+    """`simulate` with two samples unless more are wanted."""
+    return simulate(*arguments, **{"samples": 2} | options)
+
+
+def fineness(method: str, step: float, **of_adaptive: float) -> dict[str, float]:
+    """The step of a fixed-step method, which adaptive ones have not; what is given of these, a tolerance, otherwise."""
+    return of_adaptive if find_method(method).adaptive else {"step": step}
+
+
+def struck(chain: Chain) -> Array:
+    """Start velocities: the first bead at 1 m/s, all others at rest."""
+    return np.eye(1, chain.contacts + 1)[0]
+
+
 def closing_speed(velocity: ArrayLike) -> float:
     """Largest less smallest velocity; 1 where all beads move alike."""
     return float(np.ptp(np.asarray(velocity))) or 1.0
 
 
-def finite(chain: Chain) -> NDArray[np.bool_]:
-    """Which beads are no walls."""
-    return np.isfinite(chain.mass)
+def masses(chain: Chain) -> Array:
+    """Masses of the beads, 0 for a wall."""
+    return np.where(np.isfinite(chain.mass), chain.mass, 0.0)
 
 
 def momentum(chain: Chain, velocity: ArrayLike) -> float:
     """Momentum of the beads, walls left out."""
-    bead = finite(chain)
-    return float(np.array(chain.mass)[bead] @ np.asarray(velocity)[bead])
+    return float(masses(chain) @ np.asarray(velocity))
 
 
 def momentum_scale(chain: Chain, velocity: ArrayLike) -> float:
     """Sum of the beads' momenta without their signs: what round-off is measured against."""
-    bead = finite(chain)
-    return float(np.array(chain.mass)[bead] @ np.abs(np.asarray(velocity)[bead])) or 1.0
+    return float(masses(chain) @ np.abs(np.asarray(velocity))) or 1.0
 
 
 def kinetic_energy(chain: Chain, velocity: ArrayLike) -> float:
     """Kinetic energy of the beads, walls left out."""
-    bead = finite(chain)
-    return 0.5 * float(np.array(chain.mass)[bead] @ np.asarray(velocity)[bead] ** 2)
+    return 0.5 * float(masses(chain) @ np.asarray(velocity) ** 2)
 
 
 def total_energy(chain: Chain, state: State) -> float:

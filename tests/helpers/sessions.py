@@ -2,7 +2,7 @@
 
 import copy
 import math
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -78,10 +78,8 @@ def check_order(session: Session) -> None:
 
 def check_round_trip(session: Session) -> None:
     """Undo and redo of a copy lead back to the frame shown, and redo and undo as well. AssertionError where not."""
-    for steps, there, back in (
-        (session.undo_stack.done, Session.undo, Session.redo),
-        (session.undo_stack.undone, Session.redo, Session.undo),
-    ):
+    stack = session.undo_stack
+    for steps, there, back in ((stack.done, Session.undo, Session.redo), (stack.undone, Session.redo, Session.undo)):
         if not steps:
             continue
         twin = copy.deepcopy(session)
@@ -148,16 +146,13 @@ INPUTS: st.SearchStrategy[inputs.Input] = st.one_of(
 
 def fitted(item: inputs.Input, session: Session) -> inputs.Input:
     """`item` with numbers of a lane, a bead and a contact that `session` has."""
-    names = {field.name for field in fields(item)}
     changed: dict[str, Any] = {}
     lane = getattr(item, "lane", None)
     if lane is not None:
         changed["lane"] = lane % len(session.lanes)
     contacts = session.lanes[changed.get("lane", 0)].chain.contacts
     most = {"bead": contacts + (2 if isinstance(item, inputs.AddBead) else 1), "contact": contacts}
-    changed |= {
-        key: getattr(item, key) % n for key, n in most.items() if key in names and getattr(item, key) is not None
-    }
+    changed |= {key: getattr(item, key) % n for key, n in most.items() if getattr(item, key, None) is not None}
     item = replace(item, **changed)
     if isinstance(item, inputs.AddBead) and contacts >= MOST_BEADS:
         return inputs.RemoveBead(item.lane, item.bead % (contacts + 1))

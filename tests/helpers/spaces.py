@@ -11,6 +11,14 @@ from softcradle.physics.pymunk_contacts.soft_chain import SoftChain
 
 FRAME = 1.0 / 60.0  # [s]
 LAWS = [power_law(2.0, 0.1), hertz(50.0), hooke(30.0), draft_gear(40.0, 0.1), step_force(3.0), Contact(0.5, 7.0, 2.5)]
+LOSS = 0.8
+LOSSY = {
+    "draft gear": draft_gear(770.0, 0.0177, LOSS),
+    "Hertz": hertz(1.0, LOSS),
+    "power law": power_law(1.0, 0.1, LOSS),
+    "step": step_force(1.0, LOSS),
+    "preload and root": Contact(0.5, 2.0, 0.5, LOSS),
+}
 
 
 def pair(distance=1.0, law=None, masses=(1.0, 3.0), **options):
@@ -34,7 +42,6 @@ def cradle(law, native=None, beads=5, speed=1.0):
 
 
 def run(space, step=1e-3, count=500):
-    """Take `count` steps."""
     for _ in range(count):
         space.step(step)
 

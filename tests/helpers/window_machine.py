@@ -28,15 +28,7 @@ from softcradle.sandbox.window.scene.page import ScenePage
 from softcradle.sandbox.window.theme import collect_garbage
 
 from softcradle import scenes
-from tests.helpers.sessions import (
-    INPUTS,
-    check_invariants,
-    check_order,
-    check_replay,
-    check_round_trip,
-    fitted,
-    read_all,
-)
+from tests.helpers import sessions
 from tests.helpers.windows import Driver, faults, widgets
 
 KINDS = ("bead", "contact", "widget", "plot", "bar", "window")
@@ -133,7 +125,6 @@ class WindowMachine(RuleBasedStateMachine):
 
     @rule(key=st.sampled_from(KEYS))
     def press_key(self, key: Key) -> None:
-        """Press and release a key, whatever the mouse does."""
         self.driver.key(key.code, key.modifiers)
 
     @rule(key=st.sampled_from(KEYS), times=st.integers(2, 4))
@@ -159,7 +150,6 @@ class WindowMachine(RuleBasedStateMachine):
     @precondition(lambda self: not self.down)
     @rule(place=PLACES)
     def press(self, place: Place) -> None:
-        """Press the left button."""
         self.driver.press(point_of(place, self.driver))
         self.down = True
 
@@ -171,51 +161,43 @@ class WindowMachine(RuleBasedStateMachine):
     @precondition(lambda self: self.down)
     @rule(place=PLACES)
     def release(self, place: Place) -> None:
-        """Release the button."""
         self.driver.release(point_of(place, self.driver))
         self.down = False
 
     @precondition(lambda self: not self.down)
     @rule(place=PLACES)
     def click(self, place: Place) -> None:
-        """Press and release at one place."""
         self.driver.click(point_of(place, self.driver))
 
     @rule(place=PLACES, turn=st.sampled_from((-1, 1)))
     def wheel(self, place: Place, turn: int) -> None:
-        """Turn the wheel."""
         self.driver.wheel(point_of(place, self.driver), turn, (int(self.down), 0, 0))
 
     @rule(count=st.integers(1, 20))
     def wait(self, count: int) -> None:
-        """Let frames pass."""
         self.driver.frames(count)
 
     @rule()
     def play(self) -> None:
-        """Play or pause."""
         self.driver.key(pygame.K_SPACE)
 
     @rule(keys=st.lists(st.sampled_from(UNDO_KEYS), min_size=1, max_size=4))
     def undo(self, keys: list[Key]) -> None:
-        """Some steps back and forth."""
         for key in keys:
             self.driver.key(key.code, key.modifiers)
 
-    @rule(item=INPUTS, gesture=st.booleans())
+    @rule(item=sessions.INPUTS, gesture=st.booleans())
     def change(self, item: Input, gesture: bool) -> None:
         """An input that comes from no widget."""
         if isinstance(self.driver.app.page, ScenePage):
-            self.driver.page.editor.apply(fitted(item, self.driver.session), gesture)
+            self.driver.page.editor.apply(sessions.fitted(item, self.driver.session), gesture)
 
     @rule(name=st.sampled_from(STARTS))
     def open_scene(self, name: str) -> None:
-        """Open another scene, or go back to the gallery."""
         self.driver.app.open(name) if name else self.driver.app.ask_before_loss(self.driver.app.show_gallery)
 
     @rule(number=st.integers(0, 20), text=st.sampled_from(TEXTS), enter=st.booleans())
     def type_number(self, number: int, text: str, enter: bool) -> None:
-        """Type into a box of the panel, and press Enter or not."""
         page = self.driver.app.page
         if self.down or not isinstance(page, ScenePage) or not page.inspector.controls:
             return
@@ -229,7 +211,6 @@ class WindowMachine(RuleBasedStateMachine):
 
     @rule(title=st.sampled_from(TEXTS))
     def type_words(self, title: str) -> None:
-        """Give the scene another title."""
         self.driver.key(pygame.K_F4)
         if isinstance(self.driver.app.dialog, EntryDialog) and self.driver.app.dialog.open:
             self.driver.app.dialog.entry.set_text(title)
@@ -247,7 +228,6 @@ class WindowMachine(RuleBasedStateMachine):
 
     @rule(size=st.sampled_from(SIZES))
     def resize(self, size: tuple[int, int]) -> None:
-        """Give the window another size."""
         self.driver.resize(size)
 
     @rule(kinds=st.lists(st.sampled_from(LEAVING), min_size=1, max_size=3))
@@ -274,9 +254,9 @@ class WindowMachine(RuleBasedStateMachine):
         if self.driver is None or not isinstance(self.driver.app.page, ScenePage):
             return
         page, session = self.driver.page, self.driver.session
-        check_invariants(session)
-        check_order(session)
-        read_all(session)
+        sessions.check_invariants(session)
+        sessions.check_order(session)
+        sessions.read_all(session)
         self.driver.frames()  # follows a session that something else than the window has changed
         assert [len(view.edges) for view in page.view.lanes] == [len(lane.chain.mass) for lane in session.lanes]
         pick = page.editor.selection
@@ -289,15 +269,14 @@ class WindowMachine(RuleBasedStateMachine):
 
     @invariant()
     def edits_go_back_and_forth(self) -> None:
-        """Undo and redo lead back."""
         if self.driver is not None and isinstance(self.driver.app.page, ScenePage):
-            check_round_trip(self.driver.session)
+            sessions.check_round_trip(self.driver.session)
 
     def teardown(self) -> None:
         """What was recorded runs again, digit by digit; then the window closes."""
         try:
             if self.driver is not None and isinstance(self.driver.app.page, ScenePage):
-                check_replay(self.driver.session, Path(self.folder.name) / "replay.npz")
+                sessions.check_replay(self.driver.session, Path(self.folder.name) / "replay.npz")
         finally:
             if self.driver is not None:
                 self.driver.close()
@@ -307,7 +286,6 @@ class WindowMachine(RuleBasedStateMachine):
 
 
 def main() -> int:
-    """Run the examples of the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--examples", type=int, default=300)
     parser.add_argument("--steps", type=int, default=60, help="most of one example")

@@ -104,7 +104,6 @@ class Driver:
         self.frames(2)
 
     def choose(self, menu: UIDropDownMenu, text: str) -> None:
-        """Choose from a menu."""
         self.post(pygame_gui.UI_DROP_DOWN_MENU_CHANGED, ui_element=menu, text=text)
 
     def key(self, code: int, modifiers: int = 0, text: str = "") -> None:
@@ -155,7 +154,6 @@ class Driver:
             self.move(point, (1, 0, 0))
 
     def pull(self, start: tuple[float, float], end: tuple[float, float], steps: int = 8) -> None:
-        """Drag and let go."""
         self.drag(start, end, steps)
         self.release(end)
 
@@ -224,7 +222,6 @@ def floating(shown: list[UIElement]) -> list[UIElement]:
 
 
 def faults(driver: Driver) -> list[str]:
-    """What is wrong with the page that is shown."""
     window = pygame.Rect((0, 0), driver.app.size)
     found = []
     shown = widgets(driver)
@@ -240,7 +237,6 @@ def faults(driver: Driver) -> list[str]:
 
 
 def widget_name(one: UIElement) -> str:
-    """Its class and its text."""
     return f"{type(one).__name__} {getattr(one, 'text', '')!r}"
 
 

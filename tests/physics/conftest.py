@@ -1,4 +1,4 @@
-"""Files of tests that run as plain Python are collected there alone, by `test_plain_kernels.py`; by name, anywhere."""
+"""Files of tests that run as plain Python are collected there alone, by `test_elsewhere.py`; by name, anywhere."""
 
 import os
 from importlib.util import find_spec

@@ -1,10 +1,16 @@
-"""The chain: what it accepts, what it refuses, and the start that it gives a State."""
+"""The chain: what it accepts, what it refuses, the start that it gives a State, and its scales, found once."""
 
 import math
+import pickle
 from dataclasses import FrozenInstanceError
 
+import numpy as np
 import pytest
-from softcradle.physics import Chain, State, cluster_on_cluster, one_on, power_law
+from softcradle.physics import Chain, State, cluster_on_cluster, draft_gear, hertz, hooke, one_on, power_law, simulate
+from softcradle.physics.advice.unusual_numbers import unusual_warnings
+from softcradle.physics.chain import per_chain
+from softcradle.physics.contact import Contact
+from softcradle.physics.scales import LEAST_DEPTH, MOST_DEPTH, contact_scales, require_computable, speeds_to_depth
 
 LAW = power_law(1.0, 0.1)
 
@@ -38,3 +44,76 @@ def test_the_start_has_the_gaps_of_the_chain():
     assert state.velocity(chain).tolist() == [1.0, 0.5, 0.25, -1.0]
     assert state.overlap.tolist() == [-0.5, 0.0, -0.25]
     assert state.time == 0.0
+
+
+def random_chain(seed):
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(1, 6))
+    contacts = [
+        Contact(
+            preload=float(rng.choice([0.0, 10 ** rng.uniform(-3, 3)])),
+            stiffness=10 ** rng.uniform(-6, 8),
+            exponent=float(rng.choice([1.0, 1.5, rng.uniform(0.01, 3.0)])),
+        )
+        for _ in range(n)
+    ]
+    return Chain((10 ** rng.uniform(-3, 3, n + 1)).tolist(), contacts)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_what_is_computed_is_what_the_depths_say(seed):
+    """Just inside and just outside of the range of each chain: refused exactly where a depth is out of range."""
+    chain = random_chain(seed)
+    borders = speeds_to_depth(chain, [[LEAST_DEPTH], [MOST_DEPTH]]).ravel()
+    refused = 0
+    for speed in [border * factor for border in borders for factor in (0.5, 1.0 - 1e-9, 1.0 + 1e-9, 2.0)]:
+        if not 1e-30 <= speed <= 1e30:
+            continue
+        velocity = [speed, *[0.0] * chain.contacts]
+        depth = contact_scales(chain, velocity)[0]
+        if ((depth >= LEAST_DEPTH) & (depth <= MOST_DEPTH)).all():
+            require_computable(chain, velocity)
+        else:
+            refused += 1
+            with pytest.raises(ValueError, match="would be pressed by about"):
+                require_computable(chain, velocity)
+    assert refused or (borders < 1e-30).all() or not ((borders > 1e-30) & (borders < 1e30)).any()
+
+
+@pytest.mark.parametrize("factor", [0.5, 1.0 - 1e-6, 1.0 + 1e-6, 2.0])
+def test_a_gear_that_yields_too_little_is_told_of(factor):
+    """Where the gear yields by a thousandth of its precompression: v**2 / 4 = preload * yield for two beads of 1 kg."""
+    gear = draft_gear(3.0, 2.0)
+    border = float(np.sqrt(4.0 * gear.preload * 2e-3))
+    assert bool(unusual_warnings(Chain([1, 1], gear), [factor * border, 0.0], 1e-8)) == (factor < 1.0)
+
+
+def test_what_a_chain_alone_determines_is_found_once():
+    calls = []
+
+    @per_chain
+    def number_of_beads(chain):
+        calls.append(chain)
+        return chain.contacts + 1
+
+    one, other = Chain([1, 1], hertz(1.0)), Chain([1, 1, 1], hertz(1.0))
+    assert [number_of_beads(chain) for chain in (one, other, one, other)] == [2, 3, 2, 3]
+    assert calls == [one, other]
+
+
+def test_a_chain_that_has_run_goes_to_other_processes_and_is_the_same():
+    chain = Chain([1, 1, 2], [hooke(5.0), power_law(1.0, 0.1)], gap=[-0.1, 0.2], drive=[0.0, 0.0, -1.0])
+    first = simulate(chain, [1, 0, 0], 0.5)
+    again = pickle.loads(pickle.dumps(chain))
+    assert again == chain
+    np.testing.assert_array_equal(simulate(again, [1, 0, 0], 0.5).final_velocity, first.final_velocity)
+
+
+def test_a_start_is_one_of_its_own_each_time():
+    chain = Chain([1, 1], hooke(5.0), gap=-0.1)
+    moved = State.at_start(chain, [0, 0])
+    moved.overlap += 1.0
+    moved.force += 1.0
+    fresh = State.at_start(chain, [0, 0])
+    assert fresh.overlap.tolist() == [0.1]
+    assert fresh.force.tolist() == [0.5]

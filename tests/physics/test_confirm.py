@@ -90,7 +90,6 @@ def test_unequal_beads_squeezed_at_their_preload_have_no_nan() -> None:
 
 
 def hit(tolerance: float = 1e-6) -> Problem:
-    """One on two, to its end."""
     chain = one_on(2, hertz(1.0))
     return Problem(chain, State.at_start(chain, [1.0, 0.0, 0.0]), "accurate", None, tolerance=tolerance, samples=2)
 

@@ -6,21 +6,18 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from softcradle.physics import METHODS, Chain, State, advance, cluster_on_cluster, simulate
+from softcradle.physics import Chain, State, advance, cluster_on_cluster, simulate
 from softcradle.physics.chain import GRAVITY
 from softcradle.physics.contact import draft_gear, hertz, hooke, power_law
 from softcradle.physics.scales import contact_scales, default_step
 
 from tests.helpers import relations
 from tests.helpers.random_chains import random_dissipative
-from tests.helpers.relations import EPSILON, FIXED_STEP, LIVE, NAMES, PROMISE, ledger_error, momentum, simulate_quietly
-from tests.helpers.truth import ELASTIC, GEARS
+from tests.helpers.relations import NAMES, PROMISE, fineness, ledger_error, momentum, simulate_quietly
 
 MIXED = Chain([1.0, 30.0, 0.2, 5.0, 1.0], [power_law(1.0, 0.1), hooke(3.0), draft_gear(2.0, 0.1), hertz(4.0)])
 MIXED_START = [1.0, 0.0, 0.5, 0.0, -1.0]
-TOLERANT = [method.name for method in METHODS if method.adaptive]
-EXPLICIT = [method for method in FIXED_STEP if not method.set_valued]
-EXACT = [method for method in FIXED_STEP if method.set_valued]
+EXPLICIT = [method.name for method in relations.FIXED_STEP if not method.set_valued]
 
 
 @pytest.mark.parametrize("method", NAMES)
@@ -28,14 +25,14 @@ def test_momentum_to_round_off_and_so_the_whole_moves_uniformly(method):
     found = simulate(MIXED, MIXED_START, 5.0, method)
     walk = math.sqrt(found.steps)  # as rounding errors add up
     scale = relations.momentum_scale(MIXED, MIXED_START) * walk
-    assert np.abs(found.momentum - momentum(MIXED, MIXED_START)).max() < 20 * EPSILON * scale
+    assert np.abs(found.momentum - momentum(MIXED, MIXED_START)).max() < 20 * relations.EPSILON * scale
     mass = np.array(MIXED.mass)
     centre = found.position @ mass / mass.sum()
     drift = momentum(MIXED, MIXED_START) / mass.sum()
     assert centre == pytest.approx(centre[0] + drift * found.time, abs=1e-12)
 
 
-@pytest.mark.parametrize("method", [method.name for method in EXPLICIT])
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_explicit_energy_stays_bounded(method):
     """Beads squeezed between two walls, hundreds of swings: the error of a symplectic step does not grow."""
     chain = Chain([math.inf, 1.0, 2.0, 0.5, math.inf], [hooke(1.0), hertz(2.0), hooke(3.0), hertz(1.0)])
@@ -51,20 +48,10 @@ def test_explicit_energy_stays_bounded(method):
     assert max(errors[100:]) < 1.5 * max(errors[:100]) + 1e-11 * start
 
 
-@pytest.mark.parametrize("truth", ELASTIC + GEARS, ids=lambda truth: truth.name)
-@pytest.mark.parametrize("step", [1e-3, 0.03, 0.5])
-@pytest.mark.parametrize("method", [method.name for method in EXACT])
-def test_exact_energy_at_any_step(method, truth, step):
-    found = simulate(truth.chain, truth.start, 3 * truth.contact_time, method, step * truth.contact_time)
-    energy = found.kinetic_energy + found.contact_energy
-    assert np.abs(energy / energy[0] - 1.0).max() < 1e-11
-    assert momentum(truth.chain, found.final_velocity) == pytest.approx(momentum(truth.chain, truth.start), rel=1e-13)
-
-
 @pytest.mark.parametrize("method", NAMES)
 def test_motion_is_the_same_for_a_moving_observer(method):
     chain, start = cluster_on_cluster(2, 3, hertz(1.0), [1.0, 2.0, 1.0, 0.5, 1.0]), np.array([1.0, 1.0, 0, 0, 0])
-    options = {"method": method, "duration": 3.0, "samples": 7} | ({} if method in TOLERANT else {"step": 0.01})
+    options = {"method": method, "duration": 3.0, "samples": 7} | fineness(method, 0.01)
     here = simulate(chain, start, **options)
     there = simulate(chain, start + 0.75, **options)
     assert there.velocity == pytest.approx(here.velocity + 0.75, abs=1e-7)
@@ -91,16 +78,6 @@ def test_a_wall_keeps_its_velocity_and_returns_the_bead(method):
         assert found.kinetic_energy[0] == relations.kinetic_energy(chain, [1.0, wall_speed])
 
 
-@pytest.mark.parametrize("method", [method.name for method in LIVE])
-@pytest.mark.parametrize("force", [2.0, -2.0])
-def test_a_push_accelerates_the_whole_by_newton(method, force):
-    chain = Chain([1.0, 3.0, 2.0], hooke(50.0))
-    state = State.at_start(chain, [0.0, 0.0, 0.0])
-    state.push = np.array([force, 0.0, 0.0])
-    advance(chain, state, 1.5, method, step=1e-3)
-    assert momentum(chain, state.velocity(chain)) == pytest.approx(force * 1.5, rel=1e-12)
-
-
 # stops, reversals, a gear that is held, a bead that sticks and is torn loose
 CHAIN = Chain([1.0, 2.0, 1.5, 1.0], draft_gear(300.0, 0.01, 0.6), gap=[0.005, 0.0, 0.002], friction=0.25)
 START = [1.0, 0.0, 0.0, -0.5]
@@ -121,7 +98,6 @@ def test_the_ledger_of_conserving_closes_to_round_off(seed, parts):
     assert ledger_error(found) < 1e-10
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(15))
 def test_the_ledger_of_radau_closes_with_the_tolerance(seed):
     """Within ten tolerances (measured: 0.4), and better at a finer one."""
@@ -133,13 +109,6 @@ def test_the_ledger_of_radau_closes_with_the_tolerance(seed):
         errors.append(ledger_error(found))
         assert errors[-1] < PROMISE * tolerance
     assert errors[1] < max(0.1 * errors[0], 1e-11)
-
-
-def test_the_ledger_of_radau_closes_on_a_bed_with_a_very_soft_contact():
-    """Exponent 0.05 with loss 0.95, until all beads rest."""
-    chain, velocity = random_dissipative(3, 4)
-    found = simulate_quietly(chain, velocity, 2.0 * longest_time(chain, velocity), "radau", samples=21, tolerance=1e-8)
-    assert ledger_error(found) < PROMISE * 1e-8
 
 
 @pytest.mark.parametrize("method", ["radau", "accurate", "scipy"])
@@ -174,7 +143,6 @@ def test_conserving_is_of_second_order_through_stops_and_reversals():
 
 
 def test_absorbed_energy_never_falls():
-    chain = Chain([1.0] * 5, draft_gear(300.0, 0.01, 0.8), friction=0.1)
-    found = simulate(chain, [1.0, 0, 0, 0, 0], method="conserving")
+    found = simulate(Chain([1.0] * 5, draft_gear(300.0, 0.01, 0.8), friction=0.1), [1, 0, 0, 0, 0], method="conserving")
     assert np.diff(found.absorbed_by_contacts).min() > -1e-14
     assert np.diff(found.absorbed_by_bed).min() >= 0.0

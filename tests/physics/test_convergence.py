@@ -68,8 +68,7 @@ def test_order_at_a_touch(method, law):
 def test_adaptive_error_follows_the_tolerance(method, case):
     exact = moved(SMOOTH[case], "yoshida4", step=DURATION / 8192)
     for tolerance in (1e-3, 1e-5, 1e-7, 1e-9):
-        found = moved(SMOOTH[case], method.name, tolerance=tolerance)
-        assert np.abs(found - exact).max() < max(10 * tolerance, 1e-12)
+        assert np.abs(moved(SMOOTH[case], method.name, tolerance=tolerance) - exact).max() < max(10 * tolerance, 1e-12)
 
 
 @pytest.mark.parametrize("method", ADAPTIVE, ids=lambda method: method.name)

@@ -1,10 +1,14 @@
-"""What may not depend on the processor, on the functions of the C library, nor on compiled kernels: every digit."""
+"""Tests in processes of their own: no digit depends on the processor, the C library or compiled kernels; kernels one by one.
+
+As plain Python these are in a process of their own: compiled, each would be compiled for its test alone.
+"""
 
 import pytest
 from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
 
 from tests.helpers.own_process import python
-from tests.helpers.paths import ROOT
+from tests.helpers.paths import ROOT, plain_files
+from tests.helpers.plain_kernels import COMPILED
 
 VECTORS = " ".join(name for name in __cpu_dispatch__ if __cpu_features__[name])  # that NumPy may use, by its own names
 PLACES = {
@@ -23,8 +27,19 @@ PLACES = {
 }
 
 
+def passed(names, **variables):
+    """What pytest says of files of tests, all of which pass, in a process with these variables."""
+    words = ("-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", *map(str, names))
+    return python(*words, cwd=ROOT, PYTEST_ADDOPTS="", **variables).stdout
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("variables", "tests"), PLACES.values(), ids=PLACES)
 def test_the_same_elsewhere(variables, tests):
-    files = [f"tests/physics/{name}" for name in tests]
-    python("-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", *files, cwd=ROOT, PYTEST_ADDOPTS="", **variables)
+    passed([f"tests/physics/{name}" for name in tests], **variables)
+
+
+@pytest.mark.skipif(not COMPILED, reason="they run by themselves where nothing is compiled")
+@pytest.mark.parametrize("room", sorted({path.parent.name for path in plain_files()}))
+def test_kernels_one_by_one(room):
+    assert " skipped" not in passed([path for path in plain_files() if path.parent.name == room], NUMBA_DISABLE_JIT="1")

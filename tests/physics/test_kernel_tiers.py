@@ -2,6 +2,7 @@
 
 import os
 from dataclasses import replace
+from unittest.mock import Mock
 
 import numpy as np
 import pymunk
@@ -223,11 +224,7 @@ def test_who_waits_long_says_for_what(locked, monkeypatch, caplog):
 def test_kernels_that_are_asked_for_are_compiled_where_signals_are_heard(cold):
     """That is in a process behind, for which this one waits; where the wait is interrupted, so is the work."""
     ended: list[str] = []
-
-    def interrupt(self):
-        raise KeyboardInterrupt
-
-    cold.setattr(KernelTiers, "wait", interrupt)
+    cold.setattr(KernelTiers, "wait", Mock(side_effect=KeyboardInterrupt))
     cold.setattr(KernelTiers, "_stop", lambda self: ended.append(self.name))
     with pytest.raises(KeyboardInterrupt):
         TIERS["fixed-step"].load()

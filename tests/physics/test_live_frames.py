@@ -1,15 +1,20 @@
-"""A frame of live use has a budget: an adaptive method that is not through hands over to `conserving`, and it is said."""
+"""Runs that are interrupted: frames of live use have a budget, and long runs hand back, so that signals are heard.
+
+An adaptive method that is not through hands over to `conserving`, and it is said; pauses change no digit.
+"""
 
 import warnings
 from dataclasses import replace
 
 import numpy as np
 import pytest
-import softcradle.physics.adaptive.usual_budget
-from softcradle.physics import METHODS, Chain, Contact, State, TimedForce, advance, hertz, one_on, power_law, simulate
+from softcradle.physics import METHODS, Chain, Contact, Coupler, State, TimedForce, advance, one_on, simulate
+from softcradle.physics.contact import draft_gear, hertz, hooke, power_law
 from softcradle.physics.methods import find_method, refusal_of
 from softcradle.physics.simulation import move, solve
 from softcradle.physics.status import Status
+
+from tests.helpers.relations import struck, total_energy
 
 SOFT = one_on(4, power_law(1.0, 0.1))
 RUBS = Chain(np.ones(4), [power_law(1.0, 0.1)] * 3, friction=0.02)
@@ -17,27 +22,21 @@ LOSES = Chain(np.ones(4), [Contact(0.0, 1.0, 0.5, loss=0.3)] * 3, friction=0.02)
 ADAPTIVE = [method.name for method in METHODS if method.adaptive]
 
 
-def _struck(chain: Chain) -> State:
-    return State.at_start(chain, np.eye(1, chain.contacts + 1)[0])
-
-
 @pytest.mark.parametrize("chain", [SOFT, RUBS, LOSES], ids=["soft", "rubs", "loses"])
 @pytest.mark.parametrize("method", ADAPTIVE)
 def test_out_of_steps_conserving_finishes_and_says_so(chain, method):
-    state, frame = _struck(chain), 0.5
-    with pytest.warns(RuntimeWarning, match=f"{method} gave up .*; conserving moved on from there"):
+    state, frame = State.at_start(chain, struck(chain)), 0.5
+    with pytest.warns(RuntimeWarning, match=f"{method} gave up at t = .*3 steps.*; conserving moved on from there"):
         advance(chain, state, frame, method, most_steps=3)
     assert state.time == frame
-    kinetic = 0.5 * float(np.sum(state.velocity(chain) ** 2))
-    stored = sum(float(c.energy(d)) for c, d in zip(chain.contact, state.overlap, strict=True))
-    assert kinetic + stored + state.absorbed.sum() == pytest.approx(0.5, abs=1e-8)
-    fine = simulate(chain, np.eye(1, chain.contacts + 1)[0], frame, method="accurate", samples=2)
+    assert total_energy(chain, state) + state.absorbed.sum() == pytest.approx(0.5, abs=1e-8)
+    fine = simulate(chain, struck(chain), frame, method="accurate", samples=2)
     np.testing.assert_allclose(state.velocity(chain), fine.final_velocity, atol=0.01)
 
 
 @pytest.mark.parametrize("method", ADAPTIVE)
 def test_with_steps_enough_nothing_is_said_and_old_trouble_is_forgotten(method):
-    state = _struck(SOFT)
+    state = State.at_start(SOFT, struck(SOFT))
     move(SOFT, state, 0.01, method, None, 1e-6, 3)
     assert state.status.gave_up
     assert state.warnings
@@ -52,9 +51,9 @@ def test_with_steps_enough_nothing_is_said_and_old_trouble_is_forgotten(method):
 @pytest.mark.parametrize("steps", [1, 2, 5, 20, 60])
 def test_a_run_whose_budget_ends_between_changes_of_friction_reaches_its_end(chain, steps, monkeypatch):
     """Wherever it happens; what it says of its end is then true of it."""
-    exact = solve(chain, np.eye(1, chain.contacts + 1)[0], None, "radau", None, 11, 1e-8)
-    monkeypatch.setattr(softcradle.physics.adaptive.usual_budget, "MOST_STEPS", steps)
-    found = solve(chain, np.eye(1, chain.contacts + 1)[0], None, "radau", None, 11, 1e-8)
+    exact = solve(chain, struck(chain), None, "radau", None, 11, 1e-8)
+    monkeypatch.setattr("softcradle.physics.adaptive.usual_budget.MOST_STEPS", steps)
+    found = solve(chain, struck(chain), None, "radau", None, 11, 1e-8)
     (warning,) = found.warnings
     assert found.status == Status.UNDETERMINED
     assert warning.code == "sensitive"
@@ -70,12 +69,7 @@ PUSHED = replace(HIT, forces=(TimedForce(0, (0.1, 0.3), (0.0, 0.5)),))
 
 @pytest.mark.parametrize(
     ("method", "chain"),
-    [
-        (method.name, chain)
-        for method in METHODS
-        for chain in (HIT, BRAKED, PUSHED)
-        if not refusal_of(method.name, chain)
-    ],
+    [(one.name, chain) for one in METHODS for chain in (HIT, BRAKED, PUSHED) if not refusal_of(one.name, chain)],
 )
 def test_frames_hand_out_the_switches_of_the_whole_motion(method, chain):
     start, step = np.eye(1, 4)[0], None if find_method(method).adaptive else 1e-3
@@ -93,3 +87,58 @@ def test_frames_hand_out_the_switches_of_the_whole_motion(method, chain):
     assert state.switches == sum(map(len, expected))
     for times, known in zip(found, expected, strict=True):
         assert times == pytest.approx(known, abs=2e-3 if step else 1e-6)
+
+
+CASES = {
+    "one on three": (one_on(3, power_law(1.0, 0.1)), {}),
+    "samples at its end": (one_on(3, power_law(1.0, 0.1)), {"samples": 2}),
+    "samples between": (one_on(3, power_law(1.0, 0.1)), {"duration": 4.0, "samples": [0.1, 0.11, 0.5, 3.97]}),
+    "a bed": (one_on(3, power_law(1.0, 0.1)), {"friction": 0.02, "duration": 6.0}),
+    "loss": (Chain([1.0] * 3, power_law(1.0, 0.5, loss=0.3), gap=[0.0, 0.1]), {"samples": 11}),
+    "walls": (Chain([np.inf, 1.0, 2.0, np.inf], hooke(9.0), gap=[0.1, 0.0, 0.3]), {"duration": 9.0}),
+    "gears": (Chain([1.0] * 4, draft_gear(100.0, 0.05), gap=[0.0, 0.02, 0.0]), {}),
+    "couplers": (Chain([1.0] * 3, Coupler(hooke(9.0), hooke(9.0), slack=0.05)), {"duration": 4.0}),
+}
+
+
+def digits(chain: Chain, velocity: list[float], method: str, options: dict[str, object]) -> list[object]:
+    found = simulate(chain, velocity, method=method, step=0.013, **{"samples": 9, **options})
+    arrays = found.time, found.overlap, found.velocity, found.force, found.final_velocity
+    return [array.tobytes() for array in arrays] + [found.contact_intervals, found.steps, found.evaluations]
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")  # steps are large, so that few are enough
+@pytest.mark.parametrize("method", ["verlet", "conserving"])
+@pytest.mark.parametrize("name", CASES)
+def test_the_digits_of_a_run_do_not_depend_on_its_pauses(name, method, monkeypatch):
+    chain, options = CASES[name]
+    options = dict(options)
+    if "friction" in options:
+        chain = Chain(chain.mass, chain.contact, chain.gap, friction=options.pop("friction"))
+    velocity = [0.0] * (chain.contacts + 1)
+    velocity[1 if np.isinf(chain.mass[0]) else 0] = 1.0
+    whole = digits(chain, velocity, method, options)
+    for steps in (1, 2, 7, 50):
+        monkeypatch.setattr("softcradle.physics.fixed_step.runner.PAUSE", steps * chain.contacts)
+        assert digits(chain, velocity, method, options) == whole
+
+
+def test_a_long_row_pauses_too(monkeypatch):
+    chain = Chain([1.0] * 71, [power_law(1.0 + 0.01 * k, 0.3) for k in range(70)])
+    velocity, options = [1.0] + [0.0] * 70, {"duration": 2.0}
+    whole = digits(chain, velocity, "verlet", options)
+    monkeypatch.setattr("softcradle.physics.fixed_step.runner.PAUSE", 3 * 70)
+    assert digits(chain, velocity, "verlet", options) == whole
+
+
+def test_frames_of_live_use_pause_too(monkeypatch):
+    def played() -> bytes:
+        chain = one_on(3, power_law(1.0, 0.1))
+        state = State.at_start(chain, [1, 0, 0, 0])
+        for _ in range(20):
+            advance(chain, state, 0.1, "conserving", step=0.003)
+        return state.overlap.tobytes() + state.rate.tobytes()
+
+    whole = played()
+    monkeypatch.setattr("softcradle.physics.fixed_step.runner.PAUSE", 4)
+    assert played() == whole

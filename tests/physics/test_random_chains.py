@@ -4,9 +4,6 @@ import math
 
 import numpy as np
 import pytest
-import softcradle.physics.adaptive.usual_budget
-import softcradle.physics.reference.phases
-import softcradle.physics.reference.runner
 from hypothesis import assume, given, settings
 from softcradle.physics import simulate
 from softcradle.physics.scales import contact_scales, default_step
@@ -26,9 +23,9 @@ NEWTON = 2.5e-3  # of the tolerance: momentum that a step of radau may lose, for
 def few_steps():
     """Light beads between heavy ones may bounce thousands of times: a run that takes so long gives up here, and says so."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(softcradle.physics.reference.runner, "MOST_PHASES", 200)
-        patch.setattr(softcradle.physics.reference.phases, "MOST_EVALUATIONS", 20_000)
-        patch.setattr(softcradle.physics.adaptive.usual_budget, "MOST_STEPS", 5_000)
+        patch.setattr("softcradle.physics.reference.runner.MOST_PHASES", 200)
+        patch.setattr("softcradle.physics.reference.phases.MOST_EVALUATIONS", 20_000)
+        patch.setattr("softcradle.physics.adaptive.usual_budget.MOST_STEPS", 5_000)
         yield
 
 

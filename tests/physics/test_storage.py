@@ -1,17 +1,22 @@
-"""Trajectories on disk: read back equal, readable without softcradle, whole or not at all."""
+"""Trajectories on disk: read back equal, readable without softcradle, whole or not at all; a scene of all that acts on beads."""
 
 import csv
 import json
 import math
-from dataclasses import fields
+from dataclasses import asdict, fields
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from softcradle.physics import Chain, Contact, Trajectory, draft_gear, hertz, one_on, power_law, simulate
+from softcradle.physics import Chain, Contact, Coupler, TimedForce, Trajectory, hertz, one_on, power_law, simulate
 from softcradle.physics.atomic_files import output_file, output_folder
 from softcradle.physics.status import CodedWarning, Status, WarningCode
+from softcradle.physics.trajectory_file import chain_from_table
+from softcradle.sandbox.trajectory_summary import summarise
+
+from softcradle import scenes
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +60,7 @@ def test_any_trajectory_is_read_back_equal(data, tmp_path_factory):
         force=array(count, n), final_velocity=array(n + 1), method=data.draw(st.text()), step=data.draw(positive),
         contact_intervals=tuple(tuple(data.draw(st.lists(interval, max_size=3))) for _ in range(n)),
         steps=data.draw(st.integers(0, 10**12)), status=data.draw(st.sampled_from(Status)),
-        warnings=tuple(data.draw(st.lists(warning, max_size=2))),
+        warnings=tuple(data.draw(st.lists(warning, max_size=2))), choice=data.draw(st.text()),
     )  # fmt: skip
     path = tmp_path_factory.mktemp("any") / "one.npz"
     with np.errstate(all="ignore"):  # positions are sums of arbitrary numbers here, and may overflow
@@ -76,12 +81,21 @@ def test_file_needs_no_pickle_and_says_what_made_it(collision, tmp_path):
     assert set(metadata["versions"]) == {"softcradle", "numpy", "python"}
 
 
-def test_wall_and_contact_that_never_opens_survive(tmp_path):
-    chain = Chain([1.0, math.inf], draft_gear(100.0, 0.1), gap=0.5)
-    cut_short = simulate(chain, [1.0, 0.0], duration=0.5005, method="verlet", step=1e-4)
-    assert cut_short.contact_intervals[0][-1][1] == math.inf
-    cut_short.save(tmp_path / "wall.npz")
-    assert_equal(Trajectory.load(tmp_path / "wall.npz"), cut_short)
+GEAR = Contact(250e3, 3.75e7, 1.7, loss=0.8)
+ROWS = {
+    "a wall": Chain([1.0, 1.0, math.inf], Contact(10.0, 100.0, 1.0), gap=0.1),
+    "couplers": Chain([8e4] * 3, [Coupler(GEAR, GEAR, 0.02, 0.166, 1e8), GEAR], 0.01),
+    "friction, loss and a drive": Chain([1.0] * 3, hertz(50.0, loss=0.8), drive=[1.0, 0.0, 0.5], friction=0.1),
+    "forces and brakes": Chain([1.0] * 3, GEAR, forces=TimedForce(0, [0, 1], [0, 2]), brakes=TimedForce(1, 0.0, 4.0)),
+}
+
+
+@pytest.mark.parametrize("chain", ROWS.values(), ids=ROWS)
+def test_whatever_a_chain_has_is_read_back(chain, tmp_path):
+    made = simulate(chain, [1.0, 0.0, 0.0], 0.2, "conserving", step=1e-3)
+    made.save(tmp_path / "one.npz")
+    assert_equal(Trajectory.load(tmp_path / "one.npz"), made)
+    assert chain_from_table(json.loads(json.dumps(asdict(chain)))) == chain
 
 
 def test_csv_has_a_row_a_sample_and_units(collision, tmp_path):
@@ -98,31 +112,28 @@ def test_csv_has_a_row_a_sample_and_units(collision, tmp_path):
     np.testing.assert_array_equal(energy, collision.kinetic_energy + collision.contact_energy)
 
 
-@pytest.mark.parametrize("content", [b"", b"not a zip file", b"PK\x03\x04 torn"])
-def test_other_files_are_refused_in_a_sentence(content, tmp_path):
+@pytest.mark.parametrize(
+    ("content", "sentence"),
+    [
+        *((content, r"other\.npz: not a trajectory") for content in (b"", b"not a zip file", b"PK\x03\x04 torn")),
+        ({"a": np.zeros(3)}, "not a trajectory"),
+        ({"metadata": np.array(json.dumps({"format": 99}))}, "format 99"),
+    ],
+)
+def test_other_files_and_those_of_the_future_are_refused_in_a_sentence(content, sentence, tmp_path):
     path = tmp_path / "other.npz"
-    path.write_bytes(content)
-    with pytest.raises(ValueError, match=r"other\.npz: not a trajectory"):
+    if isinstance(content, dict):
+        np.savez(path, **content)
+    else:
+        path.write_bytes(content)
+    with pytest.raises(ValueError, match=sentence):
         Trajectory.load(path)
-
-
-def test_npz_of_someone_else_and_of_the_future_is_refused(collision, tmp_path):
-    np.savez(tmp_path / "other.npz", a=np.zeros(3))
-    with pytest.raises(ValueError, match="not a trajectory"):
-        Trajectory.load(tmp_path / "other.npz")
-    np.savez(tmp_path / "future.npz", metadata=np.array(json.dumps({"format": 99})))
-    with pytest.raises(ValueError, match="format 99"):
-        Trajectory.load(tmp_path / "future.npz")
 
 
 def test_failed_write_leaves_the_old_file(collision, tmp_path, monkeypatch):
     path = tmp_path / "one.npz"
     path.write_bytes(b"old")
-
-    def disk_full(*_arguments: object, **_keywords: object) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(np, "savez_compressed", disk_full)
+    monkeypatch.setattr(np, "savez_compressed", Mock(side_effect=OSError(28, "No space left on device")))
     with pytest.raises(OSError, match="No space"):
         collision.save(path)
     assert path.read_bytes() == b"old"
@@ -156,3 +167,40 @@ def test_output_file_has_the_suffix_and_the_usual_permissions(tmp_path):
         assert temporary.suffix == ".mp4"
         temporary.write_bytes(b"film")
     assert (tmp_path / "film.mp4").stat().st_mode == (tmp_path / "usual").stat().st_mode
+
+
+SCENE = """
+title = "Wagons"
+duration = 2.0
+[[lanes]]
+beads = [1, 2]
+mass = 80e3
+contact = {law = "draft_gear", stiffness = 2e7, precompression = 0.01, loss = 0.8}
+velocity = 1.5
+approach = 0.1
+friction = 0.002
+drive = [1.0, 0.0, "1/2"]
+forces = [{beads = 0, time = [0, "1/2", 1], force = [0, 2, 0]}]
+brakes = [{beads = [1, 2], time = [1, 1.5], force = [0, 3]}]
+"""
+
+
+def test_a_scene_has_what_acts_on_its_beads_and_its_tables_book_what_is_absorbed(tmp_path):
+    scene = scenes.parse(SCENE)
+    assert scenes.parse(scene.to_toml()) == scene
+    chain = scene.lanes[0].chain()
+    assert chain.friction == 0.002
+    assert {contact.loss for contact in chain.contact} == {0.8}
+    assert chain.drive == (1.0, 0.0, 0.5)
+    assert chain.forces == (TimedForce(0, [0.0, 0.5, 1.0], [0.0, 2.0, 0.0]),)
+    assert chain.brakes == (TimedForce([1, 2], [1.0, 1.5], [0.0, 3.0]),)
+    found = simulate(chain, scene.lanes[0].velocity, 2.0, method="conserving")
+    assert found.absorbed_by_contacts[-1] > 0.0
+    found.to_csv(tmp_path / "wagons.csv")
+    header, *rows = (tmp_path / "wagons.csv").read_text().splitlines()
+    assert header.endswith("absorbed by contacts [J],absorbed by bed [J]")
+    assert float(rows[-1].split(",")[-1]) == pytest.approx(found.absorbed_by_bed[-1])
+    summary = summarise("", found)
+    assert summary.energy_error < 1e-12
+    assert summary.absorbed_by_contacts == found.absorbed_by_contacts[-1]
+    assert summary.momentum_error is None

@@ -10,14 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from softcradle.physics import Chain, State, advance, hertz, hooke, one_on, power_law, simulate
 
-from tests.helpers.relations import ADAPTIVE, FIXED_STEP, LIVE, NAMES, separating
+from tests.helpers.relations import FIXED_STEP, LIVE, NAMES, fineness, separating
 
 CRADLE = one_on(4, hertz(1.0))
 START = [1.0, 0.0, 0.0, 0.0, 0.0]
-
-
-def fineness(method, step):
-    return {} if method in [m.name for m in ADAPTIVE] else {"step": step}
 
 
 @pytest.mark.parametrize("method", NAMES)
@@ -116,8 +112,7 @@ def test_free_flight_costs_no_steps_worth_mentioning(method):
 def test_intervals_tell_when_a_contact_opened_for_good(method):
     found = simulate(one_on(1, hooke(1.0)), [1.0, 0.0], method=method)
     assert found.contact_intervals[0][0] == pytest.approx((0.0, math.pi / math.sqrt(2)), abs=0.01)
-    cut = simulate(one_on(1, hooke(1.0)), [1.0, 0.0], 1.0, method)
-    assert cut.contact_intervals[0][0][1] == math.inf
+    assert simulate(one_on(1, hooke(1.0)), [1.0, 0.0], 1.0, method).contact_intervals[0][0][1] == math.inf
 
 
 @pytest.mark.parametrize("method", NAMES)

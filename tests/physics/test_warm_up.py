@@ -9,9 +9,7 @@ from softcradle import warm
 from tests.helpers.own_process import python
 
 pytest.importorskip("numba")
-CRADLE = (
-    "from softcradle import one_on, power_law, simulate\nsimulate(one_on(1, power_law(1, 1)), [1, 0], method='verlet')"
-)
+CRADLE = "import softcradle as s\ns.simulate(s.one_on(1, s.power_law(1, 1)), [1, 0], method='verlet')"
 
 
 def run(folder, *arguments: str, **more: str) -> subprocess.CompletedProcess[str]:

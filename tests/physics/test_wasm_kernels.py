@@ -1,9 +1,9 @@
 """The kernels for browsers: what the shipped file is made of, and its digits, which are those of plain Python."""
 
-import importlib.util
 import os
 import subprocess
 import sys
+from importlib.util import find_spec
 
 import numpy as np
 import pytest
@@ -132,9 +132,7 @@ def test_its_digits_are_those_of_plain_python(name, kernels, plainly):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(
-    importlib.util.find_spec("ziglang") is None, reason="the linker is not installed: pip install '.[wasm]'"
-)
+@pytest.mark.skipif(find_spec("ziglang") is None, reason="the linker is not installed: pip install '.[wasm]'")
 def test_built_anew_it_has_the_same_digits(kernels, plainly, tmp_path):
     out = tmp_path / "kernels.wasm"
     subprocess.run([sys.executable, "-m", "tools.wasm_kernels", str(out)], cwd=ROOT, check=True)

@@ -1,19 +1,21 @@
 """Short motions through every kind of step, switch and rest: what must hold of each by any method, compiled or not."""
 
+import itertools
 import math
 from typing import NamedTuple
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, Coupler, State, TimedForce, advance, cluster_on_cluster, one_on, simulate
+from softcradle.physics import Chain, Coupler, OwnLaw, State, TimedForce, advance, cluster_on_cluster, one_on, simulate
 from softcradle.physics.contact import Contact, draft_gear, hertz, hooke, power_law, step_force
 from softcradle.physics.methods import refusal_of
 from softcradle.physics.status import Status
 
+from tests.helpers import relations
 from tests.helpers.random_chains import random_collision, random_dissipative
-from tests.helpers.relations import assert_momentum, assert_sound, ledger_error, separating, simulate_quietly
+from tests.helpers.relations import KERNELS, assert_momentum, assert_sound, fineness, ledger_error, simulate_quietly
 
-METHODS = ("accurate", "radau", "dop853", "conserving", "verlet", "yoshida4", "euler")
+METHODS = (*KERNELS, "conserving", "verlet", "yoshida4", "euler")
 TOLERANCE = 1e-6
 SAMPLES = 7
 
@@ -28,20 +30,8 @@ class Case(NamedTuple):
     without: tuple[str, ...] = ()
 
 
-class Toda:
-    """Exponential repulsion, with its energy."""
-
-    def force(self, overlap: float) -> float:
-        return 20.0 * math.expm1(overlap)
-
-    def energy(self, overlap: float) -> float:
-        return 20.0 * (math.expm1(overlap) - overlap)
-
-
-def hardening(overlap: float) -> float:
-    return 2.0 + 30.0 * overlap + 50.0 * overlap**3
-
-
+TODA = OwnLaw(lambda d: 20.0 * math.expm1(d), lambda d: 20.0 * (math.expm1(d) - d))  # exponential, with its energy
+HARDENING = OwnLaw(lambda d: 2.0 + 30.0 * d + 50.0 * d**3)
 GEAR = draft_gear(770.0, 0.0177)
 EXPLICIT = ("verlet", "yoshida4", "euler")  # which chatter, at the step of the others, on what is stiff
 CASES = {
@@ -83,54 +73,53 @@ CASES = {
         [1.0, 0.0, -0.5], 1.0, 2e-3,
     ),
     "laws of one's own": Case(
-        Chain([1.0, 2.0, 1.0, math.inf], [Toda(), hertz(50.0), hardening], gap=[0.05, 0.0, 0.05]),
+        Chain([1.0, 2.0, 1.0, math.inf], [TODA, hertz(50.0), HARDENING], gap=[0.05, 0.0, 0.05]),
         [1.0, 0.0, 0.0, 0.0], 1.5, 3e-3,
     ),
     "laws of one's own with friction": Case(
-        Chain([1.0, 2.0, 1.0], [hardening, Toda()], friction=0.1), [1.0, 0.0, -0.5], 0.6, 3e-3, EXPLICIT
+        Chain([1.0, 2.0, 1.0], [HARDENING, TODA], friction=0.1), [1.0, 0.0, -0.5], 0.6, 3e-3, EXPLICIT
     ),
-    "an exponential law to the end": Case(Chain([1.0, 2.0, 1.0], Toda()), [1.0, 0.0, -0.5], None, 2e-3),
+    "an exponential law to the end": Case(Chain([1.0, 2.0, 1.0], TODA), [1.0, 0.0, -0.5], None, 2e-3),
     "a force that comes and goes": Case(
         Chain([1.0] * 3, hertz(50.0), forces=TimedForce([0, 2], [0.0, 0.2, 0.4, 0.4], [0.0, 3.0, 1.0, 0.0])),
         [0.0] * 3, 0.8, 4e-3,
     ),
 }  # fmt: skip
+SEVERAL = ("hertz with gaps", "gears on straws", "between walls", "loss and friction in a mixed chain")
+MORE = (*SEVERAL, "a ball that bounces to rest", "laws of one's own")
 
 
-def solved(case, method, duration=None):
-    finer = {"tolerance": TOLERANCE} if method in ("accurate", "radau", "dop853") else {"step": case.step}
-    return simulate_quietly(case.chain, case.velocity, duration or case.duration, method, samples=SAMPLES, **finer)
+def solved(case, method):
+    finer = fineness(method, case.step, tolerance=TOLERANCE)
+    return simulate_quietly(case.chain, case.velocity, case.duration, method, samples=SAMPLES, **finer)
 
 
-RUNS = [
-    (name, method)
-    for name, case in CASES.items()
-    for method in METHODS
-    if not refusal_of(method, case.chain) and method not in case.without
-]
+def runs(names, methods):
+    """(name, method) for all cases and methods that go together."""
+    pairs = itertools.product(names, methods)
+    return [
+        (name, one) for name, one in pairs if not (refusal_of(one, CASES[name].chain) or one in CASES[name].without)
+    ]
 
 
-@pytest.mark.parametrize(("name", "method"), RUNS)
+@pytest.mark.parametrize(("name", "method"), runs(CASES, METHODS))
 def test_what_holds_of_every_motion(name, method):
     case = CASES[name]
     found = solved(case, method)
     assert found.status in (Status.DONE, Status.SEPARATED)
     if not case.chain.pulls:
         assert_sound(found)
-    exact = method in ("accurate", "radau", "dop853", "conserving")
+    exact = method in (*KERNELS, "conserving")
     if np.abs(found.velocity).max() > 0.0:
         assert ledger_error(found) < (100.0 * TOLERANCE if exact else 0.3)
     if not (case.chain.on_bed or case.chain.lasts or case.chain.timed):
         assert_momentum(found, case.velocity, TOLERANCE)
     if found.status is Status.SEPARATED and not case.chain.on_bed:
-        assert separating(found.final_velocity, 1e-6)
+        assert relations.separating(found.final_velocity, 1e-6)
 
 
-@pytest.mark.parametrize("method", ["accurate", "radau", "dop853"])
-@pytest.mark.parametrize(
-    "name",
-    ["hertz with gaps", "two gears on two", "gears on straws", "loss and friction in a mixed chain", "between walls"],
-)
+@pytest.mark.parametrize("method", KERNELS)
+@pytest.mark.parametrize("name", [*SEVERAL, "two gears on two"])
 def test_adaptive_methods_end_alike(name, method):
     case = CASES[name]
     found, other = solved(case, method), solved(case, "conserving" if method == "accurate" else "accurate")
@@ -141,48 +130,33 @@ def test_adaptive_methods_end_alike(name, method):
 @pytest.mark.parametrize("exponent", [2.5, 3.0])
 def test_contacts_that_stiffen_open_when_the_finest_steps_say(exponent):
     """Their force fades before they open, so the time of it is sought by steps of the method itself."""
-    case = Case(one_on(2, Contact(0.0, 1.0, exponent)), [1.0, 0.0, 0.0], None, 0.0)
-    ends = [
-        simulate_quietly(case.chain, case.velocity, None, method, samples=2, tolerance=1e-10)
-        for method in ("accurate", "radau", "dop853")
-    ]
+    chain = one_on(2, Contact(0.0, 1.0, exponent))
+    ends = [simulate_quietly(chain, [1, 0, 0], method=one, samples=2, tolerance=1e-10) for one in KERNELS]
     for found in ends[1:]:
         assert found.final_velocity == pytest.approx(ends[0].final_velocity, abs=1e-8)
         for one, other in zip(found.contact_intervals, ends[0].contact_intervals, strict=True):
             assert np.array(one) == pytest.approx(np.array(other), abs=1e-3)
 
 
-FRAMES = [
-    (name, method)
-    for name in (
-        "hertz with gaps", "gears on straws", "between walls", "a ball that bounces to rest", "laws of one's own",
-        "loss and friction in a mixed chain",
-    )
-    for method in ("accurate", "radau", "dop853", "conserving", "verlet", "pymunk")
-    if not refusal_of(method, CASES[name].chain) and method not in CASES[name].without
-]  # fmt: skip
-
-
-@pytest.mark.parametrize(("name", "method"), FRAMES)
+@pytest.mark.parametrize(("name", "method"), runs(MORE, (*KERNELS, "conserving", "verlet", "pymunk")))
 def test_frames_go_where_the_whole_run_goes(name, method):
     """Live use moves a state by a fiftieth of a second at a time: twenty fixed steps, which are those of the whole run."""
     case = CASES[name]
     state = State.at_start(case.chain, case.velocity)
-    step = None if method in ("accurate", "radau", "dop853") else 1e-3
-    tolerance = {"tolerance": TOLERANCE} if step is None else {}
+    finer = fineness(method, 1e-3, tolerance=TOLERANCE)
     for _ in range(10):
-        advance(case.chain, state, 0.02, method, step, **tolerance)
-    whole = simulate_quietly(case.chain, case.velocity, 0.2, method, step, samples=2, **tolerance)
+        advance(case.chain, state, 0.02, method, **finer)
+    whole = simulate_quietly(case.chain, case.velocity, 0.2, method, samples=2, **finer)
     assert state.time == pytest.approx(0.2)
     # a contact of "between walls" closes at 0.2 s: within a step of pymunk, by round-off
-    allowed = 1e-3 if method == "pymunk" else 1e-6 if step else 30.0 * TOLERANCE
+    allowed = 1e-3 if method == "pymunk" else 1e-6 if "step" in finer else 30.0 * TOLERANCE
     assert state.velocity(case.chain) == pytest.approx(whole.final_velocity, abs=allowed)
     absorbed = whole.absorbed_by_contacts[-1], whole.absorbed_by_bed[-1]
-    assert state.absorbed == pytest.approx(absorbed, rel=1e-6 if step else 1e-4, abs=1e-6)
+    assert state.absorbed == pytest.approx(absorbed, rel=1e-6 if "step" in finer else 1e-4, abs=1e-6)
     assert state.copy().absorbed.tolist() == state.absorbed.tolist()
 
 
-@pytest.mark.parametrize("method", ["accurate", "radau", "dop853"])
+@pytest.mark.parametrize("method", KERNELS)
 @pytest.mark.parametrize("seed", [1, 2, 5, 8])
 def test_random_motions_on_a_bed_keep_their_ledger(seed, method):
     chain, velocity = random_dissipative(seed, 4)
@@ -191,7 +165,7 @@ def test_random_motions_on_a_bed_keep_their_ledger(seed, method):
     assert ledger_error(found) < 100.0 * TOLERANCE
 
 
-@pytest.mark.parametrize("method", ["accurate", "radau", "dop853"])
+@pytest.mark.parametrize("method", KERNELS)
 @pytest.mark.parametrize("seed", [0, 1, 2, 4, 5])
 def test_random_collisions_keep_energy_and_momentum(seed, method):
     chain, velocity = random_collision(seed, 4)

@@ -1,35 +1,16 @@
-"""radau, dop853 and accurate: samples, live steps, closed forms of gears, no collision stepped over, and the work they take."""
+"""radau, dop853 and accurate: live steps, closed forms of gears, no collision stepped over, and the work they take."""
 
 import math
 from itertools import pairwise
 
 import numpy as np
 import pytest
-import softcradle.physics.adaptive.usual_budget
 from softcradle.physics import Chain, State, advance, draft_gear, hertz, hooke, one_on, power_law, simulate, step_force
 from softcradle.physics.status import Status
 
-from tests.helpers.relations import KERNELS, PROMISE, closing_speed, momentum, separating
-from tests.helpers.truth import ELASTIC, GEAR, GEARS, gear_critical_speed
-
-CASES = ELASTIC + GEARS
-
-
-def run(*arguments, **options):
-    """`simulate` with two samples unless more are wanted: most tests here are of final velocities."""
-    return simulate(*arguments, **{"samples": 2} | options)
-
-
-@pytest.mark.parametrize("truth", CASES, ids=lambda truth: truth.name)
-@pytest.mark.parametrize("method", ["radau", "accurate"])
-def test_a_sample_is_a_run_that_stops_there(method, truth):
-    """Also inside steps that end in an event: both are within the tolerance of the same motion."""
-    times = np.linspace(0.0, 1.1 * truth.contact_time, 12)[1:]
-    found = run(truth.chain, truth.start, times[-1], method, samples=times, tolerance=1e-7)
-    for k, time in enumerate(times):
-        stopped = run(truth.chain, truth.start, time, method, tolerance=1e-7)
-        assert found.velocity[k] == pytest.approx(stopped.final_velocity, abs=1e-6 * closing_speed(truth.start))
-        assert found.overlap[k] == pytest.approx(stopped.overlap[-1], abs=1e-6 * truth.largest_overlap.max())
+from examples.largest_force import LargestForce
+from tests.helpers.relations import KERNELS, PROMISE, momentum, run, separating
+from tests.helpers.truth import GEAR, gear_critical_speed
 
 
 @pytest.mark.parametrize("method", KERNELS)
@@ -52,8 +33,7 @@ def test_rigid_gears_to_round_off(method, part, n):
     speed, mass, stiffness = part * gear_critical_speed(n), n / (n + 1), GEAR.stiffness
     found = run(one_on(n, GEAR), [speed] + [0.0] * n, method=method, tolerance=1e-13, samples=65)
     assert found.final_velocity == pytest.approx([speed * (1 - n) / (n + 1)] + [speed * 2 / (n + 1)] * n, rel=1e-12)
-    during = found.force[:, 0] > 0.0
-    assert (found.overlap[during, 1:] == 0.0).all()
+    assert (found.overlap[found.force[:, 0] > 0.0, 1:] == 0.0).all()
     pulse = 2 * math.sqrt(mass / stiffness) * math.atan(speed * math.sqrt(mass * stiffness) / GEAR.preload)
     (closed, opened), *others = found.contact_intervals[0]
     assert not others
@@ -104,8 +84,7 @@ def test_no_bead_is_lost_in_a_step_longer_than_the_contact():
     chain = Chain([1, 1, 2, 1], hertz(3.0), [0.5, 0.1, 0.0])
     counts = [len(pairs) for pairs in run(chain, [2, 0, 0.5, -1], tolerance=1e-10).contact_intervals]
     for tolerance in (1e-2, 1e-3, 1e-4):
-        found = run(chain, [2, 0, 0.5, -1], tolerance=tolerance)
-        assert [len(pairs) for pairs in found.contact_intervals] == counts
+        assert [len(pairs) for pairs in run(chain, [2, 0, 0.5, -1], tolerance=tolerance).contact_intervals] == counts
 
 
 @pytest.mark.parametrize("law", [hertz(1.0), hooke(1.0), draft_gear(1.0, 0.3), power_law(1.0, 0.5)], ids=str)
@@ -138,15 +117,13 @@ def test_cost_is_that_of_the_promise():
 def test_a_budget_that_ends_is_a_value(monkeypatch):
     chain, start = one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0]
     whole = {method: run(chain, start, method=method).final_velocity for method in KERNELS}
-    monkeypatch.setattr(softcradle.physics.adaptive.usual_budget, "MOST_STEPS", 20)
+    monkeypatch.setattr("softcradle.physics.adaptive.usual_budget.MOST_STEPS", 20)
     for method in KERNELS:
         with pytest.warns(RuntimeWarning, match=r"final velocities are determined to .* m/s only"):
             found = run(chain, start, method=method)
         assert len(found.warnings) == 1
         assert found.status == Status.UNDETERMINED
         assert (np.abs(found.final_velocity - whole[method]) <= found.velocity_error).all()
-        with pytest.warns(RuntimeWarning, match=f"{method} gave up at t = .*20 steps"):
-            advance(chain, State.at_start(chain, start), 10.0, method, most_steps=20)
 
 
 def test_a_gap_between_clusters_counts_from_the_first_touch():
@@ -158,3 +135,23 @@ def test_a_gap_between_clusters_counts_from_the_first_touch():
             assert intervals[0][0] == pytest.approx(0.3, abs=1e-12)
             assert all(math.isfinite(time) for interval in intervals for time in interval)
         assert separating(found.final_velocity, 1e-7)
+
+
+@pytest.mark.parametrize("method", KERNELS)
+def test_a_contact_with_a_largest_force_against_its_closed_form(method):
+    """A row of one's own, as in the documentation: a preloaded spring to the largest force, then a steady one, in closed form."""
+    preload, stiffness, most, speed = 0.2, 2.0, 1.0, 2.0
+    crush = LargestForce(draft_gear(stiffness, preload / stiffness), most=most)
+    way = (most - preload) / stiffness
+    at_yield = math.sqrt(speed**2 - 2.0 * preload * way - stiffness * way**2)
+    swing, begin = math.sqrt(stiffness), preload / stiffness
+    first = (math.atan2(swing * (way + begin), at_yield) - math.atan2(swing * begin, speed)) / swing
+    turn = first + at_yield / most
+    found = simulate(Chain([1.0, math.inf], crush), [speed, 0.0], 2.5 * turn, method, tolerance=1e-10, samples=[turn])
+    assert found.overlap[0, 0] == pytest.approx(way + at_yield**2 / 2.0 / most, abs=1e-8)
+    assert found.force[0, 0] == pytest.approx(most, abs=1e-12)
+    assert found.velocity[0, 0] == pytest.approx(0.0, abs=1e-8)
+    assert found.final_velocity[0] == pytest.approx(-speed, abs=1e-8)
+    ((closed, opened),) = found.contact_intervals[0]
+    assert (closed, opened) == (0.0, pytest.approx(2.0 * turn, abs=1e-8))
+    assert found.ledger == pytest.approx(found.ledger[0], abs=1e-8)

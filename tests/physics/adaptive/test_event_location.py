@@ -25,8 +25,7 @@ def test_a_bead_thrown_at_a_ceiling_comes_back(method, tolerance):
     ((closed, opened),) = found.contact_intervals[0]
     speed = math.sqrt(100.0 - 2.0 * 9.8 * 4.9)
     assert closed == pytest.approx((10.0 - speed) / 9.8, abs=1e-9)
-    falls = -speed - 9.8 * (5.0 - opened)
-    assert found.final_velocity[0] == pytest.approx(falls, abs=20.0 * tolerance * 10.0)
+    assert found.final_velocity[0] == pytest.approx(-speed - 9.8 * (5.0 - opened), abs=20.0 * tolerance * 10.0)
 
 
 @pytest.mark.parametrize("seed", range(0, 400, 40))
@@ -57,18 +56,17 @@ def test_what_never_touches_changes_nothing(method, stiffness):
 
 
 @pytest.mark.parametrize("law", [hooke(1.0), hertz(1.0), power_law(1.0, 0.1), draft_gear(1.0, 1.0)], ids=str)
-@pytest.mark.parametrize("method", ADAPTIVE)
+@pytest.mark.parametrize("method", [*ADAPTIVE, "scipy"])
 def test_touching_beads_that_are_pulled_apart_part_at_once(method, law):
     chain = Chain([1.0, 1.0, 2.0], law, drive=[-1.0, 0.0, 3.0])
     found = simulate_quietly(chain, [0.0, 0.0, 0.0], 1.0, method, samples=2)
     np.testing.assert_allclose(found.final_velocity, [-1.0, 0.0, 1.5], atol=1e-12)
-    assert found.steps <= 10
+    assert found.steps <= 10 or method == "scipy"
 
 
 def test_a_contact_with_loss_gives_back_its_part():
     """Of the energy of a bounce a contact keeps its loss: v1² = (1 - loss) v0² relative to the centre of mass."""
-    law = hertz(3.0, loss=0.36)
-    found = simulate_quietly(Chain([1.0, 1.0], law), [1.0, 0.0], samples=2, tolerance=1e-10)
+    found = simulate_quietly(Chain([1.0, 1.0], hertz(3.0, loss=0.36)), [1.0, 0.0], samples=2, tolerance=1e-10)
     assert np.ptp(found.final_velocity) == pytest.approx(0.8, abs=1e-9)
     ((closed, opened),) = found.contact_intervals[0]
     in_time = 0.5 * one_on_one(hertz(3.0), 0.5, 1.0).contact_time
@@ -96,31 +94,25 @@ def step_forces_with_loss(seed):
     return chain, velocity, duration, truth
 
 
-def test_a_closing_that_only_a_shorter_step_meets_is_not_passed_over():
-    """Tries to end a step at an event were all spent on a step far too long; the next, shorter one went past the closing."""
-    chain = Chain([math.inf, 1.0, 1.0, math.inf], hooke(0.149), [0.0, 0.213, 0.0])
-    found = [simulate_quietly(chain, [0, 1, 1, 0], 24.0, tolerance=tolerance, samples=2) for tolerance in (1e-4, 1e-10)]
-    closings = [run.contact_intervals[1][0][0] for run in found]
-    assert closings[0] == pytest.approx(closings[1], abs=1e-3)
-    assert np.abs(found[0].final_velocity - found[1].final_velocity).max() < 1e-3
+WALLS = motion("walls", 163)
+PASSED_OVER = {
+    # tries to end a step at an event were all spent on a step far too long; the next, shorter one went past the closing
+    "a closing": (Chain([math.inf, 1.0, 1.0, math.inf], hooke(0.149), [0.0, 0.213, 0.0]), [0, 1, 1, 0], 24.0),
+    # a light bead beside a heavy one shivers: whether a long step foretells its opening depends on the length of the step
+    "an opening": (Chain([3.4e-3, 9.8e3, 0.69], [hooke(12.7), hooke(19.4)]), [1, 1, 0], None),
+    # tries that began far beyond an opening went to and fro before it, and the last of them went on past it
+    "a corner": (WALLS.chain, WALLS.velocity, WALLS.duration),
+}
 
 
-def test_an_opening_behind_a_guard_that_comes_and_goes_is_not_passed_over():
-    """A light bead beside a heavy one shivers: whether a long step foretells its opening depends on the length of the step."""
-    chain = Chain([3.4e-3, 9.8e3, 0.69], [hooke(12.7), hooke(19.4)])
-    found = [simulate_quietly(chain, [1, 1, 0], tolerance=tolerance, samples=2) for tolerance in (1e-4, 1e-10)]
-    assert np.abs(found[0].final_velocity - found[1].final_velocity).max() < 1e-3
-
-
-def test_a_step_that_goes_on_past_the_corner_at_which_it_was_to_end_is_not_taken():
-    """Tries that began far beyond an opening went to and fro before it, and the last of them went on past it."""
-    chosen = motion("walls", 163)
-    found = [
-        simulate_quietly(chosen.chain, chosen.velocity, chosen.duration, tolerance=tolerance, samples=2)
-        for tolerance in (1e-2, 1e-3, 1e-4, 1e-9)
-    ]
-    for run, allowed in zip(found, (1e-1, 1e-2, 1e-3), strict=False):
-        assert np.abs(run.final_velocity - found[-1].final_velocity).max() < allowed
+@pytest.mark.parametrize(("chain", "velocity", "duration"), PASSED_OVER.values(), ids=PASSED_OVER)
+def test_what_a_long_step_does_not_foretell_is_not_passed_over(chain, velocity, duration):
+    fine = simulate_quietly(chain, velocity, duration, tolerance=1e-10, samples=2)
+    for tolerance in (1e-2, 1e-3, 1e-4):
+        found = simulate_quietly(chain, velocity, duration, tolerance=tolerance, samples=2)
+        assert np.abs(found.final_velocity - fine.final_velocity).max() < 10.0 * tolerance
+    for spans, wanted in zip(found.contact_intervals, fine.contact_intervals, strict=True):
+        assert spans[0][0] == pytest.approx(wanted[0][0], abs=1e-3)
 
 
 @pytest.mark.parametrize("family", FAMILIES)

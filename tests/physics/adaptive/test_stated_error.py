@@ -16,17 +16,9 @@ from softcradle.physics.simulation import solve
 from softcradle.physics.state import State
 from softcradle.physics.status import Status, WarningCode
 
-from tests.helpers.relations import simulate_quietly
+from tests.helpers.relations import simulate_quietly, struck
 
 RATTLES = one_on(15, power_law(1.0, 0.010969857978923836))
-FEW_BOUNCES = Chain(
-    [1.116, 3.101, 0.599, 1.776, 0.249, 0.394, 0.61],
-    [hooke(1.46), hooke(27.17), hooke(9166.89), hertz(2722.02), hertz(11.06), hooke(391.48)],
-)
-
-
-def struck(chain):
-    return [1.0] + [0.0] * chain.contacts
 
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1.05e-6, 1e-8])
@@ -56,15 +48,6 @@ def test_samples_before_the_hand_over_are_those_asked_for():
     assert found.time.tolist() == [0.5, 1.0]
 
 
-def test_few_bounces_may_make_errors_grow_and_the_record_says_so():
-    exact = simulate_quietly(FEW_BOUNCES, [1, 1, 0, 0, 0, 0, 0], tolerance=1e-10, samples=2)
-    for tolerance in (1e-4, 1e-6, 1e-8):
-        found = simulate_quietly(FEW_BOUNCES, [1, 1, 0, 0, 0, 0, 0], tolerance=tolerance, samples=2)
-        error = np.abs(found.final_velocity - exact.final_velocity)
-        assert (error <= found.velocity_error + exact.velocity_error).all()
-        assert error.max() < 10.0 * tolerance or found.status == Status.UNDETERMINED
-
-
 @pytest.mark.parametrize("seed", range(0, 60, 10))
 def test_the_stated_error_holds_on_mixes_of_hooke_and_hertz(seed):
     for k in range(seed, seed + 10):
@@ -78,6 +61,7 @@ def test_the_stated_error_holds_on_mixes_of_hooke_and_hertz(seed):
             found = simulate_quietly(chain, start, tolerance=tolerance, samples=2)
             error = np.abs(found.final_velocity - exact.final_velocity)
             assert (error <= found.velocity_error + exact.velocity_error).all(), (k, tolerance, error)
+            assert error.max() < 10.0 * tolerance or found.status == Status.UNDETERMINED
 
 
 @pytest.mark.parametrize(
@@ -85,11 +69,8 @@ def test_the_stated_error_holds_on_mixes_of_hooke_and_hertz(seed):
 )
 def test_positions_state_an_error(chain):
     """Of 495 chains of `benchmarks scan` at 1e-6 it was never exceeded, nor more than a third of it reached."""
-    end = simulate_quietly(chain, struck(chain), tolerance=1e-6, samples=2).time[-1]
-    found, exact = (
-        simulate_quietly(chain, struck(chain), 0.999 * end, tolerance=tolerance, samples=15)
-        for tolerance in (1e-6, 1e-11)
-    )
+    end = 0.999 * simulate_quietly(chain, struck(chain), tolerance=1e-6, samples=2).time[-1]
+    found, exact = (simulate_quietly(chain, struck(chain), end, tolerance=each, samples=15) for each in (1e-6, 1e-11))
     error = np.abs(found.position - exact.position).max(axis=1)
     assert (error <= found.position_error + exact.position_error).all()
     assert found.position_error[-1] < 1e-4
@@ -253,9 +234,6 @@ def test_no_stated_error_exceeds_what_energy_and_momentum_allow():
     walled = Chain([math.inf, 1.0, math.inf], hooke(1.0))
     start = State.at_start(walled, [0.0, 1.0, 0.0])
     np.testing.assert_allclose(largest_error(walled, start, start), [0.0, 2.0, 0.0])
-    found = simulate_quietly(RATTLES, struck(RATTLES), tolerance=1.0, samples=2)
-    start, end = (State.at_start(RATTLES, velocity) for velocity in (struck(RATTLES), found.final_velocity))
-    assert (found.velocity_error <= largest_error(RATTLES, start, end) * (1.0 + 1e-9)).all()
 
 
 @pytest.mark.parametrize("seed", range(20))

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from softcradle.physics import METHODS, Chain, Trajectory, one_on, simulate
+from softcradle.physics import METHODS, Chain, one_on, simulate
 from softcradle.physics.advice import auto_method as auto
 from softcradle.physics.analysis.closed_forms import critical_speed
 from softcradle.physics.contact import Contact, draft_gear, hertz, hooke, power_law
@@ -15,6 +15,8 @@ from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS
 from softcradle.scenes import load, names
 from softcradle.scenes.catalogue import SceneError
+
+from tests.helpers.relations import struck
 
 ERRORS = tuple(10.0**-k for k in range(3, 10))
 CASES = {definition.name: definition for definition in CASE_DEFINITIONS}
@@ -39,17 +41,31 @@ def test_the_wanted_error_holds_at_every_tight_tolerance():
         assert case.error(found.final_velocity) <= 3.0 * error
 
 
-@pytest.mark.parametrize("contact", [power_law(1, 0.3), power_law(5, 0.7), hooke(2), hertz(50), power_law(1, 2)])
-@pytest.mark.parametrize("n", [1, 3, 8])
-def test_the_wanted_error_holds_on_chains_it_was_not_made_for(contact, n):
-    chain = one_on(n, contact, mass=np.linspace(0.3, 2.0, n + 1))
-    velocity = 3.0 * np.eye(1, n + 1)[0]
-    duration = float(simulate(chain, velocity, tolerance=1e-6, samples=2).time[-1])
-    duration = min(duration, 30.0 * float(contact_scales(chain, velocity)[1].min()))
+NOT_MADE_FOR = (
+    *(
+        one_on(n, contact, mass=np.linspace(0.3, 2.0, n + 1))
+        for contact in (power_law(1, 0.3), power_law(5, 0.7), hooke(2), hertz(50), power_law(1, 2))
+        for n in (1, 3, 8)
+    ),
+    Chain([1.0] * 4, Contact(0.0, 1.0, 0.1, loss=0.3)),
+    Chain([1.0] * 6, Contact(0.0, 1.0, 1.5, loss=0.5)),
+    Chain([1.0] * 4, power_law(1.0, 0.1), friction=0.02),
+    Chain([1.0] * 5, Contact(1.0, 1.0, 1.0, loss=0.8)),
+)
+
+
+@pytest.mark.parametrize("chain", NOT_MADE_FOR)
+def test_the_wanted_error_holds_on_chains_it_was_not_made_for(chain):
+    speed, duration = (1.0, 6.0) if chain.dissipative else (3.0, None)
+    velocity = speed * struck(chain)
+    duration = duration or min(
+        float(simulate(chain, velocity, tolerance=1e-6, samples=2).time[-1]),
+        30.0 * float(contact_scales(chain, velocity)[1].min()),
+    )
     truth = simulate(chain, velocity, duration, method="radau", tolerance=1e-11).final_velocity
-    for error in (1e-2, 1e-3, 1e-5, 1e-7):
+    for error in (1e-2, 1e-3, 1e-4, 1e-5, 1e-7):
         found = simulate(chain, velocity, duration, method="auto", tolerance=error)
-        assert np.abs(found.final_velocity - truth).max() / velocity[0] <= 3.0 * error
+        assert np.abs(found.final_velocity - truth).max() / speed <= 3.0 * error
 
 
 def test_the_choice_is_said_with_its_reason(case):
@@ -90,23 +106,6 @@ def test_the_choice_follows_chain_duration_and_error(contact, duration, error, m
     assert choice.reason.startswith(f"{method}, ")
 
 
-DRY = (
-    Chain([1.0] * 4, Contact(0.0, 1.0, 0.1, loss=0.3)),
-    Chain([1.0] * 6, Contact(0.0, 1.0, 1.5, loss=0.5)),
-    Chain([1.0] * 4, power_law(1.0, 0.1), friction=0.02),
-    Chain([1.0] * 5, Contact(1.0, 1.0, 1.0, loss=0.8)),
-)
-
-
-@pytest.mark.parametrize("chain", DRY)
-def test_the_wanted_error_holds_with_friction_and_loss(chain):
-    velocity, duration = np.eye(1, chain.contacts + 1)[0], 6.0
-    truth = simulate(chain, velocity, duration, method="radau", tolerance=1e-11, samples=2)
-    for error in (1e-2, 1e-4, 1e-7):
-        found = simulate(chain, velocity, duration, method="auto", tolerance=error)
-        assert np.abs(found.final_velocity - truth.final_velocity).max() <= 3.0 * error
-
-
 @pytest.mark.parametrize("ratio", [0.95, 0.99, 1.014, 1.1])
 def test_a_gear_that_yields_for_a_moment_is_not_taken_for_rigid(ratio):
     gear = draft_gear(1.0, 1.0)
@@ -125,12 +124,6 @@ def test_near_a_critical_speed_is_said_of_what_is_near():
     assert near == [False, True, True, False]
     assert not auto.nearly_yields(one_on(4, power_law(1.0, 0.1)), np.eye(1, 5)[0])
     assert not auto.nearly_yields(one_on(4, gear), np.zeros(5))
-
-
-def test_a_saved_trajectory_keeps_its_choice(tmp_path):
-    found = simulate(one_on(2, power_law(1.0, 0.1)), [1, 0, 0], method="auto", tolerance=1e-4)
-    found.save(tmp_path / "x.npz")
-    assert Trajectory.load(tmp_path / "x.npz").choice == found.choice != ""
 
 
 def test_other_methods_have_no_choice_to_tell():

@@ -5,30 +5,19 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import Chain, Coupler, cluster_on_cluster, draft_gear, hertz, hooke, one_on, power_law, simulate
+from softcradle.physics.analysis import measures
 from softcradle.physics.analysis.closed_forms import critical_speed, rigid_collision, rigid_stroke
-from softcradle.physics.analysis.collision import CollisionMeasures, collide, measured, struck_contact
-from softcradle.physics.analysis.measures import (
-    dwell,
-    energy_inside,
-    interpolated,
-    response_times,
-    rigidity,
-    spread_variable,
-)
+from softcradle.physics.analysis.collision import collide, measured, struck_contact
 from softcradle.physics.analysis.ringing import ringing
 
-from tests.helpers.truth import ELASTIC, GEARS, Truth
+from tests.helpers.truth import ELASTIC, GEARS
 
 GEAR, MASS = draft_gear(770.0, 0.0177), 0.396
 
 
-def measures(case: Truth) -> CollisionMeasures:
-    return measured(collide(case.chain, case.start))
-
-
 @pytest.mark.parametrize("case", ELASTIC + GEARS, ids=lambda case: case.name)
 def test_against_the_truth(case):
-    found = measures(case)
+    found = measured(collide(case.chain, case.start))
     assert found.struck == case.struck
     assert found.contact_time == pytest.approx(case.contact_time, rel=1e-8)
     assert [c.peak_force for c in found.contacts] == pytest.approx(list(case.peak_force), rel=1e-5)
@@ -42,7 +31,7 @@ def test_against_the_truth(case):
 @pytest.mark.parametrize("case", ELASTIC + GEARS, ids=lambda case: case.name)
 def test_lost_restitution_is_energy_inside_the_clusters(case):
     """1 - e^2 of the energy of approach stays inside; with one striker all of that is in the target cluster."""
-    found = measures(case)
+    found = measured(collide(case.chain, case.start))
     strikers = case.struck + 1
     mass = np.array(case.chain.mass)
     first, second = mass[:strikers].sum(), mass[strikers:].sum()
@@ -75,8 +64,7 @@ def test_gears_below_the_critical_speed_are_rigid(share):
 
 def test_gears_above_the_critical_speed_are_not():
     chain = one_on(3, GEAR, MASS)
-    speed = 1.5 * critical_speed(GEAR, chain.mass, 1)
-    found = measured(collide(chain, [speed, 0.0, 0.0, 0.0]))
+    found = measured(collide(chain, [1.5 * critical_speed(GEAR, chain.mass, 1), 0.0, 0.0, 0.0]))
     assert found.rigidity > 0.5 > found.rigidity_at_detachment > 0.01
     assert found.restitution < 0.95
     assert found.contacts[1].loaded > 0.5 * found.contact_time
@@ -91,16 +79,9 @@ def test_softer_is_more_rigid_in_every_measure():
     assert during < after < 0.25  # the velocities diverge after the detachment, Sec. IV
 
 
-def test_a_hard_cradle_keeps_its_energy_inside_the_targets():
-    found = measured(collide(one_on(4, hertz(1.0)), [1, 0, 0, 0, 0]))
-    assert found.rigidity > 3.0
-    assert found.restitution < 0.4
-    assert found.energy_inside > 0.6
-
-
 def test_times_of_a_contact_add_up():
     trajectory = collide(one_on(3, GEAR, MASS), [1.3, 0, 0, 0])
-    times = dwell(trajectory, 0)
+    times = measures.dwell(trajectory, 0)
     assert (times >= -1e-12).all()
     assert times.sum(axis=1) == pytest.approx(np.full(3, trajectory.time[-1]), rel=1e-9)
 
@@ -115,8 +96,7 @@ def test_a_longer_way_to_the_target_changes_nothing():
 
 
 def test_against_a_wall():
-    chain = Chain([1, 1, math.inf], hertz(2.0), [0.0, 0.5])
-    found = measured(collide(chain, [1.0, 1.0, 0.0]))
+    found = measured(collide(Chain([1, 1, math.inf], hertz(2.0), [0.0, 0.5]), [1.0, 1.0, 0.0]))
     assert found.struck == 1
     assert found.rigidity is None  # behind the struck contact there is only the wall
     assert found.peak_acceleration is None
@@ -134,20 +114,19 @@ def test_the_struck_contact():
 
 
 def test_rigidity():
-    assert rigidity([[1.0, 1.0], [3.0, 1.0]]) == pytest.approx([0.0, 1.0])
-    assert math.isinf(rigidity([-1.0, 1.0]))
+    assert measures.rigidity([[1.0, 1.0], [3.0, 1.0]]) == pytest.approx([0.0, 1.0])
+    assert math.isinf(measures.rigidity([-1.0, 1.0]))
 
 
 def test_between_samples():
     trajectory = simulate(cluster_on_cluster(1, 1, power_law(1.0, 0.5)), [1, 0], samples=11)
-    assert interpolated(trajectory, trajectory.time, 0.123) == pytest.approx(0.123)
-    assert interpolated(trajectory, trajectory.velocity, 0.0) == pytest.approx([1, 0])
-    assert energy_inside(trajectory, 0) == pytest.approx(0.0)
+    assert measures.interpolated(trajectory, trajectory.time, 0.123) == pytest.approx(0.123)
+    assert measures.interpolated(trajectory, trajectory.velocity, 0.0) == pytest.approx([1, 0])
+    assert measures.energy_inside(trajectory, 0) == pytest.approx(0.0)
 
 
 def test_loss_of_one_on_one_is_its_restitution():
-    chain = one_on(1, draft_gear(770.0, 0.0177, loss=0.64), MASS)
-    found = measured(collide(chain, [1.0, 0.0]))
+    found = measured(collide(one_on(1, draft_gear(770.0, 0.0177, loss=0.64), MASS), [1.0, 0.0]))
     assert found.restitution == pytest.approx(0.6, abs=2e-3)  # sqrt(1 - loss)
     assert found.absorbed_by_contacts == pytest.approx(0.5 * 0.64, rel=1e-2)  # of the energy of approach, half of all
     assert found.absorbed_by_bed == 0.0
@@ -157,8 +136,7 @@ def test_loss_of_one_on_one_is_its_restitution():
 
 def test_the_bed_takes_momentum():
     friction, speed, way = 0.2, 1.0, 0.05
-    chain = Chain([MASS] * 4, GEAR, [way, 0.0, 0.0], friction=friction)
-    trajectory = collide(chain, [speed, 0.0, 0.0, 0.0])
+    trajectory = collide(Chain([MASS] * 4, GEAR, [way, 0.0, 0.0], friction=friction), [speed, 0.0, 0.0, 0.0])
     found = measured(trajectory)
     left = 0.5 * MASS * (trajectory.velocity[-1] ** 2).sum() / (0.5 * MASS * speed**2)
     assert found.absorbed_by_bed == pytest.approx(1.0 - left, rel=1e-9)
@@ -172,20 +150,19 @@ def test_the_bed_takes_momentum():
     assert 0.2 * most < found.momentum_deficit < most
     assert 0.0 < found.energy_deficit < 0.5
     assert found.restitution < free.restitution
-    gained = 3.0 * MASS * interpolated(trajectory, trajectory.velocity, found.detachment)[1]
+    gained = 3.0 * MASS * measures.interpolated(trajectory, trajectory.velocity, found.detachment)[1]
     taken = 3.0 * friction * MASS * 9.80665 * found.contact_time  # all three slide while they are pushed
     assert found.momentum == pytest.approx(gained + taken, rel=2e-3)
-    last = found.contacts[2].momentum  # to the last of the three
-    assert last == pytest.approx((gained + taken) / 3.0, rel=2e-3)
+    assert found.contacts[2].momentum == pytest.approx((gained + taken) / 3.0, rel=2e-3)
 
 
 def test_the_scaling_variable_of_the_spread_is_that_of_one_on_n_alike():
     """Where it is equal the spread is, whatever n and alpha; other chains have none."""
     found = []
-    for n, inverse in ((4, 10.0), (8, 16.0 * math.log(9.0 / spread_variable(4, 0.1)))):
+    for n, inverse in ((4, 10.0), (8, 16.0 * math.log(9.0 / measures.spread_variable(4, 0.1)))):
         chain = one_on(n, power_law(1.0, 1.0 / inverse))
         found.append(measured(collide(chain, [1.0] + [0.0] * n)))
-    assert [one.spread_variable for one in found] == pytest.approx([spread_variable(4, 0.1)] * 2)
+    assert [one.spread_variable for one in found] == pytest.approx([measures.spread_variable(4, 0.1)] * 2)
     assert found[1].rigidity == pytest.approx(found[0].rigidity, rel=0.1)
     assert (found[0].speed_ratio, found[0].speed_margin) == (None, None)
     others = [
@@ -218,13 +195,11 @@ def test_momentum_is_transmitted_or_reflected():
 
 def test_inner_contacts_of_small_exponents_ring_about_their_branch():
     trajectory = collide(one_on(2, power_law(1.0, 1 / 20)), [1, 0, 0], samples=20_001)
-    inner = measured(trajectory).contacts[1]
-    assert inner.turns >= 7
-    usual = measured(collide(one_on(2, power_law(1.0, 1 / 10)), [1, 0, 0]))
-    assert usual.contacts[0].turns == 1
+    assert measured(trajectory).contacts[1].turns >= 7
+    assert measured(collide(one_on(2, power_law(1.0, 1 / 10)), [1, 0, 0])).contacts[0].turns == 1
     struck = simulate(trajectory.chain, [1, 0, 0], trajectory.contact_intervals[1][0][1], samples=20_001)
     found = ringing(struck.time, struck.force[:, 1])
-    assert found.period == pytest.approx(2.0 * math.pi * response_times(struck)[1], rel=0.03)
+    assert found.period == pytest.approx(2.0 * math.pi * measures.response_times(struck)[1], rel=0.03)
     assert 0.0 < found.amplitude < 1e-4
     assert abs(found.decay) * found.period < 1.0  # it rings for many periods
     alone = measured(struck).contacts[1]

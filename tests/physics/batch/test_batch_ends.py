@@ -1,22 +1,24 @@
-"""The ends of very many chains: to the last digit those of `simulate`."""
-
-import math
+"""Ensembles, and the ends of very many chains: the digits of one at a time, whatever the number of threads."""
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, ChainBatch, Coupler, OwnLaw, TimedForce, ensemble_ends, one_on
-from softcradle.physics.contact import hertz, hooke, power_law
+from softcradle.physics import Chain, ChainBatch, ensemble, ensemble_ends, one_on, simulate
+from softcradle.physics.contact import draft_gear, hertz, hooke, power_law
 from softcradle.physics.simulation import solve
 from softcradle.physics.status import Status
 
 from tests.helpers.random_chains import random_collision, random_dissipative
 
-CHAINS = 40
+CHAINS = [one_on(n, power_law(1.0, 1.0 / k)) for n in (1, 2, 4) for k in (3, 10)] + [
+    Chain([1.0, 2.0, 0.5], [hertz(3.0), draft_gear(5.0, 0.2)], [0.1, 0.0]),
+    one_on(3, draft_gear(770.0, 0.0177), mass=0.396),
+]
+STARTS = [[1.0] + [0.0] * chain.contacts for chain in CHAINS]
+COUNT = 40  # of random chains
 STEP = 1e-2  # s: some chains chatter, some blow up
-DURATION = 2.0  # s, of chains with friction, loss and drives
 
 
-def chains_of(maker, contacts, count=CHAINS):
+def chains_of(maker, contacts, count=COUNT):
     """The first `count` random chains with so many contacts, and their start velocities."""
     found, seed = [], 0
     while len(found) < count:
@@ -40,22 +42,17 @@ def require_same(chains, velocities, ends, **settings):
 
 
 @pytest.mark.parametrize("contacts", [1, 3, 4])
-@pytest.mark.parametrize("method", ["euler", "verlet", "yoshida4", "conserving"])
+@pytest.mark.parametrize(
+    ("method", "maker", "duration"),
+    [(method, random_collision, None) for method in ("euler", "verlet", "yoshida4", "conserving")]
+    + [(method, random_dissipative, 2.0) for method in ("euler", "verlet", "conserving")],
+)
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
-def test_collisions_end_as_they_would_alone(method, contacts):
-    chains, velocities = chains_of(random_collision, contacts)
-    ends = ensemble_ends(ChainBatch.of(chains), velocities, method=method, step=STEP)
-    require_same(chains, velocities, ends, method=method, step=STEP)
-
-
-@pytest.mark.parametrize("contacts", [1, 3, 4])
-@pytest.mark.parametrize("method", ["euler", "verlet", "conserving"])
-@pytest.mark.filterwarnings("ignore::RuntimeWarning")
-def test_chains_with_beds_losses_walls_and_drives_end_as_they_would_alone(method, contacts):
-    chains, velocities = chains_of(random_dissipative, contacts)
-    assert any(chain.drive for chain in chains)
-    ends = ensemble_ends(ChainBatch.of(chains), velocities, DURATION, method, STEP)
-    require_same(chains, velocities, ends, duration=DURATION, method=method, step=STEP)
+def test_collisions_and_chains_with_beds_losses_and_drives_end_as_they_would_alone(method, maker, duration, contacts):
+    chains, velocities = chains_of(maker, contacts)
+    assert maker is random_collision or any(chain.drive for chain in chains)
+    settings = {"method": method, "step": STEP, **({"duration": duration} if duration else {})}
+    require_same(chains, velocities, ensemble_ends(ChainBatch.of(chains), velocities, **settings), **settings)
 
 
 @pytest.mark.parametrize("contacts", [1, 3])
@@ -65,20 +62,17 @@ def test_adaptive_methods_end_as_they_would_alone(contacts):
     ends = ensemble_ends(ChainBatch.of(chains), velocities, tolerance=1e-6)
     require_same(chains, velocities, ends, tolerance=1e-6)
     chains, velocities = chains_of(random_dissipative, contacts, 12)
-    ends = ensemble_ends(ChainBatch.of(chains), velocities, DURATION, tolerance=1e-6)
-    require_same(chains, velocities, ends, duration=DURATION, tolerance=1e-6)
+    ends = ensemble_ends(ChainBatch.of(chains), velocities, 2.0, tolerance=1e-6)
+    require_same(chains, velocities, ends, duration=2.0, tolerance=1e-6)
 
 
 def test_chains_that_rattle_end_as_they_would_alone():
     """Errors have grown in most of these, so more than one run decides, and some are not determined."""
     draw = np.random.default_rng(3)
-    chains = [
-        Chain(np.exp(draw.uniform(-1, 1, 6)), [power_law(1.0, float(draw.uniform(0.02, 0.12))) for _ in range(5)])
-        for _ in range(25)
-    ]
+    masses, exponents = np.exp(draw.uniform(-1, 1, (25, 6))), draw.uniform(0.02, 0.12, (25, 5))
+    chains = [Chain(mass, [power_law(1.0, a) for a in few]) for mass, few in zip(masses, exponents, strict=True)]
     velocities = -np.sort(-draw.normal(size=(25, 6)))
-    ends = ensemble_ends(ChainBatch.of(chains), velocities, tolerance=1e-6)
-    require_same(chains, velocities, ends, tolerance=1e-6)
+    require_same(chains, velocities, ensemble_ends(ChainBatch.of(chains), velocities, tolerance=1e-6), tolerance=1e-6)
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
@@ -117,52 +111,55 @@ def test_a_batch_is_its_chains():
     chains, _ = chains_of(random_dissipative, 3)
     batch = ChainBatch.of(chains)
     assert [batch.chain(k) for k in range(len(chains))] == chains
-    assert (batch.chains, batch.contacts) == (CHAINS, 3)
+    assert (batch.chains, batch.contacts) == (COUNT, 3)
     assert repr(batch) == "ChainBatch(40 chains of 3 contacts)"
 
 
-ONES = np.ones((3, 3))
-GEAR = Coupler(hooke(1.0), hooke(1.0))
-BATCH = ChainBatch(ONES, 0.0, 1.0, 0.5)
-REFUSED = {
-    "couplers": (lambda: ChainBatch.of([Chain([1, 1], GEAR)]), "not couplers: take ensemble"),
-    "own laws": (lambda: ChainBatch.of([Chain([1, 1], OwnLaw(lambda d: d))]), "not laws of your own: take ensemble"),
-    "forces": (lambda: ChainBatch.of([Chain([1, 1], hertz(1), forces=TimedForce(0, [0, 1], [0, 1]))]), "forces over time"),
-    "brakes": (lambda: ChainBatch.of([Chain([1, 1], hertz(1), brakes=TimedForce(0, 0, 1))]), "not brakes: take ensemble"),
-    "lengths": (lambda: ChainBatch.of([one_on(1, hertz(1)), one_on(2, hertz(1))]), "of one length, not of 1 and 2"),
-    "no chains": (lambda: ChainBatch.of([]), "at least one chain"),
-    "one row": (lambda: ChainBatch([1, 1], 0, 1, 1), r"of shape \(chains, beads\), not \(2,\)"),
-    "a shape": (lambda: ChainBatch(ONES, 0, [1, 2, 3, 4], 1), r"stiffness must fit the shape \(3, 2\)"),
-    "no number": (lambda: ChainBatch(ONES, 0, math.nan, 1), "stiffness must be 0 or from 1e-30 to 1e"),
-    "no force": (lambda: ChainBatch(ONES, 0, 0, 1), "would never push"),
-    "an exponent": (lambda: ChainBatch(ONES, 0, 1, 11), "exponent must be from 1e-06 to 10, not 11.0"),
-    "a mass": (lambda: ChainBatch(0 * ONES, 0, 1, 1), "every mass"),
-    "two walls": (lambda: ChainBatch(math.inf * ONES, 0, 1, 1), "two walls side by side"),
-    "a loss": (lambda: ChainBatch(ONES, 0, 1, 1, loss=1), "loss must be >= 0 and below 1, not 1.0"),
-    "no batch": (lambda: ensemble_ends([one_on(2, hertz(1))], [1, 0, 0]), "batch must be a ChainBatch"),
-    "auto": (lambda: ensemble_ends(BATCH, [1, 0, 0], method="auto"), "'auto' is for simulate"),
-    "pymunk": (lambda: ensemble_ends(BATCH, [1, 0, 0], method="pymunk"), "not 'pymunk': take ensemble"),
-    "a step": (lambda: ensemble_ends(BATCH, [1, 0, 0], step=1.0), "chooses its own steps"),
-    "steps": (lambda: ensemble_ends(BATCH, [1, 0, 0], None, "verlet", [1, 2]), "3 chains need 3 steps or one"),
-    "no step": (lambda: ensemble_ends(BATCH, [1, 0, 0], None, "verlet", 0.0), "every step must be a finite number > 0"),
-    "a tolerance": (lambda: ensemble_ends(BATCH, [1, 0, 0], tolerance=0.0), "tolerance must be from 1e-16"),
-    "velocities": (lambda: ensemble_ends(BATCH, [1, 0]), r"3 chains of 3 beads need velocities of shape \(3, 3\) or \(3,\)"),
-    "a velocity": (lambda: ensemble_ends(BATCH, [1, 0, math.nan]), "every velocity must be a finite number"),
-    "workers": (lambda: ensemble_ends(BATCH, [1, 0, 0], workers=0), "workers must be at least 1, not 0"),
-    "friction": (
-        lambda: ensemble_ends(ChainBatch(ONES, 0, 1, 1, friction=0.1), [1, 0, 0], method="yoshida4"), "carries neither bed"
-    ),
-    "a drive": (
-        lambda: ensemble_ends(ChainBatch(ONES, 0, 1, 1, drive=[1, 0, 0]), [1, 0, 0]), "a driven chain may never come apart"
-    ),
-    "walls": (
-        lambda: ensemble_ends(ChainBatch([[math.inf, 1, math.inf]], 0, 1, 1), [0, 1, 0]), "two walls may never come apart"
-    ),
-    "a depth": (lambda: ensemble_ends(ChainBatch(ONES, 0, 1e-30, 1e-3), [1e30, 0, 0]), "would be pressed by about"),
-}  # fmt: skip
+@pytest.mark.parametrize("method", ["accurate", "conserving"])
+@pytest.mark.parametrize("workers", [1, 3, 16])
+def test_each_chain_moves_as_it_would_alone(method, workers):
+    found = ensemble(CHAINS, STARTS, method=method, tolerance=1e-6, workers=workers)
+    assert len(found) == len(CHAINS)
+    for chain, start, one in zip(CHAINS, STARTS, found, strict=True):
+        alone = simulate(chain, start, method=method, tolerance=1e-6, samples=2)
+        assert one.chain == chain
+        assert np.array_equal(one.final_velocity, alone.final_velocity)
+        assert one.contact_intervals == alone.contact_intervals
+        assert (one.steps, one.evaluations) == (alone.steps, alone.evaluations)
 
 
-@pytest.mark.parametrize(("wrong", "sentence"), REFUSED.values(), ids=REFUSED)
-def test_what_no_batch_holds_is_refused_in_a_sentence(wrong, sentence):
-    with pytest.raises(ValueError, match=sentence):
-        wrong()
+def test_durations_and_steps_may_differ_from_chain_to_chain():
+    durations, steps = np.linspace(0.5, 2.0, len(CHAINS)).tolist(), np.geomspace(1e-3, 1e-2, len(CHAINS)).tolist()
+    for k, one in enumerate(ensemble(CHAINS, STARTS, durations, "conserving", steps)):
+        alone = simulate(CHAINS[k], STARTS[k], durations[k], "conserving", steps[k], samples=2)
+        assert np.array_equal(one.velocity, alone.velocity)
+        assert one.time[-1] == durations[k]
+
+
+def test_progress_counts_every_chain_once():
+    told = []
+    ensemble(CHAINS * 20, STARTS * 20, method="conserving", step=0.01, progress=told.append)
+    assert sum(told) == 20 * len(CHAINS)
+    assert len(told) > 5
+
+
+def test_warnings_stay_on_their_trajectory(recwarn):
+    """The step is past the limit on the draft gear; the chain beside it is well."""
+    found = ensemble([CHAINS[-1], CHAINS[0]], [STARTS[-1], STARTS[0]], method="verlet", step=[1e-3, 1e-4])
+    assert "past its limit" in str(found[0].warnings[0])
+    assert not found[1].warnings
+    assert not recwarn.list
+
+
+def test_nothing_is_an_ensemble_too():
+    assert ensemble([], []) == []
+
+
+def test_the_reference_gives_the_same_digits_beside_itself():
+    """Its dense solves keep to one thread of BLAS, a number that all runs of a process share."""
+    chains = [Chain([1.0] * n, power_law(1.0, 0.3, loss=0.2)) for n in (2, 3, 4)]
+    starts = [[1.0, *[0.0] * chain.contacts] for chain in chains]
+    found = ensemble(chains, starts, method="scipy", tolerance=1e-5, workers=3)
+    for chain, start, one in zip(chains, starts, found, strict=True):
+        alone = simulate(chain, start, method="scipy", tolerance=1e-5, samples=2)
+        assert np.array_equal(one.final_velocity, alone.final_velocity)

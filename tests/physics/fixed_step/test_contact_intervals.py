@@ -17,12 +17,8 @@ def random_chain(seed: int) -> tuple[Chain, np.ndarray, float]:
     """A chain with gaps before its inner contacts, its start velocities, and a duration of two crossings of its gaps."""
     draw = np.random.default_rng(seed)
     n = int(draw.integers(2, 6))
-    laws = [
-        draft_gear(draw.uniform(50.0, 200.0), draw.uniform(0.01, 0.1)),
-        hertz(200.0),
-        hooke(100.0),
-        power_law(5.0, 0.5),
-    ]
+    gear = draft_gear(draw.uniform(50.0, 200.0), draw.uniform(0.01, 0.1))
+    laws = [gear, hertz(200.0), hooke(100.0), power_law(5.0, 0.5)]
     kind = seed % 5
     contacts = [laws[kind if kind < 4 else int(draw.integers(4))] for _ in range(n)]
     gaps = np.where(draw.random(n) < 0.5, 0.0, draw.uniform(0.005, 0.05, n))

@@ -54,8 +54,7 @@ def test_the_resolvent_solves_its_equation_whichever_way_it_goes(joints, start):
         least, _ = joint_mean_force(joints, 0, start, moved, False)
         most, _ = joint_mean_force(joints, 0, start, moved, True)
         if moved not in (0.0, ahead):
-            wanted = most if moved > ahead else least
-            assert force == pytest.approx(wanted, rel=1e-7, abs=1e-9)
+            assert force == pytest.approx(most if moved > ahead else least, rel=1e-7, abs=1e-9)
         elif moved == ahead:
             assert least - 1e-9 <= force <= most + 1e-9
         assert 0.0 <= slope <= 1.0 / weight * (1.0 + 1e-12)

@@ -1,8 +1,12 @@
-"""SoftContact in a user's own Space: forces, geometry, errors, copies."""
+"""SoftContact in a user's own Space: forces, geometry, errors, copies, and compiled callbacks.
+
+These have the digits of Python ones, are shared, and never used where anything is unexpected.
+"""
 
 import copy
 import math
 import pickle
+from unittest.mock import Mock
 
 import pymunk
 import pytest
@@ -10,7 +14,10 @@ from softcradle.physics import draft_gear, hooke, power_law
 from softcradle.physics.pymunk_contacts import compiled_force
 from softcradle.physics.pymunk_contacts.contact_constraint import SoftContact
 
+from tests.helpers.own_process import python
 from tests.helpers.spaces import LAWS, Quadratic, cradle, pair, run
+
+compiled_only = pytest.mark.skipif(bool(compiled_force.unavailable()), reason=compiled_force.unavailable())
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -22,16 +29,6 @@ def test_one_step_gives_the_impulse_of_the_law(law, native):
     assert contact.impulse == pytest.approx(0.01 * law.force(0.25), rel=1e-14)
     assert a.velocity.x == pytest.approx(-contact.impulse, rel=1e-14)
     assert b.velocity.x == pytest.approx(contact.impulse / 3.0, rel=1e-14)
-
-
-@pytest.mark.parametrize("native", [None, False])
-def test_it_never_pulls(native):
-    space, (a, b), contact = pair(1.0, native=native)
-    b.velocity = 5.0, 0.0
-    run(space)
-    assert a.velocity == (0.0, 0.0)
-    assert b.velocity == (5.0, 0.0)
-    assert contact.overlap < -1.0
 
 
 def test_anchors_turn_with_their_bodies():
@@ -70,7 +67,7 @@ def test_beside_joints_gravity_and_shapes():
 
 
 @pytest.mark.parametrize("native", [None, False])
-def test_a_new_contact_or_distance_counts_at_once(native):
+def test_a_new_contact_or_distance_counts_at_once_and_no_contact_pulls(native):
     space, _, contact = pair(0.75, hooke(10.0), native=native)
     space.step(1e-9)
     contact.contact = draft_gear(20.0, 0.1)
@@ -124,19 +121,13 @@ def test_several_errors_of_a_step_are_raised_as_one():
 
 def test_interrupting_a_callback_stops_the_step():
     space, _, contact = pair(0.75, Quadratic())
-
-    def interrupted(overlap):
-        raise KeyboardInterrupt
-
-    contact.contact.force = interrupted
+    contact.contact.force = Mock(side_effect=KeyboardInterrupt)
     with pytest.raises(KeyboardInterrupt):
         space.step(0.01)
 
 
 @pytest.mark.parametrize("native", [None, False])
-@pytest.mark.parametrize(
-    "duplicate", [copy.deepcopy, lambda space: space.copy(), lambda s: pickle.loads(pickle.dumps(s))]
-)
+@pytest.mark.parametrize("duplicate", [copy.deepcopy, lambda s: s.copy(), lambda s: pickle.loads(pickle.dumps(s))])
 def test_copies_move_alike(native, duplicate):
     space, bodies, _ = cradle(power_law(2.0, 0.5), native)
     run(space, count=300)
@@ -187,3 +178,67 @@ def test_it_replaces_the_collision_of_shapes(collide):
     space.add(*[pymunk.Circle(body, 0.5) for body in bodies])
     run(space)
     assert (bodies[1].position.x - bodies[0].position.x > 0.76) is collide
+
+
+@pytest.mark.parametrize("law", LAWS)
+@compiled_only
+def test_compiled_and_python_give_the_same_digits(law):
+    ends = []
+    for compiled in (True, False):
+        space, bodies, contacts = cradle(law, compiled)
+        assert all(contact.native is compiled for contact in contacts)
+        run(space)
+        ends.append([tuple(body.position) + tuple(body.velocity) for body in bodies])
+    assert ends[0] == ends[1]
+
+
+@compiled_only
+def test_many_contacts_share_one_compiled_function():
+    before = compiled_force._callback()
+    contacts = [cradle(power_law(1.0, 0.1 + 0.01 * i), True)[2] for i in range(50)]
+    assert compiled_force._callback() is before
+    assert len({id(contact._compiled_law) for row in contacts for contact in row}) == 200
+
+
+def test_native_true_refuses_what_it_cannot_compile():
+    with pytest.raises(RuntimeError, match="not a Contact"):
+        pair(law=Quadratic(), native=True)
+
+
+CHECK_FALLBACK = """
+from softcradle.physics import hertz
+from softcradle.physics.pymunk_contacts import compiled_force
+from tests.helpers.spaces import cradle, run
+space, balls, contacts = cradle(hertz(1e4), beads=3)
+run(space, 1e-4, 1000)
+print(compiled_force.unavailable(), [c.native for c in contacts], [b.velocity.x.hex() for b in balls], sep="|")
+try:
+    cradle(hertz(1.0), native=True)
+except RuntimeError as error:
+    print("refused", error)
+"""
+
+
+def test_without_compiler_the_python_callback_gives_the_same_digits():
+    without = python("-c", CHECK_FALLBACK, NUMBA_DISABLE_JIT="1").stdout.splitlines()
+    reason, used, digits = without[0].split("|")
+    assert "NUMBA_DISABLE_JIT" in reason
+    assert used == "[False, False]"
+    assert without[1].startswith("refused no compiled callback")
+    assert "native=None" in without[1]
+    usual = python("-c", CHECK_FALLBACK, NUMBA_DISABLE_JIT="0").stdout.splitlines()[0].split("|")
+    assert usual[2] == digits
+
+
+def test_another_memory_layout_is_noticed(monkeypatch):
+    """As if pymunk kept something else in the slot: the callback is not used, the contact works."""
+    compiled_force._callback.cache_clear()
+    monkeypatch.setattr(compiled_force, "LAW_SLOT", 17)
+    try:
+        assert "another way" in compiled_force.unavailable()
+        space, (a, _), contact = pair(0.75, hooke(10.0))
+        space.step(1.0)
+        assert contact.native is False
+        assert a.velocity.x == -2.5
+    finally:
+        compiled_force._callback.cache_clear()

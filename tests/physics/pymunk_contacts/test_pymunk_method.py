@@ -44,15 +44,13 @@ def test_digits_steps_and_switches_are_those_of_euler(case):
 @pytest.mark.parametrize("speed", [1e-3, 1.0, 1e3])
 def test_touching_distance_fits_the_speed(speed):
     """Overlaps of 1e3 m or 1e-3 m: the anchors are always further apart, never so far that digits are lost."""
-    chain = one_on(2, hertz(1.0))
-    euler, pymunk = both(chain, [speed, 0, 0])
+    euler, pymunk = both(one_on(2, hertz(1.0)), [speed, 0, 0])
     np.testing.assert_allclose(pymunk.velocity, euler.velocity, rtol=0, atol=1e-12 * speed)
 
 
 def test_anchors_move_apart_under_deep_overlaps():
     """Two walls approach: overlaps grow to a hundred times those of the start."""
-    chain = Chain([math.inf, 1.0, math.inf], hertz(100.0))
-    euler, pymunk = both(chain, [1.0, 0.0, -1.0], duration=30.0, step=1e-3)
+    euler, pymunk = both(Chain([math.inf, 1.0, math.inf], hertz(100.0)), [1.0, 0.0, -1.0], duration=30.0, step=1e-3)
     assert euler.overlap[-1].max() > 25.0
     np.testing.assert_allclose(pymunk.overlap, euler.overlap, rtol=0, atol=1e-8)
     np.testing.assert_allclose(pymunk.overlap[:60], euler.overlap[:60], rtol=0, atol=1e-12)

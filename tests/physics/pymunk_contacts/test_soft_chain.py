@@ -13,7 +13,6 @@ from tests.helpers.spaces import FRAME, LAWS, chain_row, momentum, run, total_en
 
 
 def run_for(space, seconds, step=FRAME):
-    """Take the steps of so many seconds."""
     run(space, step, round(seconds / step))
 
 
@@ -49,15 +48,13 @@ def test_moves_as_method_conserving(law):
     """The same equations from bodies as from overlaps, overlaps included that no position resolves."""
     step = 0.01
     read_out = 0.5 * step  # bodies are half a step behind their velocities
-    space, bodies, chain = chain_row(law, gap=[0.3 + read_out, 0, 0, 0, 0, 0, 0], beads=8, masses=[1.0] * 8)
+    space, bodies, chain = chain_row(law, gap=0.3 + read_out, beads=8, masses=[1.0] * 8)
     model = Chain([1.0] * 8, law, [0.3, 0, 0, 0, 0, 0, 0])
-    times = step * np.arange(1, 151)
-    expected = simulate(model, [1.0] + [0.0] * 7, 1.5, "conserving", step, samples=times)
+    expected = simulate(model, [1.0] + [0.0] * 7, 1.5, "conserving", step, samples=step * np.arange(1, 151))
     for row in range(150):
         space.step(step)
         np.testing.assert_allclose(chain.overlaps, expected.overlap[row], rtol=1e-6, atol=1e-13)
-        found = [body.velocity.x for body in bodies]
-        np.testing.assert_allclose(found, expected.velocity[row], rtol=0, atol=1e-11)
+        np.testing.assert_allclose([body.velocity.x for body in bodies], expected.velocity[row], rtol=0, atol=1e-11)
     if law.exponent < 0.05:
         assert 0.0 < expected.overlap[60].min() < 1e-18
         np.testing.assert_allclose(chain.overlaps, expected.overlap[-1], rtol=1e-6)
@@ -108,9 +105,7 @@ def test_a_wall_that_moves():
 
 @pytest.mark.parametrize("law", [hertz(1e6), power_law(200.0, 0.1), draft_gear(1e4, 0.02)], ids=str)
 def test_a_column_bounces_without_loss_under_gravity(law):
-    space, bodies, chain = chain_row(
-        law, gap=[0.5, 0, 0], beads=4, direction=(0, 1), masses=[math.inf, 1, 1, 1], speed=0
-    )
+    space, bodies, chain = chain_row(law, gap=0.5, beads=4, direction=(0, 1), masses=[math.inf, 1, 1, 1], speed=0)
     space.gravity = 0.0, -10.0
     energy = 10.0 * (1.5 + 2.5 + 3.5)
     heights = []

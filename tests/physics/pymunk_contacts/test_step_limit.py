@@ -12,19 +12,11 @@ from benchmarks import soft_contacts
 from tests.helpers.paths import ROOT
 from tests.helpers.spaces import FRAME, cradle, pair, run
 
-GROWING = {
-    "hertz": hertz(1e6),
-    "hooke": hooke(1e4),
-    "power law": power_law(50.0, 0.1),
-    "gear": draft_gear(1000.0, 0.05),
-}
-pytestmark = pytest.mark.filterwarnings(
-    "default::RuntimeWarning"
-)  # those that pytest.ini leaves out are what is tested
+GROWING = {"hertz": hertz(1e6), "hooke": hooke(1e4), "power law": power_law(50.0, 0.1), "gear": draft_gear(1e3, 0.05)}
+pytestmark = pytest.mark.filterwarnings("default::RuntimeWarning")  # those that the settings leave out are tested
 
 
 def warned(space, step, count):
-    """The sentences of the warnings in so many steps."""
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
         run(space, step, count)
@@ -79,8 +71,7 @@ def test_a_faster_blow_and_a_longer_step_are_looked_at_again():
     assert "m/s" in sentence
     space, bodies, contacts = cradle(hertz(1e4), beads=2)
     assert warned(space, 1e-4, 2000) == []
-    speed = bodies[1].velocity.x + 1.0
-    bodies[0].velocity, bodies[0].position = (speed, 0.0), bodies[1].position - (1.1, 0.0)
+    bodies[0].velocity, bodies[0].position = (bodies[1].velocity.x + 1.0, 0.0), bodies[1].position - (1.1, 0.0)
     assert len(warned(space, FRAME, 30)) == 1
 
 
@@ -105,14 +96,8 @@ def test_a_law_that_has_no_energy_at_some_depth_is_left_to_itself():
     space, _, contact = pair(1.0)
     contact.contact = lambda overlap: 10.0 * overlap if overlap < 1e-3 else math.nan
     contact.a.velocity = 1.0, 0.0
-    with pytest.raises(ValueError, match="finite force"):
+    with pytest.raises(ValueError, match=r"finite force, not nan at an overlap of 0.0"):
         run(space, 1e-3, 10)
-
-
-@pytest.mark.parametrize(("arguments", "message"), [((0.0, 1.0), "dt must be"), ((FRAME, -1.0), "speed must be")])
-def test_substeps_of_no_step(arguments, message):
-    with pytest.raises(ValueError, match=message):
-        pair()[2].substeps(*arguments)
 
 
 def test_functions_of_the_overlap_as_in_a_chain():

@@ -4,10 +4,9 @@ import math
 
 import numpy as np
 import pytest
-import softcradle.physics.reference.runner
 from softcradle.physics import Chain, Coupler, OwnLaw, TimedForce, cluster_on_cluster, one_on, simulate
 from softcradle.physics.chain import GRAVITY
-from softcradle.physics.contact import Contact, draft_gear, hertz, hooke, power_law, step_force
+from softcradle.physics.contact import Contact, draft_gear, hertz, hooke, power_law
 from softcradle.physics.reference.laws import Laws
 
 from tests.helpers.relations import ADAPTIVE, FIXED_STEP, NAMES
@@ -23,13 +22,6 @@ CHAINS = {
     "wall behind": (Chain([1, 2, 1, math.inf], hertz(2.0), 0.1), [1, 0, 0, 0], None),
     "between walls": (Chain([math.inf, 1, 2, math.inf], hooke(5.0), 0.2), [0, 1, -0.5, 0], 4.0),
     "one gear": (Chain([1, 2], draft_gear(3.0, 0.1)), [1, 0], None),
-}
-LOSSY = {
-    "Hertz": hertz(3.0, 0.3),
-    "gear": draft_gear(3.0, 0.1, 0.3),
-    "soft": power_law(1.0, 0.05, 0.3),
-    "step": step_force(2.0, 0.3),
-    "preload and root": Contact(0.5, 2.0, 0.5, 0.3),
 }
 STEPS_A_SECOND = 4000
 
@@ -109,7 +101,7 @@ def test_beads_at_rest_stay_at_rest():
 
 
 def test_running_out_of_phases_is_a_value(monkeypatch):
-    monkeypatch.setattr(softcradle.physics.reference.runner, "MOST_PHASES", 3)
+    monkeypatch.setattr("softcradle.physics.reference.runner.MOST_PHASES", 3)
     with pytest.warns(RuntimeWarning, match=r"scipy gave up at t = .* 3 changes of contacts"):
         found = simulate(cluster_on_cluster(2, 3, hertz(1.0)), [1, 1, 0, 0, 0], method="scipy")
     assert len(found.warnings) == 1
@@ -123,13 +115,6 @@ def test_running_out_of_evaluations_is_a_value(monkeypatch):
     assert found.final_velocity == pytest.approx([1, 0, 0], abs=1e-12)
 
 
-def test_two_walls_hold_a_bead_between_them():
-    """Statically indeterminate: the bead stays, whatever the two multipliers."""
-    chain = Chain([math.inf, 1.0, math.inf], draft_gear(1.0, 1.0))
-    found = simulate(chain, [0, 0, 0], 1.0, "scipy", samples=3)
-    assert not found.velocity.any()
-
-
 @pytest.mark.parametrize("method", NAMES)
 def test_scales_of_length_and_time_do_not_matter(method):
     """Grains of micrometres that touch for microseconds move as their image in metres and seconds."""
@@ -139,14 +124,6 @@ def test_scales_of_length_and_time_do_not_matter(method):
     small = simulate(one_on(3, hertz(stiffness)), [length / time, 0, 0, 0], 4.0 * time, method, samples=5)
     assert small.velocity * time / length == pytest.approx(large.velocity, abs=1e-8)
     assert small.overlap / length == pytest.approx(large.overlap, abs=1e-8)
-
-
-@pytest.mark.parametrize("law", LOSSY)
-def test_loss_takes_its_part_of_the_energy(law):
-    """Restitution sqrt(1 - loss), whatever the law and the masses."""
-    restitution = math.sqrt(0.7)
-    found = ended(Chain([1.0, 2.0], LOSSY[law]), [1.0, 0.0])
-    assert found.final_velocity == pytest.approx([1 / 3 - restitution * 2 / 3, (1 + restitution) / 3], abs=1e-11)
 
 
 def test_a_bead_slides_after_it_stuck():
@@ -167,17 +144,11 @@ def test_a_bead_slides_after_it_stuck():
 def test_steady_forces_bring_a_bead_back_to_a_wall():
     """It flies up, touches the ceiling for milliseconds and falls: energy and the swing in the spring give its end."""
     gravity, stiffness = 9.8, 1e6
-    chain = Chain([1.0, math.inf], hooke(stiffness), gap=4.9, drive=[-gravity, 0.0])
-    found = ended(chain, [10.0, 0.0], 5.0)
+    found = ended(Chain([1.0, math.inf], hooke(stiffness), gap=4.9, drive=[-gravity, 0.0]), [10.0, 0.0], 5.0)
     speed, frequency = math.sqrt(10.0**2 - 2 * gravity * 4.9), math.sqrt(stiffness)
     contact_time = 2 * math.atan(speed * frequency / gravity) / frequency
     fall = 5.0 - (10.0 - speed) / gravity - contact_time
     assert found.final_velocity[0] == pytest.approx(-speed - gravity * fall, abs=1e-11)
-
-
-def test_touching_contacts_are_pulled_apart():
-    found = ended(Chain([1.0, 1.0], hooke(1.0), drive=[-1.0, 0.0]), [0.0, 0.0], 1.0)
-    assert found.final_velocity == pytest.approx([-1.0, 0.0], abs=1e-15)
 
 
 def test_samples_obey_the_ledger_of_energy():
@@ -197,8 +168,7 @@ def test_samples_obey_the_ledger_of_energy():
 def test_parts_of_a_coupler_that_only_together_are_determined():
     """Both gears of a coupler touch at the same overlap: the force between the beads is one, whichever part carries it."""
     link = Coupler(draft_gear(100.0, 0.05), pull=draft_gear(80.0, 0.05))
-    chain = Chain([1.0, 2.0, 3.0], link, drive=[3.0, 0.0, 0.0])
-    found = ended(chain, [0.0, 0.0, 0.0], 2.0)
+    found = ended(Chain([1.0, 2.0, 3.0], link, drive=[3.0, 0.0, 0.0]), [0.0, 0.0, 0.0], 2.0)
     assert found.final_velocity == pytest.approx([1.0, 1.0, 1.0], abs=1e-12)
     assert found.force[-1] == pytest.approx([2.5, 1.5], abs=1e-9)
 
@@ -207,8 +177,7 @@ def test_a_touch_within_one_step_is_not_passed_over():
     """Steps of a flight are as long as it is; a bead thrown at a ceiling comes down at the speed at which it left."""
     for speed in (3.001, 3.1, 8.0):  # the first would reach a third of a millimetre beyond it
         chain = Chain([1.0, math.inf], hertz(1e6), gap=0.5 * 3.0**2 / 9.8, drive=[-9.8, 0.0])
-        touched = ended(chain, [speed, 0.0], 2.0 * speed / 9.8)
-        assert len(touched.contact_intervals[0]) == 1
+        assert len(ended(chain, [speed, 0.0], 2.0 * speed / 9.8).contact_intervals[0]) == 1
 
 
 def test_a_law_of_ones_own_is_what_it_is_as_a_power_law():
