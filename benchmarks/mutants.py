@@ -54,7 +54,7 @@ ROOMS = {  # sources, and the arguments of pytest that choose their tests
             "tests/physics/adaptive/test_find_event.py",
             "tests/physics/adaptive/test_guards.py",
             "tests/physics/adaptive/test_yield_or_slip.py",
-            "tests/physics/adaptive/test_own_row.py",
+            "tests/physics/adaptive/test_adaptive_methods.py::test_a_contact_with_a_largest_force_against_its_closed_form",
             "tests/physics/test_whole_motions.py",
             "-k",
             "'not whole_motions or what_holds and accurate'",

@@ -14,10 +14,12 @@ from softcradle.physics.scales import contact_scales, default_step
 from tests.helpers import relations
 from tests.helpers.random_chains import random_dissipative
 from tests.helpers.relations import NAMES, PROMISE, fineness, ledger_error, momentum, simulate_quietly
+from tests.helpers.truth import ELASTIC, GEARS
 
 MIXED = Chain([1.0, 30.0, 0.2, 5.0, 1.0], [power_law(1.0, 0.1), hooke(3.0), draft_gear(2.0, 0.1), hertz(4.0)])
 MIXED_START = [1.0, 0.0, 0.5, 0.0, -1.0]
 EXPLICIT = [method.name for method in relations.FIXED_STEP if not method.set_valued]
+EXACT = [method.name for method in relations.FIXED_STEP if method.set_valued]
 
 
 @pytest.mark.parametrize("method", NAMES)
@@ -46,6 +48,16 @@ def test_explicit_energy_stays_bounded(method):
         assert state.overlap.min() > 0.0
     assert max(errors) < 0.25 * moving
     assert max(errors[100:]) < 1.5 * max(errors[:100]) + 1e-11 * start
+
+
+@pytest.mark.parametrize("truth", ELASTIC + GEARS, ids=lambda truth: truth.name)
+@pytest.mark.parametrize("step", [1e-3, 0.03, 0.5])
+@pytest.mark.parametrize("method", EXACT)
+def test_exact_energy_at_any_step(method, truth, step):
+    found = simulate(truth.chain, truth.start, 3 * truth.contact_time, method, step * truth.contact_time)
+    energy = found.kinetic_energy + found.contact_energy
+    assert np.abs(energy / energy[0] - 1.0).max() < 1e-11
+    assert momentum(truth.chain, found.final_velocity) == pytest.approx(momentum(truth.chain, truth.start), rel=1e-13)
 
 
 @pytest.mark.parametrize("method", NAMES)

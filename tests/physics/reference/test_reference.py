@@ -10,6 +10,7 @@ from softcradle.physics.contact import Contact, draft_gear, hertz, hooke, power_
 from softcradle.physics.reference.laws import Laws
 
 from tests.helpers.relations import ADAPTIVE, FIXED_STEP, NAMES
+from tests.helpers.spaces import LOSS, LOSSY
 from tests.helpers.truth import GEAR, GEARS
 
 SOFT = [power_law(1.0, 0.5), power_law(2.0, 0.3), power_law(1.0, 0.4)]
@@ -204,3 +205,11 @@ def test_a_contact_that_is_pressed_in_slowly_is_not_held_by_the_switches_of_anot
     """Two inner contacts begin to yield at forces of 1e-15 N; each switch began the motion of the other anew, 9500 times."""
     chain = Chain([0.6256050420307148, 1.9966455213844647, 1.7485191867510559, 0.5551660365009872, 1.0], hooke(100.0))
     assert simulate(chain, [1.40621878, 0, 0, 0, 0], 0.12, "scipy", samples=2).steps < 100
+
+
+@pytest.mark.parametrize("law", LOSSY)
+def test_loss_takes_its_part_of_the_energy(law):
+    """Restitution sqrt(1 - loss), whatever the law and the masses."""
+    restitution = math.sqrt(1.0 - LOSS)
+    found = ended(Chain([1.0, 2.0], LOSSY[law]), [1.0, 0.0])
+    assert found.final_velocity == pytest.approx([1 / 3 - restitution * 2 / 3, (1 + restitution) / 3], abs=1e-11)
