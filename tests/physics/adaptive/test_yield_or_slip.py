@@ -1,10 +1,13 @@
-"""Accelerations and forces at a switch, by the conditions that define them: 2000 random chains with walls and static friction."""
+"""What is decided at a switch: accelerations and forces, by the conditions that define them; a contact that comes to rest."""
 
 import numpy as np
 import pytest
+from softcradle.physics import Chain, State, hertz, power_law
+from softcradle.physics.adaptive.corner_action import stop_rate
 from softcradle.physics.adaptive.yield_or_slip import balance
+from softcradle.physics.numerics.records import LOADED, TOUCHING
 
-from tests.helpers.plain_kernels import only_plain
+from tests.helpers.plain_kernels import only_plain, records_of
 
 pytestmark = only_plain
 
@@ -50,3 +53,35 @@ def test_beads_that_move_as_one_have_equal_accelerations():
     balance(np.ones(3), np.array([1.0, 0.0, 0.0]), np.zeros(3), low, high, a, f, np.zeros((2, 3)), np.zeros((2, 16)))
     assert a[0] == a[1] == a[2] == pytest.approx(1.0 / 3.0)
     np.testing.assert_allclose(f, [2.0 / 3.0, 1.0 / 3.0], rtol=1e-15)
+
+
+MASS, VELOCITY = np.array([1.0, 2.0, 0.5, 4.0, 1.5]), np.array([0.3, -0.1, 0.2, 0.5, -0.4])
+
+
+@pytest.mark.parametrize("anchor", range(5))
+@pytest.mark.parametrize("i", range(4))
+def test_beads_whose_contact_comes_to_rest_take_the_velocity_of_their_centre_of_mass(i, anchor):
+    chain = Chain(MASS, hertz(1.0))
+    data, _, motion = records_of(chain, State.at_start(chain, VELOCITY))
+    data, motion.mode[:] = data._replace(anchor_bead=anchor), LOADED
+    motion.anchor[1] = VELOCITY[anchor]
+    stop_rate(i, data, motion)
+    behind = np.append(0.0, -np.cumsum(motion.rate))
+    wanted = VELOCITY.copy()
+    wanted[i : i + 2] = MASS[i : i + 2] @ VELOCITY[i : i + 2] / MASS[i : i + 2].sum()
+    assert motion.anchor[1] + behind - behind[anchor] == pytest.approx(wanted, abs=1e-15)
+    assert motion.rate[i] == 0.0
+
+
+@pytest.mark.parametrize("beside", [1, 2, 3])
+def test_beside_a_soft_or_touching_contact_it_alone_comes_to_rest(beside):
+    laws = [hertz(1.0)] * 4
+    laws[beside] = power_law(1.0, 0.1)
+    for contacts, mode in ((laws, LOADED), (hertz(1.0), TOUCHING)):
+        chain = Chain(MASS, contacts)
+        data, _, motion = records_of(chain, State.at_start(chain, VELOCITY))
+        before = motion.rate.copy()
+        motion.mode[:] = LOADED
+        motion.mode[beside] = mode
+        stop_rate(2, data, motion)
+        assert motion.rate == pytest.approx(np.where(np.arange(4) == 2, 0.0, before), abs=0.0)
