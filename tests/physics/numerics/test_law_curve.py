@@ -251,6 +251,7 @@ def test_the_segments_of_a_coupler_are_its_graph(push):
         if not before:  # oddly beyond its origin, where nothing but the stop has a slope
             both = law_curve.segment_force(row, 0, 0.2) + law_curve.segment_force(row, 0, -0.2)
             assert both == pytest.approx(2.0 * side * preload)
+            assert law_curve.segment_force(row, 0, 0.0) == side * preload
             assert law_curve.segment_slope(row, 0, 0.0) == (stiffness if exponent == 1.0 else 0.0) + stop
 
 
