@@ -228,6 +228,10 @@ def test_a_contact_beside_a_law_of_ones_own_keeps_its_row():
     assert law_curve.curve_force(row, own, 0, 0.3) == 9.0
     assert law_curve.curve_depth(row, own, 0, 4.5) == 0.5
     assert law_curve.local_exponent(row, own, 0, 0.3, 9.0) == 1.0
+    gear, own_gear = with_its_table((1.0, 2.0, 1.0))  # whose force goes on beyond d = 0
+    gear[0, 0] = 1.0
+    assert [law_curve.short_of_zero(gear, own_gear, i, 0.3, -0.1) for i in (0, 1)] == [-0.1, 0.0]
+    assert law_curve.short_of_zero(gear, own_gear, 1, 0.3, 0.1) == 0.1
     force = np.full((1, 2), -1.0)
     law_curve.put_on_curve(row, own, 0, 0, np.array([[0.25, 0.25]]), force)
     law_curve.put_on_curve(row, own, 1, 0, np.array([[0.25, 0.25]]), force)
@@ -253,6 +257,20 @@ def test_the_segments_of_a_coupler_are_its_graph(push):
             assert both == pytest.approx(2.0 * side * preload)
             assert law_curve.segment_force(row, 0, 0.0) == side * preload
             assert law_curve.segment_slope(row, 0, 0.0) == (stiffness if exponent == 1.0 else 0.0) + stop
+
+
+def test_the_depth_at_which_an_energy_is_stored_is_bounded_by_each_part_of_the_law():
+    for exponent in (0.1, 1.0, 1.5):
+        by_stiffness = (0.2 * (1.0 + exponent) / 0.5) ** (1.0 / (1.0 + exponent))
+        assert law_curve.depth_at(0.0, 0.5, exponent, 0.2) == pytest.approx(by_stiffness)
+        assert law_curve.depth_at(4.0, 0.5, exponent, 0.2) == pytest.approx(min(0.05, by_stiffness))
+    assert law_curve.depth_at(4.0, 0.0, 1.0, 0.2) == 0.05
+
+
+def test_the_larger_of_two_errors_is_no_number_where_either_is_none():
+    assert law_curve.larger(1.0, 2.0) == law_curve.larger(2.0, 1.0) == 2.0
+    assert math.isnan(law_curve.larger(math.nan, 1.0))
+    assert math.isnan(law_curve.larger(1.0, math.nan))
 
 
 def test_a_soft_segment_without_preload_is_open_beyond_its_origin():
