@@ -160,6 +160,16 @@ class Setup:
         """Model time of one frame [s]."""
         return 1.0 / (FRAME_RATE * self.slow)
 
+    @property
+    def chains(self) -> list[tuple[Chain, tuple[object, ...]]]:
+        """Chain and locked pistons of each lane, to be compared."""
+        return [(lane.chain, lane.locked) for lane in self.lanes]
+
+    @property
+    def starts(self) -> list[tuple[list[float], ...]]:
+        """How each lane begins, to be compared."""
+        return [(s.overlap.tolist(), s.rate.tolist(), s.anchor.tolist()) for s in (lane.start for lane in self.lanes)]
+
 
 def setup_of(scene: Scene) -> Setup:
     """The setup with which a scene opens."""

@@ -78,8 +78,8 @@ class App:
         self.focus = KeyboardFocus(self)
         self.router = EventRouter(self)
         self.warmup.start()
-        self.unit, self._drawn_in = self._unit(), self.look
-        self.manager = theme.manager(self.size, self.unit)
+        self._shapes = Derived(lambda: self.look[1:], self._begin_shapes)
+        self._shapes.follow()
         self.frames, self._page_left = 0, False
         self.actions: dict[str, Callable[[], None]] = {
             "help": self.toggle_help,
@@ -162,12 +162,8 @@ class App:
         gc.freeze()  # so that Python does not search the widgets in the middle of play
 
     def _build(self) -> None:
-        before, self._drawn_in, self.unit = self._drawn_in, self.look, self._unit()
-        if before[1:] == self._drawn_in[1:]:  # a new manager would draw the shapes of all widgets again
+        if not self._shapes.follow():
             self.manager.set_window_resolution(self.size)
-        else:
-            clear_cached_surfaces()
-            self.manager = theme.manager(self.size, self.unit)
         pygame.display.set_caption(f"{scene_words(self.page.title)} - softcradle" if self.page.title else "softcradle")
         self.page.build()
         self.manager.ui_group.update(0.0)  # what is disabled looks so, also below a dialog, where widgets are at rest
@@ -175,6 +171,12 @@ class App:
         if self.dialog is not None and self.dialog.open:
             self.dialog.build()
         self.widgets.note()
+
+    def _begin_shapes(self) -> None:
+        """Take a new manager, which draws the shapes of all widgets again."""
+        clear_cached_surfaces()
+        self.unit = self._unit()
+        self.manager = theme.manager(self.size, self.unit)
 
     def toggle_theme(self) -> None:
         """Draw everything in the other theme, now and after the next start."""

@@ -15,6 +15,7 @@ else:
     Host = Any
 
 Actions = dict[str, Callable[[], None]]
+UNMADE = object()
 
 
 class Derived:
@@ -32,12 +33,12 @@ class Derived:
 
     def __init__(self, of: Callable[[], object], make: Callable[[], object]) -> None:
         self.of, self.make, self.version = of, make, 0
-        self._of: object = None  # nothing was made yet
+        self._of: object = UNMADE
 
     def follow(self) -> bool:
         """Make it where what it is made of has changed; whether it was made."""
         of = self.of()
-        if self._of is not None and of == self._of:
+        if of == self._of:
             return False
         self._of = of
         self.version += 1
@@ -51,7 +52,7 @@ class Derived:
 
     def forget(self) -> None:
         """Make it at the next `follow` in any case."""
-        self._of = None
+        self._of = UNMADE
 
 
 class Page:

@@ -69,7 +69,7 @@ def estimated_scales(scene: Scene, session: Session) -> Scales:
 
 
 class LiveScales:
-    """The scales in use: those of the run `ahead`, grown by what is in the history; `fit` tells whether they had to change."""
+    """The scales in use: those of the run `ahead`, grown by what is in the history."""
 
     ahead: Scales
 
@@ -97,15 +97,13 @@ class LiveScales:
             deepest.append(depths if same else (max(depths),) * lane.chain.contacts)
         self.scales = replace(self.scales, deepest=tuple(deepest))
 
-    def fit(self, motions: Sequence[Motion]) -> bool:
-        """Grow so that a motion of each lane fits in; whether anything had to grow."""
-        old = self.scales
+    def fit(self, motions: Sequence[Motion]) -> None:
+        """Grow so that a motion of each lane fits in."""
         self._velocities(motions)
         self._forces(motions)
         self._overlaps(motions)
         self._energies(motions)
         self._momenta(motions)
-        return self.scales is not old
 
     def _velocities(self, motions: Sequence[Motion]) -> None:
         low, high = self.scales.velocity

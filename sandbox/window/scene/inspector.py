@@ -249,7 +249,7 @@ class Inspector:
             self._made.follow()
 
     def _made_of(self) -> object:
-        return self.editor.selection, [(lane.chain, lane.locked) for lane in self.session.setup.lanes]
+        return self.editor.selection, self.session.setup.chains
 
     def _remake(self) -> None:
         for control in self.controls.values():

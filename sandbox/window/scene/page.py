@@ -81,7 +81,7 @@ class ScenePage(Page):
         for panel in self.panels:
             panel.question = lambda: self.lessons.question
         self._kernels = Derived(self._moved_of, self.editor.check_kernels)
-        self._edits = Derived(self._lanes_of, self.view.follower.notice)
+        self._edits = Derived(lambda: session.setup.chains, self.view.follower.notice)
         self._words = Derived(lambda: session.scene, self.lessons.begin)
         for one in (self._kernels, self._edits, self._words):
             one.note()
@@ -178,13 +178,10 @@ class ScenePage(Page):
     def _answered(self) -> bool:
         return self.lessons.answered
 
-    def _lanes_of(self) -> object:
-        return [(lane.chain, lane.locked) for lane in self.session.setup.lanes]
-
     def _moved_of(self) -> object:
         """What decides whether there are kernels that move the lanes in time."""
         setup = self.session.setup
-        return self._lanes_of(), [(lane.method, lane.step) for lane in setup.lanes], setup.slow
+        return setup.chains, [(lane.method, lane.step) for lane in setup.lanes], setup.slow
 
     def made_of(self) -> object:
         """Words, places and choices."""

@@ -251,8 +251,7 @@ class SceneView:
         self.drawn.follow()
 
     def _drawn_of(self) -> object:
-        board, camera = self.board, self.camera
-        lanes = [(lane.chain, lane.locked) for lane in self.session.setup.lanes]
+        board, camera, lanes = self.board, self.camera, self.session.setup.chains
         plots = board.present, board.single, board.logarithmic, board.pair, self.first_row, self.panel_shown
         shown = self.scales.scales, camera.width, camera.automatic, self.arrows
         return self.host.look, self.session.scene, lanes, self.session.history.cuts, plots, shown, self.card.text
@@ -318,7 +317,8 @@ class SceneView:
     def _backdrop_of(self) -> object:
         marks = [lane.marked for lane in self.lanes]
         panels = [(panel.rect, panel.pick, tuple(panel.controls)) for panel in self.panels]
-        return self.drawn.version, marks, panels, self.answered(), self.board.span.seconds, self.plots_covered
+        words = self.answered(), self.session.setup.starts  # the text of a scene that begins otherwise is another
+        return self.drawn.version, marks, panels, words, self.board.span.seconds, self.plots_covered
 
     def _draw_backdrop(self) -> None:
         places, size = self.places, self.host.size

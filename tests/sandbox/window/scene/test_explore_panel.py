@@ -6,6 +6,7 @@ import pygame
 import pytest
 from softcradle.physics import power_law
 from softcradle.sandbox.session.contact_conversion import impact_energy
+from softcradle.sandbox.session.inputs import SetVelocity
 from softcradle.sandbox.window.scene.editor import Pick
 
 from tests.helpers.drawn_text import drawn_texts
@@ -203,3 +204,13 @@ def test_back_to_one_row_with_its_words_and_what_was_changed_meanwhile(explorer:
     explorer.app.act("compare_balls")
     explorer.frames(2)
     assert len(explorer.session.lanes) == 2
+
+
+def test_the_text_of_a_scene_is_not_said_of_one_that_begins_otherwise(explorer: Driver) -> None:
+    explorer.page.lessons.answered = True
+    explorer.frames(2)
+    before = explorer.page.view.backdrop.version
+    explorer.page.editor.apply(SetVelocity(0, 0, 0.7))
+    explorer.frames(2)
+    assert explorer.session.edited
+    assert explorer.page.view.backdrop.version == before + 1
