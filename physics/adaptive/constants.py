@@ -34,11 +34,11 @@ STIFF = 9.0  # (step times local frequency)², above which a soft contact is lef
 COST_RATIO = 0.4  # time of a step of dop853 over one of radau
 
 # Guesses of stages
-MOST_GUESSED = 3.0  # growth of a force in a guess, or fall, at the most
+MOST_GUESSED = 1.1  # logarithm of the growth of a force in a guess, or of its fall, at the most
 
 # Searches
 MOST_TRIES = 15  # iterations of Newton, and tries to end a step at an event
 FEW_TRIES = 4  # tries of what seldom needs more than one, before another way is taken
 MOST_MOVES = 120  # of the search for a root: one that takes more has met a root that only touches zero
 HUGE = 1e200  # an overlap [m] beyond which Newton's iteration has diverged; a slope beyond which a contact counts as touching
-MARGIN = 4  # contacts around those that push: a wave front runs one or two a step
+MARGIN = 4  # contacts around those that push, or whose stages still change: a wave front runs one or two a step

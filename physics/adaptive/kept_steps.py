@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 MOST_ROWS, MOST_NUMBERS = 256, 2**18  # steps between two samplings, and numbers that these take
 # blocks of steps that a thread keeps for its next runs: fresh memory costs more than what is written to it
 MOST_SPARE = 4
-MOST_KEPT = 2**28  # bytes of steps that a run without a duration keeps; a longer one is run again for its samples
+MOST_KEPT = 2**30  # bytes of steps that a run without a duration keeps; a longer one is run again for its samples
 SAMPLE_COST = 1.0  # fixed steps that cost plain Python as much as one sample
 
 

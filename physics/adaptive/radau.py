@@ -16,8 +16,10 @@ from softcradle.physics.adaptive.constants import (
     FORCE_PRECISION,
     HUGE,
     KINK,
+    MARGIN,
     MOST_GUESSED,
     MOST_TRIES,
+    NEWTON_PART,
     RATIO,
     ROUND_OFF,
 )
@@ -40,7 +42,7 @@ from softcradle.physics.numerics.law_curve import (
     put_on_curve,
 )
 from softcradle.physics.numerics.own_contacts import bend_passed
-from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
+from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING, ZERO
 
 TABLEAU = np.array(
     [
@@ -54,7 +56,25 @@ SQUARE_INVERSE = exact_product(INVERSE, INVERSE)
 GAMMA = 1.0 / 3.637834252744496  # the one real eigenvalue of the inverse is 3 + 9**(1/3) - 3**(1/3)
 EMBEDDED = GAMMA / 3.0 * np.array([-13.0 - 7.0 * ROOT6, -13.0 + 7.0 * ROOT6, -1.0])  # Hairer & Wanner, IV.8
 _COARSE = np.array([0.0, 0.5 / (1.0 - NODES[1]), (0.5 - NODES[1]) / (1.0 - NODES[1])])  # quadrature of two nodes
+SHORT = 1.0 / 32.0  # an exponent up to which seven terms of the series are as good as all
 COARSE = exact_product(TABLEAU[2] - _COARSE, INVERSE)  # its error, of one order less than the embedded one
+
+
+@inlined
+def log_grown(x):
+    """ln(1 + x), of no less than ROUND_OFF, for a guess: most contacts hardly change in most steps."""
+    if abs(x) < SHORT:
+        return x * (1.0 - x * (1.0 / 2.0 - x * (1.0 / 3.0 - x * (1.0 / 4.0))))
+    return log(max(1.0 + x, ROUND_OFF))
+
+
+@inlined
+def exp_near(x):
+    """e**x; where x is short its series gives all digits."""
+    if abs(x) < SHORT:
+        fourth = x * (1.0 / 24.0 + x * (1.0 / 120.0 + x * (1.0 / 720.0 + x * (1.0 / 5040.0))))
+        return 1.0 + x * (1.0 + x * (1.0 / 2.0 + x * (1.0 / 6.0 + fourth)))
+    return exp(x)
 
 
 @inlined
@@ -67,31 +87,29 @@ def first_guess(h, chain, motion, trial):
     stage_overlap, stage_force = trial.overlap, trial.force
     since = time_since_onset(law, mode, overlap, rate, force)
     for i in range(overlap.size):
-        preload, exponent = law[i, 0], law[i, 2]
+        preload, exponent, times, power, most, own = law[i, 0], law[i, 2], 0.0, 1.0, 0.0, False
+        grows = mode[i] == LOADED and exponent < 1.0 and force[i] > preload
+        if grows and overlap[i] > SMALLEST:
+            weight = inverse_mass[i] + inverse_mass[i + 1]
+            stiff = weight * exponent * (force[i] - preload)  # times d: it keeps its rate until d = 0 where small
+            own = rate[i] < 0.0 and overlap[i] * stiff < 4.0 * rate[i] * rate[i]
+            time = overlap[i] / rate[i] if own else since
+            times, power, most = h / time, 1.0 if own else rate[i] * time / overlap[i], MOST_GUESSED / exponent
         for k in range(3):
             flown = overlap[i] + h * NODES[k] * rate[i]
             if mode[i] == OPEN:
                 stage_overlap[k, i], stage_force[k, i] = flown, 0.0
             elif mode[i] == TOUCHING or mode[i] == FROZEN:
                 stage_overlap[k, i], stage_force[k, i] = overlap[i], force[i]
-            elif exponent < 1.0 and force[i] > preload:
+            elif grows and own and flown <= 0.0 and preload == 0.0:
+                stage_overlap[k, i], stage_force[k, i] = flown, 0.0
+            elif grows and overlap[i] > SMALLEST:
+                growth = min(max(power * log_grown(NODES[k] * times), -most), most)
+                stage_overlap[k, i] = overlap[i] * exp_near(growth)
+                stage_force[k, i] = preload + (force[i] - preload) * exp_near(exponent * growth)
+                put_on_curve(law, own_laws, i, k, stage_overlap, stage_force)
+            elif grows:
                 stage_overlap[k, i], stage_force[k, i] = overlap[i], force[i]
-                weight = inverse_mass[i] + inverse_mass[i + 1]
-                stiff = weight * exponent * (force[i] - preload)  # times d: it keeps its rate until d = 0 where small
-                own = rate[i] < 0.0 and overlap[i] > SMALLEST and overlap[i] * stiff < 4.0 * rate[i] * rate[i]
-                time = overlap[i] / rate[i] if own else since
-                if overlap[i] > SMALLEST:
-                    growth = log(max(1.0 + h * NODES[k] / time, ROUND_OFF))
-                    if own and flown <= 0.0 and preload == 0.0:
-                        stage_overlap[k, i], stage_force[k, i] = flown, 0.0
-                        continue
-                    if not own:
-                        growth *= rate[i] * time / overlap[i]
-                    most = log(MOST_GUESSED) / exponent
-                    growth = min(max(growth, -most), most)
-                    stage_overlap[k, i] = overlap[i] * exp(growth)
-                    stage_force[k, i] = preload + (force[i] - preload) * exp(exponent * growth)
-                    put_on_curve(law, own_laws, i, k, stage_overlap, stage_force)
             elif overlap[i] == 0.0 and rate[i] == 0.0:
                 stage_overlap[k, i], stage_force[k, i] = 0.0, curve_force(law, own_laws, i, 0.0)
                 if i > 0 and preload == 0.0:
@@ -143,9 +161,9 @@ def direction(i, chain, mode, weight, overlap, force):
 
 
 @inlined
-def directions(h, chain, mode, trial, scratch):
-    """The direction of every contact at every stage."""
-    for i in range(mode.size):
+def directions(h, first, last, chain, mode, trial, scratch):
+    """The direction of contacts [first, last) at every stage."""
+    for i in range(first, last):
         weight = h * h * (chain.inverse_mass[i] + chain.inverse_mass[i + 1])
         for k in range(3):
             scratch.along[k, i], scratch.across[k, i] = direction(
@@ -173,17 +191,16 @@ def move_stage(k, i, weight, change, chain, mode, trial, scratch):
 
 
 @inlined
-def eliminate(h, chain, motion, trial, scratch):
-    """Newton correction z (3, n) of all stages: block Thomas with M = D'^-1 kept in `scratch.block` (n, 9).
+def eliminate(h, first, last, chain, motion, trial, scratch):
+    """Newton correction z (3, n) of all stages of contacts [first, last): block Thomas, M = D'^-1 kept in `scratch.block` (n, 9).
 
     Row (k, i): sum_j (A^-2)_kj (d_j - b_j) + h² (L f_k - e) = 0 with b_j = d0 + h c_j w0 and external acceleration e.
     """
     inverse_mass, overlap, rate = chain.inverse_mass, motion.overlap, motion.rate
     stage_overlap, stage_force, mode = trial.overlap, trial.force, motion.mode
     along, across, block, z = scratch.along, scratch.across, scratch.block, scratch.correction
-    n = overlap.size
     square = h * h
-    for i in range(n):
+    for i in range(first, last):
         left, right = square * inverse_mass[i], square * inverse_mass[i + 1]
         e0 = stage_overlap[0, i] - overlap[i] - h * NODES[0] * rate[i]
         e1 = stage_overlap[1, i] - overlap[i] - h * NODES[1] * rate[i]
@@ -198,7 +215,7 @@ def eliminate(h, chain, motion, trial, scratch):
         m01, m02 = SQUARE_INVERSE[0, 1] * along[1, i], SQUARE_INVERSE[0, 2] * along[2, i]
         m10, m12 = SQUARE_INVERSE[1, 0] * along[0, i], SQUARE_INVERSE[1, 2] * along[2, i]
         m20, m21 = SQUARE_INVERSE[2, 0] * along[0, i], SQUARE_INVERSE[2, 1] * along[1, i]
-        if i > 0 and left != 0.0:
+        if i > first and left != 0.0:
             b0, b1, b2 = left * across[0, i - 1], left * across[1, i - 1], left * across[2, i - 1]
             c0, c1, c2 = left * across[0, i], left * across[1, i], left * across[2, i]
             m = block[i - 1]
@@ -228,7 +245,7 @@ def eliminate(h, chain, motion, trial, scratch):
         z[0, i] = m[0] * r[0] + m[1] * r[1] + m[2] * r[2]
         z[1, i] = m[3] * r[0] + m[4] * r[1] + m[5] * r[2]
         z[2, i] = m[6] * r[0] + m[7] * r[1] + m[8] * r[2]
-    for i in range(n - 2, -1, -1):
+    for i in range(last - 2, first - 1, -1):
         right = square * inverse_mass[i + 1]
         m = block[i]
         r0, r1, r2 = across[0, i + 1] * z[0, i + 1], across[1, i + 1] * z[1, i + 1], across[2, i + 1] * z[2, i + 1]
@@ -242,22 +259,24 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
     """Newton on all stages from the guess in `trial`; `precision` is the velocity [m/s] to converge to.
 
     A correction counts by the velocity it gives, h L df, and by that of its energy, sqrt(L dd df); one that a move along
-    the curve makes shorter counts in full. Returns the iterations used, 0 where they did not converge.
+    the curve makes shorter counts in full. After the first iteration only contacts whose corrections count go on, and those
+    around them: all again where a correction at the edge of these counts. Returns the iterations used, 0 where they did not
+    converge.
     """
     law, inverse_mass, force, mode = chain.law, chain.inverse_mass, motion.force, motion.mode
     n = mode.size
-    before, strongest = math.inf, 0.0
+    before, strongest, first, last = math.inf, 0.0, ZERO, n
     for i in range(n):
         strongest = max(strongest, abs(force[i]))
     for iteration in range(MOST_TRIES):
-        directions(h, chain, mode, trial, scratch)
-        eliminate(h, chain, motion, trial, scratch)
-        size, settled = 0.0, True
-        for i in range(n):
+        directions(h, first, last, chain, mode, trial, scratch)
+        eliminate(h, first, last, chain, motion, trial, scratch)
+        size, settled, low, high = 0.0, True, n, ZERO
+        for i in range(first, last):
             deep = (
                 law[i, 0] == 0.0 and law[i, 2] < 1.0
             )  # forces of such contacts span decades; touching ones may be undetermined
-            changed, largest = 0.0, max(abs(force[i]), FORCE_PRECISION * strongest) if deep else strongest
+            own, changed, largest = 0.0, 0.0, max(abs(force[i]), FORCE_PRECISION * strongest) if deep else strongest
             weight = inverse_mass[i] + inverse_mass[i + 1]
             for k in range(3):
                 if not math.isfinite(scratch.correction[k, i]):
@@ -267,15 +286,20 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
                 )
                 if not abs(trial.overlap[k, i]) < HUGE:
                     return 0
-                size = max(size, h * weight * by_force, math.sqrt(weight * (by_overlap * by_force)))
+                own = max(own, h * weight * by_force, math.sqrt(weight * (by_overlap * by_force)))
                 changed, largest = max(changed, by_force), max(largest, abs(trial.force[k, i]))
-            settled &= changed <= FORCE_PRECISION * largest
-            strongest = max(strongest, largest)
+            size, strongest = max(size, own), max(strongest, largest)
+            rests = changed <= FORCE_PRECISION * largest
+            settled &= rests
+            if own > NEWTON_PART * precision or not rests:
+                low, high = min(low, i), i + 1
         if settled and (
             size <= precision or (iteration > 0 and size <= 1e-2 * before and size * size <= precision * before)
         ):
             return iteration + 1
         before = size
+        at_edge = (low == first and first > 0) or (high == last and last < n)
+        first, last = (ZERO, n) if at_edge or low == n else (max(low - MARGIN, 0), min(high + MARGIN, n))
     return 0
 
 
@@ -407,7 +431,7 @@ def compliance(chain, mode, i, overlap, force):
 
 @inlined
 def embedded_error(h, chain, motion, trial, work):
-    """Error of the step as a velocity [m/s] from two embedded quadratures, of orders h**4 and h**3; `work` (3 or more, n+1).
+    """Error of the step as a velocity [m/s] from two embedded quadratures, of orders h**4 and h**3; `work` (4 or more, n+1).
 
     Each is filtered through (I - h gamma J)^-1. With the compliance C = dd/df and the force error phi:
     (C + (h gamma)² L) phi = e_d + h gamma e_w; then the errors are e_w - h gamma L phi in the rate and C phi in the
@@ -417,7 +441,7 @@ def embedded_error(h, chain, motion, trial, work):
     overlap, rate, force, mode = motion.overlap, motion.rate, motion.force, motion.mode
     stage_overlap, stage_rate, stage_force = trial.overlap, trial.rate, trial.force
     n = overlap.size
-    fine, coarse, upper = work[0, :n], work[1, :n], work[2, :n]
+    fine, coarse, upper, gives, slowest = work[0, :n], work[1, :n], work[2, :n], work[3, :n], math.inf
     reach = h * GAMMA
     fine_rate, coarse_rate = stage_rate[0], stage_rate[1]  # free by now: the end of the step is the third row
     for i in range(n):
@@ -432,7 +456,9 @@ def embedded_error(h, chain, motion, trial, work):
             coarse_d += COARSE[k] * by_overlap
         fine_rate[i], coarse_rate[i] = fine_w, coarse_w
         give = compliance(chain, mode, i, stage_overlap[2, i], stage_force[2, i])
-        upper[i], fine[i], coarse[i] = 0.0, 0.0, 0.0
+        gives[i], upper[i], fine[i], coarse[i] = give, 0.0, 0.0, 0.0
+        if give > 0.0:
+            slowest = min(slowest, (inverse_mass[i] + inverse_mass[i + 1]) / give)
         if give >= 0.0:
             lower = -reach * reach * inverse_mass[i] if i > 0 else 0.0
             pivot = reach * reach * (inverse_mass[i] + inverse_mass[i + 1]) + give
@@ -442,19 +468,16 @@ def embedded_error(h, chain, motion, trial, work):
                 fine[i] -= lower * fine[i - 1]
                 coarse[i] -= lower * coarse[i - 1]
             if pivot > ROUND_OFF * reach * reach * (inverse_mass[i] + inverse_mass[i + 1]):
-                fine[i] /= pivot
-                coarse[i] /= pivot
-                upper[i] = -reach * reach * inverse_mass[i + 1] / pivot
+                part = 1.0 / pivot
+                fine[i] *= part
+                coarse[i] *= part
+                upper[i] = -reach * reach * inverse_mass[i + 1] * part
             else:  # a force through all beads from wall to wall moves nothing, and is not determined
                 fine[i], coarse[i] = 0.0, 0.0
     for i in range(n - 2, -1, -1):
         fine[i] -= upper[i] * fine[i + 1]
         coarse[i] -= upper[i] * coarse[i + 1]
-    worst, slowest = 0.0, math.inf
-    for i in range(n):
-        upper[i] = compliance(chain, mode, i, stage_overlap[2, i], stage_force[2, i])
-        if upper[i] > 0.0:
-            slowest = min(slowest, (inverse_mass[i] + inverse_mass[i + 1]) / upper[i])
+    worst = 0.0
     for i in range(n):
         by_fine = abs(fine_rate[i] - reach * flow_into(i, inverse_mass, fine))
         by_coarse = abs(coarse_rate[i] - reach * flow_into(i, inverse_mass, coarse))
@@ -462,10 +485,10 @@ def embedded_error(h, chain, motion, trial, work):
         if mode[i] == LOADED:
             push = bend_passed(chain.own, i, overlap[i], stage_overlap[2, i])
             worst = larger(worst, KINK * h * (inverse_mass[i] + inverse_mass[i + 1]) * push)
-        if upper[i] > 0.0:
+        if gives[i] > 0.0:
             weight = inverse_mass[i] + inverse_mass[i + 1]
-            by_fine = larger(by_fine, math.sqrt(weight * upper[i]) * abs(fine[i]))
-            by_coarse = larger(by_coarse, math.sqrt(weight * upper[i]) * abs(coarse[i]))
-            times = care(law[i, 2], h * h * weight / upper[i], weight / upper[i] / slowest)
+            by_fine = larger(by_fine, math.sqrt(weight * gives[i]) * abs(fine[i]))
+            by_coarse = larger(by_coarse, math.sqrt(weight * gives[i]) * abs(coarse[i]))
+            times = care(law[i, 2], h * h * weight / gives[i], weight / gives[i] / slowest)
         worst = larger(worst, times * by_fine * min(1.0, RATIO * by_fine / max(by_coarse, 1e-300)))
     return worst

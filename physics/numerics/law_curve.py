@@ -22,6 +22,7 @@ ROOT6 = math.sqrt(6.0)
 NODES = np.array([(4.0 - ROOT6) / 10.0, (4.0 + ROOT6) / 10.0, 1.0])  # of Radau IIA with three stages
 MOST_CARE = 1e4  # largest weight of the error of a soft contact that oscillates many times
 SMALLEST = 1e-290  # an overlap below is zero: the contact then is vertical, whatever its law
+SHORT = 5e-4  # of an overlap: over so short a way four terms of the binomial series are a power law to the last digit
 BEFORE, STOP, LAW_SIDE = 3, 4, 5  # columns of a law with segments, after preload, stiffness, exponent
 
 
@@ -73,6 +74,12 @@ def depth_at(preload, stiffness, exponent, energy):
     if stiffness > 0.0:
         depth = min(depth, power((1.0 + exponent) * energy / stiffness, 1.0 / (1.0 + exponent)))
     return depth
+
+
+@inlined
+def has_table(own, i):
+    """Whether contact i has a law of its own."""
+    return own is not None and own.number[i] >= 0
 
 
 @inlined
@@ -186,12 +193,24 @@ def own_signed_force(law, own, i, overlap):
 
 
 @inlined
+def short_growth(x, exponent):
+    """(1 + x)**a - 1 for abs(x) < SHORT."""
+    a = exponent
+    return a * x * (1.0 + (a - 1.0) * x * (1.0 / 2.0 + (a - 2.0) * x * (1.0 / 6.0 + (a - 3.0) * x * (1.0 / 24.0))))
+
+
+@inlined
 def move_along(law, own, i, weight, overlap, force, by_overlap, by_force):
     """One Newton move on the curve, on the side where it cannot overshoot: for a < 1 towards d = 0 in force, else in d.
 
     Away from 0 in force too as long as d stays small against `weight` f, what the force moves in the step (h² L_ii).
     """
     preload, exponent = law[i, 0], law[i, 2]
+    soft = (
+        exponent < 1.0 and preload == 0.0 and not has_table(own, i)
+    )  # beside a preload digits of the rest would be lost
+    if soft and by_overlap != 0.0 and abs(by_overlap) < SHORT * overlap:
+        return overlap + by_overlap, force + force * short_growth(by_overlap / overlap, exponent)
     continued = is_continued(law, i)
     excess = force + by_force - preload
     if exponent < 1.0 and by_overlap > 0.0 and 0.0 < overlap < 0.1 * weight * excess:
@@ -199,9 +218,11 @@ def move_along(law, own, i, weight, overlap, force, by_overlap, by_force):
         if reach < 0.1 * weight * excess:
             return reach, preload + excess
     if exponent < 1.0 and by_overlap < 0.0 and overlap > 0.0:
-        soft = 1.0 + weight * local_exponent(law, own, i, overlap, force) * (force - preload) / overlap
-        if soft < 2.0 and preload > 0.0:  # far to the right of the solution: d + weight K d**a = rest bounds both terms
-            rest = overlap + weight * (force - preload) + soft * by_overlap
+        slope = 1.0 + weight * local_exponent(law, own, i, overlap, force) * (force - preload) / overlap
+        if (
+            slope < 2.0 and preload > 0.0
+        ):  # far to the right of the solution: d + weight K d**a = rest bounds both terms
+            rest = overlap + weight * (force - preload) + slope * by_overlap
             if rest > 0.0:
                 reach = curve_overlap(law, own, i, rest, weight)
                 if rest < min(reach, overlap):

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import Chain, Contact, State, draft_gear, hertz, hooke, power_law
+from softcradle.physics.adaptive import radau
 from softcradle.physics.adaptive.constants import MOST_TRIES, RATIO
 from softcradle.physics.adaptive.dop853 import error_of_range
 from softcradle.physics.adaptive.radau import compliance, embedded_error, euler_change, euler_stages, radau_step
@@ -129,6 +130,29 @@ def test_on_springs_the_first_iteration_of_newton_is_exact():
         assert overlap == pytest.approx(motion.overlap + 0.7 * motion.rate - 0.49 * pull, rel=1e-12)
 
 
+@pytest.mark.parametrize("opening", [0, 20, 39])
+def test_only_contacts_that_still_change_are_iterated(opening, monkeypatch):
+    """Of forty pressed contacts one is about to open: the others have their stages after an iteration or two, and keep them."""
+    chain = Chain([1.0] * 41, power_law(1.0, 0.1))
+    state = State.at_start(chain, np.zeros(41))
+    state.overlap[:], state.rate[:] = 0.3 + 0.01 * np.cos(np.arange(40)), 0.05 * np.sin(np.arange(40))
+    state.overlap[opening], state.rate[opening] = 1e-3, -0.303
+    state.force[:] = chain.contact[0].force(state.overlap)
+    data, _, motion = records_of(chain, state)
+    motion.mode[:] = LOADED
+    moved, move = [], radau.move_stage
+    monkeypatch.setattr(radau, "move_stage", lambda k, i, *rest: moved.append(i) or move(k, i, *rest))
+    h = 3.3e-3
+    used, trial = stepped(data, motion, h)
+    counts = np.bincount(moved, minlength=40) // 3
+    assert counts[opening] == used
+    assert (counts < used).sum() >= 25
+    push = trial.force @ row_matrix(chain)
+    wanted = motion.overlap + h * np.outer(NODES, motion.rate) - h * h * TABLEAU @ TABLEAU @ push
+    assert trial.overlap == pytest.approx(wanted, abs=1e-14)
+    assert trial.force == pytest.approx(chain.contact[0].force(trial.overlap), rel=1e-13)
+
+
 @pytest.mark.parametrize("law", [hertz(5.0), power_law(2.0, 0.5), power_law(1.0, 0.1)], ids=str)
 def test_forces_converge_however_little_the_velocities_ask_for(law):
     """A thousandth of the largest force is the bound, so the error is below it."""
@@ -216,7 +240,7 @@ def test_the_error_is_that_of_two_quadratures_filtered(seed):
             stiff = weight[i] / give[i]
             times = care(data.law[i, 2], h * h * stiff, stiff / slowest)
         worst = max(worst, times * by_fine[i] * min(1.0, RATIO * by_fine[i] / max(by_coarse[i], 1e-300)))
-    found = embedded_error(h, data, motion, trial, np.zeros((3, n + 1)))
+    found = embedded_error(h, data, motion, trial, np.zeros((4, n + 1)))
     assert found == pytest.approx(worst, rel=1e-6, abs=1e-14)
 
 
@@ -279,7 +303,7 @@ def test_an_error_that_is_no_number_is_none_of_0(row):
     used, trial = stepped(data, motion, 0.01)
     assert used > 0
     trial.rate[:, row] = math.nan
-    assert math.isnan(embedded_error(0.01, data, motion, trial, np.zeros((3, 4))))
+    assert math.isnan(embedded_error(0.01, data, motion, trial, np.zeros((4, 4))))
     trial = empty_trial(3)
     for rows in trial[:3]:
         rows[:] = 0.4

@@ -106,6 +106,17 @@ def test_moves_away_from_zero_go_by_the_overlap_or_by_a_small_force():
     assert reached == pytest.approx(((0.04 / 2.0) ** 10.0, 0.04))
 
 
+@pytest.mark.parametrize("exponent", [0.02, 0.1, 0.5, 0.99])
+@pytest.mark.parametrize("part", [-4.99e-4, -1e-6, 1e-9, 4.99e-4])
+def test_a_short_move_of_a_soft_contact_needs_no_power(exponent, part):
+    """The series of the growth is the law to the last digits, so the contact stays on its curve."""
+    law, overlap = (0.0, 2.0, exponent), 3e-7
+    force = signed_force(*law, overlap)
+    moved, pushes = move_along(*law, 1.0, overlap, force, part * overlap, exponent * part * force)
+    assert moved == overlap + part * overlap
+    assert pushes == pytest.approx(signed_force(*law, moved), rel=3e-15, abs=0.0)
+
+
 @pytest.mark.parametrize("exponent", [1.5, 2.0])
 def test_a_contact_that_is_not_soft_goes_by_the_overlap_both_ways(exponent):
     """Whatever a soft one does: there Newton overshoots in neither direction."""
