@@ -54,10 +54,11 @@ ROOMS = {  # sources, and the arguments of pytest that choose their tests
             "tests/physics/adaptive/test_find_event.py",
             "tests/physics/adaptive/test_guards.py",
             "tests/physics/adaptive/test_yield_or_slip.py",
+            "tests/physics/adaptive/test_corner_action.py",
             "tests/physics/adaptive/test_adaptive_methods.py::test_a_contact_with_a_largest_force_against_its_closed_form",
             "tests/physics/test_whole_motions.py",
             "-k",
-            "'not whole_motions or what_holds and accurate'",
+            "'not whole_motions or (what_holds or reference_does) and accurate'",
         ),
     ),
 }
@@ -65,7 +66,9 @@ ROOMS = {  # sources, and the arguments of pytest that choose their tests
 LEFT_OUT = (
     r"core/(RemoveDecorator|ExceptionReplacer|.*_(BitOr|BitAnd|BitXor|LShift|RShift|FloorDiv|Mod|Pow|Invert|Is|IsNot))$"
 )
-PATIENCE = 300.0  # s that the tests of a mutant may take
+PATIENCE = (
+    120.0  # s that the tests of a mutant may take: those of a room take ten as it is, the double beside other work
+)
 PYTEST = "-m pytest -x -q -n 0 -p no:cacheprovider -m 'not slow'"
 
 

@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -84,6 +85,20 @@ CASES = {
         Chain([1.0] * 3, hertz(50.0), forces=TimedForce([0, 2], [0.0, 0.2, 0.4, 0.4], [0.0, 3.0, 1.0, 0.0])),
         [0.0] * 3, 0.8, 4e-3,
     ),
+    "a train without slack, pulled and braked": Case(
+        Chain(
+            [2.0, 1.0, 1.0], [Coupler(draft_gear(20.0, 0.05, loss=0.5), pull=hooke(30.0, loss=0.3), travel=0.04, stop=500.0)] * 2,
+            forces=TimedForce(0, [0.0, 0.5, 0.5], [3.0, 3.0, -4.0]), brakes=TimedForce([1, 2], [0.6, 0.9], [0.0, 2.5]),
+        ),
+        [0.3, 0.0, 0.0], 1.5, 2e-3, EXPLICIT,
+    ),
+    "brakes that let go": Case(
+        Chain(
+            [1.0, 2.0, 1.0], [draft_gear(20.0, 0.05), hertz(50.0, loss=0.4)], gap=[0.01, 0.02], friction=0.02,
+            forces=TimedForce([0, 2], [0.0, 0.4, 1.0], [2.0, -2.0, 1.0]), brakes=TimedForce([0, 1], [0.0, 0.5], [1.5, 0.2]),
+        ),
+        [0.0, 0.0, -0.4], 1.5, 2e-3, EXPLICIT,
+    ),
 }  # fmt: skip
 SEVERAL = ("hertz with gaps", "gears on straws", "between walls", "loss and friction in a mixed chain")
 MORE = (*SEVERAL, "a ball that bounces to rest", "laws of one's own")
@@ -116,6 +131,30 @@ def test_what_holds_of_every_motion(name, method):
         assert_momentum(found, case.velocity, TOLERANCE)
     if found.status is Status.SEPARATED and not case.chain.on_bed:
         assert relations.separating(found.final_velocity, 1e-6)
+
+
+@cache
+def by_scipy(name):
+    """As long as `accurate` finds that it takes: on a bed `scipy` goes on until all beads rest."""
+    case = CASES[name]
+    duration = case.duration or float(solved(case, "accurate").time[-1])
+    return simulate_quietly(case.chain, case.velocity, duration, "scipy", samples=SAMPLES, tolerance=1e-9)
+
+
+@pytest.mark.parametrize(("name", "method"), runs([name for name in CASES if name != "held by friction"], KERNELS))
+def test_every_corner_is_passed_as_the_reference_does(name, method):
+    """It shares no kernel with them: between located switches SciPy integrates the equations of beads."""
+    case = CASES[name]
+    found, other = solved(case, method), by_scipy(name)
+    fastest = np.abs(other.velocity).max()
+    assert found.final_velocity == pytest.approx(other.final_velocity, abs=30.0 * TOLERANCE * fastest)
+    if case.duration:
+        assert found.overlap == pytest.approx(other.overlap, abs=30.0 * TOLERANCE * fastest)
+        assert found.absorbed_by_contacts == pytest.approx(other.absorbed_by_contacts, abs=1e-4)
+        assert found.absorbed_by_bed == pytest.approx(other.absorbed_by_bed, abs=1e-4)
+    for one, those in zip(found.contact_intervals, other.contact_intervals, strict=True):
+        ends = [min(end, other.time[-1]) for _, end in those]
+        assert [min(end, found.time[-1]) for _, end in one] == pytest.approx(ends, abs=1e-3)
 
 
 @pytest.mark.parametrize("method", KERNELS)

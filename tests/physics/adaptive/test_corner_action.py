@@ -1,0 +1,180 @@
+"""What is carried out at a corner, a row at a time: branches, segments of couplers, slides, and what has been passed over."""
+
+import numpy as np
+import pytest
+from softcradle.physics import Chain, Coupler, State, draft_gear, hertz, hooke
+from softcradle.physics.adaptive.corner_action import (
+    ACCELERATION,
+    VELOCITY,
+    cross,
+    decide,
+    ease,
+    open_passed,
+    settle_bead,
+)
+from softcradle.physics.adaptive.corner_search import guard_of, stays
+from softcradle.physics.adaptive.row_graphs import ORIGIN, of_segment, put_segment
+from softcradle.physics.adaptive.step_records import WORK_ROWS, Bounds, Regime, empty_scratch
+from softcradle.physics.kernel_records import chain_and_regime, empty_log, motion_record
+from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING, ChainData, Motion
+
+from tests.helpers.given_steps import H, Step
+from tests.helpers.plain_kernels import only_plain
+
+pytestmark = only_plain
+BOUNDS = Bounds(1e-9, 1e-10, 1e-11)
+GEAR = draft_gear(2.0, 0.4)  # it touches with up to 0.8 N
+COUPLER = Coupler(hooke(50.0, loss=0.3), pull=hooke(80.0, loss=0.5), slack=0.1, travel=0.05, stop=1e3)
+SOLID_PULL, PULL, PUSH, SOLID_PUSH = range(4)  # its segments
+
+
+class Rows:
+    """A chain at rest on its corners, as the kernels see it."""
+
+    def __init__(self, chain, velocity=None):
+        n = chain.contacts
+        self.state = State.at_start(chain, np.zeros(n + 1) if velocity is None else velocity)
+        data, regime = chain_and_regime(chain, self.state)
+        self.chain, self.regime = ChainData(*data), Regime(*regime)
+        self.motion = Motion(*motion_record(self.state, np.zeros(n, dtype=np.int8), np.zeros(n, dtype=np.int8)))
+        self.scratch, self.log = empty_scratch(n), empty_log(n, 16)
+
+    def decide(self):
+        decide(-1, self.chain, self.regime, self.motion, BOUNDS.slow, self.scratch)
+        return self
+
+    def cross(self, row, side):
+        cross(row, side, 0.0, self.chain, self.regime, self.motion, BOUNDS, self.scratch, self.log)
+        return self
+
+
+@pytest.mark.parametrize(
+    ("number", "then", "overlap"), [(SOLID_PUSH, PUSH, 0.05), (SOLID_PULL, PULL, -0.15), (PULL, PUSH, -0.1)]
+)
+def test_a_coupler_that_comes_out_of_a_segment_goes_to_the_end_of_the_one_before(number, then, overlap):
+    """Beside it is the way [m] of the coupler from where it pushes: it has not moved."""
+    rows = Rows(Chain([1.0, 1.0], COUPLER))
+    put_segment(0, number, rows.regime, rows.motion)
+    rows.motion.overlap[0], rows.motion.mode[0] = 0.0, TOUCHING
+    ease(0, rows.regime, rows.motion)
+    assert rows.regime.segment[0] == then
+    assert rows.motion.overlap[0] + of_segment(rows.regime, 0, ORIGIN) == pytest.approx(overlap, abs=1e-15)
+    assert rows.motion.mode[0] == (OPEN if number == PULL else LOADED)
+    assert rows.regime.easing[0] == (number != PULL)
+
+
+@pytest.mark.parametrize(("acceleration", "slide"), [(0.5, 1), (-0.5, -1), (1e-9, 1), (-1e-9, -1), (0.0, 0)])
+@pytest.mark.parametrize("bead", [0, 1, 2])
+def test_a_bead_at_rest_slides_where_it_is_accelerated_and_else_has_no_velocity(acceleration, slide, bead):
+    velocity = np.array([0.3, -0.2, 0.1])
+    rows = Rows(Chain([1.0, 2.0, 1.0], hertz(1.0), gap=0.1, friction=0.1), velocity)
+    rows.scratch.work[ACCELERATION, bead], rows.scratch.work[VELOCITY] = acceleration, velocity
+    settle_bead(bead, rows.chain, rows.regime, rows.motion, rows.scratch.work)
+    wanted = np.where((np.arange(3) == bead) & (slide == 0), 0.0, velocity)
+    assert rows.regime.slide[bead] == slide
+    assert rows.state.velocity(Chain([1.0, 2.0, 1.0], hertz(1.0))) == pytest.approx(wanted, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("push", "side", "mode"), [(0.8, 1, LOADED), (0.0, 0, OPEN)], ids=["at the most it carries", "at no force"]
+)
+def test_a_contact_that_is_still_held_at_its_bound_gives_way(push, side, mode):
+    """To the last digit nothing accelerates it, so it would be held for ever."""
+    rows = Rows(Chain([1.0, np.inf], GEAR, drive=[push, 0.0])).decide()
+    assert rows.motion.mode[0] == TOUCHING
+    assert rows.motion.force[0] == pytest.approx(push)
+    rows.cross(0, side)
+    assert rows.motion.mode[0] == mode
+    assert rows.motion.overlap[0] == 0.0
+
+
+@pytest.mark.parametrize("bead", [0, 1])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_bead_that_needs_all_its_friction_slides_where_it_is_pushed(bead, sign):
+    chain = Chain([1.0, 2.0], hertz(1.0), gap=1.0, friction=0.1)
+    drive = np.zeros(2)
+    drive[bead] = sign * chain.bed[bead] * chain.mass[bead]
+    rows = Rows(Chain(chain.mass, hertz(1.0), gap=1.0, friction=0.1, drive=drive)).decide()
+    assert rows.regime.slide.tolist() == [0, 0]
+    rows.cross(1 + bead, 1 if sign > 0 else 0)
+    assert rows.regime.slide.tolist() == [sign if j == bead else 0 for j in (0, 1)]
+
+
+def test_a_smooth_contact_with_loss_that_just_touches_is_pressed_by_no_force():
+    rows = Rows(Chain([1.0, 1.0], hertz(1.0, loss=0.3))).decide()
+    assert rows.motion.mode[0] == LOADED
+    assert rows.motion.force[0] == rows.regime.easing[0] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("mode", "overlap", "rate", "then", "at"),
+    [
+        (LOADED, -1e-12, -1e-3, OPEN, -1e-12),  # it opens
+        (LOADED, -1e-12, -1e-11, LOADED, 0.0),  # too slow to count, between contacts that push
+        (OPEN, 1e-12, 1e-3, LOADED, 1e-12),  # its event was not met
+        (OPEN, -1e-12, 1e-3, OPEN, -1e-12),
+        (TOUCHING, 0.0, 0.0, TOUCHING, 0.0),
+    ],
+)
+def test_contacts_that_a_step_has_carried_past_their_corner(mode, overlap, rate, then, at):
+    rows = Rows(Chain([1.0] * 4, hertz(1.0)))
+    motion = rows.motion
+    motion.mode[:], motion.overlap[:], motion.force[:] = LOADED, 0.5, 0.3
+    motion.mode[1], motion.overlap[1], motion.rate[1] = mode, overlap, rate
+    motion.force[1] = 0.0
+    passed = open_passed(-1, rows.chain, rows.regime, motion, BOUNDS.slow)
+    assert passed == (mode == LOADED)
+    assert motion.mode.tolist() == [LOADED, then, LOADED]
+    assert motion.overlap.tolist() == [0.5, at, 0.5]
+    assert motion.rate[1] == (0.0 if then == LOADED and mode == LOADED else rate)
+
+
+@pytest.mark.parametrize(("force", "found"), [([0.3], True), ([0.1, 0.7], True), ([0.5], False), ([0.3, -1.0], False)])
+def test_a_multiplier_well_within_its_range_needs_no_guard(force, found):
+    """It is looked at only in the half of the range, 0 to 0.8 N here, from which it yields, or where it may open."""
+    step = Step(Chain([1.0, np.inf], GEAR), [0.0, 0.0], [0.0], [TOUCHING], [force])
+    assert stays(0, H, step.data, step.regime, step.motion, step.trial, 0.0, 0.0) == found
+
+
+def test_a_contact_that_begins_to_leave_by_round_off_begins_at_rest():
+    """At d = 0 and a rate of 1e-12 inward the guard of an open contact begins with slope 0, not with one of its own."""
+    step = Step(Chain([1.0, np.inf], hertz(1.0)), [1e-12, 0.0], [0.0], [OPEN], [0.0])
+    given = H, step.data, step.regime, step.motion, step.trial
+    assert guard_of(0, 0, *given, 1e-10, np.zeros((WORK_ROWS, 2)))[:3] == (0.0, 0.0, 0.0)
+    assert guard_of(0, 0, *given, 0.0, np.zeros((WORK_ROWS, 2)))[1] == pytest.approx(-1e-12 * H / 5.0)
+
+
+@pytest.mark.parametrize(
+    ("pull", "side", "then"), [(0.8, 0, (LOADED, PULL, -0.8)), (0.0, 1, (OPEN, PUSH, 0.0))], ids=["yields", "lets go"]
+)
+def test_a_pulling_gear_that_is_still_held_at_its_bound_gives_way(pull, side, then):
+    """Between pulling with up to 0.8 N and nothing; a contact that pulls lies the other way round."""
+    gear = Coupler(hooke(50.0), pull=GEAR, slack=0.1, travel=0.05, stop=1e3)
+    rows = Rows(Chain([1.0, np.inf], gear, gap=0.1, drive=[-pull, 0.0]))
+    put_segment(0, PULL, rows.regime, rows.motion)
+    rows.motion.overlap[0] = 0.0
+    rows.decide()
+    assert rows.motion.mode[0] == TOUCHING
+    assert rows.motion.force[0] == pytest.approx(-pull)
+    rows.cross(0, side)
+    mode, number, force = then
+    assert (rows.motion.mode[0], rows.regime.segment[0]) == (mode, number)
+    assert rows.motion.force[0] == pytest.approx(force)
+
+
+@pytest.mark.parametrize(
+    ("overlap", "rate", "found"),
+    [
+        ((1e-9, 2e-9, 3e-9), 0.5, True),
+        ((1e-9, 2e-9, 3e-9), -0.5, False),
+        ((-1e-9, 2e-9, 3e-9), 0.5, False),
+        ((2e-9, 1e-9, 3e-9), 0.5, False),
+        ((1e-9, 3e-9, 2e-9), 0.5, False),
+        ((-1e-19, 1e-19, -1e-19), -1e-12, True),  # no more than round-off
+    ],
+)
+def test_what_is_handed_on_to_a_contact_at_rest_begins_with_any_power_of_time(overlap, rate, found):
+    """Loaded, at d = 0 and no rate: pressed in all along, it leaves its branch nowhere, whatever a polynomial says."""
+    step = Step(Chain([1.0, 1.0], hertz(1.0)), [0.0, 0.0], [0.0], [LOADED], [0.0])
+    step.trial.overlap[:, 0], step.trial.rate[2, 0] = overlap, rate
+    assert stays(0, H, step.data, step.regime, step.motion, step.trial, 0.0, 1e-11) == found
