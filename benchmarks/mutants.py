@@ -110,7 +110,7 @@ def row(room: str, folder: Path, count: int, seed: int) -> list[str]:
             init(map(Path, sources), work, {})
             _draw(work, count, seed)
         os.environ |= {"NUMBA_DISABLE_JIT": "1", "PYTEST_ADDOPTS": "", "PYTHONPATH": str(tree)}
-        command = f"{sys.executable} {PYTEST} {' '.join(tests)}"
+        command = f"exec {sys.executable} {PYTEST} {' '.join(tests)}"
         subprocess.run(command, shell=True, check=True, stdout=subprocess.DEVNULL)  # they pass on what is not changed
         execute(work, ConfigDict({"test-command": command, "timeout": PATIENCE, "distributor": {"name": "local"}}))
         found = [result for _, result in work.results if result.worker_outcome == WorkerOutcome.NORMAL]

@@ -113,7 +113,7 @@ def confirmed(problem: Problem, record: Record) -> Record:
     promised = PROMISED * max(problem.tolerance, LEAST_PROMISED) * scale_of(problem)
     if coarser.warnings or record.steps > ALIKE * coarser.steps or not apart.max() <= 0.5 * promised:
         return _with_cost_of(_finer(problem, record), coarser)
-    return replace(_with_cost_of(record, coarser), velocity_error=DOUBT * apart + _error_anyway(record))
+    return replace(_with_cost_of(record, coarser), velocity_error=_error_of(apart) + _error_anyway(record))
 
 
 def _finer(problem: Problem, record: Record) -> Record:
@@ -131,7 +131,7 @@ def _finer(problem: Problem, record: Record) -> Record:
         budget = min(int(FINER * (record.steps + STEPS_A_CONTACT)), usual)
         finer = to_its_end(replace(_shaken_run(problem, tolerance, runs), budget=budget))
         apart = np.abs(finer.end.velocity(problem.chain) - record.end.velocity(problem.chain))
-        error, agrees = DOUBT * apart + _error_anyway(finer), apart.max() <= allowed
+        error, agrees = _error_of(apart) + _error_anyway(finer), apart.max() <= allowed
         if finer.status == Status.UNDETERMINED:
             return replace(_with_cost_of(record, finer), status=Status.UNDETERMINED, velocity_error=error)
         confirming = confirming + 1 if agrees and finer.steps <= ALIKE**2 * steps else 0
@@ -152,6 +152,12 @@ def _agrees_by_chance(record: Record, coarser: float, problem: Problem) -> bool:
     return record.growth > MOST_TRUSTED or coarser * float(record.velocity_error.max()) > MOST_STATED * scale_of(
         problem
     )
+
+
+def _error_of(apart: Array) -> Array:
+    """What runs state that end `apart` (n+1,) [m/s]: that of one bead may be small by chance, where those of others are not."""
+    error: Array = np.maximum(DOUBT * apart, apart.max())
+    return error
 
 
 def _error_anyway(record: Record) -> Array:
@@ -225,8 +231,7 @@ def _finished(problem: Problem, given_up: Record) -> Record:
     with ThreadPoolExecutor(min(len(PARTS), os.cpu_count() or 1)) as threads:
         ends = list(threads.map(lambda part: _run_on(problem, start, part * step, None, NO_TIMES), PARTS))
     velocities = np.array([end.end.velocity(problem.chain) for end in ends])
-    spread = np.ptp(velocities, axis=0)  # that of one bead may be small by chance, where those of others are not
-    error = _error_anyway(given_up) + np.maximum(DOUBT * spread, spread.max())
+    error = _error_anyway(given_up) + _error_of(np.ptp(velocities, axis=0))
     times, last = problem.sample_times(ends[-1].end.time), ends[-1]
     early, late = times[times <= start.time], times[times > start.time]
     if (late < last.end.time).any():
