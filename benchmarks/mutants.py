@@ -100,7 +100,7 @@ def row(room: str, folder: Path, count: int, seed: int) -> list[str]:
     from cosmic_ray.commands import execute, init
     from cosmic_ray.config import ConfigDict
     from cosmic_ray.work_db import use_db
-    from cosmic_ray.work_item import WorkerOutcome
+    from cosmic_ray.work_item import TestOutcome, WorkerOutcome
 
     sources, tests = ROOMS[room]
     tree, session = folder / room / "tree", folder / f"{room}-{count}-{seed}.sqlite"
@@ -110,11 +110,12 @@ def row(room: str, folder: Path, count: int, seed: int) -> list[str]:
             init(map(Path, sources), work, {})
             _draw(work, count, seed)
         os.environ |= {"NUMBA_DISABLE_JIT": "1", "PYTEST_ADDOPTS": "", "PYTHONPATH": str(tree)}
-        command = f"exec {sys.executable} {PYTEST} {' '.join(tests)}"
+        command = f"{sys.executable} {PYTEST} {' '.join(tests)}"
         subprocess.run(command, shell=True, check=True, stdout=subprocess.DEVNULL)  # they pass on what is not changed
         execute(work, ConfigDict({"test-command": command, "timeout": PATIENCE, "distributor": {"name": "local"}}))
-        found = [result for _, result in work.results if result.worker_outcome == WorkerOutcome.NORMAL]
-    killed = sum(result.is_killed for result in found)
+        results = [result.test_outcome for _, result in work.results if result.worker_outcome == WorkerOutcome.NORMAL]
+    found = [outcome for outcome in results if outcome != TestOutcome.INCOMPETENT]  # of others no test ran
+    killed = sum(outcome == TestOutcome.KILLED for outcome in found)
     listed = ", ".join(f"`{source}`" for source in sources)
     return [room, listed, str(len(found)), str(killed), f"{100.0 * killed / max(1, len(found)):.0f} %"]
 
