@@ -66,9 +66,8 @@ ROOMS = {  # sources, and the arguments of pytest that choose their tests
 LEFT_OUT = (
     r"core/(RemoveDecorator|ExceptionReplacer|.*_(BitOr|BitAnd|BitXor|LShift|RShift|FloorDiv|Mod|Pow|Invert|Is|IsNot))$"
 )
-PATIENCE = (
-    120.0  # s that the tests of a mutant may take: those of a room take ten as it is, the double beside other work
-)
+# s that the tests of a mutant may take: those of a room take ten as it is, the double beside other work
+PATIENCE = 120.0
 PYTEST = "-m pytest -x -q -n 0 -p no:cacheprovider -m 'not slow'"
 
 

@@ -56,14 +56,14 @@ SQUARE_INVERSE = exact_product(INVERSE, INVERSE)
 GAMMA = 1.0 / 3.637834252744496  # the one real eigenvalue of the inverse is 3 + 9**(1/3) - 3**(1/3)
 EMBEDDED = GAMMA / 3.0 * np.array([-13.0 - 7.0 * ROOT6, -13.0 + 7.0 * ROOT6, -1.0])  # Hairer & Wanner, IV.8
 _COARSE = np.array([0.0, 0.5 / (1.0 - NODES[1]), (0.5 - NODES[1]) / (1.0 - NODES[1])])  # quadrature of two nodes
-SHORT = 1.0 / 32.0  # an exponent up to which seven terms of the series are as good as all
 COARSE = exact_product(TABLEAU[2] - _COARSE, INVERSE)  # its error, of one order less than the embedded one
+SHORT_EXPONENT = 1.0 / 32.0  # an exponent up to which seven terms of the series are as good as all
 
 
 @inlined
 def log_grown(x):
     """ln(1 + x), of no less than ROUND_OFF, for a guess: most contacts hardly change in most steps."""
-    if abs(x) < SHORT:
+    if abs(x) < SHORT_EXPONENT:
         return x * (1.0 - x * (1.0 / 2.0 - x * (1.0 / 3.0 - x * (1.0 / 4.0))))
     return log(max(1.0 + x, ROUND_OFF))
 
@@ -71,7 +71,7 @@ def log_grown(x):
 @inlined
 def exp_near(x):
     """e**x; where x is short its series gives all digits."""
-    if abs(x) < SHORT:
+    if abs(x) < SHORT_EXPONENT:
         fourth = x * (1.0 / 24.0 + x * (1.0 / 120.0 + x * (1.0 / 720.0 + x * (1.0 / 5040.0))))
         return 1.0 + x * (1.0 + x * (1.0 / 2.0 + x * (1.0 / 6.0 + fourth)))
     return exp(x)

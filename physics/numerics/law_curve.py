@@ -16,13 +16,15 @@ import math
 import numpy as np
 from softcradle.physics.numerics.elementary import power
 from softcradle.physics.numerics.jit import inlined, jit
-from softcradle.physics.numerics.own_contacts import own_force, own_inverse, own_slope
+from softcradle.physics.numerics.own_contacts import number_of, own_force, own_inverse, own_slope
 
 ROOT6 = math.sqrt(6.0)
 NODES = np.array([(4.0 - ROOT6) / 10.0, (4.0 + ROOT6) / 10.0, 1.0])  # of Radau IIA with three stages
 MOST_CARE = 1e4  # largest weight of the error of a soft contact that oscillates many times
 SMALLEST = 1e-290  # an overlap below is zero: the contact then is vertical, whatever its law
-SHORT = 5e-4  # of an overlap: over so short a way four terms of the binomial series are a power law to the last digit
+SHORT_MOVE = (
+    5e-4  # of an overlap: over so short a way four terms of the binomial series are a power law to the last digit
+)
 BEFORE, STOP, LAW_SIDE = 3, 4, 5  # columns of a law with segments, after preload, stiffness, exponent
 
 
@@ -74,12 +76,6 @@ def depth_at(preload, stiffness, exponent, energy):
     if stiffness > 0.0:
         depth = min(depth, power((1.0 + exponent) * energy / stiffness, 1.0 / (1.0 + exponent)))
     return depth
-
-
-@inlined
-def has_table(own, i):
-    """Whether contact i has a law of its own."""
-    return own is not None and own.number[i] >= 0
 
 
 @inlined
@@ -194,7 +190,7 @@ def own_signed_force(law, own, i, overlap):
 
 @inlined
 def short_growth(x, exponent):
-    """(1 + x)**a - 1 for abs(x) < SHORT."""
+    """(1 + x)**a - 1 for abs(x) < SHORT_MOVE."""
     a = exponent
     return a * x * (1.0 + (a - 1.0) * x * (1.0 / 2.0 + (a - 2.0) * x * (1.0 / 6.0 + (a - 3.0) * x * (1.0 / 24.0))))
 
@@ -206,10 +202,9 @@ def move_along(law, own, i, weight, overlap, force, by_overlap, by_force):
     Away from 0 in force too as long as d stays small against `weight` f, what the force moves in the step (h² L_ii).
     """
     preload, exponent = law[i, 0], law[i, 2]
-    soft = (
-        exponent < 1.0 and preload == 0.0 and not has_table(own, i)
-    )  # beside a preload digits of the rest would be lost
-    if soft and by_overlap != 0.0 and abs(by_overlap) < SHORT * overlap:
+    # beside a preload the last digits of the rest would be lost
+    soft = exponent < 1.0 and preload == 0.0 and number_of(own, i) < 0
+    if soft and by_overlap != 0.0 and abs(by_overlap) < SHORT_MOVE * overlap:
         return overlap + by_overlap, force + force * short_growth(by_overlap / overlap, exponent)
     continued = is_continued(law, i)
     excess = force + by_force - preload
@@ -219,9 +214,8 @@ def move_along(law, own, i, weight, overlap, force, by_overlap, by_force):
             return reach, preload + excess
     if exponent < 1.0 and by_overlap < 0.0 and overlap > 0.0:
         slope = 1.0 + weight * local_exponent(law, own, i, overlap, force) * (force - preload) / overlap
-        if (
-            slope < 2.0 and preload > 0.0
-        ):  # far to the right of the solution: d + weight K d**a = rest bounds both terms
+        # far to the right of the solution: d + weight K d**a = rest bounds both terms
+        if slope < 2.0 and preload > 0.0:
             rest = overlap + weight * (force - preload) + slope * by_overlap
             if rest > 0.0:
                 reach = curve_overlap(law, own, i, rest, weight)
