@@ -5,13 +5,12 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import hertz, simulate
-from softcradle.sandbox.session import Session, inputs
+from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.contact_events import contact_events
 from softcradle.sandbox.session.frame_history import BLOCK_ROWS
 from softcradle.sandbox.session.history_slices import history_slices, last_slice, slice_at
 from softcradle.sandbox.session.ledger import KINETIC, STORED, energy_error
 
-from softcradle import scenes
 from tests.helpers.sessions import opened
 
 FRAMES = BLOCK_ROWS + 300
@@ -31,12 +30,10 @@ def test_frame_at_finds_the_nearest_frame():
 
 def test_memory_is_bounded_and_the_oldest_is_dropped():
     bound = 600_000
-    session = Session(scenes.load("beads-against-gear"), memory=bound)
-    largest = 0
+    session = opened("beads-against-gear", memory=bound)
     for _ in range(60):
         session.step_frames(100)
-        largest = max(largest, session.history.memory)
-    assert largest < bound + session.history.blocks[-1].memory
+        assert session.history.memory < bound + session.history.blocks[-1].memory
     assert session.history.memory > 0.5 * bound
     assert session.history.first > 0
     assert session.span[0] > 0.0
@@ -91,8 +88,7 @@ def test_slices_are_the_frames_one_by_one(edited):
     last = edited.frame
     slices = edited.history_slices(0, 10_000)
     assert sum(len(part.time) for part in slices) == last + 1
-    rng = np.random.default_rng(1)
-    for frame in sorted({*rng.integers(0, last, 60).tolist(), 99, 100, 101, 300, last}):
+    for frame in {*np.random.default_rng(1).integers(0, last, 60).tolist(), 99, 100, 101, 300, last}:
         edited.scrub_frame(frame)
         part = next(part for part in reversed(slices) if part.first <= frame)
         lane, row = edited.lanes[0], frame - part.first
@@ -101,8 +97,7 @@ def test_slices_are_the_frames_one_by_one(edited):
         assert (lane.state.overlap == part.overlap[row]).all()
         assert part.position[row] == pytest.approx(lane.position, abs=1e-15)
         assert part.velocity[row] == pytest.approx(lane.velocity, abs=1e-15)
-        kinetic = 0.5 * np.array(lane.chain.mass) * lane.velocity**2
-        assert part.kinetic[row] == pytest.approx(kinetic, rel=1e-12)
+        assert part.kinetic[row] == pytest.approx(0.5 * np.array(lane.chain.mass) * lane.velocity**2, rel=1e-12)
         stored = sum(c.energy(d) for c, d in zip(lane.chain.contact, lane.state.overlap, strict=True))
         assert part.stored[row] == pytest.approx(stored, rel=1e-12)
         assert part.energy[row] == pytest.approx(part.ledger[row, [KINETIC, STORED]].sum(), rel=1e-12)
@@ -128,11 +123,9 @@ def test_slices_are_thinned_and_follow_changes_of_the_number_of_beads():
     session.step_frames(700)
     session.apply(inputs.AddBead(0, 5, 1.0))
     session.step_frames(50)
-    whole = list(history_slices(session.history, 0, 0, session.history.last, 10**6))
-    assert sum(len(part.time) for part in whole) == session.history.last + 1
-    assert {part.velocity.shape[1] for part in whole} == {5, 6}
     thin = list(history_slices(session.history, 0, 0, session.history.last, 100))
     assert 90 <= sum(len(part.time) for part in thin) <= 200
+    assert {part.velocity.shape[1] for part in thin} == {5, 6}
     taken = {float(time) for part in thin for time in part.time}
     for first, last, most in ((0, 330, 50), (17, 680, 99), (301, 699, 60)):
         pieces = history_slices(session.history, 0, first, last, most)
@@ -186,17 +179,10 @@ def test_a_contact_that_an_edit_opens_does_so_at_its_frame():
     assert [column[-1] for column in session.contact_events()] == [session.time, 300, 0, 0, False, 0.0]
 
 
-def events_anew(session):
-    for block in session.history.blocks:
-        block._found.clear()
-    return contact_events(session.history)
-
-
 def test_contact_events_read_all_along_are_those_found_at_the_end():
-    session = Session(scenes.load("hertz-cradle"), memory=700_000)
-    walls = [inputs.SetMass(0, bead, math.inf) for bead in (0, 4)]
-    for edit in (*walls, inputs.SetSlow(1.0), inputs.SetVelocity(0, None, 0.0), inputs.SetVelocity(0, 2, 1.0)):
-        session.apply(edit)
+    edits = [inputs.SetMass(0, 0, math.inf), inputs.SetMass(0, 4, math.inf), inputs.SetSlow(1.0)]
+    edits += [inputs.SetVelocity(0, None, 0.0), inputs.SetVelocity(0, 2, 1.0)]
+    session = opened("hertz-cradle", *edits, memory=700_000)
     for k in range(25):
         session.step_frames(190)
         session.contact_events()
@@ -204,7 +190,9 @@ def test_contact_events_read_all_along_are_those_found_at_the_end():
             session.scrub_frame(session.history.last - 300)
             session.apply(inputs.SetVelocity(0, 1 + k % 3, 1.5))
     assert session.history.first > 0
-    known_events, fresh = session.contact_events(), events_anew(session)
-    assert len(fresh.time) > 20
-    for known, found in zip(known_events, fresh, strict=True):
-        assert (known == found).all()
+    known = session.contact_events()
+    for block in session.history.blocks:
+        block._found.clear()
+    anew = contact_events(session.history)
+    assert len(anew.time) > 20
+    np.testing.assert_array_equal(known, anew)

@@ -1,6 +1,7 @@
 """Recordings: a replay has the digits of the session, or tells the first frame that differs."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -8,12 +9,12 @@ from softcradle.sandbox.session import Drag, Replay, SetMass, SetMethod, SetSlow
 from softcradle.sandbox.session.inputs import INPUTS
 from softcradle.sandbox.user_error import UserError
 
-from tests.helpers.sessions import opened
+from tests.helpers.sessions import frame_table, opened
 
 
-def played(name="one-on-four", method="auto"):
+def played(method="auto"):
     """A session with edits, a drag, a branch and a slow motion that changes."""
-    session = opened(name, SetMethod(None, method))
+    session = opened("one-on-four", SetMethod(None, method))
     session.play()
     for k in range(40):
         session.tick(1 / 60)
@@ -31,30 +32,26 @@ def played(name="one-on-four", method="auto"):
     return session
 
 
-def tampered(path, **changes):
+def metadata_of(path):
     with np.load(path) as file:
-        metadata, hashes = json.loads(str(file["metadata"])), file["hashes"]
-    metadata |= {key: value for key, value in changes.items() if key != "hashes"}
-    np.savez(path, metadata=np.array(json.dumps(metadata)), hashes=changes.get("hashes", hashes))
+        return json.loads(str(file["metadata"]))
 
 
 @pytest.mark.parametrize("method", ["auto", "verlet", "pymunk"])
 def test_a_replay_has_the_same_digits(tmp_path, method):
-    session = played(method=method)
+    session = played(method)
     session.save_recording(tmp_path / "played.npz")
     replay = Replay.load(tmp_path / "played.npz")
     assert replay.run()
     assert replay.session.frame == session.frame
-    assert (replay.session.lanes[0].state.overlap == session.lanes[0].state.overlap).all()
-    assert replay.session.setup == session.setup
+    assert frame_table(replay.session) == frame_table(session)
     assert "agrees" in replay.sentence
 
 
 def test_the_names_in_a_recording_stay_those_of_earlier_versions(tmp_path):
     """Classes and attributes may get other names; what is in the files that people have must not."""
     played().save_recording(tmp_path / "played.npz")
-    with np.load(tmp_path / "played.npz") as file:
-        metadata = json.loads(str(file["metadata"]))
+    metadata = metadata_of(tmp_path / "played.npz")
     assert set(metadata) == {"softcradle recording", "versions", "scene", "frame", "base", "inputs"}
     base = metadata["base"]
     assert set(base) == {"time", "slow", "hand", "lanes", "states", "ledgers"}
@@ -73,18 +70,15 @@ def test_the_names_in_a_recording_stay_those_of_earlier_versions(tmp_path):
 @pytest.mark.parametrize("part", [0.0, 0.3, 1.0])
 def test_diverged_names_the_first_frame_that_differs(tmp_path, part):
     """How many frames were played depends on the clock: on a loaded machine they are fewer."""
-    path = tmp_path / "played.npz"
     session = played()
-    session.save_recording(path)
-    hashes = np.array(session.recording.hashes)
-    frame = 1 + round(part * (hashes.size - 1))
-    hashes[frame - 1] ^= np.uint64(1)
-    tampered(path, hashes=hashes)
-    replay = Replay.load(path)
+    hashes = session.recording.hashes
+    frame = 1 + round(part * (len(hashes) - 1))
+    hashes[frame - 1] ^= 1
+    session.save_recording(tmp_path / "played.npz")
+    replay = Replay.load(tmp_path / "played.npz")
     assert not replay.run()
     assert replay.diverged == frame
-    assert "DIVERGED" in replay.sentence
-    assert str(frame) in replay.sentence
+    assert re.search(rf"DIVERGED.*\b{frame}\b", replay.sentence)
 
 
 def test_only_the_last_pointer_position_of_a_frame_is_recorded():
@@ -127,9 +121,9 @@ def test_a_full_recording_begins_anew_and_still_replays(tmp_path, monkeypatch):
     ],
 )
 def test_a_file_that_is_no_recording_is_refused_in_a_sentence(tmp_path, changes, sentence):
-    path = tmp_path / "bad.npz"
-    played().save_recording(path)
-    tampered(path, **changes)
+    session, path = opened(), tmp_path / "bad.npz"
+    session.save_recording(path)
+    np.savez(path, metadata=json.dumps(metadata_of(path) | changes), hashes=session.recording.hashes)
     with pytest.raises(UserError, match=sentence):
         Replay.load(path)
 

@@ -1,4 +1,4 @@
-"""Sessions: time, history, branches, the pointer spring. What is shown is the result of the physics."""
+"""Sessions: time, history, branches, the pointer spring, what is told in words; what is shown is the result of the physics."""
 
 import re
 
@@ -8,13 +8,13 @@ from softcradle.physics import simulate
 from softcradle.sandbox.scene_runs import run_scene
 from softcradle.sandbox.session import RemoveBead, SetMass, SetMethod, SetSlow, SetVelocity, live_lane
 from softcradle.sandbox.session.history_slices import last_slice
-from softcradle.sandbox.session.inputs import Resume
 from softcradle.sandbox.session.lane_setup import FRAME_RATE
+from softcradle.sandbox.session.snapshots import snapshot_table
 from softcradle.sandbox.session.summary_text import summary_text
 from softcradle.sandbox.trajectory_summary import describe
 
 from softcradle import scenes
-from tests.helpers.sessions import EVERY_SCENE, opened
+from tests.helpers.sessions import EVERY_SCENE, frame_table, opened
 
 PICTURE = 2.0 / FRAME_RATE
 
@@ -24,34 +24,18 @@ def played(session, frames):
     return session
 
 
-def digits(session):
-    """All that changes in a frame, to be compared exactly."""
-    return [
-        array.tolist()
-        for lane in session.lanes
-        for array in (lane.state.overlap, lane.state.rate, lane.state.anchor, lane.state.force, lane.ledger)
-    ]
-
-
-# contacts of a chain with loss or friction that the reference follows in seconds: trains take it minutes
-MOST_BY_REFERENCE = 5
-
-
 @pytest.mark.filterwarnings("ignore:final velocities are determined")  # of the train with loss, to 1e-3 m/s
 @pytest.mark.parametrize("name", EVERY_SCENE)
 def test_a_played_scene_ends_with_the_velocities_of_the_reference(name):
     session = opened(name)
-    first = session.scene.lanes[0]
-    chain = first.chain()
-    long = chain.dissipative and chain.contacts > MOST_BY_REFERENCE
-    method = "accurate" if long else "scipy"
+    chain, velocity = session.scene.lanes[0].chain(), session.scene.lanes[0].velocity
+    method = "accurate" if chain.dissipative and chain.contacts > 5 else "scipy"  # which follows trains for minutes
     fine = {"method": "conserving", "step": 2e-5} if chain.couplers else {"method": method, "tolerance": 1e-4}
-    until = session.scene.duration  # given for a driven scene, whose beads may never separate
-    if until is None:
-        until = simulate(first.chain(), first.velocity, **fine, samples=2).time[-1]
+    # the duration is given for a driven scene, whose beads may never separate
+    until = session.scene.duration or simulate(chain, velocity, **fine, samples=2).time[-1]
     while session.time < until + 1e-9:
         session.step_frames(20)
-    end = simulate(first.chain(), first.velocity, session.time, **fine, samples=2)
+    end = simulate(chain, velocity, session.time, **fine, samples=2)
     error = np.abs(session.lanes[0].velocity - end.final_velocity).max()
     assert error < 1e-3 * session.setup.lanes[0].speed
 
@@ -97,12 +81,12 @@ def test_late_physics_slows_the_clock_and_is_reported():
 
 def test_frames_back_and_forward_show_the_same_digits_and_scrubbing_the_nearest_frame():
     session = played(opened(), 300)
-    here = digits(session)
+    here = frame_table(session)
     session.step_frames(-120)
     assert session.frame == 180
     assert session.scrubbed
     session.step_frames(120)
-    assert digits(session) == here
+    assert frame_table(session) == here
     session.step_frames(-1000)
     assert (session.frame, session.time) == (0, 0.0)
     session.play()
@@ -115,26 +99,17 @@ def test_frames_back_and_forward_show_the_same_digits_and_scrubbing_the_nearest_
         assert session.time == session.span[end]
 
 
-def test_playing_on_from_a_scrubbed_frame_is_a_new_branch_with_the_same_digits():
-    session = played(opened(), 400)
-    here = digits(session)
-    session.scrub_frame(150)
+@pytest.mark.parametrize(("name", "frame", "last"), [("one-on-four", 150, 400), ("experiment-two-on-two", 20, 60)])
+def test_playing_on_from_a_scrubbed_frame_is_a_new_branch_with_the_same_digits(name, frame, last):
+    """What the bed had taken once had another last digit in its ledger."""
+    session = played(opened(name), last)
+    before = [snapshot_table(session.history.snapshot(k)) for k in range(last + 1)]
+    session.scrub_frame(frame)
     session.play()
     session.tick(PICTURE)
-    assert session.history.last == 152
-    session.step_frames(400 - 152)
-    assert digits(session) == here
-
-
-def test_what_the_bed_takes_in_a_frame_has_the_same_digits_wherever_it_is_played_on_from():
-    """A recording of a session that was wound back once had another last digit in its ledger."""
-    session = opened("experiment-two-on-two")
-    session.step_frames(60)
-    ledgers = [session.history.snapshot(frame).ledgers[0] for frame in range(61)]
-    session.scrub_frame(20)
-    session.apply(Resume())
-    session.step_frames(40)
-    assert all((session.history.snapshot(k).ledgers[0] == ledgers[k]).all() for k in range(61))
+    assert session.history.last == frame + 2
+    session.step_frames(last - session.frame)
+    assert [snapshot_table(session.history.snapshot(k)) for k in range(last + 1)] == before
 
 
 def test_an_edit_of_a_scrubbed_frame_drops_the_later_ones():
@@ -221,24 +196,20 @@ def test_an_impact_is_given_once():
     assert session.impacts == ()
 
 
-FRAMES = 6
-
-
 @pytest.mark.parametrize("scene", ["train-solid", "train-shunting", "train-starting"])
 def test_the_reference_plays_trains(scene):
     """Frames of trains took it seconds, and more than it may."""
     session = opened(scene, SetMethod(None, "scipy"))
-    for _ in range(FRAMES):
+    for _ in range(6):
         session.step_frames(1)
         assert not any(lane.warning for lane in session.lanes)
 
 
-def test_the_reference_takes_a_bounded_work_in_a_frame(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_reference_takes_a_bounded_work_in_a_frame(monkeypatch):
     """What it does not finish is moved on by `conserving`, and the lane says so."""
     monkeypatch.setattr(live_lane, "REFERENCE_STEPS", 5)
-    session = opened("train-shunting", SetMethod(0, "scipy"))
-    session.step_frames(FRAMES)
-    assert session.time == pytest.approx(FRAMES * session.setup.frame_time)
+    session = played(opened("train-shunting", SetMethod(0, "scipy")), 6)
+    assert session.time == pytest.approx(6 * session.setup.frame_time)
     assert np.isfinite(session.lanes[0].velocity).all()
     assert "gave up" in session.lanes[0].warning
 
@@ -246,22 +217,17 @@ def test_the_reference_takes_a_bounded_work_in_a_frame(monkeypatch: pytest.Monke
 def test_a_collision_is_told_in_words():
     session = opened("draft-gear-one-on-three")
     assert "Bead 0 goes to the right at 0.5 metres a second. Beads 1 to 3 stand still." in summary_text(session)
-    session.step_frames(2000)
-    text = summary_text(session)
-    assert "Bead 0 hit bead 1 at " in text
-    assert "with 0.5 metres a second" in text
-    assert "No contact has been closed since " in text
+    text = summary_text(played(session, 2000))
     together = re.search(r"Beads 1 to 3 go together to the right at (.*?) metres a second\.", text)
     striker = re.search(r"Bead 0 goes to the left at (.*?) metres a second\.", text)
-    assert float(together[1]) == pytest.approx(0.25, abs=0.005)
-    assert float(striker[1]) == pytest.approx(0.25, abs=0.005)
+    assert (float(together[1]), float(striker[1])) == pytest.approx((0.25, 0.25), abs=0.005)
+    assert re.search(r"Bead 0 hit bead 1 at .* with 0\.5 metres a second", text)
+    assert "No contact has been closed since " in text
     assert "trust" not in text
 
 
 def test_lanes_are_named_and_faults_are_told():
-    session = opened("beads-against-gear", SetMethod(1, "verlet"))
-    session.step_frames(2000)
-    text = summary_text(session)
+    text = summary_text(played(opened("beads-against-gear", SetMethod(1, "verlet")), 2000))
     assert "alpha = 1/10: " in text
     assert "draft gear: " in text
     assert "Do not trust it: verlet chattered from " in text

@@ -70,15 +70,6 @@ def test_an_edited_scene_reads_back_as_the_same_session(tmp_path):
     assert session.lanes[1].velocity == pytest.approx(again.lanes[1].velocity, abs=1e-9)
 
 
-def test_a_label_says_once_that_a_lane_was_edited(tmp_path):
-    session = opened("beads-against-gear")
-    for mass in (2.0, 3.0):
-        session.apply(inputs.SetMass(0, 1, mass))
-        session.save_scene(tmp_path / "mine.toml")
-        session = opened(tmp_path / "mine.toml")
-    assert session.label(0) == f"{scenes.load('beads-against-gear').lanes[0].label}, edited"
-
-
 def test_a_scene_is_the_start_with_the_edits_and_not_the_frame_shown():
     session = opened()
     session.step_frames(300)

@@ -5,7 +5,7 @@ from softcradle.physics import power_law
 from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.undo import MOST_STEPS
 
-from tests.helpers.sessions import opened
+from tests.helpers.sessions import frame_table, opened
 
 EDITS = (
     inputs.SetMass(0, 1, 2.5), inputs.SetVelocity(0, 2, -0.5), inputs.SetContact(0, 1, power_law(2.0, 0.2)),
@@ -16,9 +16,7 @@ EDITS = (
 
 
 def picture(session):
-    snapshot = session.snapshot()
-    states = [(s.overlap.tolist(), s.rate.tolist(), s.anchor.tolist()) for s in snapshot.states]
-    return session.frame, session.history.first, session.history.last, session.setup, states
+    return session.frame, session.history.first, session.history.last, session.setup, frame_table(session)
 
 
 def test_every_edit_is_undone_and_redone_in_turn_with_the_motion_also_across_a_restart():
