@@ -9,15 +9,20 @@ from softcradle.physics import one_on, power_law, stable_step
 from softcradle.physics.advice.stability_limits import TRUSTED_ERROR
 from softcradle.physics.analysis.closed_forms import rigid_collision
 from softcradle.physics.methods import find_method
-from softcradle.physics.simulation import solve
 from softcradle.sandbox.studies.plot_style import styled
 from softcradle.sandbox.studies.stability import failure_scans, rigid_cradle
-from softcradle.sandbox.studies.stability.failure_scans import SCANS, STEPS, Failure, ScanRun, finenesses, scan_run
+from softcradle.sandbox.studies.stability.failure_scans import (
+    SCANS,
+    STEPS,
+    Failure,
+    Scan,
+    ScanRun,
+    finenesses,
+    scan_run,
+)
 from softcradle.sandbox.studies.stability.scan_maps import ORDER, draw_details, draw_overview
 
-BY_NAME = {scan.name: scan for scan in SCANS}
 EXPLICIT = ("euler", "verlet", "yoshida4")
-ADAPTIVE = ("radau", "accurate")
 
 
 def scan_runs(scan, method, steps=None):
@@ -25,10 +30,7 @@ def scan_runs(scan, method, steps=None):
 
 
 def made_run(spread, energy=0.0, switches=0, fineness=0.1, warned=True):
-    return ScanRun(
-        scan="alpha", value=1.0, method="verlet", fineness=fineness, energy=energy, final_energy=energy,
-        spread=spread, switches=switches, warned=warned, limit=0.05, allowed=TRUSTED_ERROR,
-    )  # fmt: skip
+    return ScanRun("alpha", 1.0, "verlet", fineness, energy, energy, spread, switches, warned, 0.05, TRUSTED_ERROR)
 
 
 @pytest.mark.parametrize(
@@ -49,22 +51,17 @@ def test_how_a_run_fails(run, failure):
 
 def test_verlet_on_five_very_soft_beads_fails_by_chatter_not_by_blow_up_and_warns():
     """n = 5, alpha = 0.02: no step is stable, which shows as chatter and a spread of velocities."""
-    chain, velocity = one_on(5, power_law(1.0, 0.02)), np.eye(1, 6)[0]
-    reference = solve(chain, velocity, tolerance=1e-9)
-    limit = stable_step(chain, velocity, TRUSTED_ERROR)
-    for step in (3.0 * limit, 10.0 * limit):
-        found = solve(chain, velocity, 2.0 * float(reference.time[-1]), "verlet", step=step)
-        closings = sum(map(len, found.contact_intervals))
-        spread = np.std(found.final_velocity[1:])
-        assert np.isfinite(found.final_velocity).all()
-        assert np.abs(found.kinetic_energy + found.contact_energy).max() < 2.0 * 0.5  # bounded, because the force is
-        assert closings > sum(map(len, reference.contact_intervals))
-        assert spread > 3.0 * np.std(reference.final_velocity[1:])
-        assert any(warning.code == "step-limit" for warning in found.warnings)
-    fine = solve(chain, velocity, 2.0 * float(reference.time[-1]), "verlet", step=limit / 30.0)
-    assert sum(map(len, fine.contact_intervals)) > 100  # finer steps chatter as well, and more often
-    assert any(warning.code == "chatter" for warning in fine.warnings)
-    assert np.abs(fine.final_velocity - reference.final_velocity).max() < TRUSTED_ERROR  # but each changes less
+    scan = Scan("soft", "", (5.0,), lambda n: one_on(int(n), power_law(1.0, 0.02)))
+    limit = stable_step(scan.chain(5.0), np.eye(1, 6)[0], TRUSTED_ERROR)
+    coarser, coarse, fine = (
+        scan_run(scan, 5.0, find_method("verlet"), part * limit) for part in (10.0, 3.0, 1.0 / 30.0)
+    )
+    for found in (coarser, coarse):
+        assert found.failure is Failure.CHATTER
+        assert found.energy < 1.0  # bounded, because the force is
+    assert all(found.warned for found in (coarser, coarse, fine))
+    assert fine.switches > 200  # finer steps chatter as well, and more often
+    assert math.sqrt(5.0) * fine.spread < TRUSTED_ERROR  # but each changes less, so that no bead is off
 
 
 @pytest.mark.parametrize("scan", SCANS, ids=lambda scan: scan.name)
@@ -72,8 +69,7 @@ def test_verlet_on_five_very_soft_beads_fails_by_chatter_not_by_blow_up_and_warn
 def test_inside_the_estimate_the_error_holds(scan, method):
     """Steps of a third of `stable_step` on every value of a scan: within twice the error that it was asked for.
 
-    Each of four contacts may end its chatter anywhere within that error, so together they err by twice as much in the root
-    mean square over steps; any one step among them is off by up to 2.3 (measured).
+    Each of four contacts may end its chatter anywhere within it: together they err by twice as much in the mean over steps.
     """
     for value in scan.values:
         chain = scan.chain(value)
@@ -85,26 +81,13 @@ def test_inside_the_estimate_the_error_holds(scan, method):
 
 @pytest.mark.parametrize("scan", SCANS, ids=lambda scan: scan.name)
 @pytest.mark.parametrize("method", [*EXPLICIT, "conserving"])
-def test_every_failure_of_a_fixed_step_is_warned_of(scan, method):
+def test_every_failure_of_a_fixed_step_is_warned_of_and_that_of_conserving_keeps_the_energy(scan, method):
     coarse = [step for step in STEPS if step > 0.02]
     found = [one for one in scan_runs(scan, find_method(method), coarse) if one.failure]
     assert found
     assert all(one.warned for one in found)
-
-
-@pytest.mark.parametrize("scan", SCANS, ids=lambda scan: scan.name)
-def test_conserving_keeps_its_energy_at_every_step(scan):
-    for found in scan_runs(scan, find_method("conserving"), [0.3, 0.03]):
-        assert found.final_energy < 1e-10
-        assert found.failure in {None, Failure.ERROR}  # never chatter, never blow-up
-
-
-@pytest.mark.parametrize("scan", SCANS, ids=lambda scan: scan.name)
-@pytest.mark.parametrize("method", ADAPTIVE)
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-7])
-def test_adaptive_methods_hold_a_few_times_their_tolerance(scan, method, tolerance):
-    for value in scan.values[::3]:
-        assert scan_run(scan, value, find_method(method), tolerance).failure is None
+    if method == "conserving":  # never chatter, never blow-up
+        assert all(one.failure is Failure.ERROR and one.final_energy < 1e-10 for one in found)
 
 
 def test_rigid_contacts_of_pymunk_are_no_cradle_of_soft_beads():
@@ -128,7 +111,7 @@ def test_summary_counts_failures_and_names_the_finest():
 
 @pytest.fixture
 def small_scan(monkeypatch):
-    scan = failure_scans.Scan("alpha", "exponent", (0.05, 1.0), BY_NAME["alpha"].chain)
+    scan = Scan("alpha", "exponent", (0.05, 1.0), next(one for one in SCANS if one.name == "alpha").chain)
     monkeypatch.setattr(failure_scans, "STEPS", (0.01, 0.3))
     monkeypatch.setattr(failure_scans, "TOLERANCES", (1e-3, 1e-2))
     monkeypatch.setattr(failure_scans, "SCANS", (scan,))
@@ -166,9 +149,6 @@ def test_command_writes_picture_and_numbers(small_scan, tmp_path, softcradle, mo
     found = [one for method in failure_scans.scanned_methods() for one in scan_runs(small_scan, method)]
     with (tmp_path / "x.csv").open() as file:
         rows = list(csv.DictReader(file))
-    assert [row["failure"] for row in rows] == [one.failure.value if one.failure else "" for one in found]
-    np.testing.assert_array_equal([float(row["spread"]) for row in rows], [one.spread for one in found])
-    failure_scans.write_csv(found, tmp_path / "alone.csv")
-    assert (tmp_path / "alone.csv").read_text() == (
-        tmp_path / "x.csv"
-    ).read_text()  # runs of a sweep are those of a scan
+    assert [row["failure"] for row in rows] == [one.failure or "" for one in found]
+    failure_scans.write_csv(found, tmp_path / "alone.csv")  # runs of a sweep are those of a scan
+    assert (tmp_path / "alone.csv").read_text() == (tmp_path / "x.csv").read_text()
