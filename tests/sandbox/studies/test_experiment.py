@@ -1,4 +1,4 @@
-"""The paper's experiment on its bed, the locked pistons, and the train: the fit and the scenes."""
+"""The paper's experiment on its bed, the locked pistons, and the trains: the fit and the scenes."""
 
 import json
 import math
@@ -9,8 +9,6 @@ import pytest
 from softcradle.physics import simulate
 from softcradle.sandbox.studies import experiment
 from softcradle.sandbox.studies.experiment import PISTON, PRECOMPRESSION, STIFFNESS, Apparatus, piston_deficits
-from softcradle.sandbox.studies.figures import train
-from softcradle.sandbox.studies.plot_style import styled
 
 from softcradle import scenes
 
@@ -57,14 +55,6 @@ def test_draft_gears_of_the_train_have_the_data_of_railways(name):
     peaks = found.force.max(axis=0)
     assert (np.diff(peaks[struck:]) < 0.0).all()  # the peak force falls from gear to gear along the train
     assert (np.diff([intervals[0][0] for intervals in found.contact_intervals[struck:]]) > 0.0).all()
-
-
-def test_figure_of_the_train():
-    table = train.history()
-    assert table["five on ten: force 5-6"].max() == pytest.approx(1335.0, rel=0.02)
-    assert (table["one on ten: absorbed by gears"] >= -1e-9).all()
-    with styled():
-        assert len(train.draw_history(table).axes) == 2
 
 
 def test_caught_pistons_take_energy_and_no_momentum():

@@ -3,6 +3,7 @@
 import math
 import os
 from importlib.util import find_spec
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -24,7 +25,7 @@ def test_every_method_has_a_solver(case):
     assert all(solver.steps != method.adaptive for solver, method in zip(found[:-1], METHODS, strict=True))
     assert len(our_solver(case, "verlet").starts(case, 100.0)) == measurement.START_PHASES
     assert len(our_solver(case, "radau").starts(case, 1e-3)) == 1
-    sliding = type("ChartCase", (), {"chain": Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1), friction=0.1)})()
+    sliding = SimpleNamespace(chain=Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1), friction=0.1))
     methods = {method.name for method in METHODS if method.dissipative}
     assert {solver.name for solver in measurement.our_solvers(sliding)} == {"auto", *methods}
     assert peer_solvers(sliding) == []
@@ -34,7 +35,6 @@ def test_errors_are_distances_from_the_truth_which_is_that_in_quadruple_precisio
     truth = next(truth for truth in ELASTIC if truth.name == "one on 4, alpha 1/10")
     assert (case.truth == truth.final).all()
     assert case.uncertainty == 0.0
-    assert case.error(case.truth) == 0.0
     assert case.error(case.truth + np.array([0, 0, 1e-3, 0, 0])) == pytest.approx(1e-3)
     assert case.error(np.full(5, np.nan)) == np.inf
 
@@ -99,25 +99,20 @@ def test_without_the_reference_two_ways_to_the_truth_agree(definitions):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["one-on-5", "hertz-100", "gear-above"])
 def test_every_truth_is_from_outside(definitions, name):
-    """Up to half a minute of the reference each; two of our own methods are as near as they say."""
+    """Two of our own methods are as near as they say."""
     solved, ours = definitions[name].solve(), definitions[name].solve(by_reference=False)
     assert 0.0 < solved.uncertainty < 1e-10
     assert "scipy at" in solved.source
     assert solved.error(ours.truth) < 3.0 * (ours.uncertainty + solved.uncertainty)
 
 
-def test_one_on_ten_ends_where_extended_precision_says(definitions):
-    solved = definitions["one-on-10"].solve()
-    found = simulate(solved.chain, solved.velocity, method="radau", tolerance=1e-11)
-    assert solved.error(found.final_velocity) < 3.0 * solved.uncertainty
-
-
-@pytest.mark.parametrize("name", ["gear-below", "step-force"])
-def test_closed_forms_are_what_radau_finds(definitions, name):
+@pytest.mark.parametrize("name", ["one-on-10", "gear-below", "step-force"])
+def test_extended_precision_and_closed_forms_are_what_radau_finds(definitions, name):
     solved = definitions[name].solve()
     found = simulate(solved.chain, solved.velocity, method="radau", tolerance=1e-11)
-    assert solved.error(found.final_velocity) < 1e-9
-    assert "exact" in solved.source
+    exact = "exact" in solved.source
+    assert exact == (name != "one-on-10")
+    assert solved.error(found.final_velocity) < (1e-9 if exact else 3.0 * solved.uncertainty)
 
 
 def test_an_earlier_start_ends_the_same(case):
@@ -152,7 +147,7 @@ def test_the_right_hand_side_of_the_peers_is_that_of_the_chain():
     chain = Chain([1, 2, 0.5, np.inf], [power_law(1.0, 0.1), hertz(2.0), power_law(3.0, 1.0)], 0.0, [0.5, 0, 0.25, 0])
     overlap, rate, counter = np.array([0.1, -0.2, 0.3]), np.array([1.0, 2.0, 3.0]), np.zeros(1)
     out = np.empty(6)
-    parameters = parameter_array(type("ChartCase", (), {"chain": chain})(), counter)
+    parameters = parameter_array(SimpleNamespace(chain=chain), counter)
     for _ in range(3):
         derivatives(np.concatenate((overlap, rate)), out, parameters)
     force = [contact.force(d) for contact, d in zip(chain.contact, overlap, strict=True)]
@@ -205,4 +200,4 @@ def test_a_peer_called_from_python_gives_up_at_its_time_limit(definitions, monke
 def test_missing_peers_are_left_out(monkeypatch):
     monkeypatch.setattr(peers, "find_spec", lambda package: None)
     assert missing_peers() == list(PEERS)
-    assert peer_solvers(type("ChartCase", (), {"chain": one_on(2, hertz(1.0))})()) == []
+    assert peer_solvers(SimpleNamespace(chain=one_on(2, hertz(1.0)))) == []
