@@ -3,7 +3,7 @@
 import pytest
 from softcradle.physics import Chain, Contact, Coupler
 from softcradle.sandbox.cli.main import main
-from softcradle.scenes import Scene, SceneError
+from softcradle.scenes import SceneError
 from softcradle.scenes.contact_table import table_of
 
 from softcradle import scenes
@@ -28,16 +28,10 @@ stop = 1e8
 COUPLER = Coupler(Contact(250e3, 3.75e7, 1.7, 0.8), Contact(0.0, 1e7, 1.0), 0.02, 0.166, 1e8)
 
 
-def written(tmp_path, text):
-    path = tmp_path / "train.toml"
-    path.write_text(text)
-    return path
-
-
-def test_a_scene_file_gives_couplers(tmp_path):
-    scene = scenes.load(written(tmp_path, TEXT))
+def test_a_scene_file_gives_couplers():
+    scene = scenes.parse(TEXT)
     assert scene.lanes[0].chain() == Chain([8e4] * 3, COUPLER, 0.01)
-    assert Scene.model_validate(scene.model_dump()) == scene
+    assert scenes.parse(scene.to_toml()) == scene
 
 
 @pytest.mark.parametrize("coupler", [COUPLER, Coupler(Contact(1.0, 2.0, 1.5)), Coupler(COUPLER.push, COUPLER.pull)])
@@ -60,10 +54,10 @@ def test_the_table_of_a_coupler_gives_it_back(coupler):
         ("duration = 1.0\n", "", "needs a duration"),
     ],
 )
-def test_what_is_wrong_with_a_coupler_is_said(tmp_path, old, new, sentence):
+def test_what_is_wrong_with_a_coupler_is_said(old, new, sentence):
     assert old in TEXT
     with pytest.raises(SceneError, match=sentence):
-        scenes.load(written(tmp_path, TEXT.replace(old, new, 1)))
+        scenes.parse(TEXT.replace(old, new, 1))
 
 
 def test_the_table_of_results_has_the_largest_pull(capsys):

@@ -2,12 +2,12 @@
 
 import json
 import os
-import signal
 import socket
 import subprocess
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -59,21 +59,22 @@ class Cluster:
             )  # fmt: skip
 
     def answers(self) -> bool:
-        try:
+        with suppress(OSError, ValueError):  # not there, or not all of it
             self.address = json.loads(self._place.read_text())["address"]
-        except (OSError, ValueError):  # not there, or not all of it
-            return False
-        return True
+            return True
+        return False
+
+    def kill(self) -> None:
+        for process in self.processes:
+            kill(process)
 
     def close(self) -> None:
-        for process in self.processes:
-            process.kill()
-            process.wait()
+        self.kill()
         self._told.close()
 
 
 def kill(process: subprocess.Popen[bytes]) -> None:
-    process.send_signal(signal.SIGKILL)
+    process.kill()
     process.wait()
 
 
@@ -116,8 +117,7 @@ def test_killed_and_resumed_it_is_equal_bit_for_bit(cluster, tmp_path, caplog):
         if done > 0.4 * count and cluster.worker.poll() is None:
             kill(cluster.worker)
         if done > 0.6 * count:
-            for process in cluster.processes:
-                kill(process)
+            cluster.kill()
 
     options = {"output": output, "chunk_seconds": 0.05}
     lost = rf"^lost the scheduler at {cluster.address}; \d+ points are kept in .*partial; the"
