@@ -38,10 +38,8 @@ def descriptors() -> set[str]:
     """Descriptors of this process with what they are open on; empty where the system does not tell."""
     found = set()
     for entry in Path("/proc/self/fd").glob("*"):
-        try:
+        with suppress(OSError):  # that of this very listing
             found.add(f"{entry.name} {entry.readlink()}")
-        except OSError:  # that of this very listing
-            continue
     return found
 
 
@@ -49,11 +47,7 @@ def children() -> dict[int, str]:
     """Commands of processes that this one has started and that run, by number; empty where the system does not tell."""
     numbers = [number for entry in Path("/proc/self/task").glob("*/children") for number in _read(entry).split()]
     commands = {int(number): _command(number) for number in numbers}
-    return {
-        number: command
-        for number, command in commands.items()
-        if command and not any(name in command for name in SHARED)
-    }
+    return {number: said for number, said in commands.items() if said and not any(name in said for name in SHARED)}
 
 
 def _command(number: str) -> str:

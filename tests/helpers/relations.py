@@ -55,12 +55,11 @@ def closing_speed(velocity: ArrayLike) -> float:
 
 
 def masses(chain: Chain) -> Array:
-    """Masses of the beads, 0 for a wall."""
+    """Masses of the beads, 0 for a wall, which so counts in no momentum or energy."""
     return np.where(np.isfinite(chain.mass), chain.mass, 0.0)
 
 
 def momentum(chain: Chain, velocity: ArrayLike) -> float:
-    """Momentum of the beads, walls left out."""
     return float(masses(chain) @ np.asarray(velocity))
 
 
@@ -70,12 +69,10 @@ def momentum_scale(chain: Chain, velocity: ArrayLike) -> float:
 
 
 def kinetic_energy(chain: Chain, velocity: ArrayLike) -> float:
-    """Kinetic energy of the beads, walls left out."""
     return 0.5 * float(masses(chain) @ np.asarray(velocity) ** 2)
 
 
 def total_energy(chain: Chain, state: State) -> float:
-    """Kinetic energy and the energy in the contacts."""
     return kinetic_energy(chain, state.velocity(chain)) + float(chain.stored_energy(state.overlap).sum())
 
 

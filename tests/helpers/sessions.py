@@ -34,11 +34,9 @@ EVERY_SCENE = [name if name in UNLIKE else pytest.param(name, marks=pytest.mark.
 
 def check_invariants(session: Session) -> None:
     """What holds whatever was done: finite numbers, bounded memory, a frame of the history. AssertionError where not."""
-    for number, lane in enumerate(session.lanes):
-        for name in ("overlap", "rate", "anchor", "force"):
-            values = getattr(lane.state, name)
-            assert np.isfinite(values).all(), f"lane {number}: {name} is {values}"
-        assert np.isfinite(lane.ledger).all(), f"lane {number}: ledger is {lane.ledger}"
+    for lane in session.lanes:
+        for values in (lane.state.overlap, lane.state.rate, lane.state.anchor, lane.state.force, lane.ledger):
+            assert np.isfinite(values).all()
         assert len(lane.chain.mass) == len(lane.state.overlap) + 1
     assert session.history.memory <= session.history.bound + 2 * session.history.blocks[-1].memory
     check_order(session)
@@ -65,15 +63,11 @@ def frame_table(session: Session) -> dict[str, Any]:
 def check_order(session: Session) -> None:
     """The frame shown lies in the history, and the recording ends with it. AssertionError where not."""
     history, recording = session.history, session.recording
-    assert history.first <= session.frame <= history.last
-    assert recording.frame <= history.last
-    assert recording.last == history.last
-    assert all(recording.frame <= frame <= recording.last for frame, _ in recording.inputs)
-    frames = [frame for frame, _ in recording.inputs]
+    assert history.first <= session.frame <= history.last == recording.last
+    frames = [recording.frame, *(frame for frame, _ in recording.inputs), recording.last]
     assert frames == sorted(frames)
     if session.held != NOTHING_HELD:
-        lane, bead = int(session.held.lane), int(session.held.bead)
-        assert bead <= session.lanes[lane].chain.contacts
+        assert session.held.bead <= session.lanes[int(session.held.lane)].chain.contacts
 
 
 def check_round_trip(session: Session) -> None:
@@ -83,22 +77,17 @@ def check_round_trip(session: Session) -> None:
         if not steps:
             continue
         twin = copy.deepcopy(session)
-        before, span, steps_before = frame_table(twin), twin.span, _steps(twin)
         name = there(twin)
         assert name
         check_order(twin)
         assert back(twin) == name
         check_order(twin)
-        assert (twin.frame, twin.span, twin.scene) == (session.frame, span, session.scene)
-        assert frame_table(twin) == before
+        assert (twin.frame, twin.span, twin.scene) == (session.frame, session.span, session.scene)
+        assert frame_table(twin) == frame_table(session)
         assert twin.recording.inputs == session.recording.inputs
         assert twin.recording.hashes == session.recording.hashes
-        assert _steps(twin) == steps_before
-
-
-def _steps(session: Session) -> list[list[int]]:
-    stack = session.undo_stack
-    return [[step.number for step in steps] for steps in (stack.done, stack.undone)]
+        for one, other in ((twin.undo_stack.done, stack.done), (twin.undo_stack.undone, stack.undone)):
+            assert [step.number for step in one] == [step.number for step in other]
 
 
 def check_replay(session: Session, file: Path) -> None:
@@ -146,14 +135,11 @@ INPUTS: st.SearchStrategy[inputs.Input] = st.one_of(
 
 def fitted(item: inputs.Input, session: Session) -> inputs.Input:
     """`item` with numbers of a lane, a bead and a contact that `session` has."""
-    changed: dict[str, Any] = {}
-    lane = getattr(item, "lane", None)
-    if lane is not None:
-        changed["lane"] = lane % len(session.lanes)
-    contacts = session.lanes[changed.get("lane", 0)].chain.contacts
-    most = {"bead": contacts + (2 if isinstance(item, inputs.AddBead) else 1), "contact": contacts}
-    changed |= {key: getattr(item, key) % n for key, n in most.items() if getattr(item, key, None) is not None}
-    item = replace(item, **changed)
+    contacts = session.lanes[(getattr(item, "lane", None) or 0) % len(session.lanes)].chain.contacts
+    beads = contacts + (2 if isinstance(item, inputs.AddBead) else 1)
+    most = {"lane": len(session.lanes), "bead": beads, "contact": contacts}
+    given = {key: getattr(item, key) for key in most if getattr(item, key, None) is not None}
+    item = replace(item, **{key: value % most[key] for key, value in given.items()})
     if isinstance(item, inputs.AddBead) and contacts >= MOST_BEADS:
         return inputs.RemoveBead(item.lane, item.bead % (contacts + 1))
     return item
