@@ -90,22 +90,13 @@ def solved(chain: Chain, velocity: Array, method: str) -> str:
     return digest(np.concatenate([np.ravel(part) for part in parts]))
 
 
-def record() -> dict[str, str]:
-    """Digests of all motions and of all runs."""
-    found = {name: digest(states(*rest)) for name, *rest in motions()}
-    return found | {name: solved(*rest) for name, *rest in runs()}
-
-
-def differences(old: dict[str, str], new: dict[str, str]) -> list[str]:
-    """Names of what has other digits, or is in one record alone."""
-    return sorted(name for name in old.keys() | new.keys() if old.get(name) != new.get(name))
-
-
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--write", action="store_true")
-    wanted, found = parser.parse_args(), record()
-    changed = differences(json.loads(FILE.read_text()), found)
+    wanted, known = parser.parse_args(), json.loads(FILE.read_text())
+    found = {name: digest(states(*rest)) for name, *rest in motions()}
+    found |= {name: solved(*rest) for name, *rest in runs()}
+    changed = sorted(name for name in known.keys() | found.keys() if known.get(name) != found.get(name))
     if wanted.write:
         FILE.write_text(json.dumps(found, indent=0) + "\n")
     print("\n".join([*changed, f"{len(changed)} of {len(found)} have other digits"]))

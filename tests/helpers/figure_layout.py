@@ -6,7 +6,6 @@ from matplotlib.axes import Axes
 from matplotlib.backend_bases import RendererBase
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
@@ -65,12 +64,10 @@ def texts_on_curves(figure: Figure) -> list[tuple[str, str]]:
     """Texts inside of axes, those of legends among them, that a curve passes through, with the curve's label."""
     found = []
     for text, box in texts_of(figure):
+        inner = Bbox.from_extents(box.x0, box.y0 + 0.2 * box.height, box.x1, box.y1 - 0.2 * box.height)
         for axes in figure.findobj(Axes):
-            if not axes.bbox.contains(*box.get_points().mean(axis=0)):
-                continue
-            inner = Bbox.from_extents(box.x0, box.y0 + 0.2 * box.height, box.x1, box.y1 - 0.2 * box.height)
-            lines = [line for line in axes.get_lines() if _crosses(line, inner, axes)]
-            found += [(text.get_text(), str(line.get_label())) for line in lines]
+            if axes.bbox.contains(*box.get_points().mean(axis=0)):
+                found += [(text.get_text(), label) for label in _crossing(inner, axes)]
     return found
 
 
@@ -84,9 +81,7 @@ def keys_on_curves(figure: Figure) -> list[tuple[str, str]]:
             box = text.get_window_extent()
             middle, x = 0.5 * (box.y0 + box.y1), key.get_window_extent()
             around = Bbox.from_extents(x.x0, middle - 0.25 * box.height, x.x1, middle + 0.25 * box.height)
-            found += [
-                (text.get_text(), str(line.get_label())) for line in axes.get_lines() if _crosses(line, around, axes)
-            ]
+            found += [(text.get_text(), label) for label in _crossing(around, axes)]
     return found
 
 
@@ -108,9 +103,10 @@ def unnamed_colours(figure: Figure) -> set[str]:
     return found
 
 
-def _crosses(line: Line2D, box: Bbox, axes: Axes) -> bool:
-    """Whether what is seen of `line` passes through `box`."""
+def _crossing(box: Bbox, axes: Axes) -> list[str]:
+    """The labels of curves of which a part that is seen passes through `box`."""
     seen = Bbox.intersection(box, axes.bbox)
-    if seen is None or line.get_linestyle() == "None" or not line.get_visible():
-        return False
-    return line.get_transform().transform_path(line.get_path()).intersects_bbox(seen, filled=False)
+    lines = [line for line in axes.get_lines() if seen and line.get_linestyle() != "None" and line.get_visible()]
+    paths = [line.get_transform().transform_path(line.get_path()) for line in lines]
+    passes = [path.intersects_bbox(seen, filled=False) for path in paths]
+    return [str(line.get_label()) for line, passing in zip(lines, passes, strict=True) if passing]

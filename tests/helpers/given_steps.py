@@ -37,22 +37,18 @@ class Step:
         self.motion.mode[:] = modes
         loss = chain.loss.copy() if chain.loss.any() else np.zeros(0)
         bed = chain.bed.copy() if chain.on_bed else np.zeros(0)
-        flags = np.full(chain.contacts + 1, slide, dtype=np.int8)
-        eased = np.full(chain.contacts, easing, dtype=np.int8)
-        self.regime = Regime(
-            self.data.law, self.data.inverse_mass, self.data.push, loss, bed, flags, eased, *NO_SEGMENTS
-        )
+        flags = np.full(chain.contacts + 1, slide, dtype=np.int8), np.full(chain.contacts, easing, dtype=np.int8)
+        laws = self.data.law, self.data.inverse_mass, self.data.push
+        self.regime = Regime(*laws, loss, bed, *flags, *NO_SEGMENTS)
         self.work, self.trial = np.zeros((WORK_ROWS, chain.contacts + 1)), empty_trial(chain.contacts)
         matrix = row_matrix(chain)
         external = self.data.external[:-1] if self.data.external.size else np.zeros(chain.contacts)
         for k, time in enumerate(NODE_TIMES):
             self.trial.force[k] = [force(time) for force in self.forces]
-            once = np.array([force.integ()(time) for force in self.forces])
-            twice = np.array([force.integ(2)(time) for force in self.forces])
+            once, twice = ([force.integ(times)(time) for force in self.forces] for times in (1, 2))
             self.trial.rate[k] = self.motion.rate + external * time - matrix @ once
-            self.trial.overlap[k] = (
-                self.motion.overlap + self.motion.rate * time + 0.5 * external * time**2 - matrix @ twice
-            )
+            free = self.motion.overlap + self.motion.rate * time + 0.5 * external * time**2
+            self.trial.overlap[k] = free - matrix @ twice
         self.trial.anchor[:] = state.anchor
         bead = chain.anchor
         if chain.inverse_mass[bead] > 0.0:  # the tests anchor beads that no contact pushes, or walls

@@ -27,8 +27,6 @@ os.environ.setdefault("SDL_AUDIODRIVER", "dummy")
 
 LONGEST = 3600.0  # s: kernels are compiled, beside whatever else the machine does
 FRAME = 1.0 / 60.0
-
-
 LONGEST_WORK = 120.0  # seconds of processor time after which what a test waits for does not come
 
 
@@ -107,10 +105,11 @@ class Driver:
         self.post(pygame_gui.UI_DROP_DOWN_MENU_CHANGED, ui_element=menu, text=text)
 
     def key(self, code: int, modifiers: int = 0, text: str = "") -> None:
-        pygame.event.post(pygame.Event(pygame.KEYDOWN, key=code, mod=modifiers, unicode=text, scancode=0))
+        pressed = {"key": code, "mod": modifiers, "unicode": text, "scancode": 0}
+        pygame.event.post(pygame.Event(pygame.KEYDOWN, pressed))
         if text:
             pygame.event.post(pygame.Event(pygame.TEXTINPUT, text=text))
-        pygame.event.post(pygame.Event(pygame.KEYUP, key=code, mod=modifiers, unicode=text, scancode=0))
+        pygame.event.post(pygame.Event(pygame.KEYUP, pressed))
         self.frames(2)  # widgets post events of their own
 
     def type(self, text: str) -> None:
@@ -127,13 +126,13 @@ class Driver:
 
     def press(self, point: tuple[float, float]) -> None:
         self.move(point)
-        place = (round(point[0]), round(point[1]))
-        pygame.event.post(pygame.Event(pygame.MOUSEBUTTONDOWN, pos=place, button=1))
-        self.frames()
+        self._turn(pygame.MOUSEBUTTONDOWN, point)
 
     def release(self, point: tuple[float, float]) -> None:
-        place = (round(point[0]), round(point[1]))
-        pygame.event.post(pygame.Event(pygame.MOUSEBUTTONUP, pos=place, button=1))
+        self._turn(pygame.MOUSEBUTTONUP, point)
+
+    def _turn(self, kind: int, point: tuple[float, float]) -> None:
+        pygame.event.post(pygame.Event(kind, pos=(round(point[0]), round(point[1])), button=1))
         self.frames()
 
     def click(self, point: tuple[float, float]) -> None:
@@ -148,10 +147,8 @@ class Driver:
     def drag(self, start: tuple[float, float], end: tuple[float, float], steps: int = 8) -> None:
         """Press at `start`, move to `end`; the button stays down."""
         self.press(start)
-        for k in range(1, steps + 1):
-            share = k / steps
-            point = start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1])
-            self.move(point, (1, 0, 0))
+        for share in (k / steps for k in range(1, steps + 1)):
+            self.move(pygame.Vector2(start).lerp(end, share), (1, 0, 0))
 
     def pull(self, start: tuple[float, float], end: tuple[float, float], steps: int = 8) -> None:
         self.drag(start, end, steps)

@@ -1,5 +1,7 @@
 """Whatever is edited, in any order: no exception, no NaN, bounded memory, a balanced ledger, the same digits again."""
 
+from dataclasses import replace
+
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -59,8 +61,6 @@ def test_the_scene_of_any_session_reads_back_as_its_start(name, items):
     again = Session(scenes.parse(session.to_scene().to_toml()))
     session.restart()
     for one, other in zip(session.lanes, again.lanes, strict=True):
-        assert one.chain.mass == other.chain.mass
-        assert one.chain.contact == other.chain.contact
-        assert one.chain.drive == other.chain.drive
+        assert replace(one.chain, gap=0.0) == replace(other.chain, gap=0.0)
         assert np.allclose(one.state.overlap, other.state.overlap, rtol=1e-12, atol=1e-12)
         assert np.allclose(one.velocity, other.velocity, rtol=1e-12, atol=1e-12)

@@ -3,7 +3,6 @@
 import csv
 import math
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -26,7 +25,6 @@ def test_an_unedited_scene_comes_back_equal(name):
     session = Session(scene)
     session.step_frames(50)
     assert session.to_scene() == scene
-    assert parse(session.to_scene().to_toml()) == scene
 
 
 def test_what_the_catalogue_says_of_a_scene_is_not_said_of_an_edited_one():
@@ -44,26 +42,19 @@ def test_what_the_catalogue_says_of_a_scene_is_not_said_of_an_edited_one():
 
 
 def test_an_edited_scene_reads_back_as_the_same_session(tmp_path):
-    session = opened("beads-against-gear")
-    for edit in (
+    edits = (
         inputs.AddBead(0, 4, 0.25, 0.5), inputs.RemoveBead(1, 0), inputs.SetMass(0, 4, math.inf),
-        inputs.SetMass(1, 0, 1.0 / 3.0), inputs.SetContact(0, 0, hertz(12.0)), inputs.SetVelocity(0, 1, -0.1),
-        inputs.SetContact(0, 1, Contact(0.1, 0.3, 0.7)), inputs.SetGap(0, 2, 0.015), inputs.Place(1, 0, -0.5),
+        inputs.SetContact(0, 0, hertz(12.0)), inputs.SetContact(0, 1, Contact(0.1, 0.3, 0.7)), inputs.SetGap(0, 2, 0.015),
         inputs.SetDrive(1, 1, 0.2), inputs.Lock(1, 0), inputs.SetSlow(7.0), inputs.SetMethod(None, "verlet"),
         inputs.SetStep(None, 1e-4),
-    ):  # fmt: skip
-        session.apply(edit)
+    )  # fmt: skip
+    session = opened("beads-against-gear", *edits)
     session.save_scene(tmp_path / "mine.toml")
-    again = Session(scenes.load(tmp_path / "mine.toml"))
-    for one, other in zip(session.lanes, again.lanes, strict=True):
-        for name in ("mass", "contact", "drive"):
-            assert getattr(one.chain, name) == getattr(other.chain, name)
-        assert (one.setup.method, one.setup.step) == (other.setup.method, other.setup.step)
-        assert one.velocity == pytest.approx(other.velocity, abs=1e-15)
-        assert one.state.overlap == pytest.approx(other.state.overlap, abs=1e-15)
-    labels = [session.label(lane) for lane in (0, 1)]
-    assert labels == [again.label(lane) for lane in (0, 1)] == [lane.label for lane in again.scene.lanes]
-    assert labels == [one.setup.label for one in again.lanes] == ["mixed contacts", "Hertz, alpha = 3/2 and draft gear"]
+    again = opened(tmp_path / "mine.toml")
+    labels = ["mixed contacts", "Hertz, alpha = 3/2 and draft gear"]
+    assert [session.label(lane) for lane in (0, 1)] == [again.label(lane) for lane in (0, 1)] == labels
+    assert [lane.label for lane in again.scene.lanes] == [one.setup.label for one in again.lanes] == labels
+    assert [(one.setup.method, one.setup.step) for one in again.lanes] == [("verlet", 1e-4)] * 2
     assert again.slow == 7.0
     session.step_frames(200)
     again.step_frames(200)
@@ -141,15 +132,10 @@ TABLES = (
 )
 
 
-def written(folder: Path, text: str | bytes) -> Path:
-    path = folder / "track.csv"
-    path.write_bytes(text if isinstance(text, bytes) else text.encode())
-    return path
-
-
 @pytest.mark.parametrize("text", TABLES)
 def test_commas_semicolons_and_tabs_part_columns(tmp_path, text):
-    data = load_measured(written(tmp_path, text))
+    (tmp_path / "track.csv").write_text(text)
+    data = load_measured(tmp_path / "track.csv")
     assert data.columns == ("v0", "v1")
     assert data.time.tolist() == [0.0, 0.5, 1.0]
     assert data.values[:, 0].tolist() == [1.0, 0.5, 0.0]
@@ -167,11 +153,12 @@ def test_commas_semicolons_and_tabs_part_columns(tmp_path, text):
         ("t,v\n0,1\n1,inf\n", "'v' in row 3 is 'inf'"),
         ("t,v\n0,1\n,2\n", "'t' in row 3 is ''"),
         ("t,v\n0,1\n1,2,3\n", "row 3 has 3 cells, and 2 names"),
-        (b"\xff\xfe\x00", "UTF-8"),
+        ("\udcff", "UTF-8"),
     ],
 )
 def test_what_is_no_table_is_refused_in_a_sentence(tmp_path, text, sentence):
+    (tmp_path / "track.csv").write_text(text, errors="surrogateescape")
     with pytest.raises(UserError, match=sentence):
-        load_measured(written(tmp_path, text))
+        load_measured(tmp_path / "track.csv")
     with pytest.raises(UserError, match="cannot read"):
         load_measured(tmp_path / "none.csv")

@@ -79,16 +79,13 @@ def test_a_throw_is_undone_to_the_frame_at_which_the_bead_was_taken():
 
 def test_unsaved_edits_are_known():
     session = opened()
-    assert not session.undo_stack.unsaved
+    stack = session.undo_stack
+    assert not stack.unsaved
     session.apply(inputs.SetMass(0, 1, 2.5))
-    assert session.undo_stack.unsaved
-    session.undo()
-    assert not session.undo_stack.unsaved
-    session.redo()
-    session.undo_stack.mark_saved()
-    assert not session.undo_stack.unsaved
-    session.undo()
-    assert session.undo_stack.unsaved
+    assert stack.unsaved
+    for act, unsaved in ((session.undo, False), (session.redo, True), (stack.mark_saved, False), (session.undo, True)):
+        act()
+        assert stack.unsaved is unsaved
 
 
 def test_steps_are_bounded_in_number_and_memory(monkeypatch):

@@ -111,9 +111,8 @@ def test_spreads_collapse_and_the_threshold_falls_with_the_logarithm(tables):
     assert (np.diff(list(thresholds.values())) < 0.0).all()
     for n, found in thresholds.items():
         assert found == pytest.approx(float(scaling.threshold_law(np.array(n), 1.0 / 0.87)), rel=0.1)
-    above = {n: rows_where(table, n=n)["n alpha"] > 1.2 * found for n, found in thresholds.items()}
-    for n, rows in above.items():
-        assert (rows_where(table, n=n)["spread"][rows] > scaling.THRESHOLD).all()
+        points = rows_where(table, n=n)
+        assert (points["spread"][points["n alpha"] > 1.2 * found] > scaling.THRESHOLD).all()
 
 
 def test_inner_contacts_ring_at_the_frequency_of_their_branch(tables):
