@@ -77,18 +77,14 @@ def test_draft_gears_are_launched_below_the_speed_at_which_inner_springs_yield(n
     (lane,) = scenes.load(name).lanes
     chain = lane.chain()
     assert chain.contact == (draft_gear(770.0, 0.0177),) * 3
-    critical = critical_speed(chain.contact[0], chain.mass, strikers)
-    assert critical == pytest.approx({1: 1.0132, 2: 1.3589}[strikers], abs=1e-4)
-    assert max(lane.velocity) < critical
+    assert max(lane.velocity) < critical_speed(chain.contact[0], chain.mass, strikers)
 
 
 def test_beads_touch_as_long_as_the_gears_beside_them():
     beads, gear = scenes.load("beads-against-gear").lanes
-    assert beads.chain().mass == gear.chain().mass
-    assert beads.velocity == gear.velocity
+    assert (beads.chain().mass, beads.velocity) == (gear.chain().mass, gear.velocity)
     (closed, opened), *_ = simulate(beads.chain(), beads.velocity).contact_intervals[0]
-    chain = gear.chain()
-    expected = rigid_stroke(chain.contact[0], chain.mass, 1, gear.velocity[0]).contact_time
+    expected = rigid_stroke(gear.chain().contact[0], gear.chain().mass, 1, gear.velocity[0]).contact_time
     assert opened - closed == pytest.approx(expected, rel=0.01)
 
 

@@ -1,11 +1,11 @@
 """Sample points: each follows from its number alone, whatever the chunk; SciPy's samples; refusals."""
 
-import itertools
 import pickle
 
 import numpy as np
 import pytest
 from scipy.stats import qmc
+from softcradle.physics import Chain, power_law
 from softcradle.sandbox.sweeps import Axis, grid, latin_hypercube, listed, sobol
 from softcradle.sandbox.sweeps.scene_points import ScenePoints, replaced
 from softcradle.sandbox.user_error import StudyError
@@ -23,14 +23,19 @@ DESIGNS = {
 @pytest.mark.parametrize("points", DESIGNS.values(), ids=DESIGNS)
 def test_chunks_do_not_change_the_points(points):
     whole = points.columns(0, 42)
-    for cuts in ((0, 1, 2, 20, 42), (0, 41, 42)):
-        parts = [points.columns(*pair) for pair in itertools.pairwise(cuts)]
-        for path in reversed(whole):
-            np.testing.assert_array_equal(np.concatenate([part[path] for part in parts]), whole[path])
-    late, early = points.columns(30, 42), points.columns(5, 10)  # backwards, as after a resumption
-    for path, values in whole.items():
-        np.testing.assert_array_equal(late[path], values[30:])
-        np.testing.assert_array_equal(early[path], values[5:10])
+    for begin, end in (
+        (0, 1),
+        (1, 2),
+        (2, 20),
+        (20, 42),
+        (0, 41),
+        (41, 42),
+        (30, 42),
+        (5, 10),
+    ):  # as after a resumption
+        chunk = points.columns(begin, end)
+        for path, values in whole.items():
+            np.testing.assert_array_equal(chunk[path], values[begin:end])
 
 
 def test_a_grid_has_every_combination_the_last_fastest_and_points_far_out_need_no_others():
@@ -78,28 +83,21 @@ def test_what_cannot_be_is_refused_in_a_sentence(make, sentence):
 
 
 SCENE = load("one-on-four")
-LISTS = """
+MIXED = parse("""
 title = "mixed"
 tolerance = 1e-6
 [[lanes]]
 mass = [1.0, 2.0, 3.0]
 contact = [{law = "power_law", f0 = 1.0, alpha = 0.1}, {law = "hertz", stiffness = 100.0}]
 velocity = [1.0, 0.0, 0.0]
-"""
-
-
-def scene(strikers: int, targets: int, mass: float, alpha: float):
-    """Strikers on targets, at half a metre a second."""
-    lane = f"beads = [{strikers}, {targets}]\nmass = {mass}\nvelocity = 0.5\n"
-    return parse(f'title = "t"\n[[lanes]]\n{lane}contact = {{law = "power_law", f0 = 1.0, alpha = {alpha}}}\n')
+""")
 
 
 def test_a_point_is_the_scene_with_these_numbers_or_with_those_of_single_beads():
-    values = {"lanes.0.beads.0": 2, "lanes.0.beads.1": 3, "lanes.0.mass": 2.5, "lanes.0.contact.alpha": 0.25}
-    (found,) = ScenePoints(scene(3, 5, 1.0, 0.1)).starts(values)
-    lane = scene(2, 3, 2.5, 0.25).lanes[0]
-    assert found.chain == lane.chain()
-    assert tuple(found.velocity) == lane.velocity == (0.5, 0.5, 0.0, 0.0, 0.0)
+    values = {"lanes.0.beads.0": 2, "lanes.0.beads.1": 4, "lanes.0.mass": 2.5, "lanes.0.contact.alpha": 0.25}
+    (found,) = ScenePoints(SCENE).starts(values)
+    assert found.chain == Chain([2.5] * 6, power_law(1.0, 0.25), [0.0, 1.0, 0.0, 0.0, 0.0])
+    assert tuple(found.velocity) == (1.0, 1.0, 0.0, 0.0, 0.0, 0.0)
     (found,) = ScenePoints(SCENE).starts({"lanes.0.mass.2": 5.0, "lanes.0.velocity.1": 0.5, "lanes.0.gap.3": 0.1})
     assert found.chain.mass == (1.0, 1.0, 5.0, 1.0, 1.0)
     assert found.chain.gap == (0.0, 0.0, 0.0, 0.1)
@@ -117,17 +115,17 @@ def test_of_two_values_for_one_number_the_last_counts(paths):
 
 
 def test_contacts_one_by_one_or_all():
-    mixed = ScenePoints(parse(LISTS))
+    mixed, before = ScenePoints(MIXED), MIXED.model_copy(deep=True)
     values = {"lanes.0.contact.1.stiffness": 7.0, "lanes.0.contact.*.loss": 0.25, "method": "radau", "tolerance": 1e-3}
     (found,) = mixed.starts(values)
     assert [contact.stiffness for contact in found.chain.contact] == [1.0, 7.0]
     assert [contact.loss for contact in found.chain.contact] == [0.25, 0.25]
     assert (found.settings["method"], found.settings["tolerance"]) == ("radau", 1e-3)
-    assert mixed.scene == parse(LISTS)
+    assert mixed.scene == before
 
 
 def test_it_can_be_sent_to_another_process():
-    for known in (SCENE, parse(LISTS), load("experiment-one-on-three")):
+    for known in (SCENE, MIXED, load("experiment-one-on-three")):
         sent = pickle.loads(pickle.dumps(ScenePoints(known)))
         assert sent.scene == known
         values = {"lanes.0.mass.1": 3.0}

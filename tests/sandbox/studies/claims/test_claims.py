@@ -7,7 +7,6 @@ from unittest.mock import patch
 
 import numpy as np
 import pytest
-from softcradle.physics import simulate
 from softcradle.sandbox.cli.commands import claims
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies.claims import catalogue
@@ -42,14 +41,6 @@ def test_the_command_finds_the_verdict_of_the_documentation(name, tmp_path):
 
 def test_every_claim_is_in_the_documentation():
     assert list(rows(KEPT.read_text())) == [claim.name for claim in CLAIMS]
-
-
-def test_the_velocity_only_sets_the_unit_of_time():
-    """Footnote of Sec. II: velocities grow as V, times as V**((1 - a) / (1 + a))."""
-    slow, fast = (simulate(chain_of({"n": 4.0, "1/alpha": 10.0}), [speed, 0, 0, 0, 0]) for speed in (1.0, 3.0))
-    assert fast.final_velocity == pytest.approx(3.0 * slow.final_velocity, abs=1e-7)
-    times = (run.contact_intervals[0][0][1] for run in (fast, slow))
-    assert next(times) == pytest.approx(3.0 ** (0.9 / 1.1) * next(times), rel=1e-7)
 
 
 def test_the_motions_of_figures_pass_warnings_on():
