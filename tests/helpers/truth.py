@@ -56,33 +56,28 @@ def _data() -> dict[str, Any]:
 
 
 def _numbers(values: Any) -> Array:
-    return np.array([np.nan if value is None else float(value) for value in values])
+    return np.array(values, dtype=np.float64)
+
+
+def _truth(name: str, case: dict[str, Any], chain: Chain, start: Array, names: str, samples: Any) -> Truth:
+    """A case; `names` are those of its contact time, last openings, largest overlaps and forces in the file."""
+    contact_time, *others = (_numbers(case[key]) for key in names.split())
+    columns = map(_numbers, zip(*samples, strict=True))
+    return Truth(
+        name, chain, start, _numbers(case["vfinal"]), case["hit_contact"], float(contact_time), *others, *columns
+    )
 
 
 def _elastic(name: str, case: dict[str, Any]) -> Truth:
     contacts = [Contact(0.0, float(f), float(Fraction(str(a)))) for f, a in zip(case["F"], case["a"], strict=True)]
-    samples = case["samples_contact"]
-    return Truth(
-        name=name, chain=Chain(case["m"], contacts), start=_numbers(case["v_init"]), final=_numbers(case["vfinal"]),
-        struck=case["hit_contact"], contact_time=float(case["contact_duration"]), opened=_numbers(case["open_last"]),
-        largest_overlap=_numbers(case["d_max"]), peak_force=_numbers(case["f_max"]),
-        time=_numbers([row["t"] for row in samples]),
-        overlap=np.array([_numbers(row["d"]) for row in samples]),
-        force=np.array([_numbers(row["f"]) for row in samples]),
-        velocity=np.array([_numbers(row["v"]) for row in samples]),
-    )  # fmt: skip
+    samples = [[row[key] for key in "tdfv"] for row in case["samples_contact"]]
+    chain, names = Chain(case["m"], contacts), "contact_duration open_last d_max f_max"
+    return _truth(name, case, chain, _numbers(case["v_init"]), names, samples)
 
 
 def _gear(name: str, case: dict[str, Any]) -> Truth:
-    samples = case["samples_t_d_f_v"]
-    return Truth(
-        name=f"draft gear {name}", chain=Chain(_numbers(case["masses"]), GEAR), start=_numbers(case["v"]),
-        final=_numbers(case["vfinal"]), struck=case["hit_contact"], contact_time=float(case["T_hit_open"]),
-        opened=_numbers(case["last_open"]), largest_overlap=_numbers(case["dmax"]), peak_force=_numbers(case["fmax"]),
-        time=_numbers([row[0] for row in samples]), overlap=np.array([_numbers(row[1]) for row in samples]),
-        force=np.array([_numbers(row[2]) for row in samples]),
-        velocity=np.array([_numbers(row[3]) for row in samples]),
-    )  # fmt: skip
+    chain, names = Chain(_numbers(case["masses"]), GEAR), "T_hit_open last_open dmax fmax"
+    return _truth(f"draft gear {name}", case, chain, _numbers(case["v"]), names, case["samples_t_d_f_v"])
 
 
 ELASTIC = tuple(_elastic(name, case) for name, case in _data().items() if isinstance(case, dict) and "m" in case)

@@ -16,12 +16,23 @@ from tests.helpers.sessions import opened
 FRAMES = BLOCK_ROWS + 300
 
 
-def test_frame_at_finds_the_nearest_frame():
-    session = opened("beads-against-gear")
+@pytest.fixture(scope="module")
+def edited():
+    """A session of several blocks with edits in between, which change the number of beads too."""
+    session = opened("beads-against-gear", inputs.AddBead(0, 4))
+    session.step_frames(100)
+    session.apply(inputs.AddBead(0, 5))
+    session.step_frames(200)
+    for k in range(20):
+        session.apply(inputs.SetMass(0, 1, 0.4 + 0.1 * k))
+        session.step_frames(7)
+    session.apply(inputs.SetMass(0, 2, 77.0))
     session.step_frames(FRAMES)
-    session.apply(inputs.AddBead(0, 1))
-    session.step_frames(FRAMES)
-    history = session.history
+    return session
+
+
+def test_frame_at_finds_the_nearest_frame(edited):
+    history = edited.history
     times = np.concatenate([block.time[: block.used] for block in history.blocks])
     rng = np.random.default_rng(2)
     for time in [*rng.uniform(-0.01, times[-1] + 0.01, 200), *times[BLOCK_ROWS - 3 : BLOCK_ROWS + 3] + 1e-9]:
@@ -67,21 +78,6 @@ def test_a_branch_is_another_one_where_frames_are_dropped_or_replaced_and_not_wh
         act()
         found.append(session.history.branch)
     assert len(set(found)) == 5
-
-
-@pytest.fixture(scope="module")
-def edited():
-    """A session of several blocks with edits in between, which change the number of beads too."""
-    session = opened("beads-against-gear", inputs.AddBead(0, 4))
-    session.step_frames(100)
-    session.apply(inputs.AddBead(0, 5))
-    session.step_frames(200)
-    for k in range(20):
-        session.apply(inputs.SetMass(0, 1, 0.4 + 0.1 * k))
-        session.step_frames(7)
-    session.apply(inputs.SetMass(0, 2, 77.0))
-    session.step_frames(FRAMES)
-    return session
 
 
 def test_slices_are_the_frames_one_by_one(edited):
