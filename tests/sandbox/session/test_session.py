@@ -14,7 +14,7 @@ from softcradle.sandbox.session.summary_text import summary_text
 from softcradle.sandbox.trajectory_summary import describe
 
 from softcradle import scenes
-from tests.helpers.sessions import EVERY_SCENE, frame_table, opened
+from tests.helpers.sessions import EVERY_SCENE, check_replay, frame_table, opened
 
 PICTURE = 2.0 / FRAME_RATE
 
@@ -100,8 +100,8 @@ def test_frames_back_and_forward_show_the_same_digits_and_scrubbing_the_nearest_
 
 
 @pytest.mark.parametrize(("name", "frame", "last"), [("one-on-four", 150, 400), ("experiment-two-on-two", 20, 60)])
-def test_playing_on_from_a_scrubbed_frame_is_a_new_branch_with_the_same_digits(name, frame, last):
-    """What the bed had taken once had another last digit in its ledger."""
+def test_playing_on_from_a_scrubbed_frame_is_a_new_branch_with_the_same_digits(name, frame, last, tmp_path):
+    """Also in its replay, in whose ledger what the bed had taken once had another last digit."""
     session = played(opened(name), last)
     before = [snapshot_table(session.history.snapshot(k)) for k in range(last + 1)]
     session.scrub_frame(frame)
@@ -110,6 +110,7 @@ def test_playing_on_from_a_scrubbed_frame_is_a_new_branch_with_the_same_digits(n
     assert session.history.last == frame + 2
     session.step_frames(last - session.frame)
     assert [snapshot_table(session.history.snapshot(k)) for k in range(last + 1)] == before
+    check_replay(session, tmp_path / "replay.npz")
 
 
 def test_an_edit_of_a_scrubbed_frame_drops_the_later_ones():

@@ -23,6 +23,7 @@ from softcradle.sandbox.studies.stability.failure_scans import (
 from softcradle.sandbox.studies.stability.scan_maps import ORDER, draw_details, draw_overview
 
 EXPLICIT = ("euler", "verlet", "yoshida4")
+METHODS = failure_scans.scanned_methods()
 
 
 def scan_runs(scan, method, steps=None):
@@ -119,20 +120,19 @@ def small_scan(monkeypatch):
 
 
 def test_pictures_have_a_map_for_each_method_with_the_limit_on_top_and_say_what_they_show(small_scan):
-    methods = failure_scans.scanned_methods()
-    found = [one for method in methods for one in scan_runs(small_scan, method)]
+    found = [one for method in METHODS for one in scan_runs(small_scan, method)]
     euler = [one.failure for one in found if one.method == "euler"]
     with styled():
         details, overview = draw_details(found, [small_scan]), draw_overview(found, [small_scan])
     maps = [axes for axes in details.axes if axes.collections and axes.get_ylabel() in {"step [s]", "tolerance"}]
-    assert len(maps) == 3 * len(methods)
+    assert len(maps) == 3 * len(METHODS)
     fixed = [axes for axes in maps if axes.get_ylabel() == "step [s]"]
     assert all(len(axes.lines) == 1 for axes in fixed)
     letters = sorted(text.get_text() for text in fixed[0].texts)
     assert letters == sorted(failure[0] for failure in euler if failure)
     assert letters
     maps = [axes for axes in overview.axes if axes.collections]
-    assert len(maps) == len(methods)
+    assert len(maps) == len(METHODS)
     explained = " ".join(text.get_text() for legend in overview.legends for text in legend.get_texts())
     assert all(name in explained for name in (*(failure.value for failure in Failure), "stable_step"))
     shown = np.sort(np.asarray(maps[0].collections[0].get_array()).ravel())
@@ -143,10 +143,10 @@ def test_command_writes_picture_and_numbers(small_scan, tmp_path, softcradle, mo
     monkeypatch.setattr(rigid_cradle, "STEPS", (1 / 60,))
     printed = softcradle("stability", "-o", str(tmp_path / "x.png")).out
     assert sorted(path.name for path in tmp_path.iterdir()) == ["x.csv", "x.png"]
-    assert all(method.name in printed for method in failure_scans.scanned_methods())
+    assert all(method.name in printed for method in METHODS)
     assert "pymunk's own rigid contacts" in printed
     assert f"{failure_scans.ADAPTIVE_ERROR_FACTOR:g} times the tolerance" in " ".join(printed.split())
-    found = [one for method in failure_scans.scanned_methods() for one in scan_runs(small_scan, method)]
+    found = [one for method in METHODS for one in scan_runs(small_scan, method)]
     with (tmp_path / "x.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [row["failure"] for row in rows] == [one.failure or "" for one in found]
