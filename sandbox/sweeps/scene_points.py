@@ -63,11 +63,11 @@ class ScenePoints:
         """The scene at a point, checked as a file is. Raises SceneError."""
         structure = {path: value for path, value in values.items() if is_structure(path, value)}
         numbers = {path: value for path, value in values.items() if path not in structure}
-        return validated(replaced(self._base(structure), numbers))
+        return changed(self._base(structure), numbers)
 
     def _base(self, structure: Mapping[str, Any]) -> Scene:
         """The scene with other beads or texts, checked."""
-        return validated(replaced(self.scene, structure)) if structure else self.scene
+        return changed(self.scene, structure) if structure else self.scene
 
 
 def _moving_at(scene: Scene, paths: Sequence[str]) -> Callable[[Mapping[str, Any]], Moving]:
@@ -88,31 +88,28 @@ def is_structure(path: str, value: Any) -> bool:
     return not isinstance(value, (int, float, np.number)) or any(part in LENGTHS for part in path.split("."))
 
 
-def validated(scene: Scene) -> Scene:
-    """The scene, read anew from its numbers. Raises SceneError."""
-    table = scene.model_dump(warnings=False)
-    table["lanes"] = [_lane_table(lane, known) for lane, known in zip(table["lanes"], scene.lanes, strict=True)]
+def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
+    """The scene with the values at their paths, one after the other, checked as a file is. Raises SceneError."""
+    found = scene
+    for path in values:
+        found = change_of(found, [(path.split("."), path)])(values)
+    table = found.model_dump(warnings=False)
+    for lane, now, before in zip(table["lanes"], found.lanes, scene.lanes, strict=True):
+        if now.beads != before.beads:
+            lane["velocity"] = _spread_anew(now, before)
     try:
         return Scene.model_validate(table)
     except ValidationError as error:
         raise scene_error("the scene", error) from None
 
 
-def _lane_table(table: dict[str, Any], lane: Lane) -> dict[str, Any]:
-    """The table of a lane; strikers of one velocity before targets at rest are written so that their numbers may change."""
-    clusters = lane.beads
-    if isinstance(clusters, tuple) and len(clusters) == 2 and sum(clusters) != len(lane.velocity):
-        moving = {speed for speed in lane.velocity if speed != 0.0}
-        if len(moving) == 1 and lane.velocity[0] != 0.0:
-            table["beads"], table["velocity"] = list(clusters), lane.velocity[0]
-    return table
-
-
-def replaced(scene: Scene, values: Mapping[str, Any]) -> Scene:
-    """The scene with the values at their paths, one after the other; it is not checked. Raises SceneError."""
-    for path in values:
-        scene = change_of(scene, [(path.split("."), path)])(values)
-    return scene
+def _spread_anew(lane: Lane, before: Lane) -> Any:
+    """The velocities of a lane with other beads than `before`; one alone if the strikers had one and the targets rested."""
+    velocity, clusters = lane.velocity, before.beads
+    if not (isinstance(velocity, tuple) and isinstance(clusters, tuple)):
+        return velocity
+    strikers, targets = clusters
+    return velocity[0] if velocity == (velocity[0],) * strikers + (0.0,) * targets else velocity
 
 
 def change_of(item: Any, places: Sequence[tuple[list[str], str]]) -> Change:

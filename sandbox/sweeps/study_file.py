@@ -20,7 +20,7 @@ from softcradle.sandbox.sweeps.sample_points import (
     listed,
     sobol,
 )
-from softcradle.sandbox.sweeps.scene_points import replaced, validated
+from softcradle.sandbox.sweeps.scene_points import changed
 from softcradle.sandbox.sweeps.work import sweep_work
 from softcradle.sandbox.user_error import StudyError, UserError, reason
 from softcradle.scenes import Scene
@@ -167,4 +167,4 @@ def _scene(study: StudyFile, folder: Path) -> Scene:
     """The scene of a study, with the numbers that it sets."""
     beside = folder / study.scene
     scene = load_scene(str(beside) if study.scene.endswith(".toml") and beside.is_file() else study.scene)
-    return validated(replaced(scene, study.set))
+    return changed(scene, study.set)

@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import qmc
 from softcradle.physics import Chain, power_law
 from softcradle.sandbox.sweeps import Axis, grid, latin_hypercube, listed, sobol
-from softcradle.sandbox.sweeps.scene_points import ScenePoints, replaced
+from softcradle.sandbox.sweeps.scene_points import ScenePoints, changed
 from softcradle.sandbox.user_error import StudyError
 from softcradle.scenes import SceneError, load, parse
 
@@ -93,11 +93,27 @@ velocity = [1.0, 0.0, 0.0]
 """)
 
 
-def test_a_point_is_the_scene_with_these_numbers_or_with_those_of_single_beads():
-    values = {"lanes.0.beads.0": 2, "lanes.0.beads.1": 4, "lanes.0.mass": 2.5, "lanes.0.contact.alpha": 0.25}
+@pytest.mark.parametrize(("strikers", "targets"), [(1, 4), (2, 3), (3, 2), (2, 4), (1, 1)])
+def test_strikers_and_targets_are_as_many_as_a_point_says(strikers, targets):
+    """Two on three of one on four are five beads too, and once only the first of them moved."""
+    values = {"lanes.0.beads.0": strikers, "lanes.0.beads.1": targets, "lanes.0.contact.alpha": 0.25}
     (found,) = ScenePoints(SCENE).starts(values)
-    assert found.chain == Chain([2.5] * 6, power_law(1.0, 0.25), [0.0, 1.0, 0.0, 0.0, 0.0])
-    assert tuple(found.velocity) == (1.0, 1.0, 0.0, 0.0, 0.0, 0.0)
+    gaps = np.eye(1, strikers + targets - 1, strikers - 1)[0]
+    assert found.chain == Chain([1.0] * (strikers + targets), power_law(1.0, 0.25), gaps)
+    assert tuple(found.velocity) == (1.0,) * strikers + (0.0,) * targets
+    assert ScenePoints(SCENE).checked(values).lanes[0].velocity == tuple(found.velocity)
+
+
+def test_velocities_of_ones_own_stay_with_their_beads():
+    own = changed(SCENE, {"lanes.0.velocity.1": 0.5})
+    assert changed(own, {"lanes.0.beads": [2, 3]}).lanes[0].velocity == (1.0, 0.5, 0.0, 0.0, 0.0)
+    with pytest.raises(SceneError, match="velocity is a list of 5, but 6 beads need 6"):
+        changed(own, {"lanes.0.beads.1": 5})
+
+
+def test_a_point_is_the_scene_with_these_numbers_or_with_those_of_single_beads():
+    (found,) = ScenePoints(SCENE).starts({"lanes.0.mass": 2.5})
+    assert found.chain.mass == (2.5,) * 5
     (found,) = ScenePoints(SCENE).starts({"lanes.0.mass.2": 5.0, "lanes.0.velocity.1": 0.5, "lanes.0.gap.3": 0.1})
     assert found.chain.mass == (1.0, 1.0, 5.0, 1.0, 1.0)
     assert found.chain.gap == (0.0, 0.0, 0.0, 0.1)
@@ -143,4 +159,4 @@ def test_it_can_be_sent_to_another_process():
 )
 def test_a_path_that_is_not_there(path, value, sentence):
     with pytest.raises(SceneError, match=sentence):
-        replaced(SCENE, {path: value})
+        changed(SCENE, {path: value})
