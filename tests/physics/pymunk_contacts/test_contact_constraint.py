@@ -1,7 +1,4 @@
-"""SoftContact in a user's own Space: forces, geometry, errors, copies, and compiled callbacks.
-
-These have the digits of Python ones, are shared, and never used where anything is unexpected.
-"""
+"""SoftContact in a user's own Space: forces, geometry, errors, copies, and compiled callbacks with the digits of Python ones."""
 
 import copy
 import math
@@ -10,12 +7,12 @@ from unittest.mock import Mock
 
 import pymunk
 import pytest
-from softcradle.physics import draft_gear, hooke, power_law
+from softcradle.physics import draft_gear, hertz, hooke, power_law
 from softcradle.physics.pymunk_contacts import compiled_force
 from softcradle.physics.pymunk_contacts.contact_constraint import SoftContact
 
 from tests.helpers.own_process import python
-from tests.helpers.spaces import LAWS, Quadratic, cradle, pair, run
+from tests.helpers.spaces import LAWS, LOSS, Quadratic, cradle, pair, run
 
 compiled_only = pytest.mark.skipif(bool(compiled_force.unavailable()), reason=compiled_force.unavailable())
 
@@ -85,7 +82,6 @@ def test_a_new_contact_or_distance_counts_at_once_and_no_contact_pulls(native):
 
 def test_a_law_that_is_no_contact():
     space, (a, _), contact = pair(0.75, Quadratic())
-    assert contact.native is False
     space.step(1.0)
     assert contact.impulse == 6.25
     assert a.velocity.x == -6.25
@@ -192,17 +188,20 @@ def test_compiled_and_python_give_the_same_digits(law):
     assert ends[0] == ends[1]
 
 
-@compiled_only
-def test_many_contacts_share_one_compiled_function():
-    before = compiled_force._callback()
-    contacts = [cradle(power_law(1.0, 0.1 + 0.01 * i), True)[2] for i in range(50)]
-    assert compiled_force._callback() is before
-    assert len({id(contact._compiled_law) for row in contacts for contact in row}) == 200
+@pytest.mark.parametrize(
+    ("law", "reason"), [(Quadratic(), "not a Contact"), (hertz(100.0, LOSS), "depends on velocities")]
+)
+def test_native_true_refuses_what_it_cannot_compile(law, reason):
+    assert not pair(law=law)[2].native
+    with pytest.raises(RuntimeError, match=reason):
+        pair(law=law, native=True)
 
 
-def test_native_true_refuses_what_it_cannot_compile():
-    with pytest.raises(RuntimeError, match="not a Contact"):
-        pair(law=Quadratic(), native=True)
+def test_a_contact_with_loss():
+    space, balls, _ = pair(law=hertz(100.0, LOSS), masses=(1.0, 1.0))
+    balls[0].velocity = 1.0, 0.0
+    run(space, 1e-4, 20_000)
+    assert balls[1].velocity.x - balls[0].velocity.x == pytest.approx(math.sqrt(1.0 - LOSS), rel=1e-3)
 
 
 CHECK_FALLBACK = """

@@ -12,35 +12,22 @@ from softcradle.physics.chain import Chain
 from tests.helpers.spaces import FRAME, LAWS, chain_row, momentum, run, total_energy
 
 
-def run_for(space, seconds, step=FRAME):
-    run(space, step, round(seconds / step))
-
-
 @pytest.mark.parametrize("gap", [0.0, 0.3])
 @pytest.mark.parametrize("law", [*LAWS, power_law(1.0, 1 / 14), hertz(1e6), hooke(1e9)], ids=str)
 def test_a_collision_in_steps_of_a_frame_keeps_energy_and_momentum(law, gap):
+    """After a flight the energy in the contacts is that of the bodies alone, at x = X + (step/2) V."""
     space, bodies, chain = chain_row(law, gap)
-    energy = total_energy(bodies, chain)
     largest = 0.0
     for _ in range(600):
         space.step(FRAME)
-        assert total_energy(bodies, chain) == pytest.approx(energy, rel=1e-10)
+        assert total_energy(bodies, chain) == pytest.approx(0.5, rel=1e-10)
         assert momentum(bodies) == pytest.approx(1.0, abs=1e-12)
+        places = [body.position.x + 0.5 * FRAME * body.velocity.x for body in bodies]
+        stored = sum(law.energy(1.0 - (b - a)) for a, b in itertools.pairwise(places))
+        assert stored == pytest.approx(chain.energy, abs=5e-11) or gap == 0.0
         largest = max(largest, chain.energy)
     assert bodies[4].velocity.x > 0.2
     assert largest > 0.0 or law.stiffness > 1e5, "energy went through the contacts"
-
-
-@pytest.mark.parametrize("law", LAWS, ids=str)
-def test_energy_can_be_read_from_the_bodies_alone(law):
-    """Without chain.energy: at x = X + (step/2) V, from the positions of the bodies."""
-    space, bodies, _ = chain_row(law, gap=0.3)
-    for _ in range(300):
-        space.step(FRAME)
-        places = [body.position.x + 0.5 * FRAME * body.velocity.x for body in bodies]
-        stored = sum(law.energy(1.0 - (b - a)) for a, b in itertools.pairwise(places))
-        kinetic = sum(0.5 * body.mass * body.velocity.x**2 for body in bodies)
-        assert stored + kinetic == pytest.approx(0.5, rel=1e-10)
 
 
 @pytest.mark.parametrize("law", [power_law(1.0, 0.1), power_law(1.0, 1 / 30), hertz(20.0), step_force(1.0)], ids=str)
@@ -65,7 +52,7 @@ def test_a_row_in_any_direction(direction):
     straight = chain_row(hertz(1e3), gap=0.3)
     turned = chain_row(hertz(1e3), gap=0.3, direction=direction)
     for space, _, _ in (straight, turned):
-        run_for(space, 3.0)
+        run(space, FRAME, 180)
     for body, other in zip(straight[1], turned[1], strict=True):
         assert other.velocity.dot(direction) == pytest.approx(body.velocity.x, abs=1e-9)
         assert other.velocity.cross(direction) == pytest.approx(0.0, abs=1e-12)
@@ -75,7 +62,7 @@ def test_a_row_in_any_direction(direction):
 def test_a_bent_row(law):
     """Twenty degrees at every body: forces couple by the cosine; lines that turn cost second-order in the step."""
     lost = []
-    for step in (FRAME, FRAME / 10):
+    for parts in (1, 10):
         space = pymunk.Space()
         bodies = [pymunk.Body(1.0, math.inf) for _ in range(6)]
         place = pymunk.Vec2d(0.0, 0.0)
@@ -85,7 +72,7 @@ def test_a_bent_row(law):
         start = bodies[0].velocity = pymunk.Vec2d(1.0, 0.0).rotated(0.35)
         chain = SoftChain(bodies, law, 1.0)
         space.add(*bodies, *chain)
-        run_for(space, 4.0, step)
+        run(space, FRAME / parts, 240 * parts)
         total = sum((body.velocity for body in bodies), pymunk.Vec2d(0.0, 0.0))
         assert total == pytest.approx(start, abs=1e-12)
         assert bodies[5].velocity.length > 0.1
@@ -97,7 +84,7 @@ def test_a_bent_row(law):
 def test_a_wall_that_moves():
     """A kinematic body drives the row: bodies leave an elastic wall of speed u at 2 u."""
     space, bodies, chain = chain_row(hertz(1e5), beads=2, masses=[math.inf, 1.0], gap=0.5)
-    run_for(space, 2.0)
+    run(space, FRAME, 120)
     assert bodies[0].velocity.x == 1.0
     assert bodies[1].velocity.x == pytest.approx(2.0, rel=1e-9)
     assert chain.energy == 0.0
@@ -123,6 +110,6 @@ def test_a_column_rests_on_its_preload():
         draft_gear(1e4, 0.02), beads=5, direction=(0, 1), masses=[math.inf] + [1.0] * 4, speed=0
     )
     space.gravity = 0.0, -10.0
-    run_for(space, 10.0)
+    run(space, FRAME, 600)
     np.testing.assert_allclose([body.position.y for body in bodies], range(5), atol=1e-12)
     np.testing.assert_allclose(chain.forces, [40.0, 30.0, 20.0, 10.0], rtol=1e-9)

@@ -36,19 +36,13 @@ def test_one_warning_at_the_first_step_past_the_limit(law, native):
     assert warned(space, FRAME, 150) == [], "once for each law"
 
 
-def test_the_warning_names_the_line_of_the_game():
-    space, _, _ = cradle(hertz(1e6))
+def test_the_warning_names_the_line_of_the_game_and_as_an_error_ends_the_step():
     with pytest.warns(RuntimeWarning, match="SoftContact") as said:
-        space.step(FRAME)
+        cradle(hertz(1e6))[0].step(FRAME)
     assert said[0].filename == __file__
-
-
-def test_as_an_error_it_ends_the_step():
-    space, _, _ = cradle(hertz(1e6))
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), pytest.raises(RuntimeWarning, match="past its limit"):
         warnings.simplefilter("error")
-        with pytest.raises(RuntimeWarning, match="past its limit"):
-            space.step(FRAME)
+        cradle(hertz(1e6))[0].step(FRAME)
 
 
 @pytest.mark.parametrize("native", [None, False])
