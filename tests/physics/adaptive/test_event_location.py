@@ -6,26 +6,28 @@ from functools import cache
 import numpy as np
 import pytest
 from softcradle.physics import Chain, draft_gear, hertz, hooke, power_law, step_force
-from softcradle.physics.analysis.closed_forms import one_on_one
 from softcradle.physics.simulation import solve
 
 from benchmarks.scan.families import motion
-from tests.helpers.relations import simulate_quietly
+from tests.helpers.relations import KERNELS, simulate_quietly
 
-ADAPTIVE = ("radau", "dop853", "accurate")
 FAMILIES = ("hooke-hertz", "gears", "clusters", "walls", "extreme", "loss")  # of random chains
 
 
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
-@pytest.mark.parametrize("method", ADAPTIVE)
-def test_a_bead_thrown_at_a_ceiling_comes_back(method, tolerance):
-    """It rises 4.9 m against gravity, touches at v² = 10² - 2 g 4.9, and falls for the rest of the time."""
-    chain = Chain([1.0, math.inf], hertz(1e6), gap=4.9, drive=[-9.8, 0.0])
+@pytest.mark.parametrize(
+    ("method", "tolerance", "allowed"),
+    [*((method, each, 200.0 * each) for method in KERNELS for each in (1e-3, 1e-6, 1e-9)), ("scipy", 1e-11, 1e-11)],
+)
+def test_a_bead_thrown_at_a_ceiling_comes_back(method, tolerance, allowed):
+    """It rises 4.9 m against gravity, touches at v² = 10² - 2 g 4.9 for some milliseconds, and falls for the rest of the time."""
+    gravity, frequency = 9.8, 1e3
+    chain = Chain([1.0, math.inf], hooke(frequency**2), gap=4.9, drive=[-gravity, 0.0])
     found = simulate_quietly(chain, [10.0, 0.0], 5.0, method, tolerance=tolerance, samples=2)
-    ((closed, opened),) = found.contact_intervals[0]
-    speed = math.sqrt(100.0 - 2.0 * 9.8 * 4.9)
-    assert closed == pytest.approx((10.0 - speed) / 9.8, abs=1e-9)
-    assert found.final_velocity[0] == pytest.approx(-speed - 9.8 * (5.0 - opened), abs=20.0 * tolerance * 10.0)
+    speed = math.sqrt(10.0**2 - 2.0 * gravity * 4.9)
+    touch, time = (10.0 - speed) / gravity, 2.0 * math.atan(speed * frequency / gravity) / frequency
+    ((closed, _),) = found.contact_intervals[0]
+    assert closed == pytest.approx(touch, abs=1e-9)
+    assert found.final_velocity[0] == pytest.approx(-speed - gravity * (5.0 - touch - time), abs=allowed)
 
 
 @pytest.mark.parametrize("seed", range(0, 400, 40))
@@ -45,7 +47,7 @@ def test_no_contact_is_missed_under_random_drives_toward_a_wall(seed):
 
 
 @pytest.mark.parametrize("stiffness", [1e4, 1e-2, 1e-4])
-@pytest.mark.parametrize("method", ADAPTIVE)
+@pytest.mark.parametrize("method", KERNELS)
 def test_what_never_touches_changes_nothing(method, stiffness):
     """The last contact is 50 m away; its stiffness sets no scale for the others."""
     chain = Chain([100, 0.01, 1, 1], [hooke(1e4), hooke(1e4), hooke(stiffness)], gap=[0.05, 0.05, 50.0], friction=0.3)
@@ -56,7 +58,7 @@ def test_what_never_touches_changes_nothing(method, stiffness):
 
 
 @pytest.mark.parametrize("law", [hooke(1.0), hertz(1.0), power_law(1.0, 0.1), draft_gear(1.0, 1.0)], ids=str)
-@pytest.mark.parametrize("method", [*ADAPTIVE, "scipy"])
+@pytest.mark.parametrize("method", [*KERNELS, "scipy"])
 def test_touching_beads_that_are_pulled_apart_part_at_once(method, law):
     chain = Chain([1.0, 1.0, 2.0], law, drive=[-1.0, 0.0, 3.0])
     found = simulate_quietly(chain, [0.0, 0.0, 0.0], 1.0, method, samples=2)
@@ -64,16 +66,7 @@ def test_touching_beads_that_are_pulled_apart_part_at_once(method, law):
     assert found.steps <= 10 or method == "scipy"
 
 
-def test_a_contact_with_loss_gives_back_its_part():
-    """Of the energy of a bounce a contact keeps its loss: v1² = (1 - loss) v0² relative to the centre of mass."""
-    found = simulate_quietly(Chain([1.0, 1.0], hertz(3.0, loss=0.36)), [1.0, 0.0], samples=2, tolerance=1e-10)
-    assert np.ptp(found.final_velocity) == pytest.approx(0.8, abs=1e-9)
-    ((closed, opened),) = found.contact_intervals[0]
-    in_time = 0.5 * one_on_one(hertz(3.0), 0.5, 1.0).contact_time
-    assert opened - closed == pytest.approx(in_time * (1.0 + 1.0 / 0.8), rel=1e-6)
-
-
-@pytest.mark.parametrize("method", ["accurate", "radau", "dop853"])
+@pytest.mark.parametrize("method", KERNELS)
 @pytest.mark.parametrize("seed", [*range(5), *(pytest.param(k, marks=pytest.mark.slow) for k in range(5, 12))])
 def test_step_forces_with_loss_turn_within_the_step_in_which_they_close(method, seed):
     """Forces that are steady but for switches: a step reaches from one switch to the next, however far that is."""

@@ -1,8 +1,10 @@
 """Ensembles, and the ends of very many chains: the digits of one at a time, whatever the number of threads."""
 
+import itertools
+
 import numpy as np
 import pytest
-from softcradle.physics import Chain, ChainBatch, ensemble, ensemble_ends, one_on, simulate
+from softcradle.physics import Chain, ChainBatch, ensemble, ensemble_ends, one_on
 from softcradle.physics.contact import draft_gear, hertz, hooke, power_law
 from softcradle.physics.simulation import solve
 from softcradle.physics.status import Status
@@ -11,6 +13,7 @@ from tests.helpers.random_chains import random_collision, random_dissipative
 
 CHAINS = [one_on(n, power_law(1.0, 1.0 / k)) for n in (1, 2, 4) for k in (3, 10)] + [
     Chain([1.0, 2.0, 0.5], [hertz(3.0), draft_gear(5.0, 0.2)], [0.1, 0.0]),
+    Chain([1.0] * 4, power_law(1.0, 0.3, loss=0.2)),
     one_on(3, draft_gear(770.0, 0.0177), mass=0.396),
 ]
 STARTS = [[1.0] + [0.0] * chain.contacts for chain in CHAINS]
@@ -20,50 +23,50 @@ STEP = 1e-2  # s: some chains chatter, some blow up
 
 def chains_of(maker, contacts, count=COUNT):
     """The first `count` random chains with so many contacts, and their start velocities."""
-    found, seed = [], 0
-    while len(found) < count:
-        chain, velocity = maker(seed, 4)
-        seed += 1
-        if chain.contacts == contacts:
-            found.append((chain, velocity))
+    drawn = (maker(seed, 4) for seed in itertools.count())
+    found = list(itertools.islice((one for one in drawn if one[0].contacts == contacts), count))
     return [chain for chain, _ in found], np.array([velocity for _, velocity in found])
 
 
-def require_same(chains, velocities, ends, **settings):
-    for k, chain in enumerate(chains):
-        own = {name: value[k] if isinstance(value, np.ndarray) else value for name, value in settings.items()}
-        alone = solve(chain, velocities[k], samples=2, **own)
+def each_alone(chains, velocities, settings):
+    """The run of each chain by itself, with what an ensemble is given for it."""
+    for k, (chain, velocity) in enumerate(zip(chains, velocities, strict=True)):
+        own = {name: np.broadcast_to(value, len(chains))[k].item() for name, value in settings.items()}
+        yield solve(chain, velocity, samples=2, **own)
+
+
+def ends_as_alone(chains, velocities, **settings):
+    """How the chains end as a batch: each as it would alone."""
+    ends = ensemble_ends(ChainBatch.of(chains), velocities, **settings)
+    velocities = np.broadcast_to(velocities, ends.final_velocity.shape)
+    for k, alone in enumerate(each_alone(chains, velocities, settings)):
         assert np.array_equal(ends.final_velocity[k], alone.final_velocity), k
         assert np.array_equal(ends.velocity_error[k], alone.velocity_error, equal_nan=True), k
         assert (ends.status[k], ends.time[k]) == (alone.status, alone.time[-1]), k
         assert ends.steps[k] == alone.steps, k
-        if "duration" not in own:  # a sample at the end evaluates contacts, too
+        if "duration" not in settings:  # a sample at the end evaluates contacts, too
             assert ends.evaluations[k] == alone.evaluations, k
+    return ends
 
 
 @pytest.mark.parametrize("contacts", [1, 3, 4])
 @pytest.mark.parametrize(
-    ("method", "maker", "duration"),
-    [(method, random_collision, None) for method in ("euler", "verlet", "yoshida4", "conserving")]
-    + [(method, random_dissipative, 2.0) for method in ("euler", "verlet", "conserving")],
+    ("method", "maker", "options"),
+    [(method, random_collision, {}) for method in ("euler", "verlet", "yoshida4", "conserving")]
+    + [(method, random_dissipative, {"duration": 2.0}) for method in ("euler", "verlet", "conserving")],
 )
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
-def test_collisions_and_chains_with_beds_losses_and_drives_end_as_they_would_alone(method, maker, duration, contacts):
+def test_collisions_and_chains_with_beds_losses_and_drives_end_as_they_would_alone(method, maker, options, contacts):
     chains, velocities = chains_of(maker, contacts)
     assert maker is random_collision or any(chain.drive for chain in chains)
-    settings = {"method": method, "step": STEP, **({"duration": duration} if duration else {})}
-    require_same(chains, velocities, ensemble_ends(ChainBatch.of(chains), velocities, **settings), **settings)
+    ends_as_alone(chains, velocities, method=method, step=STEP, **options)
 
 
 @pytest.mark.parametrize("contacts", [1, 3])
 def test_adaptive_methods_end_as_they_would_alone(contacts):
     """Some of these rattle, or errors grow in them: more than one run decides."""
-    chains, velocities = chains_of(random_collision, contacts, 30)
-    ends = ensemble_ends(ChainBatch.of(chains), velocities, tolerance=1e-6)
-    require_same(chains, velocities, ends, tolerance=1e-6)
-    chains, velocities = chains_of(random_dissipative, contacts, 12)
-    ends = ensemble_ends(ChainBatch.of(chains), velocities, 2.0, tolerance=1e-6)
-    require_same(chains, velocities, ends, duration=2.0, tolerance=1e-6)
+    ends_as_alone(*chains_of(random_collision, contacts, 30), tolerance=1e-6)
+    ends_as_alone(*chains_of(random_dissipative, contacts, 12), duration=2.0, tolerance=1e-6)
 
 
 def test_chains_that_rattle_end_as_they_would_alone():
@@ -71,26 +74,20 @@ def test_chains_that_rattle_end_as_they_would_alone():
     draw = np.random.default_rng(3)
     masses, exponents = np.exp(draw.uniform(-1, 1, (25, 6))), draw.uniform(0.02, 0.12, (25, 5))
     chains = [Chain(mass, [power_law(1.0, a) for a in few]) for mass, few in zip(masses, exponents, strict=True)]
-    velocities = -np.sort(-draw.normal(size=(25, 6)))
-    require_same(chains, velocities, ensemble_ends(ChainBatch.of(chains), velocities, tolerance=1e-6), tolerance=1e-6)
+    ends_as_alone(chains, -np.sort(-draw.normal(size=(25, 6))), tolerance=1e-6)
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_default_steps_and_durations_are_those_of_each_chain():
-    chains, velocities = chains_of(random_collision, 2, 20)
-    durations = np.linspace(0.0, 1.0, len(chains))
-    ends = ensemble_ends(ChainBatch.of(chains), velocities, durations, "verlet")
-    require_same(chains, velocities, ends, duration=durations, method="verlet")
+    ends_as_alone(*chains_of(random_collision, 2, 20), duration=np.linspace(0.0, 1.0, 20), method="verlet")
     pressed = [Chain([1.0, 1.0, 2.0], hertz(k), [-0.1, 0.2], friction=0.1) for k in (1.0, 2.0)]
-    ends = ensemble_ends(ChainBatch.of(pressed), [1.0, 0.0, 0.0], method="verlet")
-    require_same(pressed, [[1.0, 0.0, 0.0]] * 2, ends, method="verlet")
+    ends_as_alone(pressed, [1.0, 0.0, 0.0], method="verlet")
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_a_contact_that_no_step_shows_ends_a_chain_as_it_does_alone():
     chains = [Chain([1.0, 1.0], hooke(450.0), gap=gap) for gap in (0.43, 0.44, 3.0)]
-    ends = ensemble_ends(ChainBatch.of(chains), [1.0, 0.0], method="verlet", step=0.1)
-    require_same(chains, [[1.0, 0.0]] * 3, ends, method="verlet", step=0.1)
+    ends = ends_as_alone(chains, [1.0, 0.0], method="verlet", step=0.1)
     assert (ends.status == Status.SEPARATED).all()
     assert ends.steps.max() < 50
 
@@ -115,29 +112,30 @@ def test_a_batch_is_its_chains():
     assert repr(batch) == "ChainBatch(40 chains of 3 contacts)"
 
 
-@pytest.mark.parametrize("method", ["accurate", "conserving"])
 @pytest.mark.parametrize("workers", [1, 3, 16])
-def test_each_chain_moves_as_it_would_alone(method, workers):
-    found = ensemble(CHAINS, STARTS, method=method, tolerance=1e-6, workers=workers)
-    assert len(found) == len(CHAINS)
-    for chain, start, one in zip(CHAINS, STARTS, found, strict=True):
-        alone = simulate(chain, start, method=method, tolerance=1e-6, samples=2)
-        assert one.chain == chain
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"method": "accurate", "tolerance": 1e-6},
+        {"method": "conserving"},
+        {"method": "conserving", "duration": np.linspace(0.5, 2.0, 9), "step": np.geomspace(1e-3, 1e-2, 9)},
+        {"method": "scipy", "tolerance": 1e-5, "duration": 0.5},
+    ],
+)
+def test_each_chain_moves_as_it_would_alone(settings, workers):
+    """The dense solves of the reference keep to one thread of BLAS, a number that all runs of a process share."""
+    found = ensemble(CHAINS, STARTS, **settings, workers=workers)
+    assert [one.chain for one in found] == CHAINS
+    for one, alone in zip(found, each_alone(CHAINS, STARTS, settings), strict=True):
+        assert np.array_equal(one.velocity, alone.velocity)
         assert np.array_equal(one.final_velocity, alone.final_velocity)
         assert one.contact_intervals == alone.contact_intervals
         assert (one.steps, one.evaluations) == (alone.steps, alone.evaluations)
 
 
-def test_durations_and_steps_may_differ_from_chain_to_chain():
-    durations, steps = np.linspace(0.5, 2.0, len(CHAINS)).tolist(), np.geomspace(1e-3, 1e-2, len(CHAINS)).tolist()
-    for k, one in enumerate(ensemble(CHAINS, STARTS, durations, "conserving", steps)):
-        alone = simulate(CHAINS[k], STARTS[k], durations[k], "conserving", steps[k], samples=2)
-        assert np.array_equal(one.velocity, alone.velocity)
-        assert one.time[-1] == durations[k]
-
-
 def test_progress_counts_every_chain_once():
     told = []
+    assert ensemble([], [], progress=told.append) == told == []
     ensemble(CHAINS * 20, STARTS * 20, method="conserving", step=0.01, progress=told.append)
     assert sum(told) == 20 * len(CHAINS)
     assert len(told) > 5
@@ -149,17 +147,3 @@ def test_warnings_stay_on_their_trajectory(recwarn):
     assert "past its limit" in str(found[0].warnings[0])
     assert not found[1].warnings
     assert not recwarn.list
-
-
-def test_nothing_is_an_ensemble_too():
-    assert ensemble([], []) == []
-
-
-def test_the_reference_gives_the_same_digits_beside_itself():
-    """Its dense solves keep to one thread of BLAS, a number that all runs of a process share."""
-    chains = [Chain([1.0] * n, power_law(1.0, 0.3, loss=0.2)) for n in (2, 3, 4)]
-    starts = [[1.0, *[0.0] * chain.contacts] for chain in chains]
-    found = ensemble(chains, starts, method="scipy", tolerance=1e-5, workers=3)
-    for chain, start, one in zip(chains, starts, found, strict=True):
-        alone = simulate(chain, start, method="scipy", tolerance=1e-5, samples=2)
-        assert np.array_equal(one.final_velocity, alone.final_velocity)

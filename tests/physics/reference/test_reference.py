@@ -1,17 +1,19 @@
 """The reference itself: contact modes, located switches, pushes, and every other method compared with it."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from softcradle.physics import Chain, Coupler, OwnLaw, TimedForce, cluster_on_cluster, one_on, simulate
+from softcradle.physics.analysis.closed_forms import one_on_one
 from softcradle.physics.chain import GRAVITY
 from softcradle.physics.contact import Contact, draft_gear, hertz, hooke, power_law
 from softcradle.physics.reference.laws import Laws
 
 from tests.helpers.relations import ADAPTIVE, FIXED_STEP, NAMES
 from tests.helpers.spaces import LOSS, LOSSY
-from tests.helpers.truth import GEAR, GEARS
+from tests.helpers.truth import GEARS
 
 SOFT = [power_law(1.0, 0.5), power_law(2.0, 0.3), power_law(1.0, 0.4)]
 CHAINS = {
@@ -42,22 +44,8 @@ def test_an_alpha_of_a_thirtieth_is_no_hindrance():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", CHAINS)
-@pytest.mark.parametrize("method", FIXED_STEP, ids=lambda method: method.name)
-def test_fixed_steps_agree_with_it(method, case):
-    chain, velocity, duration = CHAINS[case]
-    exact = simulate(chain, velocity, duration, "scipy", samples=33)
-    found = simulate(chain, velocity, exact.time[-1], method.name, 1.0 / STEPS_A_SECOND, exact.time)
-    onset = 1.0 if "gear" in case else 1.0 + min(contact.exponent for contact in chain.contact)
-    bound = 10.0 * STEPS_A_SECOND ** -min(method.order, onset)  # forces and masses are near 1
-    assert np.abs(found.velocity - exact.velocity).max() < bound
-    assert np.abs(found.position - exact.position).max() < bound
-    assert np.abs(found.final_velocity - exact.final_velocity).max() < bound
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("case", CHAINS)
-def test_adaptive_methods_agree_with_it(case):
-    """All of them beside one run of the reference, with samples also where each of them says that contacts switch."""
+def test_all_methods_agree_with_it(case):
+    """Beside one run of the reference, with samples also where an adaptive method says that contacts switch."""
     chain, velocity, duration = CHAINS[case]
     speed = np.ptp(velocity)
     duration = duration or 1.1 * simulate(chain, velocity, None, "scipy", samples=2).time[-1]
@@ -77,6 +65,13 @@ def test_adaptive_methods_agree_with_it(case):
         for time, contact in those:
             overlap = exact.overlap[np.searchsorted(every, time), contact]
             assert abs(overlap) <= 1e-6 * speed * time + 1e-12
+    onset = 1.0 if "gear" in case else 1.0 + min(contact.exponent for contact in chain.contact)
+    for method in FIXED_STEP:
+        found = simulate(chain, velocity, duration, method.name, 1.0 / STEPS_A_SECOND, times)
+        bound = 10.0 * STEPS_A_SECOND ** -min(method.order, onset)  # forces and masses are near 1
+        assert np.abs(found.velocity - exact.velocity[rows]).max() < bound, method.name
+        assert np.abs(found.position - exact.position[rows]).max() < bound, method.name
+        assert np.abs(found.final_velocity - exact.final_velocity).max() < bound, method.name
 
 
 def switches_of(found):
@@ -95,25 +90,16 @@ def test_touching_contacts_carry_a_multiplier():
     assert found.contact_intervals[1:] == (found.contact_intervals[0],) * 2  # they push exactly as long as it does
 
 
-def test_beads_at_rest_stay_at_rest():
-    found = simulate(Chain([1, 1, 1, 1], GEAR, [0, 0.5, 0]), [0, 0, 0, 0], 1.0, "scipy", samples=3)
-    assert not found.velocity.any()
-    assert found.contact_intervals == ((), (), ())
-
-
-def test_running_out_of_phases_is_a_value(monkeypatch):
-    monkeypatch.setattr("softcradle.physics.reference.runner.MOST_PHASES", 3)
-    with pytest.warns(RuntimeWarning, match=r"scipy gave up at t = .* 3 changes of contacts"):
+@pytest.mark.parametrize(
+    ("limit", "most", "sentence"),
+    [("runner.MOST_PHASES", 3, "3 changes of contacts"), ("phases.MOST_EVALUATIONS", 100, "after 101 evaluations")],
+)
+def test_running_out_is_a_value(limit, most, sentence, monkeypatch):
+    monkeypatch.setattr(f"softcradle.physics.reference.{limit}", most)
+    with pytest.warns(RuntimeWarning, match=rf"scipy gave up at t = .* {sentence}"):
         found = simulate(cluster_on_cluster(2, 3, hertz(1.0)), [1, 1, 0, 0, 0], method="scipy")
     assert len(found.warnings) == 1
-    assert np.isfinite(found.velocity).all()
-
-
-def test_running_out_of_evaluations_is_a_value(monkeypatch):
-    monkeypatch.setattr("softcradle.physics.reference.phases.MOST_EVALUATIONS", 100)
-    with pytest.warns(RuntimeWarning, match=r"scipy gave up at t = 6\..*e-15 s after 101 evaluations"):
-        found = simulate(one_on(2, hertz(1.0)), [1, 0, 0], method="scipy")
-    assert found.final_velocity == pytest.approx([1, 0, 0], abs=1e-12)
+    assert found.velocity.sum(axis=1) == pytest.approx(2.0, abs=1e-9)
 
 
 @pytest.mark.parametrize("method", NAMES)
@@ -129,27 +115,16 @@ def test_scales_of_length_and_time_do_not_matter(method):
 
 def test_a_bead_slides_after_it_stuck():
     """The bed holds a bead until a gear, pressed slowly by the next bead, pushes with more than friction."""
-    chain = Chain([1.0, 1.0], hooke(10.0), drive=[1.2 * 0.2 * GRAVITY, 0.0], friction=0.2)
-    still = ended(Chain([1.0, 1.0], hooke(10.0), drive=[0.99 * 0.2 * GRAVITY, 0.0], friction=0.2), [0, 0], 3.0)
-    assert still.final_velocity.tolist() == [0.0, 0.0]
-    found = ended(chain, [0.0, 0.0], 3.0)
+    still, chain = (
+        Chain([1.0, 1.0], hooke(10.0), drive=[part * 0.2 * GRAVITY, 0.0], friction=0.2) for part in (0.99, 1.2)
+    )
+    assert ended(still, [0.0, 0.0], 3.0).final_velocity.tolist() == [0.0, 0.0]
     # one bead swings about its balance under the spring alone, from rest to rest: it never pushes with 2 * 0.2 mu g
     frequency, force = math.sqrt(10.0), 0.2 * 0.2 * GRAVITY
-    assert found.final_velocity[1] == 0.0
-    turn = math.pi / frequency
-    assert turn < 3.0
-    assert ended(chain, [0.0, 0.0], turn / 2).final_velocity[0] == pytest.approx(force / frequency, abs=1e-12)
-    assert found.final_velocity[0] == 0.0  # friction holds it where it turns
-
-
-def test_steady_forces_bring_a_bead_back_to_a_wall():
-    """It flies up, touches the ceiling for milliseconds and falls: energy and the swing in the spring give its end."""
-    gravity, stiffness = 9.8, 1e6
-    found = ended(Chain([1.0, math.inf], hooke(stiffness), gap=4.9, drive=[-gravity, 0.0]), [10.0, 0.0], 5.0)
-    speed, frequency = math.sqrt(10.0**2 - 2 * gravity * 4.9), math.sqrt(stiffness)
-    contact_time = 2 * math.atan(speed * frequency / gravity) / frequency
-    fall = 5.0 - (10.0 - speed) / gravity - contact_time
-    assert found.final_velocity[0] == pytest.approx(-speed - gravity * fall, abs=1e-11)
+    middle = ended(chain, [0.0, 0.0], 0.5 * math.pi / frequency)
+    assert middle.final_velocity[0] == pytest.approx(force / frequency, abs=1e-12)
+    # within 3 s it turns, and friction holds it there
+    assert ended(chain, [0.0, 0.0], 3.0).final_velocity.tolist() == [0.0, 0.0]
 
 
 def test_samples_obey_the_ledger_of_energy():
@@ -208,8 +183,13 @@ def test_a_contact_that_is_pressed_in_slowly_is_not_held_by_the_switches_of_anot
 
 
 @pytest.mark.parametrize("law", LOSSY)
-def test_loss_takes_its_part_of_the_energy(law):
-    """Restitution sqrt(1 - loss), whatever the law and the masses."""
+@pytest.mark.parametrize(("method", "allowed"), [("scipy", 1e-11), ("accurate", 1e-9)])
+def test_loss_takes_its_part_of_the_energy(method, allowed, law):
+    """Restitution sqrt(1 - loss), whatever the law and the masses; a contact opens as much slower as it closes."""
     restitution = math.sqrt(1.0 - LOSS)
-    found = ended(Chain([1.0, 2.0], LOSSY[law]), [1.0, 0.0])
-    assert found.final_velocity == pytest.approx([1 / 3 - restitution * 2 / 3, (1 + restitution) / 3], abs=1e-11)
+    found = simulate(Chain([1.0, 2.0], LOSSY[law]), [1.0, 0.0], method=method, samples=2, tolerance=1e-11)
+    assert found.final_velocity == pytest.approx([1 / 3 - restitution * 2 / 3, (1 + restitution) / 3], abs=allowed)
+    ((closed, opened),) = found.contact_intervals[0]
+    if law != "preload and root":  # which has no closed form
+        time = one_on_one(replace(LOSSY[law], loss=0.0), 2 / 3, 1.0).contact_time
+        assert opened - closed == pytest.approx(0.5 * time * (1.0 + 1.0 / restitution), rel=1e-6)
