@@ -24,11 +24,18 @@ def guessed(chain, state, mode, h):
     return trial
 
 
+def pressed(chain, velocity, overlap):
+    """A chain whose contacts have these overlaps, with the forces that their laws give them."""
+    state = State.at_start(chain, velocity)
+    state.overlap[:] = overlap
+    state.force[:] = [law.force(d) for law, d in zip(chain.contact, state.overlap, strict=True)]
+    return chain, state
+
+
 def test_guesses():
-    chain = Chain([1.0, 1.0, 1.0, 1.0], [hooke(3.0), draft_gear(2.0, 0.4), power_law(2.0, 0.5)])
-    state = State.at_start(chain, [0.5, 0.1, 0.2, 0.0])
-    state.overlap[:] = 0.2, 0.0, 0.25
-    state.force[:] = 0.6, 0.3, 1.0
+    laws = [hooke(3.0), draft_gear(2.0, 0.4), power_law(2.0, 0.5)]
+    chain, state = pressed(Chain([1.0] * 4, laws), [0.5, 0.1, 0.2, 0.0], [0.2, 0.0, 0.25])
+    state.force[1] = 0.3
     found = guessed(chain, state, [LOADED, TOUCHING, LOADED], 0.1)
     flown = 0.2 + 0.1 * NODES * 0.4
     assert found.overlap[:, 0] == pytest.approx(flown)
@@ -44,11 +51,8 @@ def test_guesses():
 
 def test_a_soft_contact_goes_on_as_a_power_of_the_time_since_its_onset():
     """Driven alone from rest at t = 0, d = w t: the guess is d (1 + h c/t), exact; one that it pushes has its own growth."""
-    chain = Chain([1.0, 1.0, 1.0], power_law(2.0, 0.5))
-    state = State.at_start(chain, [1.0, 0.0, 0.0])
-    state.overlap[:] = 0.4, 0.01
+    chain, state = pressed(Chain([1.0, 1.0, 1.0], power_law(2.0, 0.5)), [1.0, 0.0, 0.0], [0.4, 0.01])
     state.rate[:] = 0.8, 0.06  # onset 0.5 s ago; the second grows as t**3
-    state.force[:] = 2.0 * np.sqrt(state.overlap)
     found = guessed(chain, state, [LOADED, LOADED], 0.2)
     part = 1.0 + 0.2 * NODES / 0.5
     assert found.overlap[:, 0] == pytest.approx(0.4 * part)
@@ -76,12 +80,7 @@ def test_a_contact_at_rest_is_pushed_by_its_neighbour():
     assert force[0, 1] == 0.0
 
 
-def soft_state(overlap, rate):
-    """Two beads on a contact of 2 sqrt(d)."""
-    chain = Chain([1.0, 1.0], power_law(2.0, 0.5))
-    state = State.at_start(chain, [rate, 0.0])
-    state.overlap[:], state.force[:] = overlap, 2.0 * math.sqrt(overlap)
-    return chain, state
+SOFT = power_law(2.0, 0.5)
 
 
 def test_the_onset_is_that_of_the_contact_that_pushes_most_however_little():
@@ -95,31 +94,24 @@ def test_the_onset_is_that_of_the_contact_that_pushes_most_however_little():
 
 
 def test_a_soft_contact_that_will_be_apart_within_the_step_flies_there():
-    chain, state = soft_state(1e-4, -0.45)
-    found = guessed(chain, state, [LOADED], 1e-3)
+    found = guessed(*pressed(Chain([1.0, 1.0], SOFT), [-0.45, 0.0], 1e-4), [LOADED], 1e-3)
     flown = 1e-4 - 0.45e-3 * NODES
     apart = flown <= 0.0
     assert found.overlap[apart, 0] == pytest.approx(flown[apart])
     assert (found.force[apart, 0] == 0.0).all()
     assert found.overlap[~apart, 0] == pytest.approx(flown[~apart])
     assert found.force[~apart, 0] == pytest.approx(2.0 * np.sqrt(flown[~apart]))
-    light = Chain([1.0, 1.0 / 9.0], power_law(2.0, 0.5))  # its force turns such a bead before the contact opens
-    state = State.at_start(light, [-0.4, 0.0])
-    state.overlap[:], state.force[:] = 0.25, 1.0
-    assert guessed(light, state, [LOADED], 1.0).overlap[2, 0] == pytest.approx(0.25 * math.exp(-2.0 * MOST_GUESSED))
-    gear = Chain([1.0, 1.0], Contact(1.0, 2.0, 0.1))
-    state = State.at_start(gear, [-9.0, 0.0])
-    state.overlap[:], state.force[:] = 1e-4, 1.0 + 2.0 * 1e-4**0.1
-    found = guessed(gear, state, [LOADED], 1e-3)
-    assert found.overlap[2, 0] == pytest.approx(
-        1e-4 * math.exp(-10.0 * MOST_GUESSED)
-    )  # the force falls to a third, no further
+    # the force of a light bead turns it before the contact opens
+    found = guessed(*pressed(Chain([1.0, 1.0 / 9.0], SOFT), [-0.4, 0.0], 0.25), [LOADED], 1.0)
+    assert found.overlap[2, 0] == pytest.approx(0.25 * math.exp(-2.0 * MOST_GUESSED))
+    # the force above a preload falls to a third, no further
+    found = guessed(*pressed(Chain([1.0, 1.0], Contact(1.0, 2.0, 0.1)), [-9.0, 0.0], 1e-4), [LOADED], 1e-3)
+    assert found.overlap[2, 0] == pytest.approx(1e-4 * math.exp(-10.0 * MOST_GUESSED))
     assert found.force[2, 0] == pytest.approx(1.0 + 2.0 * 1e-4**0.1 * math.exp(-MOST_GUESSED))
 
 
 def test_a_guessed_force_grows_so_much_at_the_most():
-    chain, state = soft_state(0.25, 100.0)
-    found = guessed(chain, state, [LOADED], 0.2)
+    found = guessed(*pressed(Chain([1.0, 1.0], SOFT), [100.0, 0.0], 0.25), [LOADED], 0.2)
     assert found.force[:, 0] == pytest.approx(math.exp(MOST_GUESSED))
     assert found.overlap[:, 0] == pytest.approx(0.25 * math.exp(2.0 * MOST_GUESSED))
 
@@ -127,9 +119,7 @@ def test_a_guessed_force_grows_so_much_at_the_most():
 @pytest.mark.parametrize("first", [0, 2])
 def test_contacts_at_rest_are_pushed_one_after_another(first):
     """The bead between two contacts flies under the force of the one that is loaded, from the left or from the right."""
-    chain = Chain([1.0, 2.0, 2.0, 1.0], hertz(5.0))
-    state = State.at_start(chain, [0.0] * 4)
-    state.overlap[first], state.force[first] = 0.3, chain.contact[0].force(0.3)
+    chain, state = pressed(Chain([1.0, 2.0, 2.0, 1.0], hertz(5.0)), [0.0] * 4, 0.3 * np.eye(3)[first])
     h = 0.1
     found = guessed(chain, state, [LOADED] * 3, h)
     loaded = state.force[first]

@@ -39,13 +39,21 @@ def random_motion(seed):
         if mode[i] == TOUCHING and law.preload == 0.0:
             mode[i] = LOADED
         state.overlap[i] = {OPEN: -2.0, TOUCHING: 0.0}.get(int(mode[i]), draw.uniform(0.3, 0.6))
-        if mode[i] in (TOUCHING, FROZEN):
-            state.rate[i] = 0.0
-        state.force[i] = law.force(state.overlap[i]) if state.overlap[i] > 0.0 else 0.5 * law.preload
-        state.force[i] = 0.0 if mode[i] == OPEN else state.force[i]
+        state.force[i] = 0.5 * law.preload if mode[i] == TOUCHING else law.force(state.overlap[i])
+    state.rate[np.isin(mode, (TOUCHING, FROZEN))] = 0.0
     data, _, motion = records_of(chain, state)
     motion.mode[:] = mode
     return chain, data, motion, draw.uniform(0.005, 0.03)
+
+
+def pressed(chain, velocity, overlap):
+    """Records of a chain whose contacts are loaded: with these overlaps, and the forces that their laws give them."""
+    state = State.at_start(chain, velocity)
+    state.overlap[:] = overlap
+    state.force[:] = [law.force(d) for law, d in zip(chain.contact, state.overlap, strict=True)]
+    data, _, motion = records_of(chain, state)
+    motion.mode[:] = LOADED
+    return data, motion
 
 
 def stepped(data, motion, h, precision=1e-12):
@@ -70,9 +78,8 @@ def test_a_step_solves_the_collocation_equations(first):
                 assert trial.overlap[:, i] == pytest.approx(wanted, abs=1e-11), (seed, i)
             if motion.mode[i] == LOADED:
                 law = chain.contact[i]
-                assert trial.force[:, i] == pytest.approx(
-                    [signed_force(law.preload, law.stiffness, law.exponent, d) for d in trial.overlap[:, i]], rel=1e-9
-                ), (seed, i)
+                force = [signed_force(law.preload, law.stiffness, law.exponent, d) for d in trial.overlap[:, i]]
+                assert trial.force[:, i] == pytest.approx(force, rel=1e-9), (seed, i)
             elif motion.mode[i] in (OPEN, FROZEN):
                 assert (trial.force[:, i] == motion.force[i]).all()
             else:
@@ -95,11 +102,7 @@ def test_a_spring_is_followed_by_the_rational_function_of_the_method():
     """Radau IIA of order 5 multiplies exp(z) by R(z) = (1 + 2z/5 + z²/20) / (1 - 3z/5 + 3z²/20 - z³/60)."""
     chain = Chain([1.0, math.inf], hooke(4.0))
     for h in (0.05, 0.3, 1.0):
-        state = State.at_start(chain, [0.7, 0.0])
-        state.overlap[0], state.force[0] = 0.2, 0.8
-        data, _, motion = records_of(chain, state)
-        motion.mode[0] = LOADED
-        used, trial = stepped(data, motion, h)
+        used, trial = stepped(*pressed(chain, [0.7, 0.0], 0.2), h)
         assert 0 < used <= 3
         z = 2.0j * h
         ratio = (1.0 + 0.4 * z + 0.05 * z * z) / (1.0 - 0.6 * z + 0.15 * z * z - z**3 / 60.0)
@@ -112,20 +115,14 @@ def test_on_springs_the_first_iteration_of_newton_is_exact():
     """The equations are linear there, so the second iteration finds nothing to correct."""
     for gear in (hooke(3.0), draft_gear(2.0, 0.4)):
         chain = Chain([1.0, 3.0, 0.5, 2.0, 1.5, 1.0], gear, drive=[1.0, 0.0, -2.0, 0.0, 0.5, 0.0])
-        state = State.at_start(chain, [0.5, -0.2, 0.3, 0.1, 0.0, -0.4])
-        state.overlap[:] = 0.5, 0.3, 0.6, 0.4, 0.5
-        state.force[:] = gear.force(state.overlap)
-        data, _, motion = records_of(chain, state)
-        motion.mode[:] = LOADED
+        data, motion = pressed(chain, [0.5, -0.2, 0.3, 0.1, 0.0, -0.4], [0.5, 0.3, 0.6, 0.4, 0.5])
         assert stepped(data, motion, 0.3)[0] == 2
         trial, scratch = empty_trial(5), empty_scratch(5)
         trial.overlap[0] = 0.4, 0.2, 0.3, 0.5, 0.1
         trial.force[0] = gear.force(trial.overlap[0])
         euler_change(0, 0.7, data, motion, trial, scratch)
-        overlap, force = (
-            now + along * scratch.correction[0]
-            for now, along in ((trial.overlap[0], scratch.along[0]), (trial.force[0], scratch.across[0]))
-        )
+        overlap = trial.overlap[0] + scratch.along[0] * scratch.correction[0]
+        force = trial.force[0] + scratch.across[0] * scratch.correction[0]
         pull = row_matrix(chain) @ force - data.external[:-1]
         assert overlap == pytest.approx(motion.overlap + 0.7 * motion.rate - 0.49 * pull, rel=1e-12)
 
@@ -134,12 +131,10 @@ def test_on_springs_the_first_iteration_of_newton_is_exact():
 def test_only_contacts_that_still_change_are_iterated(opening, monkeypatch):
     """Of forty pressed contacts one is about to open: the others have their stages after an iteration or two, and keep them."""
     chain = Chain([1.0] * 41, power_law(1.0, 0.1))
-    state = State.at_start(chain, np.zeros(41))
-    state.overlap[:], state.rate[:] = 0.3 + 0.01 * np.cos(np.arange(40)), 0.05 * np.sin(np.arange(40))
-    state.overlap[opening], state.rate[opening] = 1e-3, -0.303
-    state.force[:] = chain.contact[0].force(state.overlap)
-    data, _, motion = records_of(chain, state)
-    motion.mode[:] = LOADED
+    overlap, rate = 0.3 + 0.01 * np.cos(np.arange(40)), 0.05 * np.sin(np.arange(40))
+    overlap[opening], rate[opening] = 1e-3, -0.303
+    data, motion = pressed(chain, np.zeros(41), overlap)
+    motion.rate[:] = rate
     moved, move = [], radau.move_stage
     monkeypatch.setattr(radau, "move_stage", lambda k, i, *rest: moved.append(i) or move(k, i, *rest))
     h = 3.3e-3
@@ -158,8 +153,7 @@ def test_forces_converge_however_little_the_velocities_ask_for(law):
     """A thousandth of the largest force is the bound, so the error is below it."""
     chain = Chain([1.0] * 4, law)
     for h in (0.3, 1.0):
-        data, _, motion = records_of(chain, State.at_start(chain, [1.0, 0.0, 0.0, 0.0]))
-        motion.mode[:] = LOADED
+        data, motion = pressed(chain, [1.0, 0.0, 0.0, 0.0], 0.0)
         _, careless = stepped(data, motion, h, precision=1e30)
         _, exact = stepped(data, motion, h, precision=1e-13)
         assert careless.force == pytest.approx(exact.force, abs=1e-5 * exact.force.max())
@@ -170,7 +164,7 @@ def test_forces_converge_however_little_the_velocities_ask_for(law):
 def test_a_force_from_wall_to_wall_stays_as_it_is(mass, h):
     """Two contacts touch, between two walls: a force through both moves nothing, so nothing determines it."""
     chain = Chain([math.inf, mass, math.inf], draft_gear(2.0, 0.4))
-    data, _, motion = records_of(chain, State.at_start(chain, [0.0, 0.0, 0.0]))
+    data, motion = pressed(chain, [0.0, 0.0, 0.0], 0.0)
     motion.mode[:], motion.force[:] = TOUCHING, 0.5
     used, trial = stepped(data, motion, h)
     assert used > 0
@@ -181,21 +175,13 @@ def test_a_force_from_wall_to_wall_stays_as_it_is(mass, h):
 @pytest.mark.parametrize(
     ("contact", "overlap", "by_overlaps"),
     [
-        (Contact(preload=0.5, stiffness=1.0, exponent=0.1), 1e-9, True),  # oscillates in the step
-        (
-            Contact(preload=1.0, stiffness=0.1, exponent=0.5),
-            1e-5,
-            False,
-        ),  # its preload moves more, but does not oscillate
+        (Contact(0.5, 1.0, 0.1), 1e-9, True),  # oscillates in the step
+        (Contact(1.0, 0.1, 0.5), 1e-5, False),  # its preload moves more, but does not oscillate
     ],
 )
 def test_rates_come_from_overlaps_where_a_contact_oscillates_in_the_step(contact, overlap, by_overlaps):
     chain, h = Chain([1.0, 1.0], contact), 0.01
-    state = State.at_start(chain, [1e-4, 0.0])
-    state.overlap[:], state.force[:] = overlap, contact.force(overlap)
-    data, _, motion = records_of(chain, state)
-    motion.mode[:] = LOADED
-    used, trial = stepped(data, motion, h, precision=1e-3)  # so loose that both rates differ
+    used, trial = stepped(*pressed(chain, [1e-4, 0.0], overlap), h, precision=1e-3)  # so loose that both rates differ
     assert used > 0
     of_overlaps = np.linalg.inv(TABLEAU) @ (trial.overlap[:, 0] - overlap) / h
     of_forces = 1e-4 - h * TABLEAU @ (2.0 * trial.force[:, 0])
@@ -274,10 +260,8 @@ def test_first_stages_are_implicit_euler_steps_to_each_node(seed):
     chain, data, motion, h = random_motion(seed)
     for start in (motion.overlap.copy(), np.where(motion.mode == LOADED, 1e-12, motion.overlap)):
         motion.overlap[:] = start
-        motion.force[:] = [
-            law.force(d) if mode == LOADED else f
-            for law, d, mode, f in zip(chain.contact, start, motion.mode, motion.force, strict=True)
-        ]
+        for i in np.flatnonzero(motion.mode == LOADED):
+            motion.force[i] = chain.contact[i].force(start[i])
         trial, scratch = empty_trial(start.size), empty_scratch(start.size)
         euler_stages(h, data, motion, trial, scratch)
         drive = data.external[:-1] if data.external.size else 0.0
@@ -296,10 +280,7 @@ def test_first_stages_are_implicit_euler_steps_to_each_node(seed):
 def test_an_error_that_is_no_number_is_none_of_0(row):
     """``max(0, nan)`` is 0: a step with a row that is no number would have been taken as exact."""
     chain = Chain([1.0] * 4, [hooke(3.0), hertz(5.0), power_law(1.0, 0.5)])
-    state = State.at_start(chain, [1.0, 0.5, 0.0, -0.5])
-    state.overlap[:], state.force[:] = 0.4, [law.force(0.4) for law in chain.contact]
-    data, _, motion = records_of(chain, state)
-    motion.mode[:] = LOADED
+    data, motion = pressed(chain, [1.0, 0.5, 0.0, -0.5], 0.4)
     used, trial = stepped(data, motion, 0.01)
     assert used > 0
     trial.rate[:, row] = math.nan

@@ -26,14 +26,8 @@ def test_against_the_truth(case):
     mass = np.array(case.chain.mass)
     passed = [(mass * (case.final - case.start))[k + 1 :].sum() for k in range(case.chain.contacts)]
     assert [c.momentum for c in found.contacts] == pytest.approx(passed, rel=1e-7)
-
-
-@pytest.mark.parametrize("case", ELASTIC + GEARS, ids=lambda case: case.name)
-def test_lost_restitution_is_energy_inside_the_clusters(case):
-    """1 - e^2 of the energy of approach stays inside; with one striker all of that is in the target cluster."""
-    found = measured(collide(case.chain, case.start))
+    # 1 - e**2 of the energy of approach stays inside; with one striker all of that is in the target cluster
     strikers = case.struck + 1
-    mass = np.array(case.chain.mass)
     first, second = mass[:strikers].sum(), mass[strikers:].sum()
     approach = 0.5 * first * second / (first + second) * (case.start[0] - case.start[-1]) ** 2
     share = found.energy_inside * 0.5 * (mass * case.start**2).sum() / approach
@@ -108,21 +102,12 @@ def test_the_struck_contact():
     assert struck_contact([1, 1, 0]) == 1
     assert struck_contact([0, 0, -1, -1]) == 1
     with pytest.raises(ValueError, match="no two neighbours approach"):
-        struck_contact([0, 0, 1])
-    with pytest.raises(ValueError, match="no two neighbours approach"):
         measured(simulate(one_on(2, hertz(1.0)), [0, 0, 1]))
 
 
 def test_rigidity():
     assert measures.rigidity([[1.0, 1.0], [3.0, 1.0]]) == pytest.approx([0.0, 1.0])
     assert math.isinf(measures.rigidity([-1.0, 1.0]))
-
-
-def test_between_samples():
-    trajectory = simulate(cluster_on_cluster(1, 1, power_law(1.0, 0.5)), [1, 0], samples=11)
-    assert measures.interpolated(trajectory, trajectory.time, 0.123) == pytest.approx(0.123)
-    assert measures.interpolated(trajectory, trajectory.velocity, 0.0) == pytest.approx([1, 0])
-    assert measures.energy_inside(trajectory, 0) == pytest.approx(0.0)
 
 
 def test_loss_of_one_on_one_is_its_restitution():

@@ -8,7 +8,9 @@ from softcradle.physics import Chain, cluster_on_cluster, draft_gear, hooke, one
 from softcradle.physics.analysis import matching
 from softcradle.physics.analysis.closed_forms import critical_speed, rigid_stroke, speed_ratio
 from softcradle.physics.analysis.collision import collide
-from softcradle.physics.analysis.matching import DISTANCES, NEAR, RATIOS, Match, match, squared_difference
+from softcradle.physics.analysis.matching import DISTANCES, NEAR, RATIOS, Match, match
+
+from tests.helpers.relations import struck
 
 pytestmark = pytest.mark.slow  # each match is a search of some seconds
 
@@ -123,32 +125,29 @@ def test_starts_hold_rigid_clusters_together_for_the_given_time():
     assert matching.gears_of_all_speeds(one_on(1, hooke(1.0)), 0, 1.0, 1.0) == []
 
 
+def distance(given: Chain, other: Chain, speed: float) -> float:
+    """Of the pulses of the struck contacts of two chains, as a part of the first pulse."""
+    grid, forces = np.linspace(0.0, 4.0, 40_001), []
+    for chain in (given, other):
+        made = collide(chain, speed * struck(chain), samples=8001)
+        opened = made.contact_intervals[0][0][1]
+        forces.append(np.where(grid < opened, np.interp(grid, made.time, made.force[:, 0]), 0.0))
+    return math.sqrt(np.trapezoid((forces[1] - forces[0]) ** 2, grid) / np.trapezoid(forces[0] ** 2, grid))
+
+
 def test_the_residual_is_the_distance_that_it_says():
     found = soft_match(0.3)
-    ends, forces = [], []
-    grid = np.linspace(0.0, 4.0, 40_001)
-    for contact in (found.given, found.contact):
-        made = collide(one_on(4, contact), [1, 0, 0, 0, 0], samples=8001)
-        ends.append(made.contact_intervals[0][0][1])
-        forces.append(np.where(grid < ends[-1], np.interp(grid, made.time, made.force[:, 0]), 0.0))
-    given, nearest = forces
-    distance = math.sqrt(np.trapezoid((given - nearest) ** 2, grid) / np.trapezoid(given**2, grid))
-    assert found.residual == pytest.approx(distance, rel=0.02)
+    assert found.residual == pytest.approx(distance(one_on(4, found.given), one_on(4, found.contact), 1.0), rel=0.02)
 
 
 @pytest.mark.parametrize(("f0", "alpha"), [(1.03, 1.0), (0.97, 1.0), (1.0, 1.05), (1.0, 0.95)])
 def test_nothing_beside_the_nearest_is_nearer(f0, alpha):
-    """The distance of neighbours, by a search that may not move."""
     found = gear_match(0.9)
     beside = power_law(f0 * found.contact.stiffness, alpha * found.contact.exponent)
-    curves = []
-    for contact in (GEAR, beside):
-        made = collide(one_on(3, contact, MASS), [gear_speed(0.9), 0, 0, 0], samples=4001)
-        opened = made.contact_intervals[0][0][1]
-        time = np.linspace(1e-9, opened * (1 - 1e-9), 2001)
-        curves += [time, np.interp(time, made.time, made.force[:, 0])]
-    whole = np.trapezoid(curves[1] ** 2, curves[0])
-    assert math.sqrt(squared_difference(*curves) / whole) > found.residual
+    nearest, other = (
+        distance(one_on(3, GEAR, MASS), one_on(3, law, MASS), gear_speed(0.9)) for law in (found.contact, beside)
+    )
+    assert other > nearest
 
 
 def test_pairs_strike_pairs_after_a_gap():
