@@ -87,7 +87,7 @@ def test_flights_end_where_their_steps_are_no_longer_counted():
 BOX = [math.inf, 1.0, 2.0, 1.0, math.inf]
 
 
-@pytest.mark.parametrize("law", [draft_gear(100.0, 0.05), hertz(100.0), power_law(10.0, 0.1)], ids=str)
+@pytest.mark.parametrize("law", [draft_gear(100.0, 0.05), hertz(100.0), hooke(1.0), power_law(10.0, 0.1)], ids=str)
 def test_energy_and_the_distance_of_the_walls_over_a_hundred_thousand_steps(law):
     """Without this the energy of the gears was off by 3e-10 here, and by 3e-8 after ten times as many steps."""
     chain = Chain(BOX, law, gap=[0.02, 0.02, 0.02, 0.01])
