@@ -13,6 +13,12 @@ from tests.helpers.given_steps import CLOSES, EASES, NOTHING, OPENS, SLIPS, STOP
 from tests.helpers.plain_kernels import only_plain
 
 pytestmark = only_plain
+GEAR, LOSSY = draft_gear(2.0, 0.4), hooke(2.0, loss=0.4)  # the gear touches with up to 0.8 N
+
+
+def at_wall(law, speed, overlap, mode, force, **more):
+    """A step of a bead of 1 kg with one contact, that with a wall."""
+    return Step(Chain([1.0, math.inf], law), [speed, 0.0], [overlap], [mode], [force], **more)
 
 
 def test_a_bead_thrown_at_a_ceiling_closes_when_it_is_there():
@@ -31,13 +37,12 @@ def test_a_bead_thrown_at_a_ceiling_closes_when_it_is_there():
 
 
 def test_a_contact_that_is_pulled_open_or_apart():
-    gear = Chain([1.0, math.inf], draft_gear(2.0, 0.4))
-    found = Step(gear, [-1.0, 0.0], [0.3], [LOADED], [0.8]).find()
+    found = at_wall(GEAR, -1.0, 0.3, LOADED, 0.8).find()
     root = (math.sqrt(1.0 + 2.0 * 0.8 * 0.3) - 1.0) / 0.8
     assert found[:2] == (0, OPENS)
     assert found[2] * H == pytest.approx(root, abs=1e-12)
-    assert Step(Chain([1.0, math.inf], hooke(2.0)), [-1.0, 0.0], [0.3], [LOADED], [0.8]).find()[1] == OPENS
-    assert Step(Chain([1.0, math.inf], hertz(2.0)), [-1.0, 0.0], [0.3], [LOADED], [0.8]).find()[1] == NOTHING
+    assert at_wall(hooke(2.0), -1.0, 0.3, LOADED, 0.8).find()[1] == OPENS
+    assert at_wall(hertz(2.0), -1.0, 0.3, LOADED, 0.8).find()[1] == NOTHING
     law = np.array([[0.0, 1.0, 1.0], [0.5, 1.0, 0.5], [0.0, 1.0, 0.5]])
     assert [is_continued(law, i) for i in range(3)] == [True, True, False]
 
@@ -45,11 +50,10 @@ def test_a_contact_that_is_pulled_open_or_apart():
 @pytest.mark.parametrize(("slope", "kind", "part"), [(-2.0, OPENS, 0.25), (4.0, YIELDS, 0.375), (0.5, NOTHING, 1.0)])
 def test_a_touching_contact_leaves_its_range(slope, kind, part):
     """A multiplier from 0.2 N within 0 and 0.8 N, linear in time."""
-    chain = Chain([1.0, math.inf], draft_gear(2.0, 0.4))
-    found = Step(chain, [0.0, 0.0], [0.0], [TOUCHING], [[0.2, slope]]).find()
+    found = at_wall(GEAR, 0.0, 0.0, TOUCHING, [0.2, slope]).find()
     assert found[1] == kind
     assert found[2] == pytest.approx(part, abs=1e-10)
-    curved = Step(chain, [0.0, 0.0], [0.0], [TOUCHING], [[0.2, -2.0, 1.0, 3.0]]).find()
+    curved = at_wall(GEAR, 0.0, 0.0, TOUCHING, [0.2, -2.0, 1.0, 3.0]).find()
     root = np.polynomial.Polynomial([0.2, -2.0, 1.0, 3.0]).roots()
     assert curved[2] * H == pytest.approx(min(x.real for x in root if abs(x.imag) < 1e-12 and x.real > 0.0), abs=1e-10)
 
@@ -57,21 +61,18 @@ def test_a_touching_contact_leaves_its_range(slope, kind, part):
 @pytest.mark.parametrize(("slope", "kind", "part"), [(-1.0, EASES, 0.75), (1.0, YIELDS, 0.25)])
 def test_a_contact_with_loss_that_stands_still(slope, kind, part):
     """It carries 0.9 N of 1 N; with a loss of 0.4 the least is 0.6 N."""
-    chain = Chain([1.0, math.inf], hooke(2.0, loss=0.4))
-    found = Step(chain, [0.0, 0.0], [0.5], [TOUCHING], [[0.9, slope]]).find()
+    found = at_wall(LOSSY, 0.0, 0.5, TOUCHING, [0.9, slope]).find()
     assert found[:2] == (0, kind)
     assert found[2] == pytest.approx(part, abs=1e-10)
 
 
 @pytest.mark.parametrize(("speed", "easing"), [(0.3, 0), (-0.3, 1)])
 def test_a_contact_with_loss_turns(speed, easing):
-    chain = Chain([1.0, math.inf], hertz(2.0, loss=0.4))
-    force = 1.5 if speed > 0.0 else -1.5  # no force pulls, but a guard does not ask
-    found = Step(chain, [speed, 0.0], [0.5], [LOADED], [force], easing=[easing]).find()
+    given = speed, 0.5, LOADED, 1.5 if speed > 0.0 else -1.5  # no force pulls, but a guard does not ask
+    found = at_wall(hertz(2.0, loss=0.4), *given, easing=[easing]).find()
     assert found[:2] == (0, TURNS)
     assert found[2] == pytest.approx(0.2 / H, abs=1e-12)
-    no_loss = Chain([1.0, math.inf], hertz(2.0))
-    assert Step(no_loss, [speed, 0.0], [0.5], [LOADED], [force], easing=[easing]).find()[1] == NOTHING
+    assert at_wall(hertz(2.0), *given, easing=[easing]).find()[1] == NOTHING
 
 
 def on_bed(velocity, slide, drive=(0.0, 0.0)):
@@ -130,7 +131,7 @@ def test_a_steady_push_on_a_bead_counts():
 
 
 def test_the_earliest_of_several_counts():
-    chain = Chain([1.0, math.inf, 1.0], [draft_gear(2.0, 0.4), draft_gear(2.0, 0.4)])
+    chain = Chain([1.0, math.inf, 1.0], GEAR)
     for first, second in ((0.1, 0.2), (0.3, 0.2)):
         step = Step(chain, [0.0] * 3, [0.0] * 2, [TOUCHING] * 2, [[0.2, -0.2 / first], [0.2, -0.2 / second]])
         row, kind, part = step.find()
@@ -139,12 +140,8 @@ def test_the_earliest_of_several_counts():
 
 
 def test_of_two_at_once_the_first_counts():
-    chain = Chain([1.0, math.inf, 1.0], hertz(2.0))
-    assert Step(chain, [1.0, 0.0, -1.0], [-0.2, -0.2], [OPEN, OPEN], [0.0, 0.0]).find() == (
-        0,
-        CLOSES,
-        pytest.approx(0.5),
-    )
+    step = Step(Chain([1.0, math.inf, 1.0], hertz(2.0)), [1.0, 0.0, -1.0], [-0.2] * 2, [OPEN] * 2, [0.0] * 2)
+    assert step.find() == (0, CLOSES, pytest.approx(0.5))
 
 
 def test_a_multiplier_that_leaves_its_range_between_the_outer_stages():
@@ -152,14 +149,16 @@ def test_a_multiplier_that_leaves_its_range_between_the_outer_stages():
     middle = float(NODES[1])
     bend = 0.65 / middle**2
     force = np.polynomial.Polynomial([0.2, 2.0 * bend * middle / H, -bend / H**2])
-    step = Step(Chain([1.0, math.inf], draft_gear(2.0, 0.4)), [0.0, 0.0], [0.0], [TOUCHING], [force.coef])
-    assert step.find() == (0, YIELDS, pytest.approx(middle - math.sqrt(0.05 / bend), abs=1e-10))
+    assert at_wall(GEAR, 0.0, 0.0, TOUCHING, force.coef).find() == (
+        0,
+        YIELDS,
+        pytest.approx(middle - math.sqrt(0.05 / bend), abs=1e-10),
+    )
 
 
 def test_a_rate_or_velocity_just_outside_its_side_is_round_off():
     """What begins no more than `slow` beyond zero, and stays there, has neither turned nor stopped."""
-    lossy = Chain([1.0, math.inf], hooke(2.0, loss=0.4))
-    pressing_in = Step(lossy, [-0.04, 0.0], [0.5], [LOADED], [0.0], easing=[0])
+    pressing_in = at_wall(LOSSY, -0.04, 0.5, LOADED, 0.0, easing=[0])
     assert pressing_in.find(slow=0.05)[1] == NOTHING
     assert pressing_in.find(slow=0.03)[:2] == (0, TURNS)
     drive = on_bed([0.0, 0.0], [1, 1]).chain.bed[0]  # as much as the brake, so that nothing accelerates
@@ -197,7 +196,7 @@ def test_a_closing_that_does_not_count():
     assert not closes_inactive(data, 0, 1e-3, 2e-3, 1e-9, 1e-8)
     assert not closes_inactive(data, 0, 1e-3, 1e-9, 2e-3, 1e-8)
     assert not closes_inactive(data, 0, 1e-3, 1e-9, 1e-9, 0.0)
-    gear = Step(Chain([1.0, 1.0], draft_gear(2.0, 0.4)), [1e-3, 0.0], [-1e-5], [OPEN], [0.0]).data
+    gear = Step(Chain([1.0, 1.0], GEAR), [1e-3, 0.0], [-1e-5], [OPEN], [0.0]).data
     assert not closes_inactive(gear, 0, 1.0, 1e-9, 1e-9, 1e-8)
     three = Chain([1.0, 3.0, 9.0], power_law(2.0, 0.5))
     unlike = Step(three, [1e-3, 0.0, 0.0], [-1e-5, -1.0], [OPEN, OPEN], [0.0, 0.0]).data
@@ -207,11 +206,8 @@ def test_a_closing_that_does_not_count():
 
 def test_what_starts_at_rest_at_zero_is_no_event_of_the_start():
     """What leaves d = 0 against its mode is round-off; what the forces drive back opens at once."""
-    chain = Chain([1.0, math.inf], draft_gear(2.0, 0.4))
-    step = Step(chain, [-1e-12, 0.0], [0.0], [LOADED], [-0.5])
-    assert step.find(slow=1e-10)[1] == NOTHING
-    away = Step(chain, [1e-12, 0.0], [0.0], [LOADED], [0.5])
-    assert away.find(slow=0.0)[:2] == (0, OPENS)
+    assert at_wall(GEAR, -1e-12, 0.0, LOADED, -0.5).find(slow=1e-10)[1] == NOTHING
+    assert at_wall(GEAR, 1e-12, 0.0, LOADED, 0.5).find(slow=0.0)[:2] == (0, OPENS)
     sliding = on_bed([1.0, 0.0], [1, 1], drive=(0.0, 3.0))
     sliding.motion.rate[0] = 1.0 + 1e-13
     sliding.motion.anchor[1] = 1.0 if sliding.chain.anchor == 0 else -1e-13

@@ -12,7 +12,14 @@ from tests.helpers.plain_kernels import only_plain
 pytestmark = only_plain
 
 PART = np.linspace(0.0, 1.0, 20001)
-BASIS = np.array([comb(5, k) * PART**k * (1.0 - PART) ** (5 - k) for k in range(6)])
+
+
+def value(b, x):
+    """Of a quintic in Bernstein form."""
+    return sum(b[k] * comb(5, k) * x**k * (1.0 - x) ** (5 - k) for k in range(6))
+
+
+BASIS = np.array([value(one, PART) for one in np.eye(6)])
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -37,12 +44,9 @@ def test_it_is_the_first_place_at_which_the_polynomial_turns_negative(seed):
 def test_a_touch_and_return_narrower_than_any_sampling_is_found():
     for width in (1e-3, 1e-5, 1e-7):
         middle = 0.371
-        root = middle - width
-        b = [0.0] * 6
-        power = np.array([middle**2 - width**2, -2.0 * middle, 1.0, 0.0, 0.0, 0.0])  # (x - middle)² - width²
-        for k in range(6):
-            b[k] = sum(comb(k, j) / comb(5, j) * power[j] for j in range(k + 1))
-        assert first_root(tuple(b)) == pytest.approx(root, abs=1e-9 + 1e-15 / width)
+        power = (middle**2 - width**2, -2.0 * middle, 1.0)  # (x - middle)² - width²
+        b = tuple(sum(comb(k, j) / comb(5, j) * power[j] for j in range(3)) for k in range(6))
+        assert first_root(b) == pytest.approx(middle - width, abs=1e-9 + 1e-15 / width)
 
 
 def test_coefficients_that_vanish_do_not_hide_the_root():
@@ -73,19 +77,11 @@ def test_the_forms_of_a_guard_are_the_polynomials_they_name():
     for x in (0.0, NODES[0], 0.4, NODES[1], 1.0):
         assert value(stage_cubic(*y), x) == pytest.approx(cubic(x, *y), abs=1e-13)
 
-    def path(t):
-        return 0.2 - 1.5 * t + 0.7 * t**2 + 2.0 * t**3
-
-    def rate(t):
-        return -1.5 + 1.4 * t + 6.0 * t**2
-
+    path = np.polynomial.Polynomial([0.2, -1.5, 0.7, 2.0])
+    rate = path.deriv()
     h = 0.8
     quintic = hermite_quintic(h, path(0), rate(0), 1.4, path(h), rate(h), 1.4 + 12.0 * h)
     hermite = hermite_cubic(h, path(0), rate(0), path(h), rate(h))
     for x in (0.0, 0.25, 0.6, 1.0):
         assert value(quintic, x) == pytest.approx(path(h * x), abs=1e-13)
         assert value(hermite, x) == pytest.approx(path(h * x), abs=1e-13)
-
-
-def value(b, x):
-    return sum(b[k] * comb(5, k) * x**k * (1.0 - x) ** (5 - k) for k in range(6))
