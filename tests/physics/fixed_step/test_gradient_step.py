@@ -66,16 +66,22 @@ def hard_chain(seed):
     return chain, state, 10.0 ** draw.uniform(-1.0, 1.0)
 
 
+def records(chain, state):
+    """What a kernel is given: the chain, the motion of that state itself, and memory."""
+    data, _, motion = records_of(chain, state)
+    return data, motion, np.zeros((BEAD_ROWS, chain.contacts + 1)), np.zeros((WORK_ROWS, chain.contacts))
+
+
 def step(chain, state, h):
     """One whole step in place; returns the iterations of its solver."""
-    data, _, motion = records_of(chain, state)
-    n = chain.contacts
-    beads, work = np.zeros((BEAD_ROWS, n + 1)), np.zeros((WORK_ROWS, n))
-    return single_step(h, data, motion, beads, work, True, True)[0]
+    return single_step(h, *records(chain, state), True, True)[0]
 
 
-def stored(chain, i, overlap):
-    return chain.contact[i].energy(overlap)
+def taken(chain, state, h):
+    """One step, in as many parts as it wants."""
+    used = gradient_step(h, *records(chain, state))
+    state.time += h
+    return used
 
 
 @pytest.mark.parametrize("dissipative", [False, True])
@@ -120,8 +126,8 @@ def check_step(chain, state, h, seed):
 
 def check_contact(chain, i, before, state, h, seed):
     """The force is the mean force of the step; loss leaves its part of it while the contact comes out."""
-    d0, d1, force = before.overlap[i], state.overlap[i], state.force[i]
-    fall, size = stored(chain, i, d1) - stored(chain, i, d0), stored(chain, i, d0) + stored(chain, i, d1)
+    d0, d1, force, energy = before.overlap[i], state.overlap[i], state.force[i], chain.contact[i].energy
+    fall, size = energy(d1) - energy(d0), energy(d0) + energy(d1)
     kept = 1.0 - chain.contact[i].loss
     ends = 2.0 * (d1 - d0) / h - before.rate[i]
     loses = kept < 1.0 and (d0 > 0.0 or (d0 == 0.0 and before.rate[i] > 0.0))
@@ -158,19 +164,17 @@ def test_the_first_bead_to_stop_and_the_first_contact_to_turn_cut_the_step():
     chain = Chain([1.0, 2.0], hooke(1.0), gap=10.0, friction=0.1)
     brake = 0.1 * GRAVITY
     state = State.at_start(chain, [0.5 * brake, -0.25 * brake])
-    data, _, motion = records_of(chain, state)
-    beads, work = np.zeros((BEAD_ROWS, 2)), np.zeros((WORK_ROWS, 1))
-    used, part = single_step(1.0, data, motion, beads, work, False, False)
+    given = records(chain, state)
+    used, part = single_step(1.0, *given, False, False)
     assert used > 0
     assert part == pytest.approx(0.25)
-    assert motion.rate[0] == 0.75 * brake, "the motion stays as it was"
-    assert discrete_gradient.first_event(1.0, data, motion, beads, work) == pytest.approx(0.25)
+    assert state.rate[0] == 0.75 * brake, "the motion stays as it was"
+    assert discrete_gradient.first_event(1.0, *given) == pytest.approx(0.25)
 
     chain = Chain([1.0, math.inf], step_force(2.0, loss=0.5))  # it turns at w/a = 0.4/2
     state = State.at_start(chain, [0.4, 0.0])
-    data, _, motion = records_of(chain, state)
-    motion.overlap[0] = 1.0
-    used, part = single_step(0.25, data, motion, np.zeros((BEAD_ROWS, 2)), work, False, False)
+    state.overlap[0] = 1.0
+    used, part = single_step(0.25, *records(chain, state), False, False)
     assert used > 0
     assert part == pytest.approx(0.8)
 
@@ -193,15 +197,6 @@ def test_a_slide_and_a_bounce_end_to_the_digit_in_one_step(h):
     assert state.velocity(chain)[0] == pytest.approx(-0.5 * 0.1, rel=1e-12)  # 0.5 s in, then by a quarter of the force
     assert state.overlap[0] == pytest.approx(1.25 - 0.25 * 0.01, rel=1e-12)
     assert state.absorbed[0] == pytest.approx(0.75 * 2.0 * 0.0025, rel=1e-10)
-
-
-def taken(chain, state, h):
-    """One step, in as many parts as it wants."""
-    data, _, motion = records_of(chain, state)
-    n = chain.contacts
-    used = gradient_step(h, data, motion, np.zeros((BEAD_ROWS, n + 1)), np.zeros((WORK_ROWS, n)))
-    state.time += h
-    return used
 
 
 def test_the_round_off_of_touching_is_no_overlap_and_a_small_overlap_is_no_round_off():
@@ -250,13 +245,12 @@ def test_a_step_that_is_cut_goes_on_from_the_forces_before_it():
     one, other = (State.at_start(chain, [1.0, 1.0, 1.0, 0.05]) for _ in range(2))
     for state in (one, other):
         state.overlap[:2], state.force[:2] = 1e-9, 50.0 * 1e-9**0.1
-    data, _, motion = records_of(chain, one)
-    beads, work, h = np.zeros((BEAD_ROWS, 4)), np.zeros((WORK_ROWS, 3)), 0.1
-    used, part = single_step(h, data, motion, beads, work, False, False)
+    given, h = records(chain, one), 0.1
+    used, part = single_step(h, *given, False, False)
     assert 0.02 < part < 0.98
     one.force[:] = other.force
     for length in (part * h, h - part * h):
-        used += single_step(length, data, motion, beads, work, False, True)[0]
+        used += single_step(length, *given, False, True)[0]
     assert taken(chain, other, h) == used
     assert other.overlap == pytest.approx(one.overlap, rel=1e-12)
 
@@ -273,10 +267,8 @@ def test_a_step_in_parts_keeps_the_ledger(seed):
             iterations = max(iterations, used)
         assert iterations < 150, k
         if chain.drive_force is None:
-            scale = 1.0 + before.energy(chain)
-            assert state.energy(chain) + state.absorbed.sum() == pytest.approx(
-                before.energy(chain), abs=1e-10 * scale
-            ), k
+            energy = before.energy(chain)
+            assert state.energy(chain) + state.absorbed.sum() == pytest.approx(energy, abs=1e-10 * (1.0 + energy)), k
 
 
 @pytest.mark.parametrize(
@@ -286,15 +278,14 @@ def test_steps_end_where_a_contact_switches_or_all_beads_rest(friction, most, ta
     """At 1 m/s over 0.75 m in steps of 0.1 s the contact closes in the eighth; a brake of 0.2 g ends the motion in the sixth."""
     chain = Chain([1.0, math.inf], hertz(5.0), gap=0.75, friction=friction)
     state = State.at_start(chain, [1.0, 0.0])
-    data, _, motion = records_of(chain, state)
+    data, motion, *memory = records(chain, state)
     counter, closed = np.zeros(COUNTERS, dtype=np.int64), np.zeros(1, dtype=np.int8)
-    beads, work = np.zeros((BEAD_ROWS, 2)), np.zeros((WORK_ROWS, 1))
-    steps = gradient_steps(most, 0.0, 0.1, data, motion, closed, beads, work, counter)
+    steps = gradient_steps(most, 0.0, 0.1, data, motion, closed, *memory, counter)
     assert steps == taken_until
     assert counter[EVALUATION] >= steps
     assert counter[UNCONVERGED] == 0
-    assert (motion.overlap[0] > 0.0) == (steps == 8)
-    assert (motion.rate[0] == 0.0) == (friction == 0.2)
+    assert (state.overlap[0] > 0.0) == (steps == 8)
+    assert (state.rate[0] == 0.0) == (friction == 0.2)
 
 
 @pytest.mark.parametrize("off", [-3.0, -0.01, 0.01, 3.0])
