@@ -44,25 +44,6 @@ def test_anchors_turn_with_their_bodies():
     assert b.angular_velocity == pytest.approx(-impulse / 2.0, rel=1e-9)
 
 
-def test_beside_joints_gravity_and_shapes():
-    """A ball on a string, pushed by a second that rests on the ground: each part does what it does alone."""
-    space = pymunk.Space()
-    space.gravity = 0.0, -10.0
-    ground = pymunk.Segment(space.static_body, (-5, -1.0), (5, -1.0), 0.0)
-    hanging, resting = pymunk.Body(1.0, 1.0), pymunk.Body(1.0, math.inf)
-    resting.position = -0.9, -0.5
-    ball = pymunk.Circle(resting, 0.5)
-    string = pymunk.PinJoint(space.static_body, hanging, (0.0, 2.0), (0.0, 0.0))
-    contact = SoftContact(resting, hanging, (0.0, 0.5), (0.0, 0.0), 1.0, hooke(200.0))
-    space.add(ground, hanging, resting, ball, string, contact)
-    run(space, 1e-4, 850)
-    assert contact.overlap < 0.0, "pushed apart"
-    assert hanging.velocity.x == pytest.approx(1.0, rel=0.03), "half of the 1 J each"
-    assert resting.velocity.x == pytest.approx(-1.0, rel=0.03)
-    assert hanging.position.get_distance((0.0, 2.0)) == pytest.approx(2.0, abs=1e-2)
-    assert resting.position.y == pytest.approx(-0.5, abs=1e-2)
-
-
 @pytest.mark.parametrize("native", [None, False])
 def test_a_new_contact_or_distance_counts_at_once_and_no_contact_pulls(native):
     space, _, contact = pair(0.75, hooke(10.0), native=native)
@@ -80,14 +61,16 @@ def test_a_new_contact_or_distance_counts_at_once_and_no_contact_pulls(native):
     assert contact.touching_distance == 0.5
 
 
-def test_a_law_that_is_no_contact():
+def test_a_law_that_is_no_contact_or_a_force_func_of_the_user():
     space, (a, _), contact = pair(0.75, Quadratic())
     space.step(1.0)
     assert contact.impulse == 6.25
     assert a.velocity.x == -6.25
     contact.contact = hooke(4.0)
     assert contact.native is not bool(compiled_force.unavailable())
-    contact.contact = Quadratic()
+    contact.force_func = lambda spring, distance: 7.0
+    space.step(1.0)
+    assert contact.impulse == 7.0
     assert contact.native is False
 
 
@@ -106,17 +89,13 @@ def test_an_error_in_a_law_reaches_the_caller_of_step_once():
     assert a.velocity.x < -0.1
 
 
-def test_several_errors_of_a_step_are_raised_as_one():
-    space, bodies, _ = cradle(Quadratic(fails_at=0.0))
+def test_several_errors_of_a_step_are_raised_as_one_and_an_interruption_too():
+    space, bodies, (contact, *_) = cradle(Quadratic(fails_at=0.0))
     for i, body in enumerate(bodies):
         body.position = 0.9 * i, 0.0
     with pytest.raises(ZeroDivisionError) as caught:
         space.step(0.01)
     assert caught.value.__notes__ == ["3 more callbacks failed in the same step"]
-
-
-def test_interrupting_a_callback_stops_the_step():
-    space, _, contact = pair(0.75, Quadratic())
     contact.contact.force = Mock(side_effect=KeyboardInterrupt)
     with pytest.raises(KeyboardInterrupt):
         space.step(0.01)
@@ -133,14 +112,6 @@ def test_copies_move_alike(native, duplicate):
     assert [tuple(body.velocity) for body in other.bodies] == [tuple(body.velocity) for body in bodies]
     assert [contact.native for contact in other.constraints] == [contact.native for contact in space.constraints]
     assert bodies[4].velocity.x > 0.03
-
-
-def test_a_force_func_of_the_user_replaces_the_contact():
-    space, _, contact = pair(0.75)
-    contact.force_func = lambda spring, distance: 7.0
-    space.step(1.0)
-    assert contact.impulse == 7.0
-    assert contact.native is False
 
 
 @pytest.mark.parametrize("distance", [0.0, -1.0, math.nan, math.inf])
