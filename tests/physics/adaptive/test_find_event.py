@@ -130,16 +130,13 @@ def test_a_steady_push_on_a_bead_counts():
     assert slope == pytest.approx(0.0, abs=1e-12)
 
 
-def test_the_earliest_of_several_counts():
+def test_the_earliest_of_several_counts_and_the_first_of_two_at_once():
     chain = Chain([1.0, math.inf, 1.0], GEAR)
     for first, second in ((0.1, 0.2), (0.3, 0.2)):
         step = Step(chain, [0.0] * 3, [0.0] * 2, [TOUCHING] * 2, [[0.2, -0.2 / first], [0.2, -0.2 / second]])
         row, kind, part = step.find()
         assert (row, kind) == (0 if first < second else 1, OPENS)
         assert part * H == pytest.approx(min(first, second), abs=1e-10)
-
-
-def test_of_two_at_once_the_first_counts():
     step = Step(Chain([1.0, math.inf, 1.0], hertz(2.0)), [1.0, 0.0, -1.0], [-0.2] * 2, [OPEN] * 2, [0.0] * 2)
     assert step.find() == (0, CLOSES, pytest.approx(0.5))
 

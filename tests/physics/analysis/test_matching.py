@@ -62,13 +62,6 @@ def test_a_linear_spring_is_in_both_families():
     assert as_gear.ends == ("precompression",)  # 0 is no number of the search
 
 
-@pytest.mark.parametrize("alpha", [0.1, 0.3, 1.0])
-def test_there_and_back(alpha):
-    back = match(one_on(4, soft_match(alpha).contact), [1, 0, 0, 0, 0], family="power_law")
-    assert back.contact.exponent == pytest.approx(alpha, rel=0.25)
-    assert back.contact.stiffness == pytest.approx(1.0, rel=0.03)
-
-
 def test_the_faster_the_larger_alpha():
     exponents = [gear_match(share).contact.exponent for share in (0.3, 0.9, 1.5, 3.0)]
     assert exponents == sorted(exponents)

@@ -27,8 +27,8 @@ def test_the_modes_solve_the_equations_of_the_paper():
     np.testing.assert_allclose(second.T, found.acceleration[1:-1], atol=2e-4)
 
 
-def test_overlaps_follow_the_first_one():
-    """Eq. (A1), written out; Eq. (7) is its homogeneous case."""
+def test_overlaps_follow_the_first_one_and_forces_give_inner_beads_one_acceleration():
+    """Eq. (A1), written out; Eq. (7) is its homogeneous case. Eq. (5) from what it is for."""
     found = mode_coupling(MIXED, HIT)
     psi, mass = np.maximum(found.psi, 0.0), MIXED.mass
     for i in (2, 3):
@@ -36,20 +36,16 @@ def test_overlaps_follow_the_first_one():
         share = sum(mass[i + 1 :]) * MIXED.contact[1].stiffness / (sum(mass[2:]) * f0)
         expected = share ** (1 / alpha) * psi ** (MIXED.contact[1].exponent / alpha)
         np.testing.assert_allclose(found.trajectory.overlap[:, i], expected, rtol=1e-12)
-    same = mode_coupling(one_on(5, power_law(1.0, 0.1)), [1.0] + [0.0] * 5)
-    ratio = same.trajectory.overlap[100, 1:] / same.psi[100]
-    np.testing.assert_allclose(ratio, depth_law(5, 0.1), rtol=1e-12)
-
-
-def test_forces_give_every_inner_bead_the_same_acceleration():
-    """Eq. (5) from what it is for, and the forces are those of the overlaps."""
-    model = mode_coupling(MIXED, HIT).trajectory
+    model = found.trajectory
     net = model.force[:, 1:] - np.column_stack((model.force[:, 2:], np.zeros(model.time.size)))
     acceleration = net / np.array(MIXED.mass[2:])
     np.testing.assert_allclose(acceleration[:, 1:], acceleration[:, :1].repeat(2, axis=1), atol=1e-14)
     forces = np.column_stack([c.force(d) for c, d in zip(MIXED.contact, model.overlap.T, strict=True)])
     np.testing.assert_allclose(forces, model.force, atol=1e-9)
     assert model.momentum[-1] == pytest.approx(MIXED.mass[0], rel=0.05)
+    same = mode_coupling(one_on(5, power_law(1.0, 0.1)), [1.0] + [0.0] * 5)
+    ratio = same.trajectory.overlap[100, 1:] / same.psi[100]
+    np.testing.assert_allclose(ratio, depth_law(5, 0.1), rtol=1e-12)
 
 
 def test_rates_are_the_slopes_of_the_overlaps():

@@ -27,7 +27,7 @@ def move_along(preload, stiffness, exponent, *moves):
 
 
 @pytest.mark.parametrize("law", LAWS, ids=str)
-def test_the_curve_and_its_continuation(law):
+def test_the_curve_its_continuation_and_its_slope(law):
     preload, stiffness, exponent = law
     continued = preload > 0.0 or exponent == 1.0
     for overlap in (1e-9, 0.2, 1.0, 3.0):
@@ -35,19 +35,13 @@ def test_the_curve_and_its_continuation(law):
         assert signed_force(*law, overlap) == pytest.approx(force, rel=1e-15)
         assert signed_force(*law, -overlap) == pytest.approx(2.0 * preload - force if continued else 0.0, rel=1e-14)
     assert signed_force(*law, 0.0) == preload
-
-
-@pytest.mark.parametrize("law", LAWS, ids=str)
-def test_its_slope(law):
-    preload, _, exponent = law
     for overlap in (-3.0, -0.2, 0.2, 1.0, 3.0):
         nudge = 1e-6 * abs(overlap)
         rise = signed_force(*law, overlap + nudge) - signed_force(*law, overlap - nudge)
         found = slope_at(*law, overlap, signed_force(*law, overlap))
         assert found == pytest.approx(rise / (2.0 * nudge), rel=1e-6, abs=1e-12)
-    at_zero = law[1] if exponent == 1.0 else math.inf if exponent < 1.0 else 0.0
-    assert slope_at(*law, 0.0, preload) == at_zero
-    assert slope_at(*law, 0.5 * SMALLEST, preload) == at_zero
+    at_zero = stiffness if exponent == 1.0 else math.inf if exponent < 1.0 else 0.0
+    assert slope_at(*law, 0.0, preload) == slope_at(*law, 0.5 * SMALLEST, preload) == at_zero
 
 
 def test_the_weight_of_an_error():
