@@ -1,7 +1,6 @@
 """No switch is missed: contacts under a steady force, beads on a bed, contacts that are pulled apart at rest."""
 
 import math
-from functools import cache
 
 import numpy as np
 import pytest
@@ -66,25 +65,17 @@ def test_touching_beads_that_are_pulled_apart_part_at_once(method, law):
     assert found.steps <= 10 or method == "scipy"
 
 
-@pytest.mark.parametrize("method", KERNELS)
 @pytest.mark.parametrize("seed", [*range(5), *(pytest.param(k, marks=pytest.mark.slow) for k in range(5, 12))])
-def test_step_forces_with_loss_turn_within_the_step_in_which_they_close(method, seed):
+def test_step_forces_with_loss_turn_within_the_step_in_which_they_close(seed):
     """Forces that are steady but for switches: a step reaches from one switch to the next, however far that is."""
-    chain, velocity, duration, truth = step_forces_with_loss(seed)
-    found = simulate_quietly(chain, velocity, duration, method, samples=2)
-    assert found.final_velocity == pytest.approx(truth, abs=1e-7)
-
-
-@cache
-def step_forces_with_loss(seed):
-    """Chain, start velocities, duration, and the velocities at its end by the reference."""
     draw = np.random.default_rng(seed)
     beads = int(draw.integers(3, 7))
     laws = [step_force(1.0, loss=float(loss)) for loss in draw.uniform(0.1, 0.8, beads - 1)]
-    chain, velocity = Chain([1.0] * beads, laws), draw.uniform(-1.0, 1.0, beads)
-    duration = float(draw.uniform(1.0, 3.0))
-    truth = solve(chain, velocity, duration, "scipy", samples=2, tolerance=1e-10).final_velocity
-    return chain, velocity, duration, truth
+    given = Chain([1.0] * beads, laws), draw.uniform(-1.0, 1.0, beads), float(draw.uniform(1.0, 3.0))
+    truth = solve(*given, "scipy", samples=2, tolerance=1e-10).final_velocity
+    for method in KERNELS:
+        found = simulate_quietly(*given, method, samples=2)
+        assert found.final_velocity == pytest.approx(truth, abs=1e-7), method
 
 
 WALLS = motion("walls", 163)
