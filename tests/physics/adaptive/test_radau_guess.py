@@ -14,6 +14,7 @@ from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
 from tests.helpers.plain_kernels import only_plain, records_of
 
 pytestmark = only_plain
+SOFT = power_law(2.0, 0.5)
 
 
 def guessed(chain, state, mode, h):
@@ -33,7 +34,7 @@ def pressed(chain, velocity, overlap):
 
 
 def test_guesses():
-    laws = [hooke(3.0), draft_gear(2.0, 0.4), power_law(2.0, 0.5)]
+    laws = [hooke(3.0), draft_gear(2.0, 0.4), SOFT]
     chain, state = pressed(Chain([1.0] * 4, laws), [0.5, 0.1, 0.2, 0.0], [0.2, 0.0, 0.25])
     state.force[1] = 0.3
     found = guessed(chain, state, [LOADED, TOUCHING, LOADED], 0.1)
@@ -51,7 +52,7 @@ def test_guesses():
 
 def test_a_soft_contact_goes_on_as_a_power_of_the_time_since_its_onset():
     """Driven alone from rest at t = 0, d = w t: the guess is d (1 + h c/t), exact; one that it pushes has its own growth."""
-    chain, state = pressed(Chain([1.0, 1.0, 1.0], power_law(2.0, 0.5)), [1.0, 0.0, 0.0], [0.4, 0.01])
+    chain, state = pressed(Chain([1.0, 1.0, 1.0], SOFT), [1.0, 0.0, 0.0], [0.4, 0.01])
     state.rate[:] = 0.8, 0.06  # onset 0.5 s ago; the second grows as t**3
     found = guessed(chain, state, [LOADED, LOADED], 0.2)
     part = 1.0 + 0.2 * NODES / 0.5
@@ -67,7 +68,7 @@ def test_a_soft_contact_goes_on_as_a_power_of_the_time_since_its_onset():
 
 def test_a_contact_at_rest_is_pushed_by_its_neighbour():
     force, overlap = np.zeros((3, 2)), np.zeros((3, 2))
-    chain = Chain([1.0, 0.25, 1.0], power_law(2.0, 0.5))
+    chain = Chain([1.0, 0.25, 1.0], SOFT)
     data, _, _ = records_of(chain, State.at_start(chain, [0.0, 0.0, 0.0]))
     set_pushed(0.1, data, 1, 1, 1, 3.0, overlap, force)
     flown = 0.5 * (0.1 * NODES[1]) ** 2 * 4.0 * 3.0
@@ -78,9 +79,6 @@ def test_a_contact_at_rest_is_pushed_by_its_neighbour():
     assert overlap[2, 1] == pytest.approx(1.44)
     set_pushed(10.0, data, 1, 0, 1, 0.0, overlap, force)
     assert force[0, 1] == 0.0
-
-
-SOFT = power_law(2.0, 0.5)
 
 
 def test_the_onset_is_that_of_the_contact_that_pushes_most_however_little():

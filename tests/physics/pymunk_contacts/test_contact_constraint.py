@@ -12,7 +12,7 @@ from softcradle.physics.pymunk_contacts import compiled_force
 from softcradle.physics.pymunk_contacts.contact_constraint import SoftContact
 
 from tests.helpers.own_process import python
-from tests.helpers.spaces import LAWS, LOSS, Quadratic, cradle, pair, run
+from tests.helpers.spaces import FRAME, LAWS, LOSS, Quadratic, cradle, pair, run
 
 compiled_only = pytest.mark.skipif(bool(compiled_force.unavailable()), reason=compiled_force.unavailable())
 
@@ -87,6 +87,15 @@ def test_an_error_in_a_law_reaches_the_caller_of_step_once():
     contact.contact = hooke(10.0)
     run(space)
     assert a.velocity.x < -0.1
+
+
+def test_a_body_removed_whose_contact_stays():
+    space, (a, b), _ = pair(native=False)
+    a.velocity = 1, 0
+    space.step(FRAME)
+    space.remove(b)
+    with pytest.raises(RuntimeError, match="remove its contacts with it"):
+        run(space, FRAME, 20)
 
 
 def test_several_errors_of_a_step_are_raised_as_one_and_an_interruption_too():
