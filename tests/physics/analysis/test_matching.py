@@ -1,4 +1,4 @@
-"""Matching: what is already of the family is found again, round trips, monotone facts, and honest distances."""
+"""Matching: what is already of the family is found again, monotone facts, and honest distances."""
 
 import math
 

@@ -113,8 +113,8 @@ def test_scales_of_length_and_time_do_not_matter(method):
     assert small.overlap / length == pytest.approx(large.overlap, abs=1e-8)
 
 
-def test_a_bead_slides_after_it_stuck():
-    """The bed holds a bead until a gear, pressed slowly by the next bead, pushes with more than friction."""
+def test_friction_holds_a_bead_up_to_its_most_and_where_it_turns():
+    """Pushed against a spring; the next bead stays, for the spring never pushes with more than its friction."""
     still, chain = (
         Chain([1.0, 1.0], hooke(10.0), drive=[part * 0.2 * GRAVITY, 0.0], friction=0.2) for part in (0.99, 1.2)
     )
