@@ -118,6 +118,10 @@ def test_a_bead_at_rest_slips_when_its_friction_does_not_suffice(sign):
     assert slope == pytest.approx(-4.0)
     value, slope = step.guard(2, 0)  # the left bead is pushed to the left, the less it needs the more it has
     assert value == pytest.approx(10.0 * most - 0.3 - (4.0 * H if sign > 0.0 else 0.0))
+    light = Chain([10.0, 0.01, 10.0], hertz(2.0), friction=0.1)
+    pushed = [[0.3, 0.04 * most / H], [0.3]]
+    step = Step(light, [0.0] * 3, [0.2, 0.2], [LOADED, LOADED], pushed, slide=[0, 0, 0])
+    assert step.find() == (1, SLIPS, pytest.approx(0.25, abs=1e-9))
     below = Step(chain, [0.0] * 3, [0.2, 0.2], [LOADED] * 2, [[0.3, 2.0 * most], [0.3, 1.0]], slide=[1, 0, 1])
     assert below.find()[1] in (NOTHING, STOPS)
 
@@ -161,13 +165,6 @@ def test_a_rate_or_velocity_just_outside_its_side_is_round_off():
     drive = on_bed([0.0, 0.0], [1, 1]).chain.bed[0]  # as much as the brake, so that nothing accelerates
     for speed, slow, kind in ((-0.04, 0.05, NOTHING), (-0.04, 0.03, STOPS), (0.04, 0.03, NOTHING)):
         assert on_bed([speed, 1.0], [1, 1], drive=(drive, drive)).find(slow=slow)[1] == kind
-
-
-def test_a_light_bead_at_rest_slips():
-    chain = Chain([10.0, 0.01, 10.0], hertz(2.0), friction=0.1)
-    most = 0.01 * chain.bed[1]
-    step = Step(chain, [0.0] * 3, [0.2, 0.2], [LOADED, LOADED], [[0.3, 4.0 * most / H], [0.3]], slide=[0, 0, 0])
-    assert step.find() == (1, SLIPS, pytest.approx(0.25, abs=1e-9))
 
 
 @pytest.mark.parametrize("neighbour", [0, 2])
