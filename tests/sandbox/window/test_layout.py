@@ -120,6 +120,9 @@ def faults_of_scene(driver: Driver) -> list[str]:
         found.append(f"room of {page.toolbar.title_room / unit:.0f} for the title")
     if min(lane.height for lane in places.lanes) < LEAST_LANE * unit - 1:
         found.append(f"lanes of {[lane.height / unit for lane in places.lanes]}")
+    found += [
+        f"no room for forces: {lane.drawing.bar_room}" for lane in page.view.lanes if lane.drawing.bar_room <= 10 * unit
+    ]
     found += [f"card {rect} leaves {places.panel}" for rect in page.cards.rects if not places.panel.contains(rect)]
     for plot in page.board.plots:
         if plot.area.width < 80 * unit or plot.area.height < 40 * unit:

@@ -19,10 +19,9 @@ def played(driver: Driver) -> Driver:
 
 def test_a_table_that_is_dropped_lies_over_the_velocities(played: Driver, tmp_path) -> None:
     """What the session itself did, as if it had been measured with an error of 0.25 m/s."""
-    motion = np.concatenate(
-        [np.column_stack([part.time, part.velocity + 0.25]) for part in played.session.history_slices(0, 10_000)]
-    )
-    np.savetxt(tmp_path / "track.csv", motion[::20], delimiter=",", header="t,v0,v1,v2,v3,v4", comments="")
+    motion = played.session.trajectory(0)
+    table = np.column_stack([motion.time, motion.velocity + 0.25])[::20]
+    np.savetxt(tmp_path / "track.csv", table, delimiter=",", header="t,v0,v1,v2,v3,v4", comments="")
     plot = played.page.board.plots[0]
     before = pygame.surfarray.array3d(played.app.surface.subsurface(plot.area))
     played.move(plot.area.center)

@@ -1,4 +1,4 @@
-"""The first level of the window: few controls, alpha of the whole row, and the same blow among steel balls."""
+"""The first level of the window with few controls, the same blow among steel balls, and the card at the end of a motion."""
 
 from dataclasses import replace
 
@@ -28,8 +28,17 @@ def typed(driver: Driver, key: str, text: str) -> None:
     driver.key(pygame.K_RETURN)
 
 
+def press(driver: Driver, text: str) -> None:
+    driver.click(next(one for one in driver.page.explore.buttons if one.text == text).rect.center)
+    driver.frames(2)
+
+
 def laws(driver: Driver, lane: int = 0) -> list:
     return list(driver.session.lanes[lane].chain.contact)
+
+
+def said(driver: Driver) -> str:
+    return " ".join(one.text for one in driver.texts())
 
 
 def test_a_newcomer_sees_few_controls_and_beads_in_the_upper_half(explorer: Driver) -> None:
@@ -41,7 +50,7 @@ def test_a_newcomer_sees_few_controls_and_beads_in_the_upper_half(explorer: Driv
     for level in ("good", "bad"):  # the badge speaks where all is not well
         state = replace(explorer.session.health(0), level=level, sentence="beads are off")
         explorer.page.explore.health = lambda found=state: [found]
-        assert ("beads are off" in [one.text for one in explorer.texts()]) == (level == "bad")
+        assert ("beads are off" in said(explorer)) == (level == "bad")
 
 
 def test_one_switch_leads_to_the_lab_and_is_remembered(explorer: Driver) -> None:
@@ -56,7 +65,7 @@ def test_one_switch_leads_to_the_lab_and_is_remembered(explorer: Driver) -> None
     assert explorer.page.explore.controls
 
 
-def test_alpha_is_that_of_the_whole_row_and_the_blow_goes_as_deep(explorer: Driver) -> None:
+def test_alpha_is_that_of_the_row_or_of_a_selected_contact_and_the_blow_goes_as_deep(explorer: Driver) -> None:
     lane = explorer.session.lanes[0]
     before = impact_energy(lane.chain, 1, lane.setup.speed)
     explorer.run(60)
@@ -67,9 +76,6 @@ def test_alpha_is_that_of_the_whole_row_and_the_blow_goes_as_deep(explorer: Driv
     assert impact_energy(lane.chain, 1, lane.setup.speed) == pytest.approx(before)
     explorer.key(pygame.K_z, pygame.KMOD_CTRL)
     assert laws(explorer) == [power_law(1.0, 0.1)] * 4
-
-
-def test_one_slider_changes_the_row_unless_one_contact_is_selected(explorer: Driver) -> None:
     explorer.click(explorer.page.view.lanes[0].handles()[1])
     assert explorer.page.editor.selection == Pick(0, "contact", 1)
     typed(explorer, "alpha", "0.5")
@@ -80,33 +86,46 @@ def test_speed_and_number_of_beads(explorer: Driver) -> None:
     typed(explorer, "speed", "2")
     assert explorer.session.lanes[0].velocity.tolist() == [2.0, 0.0, 0.0, 0.0, 0.0]
     for button, count in (("+", 6), ("\N{MINUS SIGN}", 5)):
-        found = next(one for one in explorer.page.explore.buttons if one.text == button)
-        explorer.click(found.rect.center)
+        press(explorer, button)
         assert len(explorer.session.lanes[0].chain.mass) == count
 
 
-def test_the_text_of_a_scene_is_not_said_of_another(explorer: Driver) -> None:
+def test_the_text_of_a_scene_is_not_said_of_one_that_begins_otherwise(explorer: Driver) -> None:
     explorer.page.lessons.answered = True  # its question comes first
-    assert "nearly as one" in " ".join(one.text for one in explorer.texts())
-    typed(explorer, "alpha", "1")
     explorer.frames(2)
-    said = " ".join(one.text for one in explorer.texts())
-    assert "nearly as one" not in said
-    assert "You have changed this scene" in said
+    assert "nearly as one" in said(explorer)
+    explorer.frames(2)
+    before = explorer.page.view.backdrop.version
+    explorer.page.editor.apply(SetVelocity(0, 0, 0.7))
+    explorer.frames(2)
+    assert explorer.page.view.backdrop.version == before + 1
+    assert "nearly as one" not in said(explorer)
+    assert "You have changed this scene" in said(explorer)
 
 
-def test_the_same_blow_among_steel_balls_plays_below(explorer: Driver) -> None:
-    button = next(one for one in explorer.page.explore.buttons if "steel" in one.text)
-    explorer.click(button.rect.center)
+def test_the_same_blow_among_steel_balls_plays_below_is_told_and_left_for_one_row(explorer: Driver) -> None:
+    before = explorer.session.scene
+    press(explorer, "Compare with steel balls")
     assert [law.exponent for law in laws(explorer, 1)] == [1.5] * 4
-    # the slider leaves the steel balls as they are
-    assert "alpha of the upper row" in [one.text for one in explorer.texts()]
+    assert "alpha of the upper row" in said(explorer)  # the slider leaves the steel balls as they are
     assert explorer.session.playing
     assert len(explorer.app.focus.controls()) <= MOST_CONTROLS
-    explorer.frames(330)
+    explorer.play_to_the_end()
     soft, steel = explorer.session.lanes
     assert steel.velocity[4] > 0.9
     assert soft.velocity[4] < 0.6
+    soft, steel = explorer.page.outcome.text.split("\n")
+    assert "Beads 2 to 4 go together to the right at 0.46\N{NO-BREAK SPACE}m/s." in soft
+    assert steel.startswith("steel balls: Beads 0 to 2 nearly stand still.")
+    typed(explorer, "speed", "2")
+    press(explorer, "Back to one row")
+    scene = explorer.session.scene
+    assert (scene.title, scene.text, scene.question) == (before.title, before.text, before.question)
+    assert [lane.velocity.tolist() for lane in explorer.session.lanes] == [[2.0, 0.0, 0.0, 0.0, 0.0]]
+    assert explorer.page.unsaved
+    explorer.app.act("compare_balls")
+    explorer.frames(2)
+    assert len(explorer.session.lanes) == 2
 
 
 def test_a_text_without_room_is_read_whole_below_the_pointer() -> None:
@@ -121,8 +140,8 @@ def test_a_text_without_room_is_read_whole_below_the_pointer() -> None:
         made.move(made.page.explore._about.center)
         with drawn_texts(made.app.size) as texts:
             made.app.paint()
-        said = " ".join(one.text for one in texts)  # over the backdrop, which is drawn already
-        assert ("rigid-like, not rigid" in said) == cut
+        shown = " ".join(one.text for one in texts)  # over the backdrop, which is drawn already
+        assert ("rigid-like, not rigid" in shown) == cut
 
 
 @pytest.mark.parametrize("lab", [False, True], ids=["explore", "lab"])
@@ -167,50 +186,38 @@ def test_what_happened_is_said_in_a_box_where_no_card_fits(explorer: Driver) -> 
     assert explorer.messages == ["there is no room for plots: make the window larger, or the scale smaller"]
 
 
-def test_at_the_end_plots_show_all_that_was_played(explorer: Driver) -> None:
-    explorer.play_to_the_end()
-    span, session = explorer.page.board.span, explorer.session
-    assert span.x(0.0) >= 0.0
-    assert span.x(session.time) <= span.width
-    seconds = span.seconds
-    explorer.key(pygame.K_SPACE)
-    explorer.frames(2)
-    assert explorer.page.board.span.seconds < seconds
+def test_the_clock_pauses_once_when_the_beads_are_apart_and_a_card_says_what_happened(driver: Driver) -> None:
+    driver.play_to_the_end()
+    overlap, page = driver.session.lanes[0].state.overlap, driver.page
+    assert overlap.max() < 0.0
+    assert overlap.min() <= -2.0 * driver.session.scene.view.length
+    assert "Beads 2 to 4 go together to the right" in page.outcome.text
+    assert not driver.messages
+    stopped, seconds = driver.session.time, page.board.span.seconds
+    assert 0.0 <= page.board.span.x(0.0) < page.board.span.x(stopped) <= page.board.span.width  # all that was played
+    driver.run(100)
+    assert driver.session.playing
+    assert driver.session.time > stopped
+    assert not page.outcome.text
+    assert page.board.span.seconds < seconds
 
 
-def test_the_card_says_in_few_words_what_happened_in_each_row(explorer: Driver) -> None:
-    explorer.app.act("compare_balls")
-    explorer.frames(2)
-    explorer.play_to_the_end()
-    soft, steel = explorer.page.outcome.text.split("\n")
-    assert "Beads 2 to 4 go together to the right at 0.46\N{NO-BREAK SPACE}m/s." in soft
-    assert steel.startswith("steel balls: Beads 0 to 2 nearly stand still.")
-
-
-def test_back_to_one_row_with_its_words_and_what_was_changed_meanwhile(explorer: Driver) -> None:
-    before = explorer.session.scene
-    explorer.app.act("compare_balls")
-    explorer.frames(2)
-    explorer.session.pause()
-    typed(explorer, "speed", "2")
-    button = next(one for one in explorer.page.explore.buttons if one.text == "Back to one row")
-    explorer.click(button.rect.center)
-    explorer.frames(2)
-    scene = explorer.session.scene
-    assert (scene.title, scene.text, scene.question) == (before.title, before.text, before.question)
-    assert len(explorer.session.lanes) == 1
-    assert explorer.session.lanes[0].velocity.tolist() == [2.0, 0.0, 0.0, 0.0, 0.0]
-    assert explorer.page.unsaved
-    explorer.app.act("compare_balls")
-    explorer.frames(2)
-    assert len(explorer.session.lanes) == 2
-
-
-def test_the_text_of_a_scene_is_not_said_of_one_that_begins_otherwise(explorer: Driver) -> None:
-    explorer.page.lessons.answered = True
-    explorer.frames(2)
-    before = explorer.page.view.backdrop.version
-    explorer.page.editor.apply(SetVelocity(0, 0, 0.7))
-    explorer.frames(2)
-    assert explorer.session.edited
-    assert explorer.page.view.backdrop.version == before + 1
+def test_the_card_goes_to_the_greatest_force_and_to_steel_balls(driver: Driver) -> None:
+    driver.play_to_the_end()
+    page, card = driver.page, driver.page.outcome
+    driver.click(card.buttons["Why? The forces"].rect.center)
+    assert "one rigid body" in card.text
+    assert driver.session.lanes[0].state.force.max() > 0.9
+    driver.click(card.buttons["Close"].rect.center)
+    assert not card.buttons
+    card.show_outcome()
+    driver.key(pygame.K_ESCAPE)  # closes the card, not the page
+    assert not card.text
+    assert driver.app.page is page
+    card.show_outcome()
+    driver.frames(1)
+    driver.click(card.buttons["Now with steel balls"].rect.center)
+    assert [law.exponent for law in laws(driver, 1)] == [1.5] * 4
+    assert driver.session.label(1) == "steel balls"
+    assert laws(driver)[0].exponent == 0.1
+    assert driver.session.playing

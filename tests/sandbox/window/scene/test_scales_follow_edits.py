@@ -47,27 +47,21 @@ def test_the_badge_goes_to_the_fault_of_the_run() -> None:
     assert driver.session.frame == driver.session.findings(0)[0].first
 
 
-def settled(driver: Driver) -> object:
-    """The scales once they follow the last edit."""
-    driver.frames(30)
-    driver.until(lambda: not driver.page.view.follower.pending)
-    driver.frames(2)
-    return driver.page.view.scales.scales
-
-
 def test_scales_of_an_edit_that_is_undone_go_with_it(driver: Driver) -> None:
     before = driver.page.view.scales.scales
     driver.play(300)
     driver.key(pygame.K_r)
     driver.page.editor.apply(SetVelocity(0, 0, -8.0))
-    assert settled(driver).velocity[0] < -7.0
+    driver.frames(30)
+    driver.until(lambda: not driver.page.view.follower.pending)
+    assert driver.page.view.scales.scales.velocity[0] < -7.0
     driver.key(pygame.K_z, pygame.KMOD_CTRL)
     driver.until(lambda: driver.page.view.scales.scales == before)
 
 
 def test_scales_of_a_throw_that_is_undone_go_with_it(driver: Driver) -> None:
     driver.run(240)
-    before = settled(driver)
+    before = driver.page.view.scales.scales
     centre = driver.bead(4)
     driver.drag(centre, (centre[0] - 400, centre[1]), steps=4)
     driver.frames(20)

@@ -14,7 +14,7 @@ from tests.helpers.windows import Driver
 SHIFT = pygame.KMOD_SHIFT
 
 
-def test_the_timeline_scrubs_and_playing_on_starts_a_new_branch(driver: Driver) -> None:
+def test_the_timeline_and_keys_look_back_and_playing_on_starts_a_new_branch(driver: Driver) -> None:
     driver.run(200)
     last = driver.session.history.last
     line = driver.page.timeline
@@ -23,7 +23,16 @@ def test_the_timeline_scrubs_and_playing_on_starts_a_new_branch(driver: Driver) 
     assert abs(driver.session.frame - last // 3) <= 2
     assert driver.session.scrubbed
     assert not driver.session.playing
+    last = driver.session.history.last
+    driver.key(pygame.K_HOME)
+    driver.key(pygame.K_PERIOD, SHIFT)  # to the next contact event
+    before, after = driver.session.history.snapshot(driver.session.frame - 1), driver.session.lanes[0].state
+    assert before.states[0].overlap[0] <= 0.0 < after.overlap[0]
+    assert abs(after.time - 1.0) < 0.02  # the striker flies 1 m at 1 m/s
+    driver.key(pygame.K_MINUS)  # slower, which drops no frame
+    assert driver.session.history.last == last
     driver.run(3)
+    assert driver.session.slow == 5.0
     assert driver.session.history.last < last
 
 
@@ -48,25 +57,6 @@ def test_keys_and_the_slider_set_the_slow_motion(driver: Driver) -> None:
     assert driver.session.slow == 0.01  # faster than real time
     driver.run(10)
     assert driver.session.time > 5.0
-
-
-def test_another_slow_motion_while_scrubbed_drops_no_frame(driver: Driver) -> None:
-    driver.run(60)
-    driver.key(pygame.K_HOME)
-    last = driver.session.history.last
-    driver.key(pygame.K_MINUS)
-    assert driver.session.history.last == last
-    driver.key(pygame.K_SPACE)
-    assert driver.session.slow == 5.0
-
-
-def test_a_key_scrubs_to_the_next_contact_event(driver: Driver) -> None:
-    driver.run(200)
-    driver.key(pygame.K_HOME)
-    driver.key(pygame.K_PERIOD, SHIFT)
-    before, after = driver.session.history.snapshot(driver.session.frame - 1), driver.session.lanes[0].state
-    assert before.states[0].overlap[0] <= 0.0 < after.overlap[0]
-    assert abs(after.time - 1.0) < 0.02  # the striker flies 1 m at 1 m/s
 
 
 def test_friction_whose_kernels_are_not_loaded_pauses_a_clock_too_fast_for_plain_python(monkeypatch) -> None:

@@ -1,6 +1,5 @@
-"""What a scene shows beside its beads: the mark of unsaved edits, arrows to beads outside, labels, plots that are scrolled to."""
+"""What a scene shows: its beads within sight of the camera, forces, marks, labels, and plots that are scrolled to."""
 
-import itertools
 import math
 import re
 
@@ -8,6 +7,7 @@ import pygame
 import pytest
 from softcradle.sandbox.draw.number_format import MINUS
 from softcradle.sandbox.draw.palette import tones
+from softcradle.sandbox.session.inputs import SetVelocity
 from softcradle.sandbox.window.plots.kinds import PLOT_KINDS
 from softcradle.sandbox.window.scene.editor import Pick
 
@@ -31,16 +31,43 @@ def test_the_title_marks_unsaved_edits(driver: Driver) -> None:
     assert title() == "One bead on four"
 
 
-def test_arrows_count_the_beads_outside(driver: Driver) -> None:
-    rect = driver.page.view.lanes[0].drawing.rect
-    driver.pull((rect.left + 40, rect.top + 40), (rect.left + 40 - 3 * rect.width, rect.top + 40))
-    driver.frames(2)
-    ground = driver.page.view.lanes[0].drawing.ground
-    found = [one for one in driver.texts() if one.text == "5" and abs(one.rect.centery - (ground - 14)) < 4]
-    assert len(found) == 1
-    assert found[0].rect.left < rect.left + 30
-    driver.key(pygame.K_f)
-    assert not [one for one in driver.texts() if one.text == "5" and one.rect.left < rect.left + 30]
+def in_sight(driver: Driver) -> bool:
+    lane = driver.page.view.lanes[0]
+    rect = lane.drawing.rect
+    return bool((lane.edges >= rect.left).all() and (lane.edges + lane.drawing.bead <= rect.right + 1).all())
+
+
+def test_beads_stay_in_sight_by_themselves(driver: Driver) -> None:
+    driver.page.clock.end.toggle()
+    driver.session.apply(SetVelocity(0, 0, 4.0))
+    driver.key(pygame.K_SPACE)
+    for _ in range(20):
+        driver.frames(30)
+        assert in_sight(driver)
+    assert driver.session.time > 4.0
+
+
+def test_wheel_and_drag_take_the_view_an_arrow_counts_beads_outside_and_fit_gives_it_back(driver: Driver) -> None:
+    def counted() -> list[pygame.Rect]:
+        high = driver.page.view.lanes[0].drawing.ground - 14
+        return [one.rect for one in driver.texts() if one.text == "5" and abs(one.rect.centery - high) < 4]
+
+    rect, slow = driver.page.view.lanes[0].drawing.rect, driver.session.slow
+    point = (rect.left + rect.width // 4, rect.top + 30)
+    place = driver.page.view.metres_at(point)
+    for turn in (-1, -1, -1, 1):
+        driver.wheel(point, turn)
+        assert driver.page.view.metres_at(point) == pytest.approx(place, abs=1e-6)
+    assert driver.session.slow == slow
+    before = float(driver.page.view.lanes[0].edges[0])
+    driver.pull(point, (point[0] - 3 * rect.width, point[1]))
+    assert driver.page.view.lanes[0].edges[0] == pytest.approx(before - 3 * rect.width, abs=3)
+    assert not in_sight(driver)
+    (arrow,) = counted()
+    assert arrow.left < rect.left + 30
+    driver.click(driver.page.time_controls.buttons["fit"].rect.center)
+    assert in_sight(driver)
+    assert not counted()
 
 
 def test_marks_of_rigid_clusters_are_of_the_beads_that_there_are(driver: Driver) -> None:
@@ -76,31 +103,6 @@ def test_every_force_of_a_row_is_written_at_every_scale(lab: bool) -> None:
         driver.app.rebuild()
         driver.frames(2)
         assert {"0.92", "0.71", "0.47", "0.24"} <= {one.text for one in driver.texts()}
-
-
-@pytest.mark.parametrize(("lab", "code"), [(False, "de"), (True, "en")], ids=str)
-def test_two_lanes_have_room_at_every_size_and_scale(lab: bool, code: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("LANGUAGE", code)
-    driver = Driver("steel-and-soft", lab=lab)
-    driver.session.step_frames(60)
-    for size, scale, ended in itertools.product(
-        ((1024, 600), (1280, 800), (1920, 1080)), (1.0, 1.5, 2.0), (False, True)
-    ):
-        driver.resize(size)
-        driver.app.scale = scale
-        driver.app.rebuild()
-        if ended:
-            driver.page.outcome.show_outcome()
-        driver.frames(2)
-        view, unit = driver.page.view, driver.app.unit
-        assert min(lane.height for lane in view.places.lanes) >= 120 * unit - 1
-        assert all(rect.height >= 85 * unit for row in view.places.plots for rect in row)
-        assert all(lane.drawing.bar_room > 10 * unit for lane in view.lanes)
-        if driver.app.dialog is None or not driver.app.dialog.open:
-            assert not colliding(driver.texts())
-        assert ended <= bool(driver.page.outcome.text or driver.app.dialog)
-        driver.key(pygame.K_ESCAPE) if driver.app.dialog else driver.page.outcome.hide()
-        driver.app.dialog = None
 
 
 def test_seven_plots_of_two_lanes_are_wide_and_scrolled_to() -> None:
