@@ -17,7 +17,7 @@ from softcradle.sandbox.window.keys import bindings
 from softcradle.sandbox.window.plots.data_overlay import edges_of
 from softcradle.sandbox.window.plots.kinds import pair_of
 from softcradle.sandbox.window.scene.editor import Pick
-from softcradle.sandbox.window.settings import Settings, settings_path, system_language
+from softcradle.sandbox.window.settings import Settings, system_language
 
 from tests.helpers.windows import Driver
 
@@ -42,19 +42,14 @@ def test_a_key_takes_the_next_language_at_once_and_for_the_next_start(driver: Dr
     driver.app = App()  # for the fixture to close
 
 
-def test_a_language_that_is_unknown_is_that_of_the_locale(monkeypatch: pytest.MonkeyPatch) -> None:
-    path = settings_path()
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text('{"language": "tlh"}', encoding="utf-8")
-    assert Settings.load().language == ""
+def test_the_locale_chooses_also_where_no_variable_has_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("LANGUAGE", "de")
     assert system_language() == "de"
     for name in VARIABLES:
         monkeypatch.delenv(name, raising=False)
-    monkeypatch.setattr(pygame.system, "get_pref_locales", lambda: [{"language": "ja"}, {"language": "fr"}])
-    assert system_language() == "fr"
-    monkeypatch.setattr(pygame.system, "get_pref_locales", list)
-    assert system_language() == "en"
+    for preferred, code in (([{"language": "ja"}, {"language": "fr"}], "fr"), ([], "en")):
+        monkeypatch.setattr(pygame.system, "get_pref_locales", lambda preferred=preferred: preferred)
+        assert system_language() == code
 
 
 @pytest.fixture
@@ -86,8 +81,7 @@ def test_words_are_taken_in_the_language_and_in_english(german: Driver) -> None:
 def test_refusals_and_verdicts_follow_the_language(german: Driver) -> None:
     german.select("contact", 1)
     german.enter("loss", "1,5")
-    refused = "der Verlust eines Kontakts muss >= 0 und unter 1 sein, nicht 1,5: mit 1 käme er nie wieder heraus"
-    assert german.messages[-1] == refused
+    assert german.messages[-1].startswith("der Verlust eines Kontakts muss >= 0 und unter 1 sein, nicht 1,5")
     assert german.page.cards.health[0].sentence.endswith("hält seine Fehler klein")
     german.key(pygame.K_F8)
     german.frames(30)
@@ -106,21 +100,11 @@ def test_what_methods_and_choices_are_called_fits_its_place(code: str) -> None:
 class Other(NullTranslations):
     """A language in letters that are not those of English, with the placeholders of the source."""
 
-    LETTERS = str.maketrans(
-        {chr(65 + k): chr(0x410 + k) for k in range(26)} | {chr(97 + k): chr(0x430 + k) for k in range(26)}
-    )
+    LETTERS = str.maketrans({one: chr(ord(one) - ord("A") + 0x410) for one in string.ascii_letters})
 
     def gettext(self, message: str) -> str:
-        if "{" not in message:
-            return message.translate(self.LETTERS)
-        parts = string.Formatter().parse(message)
-        return "".join(literal.translate(self.LETTERS) + self._field(*field) for literal, *field in parts)
-
-    @staticmethod
-    def _field(name: str | None, form: str | None, conversion: str | None) -> str:
-        if name is None:
-            return ""
-        return "{" + name + (f"!{conversion}" if conversion else "") + (f":{form}" if form else "") + "}"
+        parts = re.split(r"(\{[^{}]*\})", message)
+        return "".join(part if part.startswith("{") else part.translate(self.LETTERS) for part in parts)
 
     def ngettext(self, msgid1: str, msgid2: str, n: int) -> str:
         return self.gettext(msgid1 if n == 1 else msgid2)

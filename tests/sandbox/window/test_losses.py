@@ -3,6 +3,7 @@
 import signal
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from unittest.mock import Mock
 
@@ -12,7 +13,6 @@ import pytest
 from softcradle.sandbox.draw.text import width
 from softcradle.sandbox.session.inputs import SetMass
 from softcradle.sandbox.session.snapshots import NOTHING_HELD
-from softcradle.sandbox.window.app import App
 from softcradle.sandbox.window.gallery.page import GalleryPage
 from softcradle.sandbox.window.settings import unsaved_path
 
@@ -26,26 +26,7 @@ def edited(driver: Driver) -> None:
     driver.key(pygame.K_a)
 
 
-def test_a_window_that_is_killed_offers_its_edits_at_the_next_start(driver: Driver) -> None:
-    edited(driver)
-    driver.frames(90)
-    masses, of_four_beads = driver.session.lanes[0].chain.mass, driver.session.scene.text
-    driver.app.quit(killed=True)
-    driver.close()
-    again = Driver()
-    assert again.app.dialog.title == "An unsaved scene"
-    again.key(pygame.K_RETURN)
-    assert again.session.lanes[0].chain.mass == masses
-    assert again.page.unsaved
-    assert of_four_beads
-    assert of_four_beads[:20] not in " ".join(one.text for one in again.texts())
-    assert again.session.scene.text == ""
-    assert not again.app.settings.recent
-    again.close()
-    assert not unsaved_path().exists()
-
-
-def test_what_is_saved_or_undone_or_ended_by_hand_is_not_offered(driver: Driver) -> None:
+def test_a_window_that_is_killed_offers_its_edits_at_the_next_start_unless_they_are_saved(driver: Driver) -> None:
     edited(driver)
     driver.frames(90)
     assert unsaved_path().exists()
@@ -54,57 +35,61 @@ def test_what_is_saved_or_undone_or_ended_by_hand_is_not_offered(driver: Driver)
     assert not unsaved_path().exists()
     driver.key(pygame.K_a)
     driver.frames(90)
-    assert unsaved_path().exists()
-    driver.app.close()
+    masses = driver.session.lanes[0].chain.mass
+    driver.app.quit(killed=True)
+    driver.close()
+    again = Driver()
+    assert again.app.dialog.title == "An unsaved scene"
+    again.key(pygame.K_RETURN)
+    assert again.session.lanes[0].chain.mass == masses
+    assert again.page.unsaved
+    assert again.app.settings.recent == [str(Path("mine.toml").resolve())]
+    again.close()  # by hand
     assert not unsaved_path().exists()
-    driver.app = App()  # for the fixture to close
 
 
 def test_keys_and_buttons_undo_and_redo_and_the_motion_stays(driver: Driver) -> None:
     driver.play(60)
-    last = driver.session.history.last
-    assert not driver.page.toolbar.buttons["undo"].is_enabled
+    last, buttons = driver.session.history.last, driver.page.toolbar.buttons
+    assert not buttons["undo"].is_enabled
     edited(driver)
     driver.key(pygame.K_DELETE)
     assert driver.session.lanes[0].chain.contacts == 4
     driver.key(pygame.K_z, CTRL)
     assert driver.session.lanes[0].chain.contacts == 5
-    driver.click(driver.page.toolbar.buttons["undo"].rect.center)
+    driver.click(buttons["undo"].rect.center)
     assert driver.session.lanes[0].chain.contacts == 4
     assert driver.session.history.last == last
     driver.key(pygame.K_y, CTRL)
-    driver.click(driver.page.toolbar.buttons["redo"].rect.center)
+    driver.click(buttons["redo"].rect.center)
     assert driver.session.lanes[0].chain.contacts == 4
-    assert not driver.page.toolbar.buttons["redo"].is_enabled
+    assert not buttons["redo"].is_enabled
     driver.key(pygame.K_z, CTRL | SHIFT)
     assert "nothing to redo" in driver.messages
-
-
-def test_a_slider_that_is_dragged_is_one_undo_step(driver: Driver) -> None:
-    driver.click(driver.bead(2))
-    start = driver.page.inspector.controls["mass"].slider.sliding_button.rect.center
-    driver.pull(start, (start[0] - 60, start[1]))
-    assert driver.session.lanes[0].chain.mass[2] < 0.5
+    slider = driver.page.inspector.controls["mass"].slider.sliding_button.rect
+    driver.pull(slider.center, (slider.centerx - 60, slider.centery))  # a drag is one step
+    bead = driver.page.editor.selection.index
+    assert driver.session.lanes[0].chain.mass[bead] < 0.5
     driver.key(pygame.K_z, CTRL)
-    assert driver.session.lanes[0].chain.mass[2] == 1.0
+    assert driver.session.lanes[0].chain.mass[bead] == 1.0
 
 
-@pytest.mark.parametrize("way", ["escape", "button", "quit", "drop", "close"])
-def test_edits_are_not_lost_unasked(driver: Driver, tmp_path: Path, way: str) -> None:
+WAYS = {
+    "escape": lambda driver: driver.key(pygame.K_ESCAPE),
+    "button": lambda driver: driver.click((40, 24)),
+    "quit": lambda driver: driver.key(pygame.K_q, CTRL),
+    "drop": lambda driver: driver.drop_file("other.toml"),
+    "close": lambda driver: driver.post(pygame.QUIT),
+}
+
+
+@pytest.mark.parametrize("leave", WAYS.values(), ids=WAYS)
+def test_edits_are_not_lost_unasked(driver: Driver, leave: Callable[[Driver], None]) -> None:
     edited(driver)
     page = driver.app.page
     driver.key(pygame.K_ESCAPE)
-    if way == "escape":
-        driver.key(pygame.K_ESCAPE)
-    elif way == "button":
-        driver.click((40, 24))
-    elif way == "quit":
-        driver.key(pygame.K_q, CTRL)
-    elif way == "close":
-        driver.post(pygame.QUIT)
-    else:
-        (tmp_path / "other.toml").write_text(driver.session.scene.to_toml())
-        driver.drop_file(tmp_path / "other.toml")
+    Path("other.toml").write_text(driver.session.scene.to_toml())
+    leave(driver)
     assert driver.app.page is page
     assert driver.app.running
     assert driver.app.dialog is not None
@@ -128,18 +113,6 @@ def test_the_question_saves_or_discards(driver: Driver, tmp_path: Path) -> None:
     driver.key(pygame.K_LEFT)
     driver.key(pygame.K_RETURN)  # Discard them
     assert isinstance(driver.app.page, GalleryPage)
-
-
-def test_the_gallery_stays_where_it_was(driver: Driver) -> None:
-    driver.key(pygame.K_ESCAPE)
-    gallery = driver.app.page
-    for _ in range(12):
-        driver.key(pygame.K_RIGHT)
-    scroll = gallery.grid.scroll
-    driver.key(pygame.K_RETURN)
-    driver.key(pygame.K_ESCAPE)
-    assert (driver.app.page.selected, driver.app.page.grid.scroll) == (12, scroll)
-    assert scroll > 0
 
 
 def test_a_file_is_replaced_only_when_asked_for_and_a_folder_of_the_home_is_understood(driver, tmp_path, monkeypatch):
@@ -174,13 +147,11 @@ def test_a_bead_let_go_where_no_event_tells_does_not_stick(driver: Driver, away:
     x, y = driver.bead(4)
     driver.drag((x, y), (x + 60, y))
     assert driver.session.held.lane == 0.0
-    if away == pygame.MOUSEMOTION:
-        driver.post(away, pos=(x, y), rel=(0, 0), buttons=(0, 0, 0))
-    elif away == pygame.KEYDOWN:
+    if away == pygame.KEYDOWN:
         driver.key(pygame.K_F7)  # a menu, which takes the release of the button
         driver.release((x + 60, y))
     else:
-        driver.post(away)
+        driver.post(away, pos=(x, y), rel=(0, 0), buttons=(0, 0, 0))
         driver.post(pygame.WINDOWRESTORED)
     driver.frames(2)
     assert driver.page.pointer.pressed is None
@@ -215,6 +186,7 @@ def test_a_film_keeps_all_of_a_window_that_is_resized(driver: Driver, tmp_path: 
     assert any("saved" in text and "mine.mp4" in text for text in driver.messages)
     with av.open(str(tmp_path / "mine.mp4")) as film:
         pictures = [frame.to_ndarray(format="rgb24") for frame in film.decode(video=0)]
+    assert 15 <= len(pictures) <= 25  # every other one
     corners = [picture[-20:, -20:] for picture in pictures]
     assert np.abs(corners[0].astype(int) - corners[-1]).mean() < 20  # the foot of the page is in both
 
@@ -277,24 +249,6 @@ def test_a_signal_while_filming_keeps_the_film(tmp_path: Path, number: signal.Si
         assert process.returncode == 0
     with av.open(str(tmp_path / "mine.mp4")) as film:
         assert sum(1 for _ in film.decode(video=0)) >= 5
-
-
-def test_numbers_that_are_refused_or_not_taken_do_not_stay(driver: Driver) -> None:
-    driver.click(driver.bead(2))
-    for typed in ("-1", "1e999", "inf", "nan", "x"):
-        driver.enter("mass", typed)
-        driver.frames(2)
-        assert driver.page.inspector.controls["mass"].entry.get_text() == "1"
-        assert driver.session.lanes[0].chain.mass[2] == 1.0
-        assert not driver.page.typing
-    entry = driver.page.inspector.controls["mass"].entry
-    driver.click(entry.rect.center)
-    entry.set_text("5")
-    driver.click(driver.bead(3))  # the number is taken when its box is left
-    driver.frames(2)
-    assert driver.session.lanes[0].chain.mass[2] == 5.0
-    driver.key(pygame.K_SPACE)
-    assert driver.session.playing
 
 
 def test_a_session_is_saved_and_replayed_with_the_same_digits_and_can_be_paused(driver: Driver, tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 import sys
 from types import SimpleNamespace
+from unittest.mock import Mock
 
 import pygame
 import pytest
@@ -12,59 +13,35 @@ from softcradle.sandbox.window.screen_reader import CONTROL, ROOT, STATUS, Scree
 from tests.helpers.windows import Driver
 
 
-class Adapter:
-    """Keeps what it is told."""
-
-    def __init__(self, activation, action, deactivation) -> None:
-        self.trees, self.focused = [activation()], None
-
-    def update_if_active(self, tree) -> None:
-        self.trees.append(tree())
-
-    def update_window_focus_state(self, focused: bool) -> None:
-        self.focused = focused
-
-
 @pytest.fixture
-def spoken(driver: Driver, monkeypatch: pytest.MonkeyPatch):
-    kit = SimpleNamespace(unix=SimpleNamespace(Adapter=Adapter))
+def adapter(driver: Driver, monkeypatch: pytest.MonkeyPatch) -> Mock:
+    """That of a system, to which the window of `driver` speaks."""
+    made = Mock(update_if_active=Mock(return_value=None))
+    kit = SimpleNamespace(unix=SimpleNamespace(Adapter=lambda tree, action, deactivation: made))
     monkeypatch.setitem(sys.modules, "accesskit", kit)
     monkeypatch.setattr(screen_reader.sys, "platform", "linux")
     monkeypatch.setattr(screen_reader, "tree_of", lambda kit, title, said: said)
     driver.app.reader = ScreenReader("softcradle")
-    return driver
+    return made
 
 
-def test_messages_dialogs_and_controls_are_said_once(spoken):
-    adapter = spoken.app.reader._adapter
-    spoken.key(pygame.K_z, pygame.KMOD_CTRL)
-    assert adapter.trees[-1].status == "nothing to undo"
-    count = len(adapter.trees)
-    spoken.frames(5)
-    assert len(adapter.trees) == count
-    spoken.key(pygame.K_w)
-    assert adapter.trees[-1].status == f"What happened. {summary_text(spoken.session)}"
-    assert adapter.trees[-1].control == "Close"
-    spoken.key(pygame.K_ESCAPE)
-    spoken.key(pygame.K_TAB)
-    assert adapter.trees[-1].control == "← Scenes"
+def test_messages_dialogs_and_controls_are_said_once(driver: Driver, adapter: Mock) -> None:
+    def said() -> Spoken:
+        return adapter.update_if_active.call_args.args[0]()
 
-
-def test_every_control_has_a_name(spoken):
-    spoken.key(pygame.K_RIGHT)
-    spoken.frames(2)
-    for _ in spoken.app.focus.controls():
-        spoken.key(pygame.K_TAB)
-        assert spoken.app.reader.spoken.control, spoken.app.focus.control
-
-
-def test_the_system_hears_whether_the_window_has_the_keyboard(spoken):
-    pygame.event.post(pygame.Event(pygame.WINDOWFOCUSGAINED))
-    spoken.frames()
-    assert spoken.app.reader._adapter.focused is True
-    pygame.event.post(pygame.Event(pygame.WINDOWFOCUSLOST))
-    spoken.frames()
-    assert spoken.app.reader._adapter.focused is False
+    driver.key(pygame.K_z, pygame.KMOD_CTRL)
+    assert said().status == "nothing to undo"
+    count = adapter.update_if_active.call_count
+    driver.frames(5)
+    assert adapter.update_if_active.call_count == count
+    driver.key(pygame.K_w)
+    assert said() == (f"What happened. {summary_text(driver.session)}", "Close")
+    driver.key(pygame.K_ESCAPE)
+    driver.key(pygame.K_TAB)
+    assert said().control == "← Scenes"
+    for event, focused in ((pygame.WINDOWFOCUSGAINED, True), (pygame.WINDOWFOCUSLOST, False)):
+        driver.post(event)
+        adapter.update_window_focus_state.assert_called_with(focused)
 
 
 def test_without_accesskit_nothing_is_told(driver, monkeypatch):

@@ -1,7 +1,6 @@
 """The themes: everything is drawn in the one that is chosen, and the next start has it too."""
 
 import ctypes
-import itertools
 import weakref
 from unittest.mock import Mock
 
@@ -37,17 +36,14 @@ def mean_luminance(driver: Driver) -> float:
 def test_the_theme_changes_every_page_and_is_kept():
     driver = Driver()
     assert driver.app.settings.theme == "light"
-    bright = {}
-    for page, theme in itertools.product((None, "draft-gear-one-on-three", "hanging-cradle"), ("light", "dark")):
+    for page in (None, "draft-gear-one-on-three", "hanging-cradle"):
         if page is not None:
             driver.app.open(page)
         driver.frames(2)
-        bright[page, theme] = mean_luminance(driver)
+        assert mean_luminance(driver) > 190, page
         driver.key(pygame.K_F9)
-        driver.frames(2)
-    for page in (None, "draft-gear-one-on-three", "hanging-cradle"):
-        assert bright[page, "light"] > 190, (page, bright)
-        assert bright[page, "dark"] < 80, (page, bright)
+        assert mean_luminance(driver) < 80, page
+        driver.key(pygame.K_F9)
     driver.key(pygame.K_F9)
     driver.close()
     assert Settings.load().theme == "dark"
@@ -59,15 +55,16 @@ def test_the_theme_changes_every_page_and_is_kept():
     use_theme("light")
 
 
-def test_settings_that_cannot_be_read_are_the_usual_ones():
+@pytest.mark.parametrize(
+    "text", ["", "[]", '{"theme": "pink", "language": "tlh"}', '{"theme": 3}', '{"recent": 7}', "7"]
+)
+def test_settings_that_cannot_be_read_are_the_usual_ones(text: str) -> None:
     settings_path().parent.mkdir(parents=True)
-    for text in ("", "[]", '{"theme": "pink", "recent": 7}', '{"theme": 3}', '{"recent": [1, 2]}'):
-        settings_path().write_text(text)
-        assert Settings.load().theme == "light"
+    settings_path().write_text(text)
+    assert Settings.load() == Settings()
 
 
-def test_the_open_dialog_offers_the_files_of_before(tmp_path):
-    driver = Driver("one-on-four")
+def test_the_open_dialog_offers_the_files_of_before(driver: Driver, tmp_path):
     for k in range(MOST_RECENT + 2):
         driver.page.dialogs.save("save_scene", f"mine-{k}.toml")
     assert Settings.load().recent[0] == str((tmp_path / f"mine-{MOST_RECENT + 1}.toml").resolve())
@@ -83,8 +80,7 @@ def test_the_open_dialog_offers_the_files_of_before(tmp_path):
     assert driver.session.scene.title == "One bead on four"
 
 
-def test_no_widget_of_a_selection_that_is_gone_stays_behind_a_dialog():
-    driver = Driver("one-on-four")
+def test_no_widget_of_a_selection_that_is_gone_stays_behind_a_dialog(driver: Driver):
     driver.click(driver.bead(2))
     driver.frames(3)
     assert driver.page.inspector.controls
@@ -101,23 +97,12 @@ def test_no_widget_of_a_selection_that_is_gone_stays_behind_a_dialog():
     assert (pygame.surfarray.array3d(driver.app.surface) == at_once).all()
 
 
-def test_what_is_behind_a_dialog_is_dimmed(driver: Driver):
-    before = mean_luminance(driver)
-    driver.key(pygame.K_o, pygame.KMOD_CTRL)
-    assert mean_luminance(driver) < 0.75 * before
-
-
-class Widget:
-    """Refers to itself, as widgets and containers refer to each other."""
-
-    def __init__(self) -> None:
-        self.container = self
-
-
 @pytest.mark.parametrize("refusal", [None, OSError, AttributeError, TypeError])
 def test_cycles_are_freed_also_where_the_system_cannot_trim_the_heap(refusal, monkeypatch):
     if refusal is not None:
         monkeypatch.setattr(ctypes, "CDLL", Mock(side_effect=refusal))
-    widget = weakref.ref(Widget())
+    one = Mock()
+    one.container, left = one, weakref.ref(one)  # as widgets and containers refer to each other
+    del one
     collect_garbage()
-    assert widget() is None
+    assert left() is None

@@ -36,30 +36,17 @@ def test_the_checks_of_the_machine_find_what_they_look_for(tmp_path) -> None:
         check_replay(session, tmp_path / "replay.npz")
 
 
-def test_the_cursor_reads_frames_from_before_beads_were_removed() -> None:
-    """There are then more values than names, and more than are listed."""
-    driver = Driver("one-on-ten")
-    for _ in range(3):
-        driver.session.apply(AddBead(0, 1))
-    driver.session.step_frames(60)
-    for _ in range(3):
-        driver.session.apply(RemoveBead(0, 1))
-    driver.session.step_frames(5)
-    driver.frames(2)
-    for plot in driver.page.board.plots:
-        for x in range(plot.area.left, plot.area.right, 7):
-            driver.page.board.paint_reading(driver.app.surface, (x, plot.area.centery))
+def pressed(key: int, mod: int = 0) -> list[pygame.Event]:
+    return [pygame.Event(kind, key=key, mod=mod, unicode="", scancode=0) for kind in (pygame.KEYDOWN, pygame.KEYUP)]
 
 
-def test_an_edit_that_is_undone_in_the_frame_in_which_the_page_was_built_anew() -> None:
+def test_an_edit_that_is_undone_in_the_frame_in_which_the_page_was_built_anew(driver) -> None:
     """The page was then built of beads that there are no more."""
-    driver = Driver("one-on-four")
     driver.click(driver.bead(2))
     driver.session.step_frames(200)
     driver.frames(2)
-    for code, modifiers in ((pygame.K_DELETE, 0), (pygame.K_i, 0), (pygame.K_z, pygame.KMOD_CTRL)):
-        pygame.event.post(pygame.Event(pygame.KEYDOWN, key=code, mod=modifiers, unicode="", scancode=0))
-    driver.frames(2)
+    driver.app.frame(FRAME, [*pressed(pygame.K_DELETE), *pressed(pygame.K_i), *pressed(*EDITS["undo"])])
+    driver.frames()
     assert driver.session.lanes[0].chain.contacts == 4
     assert [len(depths) for depths in driver.page.view.scales.scales.deepest] == [4]
     assert driver.page.view.lanes[0].drawing.chain == driver.session.lanes[0].chain
@@ -67,10 +54,6 @@ def test_an_edit_that_is_undone_in_the_frame_in_which_the_page_was_built_anew() 
 
 CLICKS = 15  # a view and edit; the machine presses keys and clicks in one frame at random, too
 EDITS = {"remove": (pygame.K_DELETE, 0), "undo": (pygame.K_z, pygame.KMOD_CTRL), "redo": (pygame.K_y, pygame.KMOD_CTRL)}
-
-
-def pressed(key: int, mod: int = 0) -> list[pygame.Event]:
-    return [pygame.Event(kind, key=key, mod=mod, unicode="", scancode=0) for kind in (pygame.KEYDOWN, pygame.KEYUP)]
 
 
 def clicked(point: tuple[int, int]) -> list[pygame.Event]:

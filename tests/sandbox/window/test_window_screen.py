@@ -71,11 +71,6 @@ class Screen:
         self.tool("mouseup", "1")
         time.sleep(0.1)
 
-    def click(self, x: int, y: int) -> None:
-        self.point(x, y)
-        self.tool("click", "1")
-        time.sleep(0.3)
-
     def type_path(self, text: str) -> Path:
         self.key("ctrl+a")
         self.tool("type", "--window", self.window, "--delay", "30", text)

@@ -105,14 +105,3 @@ def test_signals_are_read_and_what_are_no_signals_or_edges_is_refused():
     for text in ("", "1 2 3", "0 1 a b", "1 0 0 1", "0 1 2 2", "0 inf 0 1"):
         with pytest.raises(ValueError, match=r"four numbers|t right"):
             edges_of(text)
-
-
-def test_a_plot_of_beads_that_were_removed_shows_what_is_left(played: Driver) -> None:
-    played.page.board.pair = Signal("v", 4), Signal("t")
-    played.key(pygame.K_8)
-    for _ in range(3):  # bead, contact, bead
-        played.key(pygame.K_RIGHT)
-    played.key(pygame.K_DELETE)
-    played.frames(4)
-    assert len(played.session.lanes[0].chain.mass) == 4
-    assert ("x-y", 0) in played.page.board.keys

@@ -113,33 +113,28 @@ def test_a_scene_is_compared_with_a_copy_and_edits_stay_unsaved(driver: Driver) 
     assert driver.app.dialog.title == "Keep the edits?"
 
 
-def test_stopwatch_and_ruler_measure(driver: Driver) -> None:
+def test_stopwatch_and_ruler_measure_and_the_ruler_lies_on_no_force() -> None:
+    driver = Driver("steel-and-soft", size=(1280, 800))
+    watch, ruler = driver.page.tools.stopwatch, driver.page.tools.ruler
     driver.key(pygame.K_k)
     begin = driver.session.time
     driver.run(30)
     driver.key(pygame.K_k)
-    elapsed = driver.page.tools.stopwatch.elapsed
+    elapsed = watch.elapsed
     driver.frames(10)
-    assert driver.page.tools.stopwatch.elapsed == elapsed
+    assert watch.elapsed == elapsed
     assert 0.0 < elapsed < driver.session.time - begin
     driver.key(pygame.K_k)
-    assert driver.page.tools.stopwatch.elapsed is None
+    assert watch.elapsed is None
+    driver.session.step_frames(210)
     driver.key(pygame.K_u)
-    ruler = driver.page.tools.ruler
     first, last = ruler.points()
+    line = pygame.Rect(first, (last[0] - first[0], 1))
+    assert not [one.text for one in driver.texts() if one.rect.colliderect(line)]
     driver.pull(first, (last[0], first[1] + 5))
     assert ruler.distance == pytest.approx(0.0, abs=0.02)
     driver.key(pygame.K_u)
     assert ruler.ends is None
-
-
-def test_the_ruler_lies_on_no_force() -> None:
-    driver = Driver("steel-and-soft", size=(1280, 800))
-    driver.session.step_frames(250)
-    driver.key(pygame.K_u)
-    first, last = driver.page.tools.ruler.points()
-    line = pygame.Rect(first, (last[0] - first[0], 1))
-    assert not [one.text for one in driver.texts() if one.rect.colliderect(line)]
 
 
 @pytest.mark.parametrize("menu", MENUS)
@@ -155,17 +150,16 @@ def test_a_menu_does_its_actions_by_keys_and_clicks(driver: Driver, menu: str) -
         assert not shown.open
         if driver.app.dialog.open:
             driver.app.dialog.close()
-    driver.app.act("tools")
-    driver.frames()
-    driver.click(driver.app.dialog.buttons[MENUS["tools"].index("arrows")].rect.center)
-    assert not driver.app.dialog.open
 
 
-def test_menus_mark_what_is_shown(driver: Driver) -> None:
+def test_a_menu_marks_what_is_shown_and_is_clicked(driver: Driver) -> None:
     driver.key(pygame.K_3)  # overlaps go
     driver.app.act("plots_menu")
     marked = [button.text.split("  ")[1] for button in driver.app.dialog.buttons if button.text.startswith("✓")]
     assert marked == ["velocities", "forces"]
+    driver.click(driver.app.dialog.buttons[MENUS["plots_menu"].index("forces")].rect.center)
+    assert not driver.app.dialog.open
+    assert driver.page.board.shown == ["velocities"]
 
 
 def test_what_happened_is_told_and_copied(driver: Driver, clipboard: list[str]) -> None:
