@@ -22,7 +22,9 @@ from tools import screenshots
 CTRL = pygame.KMOD_CTRL
 
 
-def test_help_covers_the_page_grows_with_the_scale_is_scrolled_and_closed_by_a_key(driver: Driver) -> None:
+def test_help_covers_the_page_grows_with_the_scale_is_scrolled_and_closed_by_a_key_and_the_loop_ends(
+    driver: Driver,
+) -> None:
     def shown() -> dict[str, pygame.Rect]:
         return {one.text: one.rect for one in driver.texts()}
 
@@ -44,32 +46,27 @@ def test_help_covers_the_page_grows_with_the_scale_is_scrolled_and_closed_by_a_k
     assert driver.app.help
     driver.key(pygame.K_ESCAPE)
     assert not driver.app.help
-
-
-def test_the_loop_ends_when_the_window_is_closed(driver: Driver) -> None:
     pygame.event.post(pygame.Event(pygame.QUIT))
     driver.app.run()
     assert not driver.app.running
 
 
-def tips(driver: Driver) -> list[str]:
-    root = driver.app.manager.get_root_container()
-    return [one.text_block.html_text for one in root.elements if isinstance(one, UITooltip)]
-
-
 def test_a_tip_goes_when_a_menu_opens_or_its_button_is_pressed(driver: Driver) -> None:
+    def tips() -> list[UITooltip]:
+        return [one for one in driver.app.manager.get_root_container().elements if isinstance(one, UITooltip)]
+
     play = driver.page.time_controls.buttons["play_pause"].rect.center
     driver.move(driver.page.toolbar.buttons["tools"].rect.center)
     driver.frames(90)
-    assert tips(driver)
+    assert tips()
     driver.key(pygame.K_F10)
     assert driver.app.dialog.open
-    assert not tips(driver)
+    assert not tips()
     driver.key(pygame.K_ESCAPE)
     driver.click(play)
     driver.app.rebuild()  # as the card at the end does
     driver.frames(120)
-    assert not tips(driver)
+    assert not tips()
 
 
 def test_the_window_is_resized_and_scaled_and_its_panel_hidden(driver: Driver) -> None:
@@ -87,22 +84,16 @@ def test_the_window_is_resized_and_scaled_and_its_panel_hidden(driver: Driver) -
     for key in (pygame.K_EQUALS, pygame.K_EQUALS, pygame.K_MINUS, pygame.K_0):
         driver.key(key, CTRL)
     assert driver.app.scale == 1.0
+    assert driver.messages == ["scale 100 %"]  # in place of those before
     wide = driver.page.view.places.lanes[0].width
     driver.key(pygame.K_i)
     assert driver.page.view.places.lanes[0].width > wide
-    driver.key(pygame.K_0, CTRL)
     driver.resize((1280, 720))
-    driver.key(pygame.K_EQUALS, CTRL)
-    driver.close()
-    assert Driver("one-on-four").app.scale == 1.15  # remembered
-
-
-def test_a_message_takes_the_place_of_one_on_the_same_subject(driver):
     for _ in range(3):
         driver.key(pygame.K_EQUALS, CTRL)
     assert driver.messages == ["scale 144 %: there is no room for more in this window"]
-    driver.key(pygame.K_0, CTRL)
-    assert driver.messages == ["scale 100 %"]
+    driver.close()
+    assert Driver("one-on-four").app.scale == 1.5  # remembered
 
 
 @pytest.mark.parametrize("form", ["text", "toml", "shared", "dropped"])

@@ -29,15 +29,12 @@ def test_a_key_takes_the_next_language_at_once_and_for_the_next_start(driver: Dr
     assert driver.messages == ["Deutsch"]
     assert Settings.load().language == language() == "de"
     assert "One bead on four" not in {one.text for one in driver.texts()}
-    driver.key(pygame.K_F8)
-    assert driver.page.toolbar.buttons["undo"].text == "Annuler"
     driver.app.close()
     assert language() == "en"  # what the window alone has
     again = Driver()
-    assert language() == "fr"
-    assert again.app.page.names
-    again.key(pygame.K_F8)
-    assert language() == "en"
+    for code in ("de", "fr", "en"):
+        assert language() == code
+        again.key(pygame.K_F8)
     again.close()
     driver.app = App()  # for the fixture to close
 

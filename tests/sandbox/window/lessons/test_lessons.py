@@ -4,7 +4,7 @@ import numpy as np
 import pygame
 import pytest
 from softcradle.physics import power_law, simulate
-from softcradle.sandbox.session.inputs import SetContact
+from softcradle.sandbox.session.inputs import SetContact, SetVelocity
 from softcradle.sandbox.window.lessons.runner import lessons
 from softcradle.sandbox.window.plots.scales import motions_ahead
 
@@ -59,7 +59,9 @@ def drawn(driver: Driver) -> str:
     return " ".join(one.text for one in driver.texts())
 
 
-def test_the_text_of_a_scene_is_read_after_its_question(driver: Driver) -> None:
+@pytest.mark.parametrize("lab", [False, True], ids=["explore", "lab"])
+def test_the_text_of_a_scene_is_read_after_its_question_and_not_said_of_an_edited_one(lab: bool) -> None:
+    driver = Driver("one-on-four", lab=lab)
     assert "What leaves on the right?" in drawn(driver)
     assert "rigid-like" not in drawn(driver)
     driver.key(pygame.K_SPACE)
@@ -67,6 +69,13 @@ def test_the_text_of_a_scene_is_read_after_its_question(driver: Driver) -> None:
     assert "rigid-like" in drawn(driver)
     driver.key(pygame.K_r)
     assert "rigid-like" in drawn(driver)  # it is known by now
+    driver.frames(2)
+    before = driver.page.view.backdrop.version
+    driver.page.editor.apply(SetVelocity(0, 0, 0.7))
+    driver.frames(2)
+    assert driver.page.view.backdrop.version == before + 1
+    assert "rigid-like" not in drawn(driver)
+    assert "You have changed this scene" in drawn(driver)
 
 
 def test_words_and_a_question_of_ones_own_are_in_the_scene_the_window_the_film_and_the_page(driver, tmp_path) -> None:

@@ -146,17 +146,18 @@ def test_no_badge_advises_the_method_that_failed() -> None:
     assert "take conserving" not in session.health(0).sentence
 
 
-def swept(driver: Driver) -> SweepBoard:
-    board = driver.app.dialog
-    assert isinstance(board, SweepBoard)
-    driver.until(lambda: board.found is not None)
-    return board
+def test_nine_values_have_the_motions_that_they_make_and_one_is_taken_by_key_or_click(driver: Driver) -> None:
+    def swept() -> SweepBoard:
+        board = driver.app.dialog
+        assert isinstance(board, SweepBoard)
+        driver.until(lambda: board.found is not None)
+        return board
 
-
-def test_each_of_nine_masses_has_the_motion_that_it_makes(driver: Driver) -> None:
+    driver.key(pygame.K_y)
+    assert "select a bead or a contact" in driver.messages[-1]
     driver.select("bead", 0)
     driver.click(driver.page.inspector.controls["mass"].sweep.rect.center)
-    board = swept(driver)
+    board = swept()
     masses = [variant.value for variant in board.found]
     assert masses == sorted(masses)
     for variant in (board.found[4], board.found[7]):
@@ -168,21 +169,18 @@ def test_each_of_nine_masses_has_the_motion_that_it_makes(driver: Driver) -> Non
     driver.key(pygame.K_DOWN)
     driver.key(pygame.K_RETURN)
     assert driver.session.lanes[0].chain.mass[0] == masses[7]
-    driver.key(pygame.K_z, pygame.KMOD_CTRL)
+    driver.key(pygame.K_z, CTRL)
     assert driver.session.lanes[0].chain.mass[0] == 1.0
-
-
-def test_a_click_takes_a_value_and_a_key_sweeps_the_slider_used_last(driver: Driver) -> None:
-    driver.key(pygame.K_y)
-    assert "select a bead or a contact" in driver.messages[-1]
     driver.select("contact", 1)
-    control = driver.page.inspector.controls["preload"]
-    driver.click((control.slider.rect.centerx, control.slider.rect.centery))
-    driver.key(pygame.K_y)
-    board = swept(driver)
+    driver.click(driver.page.inspector.controls["preload"].slider.rect.center)
+    driver.key(pygame.K_y)  # the slider used last
+    board = swept()
     assert board.parameter.key == "preload"
     driver.frames(2)
-    wanted = board.found[8].value
     driver.click(board.places[8].center)
-    assert driver.session.lanes[0].chain.contact[1].preload == pytest.approx(wanted)
+    assert driver.session.lanes[0].chain.contact[1].preload == pytest.approx(board.found[8].value)
     assert not board.open
+    driver.key(pygame.K_y)
+    swept()
+    driver.key(pygame.K_ESCAPE)
+    assert not driver.app.dialog.open

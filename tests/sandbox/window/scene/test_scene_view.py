@@ -7,7 +7,7 @@ import pygame
 import pytest
 from softcradle.sandbox.draw.number_format import MINUS
 from softcradle.sandbox.draw.palette import tones
-from softcradle.sandbox.session.inputs import SetVelocity
+from softcradle.sandbox.session.inputs import AddBead, SetVelocity
 from softcradle.sandbox.window.plots.kinds import PLOT_KINDS
 from softcradle.sandbox.window.scene.editor import Pick
 
@@ -24,8 +24,7 @@ def test_the_title_marks_unsaved_edits(driver: Driver) -> None:
         return next(one.text for one in driver.texts() if "One bead on four" in one.text)
 
     assert title() == "One bead on four"
-    driver.click(driver.bead(1))
-    driver.key(pygame.K_a)
+    driver.session.apply(AddBead(0, 1))
     assert title() == "• One bead on four"
     driver.page.dialogs.save("save_scene", "mine")
     assert title() == "One bead on four"
