@@ -13,7 +13,7 @@ from tests.helpers.own_process import python
 from tests.helpers.paths import ROOT
 
 PLAYED = """
-import sys, pygame
+import sys
 from tests.helpers.windows import Driver
 driver = Driver("one-on-four", wait=(compiled := len(sys.argv) > 1))
 assert driver.app.warmup.complete.is_set() == compiled
