@@ -93,6 +93,10 @@ def test_a_search_finds_scenes_by_words_and_enter_opens_the_first(gallery: Drive
     for key in (pygame.K_RETURN, pygame.K_RETURN, pygame.K_DOWN):
         gallery.key(key)
     assert gallery.app.page is page
+    gallery.key(pygame.K_ESCAPE)
+    assert len(page.names) == count
+    assert searched(gallery, "qqq") == ()
+    gallery.key(pygame.K_RETURN)
     assert searched(gallery, "newton")[:3] == ("hertz-cradle", "steel-and-soft", "hanging-cradle")  # in its place
     gallery.key(pygame.K_RETURN)
     assert gallery.page.title == "Newton's cradle: steel balls"
