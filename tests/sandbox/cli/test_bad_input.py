@@ -6,7 +6,6 @@ from unittest.mock import Mock
 
 import pytest
 from softcradle.sandbox.cli.arguments import opened_outputs
-from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies.compare.sides import MOST_SIDES
 from softcradle.sandbox.user_error import StudyError, UserError
 
@@ -29,20 +28,12 @@ def changed(old: str, new: str) -> str:
 LASTS = "duration = 1.0\n" + GOOD
 BAD_FILES = {
     "unknown key": (GOOD + "gapp = 1", r"\[0\]: unknown key 'gapp' \(did you mean 'gap'\?\); allowed: label"),
-    "unknown key at the top": ("titel = 1\n" + GOOD, r"unknown key 'titel' \(did you mean 'title'\?\)"),
     "missing key": (changed("velocity = [1.0, 0.0, 0.0]", ""), r"lanes\[0\]: key 'velocity' is missing"),
-    "negative mass": (changed("mass = [1.0", "mass = [-1.0"), r"lanes\[0\]\.mass\[0\] must be greater than 0, not -1"),
     "mass NaN": (changed("mass = [1.0", "mass = [nan"), r"lanes\[0\]\.mass\[0\] must be greater than 0, not nan"),
     "velocity NaN": (changed("velocity = [1.0", "velocity = [nan"), r"velocity\[0\] must be a finite number, not nan"),
     "alpha 0": (changed("alpha = 0.1", "alpha = 0"), r"lanes\[0\]\.contact\.alpha must be greater than 0, not 0"),
-    "alpha negative": (changed("alpha = 0.1", "alpha = -0.1"), r"contact\.alpha must be greater than 0, not -0\.1"),
-    "alpha NaN": (changed("alpha = 0.1", "alpha = nan"), r"contact\.alpha must be a finite number, not nan"),
-    "fraction by zero": (changed("alpha = 0.1", 'alpha = "1/0"'), r"contact\.alpha: must not divide by zero"),
-    "f0 as text": (changed("f0 = 1.0", 'f0 = "strong"'), r"contact\.f0 must be a number, not 'strong'"),
-    "unknown law": (changed('"power_law"', '"pover_law"'), r"contact: unknown law 'pover_law' \(did you mean 'power_law'\?\)"),
     "no law": (changed('law = "power_law", ', ""), r"contact: key 'law' is missing"),
     "velocities too short": (changed(", 0.0]\n", "]\n"), r"lanes\[0\]: velocity is a list of 2, but 3 beads need 3"),
-    "gaps too long": (GOOD + "gap = [1, 1, 1]", r"lanes\[0\]: gap is a list of 3, but 3 beads need 2"),
     "contacts too few": (changed("{law", "[{law").replace("0.1}", "0.1}]"), r"contact is a list of 1, but 3 beads need 2"),
     "empty chain": (changed("mass = [1.0, 1.0, 1.0]", "mass = []").replace("[1.0, 0.0, 0.0]", "[]"), "at least 2 beads, not 0"),
     "no lanes": ('title = "none"\nlanes = []', r"lanes: a scene needs at least one lane"),
@@ -52,13 +43,11 @@ BAD_FILES = {
     "step 0": ("step = 0\n" + GOOD, r"step must be greater than 0, not 0"),
     "duration negative": ("duration = -1\n" + GOOD, r"duration must be greater than 0, not -1"),
     "a million million beads": (changed("mass = [1.0, 1.0, 1.0]", "beads = 1000000000000"), r"less than or equal to"),
-    "loss 1": (changed("alpha = 0.1", "alpha = 0.1, loss = 1"), r"lanes\[0\]\.contact\.loss must be less than 1, not 1"),
     "loss negative": (changed("alpha = 0.1", "alpha = 0.1, loss = -1"), r"contact\.loss must be greater than"),
     "friction negative": (GOOD + "friction = -1", r"lanes\[0\]\.friction must be greater than or equal to 0"),
     "friction by yoshida4": ('method = "yoshida4"\n' + GOOD + "friction = 0.1", "yoshida4"),
     "endless drive": (GOOD + "drive = [1, 0, 0]", "the scene needs a duration"),
     "drive too short": (LASTS + "drive = [1, 0]", "drive is a list of 2, but 3 beads need 3"),
-    "drive as text": (LASTS + 'drive = ["fast", 0, 0]', r"drive\[0\]"),
     "brake on no bead": (LASTS + "brakes = [{beads = [1, 3], time = 0, force = 3}]", "brakes act on bead 3"),
     "brake that drives": (LASTS + "brakes = [{beads = 0, time = [1, 2], force = [0, -3]}]", "brake must be >= 0"),
     "times that go back": (LASTS + "forces = [{beads = 0, time = [1.5, 1], force = [0, 3]}]", "ascend"),
@@ -68,20 +57,25 @@ BAD_FILES = {
 }  # fmt: skip
 
 
-def refused(capsys: pytest.CaptureFixture[str], arguments: list[str]) -> str:
-    assert main(arguments) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert re.fullmatch(r"softcradle: .+\n", err)
-    return err.removeprefix("softcradle: ").rstrip()
+@pytest.fixture
+def refused(softcradle):
+    """A function: the one sentence of what the command says to words that it does not take."""
+
+    def run(*words):
+        out, err = softcradle(*words, code=2)
+        assert out == ""
+        assert re.fullmatch(r"softcradle: .+\n", err)
+        return err.removeprefix("softcradle: ").rstrip()
+
+    return run
 
 
 @pytest.mark.parametrize(("text", "sentence"), BAD_FILES.values(), ids=BAD_FILES)
-def test_bad_scene_file(text, sentence, tmp_path, capsys):
+def test_bad_scene_file(text, sentence, tmp_path, refused):
     path = tmp_path / "bad.toml"
     path.write_text(text, encoding="utf-8")
-    refusal = refused(capsys, ["run", str(path), "-o", str(tmp_path / "out.npz")])
-    assert refused(capsys, ["check", str(path)]) == refusal
+    refusal = refused("run", str(path), "-o", str(tmp_path / "out.npz"))
+    assert refused("check", str(path)) == refusal
     assert refusal.startswith(f"{path}: ")
     assert re.search(sentence, refusal)
     assert list(tmp_path.iterdir()) == [path]
@@ -99,10 +93,8 @@ REFUSED = [
     ("run mixed --method verlett", "did you mean 'verlet'"),
     ("run mixed --method verlet --method euler", "--method: is given twice"),
     ("run mixed --step 0", "--step: must be a number > 0, not '0'"),
-    ("run mixed --step nan", "--step: must be a number > 0, not 'nan'"),
     ("run mixed --duration inf", "--duration: must be a number > 0, not 'inf'"),
     ("run mixed --samples 1", "--samples: must be a whole number from 2"),
-    ("run mixed --samples 999999999999", "--samples: must be a whole number from 2"),
     ("run mixed --method verlet --tolerance 1e-3", "takes a step"),
     ("run mixed --describe --json", "--json: not allowed with argument --describe"),
     ("run mixed -o out.xls", "cannot write out.xls: run writes .npz or .csv"),
@@ -113,12 +105,9 @@ REFUSED = [
     ("render mixed -o x.mp4 --size wide", "--size: must be WIDTHxHEIGHT"),
     ("render mixed -o x.mp4 --fps 0", "--fps: must be a number > 0"),
     ("render mixed -o x.kymograph.png --slow 2", "--slow is for films"),
-    ("render mixed -o x.kymograph.png --pixel-format yuv444p", "--pixel-format is for films"),
     ("render mixed -o x.kymograph.png --size 9x9", "out of range"),
     ("render mixed -o x.kymograph.png --step 0.1 --method radau", "chooses its own steps"),
-    ("render one-on-four -o missing/page.html", "there is no folder"),
     ("render one-on-four -o page.html --fps 30", "a page has no frames: --fps is for films"),
-    ("render one-on-four -o page.html --pixel-format yuv444p", "--pixel-format is for films"),
     ("render one-on-four -o page.html --method radau --step 1e-3", "chooses its own steps"),
     ("figures 3z", "there is no figure '3z'; there are 1b, 1c"),
     ("figures 2a -o /dev/null", "cannot write to"),
@@ -126,7 +115,6 @@ REFUSED = [
     ("maps gear", "no map 'gear'; there are power-law, draft-gear"),
     ("maps --points 200", "--points must be two whole numbers from 2 to 2000"),
     ("maps --points 1x20", "--points must be two whole numbers"),
-    ("maps --points 20x-3", "--points must be two whole numbers"),
     ("stability beta", "there is no scan 'beta'"),
     ("stability -o x.txt", "stability writes .png"),
     ("chart one-on-for", "did you mean"),
@@ -143,7 +131,6 @@ REFUSED = [
     ("compare one-on-four no-such", "there is no scene 'no-such'"),
     ("compare one-on-four two-on-two --contact hertz(1)", "--contact changes one scene, but 2 are given"),
     ("compare one-on-four --contact hertz(-1)", "stiffness must be greater than 0"),
-    ("compare one-on-four --contact herz(1)", "did you mean 'hertz'?"),
     ("compare one-on-four two-on-two -o x.pdf", "the name must end in .html, .json, .mp4"),
     ("compare one-on-four two-on-two -o no/such/folder/x.html", "no/such/folder"),
     ("compare one-on-four two-on-two -o x.json -o x.json", "given twice"),
@@ -152,27 +139,25 @@ REFUSED = [
     ("compare one-on-four driven-cluster -o x.json", "driven-cluster: no two neighbours approach"),
     ("compare mixed --match -o x.json", "mixed: matching needs a chain whose contacts are all alike"),
     ("compare galilean --match", "--match needs one scene with one lane"),
-    ("compare one-on-four two-on-two --match", "--match needs one scene with one lane"),
-    ("compare one-on-four --match shape", "invalid choice: 'shape'"),
     ("compare" + (MOST_SIDES + 1) * " one-on-four", f"at most {MOST_SIDES}"),
 ]
 
 
 @pytest.mark.parametrize(("line", "sentence"), REFUSED, ids=[line.replace(f"{ROOT}/", "") for line, _ in REFUSED])
-def test_what_a_command_does_not_take_is_refused(line, sentence, tmp_path, monkeypatch, capsys):
+def test_what_a_command_does_not_take_is_refused(line, sentence, tmp_path, monkeypatch, refused):
     monkeypatch.chdir(tmp_path)
-    assert sentence in refused(capsys, line.split())
+    assert sentence in refused(*line.split())
     assert list(tmp_path.iterdir()) == []
 
 
-def test_existing_output_survives_a_refused_run(tmp_path, capsys):
+def test_existing_output_survives_a_refused_run(tmp_path, refused):
     path = tmp_path / "out.npz"
     path.write_bytes(b"old")
-    refused(capsys, ["run", "mixed", "-o", str(path), "--method", "verlet", "--tolerance", "0.1"])
+    refused("run", "mixed", "-o", str(path), "--method", "verlet", "--tolerance", "0.1")
     assert path.read_bytes() == b"old"
     assert list(tmp_path.iterdir()) == [path]
     (tmp_path / "out.csv").mkdir()
-    assert "it is a folder" in refused(capsys, ["run", "mixed", "-o", str(tmp_path / "out.csv")])
+    assert "it is a folder" in refused("run", "mixed", "-o", str(tmp_path / "out.csv"))
 
 
 UNNAMED = (
@@ -184,11 +169,11 @@ UNNAMED = (
 
 
 @pytest.mark.parametrize("command", UNNAMED)
-def test_a_refusal_leaves_no_folder_of_files_that_have_no_name(tmp_path, monkeypatch, capsys, command):
+def test_a_refusal_leaves_no_folder_of_files_that_have_no_name(tmp_path, monkeypatch, refused, command):
     refusing = Mock(side_effect=StudyError("cannot write"))
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("softcradle.sandbox.sweeps.run_sweep.checked_output", refusing)
-    refused(capsys, command.split())
+    refused(*command.split())
     assert not Path("out").exists()
 
 
@@ -202,27 +187,24 @@ def test_files_that_have_no_name_get_their_folder(tmp_path, monkeypatch):
         pass
 
 
-def test_check_reports_every_problem_of_every_file(tmp_path, capsys):
-    path, film, good = tmp_path / "two.toml", tmp_path / "film.toml", tmp_path / "good.toml"
+def test_check_reports_every_problem_of_every_file(tmp_path, softcradle, refused):
+    path, film = tmp_path / "two.toml", tmp_path / "film.toml"
     film.write_bytes(b"\xff\xfe\x00")
-    assert "not a text file in UTF-8" in refused(capsys, ["check", str(film)])
-    good.write_text(GOOD, encoding="utf-8")
-    assert main(["check", str(good)]) == 0
-    capsys.readouterr()
+    assert "not a text file in UTF-8" in refused("check", str(film))
+    path.write_text(GOOD, encoding="utf-8")
+    assert softcradle("check", str(path)).out == f"{path}: ok, 'one on two' with 3 beads\n"
     path.write_text(changed("mass = [1.0, 1.0", "mass = [-1.0, -2.0"), encoding="utf-8")
-    assert main(["check", str(path), "mixed", "nope"]) == 2
-    out, err = capsys.readouterr()
+    out, err = softcradle("check", str(path), "mixed", "nope", code=2)
     assert out.startswith("mixed: ok")
     assert [line.count("mass") for line in err.splitlines()] == [1, 1, 0]
     assert "there is no scene 'nope'" in err.splitlines()[2]
 
 
-def test_interrupted_run_leaves_no_file(tmp_path, monkeypatch, capsys):
+def test_interrupted_run_leaves_no_file(tmp_path, monkeypatch, softcradle):
     def interrupt(*_, **__):
         assert len(list(tmp_path.iterdir())) == 1  # the file is opened before the run
         raise KeyboardInterrupt
 
     monkeypatch.setattr("softcradle.sandbox.cli.commands.run.run_scene", interrupt)
-    assert main(["run", "mixed", "-o", str(tmp_path / "out.csv")]) == 130
-    assert capsys.readouterr().err == "softcradle: interrupted\n"
+    assert softcradle("run", "mixed", "-o", str(tmp_path / "out.csv"), code=130).err == "softcradle: interrupted\n"
     assert list(tmp_path.iterdir()) == []

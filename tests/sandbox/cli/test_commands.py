@@ -9,19 +9,14 @@ import warnings
 import numpy as np
 import pytest
 from softcradle.physics import Trajectory
+from softcradle.physics.fixed_step import runner
+from softcradle.physics.methods import METHODS, known_methods
 from softcradle.sandbox.cli.main import COMMANDS, main
 from softcradle.sandbox.trajectory_summary import summarise
 
 from softcradle import scenes
 
 FINAL = [-0.56758562, 0.17392147, 0.45407871, 0.46978361, 0.46980183]
-
-
-def output(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
-    assert main(arguments) == 0
-    out, err = capsys.readouterr()
-    assert err == ""
-    return out
 
 
 @pytest.mark.parametrize("command", [command.name for command in COMMANDS])
@@ -50,17 +45,28 @@ def test_a_closed_pipe_is_no_error():
     assert result.stderr == ""
 
 
-def test_scenes_are_listed_printed_to_start_from_and_checked(capsys):
-    out = output(capsys, "scenes")
+def test_scenes_are_listed_printed_to_start_from_and_checked(softcradle):
+    out = softcradle("scenes").out
     for name in scenes.names():
         assert name in out
         assert scenes.load(name).title in out
-    assert scenes.parse(output(capsys, "scenes", "galilean")) == scenes.load("galilean")
-    assert output(capsys, "check", "galilean") == "galilean: ok, 'Who hits whom?' with 5 and 5 beads\n"
+    assert [scene["name"] for scene in json.loads(softcradle("scenes", "--json").out)] == [*scenes.names()]
+    assert scenes.parse(softcradle("scenes", "galilean").out) == scenes.load("galilean")
+    assert json.loads(softcradle("scenes", "mixed", "--json").out)["title"] == scenes.load("mixed").title
+    assert softcradle("check", "galilean").out == "galilean: ok, 'Who hits whom?' with 5 and 5 beads\n"
 
 
-def test_run_prints_velocities_contacts_errors_and_cost(capsys):
-    out = output(capsys, "run", "one-on-four", "--method", "verlet", "--step", "1/2000")
+def test_methods_are_listed_with_what_they_are_for(softcradle):
+    text = softcradle("methods").out
+    assert all(name in text for name in known_methods())
+    listed = json.loads(softcradle("methods", "--json").out)
+    assert [method["name"] for method in listed] == known_methods()
+    assert [method["purpose"] for method in listed[1:]] == [method.purpose for method in METHODS]
+
+
+def test_run_prints_velocities_contacts_errors_and_cost(softcradle):
+    out, err = softcradle("run", "one-on-four", "--method", "verlet", "--step", "1/2000")
+    assert err == ""
     assert "One bead on four" in out
     assert "Fig. 1b" in out
     row = next(line.split() for line in out.splitlines() if line.strip().startswith("4 "))
@@ -70,31 +76,28 @@ def test_run_prints_velocities_contacts_errors_and_cost(capsys):
     assert float(struck[2]) == pytest.approx(2.80128, abs=1e-3)
     assert float(struck[4]) == pytest.approx(0.44966, abs=1e-3)
     assert float(struck[5]) == pytest.approx(0.92318, abs=1e-3)
-    for word in ("method", "verlet, step 0.0005 s", "energy error", "momentum error", "steps", "evaluations", "ms"):
+    for word in ("verlet, step 0.0005 s", "energy error", "momentum error", "steps", "evaluations", "ms"):
         assert word in out
 
 
 def test_large_forces_have_the_prefix_of_their_unit(softcradle):
     """1.33 MN, not 1330980 N; what the bed takes of the momentum is no error."""
-    printed = softcradle("run", "train-shunting").out
-    assert "force [MN]" in printed
-    assert re.search(r"\b0-1 .* 1\.33\d* *$", printed, re.MULTILINE)
-    assert re.search(r"absorbed +\d{3}\.\d+ kJ by contacts, 9\.\d+ kJ by the bed", printed)
-    assert re.search(r"momentum error +not defined *$", printed, re.MULTILINE)
+    out = softcradle("run", "train-shunting").out
+    assert "force [MN]" in out
+    assert re.search(r"\b0-1 .* 1\.33\d* *$", out, re.MULTILINE)
+    assert re.search(r"absorbed +\d{3}\.\d+ kJ by contacts, 9\.\d+ kJ by the bed", out)
+    assert re.search(r"momentum error +not defined *$", out, re.MULTILINE)
 
 
-def test_what_happens_is_said_in_words(capsys):
-    said = output(capsys, "run", "one-on-four", "--describe")
+def test_what_happens_is_said_in_words(softcradle):
+    said = softcradle("run", "one-on-four", "--describe").out
     assert "Bead 0 hit bead 1 at 1 second with 1 metre a second." in said
-    assert (
-        "left at 0.568 metres a second. Bead 1 goes to the right at 0.174 metres a second. Beads 2 to 4 go tog" in said
-    )
-    assert "Beads 2 to 4 go together to the right at 0.465 metres a second." in said
-    assert output(capsys, "run", "galilean", "--describe").startswith("Who hits whom?\n")
+    assert "Bead 1 goes to the right at 0.174 metres a second. Beads 2 to 4 go together to the right at 0.465" in said
+    assert softcradle("run", "galilean", "--describe").out.startswith("Who hits whom?\n")
 
 
-def test_results_say_how_well_the_final_velocities_are_known(capsys):
-    results = json.loads(output(capsys, "run", "one-on-four", "--json", "--method", "accurate"))
+def test_results_say_how_well_the_final_velocities_are_known(softcradle):
+    results = json.loads(softcradle("run", "one-on-four", "--json", "--method", "accurate").out)
     (lane,) = results["lanes"]
     assert results["versions"]["softcradle"]
     assert lane["status"] == "separated"
@@ -104,13 +107,13 @@ def test_results_say_how_well_the_final_velocities_are_known(capsys):
     for bead, exact in zip(lane["beads"], FINAL, strict=True):
         assert abs(bead["final_velocity"] - exact) < bead["velocity_error"] + 1e-8  # these have eight digits
         assert bead["velocity_error"] <= lane["velocity_error"] < 1e-6
-    assert "velocity error" in output(capsys, "run", "one-on-four", "--method", "accurate")
-    (fixed,) = json.loads(output(capsys, "run", "one-on-four", "--json", "--method", "verlet"))["lanes"]
+    assert "velocity error" in softcradle("run", "one-on-four", "--method", "accurate").out
+    (fixed,) = json.loads(softcradle("run", "one-on-four", "--json", "--method", "verlet").out)["lanes"]
     assert fixed["velocity_error"] is None
-    assert "velocity error" not in output(capsys, "run", "one-on-four", "--method", "verlet")
+    assert "velocity error" not in softcradle("run", "one-on-four", "--method", "verlet").out
 
 
-def test_a_warning_is_a_sentence(capsys, monkeypatch):
+def test_a_warning_is_a_sentence(softcradle, monkeypatch):
     def warns(_args: object) -> int:
         warnings.warn("the step is too long", RuntimeWarning, stacklevel=1)
         return 0
@@ -118,8 +121,7 @@ def test_a_warning_is_a_sentence(capsys, monkeypatch):
     monkeypatch.setattr("softcradle.sandbox.cli.commands.check.main", warns)
     with warnings.catch_warnings():
         warnings.simplefilter("always")
-        assert main(["check", "mixed"]) == 0
-    assert capsys.readouterr().err == "softcradle: warning: the step is too long\n"
+        assert softcradle("check", "mixed").err == "softcradle: warning: the step is too long\n"
 
 
 def test_errors_are_relative_to_the_start():
@@ -138,5 +140,33 @@ def test_errors_are_relative_to_the_start():
     assert summary.energy_error == pytest.approx(0.25)
     assert summary.energy_error_at_end == pytest.approx(0.25)
     assert summary.momentum_error == pytest.approx((1.0 + np.sqrt(2.0) - 2.0) / 2.0)
-    assert summary.contacts[0].closed is None
-    assert summary.contacts[0].times == 0
+    assert (summary.contacts[0].closed, summary.contacts[0].times) == (None, 0)
+
+
+GIVES_UP = ("--method", "verlet", "--step", "1e-12")
+
+
+@pytest.fixture
+def few_steps(monkeypatch):
+    """A thousand steps of a picosecond end long before the beads touch."""
+    monkeypatch.setattr(runner, "MOST_FIXED_STEPS", 1000)
+
+
+@pytest.mark.usefixtures("few_steps")
+def test_last_velocities_of_a_run_that_gave_up_are_not_called_final_and_the_exit_code_is_3(softcradle, tmp_path):
+    out = " ".join(softcradle("run", "one-on-four", *GIVES_UP, code=3).out.split())
+    assert "velocity when it gave up" in out
+    assert "final velocity" not in out
+    assert "verlet gave up after" in out
+    said = softcradle("run", "one-on-four", *GIVES_UP, "--json", "-o", str(tmp_path / "part.npz"), code=3).out
+    assert json.loads(said)["lanes"][0]["gave_up"] is True
+    assert (tmp_path / "part.npz").exists()
+    softcradle("compare", "one-on-four", "--contact", "hertz(1)", *GIVES_UP, "--json", code=3)
+
+
+@pytest.mark.usefixtures("few_steps")
+@pytest.mark.parametrize("output", ["film.mp4", "frames/", "x.kymograph.png"])
+def test_there_is_no_film_of_a_part(output, tmp_path, softcradle):
+    err = softcradle("render", "one-on-four", *GIVES_UP, "-o", f"{tmp_path}/{output}", code=3).err
+    assert "a film needs the whole motion: verlet gave up" in err
+    assert list(tmp_path.iterdir()) == []

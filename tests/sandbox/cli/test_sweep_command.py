@@ -3,7 +3,6 @@
 import re
 
 import pytest
-from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.sweeps import run_sweep
 from softcradle.sandbox.sweeps.measure_table import MEASURES
 from softcradle.sandbox.sweeps.study_file import load_study
@@ -39,62 +38,54 @@ def changed(old: str, new: str) -> str:
 GRID = GOOD.partition("[grid]")[2]
 
 
-def test_a_study_is_computed_once(tmp_path, softcradle):
-    study, output = tmp_path / "study.toml", tmp_path / "found.nc"
-    study.write_text(GOOD)
-    printed = softcradle("-q", "sweep", str(study), "-o", str(output), "--workers", "1").out
-    assert "two speeds: 2 speed" in printed
-    assert "final_velocity [m/s]" in printed
-    with xr.open_dataset(output, engine="h5netcdf") as found:
-        first = found.load()
-    assert first["final_velocity"].dims == ("speed", "bead")
-    assert float(first["final_velocity"].sel(speed=1).sum()) == pytest.approx(1.0)
-    assert first["final_velocity"].sel(speed=0.5).sum() == pytest.approx(0.5)
-    changed_at = output.stat().st_mtime_ns
-    assert main(["sweep", str(study), "-o", str(output)]) == 0
-    assert output.stat().st_mtime_ns == changed_at
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["found.nc", "study.toml"]
+@pytest.fixture
+def swept(tmp_path, softcradle):
+    """A function: what the command prints of the study GOOD, or of another text, for these further words."""
+
+    def run(*words, text=GOOD, code=0):
+        (tmp_path / "study.toml").write_text(text)
+        return softcradle("sweep", f"{tmp_path}/study.toml", "-o", f"{tmp_path}/found.nc", *words, code=code)
+
+    return run
 
 
-def test_the_status_of_a_study(tmp_path, softcradle, monkeypatch):
-    study, output = tmp_path / "study.toml", tmp_path / "found.nc"
-    study.write_text(GOOD)
-    command = ["sweep", str(study), "-o", str(output)]
-
-    def status() -> str:
-        return softcradle(*command, "--status").out
-
+def test_a_study_is_computed_once_and_says_how_far_it_is(tmp_path, swept, monkeypatch):
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
-    assert status() == "two speeds: not begun, none of 2 points is computed\n"
+    output = tmp_path / "found.nc"
+    assert swept("--status").out == "two speeds: not begun, none of 2 points is computed\n"
     monkeypatch.setattr(run_sweep, "write_dataset", interrupted)
-    assert main([*command, "--workers", "1"]) == 130
+    swept("--workers", "1", code=130)
     told = f"2 of 2 points are in {output}.partial, and no sweep is at it, the same command goes on\n"
-    assert status() == f"two speeds: {told}"
+    assert swept("--status").out == f"two speeds: {told}"
     monkeypatch.undo()
-    softcradle(*command, "--workers", "1")
-    assert status() == f"two speeds: complete, 2 points are in {output}\n"
-    study.write_text(changed("values = [0.5, 1]", "values = [0.5, 2]"))
-    assert "holds another study" in softcradle(*command, "--status", code=2).err
+    printed = swept("-q", "--workers", "1").out
+    assert "two speeds: 2 speed" in printed
+    assert "final_velocity [m/s]" in printed
+    assert swept("--status").out == f"two speeds: complete, 2 points are in {output}\n"
+    with xr.open_dataset(output, engine="h5netcdf") as found:
+        assert found["final_velocity"].dims == ("speed", "bead")
+        assert found["final_velocity"].sum("bead").values == pytest.approx(found["speed"].values)
+    changed_at = output.stat().st_mtime_ns
+    swept()
+    assert output.stat().st_mtime_ns == changed_at
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["found.nc", "study.toml"]
+    other = changed("values = [0.5, 1]", "values = [0.5, 2]")
+    assert "holds another study" in swept("--status", text=other, code=2).err
 
 
-def test_lost_points_have_an_exit_code(tmp_path, monkeypatch, softcradle):
-    study, output = tmp_path / "study.toml", tmp_path / "found.nc"
-    study.write_text(GOOD)
+def test_lost_points_have_an_exit_code(monkeypatch, swept):
     monkeypatch.setattr(Work, "compute", lambda work, begin, end, _: lost(begin, 3))
-    command = ["sweep", str(study), "-o", str(output), "--workers", "1"]
     told = "2 points without numbers: the process that computed it died, 3 times"
-    assert told in softcradle(*command, code=POINTS_LOST).out
-    assert "2 of them lost" in softcradle(*command[:-2], "--status", code=POINTS_LOST).out
+    assert told in swept("--workers", "1", code=POINTS_LOST).out
+    assert "2 of them lost" in swept("--status", code=POINTS_LOST).out
 
 
-def test_beads_that_smaller_targets_lack_are_no_missing_numbers(tmp_path, capsys):
-    study = tmp_path / "study.toml"
-    study.write_text(GOOD.replace(GRID, '\n"lanes.0.beads.1" = [2, 3]'))
-    assert main(["sweep", str(study), "-o", str(tmp_path / "found.nc"), "--workers", "1"]) == 0
-    rows = [line.split() for line in capsys.readouterr().out.splitlines() if "final_velocity" in line]
-    assert rows[0][-1] == "0"
+def test_beads_that_smaller_targets_lack_are_no_missing_numbers(swept):
+    printed = swept("--workers", "1", text=GOOD.replace(GRID, '\n"lanes.0.beads.1" = [2, 3]')).out
+    (row,) = [line.split() for line in printed.splitlines() if "final_velocity" in line]
+    assert row[-1] == "0"
 
 
 def test_samples_of_a_file_and_the_example(tmp_path):
@@ -111,12 +102,7 @@ def test_samples_of_a_file_and_the_example(tmp_path):
         (changed("[grid]", "[gird]"), r"unknown key 'gird' \(did you mean 'grid'\?\)"),
         (changed("[grid]" + GRID, ""), "needs one of the tables grid, list, sobol, latin_hypercube, not 0"),
         (GOOD + SOBOL, "needs one of the tables grid, list, sobol, latin_hypercube, not 2"),
-        (changed("velocity.0", "velocity.9"), "'9' must be a number from 0 to 4"),
-        (changed("lanes.0.velocity.0", "lanes.0.mess"), r"there is no 'mess' \(did you mean 'mass'\?\)"),
-        (
-            changed("values = [0.5, 1]", "between = [1, 0.5]"),
-            r"study.toml: lanes.0.velocity.0 must lie .*, not 1 and 0.5",
-        ),
+        (changed("values = [0.5, 1]", "between = [1, 0.5]"), r"study.toml: lanes.0.velocity.0 must lie .* 1 and 0.5"),
         (changed("values = [0.5, 1]", "between = [0.5, 1]"), "count is missing"),
         (changed("values = [0.5, 1]", "values = []"), r"needs either values = \[...\] or between"),
         (changed('"rigidity"', '"rigid"'), "there is no measure 'rigid'"),
@@ -126,11 +112,8 @@ def test_samples_of_a_file_and_the_example(tmp_path):
         ("title = ", "not valid TOML"),
     ],
 )
-def test_bad_study_file(text, sentence, tmp_path, capsys):
-    study = tmp_path / "study.toml"
-    study.write_text(text)
-    assert main(["sweep", str(study), "-o", str(tmp_path / "found.zarr")]) == 2
-    out, err = capsys.readouterr()
+def test_bad_study_file(text, sentence, tmp_path, swept):
+    out, err = swept(text=text, code=2)
     assert out == ""
     assert re.fullmatch(r"softcradle: .+\n", err), err
     assert re.search(sentence, err), err
