@@ -1,6 +1,7 @@
 """Segments: a film encoded by several threads is the film that one would have encoded, on any machine."""
 
 import threading
+from unittest.mock import Mock
 
 import av
 import numpy as np
@@ -63,22 +64,19 @@ def test_a_picture_that_stays_is_drawn_once_a_segment(tmp_path, monkeypatch):
     """The film is the one in which every frame is drawn; what stays is drawn again only where a segment begins."""
     pictures = [0] * 50 + list(range(1, 31)) + [30] * 49
     monkeypatch.setattr(film_encoder, "cores", lambda: 2)
-    drawn = []
 
-    def counted(surface, number):
-        drawn.append(number)
-        paint(surface, number)
-
-    for name, repeats in (("quick", film_encoder._repeats), ("plain", lambda pictures: 0)):
-        monkeypatch.setattr(film_encoder, "_repeats", repeats)
-        told = []
-        with open_film(tmp_path / f"{name}.mp4", SIZE, 30.0) as film:
-            film.paint_frames(pictures, counted, told.append)
+    def film_of(name):
+        told, drawn = [], Mock(wraps=paint)
+        with open_film(tmp_path / name, SIZE, 30.0) as film:
+            film.paint_frames(pictures, drawn, told.append)
         assert sum(told) == len(pictures), "what is said of the progress ends at all frames"
-        if name == "quick":
-            assert len(drawn) <= 31 + len(segment_lengths(len(pictures)))
-            assert set(drawn) == set(pictures)
-    assert (tmp_path / "quick.mp4").read_bytes() == (tmp_path / "plain.mp4").read_bytes()
+        return (tmp_path / name).read_bytes(), [call.args[1] for call in drawn.call_args_list]
+
+    quick, drawn = film_of("quick.mp4")
+    assert len(drawn) <= 31 + len(segment_lengths(len(pictures)))
+    assert set(drawn) == set(pictures)
+    monkeypatch.setattr(film_encoder, "_repeats", lambda pictures: 0)
+    assert film_of("plain.mp4")[0] == quick
 
 
 def fail_at(monkeypatch, failing):
@@ -93,14 +91,17 @@ def fail_at(monkeypatch, failing):
     monkeypatch.setattr(formats.FrameMaker, "__call__", broken)
 
 
+def nothing_is_left(folder):
+    return not list(folder.iterdir()) and not [one for one in threading.enumerate() if one.name.startswith("film")]
+
+
 @pytest.mark.parametrize("failing", [0, 25, 60, 129])
 @pytest.mark.parametrize("cores", [1, 3])
 def test_an_error_of_any_encoder_reaches_the_caller(tmp_path, monkeypatch, failing, cores):
     fail_at(monkeypatch, failing)
     with pytest.raises(UserError, match="disk full"):
         written(tmp_path / "film.mp4", cores, monkeypatch)
-    assert list(tmp_path.iterdir()) == []
-    assert not [thread for thread in threading.enumerate() if thread.name.startswith("film")]
+    assert nothing_is_left(tmp_path)
 
 
 def test_an_error_while_drawing_ends_all_threads(tmp_path, monkeypatch):
@@ -111,5 +112,4 @@ def test_an_error_while_drawing_ends_all_threads(tmp_path, monkeypatch):
     monkeypatch.setattr(film_encoder, "cores", lambda: 2)
     with pytest.raises(ZeroDivisionError), open_film(tmp_path / "film.mp4", SIZE, 30.0) as film:
         film.paint_frames(range(FRAMES), broken)
-    assert list(tmp_path.iterdir()) == []
-    assert not [thread for thread in threading.enumerate() if thread.name.startswith("film")]
+    assert nothing_is_left(tmp_path)
