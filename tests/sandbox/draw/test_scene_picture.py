@@ -46,10 +46,10 @@ MANY = 'title = "Many"\nlanes = [{beads = [1, 40], velocity = 1.0, contact = {la
 AT_REST = 'title = "At rest"\nduration = 1.0\nlanes = [{velocity = [0, 0], contact = {law = "hooke", stiffness = 1.0}}]'
 
 
-def pictured(text, rows_per_second=40.0):
+def pictured(text, rows_per_second=40.0, size=SIZE):
     scene = parse(text)
     motions = scene_motions(scene, rows_per_second * scene.view.slow)
-    return scene, motions, Picture(scene, motions, SIZE)
+    return scene, motions, Picture(scene, motions, size)
 
 
 @pytest.fixture(scope="module")
@@ -82,10 +82,12 @@ def test_drawing_changes_nothing_and_depends_on_the_row_alone(two):
     surface = pygame.Surface(SIZE, 0, 32)
     draw(surface, scene, motions, middle)
     assert (pixels_of(surface)[..., 2::-1] == first).all()
-    other = painted(picture, row, text_opacity=0.5)
+    other, text = painted(picture, row, text_opacity=0.5), painted(picture, middle, text_opacity=1.0)
     assert (painted(picture, middle) == first).all()
     assert (painted(Picture(scene, motions, SIZE), middle) == first).all()
     assert (other != first).any()
+    faded = painted(picture, middle, text_opacity=0.5)
+    assert 0 < np.abs(faded - first).sum() < np.abs(text - first).sum()
     for motion, arrays in zip(motions, before, strict=True):
         assert all((getattr(motion, name) == array).all() for name, array in arrays.items())
 
@@ -179,20 +181,18 @@ def test_names_of_overlaps_stand_beside_the_greatest_though_beads_fly_far_apart(
     assert np.abs(heights - places).max() <= 2 * LINE * panel.unit
 
 
-@pytest.mark.parametrize("size", [(160, 90), (320, 180), (540, 960), (3840, 2160)])
-def test_any_size(two, size):
-    scene, motions, _ = two
-    pixels = painted(Picture(scene, motions, size), 40, text_opacity=1.0)
-    assert pixels.shape == (size[1], size[0], 3)
-    assert 0.01 < (~near(pixels, tones.background)).mean() < 0.9
-    assert near(pixels[0, 0], tones.background)
+CHAINS = {"wall": (WALL, SIZE), "many": (MANY, SIZE), "gear": (GEAR, SIZE), "rest": (AT_REST, SIZE)}
+SIZES = {str(size): (TWO, size) for size in ((160, 90), (320, 180), (540, 960), (3840, 2160))}
 
 
-@pytest.mark.parametrize("text", [WALL, MANY, GEAR, AT_REST], ids=["wall", "many", "gear", "rest"])
-def test_any_chain(text):
-    _, motions, picture = pictured(text, 20.0)
+@pytest.mark.parametrize(("text", "size"), (CHAINS | SIZES).values(), ids=CHAINS | SIZES)
+def test_any_chain_and_any_size(text, size):
+    _, motions, picture = pictured(text, 20.0, size)
     frames = [painted(picture, row) for row in (0, len(motions[0].time) // 2, len(motions[0].time) - 1)]
-    assert all((~near(frame, tones.background)).mean() > 0.02 for frame in frames)
+    for frame in frames:
+        assert frame.shape == (size[1], size[0], 3)
+        assert 0.02 < (~near(frame, tones.background)).mean() < 0.9
+        assert near(frame[0, 0], tones.background)
     assert (frames[0] != frames[-1]).any()
 
 
@@ -205,13 +205,6 @@ def test_camera_moves_the_beads_and_nothing_else(soft):
     assert changed[:, 0].max() <= picture.lanes[0].insets.rect.bottom
 
 
-def test_text_of_the_scene_is_written_and_fades(soft):
-    _, _, picture = soft
-    plain, half, full = (painted(picture, 0, text_opacity=opacity) for opacity in (0.0, 0.5, 1.0))
-    assert (full != plain).any()
-    assert np.abs(half - plain).sum() < np.abs(full - plain).sum()
-
-
 def test_drawings_are_kept_up_to_their_memory_and_the_oldest_is_dropped_first():
     drawn = []
 
@@ -220,22 +213,17 @@ def test_drawings_are_kept_up_to_their_memory_and_the_oldest_is_dropped_first():
         drawn.append(side)
         return pygame.Surface((side, side), 0, 32)
 
+    def drawn_anew(*sides):
+        drawn.clear()
+        assert all(square(side).get_size() == (side, side) for side in sides)
+        return drawn
+
     sides = [256, 255, 254]  # a quarter of a megabyte each
-    for side in sides * 2:
-        assert square(side).get_size() == (side, side)
-    assert drawn == sides
-    square(400)  # 0.61 MB: the first two are dropped
-    square(254)
-    assert drawn == [*sides, 400]
-    square(255)
-    assert drawn == [*sides, 400, 255]
-    square(2000)  # larger than the cache: it is kept until the next one
-    assert square(2000) is square(2000)
-    assert drawn == [*sides, 400, 255, 2000]
+    assert drawn_anew(*sides, *sides) == sides
+    assert drawn_anew(400, 254, 255) == [400, 255]  # 0.61 MB: the first two are dropped
+    assert drawn_anew(2000, 2000) == [2000]  # larger than the cache: it is kept until the next one
     clear_cached_surfaces()
-    for side in sides * 2:  # room for three again: dropped drawings are not counted
-        square(side)
-    assert drawn == [*sides, 400, 255, 2000, *sides]
+    assert drawn_anew(*sides, *sides) == sides  # room for three again: dropped drawings are not counted
 
 
 @given(st.lists(st.floats(-50, 250, allow_nan=False), min_size=1, max_size=12), st.floats(1, 16), st.floats(100, 300))
@@ -276,10 +264,7 @@ def test_where_clusters_end_and_which_have_marks():
     two = cluster_ends([0.0, -1.0, 0.0], [1, 1, 0, 0], 1.0)
     assert rigid_forces([1.0, 3.0, 2.0, 2.0], two, [0.0] * 3, [9, 1.0, 9], 1.0) == pytest.approx([0.25, 0, 0.5])
     assert rigid_forces([1.0, 1.0, math.inf], (True, False), [0.1, 0.1], [1.0, 1.0], 1.0) == [0.0, 0.0]
-    for overlap, velocity, marked in (
-        ([0, 0], [0, 0, 0], False), ([-1], [1, 0], False), ([-1, -1], [1, 0, 0], False), ([-1, 0], [1, 0, 0], True),
-    ):  # fmt: skip
-        assert has_marks(cluster_ends(overlap, velocity, 1.0)) is marked
+    assert [has_marks(ends) for ends in ((False, False), (True,), (True, True), (True, False))] == [False] * 3 + [True]
 
 
 def test_free_flight_before_the_start(soft):
