@@ -60,11 +60,12 @@ def test_a_missing_extra_is_a_sentence(package, arguments, extra, tmp_path, monk
     assert list(tmp_path.iterdir()) == []
 
 
-CORE = "scenes", "run one-on-four --method verlet --step 1e-2", "check mixed"
+CORE = "scenes", "run one-on-four --method verlet --step 1e-2", "check mixed", "page one-on-four -o page.html"
 
 
 @pytest.mark.parametrize("program", [PYMUNK_GAME, *(MAIN.format(arguments=words.split()) for words in CORE)])
-def test_games_and_commands_of_the_core_need_no_extra(program):
+def test_games_and_commands_of_the_core_need_no_extra(program, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     done = run(tuple(EXTRA_OF), program)
     assert done.returncode == 0, done.stderr
 

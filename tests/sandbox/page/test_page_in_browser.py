@@ -57,6 +57,13 @@ def velocities(browser, lane=0):
     return np.array(browser.run(f"Array.from(page.source.values({lane}).velocity)"))
 
 
+def seen(browser, folder):
+    """(height, width, 3) the colours that the browser shows."""
+    browser.picture(folder / "page.png")
+    with Image.open(folder / "page.png") as opened:
+        return np.asarray(opened.convert("RGB"), dtype=int)
+
+
 def hold_the_clock(browser):
     """Let no time pass from now on but what `pictures` gives, however busy the machine is."""
     browser.run("page.again(), page.pause(), page.next = () => 0, window.clock = 0")
@@ -71,13 +78,15 @@ def run_to_the_end(browser):
     browser.run("page.pause(), page.go(page.source.last)")
 
 
-def test_the_rows_end_as_simulate_says(pages, browser):
+@pytest.mark.parametrize(("fragment", "name", "apart"), [("", SCENE, 5e-3), ("#n=5&m=3&a=0.05", "three-on-five", 0.02)])
+def test_the_rows_end_as_simulate_says(pages, browser, fragment, name, apart):
     """Of a long contact with 64 steps, velocities are right to some thousandths; energy and momentum to round-off."""
-    browser.visit(pages(SCENE).output, "")
+    browser.visit(pages(SCENE).output, fragment)
+    (lane,) = scenes.load(name).lanes
+    assert browser.run("page.specs[0].velocity") == list(lane.velocity)
     run_to_the_end(browser)
-    found = simulate(scenes.load("one-on-four").lanes[0].chain(), [1, 0, 0, 0, 0])
-    np.testing.assert_allclose(velocities(browser), found.final_velocity, atol=5e-3)
-    assert velocities(browser).sum() == pytest.approx(1.0, abs=1e-13)
+    np.testing.assert_allclose(velocities(browser), simulate(lane.chain(), lane.velocity).final_velocity, atol=apart)
+    assert velocities(browser).sum() == pytest.approx(sum(lane.velocity), abs=1e-13)
     assert error(browser) < 1e-13
 
 
@@ -106,10 +115,9 @@ def test_a_pause_within_a_picture_leaves_one_clock(pages, browser):
 def test_nobody_who_wants_less_motion_gets_some(pages, browser):
     browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-reduced-motion", "value": "reduce"}])
     browser.visit(pages(SCENE).output, "")
-    before = browser.run("page.source.time")
+    before = browser.run("[page.playing, page.source.time]")
     time.sleep(0.2)
-    assert not browser.run("page.playing")
-    assert browser.run("page.source.time") == before
+    assert browser.run("[page.playing, page.source.time]") == before == [False, before[1]]
 
 
 @pytest.mark.parametrize(("device", "bead", "pull"), [("desk", 4, -0.1), ("telephone", 0, 0.2)])
@@ -182,11 +190,10 @@ def test_a_bead_is_chosen_pulled_and_thrown_by_keys(pages, browser):
     browser.run("page.stages[0].canvas.focus()")
     for _ in range(3):
         browser.key("ArrowRight")  # the first one chooses bead 0
-    assert browser.run("page.chosen.bead") == 2
     assert browser.run("document.getElementById('said').textContent").startswith("bead 2, ")
     browser.key("Enter")
-    assert browser.run("page.source.hand.bead") == 2
-    before = browser.run("page.source.hand.place")
+    chosen, held, before = browser.run("[page.chosen.bead, page.source.hand.bead, page.source.hand.place]")
+    assert (chosen, held) == (2, 2)
     browser.key("ArrowLeft")
     assert browser.run("page.source.hand.place") == pytest.approx(before - 0.3)
     pictures(browser, 12)
@@ -244,14 +251,6 @@ def test_another_law_for_the_row(pages, browser, law, last):
     assert error(browser) < BOOKED
 
 
-def test_numbers_of_beads(pages, browser):
-    browser.visit(pages(SCENE).output, "#n=5&m=3&a=0.05")
-    assert browser.run("page.specs[0].velocity") == [1, 1, 1, 0, 0, 0, 0, 0]
-    run_to_the_end(browser)
-    found = simulate(scenes.load("three-on-five").lanes[0].chain(), [1, 1, 1, 0, 0, 0, 0, 0])
-    np.testing.assert_allclose(velocities(browser), found.final_velocity, atol=0.02)
-
-
 def test_friction_and_loss_take_energy_that_is_booked(pages, browser):
     browser.visit(pages(SCENE).output, "#mu=0.01&loss=0.2")
     run_to_the_end(browser)
@@ -267,10 +266,8 @@ def test_steel_balls_beside_soft_beads(pages, browser):
     assert velocities(browser, 1)[-1] == pytest.approx(0.986, abs=0.01)
     soft, steel = browser.run("document.getElementById('words').textContent").split("\n")
     assert soft.startswith("alpha = 1/10: ")
-    said = "Beads 0 to 2 nearly stand still. Bead 3 goes on at 0.13 m/s. Bead 4 goes on at 0.99 m/s."
-    assert steel == f"steel balls: {said}"
-    times = browser.run("page.source.rows.map((row) => row.kernel.time)")
-    assert times[0] == times[1]
+    assert steel.startswith("steel balls: Beads 0 to 2 nearly stand still. ")
+    assert len(set(browser.run("page.source.rows.map((row) => row.kernel.time)"))) == 1
     browser.run("document.getElementById('steel').click()")
     assert browser.run("page.stages.length") == 1
 
@@ -418,19 +415,19 @@ def test_a_host_that_refuses_kernels_gets_the_recorded_motion(pages, browser, tm
     assert not browser.run("page.source.live")
     assert "does not let the page compute" in browser.run("document.getElementById('notice').innerText")
     run_to_the_end(browser)
-    found = simulate(scenes.load("one-on-four").lanes[0].chain(), [1, 0, 0, 0, 0])
-    np.testing.assert_allclose(velocities(browser), found.final_velocity, atol=0.02)
+    (lane,) = scenes.load(SCENE).lanes
+    np.testing.assert_allclose(velocities(browser), simulate(lane.chain(), lane.velocity).final_velocity, atol=0.02)
     assert browser.run("document.querySelector('.sliders').offsetParent") is None
 
 
 @pytest.mark.parametrize("own", [False, True], ids=["a scene", "a law of one's own"])
 def test_a_recorded_motion_is_shown_as_it_was(browser, tmp_path, own):
     scene, k = scenes.load(SCENE), 1200
+    chain, method = (one_on(4, lambda d: d + d**3), "conserving") if own else (scene.lanes[0].chain(), "accurate")
+    recorded = simulate(chain, scene.lanes[0].velocity, method=method, samples=2001)
     if own:
-        recorded = simulate(one_on(4, lambda d: d + d**3), [1, 0, 0, 0, 0], method="conserving", samples=2001)
         recorded.to_page(tmp_path / "page.html")
     else:
-        recorded = simulate(scene.lanes[0].chain(), scene.lanes[0].velocity, samples=2001)
         write_page(recorded, scene, tmp_path / "page.html")
     browser.visit(tmp_path / "page.html", f"#t={recorded.time[k]}")
     np.testing.assert_allclose(velocities(browser), recorded.velocity[k], atol=2e-3)
@@ -458,13 +455,11 @@ def test_it_speaks_the_language_of_its_reader(pages, browser, code, title):
 
 def test_every_word_is_there_in_every_language(pages, browser):
     browser.visit(pages(SCENE).output, "")
-    missing = "['de', 'fr'].flatMap((code) => Object.keys(WORDS.en).filter((key) => !WORDS[code][key]))"
-    assert browser.run(missing) == []
-    holes = """Object.keys(WORDS.en).filter((key) => {
-      const holes = (code) => [...WORDS[code][key].matchAll(/[{]\\w+[}]/g)].map(String).sort().join();
-      return holes('de') !== holes('en') || holes('fr') !== holes('en');
+    wrong = """Object.keys(WORDS.en).filter((key) => {
+      const holes = (code) => WORDS[code][key] && [...WORDS[code][key].matchAll(/[{]\\w+[}]/g)].map(String).sort().join();
+      return ['de', 'fr'].some((code) => holes(code) !== holes('en'));
     })"""
-    assert browser.run(holes) == []
+    assert browser.run(wrong) == []
 
 
 @pytest.mark.parametrize("fragment", ["", "#with=steel&show=forces.loupes.balance.charts", "#n=49&lang=de"])
@@ -485,9 +480,7 @@ def test_it_is_drawn(pages, browser, tmp_path, device, scheme):
     browser.device(*DEVICES[device])
     browser.media("screen", scheme)
     browser.visit(pages(SCENE).output, "#t=1.9")
-    browser.picture(tmp_path / "page.png")
-    with Image.open(tmp_path / "page.png") as opened:
-        picture = np.asarray(opened.convert("RGB"), dtype=int)
+    picture = seen(browser, tmp_path)
     ground = np.median(picture, axis=(0, 1))
     assert (ground > 230).all() if scheme == "light" else (ground < 40).all()
     beads = browser.run("[0, 1, 2, 3, 4].map((k) => page.theme.bead(k))")
@@ -584,10 +577,7 @@ def test_it_lives_in_a_frame_that_may_do_nothing_else(browser, tmp_path):
     (tmp_path / "notebook.html").write_text(f"<!doctype html><title>cell</title>{cell}", encoding="utf-8")
     browser.open(tmp_path / "notebook.html")
     for _ in range(1000):
-        browser.picture(tmp_path / "cell.png")
-        with Image.open(tmp_path / "cell.png") as opened:
-            colours = len(opened.convert("RGB").getcolors(1 << 24))
-        if colours > 50:
-            break
+        if len(np.unique(seen(browser, tmp_path).reshape(-1, 3), axis=0)) > 50:
+            return
         time.sleep(0.1)
-    assert colours > 50
+    pytest.fail("nothing is drawn")

@@ -1,12 +1,6 @@
 """The page as a file: everything is in it, it loads nothing, and what cannot be written leaves nothing behind."""
 
 import gzip
-import re
-import subprocess
-import sys
-import tomllib
-from importlib.metadata import packages_distributions
-from itertools import chain
 
 import pytest
 from softcradle.sandbox.page import render_page, write_page
@@ -16,7 +10,6 @@ from softcradle.sandbox.user_error import UserError
 from softcradle.scenes.catalogue import parse
 
 from softcradle import scenes, simulate
-from tests.helpers.paths import ROOT
 from tests.sandbox.page.conftest import TagChecker, page_data
 
 MOST, MOST_COMPRESSED = 150_000, 60_000  # bytes of a page in which five beads live
@@ -49,28 +42,6 @@ def test_what_is_asked_of_a_method_is_recorded_and_the_page_says_how(pages):
     found = simulate(scenes.load("one-on-four").lanes[0].chain(), [1, 0, 0, 0, 0], method="radau")
     assert all(f"{velocity:.8f}" in text for velocity in found.final_velocity)
     assert "Recorded motion, computed by radau, tolerance 1e-08; " in text
-
-
-def names(lines):
-    return {re.match(r"[\w-]+", line)[0].lower().replace("_", "-") for line in lines}
-
-
-def brought_by_extras():
-    """What is imported of the packages that extras name and the core does not."""
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    extras = names(chain(*project["optional-dependencies"].values())) - names(project["dependencies"]) - {"softcradle"}
-    return [module for module, packages in packages_distributions().items() if extras & names(packages)]
-
-
-def test_a_page_needs_none_of_the_extras(tmp_path):
-    script = f"""
-import sys
-for name in {brought_by_extras()!r}: sys.modules[name] = None
-from softcradle import scenes
-scenes.load("one-on-four").to_page({str(tmp_path / "page.html")!r})
-"""
-    subprocess.run([sys.executable, "-c", script], check=True, cwd=ROOT)
-    assert (tmp_path / "page.html").stat().st_size > 100_000
 
 
 def test_warnings_of_the_run_are_on_the_page(tmp_path):
