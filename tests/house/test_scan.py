@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from unittest.mock import DEFAULT, Mock
 
 import numpy as np
 import pytest
@@ -74,42 +75,30 @@ def test_what_is_not_known_is_no_verdict(monkeypatch, source, expected):
     assert judged(monkeypatch, 1e-3, truth, velocity_error=np.full(5, 1e-7))["verdict"] == expected
 
 
-def test_a_scan_is_kept_and_goes_on(tmp_path, capsys, monkeypatch):
-    given = ["scan", "--families", "hooke-hertz", "walls", "--jobs", "1", "--folder", str(tmp_path), "--require"]
+def test_a_scan_that_is_stopped_goes_on_and_what_is_judged_is_kept(tmp_path, capsys, monkeypatch):
+    given = ["scan", "--families", "hooke-hertz", "--jobs", "1", "--folder", str(tmp_path), "--count", "3", "--require"]
     monkeypatch.setattr("benchmarks.scan.truth.TOLERANCE", 1e-9)
-    assert command.main([*given, "--count", "1"]) == 0
-    truths = (tmp_path / "truths.jsonl").read_text()
-    assert command.main([*given, "--count", "1", "--markdown", str(tmp_path / "scan.md")]) == 0
-    table = (tmp_path / "scan.md").read_text()
-    assert "| hooke-hertz | 1 | 1 | 0 |" in table
-    assert table.startswith("**Random chains, accurate at 1e-08**\n\n| family | chains |")
-    assert "* made by `python -m benchmarks scan --count 1 --families hooke-hertz walls`, softcradle " in table
-    verdicts = tmp_path / "accurate-1e-08.jsonl"
-    assert {json.loads(line)["verdict"] for line in verdicts.read_text().splitlines() if line} == {"within"}
-    with verdicts.open("a") as file:
-        file.write('\n{"family": "cut o')  # as an interruption leaves it
-    monkeypatch.setattr("benchmarks.scan.chain_points.judge", lambda *_: pytest.fail("judged again"))
-    assert command.main([*given, "--count", "1"]) == 0
-    assert (tmp_path / "truths.jsonl").read_text() == truths
-    assert "hooke-hertz" in capsys.readouterr().out
-
-
-def test_a_scan_that_is_stopped_has_written_what_was_done(tmp_path, monkeypatch):
-    given = ["scan", "--families", "hooke-hertz", "--jobs", "1", "--folder", str(tmp_path), "--count", "3"]
-    found, judged_seeds = chain_points.judge, []
-
-    def stopping(chosen, *arguments):
-        judged_seeds.append(chosen.seed)
-        if len(judged_seeds) == 2:
-            raise KeyboardInterrupt
-        return found(chosen, *arguments)
-
-    monkeypatch.setattr(chain_points, "judge", stopping)
+    judge = Mock(wraps=chain_points.judge)
+    judge.side_effect = [DEFAULT, KeyboardInterrupt]
+    monkeypatch.setattr(chain_points, "judge", judge)
     with pytest.raises(KeyboardInterrupt):
         command.main(given)
+    judge.side_effect = None
     assert command.main(given) == 0
-    assert judged_seeds == [0, 1, 1, 2]
-    assert (tmp_path / "accurate-1e-08.jsonl").read_text().count("seed") == 3
+    assert [call.args[0].seed for call in judge.call_args_list] == [0, 1, 1, 2]
+    verdicts, truths = tmp_path / "accurate-1e-08.jsonl", (tmp_path / "truths.jsonl").read_text()
+    kept = [json.loads(line) for line in verdicts.read_text().splitlines() if line]
+    assert [(one["seed"], one["verdict"]) for one in kept] == [(0, "within"), (1, "within"), (2, "within")]
+    with verdicts.open("a") as file:
+        file.write('\n{"family": "cut o')  # as an interruption leaves it
+    assert command.main([*given, "--markdown", str(tmp_path / "scan.md")]) == 0
+    assert judge.call_count == 4
+    assert (tmp_path / "truths.jsonl").read_text() == truths
+    table = (tmp_path / "scan.md").read_text()
+    assert "| hooke-hertz | 3 | 3 | 0 |" in table
+    assert table.startswith("**Random chains, accurate at 1e-08**\n\n| family | chains |")
+    assert "* made by `python -m benchmarks scan --count 3 --families hooke-hertz`, softcradle " in table
+    assert "hooke-hertz" in capsys.readouterr().out
 
 
 COUNT = 30 * len(CONSERVING)
