@@ -99,9 +99,6 @@ def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Installe
 
 
 def test_everything_is_in_it_and_nothing_else(wheel):
-    tops = {name.partition("/")[0] for name in contents(wheel)}
-    assert len(tops) == 2
-    assert [name for name in tops if not name.endswith(".dist-info")] == ["softcradle"]
     licences = {name.partition(".dist-info/licenses/")[2] for name in contents(wheel)}
     assert licences >= {"LICENSE", "assets/Inter-LICENSE.txt"}
     homes = {"softcradle": "softcradle", "assets": "softcradle/sandbox/assets"}
@@ -113,8 +110,6 @@ def test_everything_is_in_it_and_nothing_else(wheel):
         if path.is_file() and "__pycache__" not in path.parts
     }
     assert {name for name in contents(wheel) if ".dist-info/" not in name} == expected
-    assert expected >= {"softcradle/py.typed", "softcradle/scenes/catalogue/one-on-four.toml"}
-    assert expected >= {f"softcradle/sandbox/assets/{name}" for name in ASSETS}
 
 
 def test_the_description_shows_no_file_that_an_index_does_not_have(wheel):
@@ -124,9 +119,7 @@ def test_the_description_shows_no_file_that_an_index_does_not_have(wheel):
     assert "Description-Content-Type: text/markdown" in text
     headings = re.findall(r"^## .+$", (ROOT / "README.md").read_text(encoding="utf-8"), re.MULTILINE)
     assert re.findall(r"^## .+$", text, re.MULTILINE) == headings
-    assert "![" not in text
-    assert "](" not in text
-    assert "\n\n\n" not in text.partition("# softcradle")[2]
+    assert "](" not in text  # neither links nor pictures
 
 
 @pytest.fixture(scope="module")
@@ -184,35 +177,23 @@ assert_type(power_law(1.0, 0.1).force([0.5, 1.0]), NDArray[np.float64])
 assert_type(softcradle.__version__, str)
 state = State.at_start(chain, [1, 0, 0, 0, 0])
 advance(chain, state, 0.1)
+softcradle.simulat  # type: ignore[attr-defined]
+one_on("4", power_law(1.0, 0.1))  # type: ignore[arg-type]
+simulate(chain, [1, 0], metod="verlet")  # type: ignore[call-arg]
 bodies = [pymunk.Body(1, 1), pymunk.Body(1, 1)]
 pymunk.Space().add(*bodies, *SoftChain(bodies, draft_gear(770, 0.0177), 1.0))
 warm("verlet")
 """
 
-WRONG_SCRIPT = """
-import softcradle
-from softcradle import one_on, power_law, simulate
-
-softcradle.simulat  # attr-defined
-one_on("4", power_law(1.0, 0.1))  # arg-type
-simulate(one_on(4, power_law(1.0, 0.1)), [1, 0], metod="verlet")  # call-arg
-"""
-
-
-def type_checked(installed: Installed, name: str, script: str) -> list[str]:
-    (installed.game / name).write_text(script, encoding="utf-8")
-    command = [sys.executable, "-m", "mypy", "--strict", "--python-executable", str(installed.python), name]
-    kept = {key: value for key, value in os.environ.items() if key not in ("MYPYPATH", "PYTHONPATH")}
-    done = subprocess.run(command, cwd=installed.game, env=kept, capture_output=True, text=True, check=False)
-    return done.stdout.splitlines()
-
 
 def test_a_user_s_script_is_type_checked_against_the_wheel(installed):
+    """What is ignored is wrong: to ignore what is right is an error too."""
     pytest.importorskip("mypy")
-    assert type_checked(installed, "user.py", USER_SCRIPT) == ["Success: no issues found in 1 source file"]
-    found = type_checked(installed, "wrong.py", WRONG_SCRIPT)
-    codes = [line.rpartition("[")[2].rstrip("]") for line in found if ": error:" in line]
-    assert codes == ["attr-defined", "arg-type", "call-arg"]
+    (installed.game / "user.py").write_text(USER_SCRIPT, encoding="utf-8")
+    command = [sys.executable, "-m", "mypy", "--strict", "--python-executable", str(installed.python), "user.py"]
+    kept = {key: value for key, value in os.environ.items() if key not in ("MYPYPATH", "PYTHONPATH")}
+    done = subprocess.run(command, cwd=installed.game, env=kept, capture_output=True, text=True, check=False)
+    assert done.stdout == "Success: no issues found in 1 source file\n"
 
 
 def test_the_source_archive_holds_documentation_and_examples(archive):

@@ -37,7 +37,6 @@ BAD_FILES = {
     "contacts too few": (changed("{law", "[{law").replace("0.1}", "0.1}]"), r"contact is a list of 1, but 3 beads need 2"),
     "empty chain": (changed("mass = [1.0, 1.0, 1.0]", "mass = []").replace("[1.0, 0.0, 0.0]", "[]"), "at least 2 beads, not 0"),
     "no lanes": ('title = "none"\nlanes = []', r"lanes: a scene needs at least one lane"),
-    "walls side by side": (changed("mass = [1.0, 1.0,", "mass = [inf, inf,"), r"lanes\[0\]: two walls side by side"),
     "walls at both ends": (changed("mass = [1.0, 1.0, 1.0]", "mass = [inf, 1.0, inf]"), r"the scene needs a duration"),
     "unknown method": ('method = "verlett"\n' + GOOD, r"method: unknown method 'verlett' \(did you mean 'verlet'\?\)"),
     "step 0": ("step = 0\n" + GOOD, r"step must be greater than 0, not 0"),
@@ -49,8 +48,6 @@ BAD_FILES = {
     "endless drive": (GOOD + "drive = [1, 0, 0]", "the scene needs a duration"),
     "drive too short": (LASTS + "drive = [1, 0]", "drive is a list of 2, but 3 beads need 3"),
     "brake on no bead": (LASTS + "brakes = [{beads = [1, 3], time = 0, force = 3}]", "brakes act on bead 3"),
-    "brake that drives": (LASTS + "brakes = [{beads = 0, time = [1, 2], force = [0, -3]}]", "brake must be >= 0"),
-    "times that go back": (LASTS + "forces = [{beads = 0, time = [1.5, 1], force = [0, 3]}]", "ascend"),
     "a force too few": (LASTS + "forces = [{beads = 0, time = [0, 1, 2], force = [0, 2]}]", "3 times of a force need 3"),
     "key of a force": (LASTS + "forces = [{beads = 0, times = [0, 1], force = [0, 2]}]", "unknown key 'times'"),
     "not TOML": (changed("mass = [1.0", "mass = [1.0 1.0"), r"not valid TOML: .*\(at line 4, column \d+\)"),
@@ -95,7 +92,6 @@ REFUSED = [
     ("run mixed --step 0", "--step: must be a number > 0, not '0'"),
     ("run mixed --duration inf", "--duration: must be a number > 0, not 'inf'"),
     ("run mixed --samples 1", "--samples: must be a whole number from 2"),
-    ("run mixed --method verlet --tolerance 1e-3", "takes a step"),
     ("run mixed --describe --json", "--json: not allowed with argument --describe"),
     ("run mixed -o out.xls", "cannot write out.xls: run writes .npz or .csv"),
     ("run mixed -o nowhere/out.npz", "there is no folder "),
@@ -105,8 +101,6 @@ REFUSED = [
     ("render mixed -o x.mp4 --size wide", "--size: must be WIDTHxHEIGHT"),
     ("render mixed -o x.mp4 --fps 0", "--fps: must be a number > 0"),
     ("render mixed -o x.kymograph.png --slow 2", "--slow is for films"),
-    ("render mixed -o x.kymograph.png --size 9x9", "out of range"),
-    ("render mixed -o x.kymograph.png --step 0.1 --method radau", "chooses its own steps"),
     ("render one-on-four -o page.html --fps 30", "a page has no frames: --fps is for films"),
     ("render one-on-four -o page.html --method radau --step 1e-3", "chooses its own steps"),
     ("figures 3z", "there is no figure '3z'; there are 1b, 1c"),
@@ -116,11 +110,8 @@ REFUSED = [
     ("maps --points 200", "--points must be two whole numbers from 2 to 2000"),
     ("maps --points 1x20", "--points must be two whole numbers"),
     ("stability beta", "there is no scan 'beta'"),
-    ("stability -o x.txt", "stability writes .png"),
     ("chart one-on-for", "did you mean"),
     ("chart -o chart.txt", "chart writes .png, .pdf, .svg"),
-    ("chart --error nonsense", "velocities"),
-    ("chart -o /dev/null/x.png one-on-4", "cannot write"),
     ("sweep", "a study file is missing"),
     ("sweep nowhere.toml", "cannot read nowhere.toml: no such file"),
     (f"sweep {STUDY} -o x.csv", "must end in .zarr or .nc, not 'x.csv'"),
@@ -153,7 +144,7 @@ def test_what_a_command_does_not_take_is_refused(line, sentence, tmp_path, monke
 def test_existing_output_survives_a_refused_run(tmp_path, refused):
     path = tmp_path / "out.npz"
     path.write_bytes(b"old")
-    refused("run", "mixed", "-o", str(path), "--method", "verlet", "--tolerance", "0.1")
+    assert "takes a step" in refused("run", "mixed", "-o", str(path), "--method", "verlet", "--tolerance", "0.1")
     assert path.read_bytes() == b"old"
     assert list(tmp_path.iterdir()) == [path]
     (tmp_path / "out.csv").mkdir()
