@@ -53,7 +53,6 @@ def test_no_number_of_a_run_is_lost(width, monkeypatch):
             assert any({"1.00000000", numbers[0]} <= set(line.split()) for line in text.splitlines())
 
 
-@pytest.mark.usefixtures("loud")
 def test_progress_in_a_file_is_a_line_now_and_then(monkeypatch, capsys):
     monkeypatch.setattr(console, "LINE_AFTER", 0.0)
     with console.ProgressShown("cases") as progress:
@@ -65,10 +64,6 @@ def test_progress_in_a_file_is_a_line_now_and_then(monkeypatch, capsys):
     told += capsys.readouterr().err  # no line comes after the end
     assert all(line.startswith("softcradle: cases: ") for line in told.splitlines())
     assert progress.line(70.0) == "cases: 135 of 2000, after 1 min, 0.5 a second, about 1.0 h left"
-    set_quiet(True)  # where that is wanted it is left out
-    with console.ProgressShown("points") as progress:
-        progress.tell("points", 1, 2)
-    assert capsys.readouterr().err == ""
 
 
 @pytest.mark.usefixtures("loud")
@@ -107,7 +102,6 @@ def test_a_full_disk_behind_standard_output(arguments):
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        ((), "there is no display"),
         (("play", "one-on-four"), "there is no display"),
         (("play", "nosuch.toml"), "softcradle: there is no file nosuch.toml"),  # the scene is what is told
         (("play", "x.npz"), "softcradle: there is no file x.npz"),
@@ -154,7 +148,6 @@ def test_open_shows_the_first_file(tmp_path, monkeypatch, softcradle):
 @pytest.mark.parametrize(
     ("line", "words"),
     [
-        ("softcradle sta", ["stability"]),
         ("softcradle run one-on-f", ["one-on-four", "one-on-four-softer"]),
         ("softcradle run one-on-four --method y", ["yoshida4"]),
         ("softcradle render mixed --pix", ["--pixel-format"]),

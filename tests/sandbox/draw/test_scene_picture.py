@@ -8,7 +8,7 @@ import pygame
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from softcradle.sandbox.draw import Picture, draw, longest_lead, scales_of
+from softcradle.sandbox.draw import Picture, draw, scales_of
 from softcradle.sandbox.draw.axes import LINE
 from softcradle.sandbox.draw.bodies import cluster_ends, has_marks, rigid_forces
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
@@ -265,19 +265,6 @@ def test_where_clusters_end_and_which_have_marks():
     assert rigid_forces([1.0, 3.0, 2.0, 2.0], two, [0.0] * 3, [9, 1.0, 9], 1.0) == pytest.approx([0.25, 0, 0.5])
     assert rigid_forces([1.0, 1.0, math.inf], (True, False), [0.1, 0.1], [1.0, 1.0], 1.0) == [0.0, 0.0]
     assert [has_marks(ends) for ends in ((False, False), (True,), (True, True), (True, False))] == [False] * 3 + [True]
-
-
-def test_free_flight_before_the_start(soft):
-    scene, (motion,), _ = soft
-    early = motion.time < 0.0
-    assert early.any()
-    assert motion.position[early, 0] == pytest.approx(motion.time[early])
-    assert (motion.position[early, 1:] == 0.0).all()
-    assert (motion.force[early] == 0.0).all()
-    assert motion.energy_error[early].max() == 0.0
-    chain = scene.lanes[0].chain()
-    assert longest_lead(chain, np.array([1.0, 0.0, 0.0, 0.0])) == math.inf
-    assert longest_lead(chain, np.array([0.0, 0.0, 0.0, 1.0])) == 0.0
 
 
 def test_errors_are_those_of_the_motion(soft):

@@ -9,7 +9,7 @@ import pygame
 import pytest
 from PIL import Image
 from softcradle.physics.simulation import solve
-from softcradle.sandbox.draw import Picture
+from softcradle.sandbox.draw import Picture, longest_lead
 from softcradle.sandbox.film import formats, scene_film, scene_motion
 from softcradle.sandbox.film.encoder import open_film
 from softcradle.sandbox.film.formats import pixels_of
@@ -257,6 +257,13 @@ def test_rows_cover_the_motion_and_free_flight(scene: Scene):
     after = scene_motion.AFTER * end if scene.duration is None else 0.0
     assert first.time[0] == pytest.approx(-scene_motion.LEAD * end, abs=0.05)
     assert first.time[-1] == pytest.approx(end + after, abs=0.05)
+    early = first.time < 0.0
+    assert first.position[early, 0] == pytest.approx(first.time[early])
+    assert (first.position[early, 1:] == 0.0).all()
+    assert (first.force[early] == 0.0).all()
+    assert first.energy_error[early].max() == 0.0
+    assert longest_lead(first.chain, np.array([1.0, 0.0, 0.0, 0.0])) == math.inf
+    assert longest_lead(first.chain, np.array([0.0, 0.0, 0.0, 1.0])) == 0.0
 
 
 THREE = """

@@ -213,13 +213,6 @@ def test_another_law_for_the_row(pages, browser, law, last):
     assert error(browser) < BOOKED
 
 
-def test_friction_and_loss_take_energy_that_is_booked(pages, browser):
-    browser.visit(pages(SCENE).output, "#mu=0.01&loss=0.2")
-    run_to_the_end(browser)
-    assert browser.run("page.source.values(0).absorbed") > 0.1
-    assert error(browser) < BOOKED
-
-
 def test_steel_balls_beside_soft_beads(pages, browser):
     browser.visit(pages(SCENE).output, "")
     browser.run("document.getElementById('steel').click()")
