@@ -525,6 +525,8 @@ def test_every_scene_plays_to_its_end_without_an_error(pages, browser, name):
     assert np.isfinite(velocities(browser)).all()
     if browser.run("page.source.live"):
         assert error(browser) < BOOKED
+    dissipative = scenes.load(name).lanes[0].chain().dissipative
+    assert (browser.run("page.source.values(0).absorbed") > 0.0) == dissipative
     assert browser.run(FITS)
 
 
