@@ -109,8 +109,7 @@ def test_it_is_built_without_a_warning(tmp_path):
     made = {page.stem for page in tmp_path.glob("*.html")}
     assert made >= {page.stem for page in PAGES}
     gallery = {script.stem for script in (ROOT / "examples" / "gallery").glob("plot_*.py")}
-    assert {page.stem for page in (tmp_path / "gallery").glob("plot_*.html")} == gallery
-    assert len(gallery) == 3
+    assert {page.stem for page in (tmp_path / "gallery").glob("plot_*.html")} == gallery != set()
     assert len(list((tmp_path / "_images").glob("sphx_glr_plot_*.png"))) >= len(gallery)
     live = {page.stem for page in (tmp_path / "_static" / "live").glob("*.html") if page.stat().st_size > 50_000}
     linked = {page: re.findall(r"_static/live/([\w-]+)\.html", (tmp_path / page).read_text()) for page in LIVE}

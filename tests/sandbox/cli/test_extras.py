@@ -44,8 +44,6 @@ def run(without: tuple[str, ...], program: str) -> subprocess.CompletedProcess[s
         ("pygame_gui", ["play"], "window"),
         ("matplotlib", ["chart"], "figures"),
         ("matplotlib", ["figures", "1b"], "figures"),
-        ("matplotlib", ["maps"], "figures"),
-        ("matplotlib", ["stability"], "figures"),
         ("zarr", ["sweep", str(ROOT / "examples" / "softness-and-size.toml")], "sweep"),
     ],
 )
