@@ -220,7 +220,7 @@ def test_drawings_are_kept_up_to_their_memory_and_the_oldest_is_dropped_first():
 
     sides = [256, 255, 254]  # a quarter of a megabyte each
     assert drawn_anew(*sides, *sides) == sides
-    assert drawn_anew(400, 254, 255) == [400, 255]  # 0.61 MB: the first two are dropped
+    assert drawn_anew(400, 254, 255, 254) == [400, 255]  # 0.61 MB: two are dropped for it, and it for 255
     assert drawn_anew(2000, 2000) == [2000]  # larger than the cache: it is kept until the next one
     clear_cached_surfaces()
     assert drawn_anew(*sides, *sides) == sides  # room for three again: dropped drawings are not counted
