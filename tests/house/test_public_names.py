@@ -10,10 +10,8 @@ import pytest
 import softcradle
 from softcradle import physics
 from tests.helpers.own_process import python
-from tests.helpers.paths import LAYERS, ROOT
+from tests.helpers.paths import ROOT
 
-TOOLS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]
-TYPED = ROOT / TOOLS["mypy"]["mypy_path"]
 PUBLIC = [
     "Chain", "ChainBatch", "Contact", "Coupler", "EnsembleEnds", "METHODS", "OwnLaw", "SoftChain", "SoftContact", "State",
     "TimedForce", "Trajectory", "advance", "cluster_on_cluster", "draft_gear", "ensemble", "ensemble_ends", "hertz", "hooke",
@@ -47,14 +45,6 @@ def test_type_checkers_see_the_same_names_and_others_are_refused(package):
     assert sorted(alias.asname for node in ours for alias in node.names if alias.asname) == PUBLIC
     with pytest.raises(AttributeError, match=f"^module '{package.__name__}' has no attribute 'Chian'$"):
         package.Chian  # noqa: B018
-
-
-@pytest.mark.skipif(not (TYPED / "softcradle" / "physics").is_dir(), reason="set up without make")
-def test_editors_and_type_checkers_find_all_of_the_package_in_one_folder():
-    assert TOOLS["pyright"]["extraPaths"] == [TOOLS["mypy"]["mypy_path"]]
-    parts = [*LAYERS, *(f"softcradle/{name}" for name in ("__init__.py", "__main__.py"))]
-    links = {path.name: path.resolve() for path in (TYPED / "softcradle").iterdir()}
-    assert links == {(ROOT / part).name: ROOT / part for part in parts}
 
 
 HEAVY = ("numpy", "numba", "scipy", "pymunk", "pygame", "matplotlib", "av", "PIL", "pydantic")
