@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pymunk
 import pytest
-from softcradle.physics import ChainBatch, ensemble_ends
+from softcradle.physics import ChainBatch, Coupler, OwnLaw, ensemble_ends
 from softcradle.physics.analysis.closed_forms import critical_speed, one_on_one
 from softcradle.physics.analysis.matching import match
 from softcradle.physics.analysis.mode_coupling import mode_coupling
@@ -17,21 +17,11 @@ from softcradle.physics.contact import LEAST_EXPONENT, MOST_EXPONENT, Contact, d
 from softcradle.physics.methods import METHODS
 from softcradle.physics.simulation import solve
 
-from softcradle import (
-    Coupler,
-    OwnLaw,
-    SoftChain,
-    SoftContact,
-    State,
-    TimedForce,
-    advance,
-    ensemble,
-    simulate,
-    stable_step,
-)
+from softcradle import SoftChain, SoftContact, State, TimedForce, advance, ensemble, simulate, stable_step
 
 LAW = power_law(1.0, 0.1)
 CHAIN, START = one_on(4, LAW), [1, 0, 0, 0, 0]
+STATE = State.at_start(CHAIN, START)
 BODY, *BODIES = (pymunk.Body(1, 1) for _ in range(4))
 ONES, WALLED = np.ones((3, 3)), [[math.inf, 1, math.inf]]
 BATCH = ChainBatch(ONES, 0.0, 1.0, 0.5)
@@ -50,9 +40,7 @@ class Spring:
 MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "a number for a contact": (lambda: one_on(4, 0.1), "contact must be a Contact or a list of them"),
     "a text for a contact": (lambda: Chain([1, 1], "hertz"), "contact must be a Contact .*; not 'hertz'"),
-    "the class of a law": (lambda: Chain([1, 1], Spring), "contact must be a Contact"),
     "a list with no contact": (lambda: Chain([1, 1, 1], [LAW, 0.1]), "every contact must be a Contact, not 0.1"),
-    "a text for a count": (lambda: one_on("4", LAW), "the number of targets must be a whole number, not '4'"),
     "half a bead": (lambda: one_on(4.5, LAW), "the number of targets must be a whole number, not 4.5"),
     "too many beads": (lambda: one_on(10**9, LAW), "at most 10000000 beads, not 1000000001"),
     "a list for a chain": (lambda: simulate([1, 2], START), r"chain must be a Chain, not \[1, 2\]"),
@@ -61,26 +49,18 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "no masses": (lambda: Chain(None, LAW), "a chain needs a list of at least 2 masses, not None"),
     "a text for a gap": (lambda: Chain([1, 1], LAW, gap="x"), "gap must be a number or a list of numbers, not 'x'"),
     "one drive": (lambda: Chain([1, 1], LAW, drive=3), "2 masses need 2 drive forces, not 3"),
-    "a NumPy number": (lambda: draft_gear(770, np.float64(-1.0)), "precompression must be a finite number >= 0, not -1.0"),
     "a NumPy friction": (lambda: Chain([1, 1], LAW, friction=np.float64(-1.0)), "friction must be .* >= 0, not -1.0$"),
-    "a NumPy duration": (lambda: simulate(CHAIN, START, np.float64(-1.0)), "duration must be .* >= 0, not -1.0$"),
     "no number": (lambda: power_law(None, 0.1), "contact stiffness must be a number, not None"),
     "a text for a number": (lambda: draft_gear("770", 0.1), "draft gear stiffness must be a number, not '770'"),
     "velocities as text": (lambda: simulate(CHAIN, "fast"), "velocity must be a number or a list of numbers, not 'fast'"),
     "one velocity": (lambda: simulate(CHAIN, 1.0), "5 beads need 5 velocities, not 1.0"),
-    "a text for a duration": (lambda: simulate(CHAIN, START, "1"), "duration must be a number, not '1'"),
-    "a text for a tolerance": (lambda: simulate(CHAIN, START, tolerance="1"), "tolerance must be a number, not '1'"),
     "below round-off": (lambda: simulate(CHAIN, START, tolerance=1e-20), "tolerance must be at least 1e-16"),
     "too many samples": (lambda: simulate(CHAIN, START, samples=10**9), "samples must be from 2 .* to 20000000"),
     "half a sample": (lambda: simulate(CHAIN, START, samples=10.5), "samples must be a whole number, not 10.5"),
-    "no samples": (lambda: simulate(CHAIN, START, samples=None), "samples must be a whole number, not None"),
     "a Method": (lambda: simulate(CHAIN, START, method=METHODS[0]), "method must be a name such as 'accurate', not a Method"),
     "a misspelt method": (lambda: simulate(CHAIN, START, method="verlt"), "did you mean 'verlet'. there are auto, euler"),
     "no state": (lambda: advance(CHAIN, None, 0.1), "state must be a State, not None"),
-    "the state of another chain": (
-        lambda: advance(one_on(3, LAW), State.at_start(CHAIN, START), 0.1),
-        "the state has 4 contacts, the chain 3",
-    ),
+    "the state of another chain": (lambda: advance(one_on(3, LAW), STATE, 0.1), "the state has 4 contacts, the chain 3"),
     "one chain for an ensemble": (lambda: ensemble(CHAIN, START), "ensemble takes a list of chains"),
     "no workers": (lambda: ensemble([CHAIN], [START], workers=0), "workers must be at least 1, not 0"),
     "a list for a stable chain": (lambda: stable_step([1], START), r"chain must be a Chain, not \[1\]"),
@@ -94,12 +74,9 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "a number for all contacts": (lambda: SoftChain(BODIES, 3.0, 1), "one Contact for all or 2"),
     "a distance too few": (lambda: SoftChain(BODIES, LAW, [1.0]), "one or 2 finite numbers"),
     "a distance of 0": (lambda: SoftChain(BODIES, LAW, 0.0), "finite numbers > 0"),
-    "a distance that is no number": (lambda: SoftChain(BODIES, LAW, math.nan), "finite numbers > 0"),
     "a SoftChain by euler": (lambda: SoftChain(BODIES, LAW, 1, method="euler"), "one of conserving, not 'euler'"),
     "one bead": (lambda: Chain([1], LAW), "at least 2 masses"),
-    "a table of masses": (lambda: Chain([[1, 2]], LAW), "at least 2 masses"),
     "a mass below 0": (lambda: Chain([1, -1], LAW), r"every mass \(inf is a wall\) must be a finite number > 0, not -1"),
-    "a mass that is no number": (lambda: Chain([1, math.nan], LAW), "every mass .* must be a finite number > 0"),
     "two walls": (lambda: Chain([math.inf, math.inf], LAW), "two walls side by side"),
     "two contacts for one": (lambda: Chain([1, 1], [LAW, LAW]), "one contact for all or 1 contacts, not 2"),
     "two gaps for one": (lambda: Chain([1, 1], LAW, [0.1, 0.1]), "one gap for all or 1 gaps"),
@@ -107,16 +84,14 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "a drive that is no number": (lambda: Chain([1, 1], LAW, drive=[math.nan, 0]), "drive"),
     "no target": (lambda: one_on(0, LAW), "at least one bead, not 0"),
     "one mass in a list": (lambda: cluster_on_cluster(2, 2, LAW, [1.0]), "one mass for all or 4 masses, not .1.0."),
-    "a velocity too few": (lambda: State.at_start(one_on(1, LAW), [1.0]), "2 beads need 2 velocities"),
     "a velocity that is none": (lambda: State.at_start(one_on(1, LAW), [1, math.nan]), "every velocity must be finite"),
     "a method that is none": (lambda: simulate(CHAIN, START, method="rk4"), "'rk4'; there are auto, euler, verlet"),
     "an endless duration": (lambda: simulate(CHAIN, START, math.inf), "duration must be a finite number >= 0, not inf"),
-    "a frame below 0": (lambda: advance(CHAIN, State.at_start(CHAIN, START), -1), "duration must be .* >= 0, not -1"),
-    "no steps": (lambda: advance(CHAIN, State.at_start(CHAIN, START), 0.1, most_steps=0), "most_steps must be at least 1"),
-    "auto for a frame": (lambda: advance(CHAIN, State.at_start(CHAIN, START), 0.1, "auto"), "'auto' is for simulate"),
+    "a frame below 0": (lambda: advance(CHAIN, STATE, -1), "duration must be .* >= 0, not -1"),
+    "no steps": (lambda: advance(CHAIN, STATE, 0.1, most_steps=0), "most_steps must be at least 1"),
+    "auto for a frame": (lambda: advance(CHAIN, STATE, 0.1, "auto"), "'auto' is for simulate"),
     "auto with a step": (lambda: simulate(CHAIN, START, method="auto", step=0.1), "'auto' chooses its own steps"),
     "auto without an error": (lambda: simulate(CHAIN, START, method="auto", tolerance=0), "tolerance must be a finite"),
-    "auto below 0": (lambda: simulate(CHAIN, START, -1.0, "auto"), "duration"),
     "a step of 0": (lambda: simulate(CHAIN, START, step=0.0), "step must be a finite number > 0, not 0.0"),
     "a step for scipy": (lambda: simulate(CHAIN, START, method="scipy", step=0.1), "method 'scipy' chooses its own steps"),
     "a tolerance of 0": (lambda: simulate(CHAIN, START, tolerance=0.0), "tolerance must be a finite number > 0, not 0.0"),
@@ -133,15 +108,11 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     ),
     "no end of a drive": (lambda: simulate(Chain([1, 1], LAW, drive=[1, 0]), [0, 0]), "duration"),
     "one list for two chains": (lambda: ensemble([CHAIN] * 2, [START]), "2 chains need 2 lists of velocities, not 1"),
-    "one duration in a list": (lambda: ensemble([CHAIN] * 2, [START] * 2, [1.0]), "2 durations or one for all, not 1"),
     "three steps for two": (lambda: ensemble([CHAIN] * 2, [START] * 2, step=[1, 2, 3]), "2 steps or one for all, not 3"),
-    "an ensemble by none": (lambda: ensemble([CHAIN], [START], method="verlett"), "verlett"),
     "a number that pushes": (lambda: Coupler(3.0), "coupler push must be a Contact, not 3.0"),
     "a text that pulls": (lambda: Coupler(LAW, "x"), "coupler pull must be a Contact, not 'x'"),
     "a slack below 0": (lambda: Coupler(LAW, slack=-1.0), "coupler slack must be a finite number >= 0, not -1.0"),
-    "a slack before nothing": (lambda: Coupler(LAW, slack=0.1), "slack 0.1 m needs a pull"),
     "a travel without a stop": (lambda: Coupler(LAW, travel=0.1), "needs both travel and stop"),
-    "a stop without a travel": (lambda: Coupler(LAW, stop=1e8), "needs both travel and stop"),
     "a travel of 0": (lambda: Coupler(LAW, travel=0.0, stop=1e8), "coupler travel must be a finite number > 0"),
     "a force on nothing": (lambda: TimedForce([], 0.0, 1.0), "beads"),
     "a force on one twice": (lambda: TimedForce([0, 0], 0.0, 1.0), "each once"),
@@ -168,7 +139,6 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "a match of unlike contacts": (lambda: match(Chain([1] * 3, [hertz(1.0), LAW]), [1, 0, 0]), "all alike"),
     "a match of a step": (lambda: match(one_on(1, step_force(1.0)), [1, 0]), "between power laws"),
     "a match by a shape": (lambda: match(one_on(2, LAW), [1, 0, 0], distance="shape"), "unknown distance 'shape'"),
-    "a match of beads that part": (lambda: match(one_on(2, LAW), [0, 0, 1]), "no two neighbours approach"),
     "a match of beads that are driven": (lambda: match(Chain([1, 1], LAW, 0.0, [1.0, 0.0]), [1, 0]), "no drive"),
     "a match between walls": (lambda: match(Chain([math.inf, 1, math.inf], LAW, 0.5), [0, 1, 0]), "second wall"),
     "no end of a train that pulls": (
@@ -177,13 +147,9 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "couplers as power laws": (lambda: TRAIN.parameters, "contact 0-1 is a coupler: this takes"),
     "a coupler for a body": (lambda: SoftContact(*BODIES[:2], (0, 0), (0, 0), 1, TRAIN.contact[0]), "a coupler pulls"),
     "loss by yoshida4": (lambda: simulate(one_on(1, GEAR), [1, 0], method="yoshida4"), NO_BACK),
-    "friction by yoshida4": (lambda: simulate(RUBS, [1, 0], method="yoshida4"), NO_BACK),
-    "a frame of loss by yoshida4": (lambda: advance(one_on(1, GEAR), State.at_start(RUBS, [1, 0]), 0.1, "yoshida4"), NO_BACK),
     "a frame of friction by yoshida4": (lambda: advance(RUBS, State.at_start(RUBS, [1, 0]), 0.1, "yoshida4"), NO_BACK),
     "too slow": (lambda: simulate(CHAIN, [1e-300, 0, 0, 0, 0]), RANGE),
     "too fast": (lambda: simulate(CHAIN, [1e308, 0, 0, 0, 0]), RANGE),
-    "too steep": (lambda: power_law(1, 1e300), RANGE),
-    "too flat": (lambda: power_law(1, 1e-300), RANGE),
     "too strong": (lambda: power_law(1e300, 0.1), RANGE),
     "too weak": (lambda: power_law(1e-300, 0.1), RANGE),
     "too light": (lambda: one_on(4, LAW, 1e-300), RANGE),
@@ -227,7 +193,6 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
         lambda: simulate(Chain([1] * 4, lambda d: d if d < 0.72 else math.nan), [0.5, 0.5, -0.5, -0.5], method="verlet"),
         "gave no number in the course of the motion",  # two beads press further than one alone would
     ),
-    "own law: a number": (lambda: simulate(Chain([1, 1], lambda d: math.nan), [1, 0], method="verlet"), "never stores|force nan"),
     "own law: a pull": (lambda: simulate(Chain([1, 1], lambda d: d - 0.1), [1, 0]), "the force -0.1 N .* only pushes"),
     "own law: a weak law": (lambda: simulate(Chain([1, 1], lambda d: math.exp(-d)), [9, 0]), "never stores the energy"),
     "own law: another energy": (
@@ -269,7 +234,6 @@ def test_what_is_not_refused_is_finite(method, seed):
 
 
 UNUSUAL = {
-    "millimetres for metres": (lambda: (one_on(3, draft_gear(770, 17.7), mass=0.396), [0.9, 0, 0, 0], {}), "in metres"),
     "a loose tolerance": (lambda: (CHAIN, START, {"tolerance": 2}), "a tolerance of 2 leaves the velocities open"),
     "a rough bed": (lambda: (Chain([1, 1], hertz(1e3), friction=20.0), [1, 0], {}), "a coefficient of friction of 20"),
 }
