@@ -9,14 +9,14 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from softcradle.physics import Chain, Trajectory, confirm, draft_gear, hertz, one_on, power_law, simulate
+from softcradle.physics import Chain, OwnLaw, Trajectory, confirm, draft_gear, hertz, one_on, power_law, simulate
 from softcradle.physics.confirm import confirmed, to_its_end
 from softcradle.physics.problem import Problem, Record
 from softcradle.physics.state import State
 from softcradle.physics.status import Status
 
 from softcradle import scenes
-from tests.helpers.relations import PROMISE, simulate_quietly
+from tests.helpers.relations import PROMISE, simulate_quietly, struck
 
 GROWN = 2000.0  # growth of errors that only finer runs confirm
 SWINGING = ((2, 16), (3, 14), (3, 24))  # one on n, alpha = 1 / this: a velocity of 1e-6 in the deepest contact
@@ -25,9 +25,9 @@ SWINGING = ((2, 16), (3, 14), (3, 24))  # one on n, alpha = 1 / this: a velocity
 @cache
 def by_scipy(n: int, softness: int) -> tuple[float, ...]:
     """Final velocities by a method that shares no kernel, which follows every swing."""
-    chain, velocity = one_on(n, power_law(1.0, 1.0 / softness)), np.eye(1, n + 1)[0]
-    end = simulate(chain, velocity, samples=2, method="radau", tolerance=1e-6).time[-1]
-    found = simulate(chain, velocity, float(end) + 0.01, method="scipy", tolerance=1e-9, samples=2)
+    chain = one_on(n, power_law(1.0, 1.0 / softness))
+    end = float(simulate(chain, struck(chain), samples=2, method="radau", tolerance=1e-6).time[-1])
+    found = simulate(chain, struck(chain), end + 0.01, method="scipy", tolerance=1e-9, samples=2)
     return tuple(found.final_velocity)
 
 
@@ -37,9 +37,9 @@ def by_scipy(n: int, softness: int) -> tuple[float, ...]:
 def test_swings_of_deep_contacts_are_kept(n: int, softness: int, method: str) -> None:
     """A step as long as a swing damps it, a little each time: errors were up to 160 times the tolerance."""
     truth = np.array(by_scipy(n, softness))
-    chain, velocity = one_on(n, power_law(1.0, 1.0 / softness)), np.eye(1, n + 1)[0]
+    chain = one_on(n, power_law(1.0, 1.0 / softness))
     for tolerance in 10.0 ** -np.arange(4.0, 11.0):
-        found = simulate(chain, velocity, samples=2, method=method, tolerance=tolerance)
+        found = simulate(chain, struck(chain), samples=2, method=method, tolerance=tolerance)
         assert np.abs(found.final_velocity - truth).max() < PROMISE * tolerance, tolerance
 
 
@@ -94,71 +94,71 @@ def hit(tolerance: float = 1e-6) -> Problem:
     return Problem(chain, State.at_start(chain, [1.0, 0.0, 0.0]), "accurate", None, tolerance=tolerance, samples=2)
 
 
-@pytest.fixture
-def other_runs(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[Problem], Record]], None]:
-    """A function: lets another one compute the runs that confirm."""
-    return lambda run: monkeypatch.setattr(confirm, "to_its_end", run)
-
-
 def grown(record: Record, growth: float) -> Record:
     """The record, had errors grown by so much."""
     return replace(record, growth=growth, velocity_error=growth / record.growth * record.velocity_error)
 
 
+@pytest.fixture
+def other_runs(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[float]]:
+    """A function: runs that confirm end like a record, its beads by `apart` [m/s] faster, after `steps`; their tolerances.
+
+    Both are asked for by the number of the run.
+    """
+
+    def like(record: Record, apart=lambda run: 0.0, steps=lambda run: None) -> list[float]:
+        tolerances: list[float] = []
+
+        def another(problem: Problem) -> Record:
+            tolerances.append(problem.tolerance)
+            end, run = record.end.copy(), len(tolerances)
+            faster = np.broadcast_to(apart(run), end.rate.size + 1)
+            end.anchor[1] += faster[0]
+            end.rate -= np.diff(faster)
+            return replace(record, end=end, steps=steps(run) or record.steps)
+
+        monkeypatch.setattr(confirm, "to_its_end", another)
+        return tolerances
+
+    return like
+
+
 @pytest.mark.parametrize("tolerance", 10.0 ** -np.arange(3.0, 12.5, 0.25))
 def test_every_run_that_confirms_is_finer(tolerance: float, other_runs) -> None:
     """Two runs as fine as each other agree, whatever both are off by: from 1e-8 the last two were both at 1e-13."""
-    problem = hit(tolerance)
-    first, tolerances = to_its_end(problem), [tolerance]
-
-    def another(finer: Problem) -> Record:
-        tolerances.append(finer.tolerance)
-        end = first.end.copy()
-        end.rate *= 1.0 + 0.1 * len(tolerances)
-        return replace(first, end=end)
-
-    other_runs(another)
-    assert confirmed(problem, grown(first, GROWN)).status == Status.UNDETERMINED
-    assert len(tolerances) > 1
-    assert all(finer < 0.5 * coarser for coarser, finer in pairwise(tolerances))
+    first = to_its_end(hit(tolerance))
+    tolerances = other_runs(first, apart=lambda run: 0.1 * run)
+    assert confirmed(hit(tolerance), grown(first, GROWN)).status == Status.UNDETERMINED
+    assert tolerances
+    assert all(finer < 0.5 * coarser for coarser, finer in pairwise([tolerance, *tolerances]))
 
 
 def test_a_finer_run_that_follows_more_confirms_nothing(other_runs) -> None:
     """A rattle that both a run and a finer one damp is followed by a still finer one: many more steps tell where that begins."""
-    first, steps = to_its_end(hit()), []
-
-    def another(_: Problem) -> Record:
-        steps.append([3, 4][len(steps)] * first.steps)
-        return replace(first, steps=steps[-1])
-
-    other_runs(another)
-    found = confirmed(hit(), grown(first, GROWN))
-    assert steps == [3 * first.steps, 4 * first.steps]
-    assert found.steps == first.steps + sum(steps)
+    first = replace(
+        to_its_end(hit()), growth=100.0, velocity_error=np.full(3, 0.1)
+    )  # one finer run of like steps is enough
+    tolerances = other_runs(first, steps=lambda run: (2 + run) * first.steps)
+    found = confirmed(hit(), first)
+    assert len(tolerances) == 2
+    assert found.steps == (1 + 3 + 4) * first.steps
     assert not found.warnings
 
 
 @pytest.mark.parametrize(("growth", "taken"), [(7.0, []), (500.0, [1e-5]), (2000.0, [1e-7, 1e-8])])
 def test_the_more_errors_grow_the_more_runs_confirm(growth: float, taken: list[float], other_runs) -> None:
     """None, a coarser one, two finer ones: with growth of 1e4, runs at 1e-8 and 1e-9 agreed to 1e-8 and were off by 1e-5."""
-    first, found = grown(to_its_end(hit()), growth), []
-    other_runs(lambda other: found.append(other.tolerance) or first)
+    first = grown(to_its_end(hit()), growth)
+    tolerances = other_runs(first)
     assert not confirmed(hit(), first).warnings
-    assert found == pytest.approx(taken)
+    assert tolerances == pytest.approx(taken)
 
 
 @pytest.mark.parametrize("apart", [4e-6, 6e-6])
 def test_a_coarser_run_that_ends_elsewhere_confirms_nothing(apart: float, other_runs) -> None:
     """It ends within five tolerances where the record is within the ten that are promised; else finer runs decide."""
-    first, tolerances = grown(to_its_end(hit()), 100.0), []
-
-    def another(other: Problem) -> Record:
-        tolerances.append(other.tolerance)
-        end = first.end.copy()
-        end.anchor[1] += apart * (other.tolerance > 1e-6)
-        return replace(first, end=end)
-
-    other_runs(another)
+    first = grown(to_its_end(hit()), 100.0)
+    tolerances = other_runs(first, apart=lambda run: apart * (run == 1))
     found = confirmed(hit(), first)
     assert tolerances == pytest.approx([1e-5] if apart < 5e-6 else [1e-5, 1e-7])
     assert (found.velocity_error > apart).all() == (apart < 5e-6)
@@ -167,44 +167,35 @@ def test_a_coarser_run_that_ends_elsewhere_confirms_nothing(apart: float, other_
 @pytest.mark.parametrize("growth", [100.0, GROWN])
 def test_what_one_bead_ends_alike_by_chance_is_not_known_better(growth: float, other_runs) -> None:
     """Of five runs of `mixed` 33 at 1e-4 the third bead ended within 5e-6 m/s in the last two, and was off by 1e-3."""
-    run, ends = to_its_end(hit()), []
+    run = to_its_end(hit())
     first = replace(run, growth=growth, velocity_error=0.0 * run.velocity_error)
-
-    def another(_: Problem) -> Record:
-        ends.append(first.end.copy())
-        ends[-1].rate[1] += 9e-7 * (-1) ** len(ends)  # the last bead alone, to and fro
-        return replace(first, end=ends[-1])
-
-    other_runs(another)
+    other_runs(first, apart=lambda run: [0.0, 0.0, -9e-7 * (-1) ** run])  # the last bead alone, to and fro
     assert confirmed(hit(), first).velocity_error.min() > 9e-7
-
-
-@pytest.mark.parametrize("mass", [[1.0] * 5, [2.0, 1.0, 2.0, 2.0], [1.0, math.inf, 1.0, math.inf]])
-def test_other_runs_keep_the_bead_whose_velocity_they_hold(mass: list[float]) -> None:
-    """Of equal beads another one became the heaviest, and the velocity of one was taken for that of the other."""
-    chain = Chain(mass, power_law(1.0, 0.5))
-    problem = Problem(chain, State.at_start(chain, np.zeros(len(mass))), "accurate", 1.0, tolerance=1e-6, samples=2)
-    for runs in range(4):
-        other = confirm._shaken_run(problem, 1e-5, runs).chain
-        assert other.anchor == chain.anchor
-        finite = np.isfinite(mass)
-        assert np.array(other.mass)[finite] == pytest.approx(np.array(mass)[finite], rel=3e-6)
 
 
 @pytest.mark.parametrize("tolerances", [0.3, 3.0, 30.0])
 def test_what_its_budget_leaves_unconfirmed_is_stated_with_more_doubt(tolerances: float, other_runs) -> None:
     """Runs that differ by three tolerances when the budget is spent may both be off by ten; with thirty there is a warning."""
     first, apart = to_its_end(hit()), 1e-6 * tolerances
-
-    def another(_: Problem) -> Record:
-        end = first.end.copy()
-        end.anchor[1] += apart
-        return replace(first, end=end, steps=10**9)
-
-    other_runs(another)
+    other_runs(first, apart=lambda run: apart, steps=lambda run: 10**9)
     found = confirmed(hit(), grown(first, GROWN))
     assert (found.status == Status.UNDETERMINED) == (tolerances > 10.0)
     assert (found.velocity_error > (10.0 if tolerances == 3.0 else 1.0) * apart).all()
+
+
+@pytest.mark.parametrize("mass", [[1.0] * 5, [2.0, 1.0, 2.0, 2.0], [1.0, math.inf, 1.0, math.inf]])
+def test_other_runs_keep_the_bead_whose_velocity_they_hold(mass: list[float]) -> None:
+    """Of equal beads another one became the heaviest, and the velocity of one was taken for that of the other.
+
+    Masses are shaken where a law is one's own.
+    """
+    chain = Chain(mass, OwnLaw(math.sqrt))
+    problem = Problem(chain, State.at_start(chain, np.zeros(len(mass))), "accurate", 1.0, tolerance=1e-6, samples=2)
+    for runs in range(4):
+        other = confirm._shaken_run(problem, 1e-5, runs).chain
+        assert other.anchor == chain.anchor
+        finite = np.isfinite(mass)
+        assert np.array(other.mass)[finite] == pytest.approx(np.array(mass)[finite], rel=3e-6)
 
 
 def test_the_end_of_a_motion_that_rattles_is_stated_no_finer_than_it_is_determined() -> None:
