@@ -1,5 +1,7 @@
 """Samples of a run to its end are taken from what it kept: the same motion as with a known duration, and no second run."""
 
+from unittest.mock import Mock
+
 import numpy as np
 import pytest
 from softcradle.physics import Chain, TimedForce, draft_gear, hertz, hooke, one_on, power_law
@@ -73,17 +75,12 @@ def test_the_reference_takes_its_samples_from_its_solution(name):
     [(fixed_step, "conserving", "power law"), (fixed_step, "verlet", "loss"), (pymunk_contacts, "pymunk", "power law")],
 )
 def test_samples_cost_no_second_run(module, method, name, monkeypatch):
-    runs, once = [], module._pass
-
-    def counted(*arguments):
-        runs.append(arguments[1])
-        return once(*arguments)
-
     chain, velocity = named(name)
     simulate_quietly(chain, velocity, method=method, samples=50)  # the first of a process loads kernels too
+    counted = Mock(wraps=module._pass)
     monkeypatch.setattr(module, "_pass", counted)
     assert len(simulate_quietly(chain, velocity, method=method, samples=50).time) == 50
-    assert runs == [np.inf]
+    assert [call.args[1] for call in counted.call_args_list] == [np.inf]
 
 
 @pytest.mark.parametrize("chain", ADAPTIVE.values(), ids=ADAPTIVE)
@@ -98,19 +95,15 @@ def test_adaptive_methods_take_samples_from_their_steps(chain):
 
 @pytest.mark.parametrize("chain", ADAPTIVE.values(), ids=ADAPTIVE)
 def test_samples_cost_no_second_run_of_an_adaptive_method(chain, monkeypatch):
-    runs, kernels, integrate = [], runner.TIERS["adaptive"], runner.integrate
+    kernels, counted, begun = runner.TIERS["adaptive"], Mock(wraps=runner.integrate), []
     kernels.load_made()  # each kernel is called once as it is loaded
-
-    def counted(span, resumed_and_pause, *rest):
-        runs.append(resumed_and_pause[0])
-        return integrate(span, resumed_and_pause, *rest)
-
     monkeypatch.setattr(runner, "integrate", counted)
     monkeypatch.setattr(kernels, "of", lambda kernel, work=0.0: kernel)
-    simulate_quietly(chain, struck(chain), samples=2, tolerance=1e-4)
-    before = len(runs)
-    simulate_quietly(chain, struck(chain), samples=50, tolerance=1e-4)
-    assert runs[before:].count(False) == runs[:before].count(False) > 0
+    for samples in (2, 50):
+        counted.reset_mock()
+        simulate_quietly(chain, struck(chain), samples=samples, tolerance=1e-4)
+        begun.append(sum(not resumed for _, (resumed, *_), *_ in [call.args for call in counted.call_args_list]))
+    assert begun[0] == begun[1] > 0
 
 
 @pytest.mark.parametrize("chain", ADAPTIVE.values(), ids=ADAPTIVE)

@@ -135,9 +135,8 @@ def test_every_run_that_confirms_is_finer(tolerance: float, other_runs) -> None:
 
 def test_a_finer_run_that_follows_more_confirms_nothing(other_runs) -> None:
     """A rattle that both a run and a finer one damp is followed by a still finer one: many more steps tell where that begins."""
-    first = replace(
-        to_its_end(hit()), growth=100.0, velocity_error=np.full(3, 0.1)
-    )  # one finer run of like steps is enough
+    # by so much one finer run of like steps is enough
+    first = replace(to_its_end(hit()), growth=100.0, velocity_error=np.full(3, 0.1))
     tolerances = other_runs(first, steps=lambda run: (2 + run) * first.steps)
     found = confirmed(hit(), first)
     assert len(tolerances) == 2

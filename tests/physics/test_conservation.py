@@ -14,12 +14,10 @@ from softcradle.physics.scales import contact_scales, default_step
 from tests.helpers import relations
 from tests.helpers.random_chains import random_dissipative
 from tests.helpers.relations import NAMES, PROMISE, fineness, ledger_error, momentum, simulate_quietly
-from tests.helpers.truth import ELASTIC, GEARS
 
 MIXED = Chain([1.0, 30.0, 0.2, 5.0, 1.0], [power_law(1.0, 0.1), hooke(3.0), draft_gear(2.0, 0.1), hertz(4.0)])
 MIXED_START = [1.0, 0.0, 0.5, 0.0, -1.0]
 EXPLICIT = [method.name for method in relations.FIXED_STEP if not method.set_valued]
-EXACT = [method.name for method in relations.FIXED_STEP if method.set_valued]
 
 
 @pytest.mark.parametrize("method", NAMES)
@@ -48,16 +46,6 @@ def test_explicit_energy_stays_bounded(method):
         assert state.overlap.min() > 0.0
     assert max(errors) < 0.25 * moving
     assert max(errors[100:]) < 1.5 * max(errors[:100]) + 1e-11 * start
-
-
-@pytest.mark.parametrize("truth", ELASTIC + GEARS, ids=lambda truth: truth.name)
-@pytest.mark.parametrize("step", [1e-3, 0.03, 0.5])
-@pytest.mark.parametrize("method", EXACT)
-def test_exact_energy_at_any_step(method, truth, step):
-    found = simulate(truth.chain, truth.start, 3 * truth.contact_time, method, step * truth.contact_time)
-    energy = found.kinetic_energy + found.contact_energy
-    assert np.abs(energy / energy[0] - 1.0).max() < 1e-11
-    assert momentum(truth.chain, found.final_velocity) == pytest.approx(momentum(truth.chain, truth.start), rel=1e-13)
 
 
 @pytest.mark.parametrize("method", NAMES)
@@ -123,15 +111,18 @@ def test_the_ledger_of_radau_closes_with_the_tolerance(seed):
     assert errors[1] < max(0.1 * errors[0], 1e-11)
 
 
+@pytest.fixture(scope="module")
+def finely():
+    return simulate(CHAIN, START, 0.2, "conserving", 1e-6)
+
+
 @pytest.mark.parametrize("method", ["radau", "accurate", "scipy"])
-def test_adaptive_methods_and_conserving_agree(method):
+def test_adaptive_methods_and_conserving_agree(method, finely):
     """Two ways that share no step."""
     found = simulate(CHAIN, START, 0.2, method, tolerance=1e-11)
-    other = simulate(CHAIN, START, 0.2, "conserving", 1e-6)
-    assert np.abs(found.position - other.position).max() < 2e-7
-    assert np.abs(found.velocity - other.velocity).max() < 1e-5
-    assert np.abs(found.absorbed_by_bed - other.absorbed_by_bed).max() < 1e-6
-    assert np.abs(found.absorbed_by_contacts - other.absorbed_by_contacts).max() < 1e-6
+    bounds = {"position": 2e-7, "velocity": 1e-5, "absorbed_by_bed": 1e-6, "absorbed_by_contacts": 1e-6}
+    for row, bound in bounds.items():
+        np.testing.assert_allclose(getattr(found, row), getattr(finely, row), rtol=0.0, atol=bound, err_msg=row)
     assert ledger_error(found) < 1e-10
     assert found.warnings == ()
 
@@ -144,12 +135,9 @@ def test_the_ledger_of_explicit_methods_closes_as_the_step_shrinks(method):
     assert errors[1] < 0.5 * errors[0] < 0.05
 
 
-def test_conserving_is_of_second_order_through_stops_and_reversals():
-    fine = simulate(CHAIN, START, 0.2, "conserving", 1e-6, samples=2)
-    errors = [
-        np.abs(simulate(CHAIN, START, 0.2, "conserving", step, samples=2).position[-1] - fine.position[-1]).max()
-        for step in (1.6e-3, 4e-4, 1e-4)
-    ]
+def test_conserving_is_of_second_order_through_stops_and_reversals(finely):
+    ends = [simulate(CHAIN, START, 0.2, "conserving", step, samples=2).position[-1] for step in (1.6e-3, 4e-4, 1e-4)]
+    errors = np.abs(np.array(ends) - finely.position[-1]).max(axis=1)
     assert errors[0] < 1e-4
     assert errors[2] < errors[0] / 40
 
