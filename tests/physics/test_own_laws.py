@@ -152,7 +152,6 @@ def test_kinds_mix_with_walls_drives_and_gaps(loss, friction):
 def test_a_preload_is_set_valued():
     found = solve(Chain([1.0] * 5, gear), START, method="conserving")
     assert found.final_velocity == pytest.approx([-0.6, 0.4, 0.4, 0.4, 0.4], abs=1e-9)  # nothing inside yields
-    assert OwnLaw(gear).preload == 2.0
 
 
 ONSETS = {
@@ -196,13 +195,23 @@ LAWS = {
 
 @pytest.mark.parametrize(("force", "energy"), LAWS.values(), ids=LAWS)
 def test_the_table_of_a_law_is_the_law_at_random_overlaps_of_all_sizes(force, energy):
-    table = OwnLaw(force).table
-    overlaps = 10.0 ** np.random.default_rng(1).uniform(-9.0, -1e-3, 2000)
+    """A missing energy is the integral of the force; slope and inverses are those of the table."""
+    law, draw = OwnLaw(force), np.random.default_rng(1)
+    table, overlaps = law.table, 10.0 ** draw.uniform(-9.0, -1e-3, 2000)
     errors = np.abs(table.values(table.force, overlaps) - [force(d) for d in overlaps.tolist()])
     assert (errors <= 1e-13 * table.values(table.force, np.minimum(1.5 * overlaps, 0.999))).all()
     large = overlaps[overlaps > 1e-2]  # below, the closed forms lose digits
-    assert table.values(table.energy, large) == pytest.approx([energy(d) for d in large.tolist()], rel=2e-12)
+    assert law.energy(large) == pytest.approx([energy(d) for d in large.tolist()], rel=2e-12)
+    few = [1e-3, 0.05, 0.1, 0.11, 0.3, 0.99]
+    assert law.energy(few) == pytest.approx([energy(d) for d in few], rel=2e-14)
     assert (np.diff(table.edge) > 0.0).all()
+    own = OwnLaws(np.zeros(1, dtype=np.int64), *kernel_records._tables((law,)))
+    for overlap in overlaps[overlaps > 1e-8][:50]:
+        assert own_inverse(own, own.force, 0, plain(own_force)(own, 0, overlap)) == pytest.approx(overlap, rel=1e-9)
+        assert own_inverse(own, own.energy, 0, plain(own_energy)(own, 0, overlap)) == pytest.approx(overlap, rel=1e-9)
+        digits = 1e-10 * force(overlap) / overlap  # that a difference of forces has
+        assert own_slope(own, 0, overlap) == pytest.approx(law.slope(overlap), rel=1e-5, abs=digits)
+    assert own_inverse(own, own.force, 0, 1e300) == math.inf
 
 
 def test_a_law_without_digits_is_taken_as_it_is():
@@ -212,29 +221,11 @@ def test_a_law_without_digits_is_taken_as_it_is():
     assert table.values(table.force, np.array([0.5])) == pytest.approx(math.sqrt(1.5) - 1.0, rel=1e-14)
 
 
-def test_a_missing_energy_is_the_integral_of_the_force():
-    for law, energy in LAWS.values():
-        overlaps = np.array([1e-3, 0.05, 0.1, 0.11, 0.3, 0.99])
-        assert OwnLaw(law).energy(overlaps) == pytest.approx([energy(d) for d in overlaps], rel=2e-14)
-
-
 def test_a_table_of_forces_takes_laws_for_numbers_and_for_arrays():
     for law in (lambda d: d**2, lambda d: math.pow(d, 2), lambda d: 0.0 if d < 0.0 else d**2):
         assert OwnLaw(law).force([[-1.0, 0.0], [0.5, 2.0]]).tolist() == [[0.0, 0.0], [0.25, 4.0]]
     assert OwnLaw(lambda d: 3.0).force([1.0, 2.0]).tolist() == [3.0, 3.0]
     assert OwnLaw(Power(2.0, 1.5)).overlap([2.0, 16.0]) == pytest.approx([1.0, 4.0])
-
-
-@pytest.mark.parametrize(("force", "energy"), LAWS.values(), ids=LAWS)
-def test_slope_and_inverse_of_a_table(force, energy):
-    law = OwnLaw(force)
-    own = OwnLaws(np.zeros(1, dtype=np.int64), *kernel_records._tables((law,)))
-    for overlap in 10.0 ** np.random.default_rng(2).uniform(-8.0, -1e-3, 50):
-        assert own_inverse(own, own.force, 0, plain(own_force)(own, 0, overlap)) == pytest.approx(overlap, rel=1e-9)
-        assert own_inverse(own, own.energy, 0, plain(own_energy)(own, 0, overlap)) == pytest.approx(overlap, rel=1e-9)
-        digits = 1e-10 * force(overlap) / overlap  # that a difference of forces has
-        assert own_slope(own, 0, overlap) == pytest.approx(law.slope(overlap), rel=1e-5, abs=digits)
-    assert own_inverse(own, own.force, 0, 1e300) == math.inf
 
 
 def test_a_file_holds_the_table_of_a_law(tmp_path):
