@@ -9,7 +9,7 @@ import pytest
 from softcradle.physics.contact import Contact, hooke, power_law
 from softcradle.physics.methods import METHODS, refusal_of
 
-from softcradle import Chain, Coupler, State, TimedForce, advance, ensemble, simulate, stable_step
+from softcradle import Chain, Coupler, TimedForce, simulate, stable_step
 from tests.helpers.relations import fineness
 
 CARRY = [method.name for method in METHODS if method.couplers]
@@ -121,24 +121,6 @@ def test_random_trains_move_as_the_reference_says(seed):
         assert (np.diff(run.absorbed_by_contacts) >= -1e-9 * scale).all()
     if not chain.dissipative:
         assert np.ptp(found[1].momentum - found[1].impulse) < 1e-9 * sum(chain.mass)
-
-
-def test_frames_and_ensembles_move_couplers_as_simulate_does():
-    chain, start = Chain([8e4] * 4, TRAIN, 0.01), [2.0, 0.0, 0.0, -1.0]
-    whole = simulate(chain, start, 0.5, "conserving", step=1e-3)
-    state = State.at_start(chain, start)
-    for _ in range(50):
-        advance(chain, state, 0.01, "conserving", step=1e-3)
-    np.testing.assert_allclose(state.velocity(chain), whole.final_velocity, atol=1e-9)
-    assert state.switches == sum(2 - math.isinf(opened) for spans in whole.contact_intervals for _, opened in spans)
-    (found,) = ensemble([chain], [start], 0.5, "conserving", step=1e-3)
-    np.testing.assert_array_equal(found.final_velocity, whole.final_velocity)
-
-
-@pytest.mark.parametrize("method", [method.name for method in METHODS if not method.couplers])
-def test_methods_that_take_no_couplers_say_so(method):
-    with pytest.raises(ValueError, match=r"takes contacts that only push.*not couplers: take 'accurate', 'conserving'"):
-        simulate(Chain([1.0, 1.0], TRAIN), [1.0, 0.0], 1.0, method)
 
 
 @pytest.mark.parametrize("method", ["auto", "accurate", "radau", "dop853"])

@@ -4,10 +4,8 @@ import os
 from dataclasses import replace
 from unittest.mock import Mock
 
-import numpy as np
-import pymunk
 import pytest
-from softcradle.physics import Chain, SoftChain, State, advance, hertz, kernel_tiers, one_on, power_law, simulate
+from softcradle.physics import Chain, State, advance, hertz, kernel_tiers, one_on, power_law, simulate
 from softcradle.physics.adaptive.runner import PLAIN_PAUSE
 from softcradle.physics.adaptive.runner import TIERS as ADAPTIVE
 from softcradle.physics.fixed_step.runner import TIERS
@@ -18,6 +16,8 @@ from softcradle.physics.pymunk_contacts import soft_chain
 
 from tests.helpers.own_process import python
 from tests.helpers.random_chains import random_collision
+from tests.helpers.relations import struck
+from tests.helpers.spaces import chain_row, run
 
 pytest.importorskip("numba")
 pytestmark = pytest.mark.skipif(not COMPILED, reason="nothing compiles here")
@@ -85,29 +85,25 @@ def live_frames():
     for _ in range(20):
         advance(chain, state, 0.1, "conserving")
         advance(chain, state, 0.01, "accurate")
-    return state.overlap.tobytes() + state.rate.tobytes()
+    return state.overlap.tolist(), state.rate.tolist()
 
 
 def long_row(method):
     n = 70
     laws = [power_law(1.0 + 0.01 * k, 0.1 + 0.02 * k) for k in range(n)]
     chain = Chain([1.0] * (n + 1), laws, [-0.01 * (k % 7) for k in range(n)])
-    state = State.at_start(chain, [1.0] + [0.0] * n)
-    for _ in range(3):
-        advance(chain, state, 0.02, method, step=1e-3)
-    found = simulate(chain, [1.0] + [0.0] * n, 0.02, method=method, step=1e-3, samples=3)
-    return np.concatenate((state.overlap, state.rate, found.overlap.ravel())).tolist()
+    state = State.at_start(chain, struck(chain))
+    advance(chain, state, 0.06, method, step=1e-3)
+    found = simulate(chain, struck(chain), 0.02, method=method, step=1e-3, samples=3)
+    return state.overlap.tolist(), state.rate.tolist(), found.overlap.tolist()
 
 
 def soft_chain_steps(loss):
-    space = pymunk.Space()
-    balls = [pymunk.Body(1.0, 1.0) for _ in range(4)]
+    space, balls, chain = chain_row(power_law(100.0, 1.5, loss), beads=4)
     for k, ball in enumerate(balls):
         ball.position = k, 0.1 * k * k
-    balls[0].velocity = 1.0, 0.0
-    space.add(*balls, *SoftChain(balls, power_law(100.0, 1.5, loss), [1.01, 1.04, 1.1]))
-    for _ in range(200):
-        space.step(1e-2)
+    chain.touching_distances = [1.01, 1.04, 1.1]
+    run(space, 1e-2, 200)
     return [tuple(ball.velocity) for ball in balls]
 
 
@@ -267,20 +263,22 @@ def test_kernels_of_other_versions_are_dropped_when_they_are_not_used(tmp_path, 
 
 @pytest.mark.slow
 def test_an_empty_cache_is_filled_behind(tmp_path):
-    script = (
-        "import os\n"
-        "from softcradle import one_on, power_law, simulate\n"
-        "from softcradle.physics.adaptive.runner import TIERS\n"
-        "KERNELS = TIERS['adaptive']\n"
-        "from softcradle.physics.kernel_tiers import YIELDING\n"
-        "KERNELS.compile_behind(YIELDING)\n"
-        "print(KERNELS.in_memory, simulate(one_on(4, power_law(1, .1)), [1, 0, 0, 0, 0]).final_velocity.tolist())\n"
-        "while os.name == 'posix' and os.getpriority(os.PRIO_PROCESS, KERNELS._process.pid) < YIELDING:\n"
-        "    pass\n"  # a process that never yields to frames is gone in the end, an error
-        "KERNELS.wait()\n"
-        "KERNELS.load_made()\n"
-        "print(KERNELS.in_memory, simulate(one_on(4, power_law(1, .1)), [1, 0, 0, 0, 0]).final_velocity.tolist())\n"
-    )
+    script = """
+import os
+from softcradle import one_on, power_law, simulate
+from softcradle.physics.adaptive.runner import TIERS
+from softcradle.physics.kernel_tiers import YIELDING
+kernels = TIERS["adaptive"]
+def tell():
+    print(kernels.in_memory, simulate(one_on(4, power_law(1, .1)), [1, 0, 0, 0, 0]).final_velocity.tolist())
+kernels.compile_behind(YIELDING)
+tell()
+while os.name == "posix" and os.getpriority(os.PRIO_PROCESS, kernels._process.pid) < YIELDING:
+    pass  # a process that never yields to frames is gone in the end, an error
+kernels.wait()
+kernels.load_made()
+tell()
+"""
     done = python("-c", script, NUMBA_CACHE_DIR=str(tmp_path))
     before, after = (line.split(" ", 1) for line in done.stdout.splitlines())
     assert (before[0], after[0]) == ("False", "True")

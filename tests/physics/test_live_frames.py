@@ -65,11 +65,17 @@ def test_a_run_whose_budget_ends_between_changes_of_friction_reaches_its_end(cha
 HIT = Chain(np.ones(4), [hertz(50.0)] * 3, gap=(0.013, 0.0, 0.021))
 BRAKED = Chain(np.ones(4), [Contact(0.0, 50.0, 1.5, loss=0.3)] * 3, gap=(0.013, 0.0, 0.021), friction=0.02)
 PUSHED = replace(HIT, forces=(TimedForce(0, (0.1, 0.3), (0.0, 0.5)),))
+COUPLED = replace(HIT, contact=(Coupler(hertz(50.0), pull=hooke(9.0), slack=0.05),) * 3)
 
 
 @pytest.mark.parametrize(
     ("method", "chain"),
-    [(one.name, chain) for one in METHODS for chain in (HIT, BRAKED, PUSHED) if not refusal_of(one.name, chain)],
+    [
+        (one.name, chain)
+        for one in METHODS
+        for chain in (HIT, BRAKED, PUSHED, COUPLED)
+        if not refusal_of(one.name, chain)
+    ],
 )
 def test_frames_hand_out_the_switches_of_the_whole_motion(method, chain):
     start, step = np.eye(1, 4)[0], None if find_method(method).adaptive else 1e-3

@@ -132,17 +132,6 @@ def test_without_a_duration_it_ends_when_forces_and_contacts_do():
         simulate(FREE, [0.0, 0.0])
 
 
-@pytest.mark.parametrize("method", [one for one in METHODS if one.name != "scipy"], ids=lambda method: method.name)
-def test_frames_of_live_use_are_the_motion(method):
-    whole = simulate(RAMPED, [0.0, 0.0], 1.0, **settings(method))
-    state = State.at_start(RAMPED, [0.0, 0.0])
-    for _ in range(50):
-        advance(RAMPED, state, 0.02, **settings(method))
-    assert state.time == pytest.approx(1.0)
-    assert state.velocity(RAMPED)[0] == pytest.approx(whole.final_velocity[0], abs=2e-4)
-    assert state.given[0] == pytest.approx(whole.driven[-1], rel=1e-3)
-
-
 def test_contacts_that_stay_closed_over_a_knot_switch_once():
     chain = Chain([1.0, 1.0, math.inf], draft_gear(50.0, 0.1), forces=TimedForce(0, [0.0, 0.3, 0.3], [9.0, 9.0, 8.0]))
     found = simulate(chain, [0.0, 0.0, 0.0], 0.6, method="radau")

@@ -100,8 +100,10 @@ CASES = {
         [0.0, 0.0, -0.4], 1.5, 2e-3, EXPLICIT,
     ),
 }  # fmt: skip
-SEVERAL = ("hertz with gaps", "gears on straws", "between walls", "loss and friction in a mixed chain")
-MORE = (*SEVERAL, "a ball that bounces to rest", "laws of one's own")
+MOVED_LIVE = (
+    "hertz with gaps", "gears on straws", "between walls", "loss and friction in a mixed chain", "a ball that bounces to rest",
+    "laws of one's own", "a wagon train", "a force that comes and goes",
+)  # fmt: skip
 
 
 def solved(case, method):
@@ -157,15 +159,6 @@ def test_every_corner_is_passed_as_the_reference_does(name, method):
         assert [min(end, found.time[-1]) for _, end in one] == pytest.approx(ends, abs=1e-3)
 
 
-@pytest.mark.parametrize("method", KERNELS)
-@pytest.mark.parametrize("name", [*SEVERAL, "two gears on two"])
-def test_adaptive_methods_end_alike(name, method):
-    case = CASES[name]
-    found, other = solved(case, method), solved(case, "conserving" if method == "accurate" else "accurate")
-    nearly = 0.02 if method == "accurate" else 30.0 * TOLERANCE  # conserving is of second order
-    assert found.final_velocity == pytest.approx(other.final_velocity, abs=nearly)
-
-
 @pytest.mark.parametrize("exponent", [2.5, 3.0])
 def test_contacts_that_stiffen_open_when_the_finest_steps_say(exponent):
     """Their force fades before they open, so the time of it is sought by steps of the method itself."""
@@ -177,7 +170,7 @@ def test_contacts_that_stiffen_open_when_the_finest_steps_say(exponent):
             assert np.array(one) == pytest.approx(np.array(other), abs=1e-3)
 
 
-@pytest.mark.parametrize(("name", "method"), runs(MORE, (*KERNELS, "conserving", "verlet", "pymunk")))
+@pytest.mark.parametrize(("name", "method"), runs(MOVED_LIVE, (*METHODS, "pymunk")))
 def test_frames_go_where_the_whole_run_goes(name, method):
     """Live use moves a state by a fiftieth of a second at a time: twenty fixed steps, which are those of the whole run."""
     case = CASES[name]
@@ -187,31 +180,28 @@ def test_frames_go_where_the_whole_run_goes(name, method):
         advance(case.chain, state, 0.02, method, **finer)
     whole = simulate_quietly(case.chain, case.velocity, 0.2, method, samples=2, **finer)
     assert state.time == pytest.approx(0.2)
-    # a contact of "between walls" closes at 0.2 s: within a step of pymunk, by round-off
-    allowed = 1e-3 if method == "pymunk" else 1e-6 if "step" in finer else 30.0 * TOLERANCE
+    # a contact of "between walls" closes at 0.2 s: within a step of the first order, by round-off
+    allowed = 1e-3 if method in ("pymunk", "euler") else 1e-6 if "step" in finer else 30.0 * TOLERANCE
     assert state.velocity(case.chain) == pytest.approx(whole.final_velocity, abs=allowed)
     absorbed = whole.absorbed_by_contacts[-1], whole.absorbed_by_bed[-1]
     assert state.absorbed == pytest.approx(absorbed, rel=1e-6 if "step" in finer else 1e-4, abs=1e-6)
     assert state.copy().absorbed.tolist() == state.absorbed.tolist()
+    if case.chain.timed:
+        assert state.given == pytest.approx(whole.given[-1], rel=1e-3, abs=1e-9)
 
 
 @pytest.mark.parametrize("method", KERNELS)
-@pytest.mark.parametrize("seed", [1, 2, 5, 8])
-def test_random_motions_on_a_bed_keep_their_ledger(seed, method):
-    chain, velocity = random_dissipative(seed, 4)
-    found = simulate_quietly(chain, velocity, 0.3, method, samples=SAMPLES, tolerance=TOLERANCE)
+@pytest.mark.parametrize(
+    ("make", "seed", "duration"),
+    [*((random_dissipative, seed, 0.3) for seed in (1, 2, 5, 8)), *((random_collision, seed, 1.0) for seed in (0, 1, 2, 4, 5))],
+)  # fmt: skip
+def test_random_motions_keep_their_ledger(make, seed, duration, method):
+    chain, velocity = make(seed, 4)
+    found = simulate_quietly(chain, velocity, duration, method, samples=SAMPLES, tolerance=TOLERANCE)
     assert_sound(found)
     assert ledger_error(found) < 100.0 * TOLERANCE
-
-
-@pytest.mark.parametrize("method", KERNELS)
-@pytest.mark.parametrize("seed", [0, 1, 2, 4, 5])
-def test_random_collisions_keep_energy_and_momentum(seed, method):
-    chain, velocity = random_collision(seed, 4)
-    found = simulate_quietly(chain, velocity, 1.0, method, samples=SAMPLES, tolerance=TOLERANCE)
-    assert_sound(found)
-    assert_momentum(found, velocity, TOLERANCE)
-    assert ledger_error(found) < 100.0 * TOLERANCE
+    if not chain.on_bed:
+        assert_momentum(found, velocity, TOLERANCE)
 
 
 def test_deep_forces_grow_smoothly_from_the_first_moment():

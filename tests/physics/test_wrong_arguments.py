@@ -146,6 +146,7 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     ),
     "couplers as power laws": (lambda: TRAIN.parameters, "contact 0-1 is a coupler: this takes"),
     "a coupler for a body": (lambda: SoftContact(*BODIES[:2], (0, 0), (0, 0), 1, TRAIN.contact[0]), "a coupler pulls"),
+    "couplers by pymunk": (lambda: simulate(TRAIN, [1, 0], 1.0, "pymunk"), "not couplers: take 'accurate', 'conserving'"),
     "loss by yoshida4": (lambda: simulate(one_on(1, GEAR), [1, 0], method="yoshida4"), NO_BACK),
     "a frame of friction by yoshida4": (lambda: advance(RUBS, State.at_start(RUBS, [1, 0]), 0.1, "yoshida4"), NO_BACK),
     "too slow": (lambda: simulate(CHAIN, [1e-300, 0, 0, 0, 0]), RANGE),
