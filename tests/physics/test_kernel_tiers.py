@@ -1,6 +1,7 @@
-"""Two tiers of kernels: the same digits, whichever runs, and nobody waits for what plain Python does at once."""
+"""Two tiers of kernels: the same digits, whichever runs, nobody waits for what plain Python does; compiling is told of."""
 
 import os
+import subprocess
 from dataclasses import replace
 from unittest.mock import Mock
 
@@ -9,11 +10,12 @@ from softcradle.physics import Chain, State, advance, hertz, kernel_tiers, one_o
 from softcradle.physics.adaptive.runner import PLAIN_PAUSE
 from softcradle.physics.adaptive.runner import TIERS as ADAPTIVE
 from softcradle.physics.fixed_step.runner import TIERS
-from softcradle.physics.kernel_tiers import KernelTiers, plain
+from softcradle.physics.kernel_tiers import FIRST, KernelTiers, plain
 from softcradle.physics.numerics import kernel_cache
 from softcradle.physics.numerics.float_bits import COMPILED
 from softcradle.physics.pymunk_contacts import soft_chain
 
+from softcradle import warm
 from tests.helpers.own_process import python
 from tests.helpers.random_chains import random_collision
 from tests.helpers.relations import struck
@@ -285,3 +287,42 @@ tell()
     assert before[1] == after[1]
     waits = "waiting for kernels"  # on a busy machine
     assert [line for line in done.stderr.splitlines() if not line.startswith(waits)] == []
+
+
+CRADLE = "import softcradle as s\ns.simulate(s.one_on(1, s.power_law(1, 1)), [1, 0], method='verlet')"
+
+
+def in_a_new_cache(folder, *arguments: str, **more: str) -> subprocess.CompletedProcess[str]:
+    cache = {"NUMBA_CACHE_DIR": str(folder / "kernels"), "SOFTCRADLE_CACHE": str(folder), **more}
+    return python(*arguments, **cache)
+
+
+@pytest.mark.slow
+def test_first_use_that_compiles_says_so_and_the_second_has_nothing_to_say(tmp_path):
+    first = in_a_new_cache(tmp_path, "-c", CRADLE, SOFTCRADLE_COMPILE="first")
+    assert first.stderr.count(FIRST) == 1
+    assert in_a_new_cache(tmp_path, "-c", CRADLE).stderr == ""
+
+
+@pytest.mark.slow
+def test_the_command_says_it_too_unless_quiet(tmp_path):
+    scene = ("-m", "softcradle", "run", "hertz-cradle", "--method", "verlet", "--step", "1e-3", "--duration", "0.1")
+    first = in_a_new_cache(tmp_path, *scene, SOFTCRADLE_COMPILE="first")
+    assert first.stderr.splitlines()[0] == f"softcradle: {FIRST}"
+    assert FIRST not in in_a_new_cache(tmp_path / "other", *scene, "-q", SOFTCRADLE_COMPILE="first").stderr
+
+
+def test_warm_takes_names():
+    warm("verlet")
+    warm(["euler", "SoftChain"])
+    with pytest.raises(ValueError, match="did you mean 'verlet'"):
+        warm("verlt")
+
+
+def test_warm_loads_the_kernels_of_batches(monkeypatch):
+    loaded = []
+    monkeypatch.setattr(KernelTiers, "load", lambda kernels: loaded.append(kernels.name))
+    warm("ensemble_ends")
+    assert set(loaded) == {"batch-march", "batch-adaptive"}
+    warm()
+    assert {"batch-adaptive", "adaptive", "fixed-step"} <= set(loaded)
