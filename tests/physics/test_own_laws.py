@@ -1,13 +1,12 @@
 """Laws of one's own: the same motions as power laws by the same force, conserved, checked against the reference."""
 
 import math
-import warnings
 from dataclasses import dataclass
 
 import numpy as np
 import pytest
 from softcradle.physics import Contact, kernel_records
-from softcradle.physics.contact import draft_gear, hertz, hooke, power_law, step_force
+from softcradle.physics.contact import hertz, hooke, power_law, step_force
 from softcradle.physics.kernel_tiers import plain
 from softcradle.physics.numerics.own_contacts import OwnLaws, own_energy, own_force, own_inverse, own_slope
 from softcradle.physics.simulation import solve
@@ -118,10 +117,8 @@ def test_the_automatic_method_takes_laws_of_ones_own():
 
 
 CONSERVED = {
-    "exponential": Toda(3.0),
+    **{name: OWN_SHAPES[name] for name in ("exponential", "two slopes", "cubic with a preload")},
     "soft": Power(1.0, 0.1),
-    "two slopes": two_slopes,
-    "gear": gear,
     "no formula of numbers": OwnLaw(lambda d: {"grows": math.expm1(d)}["grows"], Toda(1.0).energy),
 }
 
@@ -129,24 +126,11 @@ CONSERVED = {
 @pytest.mark.parametrize("law", CONSERVED.values(), ids=CONSERVED)
 @pytest.mark.parametrize("step", [3e-2, 0.3])
 def test_energy_and_momentum_are_conserved_at_any_step(law, step):
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # of a step too long for the contact: energy holds all the same
-        found = simulate(one_on(4, law), START, duration=4.0, method="conserving", step=step, samples=41)
+    # with a warning of a step too long for the contact: energy holds all the same
+    found = solve(one_on(4, law), START, duration=4.0, method="conserving", step=step, samples=41)
     assert np.ptp(found.ledger) < 1e-12 * found.ledger[0]
     assert np.ptp(found.momentum) < 1e-13
     assert not any("converge" in warning.sentence for warning in found.warnings)
-
-
-@pytest.mark.parametrize(("loss", "friction"), [(0.0, 0.0), (0.4, 0.05)])
-def test_kinds_mix_with_walls_drives_and_gaps(loss, friction):
-    laws = [Toda(3.0), hertz(2.0, loss), draft_gear(3.0, 0.2), two_slopes]
-    gap, drive = [0.0, 0.1, -0.05, 0.0], [0.5, 0, 0, 0, 0]
-    chain = Chain([1.0, 2.0, 1.0, 1.0, math.inf], laws, gap, drive, friction)
-    wanted = solve(chain, START, 3.0, "scipy")
-    for method, nearly, closes in (("conserving", 1e-4, 1e-12), ("accurate", 1e-6, 1e-7)):
-        found = solve(chain, START, 3.0, method)
-        assert found.final_velocity == pytest.approx(wanted.final_velocity, abs=nearly)
-        assert np.ptp(found.ledger) < closes * found.ledger[0]
 
 
 def test_a_preload_is_set_valued():
@@ -155,12 +139,10 @@ def test_a_preload_is_set_valued():
 
 
 ONSETS = {
+    **{name: (own, (law.preload, law.stiffness, law.exponent)) for name, (own, law) in PAIRS.items()},
     "exponential": (Toda(3.0), (0.0, 3.0, 1.0)),
-    "soft": (Power(2.0, 1 / 30), (0.0, 2.0, 1 / 30)),
-    "hertz": (Power(2.0, 1.5), (0.0, 2.0, 1.5)),
-    "gear": (gear, (2.0, 3.0, 1.0)),
-    "soft gear": (lambda overlap: 0.01 + 3.0 * overlap ** (1 / 30), (0.01, 3.0, 1 / 30)),
-    "step": (lambda overlap: 2.0, (2.0, 0.0, 1.0)),
+    "cubic with a preload": (gear, (2.0, 3.0, 1.0)),
+    "softest gear": (lambda overlap: 0.01 + 3.0 * overlap ** (1 / 30), (0.01, 3.0, 1 / 30)),
     "a dead zone": (lambda overlap: max(0.0, overlap - 0.01), (0.0, 0.0, 1.0)),
 }
 
@@ -264,8 +246,6 @@ def test_explicit_methods_know_their_limit():
 
 def test_results_show_themselves(tmp_path):
     found = solve(Chain([1.0] * 3, Toda(3.0)), START[:3], method="verlet", step=0.05)
-    found.to_csv(tmp_path / "x.csv")
-    assert (tmp_path / "x.csv").stat().st_size > 1000
     assert repr(found.chain) == "Chain(mass=3 x 1.0, contact=2 x OwnLaw(Toda))"
     assert "Toda(overlap)" in html_of(found.chain)
     assert found.film(size=(320, 180)).data[4:8] == b"ftyp"

@@ -25,6 +25,8 @@ def test_samples_are_even_and_agree_with_each_other(method):
     assert found.overlap.shape == found.rate.shape == found.force.shape == (50, 4)
     assert found.anchor.shape == (50, 2)
     assert len(found.contact_intervals) == 4
+    for intervals, pushes in zip(found.contact_intervals, found.force[-1] > 0.0, strict=True):
+        assert (intervals[-1][1] == math.inf) == pushes
     assert found.method == method
     assert found.seconds > 0.0
     assert found.evaluations >= 1
@@ -45,15 +47,10 @@ def test_given_sample_times_are_those(method):
     assert found.time.tolist() == times
     assert found.position[1].tolist() == found.position[2].tolist()
     fine = simulate(CRADLE, START, 2.0, method, samples=2001)
+    assert found.final_velocity.tolist() == fine.final_velocity.tolist()  # samples leave the path alone
     for k, time in enumerate(times):  # a sample lies on the path through its neighbours
         expected = [np.interp(time, fine.time, fine.position[:, i]) for i in range(5)]
         assert found.position[k] == pytest.approx(expected, abs=2e-5)
-
-
-@pytest.mark.parametrize("method", NAMES)
-def test_samples_leave_the_path_alone(method):
-    ends = [simulate(CRADLE, START, 2.0, method, samples=s).final_velocity for s in (2, 37, [0.5, 1.234])]
-    assert ends[0].tolist() == ends[1].tolist() == ends[2].tolist()
 
 
 @pytest.mark.parametrize("method", NAMES)
@@ -109,13 +106,6 @@ def test_free_flight_costs_no_steps_worth_mentioning(method):
 
 
 @pytest.mark.parametrize("method", NAMES)
-def test_intervals_tell_when_a_contact_opened_for_good(method):
-    found = simulate(one_on(1, hooke(1.0)), [1.0, 0.0], method=method)
-    assert found.contact_intervals[0][0] == pytest.approx((0.0, math.pi / math.sqrt(2)), abs=0.01)
-    assert simulate(one_on(1, hooke(1.0)), [1.0, 0.0], 1.0, method).contact_intervals[0][0][1] == math.inf
-
-
-@pytest.mark.parametrize("method", NAMES)
 def test_advance_is_simulate(method):
     chain = Chain([1.0, 2.0, 1.0, 0.5], [hertz(1.0), hooke(2.0), power_law(1.0, 0.5)], [0.0, 0.1, 0.0])
     start = [1.0, 0.0, 0.0, -0.5]
@@ -123,11 +113,11 @@ def test_advance_is_simulate(method):
     for _ in range(8):
         advance(chain, state, 0.25, method, **fineness(method, 2**-10))
     found = simulate(chain, start, 2.0, method, samples=2, **fineness(method, 2**-10))
-    exact = [m.name for m in LIVE]
+    allowed = 1e-13 if method in [one.name for one in LIVE] else 1e-8
     assert state.time == 2.0
-    assert state.velocity(chain) == pytest.approx(found.velocity[-1], abs=1e-13 if method in exact else 1e-8)
-    assert state.position(chain) == pytest.approx(found.position[-1], abs=1e-13 if method in exact else 1e-8)
-    assert state.force == pytest.approx(found.force[-1], abs=1e-12 if method in exact else 1e-7)
+    assert state.velocity(chain) == pytest.approx(found.velocity[-1], abs=allowed)
+    assert state.position(chain) == pytest.approx(found.position[-1], abs=allowed)
+    assert state.force == pytest.approx(found.force[-1], abs=10.0 * allowed)
 
 
 @pytest.mark.parametrize("method", [method.name for method in LIVE])

@@ -32,10 +32,9 @@ def impedance(truth, bound):
     The slope is that at the overlap, or at its error where that is larger.
     """
     _, stiffness, exponent = truth.chain.parameters.law.T
-    inverse_mass = truth.chain.parameters.inverse_mass
     overlap = np.maximum(np.abs(truth.overlap), bound * truth.largest_overlap)
     slope = exponent * stiffness * overlap ** (exponent - 1.0)
-    return np.sqrt(slope / (inverse_mass[:-1] + inverse_mass[1:]))
+    return np.sqrt(slope / truth.chain.inverse_reduced_mass)
 
 
 @pytest.mark.parametrize("truth", CASES, ids=lambda truth: truth.name)
