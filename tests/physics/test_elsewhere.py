@@ -1,30 +1,60 @@
-"""Tests in processes of their own: no digit depends on the processor, the C library or compiled kernels; kernels one by one.
+"""Determinism: the same digits run for run, whatever the processor and the C library; kernels one by one.
 
 As plain Python these are in a process of their own: compiled, each would be compiled for its test alone.
 """
 
+import json
+
+import numpy as np
 import pytest
 from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
 
+from tests.helpers.digests import FILE, NOT_OURS, digest, motions, runs, solved, states
 from tests.helpers.own_process import python
 from tests.helpers.paths import ROOT, plain_files
 from tests.helpers.plain_kernels import COMPILED
 
+RECORDED = json.loads(FILE.read_text())
+DIGITS = [f"test_elsewhere.py::test_digits_{those}_recorded" for those in ("are_those", "of_random_runs_are_those")]
 VECTORS = " ".join(name for name in __cpu_dispatch__ if __cpu_features__[name])  # that NumPy may use, by its own names
 PLACES = {
     "a C library without vector instructions": (
         {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4", "NPY_DISABLE_CPU_FEATURES": VECTORS},
-        ("test_digests.py",),
+        DIGITS,
     ),
     "a processor without the instructions of this one": (
         {"NUMBA_CPU_NAME": "generic", "OPENBLAS_CORETYPE": "Prescott", "SOFTCRADLE_COMPILE": "first"},
-        ("test_digests.py", "numerics/test_exact_matrices.py"),
+        [*DIGITS, "numerics/test_exact_matrices.py"],
     ),
     "plain Python": (
         {"NUMBA_DISABLE_JIT": "1"},
-        ("adaptive/test_first_root.py", "adaptive/test_yield_or_slip.py", "test_contact.py", "test_chain.py"),
+        ["adaptive/test_first_root.py", "adaptive/test_yield_or_slip.py", "test_contact.py", "test_chain.py"],
     ),
 }
+
+
+def test_every_motion_and_every_run_has_a_digest():
+    assert set(RECORDED) == {name for name, *_ in (*motions(), *runs())}
+
+
+def test_digits_of_random_runs_are_those_recorded():
+    ours = [(name, rest) for name, *rest in runs() if rest[-1] not in NOT_OURS]
+    assert [name for name, rest in ours if solved(*rest) != RECORDED[name]] == []
+
+
+@pytest.mark.parametrize(
+    ("name", "chain", "velocity", "method"), list(motions()), ids=lambda value: value if isinstance(value, str) else ""
+)
+def test_digits_are_those_recorded(name, chain, velocity, method):
+    again = digest(states(chain, velocity, method)) if method in NOT_OURS else RECORDED[name]
+    assert digest(states(chain, velocity, method)) == again
+
+
+def test_a_last_digit_changes_a_digest():
+    rows = np.linspace(0.1, 1.0, 60).reshape(12, 5)
+    assert (
+        len({digest(rows), *(digest(np.nextafter(rows, rows + step)) for step in np.eye(60).reshape(60, 12, 5))}) == 61
+    )
 
 
 def passed(names, **variables):
