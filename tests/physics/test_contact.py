@@ -123,11 +123,6 @@ def test_bad_numbers_are_refused_in_a_sentence(make, sentence):
         make()
 
 
-@pytest.mark.parametrize("exponent", [1e-6, 10.0])
-def test_the_limits_of_an_exponent_are_allowed(exponent):
-    assert Contact(0.0, 2.0, exponent).force(1.0) == 2.0
-
-
 def test_a_contact_is_closed_if_it_overlaps_or_pushes_or_pulls():
     overlap = [-1.0, -1.0, 0.0, 0.0, 0.5, 0.5, 0.0]
     force = [0.0, -4.0, 0.0, 0.5, 0.0, 0.5, -0.5]
