@@ -16,7 +16,11 @@ CRADLE = one_on(4, hertz(1.0))
 START = [1.0, 0.0, 0.0, 0.0, 0.0]
 
 
-@pytest.mark.parametrize("method", NAMES)
+@pytest.fixture(params=NAMES)
+def method(request):
+    return request.param
+
+
 def test_samples_are_even_and_agree_with_each_other(method):
     found = simulate(CRADLE, START, 3.0, method, samples=50)
     assert found.time == pytest.approx(np.linspace(0.0, 3.0, 50), abs=1e-15)
@@ -40,7 +44,6 @@ def test_samples_are_even_and_agree_with_each_other(method):
     assert found.contact_energy == pytest.approx(stored.sum(axis=1))
 
 
-@pytest.mark.parametrize("method", NAMES)
 def test_given_sample_times_are_those(method):
     times = [0.0, 0.1, 0.1, 0.7123456, 1.5]
     found = simulate(CRADLE, START, 2.0, method, samples=times)
@@ -53,7 +56,6 @@ def test_given_sample_times_are_those(method):
         assert found.position[k] == pytest.approx(expected, abs=2e-5)
 
 
-@pytest.mark.parametrize("method", NAMES)
 def test_without_a_duration_it_runs_until_all_are_apart(method):
     found = simulate(CRADLE, START, method=method)
     assert separating(found.final_velocity, 1e-9)
@@ -69,7 +71,6 @@ def test_without_a_duration_it_runs_until_all_are_apart(method):
     assert longer.final_velocity == pytest.approx(found.final_velocity, abs=1e-12)
 
 
-@pytest.mark.parametrize("method", NAMES)
 def test_what_takes_no_time_is_the_start(method):
     """A duration of zero, beads that part, and a frame of zero."""
     found = simulate(CRADLE, START, 0.0, method, samples=2)
@@ -84,7 +85,6 @@ def test_what_takes_no_time_is_the_start(method):
     assert state.time == 0.0
 
 
-@pytest.mark.parametrize("method", NAMES)
 def test_a_gap_is_flown_through_freely(method):
     chain = Chain([1.0, 1.0], hertz(1.0), 100.0)
     found = simulate(chain, [0.5, 0.0], method=method, samples=[0.0, 100.0, 199.0], duration=210.0)
@@ -105,7 +105,6 @@ def test_free_flight_costs_no_steps_worth_mentioning(method):
     assert far.final_velocity == pytest.approx(near.final_velocity, abs=1e-4)
 
 
-@pytest.mark.parametrize("method", NAMES)
 def test_advance_is_simulate(method):
     chain = Chain([1.0, 2.0, 1.0, 0.5], [hertz(1.0), hooke(2.0), power_law(1.0, 0.5)], [0.0, 0.1, 0.0])
     start = [1.0, 0.0, 0.0, -0.5]
