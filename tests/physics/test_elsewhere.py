@@ -56,6 +56,31 @@ def test_a_last_digit_changes_a_digest():
     assert len({digest(rows), *map(digest, others)}) == 61
 
 
+MOVE_A_CONSTANT = """
+from tests.helpers.digests import digest, motions, states
+import importlib
+room = importlib.import_module("softcradle.physics.{module}")
+if {moved}:
+    room.{name} = room.{name} * (1.0 + 1e-15)
+chosen = {{name: rest for name, *rest in motions()}}["one-on-four/{method}"]
+print(digest(states(*chosen)))
+"""
+
+
+@pytest.mark.parametrize(
+    ("module", "name", "method"),
+    [("adaptive.step_control", "SAFETY", "accurate"), ("adaptive.adaptive_loop", "TOLERANCE_PART", "radau")],
+)
+def test_a_constant_that_moves_by_its_last_digits_changes_a_digest(module, name, method):
+    """By one part in 1e15, in a process whose kernels are plain Python, so that the constant can be replaced."""
+
+    def told(moved):
+        script = MOVE_A_CONSTANT.format(module=module, name=name, method=method, moved=moved)
+        return python("-c", script, NUMBA_DISABLE_JIT="1").stdout.split()[-1]
+
+    assert told(True) != told(False)
+
+
 def passed(names, **variables):
     """What pytest says of files of tests, all of which pass, in a process with these variables."""
     words = ("-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", *map(str, names))
