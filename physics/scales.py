@@ -21,7 +21,7 @@ ROUND_OFF = 16.0 * float(np.finfo(np.float64).eps)  # of that, now or by forces 
 # [m] of contacts that are computed: with powers of them, floats end not far beyond
 LEAST_DEPTH, MOST_DEPTH = 1e-60, 1e25
 # of a default step: in the shortest contact time; at the least, in the time in which bed friction stops a bead
-STEPS_A_CONTACT, STEPS_A_STOP = 1000, 100
+DEFAULT_STEPS_A_CONTACT, DEFAULT_STEPS_A_STOP = 1000, 100
 
 
 def closing_speed(velocity: ArrayLike) -> float:
@@ -216,11 +216,11 @@ def default_step(chain: Chain, velocity: ArrayLike) -> float:
 
     With bed friction or brakes it is at most a hundredth of the time in which they stop a bead.
     """
-    shortest = float(contact_scales(chain, velocity)[1].min()) / STEPS_A_CONTACT
+    shortest = float(contact_scales(chain, velocity)[1].min()) / DEFAULT_STEPS_A_CONTACT
     strongest = float(chain.bed.max(initial=0.0))
     if not strongest:
         return shortest
-    return min(shortest, speed_scale(chain, velocity) / strongest / STEPS_A_STOP)
+    return min(shortest, speed_scale(chain, velocity) / strongest / DEFAULT_STEPS_A_STOP)
 
 
 def speeds_to_depth(chain: Chain, depth: ArrayLike) -> Array:

@@ -25,13 +25,13 @@ from softcradle.physics.methods import Family, Method, find_method, refusal_of
 from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic
 from softcradle.physics.numerics.records import COUNTERS, DONE, EVALUATION, NO_JOINTS, NO_KNOTS, SEPARATED, STEP
 from softcradle.physics.scales import (
+    DEFAULT_STEPS_A_CONTACT,
+    DEFAULT_STEPS_A_STOP,
     LEAST_DEPTH,
     LEAST_SCALE,
     MOST_DEPTH,
     NO_APPROACH,
     ROUND_OFF,
-    STEPS_A_CONTACT,
-    STEPS_A_STOP,
     require_computable,
     struck_depth,
     velocity_room,
@@ -323,9 +323,9 @@ def _contact_times(batch: ChainBatch, velocity: Array, special: NDArray[np.bool_
 
 def _default_steps(batch: ChainBatch, velocity: Array, times: Array) -> Array:
     """(C,) steps [s] of `default_step` for chains whose contacts take `times` (C, n) [s]."""
-    steps: Array = times.min(axis=1) / STEPS_A_CONTACT
+    steps: Array = times.min(axis=1) / DEFAULT_STEPS_A_CONTACT
     with np.errstate(divide="ignore"):
-        return np.minimum(steps, _speed(velocity) / batch.bed.max(axis=1) / STEPS_A_STOP)
+        return np.minimum(steps, _speed(velocity) / batch.bed.max(axis=1) / DEFAULT_STEPS_A_STOP)
 
 
 def _speed(velocity: Array) -> Array:

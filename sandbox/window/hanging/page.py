@@ -90,7 +90,7 @@ class HangingPage(Page):
     @property
     def moving(self) -> bool:  # type: ignore[override]
         """Whether it plays, holds a ball or is filmed."""
-        return self.playing or self.held is not None or self.film.film is not None
+        return self.playing or self.held is not None or self.film.recording
 
     def _remember(self) -> None:
         """Let undo go back to the present state."""
@@ -124,7 +124,7 @@ class HangingPage(Page):
 
     def made_of(self) -> object:
         """What the menus show, and whether a film is made: menus do not change by themselves."""
-        return [getattr(self.model, field) for field, _name, _choices in MENUS], self.film.film is not None
+        return [getattr(self.model, field) for field, _name, _choices in MENUS], self.film.recording
 
     def build(self) -> None:
         """Make the widgets, in the places of a scene's page."""

@@ -156,7 +156,7 @@ class ScenePage(Page):
         return (
             self.clock.activity() != "paused"
             or self.editor.preparing
-            or self.film.film is not None
+            or self.film.recording
             or self.pointer.grip is not None
             or self.view.follower.pending
             or not self.board.complete
@@ -187,7 +187,7 @@ class ScenePage(Page):
         """Words, places and choices."""
         places = self.view.panel_shown, self.board.present, self.board.single, self.outcome.text
         selected = self.editor.selection is not None
-        return self.session.scene, places, self.film.film is not None, self.editor.refused, self.cards.made_of(selected)
+        return self.session.scene, places, self.film.recording, self.editor.refused, self.cards.made_of(selected)
 
     def build(self) -> None:
         """Make all widgets for the host's size and unit."""

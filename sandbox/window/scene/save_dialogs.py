@@ -92,6 +92,11 @@ class WindowFilm:
         self._stack: ExitStack | None = None
         self._due = 0.0
 
+    @property
+    def recording(self) -> bool:
+        """Whether a film is being recorded."""
+        return self.film is not None
+
     def begin(self, path: Path) -> None:
         """Record from now on, in the window's present size."""
         from softcradle.sandbox.film.encoder import open_film
@@ -269,7 +274,7 @@ class SaveDialogs:
 
     def toggle_film(self) -> None:
         """Begin a film, or end the one that is recorded."""
-        if self.film.film is not None:
+        if self.film.recording:
             self.film.end()
         else:
             self.ask("film")

@@ -103,7 +103,7 @@ class Toolbar:
     def _shown(self) -> dict[str, str]:
         """Action and text of each button at the present level; that of a film only while there is one."""
         shown = {**{name: BUTTONS[name] for name in FEW}, "level": N_("Lab")} if self.host.explore else BUTTONS
-        return {name: text for name, text in shown.items() if name != "film" or self.film.film is not None}
+        return {name: text for name, text in shown.items() if name != "film" or self.film.recording}
 
     def _is_known(self, name: str, actions: Mapping[str, object]) -> bool:
         """Whether the page does it, or something of that menu."""

@@ -116,7 +116,7 @@ def _words(dialog) -> set[str]:
 def faults_of_scene(driver: Driver) -> list[str]:
     page, unit, found = driver.page, driver.app.unit, []
     places, inspector, controls = page.view.places, page.inspector, page.time_controls
-    if page.toolbar.title_room < 60 * unit and page.film.film is None:
+    if page.toolbar.title_room < 60 * unit and not page.film.recording:
         found.append(f"room of {page.toolbar.title_room / unit:.0f} for the title")
     if min(lane.height for lane in places.lanes) < LEAST_LANE * unit - 1:
         found.append(f"lanes of {[lane.height / unit for lane in places.lanes]}")

@@ -83,7 +83,7 @@ def test_a_name_that_no_file_can_have_is_refused_in_a_sentence(driver: Driver) -
         driver.page.dialogs.save(saving, text)
         driver.frames()
         assert driver.messages[-1].startswith(("cannot write", f"{text} is a folder")), (saving, text)
-        assert driver.page.dialogs.film.film is None
+        assert not driver.page.dialogs.film.recording
     page = driver.page
     for text in (name for name in NO_NAMES if name not in ("..", "/")):
         for take in (driver.app.open, lambda text: page.tools.data._take_typed(text + ".csv")):
