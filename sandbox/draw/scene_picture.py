@@ -11,11 +11,11 @@ from softcradle.sandbox.draw.curve_panels import Panel
 from softcradle.sandbox.draw.energy_bars import EnergyBars
 from softcradle.sandbox.draw.lane_drawing import KEY, LaneDrawing
 from softcradle.sandbox.draw.magnified_insets import MagnifiedInsets
-from softcradle.sandbox.draw.number_format import factor, fixed, subscript, time_unit
+from softcradle.sandbox.draw.number_format import TIMES, fixed, subscript, time_unit
 from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.draw.text import shortened, wrapped, write
-from softcradle.sandbox.languages import _, scene_words
+from softcradle.sandbox.languages import _, localized, scene_words
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.quantities import FORCE, OVERLAP, VELOCITY
 from softcradle.scenes import Scene
@@ -236,7 +236,7 @@ def _speed(slow: float) -> str:
         return _("real time")
     if slow > 1.0:
         return _("slow motion 1/{times:.4g}", times=slow)
-    return _("quick motion {times}", times=factor(1.0 / slow))
+    return _("quick motion {times}", times=localized(f"{TIMES}{1.0 / slow:.4g}"))
 
 
 def _peaks(motion: Motion) -> tuple[Array, Array, Array]:

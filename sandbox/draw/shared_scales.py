@@ -52,8 +52,11 @@ def scales_of(scene: Scene, motions: Sequence[Motion]) -> Scales:
     magnify = scene.view.magnify or _magnify(max(map(max, deepest)), scene.view.length)
     speeds = np.concatenate([motion.velocity.ravel() for motion in motions])
     momenta = [motion.momentum for motion in motions]
+    low = min(float(np.minimum(p, 0.0).sum(axis=1).min()) for p in momenta)
+    high = max(float(np.maximum(p, 0.0).sum(axis=1).max()) for p in momenta)
+    begin, end = min(float(m.time[0]) for m in motions), max(float(m.time[-1]) for m in motions)
     return Scales(
-        time=(min(float(m.time[0]) for m in motions), max(float(m.time[-1]) for m in motions)),
+        time=(begin, end if end > begin else begin + 1.0),
         window=_window(scene, motions, magnify),
         velocity=_padded(min(0.0, float(speeds.min())), max(0.0, float(speeds.max()))),
         force=FORCE_MARGIN * max(float(np.abs(m.force).max()) for m in motions) or 1.0,
@@ -61,12 +64,15 @@ def scales_of(scene: Scene, motions: Sequence[Motion]) -> Scales:
         decades=_decades(deepest),
         magnify=magnify,
         deepest=deepest,
-        energy=max(float((m.kinetic.sum(axis=1) + m.stored).max()) for m in motions) or 1.0,
-        momentum=(
-            min(float(np.minimum(p, 0.0).sum(axis=1).min()) for p in momenta),
-            max(float(np.maximum(p, 0.0).sum(axis=1).max()) for p in momenta) or 1.0,
-        ),
+        energy=max(map(_largest_energy, motions)) or 1.0,
+        momentum=(low, high if high > low else 1.0),
     )
+
+
+def _largest_energy(motion: Motion) -> float:
+    """The largest energy [J] that a bar shows: of beads and contacts, and what contacts and bed have absorbed."""
+    energy = motion.kinetic.sum(axis=1) + motion.stored
+    return float((energy + motion.absorbed if motion.absorbed.size else energy).max())
 
 
 def left_edges(position: Array, overlap: Array, length: float, magnify: float) -> Array:

@@ -8,6 +8,7 @@ from time import perf_counter
 import numpy as np
 import pygame
 from numpy.typing import NDArray
+from softcradle.physics.scales import closing_speed
 from softcradle.sandbox.draw import scales_of
 from softcradle.sandbox.draw.bodies import CYLINDER_LENGTH, is_gear
 from softcradle.sandbox.draw.lane_drawing import TALLEST_BEAD, LaneDrawing
@@ -124,10 +125,15 @@ def camera_rate(scene: Scene, end: float, width: int) -> float:
 
 
 def filmed_scene(scene: Scene, end: float) -> Scene:
-    """The scene with overlaps to scale and, in SI units, enough time after its `end` [s] for the paper's bar."""
+    """The scene with overlaps to scale and, in SI units, enough time after its `end` [s] for the paper's bar.
+
+    Beads that never touch have no end: they are shown for as long as the fastest takes to go a bead's length from the others.
+    """
     view = {"magnify": 1.0}
+    after = AFTER * end if scene.view.after is None else scene.view.after
+    if scene.duration is None and not end + after:
+        after = view["after"] = scene.view.length / max(closing_speed(lane.velocity) for lane in scene.lanes)
     if in_si(scene):
-        after = AFTER * end if scene.view.after is None else scene.view.after
         view["after"] = max(after, SHORTEST_TIME - end)
     return scene.model_copy(update={"view": scene.view.model_copy(update=view)})
 
@@ -208,9 +214,8 @@ def _width(wide: int, unit: float) -> int:
 def instants(motion: Motion) -> list[tuple[str, int]]:
     """Name and row of what is marked: the release of strikers that begin apart, as the paper marks it, and the first touch."""
     found = []
-    if (
-        motion.time[0] == 0.0 and not (motion.force[0] > 0.0).any()
-    ):  # motions that begin in touch have a lead before t = 0
+    # motions that begin in touch have a lead before t = 0, or none where they never touch or something acts on them
+    if motion.time[0] == 0.0 and (motion.overlap[0] < 0.0).any() and not (motion.force[0] > 0.0).any():
         found.append(("release", 0))
     pushing = np.flatnonzero((motion.force > 0.0).any(axis=1))
     if pushing.size:

@@ -155,10 +155,10 @@ def require_finite(motions: Sequence[Motion]) -> None:
 
 
 def first_force(motions: Sequence[Motion]) -> int:
-    """The first row with a contact force in any lane; 0 where there is none."""
-    return int(np.argmax(np.any([motion.force.max(axis=1) > 0.0 for motion in motions], axis=0)))
+    """The first row with a contact force in any lane, a push or a pull; 0 where there is none."""
+    return int(np.argmax(np.any([(motion.force != 0.0).any(axis=1) for motion in motions], axis=0)))
 
 
 def strongest_row(motions: Sequence[Motion]) -> int:
-    """The row with the greatest contact force of all lanes: the moment for a single picture."""
-    return int(np.argmax(np.max([motion.force.max(axis=1) for motion in motions], axis=0)))
+    """The row with the greatest contact force of all lanes, a push or a pull: the moment for a single picture."""
+    return int(np.argmax(np.max([np.abs(motion.force).max(axis=1) for motion in motions], axis=0)))

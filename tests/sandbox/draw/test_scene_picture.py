@@ -14,6 +14,7 @@ from softcradle.sandbox.draw.bodies import cluster_ends, has_marks, rigid_forces
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.number_format import spread
 from softcradle.sandbox.draw.palette import tones
+from softcradle.sandbox.draw.scene_picture import _speed
 from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, left_edges
 from softcradle.sandbox.draw.surfaces import cached_surfaces, clear_cached_surfaces
 from softcradle.sandbox.film.formats import pixels_of
@@ -159,6 +160,35 @@ def test_lanes_share_times_axes_and_a_scale_in_which_everything_stays_in_view(tw
         assert scales.velocity[0] <= motion.velocity.min()
         assert scales.velocity[1] >= motion.velocity.max()
         assert scales.force > motion.force.max()
+
+
+@pytest.mark.parametrize(
+    "lane",
+    [
+        "drive = [1, 0, 0]\nfriction = 0.05\nvelocity = [0, 0, 0]",
+        "mass = 0.01\nvelocity = [0, -0.1]",
+        "velocity = [0, 0]",
+    ],
+)
+def test_bars_and_times_hold_all_that_they_show(lane):
+    """What the bed has absorbed is in the bar of the energy too; that of a small momentum to the left is as long as it."""
+    scene = parse(f'title = "x"\nduration = 20.0\n[[lanes]]\n{lane}\ncontact = {{law = "hertz", stiffness = 9.0}}')
+    (motion,) = motions = scene_motions(scene, 30.0)
+    scales, total = scales_of(scene, motions), motion.kinetic.sum(axis=1) + motion.stored
+    total += motion.absorbed if motion.absorbed.size else 0.0
+    assert scales.energy == (total.max() or 1.0)
+    assert np.ptp(scales.momentum) == pytest.approx(np.abs(motion.momentum.sum(axis=1)).max() or 1.0)
+    moment = replace(
+        motion, **{name: getattr(motion, name)[:1] for name in ("time", "overlap", "rate", "anchor", "force")}
+    )
+    assert np.ptp(scales_of(scene, [moment]).time) > 0.0
+
+
+@pytest.mark.parametrize(
+    ("slow", "said"), [(1.0, "real time"), (4.0, "slow motion 1/4"), (0.7, "1.429"), (0.01, "100")]
+)
+def test_the_pace_is_said_as_it_is(slow, said):
+    assert said in _speed(slow)
 
 
 def test_magnified_overlaps_move_beads_about_their_mean():

@@ -15,7 +15,13 @@ from softcradle.sandbox.film.encoder import open_film
 from softcradle.sandbox.film.formats import pixels_of
 from softcradle.sandbox.film.kymograph import render_kymograph
 from softcradle.sandbox.film.scene_film import MOST_BEFORE_HIT, film_shots, render_scene, shot_list
-from softcradle.sandbox.film.scene_motion import motion_end, scene_motions, scene_motions_quietly, strongest_row
+from softcradle.sandbox.film.scene_motion import (
+    first_force,
+    motion_end,
+    scene_motions,
+    scene_motions_quietly,
+    strongest_row,
+)
 from softcradle.sandbox.page.shared_page import recorded
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
@@ -103,8 +109,14 @@ def test_single_picture_is_the_moment_of_the_greatest_force(tmp_path):
     Picture(SCENE, motions, SIZE).paint(surface, strongest_row(motions))
     with Image.open(tmp_path / "still.png") as image:
         assert (np.asarray(image.convert("RGB")) == pixels_of(surface)[..., 2::-1]).all()
-    strongest = max(motion.force.max() for motion in motions)
-    assert any(motion.force[strongest_row(motions)].max() == strongest for motion in motions)
+    for each in (
+        motions,
+        scene_motions(scenes.load("train-starting"), 5.0),
+    ):  # couplers of a train that starts pull most
+        strongest = max(np.abs(motion.force).max() for motion in each)
+        assert any(np.abs(motion.force[strongest_row(each)]).max() == strongest for motion in each)
+        pulled = [motion.time[np.flatnonzero(motion.force.any(axis=1))[0]] for motion in each if motion.force.any()]
+        assert each[0].time[first_force(each)] == min(pulled)
 
 
 def test_folder_of_pictures(tmp_path, frames):

@@ -107,6 +107,7 @@ def test_release_and_first_touch_are_marked(tmp_path):
     (touching,) = scene_motions(filmed_scene(in_touch, motion_end(in_touch)), 30.0)
     assert touching.time[0] < 0.0
     assert [name for name, _ in instants(touching)] == ["first touch"]  # it is not released
+    assert not instants(scene_motions(load("train-starting"), 5.0)[0])  # nor is a train, which begins to pull
     (first, release), (second, touch) = instants(motion)
     assert (first, second) == ("release", "first touch")
     assert release == 0
@@ -114,6 +115,15 @@ def test_release_and_first_touch_are_marked(tmp_path):
     black, frames = foreground(scene, tmp_path)
     dotted = black[110:640].sum(axis=0) > 0.4 * 530
     assert [28, 28 + round(ACROSS * touch / frames)] == np.flatnonzero(dotted[: 28 + ACROSS]).tolist()
+
+
+@pytest.mark.parametrize("velocity", ["[0.0, 1.0, 2.0]", "[0.0, 0.0, 0.0]"])
+def test_beads_that_never_touch_are_shown_for_a_bead_s_length(velocity, tmp_path):
+    scene = parse(f'title = "x"\n[[lanes]]\nvelocity = {velocity}\ngap = 1.0\ncontact = {BALL}')
+    render_kymograph(scene, str(tmp_path / "x.kymograph.png"))
+    (motion,) = scene_motions(filmed_scene(scene, 0.0), CAMERA_RATE)
+    assert motion.time[-1] == pytest.approx(0.5 if "2.0" in velocity else 1.0, abs=1e-3)
+    assert instants(motion) == [("release", 0)]
 
 
 def test_command(tmp_path, softcradle):
