@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.chain import Chain, per_chain
 from softcradle.physics.checked_input import SMALLEST
+from softcradle.physics.coupler import Coupler
 from softcradle.physics.numerics.array_powers import powers
 from softcradle.physics.state import State
 
@@ -208,7 +209,17 @@ def scales_at(chain: Chain, speed: float) -> tuple[Array, Array]:
     for i, coupler in chain.couplers:
         if coupler.stop:
             times[i] = min(times[i], math.pi / math.sqrt(coupler.stop * chain.inverse_reduced_mass[i]))
-    return depth, times
+    pulling = as_it_pulls(chain)
+    return depth, times if pulling is None else np.minimum(times, scales_at(pulling, speed)[1])
+
+
+@per_chain
+def as_it_pulls(chain: Chain) -> Chain | None:
+    """The chain with the gear that pulls in place of each coupler; None where none pulls."""
+    if not chain.pulls:
+        return None
+    contacts = [joint.pull or joint.push if isinstance(joint, Coupler) else joint for joint in chain.contact]
+    return Chain(chain.mass, contacts)
 
 
 def default_step(chain: Chain, velocity: ArrayLike) -> float:

@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 from softcradle.physics.adaptive.adaptive_loop import integrate
 from softcradle.physics.adaptive.constants import TOLERANCE_PART
 from softcradle.physics.adaptive.kept_steps import KeptSteps
+from softcradle.physics.adaptive.sampling import count_from_touch
 from softcradle.physics.adaptive.step_records import (
     ALLOWED,
     GROWTH,
     LOCAL_SQUARE,
+    Regime,
     Scratch,
     Steps,
     Trial,
@@ -39,7 +41,7 @@ from softcradle.physics.kernel_records import (
     require_finite_motion,
     with_free_rows,
 )
-from softcradle.physics.kernel_tiers import KernelTiers
+from softcradle.physics.kernel_tiers import KernelTiers, plain
 from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic
 from softcradle.physics.numerics.records import (
     EVALUATION,
@@ -182,6 +184,7 @@ def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kep
             allowed = step_budget(problem, time, scale)
             if allowed > LONGER * most:
                 code, most = PAUSED, allowed
+                plain(count_from_touch)(state.overlap, Regime(*regime), -1.0)  # as it left them when it meant to end
         require_finite_motion(problem.chain, state)
         if kept:
             kept.take(memory.log)

@@ -11,7 +11,7 @@ from softcradle.physics.chain import Chain
 from softcradle.physics.checked_input import magnitude, require_kind
 from softcradle.physics.own_law import OwnLaw
 from softcradle.physics.problem import Problem, Record
-from softcradle.physics.scales import contact_scales, speed_scale
+from softcradle.physics.scales import as_it_pulls, contact_scales, scales_at, speed_scale
 from softcradle.physics.state import checked_velocity
 from softcradle.physics.status import CodedWarning, WarningCode, Warnings
 
@@ -55,11 +55,15 @@ def stable_step(chain: Chain, velocity: ArrayLike, error: float = 1e-3) -> float
     """
     require_kind("chain", chain, Chain)
     velocity, error = checked_velocity(chain, velocity), magnitude("error", error)
+    speed, pulling = speed_scale(chain, velocity), as_it_pulls(chain)
+    longest = _longest_step(chain, speed, error * speed)
+    return longest if pulling is None else min(longest, _longest_step(pulling, speed, error * speed))
+
+
+def _longest_step(chain: Chain, speed: float, small: float) -> float:
+    """The shortest of the four steps [s] for contacts that are struck at `speed` and may be off by `small` [m/s]."""
     preload, stiffness, exponent = chain.law_rows.T
-    weight = chain.inverse_reduced_mass
-    speed = speed_scale(chain, velocity)
-    small = error * speed
-    depth = contact_scales(chain, velocity)[0]
+    weight, depth = chain.inverse_reduced_mass, scales_at(chain, speed)[0]
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         chatter = (small**2 / (2.0 * weight * stiffness)) ** (1.0 / (1.0 + exponent))
         at = np.where(exponent < 1.0, chatter, depth)
