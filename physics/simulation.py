@@ -50,8 +50,8 @@ def simulate(
     velocity : array_like, shape (n+1,)
         Start velocities [m/s].
     duration : float, optional
-        Time to run [s]; None runs until every contact is open and none can close again (with bed friction: not
-        before the beads have slid to rest either), or all beads rest. A chain with a force that lasts needs one.
+        Time to run [s]; None runs until every contact is open and none can close again (on a bed: none until the
+        beads have slid to rest), or all beads rest. A chain with a force that lasts needs one.
     method : str, optional
         A name from METHODS, or "auto": a method and fineness that hold `tolerance` as the wanted error on this
         chain, by a rule that is the same on every machine; the Trajectory says which, and why. Explicit methods (euler,

@@ -35,27 +35,49 @@ def pushes_no_more(chain, motion, still):
     return True
 
 
-@jit
-def sliding_path(velocity, deceleration):
-    """How far a bead slides until it rests, v²/(2 mu g) with the sign of v; a wall goes on for ever."""
+@inlined
+def slid(velocity, deceleration, time):
+    """How far a bead slides in `time`, until it rests; a bead that nothing brakes, or a wall, goes on."""
     if deceleration > 0.0:
-        return 0.5 * velocity * abs(velocity) / deceleration
-    return math.copysign(math.inf, velocity) if velocity != 0.0 else 0.0
+        time = min(time, abs(velocity) / deceleration)
+    return (velocity - 0.5 * math.copysign(deceleration, velocity) * time) * time
+
+
+@jit
+def slides_into(overlap, rate, ahead, brake_ahead, behind, brake_behind, still):
+    """Whether a bead with velocity `ahead` slides into the next one, with velocity `behind` and apart from it by -`overlap`.
+
+    Alike braked, the faster gains on the other until both rest. Else they may be nearest before, when they are as fast as each
+    other, or as one rests; slower than `still` at that place they only come to touch.
+    """
+    if brake_ahead == brake_behind and rate <= still:
+        return False
+    rest_ahead = abs(ahead) / brake_ahead if brake_ahead > 0.0 else math.inf
+    rest_behind = abs(behind) / brake_behind if brake_behind > 0.0 else math.inf
+    last = max(rest_ahead, rest_behind)
+    if last == math.inf:
+        goes_on = (ahead if brake_ahead == 0.0 else 0.0) - (behind if brake_behind == 0.0 else 0.0)
+        if goes_on > still:
+            return True
+    least = 0.0 if rate > still else 0.5 * still * still / (brake_ahead + brake_behind)
+    turn = math.copysign(brake_ahead, ahead) - math.copysign(brake_behind, behind)
+    equal = rate / turn if turn != 0.0 else 0.0
+    for time in (rest_ahead, rest_behind, min(max(equal, 0.0), rest_ahead, rest_behind)):
+        if time < math.inf and overlap + slid(ahead, brake_ahead, time) - slid(behind, brake_behind, time) > least:
+            return True
+    return False
 
 
 @jit
 def meets_again(chain, bed, motion, still, velocity):
     """Whether two beads that are apart will meet; rates up to `still` are round-off.
 
-    `bed` (n+1,) are the decelerations of sliding beads, (0,) without friction: of two that all brake alike, the faster gains on
-    the other until both rest, so they meet if the places where they would rest overlap. `velocity` (n+1,) is scratch memory.
+    `bed` (n+1,) are the decelerations of sliding beads, (0,) without friction. `velocity` (n+1,) is scratch memory.
     """
     if bed.size == 0:
         return flight_time(chain.joints, motion.overlap, motion.rate, still) < math.inf
     bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], velocity)
     for i in range(motion.overlap.size):
-        if motion.rate[i] > still:
-            ahead, behind = sliding_path(velocity[i], bed[i]), sliding_path(velocity[i + 1], bed[i + 1])
-            if motion.overlap[i] + ahead - behind > 0.0:
-                return True
+        if slides_into(motion.overlap[i], motion.rate[i], velocity[i], bed[i], velocity[i + 1], bed[i + 1], still):
+            return True
     return False

@@ -112,7 +112,7 @@ class _Run:
         self.warnings = (CodedWarning(WarningCode.GAVE_UP, sentence, {"time": self.time}),)
 
     def _is_over(self) -> bool:
-        """Whether nothing moves and nothing is moved, or no contact pushes, none closes, and no bead slides."""
+        """Whether nothing moves and nothing is moved, or no contact pushes and none will, also while beads slide to rest."""
         system, phase = self.system, self.phase
         if np.isfinite(phase.span.end):
             return False
@@ -121,8 +121,26 @@ class _Run:
             moves = np.abs(change[system.m :]) * self.scale > system.least_rate
             if not moves.any():
                 return True
-        closes = (system.row_velocity(self.y)[: system.m] > system.least_rate).any()
-        return not (closes or self._carries().any() or phase.side.any())
+        if self._carries().any():
+            return False
+        if not phase.side.any():
+            return not (system.row_velocity(self.y)[: system.m] > system.least_rate).any()
+        return not (system.push(self.time, phase.span).any() or self._slide_together())
+
+    def _slide_together(self) -> bool:
+        """Whether any beads meet on the bed before they have slid to rest: at a rest of one, at equal speeds, or at last."""
+        system, velocity = self.system, self.system.velocity(self.y)
+        brake = system.brake(self.time, self.phase.span) * self.chain.inverse_mass
+        rest = np.divide(np.abs(velocity), brake, out=np.full(brake.size, np.inf), where=brake > 0.0)
+        slows, contacts = brake * np.sign(velocity), system.rows[: system.m]
+        if (contacts @ np.where(np.isinf(rest), velocity, 0.0) > system.least_rate).any():  # those that nothing brakes
+            return True
+        turn = contacts @ slows
+        equal = np.divide(contacts @ velocity, turn, out=np.zeros(turn.size), where=turn != 0.0)
+        times = np.concatenate((rest, equal))
+        times = np.minimum(times[np.isfinite(times) & (times > 0.0), None], rest)
+        overlap = self.y[: system.m] + (velocity * times - 0.5 * slows * times**2) @ contacts.T
+        return bool((overlap > system.least_overlap).any())
 
     def _one_phase(self, end: float) -> None:
         system, phase, scale, start = self.system, self.phase, self.scale, self.time

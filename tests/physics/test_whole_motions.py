@@ -58,6 +58,9 @@ CASES = {
     "slides that meet and slides that do not": Case(
         Chain([1.0, 2.0, 1.0, 1.0], hertz(200.0), gap=[0.1, 0.3, 2.0], friction=0.1), [1.0, 0.2, -0.3, 0.0], None, 5e-3
     ),
+    "one that is braked hits another before it rests": Case(
+        Chain([1.0, 2.0, 1.0], hertz(100.0), gap=[0.5, 2.0], brakes=TimedForce(0, 0.0, 10.0)), [9.0, 1.0, 0.5], None, 2e-3
+    ),
     "pushed past its friction": Case(
         Chain([1.0, 1.0, 1.0], draft_gear(20.0, 0.05), drive=[2.5, 0.0, -0.3], friction=0.1), [0.0] * 3, 0.5, 2e-3
     ),
