@@ -8,10 +8,10 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, as_completed
 from contextlib import suppress
 from functools import partial
-from itertools import repeat
 from queue import Empty, SimpleQueue
 from typing import Any, TypeVar
 
+import numpy as np
 from numpy.typing import ArrayLike
 from softcradle.physics.chain import Chain
 from softcradle.physics.checked_input import shown, whole_number
@@ -156,8 +156,8 @@ def parts(begin: int, end: int, threads: int, least: int = 1) -> list[range]:
 
 
 def _spread(name: str, value: Each, count: int) -> Sequence[float | None]:
-    if value is None or isinstance(value, (int, float)):
-        return list(repeat(value, count))
+    if value is None or np.ndim(value) == 0:
+        return [value] * count
     if len(value) != count:
         raise ValueError(f"{count} chains need {count} {name} or one for all, not {len(value)}")
     return value

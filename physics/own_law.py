@@ -104,6 +104,12 @@ class OwnLaw:
     def __repr__(self) -> str:
         return f"OwnLaw({self.name})"
 
+    def __hash__(self) -> int:
+        try:
+            return hash((self.law, self.energy_of))
+        except TypeError:  # a law that compares by its numbers, such as a dataclass
+            return hash(type(self.law))
+
     @property
     def name(self) -> str:
         """The law in a word: the name of its function or class; "own law" for a lambda."""

@@ -122,7 +122,8 @@ class State:
         """An independent copy, without the scratch memory."""
         push = None if self.push is None else self.push.copy()
         arrays = (self.overlap.copy(), self.rate.copy(), self.anchor.copy(), self.force.copy())
-        return State(self.time, *arrays, push, self.switches, self.switched, self.taken.copy())
+        told = self.switches, self.switched, self.taken.copy(), self.status, self.warnings
+        return State(self.time, *arrays, push, *told)
 
     def note_switches(self, contact: ArrayLike, time: ArrayLike, count: int | None = None) -> None:
         """Append switches to those of this `advance`; they were `count` in truth where the log had no room for all."""

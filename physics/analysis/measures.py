@@ -64,8 +64,8 @@ def response_times(trajectory: Trajectory) -> Array:
     deepest = np.maximum(trajectory.overlap.max(axis=0), 0.0)
     with np.errstate(divide="ignore"):
         slope = exponent * stiffness * deepest ** (exponent - 1.0)
-        times: Array = 1.0 / np.sqrt(trajectory.chain.inverse_reduced_mass * slope)
-    return times
+        times = 1.0 / np.sqrt(trajectory.chain.inverse_reduced_mass * slope)
+    return np.where(deepest > 0.0, times, 0.0)
 
 
 def time_scale_separation(trajectory: Trajectory, struck: int = 0) -> Array:

@@ -51,8 +51,10 @@ class Reduction:
         Raises:
             ValueError: the start is neither, or an overlap inside a cluster has no power law to be found by.
         """
-        if chain.timed:
-            raise ValueError("mode coupling needs forces that are steady, not forces or brakes over time")
+        if chain.timed or chain.on_bed:
+            raise ValueError(
+                "mode coupling needs steady forces and free beads: no forces over time, no bed and no brakes"
+            )
         struck = _struck(chain, checked_velocity(chain, velocity))
         found = cls(chain, _modes(chain, struck), struck)
         for i in set(range(chain.contacts)) - {struck}:

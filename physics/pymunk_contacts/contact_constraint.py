@@ -115,7 +115,7 @@ class SoftContact(pymunk.DampedSpring):
         self._known_overlap = math.nan
         self._compiled_law: Any = None
         self._was_closed = False
-        self._looked_at = 0.0, 0.0, 0.0  # step [s], and the speed [m/s] and 1/mass [1/kg] at which it was looked at
+        self._looked_at: tuple[float, ...]  # step [s], and the speed [m/s] and 1/mass [1/kg] at which it was looked at
         self.force_func = SoftContact.contact_force  # type: ignore[assignment]  # its first argument is narrower
         self.contact = contact
 
@@ -155,6 +155,7 @@ class SoftContact(pymunk.DampedSpring):
         self._law, self._contact = law, contact
         self._stores = contact if isinstance(contact, (Contact, OwnLaw)) else OwnLaw(contact)
         self._loss = contact.loss if isinstance(contact, Contact) else 0.0
+        self._looked_at = 0.0, 0.0, 0.0
         self._use(native)
         self.activate_bodies()
 

@@ -222,11 +222,11 @@ class SoftChain:
     def overlaps(self) -> Array:
         """(n,) overlaps [m] at the end of the last step, negative where bodies are apart; before any step, those now.
 
-        Contacts that were not in the Space have -inf.
+        Contacts that were not in the Space, or no longer are, have -inf.
         """
         if self._step:
             found = self._overlap.copy()
-            found[self._gone] = -math.inf
+            found[[*self._gone, *self._taken_out()]] = -math.inf
             return found
         between = np.diff(centres(self.bodies)[0], axis=0)
         apart: Array = np.hypot(between[:, 0], between[:, 1])
@@ -234,8 +234,10 @@ class SoftChain:
 
     @property
     def forces(self) -> Array:
-        """(n,) mean contact forces [N] of the last step."""
-        return self._force.copy()
+        """(n,) mean contact forces [N] of the last step; 0 for contacts that have been taken out of the Space since."""
+        found = self._force.copy()
+        found[self._taken_out()] = 0.0
+        return found
 
     @property
     def energy(self) -> float:
@@ -253,6 +255,11 @@ class SoftChain:
         """Centres of gravity [m] at the time of the bodies' velocities, half a step after ``position``."""
         position, velocity = centres(self.bodies)
         return [pymunk.Vec2d(*place) for place in (position + 0.5 * self._step * velocity).tolist()]
+
+    def _taken_out(self) -> list[int]:
+        """The contacts that are in no Space now: of a chain without any in one, no step tells."""
+        there = {link for space in {body.space for body in self.bodies} - {None} for link in space.constraints}
+        return [i for i, link in enumerate(self._links) if link not in there]
 
     def _take_force(self, link: _Link) -> float:
         """Force of `link` for the step under way; the first call in a step solves all contacts."""

@@ -3,6 +3,7 @@
 import math
 import warnings
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pymunk
@@ -132,6 +133,7 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "modes of beads at rest": (lambda: mode_coupling(CHAIN, [0] * 5, 1.0), "one cluster that strikes another"),
     "modes of a bead between": (lambda: mode_coupling(CHAIN, [0, 1, 0, 0, 0], 1.0), "one cluster that strikes another"),
     "modes of beads that fly": (lambda: mode_coupling(CHAIN, [0, 0, 0, 1, 1], 1.0), "one cluster that strikes another"),
+    "modes on a bed": (lambda: mode_coupling(replace(CHAIN, friction=0.1), START, 1.0), "no bed and no brakes"),
     "modes of gears": (lambda: mode_coupling(one_on(3, GEAR), [1, 0, 0, 0], 1.0), "contact 1 has a preload"),
     "modes with a gap": (lambda: mode_coupling(Chain([1] * 3, LAW, [0.5, 0.1]), [1, 0, 0], 1.0), "contact 1 has a gap"),
     "modes of a middle that is driven": (

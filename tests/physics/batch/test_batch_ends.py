@@ -119,7 +119,7 @@ def test_a_batch_is_its_chains():
         {"method": "accurate", "tolerance": 1e-6},
         {"method": "conserving"},
         {"method": "conserving", "duration": np.linspace(0.5, 2.0, 9), "step": np.geomspace(1e-3, 1e-2, 9)},
-        {"method": "scipy", "tolerance": 1e-5, "duration": 0.5},
+        {"method": "scipy", "tolerance": 1e-5, "duration": np.float32(0.5)},
     ],
 )
 def test_each_chain_moves_as_it_would_alone(settings, workers):

@@ -142,6 +142,14 @@ def test_taken_out_and_added_again():
     assert bodies[0].position.x == pytest.approx(1.0)
     bodies[0].position = 0.0, 0.0
     space.add(*chain)
+    run(space, FRAME, 31)  # till a contact is pressed
+    assert chain.forces.max() > 0.0
+    space.remove(*chain)  # as links that break
+    assert (chain.forces.tolist(), chain.overlaps.tolist(), chain.energy) == ([0.0] * 4, [-math.inf] * 4, 0.0)
+    run(space, FRAME, 60)
+    assert chain.energy == 0.0
+    bodies[0].position = 0.0, 0.0
+    space.add(*chain)
     assert_energy_stays(space, bodies, chain, frames=120)
     assert bodies[4].velocity.x > 0.5
 
