@@ -44,7 +44,8 @@ def main(args: argparse.Namespace) -> int:
         written = WrittenFiles([Path(args.output)])
         with output_file(args.output) as temporary:
             temporary.write_text(readable_json(content) + "\n", encoding="utf-8")
-        written.report([Path(args.output)])
+        if not args.json:
+            written.report([Path(args.output)])
     return 0
 
 

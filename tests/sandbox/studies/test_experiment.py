@@ -60,12 +60,15 @@ def test_caught_pistons_take_energy_and_no_momentum():
     assert lines == pytest.approx(moments, abs=1e-7)  # at the camera's frames, where nothing slows
 
 
-def test_the_command_finds_what_friction_and_pistons_explain_and_what_not(softcradle, tmp_path):
+def test_the_command_finds_what_friction_and_pistons_explain_and_what_not(softcradle, tmp_path, monkeypatch):
     """One coefficient gives both momenta but not the energies; with pistons both are those stated. v_c goes as sqrt(k) Delta0."""
+    found = experiment.compute_experiment()
+    monkeypatch.setattr(experiment, "compute_experiment", lambda **_: found)
     shown = softcradle("experiment", "-o", str(tmp_path / "x.json")).out
     assert "1.013 ± 0.004 m/s" in shown
     assert "pistons of 20 g" in shown
     printed = json.loads((tmp_path / "x.json").read_text(encoding="utf-8"))
+    assert json.loads(softcradle("experiment", "--json", "-o", str(tmp_path / "x.json")).out) == printed
     assert set(printed) == {"fits", "pistons", "critical speeds", "open", "versions"}
     cases = set(product(experiment.STRIKERS, experiment.SPEEDS))
     assert {(fit["experiment"], fit["speed"]) for fit in printed["fits"]} == cases
