@@ -51,8 +51,9 @@ def peer_distributions() -> list[str]:
 
 
 def peer_solvers(case: ChartCase) -> list[Solver]:
-    """Solvers of every installed peer that can take the case: none where friction or losses take energy."""
-    if case.chain.dissipative or not _numba_compiles():
+    """Solvers of every installed peer that can take the case: power laws and a steady drive, nothing that takes energy."""
+    chain = case.chain
+    if chain.dissipative or chain.timed or chain.couplers or chain.own_laws or not _numba_compiles():
         return []
     missing = missing_peers()
     return [solver for peer in PEERS if peer not in missing for solver in peer.solvers(case)]

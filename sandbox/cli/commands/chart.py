@@ -94,6 +94,8 @@ def _measured(
         case = definition.solve()
     except ValueError as error:
         raise UserError(f"{definition.label}: {error}") from None
+    if quantity == "overlaps" and not case.yielding.any():
+        raise UserError(f"{definition.label}: no contact yields, so that --error overlaps has nothing to compare")
     solvers = [*our_solvers(case), *(peers.peer_solvers(case) if peers else [])]
     series = measure_case(case, solvers, quantity, announce=lambda name: report(f"{definition.label}: {name}"))
     return MeasuredCase(case, series, quantity)

@@ -50,7 +50,7 @@ class ChartCase:
 
     Attributes:
         name, label, chain, velocity: what collides; the name for files and commands, the label for people.
-        duration: None until the collision is over, else [s].
+        duration: None until the collision is over, else [s]; given where something acts from outside, which goes on acting.
         end: when it is over [s].
         truth: (n+1,) final velocities [m/s].
         uncertainty: distance of two ways to the truth, over the closing speed; 0 where it is known better.
@@ -89,6 +89,13 @@ class ChartCase:
         """The motion at `sample_times`, by `radau` at its finest."""
         return self._solve_by_radau(TRUTH_TOLERANCE, self.sample_times)
 
+    @property
+    def yielding(self) -> NDArray[np.bool_]:
+        """(SAMPLE_COUNT, n) whether the contact is pressed in or pulled out at the time."""
+        overlap = self.sampled_truth.overlap
+        found: NDArray[np.bool_] = (overlap > 0.0) | (overlap < 0.0) & (self.sampled_truth.force < 0.0)
+        return found
+
     @cached_property
     def sample_times(self) -> Array:
         """(SAMPLE_COUNT,) times [s]: midpoints of equal parts of the first closing of the contact that is struck first."""
@@ -106,11 +113,15 @@ class ChartCase:
     def starts(self, lead_times: Sequence[float]) -> list[Start]:
         """The case begun each of `lead_times` [s] earlier, which ends the same.
 
-        The case itself alone, where the chain is driven or beads would have overlapped earlier.
+        The case itself alone, where there is no free flight: something acts from outside, or contacts would have pushed or
+        pulled earlier.
         """
         rate, gap = -np.diff(self.velocity), np.array(self.chain.gap)
         gaps = gap + np.outer(lead_times, rate)
-        if self.chain.drive or (gaps < 0.0).any():
+        free = np.full(gap.size, np.inf)
+        for contact, coupler in self.chain.couplers:
+            free[contact] = -coupler.pulls_below
+        if _acts_from_outside(self.chain) or ((gaps < 0.0) | (gaps > free)).any():
             return [Start(self.chain, self.velocity)]
         return [
             Start(replace(self.chain, gap=row), self.velocity, early)
@@ -146,27 +157,33 @@ class CaseDefinition:
         chain = self.make_chain()
         velocity = np.eye(1, chain.contacts + 1)[0] if self.velocity is None else self.velocity
         finest = solve(chain, velocity, self.duration, "radau", samples=2, tolerance=TRUTH_TOLERANCE)
-        truth, uncertainty, source = self._truth(chain, velocity, finest.final_velocity, by_reference)
         end = float(finest.time[-1])
-        return ChartCase(
-            self.name, self.label, chain, velocity, self.duration, end, truth, uncertainty, source, self.aims
-        )  # fmt: skip
+        duration = end if self.duration is None and _acts_from_outside(chain) else self.duration
+        truth, uncertainty, source = self._truth(chain, velocity, duration, finest.final_velocity, by_reference)
+        return ChartCase(self.name, self.label, chain, velocity, duration, end, truth, uncertainty, source, self.aims)
 
-    def _truth(self, chain: Chain, velocity: Array, finest: Array, by_reference: bool) -> tuple[Array, float, str]:
+    def _truth(
+        self, chain: Chain, velocity: Array, duration: float | None, finest: Array, by_reference: bool
+    ) -> tuple[Array, float, str]:
         """The truth, its uncertainty over the closing speed, and its source; `finest` is that of the finest run by radau."""
         if self.truth is not None:
             return self.truth(), self.uncertainty, self.source
         speed = np.ptp(velocity) or 1.0
         if by_reference:
             settings = None, 2, REFERENCE_TOLERANCE, REFERENCE_STEPS
-            reference = solve(chain, velocity, self.duration, "scipy", *settings)
+            reference = solve(chain, velocity, duration, "scipy", *settings)
             if not reference.status.gave_up:
                 error = float(np.abs(finest - reference.final_velocity).max() / speed)
                 known = f"scipy at {REFERENCE_TOLERANCE:g}, radau at {TRUTH_TOLERANCE:g} within {error:.0e}"
                 return reference.final_velocity, error, known
-        check = solve(chain, velocity, self.duration, "accurate", samples=2, tolerance=CHECK_TOLERANCE)
+        check = solve(chain, velocity, duration, "accurate", samples=2, tolerance=CHECK_TOLERANCE)
         error = float(np.abs(finest - check.final_velocity).max() / speed)
         return finest, error, f"radau at {TRUTH_TOLERANCE:g}, accurate at {CHECK_TOLERANCE:g} within {error:.0e}"
+
+
+def _acts_from_outside(chain: Chain) -> bool:
+    """Whether a drive, a force, a brake or a bed acts on beads, in free flight too."""
+    return chain.driven or chain.on_bed
 
 
 def definitions_of(scene: Scene) -> list[CaseDefinition]:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics import METHODS
-from softcradle.physics.methods import AUTO, Method
+from softcradle.physics.methods import AUTO, Method, refusal_of
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.studies.precision.cases import ChartCase, Start
 
@@ -93,7 +93,7 @@ def step_counts() -> list[float]:
 def our_solvers(case: ChartCase) -> list[Solver]:
     """Every method that can take the case, adaptive ones over tolerances, others over numbers of steps; and `auto`."""
     auto = Solver(AUTO, "", tolerances(1e-11)[2:], partial(_run_adaptive, case, AUTO), ours=True)
-    return [*(_solver(case, method) for method in METHODS if method.dissipative or not case.chain.dissipative), auto]
+    return [*(_solver(case, method) for method in METHODS if not refusal_of(method.name, case.chain)), auto]
 
 
 def _solver(case: ChartCase, method: Method) -> Solver:
@@ -177,7 +177,7 @@ class Series:
 def error_of(case: ChartCase, quantity: str, solution: Solution) -> float:
     """Error of a solution: of final velocities the largest; of forces and overlaps the root mean square over the samples.
 
-    Forces are relative to the largest force, overlaps to the overlap itself (App. B), at most 1, where it is not 0.
+    Forces are relative to the largest force or pull, overlaps to the overlap itself (App. B), at most 1, where contacts yield.
     """
     if solution.velocity is None:
         return math.inf
@@ -188,10 +188,10 @@ def error_of(case: ChartCase, quantity: str, solution: Solution) -> float:
         return math.inf
     true = case.sampled_truth.force if quantity == "forces" else case.sampled_truth.overlap
     if quantity == "forces":
-        error = (found - true) / true.max()
+        error = (found - true) / np.abs(true).max()
     else:
-        loaded = true > 0.0
-        error = np.clip((found[loaded] - true[loaded]) / true[loaded], -1.0, 1.0)
+        yielding = case.yielding
+        error = np.clip((found[yielding] - true[yielding]) / true[yielding], -1.0, 1.0)
     value = float(np.sqrt(np.mean(error**2))) if error.size else math.inf
     return value if math.isfinite(value) else math.inf
 

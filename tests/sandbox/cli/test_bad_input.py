@@ -111,6 +111,7 @@ REFUSED = [
     ("maps --points 1x20", "--points must be two whole numbers"),
     ("stability beta", "there is no scan 'beta'"),
     ("chart one-on-for", "did you mean"),
+    ("chart train-braking --ours --error overlaps -o chart.svg", "no contact yields"),
     ("chart -o chart.txt", "chart writes .png, .pdf, .svg"),
     ("sweep", "a study file is missing"),
     ("sweep nowhere.toml", "cannot read nowhere.toml: no such file"),

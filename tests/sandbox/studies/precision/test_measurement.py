@@ -2,12 +2,13 @@
 
 import math
 import os
+from dataclasses import replace
 from importlib.util import find_spec
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from softcradle.physics import METHODS, Chain, hertz, one_on, power_law, simulate
+from softcradle.physics import METHODS, Chain, Coupler, TimedForce, hertz, hooke, one_on, power_law, simulate
 from softcradle.sandbox.studies.precision import measurement
 from softcradle.sandbox.studies.precision.cases import TRUTH_TOLERANCE, CaseDefinition, definitions_of
 from softcradle.sandbox.studies.precision.measurement import NO_SAMPLES, Solver, TimeLimits, error_of, measure_series
@@ -18,6 +19,11 @@ from benchmarks.peers import PEERS, missing_peers, peer_solvers
 from tests.helpers.series import SHORT_LIMITS, made_series, our_solver
 from tests.helpers.truth import ELASTIC
 
+SLIDING = Chain([1.0, 1.0, 1.0], hooke(1.0), 0.1, friction=0.01)
+PUSHED = Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1), forces=TimedForce(0, [0.0, 1.0], [0.0, 0.1]))
+BRAKED = Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1), brakes=TimedForce(0, [0.0], [0.1]))
+PULLED = Chain([1.0, 1.0], Coupler(hooke(1.0), hooke(100.0, loss=0.5), slack=0.1))
+
 
 def test_every_method_has_a_solver(case):
     found = measurement.our_solvers(case)
@@ -25,10 +31,15 @@ def test_every_method_has_a_solver(case):
     assert all(solver.steps != method.adaptive for solver, method in zip(found[:-1], METHODS, strict=True))
     assert len(our_solver(case, "verlet").starts(case, 100.0)) == measurement.START_PHASES
     assert len(our_solver(case, "radau").starts(case, 1e-3)) == 1
-    sliding = SimpleNamespace(chain=Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1), friction=0.1))
     methods = {method.name for method in METHODS if method.dissipative}
-    assert {solver.name for solver in measurement.our_solvers(sliding)} == {"auto", *methods}
-    assert peer_solvers(sliding) == []
+    for chain, names in (
+        (SLIDING, methods),
+        (PUSHED, {method.name for method in METHODS}),
+        (PULLED, methods - {"pymunk"}),
+    ):
+        taken = SimpleNamespace(chain=chain)
+        assert {solver.name for solver in measurement.our_solvers(taken)} == {"auto", *names}
+        assert peer_solvers(taken) == []
 
 
 def test_errors_are_distances_from_the_truth_which_is_that_in_quadruple_precision(case):
@@ -53,6 +64,10 @@ def test_forces_and_overlaps_have_errors_of_their_own(case, quantity):
     solvers = [our_solver(case, "accurate", tolerance) for tolerance in (1e-3, 1e-9)]
     coarse, fine = (measure_series(case, solver, quantity, SHORT_LIMITS).points[0].error for solver in solvers)
     assert fine < 1e-6 < coarse < 0.3
+    pulled = CaseDefinition("pulled", "pulled", lambda: PULLED, 1.0, velocity=np.array([0.0, 1.0])).solve(False)
+    true = pulled.sampled_truth
+    off = SimpleNamespace(velocity=true.final_velocity, overlap=1.01 * true.overlap, force=1.01 * true.force)
+    assert 0.002 < error_of(pulled, quantity, off) <= 0.0101
 
 
 def test_samples_of_an_earlier_start_are_as_much_later(case):
@@ -125,6 +140,18 @@ def test_an_earlier_start_ends_the_same(case):
     velocity = np.array([1.0, 0.0, 0.1])  # it cannot begin earlier
     parting = CaseDefinition("parting", "parting", lambda: one_on(2, power_law(1.0, 0.1)), velocity=velocity)
     assert len(parting.solve().starts([0.1, 0.2])) == 1
+    for chain in (SLIDING, PUSHED, BRAKED, PULLED):  # nor where it would not be in free flight until then
+        acted_on = replace(case, chain=chain, velocity=np.eye(1, chain.contacts + 1)[0])
+        assert len(acted_on.starts([0.1, 0.2])) == 1
+
+
+def test_a_bed_that_goes_on_acting_acts_until_the_collision_is_over():
+    case = CaseDefinition("bed", "bed", lambda: SLIDING).solve()
+    assert case.uncertainty < 1e-10
+    for name, fineness, error in (("scipy", 1e-10, 1e-9), ("accurate", 1e-10, 1e-9), ("conserving", 16000.0, 1e-5)):
+        solver = our_solver(case, name)
+        (start,) = solver.starts(case, fineness)
+        assert case.error(solver.run(fineness, start, NO_SAMPLES).velocity) < error, name
 
 
 def test_a_scene_is_one_case_for_each_lane():
