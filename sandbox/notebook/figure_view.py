@@ -43,6 +43,8 @@ def figure_of(shown: Trajectory | Scene) -> ShownFigure:
             panel_title(grid[0, column], label)
         grid[0, 0].set_ylabel(VELOCITY.label)
         grid[1, 0].set_ylabel(FORCE.label)
+        if not any((trajectory.force < 0.0).any() for _, trajectory in columns):
+            grid[1, 0].set_ylim(bottom=0.0)  # of all lanes, which share the axis: when all of them are drawn
     return figure
 
 
@@ -61,7 +63,7 @@ def _draw(velocities: Axes, forces: Axes, trajectory: Trajectory) -> None:
         velocities.plot(trajectory.time, trajectory.velocity[:, i], color=_colour(i, beads), label=f"bead {i}")
     for i in range(contacts):
         forces.plot(trajectory.time, trajectory.force[:, i], color=_colour(i + 1, beads), label=f"{i}-{i + 1}")
-    forces.set(xlabel=TIME.label, ylim=(0.0, None))
+    forces.set_xlabel(TIME.label)
     for axes, count in ((velocities, beads), (forces, contacts)):
         handles, labels = axes.get_legend_handles_labels()
         named = range(count) if count <= MOST_LABELS else (0, count - 1)

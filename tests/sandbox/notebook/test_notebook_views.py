@@ -9,7 +9,7 @@ import pytest
 from softcradle.sandbox.notebook.views import play
 from softcradle.sandbox.user_error import UserError
 
-from softcradle import Chain, Trajectory, draft_gear, hertz, one_on, power_law, scenes, simulate
+from softcradle import Chain, Coupler, Trajectory, draft_gear, hertz, one_on, power_law, scenes, simulate
 
 CHAIN = one_on(4, power_law(1.0, 0.1))
 
@@ -54,7 +54,13 @@ def test_a_figure_is_shown_without_any_setting(found, tmp_path):
     assert len(figure.axes[0].lines) == 6  # five beads and the line at 0
     np.testing.assert_array_equal(figure.axes[1].lines[0].get_ydata(), found.force[:, 0])
     figure.savefig(tmp_path / "figure.pdf")
-    assert len(scenes.load("galilean").plot().axes) == 4
+    pulled = simulate(Chain([1, 1], Coupler(hertz(1), hertz(9))), [0, 1], 3.0)
+    for shown in (pulled, scenes.load("stiff-springs")):  # nothing is cut off, pulls and lanes with larger forces
+        axes = shown.plot().axes
+        for panel in axes[len(axes) // 2 :]:
+            low, high = panel.get_ylim()
+            assert all(low <= line.get_ydata().min() and line.get_ydata().max() <= high for line in panel.lines)
+    assert len(axes) == 4
 
 
 def test_a_film_is_shown_and_saved(found, tmp_path):
@@ -75,6 +81,11 @@ def test_a_page_plays_the_samples(found, tmp_path):
     text = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert "5 beads, by conserving" in text
     assert "power_law(1, 0.1)" in text
+    assert "The scene as a file" in text
+    late = simulate(CHAIN, [1, 0, 0, 0, 0], samples=np.linspace(1, 3, 51))  # which do not tell how it began
+    late.to_page(tmp_path / "late.html")
+    assert "The scene as a file" not in (tmp_path / "late.html").read_text(encoding="utf-8")
+    assert "<td>0</td><td>1</td><td>-</td><td>-0.56" in late._repr_html_()
     with pytest.raises(UserError, match="missing"):
         found.to_page(tmp_path / "missing" / "page.html")
 
