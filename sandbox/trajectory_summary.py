@@ -26,11 +26,12 @@ MOST_CLUSTERS = 6  # that are named one by one
 class BeadSummary:
     """One bead: its mass [kg] (None: a wall), its velocities [m/s] at the start and at the end, and the error of the last.
 
-    The error is what the method states of itself; None where it states none (fixed steps).
+    The velocity at the start is None where the samples begin later. The error is what the method states of itself; None where
+    it states none (fixed steps).
     """
 
     mass: float | None
-    start_velocity: float
+    start_velocity: float | None
     final_velocity: float
     velocity_error: float | None
 
@@ -42,6 +43,7 @@ class ContactSummary:
     Attributes:
         closed, opened: times at which it closed first and opened last [s]; None: never.
         times: how often it closed.
+        still_closed: whether it is closed at the end.
         largest_overlap, largest_force: [m], [N]; of the samples.
         largest_pull: [N]; 0 but for couplers.
     """
@@ -49,6 +51,7 @@ class ContactSummary:
     closed: float | None
     opened: float | None
     times: int
+    still_closed: bool
     largest_overlap: float
     largest_force: float
     largest_pull: float = 0.0
@@ -137,7 +140,7 @@ def contact_table(summary: Summary) -> ResultTable:
         (
             f"{i}-{i + 1}",
             _time(contact.closed),
-            _time(contact.opened),
+            "still closed" if contact.still_closed else _time(contact.opened),
             str(contact.times),
             f"{contact.largest_overlap:.4g}",
             f"{contact.largest_force / size:.6g}",
@@ -153,8 +156,10 @@ def unit_prefix(largest: float) -> tuple[float, str]:
     return next((size, name) for size, name in PREFIXES if size == 1.0 or largest >= size)
 
 
-def _speed(velocity: float) -> str:
+def _speed(velocity: float | None) -> str:
     """Eight decimals; of a speed that these would not fit or show, eight digits."""
+    if velocity is None:
+        return "-"
     fits = velocity == 0.0 or 1e-4 <= abs(velocity) < 1e6
     return f"{velocity:.8f}" if fits else f"{velocity:.8g}"
 
@@ -196,7 +201,8 @@ def summarise(label: str, trajectory: Trajectory) -> Summary:
 
 def _beads(trajectory: Trajectory) -> tuple[BeadSummary, ...]:
     masses = [mass if math.isfinite(mass) else None for mass in trajectory.chain.mass]
-    start, final = trajectory.velocity[0].tolist(), trajectory.final_velocity.tolist()
+    final, known = trajectory.final_velocity.tolist(), trajectory.time[0] == 0.0
+    start = trajectory.velocity[0].tolist() if known else [None] * len(final)
     errors = map(_known, trajectory.velocity_error)
     return tuple(BeadSummary(*numbers) for numbers in zip(masses, start, final, errors, strict=True))
 
@@ -212,8 +218,9 @@ def _contacts(trajectory: Trajectory) -> tuple[ContactSummary, ...]:
     return tuple(
         ContactSummary(
             closed=intervals[0][0] if intervals else None,
-            opened=intervals[-1][1] if intervals and math.isfinite(intervals[-1][1]) else None,
+            opened=max((opened for _, opened in intervals if math.isfinite(opened)), default=None),
             times=len(intervals),
+            still_closed=bool(intervals) and math.isinf(intervals[-1][1]),
             largest_overlap=overlap,
             largest_force=force,
             largest_pull=pull,

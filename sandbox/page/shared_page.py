@@ -131,8 +131,8 @@ def recorded_page(played: PlayedMotion, parts: Sequence[str], title: str = "", t
 
 
 def _scene_file(played: PlayedMotion) -> str:
-    """The scene as text; nothing where a chain has a law of one's own, which no scene file can hold."""
-    if any(found.chain.own_laws for found in played.trajectories):
+    """The scene as text; nothing where no scene file holds it: laws of one's own, samples that begin after the start."""
+    if any(found.chain.own_laws or found.time[0] > 0.0 for found in played.trajectories):
         return ""
     return (
         "<details><summary>The scene as a file: softcradle play FILE lets you change it</summary>"

@@ -12,7 +12,7 @@ from softcradle.physics import Trajectory
 from softcradle.physics.fixed_step import runner
 from softcradle.physics.methods import METHODS, known_methods
 from softcradle.sandbox.cli.main import COMMANDS, main
-from softcradle.sandbox.trajectory_summary import summarise
+from softcradle.sandbox.trajectory_summary import contact_table, summarise
 
 from softcradle import scenes
 
@@ -134,13 +134,16 @@ def test_errors_are_relative_to_the_start():
     anchor = np.column_stack([np.zeros(2), velocity[:, chain.anchor]])
     trajectory = Trajectory(
         chain=chain, time=np.array([0.0, 1.0]), overlap=apart, rate=rate, anchor=anchor, force=np.zeros((2, n)),
-        final_velocity=velocity[-1], contact_intervals=((),) * n, method="constructed",
+        final_velocity=velocity[-1], contact_intervals=(((0.1, 0.2), (0.9, np.inf)), *((),) * (n - 1)), method="constructed",
     )  # fmt: skip
     summary = summarise("lane", trajectory)
     assert summary.energy_error == pytest.approx(0.25)
     assert summary.energy_error_at_end == pytest.approx(0.25)
     assert summary.momentum_error == pytest.approx((1.0 + np.sqrt(2.0) - 2.0) / 2.0)
-    assert (summary.contacts[0].closed, summary.contacts[0].times) == (None, 0)
+    first, second = summary.contacts[:2]
+    assert (first.closed, first.opened, first.times, first.still_closed) == (0.1, 0.2, 2, True)
+    assert (second.closed, second.opened, second.times, second.still_closed) == (None, None, 0, False)
+    assert [row[2] for row in contact_table(summary).rows[:2]] == ["still closed", "never"]
 
 
 GIVES_UP = ("--method", "verlet", "--step", "1e-12")
