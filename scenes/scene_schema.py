@@ -236,11 +236,14 @@ class Scene(Table):
     def settings(self, **overrides: Any) -> dict[str, Any]:
         """Keyword arguments for `physics.simulate`: those of the scene, replaced by all `overrides` that are not None.
 
-        Another method is not given the scene's step and tolerance, which were chosen for the scene's method.
+        Another method is not given the scene's step and tolerance, which were chosen for the scene's method; the tolerance of a
+        scene that names none is for any.
         """
         settings: dict[str, Any] = {"duration": self.duration}
         if overrides.get("method") in (None, self.method):
             settings |= {"method": self.method, "step": self.step, "tolerance": self.tolerance}
+        elif self.method is None:
+            settings["tolerance"] = self.tolerance
         settings |= {key: value for key, value in overrides.items() if value is not None}
         return {key: value for key, value in settings.items() if value is not None}
 

@@ -111,6 +111,8 @@ def test_overrides_replace_what_the_scene_says():
     assert scene.settings(step=0.5, method=None) == {"duration": 3.0, "method": "verlet", "step": 0.5}
     assert scene.settings(method="euler") == {"duration": 3.0, "method": "euler"}
     assert scenes.load("one-on-four").settings() == {}
+    rough = scenes.load("one-on-four").model_copy(update={"tolerance": 1e-4})
+    assert rough.settings(method="accurate") == {"method": "accurate", "tolerance": 1e-4}
 
 
 POSITIVE = st.floats(min_value=1e-6, max_value=1e6)
