@@ -4,13 +4,11 @@ The folder `NAME.partial` holds the study and the chunks, .npz files named by th
 Each is renamed into place when it is whole and on the disk, so that a listing of the folder tells what is done.
 """
 
-import hashlib
 import json
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import asdict
-from functools import partial
 from os import fsync
 from pathlib import Path
 from typing import IO, Any
@@ -18,6 +16,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 from softcradle.physics.atomic_files import output_file
+from softcradle.sandbox.sweeps.code_digest import code_digest
 from softcradle.sandbox.sweeps.scene_points import ScenePoints
 from softcradle.sandbox.sweeps.work import REASON, Chunk, Work, function_name
 from softcradle.sandbox.user_error import StudyError, reason
@@ -166,9 +165,10 @@ def _read(folder: Path, begin: int, end: int) -> Chunk:
 def study_text(work: Work, title: str) -> str:
     """All that the numbers of a sweep follow from as one line of JSON; long lists of values as their digest."""
     axes = [asdict(axis) | {"values": _shortened(axis.values)} for axis in work.points.axes]
-    source: Any = {"function": function_name(work.source), "code": _code_digest(work.source)}
     if isinstance(work.source, ScenePoints):
         source = work.source.scene.model_dump(mode="json", exclude={"view", "text", "question", "source"})
+    else:
+        source = {"function": function_name(work.source), "code": code_digest(work.source)}
     found = {
         "title": title,
         "design": work.points.design,
@@ -177,30 +177,17 @@ def study_text(work: Work, title: str) -> str:
         "axes": axes,
         "of": source,
         "measures": [
-            item if isinstance(item, str) else [item.name, _code_digest(item.function)] for item in work.measures
+            item
+            if isinstance(item, str)
+            else [item.name, item.unit, item.meaning, item.each, code_digest(item.function)]
+            for item in work.measures
         ],
         "versions": dict(work.versions),
     }
-    return json.dumps(found, default=str)
+    return json.dumps(found, default=code_digest)
 
 
 def _shortened(values: tuple[Any, ...]) -> Any:
     if len(values) <= MOST_VALUES:
         return list(values)
-    return {"number": len(values), "digest": hashlib.sha256(repr(values).encode()).hexdigest()[:16]}
-
-
-def _code_digest(function: Any) -> str:
-    """What tells one version of a function from another: its code, and what `partial` gave it. Not what it calls."""
-    told: list[Any] = []
-    if isinstance(function, partial):
-        told += [function.args, sorted(function.keywords.items())]
-        function = function.func
-    code = getattr(function, "__code__", None)
-    while code is not None:
-        inner = [constant for constant in code.co_consts if hasattr(constant, "co_code")]
-        told += [code.co_code, code.co_names, [c for c in code.co_consts if not hasattr(c, "co_code")]]
-        code = inner[0] if inner else None
-    cells = [cell.cell_contents for cell in getattr(function, "__closure__", None) or ()]
-    told += [cell for cell in cells if isinstance(cell, (int, float, str, tuple, np.ndarray, Mapping))]
-    return hashlib.sha256(repr(told).encode()).hexdigest()[:16]
+    return {"number": len(values), "digest": code_digest(values)}

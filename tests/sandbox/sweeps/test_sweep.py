@@ -4,13 +4,16 @@ import errno
 import os
 import signal
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from threading import Lock
 from unittest.mock import Mock
 
 import numpy as np
 import pytest
-from softcradle.physics import one_on, power_law, simulate
+from softcradle.physics import OwnLaw, one_on, power_law, simulate
 from softcradle.physics.analysis.collision import collide, measured
 from softcradle.sandbox.sweeps import Measure, grid, listed, run_sweep, store, sweep
+from softcradle.sandbox.sweeps.code_digest import code_digest
 from softcradle.sandbox.sweeps.executors import here
 from softcradle.sandbox.sweeps.run_sweep import drop_kept, map_points
 from softcradle.sandbox.sweeps.store import Store, partial_folder
@@ -174,6 +177,49 @@ def test_what_is_complete_is_opened_and_not_computed(tmp_path, log):
     with pytest.raises(StudyError, match=r"x.nc holds another study"):
         swept(0.1, 0.3)
     assert swept(0.1, 0.3, fresh=True)["product"].to_numpy().ravel().tolist() == [0.1, 0.3]
+
+
+def held(value):
+    return lambda a: value
+
+
+class Holder:
+    def __init__(self, held: object) -> None:
+        self.held = held
+
+    def __call__(self, a: float) -> dict[str, object]:
+        return {"y": self.held}
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda n: eval(f"lambda a, n={n}: n"),
+        lambda n: eval(f"lambda a: [lambda: 1, lambda: {n}]"),
+        lambda n: eval("lambda a: N", {"N": n, "__name__": "own"}),
+        lambda n: partial(numbers, np.array([1.0 + 1e-10 * n, 2.0])),
+        lambda n: Holder([n]),
+        lambda n: Holder(n).__call__,
+        lambda n: held([one_on(n, power_law(1.0, 0.5))]),
+        lambda n: OwnLaw(lambda overlap: n * overlap),
+    ],
+)
+def test_functions_with_other_values_are_other_studies(make):
+    assert code_digest(make(4)) == code_digest(make(4)) != code_digest(make(8))
+
+
+def test_how_values_came_about_makes_no_other_study(caplog):
+    assert [*{0, 8}] != [*{8, 0}]  # as sets of texts are in no order that another process has
+    assert code_digest({0, 8}) == code_digest({8, 0})
+    used = one_on(4, power_law(1.0, 0.5))
+    assert used.inverse_reduced_mass.size
+    assert code_digest(used) == code_digest(one_on(4, power_law(1.0, 0.5)))
+    lock = Lock()
+    assert code_digest(lock) != code_digest(lock)
+    assert (
+        "is not taken up again: it holds what cannot be compared (TypeError: cannot pickle '_thread.lock'"
+        in caplog.text
+    )
 
 
 @pytest.mark.skipif(os.name == "nt", reason="files are locked otherwise there")
