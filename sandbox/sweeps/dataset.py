@@ -12,7 +12,7 @@ import numpy as np
 from softcradle.physics.atomic_files import output_file, output_folder
 from softcradle.physics.extras import needed_for
 from softcradle.sandbox.sweeps.measure_table import MEASURE_BY_NAME, Measure
-from softcradle.sandbox.sweeps.sample_points import Points
+from softcradle.sandbox.sweeps.sample_points import Points, kinds_of
 from softcradle.sandbox.sweeps.work import REASON, STATUS, WARNED, Chunk, PointStatus, Work
 from softcradle.sandbox.user_error import StudyError
 
@@ -29,9 +29,6 @@ def dataset_of(chunk: Chunk, work: Work, units: Mapping[str, str], attributes: M
     import xarray as xr
 
     points, lanes = work.points, work.lanes
-    taken = next((name for name in RESERVED if name in chunk.columns), None)
-    if taken:
-        raise StudyError(f"a measure cannot be called {taken!r}: give it another name")
     known = MEASURE_BY_NAME | {one.name: one for one in work.measures if isinstance(one, Measure)}
     inner = {
         name: _inner_dimensions(name, column.ndim - 1, known.get(name), len(lanes) > 1)
@@ -106,6 +103,15 @@ def checked_output(output: str | Path | None) -> Path | None:
         else:
             import h5netcdf  # noqa: F401
     return path
+
+
+def check_written(points: Points) -> None:
+    """Refuse parameters that no file takes. Raises StudyError."""
+    for axis in points.axes:
+        kinds = kinds_of(axis.values) - {type(None)}
+        if axis.array.dtype == object and not (kinds <= {str} or kinds <= {int, float}):
+            told = ", ".join(sorted(kind.__name__ for kind in kinds))
+            raise StudyError(f"{axis.path}: an output takes values that are all numbers or all texts, not {told}")
 
 
 def write_dataset(found: xr.Dataset, path: Path) -> None:

@@ -7,13 +7,21 @@ import logging
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from softcradle.physics.extras import needed_for
 from softcradle.physics.source_digest import digest_of
-from softcradle.sandbox.sweeps.dataset import checked_output, dataset_of, lost_points, opened_dataset, write_dataset
+from softcradle.sandbox.sweeps.dataset import (
+    check_written,
+    checked_output,
+    dataset_of,
+    lost_points,
+    opened_dataset,
+    write_dataset,
+)
 from softcradle.sandbox.sweeps.executors import ChunkSchedule, Where, Workplace, here, place_of, processes_or_threads
 from softcradle.sandbox.sweeps.measure_table import Measure
 from softcradle.sandbox.sweeps.sample_points import Axis, Points, grid
@@ -26,6 +34,7 @@ from softcradle.sandbox.sweeps.work import (
     Outcome,
     PointStatus,
     Work,
+    check_columns,
     merged,
     sweep_work,
 )
@@ -113,13 +122,16 @@ def sweep(
     points = over if isinstance(over, Points) else grid(over)
     work = sweep_work(what, points, measures)
     path, study = checked_output(output), study_text(work, title)
+    if path is not None:
+        check_written(points)
     if path is not None and path.exists() and not fresh:
         LOGGER.info("%s is complete: nothing to compute", path)
         return opened_dataset(path, study)
     with opened(path, study, fresh) as store:
         tell = progress or _untold
         place = place_of(work, executor, scheduler, workers)
-        _compute_missing(work, store, place, workers, tell, chunk_seconds)
+        check = partial(check_columns, work=work, known={})
+        _compute_missing(work, store, place, workers, tell, chunk_seconds, take=check)
         tell("writing", 0, points.count)
         digest = hashlib.sha256(study.encode()).hexdigest()[:16]
         attributes = {"title": title or work.title, **work.versions, "study": study, "digest": digest}

@@ -56,10 +56,10 @@ class Axis:
 
     @cached_property
     def array(self) -> NDArray[Any]:
-        """The values as whole numbers or floats where all are, else as objects."""
-        flags = any(isinstance(value, bool) for value in self.values)
-        whole, real = (all(isinstance(value, kinds) for value in self.values) for kinds in (int, (int, float)))
-        return np.array(self.values, dtype=object if flags or not real else np.int64 if whole else np.float64)
+        """The values as truth values, whole numbers or floats where all are, else as objects."""
+        kinds = kinds_of(self.values)
+        known = ({bool}, np.bool_), ({int}, np.int64), ({int, float}, np.float64)
+        return np.array(self.values, dtype=next((own for of, own in known if kinds <= of), object))
 
     def between(self, unit: Array) -> NDArray[Any]:
         """The values at (N,) places from 0 to 1; number by number, so that they do not depend on N."""
@@ -74,6 +74,13 @@ class Axis:
     def ends(self) -> tuple[Any, Any]:
         """Its first and its last value."""
         return (self.values[0], self.values[-1]) if self.values else (self.low, self.high)
+
+
+def kinds_of(values: Sequence[Any]) -> set[type]:
+    """Which of bool, int, float and str the values are, and other types that are among them."""
+    return {
+        next((kind for kind in (bool, int, float, str) if isinstance(value, kind)), type(value)) for value in values
+    }
 
 
 @dataclass(frozen=True)

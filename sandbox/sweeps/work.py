@@ -2,9 +2,9 @@
 
 import math
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from functools import lru_cache, partial
 from itertools import islice
@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics import Chain, Trajectory
+from softcradle.physics.checked_input import shown
 from softcradle.physics.status import Status
 from softcradle.sandbox.sweeps.measure_table import OF_ENDS, Measure, Run, RunEnd, Value, ends_of, find_measure
 from softcradle.sandbox.sweeps.sample_points import Points
@@ -30,7 +31,16 @@ MOST_AT_ONCE = 256  # of them where they are so quick that these take no longer 
 LEAST_ALIKE = 4  # chains of one shape that run side by side: fewer cost less alone
 STATUS, WARNED, REASON = ":status", ":warned", ":reason"  # columns beside the measures, by names that none of these has
 WORTH_KERNELS = 1000  # points of a sweep for which the kernels of such runs are compiled behind it
-TAKEN = ("point", "lane", "bead", "contact", "status", "warned", "reason")  # names that parameters cannot have
+TAKEN = (
+    "point",
+    "lane",
+    "bead",
+    "contact",
+    "status",
+    "warned",
+    "reason",
+)  # names that parameters and measures cannot have
+UNLIKE = "a measure is a number at one point and a list at another"
 
 
 class PointStatus(IntEnum):
@@ -161,11 +171,14 @@ class Work:
         """One point. What goes wrong with it is its status and reason."""
         try:
             if isinstance(self.source, ScenePoints):
-                return self._measured([Run(start) for start in self.source.starts(values)])
-            found = self.source(**{axis.coordinate: values[axis.path] for axis in self.points.axes})
-            if isinstance(found, Outcome):
-                return found
-            return Outcome(found) if isinstance(found, Mapping) else self._measured([_run_of(found)])
+                found: Any = self._measured([Run(start) for start in self.source.starts(values)])
+            else:
+                found = self.source(**{axis.coordinate: values[axis.path] for axis in self.points.axes})
+            if isinstance(found, Mapping):
+                found = Outcome(found)
+            elif not isinstance(found, Outcome):
+                found = self._measured([_run_of(found)])
+            return replace(found, values={name: _number_of(name, value) for name, value in found.values.items()})
         except Exception as error:  # whatever a point or a user's function does, the others go on
             return Outcome({}, PointStatus.REFUSED, 0, _sentence_of(error))
 
@@ -198,6 +211,14 @@ def _sentence_of(error: BaseException) -> str:
     return text if isinstance(error, ValueError) and text else f"{type(error).__name__}: {text}".rstrip(": ")
 
 
+def _number_of(name: str, value: Any) -> Array:
+    """The value of a measure as an array. Raises StudyError where it is none."""
+    with suppress(TypeError, ValueError):
+        if not np.iscomplexobj(value):
+            return as_floats(value)
+    raise StudyError(f"{name!r} must be a number or a list of numbers, not {shown(value)}")
+
+
 def as_floats(value: Value) -> Array:
     """A number, or a list of them, as an array; None is nan."""
     return np.asarray(np.nan if value is None else value, dtype=np.float64)
@@ -207,7 +228,7 @@ def stacked(arrays: Sequence[Array | None]) -> Array:
     """(N, ...) the arrays in the largest shape among them, nan where one has no number, or is None."""
     given = [array for array in arrays if array is not None]
     if len({array.ndim for array in given}) > 1:
-        raise StudyError("a measure is a number at one point and a list at another")
+        raise StudyError(UNLIKE)
     shape = np.max([array.shape for array in given], axis=0).astype(int) if given and given[0].ndim else ()
     found = np.full((len(arrays), *shape), np.nan)
     for row, array in enumerate(arrays):
@@ -275,9 +296,8 @@ def compute_checked(work: Work, begin: int, end: int, seconds: float) -> Chunk:
 def sweep_work(what: Scene | str | Callable[..., Any], points: Points, measures: Sequence[str | Measure]) -> Work:
     """The Work of a sweep; all that can be checked before it begins is. Raises StudyError, or the SceneError of a file."""
     names = [find_measure(item).name if isinstance(item, str) else item.name for item in measures]
-    for name in [axis.coordinate for axis in points.axes]:
-        if name in (*TAKEN, *names) or set(name) & set(" /"):
-            raise StudyError(f"a parameter cannot be called {name!r}: give it another name")
+    check_names("parameter", [axis.coordinate for axis in points.axes], names)
+    check_names("measure", names)
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
         raise StudyError(f"measure {twice!r} is given twice")
@@ -289,6 +309,26 @@ def sweep_work(what: Scene | str | Callable[..., Any], points: Points, measures:
             raise StudyError("a sweep of a scene needs at least one measure")
         _check(source, points)
     return Work(points, source, tuple(measures), current_versions())
+
+
+def check_names(what: str, names: Iterable[Any], others: Sequence[str] = ()) -> None:
+    """Refuse names that a variable of the Dataset cannot have beside the `others`. Raises StudyError."""
+    for name in names:
+        if not (isinstance(name, str) and name) or name in (*TAKEN, *others) or set(name) & set(" /"):
+            raise StudyError(f"a {what} cannot be called {name!r}: give it another name")
+
+
+def check_columns(chunk: Chunk, work: Work, known: dict[str, int]) -> None:
+    """Refuse what a function returns where the Dataset cannot hold it; `known` has the dimensions of numbers before it.
+
+    Raises StudyError.
+    """
+    columns = {name: column for name, column in chunk.columns.items() if name not in (STATUS, WARNED, REASON)}
+    inner = [f"{name}_item" for name, column in columns.items() if column.ndim > 1]
+    check_names("measure", columns, [*inner, *(axis.coordinate for axis in work.points.axes)])
+    for name, column in columns.items():
+        if known.setdefault(name, column.ndim) != column.ndim:
+            raise StudyError(UNLIKE)
 
 
 def _check(source: ScenePoints, points: Points) -> None:

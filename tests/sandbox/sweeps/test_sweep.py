@@ -55,6 +55,18 @@ def test_numbers_stand_where_they_belong(alone):
     assert {"softcradle", "numpy", "python", "scipy", "source", "study"} <= alone.attrs.keys()
 
 
+def test_what_is_no_number_is_marked_and_truth_values_are_kept(tmp_path):
+    found = sweep(lambda k: {"y": [1.0, "one", np.array([1j])][k]}, {"k": range(3)}, executor="here")
+    reasons = [
+        "",
+        "'y' must be a number or a list of numbers, not 'one'",
+        "'y' must be a number or a list of numbers, not array([0.+1.j])",
+    ]
+    assert found["reason"].values.tolist() == reasons
+    with sweep(lambda k: {"y": k}, {"k": [False, True]}, executor="here", output=tmp_path / "x.nc") as found:
+        assert (found["k"].dtype, found["y"].values.tolist()) == (bool, [0.0, 1.0])
+
+
 def test_a_point_that_fails_is_marked_with_its_reason(alone):
     failed = A > 0.9
     assert (alone["status"].to_numpy() == np.where(failed, PointStatus.REFUSED, PointStatus.DONE)[:, None]).all()
@@ -303,6 +315,19 @@ def test_motions_of_a_function_are_measured():
         ((numbers, GRID), {"executor": "nobody"}, "executor must be auto, here, threads, processes"),
         ((numbers, GRID), {"workers": 0}, "workers must be at least 1, not 0"),
         ((lambda a, n: {}, GRID), {"executor": "processes"}, "cannot compute this: put the function into a module"),
+        (
+            (numbers, {"a": [True, 2]}),
+            {"output": "x.nc"},
+            "a: an output takes .* all numbers or all texts, not bool, int",
+        ),
+        ((lambda a: {"v/c": a}, {"a": [1]}), {"output": "x.zarr"}, "a measure cannot be called 'v/c'"),
+        ((lambda a: {"a": a}, {"a": [1]}), {"output": "x.zarr"}, "a measure cannot be called 'a'"),
+        ((lambda a: {"y": [a], "y_item": a}, {"a": [1]}), {"output": "x.zarr"}, "a measure cannot be called 'y_item'"),
+        (
+            (lambda a: {"y": a if a else [a]} if a < 2 else pytest.fail("late"), {"a": range(3)}),
+            ONE_BY_ONE,
+            "a number at one point and a list at another",
+        ),
     ],
 )
 def test_what_cannot_be_is_refused_before_any_work(arguments, options, sentence, tmp_path, monkeypatch):
