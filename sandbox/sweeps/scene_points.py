@@ -9,6 +9,7 @@ from pydantic import BaseModel, ValidationError
 from softcradle.physics import Chain
 from softcradle.scenes import Lane, Scene
 from softcradle.scenes.scene_errors import SceneError, scene_error
+from softcradle.scenes.scene_schema import MOST_BEADS
 from softcradle.scenes.toml_table import suggestion
 
 ONE_OR_MANY = ("mass", "contact", "gap")  # fields of a lane that may be one value for all
@@ -89,27 +90,41 @@ def is_structure(path: str, value: Any) -> bool:
 
 
 def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
-    """The scene with the values at their paths, one after the other, checked as a file is. Raises SceneError."""
+    """The scene with the values at their paths, those of its structure first, checked as a file is. Raises SceneError."""
+    structure = [path for path, value in values.items() if is_structure(path, value)]
     found = scene
-    for path in values:
+    for path in structure:
         found = change_of(found, [(path.split("."), path)])(values)
-    table = found.model_dump(warnings=False)
-    for lane, now, before in zip(table["lanes"], found.lanes, scene.lanes, strict=True):
-        if now.beads != before.beads:
-            lane["velocity"] = _spread_anew(now, before)
+    if structure:
+        lanes = zip(found.lanes, scene.lanes, strict=True)
+        found = found.model_copy(update={"lanes": tuple([_spread_anew(*both) for both in lanes])})
+    for path in values:
+        if path not in structure:
+            found = change_of(found, [(path.split("."), path)])(values)
     try:
-        return Scene.model_validate(table)
+        return Scene.model_validate(found.model_dump(warnings=False))
     except ValidationError as error:
         raise scene_error("the scene", error) from None
 
 
-def _spread_anew(lane: Lane, before: Lane) -> Any:
-    """The velocities of a lane with other beads than `before`; one alone if the strikers had one and the targets rested."""
+def _spread_anew(lane: Lane, before: Lane) -> Lane:
+    """The lane with other beads than `before`; if the strikers had one velocity and the targets rested, so they do again."""
     velocity, clusters = lane.velocity, before.beads
-    if not (isinstance(velocity, tuple) and isinstance(clusters, tuple)):
-        return velocity
+    if lane.beads == clusters or not (isinstance(velocity, tuple) and isinstance(clusters, tuple)):
+        return lane
     strikers, targets = clusters
-    return velocity[0] if velocity == (velocity[0],) * strikers + (0.0,) * targets else velocity
+    if velocity != (velocity[0],) * strikers + (0.0,) * targets:
+        return lane
+    return lane.model_copy(update={"velocity": strikers_at(velocity[0], lane.beads)})
+
+
+def strikers_at(speed: Any, beads: Any) -> Any:
+    """The velocities of `beads`, of which the strikers move; the speed alone where there are no such beads, as in a file."""
+    pair = isinstance(beads, (list, tuple)) and len(beads) == 2
+    if not pair or not all(isinstance(count, int) and 1 <= count <= MOST_BEADS for count in beads):
+        return speed
+    strikers, targets = beads
+    return (speed,) * strikers + (0.0,) * targets
 
 
 def change_of(item: Any, places: Sequence[tuple[list[str], str]]) -> Change:
@@ -141,8 +156,22 @@ def _change_of_table(item: BaseModel, places: Sequence[tuple[list[str], str]]) -
         if single and isinstance(item, Lane) and any(rest and _is_place(rest[0]) for rest, _ in own):
             inner = (inner,) * (len(item.velocity) - (key != "mass"))
             own = [(rest if rest and _is_place(rest[0]) else [EVERY, *rest], of) for rest, of in own]
-        changes[key] = change_of(inner, own)
+        whole = max((k for k, (rest, _) in enumerate(own) if not rest), default=None)
+        if isinstance(item, Lane) and key == "velocity" and whole is not None:
+            changes[key] = _change_of_velocity(item.beads, own[whole][1], own[whole + 1 :])
+        else:
+            changes[key] = change_of(inner, own)
     return lambda values: item.model_copy(update={key: change(values) for key, change in changes.items()})
+
+
+def _change_of_velocity(beads: Any, path: str, after: Sequence[tuple[list[str], str]]) -> Change:
+    """The velocities that the value at `path` gives all beads, or the strikers if it is a number, and those of single ones."""
+
+    def velocity(values: Mapping[str, Any]) -> Any:
+        whole = values[path]
+        return change_of(tuple(whole) if isinstance(whole, (list, tuple)) else strikers_at(whole, beads), after)(values)
+
+    return velocity
 
 
 def _change_of_list(item: tuple[Any, ...], places: Sequence[tuple[list[str], str]]) -> Change:

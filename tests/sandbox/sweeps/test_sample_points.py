@@ -104,6 +104,23 @@ def test_strikers_and_targets_are_as_many_as_a_point_says(strikers, targets):
     assert ScenePoints(SCENE).checked(values).lanes[0].velocity == tuple(found.velocity)
 
 
+@pytest.mark.parametrize(
+    ("values", "velocity", "mass"),
+    [
+        ({"velocity.0": 2.0, "beads.0": 2, "beads.1": 3}, (2.0, 1.0, 0.0, 0.0, 0.0), (1.0,) * 5),
+        ({"velocity": 2.0, "beads.0": 2, "beads.1": 3}, (2.0, 2.0, 0.0, 0.0, 0.0), (1.0,) * 5),
+        ({"velocity": 2.0, "velocity.1": 3.0}, (2.0, 3.0, 0.0, 0.0, 0.0), (1.0,) * 5),
+        ({"velocity.1": 3.0, "velocity": 2.0}, (2.0, 0.0, 0.0, 0.0, 0.0), (1.0,) * 5),
+        ({"mass.0": 2.0, "beads.1": 5}, (1.0,) + (0.0,) * 5, (2.0,) + (1.0,) * 5),
+    ],
+)
+def test_numbers_are_those_of_the_beads_of_a_point_in_whatever_order(values, velocity, mass):
+    values = {f"lanes.0.{path}": value for path, value in values.items()}
+    (found,), lane = ScenePoints(SCENE).starts(values), changed(SCENE, values).lanes[0]
+    assert tuple(found.velocity) == lane.velocity == velocity
+    assert found.chain.mass == lane.chain().mass == mass
+
+
 def test_velocities_of_ones_own_stay_with_their_beads():
     own = changed(SCENE, {"lanes.0.velocity.1": 0.5})
     assert changed(own, {"lanes.0.beads": [2, 3]}).lanes[0].velocity == (1.0, 0.5, 0.0, 0.0, 0.0)
