@@ -198,11 +198,21 @@ class Work:
 def _run_of(found: Any) -> Run:
     """The Run of what a function returned."""
     if isinstance(found, Trajectory):
-        return Run(LaneStart(found.chain, found.velocity[0], {}), found)
+        return Run(LaneStart(found.chain, found.velocity[0], _settings_of(found)), found)
     if isinstance(found, tuple) and len(found) in (2, 3) and isinstance(found[0], Chain):
         return Run(LaneStart(found[0], found[1], found[2] if len(found) == 3 else {}))
     kinds = "numbers by name, a Trajectory, or (chain, velocity)"
     raise StudyError(f"the function must return {kinds}, not {type(found).__name__}")
+
+
+def _settings_of(found: Trajectory) -> dict[str, Any]:
+    """The keywords of `simulate` that gave it. Raises StudyError where its samples do not tell its start and its end."""
+    whole = found.status.gave_up or np.allclose(found.velocity[-1], found.final_velocity, rtol=1e-9, atol=1e-9)
+    if found.time[0] != 0.0 or not whole:
+        raise StudyError("the samples of a Trajectory that is measured must begin and end with its run")
+    fineness = {"step": found.step} if found.step else {"tolerance": found.tolerance}
+    duration = None if found.status is Status.SEPARATED else float(found.time[-1])
+    return {"duration": duration, "method": found.method, **fineness}
 
 
 def _sentence_of(error: BaseException) -> str:

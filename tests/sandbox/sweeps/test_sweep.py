@@ -306,6 +306,21 @@ def test_motions_of_a_function_are_measured():
 
 
 @pytest.mark.parametrize(
+    "settings",
+    [{"duration": 0.5, "tolerance": 1e-6}, {"duration": 3.0, "method": "verlet", "step": 0.01}, {"tolerance": 1e-3}],
+)
+def test_a_trajectory_is_measured_as_what_it_was_computed_from(settings):
+    measures = ["end", "peak_force", "momentum", "energy_inside", "rigidity_at_detachment", "steps"]
+    start = one_on(2, power_law(1.0, 1.0)), [1.0, 0.0, 0.0]
+    makes = lambda k: simulate(*start, **settings), lambda k: (*start, settings)
+    both = [sweep(make, {"k": [0]}, measures, executor="here") for make in makes]
+    for name in measures:
+        np.testing.assert_array_equal(*(found[name] for found in both), err_msg=name)
+    cut = sweep(lambda k: simulate(*start, samples=[0.0, 0.5]), {"k": [0]}, ["end"], executor="here")
+    assert cut["reason"].item() == "the samples of a Trajectory that is measured must begin and end with its run"
+
+
+@pytest.mark.parametrize(
     ("arguments", "options", "sentence"),
     [
         ((numbers, {"status": [1]}), {}, "a parameter cannot be called 'status'"),
