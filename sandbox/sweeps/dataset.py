@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from softcradle.physics.atomic_files import output_file, output_folder
 from softcradle.physics.extras import needed_for
-from softcradle.sandbox.sweeps.measure_table import MEASURE_BY_NAME, Measure
+from softcradle.sandbox.sweeps.measure_table import Measure, find_measure
 from softcradle.sandbox.sweeps.sample_points import Points, kinds_of
 from softcradle.sandbox.sweeps.work import REASON, STATUS, WARNED, Chunk, PointStatus, Work
 from softcradle.sandbox.user_error import StudyError
@@ -29,7 +29,8 @@ def dataset_of(chunk: Chunk, work: Work, units: Mapping[str, str], attributes: M
     import xarray as xr
 
     points, lanes = work.points, work.lanes
-    known = MEASURE_BY_NAME | {one.name: one for one in work.measures if isinstance(one, Measure)}
+    measures = [find_measure(one) if isinstance(one, str) else one for one in work.measures]
+    known = {one.name: one for one in measures}
     inner = {
         name: _inner_dimensions(name, column.ndim - 1, known.get(name), len(lanes) > 1)
         for name, column in chunk.columns.items()

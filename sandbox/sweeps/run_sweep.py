@@ -121,7 +121,7 @@ def sweep(
         import xarray  # noqa: F401  # before the work, not after it
     points = over if isinstance(over, Points) else grid(over)
     work = sweep_work(what, points, measures)
-    path, study = checked_output(output), study_text(work, title)
+    path, study = checked_output(output), study_text(work, title, units)
     if path is not None:
         check_written(points)
     if path is not None and path.exists() and not fresh:

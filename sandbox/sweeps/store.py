@@ -6,7 +6,7 @@ Each is renamed into place when it is whole and on the disk, so that a listing o
 
 import json
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import asdict
 from os import fsync
@@ -162,8 +162,8 @@ def _read(folder: Path, begin: int, end: int) -> Chunk:
     return Chunk(begin, end, columns)
 
 
-def study_text(work: Work, title: str) -> str:
-    """All that the numbers of a sweep follow from as one line of JSON; long lists of values as their digest."""
+def study_text(work: Work, title: str, units: Mapping[str, str] | None = None) -> str:
+    """All that the Dataset of a sweep follows from as one line of JSON; long lists of values as their digest."""
     axes = [asdict(axis) | {"values": _shortened(axis.values)} for axis in work.points.axes]
     if isinstance(work.source, ScenePoints):
         source = work.source.scene.model_dump(mode="json", exclude={"view", "text", "question", "source"})
@@ -171,6 +171,7 @@ def study_text(work: Work, title: str) -> str:
         source = {"function": function_name(work.source), "code": code_digest(work.source)}
     found = {
         "title": title,
+        "units": dict(units or {}),
         "design": work.points.design,
         "count": work.points.count,
         "seed": work.points.seed,

@@ -52,6 +52,8 @@ def test_numbers_stand_where_they_belong(alone):
     np.testing.assert_array_equal(alone["powers"].sel(n=3)[4], A[4] ** np.arange(3))
     assert np.isnan(alone["powers"].sel(n=2)[4, 2])
     assert alone["product"].attrs["units"] == "m"
+    own = sweep(lambda k: {"contact_time": k}, {"k": [1]}, executor="here", units={"contact_time": "ms"})
+    assert own["contact_time"].attrs == {"units": "ms"}  # not those of the measure of that name
     assert {"softcradle", "numpy", "python", "scipy", "source", "study"} <= alone.attrs.keys()
 
 
@@ -186,8 +188,9 @@ def test_what_is_complete_is_opened_and_not_computed(tmp_path, log):
 
     assert swept(0.1, 0.2).identical(swept(0.1, 0.2))
     assert len(log.read_text().splitlines()) == 2
-    with pytest.raises(StudyError, match=r"x.nc holds another study"):
-        swept(0.1, 0.3)
+    for points, other in (((0.1, 0.3), {}), ((0.1, 0.2), {"units": {"product": "mm"}})):
+        with pytest.raises(StudyError, match=r"x.nc holds another study"):
+            swept(*points, **other)
     assert swept(0.1, 0.3, fresh=True)["product"].to_numpy().ravel().tolist() == [0.1, 0.3]
 
 
