@@ -38,7 +38,7 @@ class ParameterSpan(Table):
     Attributes:
         values: a list of them.
         between: or the smallest and the largest.
-        count: how many between these, in a grid or a list; samples have one count for all parameters.
+        count: how many between these, in a grid or a list, unless they are whole; samples have one count for all parameters.
         scale: "linear", "log" (even in the logarithm) or "whole" (whole numbers).
         name: of the coordinate in the Dataset; else the path.
     """
@@ -53,6 +53,11 @@ class ParameterSpan(Table):
     def _check(self) -> Self:
         if bool(self.values) == (self.between is not None):
             raise problem("needs either values = [...] or between = [low, high]")
+        beside = sorted(self.model_fields_set & {"count", "scale"})
+        if self.values and beside:
+            raise problem(f"{beside[0]} is allowed beside between = [low, high], not beside values = [...]")
+        if self.scale == "whole" and self.count is not None:
+            raise problem('scale = "whole" takes every number between = [low, high]: leave out count')
         return self
 
     def valued(self, path: str) -> Axis:

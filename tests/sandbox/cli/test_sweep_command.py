@@ -104,6 +104,14 @@ def test_samples_of_a_file_and_the_example(tmp_path):
         (GOOD + SOBOL, "needs one of the tables grid, list, sobol, latin_hypercube, not 2"),
         (changed("values = [0.5, 1]", "between = [1, 0.5]"), r"study.toml: lanes.0.velocity.0 must lie .* 1 and 0.5"),
         (changed("values = [0.5, 1]", "between = [0.5, 1]"), "count is missing"),
+        (
+            changed("values = [0.5, 1]", 'between = [2, 20], scale = "whole", count = 4'),
+            r"study.toml: .*velocity.0.*: scale = \"whole\" takes every number between .*: leave out count",
+        ),
+        (
+            changed("values = [0.5, 1]", 'values = [0.5, 1], scale = "log"'),
+            r"study.toml: .*velocity.0.*: scale is allowed beside between = .*, not beside values",
+        ),
         (changed("values = [0.5, 1]", "values = []"), r"needs either values = \[...\] or between"),
         (changed('"rigidity"', '"rigid"'), "there is no measure 'rigid'"),
         (changed("one-on-four", "one-on-for"), "there is no scene 'one-on-for'"),
