@@ -96,6 +96,7 @@ def _spec(chain: Chain, velocity: list[float]) -> dict[str, Any]:
         "loss": [0.0 if chain.own_laws else float(loss) for loss in chain.loss],
         "friction": chain.friction,
         "drive": None if chain.drive is None else list(chain.drive),
+        "speed": speed_scale(chain, velocity),
     }
 
 

@@ -23,6 +23,11 @@ FITS = "document.documentElement.scrollWidth <= document.documentElement.clientW
 # Pairs of colours of the style sheet, text before ground; canvas and SVG text have the same.
 TEXTS = [("ink", "paper"), ("muted", "paper"), ("ink", "card"), ("muted", "card"), ("alarm", "paper")]
 BOOKED = 1e-10  # relative error of the energy
+SAID = "document.getElementById('words').textContent"
+ENDED = (
+    "Bead 0 comes back at 0.57 m/s. Bead 1 goes on at 0.17 m/s. Beads 2 to 4 go on together at 0.45 to 0.47 m/s. "
+    f"Two rigid bodies: {MINUS}0.60 and 0.40 m/s."
+)
 PLACE = """(() => { const stage = page.stages[%d], box = stage.canvas.getBoundingClientRect(); page.show(false);
   return [box.left + stage.middle(%d), box.top + stage.view.ground - stage.view.size / 2, stage.view.size]; })()"""
 SET = "(() => {{ const e = document.getElementById('{}'); e.value = '{}'; e.dispatchEvent(new Event('{}')); }})()"
@@ -93,11 +98,7 @@ def test_the_rows_end_as_simulate_says(pages, browser, fragment, name, apart):
 def test_it_plays_by_itself_ends_in_words_and_begins_again(pages, browser):
     browser.visit(pages(SCENE).output, "#pace=4")
     browser.until("!page.playing")
-    words = browser.run("document.getElementById('words').textContent")
-    assert words == (
-        "Bead 0 comes back at 0.57 m/s. Bead 1 goes on at 0.17 m/s. Beads 2 to 4 go on together at 0.45 to 0.47 m/s. "
-        f"Two rigid bodies: {MINUS}0.60 and 0.40 m/s."
-    )
+    assert browser.run(SAID) == ENDED
     again = "document.getElementById('toggle').click(), [page.playing, page.source.time === page.source.begun]"
     assert browser.run(again) == [True, True]
 
@@ -219,7 +220,7 @@ def test_steel_balls_beside_soft_beads(pages, browser):
     assert browser.run("page.stages.length") == 2
     run_to_the_end(browser)
     assert velocities(browser, 1)[-1] == pytest.approx(0.986, abs=0.01)
-    soft, steel = browser.run("document.getElementById('words').textContent").split("\n")
+    soft, steel = browser.run(SAID).split("\n")
     assert soft.startswith("alpha = 1/10: ")
     assert steel.startswith("steel balls: Beads 0 to 2 nearly stand still. ")
     assert len(set(browser.run("page.source.rows.map((row) => row.kernel.time)"))) == 1
@@ -392,6 +393,9 @@ def test_a_recorded_motion_is_shown_as_it_was(browser, tmp_path, own):
     shown = browser.run("Array.from(page.source.values(0).overlap)")
     np.testing.assert_allclose(shown, recorded.overlap[k], rtol=0.01)
     assert "cannot be changed here" in browser.run("document.getElementById('notice').innerText")
+    run_to_the_end(browser)
+    assert browser.run(SAID).startswith("Beads 0 to 2 nearly stand still. " if own else ENDED)
+    assert browser.run("page.looks[0].marks")
 
 
 READERS = ("de-AT", "Eine Kugel auf vier"), ("fr", "Une bille contre quatre"), ("sv", "One bead on four")
@@ -404,7 +408,7 @@ def test_it_speaks_the_language_of_its_reader(pages, browser, code, title):
     browser.visit(pages(SCENE).output, "")
     assert browser.run("[document.title, document.getElementById('title').textContent]") == [title, title]
     run_to_the_end(browser)
-    assert ("0.45" if code == "sv" else "0,45") in browser.run("document.getElementById('words').textContent")
+    assert ("0.45" if code == "sv" else "0,45") in browser.run(SAID)
     browser.run(SET.format("language", "fr", "change"))
     assert browser.run("document.documentElement.lang") == "fr"
     assert browser.run("document.getElementById('toggle').title") == "Lecture"
