@@ -77,7 +77,7 @@ class Live {
     for (; k < limit && apart < TAIL * FRAME_RATE; k++) {
       this.frame(null);
       rows.forEach((row, lane) => widened(scales, lane, row.mass, row.read(nows[lane]), this.data.length, 0));
-      const all = rows.every((row) => row.apart || row.velocity.every((v) => Math.abs(v) < AT_REST * row.spec.speed));
+      const all = rows.every((row, lane) => row.apart || nows[lane].velocity.every((v) => Math.abs(v) < AT_REST * row.spec.speed));
       if (this.hit < 0 && nows.some((now) => now.force.some((f) => f > 0))) this.hit = rows[0].kernel.time;
       apart = all ? apart + 1 : 0;
     }

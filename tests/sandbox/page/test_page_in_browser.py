@@ -10,7 +10,8 @@ import pytest
 from PIL import Image, ImageColor
 from softcradle.sandbox.draw.bodies import rigid_forces
 from softcradle.sandbox.draw.number_format import MINUS
-from softcradle.sandbox.page import write_page
+from softcradle.sandbox.page import render_page, write_page
+from softcradle.scenes import Lane, Scene
 
 from softcradle import one_on, scenes, simulate
 from tests.helpers.drawn_text import contrast
@@ -101,6 +102,30 @@ def test_it_plays_by_itself_ends_in_words_and_begins_again(pages, browser):
     assert browser.run(SAID) == ENDED
     again = "document.getElementById('toggle').click(), [page.playing, page.source.time === page.source.begun]"
     assert browser.run(again) == [True, True]
+
+
+SOFT = {"law": "power_law", "f0": 1.0, "alpha": 0.1}
+DRIVEN = {"velocity": [0, 0, 0], "gap": [0.5, 0], "drive": [1, 0, 0]}
+
+
+def visit_row(browser, folder, fragment="", duration=None, **lane):
+    """Open the page of a row, whose contacts are soft unless told."""
+    scene = Scene(title="a row", lanes=(Lane(**{"contact": SOFT} | lane),), duration=duration)
+    browser.visit(render_page(scene, folder / "page.html").output, fragment)
+    browser.run("page.pause()")
+
+
+@pytest.mark.parametrize(
+    ("row", "last"),
+    [
+        (DRIVEN | {"duration": 5.0}, 5.0),
+        ({"velocity": [0, 0, 0], "gap": [-0.2, -0.2]}, 2.19),  # released, apart after 0.69 s
+        ({"velocity": [1, 0, 0], "gap": [1, 0], "friction": 0.05}, 3.86),  # at rest after 2.36 s
+    ],
+)
+def test_a_run_is_followed_until_nothing_moves_any_more(browser, tmp_path, row, last):
+    visit_row(browser, tmp_path, **row)
+    assert browser.run("page.source.last") == pytest.approx(last, abs=0.01)
 
 
 def test_a_pause_within_a_picture_leaves_one_clock(pages, browser):
