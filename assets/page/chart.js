@@ -37,7 +37,7 @@ class Chart {
   /** @param {any} source @param {any} data of the page @param {any} unit of the values */
   draw(source, data, unit) {
     const { layer, density } = this, { scales } = source;
-    const [low, high] = this.channel === "velocity" ? padded(scales.velocity) : [0, scales.force[this.lane]];
+    const [low, high] = this.channel === "velocity" ? padded(scales.velocity) : [scales.pull, scales.force[this.lane]];
     if (this.outlived(source) || low !== this.low || high !== this.high || this.branch !== source.branch) {
       Object.assign(this, { low, high, branch: source.branch, drawn: -Infinity });
       layer.setTransform(density, 0, 0, density, 0, 0);

@@ -188,7 +188,7 @@ class Live {
 // Axes before anything has moved.
 function startScales(data, rows) {
   const speed = Math.max(...rows.map((row) => row.spec.speed));
-  const scales = { window: [Infinity, -Infinity], velocity: [0, 0], force: rows.map(() => 0), energy: 0, momentum: [0, 0], magnify: 1,
+  const scales = { window: [Infinity, -Infinity], velocity: [0, 0], force: rows.map(() => 0), pull: 0, energy: 0, momentum: [0, 0], magnify: 1,
     deepest: rows.map((row) => new Array(row.kernel.n).fill(0)) };
   rows.forEach((row, lane) => widened(scales, lane, row.mass, row.read(emptyNow(row.kernel.n)), data.length, 0));
   scales.energy = Math.max(scales.energy, ...rows.map((row) => row.begun));

@@ -43,7 +43,7 @@ def page_data(played: PlayedMotion, computed: bool) -> dict[str, Any]:
     size, name = played.time_unit
     newtons, force_name = played.force_unit
     packed = packed_lanes(played.motions, scales)
-    axes = ("window", "velocity", "force", "magnify", "energy", "momentum")
+    axes = ("window", "velocity", "force", "pull", "magnify", "energy", "momentum")
     data = {
         "slow": scene.view.slow,
         "unit": {"size": size, "name": name},

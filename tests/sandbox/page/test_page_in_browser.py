@@ -546,12 +546,21 @@ def test_axe_finds_nothing(pages, browser, device, scheme):
     assert found["passes"] > 20
 
 
+# Whether curves are inside their charts.
+INSIDE = """page.charts.every(({lane, channel, low, high}) => {
+  const count = page.source.values(lane)[channel].length, found = [];
+  page.source.trace(lane, channel, 400, -Infinity, (_, values, at) => found.push(...values.slice(at, at + count)));
+  return Math.min(...found) >= low && Math.max(...found) <= high;
+})"""
+
+
 @pytest.mark.parametrize("name", scenes.names())
 def test_every_scene_plays_to_its_end_without_an_error(pages, browser, name):
     browser.visit(pages(name).output, "")
     browser.run("page.pause(), window.span = page.source.last - page.source.begun")
     browser.run("for (let k = 0; k <= 40; k++) page.go(page.source.begun + k / 40 * span)")
     assert np.isfinite(velocities(browser)).all()
+    assert browser.run(INSIDE)
     if browser.run("page.source.live"):
         assert error(browser) < BOOKED
     dissipative = scenes.load(name).lanes[0].chain().dissipative
