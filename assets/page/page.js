@@ -39,12 +39,18 @@ class Page {
     return this.source.live ? readAddress(location.hash, this.own, this.limits) : { ...this.own, beside: "none" };
   }
 
+  // What the rows of the experiment start from.
+  made() {
+    const { data, experiment, own } = this, specs = data.lanes.map((_, lane) => specOf(data, lane, experiment, own));
+    if (experiment.beside !== "none" && data.lanes.length === 1) specs.push(besideSpec(data, specs[0], experiment.beside));
+    return specs;
+  }
+
   // Begin the experiment anew.
   restart() {
-    const { data, experiment, own, source } = this;
+    const { data, experiment, source } = this;
     if (source.live) {
-      this.specs = data.lanes.map((_, lane) => specOf(data, lane, experiment, own));
-      if (experiment.beside !== "none" && data.lanes.length === 1) this.specs.push(besideSpec(data, this.specs[0], experiment.beside));
+      this.specs = this.made();
       source.begin(this.specs, experiment.pace);
     } else {
       source.setPace(experiment.pace);
@@ -263,9 +269,9 @@ class Page {
     const { source } = this, running = source.live && !source.over && source.time > source.begun;
     if (name === "pace") source.setPace(value);
     else if (name === "shown") { this.build(); this.dress(); }
-    else if (source.live && running && LIVE_EDITS[name]) {
-      source.change(() => source.rows.forEach((row, lane) => LIVE_EDITS[name](row, lane, value)));
-      this.specs = source.rows.map(({ spec }) => spec);
+    else if (source.live && running && LIVE_EDITS.includes(name)) {
+      this.specs = this.made();
+      source.change(() => source.rows.forEach((row, lane) => row.booked(() => row.follow(this.specs[lane]))));
       this.build();
       this.dress();
     } else { this.restart(); if (!reduced()) this.play(); }
@@ -325,17 +331,7 @@ class Page {
 }
 
 const MADE = ["law", "alpha", "strikers", "targets", "speed", "friction", "loss"]; // of the experiment: what the row is
-
-// What can change while the motion runs.
-const LIVE_EDITS = {
-  alpha: (row, lane, value) => lane === 0 && row.booked(() => {
-    const { law, n } = row.kernel;
-    for (let i = 0; i < n; i++) if (isSoft(law, i)) law[3 * i + 2] = value;
-    row.spec.law = Array.from(law);
-  }),
-  friction: (row, _lane, value) => { row.setFriction(value); row.spec.friction = value; },
-  loss: (row, lane, value) => lane === 0 && row.booked(() => { row.kernel.loss.fill(value); row.spec.loss.fill(value); }),
-};
+const LIVE_EDITS = ["alpha", "friction", "loss"]; // what can change while the motion runs
 
 // Sliders: from 0 to 1 and back within limits, and the text of a value.
 const linear = { to: (value, [low, high]) => (value - low) / (high - low), from: (share, [low, high]) => low + share * (high - low) };

@@ -30,15 +30,14 @@ class Row {
     this.rateBefore = new Float64Array(n);
     this.wasClosed = new Uint8Array(n);
     this.ends = new Uint8Array(n); // contacts at which a cluster ends: it was struck there
+    this.edits = 0; // of the laws: energy is counted anew in states from before the last one
     this.begin();
   }
 
   // At the start of the scene, with the laws of `spec`.
   begin() {
     const { kernel, spec, mass } = this, { n, anchorBead } = kernel;
-    kernel.law.set(spec.law);
-    kernel.loss.set(spec.loss);
-    this.setFriction(spec.friction);
+    this.follow(spec);
     const place = new Float64Array(n + 1);
     for (let i = 0; i < n; i++) {
       place[i + 1] = place[i] + spec.gap[i];
@@ -55,7 +54,15 @@ class Row {
     this.lightest = Math.min(...mass.filter((m) => m > 0));
   }
 
-  setFriction(friction) { this.kernel.bed.set(this.mass.map((mass) => (mass > 0 ? friction * GRAVITY : 0))); }
+  // Have the laws, losses and friction of `spec` from now on.
+  follow(spec) {
+    const { kernel, mass } = this;
+    this.spec = spec;
+    this.edits += 1;
+    kernel.law.set(spec.law);
+    kernel.loss.set(spec.loss);
+    kernel.bed.set(mass.map((m) => (m > 0 ? spec.friction * GRAVITY : 0)));
+  }
 
   // What changes energy without a force over a way, as another law of loaded contacts, is booked as given.
   booked(change) {
@@ -172,12 +179,12 @@ class Row {
     return now;
   }
 
-  // Numbers of a kept state: time, energy given, exponent, anchor, absorbed, overlaps, rates, forces, velocities, ends of clusters.
+  // Numbers of a kept state: time, energy given, edits, anchor, absorbed, overlaps, rates, forces, velocities, ends of clusters.
   get width() { return 5 * this.kernel.n + 8; }
 
   keep(into, at) {
     const { kernel } = this, { n } = kernel;
-    into.set([kernel.time, this.given, kernel.law[2], ...kernel.anchor, ...kernel.absorbed], at);
+    into.set([kernel.time, this.given, this.edits, ...kernel.anchor, ...kernel.absorbed], at);
     into.set(kernel.overlap, at + 7);
     into.set(kernel.rate, at + 7 + n);
     into.set(kernel.force, at + 7 + 2 * n);
@@ -196,7 +203,7 @@ class Row {
     kernel.force.set(from.subarray(at + 7 + 2 * n, at + 7 + 3 * n));
     this.ends.set(from.subarray(at + 8 + 4 * n, at + 8 + 5 * n));
     this.given = from[at + 1];
-    if (kernel.law[2] !== from[at + 2]) this.given += this.energy() - this.begun - this.given;
+    if (this.edits !== from[at + 2]) this.given += this.energy() - this.begun - this.given;
   }
 }
 

@@ -216,6 +216,17 @@ def test_alpha_changes_while_beads_touch(pages, browser):
     assert error(browser) < BOOKED
 
 
+@pytest.mark.parametrize(("name", "fragment"), [("steel-and-soft", ""), ("hertz-cradle", "#law=soft&with=gear")])
+def test_rows_that_were_edited_as_they_moved_are_those_that_begin_anew(pages, browser, name, fragment):
+    browser.visit(pages(name).output, fragment)
+    laws = "page.source.rows.map(({kernel}) => [...kernel.law, ...kernel.loss, ...kernel.bed])"
+    before = browser.run(f"page.pause(), page.go(1), {laws}")
+    browser.run("page.edit('alpha', 0.5), page.edit('loss', 0.5), page.edit('friction', 0.01), page.pause()")
+    edited = browser.run(laws)
+    assert error(browser) < BOOKED
+    assert edited == browser.run(f"page.restart(), {laws}") != before
+
+
 def test_the_slider_tells_the_alpha_that_acts(pages, browser):
     browser.visit(pages(SCENE).output, "#a=1")
     assert browser.run("document.getElementById('alpha-value').textContent") == "1"
