@@ -65,7 +65,7 @@ class Page {
 
   // The looks of each lane, and a canvas for each and its charts.
   build() {
-    const { data, specs, experiment } = this, lanes = part("lanes"), charts = part("charts");
+    const { specs, experiment } = this, lanes = part("lanes"), charts = part("charts");
     this.looks = specs.map((spec, lane) => this.lookOf(spec, lane));
     if (this.stages?.length !== specs.length) {
       this.stages = [];
@@ -76,7 +76,7 @@ class Page {
       this.sight.disconnect();
       for (const { canvas } of [...this.stages, ...this.charts]) this.sight.observe(canvas);
     }
-    this.stages.forEach(({ canvas }, lane) => canvas.setAttribute("aria-label", say("beads", { name: this.looks[lane].label || data.title })));
+    this.stages.forEach(({ canvas }, lane) => canvas.setAttribute("aria-label", say("beads", { name: this.looks[lane].label || this.texts.title })));
     charts.hidden = !experiment.shown.includes("charts");
   }
 
@@ -351,6 +351,7 @@ function paceText(pace) {
 
 function lawName(law) {
   const [preload, stiffness, exponent] = law;
+  if (law.some((value, k) => value !== law[k % 3])) return say("law mixed");
   if (preload > 0 && stiffness > 0) return say("law gear");
   if (exponent === 1.5) return say("law steel");
   return exponent === 1 ? say("law one") : say("law soft", { alpha: alphaText(exponent) });

@@ -216,6 +216,15 @@ def test_alpha_changes_while_beads_touch(pages, browser):
     assert error(browser) < BOOKED
 
 
+def test_energy_is_balanced_wherever_soft_contacts_stand_in_the_row(browser, tmp_path):
+    mixed = [{"law": "hertz", "stiffness": 100.0}, SOFT, SOFT]
+    visit_row(browser, tmp_path, contact=mixed, velocity=[1, 0, 0, 0], gap=[0.5, 0, 0])
+    assert "a row" in browser.run("page.stages[0].canvas.ariaLabel")
+    browser.run("page.go(page.source.last), page.go(0.75), page.edit('alpha', 0.3), page.pause(), page.go(0.7)")
+    assert error(browser) < BOOKED
+    assert browser.run("page.looks[0].label") == "mixed contacts"
+
+
 @pytest.mark.parametrize(("name", "fragment"), [("steel-and-soft", ""), ("hertz-cradle", "#law=soft&with=gear")])
 def test_rows_that_were_edited_as_they_moved_are_those_that_begin_anew(pages, browser, name, fragment):
     browser.visit(pages(name).output, fragment)
