@@ -134,7 +134,8 @@ def _strikers(chain: Chain, lane: Lane) -> int:
     """Number of beads that strike a row at rest of equal beads with equal contacts; 0 for another row."""
     speeds, finite = lane.velocity, all(map(math.isfinite, chain.mass))
     strikers = next((k for k, speed in enumerate(speeds) if speed != speeds[0]), 0)
-    alike = np.ptp(chain.law_rows, axis=0).max() == 0.0 and finite and max(chain.mass) <= EQUAL_MASSES * min(chain.mass)
+    laws = np.column_stack((chain.law_rows, chain.loss))
+    alike = np.ptp(laws, axis=0).max() == 0.0 and finite and max(chain.mass) <= EQUAL_MASSES * min(chain.mass)
     others = [gap for k, gap in enumerate(chain.gap) if k != strikers - 1]
     if not strikers or not alike or any(speeds[strikers:]) or any(others) or speeds[0] <= 0.0 or chain.drive:
         return 0

@@ -7,6 +7,7 @@ from softcradle.sandbox.page import render_page, write_page
 from softcradle.sandbox.page.data import can_be_computed
 from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.user_error import UserError
+from softcradle.scenes import Lane, Scene
 from softcradle.scenes.catalogue import parse
 
 from softcradle import scenes, simulate
@@ -33,6 +34,14 @@ def test_a_scene_with_forces_over_time_or_couplers_is_recorded_and_all_others_li
     chains = [lane.chain() for lane in load_scene(name).lanes]
     special = any(chain.couplers or chain.timed or chain.brakes for chain in chains) or len(chains) > 2
     assert can_be_computed(load_scene(name)) is not special
+
+
+@pytest.mark.parametrize(("losses", "uniform"), [((0.5, 0.5, 0.5), True), ((0.0, 0.0, 0.5), False)])
+def test_a_row_can_be_longer_if_its_contacts_are_alike(tmp_path, losses, uniform):
+    contacts = [{"law": "power_law", "f0": 1.0, "alpha": 0.1, "loss": loss} for loss in losses]
+    scene = Scene(title="a row", lanes=(Lane(contact=contacts, velocity=[1, 0, 0, 0]),))
+    report = render_page(scene, tmp_path / "page.html")
+    assert (page_data(report.output.read_text(encoding="utf-8"))["uniform"] is not None) is uniform
 
 
 def test_what_is_asked_of_a_method_is_recorded_and_the_page_says_how(pages):
