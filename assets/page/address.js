@@ -46,16 +46,17 @@ function readAddress(fragment, own, limits) {
 }
 
 /**
- * The fragment of an experiment: only what differs from `own`.
- * @param {Experiment} experiment @param {Experiment} own
+ * The fragment of an experiment: only what differs from `own`, and a language, if it is to be told.
+ * @param {Experiment} experiment @param {Experiment} own @param {string|null} language
  */
-function writeAddress(experiment, own) {
+function writeAddress(experiment, own, language) {
   const text = new URLSearchParams();
   for (const [name, key] of Object.entries(KEYS)) {
     const value = experiment[name];
     if (value !== own[name]) text.set(key, typeof value === "number" ? String(Number(value.toPrecision(6))) : value);
   }
   if (String(experiment.shown) !== String(own.shown)) text.set("show", experiment.shown.join(".") || "nothing");
+  if (language) text.set("lang", language);
   return text.toString();
 }
 

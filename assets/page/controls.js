@@ -98,13 +98,13 @@ function listen(page) {
   on("time", "input", () => page.go(source.begun + (source.last - source.begun) * Number(part("time").value) / SLIDER));
   on("language", "change", () => { page.speak(part("language").value); page.build(); page.controls(); page.label(); page.dress(); });
   on("numbers", "toggle", () => page.show(true));
+  window.addEventListener("hashchange", () => page.open());
   for (const name of SHOWN) on(`show-${name}`, "change", () => page.edit("shown", SHOWN.filter((each) => part(`show-${each}`).checked)));
   if (source.live) {
     for (const name of Object.keys(SLIDERS)) on(name, "input", () => page.edit(name, SLIDERS[name].from(Number(part(name).value) / SLIDER, limits[name])));
     for (const name of ["law", "beside"]) on(name, "change", () => page.edit(name, part(name).value));
     on("steel", "click", () => page.edit("beside", page.experiment.beside === "none" ? "steel" : "none"));
     on("link", "click", () => copyLink(page));
-    window.addEventListener("hashchange", () => { page.experiment = page.addressed(); page.restart(); page.play(); });
   }
   const keys = { " ": () => page.toggle(), ",": () => page.step(-1), ".": () => page.step(1), r: () => page.again() };
   document.addEventListener("keydown", (event) => {
@@ -149,9 +149,7 @@ async function start() {
   part("notice").hidden = source !== null;
   document.body.classList.toggle("live", source !== null);
   source ??= new Recorded(data);
-  const page = new Page(data, source);
-  if (page.moment === null && !reduced()) page.play();
-  return page;
+  return new Page(data, source);
 }
 
 const started = start();

@@ -15,7 +15,6 @@ class Page {
     this.source = source;
     /** @type {Experiment} */ this.own = data.own && { ...data.own, shown: [...data.own.shown] };
     this.limits = source.live ? limitsOf(data, this.own) : {};
-    this.experiment = this.addressed();
     this.playing = false;
     this.textsAt = 0;
     this.firstWindow = 0;
@@ -28,11 +27,19 @@ class Page {
     this.waits = []; // ms from picture to picture
     this.late = null; // the median of these at which fewer pixels were tried; 0 once that is decided
     this.specs = data.lanes.map((lane) => lane.spec);
-    this.moment = addressMoment(location.hash);
-    this.speak(addressLanguage(location.hash) ?? navigator.language);
-    this.restart();
-    if (this.moment !== null) this.go(this.moment);
+    this.open();
     listen(this);
+  }
+
+  // Begin what the address says.
+  open() {
+    const moment = addressMoment(location.hash);
+    if (this.playing) this.pause();
+    clearTimeout(this.writing); // of what was there before
+    this.experiment = this.addressed();
+    this.speak(addressLanguage(location.hash) ?? this.language ?? navigator.language);
+    this.restart();
+    if (moment !== null) this.go(moment); else if (!reduced()) this.play();
   }
 
   addressed() {
@@ -281,7 +288,7 @@ class Page {
   }
 
   write() {
-    const fragment = writeAddress(this.experiment, this.own);
+    const fragment = writeAddress(this.experiment, this.own, addressLanguage(location.hash) && this.language);
     try {
       history.replaceState(null, "", fragment ? `#${fragment}` : location.pathname + location.search);
     } catch { /* a frame without an address */ }

@@ -381,8 +381,14 @@ def test_a_link_opens_the_experiment(pages, browser):
     assert opened == {name: pytest.approx(one) if isinstance(one, float) else one for name, one in experiment.items()}
     assert opened["targets"] == 15
     assert opened["beside"] == "gear"
-    browser.run("location.hash = '#n=2'")
+    browser.run("location.hash = '#n=2&t=1.2&lang=de'")
     browser.until("page.specs[0].mass.length === 3")
+    assert browser.run("[page.language, page.playing, page.source.time]") == ["de", False, pytest.approx(1.2, abs=0.02)]
+    browser.run("page.edit('speed', 0.5)")
+    assert browser.until("!location.hash.includes('t=') && location.hash") == "#n=2&v=0.5&lang=de"
+    browser.run("location.hash = '#n=3'")
+    browser.until("page.specs[0].mass.length === 4")
+    assert browser.run("[page.language, document.getElementById('toggle').title]") == ["de", "Anhalten"]
 
 
 HOSTILE = (
