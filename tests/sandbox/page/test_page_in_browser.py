@@ -26,7 +26,8 @@ TEXTS = [("ink", "paper"), ("muted", "paper"), ("ink", "card"), ("muted", "card"
 BOOKED = 1e-10  # relative error of the energy
 SAID = "document.getElementById('words').textContent"
 ENDED = (
-    "Bead 0 comes back at 0.57 m/s. Bead 1 goes on at 0.17 m/s. Beads 2 to 4 go on together at 0.45 to 0.47 m/s. "
+    "Bead 0 goes to the left at 0.57 m/s. Bead 1 goes to the right at 0.17 m/s. "
+    "Beads 2 to 4 go together to the right at 0.45 to 0.47 m/s. "
     f"Two rigid bodies: {MINUS}0.60 and 0.40 m/s."
 )
 PLACE = """(() => { const stage = page.stages[%d], box = stage.canvas.getBoundingClientRect(); page.show(false);
