@@ -178,7 +178,7 @@ function bodies(pen, view, data, edges, faces) {
 const barTop = (view, data, force) => view.base - view.barRoom * force / (view.force / FORCE_MARGIN);
 
 /**
- * The force that each contact would have if clusters were rigid, as in rigid_clusters.py: those at the ends of a cluster, each
+ * The force that each contact would have if clusters were rigid, as in sandbox/draw/bodies.py: those at the ends of a cluster, each
  * carried on by the share of the mass beyond; 0 where clusters end.
  * @param {(number|null)[]} masses @param {Now} now @param {number} length of a bead
  */
