@@ -21,7 +21,7 @@ function loupes(pen, row, view, now, top) {
     const magnify = roundDown(GREATEST_DEPTH * row.radius / (view.scale * (motion.deepest[k] || largest || 1)));
     leader(pen, view, now.contacts[k], x, y - row.radius);
     loupe(pen, view, k, now.overlap[k] * view.scale * magnify, x, y, row.radius);
-    const depth = now.overlap[k], text = depth > 0 ? `${scientific(depth)} m` : say(now.state[k] === "open" ? "open" : "touching");
+    const depth = now.overlap[k], text = depth > 0 ? `${scientific(depth)} m` : say(now.state[k]);
     const lines = [[say("overlap of", { contact: contactName(k) }), theme.muted, false], [text, depth > 0 ? theme.ink : theme.muted, depth > 0],
       [say("seen at", { factor: factorText(magnify) }), theme.muted, false]];
     if (row.narrow) { lines[0][0] = `δ${contactName(k)}`; lines[2][0] = factorText(magnify); }

@@ -81,7 +81,8 @@ function valuesAt(motion, time, now) {
     now.overlap[k] = at(motion.overlap[k]);
     now.force[k] = at(motion.force[k]);
     const closed = motion.closed[k].some(([begin, end]) => time >= begin && (end === null || time < end));
-    now.state[k] = now.overlap[k] > 0 && closed ? "loaded" : closed || now.overlap[k] === 0 ? "touching" : "open";
+    const touches = closed || now.overlap[k] === 0 ? "touching" : "open";
+    now.state[k] = now.force[k] < 0 ? "pulled" : now.overlap[k] > 0 && closed ? "loaded" : touches;
   }
   for (let k = 0; k <= contacts; k++) now.velocity[k] = at(motion.velocity[k]);
   now.position[anchor] = place;

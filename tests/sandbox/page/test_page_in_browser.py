@@ -359,12 +359,18 @@ def test_a_cluster_ends_at_its_first_open_contact(pages, browser):
     assert browser.run("Array.from(rigidForces([1, 1, 1, 1, 1], page.source.values(0), 1))") == [0, 0, 0, 0]
 
 
-def test_beads_that_just_touch_are_said_to_touch(pages, browser):
-    browser.visit(pages(SCENE).output, "")
-    browser.run("page.pause(), page.go(0), document.getElementById('numbers').open = true")
+@pytest.mark.parametrize(
+    ("name", "moment", "expected"),
+    [(SCENE, "0", ["apart", *3 * ["touching"]]), ("train-starting", "page.source.last", ["apart", *7 * ["pulled"]])],
+)
+def test_beads_that_just_touch_and_couplers_that_pull_are_said_to(pages, browser, name, moment, expected):
+    browser.visit(pages(name).output, "")
+    browser.run(f"{SPY}, page.pause(), page.edit('shown', ['loupes'])")
+    browser.run(f"page.go({moment}), document.getElementById('numbers').open = true")
     states = "[...document.querySelectorAll('#tables table')[1].tBodies[0].rows].map((row) => row.cells[1].textContent)"
     browser.until("document.querySelectorAll('#tables table').length >= 2")
-    assert browser.run(states) == ["apart", "touching", "touching", "touching"]
+    assert browser.run(states) == expected
+    assert expected[-1] in browser.run("texts.map(([text]) => text)")
 
 
 def test_a_link_opens_the_experiment(pages, browser):
