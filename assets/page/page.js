@@ -97,6 +97,7 @@ class Page {
       solid: whole && given.solid ? given.solid : Array.from({ length: n }, () => [null, null]),
       marks: hasMarks(spec, data.length),
       dissipative: source.live ? spec.friction > 0 || spec.loss.some((loss) => loss > 0) : given.dissipative,
+      driven: Boolean(given?.driven),
       deepest: this.source.scales.deepest[lane] };
   }
 
@@ -162,7 +163,7 @@ class Page {
     part("time").setAttribute("aria-valuetext", clock);
     const ended = source.apart && (source.over || source.touched) && !source.hand;
     const said = nows.map((now, lane) => {
-      const name = looks.length > 1 && looks[lane].label ? `${looks[lane].label}: ` : "", rigid = lane || source.touched ? "" : ` ${rigidWords(specs[lane])}`;
+      const name = looks.length > 1 && looks[lane].label ? `${looks[lane].label}: ` : "", rigid = lane || source.touched ? "" : ` ${rigidWords(specs[lane], looks[lane], data.length)}`;
       return name + whatHappened(now.velocity, specs[lane].speed) + rigid;
     });
     const text = ended ? said.join("\n") : source.live ? say("hint") : "";

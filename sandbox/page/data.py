@@ -77,6 +77,7 @@ def _lane(played: PlayedMotion, number: int) -> dict[str, Any]:
         "solid": [[_finite(solid_force(joint, sign)) for sign in (1.0, -1.0)] for joint in chain.contact],
         "ends": ends,
         "dissipative": chain.dissipative,
+        "driven": chain.driven,
     }
 
 

@@ -129,6 +129,17 @@ def test_a_run_is_followed_until_nothing_moves_any_more(browser, tmp_path, row, 
     assert browser.run("page.source.last") == pytest.approx(last, abs=0.01)
 
 
+PUSHED = {"forces": [{"beads": 3, "time": [0, 1], "force": [0.01, 0.01]}], "duration": 9.0}
+
+
+@pytest.mark.parametrize(("row", "rigid"), [({}, True), ({"gap": [0.5, 0.3, 0.3]}, False), (PUSHED, False)])
+def test_what_rigid_bodies_would_do_is_told_where_two_of_them_would_meet_alone(browser, tmp_path, row, rigid):
+    visit_row(browser, tmp_path, **({"velocity": [1, 0, 0, 0], "gap": [0.5, 0, 0]} | row))
+    run_to_the_end(browser)
+    assert browser.run(SAID).startswith("Bead")
+    assert ("rigid" in browser.run(SAID)) is rigid
+
+
 def test_a_pause_within_a_picture_leaves_one_clock(pages, browser):
     browser.visit(pages(SCENE).output, "")
     times = browser.run("""new Promise((done) => {
