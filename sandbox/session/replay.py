@@ -16,40 +16,63 @@ from softcradle.scenes import Scene
 class Replay:
     """A recording that is being run again.
 
+    Looking at earlier frames leaves it as it is. Whatever else moves or edits the session ends it.
+
     Attributes:
         session: the Session that shows it.
         playing: whether `tick` goes on.
+        frame: the newest frame that was run.
         diverged: the first frame whose state is not the recorded one; None as long as all agree.
     """
+
+    frame: int
+    diverged: int | None
 
     def __init__(self, recording: Recording, scene: Scene, clock: Callable[[], float] = perf_counter) -> None:
         self.recording = recording
         self.session = Session(scene, clock=clock)
-        self.session.begin(recording.base, recording.frame)
-        self.diverged: int | None = None
         self.playing = True
         by_frame = groupby(recording.inputs, key=lambda item: item[0])
         self._inputs: dict[int, list[Input]] = {frame: [item for _, item in items] for frame, items in by_frame}
-        self._apply_inputs()
+        self.restart()
 
     @classmethod
     def load(cls, path: Path, clock: Callable[[], float] = perf_counter) -> Replay:
         """The replay of a file that `Session.save_recording` wrote, paced by `clock` [s]. UserError where it is none."""
         return cls(*load_recording(path), clock)
 
+    def restart(self) -> None:
+        """Begin anew with the recorded start."""
+        self.session.begin(self.recording.base, self.recording.frame)
+        self.frame, self.diverged = self.recording.frame, None
+        self._complete = self.frame >= self.recording.last
+        self._apply_inputs()
+
     @property
     def done(self) -> bool:
         """Whether every recorded frame has been run, or no further one can be."""
-        return self.session.history.last >= self.recording.last or bool(self.session.failure)
+        return self._complete or self.left
+
+    @property
+    def left(self) -> bool:
+        """Whether the session was moved or edited by something else."""
+        return self._mark_of() != self._mark
+
+    def _mark_of(self) -> tuple[Recording, int, int]:
+        """What every frame that is computed and every input changes."""
+        made = self.session.recording
+        return made, len(made.inputs), made.last
 
     @property
     def sentence(self) -> str:
         """Its progress, for the screen."""
-        frame, last = self.session.history.last - self.recording.frame, self.recording.last - self.recording.frame
+        frame, last = self.frame - self.recording.frame, self.recording.last - self.recording.frame
         if self.diverged is not None:
             return _("DIVERGED at frame {frame} of {last}", frame=self.diverged - self.recording.frame, last=last)
-        if self.done:
+        if self._complete:
             return ngettext("replay agrees in the one frame", "replay agrees in all {n} frames", last)
+        if self.left:
+            return _("replay left at frame {frame} of {last}", frame=frame, last=last)
         return _("replay, frame {frame} of {last}", frame=frame, last=last)
 
     def tick(self, wall_seconds: float) -> int:
@@ -66,10 +89,14 @@ class Replay:
         """Run the next frame, if there is one; whether there are more."""
         if self.done:
             return False
-        session, frame = self.session, self.session.frame + 1
+        session = self.session
+        session.show_newest(self._present)
         session.step_frames(1)
-        if session.failure or hash_of(session.snapshot()) != self.recording.hashes[frame - self.recording.frame - 1]:
-            self._diverge(frame)
+        self.frame += 1
+        recorded = self.recording.hashes[self.frame - self.recording.frame - 1]
+        if session.failure or hash_of(session.snapshot()) != recorded:
+            self._diverge(self.frame)
+        self._complete = self.frame >= self.recording.last or bool(session.failure)
         self._apply_inputs()
         return not self.done
 
@@ -85,3 +112,4 @@ class Replay:
             except ValueError:  # it was accepted when it was recorded
                 self._diverge(self.session.frame)
         self.session.undo_stack.mark_saved()
+        self._mark, self._present = self._mark_of(), self.session.present

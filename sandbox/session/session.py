@@ -1,9 +1,10 @@
 """The session: lanes on one clock, their history, every input on its way into model and recording, and what a window shows."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
+from typing import NamedTuple
 
 from softcradle.physics.trajectory import Trajectory
 from softcradle.sandbox.files import output_file
@@ -29,8 +30,7 @@ FASTEST = 1e-2  # slow motion: least wall seconds for one second of the model
 SLOWEST = 1e6  # slow motion: most wall seconds for one second of the model
 
 
-@dataclass(frozen=True)
-class Present:
+class Present(NamedTuple):
     """What inputs change: setup, lanes, and the bead that the pointer holds."""
 
     setup: Setup
@@ -41,9 +41,9 @@ class Present:
 def accepted(item: inputs.Input, now: Present, at_start: bool) -> Present:
     """The present after `item`; one `at_start` of the session changes the start of the lanes too. ValueError: refused."""
     if isinstance(item, inputs.Drag):
-        return replace(now, held=_grasped(item, now.lanes))
+        return now._replace(held=_grasped(item, now.lanes))
     if isinstance(item, inputs.Drop):
-        return replace(now, held=NOTHING_HELD)
+        return now._replace(held=NOTHING_HELD)
     if isinstance(item, inputs.Resume):
         copies = [LiveLane(lane.setup, lane.state.copy(), lane.ledger.copy()) for lane in now.lanes]
         return Present(now.setup, copies, NOTHING_HELD)
@@ -57,7 +57,7 @@ def accepted(item: inputs.Input, now: Present, at_start: bool) -> Present:
                     given=item.slow,
                 )
             )
-        return replace(now, setup=replace(now.setup, slow=float(item.slow)))
+        return now._replace(setup=replace(now.setup, slow=float(item.slow)))
     assert isinstance(item, inputs.LaneInput)
     return _edited(item, now, at_start)
 
@@ -201,11 +201,22 @@ class Session:
             self._show(self.history.snapshot(frame), frame)
             self._from_history = True
 
+    def show_newest(self, present: Present) -> None:
+        """Pause and show the newest frame as `present` left it: no new branch, its bead is held, its methods go on."""
+        self.pause()
+        self.setup, self.lanes, self.held = present
+        self.frame, self._from_history = self.history.last, False
+
     def restart(self) -> None:
         """Back to the start with all edits, paused; history and recording begin anew."""
         self._open(self.setup)
 
     # ---- inputs
+
+    @property
+    def present(self) -> Present:
+        """What inputs change, as it is."""
+        return Present(self.setup, self.lanes, self.held)
 
     def apply(self, item: inputs.Input, gesture: bool = False) -> None:
         """Do what `item` says; it acts from the next frame on. ValueError with a sentence: refused, nothing has changed.
@@ -213,11 +224,11 @@ class Session:
         Inputs of one `gesture` (a slider or bead that is dragged) are one undo step, until :meth:`end_gesture`.
         """
         self._renew_recording()
-        present = accepted(item, Present(self.setup, self.lanes, self.held), at_start=self.frame == 0)
+        present = accepted(item, self.present, at_start=self.frame == 0)
         if item.undo_name and not self.undo_stack.continues(item, gesture):
             self.undo_stack.add(item, gesture, self._checkpoint())
         self._branch()
-        self.setup, self.lanes, self.held = present.setup, present.lanes, present.held
+        self.setup, self.lanes, self.held = present
         self.recording.add_input(item)
         self.history.replace_last(self.snapshot())
 

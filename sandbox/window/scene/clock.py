@@ -109,14 +109,17 @@ class SceneClock:
 
     @property
     def _running(self) -> Replay | None:
-        """The replay that has not ended, unless an earlier frame is looked at."""
-        replay = self.replay
-        return None if replay is None or replay.done or self.session.scrubbed else replay
+        """The replay that has not ended."""
+        return None if self.replay is None or self.replay.done else self.replay
+
+    def may_edit(self) -> bool:
+        """Whether an edit loses nothing: it would end a replay, and drop the frames after an earlier one."""
+        return self._running is None and not self.session.scrubbed
 
     def activity(self) -> str:
         """What the clock does: 'playing', 'replaying' or 'paused'."""
         if self._running is not None:
-            return N_("replaying") if self._running.playing else N_("paused")
+            return N_("replaying") if self._running.playing and not self.session.scrubbed else N_("paused")
         return N_("playing") if self.session.playing else N_("paused")
 
     def note(self) -> tuple[str, bool]:
@@ -134,6 +137,7 @@ class SceneClock:
         """Play or pause."""
         if self._running is not None:
             self._running.playing = not self._running.playing
+            self.session.scrub_frame(self.session.history.last)
         elif self.session.playing:
             self.session.pause()
         elif self.editor.preparing:
@@ -143,23 +147,37 @@ class SceneClock:
             self.session.play()
 
     def step(self, by: int) -> None:
-        """Go `by` frames on."""
-        if not self.editor.preparing:
+        """Go `by` frames on; the newest frame of a replay is followed by the next that was recorded."""
+        running = self._running
+        if self.editor.preparing:
+            return
+        if running is not None:
+            running.playing = False
+        if running is not None and by > 0 and not self.session.scrubbed:
+            running.step()
+        else:
             self.session.step_frames(by)
 
     def restart(self) -> None:
-        """Back to the start with all edits; plays on if it was playing."""
-        playing = self.session.playing
-        self.session.restart()
+        """Back to the start, with all edits where the scene is no replay; plays on if it was playing."""
+        playing = self.activity() != "paused"
         self.view.reset_camera()
+        if self.replay is not None and not self.replay.left:
+            self.replay.restart()
+            self.replay.playing = playing
+            return
+        self.session.restart()
         if playing:
             self.session.play()
 
     def tick(self, seconds: float) -> None:
         """Let time pass."""
-        if self.replay is None or self.replay.done:
+        running = self._running
+        if running is None:
             self.end.update(self.session.tick(seconds))
-        elif self._running is not None:
-            self._running.tick(seconds)
-            if self.replay.done:
-                self.host.messages.show(self.replay.sentence, warning=self.replay.diverged is not None)
+        elif self.session.scrubbed:
+            running.playing = False
+        else:
+            running.tick(seconds * self.session.slow / self.controls.wanted)
+            if running.done:
+                self.host.messages.show(running.sentence, warning=running.diverged is not None)

@@ -67,8 +67,9 @@ class ScenePage(Page):
         self.view = SceneView(host, session, self.editor, self.board, self.panels, self.outcome, self._answered)
         self.timeline = Timeline(session)
         self.clock = SceneClock(host, session, self.editor, self.view, self.timeline, replay, self.outcome.show_outcome)
-        self.time_controls = SceneTimeControls(host, session, self.board, self.clock.activity, self.clock.note)
-        self.clock.controls = self.time_controls
+        clock = self.clock
+        self.time_controls = SceneTimeControls(host, session, self.board, clock.activity, clock.note, clock.may_edit)
+        clock.controls = self.time_controls
         self.pointer = PointerTool(host, session, self.editor, self.view)
         self.film = WindowFilm(host)
         self.toolbar = Toolbar(host, self.film, session.undo_stack, lambda: self.board.present)

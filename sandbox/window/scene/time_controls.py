@@ -265,17 +265,23 @@ class SceneTimeControls(TimeControls):
         board: PlotBoard,
         activity: Callable[[], str],
         note: Callable[[], tuple[str, bool]],
+        may_edit: Callable[[], bool],
     ) -> None:
         super().__init__(host, activity)
-        self.session, self.board, self.note, self.slow = session, board, note, session.slow
+        self.session, self.board, self.note, self.may_edit, self.slow = session, board, note, may_edit, session.slow
         self._set: float | None = None  # slow motion that is applied when the scene plays on
 
     def set_slow(self, slow: float) -> None:
-        """Set the slow motion. While scrubbed it is not yet applied: an edit would drop later frames."""
+        """Set the slow motion, by which a replay is only paced. It is applied once an edit loses nothing."""
         super().set_slow(slow)
         self._set = self.slow
-        if not self.session.scrubbed:
+        if self.may_edit():
             self.apply_slow()
+
+    @property
+    def wanted(self) -> float:
+        """The slow motion that was set, applied or not."""
+        return self.session.slow if self._set is None else self._set
 
     def apply_slow(self) -> None:
         """Apply the slow motion that was set."""
@@ -285,7 +291,7 @@ class SceneTimeControls(TimeControls):
 
     def paint_over(self, surface: pygame.Surface) -> None:
         """Draw icons and numbers, the slow motion as an undo or a replay has left it."""
-        self.slow = self.session.slow if self._set is None else self._set
+        self.slow = self.wanted
         session, span = self.session, self.board.span.seconds
         size, name = time_unit(span)
         clock = f"t = {fixed(session.time / size, max(0, 3 - math.floor(math.log10(span / size))))} {name}"

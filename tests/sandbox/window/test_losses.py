@@ -268,9 +268,20 @@ def test_a_session_is_saved_and_replayed_with_the_same_digits_and_can_be_paused(
     frame = driver.session.frame
     driver.frames(5)
     assert (driver.page.clock.activity(), driver.session.frame) == ("paused", frame)
-    driver.run(200)
-    assert driver.page.replay.done
+    for name in ["restart", *["forward"] * 100, *["back"] * 3]:
+        driver.page.actions[name]()
+    assert driver.session.frame == 97
+    driver.page.actions["slower"]()
+    driver.run(5)  # from the newest frame on, slower, and a bead is held
+    assert 100 < driver.session.frame < 108
+    assert driver.session.held.bead == 4.0
+    driver.until(lambda: driver.page.replay.done, most=800)
     assert driver.page.replay.diverged is None
     assert not driver.page.unsaved
     assert any("agrees" in text for text in driver.messages)
     assert np.array_equal(driver.session.history.snapshot(last).states[0].overlap, overlap)
+    driver.page.actions["restart"]()
+    driver.run(10)
+    driver.session.apply(SetMass(0, 0, 2.0))
+    driver.frames(20)
+    assert driver.page.clock.note() == (f"replay left at frame {driver.session.frame} of {last}", False)
