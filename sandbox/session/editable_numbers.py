@@ -12,12 +12,13 @@ from typing import NamedTuple
 from softcradle.physics.chain import Joint
 from softcradle.physics.contact import Contact
 from softcradle.physics.scales import contact_scales
-from softcradle.sandbox.languages import N_, NP_
+from softcradle.sandbox.languages import N_, NP_, error_words
 from softcradle.sandbox.motion import Motion
 from softcradle.sandbox.quantities import BEAD, CONTACT, MASS, OVERLAP, VELOCITY
 from softcradle.sandbox.session.inputs import Input, SetContact, SetDrive, SetFriction, SetGap, SetMass, SetVelocity
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
 
 DECADES = 2.0  # of a logarithmic slider on either side of the scene's own value
@@ -261,6 +262,6 @@ def variants(
         try:
             session.apply(edit(value))
             found.append(Variant(value, motions(session.to_scene())[lane]))
-        except (ValueError, RuntimeError, ArithmeticError) as error:
-            found.append(Variant(value, None, str(error)))
+        except (UserError, ValueError, RuntimeError, ArithmeticError) as error:
+            found.append(Variant(value, None, error_words(error)))
     return found

@@ -5,8 +5,11 @@ import pygame
 import pytest
 from softcradle.physics import one_on, power_law, simulate
 from softcradle.sandbox.draw.palette import mix, tones
+from softcradle.sandbox.motion import Motion
+from softcradle.sandbox.session.editable_numbers import variants
 from softcradle.sandbox.session.inputs import SetContact, SetMass, SetMethod, SetStep
 from softcradle.sandbox.session.lane_setup import setup_of
+from softcradle.sandbox.user_error import GaveUpError
 from softcradle.sandbox.window.scene.editor import Pick
 from softcradle.sandbox.window.scene.inspector import COUNT, SweepBoard
 from softcradle.sandbox.window.widgets import number
@@ -184,3 +187,12 @@ def test_nine_values_have_the_motions_that_they_make_and_one_is_taken_by_key_or_
     swept()
     driver.key(pygame.K_ESCAPE)
     assert not driver.app.dialog.open
+
+
+def test_a_value_whose_motion_is_given_up_is_one_of_nine_and_says_why() -> None:
+    def gives_up(scene: scenes.Scene) -> list[Motion]:
+        raise GaveUpError("no end")
+
+    found = variants(scenes.load("one-on-four"), 0, [2.0, 3.0], lambda mass: SetMass(0, 0, mass), gives_up)
+    assert [(one.value, one.motion) for one in found] == [(2.0, None), (3.0, None)]
+    assert all("the method gave up" in one.problem for one in found)
