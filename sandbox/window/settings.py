@@ -115,14 +115,16 @@ class UnsavedScene:
 
     def __init__(self, session: Session) -> None:
         self.session = session
-        self._seen, self._age = 0, WAIT + 1.0  # the edit that was noticed last, and seconds since
+        self._seen: tuple[object, ...] = 0, None, None  # number of the last edit, setup and words that were noticed last
+        self._age = WAIT + 1.0  # seconds since
 
     def update(self, seconds: float) -> None:
         """Write the scene a moment after an edit, and remove the file once it is saved."""
         stack = self.session.undo_stack
         number = (stack.done[-1].number if stack.done else -1) if stack.unsaved else 0
-        if number != self._seen:
-            self._seen, self._age = number, 0.0
+        found = (number, self.session.setup, self.session.scene) if number else (0, None, None)
+        if number != self._seen[0] or any(one is not seen for one, seen in zip(found[1:], self._seen[1:], strict=True)):
+            self._seen, self._age = found, 0.0
         before, self._age = self._age, self._age + seconds
         if before <= WAIT < self._age:
             self._write() if number else forget_unsaved()

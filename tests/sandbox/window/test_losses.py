@@ -35,13 +35,19 @@ def test_a_window_that_is_killed_offers_its_edits_at_the_next_start_unless_they_
     assert not unsaved_path().exists()
     driver.key(pygame.K_a)
     driver.frames(90)
-    masses = driver.session.lanes[0].chain.mass
+    for mass in range(2, 92):  # a slider that is dragged for longer than the file waits
+        driver.session.apply(SetMass(0, 0, float(mass)), gesture=True)
+        driver.frames()
+    driver.frames(70)
+    driver.page.actions["slower"]()
+    driver.frames(90)
+    masses, slow = driver.session.lanes[0].chain.mass, driver.session.slow
     driver.app.quit(killed=True)
     driver.close()
     again = Driver()
     assert again.app.dialog.title == "An unsaved scene"
     again.key(pygame.K_RETURN)
-    assert again.session.lanes[0].chain.mass == masses
+    assert (again.session.lanes[0].chain.mass, again.session.slow) == (masses, slow)
     assert again.page.unsaved
     assert again.app.settings.recent == [str(Path("mine.toml").resolve())]
     again.close()  # by hand
