@@ -228,7 +228,11 @@ class Plot(Axes):
 
     def samples(self, first: int, last: int) -> list[tuple[Array, Array]]:
         """Times (T,) and values (T, k) of columns `first` to `last`; a pair for every slice of the history."""
-        slices = history_slices(self.history, self.lane, *self.frames(first, last))
+        return self.samples_of_frames(*self.frames(first, last))
+
+    def samples_of_frames(self, first: int, last: int, most: int = 0) -> list[tuple[Array, Array]]:
+        """Times (T,) and values (T, k) of frames `first` to `last`, thinned with `most` > 0; see `history_slices`."""
+        slices = history_slices(self.history, self.lane, first, last, most)
         return [(part.time, self.content.values(part)) for part in slices]
 
     def values_at(self, frame: int) -> Array:

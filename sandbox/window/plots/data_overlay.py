@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,6 @@ from softcradle.sandbox.draw.number_format import MINUS
 from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.motion import Array
-from softcradle.sandbox.session.history_slices import history_slices
 from softcradle.sandbox.session.measured_data import MeasuredData
 from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window.plots.curves import Plot
@@ -44,14 +44,16 @@ class NumbersOverlay:
 
     def differences(self, plot: Plot) -> Array:
         """(m,) measured less computed numbers, at all times that the history of the plot has."""
-        parts = list(history_slices(plot.history, plot.lane, plot.history.first, plot.history.last))
+        samples = plot.samples_of_frames(plot.history.first, plot.history.last)
         found = []
-        for part in parts:
-            values = plot.content.values(part)
-            for k in range(min(values.shape[1], self.data.values.shape[1])):
-                inside = (self.data.time >= part.time[0]) & (self.data.time <= part.time[-1])
-                computed = np.interp(self.data.time[inside], part.time, values[:, k])
-                found.append(self.data.values[inside, k] - computed)
+        for _count, parts in groupby(
+            samples, key=lambda part: part[1].shape[1]
+        ):  # beads may have been added or removed
+            time, values = map(np.concatenate, zip(*parts, strict=True))
+            inside = (self.data.time >= time[0]) & (self.data.time <= time[-1])
+            at, measured = self.data.time[inside], self.data.values[inside]
+            pairs = zip(measured.T, values.T, strict=False)
+            found.extend(column - np.interp(at, time, computed) for column, computed in pairs)
         joined = np.concatenate(found) if found else np.zeros(0)
         return joined[np.isfinite(joined)]
 

@@ -21,22 +21,20 @@ from softcradle.sandbox.window.plots.curves import RIGHT, THICKNESS, Plot, draw_
 class DifferencePlot(Plot):
     """Curves of the second lane minus those of the first, where both have as many beads."""
 
-    def samples(self, first: int, last: int) -> list[tuple[Array, Array]]:
-        """See `Plot.samples`."""
-        values = self.content.values
-        slices = (history_slices(self.history, lane, *self.frames(first, last)) for lane in (0, 1))
-        pairs = zip(*slices, strict=False)
-        return [(a.time, values(b) - values(a)) for a, b in pairs if _comparable(a, b)]
+    def samples_of_frames(self, first: int, last: int, most: int = 0) -> list[tuple[Array, Array]]:
+        """See `Plot.samples_of_frames`; (T, 0) values where the lanes cannot be compared."""
+        slices = (history_slices(self.history, lane, first, last, most) for lane in (0, 1))
+        return [(a.time, self._differences(a, b)) for a, b in zip(*slices, strict=True)]
 
     def values_at(self, frame: int) -> Array:
         """See `Plot.values_at`."""
-        a, b = (slice_at(self.history, lane, frame) for lane in (0, 1))
-        return (self.content.values(b) - self.content.values(a))[0] if _comparable(a, b) else np.zeros(0)
+        return self._differences(*(slice_at(self.history, lane, frame) for lane in (0, 1)))[0]
 
-
-def _comparable(a: Motion, b: Motion) -> bool:
-    """Whether two lanes have as many beads, at as many frames."""
-    return a.overlap.shape == b.overlap.shape
+    def _differences(self, a: Motion, b: Motion) -> Array:
+        if a.overlap.shape != b.overlap.shape:
+            return np.zeros((len(a.time), 0))
+        differences: Array = self.content.values(b) - self.content.values(a)
+        return differences
 
 
 PALE = 0.45  # share of the background in the colour of a bead
