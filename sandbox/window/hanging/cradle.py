@@ -177,6 +177,9 @@ class HangingModel:
         """The same motion, which goes on by itself to the last digit; no pointer holds it."""
         made = copy(self)
         made.cradles, made._pointer = tuple(cradle.copy() for cradle in self.cradles), None
+        made._fresh = self._fresh or self._pointer is not None
+        for cradle in made.cradles:
+            cradle.space.remove(*(joint for joint in cradle.space.constraints if isinstance(joint, pymunk.PivotJoint)))
         return made
 
     def advance(self, seconds: float) -> None:
