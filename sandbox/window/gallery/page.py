@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+import os
 import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -25,7 +26,7 @@ from softcradle.sandbox.window.hanging.page import (
 from softcradle.sandbox.window.page import Host, Page
 from softcradle.sandbox.window.plots.scales import motions_ahead
 from softcradle.sandbox.window.widgets import TextEntry
-from softcradle.scenes import SceneError, load, names
+from softcradle.scenes import Scene, SceneError, load, names
 
 
 class Section(NamedTuple):
@@ -232,6 +233,11 @@ def paint_border(surface: pygame.Surface, place: pygame.Rect, hovered: bool, pre
     pygame.draw.rect(surface, tones.accent if hovered else tones.faint, place, 1)
 
 
+def _written(paths: Sequence[str]) -> list[tuple[str, int]]:
+    """Each path, and when its file was written [ns since 1970]; 0 where there is none."""
+    return [(path, os.stat(path).st_mtime_ns if os.path.exists(path) else 0) for path in paths]
+
+
 SCROLL = 60.0  # design pixels for a notch of the wheel
 SEARCH = 220.0  # design pixels of the line for the search
 
@@ -249,7 +255,7 @@ class GalleryPage(Page):
         self.host, self.choose = host, choose
         self.scenes = {name: load(name) for name in names()}
         self.mine: list[str] = []
-        self.recent: list[str] = []
+        self.recent: list[tuple[str, int]] = []  # paths, and when these files were written
         self.captions: dict[str, tuple[str, str, str]] = {}
         self._take_language()
         self.pictures: dict[str, pygame.Surface] = {}
@@ -277,8 +283,8 @@ class GalleryPage(Page):
         """Take the scene files that were opened or saved last, as they are now."""
         for path in self.mine:
             del self.scenes[path]
-        self.mine, self.recent = [], list(self.host.settings.recent)
-        for path in self.recent:
+        self.mine, self.recent = [], _written(self.host.settings.recent)
+        for path, _time in self.recent:
             with contextlib.suppress(SceneError, ValueError, OSError):  # it is gone, or no scene: it has no card
                 if path.lower().endswith(".toml"):
                     self.scenes[path] = load(path)
@@ -300,7 +306,7 @@ class GalleryPage(Page):
         for name, scene in self.scenes.items():
             picture = thumbnails.shipped(name, self.theme) or thumbnails.load(scene, self.theme)
             if picture is None:
-                self.host.warmup.submit(partial(self._take_thumbnail, name), partial(motions_ahead, scene))
+                self.host.warmup.submit(partial(self._take_thumbnail, name, scene), partial(motions_ahead, scene))
             else:
                 self.pictures[name] = picture
 
@@ -338,7 +344,7 @@ class GalleryPage(Page):
         self.entry = TextEntry(place, self.host.manager, initial_text=self.search, placeholder_text=text)
         self.entry.name = text
         self.scaled.clear()
-        if self.recent != self.host.settings.recent:
+        if self.recent != _written(self.host.settings.recent):
             self._take_mine()
             self.theme = ""  # their pictures are to be made
         self._take_language()
@@ -417,11 +423,11 @@ class GalleryPage(Page):
             return False
         return True
 
-    def _take_thumbnail(self, name: str, motions: object) -> None:
-        """Draw the thumbnail of a scene whose motion is known now."""
-        if isinstance(motions, list):
-            self.pictures[name] = thumbnails.paint(self.scenes[name], motions)
-            thumbnails.save(self.scenes[name], self.theme, self.pictures[name])
+    def _take_thumbnail(self, name: str, scene: Scene, motions: object) -> None:
+        """Draw the thumbnail of a scene whose motion is known now, unless it has no card any more."""
+        if isinstance(motions, list) and self.scenes.get(name) is scene:
+            self.pictures[name] = thumbnails.paint(scene, motions)
+            thumbnails.save(scene, self.theme, self.pictures[name])
 
     @property
     def moving(self) -> bool:  # type: ignore[override]

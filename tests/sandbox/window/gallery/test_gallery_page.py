@@ -111,6 +111,20 @@ def test_scenes_of_ones_own_have_cards_below_the_first(gallery: Driver, tmp_path
     assert titles[:2] == ["Start here", "My scenes"]
     assert gallery.app.page.names[4] == str(tmp_path / "mine.toml")
     assert "Mine" in [one.text for one in gallery.texts()]
+    (tmp_path / "mine.toml").write_text(scenes.load("one-on-ten").model_copy(update={"title": "Again"}).to_toml())
+    gallery.app.rebuild()  # while the first picture may still be drawn
+    page = gallery.app.page
+    gallery.until(lambda: not page.moving)
+    assert "Again" in [one.text for one in gallery.texts()]
+    assert thumbnails.load(page.scenes[page.names[4]], "light") is not None
+    (tmp_path / "mine.toml").write_text(scenes.load("mixed").model_copy(update={"title": "Last"}).to_toml())
+    gallery.app.rebuild()
+    (tmp_path / "mine.toml").unlink()
+    gallery.app.rebuild()
+    gallery.app.warmup.submit(lambda _: done.append(True), lambda: None)  # after the picture that nobody waits for
+    done: list[bool] = []
+    gallery.until(lambda: done)
+    assert set(page.pictures) == set(page.names)
 
 
 def test_keys_and_the_bar_scroll_to_every_card_and_it_stays_where_it_was(gallery: Driver) -> None:
