@@ -43,9 +43,11 @@ def load_measured(path: str | Path) -> MeasuredData:
         raise UserError(_("cannot read {path}: {error}", path=path, error=reason(error))) from None
     except UnicodeDecodeError:
         raise UserError(_("{path}: not a table in UTF-8", path=path)) from None
-    head = text.partition("\n")[0]
-    delimiter = max(DELIMITERS, key=head.count)
-    rows = [row for row in csv.reader(text.splitlines(), delimiter=delimiter) if any(cell.strip() for cell in row)]
+    lines = text.splitlines()
+    delimiter = max(DELIMITERS, key=next(filter(str.strip, lines), "").count)
+    reader = csv.reader(lines, delimiter=delimiter)
+    filled = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
+    line, rows = zip(*filled, strict=True) if filled else ((), ())
     if len(rows) < 3 or len(rows[0]) < 2:
         raise UserError(
             _("{path}: needs a line of names, time first, and at least two rows of numbers below it", path=path)
@@ -53,12 +55,12 @@ def load_measured(path: str | Path) -> MeasuredData:
     names = tuple(cell.strip() for cell in rows[0])
     if all(math.isfinite(_number(cell, delimiter)) for cell in rows[0]):
         raise UserError(_("{path}: its first line must be names, time first, not numbers", path=path))
-    numbers = np.array([_row(path, row, k + 2, names, delimiter) for k, row in enumerate(rows[1:])])
+    numbers = np.array([_row(path, row, at, names, delimiter) for row, at in zip(rows[1:], line[1:], strict=True)])
     time = numbers[:, 0]
     late = np.flatnonzero(~(np.diff(time) > 0.0))
     if late.size:
         k = int(late[0])
-        raise UserError(_(TIMES_ASCEND, path=path, next=float(time[k + 1]), row=k + 3, last=float(time[k])))
+        raise UserError(_(TIMES_ASCEND, path=path, next=float(time[k + 1]), row=line[k + 2], last=float(time[k])))
     return MeasuredData(path.name, names[1:], time, numbers[:, 1:])
 
 

@@ -127,7 +127,7 @@ def test_beads_that_touch_are_a_length_apart():
 
 TABLES = (
     "t,v0,v1\n0,1,0\n0.5,0.5,\n1,0,1\n",
-    "t;v0;v1\n0;1;0\n0,5;0,5;\n1;0;1\n",
+    "\n \nt;v0;v1\n0;1;0\n0,5;0,5;\n1;0;1\n",
     "t\tv0\tv1\n\n0\t1\t0\n.5\t.5\t\n1\t0\t1\n",
 )
 
@@ -148,8 +148,8 @@ def test_commas_semicolons_and_tabs_part_columns(tmp_path, text):
         ("", "needs a line of names"),
         ("t,v\n0,1\n", "at least two rows"),
         ("0,1\n1,2\n2,3\n", "first line must be names"),
-        ("t,v\n0,1\n0,2\n", "times must ascend, but 0 s in row 3 follows 0 s"),
-        ("t,v\n0,1\n1,fast\n", "'v' in row 3 is 'fast', not a finite number"),
+        ("t,v\n\n0,1\n0,2\n", "times must ascend, but 0 s in row 4 follows 0 s"),
+        ("\nt,v\n0,1\n\n1,fast\n", "'v' in row 5 is 'fast', not a finite number"),
         ("t,v\n0,1\n1,inf\n", "'v' in row 3 is 'inf'"),
         ("t,v\n0,1\n,2\n", "'t' in row 3 is ''"),
         ("t,v\n0,1\n1,2,3\n", "row 3 has 3 cells, and 2 names"),
