@@ -61,8 +61,8 @@ class Signal:
 
 def signal_of(text: str, beads: int) -> Signal:
     """The signal that is written as v0, f1 or t, of a lane with so many beads. ValueError in a sentence else."""
-    found = re.fullmatch(r"([a-z])_?(\d*)(?:-\d+)?", text.strip().lower())
-    if found is None or found[1] not in QUANTITIES:
+    found = re.fullmatch(r"([a-z])_?(\d*)(?:-(\d+))?", text.strip().lower())
+    if found is None or found[1] not in QUANTITIES or (found[3] and not _is_contact(*found.groups())):
         known = ", ".join(QUANTITIES)
         wrong = _("{text!r} is no signal; there are {known}, with a number: v0, f1", text=text.strip(), known=known)
         raise ValueError(wrong)
@@ -75,6 +75,11 @@ def signal_of(text: str, beads: int) -> Signal:
         numbered = BEADS_NUMBERED if owner == BEAD else CONTACTS_NUMBERED
         raise ValueError(_(numbered, text=text.strip(), last=count - 1))
     return Signal(letter, int(digits))
+
+
+def _is_contact(letter: str, left: str, right: str) -> bool:
+    """Whether a signal of a contact has the numbers of its two beads."""
+    return QUANTITIES[letter].owner == CONTACT and left != "" and int(right) == int(left) + 1
 
 
 def pair_of(text: str, beads: int) -> tuple[Signal, Signal]:

@@ -116,9 +116,19 @@ def test_any_signal_is_plotted_against_any(played: Driver) -> None:
 
 def test_signals_are_read_and_what_are_no_signals_or_edges_is_refused():
     assert [str(signal_of(str(signal_of(letter + "0", 3)), 3)) for letter in "xvpedrf"] == [f"{k}0" for k in "xvpedrf"]
-    assert pair_of("f1, d1", 3) == (Signal("f", 1), Signal("d", 1))
+    assert pair_of("f1-2, d1", 3) == (Signal("f", 1), Signal("d", 1))
     assert set(QUANTITIES) == set("txvpedrfs")
-    for text in ("f0", "f0 d0 e0", "g0 against t", "v3 against t", "v against t"):
+    for text in (
+        "f0",
+        "f0 d0 e0",
+        "g0 against t",
+        "v3 against t",
+        "v against t",
+        "f2-1 against t",
+        "f0-2, t",
+        "v0-1, t",
+        "t, f-1",
+    ):
         with pytest.raises(ValueError, match=r"two signals|is no signal|numbered 0 to 2"):
             pair_of(text, 3)
     for text in ("", "1 2 3", "0 1 a b", "1 0 0 1", "0 1 2 2", "0 inf 0 1"):
