@@ -159,11 +159,11 @@ def _copy_whole(surface: pygame.Surface, frame: pygame.Surface) -> None:
     frame.blit(image, image.get_rect(center=frame.get_rect().center))
 
 
-REOPENED = (".toml", ".npz")  # endings of files that the window opens
-
-
 class Saving(NamedTuple):
-    """One kind of file: what the dialog says, the end of the proposed name, the endings, what writes it, and which files."""
+    """One kind of file: what the dialog says, the end of the proposed name, the endings, what writes it, which files.
+
+    Those that are `reopened` by the window are remembered.
+    """
 
     title: str
     note: str
@@ -171,6 +171,7 @@ class Saving(NamedTuple):
     endings: tuple[str, ...]
     write: Callable[[Path], object]
     files: Callable[[Path], list[Path]] = lambda path: [path]
+    reopened: bool = False
 
 
 def session_savings(messages: Messages, session: Session) -> dict[str, Saving]:
@@ -186,6 +187,7 @@ def session_savings(messages: Messages, session: Session) -> dict[str, Saving]:
             "-edited.toml",
             (".toml",),
             reporting(session.save_scene),
+            reopened=True,
         ),
         "save_session": Saving(
             N_("Save the session"),
@@ -193,6 +195,7 @@ def session_savings(messages: Messages, session: Session) -> dict[str, Saving]:
             "-session.npz",
             (".npz",),
             reporting(session.save_recording),
+            reopened=True,
         ),
         "export": Saving(
             N_("Export the history"),
@@ -269,7 +272,7 @@ class SaveDialogs:
     def _write(self, saving: Saving, path: Path) -> None:
         """Write it, and remember it among the recent files where it can be opened again."""
         saving.write(path)
-        if path.suffix in REOPENED:
+        if saving.reopened:
             self.host.settings.remember(path)
 
     def toggle_film(self) -> None:

@@ -30,6 +30,9 @@ def test_the_history_is_exported(driver: Driver, tmp_path) -> None:
     assert len((tmp_path / "motion.csv").read_text().splitlines()) > 60
     driver.page.dialogs.save("export", "motion.doc")
     assert (tmp_path / "motion.doc.csv").exists()
+    driver.page.dialogs.save("export", "motion.npz")
+    driver.page.dialogs.save("save_session", "session.npz")
+    assert driver.app.settings.recent == [str(tmp_path / "session.npz")]
 
 
 @pytest.mark.parametrize(("action", "frames"), [("share_page", 0), ("share_page", 60), ("live_page", 60)])
