@@ -234,8 +234,12 @@ class Control:
     def left_text(self) -> str | None:
         """What was typed into the box, if it has been left since the last frame and shows another number."""
         left, self.typed = self.typed and not self.entry.is_focused, self.entry.is_focused
+        return self.new_text() if left else None
+
+    def new_text(self) -> str | None:
+        """What is in the box, if it is not the number that was shown there, which has more digits than can be seen."""
         text = str(self.entry.get_text())
-        return text if left and text != number_text(self.shown) else None
+        return text if text != number_text(self.shown) else None
 
     def show(self, parameter: Parameter, force: bool, with_slider: bool) -> None:
         """Show another value; a number that is being typed, and a slider that is held, are left as they are."""

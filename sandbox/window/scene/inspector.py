@@ -366,7 +366,8 @@ class Inspector:
                 if event.ui_element is control.entry:
                     control.typed = False
                     self.host.manager.set_focus_set(None)  # keys are keys of the window again
-                    self._type(control, event.text)
+                    if control.new_text() is not None:
+                        self._type(control, event.text)
                     return True
         return False
 

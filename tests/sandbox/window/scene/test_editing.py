@@ -59,6 +59,9 @@ def test_numbers_that_are_refused_or_not_taken_do_not_stay_and_keys_type_no_comm
     driver.click(driver.bead(2))
     entry = driver.page.inspector.controls["mass"].entry
     driver.click(entry.rect.center)
+    driver.key(pygame.K_RETURN)
+    assert not driver.page.unsaved  # nothing was typed
+    driver.click(entry.rect.center)
     driver.type("r a")
     assert driver.session.lanes[0].chain.contacts == 4
     assert not driver.session.playing
