@@ -45,7 +45,7 @@ class NumbersOverlay:
     def differences(self, plot: Plot) -> Array:
         """(m,) measured less computed numbers, at all times that the history of the plot has."""
         samples = plot.samples_of_frames(plot.history.first, plot.history.last)
-        found = []
+        found: list[Array] = []
         for _count, parts in groupby(
             samples, key=lambda part: part[1].shape[1]
         ):  # beads may have been added or removed
