@@ -15,6 +15,7 @@ from softcradle.physics.chain import Chain, Joint
 from softcradle.physics.contact import Contact, is_closed
 from softcradle.physics.coupler import Coupler
 from softcradle.physics.own_law import OwnLaw
+from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, WarningCode
 from softcradle.physics.trajectory import Interval, Trajectory
 from softcradle.sandbox.languages import _
@@ -28,6 +29,7 @@ from softcradle.scenes.contact_table import table_of
 
 EDITED = ", edited"  # after the label of a lane that was edited in all but its contacts
 LARGEST_DENOMINATOR = 60  # of an exponent that is written as a fraction
+EPSILON = float(np.finfo(float).eps)
 DURATION = 10.0  # s, of a scene that no longer ends by itself after an edit
 PREFIX = "softcradle:"
 MOST_BYTES = 2**20  # of a scene's text: more is no scene
@@ -97,7 +99,7 @@ def _catalogue_texts() -> frozenset[str]:
 def _lane(old: Lane, new: LaneSetup, label: str) -> Lane:
     """`old` if `new` still begins like it, else a lane with a list of each quantity."""
     chain, start = new.chain, new.start
-    velocity = tuple(start.velocity(chain).tolist())
+    velocity = _velocity(old, chain, start)
     gap = tuple((0.0 - start.overlap).tolist())  # 0.0 - 0.0 is 0.0, not -0.0
     before = old.chain()
     if _differ_by_gaps(before, chain) and (before.gap, old.velocity) == (gap, velocity):
@@ -117,6 +119,19 @@ def _lane(old: Lane, new: LaneSetup, label: str) -> Lane:
             "brakes": tuple(map(asdict, chain.brakes)),
         }
     )
+
+
+def _velocity(old: Lane, chain: Chain, start: State) -> tuple[float, ...]:
+    """Velocities (n+1,) [m/s] at the start, as they were written where they are the same: sums of rates have digits of their
+    own, and zeros among them are none."""
+    found = start.velocity(chain)
+    for written in (np.array(old.velocity), found.round(12) + 0.0):  # -0.0 + 0.0 is 0.0
+        if written.size == found.size:
+            begun = State.at_start(chain, written)
+            off = np.abs([*(begun.rate - start.rate), begun.anchor[1] - start.anchor[1]]).max()
+            if off <= 4.0 * EPSILON * np.abs(written).max():
+                return tuple(written.tolist())
+    return tuple(found.tolist())
 
 
 def _method(scene: Scene, setup: Setup) -> dict[str, Any]:

@@ -27,6 +27,23 @@ def test_an_unedited_scene_comes_back_equal(name):
     assert session.to_scene() == scene
 
 
+def test_velocities_are_written_as_they_were_given():
+    """They are rebuilt from their differences, which ends in other digits: a scene is not edited by that."""
+    row = 'title = "T"\n[[lanes]]\nvelocity = [0.8, 0.3, 0.1, 0.0]\ncontact = {law = "hooke", stiffness = 1.0}'
+    session = Session(parse(row))
+    assert not session.edited
+    assert session.to_scene() == session.scene
+    for item in (inputs.SetVelocity(0, 1, 0.7), inputs.AddBead(0, 4), inputs.RemoveBead(0, 0)):
+        session.apply(item)
+    assert session.to_scene().lanes[0].velocity == (0.7, 0.1, 0.0, 0.0)
+    session.apply(inputs.SetVelocity(0, 1, 1e-9 / 3.0))
+    assert session.to_scene().lanes[0].velocity[1] == pytest.approx(1e-9 / 3.0, abs=1e-16)
+    session = Session(parse(row))
+    for velocity in (0.7, 0.3):
+        session.apply(inputs.SetVelocity(0, 1, velocity))
+    assert not session.edited
+
+
 def test_what_the_catalogue_says_of_a_scene_is_not_said_of_an_edited_one():
     """In its file, its film and on its page; words of a person's own stay, and come back with undo."""
     session = opened("one-on-four")
