@@ -160,6 +160,11 @@ class History:
         return self.blocks[-1].first + self.blocks[-1].used - 1
 
     @property
+    def newest_setup(self) -> Setup:
+        """The setup of the newest frame: with all edits."""
+        return self.blocks[-1].setups[-1][1]
+
+    @property
     def branch(self) -> tuple[int, int]:
         """Another one where frames were dropped or replaced: what was made from them is stale."""
         return self.cuts, self.edits

@@ -208,8 +208,8 @@ class Session:
         self.frame, self._from_history = self.history.last, False
 
     def restart(self) -> None:
-        """Back to the start with all edits, paused; history and recording begin anew."""
-        self._open(self.setup)
+        """Back to the start with all edits, later ones than the frame shown too, paused; history and recording begin anew."""
+        self._open(self.history.newest_setup)
 
     # ---- inputs
 
@@ -368,15 +368,21 @@ class Session:
 
     def label(self, lane: int) -> str:
         """What is written beside a lane: the scene's label, or what its contacts are after an edit."""
-        old, now = self.scene.lanes[lane], self.lanes[lane].chain
-        return lane_label(old.label, old.chain(), now)
+        return self._label(lane, self.setup)
+
+    def _label(self, lane: int, setup: Setup) -> str:
+        old = self.scene.lanes[lane]
+        return lane_label(old.label, old.chain(), setup.lanes[lane].chain)
 
     # ---- exports
 
     def to_scene(self) -> Scene:
-        """The scene with all edits, as it begins. ValueError (SceneError) where a scene file cannot say it."""
-        labels = [self.label(lane) for lane in range(len(self.lanes))]
-        return scene_of(self.scene, self.setup, labels)
+        """The scene with all edits, later ones than the frame shown too, as it begins.
+
+        ValueError (SceneError) where a scene file cannot say it.
+        """
+        setup = self.history.newest_setup
+        return scene_of(self.scene, setup, [self._label(lane, setup) for lane in range(len(self.lanes))])
 
     @property
     def edited(self) -> bool:

@@ -162,8 +162,9 @@ def beside_other_balls(session: Session) -> Scene:
     ValueError where contacts are couplers or laws of one's own, or no scene file can say it.
     """
     scene = beside_itself(session.to_scene())
-    chain, speed = session.lanes[0].chain, session.lanes[0].setup.speed
-    steel, other = has_soft_contacts(chain), Session(scene)
+    other = Session(scene)  # it has edits that are later than the frame shown too
+    chain, speed = other.lanes[0].chain, other.lanes[0].setup.speed
+    steel = has_soft_contacts(chain)
     if steel:
         for i in range(chain.contacts):
             law = steel_ball(chain, i, speed, scene.view.length)

@@ -125,7 +125,7 @@ def test_an_edit_of_a_scrubbed_frame_drops_the_later_ones():
     assert session.lanes[0].chain.mass[1] == 5.0
 
 
-def test_a_restart_has_the_edits_of_the_beads_and_of_the_start():
+def test_a_restart_and_a_saved_scene_have_the_edits_of_the_beads_and_of_the_start(tmp_path):
     session = opened("one-on-four", SetVelocity(0, 0, 2.0))
     session.step_frames(100)
     session.apply(SetMass(0, 2, 3.0))
@@ -136,9 +136,10 @@ def test_a_restart_has_the_edits_of_the_beads_and_of_the_start():
     assert session.lanes[0].chain.mass[2] == 3.0
     session.step_frames(50)
     session.apply(RemoveBead(0, 4))
-    session.scrub_frame(20)
-    session.restart()  # from a frame before that edit
-    assert len(session.lanes[0].chain.mass) == 5
+    session.scrub_frame(20)  # before that edit
+    session.save_scene(tmp_path / "saved.toml")
+    session.restart()
+    assert len(session.lanes[0].chain.mass) == len(opened(tmp_path / "saved.toml").lanes[0].chain.mass) == 4
 
 
 @pytest.mark.parametrize("slow", [1.0, 2.0, 100.0])
