@@ -1,6 +1,6 @@
 """The session: lanes on one clock, their history, every input on its way into model and recording, and what a window shows."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
@@ -223,13 +223,22 @@ class Session:
 
         Inputs of one `gesture` (a slider or bead that is dragged) are one undo step, until :meth:`end_gesture`.
         """
+        self.apply_all([item], gesture)
+
+    def apply_all(self, items: Sequence[inputs.Input], gesture: bool = False) -> None:
+        """Do what `items` say in turn, as one undo step. ValueError with a sentence: one is refused, nothing has changed."""
+        if not items:
+            return
         self._renew_recording()
-        present = accepted(item, self.present, at_start=self.frame == 0)
-        if item.undo_name and not self.undo_stack.continues(item, gesture):
-            self.undo_stack.add(item, gesture, self._checkpoint())
+        present = self.present
+        for item in items:
+            present = accepted(item, present, at_start=self.frame == 0)
+        if any(item.undo_name for item in items) and not self.undo_stack.continues(items, gesture):
+            self.undo_stack.add(items, gesture, self._checkpoint())
         self._branch()
         self.setup, self.lanes, self.held = present
-        self.recording.add_input(item)
+        for item in items:
+            self.recording.add_input(item)
         self.history.replace_last(self.snapshot())
 
     def drag(self, lane: int, bead: int, position: float) -> None:

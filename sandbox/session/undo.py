@@ -5,6 +5,7 @@ back the edit and the motion after it. No frame is lost by either.
 """
 
 from collections import deque
+from collections.abc import Sequence
 from itertools import count
 from typing import NamedTuple
 
@@ -47,10 +48,13 @@ class Checkpoint(NamedTuple):
     memory: int
 
 
-def target_of(item: inputs.Input | Scene) -> tuple[object, ...]:
-    """What `item` changes; a bead may be pulled and placed in one gesture."""
-    name = "bead" if isinstance(item, inputs.Drag | inputs.Place) else type(item).__name__
-    return name, *(getattr(item, key, None) for key in ("lane", "bead", "contact"))
+def target_of(step: Sequence[inputs.Input] | Scene) -> tuple[object, ...]:
+    """What `step` changes; a bead may be pulled and placed in one gesture."""
+    if isinstance(step, Scene):
+        return ("words",)
+    names = ["bead" if isinstance(item, inputs.Drag | inputs.Place) else type(item).__name__ for item in step]
+    places = [[getattr(item, key, None) for key in ("lane", "bead", "contact")] for item in step]
+    return tuple((name, *place) for name, place in zip(names, places, strict=True))
 
 
 class UndoStack:
@@ -67,16 +71,16 @@ class UndoStack:
         self._saved = self._memory = 0
         self._open = False  # whether the gesture of the last input still goes on
 
-    def continues(self, item: inputs.Input | Scene, gesture: bool) -> bool:
-        """Whether `item` belongs to the last step: to the same gesture."""
-        return gesture and self._open and bool(self.done) and self.done[-1].target == target_of(item)
+    def continues(self, items: Sequence[inputs.Input], gesture: bool) -> bool:
+        """Whether `items` belong to the last step: to the same gesture."""
+        return gesture and self._open and bool(self.done) and self.done[-1].target == target_of(items)
 
-    def add(self, item: inputs.Input | Scene, gesture: bool, present: FrozenSession) -> None:
-        """Remember the `present` before `item`, or before the words of a scene."""
-        is_edit = not isinstance(item, inputs.Drag)
+    def add(self, step: Sequence[inputs.Input] | Scene, gesture: bool, present: FrozenSession) -> None:
+        """Remember the `present` before the inputs of a step, or before the words of a scene."""
+        is_edit = isinstance(step, Scene) or not all(isinstance(item, inputs.Drag) for item in step)
         own = _own_memory(present, self.done[-1].session.blocks if self.done else ())
-        name = N_("words") if isinstance(item, Scene) else item.undo_name
-        self.done.append(Checkpoint(next(self._numbers), name, is_edit, target_of(item), present, own))
+        name = N_("words") if isinstance(step, Scene) else next(item.undo_name for item in step if item.undo_name)
+        self.done.append(Checkpoint(next(self._numbers), name, is_edit, target_of(step), present, own))
         self._memory += own
         self.undone.clear()
         self._open = gesture

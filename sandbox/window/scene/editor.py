@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -94,16 +94,21 @@ class SceneEditor:
 
         Inputs of one `gesture` are one undo step.
         """
+        return self.apply_all([item], gesture)
+
+    def apply_all(self, items: Sequence[Input], gesture: bool = False) -> bool:
+        """Apply inputs as one undo step, or none of them; whether they were accepted."""
         if self.preparing:
             self.host.messages.show(_(PREPARING))
             return False
-        if isinstance(item, SetMethod) and not self._method_is_loaded(item.method):
-            text = _("method {method} is still being prepared: try again in some seconds", method=item.method)
-            self.host.messages.show(text)
-            self.refused += 1
-            return False
+        for item in items:
+            if isinstance(item, SetMethod) and not self._method_is_loaded(item.method):
+                text = _("method {method} is still being prepared: try again in some seconds", method=item.method)
+                self.host.messages.show(text)
+                self.refused += 1
+                return False
         try:
-            self.session.apply(item, gesture)
+            self.session.apply_all(items, gesture)
         except ValueError as error:
             self.host.messages.show(str(error), warning=True)
             return False
@@ -114,9 +119,8 @@ class SceneEditor:
         return name == AUTO or self.host.warmup.can_move(self.session.lanes, frame_time, name)
 
     def _apply_to_lanes(self, edit: Callable[[int], LaneInput]) -> bool:
-        """Apply an edit to every lane; whether all were accepted."""
-        accepted = [self.apply(edit(lane), gesture=True) for lane in range(len(self.session.lanes))]
-        return all(accepted)
+        """Apply an edit to every lane; whether that was accepted."""
+        return self.apply_all([edit(lane) for lane in range(len(self.session.lanes))])
 
     def _go(self, step: Callable[[], str], done: str, nothing: str) -> None:
         """Undo or redo, and say what."""

@@ -44,6 +44,7 @@ class ExplorePanel(Inspector):
     def __init__(self, host: Host, session: Session, editor: SceneEditor, health: Callable[[], list[Health]]) -> None:
         super().__init__(host, session, editor)
         self.health = health
+        self._velocities = [np.array(lane.velocity) for lane in session.scene.lanes]  # that the speed multiplies
         self.actions = {}
 
     def _parameters(self) -> list[Parameter]:
@@ -101,46 +102,60 @@ class ExplorePanel(Inspector):
 
     def _apply(self, control: Control, value: float, gesture: bool) -> bool:
         """Begin anew with another number."""
-        if control.parameter.key == "alpha":
-            return self._anew(self._with_alpha(value), gesture)
-        lane = self.session.lanes[0]
-        factor = value / (control.parameter.value or 1.0)
-        items: list[Input] = []
-        for k, live in enumerate(self.session.lanes):
-            start = live.setup.start.velocity(live.chain)
-            items += [SetVelocity(k, bead, factor * float(v)) for bead, v in enumerate(start) if v != 0.0]
-        return self._anew(items or [SetVelocity(0, 0, value)] * bool(lane.chain.contacts), gesture)
+        if control.parameter.key != "alpha":
+            self._begin_anew()
+            return self.editor.apply_all(self._with_speed(value), gesture)
+        if not value > 0.0:
+            raise ValueError(_("alpha must be a number > 0, not {given!r}", given=value))
+        self._begin_anew()
+        return self.editor.apply_all(self._with_alpha(value), gesture)
+
+    def _with_speed(self, speed: float) -> list[Input]:
+        """Another speed of the first lane; all velocities are multiplied alike."""
+        self._follow_velocities()
+        most = float(abs(self._velocities[0]).max())
+        chosen = [(k, bead, float(v)) for k, row in enumerate(self._velocities) for bead, v in enumerate(row)]
+        return [SetVelocity(k, bead, speed * (v / most)) for k, bead, v in chosen if v != 0.0]
+
+    def _follow_velocities(self) -> None:
+        """Remember the velocities of the lanes where they are no multiple of those remembered and the first lane moves.
+
+        Those of a lane that rests would not tell which beads are to move again.
+        """
+        now = [lane.setup.start.velocity(lane.chain) for lane in self.session.lanes]
+        kept = [np.pad(old, (0, row.size), "edge")[: row.size] for old, row in zip(self._velocities, now, strict=True)]
+        one, other = np.concatenate(now), np.concatenate(kept)
+        factor = float(one @ other) / (float(other @ other) or 1.0)
+        if now[0].any() and not np.allclose(one, factor * other, rtol=0.0, atol=1e-9 * float(abs(one).max())):
+            kept = now
+        if not kept[0].any():
+            kept[0][0] = 1.0
+        self._velocities = kept
 
     def _with_alpha(self, alpha: float) -> list[Input]:
         """Another alpha of the row, or of the selected contact: the blow is stopped within the same depth."""
-        if not alpha > 0.0:
-            raise ValueError(_("alpha must be a number > 0, not {given!r}", given=alpha))
         lane, chosen = self.session.lanes[0], self._contact
         contacts = range(lane.chain.contacts) if chosen is None else (chosen,)
-        found = {i: at_the_same_depth(lane.chain, i, alpha, lane.setup.speed) for i in contacts}
-        first = next(iter(found.values()))
-        if chosen is None and all(law == first for law in found.values()):
-            return [SetContact(0, None, first)]
-        return [SetContact(0, i, law) for i, law in found.items()]
+        return [SetContact(0, i, at_the_same_depth(lane.chain, i, alpha, lane.setup.speed)) for i in contacts]
 
     def change_beads(self, by: int) -> None:
         """Add a bead at the right end of every lane, or take the last one away."""
-        last = min(lane.chain.contacts for lane in self.session.lanes)
+        last = min(lane.chain.contacts for lane in self.session.history.newest_setup.lanes)
         if not 2 <= last + 1 + by <= MOST_BEADS:
             self.host.messages.show(_("from 2 to {most} beads can be chosen here", most=MOST_BEADS))
             return
+        self._begin_anew()
         items: list[Input] = []
         for k, lane in enumerate(self.session.lanes):
             end = lane.chain.contacts
             items.append(AddBead(k, end + 1, lane.chain.mass[end]) if by > 0 else RemoveBead(k, end))
-        self._anew(items, gesture=False)
+        self.editor.apply_all(items)
 
-    def _anew(self, items: list[Input], gesture: bool) -> bool:
-        """Go back to the start, and apply the inputs; whether all were accepted."""
-        if self.session.frame != 0:
+    def _begin_anew(self) -> None:
+        """Go back to the start, with all edits: an input at an earlier frame would drop later ones."""
+        if self.session.frame != 0 or self.session.scrubbed:
             self.session.pause()
             self.host.act("restart")
-        return all(self.editor.apply(item, gesture or k > 0) for k, item in enumerate(items))
 
     def backdrop(self, surface: pygame.Surface) -> None:
         """Draw the names and the text of the scene."""

@@ -1,11 +1,12 @@
 """Undo and redo: every edit, with the motion's history before and after it, within bounds."""
 
 import numpy as np
+import pytest
 from softcradle.physics import power_law
 from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.undo import MOST_STEPS
 
-from tests.helpers.sessions import frame_table, opened
+from tests.helpers.sessions import check_replay, frame_table, opened
 
 EDITS = (
     inputs.SetMass(0, 1, 2.5), inputs.SetVelocity(0, 2, -0.5), inputs.SetContact(0, 1, power_law(2.0, 0.2)),
@@ -60,6 +61,24 @@ def test_a_gesture_is_one_step():
     assert session.lanes[0].chain.mass[1] == 1.0
     assert session.undo() == "bead moved"
     assert np.array_equal(session.lanes[0].position, start)
+
+
+def test_several_inputs_are_one_step_and_are_refused_together(tmp_path):
+    session = opened("two-on-two")
+    for speed in (0.5, 0.7):
+        session.apply_all([inputs.SetVelocity(0, bead, speed) for bead in (0, 1)], gesture=True)
+    session.step_frames(5)
+    before = picture(session)
+    with pytest.raises(ValueError, match="no bead 9"):
+        session.apply_all([inputs.SetMass(0, 0, 2.0), inputs.SetMass(0, 9, 2.0)])
+    session.scrub_frame(3)
+    session.apply_all([])
+    session.step_frames(2)
+    assert picture(session) == before
+    check_replay(session, tmp_path / "replay.npz")
+    assert session.undo() == "velocity"
+    assert session.lanes[0].velocity.tolist() == [1.0, 1.0, 0.0, 0.0]
+    assert not session.undo()
 
 
 def test_a_throw_is_undone_to_the_frame_at_which_the_bead_was_taken():

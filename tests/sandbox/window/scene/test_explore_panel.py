@@ -89,6 +89,31 @@ def test_speed_and_number_of_beads(explorer: Driver) -> None:
         assert len(explorer.session.lanes[0].chain.mass) == count
 
 
+def test_an_action_on_two_rows_is_one_undo_step_and_every_row_moves_again_after_speed_0() -> None:
+    driver = Driver("locked-pistons", lab=False)
+    undo = driver.session.undo
+    before = [lane.velocity.tolist() for lane in driver.session.lanes]
+    for speed in ("0", "-1", "0.5"):  # that of the scene
+        typed(driver, "speed", speed)
+    assert [lane.velocity.tolist() for lane in driver.session.lanes] == before
+    for _ in range(3):
+        assert undo()
+    driver.session.step_frames(20)
+    press(driver, "+")
+    driver.session.step_frames(20)
+    driver.session.scrub_frame(10)
+    driver.page.editor.lock_all()
+    driver.session.step_frames(20)
+    driver.session.scrub_frame(5)  # before that edit
+    typed(driver, "speed", "2")
+    assert all(lane.setup.locked[0] for lane in driver.session.lanes)
+    for contacts, locked in ((4, True), (4, True), (4, False), (3, False)):
+        assert [lane.chain.contacts for lane in driver.session.lanes] == [contacts] * 2
+        assert [lane.setup.locked[0] is not None for lane in driver.session.lanes] == [locked] * 2
+        undo()
+    assert not undo()
+
+
 def test_the_same_blow_among_steel_balls_plays_below_is_told_and_left_for_one_row(explorer: Driver) -> None:
     before = explorer.session.scene
     press(explorer, "Compare with steel balls")
