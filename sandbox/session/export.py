@@ -143,9 +143,13 @@ def _method(scene: Scene, setup: Setup) -> dict[str, Any]:
     return first if all(other == first for other in others) else {}
 
 
-def trajectory_of(part: HistorySlice, lane: int, events: ContactEvents) -> Trajectory:
-    """`part` of the history of lane number `lane` as a Trajectory; a warning says at which frame it begins."""
-    sentence = f"exported from a session: begins at frame {part.first}, where the chain was last changed"
+def trajectory_of(part: HistorySlice, lane: int, events: ContactEvents, kept: int) -> Trajectory:
+    """`part` of the history of lane number `lane` as a Trajectory; a warning says at which frame it begins.
+
+    `kept` is the oldest frame of the history.
+    """
+    why = "the oldest that is kept" if part.first == kept else "where the chain or its method was last changed"
+    sentence = f"exported from a session: begins at frame {part.first}, {why}"
     late = CodedWarning(WarningCode.LATE_START, sentence, {"frame": part.first})
     absorbed = part.ledger[:, BY_CONTACTS : BY_BED + 1] - part.ledger[0, BY_CONTACTS : BY_BED + 1]
     return Trajectory(
@@ -158,8 +162,8 @@ def trajectory_of(part: HistorySlice, lane: int, events: ContactEvents) -> Traje
         final_velocity=part.velocity[-1],
         contact_intervals=_intervals(part, events.select(events.lane == lane)),
         method=part.setup.method,
-        step=part.setup.step,
-        tolerance=0.0 if part.setup.step else part.setup.tolerance,
+        step=part.step,
+        tolerance=0.0 if part.step else part.setup.tolerance,
         warnings=(late,) if part.first > 0 else (),
         absorbed_by_contacts=absorbed[:, 0],
         absorbed_by_bed=absorbed[:, 1],

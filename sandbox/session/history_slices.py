@@ -39,11 +39,13 @@ class HistorySlice(Motion):
     Attributes:
         first: frame of row 0.
         setup: the LaneSetup; its chain is `chain`.
+        step: longest step [s] that was taken; 0 for an adaptive method.
         ledger: (T, 10) see :mod:`softcradle.sandbox.session.ledger`.
     """
 
     first: int
     setup: LaneSetup
+    step: float
     ledger: Array
 
 
@@ -67,12 +69,14 @@ def slice_at(history: History, lane: int, frame: int) -> HistorySlice:
 
 
 def last_slice(history: History, lane: int, last: int) -> HistorySlice:
-    """The frames up to `last` since the lane's chain was last changed, in one slice with the setup of `last`."""
-    chain = slice_at(history, lane, last).chain
-    slices = [part for part in history_slices(history, lane, history.first, last) if part.chain is chain]
+    """The frames up to `last` since the lane's chain or method was last changed, in one slice with the setup of `last`."""
+    setup, every = slice_at(history, lane, last).setup, list(history_slices(history, lane, history.first, last))
+    alike = [part.chain is setup.chain and part.setup.method == setup.method for part in every]
+    slices = every[len(every) - [*reversed(alike), False].index(False) :]
+    step = max(part.step for part in [part for part in slices if part.first < last] or slices)
     names = ("time", *LaneRows._fields)
     time, *arrays = (np.concatenate([getattr(part, name) for part in slices]) for name in names)
-    return _slice(slices[0].first, slices[-1].setup, time, LaneRows(*arrays))
+    return _slice(slices[0].first, setup, step, time, LaneRows(*arrays))
 
 
 def _of_block(block: Block, lane: int, low: int, high: int, stride: int) -> Iterator[HistorySlice]:
@@ -84,9 +88,12 @@ def _of_block(block: Block, lane: int, low: int, high: int, stride: int) -> Iter
         if start < stop:
             rows = slice(start, stop, stride)
             arrays = LaneRows(*(array[rows] for array in block.lanes[lane]))
-            yield _slice(block.first + start, setup.lanes[lane], block.time[rows], arrays)
+            own = setup.lanes[lane]
+            step = own.step_for(setup.frame_time) or 0.0
+            yield _slice(block.first + start, own, step, block.time[rows], arrays)
 
 
-def _slice(first: int, setup: LaneSetup, time: Array, rows: LaneRows) -> HistorySlice:
+def _slice(first: int, setup: LaneSetup, step: float, time: Array, rows: LaneRows) -> HistorySlice:
     absorbed = rows.ledger[:, BY_CONTACTS] + rows.ledger[:, BY_BED] if setup.chain.dissipative else np.zeros(0)
-    return HistorySlice(chain=setup.chain, time=time, absorbed=absorbed, first=first, setup=setup, **rows._asdict())
+    given = {"chain": setup.chain, "time": time, "absorbed": absorbed, "first": first, "setup": setup, "step": step}
+    return HistorySlice(**given, **rows._asdict())

@@ -412,8 +412,9 @@ class Session:
         self.undo_stack.mark_saved()
 
     def trajectory(self, lane: int) -> Trajectory:
-        """The history of a lane up to the frame shown, from where its chain was last changed."""
-        return trajectory_of(last_slice(self.history, lane, self.frame), lane, self.contact_events())
+        """The history of a lane up to the frame shown, from where its chain or method was last changed."""
+        part = last_slice(self.history, lane, self.frame)
+        return trajectory_of(part, lane, self.contact_events(), self.history.first)
 
     def export_paths(self, target: Path) -> list[Path]:
         """The files that :meth:`export` writes."""

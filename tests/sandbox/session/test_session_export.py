@@ -106,9 +106,14 @@ def test_the_history_is_exported_as_a_trajectory(tmp_path):
         assert all(0.0 < closed < opened for ((closed, opened),) in trajectory.contact_intervals)
 
 
-def test_the_export_begins_where_the_chain_was_last_changed(tmp_path):
-    session = opened()
-    session.step_frames(350)
+def test_the_export_begins_where_chain_or_method_was_last_changed_and_has_the_steps_that_were_taken(tmp_path):
+    session = opened("one-on-four", inputs.SetMethod(0, "euler"), memory=1)
+    session.step_frames(340)
+    session.apply(inputs.SetMethod(0, "conserving"))
+    session.step_frames(10)
+    assert "frame 340, where the chain or its method" in str(session.trajectory(0).warnings[0])
+    taken = session.lanes[0].setup.step_for(session.setup.frame_time)
+    assert session.trajectory(0).step == taken < session.lanes[0].setup.step
     session.apply(inputs.SetMass(0, 1, 2.0))
     session.step_frames(20)
     session.apply(inputs.SetSlow(5.0))
@@ -127,6 +132,9 @@ def test_the_export_begins_where_the_chain_was_last_changed(tmp_path):
     closed = [intervals[0][0] for intervals in session.trajectory(0).contact_intervals]
     assert min(closed) == session.trajectory(0).time[0], "closed from the start"
     assert np.isfinite(np.array(rows[1:], dtype=float)).all()
+    assert session.trajectory(0).step == taken, "the longest: frames are shorter since"
+    session.step_frames(2000)
+    assert f"frame {session.history.first}, the oldest that is kept" in str(session.trajectory(0).warnings[0])
 
 
 def test_beads_that_touch_are_a_length_apart():
