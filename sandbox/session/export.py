@@ -78,17 +78,23 @@ def scene_of(scene: Scene, setup: Setup, labels: Sequence[str]) -> Scene:
     """`scene` as `setup` has it now: lanes with `labels`, slow motion, method and step where all lanes share them.
 
     A lane that has not been edited keeps the form in which it was written. A locked piston is written as the hard
-    contact it is. What the catalogue says of its own lanes is not said of others; words of a person's own stay.
+    contact it is.
     """
     lanes = tuple(_lane(*both) for both in zip(scene.lanes, setup.lanes, labels, strict=True))
     changed: dict[str, Any] = {**scene.model_dump(), "lanes": [lane.model_dump() for lane in lanes]}
-    if lanes != scene.lanes and scene.text in _catalogue_texts():
-        changed |= {"text": "", "source": ""}
+    changed |= words_for(scene, lanes)
     changed["view"] = {**changed["view"], "slow": setup.slow}
     changed |= _method(scene, setup)
     if scene.duration is None and any(one.chain.walls > 1 or one.chain.lasts for one in setup.lanes):
         changed["duration"] = DURATION
     return Scene.model_validate(changed)
+
+
+def words_for(scene: Scene, lanes: tuple[Lane, ...]) -> dict[str, str]:
+    """The words of `scene` for `lanes`: what the catalogue says of its own is not said of others; a person's own stay."""
+    others = lanes != scene.lanes and scene.text in _catalogue_texts()
+    said = {"text": "", "source": ""} if others else {"text": scene.text, "source": scene.source}
+    return {"title": scene.title, "question": scene.question, **said}
 
 
 @cache

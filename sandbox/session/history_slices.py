@@ -95,5 +95,5 @@ def _of_block(block: Block, lane: int, low: int, high: int, stride: int) -> Iter
 
 def _slice(first: int, setup: LaneSetup, step: float, time: Array, rows: LaneRows) -> HistorySlice:
     absorbed = rows.ledger[:, BY_CONTACTS] + rows.ledger[:, BY_BED] if setup.chain.dissipative else np.zeros(0)
-    given = {"chain": setup.chain, "time": time, "absorbed": absorbed, "first": first, "setup": setup, "step": step}
-    return HistorySlice(**given, **rows._asdict())
+    frames = rows._asdict()
+    return HistorySlice(chain=setup.chain, time=time, absorbed=absorbed, first=first, setup=setup, step=step, **frames)

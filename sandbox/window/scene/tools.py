@@ -12,7 +12,7 @@ import pygame
 from softcradle.sandbox.draw.number_format import scientific
 from softcradle.sandbox.languages import N_, _, error_words, label_words, localized, ngettext, pgettext
 from softcradle.sandbox.session.contact_conversion import has_soft_contacts, steel_ball
-from softcradle.sandbox.session.export import shared_text
+from softcradle.sandbox.session.export import shared_text, words_for
 from softcradle.sandbox.session.inputs import SetContact, SetKind, SetMethod
 from softcradle.sandbox.session.measured_data import load_measured
 from softcradle.sandbox.session.session import Session
@@ -180,11 +180,12 @@ def beside_other_balls(session: Session) -> Scene:
 
 
 def beside_itself(scene: Scene) -> Scene:
-    """The first lane of a scene beside a copy of it, to be edited and compared."""
+    """The first lane of a scene beside a copy of it, to be edited and compared; what is said of one lane holds for both."""
     lane = scene.lanes[0].model_dump()
+    words = words_for(scene, scene.lanes[:1])
+    words["title"] = words["title"].removesuffix(COMPARED) + COMPARED  # once, though it is compared again
     lanes = [lane, {**lane, "label": f"{lane['label']}{OTHER}".removeprefix(", ")}]
-    title = scene.title.removesuffix(COMPARED) + COMPARED  # once, though it is compared again
-    return Scene.model_validate({**scene.model_dump(), "title": title, "lanes": lanes})
+    return Scene.model_validate({**scene.model_dump(), **words, "lanes": lanes})
 
 
 class ViewKeys:
@@ -328,7 +329,7 @@ class SceneTools:
         return True
 
     def alone(self) -> None:
-        """Go back to the first row, with the edits that were made here and the words that it had before."""
+        """Go back to the first row, with the edits that were made here and what it was called before."""
         if len(self.session.lanes) == 1:
             self.host.messages.show(_("there is one row"))
             return
@@ -337,11 +338,10 @@ class SceneTools:
         except ValueError as error:
             self.host.messages.show(str(error), warning=True)
             return
-        words = self.before or scene.model_copy(update={"title": scene.title.removesuffix(COMPARED)})
-        kept = {name: getattr(words, name) for name in ("title", "text", "question", "source")}
-        self.open_scene(
-            Scene.model_validate({**scene.model_dump(), **kept, "lanes": scene.model_dump()["lanes"][:1]}), None
-        )
+        words = words_for(self.before or self.session.scene, scene.lanes[:1])
+        words["title"] = words["title"].removesuffix(COMPARED)
+        changed = {**words, "lanes": scene.model_dump()["lanes"][:1]}
+        self.open_scene(Scene.model_validate({**scene.model_dump(), **changed}), None)
 
     def handle(self, event: pygame.Event) -> bool:
         """Take an event on the table or the ruler."""

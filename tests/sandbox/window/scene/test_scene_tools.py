@@ -113,6 +113,24 @@ def test_a_scene_is_compared_with_a_copy_and_edits_stay_unsaved(driver: Driver) 
     assert driver.app.dialog.title == "Keep the edits?"
 
 
+def test_what_the_catalogue_says_of_its_lanes_is_not_said_of_one_of_them_or_of_an_edited_one() -> None:
+    for edits in (), ("before",), ("after",):
+        page = Driver("one-on-four")
+        for when in ("before", "after"):
+            if when in edits:
+                page.session.apply(SetMass(0, 1, 3.0))
+            page.app.act("compare" if when == "before" else "alone")
+            page.frames(2)
+        scene = page.session.scene
+        assert (scene.title, scene.text != "", scene.source != "") == ("One bead on four", not edits, not edits)
+        page.close()
+    page = Driver("locked-pistons")
+    for action, lanes in (("compare", 2), ("alone", 1)):
+        page.app.act(action)
+        page.frames(2)
+        assert (len(page.session.lanes), page.session.scene.text, page.session.scene.source) == (lanes, "", "")
+
+
 def test_stopwatch_and_ruler_measure_and_the_ruler_lies_on_no_force() -> None:
     driver = Driver("steel-and-soft", size=(1280, 800))
     watch, ruler = driver.page.tools.stopwatch, driver.page.tools.ruler
