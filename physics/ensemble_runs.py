@@ -155,7 +155,7 @@ def parts(begin: int, end: int, threads: int, least: int = 1) -> list[range]:
     return [range(first, min(end, first + size)) for first in range(begin, end, size)]
 
 
-def _spread(name: str, value: Each, count: int) -> Sequence[float | None]:
+def _spread(name: str, value: Any, count: int) -> Sequence[float | None]:
     if value is None or np.ndim(value) == 0:
         return [value] * count
     if len(value) != count:

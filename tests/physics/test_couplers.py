@@ -163,4 +163,4 @@ def test_the_stable_step_knows_the_stop():
         [1.0, 1.0], Coupler(hooke(10.0), pull=hooke(1e6), slack=0.1)
     )  # whose pull is far stiffer than its push
     assert stable_step(chain, [0, 1], 0.5) < 1e-2 * stable_step(Chain([1.0, 1.0], hooke(10.0)), [1, 0], 0.5)
-    assert solve(chain, [0.0, 1.0], 0.5, "verlet").final_velocity == pytest.approx([1.0, 0.0], abs=1e-3)
+    assert solve(chain, [0.0, 1.0], 0.15, "verlet").final_velocity == pytest.approx([1.0, 0.0], abs=1e-3)
