@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -120,10 +120,8 @@ class State:
 
     def copy(self) -> State:
         """An independent copy, without the scratch memory."""
-        push = None if self.push is None else self.push.copy()
-        arrays = (self.overlap.copy(), self.rate.copy(), self.anchor.copy(), self.force.copy())
-        told = self.switches, self.switched, self.taken.copy(), self.status, self.warnings
-        return State(self.time, *arrays, push, *told)
+        arrays = {name: getattr(self, name).copy() for name in ("overlap", "rate", "anchor", "force", "taken")}
+        return replace(self, push=None if self.push is None else self.push.copy(), work={}, **arrays)
 
     def note_switches(self, contact: ArrayLike, time: ArrayLike, count: int | None = None) -> None:
         """Append switches to those of this `advance`; they were `count` in truth where the log had no room for all."""

@@ -258,7 +258,7 @@ class SoftChain:
 
     def _taken_out(self) -> list[int]:
         """The contacts that are in no Space now: of a chain without any in one, no step tells."""
-        there = {link for space in {body.space for body in self.bodies} - {None} for link in space.constraints}
+        there = {link for space in {body.space for body in self.bodies} if space for link in space.constraints}
         return [i for i, link in enumerate(self._links) if link not in there]
 
     def _take_force(self, link: _Link) -> float:
