@@ -1,13 +1,16 @@
 """``python -m benchmarks scan``: solve seeded random chains, count the verdicts, keep both truths and verdicts on disk.
 
-Truths take longest: they are kept in one file and used again by every later scan. Verdicts are
-kept in another, so that a scan that was interrupted goes on where it stopped; ``--fresh`` begins anew. Chains
-are the points of a sweep: both files are written as its points come back, and the chain whose process dies is tried again.
+Truths take longest, seconds for each chain: those of thousands are in the repository, others are kept in one file and used again
+by every later scan; ``--keep`` adds them to those of the repository. Verdicts are kept in another file, so that a scan that was
+interrupted goes on where it stopped; ``--fresh`` begins anew. Chains are the points of a sweep: both files are written as its
+points come back, and the chain whose process dies is tried again.
 """
 
 from __future__ import annotations
 
 import argparse
+import gzip
+import json
 import math
 import os
 from collections import Counter
@@ -34,6 +37,7 @@ from benchmarks.scan.verdict import PROMISE, SLOW, RunVerdict
 
 SEEDS_SHOWN = 8  # of a family's chains that fail, in the table
 TRUTHS = "truths.jsonl"  # file of the truths in the folder
+KEPT = Path(__file__).with_name("truths.jsonl.gz")  # those of the repository
 
 
 def parser() -> argparse.ArgumentParser:
@@ -47,6 +51,7 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument("--jobs", type=int, default=2, help="processes (default 2)")
     found.add_argument("--folder", type=Path, default=Path("out/scan"), help="where truths and verdicts are kept")
     found.add_argument("--fresh", action="store_true", help="judge every chain anew; truths are kept")
+    found.add_argument("--keep", action="store_true", help="add the truths of these chains to those of the repository")
     found.add_argument("--markdown", type=Path, metavar="FILE", help="write the table there too, for the documentation")
     found.add_argument("--require", action="store_true", help="exit with 1 if an error is silent")
     return found
@@ -56,7 +61,7 @@ def main(arguments: list[str]) -> int:
     """Scan, and print one row a family."""
     args = parser().parse_args(arguments)
     args.folder.mkdir(parents=True, exist_ok=True)
-    truths = {entry["key"]: entry for entry in lines(args.folder / TRUTHS)}
+    truths = _truths(args)
     if args.fresh:
         _verdicts(args).unlink(missing_ok=True)
     known = {(entry["family"], entry["seed"]): entry for entry in lines(_verdicts(args))}
@@ -71,10 +76,25 @@ def main(arguments: list[str]) -> int:
         )
     report.notes.append(_how_it_was_made(args))
     report.show(Console(width=200))
+    if args.keep:
+        _keep(_truths(args))
     if args.markdown is not None:
         with output_file(args.markdown) as temporary:
             temporary.write_text(report.markdown(), encoding="utf-8")
     return int(args.require and any(entry["verdict"] == RunVerdict.SILENT for entry in found))
+
+
+def _truths(args: argparse.Namespace) -> dict[str, Entry]:
+    """All truths that are known, by the key of their chain."""
+    return {entry["key"]: entry for path in (KEPT, args.folder / TRUTHS) for entry in lines(path)}
+
+
+def _keep(truths: Mapping[str, Entry]) -> None:
+    """Write the truths of chains that the families draw today, the same bytes for the same truths."""
+    chains = (motion(family, int(seed)) for family, seed, _ in (key.split("/") for key in sorted(truths)))
+    text = "\n".join(json.dumps(truths[chain.key]) for chain in chains if chain.key in truths)
+    with output_file(KEPT) as temporary:
+        temporary.write_bytes(gzip.compress(text.encode(), mtime=0))
 
 
 def _compute(

@@ -390,7 +390,13 @@ class Session:
 
         ValueError (SceneError) where a scene file cannot say it.
         """
-        setup = self.history.newest_setup
+        return self._scene(self.history.newest_setup)
+
+    def shown_scene(self) -> Scene:
+        """The scene with the edits up to the frame shown, as it begins. ValueError as of :meth:`to_scene`."""
+        return self._scene(self.setup)
+
+    def _scene(self, setup: Setup) -> Scene:
         return scene_of(self.scene, setup, [self._label(lane, setup) for lane in range(len(self.lanes))])
 
     @property

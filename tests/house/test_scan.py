@@ -12,7 +12,9 @@ from softcradle.physics.status import CodedWarning, Status, WarningCode
 from benchmarks import __main__ as command
 from benchmarks.conserving_scan import FAMILIES as CONSERVING
 from benchmarks.conserving_scan import LARGE, error_report, errors, report, run
+from benchmarks.json_lines import lines
 from benchmarks.scan import chain_points, verdict
+from benchmarks.scan import command as scan
 from benchmarks.scan.families import FAMILIES, Motion, motion
 from benchmarks.scan.truth import Truth, truth_of
 
@@ -78,6 +80,7 @@ def test_what_is_not_known_is_no_verdict(monkeypatch, source, expected):
 def test_a_scan_that_is_stopped_goes_on_and_what_is_judged_is_kept(tmp_path, capsys, monkeypatch):
     given = ["scan", "--families", "hooke-hertz", "--jobs", "1", "--folder", str(tmp_path), "--count", "3", "--require"]
     monkeypatch.setattr("benchmarks.scan.truth.TOLERANCE", 1e-9)
+    monkeypatch.setattr(scan, "KEPT", tmp_path / "kept.jsonl.gz")
     judge = Mock(wraps=chain_points.judge)
     judge.side_effect = [DEFAULT, KeyboardInterrupt]
     monkeypatch.setattr(chain_points, "judge", judge)
@@ -99,6 +102,18 @@ def test_a_scan_that_is_stopped_goes_on_and_what_is_judged_is_kept(tmp_path, cap
     assert table.startswith("**Random chains, accurate at 1e-08**\n\n| family | chains |")
     assert "* made by `python -m benchmarks scan --count 3 --families hooke-hertz`, softcradle " in table
     assert "hooke-hertz" in capsys.readouterr().out
+    assert command.main([*given, "--keep"]) == 0
+    monkeypatch.setattr(chain_points, "truth_of", lambda _: pytest.fail("its truth is kept"))
+    assert command.main([*given, "--folder", str(tmp_path / "another")]) == 0
+    assert not (tmp_path / "another" / "truths.jsonl").exists()
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_truths_of_the_repository_are_of_the_chains_that_are_drawn(family):
+    kept = {entry["key"]: entry for entry in lines(scan.KEPT)}
+    for chain in (motion(family, seed) for seed in range(40)):
+        truth = Truth.from_json(kept[chain.key])
+        assert truth.velocity.size == truth.doubt.size == len(chain.velocity)
 
 
 COUNT = 30 * len(CONSERVING)

@@ -72,7 +72,7 @@ class SweepBoard(Overlay):
         self.present = parameter.value
         self.places: list[pygame.Rect] = []
         super().__init__(host)
-        scene = session.to_scene()
+        scene = session.shown_scene()
         job = partial(variants, scene, pick.lane, swept_values(parameter), parameter.edit, motions_ahead)
         host.warmup.submit(self._take_variants, job)
 

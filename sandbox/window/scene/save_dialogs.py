@@ -301,7 +301,7 @@ def share_page(session: Session, path: Path, live: bool = False) -> None:
     """
     found = [session.trajectory(lane) for lane in range(len(session.lanes))]
     try:
-        scene = session.to_scene()
+        scene = session.to_scene() if live else session.shown_scene()
     except ValueError as error:
         raise UserError(_("this cannot be shared: {error}", error=error_words(error))) from None
     with english():  # as all else on a page

@@ -137,6 +137,7 @@ def test_a_restart_and_a_saved_scene_have_the_edits_of_the_beads_and_of_the_star
     session.step_frames(50)
     session.apply(RemoveBead(0, 4))
     session.scrub_frame(20)  # before that edit
+    assert len(session.shown_scene().lanes[0].velocity) == 5
     session.save_scene(tmp_path / "saved.toml")
     session.restart()
     assert len(session.lanes[0].chain.mass) == len(opened(tmp_path / "saved.toml").lanes[0].chain.mass) == 4
