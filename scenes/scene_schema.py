@@ -58,6 +58,14 @@ class ForceTable(Table):
         return physics.TimedForce(self.beads, self.time, self.force)
 
 
+def strikers_at(speed: Any, clusters: Any) -> tuple[Any, ...]:
+    """The velocities of `clusters`, strikers before targets at rest; none where these are no counts, as `beads` then says."""
+    if not all(isinstance(count, int) and 1 <= count <= MOST_BEADS for count in clusters):
+        return ()
+    strikers, targets = clusters
+    return (speed,) * strikers + (0.0,) * targets
+
+
 class Lane(Table):
     """One chain and its start.
 
@@ -97,10 +105,7 @@ class Lane(Table):
         clusters = value.get("beads")
         if not (isinstance(clusters, list | tuple) and len(clusters) == 2):
             raise problem("one velocity for all strikers needs beads = [strikers, targets]; else give a list of them")
-        if not all(isinstance(count, int) and 1 <= count <= MOST_BEADS for count in clusters):
-            return {**value, "velocity": ()}  # the field `beads` then refuses the count
-        strikers, targets = clusters
-        return {**value, "velocity": (value["velocity"],) * strikers + (0.0,) * targets}
+        return {**value, "velocity": strikers_at(value["velocity"], clusters)}
 
     @model_validator(mode="after")
     def _check_lengths(self) -> Self:

@@ -16,7 +16,7 @@ from softcradle.physics.adaptive.constants import (
 from softcradle.physics.adaptive.corner_action import begin, cross, fly_to_event, open_passed, pass_knot
 from softcradle.physics.adaptive.flight import back_to_opening, nothing_pushes
 from softcradle.physics.adaptive.row_graphs import acceleration_of, bead_acceleration, put_drive
-from softcradle.physics.adaptive.sampling import absorbed_between, changing_work, count_from_touch, keep_step
+from softcradle.physics.adaptive.sampling import absorbed_between, changing_work, keep_step
 from softcradle.physics.adaptive.step_control import (
     find_step,
     first_step,
@@ -108,21 +108,18 @@ def integrate(
     `pause` is whether the run is resumed, and the steps, rejected ones included, after which it hands back: the status then, or
     where no row for another step is left, is PAUSED, and a call that is resumed goes on from the time reached.
     Records come as plain tuples of their fields; `look` is a second Trial, for what happens inside a step. Returns the status
-    and the time reached.
+    and the time reached. Overlaps of couplers are left as they are counted here, from the origins of their segments.
     """
     extent, accuracy = Extent(*extent_fields), Accuracy(*accuracy_fields)
     chain, motion, steps = ChainData(*chain_fields), Motion(*motion_fields), Steps(*steps_fields)
     regime, trial, look = Regime(*regime_fields), Trial(*trial_fields), Trial(*look_fields)
     scratch, log = Scratch(*scratch_fields), SwitchLog(*log_fields)
-    code, time = go_on(extent, pause, accuracy, chain, regime, motion, trial, look, scratch, steps, log)
-    if code != PAUSED:
-        count_from_touch(motion.overlap, regime, 1.0)
-    return code, time
+    return go_on(extent, pause, accuracy, chain, regime, motion, trial, look, scratch, steps, log)
 
 
 @inlined
 def go_on(extent, pause, accuracy, chain, regime, motion, trial, look, scratch, steps, log):
-    """`integrate`, with overlaps of couplers from the origins of their segments."""
+    """`integrate`, of records."""
     allowed, tolerance, scale = accuracy
     time, end, stop, most_steps = extent
     resumed, budget = pause

@@ -184,10 +184,10 @@ def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kep
             allowed = step_budget(problem, time, scale)
             if allowed > LONGER * most:
                 code, most = PAUSED, allowed
-                plain(count_from_touch)(state.overlap, Regime(*regime), -1.0)  # as it left them when it meant to end
         require_finite_motion(problem.chain, state)
         if kept:
             kept.take(memory.log)
+    plain(count_from_touch)(state.overlap, Regime(*regime))
     return code, time
 
 

@@ -147,7 +147,7 @@ def sample_steps(
                 sample_flight(passed, chain, regime, motion, samples, counter[SAMPLE], scratch.work[0])
             else:
                 sample_inside(passed, steps.kind[k], wanted, chain, regime, motion, trial, scratch, samples, log)
-            count_from_touch(samples.overlap[counter[SAMPLE]], regime, 1.0)
+            count_from_touch(samples.overlap[counter[SAMPLE]], regime)
             counter[SAMPLE] += 1
 
 
@@ -158,10 +158,10 @@ def shown_force(i, force, regime):
 
 
 @inlined
-def count_from_touch(overlap, regime, sign):
-    """Let overlaps (n,) of couplers count from where they touch (`sign` 1), or again from the origins of their segments (-1)."""
+def count_from_touch(overlap, regime):
+    """Let overlaps (n,) of couplers count from where they touch, no longer from the origins of their segments."""
     for i in range(regime.segment.size):
-        overlap[i] += sign * of_segment(regime, i, ORIGIN)
+        overlap[i] += of_segment(regime, i, ORIGIN)
 
 
 @piece

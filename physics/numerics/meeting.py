@@ -54,11 +54,10 @@ def slides_into(overlap, rate, ahead, brake_ahead, behind, brake_behind, still):
         return False
     rest_ahead = abs(ahead) / brake_ahead if brake_ahead > 0.0 else math.inf
     rest_behind = abs(behind) / brake_behind if brake_behind > 0.0 else math.inf
-    last = max(rest_ahead, rest_behind)
-    if last == math.inf:
-        goes_on = (ahead if brake_ahead == 0.0 else 0.0) - (behind if brake_behind == 0.0 else 0.0)
-        if goes_on > still:
-            return True
+    if (ahead if brake_ahead == 0.0 else 0.0) - (
+        behind if brake_behind == 0.0 else 0.0
+    ) > still:  # once the other rests
+        return True
     least = 0.0 if rate > still else 0.5 * still * still / (brake_ahead + brake_behind)
     turn = math.copysign(brake_ahead, ahead) - math.copysign(brake_behind, behind)
     equal = rate / turn if turn != 0.0 else 0.0

@@ -258,8 +258,8 @@ class SoftChain:
 
     def _taken_out(self) -> list[int]:
         """The contacts that are in no Space now: of a chain without any in one, no step tells."""
-        there = {link for space in {body.space for body in self.bodies} if space for link in space.constraints}
-        return [i for i, link in enumerate(self._links) if link not in there]
+        there = [space.constraints for space in {body.space for body in self.bodies} if space]
+        return [i for i, link in enumerate(self._links) if not any(link in links for links in there)]
 
     def _take_force(self, link: _Link) -> float:
         """Force of `link` for the step under way; the first call in a step solves all contacts."""

@@ -9,7 +9,7 @@ from pydantic import BaseModel, ValidationError
 from softcradle.physics import Chain
 from softcradle.scenes import Lane, Scene
 from softcradle.scenes.scene_errors import SceneError, scene_error
-from softcradle.scenes.scene_schema import MOST_BEADS
+from softcradle.scenes.scene_schema import strikers_at
 from softcradle.scenes.toml_table import suggestion
 
 ONE_OR_MANY = ("mass", "contact", "gap")  # fields of a lane that may be one value for all
@@ -115,16 +115,13 @@ def _spread_anew(lane: Lane, before: Lane) -> Lane:
     strikers, targets = clusters
     if velocity != (velocity[0],) * strikers + (0.0,) * targets:
         return lane
-    return lane.model_copy(update={"velocity": strikers_at(velocity[0], lane.beads)})
+    return lane.model_copy(update={"velocity": _spread(velocity[0], lane.beads)})
 
 
-def strikers_at(speed: Any, beads: Any) -> Any:
-    """The velocities of `beads`, of which the strikers move; the speed alone where there are no such beads, as in a file."""
+def _spread(speed: Any, beads: Any) -> Any:
+    """The speed as the velocities of [strikers, targets]; as it is for other beads, as in a file, which then is refused."""
     pair = isinstance(beads, (list, tuple)) and len(beads) == 2
-    if not pair or not all(isinstance(count, int) and 1 <= count <= MOST_BEADS for count in beads):
-        return speed
-    strikers, targets = beads
-    return (speed,) * strikers + (0.0,) * targets
+    return strikers_at(speed, beads) if pair else speed
 
 
 def change_of(item: Any, places: Sequence[tuple[list[str], str]]) -> Change:
@@ -169,7 +166,7 @@ def _change_of_velocity(beads: Any, path: str, after: Sequence[tuple[list[str], 
 
     def velocity(values: Mapping[str, Any]) -> Any:
         whole = values[path]
-        return change_of(tuple(whole) if isinstance(whole, (list, tuple)) else strikers_at(whole, beads), after)(values)
+        return change_of(tuple(whole) if isinstance(whole, (list, tuple)) else _spread(whole, beads), after)(values)
 
     return velocity
 

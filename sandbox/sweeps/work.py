@@ -31,15 +31,7 @@ MOST_AT_ONCE = 256  # of them where they are so quick that these take no longer 
 LEAST_ALIKE = 4  # chains of one shape that run side by side: fewer cost less alone
 STATUS, WARNED, REASON = ":status", ":warned", ":reason"  # columns beside the measures, by names that none of these has
 WORTH_KERNELS = 1000  # points of a sweep for which the kernels of such runs are compiled behind it
-TAKEN = (
-    "point",
-    "lane",
-    "bead",
-    "contact",
-    "status",
-    "warned",
-    "reason",
-)  # names that parameters and measures cannot have
+TAKEN = ("point", "lane", "bead", "contact", "status", "warned", "reason")  # names of no parameter or measure
 UNLIKE = "a measure is a number at one point and a list at another"
 
 

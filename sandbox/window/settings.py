@@ -115,11 +115,7 @@ class UnsavedScene:
 
     def __init__(self, session: Session) -> None:
         self.session = session
-        self._seen: tuple[object, ...] = (
-            0,
-            None,
-            None,
-        )  # number of the last edit, setup and words that were noticed last
+        self._seen: tuple[object, ...] = (0, None, None)  # number of the last edit, setup and words: noticed last
         self._age = WAIT + 1.0  # seconds since
 
     def update(self, seconds: float) -> None:

@@ -46,9 +46,7 @@ class NumbersOverlay:
         """(m,) measured less computed numbers, at all times that the history of the plot has."""
         samples = plot.samples_of_frames(plot.history.first, plot.history.last)
         found: list[Array] = []
-        for _count, parts in groupby(
-            samples, key=lambda part: part[1].shape[1]
-        ):  # beads may have been added or removed
+        for _count, parts in groupby(samples, key=lambda part: part[1].shape[1]):  # of beads, which may come and go
             time, values = map(np.concatenate, zip(*parts, strict=True))
             inside = (self.data.time >= time[0]) & (self.data.time <= time[-1])
             at, measured = self.data.time[inside], self.data.values[inside]

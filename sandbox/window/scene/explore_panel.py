@@ -32,6 +32,7 @@ LEAST_ALPHA, MOST_ALPHA = 1 / 30, 1.5
 MOST_BEADS = 12  # that can be chosen here
 COMPARE = 44.0  # design pixels of the button that compares
 DOT = 6.0  # design pixels, the radius of the badge
+ROUND_OFF = 1e-12  # of the largest velocity: that of a bead at rest is a sum of rates
 
 
 class ExplorePanel(Inspector):
@@ -44,7 +45,6 @@ class ExplorePanel(Inspector):
     def __init__(self, host: Host, session: Session, editor: SceneEditor, health: Callable[[], list[Health]]) -> None:
         super().__init__(host, session, editor)
         self.health = health
-        self._velocities = [np.array(lane.velocity) for lane in session.scene.lanes]  # that the speed multiplies
         self.actions = {}
 
     def _parameters(self) -> list[Parameter]:
@@ -111,26 +111,15 @@ class ExplorePanel(Inspector):
         return self.editor.apply_all(self._with_alpha(value), gesture)
 
     def _with_speed(self, speed: float) -> list[Input]:
-        """Another speed of the first lane; all velocities are multiplied alike."""
-        self._follow_velocities()
-        most = float(abs(self._velocities[0]).max())
-        chosen = [(k, bead, float(v)) for k, row in enumerate(self._velocities) for bead, v in enumerate(row)]
-        return [SetVelocity(k, bead, speed * (v / most)) for k, bead, v in chosen if v != 0.0]
-
-    def _follow_velocities(self) -> None:
-        """Remember the velocities of the lanes where they are no multiple of those remembered and the first lane moves.
-
-        Those of a lane that rests would not tell which beads are to move again.
-        """
-        now = [lane.setup.start.velocity(lane.chain) for lane in self.session.lanes]
-        kept = [np.pad(old, (0, row.size), "edge")[: row.size] for old, row in zip(self._velocities, now, strict=True)]
-        one, other = np.concatenate(now), np.concatenate(kept)
-        factor = float(one @ other) / (float(other @ other) or 1.0)
-        if now[0].any() and not np.allclose(one, factor * other, rtol=0.0, atol=1e-9 * float(abs(one).max())):
-            kept = now
-        if not kept[0].any():
-            kept[0][0] = 1.0
-        self._velocities = kept
+        """Another speed of the first lane: all velocities are multiplied alike, those of the scene where that lane rests."""
+        rows = [lane.setup.start.velocity(lane.chain).tolist() for lane in self.session.lanes]
+        if not any(rows[0]):
+            rows = [lane.velocity[: len(row)] for lane, row in zip(self.session.scene.lanes, rows, strict=True)]
+        if not any(rows[0]):
+            rows[0] = [1.0]
+        most = max(rows[0], key=abs)
+        moving = [(k, bead, v / most) for k, row in enumerate(rows) for bead, v in enumerate(row)]
+        return [SetVelocity(k, bead, speed * part) for k, bead, part in moving if abs(part) > ROUND_OFF]
 
     def _with_alpha(self, alpha: float) -> list[Input]:
         """Another alpha of the row, or of the selected contact: the blow is stopped within the same depth."""
@@ -222,14 +211,14 @@ class OutcomeCard:
         self._show(outcome_text(self.session), choices)
 
     def show_forces(self) -> None:
-        """Go back to the moment of the greatest force, and say what the bars and marks mean there."""
+        """Go back to the moment of the greatest force, a push or a pull, and say what the bars and marks mean there."""
         if self.host.explore:
             self.board.single = FORCES
         history = self.session.history
         parts = list(history_slices(history, 0, history.first, history.last))
-        peaks = [float(part.force.max()) for part in parts]
+        peaks = [float(np.abs(part.force).max()) for part in parts]
         part = parts[int(np.argmax(peaks))]
-        row = int(np.argmax(part.force.max(axis=1)))
+        row = int(np.argmax(np.abs(part.force).max(axis=1)))
         self.session.scrub_frame(part.first + row)
         forces = [fixed(force, 2) for force in part.force[row][:MOST_FORCES].tolist()]
         more = " …" if part.chain.contacts > MOST_FORCES else ""

@@ -6,6 +6,7 @@ import pygame
 import pytest
 from softcradle.physics import power_law
 from softcradle.sandbox.session.contact_conversion import impact_energy
+from softcradle.sandbox.session.history_slices import last_slice
 from softcradle.sandbox.window.scene.editor import Pick
 
 from tests.helpers.drawn_text import drawn_texts
@@ -210,6 +211,14 @@ def test_the_clock_pauses_once_when_the_beads_are_apart_and_a_card_says_what_hap
     assert driver.session.time > stopped
     assert not page.outcome.text
     assert page.board.span.seconds < seconds
+
+
+def test_the_greatest_force_of_a_train_that_starts_is_a_pull() -> None:
+    driver = Driver("train-starting", lab=False)
+    driver.session.step_frames(200)
+    driver.page.outcome.show_forces()
+    force = last_slice(driver.session.history, 0, driver.session.history.last).force
+    assert driver.session.lanes[0].state.force.min() == force.min() < -1e5
 
 
 def test_the_card_goes_to_the_greatest_force_and_to_steel_balls(driver: Driver) -> None:
