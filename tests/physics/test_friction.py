@@ -8,7 +8,9 @@ import pytest
 from softcradle.physics import Chain, one_on, simulate
 from softcradle.physics.chain import GRAVITY
 from softcradle.physics.contact import Contact, draft_gear, hertz, power_law, step_force
+from softcradle.physics.kernel_tiers import plain
 from softcradle.physics.methods import METHODS, find_method
+from softcradle.physics.numerics.meeting import slides_into
 from softcradle.physics.simulation import solve
 
 from benchmarks.scan import families
@@ -37,6 +39,23 @@ def test_a_bead_slides_to_rest(method, friction):
     assert (found.position[11:, 0] == found.position[-1, 0]).all()
     assert found.absorbed_by_bed[-1] == pytest.approx(0.5 * 2.0 * 1.5**2, rel=1e-12)
     assert (found.velocity[:, 1] == 0.0).all()
+
+
+def place(velocity, brake, time):
+    time = np.minimum(time, abs(velocity) / brake) if brake > 0.0 else time
+    return (velocity - 0.5 * math.copysign(brake, velocity) * time) * time
+
+
+def test_sliding_beads_meet_where_a_grid_of_times_says_so():
+    """Alike braked, or not, or not at all, as walls."""
+    rng, last = np.random.default_rng(1), np.array([1e3, 1e5, 1e7])
+    for _ in range(3000):
+        one, other = rng.choice([0.0, 1.0, -1.0], 2) * 10.0 ** rng.uniform(-1.0, 1.0, 2)
+        brakes = rng.choice([0.0, 1.0, 3.0], 2) * 10.0 ** rng.uniform(-1.0, 1.0)
+        gap, time = 10.0 ** rng.uniform(-2.0, 1.0), np.append(np.linspace(0.0, 60.0, 4001), last)
+        nearest = (place(one, brakes[0], time) - place(other, brakes[1], time)).max() - gap
+        meets = plain(slides_into)(-gap, one - other, one, brakes[0], other, brakes[1], 1e-9)
+        assert meets == (nearest > 0.0) or abs(nearest) < 1e-2
 
 
 @pytest.mark.parametrize("method", DISSIPATIVE)
