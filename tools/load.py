@@ -2,31 +2,40 @@
 
 python -m tools.load 10                 # make test ten times
 python -m tools.load 5 --busy           # five times, beside a process for each processor that never rests
+python -m tools.load 5 --beside "python -m benchmarks scan"    # five times, beside a command that is of use meanwhile
 python -m tools.load 3 --run "make test-all"
 """
 
 import argparse
 import os
 import shlex
+import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
-REST = "while True: pass"
+NEVER_RESTS = [sys.executable, "-c", "while True: pass"]
 
 
 @contextmanager
-def busy_processors(count: int) -> Iterator[None]:
-    """So many processes that never rest, for a while."""
-    processes = [subprocess.Popen([sys.executable, "-c", REST]) for _ in range(count)]
+def beside(commands: Sequence[Sequence[str]]) -> Iterator[None]:
+    """These commands run, each with the processes that it starts in a group of its own, until this is over."""
+    processes = [
+        subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.STDOUT, start_new_session=True)
+        for command in commands
+    ]
     try:
         yield
+        for process in processes:
+            if process.poll() is not None:
+                raise SystemExit(f"{shlex.join(process.args)} ended by itself: the last times were not beside it")
     finally:
         for process in processes:
-            process.kill()
-            process.wait()
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGKILL)
+                process.wait()
 
 
 def main() -> int:
@@ -34,10 +43,13 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("times", type=int)
     parser.add_argument("--busy", action="store_true", help="keep every processor busy beside it")
+    parser.add_argument("--beside", metavar="COMMAND", help="keep this running beside it")
     parser.add_argument("--run", default="make test", help="the command")
     args = parser.parse_args()
     failed = 0
-    with busy_processors((os.cpu_count() or 1) * args.busy):
+    commands = [NEVER_RESTS] * (os.cpu_count() or 1) * args.busy
+    commands += [shlex.split(args.beside)] if args.beside else []
+    with beside(commands):
         for number in range(1, args.times + 1):
             began = time.monotonic()
             done = subprocess.run(shlex.split(args.run), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
