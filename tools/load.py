@@ -28,9 +28,9 @@ def beside(commands: Sequence[Sequence[str]]) -> Iterator[None]:
     ]
     try:
         yield
-        for process in processes:
+        for command, process in zip(commands, processes, strict=True):
             if process.poll() is not None:
-                raise SystemExit(f"{shlex.join(process.args)} ended by itself: the last times were not beside it")
+                raise SystemExit(f"{shlex.join(command)} ended by itself: the last times were not beside it")
     finally:
         for process in processes:
             if process.poll() is None:
