@@ -72,7 +72,7 @@ def run(problem: Problem) -> Record:
     """Compute the whole motion; ``problem.state`` stays as it is."""
     adaptive.kernels_of(problem.chain).load_made()  # so that the cost measured is that of the motion
     record = to_its_end(problem)
-    if problem.most_steps is None and record.status != Status.UNDETERMINED:
+    if problem.most_steps is None:
         record = confirmed(problem, record)
     if record.kept is not None and not problem.later:
         began = perf_counter()
@@ -105,6 +105,8 @@ def confirmed(problem: Problem, record: Record) -> Record:
     """
     if record.growth <= MOST_GROWN or record.warnings:
         return record
+    if record.status == Status.UNDETERMINED:
+        return _as_far_as_determined(problem, record)
     if _agrees_by_chance(record, FINER, problem):
         return _finer(problem, record)
     coarse = _shaken_run(problem, FINER * problem.tolerance, 0)
@@ -114,6 +116,13 @@ def confirmed(problem: Problem, record: Record) -> Record:
     if coarser.warnings or record.steps > ALIKE * coarser.steps or not apart.max() <= 0.5 * promised:
         return _with_cost_of(_finer(problem, record), coarser)
     return replace(_with_cost_of(record, coarser), velocity_error=_error_of(apart) + _error_anyway(record))
+
+
+def _as_far_as_determined(problem: Problem, record: Record) -> Record:
+    """A record that several runs from one state carried to its end, with what a run from a state of its own differs by."""
+    other = to_its_end(replace(_shaken_run(problem, FINER * problem.tolerance, 0), samples=2, budget=record.steps))
+    apart = np.abs(other.end.velocity(problem.chain) - record.end.velocity(problem.chain))
+    return replace(_with_cost_of(record, other), velocity_error=np.maximum(record.velocity_error, _error_of(apart)))
 
 
 def _finer(problem: Problem, record: Record) -> Record:
@@ -231,7 +240,7 @@ def _finished(problem: Problem, given_up: Record) -> Record:
     with ThreadPoolExecutor(min(len(PARTS), os.cpu_count() or 1)) as threads:
         ends = list(threads.map(lambda part: _run_on(problem, start, part * step, None, NO_TIMES), PARTS))
     velocities = np.array([end.end.velocity(problem.chain) for end in ends])
-    error = _error_anyway(given_up) + _error_of(np.ptp(velocities, axis=0))
+    error = _error_anyway(given_up) + _error_of(np.ptp(velocities, axis=0) + _rattling(problem.chain, ends[-1].end))
     times, last = problem.sample_times(ends[-1].end.time), ends[-1]
     early, late = times[times <= start.time], times[times > start.time]
     if (late < last.end.time).any():
@@ -239,6 +248,19 @@ def _finished(problem: Problem, given_up: Record) -> Record:
     else:
         last = with_ends_as_samples(last, start, late)
     return _joined(problem, sampled(given_up, early), last, error)
+
+
+def _rattling(chain: Chain, end: State) -> Array:
+    """(n+1,) the largest rate [m/s] of a contact beside each bead that touches under load: it may be of the other sign.
+
+    A step of the discrete gradient that ends at a touch where it began ends at the opposite rate: all runs may agree in its sign.
+    """
+    pulls_below = np.full(chain.contacts, -np.inf)
+    for i, coupler in chain.couplers:
+        pulls_below[i] = coupler.pulls_below
+    touches = ((end.overlap == 0.0) | (end.overlap == pulls_below)) & (end.force != 0.0)
+    rate = np.pad(np.where(touches, np.abs(end.rate), 0.0), 1)
+    return np.maximum(rate[:-1], rate[1:])
 
 
 def _run_on(problem: Problem, start: State, step: float, end: float | None, times: Array) -> Record:

@@ -7,6 +7,15 @@ A step is one solve of `contact_solve`; a contact that touches (d0 = d1 = 0, 0 <
 Where a bead turns round or stops in a step, or a contact with loss turns from pressing in to coming out, the step is cut there in
 two: friction then acts on either side of the event as it should, and the order stays 2. What contacts and bed absorb is the
 work of their mean forces, so energy closes to round-off at any step.
+
+A contact that a step carries from a touch to that touch ends at the opposite rate, for it stores nothing at either. With loss it
+has bounced in between, pressed in against its preload P and come out by what the loss leaves of that, kP. Under the load f of
+its beads' other forces one such bounce leaves
+
+    e = sqrt((kP - f) / (P - f))      of the rate, sqrt(k) without load; 0 where f >= kP, for there it is held
+
+and bounces follow each other in times that fall by the same factor, so that the rate falls evenly with time, to 0. What they
+lose is taken after the step, by an impulse between the two beads: momentum stays, and the ledger has it.
 """
 
 from __future__ import annotations
@@ -28,7 +37,7 @@ from softcradle.physics.numerics.contact_solve import (
     loses,
     solve_contacts,
 )
-from softcradle.physics.numerics.coupler_kernels import is_joint, joint_fall, settle_joint_forces
+from softcradle.physics.numerics.coupler_kernels import is_joint, joint_edges, joint_fall, settle_joint_forces
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.knots import add_half_work, put_mean
 from softcradle.physics.numerics.law_kernels import energy
@@ -73,14 +82,13 @@ def first_event(h, chain, motion, beads, work):
     bed, overlap, rate = chain.dissipation.bed, motion.overlap, motion.rate
     for i in range(overlap.size):
         least, full = work[LEAST_AT_HOLD, i], work[FORCE_AT_HOLD, i]
-        if full > least and rate[i] != 0.0 and (overlap[i] > 0.0 or is_joint(chain.joints, i)):
-            end = work[END, i]
-            ended = 2.0 * (end - overlap[i]) / h - rate[i]
-            kept = full if rate[i] > 0.0 else least
-            held = is_held(i, motion, work)
-            free = ended - h * work[DIAGONAL, i] * (kept - motion.force[i]) if held else ended
-            if (free < 0.0) == (rate[i] > 0.0):
-                first = min(first, rate[i] / (rate[i] - free))
+        if full > least and rate[i] != 0.0:
+            ended = 2.0 * (work[END, i] - overlap[i]) / h - rate[i]
+            if (ended < 0.0) == (rate[i] > 0.0) or is_held(i, motion, work):
+                kept = full if rate[i] > 0.0 else least  # the force until it reverses
+                free = ended - h * work[DIAGONAL, i] * (kept - motion.force[i])
+                if (free < 0.0) == (rate[i] > 0.0):
+                    first = min(first, rate[i] / (rate[i] - free))
     for j in range(bed.size):
         before = beads[START_VELOCITY, j]
         if bed[j] > 0.0 and before != 0.0:
@@ -167,6 +175,55 @@ def move(h, chain, motion, beads, work):
 
 
 @inlined
+def rate_left(h, rate, load, full, least, weight):
+    """What bounces within a step of length `h` leave of a `rate` without sign; `load`, `full`, `least` are f, P and kP above."""
+    if load >= least:
+        return 0.0
+    part = math.sqrt((least - load) / (full - load))
+    if load <= 0.0:
+        return part * rate
+    in_and_out = 1.0 / (full - load) + part / (least - load)
+    bounces = part * rate / weight * (2.0 / load + in_and_out) / (1.0 - part)  # how long they last, all of them
+    return part * rate * max(0.0, 1.0 - h / bounces)
+
+
+@inlined
+def settle(h, chain, motion, beads, work):
+    """Take what bounces have lost where a step went from a touch, in row FREE, to that touch; a bead that sticks stays so."""
+    overlap, rate, force, anchor = motion.overlap, motion.rate, motion.force, motion.anchor
+    inverse_mass, bed = chain.inverse_mass, chain.dissipation.bed.size > 0
+    for i in range(rate.size):
+        joint = is_joint(chain.joints, i)
+        left = 0.0 if bed and math.isnan(beads[FRICTION, i]) else inverse_mass[i]
+        right = 0.0 if bed and math.isnan(beads[FRICTION, i + 1]) else inverse_mass[i + 1]
+        stays = work[FREE, i] == overlap[i] and force[i] != 0.0 and (joint or overlap[i] == 0.0)
+        if not stays or rate[i] == 0.0 or left + right == 0.0:
+            continue
+        full, least = chain.law[i, 0], (1.0 - chain.dissipation.loss[i]) * chain.law[i, 0]
+        if joint:
+            below_in, above_in = joint_edges(chain.joints, i, overlap[i], force[i] > 0.0)
+            below_out, above_out = joint_edges(chain.joints, i, overlap[i], force[i] < 0.0)
+            full, least = (above_in, above_out) if force[i] > 0.0 else (-below_in, -below_out)
+        if least >= full:
+            continue
+        turned = 2.0 * rate[i] / (h * (left + right))  # the force that has turned it round
+        load = math.copysign(1.0, force[i]) * (force[i] + turned)
+        ended = -math.copysign(rate_left(h, abs(rate[i]), load, full, least, left + right), force[i])
+        impulse = (rate[i] - ended) / (left + right)
+        motion.taken[0] += 0.5 * impulse * (rate[i] + ended)
+        force[i] += impulse / h
+        rate[i] = ended
+        if i > 0:
+            rate[i - 1] += left * impulse
+        if i < rate.size - 1:
+            rate[i + 1] += right * impulse
+        if chain.anchor_bead == i:
+            anchor[1] -= left * impulse
+        elif chain.anchor_bead == i + 1:
+            anchor[1] += right * impulse
+
+
+@inlined
 def single_step(h, chain, motion, beads, work, forced, whole):
     """One step in place. Returns the iterations used, negative where they did not converge, and the part of the step at
     which it should be cut (1: nowhere). The motion stays as it was where it is not `forced` and did not converge, or where it
@@ -200,6 +257,7 @@ def single_step(h, chain, motion, beads, work, forced, whole):
             if NEAR_END < part < 1.0 - NEAR_END:
                 return used, part
         absorb(h, chain, motion, beads, work)
+        copy_into(free, overlap)
     timed = chain.knots.time.size > 0
     if timed:
         add_half_work(h, chain, motion, beads[START_VELOCITY])
@@ -238,6 +296,8 @@ def gradient_step(h, chain, motion, beads, work):
             copy_into(force, first_force)
             continue
         event = False
+        if chain.dissipation.loss.size:
+            settle(part, chain, motion, beads, work)
         left -= part
         if left < ROUND_OFF_LEFT * h:
             break

@@ -9,7 +9,6 @@ import pytest
 from softcradle.physics.contact import Contact, draft_gear, hooke, power_law
 from softcradle.physics.methods import METHODS, refusal_of
 from softcradle.physics.simulation import solve
-from softcradle.physics.status import Status
 
 from softcradle import Chain, Coupler, TimedForce, simulate, stable_step
 from tests.helpers.relations import fineness
@@ -138,7 +137,10 @@ def test_a_train_that_rattles_for_long_stays_on_its_couplers(method):
 
 @pytest.mark.parametrize("seed", range(24))
 def test_random_trains_that_start_and_rattle_close_their_ledger(seed):
-    """Pulled by a steady or a growing force for three seconds: half of them take more steps than their first budget."""
+    """Pulled by a steady or a growing force for three seconds: half of them take more steps than their first budget.
+
+    Motions that end by the spread of several runs state what these may be off by alike.
+    """
     rng = np.random.default_rng(seed)
     n, exponent, loss = int(rng.integers(2, 7)), rng.choice([1.0, 1.5]), rng.choice([0.0, 0.3, 0.8])
     gear = Contact(rng.uniform(1e4, 2e5), 10.0 ** rng.uniform(6.0, 7.5), exponent, loss)
@@ -146,11 +148,12 @@ def test_random_trains_that_start_and_rattle_close_their_ledger(seed):
     pull = rng.uniform(2e4, 2e5)
     growing = (TimedForce(n, (0.0, 0.5), (0.0, pull)),)
     chain = replace(chain, forces=growing) if seed % 2 else replace(chain, drive=[0.0] * n + [pull], friction=0.001)
-    found, other = (solve(chain, np.zeros(n + 1), 3.0, *one) for one in (("accurate",), ("radau", None, 201, 1e-9)))
+    others = ("radau", None, 201, 1e-9), ("radau", None, 2, 1e-7), ("accurate", None, 2, 1e-10)
+    found, *rest = (solve(chain, np.zeros(n + 1), 3.0, *one) for one in (("accurate",), *others))
     assert np.ptp(found.ledger) < 1e-6 * found.driven[-1]
-    off = np.abs(found.final_velocity - other.final_velocity)
-    determined = found.status == other.status == Status.DONE
-    assert (off <= found.velocity_error + other.velocity_error).all() or not determined
+    for other in rest:
+        off = np.abs(found.final_velocity - other.final_velocity)
+        assert (off <= found.velocity_error + np.fmax(other.velocity_error, 1e-6)).all()
 
 
 @pytest.mark.parametrize("method", ["auto", "accurate", "radau", "dop853"])

@@ -6,7 +6,18 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from softcradle.physics import Chain, State, advance, draft_gear, one_on, power_law, simulate, step_force
+from softcradle.physics import (
+    Chain,
+    Contact,
+    Coupler,
+    State,
+    advance,
+    draft_gear,
+    one_on,
+    power_law,
+    simulate,
+    step_force,
+)
 from softcradle.physics.analysis.closed_forms import rigid_stroke
 from softcradle.physics.fixed_step import runner
 from softcradle.physics.kernel_records import NO_FLAGS
@@ -86,6 +97,40 @@ def test_collisions_that_were_hard(seed, parts):
     assert_sound(found)
     assert_momentum(found, velocity)
     assert energy_error(found, velocity) < 1e-11
+
+
+@pytest.mark.parametrize("step", [1e-3, 5e-3, 0.02, 0.1])
+@pytest.mark.parametrize("preload", [1e2, 1e3, 1e4])
+def test_a_collision_shorter_than_a_step_has_its_restitution(preload, step):
+    """Beads that touch from the start: the square of the restitution is what the loss leaves."""
+    found = simulate(Chain([1, 1], Contact(preload, 1e3, 1.0, loss=0.75)), [1, 0], 0.2, "conserving", step, 2)
+    assert found.final_velocity == pytest.approx([0.25, 0.75], abs=0.02)
+    assert np.ptp(found.ledger) < 1e-15
+
+
+@pytest.mark.parametrize("step", [1e-4, 1e-3, 0.01])
+@pytest.mark.parametrize(("mass", "friction", "drive"), [
+    ([1.0, math.inf], 0.0, [100.0, 0.0]),
+    ([1.0, 2.0, 0.5, math.inf], 0.0, [60.0, 20.0, 10.0, 0.0]),
+    ([1.0, 2.0, 0.5, 1e3], 0.1, [60.0, 20.0, 10.0, 0.0]),
+])  # fmt: skip
+def test_beads_pressed_together_come_to_rest_where_contacts_lose(mass, friction, drive, step):
+    """Bounces within a step lose what they would in many: without that they turn round with each step, for ever."""
+    n = len(mass) - 1
+    for loss in (0.3, 0.75):
+        chain = Chain(mass, Contact(1e3, 1e5, 1.0, loss), friction=friction, drive=drive)
+        found = simulate(chain, [1.0, *[0.0] * n], 3.0, "conserving", step, 101)
+        assert np.abs(found.velocity[-20:]).max() < 1e-6
+        assert np.ptp(found.ledger) < 1e-11 * np.abs(found.ledger).max()
+
+
+def test_a_pull_that_rests_at_the_end_of_the_slack_comes_to_rest():
+    gear = Contact(1e5, 1e7, 1.0, loss=0.5)
+    chain = Chain([2e4, 2e4], Coupler(gear, pull=gear, slack=0.05), drive=[0.0, 3e4])
+    found = simulate(chain, [0.0, 0.0], 4.0, "conserving", 0.01, 101)
+    assert np.abs(found.rate[-20:]).max() < 1e-12
+    assert (found.overlap[-20:] == -0.05).all()
+    assert found.force[-20:] == pytest.approx(-1.5e4, rel=1e-9)
 
 
 def test_a_step_on_which_newton_cycles_keeps_the_energy():
