@@ -187,7 +187,7 @@ def rate_left(h, rate, load, full, least, weight):
     return part * rate * max(0.0, 1.0 - h / bounces)
 
 
-@inlined
+@jit
 def settle(h, chain, motion, beads, work):
     """Take what bounces have lost where a step went from a touch, in row FREE, to that touch; a bead that sticks stays so."""
     overlap, rate, force, anchor = motion.overlap, motion.rate, motion.force, motion.anchor
