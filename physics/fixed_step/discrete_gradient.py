@@ -6,16 +6,8 @@
 A step is one solve of `contact_solve`; a contact that touches (d0 = d1 = 0, 0 <= g <= preload) is one branch of its resolvent.
 Where a bead turns round or stops in a step, or a contact with loss turns from pressing in to coming out, the step is cut there in
 two: friction then acts on either side of the event as it should, and the order stays 2. What contacts and bed absorb is the
-work of their mean forces, so energy closes to round-off at any step.
-
-A contact that a step carries from a touch to that touch ends at the opposite rate, for it stores nothing at either. With loss it
-has bounced in between, pressed in against its preload P and come out by what the loss leaves of that, kP. Under the load f of
-its beads' other forces one such bounce leaves
-
-    e = sqrt((kP - f) / (P - f))      of the rate, sqrt(k) without load; 0 where f >= kP, for there it is held
-
-and bounces follow each other in times that fall by the same factor, so that the rate falls evenly with time, to 0. What they
-lose is taken after the step, by an impulse between the two beads: momentum stays, and the ledger has it.
+work of their mean forces, so energy closes to round-off at any step. What bounces within a step lose
+is taken after it, see `touching`.
 """
 
 from __future__ import annotations
@@ -37,20 +29,19 @@ from softcradle.physics.numerics.contact_solve import (
     loses,
     solve_contacts,
 )
-from softcradle.physics.numerics.coupler_kernels import is_joint, joint_edges, joint_fall, settle_joint_forces
+from softcradle.physics.numerics.coupler_kernels import is_joint, joint_fall, settle_joint_forces
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.knots import add_half_work, put_mean
 from softcradle.physics.numerics.law_kernels import energy
 from softcradle.physics.numerics.records import EVALUATION, UNCONVERGED
 from softcradle.physics.numerics.resolvent import SMALLEST
 from softcradle.physics.numerics.switches import any_switched, copy_into
+from softcradle.physics.numerics.touching import TOUCHES, settle_touching
 
 FIRST_FORCE = SOLVER_ROWS  # row (n,) of scratch memory beside those of the solver: forces before a step that may be cut
 WORK_ROWS = SOLVER_ROWS + 1
 # of a step: where the solver does not converge, shorter steps, which conserve no less, down to this
 SMALLEST_PART = 2.0**-10
-# of what a preload moves in a step: an overlap this small, of either sign, is the round-off of touching
-TOUCHES = 1e-14
 MOST_CUTS = 4  # of one step at events
 NEAR_END = 0.02  # of a step: an event this near to its ends needs no cut
 ROUND_OFF_MOVED = 1e-14  # of an overlap: one that a step moves by less tells nothing of its rate
@@ -175,52 +166,15 @@ def move(h, chain, motion, beads, work):
 
 
 @inlined
-def rate_left(h, rate, load, full, least, weight):
-    """What bounces within a step of length `h` leave of a `rate` without sign; `load`, `full`, `least` are f, P and kP above."""
-    if load >= least:
-        return 0.0
-    part = math.sqrt((least - load) / (full - load))
-    if load <= 0.0:
-        return part * rate
-    in_and_out = 1.0 / (full - load) + part / (least - load)
-    bounces = part * rate / weight * (2.0 / load + in_and_out) / (1.0 - part)  # how long they last, all of them
-    return part * rate * max(0.0, 1.0 - h / bounces)
-
-
-@jit
 def settle(h, chain, motion, beads, work):
     """Take what bounces have lost where a step went from a touch, in row FREE, to that touch; a bead that sticks stays so."""
-    overlap, rate, force, anchor = motion.overlap, motion.rate, motion.force, motion.anchor
-    inverse_mass, bed = chain.inverse_mass, chain.dissipation.bed.size > 0
-    for i in range(rate.size):
-        joint = is_joint(chain.joints, i)
-        left = 0.0 if bed and math.isnan(beads[FRICTION, i]) else inverse_mass[i]
-        right = 0.0 if bed and math.isnan(beads[FRICTION, i + 1]) else inverse_mass[i + 1]
-        stays = work[FREE, i] == overlap[i] and force[i] != 0.0 and (joint or overlap[i] == 0.0)
-        if not stays or rate[i] == 0.0 or left + right == 0.0:
-            continue
-        full, least = chain.law[i, 0], (1.0 - chain.dissipation.loss[i]) * chain.law[i, 0]
-        if joint:
-            below_in, above_in = joint_edges(chain.joints, i, overlap[i], force[i] > 0.0)
-            below_out, above_out = joint_edges(chain.joints, i, overlap[i], force[i] < 0.0)
-            full, least = (above_in, above_out) if force[i] > 0.0 else (-below_in, -below_out)
-        if least >= full:
-            continue
-        turned = 2.0 * rate[i] / (h * (left + right))  # the force that has turned it round
-        load = math.copysign(1.0, force[i]) * (force[i] + turned)
-        ended = -math.copysign(rate_left(h, abs(rate[i]), load, full, least, left + right), force[i])
-        impulse = (rate[i] - ended) / (left + right)
-        motion.taken[0] += 0.5 * impulse * (rate[i] + ended)
-        force[i] += impulse / h
-        rate[i] = ended
-        if i > 0:
-            rate[i - 1] += left * impulse
-        if i < rate.size - 1:
-            rate[i + 1] += right * impulse
-        if chain.anchor_bead == i:
-            anchor[1] -= left * impulse
-        elif chain.anchor_bead == i + 1:
-            anchor[1] += right * impulse
+    given, weight = beads[FREE_VELOCITY], work[DIAGONAL]
+    for j in range(given.size):
+        sticks = chain.dissipation.bed.size > 0 and math.isnan(beads[FRICTION, j])
+        given[j] = 0.0 if sticks else chain.inverse_mass[j]
+    for i in range(weight.size):
+        weight[i] = given[i] + given[i + 1]
+    settle_touching(h, work[FREE], weight, given, chain, motion, motion.taken)
 
 
 @inlined

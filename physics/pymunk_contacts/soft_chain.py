@@ -293,7 +293,7 @@ class SoftChain:
             self._overlap[self._gone] = -self._touching[self._gone] - 4.0 * step * fastest
             self._lag[self._gone] = self._outside[self._gone] = 0.0
         moving = outside.mobility, outside.expected, outside.velocity, self._direction
-        contacts = self._outside, self._overlap, self._rate, self._force
+        contacts = self._lag, self._outside, self._overlap, self._rate, self._force
         loss, memory = self._loss if self._loss.any() else NOTHING, (self._beads, self._work)
         solved = _tier(solve_chain_step)(step, self._law, NO_JOINTS, loss, self._absorbed, moving, *contacts, memory)
         self._unread = self._force.tolist()

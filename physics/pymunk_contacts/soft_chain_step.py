@@ -17,6 +17,8 @@ from softcradle.physics.numerics.contact_solve import DIAGONAL, END, FREE, HOLD,
 from softcradle.physics.numerics.jit import jit
 from softcradle.physics.numerics.law_kernels import EPSILON, energy
 from softcradle.physics.numerics.records import ChainData, Dissipation, Motion
+from softcradle.physics.numerics.switches import copy_into
+from softcradle.physics.numerics.touching import TOUCHES, settle_touching
 
 PLACE_TOLERANCE = 4096.0 * EPSILON  # of coordinates: what rounding piles up in a position over millions of steps
 RATE_TOLERANCE = 1024.0 * EPSILON  # of velocities
@@ -108,7 +110,7 @@ def along(i, direction, j, mobility):
 
 
 @jit
-def solve_chain_step(h, law, joints, loss, absorbed, bodies, outside, overlap, rate, force, memory):
+def solve_chain_step(h, law, joints, loss, absorbed, bodies, lag, outside, overlap, rate, force, memory):
     """Mean forces of the step into `force`; overlaps and rates to its end. Returns False where it did not converge.
 
     Of the `bodies`: (n+1, 2, 2) what impulses change of their velocities, (n+1, 2) these at the end of the step without
@@ -125,12 +127,15 @@ def solve_chain_step(h, law, joints, loss, absorbed, bodies, outside, overlap, r
         diagonal[i] = along(i, direction, i, mobility[i]) + along(i, direction, i, mobility[i + 1])
         coupling[i] = along(i - 1, direction, i, mobility[i]) if i > 0 else 0.0
         given[i] = closing_rate(i, direction, expected) - closing_rate(i, direction, velocity) + outside[i]
+        if loss.size and abs(overlap[i]) < TOUCHES * h * h * diagonal[i] * law[i, 0]:
+            overlap[i] = 0.0
         free[i] = h * rate[i] + 0.5 * h * given[i]
         end[i] = overlap[i] if overlap[i] > 0.0 else overlap[i] + free[i]
     coupling[n] = 0.0
     none = coupling[:0]
     chain = ChainData(law, coupling, none, none, 0, None, joints, none, Dissipation(loss, none))
-    used = solve_contacts(h, chain, Motion(overlap, rate, none, force, none, none, none), beads, work)
+    motion = Motion(overlap, rate, none, force, none, none, none)
+    used = solve_contacts(h, chain, motion, beads, work)
     for i in range(n):
         held = False
         if loss.size and loses(loss[i], overlap[i], rate[i]):
@@ -147,7 +152,12 @@ def solve_chain_step(h, law, joints, loss, absorbed, bodies, outside, overlap, r
             own -= coupling[i] * force[i - 1] if i > 0 else 0.0
             own -= coupling[i + 1] * force[i + 1] if i < n - 1 else 0.0
             rate[i] += given[i] - h * own
-        overlap[i] = end[i]
+        free[i], overlap[i] = overlap[i], end[i]
+    if loss.size:
+        copy_into(given, rate)
+        settle_touching(h, free, diagonal, coupling, chain, motion, absorbed)
+        for i in range(n):
+            lag[i] += 0.5 * h * (rate[i] - given[i])
     return used >= 0
 
 

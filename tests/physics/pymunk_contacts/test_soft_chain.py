@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pymunk
 import pytest
-from softcradle.physics import SoftChain, draft_gear, hertz, hooke, power_law, simulate, step_force
+from softcradle.physics import Contact, SoftChain, draft_gear, hertz, hooke, power_law, simulate, step_force
 from softcradle.physics.chain import Chain
 
 from tests.helpers.spaces import FRAME, LAWS, chain_row, momentum, run, total_energy
@@ -103,6 +103,27 @@ def test_a_column_bounces_without_loss_under_gravity(law):
         assert found == pytest.approx(energy, abs=0.5 * 3 * 10.0 * 10.0 * FRAME**2 / 4)
         heights.append(found)
     assert np.ptp(heights) < 1e-9, "after the first half step it stays"
+
+
+@pytest.mark.parametrize("step", [1 / 480, 1 / 120, 1 / 30])
+@pytest.mark.parametrize("loss", [0.3, 0.75])
+def test_a_column_that_loses_comes_to_rest(loss, step):
+    """Bounces shorter than a step would else turn round with each step, for ever."""
+    law = Contact(200.0, 1e4, 1.0, loss)
+    space, bodies, chain = chain_row(law, beads=4, direction=(0, 1), masses=[math.inf, 1, 1.3, 1.6], speed=0)
+    space.gravity, bodies[3].velocity = (0.0, -10.0), (0.0, -1.0)
+    run(space, step, round(8.0 / step))
+    assert np.abs([body.velocity.y for body in bodies]).max() < 1e-6
+    assert chain.forces == pytest.approx([39.0, 29.0, 16.0], rel=1e-6)
+    assert [body.position.y for body in bodies] == pytest.approx(range(4), abs=2e-3)
+
+
+@pytest.mark.parametrize("step", [1 / 480, 1 / 120, 1 / 30])
+def test_a_collision_shorter_than_a_step_has_its_restitution(step):
+    space, bodies, chain = chain_row(Contact(1e4, 1e3, 1.0, loss=0.75), beads=2, masses=[1, 1])
+    run(space, step, 10)
+    assert [body.velocity.x for body in bodies] == pytest.approx([0.25, 0.75], abs=1e-9)
+    assert chain.absorbed == pytest.approx(0.5 * 0.75 * 0.5, abs=1e-9)
 
 
 def test_a_column_rests_on_its_preload():
