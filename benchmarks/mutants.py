@@ -31,6 +31,7 @@ ROOMS = {  # sources, and the arguments of pytest that choose their tests
     "conserving": (
         (
             "physics/fixed_step/discrete_gradient.py",
+            "physics/numerics/touching.py",
             "physics/numerics/contact_solve.py",
             "physics/numerics/resolvent.py",
         ),
@@ -40,7 +41,7 @@ ROOMS = {  # sources, and the arguments of pytest that choose their tests
             "tests/physics/fixed_step/test_discrete_gradient.py",
             "-k",
             "'contact_solve or gradient_step or resolvent or mean_force or monotone or guess or slope or carries or returned"
-            " or cycles or walls'",
+            " or cycles or walls or restitution or slack'",
         ),
     ),
     "radau": (

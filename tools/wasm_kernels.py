@@ -139,6 +139,37 @@ def kernel(name: str) -> tuple[Any, Any]:
     return found["march"], types.int32(*(kinds.get(each, floats) for each in names.split(", ")))
 
 
+def leave_out() -> None:
+    """Let no contact be a coupler and no force change with time: a page has none, and they are a quarter of the file."""
+    from softcradle.physics.numerics import coupler_kernels, knots
+    from softcradle.physics.numerics.jit import inlined
+
+    @inlined
+    def is_none(joints: Any, i: Any) -> bool:
+        return False
+
+    @inlined
+    def no_forces(joints: Any, motion: Any) -> None:
+        pass
+
+    @inlined
+    def no_mean(begun: Any, h: Any, knots: Any, push: Any, bed: Any) -> None:
+        pass
+
+    @inlined
+    def no_work(h: Any, chain: Any, motion: Any, velocity: Any) -> None:
+        pass
+
+    instead = {
+        coupler_kernels.is_joint: is_none, coupler_kernels.settle_joint_forces: no_forces, knots.put_mean: no_mean,
+        knots.add_half_work: no_work,
+    }  # fmt: skip
+    for module in [module for name, module in sys.modules.items() if name.startswith("softcradle.physics")]:
+        for name, value in list(vars(module).items()):
+            if hasattr(value, "py_func") and value in instead:
+                setattr(module, name, instead[value])
+
+
 def portable_code(name: str) -> tuple[str, str]:
     """LLVM code of a kernel and all that it calls, not optimised, and the name of its symbol."""
     import numba
@@ -147,6 +178,7 @@ def portable_code(name: str) -> tuple[str, str]:
     # numba would put every function into its callers, and the file would be three times as large
     CPUCodeLibrary._optimize_functions = CPUCodeLibrary._optimize_final_module = lambda *_: None
     function, signature = kernel(name)
+    leave_out()
     options = {"_nrt": False, "error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     (made,) = numba.njit([signature], **options)(function).overloads.values()
     return made.library.get_llvm_str(), made.fndesc.llvm_func_name
