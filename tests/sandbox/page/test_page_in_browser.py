@@ -372,7 +372,7 @@ def test_a_cluster_ends_at_its_first_open_contact(pages, browser):
 
 @pytest.mark.parametrize(
     ("name", "moment", "expected"),
-    [(SCENE, "0", ["apart", *3 * ["touching"]]), ("train-starting", "page.source.last", ["apart", *7 * ["pulled"]])],
+    [(SCENE, "0", ["apart", *3 * ["touching"]]), ("train-starting", "page.source.last", 8 * ["pulled"])],
 )
 def test_beads_that_just_touch_and_couplers_that_pull_are_said_to(pages, browser, name, moment, expected):
     browser.visit(pages(name).output, "")
