@@ -140,34 +140,19 @@ def kernel(name: str) -> tuple[Any, Any]:
 
 
 def leave_out() -> None:
-    """Let no contact be a coupler and no force change with time: a page has none, and they are a quarter of the file."""
+    """Let no contact be a coupler and no force change with time: a page has none, and they are a seventh of the file."""
     from softcradle.physics.numerics import coupler_kernels, knots
     from softcradle.physics.numerics.jit import inlined
 
     @inlined
-    def is_none(joints: Any, i: Any) -> bool:
+    def nothing(*_: Any) -> bool:
         return False
 
-    @inlined
-    def no_forces(joints: Any, motion: Any) -> None:
-        pass
-
-    @inlined
-    def no_mean(begun: Any, h: Any, knots: Any, push: Any, bed: Any) -> None:
-        pass
-
-    @inlined
-    def no_work(h: Any, chain: Any, motion: Any, velocity: Any) -> None:
-        pass
-
-    instead = {
-        coupler_kernels.is_joint: is_none, coupler_kernels.settle_joint_forces: no_forces, knots.put_mean: no_mean,
-        knots.add_half_work: no_work,
-    }  # fmt: skip
+    left_out = coupler_kernels.is_joint, coupler_kernels.settle_joint_forces, knots.put_mean, knots.add_half_work
     for module in [module for name, module in sys.modules.items() if name.startswith("softcradle.physics")]:
         for name, value in list(vars(module).items()):
-            if hasattr(value, "py_func") and value in instead:
-                setattr(module, name, instead[value])
+            if any(value is each for each in left_out):
+                setattr(module, name, nothing)
 
 
 def portable_code(name: str) -> tuple[str, str]:

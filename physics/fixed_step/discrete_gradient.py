@@ -6,8 +6,8 @@
 A step is one solve of `contact_solve`; a contact that touches (d0 = d1 = 0, 0 <= g <= preload) is one branch of its resolvent.
 Where a bead turns round or stops in a step, or a contact with loss turns from pressing in to coming out, the step is cut there in
 two: friction then acts on either side of the event as it should, and the order stays 2. What contacts and bed absorb is the
-work of their mean forces, so energy closes to round-off at any step. What bounces within a step lose
-is taken after it, see `touching`.
+work of their mean forces, so energy closes to round-off at any step. What bounces within a step lose is taken after it, see
+`touching`.
 """
 
 from __future__ import annotations
