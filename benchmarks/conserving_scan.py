@@ -12,6 +12,7 @@ import warnings
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +29,7 @@ FAMILIES = ("friction", "loss", "friction", "loss", "clusters", "mixed", "driven
 COARSER = (0.3, 3.0, 30.0)  # times the default step: the next chain takes the next
 LONGEST = 2000.0  # steps: longer motions end there
 KEEPING = ("power", "mixed", "clusters", "walls", "hooke-hertz", "gears", "extreme", "driven")  # families of `--errors`
+LOSING = ("friction", "loss")  # families of `--errors --lossy`
 STEPS_OF_ERRORS = (1.0, 4.0)  # times the default step
 LONGEST_COLLISION = 12_000.0  # default steps
 FINER = 9.3  # times: the step that others are compared with
@@ -113,9 +115,9 @@ class Error:
     warned: bool
 
 
-def errors(number: int) -> list[Error]:
+def errors(number: int, families: Sequence[str] = KEEPING) -> list[Error]:
     """What conserving is off by in the random collision of that number, at each of the steps."""
-    moving = motion(KEEPING[number % len(KEEPING)], number)
+    moving = motion(families[number % len(families)], number)
     chain, velocity = moving.chain, np.array(moving.velocity)
     step, found = default_step(chain, velocity), []
     probe = solve(chain, velocity, min(moving.duration or np.inf, LONGEST_COLLISION * step), "conserving", step, 2)
@@ -130,7 +132,7 @@ def errors(number: int) -> list[Error]:
     return found
 
 
-def error_report(found: Sequence[Error]) -> Report:
+def error_report(found: Sequence[Error], options: str = "") -> Report:
     """A row for each step, with and without the warning of contacts that close again."""
     rows = []
     for coarser in STEPS_OF_ERRORS:
@@ -139,21 +141,33 @@ def error_report(found: Sequence[Error]) -> Report:
                 (one for one in found if one.coarser == coarser and one.warned == warned), key=lambda one: one.error
             )
             beyond = [one for one in mine if one.error > LARGE]
-            middle, worst = (f"{mine[k].error:.1e}" if mine else "" for k in (len(mine) // 2, -1))
+            middle, high, worst = (
+                f"{mine[k].error:.1e}" if mine else "" for k in (len(mine) // 2, 9 * len(mine) // 10, -1)
+            )
             seeds = " ".join(f"{one.seed} ({one.returns})" for one in beyond[-9:])
             rows.append(
-                [f"{coarser:g}", "yes" if warned else "no", str(len(mine)), middle, worst, str(len(beyond)), seeds]
+                [
+                    f"{coarser:g}",
+                    "yes" if warned else "no",
+                    str(len(mine)),
+                    middle,
+                    high,
+                    worst,
+                    str(len(beyond)),
+                    seeds,
+                ]
             )
     notes = [
         f"errors of final velocities, of the closing speed, beside a step {FINER:g} times finer than the default one",
         "where contacts rattle, the finer run is no truth either: the error is then how far two runs differ",
-        f"made by `python -m benchmarks conserving --errors --count {len(found) // len(STEPS_OF_ERRORS)}`",
+        f"made by `python -m benchmarks conserving --errors{options} --count {len(found) // len(STEPS_OF_ERRORS)}`",
     ]
     columns = [
         "step / default",
         "warned",
         "runs",
         "median",
+        "nine tenths below",
         "largest",
         f"beyond {LARGE:g}",
         "seeds (contacts closed again)",
@@ -173,12 +187,14 @@ def main(arguments: list[str]) -> int:
     parser.add_argument(
         "--errors", action="store_true", help="what velocities are off by, and whether a warning says so"
     )
+    parser.add_argument("--lossy", action="store_true", help="errors where friction or loss takes energy")
     args = parser.parse_args(arguments)
     numbers = range(args.first, args.first + args.count)
     with ProcessPoolExecutor(args.jobs) as processes:
         if args.errors:
-            each = list(track(processes.map(errors, numbers, chunksize=CHUNK), "conserving", total=len(numbers)))
-            found, table = [], error_report([one for group in each for one in group])
+            of_number = partial(errors, families=LOSING if args.lossy else KEEPING)
+            each = list(track(processes.map(of_number, numbers, chunksize=CHUNK), "conserving", total=len(numbers)))
+            found, table = [], error_report([one for group in each for one in group], " --lossy" * args.lossy)
         else:
             found = list(track(processes.map(run, numbers, chunksize=CHUNK), "conserving", total=len(numbers)))
             table = report(found)
