@@ -187,7 +187,7 @@ class Scene(Table):
     duration : float or None
         Duration [s]; None: until every contact is open and none can close again.
     method : str or None
-        Method of `simulate`; None is its default, as for the next two.
+        Method of `simulate`; None is its default, as for the next two, or `conserving` where a step is given.
     step : float or None
         Step of a fixed-step method [s].
     tolerance : float or None
@@ -242,7 +242,7 @@ class Scene(Table):
         """Keyword arguments for `physics.simulate`: those of the scene, replaced by all `overrides` that are not None.
 
         Another method is not given the scene's step and tolerance, which were chosen for the scene's method; the tolerance of a
-        scene that names none is for any.
+        scene that names none is for any. A step without a method is one of `conserving`, as in the window.
         """
         settings: dict[str, Any] = {"duration": self.duration}
         if overrides.get("method") in (None, self.method):
@@ -250,6 +250,8 @@ class Scene(Table):
         elif self.method is None:
             settings["tolerance"] = self.tolerance
         settings |= {key: value for key, value in overrides.items() if value is not None}
+        if settings.get("step") is not None and settings.get("method") is None:
+            settings["method"] = "conserving"
         return {key: value for key, value in settings.items() if value is not None}
 
     def to_toml(self) -> str:

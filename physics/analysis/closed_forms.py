@@ -29,7 +29,8 @@ def one_on_one(contact: Contact, reduced_mass: float, closing_speed: float) -> S
     preloaded spring       d + D = D cos wt + (v/w) sin wt,   w^2 = K / mu,   D = F / K,   T = (2/w) atan(v / (w D))
     step force             d_max = mu v^2 / (2 F),   T = 2 mu v / F
 
-    The integral of dy / sqrt(1 - y^p) from 0 to 1 is B(1/p, 1/2) / p.
+    The integral of dy / sqrt(1 - y^p) from 0 to 1 is B(1/p, 1/2) / p. With a loss l the contact pushes with 1 - l of its force
+    on the way out, which takes 1 / sqrt(1 - l) times as long as the way in.
 
     Arguments:
         contact: its law; with a preload, exponent 1 or stiffness 0.
@@ -40,19 +41,19 @@ def one_on_one(contact: Contact, reduced_mass: float, closing_speed: float) -> S
         ValueError: a preload with an exponent other than 1.
     """
     preload, stiffness, exponent = contact.preload, contact.stiffness, contact.exponent
-    energy = 0.5 * reduced_mass * closing_speed**2
+    energy, ways = 0.5 * reduced_mass * closing_speed**2, 1.0 + 1.0 / math.sqrt(1.0 - contact.loss)
     if stiffness == 0.0:
-        return Stroke(energy / preload, 2.0 * reduced_mass * closing_speed / preload, preload)
+        return Stroke(energy / preload, ways * reduced_mass * closing_speed / preload, preload)
     if preload == 0.0:
         power = 1.0 + exponent
         depth = (power * energy / stiffness) ** (1.0 / power)
         quarter = float(special.beta(1.0 / power, 0.5)) / power
-        return Stroke(depth, 2.0 * depth / closing_speed * quarter, stiffness * depth**exponent)
+        return Stroke(depth, ways * depth / closing_speed * quarter, stiffness * depth**exponent)
     if exponent != 1.0:
         raise ValueError(f"no closed form for a preload with exponent {exponent!r}: only with exponent 1")
     frequency = math.sqrt(stiffness / reduced_mass)
     peak = math.sqrt(preload**2 + 2.0 * stiffness * energy)
-    time = 2.0 / frequency * math.atan(closing_speed * stiffness / (frequency * preload))
+    time = ways / frequency * math.atan(closing_speed * stiffness / (frequency * preload))
     return Stroke(2.0 * energy / (peak + preload), time, peak)
 
 

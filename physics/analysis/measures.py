@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.analysis.closed_forms import common_law
 from softcradle.physics.chain import Chain, mass_shares
+from softcradle.physics.coupler import Coupler
 from softcradle.physics.trajectory import Trajectory
 
 Array = NDArray[np.float64]
@@ -163,17 +164,22 @@ def first_touch(trajectory: Trajectory, struck: int) -> float:
 def dwell(trajectory: Trajectory, struck: int) -> Array:
     """(n, 3) for how long each contact was open, touching and loaded [s], from the first touch of `struck` to the end.
 
-    Closings and openings are exact; the change between touching and loaded is known to within a sample.
+    A coupler that is pulled is closed too. Closings and openings are exact; the change between touching and loaded is known to
+    within a sample.
     """
     time, end = trajectory.time, float(trajectory.time[-1])
     begin = first_touch(trajectory, struck)
-    deepest = max(float(trajectory.overlap.max()), 0.0)
+    way = trajectory.overlap.copy()  # into the gear that pushes, or into the one that pulls
+    for i, coupler in trajectory.chain.couplers:
+        way[:, i] = np.maximum(way[:, i], coupler.pulls_below - way[:, i])
+    deepest = max(float(way.max()), 0.0)
     rows = []
     for k, spans in enumerate(trajectory.contact_intervals):
         closed = sum(max(min(last, end) - max(first, begin), 0.0) for first, last in spans)
         loaded = closed
-        if trajectory.chain.contact[k].preload > 0.0:
-            pressed = (trajectory.overlap[:, k] > LEAST_OVERLAP * deepest) & (time >= begin)
+        joint = trajectory.chain.contact[k]
+        if joint.preload > 0.0 or (isinstance(joint, Coupler) and joint.pull and joint.pull.preload):
+            pressed = (way[:, k] > LEAST_OVERLAP * deepest) & (time >= begin)
             loaded = min(closed, float(np.diff(time)[pressed[1:] | pressed[:-1]].sum()))
         rows.append((end - begin - closed, closed - loaded, loaded))
     return np.array(rows)

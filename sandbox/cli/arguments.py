@@ -131,13 +131,13 @@ class WrittenFiles:
     def __init__(self, candidates: Iterable[Path]) -> None:
         self._before = {path.absolute() for path in candidates if os.path.exists(path)}
 
-    def report(self, paths: Sequence[Path], detail: str = "", show: bool = False) -> None:
-        """Say what was written and what was replaced; `show` opens the first of the files.
+    def report(self, paths: Sequence[Path], detail: str = "", show: bool = False, silent: bool = False) -> None:
+        """Say what was written and what was replaced, unless `silent`; `show` opens the first of the files.
 
         Raises:
             UserError: nothing on this machine opens it.
         """
-        for path in paths:
+        for path in paths if not silent else ():
             note(f"{'replaced' if path.absolute() in self._before else 'written'}: {path}{detail}")
         if show and paths:
             open_with_desktop(paths[0])

@@ -113,6 +113,9 @@ def test_overrides_replace_what_the_scene_says():
     assert scenes.load("one-on-four").settings() == {}
     rough = scenes.load("one-on-four").model_copy(update={"tolerance": 1e-4})
     assert rough.settings(method="accurate") == {"method": "accurate", "tolerance": 1e-4}
+    stepped = scenes.load("one-on-four").model_copy(update={"step": 0.01})  # the window takes `conserving` for it
+    assert stepped.settings() == {"method": "conserving", "step": 0.01}
+    assert stepped.settings(method="accurate") == {"method": "accurate"}
 
 
 POSITIVE = st.floats(min_value=1e-6, max_value=1e6)

@@ -50,8 +50,7 @@ def main(args: argparse.Namespace) -> int:
         _print(found, args)
         if folder is not None and written is not None:
             paths = write_studies(found, folder)
-            if not args.json:
-                written.report(paths, show=args.open)
+            written.report(paths, show=args.open, silent=args.json)
     return 0
 
 

@@ -72,5 +72,5 @@ def main(args: argparse.Namespace) -> int:
         print_tables(output, comparison.title, report.results)
         for note in report.notes():
             output.print(note)
-        written.report(paths, show=args.open)
+    written.report(paths, show=args.open, silent=args.json)
     return GAVE_UP if any(result.trajectory.status.gave_up for result in report.results) else 0

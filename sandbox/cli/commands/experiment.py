@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from softcradle.sandbox.cli.arguments import WrittenFiles
+from softcradle.sandbox.cli.arguments import WrittenFiles, opened_outputs
 from softcradle.sandbox.console import ProgressShown, console, print_json, print_rows
 
 if TYPE_CHECKING:
@@ -29,23 +29,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Fit the friction, and print what follows with and without pistons."""
-    from softcradle.sandbox.files import output_file, readable_json
+    from softcradle.sandbox.files import readable_json
     from softcradle.sandbox.studies.experiment import STRIKERS, compute_experiment, critical_speed_with_error
 
-    with ProgressShown("launch speeds") as progress:
-        fits, pistons = compute_experiment(progress=progress.tell)
-    critical = {name: critical_speed_with_error(strikers) for name, strikers in STRIKERS.items()}
-    content = _content(fits, pistons, critical)
+    outputs = [] if args.output is None else [Path(args.output)]
+    written = WrittenFiles(outputs)
+    with opened_outputs(outputs) as temporary:
+        with ProgressShown("launch speeds") as progress:
+            fits, pistons = compute_experiment(progress=progress.tell)
+        critical = {name: critical_speed_with_error(strikers) for name, strikers in STRIKERS.items()}
+        content = _content(fits, pistons, critical)
+        for path in temporary:
+            path.write_text(readable_json(content) + "\n", encoding="utf-8")
     if args.json:
         print_json(content)
     else:
         _print_tables(fits, pistons, critical)
-    if args.output is not None:
-        written = WrittenFiles([Path(args.output)])
-        with output_file(args.output) as temporary:
-            temporary.write_text(readable_json(content) + "\n", encoding="utf-8")
-        if not args.json:
-            written.report([Path(args.output)])
+    written.report(outputs, silent=args.json)
     return 0
 
 

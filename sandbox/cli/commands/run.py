@@ -69,8 +69,7 @@ def main(args: argparse.Namespace) -> int:
         for trajectory, path in zip(cycle(trajectories), temporary, strict=False):
             (trajectory.save if path.suffix == ".npz" else trajectory.to_csv)(str(path))
     _tell(scene, trajectories, args)
-    if not args.json:
-        written.report(outputs, show=args.open)
+    written.report(outputs, show=args.open, silent=args.json)
     return GAVE_UP if any(trajectory.status.gave_up for trajectory in trajectories) else 0
 
 

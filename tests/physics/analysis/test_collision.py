@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from softcradle.physics import Chain, Coupler, cluster_on_cluster, draft_gear, hertz, hooke, one_on, power_law, simulate
 from softcradle.physics.analysis import measures
-from softcradle.physics.analysis.closed_forms import critical_speed, rigid_collision, rigid_stroke
+from softcradle.physics.analysis.closed_forms import critical_speed, one_on_one, rigid_collision, rigid_stroke
 from softcradle.physics.analysis.collision import collide, measured, struck_contact
 from softcradle.physics.analysis.ringing import ringing
 
@@ -66,6 +66,15 @@ def test_gears_above_the_critical_speed_are_not():
     assert found.rigidity > 0.5 > found.rigidity_at_detachment > 0.01
     assert found.restitution < 0.95
     assert found.contacts[1].loaded > 0.5 * found.contact_time
+
+
+def test_a_coupler_is_loaded_for_as_long_as_it_is_pulled_out():
+    push, pull = draft_gear(20.0, 0.05), draft_gear(30.0, 0.04)
+    found = simulate(
+        Chain([1.0, 3.0], Coupler(push, pull=pull, slack=0.1)), [0.0, 1.0], 1.2
+    )  # first pulled, then pressed
+    loaded = one_on_one(pull, 0.75, 1.0).contact_time + one_on_one(push, 0.75, 1.0).contact_time
+    assert measures.dwell(found, 0)[0] == pytest.approx([1.1 - loaded, 0.0, loaded], abs=3e-3)
 
 
 def test_softer_is_more_rigid_in_every_measure():

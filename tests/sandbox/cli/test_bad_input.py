@@ -95,6 +95,7 @@ REFUSED = [
     ("run mixed --describe --json", "--json: not allowed with argument --describe"),
     ("run mixed -o out.xls", "cannot write out.xls: run writes .npz or .csv"),
     ("run mixed -o nowhere/out.npz", "there is no folder "),
+    ("experiment -o nowhere/out.json", "there is no folder "),
     ("run mixed -o /proc/out.npz", "cannot write /proc/out.npz: "),
     ("run mixed -o a.csv -o ./a.csv", "the same file is given twice with -o"),
     ("render mixed -o a.mp4 -o b.mp4", "-o/--output: is given twice"),
