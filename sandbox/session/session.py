@@ -324,6 +324,8 @@ class Session:
         """Before a frame of the history is played on or edited: drop the later ones, there and in the recording."""
         if self._from_history:
             self._from_history = False
+            if self.history.newest_setup is not self.setup:  # later edits end with their frames
+                self.undo_stack.lose_what_was_saved()
             self.history.drop_after(self.frame)
             self.recording.cut(self.frame)
             self.recording.add_input(inputs.Resume())

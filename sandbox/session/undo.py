@@ -113,7 +113,7 @@ class UndoStack:
         return self._last_edit() != self._saved
 
     def lose_what_was_saved(self) -> None:
-        """Call the state unsaved: it was made from edits that are in no file."""
+        """Call the state unsaved: it is that of no file."""
         self._saved = -1
 
     def _last_edit(self) -> int:

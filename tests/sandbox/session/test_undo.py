@@ -107,6 +107,20 @@ def test_unsaved_edits_are_known():
         assert stack.unsaved is unsaved
 
 
+def test_a_saved_edit_that_is_played_away_leaves_the_scene_unsaved(tmp_path):
+    session = opened()
+    session.step_frames(5)
+    session.apply(inputs.SetMass(0, 1, 2.5))
+    session.step_frames(2)
+    session.save_scene(tmp_path / "saved.toml")
+    for frame, unsaved in ((6, False), (3, True)):  # where the edit is made already, and before it
+        session.scrub_frame(frame)
+        assert not session.undo_stack.unsaved
+        session.play()
+        session.tick(0.1)
+        assert session.undo_stack.unsaved is unsaved
+
+
 def test_steps_are_bounded_in_number_and_memory(monkeypatch):
     session = opened()
     for k in range(MOST_STEPS + 20):
