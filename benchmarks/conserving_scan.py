@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 from rich.progress import track
-from softcradle.physics.scales import closing_speed, default_step
+from softcradle.physics.scales import default_step, speed_scale
 from softcradle.physics.simulation import solve
 from softcradle.physics.status import WarningCode
 
@@ -106,7 +106,7 @@ def report(found: Sequence[Found]) -> Report:
 
 @dataclass(frozen=True)
 class Error:
-    """What velocities are off by, of the closing speed, and how often contacts closed again."""
+    """What velocities are off by, of the closing speed or what the drive gives, and how often contacts closed again."""
 
     seed: int
     coarser: float
@@ -119,14 +119,14 @@ def errors(number: int, families: Sequence[str] = KEEPING) -> list[Error]:
     """What conserving is off by in the random collision of that number, at each of the steps."""
     moving = motion(families[number % len(families)], number)
     chain, velocity = moving.chain, np.array(moving.velocity)
-    step, found = default_step(chain, velocity), []
+    step, found = default_step(chain, velocity, moving.duration), []
     probe = solve(chain, velocity, min(moving.duration or np.inf, LONGEST_COLLISION * step), "conserving", step, 2)
     duration = float(probe.time[-1])
     truth = solve(chain, velocity, duration, "conserving", step / FINER, 2).final_velocity
     for coarser in STEPS_OF_ERRORS:
         run = solve(chain, velocity, duration, "conserving", coarser * step, 2)
         again = sum(max(len(each) - 1, 0) for each in run.contact_intervals)
-        off = float(np.abs(run.final_velocity - truth).max()) / closing_speed(velocity)
+        off = float(np.abs(run.final_velocity - truth).max()) / speed_scale(chain, velocity, duration)
         warned = any(warning.code is WarningCode.RETURNS for warning in run.warnings)
         found.append(Error(number, coarser, again, off, warned))
     return found

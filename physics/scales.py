@@ -40,18 +40,29 @@ def _approach(values: Array) -> float:
     return found
 
 
-def speed_scale(chain: Chain, velocity: ArrayLike) -> float:
-    """Largest of the closing speed and the speeds that the drive and pressed contacts can give [m/s]; 1 where all are 0."""
-    inner = _inner_speed(chain)
-    return max(float(np.ptp(np.asarray(velocity))), inner) if inner else closing_speed(velocity)
+def speed_scale(chain: Chain, velocity: ArrayLike, duration: float | None = None) -> float:
+    """Largest of the closing speed and what contacts pressed at the start and the drive, within `duration`, can give [m/s].
+
+    1 where all are 0.
+    """
+    found = float(np.ptp(np.asarray(velocity)))
+    if chain.drives:
+        given = _given_speed(chain)
+        found = max(found, given if duration is None else min(given, found + duration * _pull(chain)))
+    return max(found, _sprung_speed(chain)) or 1.0
 
 
 @per_chain
-def _inner_speed(chain: Chain) -> float:
-    """Largest speed [m/s] that the drive and contacts pressed at the start can give; 0 where there is neither."""
+def _given_speed(chain: Chain) -> float:
+    """Largest speed [m/s] that the drive can give, from the start on."""
     overlap = -np.asarray(chain.gap, dtype=np.float64)
-    driven = max((_driven_speed(chain, force) for force in chain.drives), default=0.0)
-    return max(driven, _released_speed(chain, overlap))
+    return max(max(_driven_speed(chain, force), _fall_speed(chain, force, overlap)) for force in chain.drives)
+
+
+@per_chain
+def _sprung_speed(chain: Chain) -> float:
+    """Largest speed [m/s] that contacts pressed at the start can give."""
+    return _released_speed(chain, -np.asarray(chain.gap, dtype=np.float64))
 
 
 @per_chain
@@ -79,19 +90,17 @@ def closing_scale(
         approach = 0.0
     if chain.pulls:  # what goes apart comes back
         approach = high - low
-    found, apart = max(approach, _released_speed(chain, overlap), _driven_speed(chain, external)), high - low
+    found, apart = max(approach, _released_speed(chain, overlap)), high - low
     if chain.forces:
         until = chain.knots[-1] if duration is None else duration
-        found = max(found, min(_inner_speed(chain), approach + until * _pull(chain)))
+        found = max(found, min(_given_speed(chain), approach + until * _pull(chain)))
         apart += until * _pull(chain)
     if external is not None:
         acceleration = external * chain.inverse_mass
-        gap = float(-np.minimum(overlap, 0.0).sum())
-        pull = _approach(acceleration)
-        fall = math.sqrt(approach**2 + 2.0 * pull * gap)
+        given = max(_driven_speed(chain, external), math.hypot(approach, _fall_speed(chain, external, overlap)))
         if duration is not None:
-            fall = min(fall, approach + pull * duration)
-        found = max(found, fall)
+            given = min(given, approach + _approach(acceleration) * duration)
+        found = max(found, given)
         if not found and duration is not None:
             found = float(np.abs(acceleration).max()) * duration
     if not found and high == low:
@@ -156,12 +165,16 @@ def _released_speed(chain: Chain, overlap: Array) -> float:
     return float(np.sqrt(2.0 * chain.stored_energy(overlap, powers) * chain.inverse_reduced_mass).max())
 
 
-def _driven_speed(chain: Chain, force: Array | None) -> float:
-    """Largest speed [m/s] that a contact reaches under the force by which the drive accelerates a rigid chain; 0 without."""
-    if force is None:
-        return 0.0
+def _fall_speed(chain: Chain, force: Array, overlap: Array) -> float:
+    """Largest speed [m/s] at which beads that `force` (n+1,) [N] drives into each other, from rest, meet beyond all gaps."""
+    gaps = float(-np.minimum(overlap, 0.0).sum())
+    return math.sqrt(2.0 * _approach(force * chain.inverse_mass) * gaps)
+
+
+def _driven_speed(chain: Chain, force: Array) -> float:
+    """Largest speed [m/s] that a contact reaches under the part of the drive `force` (n+1,) [N] that it passes on."""
     preload, stiffness, exponent = chain.law_rows.T
-    force = np.maximum(_rigid_forces(chain, force) - preload, 0.0)
+    force = np.maximum(_passed_on(chain, force) - preload, 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
         depth = powers((1.0 + exponent) * force / stiffness, 1.0 / exponent)
     for i, law in chain.own_contacts:
@@ -171,14 +184,27 @@ def _driven_speed(chain: Chain, force: Array | None) -> float:
     return float(np.max(speed, where=np.isfinite(speed), initial=0.0))
 
 
-def _rigid_forces(chain: Chain, drive: Array) -> Array:
-    """(n,) contact forces [N] at which all beads accelerate as one; with a wall, an upper bound."""
-    from_left, from_right = np.cumsum(drive)[:-1], -np.cumsum(drive[::-1])[-2::-1]
-    if chain.walls:
-        return np.maximum(from_left, from_right)
-    share = np.cumsum(chain.mass)[:-1] / sum(chain.mass)
-    rigid: Array = from_left - share * drive.sum()
-    return rigid
+def _passed_on(chain: Chain, drive: Array) -> Array:
+    """(n,) the greatest force [N] of each contact while rigid beads are driven from rest, over all gaps between them.
+
+    Beads that are driven into each other go on as one body, others go away: runs of beads are joined while the left one
+    accelerates faster. What joins later presses all the harder.
+    """
+    mass, walls = np.asarray(chain.mass), np.isinf(chain.mass)
+    runs: list[tuple[int, float, float]] = []  # beads, drive [N] and mass [kg] of each
+    for push, inertia in zip(drive.tolist(), chain.mass, strict=True):
+        count, whole, total = 1, push, inertia
+        while runs and runs[-1][1] / runs[-1][2] > whole / total:
+            more, other, beside = runs.pop()
+            count, whole, total = count + more, whole + other, total + beside
+        runs.append((count, whole, total))
+    counts = [count for count, _, _ in runs]
+    acceleration = np.repeat([whole / total for _, whole, total in runs], counts)
+    left = drive - np.where(walls, 0.0, mass) * acceleration  # what contacts have to take from each bead
+    unheld = np.add.reduceat(left, np.cumsum(counts) - counts)  # of each run: its wall holds it
+    passed: Array = np.cumsum(left - np.where(walls, np.repeat(unheld, counts), 0.0))[:-1]
+    passed[passed <= NO_APPROACH * np.abs(drive).sum()] = 0.0
+    return passed
 
 
 def contact_scales(chain: Chain, velocity: ArrayLike) -> tuple[Array, Array]:
@@ -222,16 +248,15 @@ def as_it_pulls(chain: Chain) -> Chain | None:
     return Chain(chain.mass, contacts)
 
 
-def default_step(chain: Chain, velocity: ArrayLike) -> float:
-    """Step [s] of a fixed-step method where none is given: a thousandth of the shortest contact time.
+def default_step(chain: Chain, velocity: ArrayLike, duration: float | None = None) -> float:
+    """Step [s] of a fixed-step method where none is given: a thousandth of the shortest contact time, within `duration`.
 
     With bed friction or brakes it is at most a hundredth of the time in which they stop a bead.
     """
-    shortest = float(contact_scales(chain, velocity)[1].min()) / DEFAULT_STEPS_A_CONTACT
+    speed = speed_scale(chain, velocity, duration)
+    shortest = float(scales_at(chain, speed)[1].min()) / DEFAULT_STEPS_A_CONTACT
     strongest = float(chain.bed.max(initial=0.0))
-    if not strongest:
-        return shortest
-    return min(shortest, speed_scale(chain, velocity) / strongest / DEFAULT_STEPS_A_STOP)
+    return min(shortest, speed / strongest / DEFAULT_STEPS_A_STOP) if strongest else shortest
 
 
 def speeds_to_depth(chain: Chain, depth: ArrayLike) -> Array:
@@ -266,9 +291,9 @@ def _contact_rows(chain: Chain) -> Array:
     return np.column_stack((chain.law_rows, chain.inverse_reduced_mass))
 
 
-def require_computable(chain: Chain, velocity: ArrayLike) -> None:
+def require_computable(chain: Chain, velocity: ArrayLike, duration: float | None = None) -> None:
     """Raise ValueError where a contact would be pressed so little or so far that powers of it are no floats any more."""
-    speed = speed_scale(chain, velocity)
+    speed = speed_scale(chain, velocity, duration)
     least, most = _computable_speeds(chain)
     if least < speed < most:
         return

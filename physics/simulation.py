@@ -211,14 +211,14 @@ def _require_carried(method: str, chain: Chain) -> None:
     _require(not reason, reason)
 
 
-def _step(chain: Chain, state: State, method: Method, step: float | None) -> float:
+def _step(chain: Chain, state: State, method: Method, step: float | None, duration: float | None = None) -> float:
     if step is not None:
         length = magnitude("step", step)
         _require(
             not method.adaptive, f"method {method.name!r} chooses its own steps: give a tolerance instead of a step"
         )
         return length
-    return 0.0 if method.adaptive else default_step(chain, state.velocity(chain))
+    return 0.0 if method.adaptive else default_step(chain, state.velocity(chain), duration)
 
 
 def _problem(
@@ -232,13 +232,13 @@ def _problem(
 ) -> Problem:
     state = State.at_start(chain, velocity)
     _require_carried(method.name, chain)
-    require_computable(chain, velocity)
     if duration is None:
         _require(chain.walls < 2, TWO_WALLS)
         _require(not chain.lasts, DRIVEN)
         _require(not chain.pulls, "a chain whose couplers pull never comes apart: give a duration")
     else:
         duration = magnitude("duration", duration, zero=True)
+    require_computable(chain, velocity, duration)
     tolerance = magnitude("tolerance", tolerance)
     _require(tolerance >= LEAST_TOLERANCE, f"tolerance must be at least {LEAST_TOLERANCE:g}, not {tolerance:g}")
     return Problem(
@@ -246,7 +246,7 @@ def _problem(
         state=state,
         method=method.name,
         duration=duration,
-        step=_step(chain, state, method, step),
+        step=_step(chain, state, method, step, duration),
         tolerance=tolerance if method.adaptive else 0.0,
         samples=_samples(samples, duration, chain, method.adaptive),
     )

@@ -163,7 +163,7 @@ def recorded_coarsely(scene: Scene) -> list[Trajectory]:
     Raises:
         UserError: the scene cannot be simulated.
     """
-    steps = [COARSE * default_step(lane.chain(), lane.velocity) for lane in scene.lanes]
+    steps = [COARSE * default_step(lane.chain(), lane.velocity, scene.duration) for lane in scene.lanes]
     scene = scene.model_copy(update={"method": SHOWN, "step": min(steps), "tolerance": None})
     found = run_scene(scene, samples=COARSE_SAMPLES)
     end = math.inf if scene.duration else quiet_end(found)[0]

@@ -1,9 +1,12 @@
 """Forces from outside, steady or over time, brakes, and contacts pressed from the start: closed forms, ledgers, live frames."""
 
 import math
+from itertools import combinations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from softcradle.physics import METHODS, Chain, State, TimedForce, advance, hertz, one_on, simulate
 from softcradle.physics.adaptive.adaptive_loop import integrate
 from softcradle.physics.contact import Contact, draft_gear, hooke, power_law
@@ -247,6 +250,53 @@ def test_accurate_agrees_with_the_reference_on_a_row_let_go():
 def test_speed_scale_knows_the_press():
     assert speed_scale(SPRUNG, [0.0, 0.0]) == pytest.approx((2.0 * 0.5 / 0.75) ** 0.5)
     assert speed_scale(one_on(2, hooke(1.0)), [0.0, 0.0, 0.0]) == 1.0
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_speed_scale_knows_what_the_drive_presses(seed):
+    """By a contact between any two neighbouring runs of beads, for the drive pulls others away; to the left a wall, or none."""
+    draw = np.random.default_rng(seed)
+    count = int(draw.integers(2, 7))
+    mass, drive = draw.uniform(0.1, 3.0, count), draw.normal(size=count)
+    mass[0] = draw.choice([mass[0], np.inf])
+    drive[0] *= np.isfinite(mass[0])
+    speeds = [0.0]
+    for begin, middle, end in combinations(range(count + 1), 3):
+        (left, right), (pushed, back) = (
+            [values[begin:middle].sum(), values[middle:end].sum()] for values in (mass, drive)
+        )
+        force = -back if np.isinf(left) else (right * pushed - left * back) / (left + right)
+        speeds.append(2.0 * force * np.sqrt((1.0 / mass[middle - 1] + 1.0 / mass[middle]) / 5.0))
+    found = speed_scale(Chain(mass, hooke(5.0), drive=drive), np.zeros(count))
+    assert found == pytest.approx(max(speeds) or 1.0, rel=1e-9)
+
+
+def test_a_bead_that_is_driven_away_does_not_loosen_the_tolerance_of_the_others():
+    """It goes at 3 m/s, where the other shakes against the wall at 3e-5 m/s."""
+    contact, drive = power_law(0.3, 0.13), [-0.08, 0.045, 0.0]
+    row, alone = (Chain(mass, contact, drive=drive[-len(mass) :]) for mass in ([0.14, 4.4, np.inf], [4.4, np.inf]))
+    found, other = (simulate(chain, np.zeros(len(chain.mass)), 5.0, tolerance=1e-5) for chain in (row, alone))
+    assert found.final_velocity[1] == pytest.approx(other.final_velocity[0], abs=1e-8)
+    assert np.ptp(other.velocity[:, 0]) > 5e-5
+
+
+def test_the_default_step_knows_the_speed_of_a_bead_that_falls_on_a_soft_contact():
+    """At 0.063 m/s; by the force of the drive alone it would be pressed in at 1e-9 m/s."""
+    chain = Chain([1.0, np.inf], power_law(1.0, 0.1), 0.1, drive=[0.02, 0.0])
+    found = simulate(chain, [0.0, 0.0], 4.0, "conserving")
+    assert found.steps < 1e5
+    assert found.velocity[:, 0].max() == pytest.approx(np.sqrt(2.0 * 0.02 * 0.1), rel=1e-3)
+    assert found.final_velocity[0] < 0.0
+    np.testing.assert_allclose(found.ledger, 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("exponent", [0.05, 0.01])
+def test_a_drive_stronger_than_a_soft_contact_gives_no_more_speed_than_in_its_duration(exponent):
+    """It would be pressed in by kilometres and more, at the speed of which a step is longer than the motion."""
+    chain = Chain([1.0, np.inf], power_law(1.0, exponent), drive=[2.0, 0.0])
+    fixed, fine = (simulate(chain, [0.0, 0.0], 5.0, method) for method in ("conserving", "accurate"))
+    assert fixed.final_velocity == pytest.approx(fine.final_velocity, abs=1e-3)
+    assert fixed.steps < 5000
 
 
 @pytest.mark.parametrize("name", ["stiff-springs", "prestressed"])
