@@ -100,12 +100,13 @@ def closing_scale(
         given = max(_driven_speed(chain, external), math.hypot(approach, _fall_speed(chain, external, overlap)))
         if duration is not None:
             given = min(given, approach + _approach(acceleration) * duration)
+            apart += float(np.ptp(acceleration)) * duration
         found = max(found, given)
         if not found and duration is not None:
             found = float(np.abs(acceleration).max()) * duration
     if not found and high == low:
         return closing_speed(velocity)
-    return max(found, LEAST_SCALE * (high - low), ROUND_OFF / tolerance * apart)
+    return max(found, LEAST_SCALE * apart, ROUND_OFF / tolerance * apart)
 
 
 def largest_error(chain: Chain, start: State, end: State) -> Array:
@@ -198,7 +199,7 @@ def _passed_on(chain: Chain, drive: Array) -> Array:
             more, other, beside = runs.pop()
             count, whole, total = count + more, whole + other, total + beside
         runs.append((count, whole, total))
-    counts = [count for count, _, _ in runs]
+    counts = np.array([count for count, _, _ in runs])
     acceleration = np.repeat([whole / total for _, whole, total in runs], counts)
     left = drive - np.where(walls, 0.0, mass) * acceleration  # what contacts have to take from each bead
     unheld = np.add.reduceat(left, np.cumsum(counts) - counts)  # of each run: its wall holds it
