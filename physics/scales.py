@@ -208,14 +208,14 @@ def _passed_on(chain: Chain, drive: Array) -> Array:
     return passed
 
 
-def contact_scales(chain: Chain, velocity: ArrayLike) -> tuple[Array, Array]:
-    """(n,) estimates of largest overlap [m] and contact time [s] if every contact were struck alone.
+def contact_scales(chain: Chain, velocity: ArrayLike, duration: float | None = None) -> tuple[Array, Array]:
+    """(n,) estimates of largest overlap [m] and contact time [s] if every contact were struck alone, within `duration` [s].
 
     Energy balance ``F d + K d**(1+a)/(1+a) = mu v**2 / 2`` with the reduced mass mu, taken from the smaller of its two
     one-term solutions, or of the energy of a law of one's own; the time is that of crossing this overlap and back at the
     closing speed.
     """
-    return scales_at(chain, speed_scale(chain, velocity))
+    return scales_at(chain, speed_scale(chain, velocity, duration))
 
 
 def struck_depth(preload: Array, stiffness: Array, exponent: Array, energy: Array) -> Array:

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 from softcradle.physics.chain import Chain, mass_shares
-from softcradle.physics.scales import contact_scales
+from softcradle.physics.scales import scales_at, speed_scale
 
 LIVE_ERROR = 1e-3  # of final velocities: about a pixel of a plot; from it on a collision takes fixed steps
 LIVE_STEPS = 64  # of `conserving` in the shortest contact: they hold LIVE_ERROR, and their error falls as their square
@@ -54,7 +54,7 @@ def choose(chain: Chain, velocity: ArrayLike, duration: float | None, error: flo
             "radau", min(error, 2.0 * NEAR_CRITICAL), error, "a contact may yield for a moment near this critical speed"
         )
     if error >= LIVE_ERROR and duration is not None and is_single_collision(chain):
-        step = conserving_step(chain, velocity, error)
+        step = conserving_step(chain, speed_scale(chain, velocity), error)
         reason = (
             f"conserving, step {step:.3g} s, for a wanted error of {error:g}: energy and momentum are exact at any step"
         )
@@ -71,9 +71,9 @@ def _adaptive(method: str, tolerance: float, error: float, why: str) -> Choice:
     )
 
 
-def conserving_step(chain: Chain, velocity: ArrayLike, error: float = LIVE_ERROR) -> float:
-    """Step [s] at which `conserving` is expected to hold `error` in one collision."""
-    return float(contact_scales(chain, velocity)[1].min()) / LIVE_STEPS * math.sqrt(error / LIVE_ERROR)
+def conserving_step(chain: Chain, speed: float, error: float = LIVE_ERROR) -> float:
+    """Step [s] at which `conserving` is expected to hold `error` in one collision at the closing speed `speed` [m/s]."""
+    return float(scales_at(chain, speed)[1].min()) / LIVE_STEPS * math.sqrt(error / LIVE_ERROR)
 
 
 def _why_not_fixed(chain: Chain, duration: float | None, error: float) -> str:

@@ -147,7 +147,8 @@ def returning_warnings(problem: Problem, record: Record) -> Warnings:
 
 def coarse_warnings(problem: Problem) -> Warnings:
     """A warning where the step of a method that is always stable is too long to resolve the shortest contact."""
-    limit = float(contact_scales(problem.chain, problem.state.velocity(problem.chain))[1].min()) / LEAST_STEPS
+    velocity = problem.state.velocity(problem.chain)
+    limit = float(contact_scales(problem.chain, velocity, problem.duration)[1].min()) / LEAST_STEPS
     if problem.step <= limit:
         return ()
     sentence = (

@@ -64,8 +64,8 @@ class System:
     The state vector y (m+n+2,) is overlaps of the m contacts, rates of the n joints, anchor position, anchor velocity.
     """
 
-    def __init__(self, chain: Chain, state: State, tolerance: float) -> None:
-        self.speed = speed = speed_scale(chain, state.velocity(chain))
+    def __init__(self, chain: Chain, state: State, tolerance: float, duration: float | None) -> None:
+        self.speed = speed = speed_scale(chain, state.velocity(chain), duration)
         self.laws = laws = Laws(chain, speed)
         self.chain, self.n, self.m = chain, chain.contacts, laws.joint.size
         external = state.external(chain)

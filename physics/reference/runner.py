@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, minimize_scalar
-from softcradle.physics.chain import Chain
 from softcradle.physics.problem import NO_TIMES, Problem, Record, empty_samples
 from softcradle.physics.reference.phases import (
     LOADED,
@@ -66,11 +65,12 @@ class _Segment:
 class _Run:
     """Phase after phase from a start state, with what samples and switches need."""
 
-    def __init__(self, chain: Chain, state: State, tolerance: float, most: int | None = None) -> None:
-        self.system = system = System(chain, state, tolerance)
+    def __init__(self, problem: Problem, duration: float | None) -> None:
+        chain, state = problem.chain, problem.state
+        self.system = system = System(chain, state, problem.tolerance, duration)
         self.scale = float((2.0 * system.laws.depth / system.speed).max())
-        if most:
-            system.most_evaluations = EVALUATIONS_A_STEP * most
+        if problem.most_steps:
+            system.most_evaluations = EVALUATIONS_A_STEP * problem.most_steps
         self.chain, self.time, self.taken = chain, state.time, state.taken
         self.y = system.start(state)
         self.phase = first_phase(system, Span.at(chain, self.time), self.time, self.y)
@@ -294,7 +294,7 @@ def _root(falling: Callable[[float], float], low: float, high: float) -> float:
 @QUIET
 def run(problem: Problem) -> Record:
     """Solve `problem`; ``problem.tolerance`` is the wanted error of the velocities relative to the closing speed."""
-    solved = _Run(problem.chain, problem.state, problem.tolerance, problem.most_steps)
+    solved = _Run(problem, problem.duration)
     solved.until(problem.end)
     overlap, rate, anchor, force, _ = empty_samples(0, problem.chain.contacts)
     found = Record(
@@ -327,7 +327,7 @@ class _KeptSolution:
 def advance(problem: Problem) -> Status:
     """Move ``problem.state`` on by the duration in place."""
     state = problem.state
-    solved = _Run(problem.chain, state, problem.tolerance, problem.most_steps)
+    solved = _Run(problem, None)  # a frame is no measure of what comes after it
     solved.closed = state.closed
     solved.until(problem.end)
     end = solved.end()

@@ -70,7 +70,7 @@ def _lane(played: PlayedMotion, number: int) -> dict[str, Any]:
     chain, velocity = trajectory.chain, trajectory.velocity[0]
     ends = cluster_ends(trajectory.overlap[0].tolist(), velocity.tolist(), played.scene.view.length)
     return {
-        "spec": _spec(chain, velocity.tolist()),
+        "spec": _spec(chain, velocity.tolist(), played.scene.duration),
         "massLabels": mass_labels(chain),
         "gears": [is_gear(contact) for contact in chain.contact],
         "pulls": chain.pulls,
@@ -87,7 +87,7 @@ def _closed(played: PlayedMotion, number: int) -> list[list[list[float | None]]]
     return [[[begin, _finite(end)] for begin, end in spans] for spans in intervals]
 
 
-def _spec(chain: Chain, velocity: list[float]) -> dict[str, Any]:
+def _spec(chain: Chain, velocity: list[float], duration: float | None) -> dict[str, Any]:
     """What a row starts from."""
     return {
         "mass": [_finite(mass) for mass in chain.mass],
@@ -97,7 +97,7 @@ def _spec(chain: Chain, velocity: list[float]) -> dict[str, Any]:
         "loss": [0.0 if chain.own_laws else float(loss) for loss in chain.loss],
         "friction": chain.friction,
         "drive": None if chain.drive is None else list(chain.drive),
-        "speed": speed_scale(chain, velocity),
+        "speed": speed_scale(chain, velocity, duration),
     }
 
 
@@ -105,14 +105,14 @@ def _experiment(scene: Scene) -> dict[str, Any]:
     """What of the scene can be set by a person, and its units."""
     lane = scene.lanes[0]
     chain, velocity = lane.chain(), np.array(lane.velocity)
-    speed, row = speed_scale(chain, velocity), chain.law_rows[0].tolist()
+    speed, row = speed_scale(chain, velocity, scene.duration), chain.law_rows[0].tolist()
     soft = [law[2] for law in chain.law_rows.tolist() if law[0] == 0.0 and law[1] > 0.0 and law[2] != STEEL]
     strikers = _strikers(chain, lane) if len(scene.lanes) == 1 else 0
     finite = [mass for mass in chain.mass if math.isfinite(mass)]
     mass = math.fsum(finite) / len(finite)
     approach = chain.gap[strikers - 1] if strikers else 0.0
     return {
-        "speed": max(speed_scale(item.chain(), np.array(item.velocity)) for item in scene.lanes),
+        "speed": max(speed_scale(item.chain(), item.velocity, scene.duration) for item in scene.lanes),
         "kernel": {"beadRows": BEAD_ROWS, "workRows": WORK_ROWS, "counters": COUNTERS},
         "soft": bool(soft),
         "uniform": {"mass": mass, "law": row, "approach": approach} if strikers else None,

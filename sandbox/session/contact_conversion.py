@@ -2,11 +2,10 @@
 
 import math
 
-import numpy as np
 from softcradle.physics.chain import Chain, Joint
 from softcradle.physics.contact import Contact, hertz, power_law
 from softcradle.physics.coupler import Coupler
-from softcradle.physics.scales import contact_scales
+from softcradle.physics.scales import scales_at
 from softcradle.sandbox.languages import _ as gettext
 
 KINDS = ("power", "gear", "hard")
@@ -92,7 +91,7 @@ def _power_law(energy: float, depth: float, alpha: float, loss: float) -> Contac
 def impact_energy(chain: Chain, index: int, speed: float) -> tuple[float, float]:
     """Energy [J] of two free beads that close at `speed` [m/s], and the depth [m] at which contact `index` stores it."""
     energy = 0.5 * speed**2 / float(chain.inverse_reduced_mass[index])
-    low, high = 0.0, float(contact_scales(chain, np.array([0.0, speed]))[0][index])  # an upper bound of the depth
+    low, high = 0.0, float(scales_at(chain, speed)[0][index])  # an upper bound of the depth
     for _ in range(HALVINGS):
         depth = 0.5 * (low + high)
         low, high = (depth, high) if float(chain.contact[index].energy(depth)) < energy else (low, depth)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from softcradle.physics.chain import Joint
 from softcradle.physics.contact import Contact
-from softcradle.physics.scales import contact_scales
+from softcradle.physics.scales import scales_at
 from softcradle.sandbox.languages import N_, NP_, error_words
 from softcradle.sandbox.motion import Motion
 from softcradle.sandbox.quantities import BEAD, CONTACT, MASS, OVERLAP, VELOCITY
@@ -50,7 +50,7 @@ class Owner:
         """Force [N] of the contact, or of the one beside the bead, that is struck at the scene's speed."""
         live = self.live
         contact = min(self.index, live.chain.contacts - 1)
-        depth = contact_scales(live.chain, [0.0] * live.chain.contacts + [live.setup.speed])[0][contact]
+        depth = scales_at(live.chain, live.setup.scale)[0][contact]
         return float(live.chain.contact[contact].force(float(depth)))
 
 

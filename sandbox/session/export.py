@@ -22,7 +22,7 @@ from softcradle.sandbox.languages import _
 from softcradle.sandbox.session.contact_conversion import kind_of
 from softcradle.sandbox.session.contact_events import ContactEvents
 from softcradle.sandbox.session.history_slices import HistorySlice
-from softcradle.sandbox.session.lane_setup import LaneSetup, Setup
+from softcradle.sandbox.session.lane_setup import DURATION, LaneSetup, Setup
 from softcradle.sandbox.session.ledger import BY_BED, BY_CONTACTS
 from softcradle.scenes import Lane, Scene, load, names, parse
 from softcradle.scenes.contact_table import table_of
@@ -30,7 +30,6 @@ from softcradle.scenes.contact_table import table_of
 EDITED = ", edited"  # after the label of a lane that was edited in all but its contacts
 LARGEST_DENOMINATOR = 60  # of an exponent that is written as a fraction
 EPSILON = float(np.finfo(float).eps)
-DURATION = 10.0  # s, of a scene that no longer ends by itself after an edit
 PREFIX = "softcradle:"
 MOST_BYTES = 2**20  # of a scene's text: more is no scene
 

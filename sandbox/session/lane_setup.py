@@ -12,7 +12,7 @@ from softcradle.physics.advice.auto_method import conserving_step
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import Contact
 from softcradle.physics.methods import find_method, refusal_of
-from softcradle.physics.scales import DEFAULT_STEPS_A_CONTACT, contact_scales, speed_scale
+from softcradle.physics.scales import DEFAULT_STEPS_A_CONTACT, scales_at, speed_scale
 from softcradle.physics.state import State
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.scene_runs import KEEPING, SHOWN
@@ -32,13 +32,13 @@ def suitable_step(method: str, chain: Chain, speed: float) -> float:
     if find_method(method).adaptive:
         return 0.0
     if method == KEEPING:
-        return conserving_step(chain, [0.0, speed], ERROR)
+        return conserving_step(chain, speed, ERROR)
     return contact_time(chain, speed) / DEFAULT_STEPS_A_CONTACT
 
 
 def contact_time(chain: Chain, speed: float) -> float:
     """Shortest contact [s] of the chain at the closing speed `speed` [m/s]."""
-    return float(contact_scales(chain, np.array([0.0, speed]))[1].min())
+    return float(scales_at(chain, speed)[1].min())
 
 
 def steps_in(frame_time: float, method: str, step: float, contacts: int, given: bool) -> int:
@@ -52,6 +52,7 @@ def steps_in(frame_time: float, method: str, step: float, contacts: int, given: 
 
 FRAME_RATE = 120  # model frames in a second of wall time: at 60 pictures a second each picture takes two
 TOLERANCE = 1e-8  # of adaptive methods where the scene has none
+DURATION = 10.0  # s, of a scene that no longer ends by itself after an edit
 
 
 @dataclass(frozen=True)
@@ -71,6 +72,7 @@ class LaneSetup:
         speed: closing speed [m/s] of this scene; it scales steps, the pointer spring and errors.
         start: the State to which a restart goes back; never changed in place.
         length: of a bead [m], beyond which no converted contact may be pressed.
+        duration: of the scene [s], within which a drive gives speed.
     """
 
     label: str
@@ -85,10 +87,16 @@ class LaneSetup:
     start: State = field(compare=False, repr=False)
     origin: tuple[Contact | None, ...] = ()
     length: float = math.inf
+    duration: float = DURATION
+
+    @property
+    def scale(self) -> float:
+        """Speed [m/s] of the fastest closing there can be: at the closing speed, or by the drive and what is pressed."""
+        return speed_scale(self.chain, [0.0, self.speed], self.duration)
 
     def with_speed(self, velocity: NDArray[np.float64]) -> LaneSetup:
         """The same lane at the closing speed of `velocity` (n+1,) [m/s]; a chosen step is chosen again."""
-        return replace(self, speed=speed_scale(self.chain, velocity)).with_choice()
+        return replace(self, speed=speed_scale(self.chain, velocity, self.duration)).with_choice()
 
     def with_chain(
         self,
@@ -108,8 +116,8 @@ class LaneSetup:
     def with_choice(self) -> LaneSetup:
         """The same lane; method and step are chosen again where nobody has given them."""
         if self.automatic:
-            return replace(self, method=SHOWN, step=suitable_step(SHOWN, self.chain, self.speed))
-        return self if self.step_given else replace(self, step=suitable_step(self.method, self.chain, self.speed))
+            return replace(self, method=SHOWN, step=suitable_step(SHOWN, self.chain, self.scale))
+        return self if self.step_given else replace(self, step=suitable_step(self.method, self.chain, self.scale))
 
     def with_method(self, name: str) -> LaneSetup:
         """The same lane by method `name` ('auto': chosen) with a chosen step. ValueError for an unknown name."""
@@ -178,8 +186,8 @@ def setup_of(scene: Scene) -> Setup:
 
 def lane_setup(scene: Scene, lane: Lane) -> LaneSetup:
     """How `lane` moves in `scene`: by the scene's method and step where it names them."""
-    chain = lane.chain()
-    speed = speed_scale(chain, lane.velocity)
+    chain, duration = lane.chain(), scene.duration or DURATION
+    speed = speed_scale(chain, lane.velocity, duration)
     setup = LaneSetup(
         label=lane.label,
         chain=chain,
@@ -192,6 +200,7 @@ def lane_setup(scene: Scene, lane: Lane) -> LaneSetup:
         speed=speed,
         start=State.at_start(chain, lane.velocity),
         length=scene.view.length,
+        duration=duration,
     )
     if scene.method is not None:
         setup = setup.with_method(scene.method)

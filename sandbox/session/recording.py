@@ -104,7 +104,7 @@ def load_recording(path: Path) -> tuple[Recording, Scene]:
         if metadata["softcradle recording"] != FORMAT:
             raise UserError(_("{path}: recorded by a later softcradle", path=path))
         scene = parse(metadata["scene"])
-        base = snapshot_from_table(metadata["base"], scene.view.length)
+        base = snapshot_from_table(metadata["base"], scene)
         recording = Recording(base, int(metadata["frame"]))
         recording.inputs = [(int(frame), inputs.from_table(table)) for frame, table in metadata["inputs"]]
         recording.hashes = array("Q", hashes.tolist())

@@ -117,14 +117,14 @@ def _chatter(part: HistorySlice, before: Sequence[HistorySlice] = ()) -> Array:
     switches = np.concatenate([one.ledger[:, SWITCHES] for one in (*alike, part)])
     row = np.arange(len(time) - len(part.time), len(time))
     begin = np.maximum(row - WINDOW, 0)
-    most = 2.0 * part.chain.contacts * (1.0 + (time[row] - time[begin]) / contact_time(part.chain, part.setup.speed))
+    most = 2.0 * part.chain.contacts * (1.0 + (time[row] - time[begin]) / contact_time(part.chain, part.setup.scale))
     chatter: Array = np.maximum(switches[row] - switches[begin], 0.0) / most
     return chatter
 
 
 def _steps_a_contact(setup: LaneSetup, frame_time: float) -> float:
     step = setup.step_for(frame_time)
-    return contact_time(setup.chain, setup.speed) / step if step else math.inf
+    return contact_time(setup.chain, setup.scale) / step if step else math.inf
 
 
 def _percent(value: float) -> str:

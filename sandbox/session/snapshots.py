@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from softcradle.physics.contact import Contact
 from softcradle.physics.state import State
 from softcradle.physics.trajectory_file import chain_from_table
-from softcradle.sandbox.session.lane_setup import LaneSetup, Setup
+from softcradle.sandbox.session.lane_setup import DURATION, LaneSetup, Setup
 from softcradle.sandbox.session.ledger import LEDGER_COLUMNS
+from softcradle.scenes import Scene
 
 Array = NDArray[np.float64]
 
@@ -57,14 +58,12 @@ def snapshot_table(snapshot: Snapshot) -> dict[str, Any]:
     }
 
 
-def snapshot_from_table(table: dict[str, Any], length: float) -> Snapshot:
-    """The Snapshot that :func:`snapshot_table` wrote, with beads of `length` [m]; ValueError, KeyError or TypeError where
-    it is none.
-    """
+def snapshot_from_table(table: dict[str, Any], scene: Scene) -> Snapshot:
+    """The Snapshot that :func:`snapshot_table` wrote of that scene; ValueError, KeyError or TypeError where it is none."""
     lane, bead, position = table["hand"]
     return Snapshot(
         time=float(table["time"]),
-        setup=Setup(tuple(_lane(lane, length) for lane in table["lanes"]), float(table["slow"])),
+        setup=Setup(tuple(_lane(lane, scene) for lane in table["lanes"]), float(table["slow"])),
         held=HeldBead(float(lane), float(bead), float(position)),
         states=tuple(_state(state) for state in table["states"]),
         ledgers=tuple(_ledger(ledger) for ledger in table["ledgers"]),
@@ -78,7 +77,7 @@ def _ledger(columns: list[float]) -> Array:
 
 def _lane_table(setup: LaneSetup) -> dict[str, Any]:
     plain = asdict(replace(setup, start=_NO_STATE))
-    del plain["length"]  # the scene beside it has it
+    del plain["length"], plain["duration"]  # the scene beside it has them
     if not setup.origin:  # earlier versions read lanes without it
         del plain["origin"]
     for name in ("forces", "brakes"):  # or without these
@@ -87,11 +86,11 @@ def _lane_table(setup: LaneSetup) -> dict[str, Any]:
     return {**plain, "start": _state_table(setup.start)}
 
 
-def _lane(table: dict[str, Any], length: float) -> LaneSetup:
+def _lane(table: dict[str, Any], scene: Scene) -> LaneSetup:
     locked = tuple(None if numbers is None else Contact(**numbers) for numbers in table["locked"])
     origin = tuple(None if numbers is None else Contact(**numbers) for numbers in table.get("origin", ()))
-    changed = {"chain": chain_from_table(table["chain"]), "locked": locked, "origin": origin, "length": length}
-    changed["start"] = _state(table["start"])
+    changed = {"chain": chain_from_table(table["chain"]), "locked": locked, "origin": origin}
+    changed |= {"start": _state(table["start"]), "length": scene.view.length, "duration": scene.duration or DURATION}
     return LaneSetup(**{**table, **changed})
 
 

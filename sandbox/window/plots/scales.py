@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 from softcradle.physics.methods import AUTO, Family, find_method
-from softcradle.physics.scales import contact_scales
+from softcradle.physics.scales import scales_at
 from softcradle.sandbox.draw.number_format import round_step
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.motion import Array, Motion
@@ -54,7 +54,7 @@ def estimated_scales(scene: Scene, session: Session) -> Scales:
     scales = scales_of(scene, [lane.motion for lane in session.lanes])
     forces, depths = [], []
     for lane in session.lanes:
-        depth = contact_scales(lane.chain, [0.0, lane.setup.speed] if lane.chain.contacts == 1 else lane.velocity)[0]
+        depth = scales_at(lane.chain, lane.setup.scale)[0]
         depths.append(tuple(depth.tolist()))
         forces.append(max(float(law.force(d)) for law, d in zip(lane.chain.contact, depth, strict=True)))
     high = math.ceil(math.log10(max(max(d) for d in depths)))

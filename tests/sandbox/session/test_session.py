@@ -4,11 +4,20 @@ import re
 
 import numpy as np
 import pytest
-from softcradle.physics import simulate
+from softcradle.physics import power_law, simulate
 from softcradle.sandbox.scene_runs import run_scene
-from softcradle.sandbox.session import RemoveBead, SetMass, SetMethod, SetSlow, SetVelocity, live_lane
+from softcradle.sandbox.session import (
+    RemoveBead,
+    SetContact,
+    SetDrive,
+    SetMass,
+    SetMethod,
+    SetSlow,
+    SetVelocity,
+    live_lane,
+)
 from softcradle.sandbox.session.history_slices import last_slice
-from softcradle.sandbox.session.lane_setup import FRAME_RATE
+from softcradle.sandbox.session.lane_setup import DURATION, FRAME_RATE
 from softcradle.sandbox.session.snapshots import snapshot_table
 from softcradle.sandbox.session.summary_text import summary_text
 from softcradle.sandbox.trajectory_summary import describe
@@ -22,6 +31,19 @@ PICTURE = 2.0 / FRAME_RATE
 def played(session, frames):
     session.step_frames(frames)
     return session
+
+
+def test_a_drive_stronger_than_soft_contacts_has_steps_for_the_speed_that_it_gives():
+    """It would press them in by astronomical lengths, at the speed of which a chosen step is 1e13 s."""
+    session = opened()
+    session.apply_all([SetDrive(0, 0, 5.0), *(SetContact(0, k, power_law(1.0, 1 / 50)) for k in range(4))])
+    setup = session.lanes[0].setup
+    assert setup.scale == pytest.approx(1.0 + 5.0 * DURATION)
+    assert setup.step < 1.0
+    chain, velocity = setup.chain, setup.start.velocity(setup.chain)
+    played(session, 200)
+    end = simulate(chain, velocity, session.time, tolerance=1e-7, samples=2).final_velocity
+    assert session.lanes[0].velocity == pytest.approx(end, abs=1e-4)
 
 
 @pytest.mark.filterwarnings("ignore:final velocities are determined")  # of the train with loss, to 1e-3 m/s
