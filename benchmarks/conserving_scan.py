@@ -158,7 +158,8 @@ def error_report(found: Sequence[Error], options: str = "") -> Report:
                 ]
             )
     notes = [
-        f"errors of final velocities, of the closing speed, beside a step {FINER:g} times finer than the default one",
+        "errors of final velocities, of the closing speed or what the drive gives, beside a step "
+        f"{FINER:g} times finer than the default one",
         "where contacts rattle, the finer run is no truth either: the error is then how far two runs differ",
         f"made by `python -m benchmarks conserving --errors{options} --count {len(found) // len(STEPS_OF_ERRORS)}`",
     ]

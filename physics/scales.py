@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 NO_APPROACH = 1e-13  # of the fastest bead: beads that close slower do not close
 # of the largest difference of velocities: the least scale
 LEAST_SCALE = 1e-10
-ROUND_OFF = 16.0 * float(np.finfo(np.float64).eps)  # of that, now or by forces over time: no error is less
+ROUND_OFF = 16.0 * float(np.finfo(np.float64).eps)  # of that, now or by what forces give: no error is less
 # [m] of contacts that are computed: with powers of them, floats end not far beyond
 LEAST_DEPTH, MOST_DEPTH = 1e-60, 1e25
 # of a default step: in the shortest contact time; at the least, in the time in which bed friction stops a bead
@@ -67,7 +67,7 @@ def _sprung_speed(chain: Chain) -> float:
 
 @per_chain
 def _pull(chain: Chain) -> float:
-    """Largest difference of the accelerations [m/s²] that forces over time give to beads."""
+    """Largest difference of the accelerations [m/s²] that the drive gives to beads, at any time."""
     return max(float(np.ptp(force * chain.inverse_mass)) for force in chain.drives)
 
 
@@ -191,7 +191,6 @@ def _passed_on(chain: Chain, drive: Array) -> Array:
     Beads that are driven into each other go on as one body, others go away: runs of beads are joined while the left one
     accelerates faster. What joins later presses all the harder.
     """
-    mass, walls = np.asarray(chain.mass), np.isinf(chain.mass)
     runs: list[tuple[int, float, float]] = []  # beads, drive [N] and mass [kg] of each
     for push, inertia in zip(drive.tolist(), chain.mass, strict=True):
         count, whole, total = 1, push, inertia
@@ -201,9 +200,9 @@ def _passed_on(chain: Chain, drive: Array) -> Array:
         runs.append((count, whole, total))
     counts = np.array([count for count, _, _ in runs])
     acceleration = np.repeat([whole / total for _, whole, total in runs], counts)
-    left = drive - np.where(walls, 0.0, mass) * acceleration  # what contacts have to take from each bead
+    left = drive - chain.finite_mass * acceleration  # what contacts have to take from each bead
     unheld = np.add.reduceat(left, np.cumsum(counts) - counts)  # of each run: its wall holds it
-    passed: Array = np.cumsum(left - np.where(walls, np.repeat(unheld, counts), 0.0))[:-1]
+    passed: Array = np.cumsum(left - np.where(np.isinf(chain.mass), np.repeat(unheld, counts), 0.0))[:-1]
     passed[passed <= NO_APPROACH * np.abs(drive).sum()] = 0.0
     return passed
 

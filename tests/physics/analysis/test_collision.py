@@ -70,9 +70,8 @@ def test_gears_above_the_critical_speed_are_not():
 
 def test_a_coupler_is_loaded_for_as_long_as_it_is_pulled_out():
     push, pull = draft_gear(20.0, 0.05), draft_gear(30.0, 0.04)
-    found = simulate(
-        Chain([1.0, 3.0], Coupler(push, pull=pull, slack=0.1)), [0.0, 1.0], 1.2
-    )  # first pulled, then pressed
+    chain = Chain([1.0, 3.0], Coupler(push, pull=pull, slack=0.1))
+    found = simulate(chain, [0.0, 1.0], 1.2)  # first pulled, then pressed
     loaded = one_on_one(pull, 0.75, 1.0).contact_time + one_on_one(push, 0.75, 1.0).contact_time
     assert measures.dwell(found, 0)[0] == pytest.approx([1.1 - loaded, 0.0, loaded], abs=3e-3)
 
