@@ -61,7 +61,7 @@ from softcradle.physics.problem import (
     with_ends_as_samples,
     with_samples_of,
 )
-from softcradle.physics.scales import closing_scale
+from softcradle.physics.scales import ROUND_OFF, closing_scale
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
 
@@ -122,6 +122,17 @@ def error_growth(before: Any, grown: Array, turns: Array) -> Any:
     return 1.0 + before + grown.sum(axis=-1) + TURN_GROWTH * turns.max(axis=-1)
 
 
+def fastest_bead(velocity: Array) -> Any:
+    """The largest speed (...) [m/s] of `velocity` (..., n+1)."""
+    return np.abs(velocity).max(axis=-1)
+
+
+def stated_error(growth: Any, local_square: Any, roundings: Any, fastest: Any) -> Any:
+    """What a run states [m/s]: its local errors, and as many of round-off at the speed of the `fastest` bead, grown since."""
+    rounding = ROUND_OFF * fastest
+    return DOUBT * growth * np.sqrt(local_square + roundings * (rounding * rounding))
+
+
 def advance(problem: Problem) -> Status:
     """Move ``problem.state`` on by the duration in place; the memory of the kernels stays with the state."""
     state = problem.state
@@ -147,7 +158,8 @@ def one_run(problem: Problem, log_size: int = FIRST_LOG) -> Record:
         return one_run(problem, larger)
     counter, status, scratch = memory.log.counter, Status(code), memory.scratch
     growth = float(error_growth(scratch.control[GROWTH], scratch.grown, scratch.turns))
-    error = DOUBT * growth * float(np.sqrt(scratch.control[LOCAL_SQUARE]))
+    fastest = max(fastest_bead(problem.state.velocity(problem.chain)), fastest_bead(state.velocity(problem.chain)))
+    error = stated_error(growth, scratch.control[LOCAL_SQUARE], counter[STEP] + problem.chain.contacts, fastest)
     overlap, rate, anchor, force, taken = empty_samples(0, problem.chain.contacts)
     return Record(
         NO_TIMES, overlap, rate, anchor, force, *kept_switches(memory.log), state, int(counter[STEP]),

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.adaptive import usual_budget
-from softcradle.physics.adaptive.runner import DOUBT, error_growth
+from softcradle.physics.adaptive.runner import error_growth, fastest_bead, stated_error
 from softcradle.physics.adaptive.step_records import ALLOWED, empty_scratch, empty_steps, empty_trial
 from softcradle.physics.batch.chain_batch import ChainBatch
 from softcradle.physics.batch.run_each import BatchData, BatchMotion, integrate_each, march_each
@@ -176,7 +176,7 @@ def ensemble_ends(
         tell(blocks[k].size)
     ends.final_velocity[plain] = _velocities_of(batch, run.moving.rate, run.moving.anchor)[plain]
     if chosen.adaptive:
-        error, growth = accuracy.errors()
+        error, growth = accuracy.errors(run.velocity, ends.final_velocity, ends.steps)
         ends.velocity_error[plain] = error[plain, None]
         again = ~special & _needs_another_run(batch, run, error, growth)
         for _ in in_threads(alone, np.flatnonzero(again).tolist(), threads):
@@ -255,10 +255,14 @@ class _Accuracy:
         grown, turns, control = (np.zeros((batch.chains, count)) for count in (batch.contacts, batch.contacts, 2))
         return cls(method, tolerance, scale, budget, grown, turns, control)
 
-    def errors(self) -> tuple[Array, Array]:
-        """(C,) the error [m/s] that each chain states, and the factor by which errors have grown."""
+    def errors(self, start: Array, end: Array, steps: NDArray[np.int64]) -> tuple[Array, Array]:
+        """(C,) the error [m/s] that each chain states after its `steps` (C,), and the factor by which errors have grown.
+
+        `start` and `end` (C, n+1) are the velocities of the beads [m/s] before and after.
+        """
         growth = error_growth(self.control[:, 0], self.grown, self.turns)
-        return DOUBT * growth * np.sqrt(self.control[:, 1]), growth
+        fastest = np.maximum(fastest_bead(start), fastest_bead(end))
+        return stated_error(growth, self.control[:, 1], steps + self.grown.shape[1], fastest), growth
 
 
 def _integrate(kernel: Any, accuracy: _Accuracy, run: _Run, which: Which) -> None:

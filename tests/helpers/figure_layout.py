@@ -29,17 +29,6 @@ def texts_of(figure: Figure) -> list[tuple[Text, Bbox]]:
     return [(text, text.get_window_extent()) for text in drawn]
 
 
-def small_texts(figure: Figure) -> list[str]:
-    """Texts, or indices of them, below LEAST_SIZE."""
-    found = []
-    for text, _ in texts_of(figure):
-        words = text.get_text()
-        script = SCRIPT if "$" in words and ("^" in words or "_" in words) else 1.0
-        if text.get_fontsize() * script < LEAST_SIZE:
-            found.append(words)
-    return found
-
-
 def texts_on_texts(figure: Figure) -> list[tuple[str, str]]:
     texts, touch = texts_of(figure), TOUCH * figure.dpi / 72.0
     return [
@@ -48,15 +37,6 @@ def texts_on_texts(figure: Figure) -> list[tuple[str, str]]:
         for other, below in texts[:k]
         if min(box.x1, below.x1) - max(box.x0, below.x0) > touch
         and min(box.y1, below.y1) - max(box.y0, below.y0) > touch
-    ]
-
-
-def texts_beyond(figure: Figure) -> list[str]:
-    edge = figure.bbox
-    return [
-        text.get_text()
-        for text, box in texts_of(figure)
-        if box.x0 < edge.x0 or box.y0 < edge.y0 or box.x1 > edge.x1 - 1 or box.y1 > edge.y1 - 1
     ]
 
 
@@ -86,7 +66,15 @@ def keys_on_curves(figure: Figure) -> list[tuple[str, str]]:
 
 
 def unreadable(figure: Figure) -> list[object]:
-    return [one for wrong in (small_texts, texts_beyond, texts_on_texts, texts_on_curves) for one in wrong(figure)]
+    """Texts that are, or have indices, below LEAST_SIZE, and those beyond the edge, on other texts or on curves."""
+    found, edge = [], figure.bbox
+    for text, box in texts_of(figure):
+        words = text.get_text()
+        script = SCRIPT if "$" in words and ("^" in words or "_" in words) else 1.0
+        beyond = box.x0 < edge.x0 or box.y0 < edge.y0 or box.x1 > edge.x1 - 1 or box.y1 > edge.y1 - 1
+        if beyond or text.get_fontsize() * script < LEAST_SIZE:
+            found.append(words)
+    return [*found, *texts_on_texts(figure), *texts_on_curves(figure)]
 
 
 def unnamed_colours(figure: Figure) -> set[str]:

@@ -54,13 +54,13 @@ class Step:
         if chain.inverse_mass[bead] > 0.0:  # the tests anchor beads that no contact pushes, or walls
             self.trial.anchor[1] += H * (self.data.external[-1] if self.data.external.size else 0.0)
 
-    def corner(self, landing=(-1, 0), inactive=0.0, slow=0.0):
+    def corner(self, landing=(-1, 0), slow=0.0):
         """What `first_corner` returns."""
-        return first_corner(H, self.data, self.regime, self.motion, self.trial, *landing, inactive, slow, self.work)
+        return first_corner(H, self.data, self.regime, self.motion, self.trial, *landing, 0.0, slow, self.work)
 
-    def find(self, landing=(-1, 0), inactive=0.0, slow=0.0):
+    def find(self, landing=(-1, 0), slow=0.0):
         """(contact or bead, what happens at its corner, part of the step)."""
-        row, side, part, *_ = self.corner(landing, inactive, slow)
+        row, side, part, *_ = self.corner(landing, slow)
         n = self.chain.contacts
         if row >= n:
             return row - n, STOPS if self.regime.slide[row - n] else SLIPS, part

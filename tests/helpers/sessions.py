@@ -19,11 +19,12 @@ from softcradle.sandbox.session.snapshots import NOTHING_HELD, snapshot_table
 from softcradle import scenes
 
 
-def opened(name: str = "one-on-four", *edits: inputs.Input, **options: Any) -> Session:
-    """A session with the scene `name` after `edits`, whose clock stands still; `options` are those of Session."""
+def opened(name: str = "one-on-four", *edits: inputs.Input, frames: int = 0, **options: Any) -> Session:
+    """A session with the scene `name` after `edits` and `frames`, whose clock stands still; `options` are those of Session."""
     session = Session(scenes.load(name), **{"clock": lambda: 0.0, **options})
     for edit in edits:
         session.apply(edit)
+    session.step_frames(frames)
     return session
 
 
@@ -90,13 +91,14 @@ def check_round_trip(session: Session) -> None:
             assert [step.number for step in one] == [step.number for step in other]
 
 
-def check_replay(session: Session, file: Path) -> None:
-    """The recording, written to `file` and read again, leads to the same frames. AssertionError where not."""
+def check_replay(session: Session, file: Path) -> Replay:
+    """The recording, written to `file` and read again, leads to the same frames. AssertionError where not; the Replay."""
     session.recording.save(file, session.scene)
     replay = Replay.load(file)
     assert replay.run(), f"{replay.sentence}; inputs {replay.recording.inputs}"
     if not session.scrubbed:
         assert frame_table(replay.session) == frame_table(session)
+    return replay
 
 
 METHODS = ("auto", "conserving", "verlet", "euler", "yoshida4", "accurate", "radau", "dop853", "pymunk")

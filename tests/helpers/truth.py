@@ -3,7 +3,6 @@
 import json
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -49,10 +48,7 @@ class Truth:
         return min(contact.exponent for contact in self.chain.contact)
 
 
-@cache
-def _data() -> dict[str, Any]:
-    content: dict[str, Any] = json.loads((Path(__file__).parent / "data" / "truth.json").read_text())
-    return content
+_DATA: dict[str, Any] = json.loads((Path(__file__).parent / "data" / "truth.json").read_text())
 
 
 def _numbers(values: Any) -> Array:
@@ -63,9 +59,8 @@ def _truth(name: str, case: dict[str, Any], chain: Chain, start: Array, names: s
     """A case; `names` are those of its contact time, last openings, largest overlaps and forces in the file."""
     contact_time, *others = (_numbers(case[key]) for key in names.split())
     columns = map(_numbers, zip(*samples, strict=True))
-    return Truth(
-        name, chain, start, _numbers(case["vfinal"]), case["hit_contact"], float(contact_time), *others, *columns
-    )
+    ends = _numbers(case["vfinal"]), case["hit_contact"], float(contact_time)
+    return Truth(name, chain, start, *ends, *others, *columns)
 
 
 def _elastic(name: str, case: dict[str, Any]) -> Truth:
@@ -80,9 +75,9 @@ def _gear(name: str, case: dict[str, Any]) -> Truth:
     return _truth(f"draft gear {name}", case, chain, _numbers(case["v"]), names, case["samples_t_d_f_v"])
 
 
-ELASTIC = tuple(_elastic(name, case) for name, case in _data().items() if isinstance(case, dict) and "m" in case)
-GEARS = tuple(_gear(name, case) for name, case in _data()["draft gear"].items() if "masses" in case)
+ELASTIC = tuple(_elastic(name, case) for name, case in _DATA.items() if isinstance(case, dict) and "m" in case)
+GEARS = tuple(_gear(name, case) for name, case in _DATA["draft gear"].items() if "masses" in case)
 CRITICAL_SPEEDS = {
     name: float(speed)
-    for name, speed in next(v for k, v in _data()["draft gear"].items() if k.startswith("critical_speeds")).items()
+    for name, speed in next(v for k, v in _DATA["draft gear"].items() if k.startswith("critical_speeds")).items()
 }

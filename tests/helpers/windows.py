@@ -24,7 +24,6 @@ from tests.helpers.drawn_text import DrawnText, drawn_texts
 os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
 os.environ.setdefault("SDL_AUDIODRIVER", "dummy")
 
-
 LONGEST = 3600.0  # s: kernels are compiled, beside whatever else the machine does
 FRAME = 1.0 / 60.0
 LONGEST_WORK = 120.0  # seconds of processor time after which what a test waits for does not come
@@ -225,7 +224,8 @@ def faults(driver: Driver) -> list[str]:
     for one in shown:
         if not window.contains(one.rect):
             found.append(f"{widget_name(one)} leaves the window: {one.rect}")
-        if isinstance(one, UIButton) and one.text and one.tool_tip_text is None and _clipped(one):
+        alone = isinstance(one, UIButton) and one.text and one.tool_tip_text is None
+        if alone and one.font.get_rect(one.text).width > one.rect.width:
             found.append(f"the text of {widget_name(one)} is clipped")
     for one, other in itertools.combinations(shown, 2):
         if one.rect.colliderect(other.rect):
@@ -235,7 +235,3 @@ def faults(driver: Driver) -> list[str]:
 
 def widget_name(one: UIElement) -> str:
     return f"{type(one).__name__} {getattr(one, 'text', '')!r}"
-
-
-def _clipped(button: UIButton) -> bool:
-    return button.font.get_rect(button.text).width > button.rect.width

@@ -93,12 +93,8 @@ def test_the_command_writes_what_it_shows(tmp_path, monkeypatch, capsys):
     assert "nonsense" in capsys.readouterr().err
 
 
-OVER_TIME = ("first_use", "films", "solves", "steps")
-CONFIGURATION = json.loads((ROOT / "asv.conf.json").read_text(encoding="utf-8"))
-
-
 def benchmarks_over_time():
-    for stem in OVER_TIME:
+    for stem in ("first_use", "films", "solves", "steps"):
         module = importlib.import_module(f"benchmarks.over_time.{stem}")
         for name, kind in vars(module).items():
             if isinstance(kind, type) and kind.__module__ == module.__name__:
@@ -110,24 +106,20 @@ def measurement_of(kind):
     return found
 
 
-@pytest.mark.parametrize(("name", "kind"), [pytest.param(name, kind, id=name) for name, kind in benchmarks_over_time()])
-def test_benchmarks_over_time_run(name, kind, monkeypatch):
+@pytest.mark.parametrize("kind", [pytest.param(kind, id=name) for name, kind in benchmarks_over_time()])
+def test_benchmarks_over_time_run(kind, monkeypatch):
     """Each with the least work, on the code that the command measures."""
-    module = importlib.import_module(kind.__module__)
-    for constant, least in {"COLLISIONS": 2, "measure": lambda case: {"nanoseconds": 1.0}}.items():
-        if hasattr(module, constant) and name != "films.Film":
-            monkeypatch.setattr(module, constant, least)
-    if name == "films.Film":
-        monkeypatch.setattr("benchmarks.render.MOST_FRAMES", 4)
-    if name == "first_use.FirstUse":
-        monkeypatch.setattr(module, "started", lambda *words: (float(words[-1] == "--help"), ""))
+    monkeypatch.setattr("benchmarks.render.MOST_FRAMES", 4)
+    monkeypatch.setattr("benchmarks.over_time.solves.COLLISIONS", 2)
+    monkeypatch.setattr("benchmarks.over_time.steps.measure", lambda case: {"nanoseconds": 1.0})
+    monkeypatch.setattr("benchmarks.over_time.first_use.started", lambda *words: (float(words[-1] == "--help"), ""))
     benchmark, first = kind(), [values[0] for values in getattr(kind, "params", ())]
     getattr(benchmark, "setup", lambda *_: None)(*first)
     found = getattr(benchmark, measurement_of(kind))(*first)
     assert found is None or found >= 0.0
 
 
-RELEASES = ROOT / CONFIGURATION["results_dir"]
+RELEASES = ROOT / json.loads((ROOT / "asv.conf.json").read_text(encoding="utf-8"))["results_dir"]
 KEPT = sorted(RELEASES.glob("*/*-*.json"))
 
 

@@ -27,14 +27,11 @@ def test_a_definition_is_found_from_another_room():
     jedi = pytest.importorskip("jedi")
     text = "from softcradle.physics.chain import Chain\nfrom softcradle.scenes.catalogue import load\nChain, load\n"
     project = jedi.Project(ROOT, sys_path=[str(ROOT / TYPED)], smart_sys_path=False)
-    place = {"path": ROOT / "sandbox" / "new.py", "environment": jedi.InterpreterEnvironment()}
-    script = jedi.Script(text, project=project, **place)
+    here = jedi.InterpreterEnvironment()
+    script = jedi.Script(text, path=ROOT / "sandbox" / "new.py", environment=here, project=project)
     found = [script.goto(3, column, follow_imports=True)[0] for column in (0, 7)]
-    assert [Path(one.module_path).resolve() for one in found] == [
-        ROOT / "physics" / "chain.py",
-        ROOT / "scenes" / "catalogue.py",
-    ]
-    assert [one.name for one in found] == ["Chain", "load"]
+    places = [("Chain", ROOT / "physics" / "chain.py"), ("load", ROOT / "scenes" / "catalogue.py")]
+    assert [(one.name, Path(one.module_path).resolve()) for one in found] == places
 
 
 @pytest.mark.skipif(shutil.which("ctags") is None, reason="there is no ctags")

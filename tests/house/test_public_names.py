@@ -1,8 +1,13 @@
-"""The public names: exactly these, importable, documented, the same from `softcradle.physics`; and imports are light."""
+"""The public names: exactly these, importable, documented, the same from `softcradle.physics`; imports are light.
+
+Every example in a docstring runs, under the name that users import it by.
+"""
 
 import ast
+import doctest
 import inspect
 import tomllib
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -10,7 +15,7 @@ import pytest
 import softcradle
 from softcradle import physics
 from tests.helpers.own_process import python
-from tests.helpers.paths import ROOT
+from tests.helpers.paths import ROOT, module_name, source_files
 
 PUBLIC = [
     "Chain", "ChainBatch", "Contact", "Coupler", "EnsembleEnds", "METHODS", "OwnLaw", "SoftChain", "SoftContact", "State",
@@ -67,3 +72,13 @@ HEAVY = ("numpy", "numba", "scipy", "pymunk", "pygame", "matplotlib", "av", "PIL
 def test_imports_are_light(code, absent):
     program = f"{code}; import sys; print([name for name in {tuple(absent)!r} if name in sys.modules])"
     assert python("-c", program, cwd=ROOT).stdout.strip() == "[]"
+
+
+FLAGS = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS
+MODULES = [module_name(path) for path in source_files() if ">>> " in path.read_text(encoding="utf-8")]
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_examples_run(name):
+    failed, tried = doctest.testmod(import_module(name), optionflags=FLAGS)
+    assert failed == 0 < tried

@@ -27,21 +27,17 @@ def test_nothing():
 """
 
 
-def outcomes(folder):
-    """(outcome, test) as pytest tells them of LEAVING, with the settings of this suite."""
-    (folder / "test_a.py").write_text(LEAVING, encoding="utf-8")
+@pytest.mark.skipif(not os.path.exists("/proc/self/fd"), reason="this system does not tell what a process has")
+def test_what_a_test_leaves_fails_that_test_alone(tmp_path):
+    """As pytest tells of LEAVING, with the settings of this suite."""
+    (tmp_path / "test_a.py").write_text(LEAVING, encoding="utf-8")
     command = [sys.executable, "-m", "pytest", "-v", "-n", "0", "-p", "tests.conftest", "-p", "no:cacheprovider"]
-    command += ["--rootdir", str(folder), "-c", os.devnull, str(folder)]
+    command += ["--rootdir", str(tmp_path), "-c", os.devnull, str(tmp_path)]
     variables = os.environ | {"PYTHONPATH": str(ROOT), "PYTEST_ADDOPTS": ""}
     with subprocess.Popen(command, env=variables, stdout=subprocess.PIPE, text=True, start_new_session=True) as process:
         lines = [line.split() for line in process.stdout if "::" in line]
         end_all_of(process)
-    return [(line[1], line[0].rpartition("::")[2]) for line in lines if line[1] in ("PASSED", "ERROR")]
-
-
-@pytest.mark.skipif(not os.path.exists("/proc/self/fd"), reason="this system does not tell what a process has")
-def test_what_a_test_leaves_fails_that_test_alone(tmp_path):
-    found = outcomes(tmp_path)
+    found = [(line[1], line[0].rpartition("::")[2]) for line in lines]
     assert [test for outcome, test in found if outcome == "ERROR"] == ["test_a_process", "test_a_connection"]
     assert ("PASSED", "test_nothing") in found
 

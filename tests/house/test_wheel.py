@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.helpers.own_process import python
 from tests.helpers.paths import LAYERS, ROOT
 
 pytestmark = pytest.mark.slow
@@ -46,7 +47,6 @@ class Installed:
     """The wheel in an environment of its own, and a user's folder to run it from."""
 
     python: Path
-    scripts: Path
     packages: Path
     game: Path
 
@@ -84,9 +84,8 @@ def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Installe
     builder = venv.EnvBuilder(symlinks=os.name != "nt")
     made = builder.ensure_directories(home / "environment")
     builder.create(home / "environment")
-    python = Path(made.env_exe)
-    subprocess.run([*PIP, "--python", str(python), "install", "--no-deps", "--no-index", str(wheel)], check=True)
-    ask = [str(python), "-c", "import sysconfig; print(sysconfig.get_path('purelib'))"]
+    subprocess.run([*PIP, "--python", made.env_exe, "install", "--no-deps", "--no-index", str(wheel)], check=True)
+    ask = [made.env_exe, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))"]
     packages = Path(subprocess.run(ask, capture_output=True, text=True, check=True).stdout.strip())
     dependencies = {sysconfig.get_path("purelib"), sysconfig.get_path("platlib")}
     (packages / "dependencies.pth").write_text("\n".join(dependencies), encoding="utf-8")
@@ -95,7 +94,7 @@ def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Installe
         (game / name).mkdir(parents=True)
         (game / name / "__init__.py").write_text('OF = "the game"\n', encoding="utf-8")
     (game / "game.py").write_text(GAME, encoding="utf-8")
-    return Installed(python, Path(made.bin_path), packages, game)
+    return Installed(Path(made.env_exe), packages, game)
 
 
 def test_everything_is_in_it_and_nothing_else(wheel):
@@ -146,7 +145,7 @@ def test_a_game_with_a_folder_physics_of_its_own_and_the_command_run(installed):
     printed = installed.run(installed.python, "-m", "softcradle", "run", "one-on-four")
     assert "-0.5675856" in printed  # final velocity of the striker [m/s]
     assert "accurate, tolerance 1e-08" in printed
-    assert "one-on-four" in installed.run(installed.scripts / "softcradle", "scenes")
+    assert "one-on-four" in installed.run(installed.python.with_name("softcradle"), "scenes")
 
 
 def test_fonts_theme_report_and_languages_are_found(installed):
@@ -190,10 +189,9 @@ def test_a_user_s_script_is_type_checked_against_the_wheel(installed):
     """What is ignored is wrong: to ignore what is right is an error too."""
     pytest.importorskip("mypy")
     (installed.game / "user.py").write_text(USER_SCRIPT, encoding="utf-8")
-    command = [sys.executable, "-m", "mypy", "--strict", "--python-executable", str(installed.python), "user.py"]
+    words = ("-m", "mypy", "--strict", "--python-executable", str(installed.python), "user.py")
     kept = {key: value for key, value in os.environ.items() if key not in ("MYPYPATH", "PYTHONPATH")}
-    done = subprocess.run(command, cwd=installed.game, env=kept, capture_output=True, text=True, check=False)
-    assert done.stdout == "Success: no issues found in 1 source file\n"
+    assert python(*words, env=kept, cwd=installed.game).stdout == "Success: no issues found in 1 source file\n"
 
 
 def test_the_source_archive_holds_documentation_and_examples(archive):

@@ -38,33 +38,36 @@ def test_a_chain_cannot_be_changed():
         chain.parameters.law[0, 0] = 1.0
 
 
-def test_the_start_has_the_gaps_of_the_chain():
+def test_every_start_is_one_of_its_own_with_the_gaps_of_the_chain():
     chain = Chain([1, 9, 3, 1], LAW, [0.5, 0.0, 0.25])
     state = State.at_start(chain, [1.0, 0.5, 0.25, -1.0])
     assert state.position(chain).tolist() == [0.0, 0.5, 0.5, 0.75]
     assert state.velocity(chain).tolist() == [1.0, 0.5, 0.25, -1.0]
     assert state.overlap.tolist() == [-0.5, 0.0, -0.25]
     assert state.time == 0.0
-
-
-def random_chain(seed):
-    rng = np.random.default_rng(seed)
-    n = int(rng.integers(1, 6))
-    preload = rng.choice([0.0, 1.0], n) * 10 ** rng.uniform(-3, 3, n)
-    exponent = rng.choice([1.0, 1.5, rng.uniform(0.01, 3.0)], n)
-    return Chain(10 ** rng.uniform(-3, 3, n + 1), list(map(Contact, preload, 10 ** rng.uniform(-6, 8, n), exponent)))
+    pressed = Chain([1, 1], hooke(5.0), gap=-0.1)
+    moved = State.at_start(pressed, [0, 0])
+    moved.overlap += 1.0
+    moved.force += 1.0
+    fresh = State.at_start(pressed, [0, 0])
+    assert fresh.overlap.tolist() == [0.1]
+    assert fresh.force.tolist() == [0.5]
 
 
 @pytest.mark.parametrize("seed", range(40))
 def test_what_is_computed_is_what_the_depths_say(seed):
     """Just inside and just outside of the range of each chain: refused exactly where a depth is out of range."""
-    chain = random_chain(seed)
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(1, 6))
+    preload = rng.choice([0.0, 1.0], n) * 10 ** rng.uniform(-3, 3, n)
+    exponent = rng.choice([1.0, 1.5, rng.uniform(0.01, 3.0)], n)
+    chain = Chain(10 ** rng.uniform(-3, 3, n + 1), list(map(Contact, preload, 10 ** rng.uniform(-6, 8, n), exponent)))
     borders = speeds_to_depth(chain, [[LEAST_DEPTH], [MOST_DEPTH]]).ravel()
     refused = 0
     for speed in [border * factor for border in borders for factor in (0.5, 1.0 - 1e-9, 1.0 + 1e-9, 2.0)]:
         if not 1e-30 <= speed <= 1e30:
             continue
-        velocity = [speed, *[0.0] * chain.contacts]
+        velocity = [speed, *[0.0] * n]
         depth = contact_scales(chain, velocity)[0]
         if ((depth >= LEAST_DEPTH) & (depth <= MOST_DEPTH)).all():
             require_computable(chain, velocity)
@@ -102,13 +105,3 @@ def test_a_chain_that_has_run_goes_to_other_processes_and_is_the_same():
     again = pickle.loads(pickle.dumps(chain))
     assert again == chain
     np.testing.assert_array_equal(simulate(again, [1, 0, 0], 0.5).final_velocity, first.final_velocity)
-
-
-def test_a_start_is_one_of_its_own_each_time():
-    chain = Chain([1, 1], hooke(5.0), gap=-0.1)
-    moved = State.at_start(chain, [0, 0])
-    moved.overlap += 1.0
-    moved.force += 1.0
-    fresh = State.at_start(chain, [0, 0])
-    assert fresh.overlap.tolist() == [0.1]
-    assert fresh.force.tolist() == [0.5]

@@ -39,11 +39,6 @@ def test_overlap_undoes_force(contact, overlap):
     assert contact.overlap(force) == pytest.approx(overlap, rel=4e-15 * lost * max(1.0, 1.0 / contact.exponent))
 
 
-@given(contacts, st.floats(0.0, 1.0))
-def test_preload_is_carried_without_overlap(contact, part):
-    assert contact.overlap(part * contact.preload) == 0.0
-
-
 @given(contacts, overlaps, overlaps)
 def test_force_and_energy_grow_with_overlap(contact, one, other):
     small, large = sorted((one, other))
@@ -54,8 +49,9 @@ def test_force_and_energy_grow_with_overlap(contact, one, other):
     assert rise >= contact.force(small) * (large - small) * (1 - 1e-9) - 1e-12 * contact.energy(large)
 
 
-@given(contacts, st.floats(0.0, 1e3))
-def test_an_open_contact_neither_pushes_nor_pulls(contact, distance):
+@given(contacts, st.floats(0.0, 1.0), st.floats(0.0, 1e3))
+def test_preload_is_carried_without_overlap_and_an_open_contact_neither_pushes_nor_pulls(contact, part, distance):
+    assert contact.overlap(part * contact.preload) == 0.0
     assert contact.force(-distance) == 0.0
     assert contact.energy(-distance) == 0.0
 
@@ -116,6 +112,11 @@ def test_a_step_force_cannot_be_exceeded():
         (lambda: hertz(1.0, loss=-0.1), "loss must be >= 0 and below 1, not -0.1"),
         (lambda: hertz(1.0, loss=math.nan), "loss must be"),
         (lambda: Contact(0.0, 1.0, 10.1), "exponent must be from 1e-06 to 10, not 10.1"),
+        (lambda: Contact.by_contact_time(0.0, 0.5, 1.0), "duration must be a finite number > 0, not 0.0"),
+        (lambda: Contact.by_contact_time(0.05, "light", 1.0), "mass must be a number, not 'light'"),
+        (lambda: Contact.by_contact_time(0.05, 0.5, math.inf), "speed must be"),
+        (lambda: Contact.by_contact_time(1e-30, 0.5, 1.0, 10.0), "stiffness must be from"),
+        (lambda: Contact.by_contact_time(1e30, 0.5, 1e30, 10.0), "both 0|stiffness must be from"),
     ],
 )
 def test_bad_numbers_are_refused_in_a_sentence(make, sentence):
@@ -135,18 +136,3 @@ def test_a_contact_of_a_contact_time(exponent, loss):
     contact = Contact.by_contact_time(0.05, mass=0.7, speed=3.0, exponent=exponent, loss=loss)
     assert one_on_one(contact, 0.7, 3.0).contact_time == pytest.approx(0.05, rel=1e-13)
     assert (contact.preload, contact.exponent, contact.loss) == (0.0, exponent, loss)
-
-
-@pytest.mark.parametrize(
-    ("changed", "message"),
-    [
-        ({"duration": 0.0}, "duration must be a finite number > 0, not 0.0"),
-        ({"mass": "light"}, "mass must be a number, not 'light'"),
-        ({"speed": math.inf}, "speed must be"),
-        ({"exponent": 10.0, "duration": 1e-30}, "stiffness must be from"),
-        ({"exponent": 10.0, "duration": 1e30, "speed": 1e30}, "both 0|stiffness must be from"),
-    ],
-)
-def test_contact_times_that_no_contact_has(changed, message):
-    with pytest.raises(ValueError, match=message):
-        Contact.by_contact_time(**{"duration": 0.05, "mass": 0.5, "speed": 1.0, **changed})

@@ -1,30 +1,27 @@
 """Two tiers of kernels: the same digits, whichever runs, nobody waits for what plain Python does; compiling is told of."""
 
 import os
-import subprocess
 from dataclasses import replace
+from functools import partial
 from unittest.mock import Mock
 
 import pytest
-from softcradle.physics import Chain, State, advance, hertz, kernel_tiers, one_on, power_law, simulate
-from softcradle.physics.adaptive.runner import PLAIN_PAUSE
-from softcradle.physics.adaptive.runner import TIERS as ADAPTIVE
+from softcradle.physics import Chain, State, advance, hertz, kernel_tiers, one_on, power_law, simulate, warm
+from softcradle.physics.adaptive import runner as adaptive
 from softcradle.physics.fixed_step.runner import TIERS
 from softcradle.physics.kernel_tiers import FIRST, KernelTiers, plain
 from softcradle.physics.numerics import kernel_cache
 from softcradle.physics.numerics.float_bits import COMPILED
 from softcradle.physics.pymunk_contacts import soft_chain
 
-from softcradle import warm
 from tests.helpers.own_process import python
 from tests.helpers.random_chains import random_collision
-from tests.helpers.relations import struck
+from tests.helpers.relations import LIVE, struck
 from tests.helpers.spaces import chain_row, run
 
 pytest.importorskip("numba")
 pytestmark = pytest.mark.skipif(not COMPILED, reason="nothing compiles here")
-KERNELS = ADAPTIVE["adaptive"]
-ALL = (*ADAPTIVE.values(), *TIERS.values(), soft_chain.KERNELS)
+ALL = (*adaptive.TIERS.values(), *TIERS.values(), soft_chain.KERNELS)
 
 
 @pytest.fixture
@@ -109,18 +106,14 @@ def soft_chain_steps(loss):
     return [tuple(ball.velocity) for ball in balls]
 
 
-@pytest.mark.parametrize(
-    ("moved", "given"),
-    [
-        (live_frames, ()),
-        *((long_row, (method,)) for method in ("euler", "verlet", "yoshida4", "conserving")),
-        *((soft_chain_steps, (loss,)) for loss in (0.0, 0.3)),
-    ],
-)
-def test_live_frames_long_rows_and_soft_chains_have_the_same_digits(cold, moved, given):
-    plainly = moved(*given)
+MOVED = [*(partial(long_row, one.name) for one in LIVE), partial(soft_chain_steps, 0.0), partial(soft_chain_steps, 0.3)]
+
+
+@pytest.mark.parametrize("moved", [live_frames, *MOVED])
+def test_live_frames_long_rows_and_soft_chains_have_the_same_digits(cold, moved):
+    plainly = moved()
     cold.undo()
-    assert moved(*given) == plainly
+    assert moved() == plainly
 
 
 def test_machine_code_takes_over_between_steps(cold):
@@ -134,7 +127,7 @@ def test_machine_code_takes_over_between_steps(cold):
     cold.setattr(KernelTiers, "of", of)
     mixed = simulate(chain, velocity, samples=2)
     assert called[:2] != called[-2:]
-    assert mixed.steps > 2 * PLAIN_PAUSE
+    assert mixed.steps > 2 * adaptive.PLAIN_PAUSE
     cold.undo()
     assert digits(simulate(chain, velocity, samples=2)) == digits(mixed)
 
@@ -292,9 +285,8 @@ tell()
 CRADLE = "import softcradle as s\ns.simulate(s.one_on(1, s.power_law(1, 1)), [1, 0], method='verlet')"
 
 
-def in_a_new_cache(folder, *arguments: str, **more: str) -> subprocess.CompletedProcess[str]:
-    cache = {"NUMBA_CACHE_DIR": str(folder / "kernels"), "SOFTCRADLE_CACHE": str(folder), **more}
-    return python(*arguments, **cache)
+def in_a_new_cache(folder, *arguments, **more):
+    return python(*arguments, NUMBA_CACHE_DIR=str(folder / "kernels"), SOFTCRADLE_CACHE=str(folder), **more)
 
 
 @pytest.mark.slow
@@ -312,14 +304,10 @@ def test_the_command_says_it_too_unless_quiet(tmp_path):
     assert FIRST not in in_a_new_cache(tmp_path / "other", *scene, "-q", SOFTCRADLE_COMPILE="first").stderr
 
 
-def test_warm_takes_names():
-    warm("verlet")
+def test_warm_takes_names_and_loads_the_kernels_of_batches(monkeypatch):
     warm(["euler", "SoftChain"])
     with pytest.raises(ValueError, match="did you mean 'verlet'"):
         warm("verlt")
-
-
-def test_warm_loads_the_kernels_of_batches(monkeypatch):
     loaded = []
     monkeypatch.setattr(KernelTiers, "load", lambda kernels: loaded.append(kernels.name))
     warm("ensemble_ends")

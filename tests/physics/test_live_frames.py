@@ -14,7 +14,7 @@ from softcradle.physics.methods import find_method, refusal_of
 from softcradle.physics.simulation import move, solve
 from softcradle.physics.status import Status
 
-from tests.helpers.relations import struck, total_energy
+from tests.helpers.relations import NAMES, struck, total_energy
 
 SOFT = one_on(4, power_law(1.0, 0.1))
 RUBS = Chain(np.ones(4), [power_law(1.0, 0.1)] * 3, friction=0.02)
@@ -50,7 +50,6 @@ def test_with_steps_enough_nothing_is_said_and_old_trouble_is_forgotten(method):
 @pytest.mark.parametrize("chain", [RUBS, LOSES], ids=["rubs", "loses"])
 @pytest.mark.parametrize("steps", [1, 2, 5, 20, 60])
 def test_a_run_whose_budget_ends_between_changes_of_friction_reaches_its_end(chain, steps, monkeypatch):
-    """Wherever it happens; what it says of its end is then true of it."""
     exact = solve(chain, struck(chain), None, "radau", None, 11, 1e-8)
     monkeypatch.setattr("softcradle.physics.adaptive.usual_budget.MOST_STEPS", steps)
     found = solve(chain, struck(chain), None, "radau", None, 11, 1e-8)
@@ -66,17 +65,10 @@ HIT = Chain(np.ones(4), [hertz(50.0)] * 3, gap=(0.013, 0.0, 0.021))
 BRAKED = Chain(np.ones(4), [Contact(0.0, 50.0, 1.5, loss=0.3)] * 3, gap=(0.013, 0.0, 0.021), friction=0.02)
 PUSHED = replace(HIT, forces=(TimedForce(0, (0.1, 0.3), (0.0, 0.5)),))
 COUPLED = replace(HIT, contact=(Coupler(hertz(50.0), pull=hooke(9.0), slack=0.05),) * 3)
+TAKEN = [(one, chain) for one in NAMES for chain in (HIT, BRAKED, PUSHED, COUPLED) if not refusal_of(one, chain)]
 
 
-@pytest.mark.parametrize(
-    ("method", "chain"),
-    [
-        (one.name, chain)
-        for one in METHODS
-        for chain in (HIT, BRAKED, PUSHED, COUPLED)
-        if not refusal_of(one.name, chain)
-    ],
-)
+@pytest.mark.parametrize(("method", "chain"), TAKEN)
 def test_frames_hand_out_the_switches_of_the_whole_motion(method, chain):
     start, step = np.eye(1, 4)[0], None if find_method(method).adaptive else 1e-3
     whole = simulate(chain, start, 1.0, method, step=step, samples=2)

@@ -3,7 +3,7 @@
 import csv
 import json
 import math
-from dataclasses import asdict, fields
+from dataclasses import fields
 from unittest.mock import Mock
 
 import numpy as np
@@ -14,7 +14,6 @@ from hypothesis.extra.numpy import arrays
 from softcradle.physics import Chain, Contact, Coupler, TimedForce, Trajectory, hertz, one_on, power_law, simulate
 from softcradle.physics.atomic_files import output_file, output_folder
 from softcradle.physics.status import CodedWarning, Status, WarningCode
-from softcradle.physics.trajectory_file import chain_from_table
 
 
 @pytest.fixture(scope="module")
@@ -80,7 +79,6 @@ def test_file_needs_no_pickle_and_says_what_made_it(collision, tmp_path):
 
 GEAR = Contact(250e3, 3.75e7, 1.7, loss=0.8)
 ROWS = {
-    "a wall": Chain([1.0, 1.0, math.inf], Contact(10.0, 100.0, 1.0), gap=0.1),
     "couplers": Chain([8e4] * 3, [Coupler(GEAR, GEAR, 0.02, 0.166, 1e8), GEAR], 0.01),
     "friction, loss and a drive": Chain([1.0] * 3, hertz(50.0, loss=0.8), drive=[1.0, 0.0, 0.5], friction=0.1),
     "forces and brakes": Chain([1.0] * 3, GEAR, forces=TimedForce(0, [0, 1], [0, 2]), brakes=TimedForce(1, 0.0, 4.0)),
@@ -92,7 +90,6 @@ def test_whatever_a_chain_has_is_read_back(chain, tmp_path):
     made = simulate(chain, [1.0, 0.0, 0.0], 0.2, "conserving", step=1e-3)
     made.save(tmp_path / "one.npz")
     assert_equal(Trajectory.load(tmp_path / "one.npz"), made)
-    assert chain_from_table(json.loads(json.dumps(asdict(chain)))) == chain
 
 
 def test_csv_has_a_row_a_sample_and_units(tmp_path):

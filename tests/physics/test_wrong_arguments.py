@@ -8,14 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pymunk
 import pytest
-from softcradle.physics import ChainBatch, Coupler, OwnLaw, ensemble_ends
+from softcradle.physics import METHODS, Chain, ChainBatch, Coupler, OwnLaw, cluster_on_cluster, ensemble_ends, one_on
 from softcradle.physics.analysis.closed_forms import critical_speed, one_on_one
 from softcradle.physics.analysis.matching import match
 from softcradle.physics.analysis.mode_coupling import mode_coupling
-from softcradle.physics.chain import Chain, cluster_on_cluster, one_on
 from softcradle.physics.checked_input import LARGEST, SMALLEST
 from softcradle.physics.contact import LEAST_EXPONENT, MOST_EXPONENT, Contact, draft_gear, hertz, power_law, step_force
-from softcradle.physics.methods import METHODS
 from softcradle.physics.simulation import solve
 
 from softcradle import SoftChain, SoftContact, State, TimedForce, advance, ensemble, simulate, stable_step

@@ -2,6 +2,7 @@
 
 import pytest
 from softcradle.sandbox.cli.main import main
+from softcradle.sandbox.console import set_quiet
 
 
 @pytest.fixture
@@ -12,4 +13,5 @@ def softcradle(capsys):
         assert main(list(words)) == code
         return capsys.readouterr()
 
-    return run
+    yield run
+    set_quiet(False)

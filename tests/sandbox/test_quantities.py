@@ -2,7 +2,6 @@
 
 import re
 
-import pytest
 from softcradle.physics import one_on, power_law
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.quantities import FORCE, KINETIC, MASS, MOMENTUM, OVERLAP, POSITION, QUANTITIES, TIME, VELOCITY
@@ -22,11 +21,6 @@ WORDS = {"mass": MASS, "time": TIME, "position": POSITION, "velocity": VELOCITY,
 HEADING = re.compile(r"([A-Za-z _]+)[\d-]* [\[(]([^\])]*)[\])]")
 
 
-@pytest.fixture(scope="module")
-def trajectory():
-    return solve(one_on(2, power_law(1.0, 0.1)), [1.0, 0.0, 0.0])
-
-
 def wrong_units(headings):
     """Headings such as "velocity (m/s)" whose unit is not that of the quantity; prefixes as in kN are right too."""
     found = []
@@ -43,7 +37,8 @@ def test_a_wrong_unit_is_found():
     assert wrong_units(["velocity (m)", "largest force [kN]", "rate (m/s)", "v0 (m)"]) == ["velocity (m)"]
 
 
-def test_headings_of_files_tables_and_pages_have_the_units_of_the_table(trajectory, tmp_path):
+def test_headings_of_files_tables_and_pages_have_the_units_of_the_table(tmp_path):
+    trajectory = solve(one_on(2, power_law(1.0, 0.1)), [1.0, 0.0, 0.0])
     trajectory.to_csv(tmp_path / "run.csv")
     columns = (tmp_path / "run.csv").read_text().splitlines()[0].split(",")
     assert {f"{one.name} 0 [{one.unit}]" for one in (POSITION, VELOCITY)} <= set(columns)
@@ -57,7 +52,7 @@ def test_headings_of_files_tables_and_pages_have_the_units_of_the_table(trajecto
     assert wrong_units(headings) == []
 
 
-def test_the_table_of_values_and_signals_are_the_table(trajectory):
+def test_the_table_of_values_and_signals_are_the_table():
     assert set(BEAD_COLUMNS[1:]) | set(CONTACT_COLUMNS[1:]) <= {one.column for one in TABLE}
     assert all(f",{column}" in values_csv(opened()) for column in (*BEAD_COLUMNS, *CONTACT_COLUMNS))
     for letter, quantity in QUANTITIES.items():

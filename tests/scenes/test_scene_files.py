@@ -1,4 +1,4 @@
-"""Scenes: the catalogue agrees with its texts, a scene is written back equal, and nothing but scenes is accepted."""
+"""Scenes, couplers too: the catalogue agrees with its texts, one is written back equal, and nothing but scenes is accepted."""
 
 import math
 import tomllib
@@ -7,13 +7,15 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from softcradle.physics import METHODS, Chain, draft_gear, hooke, power_law, simulate
+from softcradle.physics import Chain, Contact, Coupler, draft_gear, hooke, power_law, simulate
 from softcradle.physics.analysis.closed_forms import critical_speed, rigid_stroke
+from softcradle.sandbox.cli.main import main
 from softcradle.scenes import Lane, Scene, SceneError, View
 from softcradle.scenes.contact_kinds import KINDS
+from softcradle.scenes.contact_table import table_of
 
 from softcradle import scenes
-from tests.helpers.relations import simulate_quietly
+from tests.helpers.relations import FIXED_STEP, simulate_quietly
 
 # Final velocities, from quadruple-precision solutions.
 TRUE_OUTCOMES = {
@@ -149,17 +151,12 @@ def lanes(draw: st.DrawFn) -> Lane:
     return Lane.model_validate(table)
 
 
-FIXED = [method.name for method in METHODS if not method.adaptive]
 SCENES = st.builds(
     Scene,
-    title=st.text(min_size=1).filter(str.strip),
-    text=st.text(),
-    source=st.text(),
+    title=st.text(min_size=1).filter(str.strip), text=st.text(), source=st.text(),
     lanes=st.lists(lanes(), min_size=1, max_size=3).map(tuple),
-    duration=st.none() | POSITIVE,
-    method=st.none() | st.sampled_from(FIXED),
-    step=st.none() | POSITIVE,
-    tolerance=st.none() | POSITIVE,
+    duration=st.none() | POSITIVE, method=st.none() | st.sampled_from([method.name for method in FIXED_STEP]),
+    step=st.none() | POSITIVE, tolerance=st.none() | POSITIVE,
     view=st.builds(
         View, slow=POSITIVE, length=POSITIVE, magnify=st.none() | st.floats(1.0, 1e9),
         after=st.none() | NOT_NEGATIVE, labels=st.booleans(),
@@ -201,3 +198,61 @@ def test_any_file_is_a_scene_or_a_refusal(data):
     except SceneError as error:
         problems = error.problems
     assert all(problem.startswith("any.toml: ") and "\n" not in problem for problem in problems)
+
+
+TRAIN = """
+title = "Train"
+duration = 1.0
+method = "conserving"
+[[lanes]]
+beads = 3
+mass = 8e4
+velocity = [0.0, 0.0, 1.0]
+gap = 0.01
+[lanes.contact]
+law = "coupler"
+push = {law = "preloaded", preload = 250e3, stiffness = 3.75e7, exponent = 1.7, loss = 0.8}
+pull = {law = "hooke", stiffness = 1e7}
+slack = 0.02
+travel = 0.166
+stop = 1e8
+"""
+COUPLER = Coupler(Contact(250e3, 3.75e7, 1.7, 0.8), Contact(0.0, 1e7, 1.0), 0.02, 0.166, 1e8)
+
+
+def test_a_scene_file_gives_couplers():
+    scene = scenes.parse(TRAIN)
+    assert scene.lanes[0].chain() == Chain([8e4] * 3, COUPLER, 0.01)
+    assert scenes.parse(scene.to_toml()) == scene
+
+
+@pytest.mark.parametrize("coupler", [COUPLER, Coupler(Contact(1.0, 2.0, 1.5)), Coupler(COUPLER.push, COUPLER.pull)])
+def test_the_table_of_a_coupler_gives_it_back(coupler):
+    table = table_of(coupler)
+    assert table.contact() == coupler
+    assert type(table).model_validate(table.model_dump()) == table
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        ("travel = 0.166\n", "", "needs both travel and stop"),
+        ("slack = 0.02", "slack = -1.0", "slack"),
+        ('pull = {law = "hooke", stiffness = 1e7}\n', "", "needs a pull beyond it"),
+        ('law = "hooke"', 'law = "coupler"', "unknown law 'coupler'"),
+        ('push = {law = "preloaded",', 'push = {law = "preloded",', "did you mean 'preloaded'"),
+        ('law = "coupler"', 'law = "cupler"', "did you mean 'coupler'"),
+        ('method = "conserving"', 'method = "pymunk"', "not couplers: take 'accurate', 'conserving' or 'scipy'"),
+        ("duration = 1.0\n", "", "needs a duration"),
+    ],
+)
+def test_what_is_wrong_with_a_coupler_is_said(old, new, sentence):
+    assert old in TRAIN
+    with pytest.raises(SceneError, match=sentence):
+        scenes.parse(TRAIN.replace(old, new, 1))
+
+
+def test_the_table_of_results_has_the_largest_pull_where_couplers_pull(capsys):
+    for scene, pulls in (("train-starting", True), ("one-on-four", False)):
+        assert main(["run", scene]) == 0
+        assert ("pull [kN]" in capsys.readouterr().out) is pulls

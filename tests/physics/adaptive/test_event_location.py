@@ -116,12 +116,10 @@ def silent_at_loose_tolerances(family, seeds):
     silent = []
     for seed in seeds:
         chosen = motion(family, seed)
-        runs = {
-            tolerance: solve(chosen.chain, chosen.velocity, chosen.duration, samples=2, tolerance=tolerance)
-            for tolerance in (1e-9, 1e-3, 1e-4, 1e-5)
-        }
-        fine = runs.pop(1e-9)
-        for tolerance, loose in runs.items():
+        given = chosen.chain, chosen.velocity, chosen.duration
+        fine = solve(*given, samples=2, tolerance=1e-9)
+        for tolerance in (1e-3, 1e-4, 1e-5):
+            loose = solve(*given, samples=2, tolerance=tolerance)
             error = np.abs(loose.final_velocity - fine.final_velocity)
             allowed = max(10.0 * tolerance * chosen.speed, float(loose.velocity_error.max()))
             if not (loose.warnings or fine.warnings or error.max() <= allowed):

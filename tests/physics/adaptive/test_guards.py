@@ -39,7 +39,7 @@ def test_how_near_is_a_part_of_the_range_of_a_multiplier(peak, near):
 
 
 def test_a_loaded_contact_is_near_no_switch():
-    assert at_wall(hertz(2.0), -1.0, 0.3, LOADED, 0.8).corner()[4] == 1.0
+    assert at_wall(draft_gear(2.0, 0.4), -1.0, 0.6, LOADED, 0.8).corner()[4] == 1.0
 
 
 def test_an_open_contact_that_nearly_touches_is_looked_at():

@@ -1,6 +1,7 @@
 """One step of radau, by the collocation equations that define it; its error estimate, written anew."""
 
 import math
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -16,10 +17,14 @@ from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING, 
 from tests.helpers.plain_kernels import only_plain, records_of, row_matrix
 
 pytestmark = only_plain
-
 _POWERS = np.vander(NODES, 3, increasing=True)
 TABLEAU = (NODES[:, None] ** np.arange(1, 4) / np.arange(1, 4)) @ np.linalg.inv(_POWERS)  # exact for parabolas
+INVERSE, SQUARE = np.linalg.inv(TABLEAU), TABLEAU @ TABLEAU
 GAMMA = 1.0 / (3.0 + 9.0 ** (1 / 3) - 3.0 ** (1 / 3))
+# In the stages' differences: a quadrature with the start, weight gamma, and the stages, exact for parabolas, against that of the
+# method; that of the method against one by the two last stages.
+EMBEDDED = (np.linalg.solve(_POWERS.T, [1.0 - GAMMA, 1.0 / 2.0, 1.0 / 3.0]) - TABLEAU[2]) @ INVERSE
+COARSE = (TABLEAU[2] - np.append(0.0, np.linalg.solve(_POWERS[1:, :2].T, [1.0, 0.5]))) @ INVERSE
 LAWS = (hooke(3.0), hertz(5.0), power_law(1.0, 0.1), power_law(2.0, 0.5), draft_gear(2.0, 0.4))
 
 
@@ -77,7 +82,7 @@ def test_a_step_solves_the_collocation_equations(first):
         for i in range(chain.contacts):
             if motion.mode[i] in (OPEN, LOADED, TOUCHING):
                 assert trial.rate[:, i] == pytest.approx(rate[:, i], abs=1e-9), (seed, i)
-                wanted = motion.overlap[i] + h * NODES * motion.rate[i] - h * h * (TABLEAU @ TABLEAU @ push)[:, i]
+                wanted = motion.overlap[i] + h * NODES * motion.rate[i] - h * h * (SQUARE @ push)[:, i]
                 assert trial.overlap[:, i] == pytest.approx(wanted, abs=1e-11), (seed, i)
             if motion.mode[i] == LOADED:
                 law = chain.contact[i]
@@ -87,18 +92,12 @@ def test_a_step_solves_the_collocation_equations(first):
                 assert (trial.force[:, i] == motion.force[i]).all()
             else:
                 assert (trial.overlap[:, i] == 0.0).all()
-        check_anchor(data, motion, trial, h, drive[:, -1])
-
-
-def check_anchor(data, motion, trial, h, drive):
-    bead, n = data.anchor_bead, motion.rate.size
-    net = trial.force[:, bead - 1] if bead > 0 else np.zeros(3)
-    net = net - (trial.force[:, bead] if bead < n else 0.0)
-    acceleration = net * data.inverse_mass[bead] + drive
-    position, velocity = motion.anchor
-    assert trial.anchor[1] == pytest.approx(velocity + h * TABLEAU[2] @ acceleration, abs=1e-14)
-    moved = h * velocity + h * h * (TABLEAU @ TABLEAU)[2] @ acceleration
-    assert trial.anchor[0] == pytest.approx(position + moved, abs=1e-14)
+        bead, pushes = data.anchor_bead, np.pad(trial.force, [(0, 0), (1, 1)])  # none from beyond the ends
+        acceleration = (pushes[:, bead] - pushes[:, bead + 1]) * data.inverse_mass[bead] + drive[:, -1]
+        position, velocity = motion.anchor
+        assert trial.anchor[1] == pytest.approx(velocity + h * TABLEAU[2] @ acceleration, abs=1e-14)
+        moved = h * velocity + h * h * SQUARE[2] @ acceleration
+        assert trial.anchor[0] == pytest.approx(position + moved, abs=1e-14)
 
 
 def test_a_spring_is_followed_by_the_rational_function_of_the_method():
@@ -145,7 +144,7 @@ def test_a_correction_is_that_of_a_dense_solve(seed):
     weight = h * h * np.diag(matrix)
     assert (scratch.along + weight * scratch.across)[:, first:last] == pytest.approx(1.0, rel=1e-12)
     radau.eliminate(h, first, last, data, motion, trial, scratch)
-    square, drive = np.linalg.inv(TABLEAU @ TABLEAU), data.external[:-1] if data.external.size else 0.0
+    square, drive = np.linalg.inv(SQUARE), data.external[:-1] if data.external.size else 0.0
     moved = trial.overlap - motion.overlap - h * np.outer(NODES, motion.rate)
     found = np.zeros((3, n))
     found[:, first:last] = scratch.correction[:, first:last]
@@ -167,21 +166,17 @@ def test_only_contacts_that_still_change_are_iterated(opening, margin, monkeypat
     overlap[opening], rate[opening] = 1e-3, -0.303
     data, motion = pressed(chain, np.zeros(41), overlap)
     motion.rate[:] = rate
-    ranges, directions = [], radau.directions
+    directions, h = Mock(wraps=radau.directions), 3.3e-3
     monkeypatch.setattr(radau, "MARGIN", margin)
-    monkeypatch.setattr(
-        radau,
-        "directions",
-        lambda h, first, last, *rest: ranges.append((first, last)) or directions(h, first, last, *rest),
-    )
-    h = 3.3e-3
+    monkeypatch.setattr(radau, "directions", directions)
     used, trial = stepped(data, motion, h)
+    ranges = [call.args[1:3] for call in directions.call_args_list]
     assert len(ranges) == used
     whole, around = (0, 40), (max(opening - 2 - margin, 0), min(opening + 3 + margin, 40))  # two to each side are moved
     last = [] if opening == 20 else [around if margin else whole]
     assert ranges == [whole, whole, around, *last]
     push = trial.force @ row_matrix(chain)
-    wanted = motion.overlap + h * np.outer(NODES, motion.rate) - h * h * TABLEAU @ TABLEAU @ push
+    wanted = motion.overlap + h * np.outer(NODES, motion.rate) - h * h * SQUARE @ push
     assert trial.overlap == pytest.approx(wanted, abs=1e-14)
     assert trial.force == pytest.approx(chain.contact[0].force(trial.overlap), rel=1e-13)
 
@@ -221,7 +216,7 @@ def test_rates_come_from_overlaps_where_a_contact_oscillates_in_the_step(contact
     chain, h = Chain([1.0, 1.0], contact), 0.01
     used, trial = stepped(*pressed(chain, [1e-4, 0.0], overlap), h, precision=1e-3)  # so loose that both rates differ
     assert used > 0
-    of_overlaps = np.linalg.inv(TABLEAU) @ (trial.overlap[:, 0] - overlap) / h
+    of_overlaps = INVERSE @ (trial.overlap[:, 0] - overlap) / h
     of_forces = 1e-4 - h * TABLEAU @ (2.0 * trial.force[:, 0])
     assert not np.allclose(of_overlaps, of_forces, rtol=1e-9, atol=0.0)
     assert trial.rate[:, 0] == pytest.approx(of_overlaps if by_overlaps else of_forces, rel=1e-12)
@@ -242,9 +237,9 @@ def test_the_error_is_that_of_two_quadratures_filtered(seed):
     n, matrix, reach = chain.contacts, row_matrix(chain), h * GAMMA
     drive = data.external[:-1] if data.external.size else np.zeros(n)
     by_rate, by_overlap = trial.rate - motion.rate, trial.overlap - motion.overlap
-    fine_w = reach * (drive - matrix @ motion.force) + embedded() @ by_rate
-    fine_d = reach * motion.rate + embedded() @ by_overlap
-    coarse_w, coarse_d = coarse() @ by_rate, coarse() @ by_overlap
+    fine_w = reach * (drive - matrix @ motion.force) + EMBEDDED @ by_rate
+    fine_d = reach * motion.rate + EMBEDDED @ by_overlap
+    coarse_w, coarse_d = COARSE @ by_rate, COARSE @ by_overlap
     give = [compliance(data, motion.mode, i, trial.overlap[2, i], trial.force[2, i]) for i in range(n)]
     rows = [i for i in range(n) if give[i] >= 0.0]
     phi = np.zeros((2, n))
@@ -265,18 +260,6 @@ def test_the_error_is_that_of_two_quadratures_filtered(seed):
         worst = max(worst, times * by_fine[i] * min(1.0, RATIO * by_fine[i] / max(by_coarse[i], 1e-300)))
     found = embedded_error(h, data, motion, trial, np.zeros((4, n + 1)))
     assert found == pytest.approx(worst, rel=1e-6, abs=1e-14)
-
-
-def embedded():
-    """A quadrature with the start, weight gamma, and the stages, exact for parabolas, against that of the method."""
-    weights = np.linalg.solve((NODES[:, None] ** np.arange(3)).T, [1.0 - GAMMA, 1.0 / 2.0, 1.0 / 3.0])
-    return (weights - TABLEAU[2]) @ np.linalg.inv(TABLEAU)
-
-
-def coarse():
-    """The quadrature by the two last stages against that by three, in the stages' differences."""
-    by_two = np.linalg.solve((NODES[1:, None] ** np.arange(2)).T, [1.0, 0.5])
-    return (TABLEAU[2] - np.append(0.0, by_two)) @ np.linalg.inv(TABLEAU)
 
 
 def test_compliance():

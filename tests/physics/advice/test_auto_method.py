@@ -22,18 +22,15 @@ SOFT, GEAR = power_law(1.0, 0.1), draft_gear(1.0, 1.0)
 CRITICAL = critical_speed(GEAR, np.ones(5), 1)  # of one on four
 
 
-@pytest.fixture(scope="module", params=list(CASES))
-def case(request):
-    return CASES[request.param].solve(by_reference=False)
-
-
-@pytest.mark.parametrize("error", ERRORS)
-def test_the_wanted_error_holds_on_every_case_of_the_chart(case, error):
-    found = simulate(case.chain, case.velocity, case.duration, method="auto", tolerance=error, samples=2)
-    assert case.error(found.final_velocity) <= 3.0 * error
-    assert found.method in {method.name for method in METHODS}
-    assert found.choice.startswith(f"{found.method}, ")
-    assert f"wanted error of {error:g}" in found.choice
+@pytest.mark.parametrize("name", CASES)
+def test_the_wanted_error_holds_on_every_case_of_the_chart(name):
+    case = CASES[name].solve(by_reference=False)
+    for error in ERRORS:
+        found = simulate(case.chain, case.velocity, case.duration, method="auto", tolerance=error, samples=2)
+        assert case.error(found.final_velocity) <= 3.0 * error
+        assert found.method in {method.name for method in METHODS}
+        assert found.choice.startswith(f"{found.method}, ")
+        assert f"wanted error of {error:g}" in found.choice
 
 
 def test_the_wanted_error_holds_at_every_tight_tolerance():

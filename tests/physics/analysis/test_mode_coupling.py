@@ -66,14 +66,6 @@ def test_two_targets_need_no_reduction(chain):
     np.testing.assert_array_equal(model.trajectory.final_velocity, full.final_velocity)
 
 
-def test_model_is_hamiltonian():
-    """L is symmetric: the energy of the three-bead chain is conserved from the singular start to the last return."""
-    modes = mode_coupling(MIXED, HIT, tolerance=1e-12).reduced
-    energy = modes.kinetic_energy + modes.contact_energy
-    np.testing.assert_allclose(energy, energy[0], rtol=1e-9)
-    np.testing.assert_allclose(modes.momentum, modes.momentum[0], rtol=1e-11)
-
-
 @pytest.mark.parametrize("alpha", [1 / 10, 1 / 30])
 def test_start_is_the_series(alpha):
     """Phi ~ t, psi ~ t**(2 + alpha) / ((1 + alpha)(2 + alpha)), from times of 1e-30 on."""

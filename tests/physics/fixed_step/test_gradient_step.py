@@ -16,8 +16,6 @@ from tests.helpers.plain_kernels import only_plain, records_of
 
 pytestmark = only_plain
 
-MOST_ITERATIONS = 3900  # of two hundred hard steps; they take 3530
-
 
 def random_laws(draw, count, loss):
     kinds = (
@@ -79,9 +77,7 @@ def step(chain, state, h):
 
 def taken(chain, state, h):
     """One step, in as many parts as it wants."""
-    used = gradient_step(h, *records(chain, state))
-    state.time += h
-    return used
+    return gradient_step(h, *records(chain, state))
 
 
 @pytest.mark.parametrize("dissipative", [False, True])
@@ -93,7 +89,7 @@ def test_a_step_solves_its_equations(first, dissipative):
 
 def test_hard_steps_solve_their_equations():
     iterations = [check_step(*hard_chain(seed), seed) for seed in range(200)]
-    assert sum(iterations) < MOST_ITERATIONS
+    assert sum(iterations) < 3900  # they take 3530
 
 
 def check_step(chain, state, h, seed):
@@ -105,10 +101,8 @@ def check_step(chain, state, h, seed):
     v1, force, inverse_mass = state.velocity(chain), state.force, chain.inverse_mass
     by_contacts = np.append(0.0, force) - np.append(force, 0.0) + (0.0 if push is None else push)
     u = v0 + h * by_contacts * inverse_mass
-    bed = chain.bed if chain.on_bed else np.zeros(chain.contacts + 1)
     scale = 1.0 + np.abs(u).max() + h * (np.abs(by_contacts) * inverse_mass).max()
-    braked = np.where(np.abs(u) > h * bed, u - np.sign(u) * h * bed, 0.0)
-    braked = np.where(bed > 0.0, braked, u)
+    braked = np.sign(u) * np.maximum(np.abs(u) - h * chain.bed, 0.0) if chain.on_bed else u
     known = np.ones(chain.contacts + 1, dtype=bool)  # a coupler keeps the force at the end, not the mean force
     for i, _ in chain.couplers:
         known[i : i + 2] = False
@@ -120,7 +114,14 @@ def check_step(chain, state, h, seed):
     for i in range(chain.contacts):
         if isinstance(chain.contact[i], Contact):
             check_contact(chain, i, before, state, h, seed)
-    check_ledger(chain, before, state, v0, v1, h, push, seed)
+    # energy closes, and what the bed takes is the work of its friction
+    work = 0.0 if push is None else 0.5 * h * float(push @ (v0 + v1))
+    change, scale = state.energy(chain) - before.energy(chain), 1.0 + before.energy(chain) + abs(work)
+    assert change + state.absorbed.sum() == pytest.approx(work, abs=1e-10 * scale), seed
+    if chain.on_bed and not chain.couplers:
+        mass = np.array(chain.finite_mass)
+        braked = np.where(mass > 0.0, mass * (v1 - v0) - h * by_contacts, 0.0)
+        assert state.absorbed[1] == pytest.approx(-0.5 * float(braked @ (v0 + v1)), abs=1e-10 * scale), seed
     return used
 
 
@@ -137,27 +138,13 @@ def check_contact(chain, i, before, state, h, seed):
         assert -1e-12 <= force <= chain.contact[i].preload * (1.0 + 1e-12), (seed, i)
     else:
         work = force * (d1 - d0)
-        most, least = (fall, kept * fall) if fall > 0.0 else (kept * fall, fall)
-        if not loses:
-            assert work == pytest.approx(fall, rel=1e-7, abs=1e-10 * size), (seed, i)
-        elif abs(ends) > 1e-9:
-            wanted = fall if ends > 0.0 and d0 + 0.5 * h * before.rate[i] > 0.0 else kept * fall
+        least, most = sorted((fall, kept * fall))
+        if not loses or abs(ends) > 1e-9:
+            presses = ends > 0.0 and d0 + 0.5 * h * before.rate[i] > 0.0
+            wanted = fall if presses or not loses else kept * fall
             assert work == pytest.approx(wanted, rel=1e-7, abs=1e-10 * size), (seed, i)
         else:
             assert least - 1e-10 * size <= work <= most + 1e-10 * size, (seed, i)
-
-
-def check_ledger(chain, before, state, v0, v1, h, push, seed):
-    """Energy closes, and what the bed takes is the work of its friction."""
-    work = 0.0 if push is None else 0.5 * h * float(push @ (v0 + v1))
-    change = state.energy(chain) - before.energy(chain)
-    scale = 1.0 + before.energy(chain) + abs(work)
-    assert change + state.absorbed.sum() == pytest.approx(work, abs=1e-10 * scale), seed
-    if chain.on_bed and not chain.couplers:
-        mass = np.array(chain.finite_mass)
-        by_contacts = np.append(0.0, state.force) - np.append(state.force, 0.0) + (0.0 if push is None else push)
-        braked = np.where(mass > 0.0, mass * (v1 - v0) - h * by_contacts, 0.0)
-        assert state.absorbed[1] == pytest.approx(-0.5 * float(braked @ (v0 + v1)), abs=1e-10 * scale), seed
 
 
 def test_the_first_bead_to_stop_and_the_first_contact_to_turn_cut_the_step():
@@ -217,8 +204,8 @@ def test_the_round_off_of_touching_is_no_overlap_and_a_small_overlap_is_no_round
 
 
 def test_a_step_that_is_not_cut_counts_the_iterations_of_its_solver():
-    for dissipative in (False, True):
-        chain = Chain([1.0, 2.0, 1.0], hertz(5.0), friction=0.1 if dissipative else 0.0)
+    for friction in (0.0, 0.1):
+        chain = Chain([1.0, 2.0, 1.0], hertz(5.0), friction=friction)
         one, other = (State.at_start(chain, [1.0, 0.5, 0.4]) for _ in range(2))
         assert step(chain, one, 0.02) == taken(chain, other, 0.02) > 1
         assert one.rate.tolist() == other.rate.tolist()
@@ -260,28 +247,23 @@ def test_a_step_in_parts_keeps_the_ledger(seed):
     """Long steps of chains that rub and lose, cut at every event: energy closes all the same."""
     for k in range(seed, 80, 8):
         chain, state, h = random_chain(k, True)
-        before, iterations = state.copy(), 0
+        before = state.copy()
         for _ in range(3):
-            used = taken(chain, state, h)
-            assert used > 0, k
-            iterations = max(iterations, used)
-        assert iterations < 150, k
+            assert 0 < taken(chain, state, h) < 150, k
         if chain.drive_force is None:
             energy = before.energy(chain)
             assert state.energy(chain) + state.absorbed.sum() == pytest.approx(energy, abs=1e-10 * (1.0 + energy)), k
 
 
-@pytest.mark.parametrize(
-    ("friction", "most", "taken_until"), [(0.0, 100, 8), (0.0, 5, 5), (0.01, 100, 8), (0.2, 100, 6)]
-)
-def test_steps_end_where_a_contact_switches_or_all_beads_rest(friction, most, taken_until):
+@pytest.mark.parametrize(("friction", "most", "wanted"), [(0.0, 100, 8), (0.0, 5, 5), (0.01, 100, 8), (0.2, 100, 6)])
+def test_steps_end_where_a_contact_switches_or_all_beads_rest(friction, most, wanted):
     """At 1 m/s over 0.75 m in steps of 0.1 s the contact closes in the eighth; a brake of 0.2 g ends the motion in the sixth."""
     chain = Chain([1.0, math.inf], hertz(5.0), gap=0.75, friction=friction)
     state = State.at_start(chain, [1.0, 0.0])
     data, motion, *memory = records(chain, state)
     counter, closed = np.zeros(COUNTERS, dtype=np.int64), np.zeros(1, dtype=np.int8)
     steps = gradient_steps(most, 0.0, 0.1, data, motion, closed, *memory, counter)
-    assert steps == taken_until
+    assert steps == wanted
     assert counter[EVALUATION] >= steps
     assert counter[UNCONVERGED] == 0
     assert (state.overlap[0] > 0.0) == (steps == 8)

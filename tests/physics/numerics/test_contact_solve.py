@@ -57,10 +57,8 @@ def test_a_row_without_slope_moves_to_where_a_bead_breaks_loose_or_its_contact_d
     found = distance_to_bend(h, 0, chain, 0.6, up, beads, work)
     by_contact = weight * (5.0 - resting if up else resting - 2.0)
     turn = 1.0 if up else -1.0  # more force brakes the left bead and drives the right one
-    by_left, by_right = (
-        weight * (h * bed[j] + side * turn * free[j]) * mass[j] / h for j, side in ((0, 1.0), (1, -1.0))
-    )
-    assert found == pytest.approx(turn * max(min(by_contact, by_left, by_right), 0.0), rel=1e-8, abs=1e-15)
+    by_beads = weight * (h * bed + turn * free * [1.0, -1.0]) * mass / h
+    assert found == pytest.approx(turn * max(min(by_contact, *by_beads), 0.0), rel=1e-8, abs=1e-15)
 
 
 def test_newtons_shift_solves_its_linear_system():

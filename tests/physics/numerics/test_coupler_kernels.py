@@ -8,7 +8,6 @@ from softcradle.physics.numerics.coupler_kernels import joint_fall, joint_force,
 from tests.helpers.plain_kernels import only_plain, records_of
 
 pytestmark = only_plain
-
 SLACK = 0.1
 COUPLERS = {
     "springs": Coupler(hooke(5.0), pull=hooke(3.0), slack=SLACK),

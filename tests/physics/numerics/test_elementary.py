@@ -57,17 +57,15 @@ def _many_digits():
         yield
 
 
-@pytest.mark.parametrize("name", FUNCTIONS)
-def test_functions_are_right_to_about_a_unit_of_the_last_place(name):
-    kernel, truth, arguments, allowed = FUNCTIONS[name]
+@pytest.mark.parametrize(("kernel", "truth", "arguments", "allowed"), FUNCTIONS.values(), ids=FUNCTIONS)
+def test_functions_are_right_to_about_a_unit_of_the_last_place(kernel, truth, arguments, allowed):
     function = plain(kernel)
     worst = max(ulps(function(x), truth(decimal.Decimal(x))) for x in arguments(np.random.default_rng(1)).tolist())
     assert 0.4 < worst < allowed
 
 
-@pytest.mark.parametrize("name", POWERS)
-def test_powers_are_right_to_a_unit_of_the_last_place(name):
-    bases, exponents, allowed = POWERS[name]
+@pytest.mark.parametrize(("bases", "exponents", "allowed"), POWERS.values(), ids=POWERS)
+def test_powers_are_right_to_a_unit_of_the_last_place(bases, exponents, allowed):
     draw, function = np.random.default_rng(2), plain(elementary.power)
     pairs = zip(bases(draw).tolist(), exponents(draw).tolist(), strict=True)
     worst = max(ulps(function(b, a), (+decimal.Decimal(b)) ** (+decimal.Decimal(a))) for b, a in pairs)
@@ -87,9 +85,8 @@ def test_edges():
     base = np.array([0.0, 1.0, 4.0, 1e-310, np.inf, np.nan, 1e300, 1e-300] * 3)
     for exponent in (0.1, 1.0, 1.5, 2.0, -0.5):
         of_zero = 0.0 if exponent > 0.0 else np.inf
-        np.testing.assert_array_equal(
-            powers(base, exponent), [power(b, exponent) if b else of_zero for b in base.tolist()]
-        )
+        one_by_one = [power(b, exponent) if b else of_zero for b in base.tolist()]
+        np.testing.assert_array_equal(powers(base, exponent), one_by_one)
     assert powers(np.full((2, 1), 4.0), [0.5, 1.0, 2.0]).tolist() == [[2.0, 4.0, 16.0]] * 2
 
 

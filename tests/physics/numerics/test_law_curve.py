@@ -1,6 +1,7 @@
 """The curve of a contact law for implicit steps: values, slopes, and Newton's moves along it, against what defines them."""
 
 import math
+from itertools import product
 
 import numpy as np
 import pytest
@@ -12,13 +13,7 @@ from softcradle.physics.numerics.law_curve import NODES, SMALLEST, care, cubic, 
 from tests.helpers.plain_kernels import only_plain, row_matrix
 
 pytestmark = only_plain
-
-LAWS = [
-    (preload, stiffness, exponent)
-    for preload in (0.0, 0.3, 2.0)
-    for stiffness in (1.0, 40.0)
-    for exponent in (1 / 30, 0.1, 0.5, 1.0, 1.5, 2.0, 3.0)
-]
+LAWS = list(product((0.0, 0.3, 2.0), (1.0, 40.0), (1 / 30, 0.1, 0.5, 1.0, 1.5, 2.0, 3.0)))
 
 
 def move_along(preload, stiffness, exponent, *moves):
@@ -99,8 +94,7 @@ def test_moves_toward_zero_go_by_the_force():
 def test_moves_away_from_zero_go_by_the_overlap_or_by_a_small_force():
     soft = (0.0, 2.0, 0.5)
     assert move_along(*soft, 1e-3, 1.0, 2.0, 1.25, 1.25) == pytest.approx((2.25, 3.0))
-    reached = move_along(0.0, 2.0, 0.1, 1.0, 1e-20, 0.02, 1e-19, 0.02)
-    assert reached == pytest.approx(((0.04 / 2.0) ** 10.0, 0.04))
+    assert move_along(0.0, 2.0, 0.1, 1.0, 1e-20, 0.02, 1e-19, 0.02) == pytest.approx(((0.04 / 2.0) ** 10.0, 0.04))
 
 
 @pytest.mark.parametrize("exponent", [0.02, 0.1, 0.5, 0.99])
@@ -141,14 +135,12 @@ def test_a_contact_far_beyond_its_solution_goes_to_the_bound_of_it():
     """d + weight f stays what Newton's move makes it: with a preload, the nearer of the overlaps at which one term takes all."""
     law = (1.0, 2.0, 0.5)
     force = signed_force(*law, 4.0)
-    soft = 1.0 + 0.01 * 0.5 * (force - 1.0) / 4.0
-    rest = 4.0 + 0.01 * (force - 1.0) - soft * 3.999
-    assert move_along(*law, 0.01, 4.0, force, -3.999, -1.0) == pytest.approx((rest, signed_force(*law, rest)))
-    weight = 0.9
-    soft = 1.0 + weight * 0.5 * (force - 1.0) / 4.0
-    rest = 4.0 + weight * (force - 1.0) - soft * 3.9
-    assert (rest / (2.0 * weight)) ** 2 < rest
-    assert move_along(*law, weight, 4.0, force, -3.9, -1.0) == pytest.approx(((rest / 1.8) ** 2, 1.0 + rest / weight))
+    for weight, way, by_overlap in ((0.01, 3.999, True), (0.9, 3.9, False)):
+        rest = 4.0 + weight * (force - 1.0) - (1.0 + weight * 0.5 * (force - 1.0) / 4.0) * way
+        by_force = (rest / (2.0 * weight)) ** 2
+        assert (rest < by_force) == by_overlap
+        wanted = (rest, signed_force(*law, rest)) if by_overlap else (by_force, 1.0 + rest / weight)
+        assert move_along(*law, weight, 4.0, force, -way, -1.0) == pytest.approx(wanted)
 
 
 def test_forces_flow_as_the_matrix_of_the_chain_says():
@@ -163,12 +155,9 @@ def test_nodes_and_cubic():
     weights = np.linalg.solve(np.vander(NODES, increasing=True).T, [1.0, 1.0 / 2.0, 1.0 / 3.0])
     assert weights @ NODES**3 == pytest.approx(1.0 / 4.0)
     assert weights @ NODES**4 == pytest.approx(1.0 / 5.0)
-
-    def wanted(x):
-        return 0.3 - 1.1 * x + 0.7 * x**2 + 2.0 * x**3
-
+    wanted = np.polynomial.Polynomial([0.3, -1.1, 0.7, 2.0])
     for x in (0.0, 0.1, 0.4, 1.0, 1.7):
-        assert cubic(x, wanted(0.0), *(wanted(c) for c in NODES)) == pytest.approx(wanted(x), abs=1e-13)
+        assert cubic(x, wanted(0.0), *wanted(NODES)) == pytest.approx(wanted(x), abs=1e-13)
 
 
 POWERS = [(0.0, 2.0, 0.5), (1.0, 2.0, 0.5), (0.0, 3.0, 1.0), (0.0, 5.0, 1.5), (0.7, 5.0, 2.0)]

@@ -72,8 +72,7 @@ def test_advance_agrees_with_euler_under_a_push():
 
 def test_it_gives_up_after_the_steps_that_it_may_take():
     found = solve(one_on(3, hertz(1.0)), [1.0, 0.0, 0.0, 0.0], None, "pymunk", step=1e-3, most_steps=50)
-    assert found.status is Status.OUT_OF_STEPS
-    assert found.steps == 50
+    assert (found.status, found.steps) == (Status.OUT_OF_STEPS, 50)
     assert "pymunk gave up after 50 steps" in str(found.warnings[0])
 
 

@@ -6,8 +6,7 @@ import math
 import numpy as np
 import pymunk
 import pytest
-from softcradle.physics import Contact, SoftChain, draft_gear, hertz, hooke, power_law, simulate, step_force
-from softcradle.physics.chain import Chain
+from softcradle.physics import Chain, Contact, draft_gear, hertz, hooke, power_law, simulate, step_force
 
 from tests.helpers.spaces import FRAME, LAWS, chain_row, momentum, run, total_energy
 
@@ -63,15 +62,10 @@ def test_a_bent_row(law):
     """Twenty degrees at every body: forces couple by the cosine; lines that turn cost second-order in the step."""
     lost = []
     for parts in (1, 10):
-        space = pymunk.Space()
-        bodies = [pymunk.Body(1.0, math.inf) for _ in range(6)]
-        place = pymunk.Vec2d(0.0, 0.0)
-        for i, body in enumerate(bodies):
-            body.position = place
-            place += pymunk.Vec2d(1.0, 0.0).rotated(0.35 * (i + 1))
+        space, bodies, chain = chain_row(law, beads=6, masses=[1.0] * 6)
+        for i in range(5):
+            bodies[i + 1].position = bodies[i].position + pymunk.Vec2d(1.0, 0.0).rotated(0.35 * (i + 1))
         start = bodies[0].velocity = pymunk.Vec2d(1.0, 0.0).rotated(0.35)
-        chain = SoftChain(bodies, law, 1.0)
-        space.add(*bodies, *chain)
         run(space, FRAME / parts, 240 * parts)
         total = sum((body.velocity for body in bodies), pymunk.Vec2d(0.0, 0.0))
         assert total == pytest.approx(start, abs=1e-12)
@@ -98,8 +92,7 @@ def test_a_column_bounces_without_loss_under_gravity(law):
     heights = []
     for _ in range(600):
         space.step(FRAME)
-        found = sum(0.5 * body.velocity.dot(body.velocity) + 10.0 * place.y for body, place in
-                    zip(bodies[1:], chain.positions[1:], strict=True)) + chain.energy  # fmt: skip
+        found = total_energy(bodies[1:], chain) + 10.0 * sum(place.y for place in chain.positions[1:])
         assert found == pytest.approx(energy, abs=0.5 * 3 * 10.0 * 10.0 * FRAME**2 / 4)
         heights.append(found)
     assert np.ptp(heights) < 1e-9, "after the first half step it stays"

@@ -8,7 +8,6 @@ from softcradle.physics.extras import EXTRA_OF, needed_for
 from tests.helpers.own_process import python
 from tests.helpers.paths import ROOT
 
-WITHOUT = "import sys\nfor name in {names!r}: sys.modules[name] = None\n"
 MAIN = "from softcradle.sandbox.cli.main import main\nsys.exit(main({arguments!r}))"
 PYMUNK_GAME = """
 import pymunk
@@ -32,7 +31,7 @@ for method in METHODS:
 
 
 def run(without: tuple[str, ...], program: str) -> subprocess.CompletedProcess[str]:
-    return python("-c", WITHOUT.format(names=without) + program, check=False)
+    return python("-c", f"import sys\nfor name in {without!r}: sys.modules[name] = None\n{program}", check=False)
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """`softcradle sweep`: studies from files, refusals in a sentence, what is missing, what is there already."""
 
 import re
+from unittest.mock import Mock
 
 import pytest
 from softcradle.sandbox.sweeps import run_sweep
@@ -50,12 +51,9 @@ def swept(tmp_path, softcradle):
 
 
 def test_a_study_is_computed_once_and_says_how_far_it_is(tmp_path, swept, monkeypatch):
-    def interrupted(*_: object) -> None:
-        raise KeyboardInterrupt
-
     output = tmp_path / "found.nc"
     assert swept("--status").out == "two speeds: not begun, none of 2 points is computed\n"
-    monkeypatch.setattr(run_sweep, "write_dataset", interrupted)
+    monkeypatch.setattr(run_sweep, "write_dataset", Mock(side_effect=KeyboardInterrupt))
     swept("--workers", "1", code=130)
     told = f"2 of 2 points are in {output}.partial, and no sweep is at it, the same command goes on\n"
     assert swept("--status").out == f"two speeds: {told}"

@@ -1,6 +1,7 @@
-"""Films read back frame by frame, what is refused before any work, and files that are complete or not there."""
+"""Films read back frame by frame, segments of several threads, refusals before any work, files complete or not there."""
 
 import math
+import threading
 from unittest.mock import Mock
 
 import av
@@ -10,18 +11,12 @@ import pytest
 from PIL import Image
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.draw import Picture, longest_lead
-from softcradle.sandbox.film import formats, scene_film, scene_motion
-from softcradle.sandbox.film.encoder import open_film
+from softcradle.sandbox.film import encoder, formats, scene_film, scene_motion
+from softcradle.sandbox.film.encoder import open_film, segment_lengths
 from softcradle.sandbox.film.formats import pixels_of
 from softcradle.sandbox.film.kymograph import render_kymograph
 from softcradle.sandbox.film.scene_film import MOST_BEFORE_HIT, film_shots, render_scene, shot_list
-from softcradle.sandbox.film.scene_motion import (
-    first_force,
-    motion_end,
-    scene_motions,
-    scene_motions_quietly,
-    strongest_row,
-)
+from softcradle.sandbox.film.scene_motion import motion_end, scene_motions, scene_motions_quietly, strongest_row
 from softcradle.sandbox.page.shared_page import recorded
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
@@ -55,13 +50,6 @@ def rendered(path, **options):
     return render_scene(SCENE, path, progress=False, **{"size": SIZE, "fps": FPS, **options})
 
 
-def read(path):
-    with av.open(str(path)) as container:
-        stream = container.streams.video[0]
-        images = [frame.to_ndarray(format="rgb24", src_colorspace="ITU709") for frame in container.decode(stream)]
-        return stream, np.array(images)
-
-
 def difference(found, expected):
     """Mean difference of colour, and that of the worst frame."""
     apart = np.abs(found.astype(int) - expected).mean(axis=(1, 2, 3))
@@ -71,8 +59,10 @@ def difference(found, expected):
 @pytest.mark.parametrize(("pixel_format", "tolerance"), [("yuv420p", 2.5), ("yuv444p", 1.5)])
 def test_mp4_frame_by_frame(tmp_path, frames, pixel_format, tolerance):
     report = rendered(tmp_path / "film.mp4", pixel_format=pixel_format)
-    stream, found = read(tmp_path / "film.mp4")
-    context = stream.codec_context
+    with av.open(str(tmp_path / "film.mp4")) as container:
+        stream = container.streams.video[0]
+        found = [frame.to_ndarray(format="rgb24", src_colorspace="ITU709") for frame in container.decode(stream)]
+    found, context = np.array(found), stream.codec_context
     assert found.shape == frames.shape
     assert stream.average_rate == FPS
     assert (context.pix_fmt, context.colorspace, context.color_range) == (pixel_format, 1, 1)
@@ -109,14 +99,12 @@ def test_single_picture_is_the_moment_of_the_greatest_force(tmp_path):
     Picture(SCENE, motions, SIZE).paint(surface, strongest_row(motions))
     with Image.open(tmp_path / "still.png") as image:
         assert (np.asarray(image.convert("RGB")) == pixels_of(surface)[..., 2::-1]).all()
-    for each in (
-        motions,
-        scene_motions(scenes.load("train-starting"), 5.0),
-    ):  # couplers of a train that starts pull most
+    starting = scene_motions(scenes.load("train-starting"), 5.0)  # its couplers pull most
+    for each in (motions, starting):
         strongest = max(np.abs(motion.force).max() for motion in each)
         assert any(np.abs(motion.force[strongest_row(each)]).max() == strongest for motion in each)
         pulled = [motion.time[np.flatnonzero(motion.force.any(axis=1))[0]] for motion in each if motion.force.any()]
-        assert each[0].time[first_force(each)] == min(pulled)
+        assert each[0].time[scene_motion.first_force(each)] == min(pulled)
 
 
 def test_folder_of_pictures(tmp_path, frames):
@@ -215,14 +203,13 @@ def test_a_folder_with_something_in_it_and_a_missing_codec_are_refused(tmp_path,
     assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
 
 
-@pytest.mark.parametrize(("name", "before"), [("film.mp4", {"film.mp4": "old"}), ("film/", {})])
-def test_an_error_while_drawing_leaves_what_there_was(tmp_path, name, before):
-    for old, text in before.items():
-        (tmp_path / old).write_text(text)
+@pytest.mark.parametrize("name", ["film.mp4", "film/"])
+def test_an_error_while_drawing_leaves_what_there_was(tmp_path, name):
+    (tmp_path / "film.mp4").write_text("old")
     with pytest.raises(ZeroDivisionError), open_film(f"{tmp_path}/{name}", SIZE, FPS) as sink:  # noqa: PT012
         sink.add(sink.free_surface())
         raise ZeroDivisionError
-    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == before
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {"film.mp4": "old"}
 
 
 def test_a_gif_shows_its_background_exactly_and_other_colours_nearly(frames):
@@ -300,3 +287,102 @@ def test_beads_that_are_far_apart_have_all_the_time_that_they_need():
     far = parse(THREE.format(gap=[0, 50], law="hertz", stiffness=1e6))
     assert motion_end(far) > 50.0
     assert scene_motions(far, 1.0)[0].time[-1] > 50.0
+
+
+# x264 with AVX-512 is reproducible only where half the width is a multiple of 64.
+WIDE = (640, 360)
+FRAMES = 130
+
+
+def six_segments(monkeypatch, cores):
+    """Cut films of FRAMES into six segments, which so many cores encode."""
+    monkeypatch.setattr(encoder, "SEGMENT_FRAMES", 22)
+    monkeypatch.setattr(encoder, "SHORTEST_SEGMENT", 10)
+    monkeypatch.setattr(encoder, "cores", lambda: cores)
+
+
+def paint(surface, number):
+    """A frame that no other is like: a bar that moves, and the number in the brightness of the ground."""
+    surface.fill((number, 40, 200 - number))
+    surface.fill((250, 250, 120), (4 * number, 60, 80, 200))
+
+
+def written(path, cores, monkeypatch):
+    six_segments(monkeypatch, cores)
+    with open_film(path, WIDE, 30.0) as film:
+        film.paint_frames(range(FRAMES), paint)
+    return path
+
+
+def test_the_film_is_the_same_on_every_number_of_cores(tmp_path, monkeypatch):
+    films = [written(tmp_path / f"{cores}.mp4", cores, monkeypatch).read_bytes() for cores in (1, 2, 3, 8)]
+    assert len(set(films)) == 1
+
+
+def test_every_frame_has_its_time_and_its_picture_and_players_may_begin_at_any_segment(tmp_path, monkeypatch):
+    with av.open(str(written(tmp_path / "film.mp4", 3, monkeypatch))) as container:
+        stream = container.streams.video[0]
+        assert stream.frames == FRAMES
+        assert float(stream.duration * stream.time_base) == pytest.approx(FRAMES / 30.0)
+        found = list(container.decode(stream))
+        container.seek(int(3.0 / stream.time_base), stream=stream)
+        assert 2.0 < next(container.decode(stream)).time <= 3.0
+    assert [round(frame.time * 30) for frame in found] == list(range(FRAMES))
+    surface = pygame.Surface(WIDE, 0, 32)
+    for number, frame in enumerate(found):
+        paint(surface, number)
+        picture = frame.to_ndarray(format="rgb24", src_colorspace="ITU709").astype(int)
+        assert np.abs(picture - pixels_of(surface)[..., 2::-1]).mean() < 3.0, number
+    keys = [k for k, frame in enumerate(found) if frame.key_frame]
+    assert keys == np.cumsum([0, *segment_lengths(FRAMES)[:-1]]).tolist()
+
+
+def test_a_picture_that_stays_is_drawn_once_a_segment(tmp_path, monkeypatch):
+    """The film is the one in which every frame is drawn; what stays is drawn again only where a segment begins."""
+    pictures = [0] * 50 + list(range(1, 31)) + [30] * 49
+    six_segments(monkeypatch, 2)
+
+    def film_of(name):
+        told, drawn = [], Mock(wraps=paint)
+        with open_film(tmp_path / name, WIDE, 30.0) as film:
+            film.paint_frames(pictures, drawn, told.append)
+        assert sum(told) == len(pictures), "what is said of the progress ends at all frames"
+        return (tmp_path / name).read_bytes(), [call.args[1] for call in drawn.call_args_list]
+
+    quick, drawn = film_of("quick.mp4")
+    assert len(drawn) <= 31 + len(segment_lengths(len(pictures)))
+    assert set(drawn) == set(pictures)
+    monkeypatch.setattr(encoder, "_repeats", lambda pictures: 0)
+    assert film_of("plain.mp4")[0] == quick
+
+
+def nothing_is_left(folder):
+    return not list(folder.iterdir()) and not [one for one in threading.enumerate() if one.name.startswith("film")]
+
+
+@pytest.mark.parametrize("failing", [0, 25, 60, 129])
+@pytest.mark.parametrize("cores", [1, 3])
+def test_an_error_of_any_encoder_reaches_the_caller(tmp_path, monkeypatch, failing, cores):
+    """The frame of that number, counted as they come to the encoders, meets a full disk."""
+    calls, make = iter(range(1000)), formats.FrameMaker.__call__
+
+    def broken(maker, surface):
+        if next(calls) == failing:
+            raise OSError("disk full")
+        return make(maker, surface)
+
+    monkeypatch.setattr(formats.FrameMaker, "__call__", broken)
+    with pytest.raises(UserError, match="disk full"):
+        written(tmp_path / "film.mp4", cores, monkeypatch)
+    assert nothing_is_left(tmp_path)
+
+
+def test_an_error_while_drawing_ends_all_threads(tmp_path, monkeypatch):
+    def broken(surface, number):
+        if number == 70:
+            raise ZeroDivisionError
+
+    six_segments(monkeypatch, 2)
+    with pytest.raises(ZeroDivisionError), open_film(tmp_path / "film.mp4", WIDE, 30.0) as film:
+        film.paint_frames(range(FRAMES), broken)
+    assert nothing_is_left(tmp_path)

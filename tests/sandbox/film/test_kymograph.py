@@ -1,4 +1,4 @@
-"""Kymographs from camera frames agree with the motion to a pixel; scale bars; what is refused."""
+"""Kymographs from camera frames agree with the motion to a pixel; scale bars, marks, and the command."""
 
 import numpy as np
 import pytest
@@ -13,21 +13,18 @@ from softcradle.scenes.catalogue import parse
 
 WIDTH = 420
 BALL = '{law = "hertz", stiffness = 5.0}'
-DARK = 60  # sum of red, green and blue below which a pixel is a marker's
 
 
-def filmed(name, rate, number=0, width=WIDTH):
-    scene = load(name)
+def filmed(scene, rate=CAMERA_RATE):
+    """The scene as a kymograph has it, and its motions by a camera of that rate."""
     scene = filmed_scene(scene, motion_end(scene))
-    motions = scene_motions(scene, rate)
-    camera = SlitCamera(scene, number, scales_of(scene, motions), width)
-    return camera, motions[number], kymograph.stacked(camera, motions[number])
+    return scene, scene_motions(scene, rate)
 
 
 def middles(line):
     """Middles of the black stretches in a line (WIDTH, 3) [pixels]."""
     darkness = np.clip(255.0 - line.astype(float).max(axis=1), 0.0, 255.0) / 255.0
-    black = line.astype(int).sum(axis=1) < DARK
+    black = line.astype(int).sum(axis=1) < 60  # such a sum of red, green and blue is a marker's
     edges = np.flatnonzero(np.diff(np.concatenate(([0], black.astype(int), [0]))))
     assert darkness[black].min() > 0.7
     return np.array([0.5 * (a + b) for a, b in zip(edges[::2], edges[1::2], strict=True)])
@@ -45,7 +42,9 @@ def middles(line):
     ],
 )
 def test_frames_and_trajectory_agree_to_a_pixel(name, rate, number):
-    camera, motion, frames = filmed(name, rate, number)
+    scene, motions = filmed(load(name), rate)
+    motion, camera = motions[number], SlitCamera(scene, number, scales_of(scene, motions), WIDTH)
+    frames = kymograph.stacked(camera, motion)
     assert frames.shape == (len(motion.time), WIDTH, 3)
     places = camera.markers(motion)
     assert np.ptp(places, axis=0).max() > 20.0  # a camera that shows no motion would fail here
@@ -93,8 +92,7 @@ def test_scale_bars_are_100_ms_and_12_cm(tmp_path):
     black, frames = foreground(scene, tmp_path)
     below, right = black[-60:-40].sum(axis=1).max(), black[100:-62, -118:-90].sum(axis=0).max()
     assert below == pytest.approx(0.1 * CAMERA_RATE * ACROSS / frames, abs=2)
-    seen = filmed_scene(scene, motion_end(scene))
-    low, high = scales_of(seen, scene_motions(seen, CAMERA_RATE)).window
+    low, high = scales_of(*filmed(scene)).window
     tall = 720 - 80 - 58 - 24 - 14
     assert right == pytest.approx(0.12 / (high - low) * tall, abs=2)
 
@@ -102,9 +100,9 @@ def test_scale_bars_are_100_ms_and_12_cm(tmp_path):
 def test_release_and_first_touch_are_marked(tmp_path):
     """Dotted lines of the foreground across the lane: at t = 0, and where 20 mm at 0.5 m/s are flown."""
     scene = load("draft-gear-two-on-two")
-    (motion,) = scene_motions(filmed_scene(scene, motion_end(scene)), CAMERA_RATE)
+    _, (motion,) = filmed(scene)
     in_touch = parse(f'title = "x"\n[[lanes]]\nbeads = 2\nvelocity = [1.0, 0.0]\ncontact = {BALL}')
-    (touching,) = scene_motions(filmed_scene(in_touch, motion_end(in_touch)), 30.0)
+    _, (touching,) = filmed(in_touch, 30.0)
     assert touching.time[0] < 0.0
     assert [name for name, _ in instants(touching)] == ["first touch"]  # it is not released
     assert not instants(scene_motions(load("train-starting"), 5.0)[0])  # nor is a train, which begins to pull

@@ -156,15 +156,12 @@ def test_what_waits_for_a_translation_is_counted(tmp_path, monkeypatch, capsys):
     """New messages come in empty, and only a release is held up by them."""
     path = tmp_path / "de.po"
     monkeypatch.setattr("tools.update_catalogues.catalogue_path", lambda code: path)
-    text = translation.catalogue_path("de").read_text(encoding="utf-8")
+    text = catalogue_path("de").read_text(encoding="utf-8")
     path.write_text(text.replace('msgstr "Rückgängig"', 'msgstr ""'), encoding="utf-8")
     waiting = update("de")
     assert waiting > 0
-    with monkeypatch.context() as patched:
-        patched.setattr(translation, "catalogue_path", lambda code: path)
-        translation.catalogue.cache_clear()
-        german = translation.catalogue("de")
-        translation.catalogue.cache_clear()
+    monkeypatch.setattr(translation, "catalogue_path", lambda code: path)
+    german = translation.catalogue.__wrapped__("de")  # read anew, and not kept
     assert german.gettext("Undo") == "Undo"
     assert german.gettext("Redo") != "Redo"
     monkeypatch.setattr("tools.update_catalogues.LANGUAGES", {"de": LANGUAGES["de"]})

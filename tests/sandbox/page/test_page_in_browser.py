@@ -2,7 +2,6 @@
 
 import json
 import time
-from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -19,10 +18,10 @@ from tools.browser import Browser, found
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(found() is None, reason="there is no browser")]
 SCENE = "one-on-four"
+SOFT = {"law": "power_law", "f0": 1.0, "alpha": 0.1}
+PUSHED = {"forces": [{"beads": 3, "time": [0, 1], "force": [0.01, 0.01]}], "duration": 9.0}
 DEVICES = {"telephone": (390, 844), "desk": (1280, 800)}
 FITS = "document.documentElement.scrollWidth <= document.documentElement.clientWidth"
-# Pairs of colours of the style sheet, text before ground; canvas and SVG text have the same.
-TEXTS = [("ink", "paper"), ("muted", "paper"), ("ink", "card"), ("muted", "card"), ("alarm", "paper")]
 BOOKED = 1e-10  # relative error of the energy
 SAID = "document.getElementById('words').textContent"
 ENDED = (
@@ -30,7 +29,7 @@ ENDED = (
     "Beads 2 to 4 go together to the right at 0.45 to 0.47 m/s. "
     f"Two rigid bodies: {MINUS}0.60 and 0.40 m/s."
 )
-PLACE = """(() => { const stage = page.stages[%d], box = stage.canvas.getBoundingClientRect(); page.show(false);
+PLACE = """(() => { const stage = page.stages[0], box = stage.canvas.getBoundingClientRect(); page.show(false);
   return [box.left + stage.middle(%d), box.top + stage.view.ground - stage.view.size / 2, stage.view.size]; })()"""
 SET = "(() => {{ const e = document.getElementById('{}'); e.value = '{}'; e.dispatchEvent(new Event('{}')); }})()"
 COVERED = """(() => [...document.querySelectorAll('button, input, select, summary')].filter((e) => e.offsetParent).map((e) => {
@@ -39,6 +38,32 @@ COVERED = """(() => [...document.querySelectorAll('button, input, select, summar
   const now = area.getBoundingClientRect(), top = document.elementFromPoint(now.x + now.width / 2, now.y + now.height / 2);
   return [e.id || e.tagName, area === top || area.contains(top), now.height];
 }))()"""
+LAST_STATE = """(() => { const {count, kept, rows} = page.source, {width} = rows[0];
+  return [count - 1, Array.from(kept[0].subarray((count - 1) * width, count * width))]; })()"""
+CHART = """(() => { const {canvas} = page.charts[0], {width, height} = canvas;
+  return Array.from(canvas.getContext("2d").getImageData(0, 0, width, height).data); })()"""
+# Boxes of the texts, and of the thin lines, that are drawn with the beads from now on.
+SPY = """(() => {
+  const pen = CanvasRenderingContext2D.prototype, text = pen.fillText, box = pen.fillRect;
+  const staged = (found) => page.stages.some(({pen, layer}) => found === pen || found === layer);
+  window.texts = []; window.rules = [];
+  pen.fillText = function (words, x, y) {
+    const wide = this.measureText(words).width, left = {center: wide / 2, right: wide}[this.textAlign] || 0;
+    const high = parseFloat(this.font.match(/([\\d.]+)px/)[1]);
+    if (staged(this)) texts.push([words, x - left, y - 0.72 * high, x - left + wide, y]);
+    text.call(this, words, x, y);
+  };
+  pen.fillRect = function (x, y, wide, high) {
+    if (staged(this) && high === 1.5) rules.push(['', x, y, x + wide, y + high]);
+    box.call(this, x, y, wide, high);
+  };
+})()"""
+# Whether curves are inside their charts.
+INSIDE = """page.charts.every(({lane, channel, low, high}) => {
+  const count = page.source.values(lane)[channel].length, found = [];
+  page.source.trace(lane, channel, 400, -Infinity, (_, values, at) => found.push(...values.slice(at, at + count)));
+  return Math.min(...found) >= low && Math.max(...found) <= high;
+})"""
 
 
 @pytest.fixture(scope="module")
@@ -85,6 +110,14 @@ def run_to_the_end(browser):
     browser.run("page.pause(), page.go(page.source.last)")
 
 
+def test_the_browser_reports_mistakes(process, tmp_path):
+    """Every test of this file can fail."""
+    (tmp_path / "bad.html").write_text("<!doctype html><link rel=icon href='data:,'><script>nothing.there()</script>")
+    process.fresh()
+    process.open(tmp_path / "bad.html")
+    assert any("nothing is not defined" in complaint for complaint in process.complaints)
+
+
 @pytest.mark.parametrize(("fragment", "name", "apart"), [("", SCENE, 5e-3), ("#n=5&m=3&a=0.05", "three-on-five", 0.02)])
 def test_the_rows_end_as_simulate_says(pages, browser, fragment, name, apart):
     """Of a long contact with 64 steps, velocities are right to some thousandths; energy and momentum to round-off."""
@@ -105,21 +138,17 @@ def test_it_plays_by_itself_ends_in_words_and_begins_again(pages, browser):
     assert browser.run(again) == [True, True]
 
 
-SOFT = {"law": "power_law", "f0": 1.0, "alpha": 0.1}
-DRIVEN = {"velocity": [0, 0, 0], "gap": [0.5, 0], "drive": [1, 0, 0]}
-
-
-def visit_row(browser, folder, fragment="", duration=None, **lane):
+def visit_row(browser, folder, duration=None, **lane):
     """Open the page of a row, whose contacts are soft unless told."""
     scene = Scene(title="a row", lanes=(Lane(**{"contact": SOFT} | lane),), duration=duration)
-    browser.visit(render_page(scene, folder / "page.html").output, fragment)
+    browser.visit(render_page(scene, folder / "page.html").output, "")
     browser.run("page.pause()")
 
 
 @pytest.mark.parametrize(
     ("row", "last"),
     [
-        (DRIVEN | {"duration": 5.0}, 5.0),
+        ({"velocity": [0, 0, 0], "gap": [0.5, 0], "drive": [1, 0, 0], "duration": 5.0}, 5.0),
         ({"velocity": [0, 0, 0], "gap": [-0.2, -0.2]}, 2.19),  # released, apart after 0.69 s
         ({"velocity": [1, 0, 0], "gap": [1, 0], "friction": 0.05}, 3.86),  # at rest after 2.36 s
     ],
@@ -127,9 +156,6 @@ def visit_row(browser, folder, fragment="", duration=None, **lane):
 def test_a_run_is_followed_until_nothing_moves_any_more(browser, tmp_path, row, last):
     visit_row(browser, tmp_path, **row)
     assert browser.run("page.source.last") == pytest.approx(last, abs=0.01)
-
-
-PUSHED = {"forces": [{"beads": 3, "time": [0, 1], "force": [0.01, 0.01]}], "duration": 9.0}
 
 
 @pytest.mark.parametrize(("row", "rigid"), [({}, True), ({"gap": [0.5, 0.3, 0.3]}, False), (PUSHED, False)])
@@ -165,13 +191,12 @@ def test_a_bead_is_thrown_with_the_mouse_or_a_finger_and_the_page_stays(pages, b
     hold_the_clock(browser)
     pointer = browser.mouse if device == "desk" else browser.finger
     down, move, up = ("Pressed", "Moved", "Released") if device == "desk" else ("Start", "Move", "End")
-    x, y, size = browser.run(PLACE % (0, bead))
+    x, y, size = browser.run(PLACE % bead)
     pointer(down, x, y)
     for k in range(12):
         pointer(move, x + pull * k * size, y)
         pictures(browser, 2)
-    assert browser.run("page.source.hand.bead") == bead
-    assert browser.run("page.playing")
+    assert browser.run("[page.source.hand.bead, page.playing]") == [bead, True]
     pointer(up, x + 11 * pull * size, y)
     assert browser.run("page.source.hand") is None
     browser.run("page.pause()")
@@ -285,24 +310,17 @@ def test_steel_balls_beside_soft_beads(pages, browser):
     assert browser.run("page.stages.length") == 1
 
 
-STATE = "Array.from(page.source.kept[0].subarray(k * page.source.rows[0].width, (k + 1) * page.source.rows[0].width))"
-
-
 def test_winding_back_and_on_gives_the_same_motion_to_the_bit(pages, browser):
     browser.visit(pages(SCENE).output, "")
     run_to_the_end(browser)
-    kept = browser.run(f"(() => {{ const k = page.source.count - 1; return [k, {STATE}]; }})()")
+    kept = browser.run(LAST_STATE)
     browser.run("page.go(1.5), page.source.forget()")
     assert browser.run("page.source.count") < kept[0]
     run_to_the_end(browser)
-    assert browser.run(f"(() => {{ const k = page.source.count - 1; return [k, {STATE}]; }})()") == kept
+    assert browser.run(LAST_STATE) == kept
     browser.run("page.go(1.5), page.chosen = {lane: 0, bead: 4}, page.throwChosen(-1), page.pause()")
     assert browser.run("page.source.last") < 2.0  # what comes after an edit is another motion
     assert error(browser) < BOOKED
-
-
-CHART = """(() => { const {canvas} = page.charts[0], {width, height} = canvas;
-  return Array.from(canvas.getContext("2d").getImageData(0, 0, width, height).data); })()"""
 
 
 @pytest.mark.parametrize(
@@ -354,8 +372,7 @@ def test_only_the_last_minute_is_remembered(pages, browser):
     browser.run("page.pause(), page.source.touched = true, page.source.apartFor = -1e9")
     browser.run("for (let k = 0; k < 9000; k++) page.source.next()")
     assert browser.run("page.source.count - page.source.first") == 3600
-    browser.run("page.go(-1e9)")
-    assert browser.run("page.source.time") == browser.run("page.source.begun")
+    assert browser.run("page.go(-1e9), page.source.time === page.source.begun")
     assert error(browser) < BOOKED
 
 
@@ -385,7 +402,7 @@ def test_beads_that_just_touch_and_couplers_that_pull_are_said_to(pages, browser
 
 
 def test_a_link_opens_the_experiment(pages, browser):
-    page = pages("one-on-four").output
+    page = pages(SCENE).output
     browser.visit(page, "")
     allowed = ["clipboardReadWrite", "clipboardSanitizedWrite"]
     browser.call("Browser.grantPermissions", permissions=allowed, browserContextId=browser.context)
@@ -422,8 +439,7 @@ HOSTILE = (
 @pytest.mark.parametrize("fragment", HOSTILE)
 def test_nothing_in_an_address_is_more_than_a_number_or_a_known_word(pages, browser, fragment):
     browser.visit(pages(SCENE).output, fragment)
-    experiment, own = browser.run("[page.experiment, page.own]")
-    limits = browser.run("page.limits")
+    experiment, own, limits = browser.run("[page.experiment, page.own, page.limits]")
     for name, value in experiment.items():
         if name in limits:
             assert limits[name][0] <= value <= limits[name][1], name
@@ -436,7 +452,7 @@ def test_nothing_in_an_address_is_more_than_a_number_or_a_known_word(pages, brow
 
 
 def test_a_host_that_refuses_kernels_gets_the_recorded_motion(pages, browser, tmp_path):
-    text = pages("one-on-four").output.read_text(encoding="utf-8")
+    text = pages(SCENE).output.read_text(encoding="utf-8")
     (tmp_path / "page.html").write_text(text.replace(" 'wasm-unsafe-eval'", ""), encoding="utf-8")
     browser.visit(tmp_path / "page.html", "")
     assert not browser.run("page.source.live")
@@ -467,10 +483,9 @@ def test_a_recorded_motion_is_shown_as_it_was(browser, tmp_path, own):
     assert browser.run("page.looks[0].marks")
 
 
-READERS = ("de-AT", "Eine Kugel auf vier"), ("fr", "Une bille contre quatre"), ("sv", "One bead on four")
-
-
-@pytest.mark.parametrize(("code", "title"), READERS)
+@pytest.mark.parametrize(
+    ("code", "title"), [("de-AT", "Eine Kugel auf vier"), ("fr", "Une bille contre quatre"), ("sv", "One bead on four")]
+)
 def test_it_speaks_the_language_of_its_reader(pages, browser, code, title):
     agent = browser.run("navigator.userAgent")
     browser.call("Emulation.setUserAgentOverride", userAgent=agent, acceptLanguage=code)
@@ -506,7 +521,7 @@ def test_it_fits(pages, browser, width, fragment):
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("device", DEVICES)
-def test_it_is_drawn(pages, browser, tmp_path, device, scheme):
+def test_it_is_drawn_and_texts_stand_out(pages, browser, tmp_path, device, scheme):
     browser.device(*DEVICES[device])
     browser.media("screen", scheme)
     browser.visit(pages(SCENE).output, "#t=1.9")
@@ -514,30 +529,16 @@ def test_it_is_drawn(pages, browser, tmp_path, device, scheme):
     ground = np.median(picture, axis=(0, 1))
     assert (ground > 230).all() if scheme == "light" else (ground < 40).all()
     beads = browser.run("[0, 1, 2, 3, 4].map((k) => page.theme.bead(k))")
-    colours = [tuple(int(bead[k : k + 2], 16) for k in (1, 3, 5)) for bead in beads]
-    area = {bead: (np.abs(picture - colour).max(axis=2) < 3).sum() for bead, colour in zip(beads, colours, strict=True)}
-    assert min(area.values()) > 100  # each bead has its part of the bars
+    areas = [(np.abs(picture - ImageColor.getrgb(bead)).max(axis=2) < 3).sum() for bead in beads]
+    assert min(areas) > 100  # each bead has its part of the bars
+    style = "getComputedStyle(document.documentElement).getPropertyValue('--{}').trim()"
+    # text before ground, in the style sheet; texts of canvases and SVG have the same colours
+    for pair in ("ink", "paper"), ("muted", "paper"), ("ink", "card"), ("muted", "card"), ("alarm", "paper"):
+        colours = [ImageColor.getrgb(browser.run(style.format(name))) for name in pair]
+        assert contrast(*colours) >= 4.5, pair
     browser.media("print")
     for part, shown in ((".transport", "none"), (".stage", "block")):
         assert browser.run(f"getComputedStyle(document.querySelector('{part}')).display") == shown
-
-
-# Boxes of the texts, and of the thin lines, that are drawn with the beads from now on.
-SPY = """(() => {
-  const pen = CanvasRenderingContext2D.prototype, text = pen.fillText, box = pen.fillRect;
-  const staged = (found) => page.stages.some(({pen, layer}) => found === pen || found === layer);
-  window.texts = []; window.rules = [];
-  pen.fillText = function (words, x, y) {
-    const wide = this.measureText(words).width, left = {center: wide / 2, right: wide}[this.textAlign] || 0;
-    const high = parseFloat(this.font.match(/([\\d.]+)px/)[1]);
-    if (staged(this)) texts.push([words, x - left, y - 0.72 * high, x - left + wide, y]);
-    text.call(this, words, x, y);
-  };
-  pen.fillRect = function (x, y, wide, high) {
-    if (staged(this) && high === 1.5) rules.push(['', x, y, x + wide, y + high]);
-    box.call(this, x, y, wide, high);
-  };
-})()"""
 
 
 def covering(one, other):
@@ -565,37 +566,17 @@ def test_no_text_of_the_drawing_covers_another_or_leaves_it(pages, browser, name
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_texts_stand_out(pages, browser, scheme):
-    browser.media("screen", scheme)
-    browser.visit(pages(SCENE).output, "#t=1")
-    style = "getComputedStyle(document.documentElement).getPropertyValue('--{}').trim()"
-    for text, ground in TEXTS:
-        colours = [ImageColor.getrgb(browser.run(style.format(name))) for name in (text, ground)]
-        assert contrast(*colours) >= 4.5, (text, ground)
-
-
-@pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("device", DEVICES)
 def test_axe_finds_nothing(pages, browser, device, scheme):
-    spec = find_spec("axe_core_python")
-    if spec is None or spec.origin is None:
-        pytest.skip("axe-core-python is not installed")
+    axe = Path(pytest.importorskip("axe_core_python").__file__).parent / "axe.min.js"
     browser.device(*DEVICES[device])
     browser.media("screen", scheme)
     browser.visit(pages(SCENE).output, "#t=1.5&with=steel")
-    browser.run((Path(spec.origin).parent / "axe.min.js").read_text(encoding="utf-8") + ";0")
+    browser.run(axe.read_text(encoding="utf-8") + ";0")
     report = "axe.run().then(({violations, passes}) => JSON.stringify({violations, passes: passes.length}))"
     found = json.loads(browser.run(report))
     assert [(rule["id"], [node["html"] for node in rule["nodes"]]) for rule in found["violations"]] == []
     assert found["passes"] > 20
-
-
-# Whether curves are inside their charts.
-INSIDE = """page.charts.every(({lane, channel, low, high}) => {
-  const count = page.source.values(lane)[channel].length, found = [];
-  page.source.trace(lane, channel, 400, -Infinity, (_, values, at) => found.push(...values.slice(at, at + count)));
-  return Math.min(...found) >= low && Math.max(...found) <= high;
-})"""
 
 
 @pytest.mark.parametrize("name", scenes.names())
@@ -614,7 +595,7 @@ def test_every_scene_plays_to_its_end_without_an_error(pages, browser, name):
 
 def test_it_lives_in_a_frame_that_may_do_nothing_else(browser, tmp_path):
     """A cell of a notebook: no address of its own, no clipboard, no storage."""
-    cell = scenes.load("one-on-four").live()._repr_html_()
+    cell = scenes.load(SCENE).live()._repr_html_()
     (tmp_path / "notebook.html").write_text(f"<!doctype html><title>cell</title>{cell}", encoding="utf-8")
     browser.open(tmp_path / "notebook.html")
     for _ in range(1000):

@@ -4,7 +4,7 @@ import json
 import os
 import re
 import shutil
-import subprocess
+from subprocess import PIPE, STDOUT, Popen
 
 import numpy as np
 import pytest
@@ -59,9 +59,7 @@ def test_it_computes_and_draws(pages, tmp_path, size, dark):
 def said_by_firefox(profile, page, size):
     environment = {**os.environ, "MOZ_HEADLESS_WIDTH": str(size[0]), "MOZ_HEADLESS_HEIGHT": str(size[1])}
     command = [FIREFOX, "--headless", "--no-remote", "--profile", str(profile), page.as_uri()]
-    with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment
-    ) as firefox:
+    with Popen(command, stdout=PIPE, stderr=STDOUT, text=True, env=environment) as firefox:
         try:
             for line in firefox.stdout:
                 if found := re.search(r"FOUND (\{.*\})", line):

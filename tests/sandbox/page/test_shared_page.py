@@ -1,27 +1,34 @@
-"""The page as a file: everything is in it, it loads nothing, and what cannot be written leaves nothing behind."""
+"""The page as a file: it plays what was recorded, it loads nothing, and what cannot be written leaves nothing behind."""
 
+import base64
 import gzip
+import re
 
+import numpy as np
 import pytest
+from softcradle.physics.state import from_anchor
 from softcradle.sandbox.page import render_page, write_page
-from softcradle.sandbox.page.data import can_be_computed
+from softcradle.sandbox.page.data import LINE_ERROR, SAME_DEPTH, can_be_computed, needed_rows, packed_lanes
+from softcradle.sandbox.page.played_motion import played_motion
+from softcradle.sandbox.page.shared_page import recorded
+from softcradle.sandbox.page.svg_charts import ChartAxes, Curve, axis_range, line_chart
 from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Lane, Scene
 from softcradle.scenes.catalogue import parse
 
-from softcradle import scenes, simulate
+from softcradle import one_on, power_law, scenes, simulate
 from tests.sandbox.page.conftest import TagChecker, page_data
 
-MOST, MOST_COMPRESSED = 150_000, 60_000  # bytes of a page in which five beads live
+SCENES = ("one-on-four", "galilean", "draft-gear-two-on-two", "hertz-cradle", "mixed", "stiff-springs", "weak-contact")
 
 
 @pytest.mark.parametrize("name", ["one-on-four", "two-on-two", "hertz-cradle", "draft-gear-one-on-three"])
 def test_a_page_in_which_beads_live_is_small_closes_its_tags_and_loads_nothing(pages, name):
     report = pages(name)
     assert report.computed
-    assert report.size == report.output.stat().st_size < MOST
-    assert len(gzip.compress(report.output.read_bytes())) < MOST_COMPRESSED
+    assert report.size == report.output.stat().st_size < 150_000  # bytes
+    assert len(gzip.compress(report.output.read_bytes())) < 60_000
     text = report.output.read_text(encoding="utf-8")
     checker = TagChecker(text)
     assert checker.links == ["data:,"]
@@ -44,8 +51,8 @@ def test_a_row_can_be_longer_if_its_contacts_are_alike(tmp_path, losses, uniform
     assert (page_data(report.output.read_text(encoding="utf-8"))["uniform"] is not None) is uniform
 
 
-def test_what_is_asked_of_a_method_is_recorded_and_the_page_says_how(pages):
-    report = pages("one-on-four", method="radau")
+def test_what_is_asked_of_a_method_is_recorded_and_the_page_says_how(tmp_path):
+    report = render_page(load_scene("one-on-four"), tmp_path / "page.html", method="radau")
     text = report.output.read_text(encoding="utf-8")
     assert not report.computed
     found = simulate(scenes.load("one-on-four").lanes[0].chain(), [1, 0, 0, 0, 0], method="radau")
@@ -67,8 +74,7 @@ def test_labels_of_users_are_text_not_markup(tmp_path):
     evil = "</script><script>alert(1)</script>"
     lane = f'label = "{evil}"\nbeads = [1, 1]\nvelocity = 1.0\ncontact = {{law = "hertz", stiffness = 1.0}}\n'
     scene = parse(f'title = "<b>&x"\ntext = "{evil}"\n[[lanes]]\n{lane}[[lanes]]\n{lane}')
-    render_page(scene, tmp_path / "page.html")
-    text = (tmp_path / "page.html").read_text(encoding="utf-8")
+    text = render_page(scene, tmp_path / "page.html").output.read_text(encoding="utf-8")
     TagChecker(text)
     assert "<script>alert" not in text
     assert "<b>" not in text
@@ -87,3 +93,121 @@ def test_the_command_reports_the_page(softcradle, tmp_path, command):
     printed = softcradle(command, "two-on-two", "-o", str(tmp_path / "two.html")).out
     assert printed.startswith(f"written: {tmp_path / 'two.html'}, a page of ")
     assert [path.name for path in tmp_path.iterdir()] == ["two.html"]
+
+
+def played(name):
+    scene = load_scene(name)
+    return played_motion(scene, recorded(scene))
+
+
+def unpacked(motion):
+    """Of each lane what is packed, and what the page's script makes of it, by name: (T,) or (T, k) values."""
+    for found, packed in zip(motion.motions, packed_lanes(motion.motions, motion.scales), strict=True):
+        data, rows, beads = base64.b64decode(packed["data"]), packed["rows"], found.chain.contacts + 1
+        split = 4 * rows * (beads + 3)
+        floats = np.frombuffer(data[:split], "<f4").astype(float).reshape(-1, rows)
+        codes = np.frombuffer(data[split:], "<i2").astype(float).reshape(-1, rows) / 32767
+        yield (
+            found,
+            {
+                "time": floats[0],
+                "anchor": floats[1],
+                "stored": floats[2],
+                "absorbed": floats[3],
+                "overlap": floats[4:].T * np.array(packed["depth"]),
+                "velocity": codes[:beads].T * max(map(abs, motion.scales.velocity)),
+                "force": codes[beads:].T * motion.scales.force,
+            },
+        )
+
+
+@pytest.mark.parametrize("name", [*SCENES, "experiment-two-on-two"])
+def test_lines_between_samples_follow_the_recorded_motion(name):
+    motion = played(name)
+    scales = motion.scales
+    for found, values in unpacked(motion):
+        absorbed = found.absorbed if found.absorbed.size else np.zeros(found.time.size)
+        position = from_anchor(values["overlap"], values["anchor"], found.chain.anchor)
+        for read, true, error in (
+            (position, found.position, LINE_ERROR * np.ptp(scales.window)),
+            (values["velocity"], found.velocity, (LINE_ERROR + 2e-5) * np.ptp(scales.velocity)),
+            (values["force"], found.force, (LINE_ERROR + 2e-5) * scales.force),
+            (values["stored"][:, None], found.stored[:, None], LINE_ERROR * scales.energy),
+            (values["absorbed"][:, None], absorbed[:, None], LINE_ERROR * scales.energy),
+        ):
+            for k in range(true.shape[1]):
+                apart = np.abs(np.interp(found.time, values["time"], read[:, k]) - true[:, k])
+                jumps = np.flatnonzero(np.abs(np.diff(true[:, k])) > 5 * error)
+                # a jump lies between two times that are one as floats of the page
+                near_jump = np.abs(found.time[:, None] - found.time[jumps]).min(axis=1, initial=1e9)
+                assert apart[near_jump > 1e-6 * found.time[-1]].max() < 1.2 * error
+
+
+@pytest.mark.parametrize("name", SCENES[:4])
+def test_deep_overlaps_keep_their_digits(name):
+    motion = played(name)
+    smallest = 10.0 ** (motion.scales.decades[0] - 1)  # a decade below the axis of overlaps
+    for found, values in unpacked(motion):
+        for k in range(found.chain.contacts):
+            deep = found.overlap[:, k] > 1e-3 * found.overlap[:, k].max()
+            lines = np.interp(found.time[deep], values["time"], values["overlap"][:, k])
+            np.testing.assert_allclose(lines, found.overlap[deep, k], rtol=2 * SAME_DEPTH, atol=smallest)
+        assert len(values["time"]) < len(found.time) / 2
+
+
+def test_free_flight_leads_to_the_start_and_follows_the_end():
+    contact = {"law": "power", "f0": 1.0, "alpha": 0.2}
+    scene = Scene(title="in touch", lanes=(Lane(contact=contact, velocity=[1, 0, 0]),))
+    (end,) = recorded(scene)
+    (motion,) = played_motion(scene, [end]).motions
+    assert motion.time[0] < 0.0
+    assert (motion.velocity[0] == [1.0, 0.0, 0.0]).all()
+    assert motion.time[-1] > end.time[-1]
+    np.testing.assert_allclose(motion.velocity[-1], end.final_velocity, atol=1e-12)
+    drift = motion.position[-1] - motion.position[-2] - motion.velocity[-1] * (motion.time[-1] - motion.time[-2])
+    assert np.abs(drift).max() < 1e-12
+
+
+def test_what_rests_is_at_rest():
+    """A number that is 0 stays 0 however few digits are kept: no bead creeps."""
+    ((_, values),) = unpacked(played("one-on-four"))
+    before = values["time"] < 0.99
+    assert (values["velocity"][before, 1:] == 0.0).all()
+    assert (values["force"][before] == 0.0).all()
+
+
+def test_a_motion_that_needs_too_many_samples_gets_coarser_ones_or_is_refused(monkeypatch):
+    motion = played("one-on-four")
+    (fine,) = packed_lanes(motion.motions, motion.scales)
+    monkeypatch.setattr("softcradle.sandbox.page.data.USUAL_BYTES", 8000)
+    (coarse,) = packed_lanes(motion.motions, motion.scales)
+    assert coarse["rows"] < fine["rows"]
+    assert len(coarse["data"]) <= 8000 * 4 / 3 + 4
+    monkeypatch.setattr("softcradle.sandbox.page.data.USUAL_BYTES", 400)
+    monkeypatch.setattr("softcradle.sandbox.page.data.MOST_BYTES", 500)
+    with pytest.raises(UserError, match="5 beads is too much for one page"):
+        packed_lanes(motion.motions, motion.scales)
+
+
+def test_a_trajectory_of_few_samples_is_played_as_it_is():
+    found = simulate(one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0], duration=1.0, samples=3)
+    (motion,) = played_motion(load_scene("one-on-four"), [found]).motions
+    assert motion.time[-3:].tolist() == [0.0, 0.5, 1.0]
+
+
+def test_thinned_curves_keep_their_jumps():
+    x = np.linspace(0.0, 1.0, 20_001)
+    y = np.where(x < 0.50003, 0.0, 1.0)
+    axes = ChartAxes((0.0, 1.0), axis_range([y]), "x", "y")
+    drawn = re.search(r'd="M([^"]+)"><title>one', line_chart("t", [Curve("one", x, y, "c0")], axes))[1]
+    points = np.array([[float(v) for v in pair.split(",")] for pair in drawn.split("L")])
+    assert len(points) < 600
+    (jump,) = np.flatnonzero(np.abs(np.diff(points[:, 1])) > 50.0)
+    assert points[jump + 1, 0] - points[jump, 0] < 0.2
+
+
+def test_two_rows_at_one_time():
+    """A force that jumps has a row before and a row after; times of both may be the same number."""
+    time = np.array([0.0, 0.5, 0.5, 1.0])
+    values = np.array([[0.0], [0.0], [1.0], [1.0]])
+    assert needed_rows(time, values, np.full((4, 1), 1e-6)).tolist() == [0, 1, 2, 3]

@@ -1,28 +1,28 @@
-"""Edits: what they change and, above all, what they leave unchanged; where each editable number is found."""
+"""Edits: what they change and, above all, what they leave unchanged; where each editable number is found; undo and redo."""
 
 import math
 import re
 
 import numpy as np
 import pytest
-from softcradle.physics import hertz
+from softcradle.physics import hertz, power_law
 from softcradle.sandbox.quantities import OVERLAP
 from softcradle.sandbox.session import Session, inputs
 from softcradle.sandbox.session.contact_conversion import kind_of
 from softcradle.sandbox.session.editable_numbers import NUMBERS, parameters
-from softcradle.sandbox.session.replay import Replay
 from softcradle.sandbox.session.run_verdict import PASSED
+from softcradle.sandbox.session.undo import MOST_STEPS
 from softcradle.sandbox.session.values_table import values_table
 
-from tests.helpers.sessions import frame_table, opened
+from tests.helpers.sessions import check_replay, frame_table, opened
 
 # of no sentence for people
 PYTHON = re.compile(r"float64|np\.|\w+\(|[a-z]_[a-z]|\w+Error|Traceback|<|None|\bself\b|\n")
 
 
-def mid_collision(name="one-on-four"):
+def mid_collision():
     """A session in which all contacts are loaded."""
-    session = opened(name, inputs.SetMethod(None, "conserving"))
+    session = opened("one-on-four", inputs.SetMethod(None, "conserving"))
     while not (session.lanes[0].state.overlap > 0.0).all():
         session.step_frames(1)
     return session
@@ -93,9 +93,7 @@ def test_adding_and_removing_a_bead_changes_nothing(bead, heavy):
 
 
 def test_the_last_two_beads_cannot_be_removed():
-    session = opened()
-    for _ in range(3):
-        session.apply(inputs.RemoveBead(0, 0))
+    session = opened("one-on-four", *[inputs.RemoveBead(0, 0)] * 3)
     with pytest.raises(ValueError, match="at least 2 beads"):
         session.apply(inputs.RemoveBead(0, 0))
 
@@ -116,17 +114,13 @@ def test_a_converted_contact_stops_the_same_impact(name, kind):
 
 
 def test_locked_pistons_make_a_usual_cradle_and_unlocked_ones_a_rigid_cluster_again():
-    session = opened("draft-gear-one-on-three")
-    soft = session.lanes[0].chain.contact
-    session.apply(inputs.Lock(0, None))
-    session.apply(inputs.Lock(0, 1))
-    session.step_frames(600)
+    session = opened("draft-gear-one-on-three", inputs.Lock(0, None), inputs.Lock(0, 1), frames=600)
     final = session.lanes[0].velocity
     assert final[3] > 0.45, "the last cylinder leaves with nearly all of the 0.5 m/s"
     assert abs(final[0]) < 0.05
     session.restart()
     session.apply(inputs.Lock(0, None, locked=False))
-    assert session.lanes[0].chain.contact == soft
+    assert session.lanes[0].chain.contact == session.scene.lanes[0].chain().contact
     session.step_frames(600)
     assert np.ptp(session.lanes[0].velocity[1:]) < 1e-6
 
@@ -171,8 +165,7 @@ def test_a_chosen_step_follows_edits_and_a_typed_one_stays():
     ],
 )
 def test_a_refusal_names_what_is_wrong_and_changes_nothing(edit, sentence):
-    session = opened()
-    session.step_frames(20)
+    session = opened(frames=20)
     session.scrub_frame(5)
     before = frame_table(session)
     with pytest.raises(ValueError, match=sentence) as refused:
@@ -183,15 +176,13 @@ def test_a_refusal_names_what_is_wrong_and_changes_nothing(edit, sentence):
     assert not session.undo()
 
 
-SCENES = ("one-on-four", "experiment-one-on-three", "galilean")  # power laws, draft gears, open gaps
-
-
 @pytest.mark.parametrize("number", NUMBERS, ids=lambda number: number.name)
 def test_a_number_is_wherever_numbers_are(number, tmp_path):
     def value_in(session, index):
         return number.values(session.lanes[0])[index]
 
-    sessions = [opened(name) for name in SCENES]
+    # power laws, draft gears, open gaps
+    sessions = [opened(name) for name in ("one-on-four", "experiment-one-on-three", "galilean")]
     owners = [(one, index) for one in sessions for index, _ in enumerate(number.values(one.lanes[0]))]
     session, index = next(owner for owner in owners if not math.isnan(value_in(*owner)))
     before = value_in(session, index)
@@ -206,10 +197,7 @@ def test_a_number_is_wherever_numbers_are(number, tmp_path):
     assert value_in(session, index) == pytest.approx(value, rel=1e-12)
     assert value_in(Session(session.to_scene()), index) == pytest.approx(value, rel=1e-12)
     session.step_frames(3)
-    session.save_recording(tmp_path / "session.npz")
-    replay = Replay.load(tmp_path / "session.npz")
-    assert replay.run()
-    assert value_in(replay.session, index) == value_in(session, index)
+    check_replay(session, tmp_path / "session.npz")
     session.scrub_frame(0)
     assert session.undo()
     assert value_in(session, index) == before
@@ -230,3 +218,127 @@ def test_a_gap_of_beads_that_touch_has_no_sign():
     session = opened("two-on-two")
     session.lanes[0].state.overlap[:] = 0.0
     assert str(parameters(session, 0, "contact", 1)[-1].value) == "0.0"
+
+
+EDITS = (
+    inputs.SetMass(0, 1, 2.5), inputs.SetVelocity(0, 2, -0.5), inputs.SetContact(0, 1, power_law(2.0, 0.2)),
+    inputs.SetKind(0, None, "gear"), inputs.Lock(0, None), inputs.SetGap(0, 0, 0.5), inputs.SetDrive(0, 1, 0.3),
+    inputs.SetFriction(0, 0.1), inputs.AddBead(0, 2), inputs.RemoveBead(0, 0), inputs.SetMethod(0, "verlet"),
+    inputs.SetStep(0, 1e-3),
+)  # fmt: skip
+
+
+def picture(session):
+    return session.frame, session.history.first, session.history.last, session.setup, frame_table(session)
+
+
+def test_every_edit_is_undone_and_redone_in_turn_with_the_motion_also_across_a_restart():
+    session = opened()
+    seen = []
+    for k, edit in enumerate(EDITS):
+        session.step_frames(30)
+        session.scrub_frame(session.frame - 10)  # ten frames that the edit drops
+        seen.append(picture(session))
+        session.apply(edit)
+        if k == 5:
+            session.restart()
+    session.step_frames(50)
+    last = picture(session)
+    for expected in reversed(seen):
+        assert session.undo()
+        assert picture(session) == expected
+    assert not session.undo()
+    for expected in (*seen[1:], last):
+        assert session.redo()
+        assert picture(session) == expected
+    assert not session.redo()
+    session.undo()
+    session.apply(inputs.SetMass(0, 1, 3.0))
+    assert not session.redo()  # what could be redone is dropped by an edit
+
+
+def test_a_gesture_is_one_step():
+    session = opened()
+    start = session.lanes[0].position.copy()
+    for k in range(20):
+        session.drag(0, 0, -0.1 * k)
+    session.drop()
+    for mass in (1.5, 2.0, 2.5):
+        session.apply(inputs.SetMass(0, 1, mass), gesture=True)
+    session.end_gesture()
+    session.apply(inputs.SetMass(0, 1, 4.0), gesture=True)
+    assert session.undo() == "mass"
+    assert session.lanes[0].chain.mass[1] == 2.5
+    assert session.undo() == "mass"
+    assert session.lanes[0].chain.mass[1] == 1.0
+    assert session.undo() == "bead moved"
+    assert np.array_equal(session.lanes[0].position, start)
+
+
+def test_several_inputs_are_one_step_and_are_refused_together(tmp_path):
+    session = opened("two-on-two")
+    for speed in (0.5, 0.7):
+        session.apply_all([inputs.SetVelocity(0, bead, speed) for bead in (0, 1)], gesture=True)
+    session.step_frames(5)
+    before = picture(session)
+    with pytest.raises(ValueError, match="no bead 9"):
+        session.apply_all([inputs.SetMass(0, 0, 2.0), inputs.SetMass(0, 9, 2.0)])
+    session.scrub_frame(3)
+    session.apply_all([])
+    session.step_frames(2)
+    assert picture(session) == before
+    check_replay(session, tmp_path / "replay.npz")
+    assert session.undo() == "velocity"
+    assert session.lanes[0].velocity.tolist() == [1.0, 1.0, 0.0, 0.0]
+    assert not session.undo()
+
+
+def test_a_throw_is_undone_to_the_frame_at_which_the_bead_was_taken():
+    session = opened(frames=30)
+    before = picture(session)
+    session.play()
+    for k in range(10):
+        session.drag(0, 4, 5.0 + 0.1 * k)
+        session.tick(1 / 60)
+    session.drop()
+    session.tick(0.1)
+    assert not session.undo_stack.unsaved  # the scene is as it was
+    assert session.undo() == "bead pulled"
+    assert picture(session) == before
+
+
+def test_unsaved_edits_are_known():
+    session = opened()
+    stack = session.undo_stack
+    assert not stack.unsaved
+    session.apply(inputs.SetMass(0, 1, 2.5))
+    assert stack.unsaved
+    for act, unsaved in ((session.undo, False), (session.redo, True), (stack.mark_saved, False), (session.undo, True)):
+        act()
+        assert stack.unsaved is unsaved
+
+
+def test_a_saved_edit_that_is_played_away_leaves_the_scene_unsaved(tmp_path):
+    session = opened(frames=5)
+    session.apply(inputs.SetMass(0, 1, 2.5))
+    session.step_frames(2)
+    session.save_scene(tmp_path / "saved.toml")
+    for frame, unsaved in ((6, False), (3, True)):  # where the edit is made already, and before it
+        session.scrub_frame(frame)
+        assert not session.undo_stack.unsaved
+        session.play()
+        session.tick(0.1)
+        assert session.undo_stack.unsaved is unsaved
+
+
+def test_steps_are_bounded_in_number_and_memory(monkeypatch):
+    session = opened()
+    for k in range(MOST_STEPS + 20):
+        session.apply(inputs.SetMass(0, 1, 1.0 + k))
+    assert len(session.undo_stack.done) == MOST_STEPS
+    monkeypatch.setattr("softcradle.sandbox.session.undo.MEMORY", 400_000)
+    for k in range(10):
+        session.step_frames(200)
+        session.apply(inputs.SetMass(0, 1, 1.0 + k))
+    assert sum(step.memory for step in session.undo_stack.done) <= 400_000
+    assert session.undo()

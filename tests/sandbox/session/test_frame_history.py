@@ -19,8 +19,7 @@ FRAMES = BLOCK_ROWS + 300
 @pytest.fixture(scope="module")
 def edited():
     """A session of several blocks with edits in between, which change the number of beads too."""
-    session = opened("beads-against-gear", inputs.AddBead(0, 4))
-    session.step_frames(100)
+    session = opened("beads-against-gear", inputs.AddBead(0, 4), frames=100)
     session.apply(inputs.AddBead(0, 5))
     session.step_frames(200)
     for k in range(20):
@@ -57,8 +56,7 @@ def test_memory_is_bounded_and_the_oldest_is_dropped():
 
 
 def test_paused_edits_stay_on_their_frame():
-    session = opened()
-    session.step_frames(10)
+    session = opened(frames=10)
     for k in range(50):
         session.apply(inputs.SetMass(0, 1, 1.0 + k))
         session.apply(inputs.AddBead(0, 1))
@@ -115,8 +113,7 @@ def test_slices_end_at_the_frame_shown_and_the_last_begins_where_the_chain_was_l
 
 
 def test_slices_are_thinned_and_follow_changes_of_the_number_of_beads():
-    session = opened()
-    session.step_frames(700)
+    session = opened(frames=700)
     session.apply(inputs.AddBead(0, 5, 1.0))
     session.step_frames(50)
     thin = list(history_slices(session.history, 0, 0, session.history.last, 100))
@@ -135,9 +132,8 @@ def test_slices_are_thinned_and_follow_changes_of_the_number_of_beads():
 
 @pytest.mark.parametrize(("method", "error"), [("conserving", 1.5e-3), ("accurate", 1e-5)])
 def test_contact_events_and_exported_times_are_those_the_engine_located(method, error):
-    session = opened("hertz-cradle", inputs.SetMethod(None, method))
+    session = opened("hertz-cradle", inputs.SetMethod(None, method), frames=2 * FRAMES)
     lane = session.scene.lanes[0]
-    session.step_frames(2 * FRAMES)
     truth = simulate(lane.chain(), lane.velocity, session.time, "accurate", tolerance=1e-10)
     events = session.contact_events()
     assert (np.diff(events.time) >= 0.0).all()
@@ -154,8 +150,7 @@ def test_bounces_within_one_frame_are_all_events():
     edits = [inputs.SetMethod(None, "accurate"), inputs.SetContact(0, None, hertz(1e9)), inputs.SetSlow(1.0)]
     edits += [inputs.SetMass(0, bead, mass) for bead, mass in enumerate((math.inf, 1e-3, math.inf))]
     edits += [inputs.SetVelocity(0, 1, 1.0), inputs.SetGap(0, 0, 1e-3), inputs.SetGap(0, 1, 1e-3)]
-    session = opened("one-on-four", *edits)
-    session.step_frames(1)
+    session = opened("one-on-four", *edits, frames=1)
     lane = session.to_scene().lanes[0]
     truth = simulate(lane.chain(), lane.velocity, session.time, "accurate").contact_intervals
     events = session.contact_events()
@@ -167,8 +162,7 @@ def test_bounces_within_one_frame_are_all_events():
 
 
 def test_a_contact_that_an_edit_opens_does_so_at_its_frame():
-    session = opened()
-    session.step_frames(300)
+    session = opened(frames=300)
     before = len(session.contact_events().time)
     session.apply(inputs.Place(0, 0, -0.5))
     assert len(session.contact_events().time) == before + 1

@@ -6,17 +6,8 @@ import numpy as np
 import pytest
 from softcradle.physics import power_law, simulate
 from softcradle.sandbox.scene_runs import run_scene
-from softcradle.sandbox.session import (
-    RemoveBead,
-    SetContact,
-    SetDrive,
-    SetMass,
-    SetMethod,
-    SetSlow,
-    SetVelocity,
-    live_lane,
-)
 from softcradle.sandbox.session.history_slices import last_slice
+from softcradle.sandbox.session.inputs import RemoveBead, SetContact, SetDrive, SetMass, SetMethod, SetSlow, SetVelocity
 from softcradle.sandbox.session.lane_setup import DURATION, FRAME_RATE
 from softcradle.sandbox.session.snapshots import snapshot_table
 from softcradle.sandbox.session.summary_text import summary_text
@@ -28,11 +19,6 @@ from tests.helpers.sessions import EVERY_SCENE, check_replay, frame_table, opene
 PICTURE = 2.0 / FRAME_RATE
 
 
-def played(session, frames):
-    session.step_frames(frames)
-    return session
-
-
 def test_a_drive_stronger_than_soft_contacts_has_steps_for_the_speed_that_it_gives():
     """It would press them in by astronomical lengths, at the speed of which a chosen step is 1e13 s."""
     session = opened()
@@ -41,7 +27,7 @@ def test_a_drive_stronger_than_soft_contacts_has_steps_for_the_speed_that_it_giv
     assert setup.scale == pytest.approx(1.0 + 5.0 * DURATION)
     assert setup.step < 1.0
     chain, velocity = setup.chain, setup.start.velocity(setup.chain)
-    played(session, 200)
+    session.step_frames(200)
     end = simulate(chain, velocity, session.time, tolerance=1e-7, samples=2).final_velocity
     assert session.lanes[0].velocity == pytest.approx(end, abs=1e-4)
 
@@ -63,7 +49,7 @@ def test_a_played_scene_ends_with_the_velocities_of_the_reference(name):
 
 
 def test_slow_motion_changes_the_speed_and_hardly_the_motion():
-    fast, slow = (played(opened("one-on-four", SetSlow(times)), round(3 * times * FRAME_RATE)) for times in (1.0, 8.0))
+    fast, slow = (opened("one-on-four", SetSlow(k), frames=round(3 * k * FRAME_RATE)) for k in (1.0, 8.0))
     assert (fast.time, slow.time) == pytest.approx((3.0, 3.0))
     assert np.abs(fast.lanes[0].velocity - slow.lanes[0].velocity).max() < 1e-3
 
@@ -102,7 +88,7 @@ def test_late_physics_slows_the_clock_and_is_reported():
 
 
 def test_frames_back_and_forward_show_the_same_digits_and_scrubbing_the_nearest_frame():
-    session = played(opened(), 300)
+    session = opened(frames=300)
     here = frame_table(session)
     session.step_frames(-120)
     assert session.frame == 180
@@ -124,7 +110,7 @@ def test_frames_back_and_forward_show_the_same_digits_and_scrubbing_the_nearest_
 @pytest.mark.parametrize(("name", "frame", "last"), [("one-on-four", 150, 400), ("experiment-two-on-two", 20, 60)])
 def test_playing_on_from_a_scrubbed_frame_is_a_new_branch_with_the_same_digits(name, frame, last, tmp_path):
     """Also in its replay, in whose ledger what the bed had taken once had another last digit."""
-    session = played(opened(name), last)
+    session = opened(name, frames=last)
     before = [snapshot_table(session.history.snapshot(k)) for k in range(last + 1)]
     session.scrub_frame(frame)
     session.play()
@@ -136,7 +122,7 @@ def test_playing_on_from_a_scrubbed_frame_is_a_new_branch_with_the_same_digits(n
 
 
 def test_an_edit_of_a_scrubbed_frame_drops_the_later_ones():
-    session = played(opened(), 400)
+    session = opened(frames=400)
     session.scrub_frame(150)
     session.apply(SetMass(0, 1, 5.0))
     assert session.history.last == 150
@@ -148,8 +134,7 @@ def test_an_edit_of_a_scrubbed_frame_drops_the_later_ones():
 
 
 def test_a_restart_and_a_saved_scene_have_the_edits_of_the_beads_and_of_the_start(tmp_path):
-    session = opened("one-on-four", SetVelocity(0, 0, 2.0))
-    session.step_frames(100)
+    session = opened("one-on-four", SetVelocity(0, 0, 2.0), frames=100)
     session.apply(SetMass(0, 2, 3.0))
     session.apply(SetVelocity(0, 4, 9.0))
     session.restart()
@@ -232,8 +217,8 @@ def test_the_reference_plays_trains(scene):
 
 def test_the_reference_takes_a_bounded_work_in_a_frame(monkeypatch):
     """What it does not finish is moved on by `conserving`, and the lane says so."""
-    monkeypatch.setattr(live_lane, "REFERENCE_STEPS", 5)
-    session = played(opened("train-shunting", SetMethod(0, "scipy")), 6)
+    monkeypatch.setattr("softcradle.sandbox.session.live_lane.REFERENCE_STEPS", 5)
+    session = opened("train-shunting", SetMethod(0, "scipy"), frames=6)
     assert session.time == pytest.approx(6 * session.setup.frame_time)
     assert np.isfinite(session.lanes[0].velocity).all()
     assert "gave up" in session.lanes[0].warning
@@ -242,7 +227,8 @@ def test_the_reference_takes_a_bounded_work_in_a_frame(monkeypatch):
 def test_a_collision_is_told_in_words():
     session = opened("draft-gear-one-on-three")
     assert "Bead 0 goes to the right at 0.5 metres a second. Beads 1 to 3 stand still." in summary_text(session)
-    text = summary_text(played(session, 2000))
+    session.step_frames(2000)
+    text = summary_text(session)
     together = re.search(r"Beads 1 to 3 go together to the right at (.*?) metres a second\.", text)
     striker = re.search(r"Bead 0 goes to the left at (.*?) metres a second\.", text)
     assert (float(together[1]), float(striker[1])) == pytest.approx((0.25, 0.25), abs=0.005)
@@ -252,7 +238,7 @@ def test_a_collision_is_told_in_words():
 
 
 def test_lanes_are_named_and_faults_are_told():
-    text = summary_text(played(opened("beads-against-gear", SetMethod(1, "verlet")), 2000))
+    text = summary_text(opened("beads-against-gear", SetMethod(1, "verlet"), frames=2000))
     assert "alpha = 1/10: " in text
     assert "draft gear: " in text
     assert "Do not trust it: verlet chattered from " in text

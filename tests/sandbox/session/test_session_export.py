@@ -1,13 +1,18 @@
-"""Files of a session: scenes that read back equal, histories that other programs read, data that others have measured."""
+"""Files of a session: scenes that read back equal, histories that other programs read, data that others have measured.
+
+And recordings: a replay has the digits of the session, or tells the first frame that differs.
+"""
 
 import csv
+import json
 import math
+import re
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from softcradle.physics import Contact, Trajectory, hertz
-from softcradle.sandbox.session import Session, inputs
+from softcradle.sandbox.session import Replay, Session, inputs, recording
 from softcradle.sandbox.session.history_slices import last_slice
 from softcradle.sandbox.session.measured_data import load_measured
 from softcradle.sandbox.session.values_table import values_csv, values_table
@@ -15,16 +20,13 @@ from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window.plots.kinds import Signal
 from softcradle.scenes import parse
 
-from softcradle import scenes
-from tests.helpers.sessions import EVERY_SCENE, opened
+from tests.helpers.sessions import EVERY_SCENE, check_replay, opened
 
 
 @pytest.mark.parametrize("name", EVERY_SCENE)
 def test_an_unedited_scene_comes_back_equal(name):
-    scene = scenes.load(name)
-    session = Session(scene)
-    session.step_frames(50)
-    assert session.to_scene() == scene
+    session = opened(name, frames=50)
+    assert session.to_scene() == session.scene
 
 
 def test_velocities_are_written_as_they_were_given():
@@ -79,8 +81,7 @@ def test_an_edited_scene_reads_back_as_the_same_session(tmp_path):
 
 
 def test_a_scene_is_the_start_with_the_edits_and_not_the_frame_shown():
-    session = opened()
-    session.step_frames(300)
+    session = opened(frames=300)
     session.apply(inputs.SetMass(0, 1, 2.0))
     session.apply(inputs.SetVelocity(0, 1, 9.0))
     lane = session.to_scene().lanes[0]
@@ -92,8 +93,7 @@ def test_a_scene_is_the_start_with_the_edits_and_not_the_frame_shown():
 
 
 def test_the_history_is_exported_as_a_trajectory(tmp_path):
-    session = opened("beads-against-gear")
-    session.step_frames(700)
+    session = opened("beads-against-gear", frames=700)
     paths = session.export(tmp_path / "history.npz")
     assert [path.name for path in paths] == ["history-1.npz", "history-2.npz"]
     for number, path in enumerate(paths):
@@ -107,8 +107,7 @@ def test_the_history_is_exported_as_a_trajectory(tmp_path):
 
 
 def test_the_export_begins_where_chain_or_method_was_last_changed_and_has_the_steps_that_were_taken(tmp_path):
-    session = opened("one-on-four", inputs.SetMethod(0, "euler"), memory=1)
-    session.step_frames(340)
+    session = opened("one-on-four", inputs.SetMethod(0, "euler"), frames=340, memory=1)
     session.apply(inputs.SetMethod(0, "conserving"))
     session.step_frames(10)
     assert "frame 340, where the chain or its method" in str(session.trajectory(0).warnings[0])
@@ -139,8 +138,7 @@ def test_the_export_begins_where_chain_or_method_was_last_changed_and_has_the_st
 
 def test_beads_that_touch_are_a_length_apart():
     """The position is a place on the line: beads side by side do not have the same one, and the striker is on the left."""
-    session = opened()
-    session.step_frames(400)  # contacts push
+    session = opened(frames=400)  # contacts push
     length = session.scene.view.length
     places = [row[2] for row in values_table(session, 0, "bead").rows]
     overlap = session.lanes[0].state.overlap
@@ -150,14 +148,14 @@ def test_beads_that_touch_are_a_length_apart():
     assert [float(row[3]) for row in rows[2:7]] == places
 
 
-TABLES = (
-    "t,v0,v1\n0,1,0\n0.5,0.5,\n1,0,1\n",
-    "\n \nt;v0;v1\n0;1;0\n0,5;0,5;\n1;0;1\n",
-    "t\tv0\tv1\n\n0\t1\t0\n.5\t.5\t\n1\t0\t1\n",
+@pytest.mark.parametrize(
+    "text",
+    [
+        "t,v0,v1\n0,1,0\n0.5,0.5,\n1,0,1\n",
+        "\n \nt;v0;v1\n0;1;0\n0,5;0,5;\n1;0;1\n",
+        "t\tv0\tv1\n\n0\t1\t0\n.5\t.5\t\n1\t0\t1\n",
+    ],
 )
-
-
-@pytest.mark.parametrize("text", TABLES)
 def test_commas_semicolons_and_tabs_part_columns(tmp_path, text):
     (tmp_path / "track.csv").write_text(text)
     data = load_measured(tmp_path / "track.csv")
@@ -187,3 +185,119 @@ def test_what_is_no_table_is_refused_in_a_sentence(tmp_path, text, sentence):
         load_measured(tmp_path / "track.csv")
     with pytest.raises(UserError, match="cannot read"):
         load_measured(tmp_path / "none.csv")
+
+
+def played(method="auto"):
+    """A session with edits, a drag, a branch and a slow motion that changes."""
+    session = opened("one-on-four", inputs.SetMethod(None, method))
+    session.play()
+    for k in range(40):
+        session.tick(1 / 60)
+        if 5 < k < 15:
+            session.drag(0, 0, 0.1 * k)
+    session.drop()
+    session.apply(inputs.SetMass(0, 1, 2.5))
+    session.apply(inputs.SetSlow(1.0))
+    session.step_frames(60)
+    session.scrub_frame(30)
+    session.play()
+    session.tick(0.2)
+    session.apply(inputs.Drag(0, 0, -1.0))
+    session.tick(0.2)
+    return session
+
+
+def metadata_of(path):
+    with np.load(path) as file:
+        return json.loads(str(file["metadata"]))
+
+
+@pytest.mark.parametrize("method", ["auto", "verlet", "pymunk"])
+def test_a_replay_has_the_same_digits(tmp_path, method):
+    session = played(method)
+    replay = check_replay(session, tmp_path / "played.npz")
+    assert replay.session.frame == session.frame
+    assert "agrees" in replay.sentence
+
+
+def test_the_names_in_a_recording_stay_those_of_earlier_versions(tmp_path):
+    """Classes and attributes may get other names; what is in the files that people have must not."""
+    played().save_recording(tmp_path / "played.npz")
+    metadata = metadata_of(tmp_path / "played.npz")
+    assert set(metadata) == {"softcradle recording", "versions", "scene", "frame", "base", "inputs"}
+    base = metadata["base"]
+    assert set(base) == {"time", "slow", "hand", "lanes", "states", "ledgers"}
+    assert base["hand"] == [-1.0, 0.0, 0.0]
+    lane = {"label", "chain", "method", "step", "automatic", "step_given", "tolerance", "locked", "speed", "start"}
+    assert set(base["lanes"][0]) == lane
+    assert set(base["lanes"][0]["chain"]) == {"mass", "contact", "gap", "drive", "friction"}
+    assert set(base["states"][0]) == {"time", "overlap", "rate", "anchor", "force"}
+    assert metadata["inputs"][0] == [0, {"input": "SetMethod", "lane": None, "method": "auto"}]
+    assert set(inputs.INPUTS) == {
+        *("Place", "SetVelocity", "SetMass", "SetContact", "SetKind", "Lock", "SetGap", "SetDrive", "SetFriction"),
+        *("AddBead", "RemoveBead", "SetMethod", "SetStep", "Drag", "Drop", "SetSlow", "Resume"),
+    }
+
+
+@pytest.mark.parametrize("part", [0.0, 0.3, 1.0])
+def test_diverged_names_the_first_frame_that_differs(tmp_path, part):
+    session = played()
+    hashes = session.recording.hashes
+    frame = 1 + round(part * (len(hashes) - 1))
+    hashes[frame - 1] ^= 1
+    session.save_recording(tmp_path / "played.npz")
+    replay = Replay.load(tmp_path / "played.npz")
+    assert not replay.run()
+    assert replay.diverged == frame
+    assert re.search(rf"DIVERGED.*\b{frame}\b", replay.sentence)
+
+
+def test_only_the_last_pointer_position_of_a_frame_is_recorded():
+    session = opened()
+    session.play()
+    for k in range(1000):
+        session.drag(0, 0, 0.001 * k)
+    assert [item for _, item in session.recording.inputs] == [inputs.Drag(0, 0, 0.999)]
+
+
+def test_a_full_recording_begins_anew_and_still_replays(tmp_path, monkeypatch):
+    monkeypatch.setattr(recording, "MOST_INPUTS", 20)
+    session = opened()
+    session.play()
+    for k in range(100):
+        session.drag(0, 0, 0.01 * k)
+        session.tick(1 / 60)
+    assert session.recording.frame > 0
+    assert len(session.recording.inputs) <= 22
+    check_replay(session, tmp_path / "late.npz")
+    session.scrub_frame(5)
+    session.step_frames(-1)
+    session.play()
+    session.tick(0.1)
+    assert check_replay(session, tmp_path / "early.npz").recording.frame == 4
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"softcradle recording": 99}, "later softcradle"),
+        ({"inputs": [[0, {"input": "Explode"}]]}, "not a recording"),
+        ({"inputs": [[0, {"input": "Drop", "loudly": 1}]]}, "not a recording"),
+        ({"base": {}}, "not a recording"),
+        ({"scene": "title ="}, "not a recording"),
+    ],
+)
+def test_a_file_that_is_no_recording_is_refused_in_a_sentence(tmp_path, changes, sentence):
+    session, path = opened(), tmp_path / "bad.npz"
+    session.save_recording(path)
+    np.savez(path, metadata=json.dumps(metadata_of(path) | changes), hashes=session.recording.hashes)
+    with pytest.raises(UserError, match=sentence):
+        Replay.load(path)
+
+
+def test_other_files_are_refused(tmp_path):
+    (tmp_path / "text.npz").write_text("hello")
+    np.savez(tmp_path / "other.npz", a=np.zeros(3))
+    for name, sentence in (("text", "not a recording"), ("other", "not a recording"), ("none", "cannot read")):
+        with pytest.raises(UserError, match=sentence):
+            Replay.load(tmp_path / f"{name}.npz")

@@ -11,15 +11,7 @@ from softcradle.physics.analysis.closed_forms import rigid_collision
 from softcradle.physics.methods import find_method
 from softcradle.sandbox.studies.plot_style import styled
 from softcradle.sandbox.studies.stability import failure_scans, rigid_cradle
-from softcradle.sandbox.studies.stability.failure_scans import (
-    SCANS,
-    STEPS,
-    Failure,
-    Scan,
-    ScanRun,
-    finenesses,
-    scan_run,
-)
+from softcradle.sandbox.studies.stability.failure_scans import SCANS, STEPS, Failure, Scan, ScanRun, scan_run
 from softcradle.sandbox.studies.stability.scan_maps import ORDER, draw_details, draw_overview
 
 EXPLICIT = ("euler", "verlet", "yoshida4")
@@ -27,7 +19,8 @@ METHODS = failure_scans.scanned_methods()
 
 
 def scan_runs(scan, method, steps=None):
-    return [scan_run(scan, value, method, fine) for value in scan.values for fine in steps or finenesses(method)]
+    steps = steps or failure_scans.finenesses(method)
+    return [scan_run(scan, value, method, step) for value in scan.values for step in steps]
 
 
 def made_run(spread, energy=0.0, switches=0, fineness=0.1, warned=True):
@@ -54,9 +47,8 @@ def test_verlet_on_five_very_soft_beads_fails_by_chatter_not_by_blow_up_and_warn
     """n = 5, alpha = 0.02: no step is stable, which shows as chatter and a spread of velocities."""
     scan = Scan("soft", "", (5.0,), lambda n: one_on(int(n), power_law(1.0, 0.02)))
     limit = stable_step(scan.chain(5.0), np.eye(1, 6)[0], TRUSTED_ERROR)
-    coarser, coarse, fine = (
-        scan_run(scan, 5.0, find_method("verlet"), part * limit) for part in (10.0, 3.0, 1.0 / 30.0)
-    )
+    verlet = find_method("verlet")
+    coarser, coarse, fine = (scan_run(scan, 5.0, verlet, part * limit) for part in (10.0, 3.0, 1.0 / 30.0))
     for found in (coarser, coarse):
         assert found.failure is Failure.CHATTER
         assert found.energy < 1.0  # bounded, because the force is
@@ -112,18 +104,19 @@ def test_summary_counts_failures_and_names_the_finest():
 
 @pytest.fixture
 def small_scan(monkeypatch):
+    """A scan of few runs, the only one for now, and its runs."""
     scan = Scan("alpha", "exponent", (0.05, 1.0), next(one for one in SCANS if one.name == "alpha").chain)
     monkeypatch.setattr(failure_scans, "STEPS", (0.01, 0.3))
     monkeypatch.setattr(failure_scans, "TOLERANCES", (1e-3, 1e-2))
     monkeypatch.setattr(failure_scans, "SCANS", (scan,))
-    return scan
+    return scan, [one for method in METHODS for one in scan_runs(scan, method)]
 
 
 def test_pictures_have_a_map_for_each_method_with_the_limit_on_top_and_say_what_they_show(small_scan):
-    found = [one for method in METHODS for one in scan_runs(small_scan, method)]
+    scan, found = small_scan
     euler = [one.failure for one in found if one.method == "euler"]
     with styled():
-        details, overview = draw_details(found, [small_scan]), draw_overview(found, [small_scan])
+        details, overview = draw_details(found, [scan]), draw_overview(found, [scan])
     maps = [axes for axes in details.axes if axes.collections and axes.get_ylabel() in {"step [s]", "tolerance"}]
     assert len(maps) == 3 * len(METHODS)
     fixed = [axes for axes in maps if axes.get_ylabel() == "step [s]"]
@@ -146,7 +139,7 @@ def test_command_writes_picture_and_numbers(small_scan, tmp_path, softcradle, mo
     assert all(method.name in printed for method in METHODS)
     assert "pymunk's own rigid contacts" in printed
     assert f"{failure_scans.ADAPTIVE_ERROR_FACTOR:g} times the tolerance" in " ".join(printed.split())
-    found = [one for method in METHODS for one in scan_runs(small_scan, method)]
+    _, found = small_scan
     with (tmp_path / "x.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [row["failure"] for row in rows] == [one.failure or "" for one in found]

@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+from typing import BinaryIO
 
 import pytest
 from softcradle.sandbox.sweeps import executors, sobol, sweep
@@ -34,10 +35,10 @@ sweep(logged, POINTS, output=sys.argv[1], scheduler=sys.argv[2], chunk_seconds=0
 
 
 class Cluster:
-    def __init__(self, log: Path) -> None:
+    def __init__(self, folder: Path, told: BinaryIO) -> None:
         quick = {f"DASK_DISTRIBUTED__{name}": value for name, value in QUICK.items()}
-        self._environment = os.environ | quick | {"PYTHONPATH": str(ROOT), LOG: str(log)}
-        self._told, self._place = (log.parent / "told").open("wb"), log.parent / "scheduler.json"
+        self._environment = os.environ | quick | {"PYTHONPATH": str(ROOT)}
+        self._told, self._place = told, folder / "scheduler.json"
         self.processes: list[subprocess.Popen[bytes]] = []
         self.start_scheduler()
 
@@ -68,18 +69,14 @@ class Cluster:
         for process in self.processes:
             kill(process)
 
-    def close(self) -> None:
-        self.kill()
-        self._told.close()
-
 
 def kill(process: subprocess.Popen[bytes]) -> None:
     process.kill()
     process.wait()
 
 
-def until(condition: Callable[[], object], seconds: float = 120.0) -> None:
-    end = time.monotonic() + seconds
+def until(condition: Callable[[], object]) -> None:
+    end = time.monotonic() + 120.0
     while not condition():
         assert time.monotonic() < end
         time.sleep(0.02)
@@ -89,9 +86,10 @@ def until(condition: Callable[[], object], seconds: float = 120.0) -> None:
 def cluster(tmp_path, monkeypatch):
     monkeypatch.setenv(LOG, str(tmp_path / "log"))
     (tmp_path / "log").touch()
-    found = Cluster(tmp_path / "log")
-    yield found
-    found.close()
+    with (tmp_path / "told").open("wb") as told:
+        found = Cluster(tmp_path, told)
+        yield found
+        found.kill()
 
 
 def lines(path: Path) -> list[str]:

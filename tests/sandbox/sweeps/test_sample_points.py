@@ -23,16 +23,8 @@ DESIGNS = {
 @pytest.mark.parametrize("points", DESIGNS.values(), ids=DESIGNS)
 def test_chunks_do_not_change_the_points(points):
     whole = points.columns(0, 42)
-    for begin, end in (
-        (0, 1),
-        (1, 2),
-        (2, 20),
-        (20, 42),
-        (0, 41),
-        (41, 42),
-        (30, 42),
-        (5, 10),
-    ):  # as after a resumption
+    # as after a resumption
+    for begin, end in ((0, 1), (1, 2), (2, 20), (20, 42), (0, 41), (41, 42), (30, 42), (5, 10)):
         chunk = points.columns(begin, end)
         for path, values in whole.items():
             np.testing.assert_array_equal(chunk[path], values[begin:end])

@@ -59,12 +59,8 @@ def test_numbers_stand_where_they_belong(alone):
 
 def test_what_is_no_number_is_marked_and_truth_values_are_kept(tmp_path):
     found = sweep(lambda k: {"y": [1.0, "one", np.array([1j])][k]}, {"k": range(3)}, executor="here")
-    reasons = [
-        "",
-        "'y' must be a number or a list of numbers, not 'one'",
-        "'y' must be a number or a list of numbers, not array([0.+1.j])",
-    ]
-    assert found["reason"].values.tolist() == reasons
+    refused = "'y' must be a number or a list of numbers, not "
+    assert found["reason"].values.tolist() == ["", f"{refused}'one'", f"{refused}array([0.+1.j])"]
     with sweep(lambda k: {"y": k}, {"k": [False, True]}, executor="here", output=tmp_path / "x.nc") as found:
         assert (found["k"].dtype, found["y"].values.tolist()) == (bool, [0.0, 1.0])
 
@@ -78,10 +74,9 @@ def test_a_point_that_fails_is_marked_with_its_reason(alone):
     assert alone["status"].attrs["flag_meanings"].split()[PointStatus.REFUSED] == "refused"
 
 
-KINDS = ["threads", "executor", "one by one", pytest.param("processes", marks=pytest.mark.slow)]
-
-
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    "kind", ["threads", "executor", "one by one", pytest.param("processes", marks=pytest.mark.slow)]
+)
 @pytest.mark.parametrize("output", [None, "x.zarr", "x.nc"])
 def test_it_is_equal_however_it_is_computed(kind, output, alone, tmp_path):
     path = tmp_path / output if output else None
@@ -231,10 +226,8 @@ def test_how_values_came_about_makes_no_other_study(caplog):
     assert code_digest(used) == code_digest(one_on(4, power_law(1.0, 0.5)))
     lock = Lock()
     assert code_digest(lock) != code_digest(lock)
-    assert (
-        "is not taken up again: it holds what cannot be compared (TypeError: cannot pickle '_thread.lock'"
-        in caplog.text
-    )
+    why = "it holds what cannot be compared (TypeError: cannot pickle '_thread.lock'"
+    assert f"is not taken up again: {why}" in caplog.text
 
 
 @pytest.mark.skipif(os.name == "nt", reason="files are locked otherwise there")

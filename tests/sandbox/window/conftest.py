@@ -1,7 +1,5 @@
 """What all tests of the window share: settings of a first start, and rare collections of garbage, which take half of the time."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator
 

@@ -1,30 +1,34 @@
-"""The application: help, sizes and scales, the end of the loop."""
+"""The application: help, sizes and scales, messages, themes, settings, the end of the loop."""
 
+import ctypes
 import io
 import locale
 import os
 import sys
+import weakref
 from functools import partial
+from unittest.mock import Mock
 
 import pygame
 import pytest
 from pygame_gui.core.utility import translate
 from pygame_gui.elements import UITooltip
+from softcradle.sandbox.draw.palette import BEAD_COLOURS, DARK, THEMES, mix, text_on, use_theme
 from softcradle.sandbox.session.export import shared_text
 from softcradle.sandbox.session.inputs import SetMethod
 from softcradle.sandbox.window.display import SMALLEST
-from softcradle.sandbox.window.settings import Settings, settings_path
+from softcradle.sandbox.window.settings import MOST_RECENT, Settings, settings_path
+from softcradle.sandbox.window.theme import collect_garbage
 
 from softcradle import scenes
+from tests.helpers.drawn_text import contrast
 from tests.helpers.windows import Driver
 from tools import screenshots
 
 CTRL = pygame.KMOD_CTRL
 
 
-def test_help_covers_the_page_grows_with_the_scale_is_scrolled_and_closed_by_a_key_and_the_loop_ends(
-    driver: Driver,
-) -> None:
+def test_help_covers_the_page_grows_with_the_scale_is_scrolled_and_closed_and_the_loop_ends(driver: Driver) -> None:
     def shown() -> dict[str, pygame.Rect]:
         return {one.text: one.rect for one in driver.texts()}
 
@@ -55,7 +59,6 @@ def test_a_tip_goes_when_a_menu_opens_or_its_button_is_pressed(driver: Driver) -
     def tips() -> list[UITooltip]:
         return [one for one in driver.app.manager.get_root_container().elements if isinstance(one, UITooltip)]
 
-    play = driver.page.time_controls.buttons["play_pause"].rect.center
     driver.move(driver.page.toolbar.buttons["tools"].rect.center)
     driver.frames(90)
     assert tips()
@@ -63,7 +66,7 @@ def test_a_tip_goes_when_a_menu_opens_or_its_button_is_pressed(driver: Driver) -
     assert driver.app.dialog.open
     assert not tips()
     driver.key(pygame.K_ESCAPE)
-    driver.click(play)
+    driver.click(driver.page.time_controls.buttons["play_pause"].rect.center)
     driver.app.rebuild()  # as the card at the end does
     driver.frames(120)
     assert not tips()
@@ -72,14 +75,12 @@ def test_a_tip_goes_when_a_menu_opens_or_its_button_is_pressed(driver: Driver) -
 def test_the_window_is_resized_and_scaled_and_its_panel_hidden(driver: Driver) -> None:
     for size in ((1000, 600), (1920, 1080), (800, 480), (1280, 720)):
         driver.resize(size)
-        driver.frames(3)
         assert driver.app.size == size
     for _ in range(2):
         driver.key(pygame.K_F11)  # the whole screen, and back
         driver.frames(2)
     assert driver.app.size == (1280, 720)
     driver.resize((300, 200))
-    driver.frames(3)
     assert driver.app.size == SMALLEST
     for key in (pygame.K_EQUALS, pygame.K_EQUALS, pygame.K_MINUS, pygame.K_0):
         driver.key(key, CTRL)
@@ -114,7 +115,7 @@ def test_the_chooser_of_files_opens_where_the_locale_is_not_installed(monkeypatc
     driver = Driver()
     driver.app.settings.language = "en"
     driver.app.next_language()
-    driver.key(pygame.K_o, pygame.KMOD_CTRL)
+    driver.key(pygame.K_o, CTRL)
     driver.click(driver.app.dialog.buttons["Datei wählen ..."].rect.center)
     assert driver.app.dialog.window.cancel_button.text == "pygame-gui.Cancel"
     assert translate("pygame-gui.Cancel") == "Abbrechen"
@@ -142,7 +143,6 @@ def test_a_person_s_settings_are_neither_shown_nor_changed(monkeypatch, tmp_path
 def test_messages_lie_on_neither_plots_nor_beads_nor_controls(start: str, scale: float, text: str) -> None:
     driver = Driver(start)
     driver.app.scale = scale
-    driver.app.rebuild()
     for number in range(3):
         driver.app.messages.show(f"{number} {text}")
     driver.frames(2)
@@ -195,11 +195,100 @@ def test_what_is_below_a_dialog_is_dimmed_and_at_rest(driver: Driver) -> None:
     driver.session.step_frames(60)
     driver.move(driver.page.board.plots[0].area.center)
     driver.frames(3)
-    disabled, bright = button(), pygame.surfarray.array3d(driver.app.surface).mean()
+    disabled, bright = button(), brightness(driver)
     assert times() == 2  # at the pointer, and that of the clock
     driver.key(pygame.K_w)
     assert times() == 1
-    assert pygame.surfarray.array3d(driver.app.surface).mean() < 0.75 * bright
+    assert brightness(driver) < 0.75 * bright
     driver.app.rebuild()
     driver.frames(3)
     assert button() == disabled
+
+
+@pytest.mark.parametrize("name", THEMES)
+def test_text_can_be_read_in_every_theme(name):
+    tones = THEMES[name]
+    for ground in (tones.background, tones.lane_background):
+        assert contrast(tones.foreground, ground) > 7.0
+        for level in ("muted", "good", "fair", "bad", "warning"):
+            assert contrast(getattr(tones, level), ground) > 4.5, level
+    assert contrast(tones.on_accent, tones.accent) > 4.0
+    for colour in BEAD_COLOURS:
+        bead = mix(colour, (255, 255, 255), tones.lift)
+        assert contrast(text_on(bead), bead) > 3.0, colour
+
+
+def brightness(driver: Driver) -> float:
+    return pygame.surfarray.array3d(driver.app.surface).mean()
+
+
+def test_the_theme_changes_every_page_and_is_kept():
+    driver = Driver()
+    assert driver.app.settings.theme == "light"
+    for page in (None, "draft-gear-one-on-three", "hanging-cradle"):
+        if page is not None:
+            driver.app.open(page)
+        driver.frames(2)
+        assert brightness(driver) > 190, page
+        driver.key(pygame.K_F9)
+        assert brightness(driver) < 80, page
+        driver.key(pygame.K_F9)
+    driver.key(pygame.K_F9)
+    driver.close()
+    assert Settings.load().theme == "dark"
+    again = Driver("one-on-four")
+    assert brightness(again) < 80
+    lane = again.page.view.lanes[0].drawing.rect
+    assert again.app.surface.get_at((lane.left + 3, lane.top + 60))[:3] == DARK.lane_background
+    use_theme("light")
+
+
+@pytest.mark.parametrize(
+    "text", ["", "[]", '{"theme": "pink", "language": "tlh"}', '{"theme": 3}', '{"recent": 7}', "7"]
+)
+def test_settings_that_cannot_be_read_are_the_usual_ones(text: str) -> None:
+    settings_path().parent.mkdir(parents=True)
+    settings_path().write_text(text)
+    assert Settings.load() == Settings()
+
+
+def test_the_open_dialog_offers_the_files_of_before(driver: Driver, tmp_path):
+    for k in range(MOST_RECENT + 2):
+        driver.page.dialogs.save("save_scene", f"mine-{k}.toml")
+    assert Settings.load().recent[0] == str((tmp_path / f"mine-{MOST_RECENT + 1}.toml").resolve())
+    driver.key(pygame.K_o, CTRL)
+    dialog = driver.app.dialog
+    assert len(dialog.rows) == MOST_RECENT
+    driver.key(pygame.K_DOWN)
+    driver.key(pygame.K_DOWN)
+    assert dialog.entry.get_text() == Settings.load().recent[1]
+    driver.click(dialog.rows[2].rect.center)
+    assert not dialog.open
+    assert driver.app.settings.recent[0].endswith(f"mine-{MOST_RECENT - 1}.toml")
+    assert driver.session.scene.title == "One bead on four"
+
+
+def test_no_widget_of_a_selection_that_is_gone_stays_behind_a_dialog(driver: Driver):
+    driver.click(driver.bead(2))
+    assert driver.page.inspector.controls
+    for key in (pygame.K_ESCAPE, pygame.K_q):  # deselects, and asks the question of a lesson
+        pygame.event.post(pygame.Event(pygame.KEYDOWN, key=key, mod=0, unicode="", scancode=0))
+    driver.frames(3)
+    assert driver.page.editor.selection is None
+    at_once = pygame.surfarray.array3d(driver.app.surface)
+    driver.app.dialog.close()
+    driver.frames(3)
+    driver.app.act("lesson")
+    driver.frames(3)
+    assert (pygame.surfarray.array3d(driver.app.surface) == at_once).all()
+
+
+@pytest.mark.parametrize("refusal", [None, OSError, AttributeError, TypeError])
+def test_cycles_are_freed_also_where_the_system_cannot_trim_the_heap(refusal, monkeypatch):
+    if refusal is not None:
+        monkeypatch.setattr(ctypes, "CDLL", Mock(side_effect=refusal))
+    one = Mock()
+    one.container, left = one, weakref.ref(one)  # as widgets and containers refer to each other
+    del one
+    collect_garbage()
+    assert left() is None

@@ -5,12 +5,14 @@ import sys
 import pytest
 from softcradle.physics.fixed_step.runner import TIERS
 from softcradle.sandbox.session import Session
+from softcradle.sandbox.session.inputs import SetFriction
 from softcradle.sandbox.window import kernel_warmup
 from softcradle.sandbox.window.kernel_warmup import KernelWarmup
 
 from softcradle import scenes
 from tests.helpers.own_process import python
 from tests.helpers.paths import ROOT
+from tests.helpers.windows import Driver
 
 PLAYED = """
 import sys
@@ -51,6 +53,23 @@ def test_without_machine_code_few_contacts_in_few_steps_can_be_moved(monkeypatch
     monkeypatch.setattr(TIERS["fixed-step"], "_loaded", True)
     assert warmup.can_move(dissipative.lanes, dissipative.setup.frame_time)
     assert warmup.can_move(dissipative.lanes, time, "pymunk"), "it has nothing to load"
+
+
+def test_friction_whose_kernels_are_not_loaded_pauses_a_clock_too_fast_for_plain_python(monkeypatch) -> None:
+    driver = Driver("one-on-four")
+    monkeypatch.setattr(TIERS["fixed-step"], "_loaded", False)
+    monkeypatch.setattr(kernel_warmup, "PLAIN_FRAME", 0)
+    driver.session.apply(SetFriction(0, 0.1))
+    driver.session.play()
+    driver.frames(3)
+    assert driver.page.editor.preparing
+    frame = driver.session.frame
+    driver.frames(3)
+    assert driver.session.frame == frame
+    monkeypatch.undo()
+    driver.frames(3)
+    assert not driver.page.editor.preparing
+    assert driver.session.frame > frame
 
 
 @pytest.mark.slow

@@ -1,12 +1,18 @@
-"""The table of keys, and every control without a mouse."""
+"""The table of keys, every control without a mouse, and what the window says to a screen reader."""
+
+import sys
+from types import SimpleNamespace
+from unittest.mock import Mock
 
 import pygame
 import pytest
 from pygame_gui.elements import UIButton, UIDropDownMenu, UITextEntryLine
 from softcradle.sandbox.draw.text import width
 from softcradle.sandbox.languages import LANGUAGES, gettext, use_language
+from softcradle.sandbox.session.summary_text import summary_text
+from softcradle.sandbox.window import screen_reader
 from softcradle.sandbox.window.keys import COLUMN, CTRL, KEYS_ROOM, MOUSE, ORDER, SHIFT, action_of, bindings, groups
-from softcradle.sandbox.window.screen_reader import control_name
+from softcradle.sandbox.window.screen_reader import CONTROL, ROOT, STATUS, ScreenReader, Spoken, control_name, tree_of
 from softcradle.sandbox.window.widgets import KEYS, REPEAT
 
 from tests.helpers.windows import Driver
@@ -45,29 +51,23 @@ def test_a_key_that_is_held_repeats_only_what_is_gradual(driver: Driver) -> None
 
 
 @pytest.mark.parametrize(
-    ("code", "modifiers", "text", "action"),
+    ("action", "keys"),
     [
-        (pygame.K_EQUALS, CTRL | SHIFT, "+", "larger"),  # English
-        (pygame.K_EQUALS, CTRL, "=", "larger"),
-        (pygame.K_PLUS, CTRL, "+", "larger"),  # German
-        (pygame.K_KP_PLUS, CTRL, "+", "larger"),
-        (pygame.K_KP_MINUS, CTRL, "-", "smaller"),
-        (pygame.K_KP_PLUS, 0, "+", "faster"),
-        (pygame.K_SEMICOLON, SHIFT, ".", "forward"),  # French
-        (pygame.K_COMMA, 0, ",", "back"),
-        (pygame.K_PERIOD, SHIFT, ">", "next_event"),
-        (pygame.K_PERIOD, SHIFT, ":", "next_event"),  # German
-        (pygame.K_QUOTE, SHIFT, "*", None),
-        (pygame.K_s, pygame.KMOD_LCTRL, "", "save_scene"),
-        (pygame.K_s, pygame.KMOD_RMETA | pygame.KMOD_SHIFT, "", "save_session"),
-        (pygame.K_s, 0, "", None),
-        (pygame.K_r, pygame.KMOD_ALT, "", None),
-        (pygame.K_MINUS, SHIFT, "", "slower"),  # on keyboards where the sign needs Shift
-        (pygame.K_MINUS, CTRL, "", "smaller"),
+        ("larger", [(pygame.K_EQUALS, CTRL | SHIFT, "+"), (pygame.K_EQUALS, CTRL, "=")]),  # English
+        ("larger", [(pygame.K_PLUS, CTRL, "+"), (pygame.K_KP_PLUS, CTRL, "+")]),  # German
+        ("smaller", [(pygame.K_KP_MINUS, CTRL, "-"), (pygame.K_MINUS, CTRL, "")]),
+        ("faster", [(pygame.K_KP_PLUS, 0, "+")]),
+        ("slower", [(pygame.K_MINUS, SHIFT, "")]),  # on keyboards where the sign needs Shift
+        ("forward", [(pygame.K_SEMICOLON, SHIFT, ".")]),  # French
+        ("back", [(pygame.K_COMMA, 0, ",")]),
+        ("next_event", [(pygame.K_PERIOD, SHIFT, ">"), (pygame.K_PERIOD, SHIFT, ":")]),  # English, German
+        ("save_scene", [(pygame.K_s, pygame.KMOD_LCTRL, "")]),
+        ("save_session", [(pygame.K_s, pygame.KMOD_RMETA | pygame.KMOD_SHIFT, "")]),
+        (None, [(pygame.K_QUOTE, SHIFT, "*"), (pygame.K_s, 0, ""), (pygame.K_r, pygame.KMOD_ALT, "")]),
     ],
 )
-def test_a_sign_is_the_same_on_every_keyboard_and_modifiers_distinguish_keys(code, modifiers, text, action):
-    assert action_of(code, modifiers, text) == action
+def test_a_sign_is_the_same_on_every_keyboard_and_modifiers_distinguish_keys(action, keys):
+    assert [action_of(*key) for key in keys] == [action] * len(keys)
 
 
 def test_the_letter_of_a_key_does_not_land_in_the_line_that_it_opens(driver: Driver) -> None:
@@ -90,23 +90,13 @@ def test_escape_closes_an_open_list_and_nothing_else(driver: Driver) -> None:
     menu = driver.page.cards.menus[0]
     assert menu.current_state is menu.menu_states["expanded"]
     driver.key(pygame.K_ESCAPE)
-    driver.frames(2)
     assert menu.current_state is menu.menu_states["closed"]
     assert driver.page.editor.selection is not None
     driver.app.open("hanging-cradle")
-    driver.frames(2)
     page = driver.app.page
     driver.click(page.menus["law"].rect.center)
     driver.key(pygame.K_ESCAPE)
     assert driver.app.page is page
-
-
-def test_bare_letters_edit_what_is_selected_alone(driver: Driver) -> None:
-    before = driver.session.setup
-    for key in (pygame.K_a, pygame.K_m, pygame.K_g, pygame.K_l):
-        driver.key(key)
-    assert driver.session.setup is before
-    assert any("select a bead" in text for text in driver.messages)
 
 
 @pytest.mark.parametrize("code", LANGUAGES)
@@ -142,7 +132,6 @@ def test_every_kind_of_control_is_used_by_keys(driver: Driver) -> None:
     assert driver.session.lanes[0].chain.mass[1] == 2.5
     focus(driver, lambda one: isinstance(one, UIDropDownMenu))
     driver.key(pygame.K_DOWN)
-    driver.frames(2)
     assert driver.session.lanes[0].setup.method == "euler"
     focus(driver, lambda one: isinstance(one, UIButton) and one.text == "Undo")
     for _ in range(2):
@@ -154,7 +143,6 @@ def test_every_kind_of_control_is_used_by_keys(driver: Driver) -> None:
 def test_tab_reaches_every_control_which_has_a_name_and_comes_back(name: str) -> None:
     driver = Driver(name)
     driver.key(pygame.K_RIGHT)  # a bead, with controls of its own
-    driver.frames(2)
     controls, reached = driver.app.focus.controls(), []
     assert len(controls) > 4
     for _ in controls:
@@ -176,6 +164,51 @@ def test_keys_move_a_slider(driver: Driver, key: int, by: float) -> None:
     driver.key(pygame.K_UP)  # away from its middle, at which a value is 0
     before, speed = slider.get_current_value(), driver.session.lanes[0].velocity[2]
     driver.key(key)
-    driver.frames(2)
     assert slider.get_current_value() == pytest.approx(min(max(before + by, 0.0), 1.0), abs=2e-3)
     assert (driver.session.lanes[0].velocity[2] > speed) == (by > 0.0)
+
+
+def test_messages_dialogs_and_controls_are_said_once(driver: Driver, monkeypatch: pytest.MonkeyPatch) -> None:
+    adapter = Mock(update_if_active=Mock(return_value=None))
+    kit = SimpleNamespace(unix=SimpleNamespace(Adapter=lambda tree, action, deactivation: adapter))
+    monkeypatch.setitem(sys.modules, "accesskit", kit)
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.setattr(screen_reader, "tree_of", lambda kit, title, said: said)
+    driver.app.reader = ScreenReader("softcradle")
+
+    def said() -> Spoken:
+        return adapter.update_if_active.call_args.args[0]()
+
+    driver.key(pygame.K_z, CTRL)
+    assert said().status == "nothing to undo"
+    count = adapter.update_if_active.call_count
+    driver.frames(5)
+    assert adapter.update_if_active.call_count == count
+    driver.key(pygame.K_w)
+    assert said() == (f"What happened. {summary_text(driver.session)}", "Close")
+    driver.key(pygame.K_ESCAPE)
+    driver.key(pygame.K_TAB)
+    assert said().control == "← Scenes"
+    for event, focused in ((pygame.WINDOWFOCUSGAINED, True), (pygame.WINDOWFOCUSLOST, False)):
+        driver.post(event)
+        adapter.update_window_focus_state.assert_called_with(focused)
+
+
+def test_without_accesskit_nothing_is_told(driver, monkeypatch):
+    monkeypatch.setitem(sys.modules, "accesskit", None)
+    reader = ScreenReader("softcradle")
+    assert not reader.active
+    reader.tell(Spoken("a", "b"))
+    reader.take_focus(True)
+    assert reader.spoken == Spoken("a", "b")
+
+
+def test_the_tree_is_one_that_accesskit_takes():
+    kit = pytest.importorskip("accesskit")
+    update = tree_of(kit, "softcradle", Spoken("Bead 0 hit bead 1.", "Undo"))
+    nodes = dict(update.nodes)
+    assert set(nodes) == {ROOT, STATUS, CONTROL}
+    assert nodes[STATUS].value == "Bead 0 hit bead 1."
+    assert nodes[STATUS].live == kit.Live.POLITE
+    assert (nodes[CONTROL].label, update.focus) == ("Undo", CONTROL)
+    assert list(nodes[ROOT].children) == [STATUS, CONTROL]

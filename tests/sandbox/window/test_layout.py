@@ -1,6 +1,5 @@
 """The layout: at six sizes and five scales no widget or text of any page leaves the window, lies on another or is clipped."""
 
-from collections.abc import Callable
 from types import SimpleNamespace
 
 import pygame
@@ -53,7 +52,7 @@ def _end(driver: Driver) -> None:
     driver.page.outcome.show_outcome()
 
 
-PAGES: dict[str, tuple[str | None, Callable[[Driver], None]]] = {
+PAGES = {  # the scene that is opened, and what is done there
     "gallery": (None, lambda driver: None),
     "scene": ("one-on-four", lambda driver: _select(driver, None)),
     "a bead": ("one-on-four", lambda driver: _select(driver, Pick(0, "bead", 1), plots=True)),
@@ -80,8 +79,9 @@ def faults_of_texts(driver: Driver) -> list[str]:
     app, window, texts = driver.app, pygame.Rect((0, 0), driver.app.size), driver.texts()
     assert texts
     if app.dialog is not None and app.dialog.open:
-        box = app.dialog.box
-        texts = [one for one in texts if one.rect.colliderect(box) and one.text in _words(app.dialog)]
+        box, lines = app.dialog.box, app.dialog._lines() if hasattr(app.dialog, "_lines") else ()
+        words = {getattr(app.dialog, "title", ""), *lines}
+        texts = [one for one in texts if one.rect.colliderect(box) and one.text in words]
         return [f"{one.text!r} leaves its box" for one in texts if not box.contains(one.rect)]
     found = [f"{one!r} lies on {other!r}" for one, other in colliding(texts)]
     places = app.page.view.places if hasattr(app.page, "view") else getattr(app.page, "places", None)
@@ -100,17 +100,8 @@ def faults_of_texts(driver: Driver) -> list[str]:
 
 
 def faults_of_cradle(driver: Driver) -> list[str]:
-    page = driver.app.page
-    return [
-        f"the name of a cradle {lane} lies on its beam {rect}"
-        for lane, rect in zip(page.lanes, page.pictures, strict=True)
-        if rect.top - lane.top < 28 * driver.app.unit
-    ]
-
-
-def _words(dialog) -> set[str]:
-    lines = dialog._lines() if hasattr(dialog, "_lines") else []
-    return {getattr(dialog, "title", ""), *lines}
+    room, places = 28 * driver.app.unit, zip(driver.app.page.lanes, driver.app.page.pictures, strict=True)
+    return [f"the name of a cradle lies on its beam {rect}" for lane, rect in places if rect.top - lane.top < room]
 
 
 def faults_of_scene(driver: Driver) -> list[str]:
@@ -120,13 +111,11 @@ def faults_of_scene(driver: Driver) -> list[str]:
         found.append(f"room of {page.toolbar.title_room / unit:.0f} for the title")
     if min(lane.height for lane in places.lanes) < LEAST_LANE * unit - 1:
         found.append(f"lanes of {[lane.height / unit for lane in places.lanes]}")
-    found += [
-        f"no room for forces: {lane.drawing.bar_room}" for lane in page.view.lanes if lane.drawing.bar_room <= 10 * unit
-    ]
+    rooms = [lane.drawing.bar_room for lane in page.view.lanes]
+    found += [f"no room for forces: {room}" for room in rooms if room <= 10 * unit]
     found += [f"card {rect} leaves {places.panel}" for rect in page.cards.rects if not places.panel.contains(rect)]
-    for plot in page.board.plots:
-        if plot.area.width < 80 * unit or plot.area.height < 40 * unit:
-            found.append(f"{plot.content.title}: axes of {plot.area.size}")
+    small = [plot for plot in page.board.plots if plot.area.width < 80 * unit or plot.area.height < 40 * unit]
+    found += [f"{plot.content.title}: axes of {plot.area.size}" for plot in small]
     if controls.clock_left + width("t = 10000.00 ms", 16 * unit, bold=True) > places.footer.right:
         found.append("the clock leaves the window")
     pick = page.editor.selection
@@ -139,10 +128,8 @@ def faults_of_scene(driver: Driver) -> list[str]:
         wide = width(control.parameter.name, 13 * unit) + 6 * unit + width(control.parameter.unit, 13 * unit)
         if inspector.rect.left + wide > control.entry.rect.left:
             found.append(f"the name of {control.parameter.key} is below its number")
-    for button in inspector.buttons:
-        if not places.panel.contains(button.rect):
-            found.append(f"{button.text} leaves the panel")
-    return found
+    beyond = [button.text for button in inspector.buttons if not places.panel.contains(button.rect)]
+    return [*found, *(f"{text} leaves the panel" for text in beyond)]
 
 
 @pytest.mark.parametrize(("size", "code", "lab"), CASES, ids=str)
@@ -168,6 +155,5 @@ def test_nothing_overlaps_or_is_cut(size, code, lab, monkeypatch) -> None:
             wrong = faults(driver) + faults_of_texts(driver)
             wrong += faults_of_cradle(driver) if name == "cradle" else faults_of_scene(driver) if start else []
             found += [f"{name} at {scale}: {one}" for one in wrong]
-    driver.close()
     assert len(looked_at) > 2
     assert not found, "\n" + "\n".join(found[:40])

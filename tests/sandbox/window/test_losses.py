@@ -1,22 +1,24 @@
-"""Nothing is lost: edits are undone, redone and asked for, files are not replaced unasked, drags end, films are written."""
+"""Nothing is lost: edits are undone and asked for, files are saved and not replaced unasked, drags end, films are written."""
 
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
+from itertools import product
 from pathlib import Path
 from unittest.mock import Mock
 
 import numpy as np
 import pygame
 import pytest
+from softcradle.physics import power_law
 from softcradle.sandbox.draw.text import width
-from softcradle.sandbox.session.inputs import SetMass
+from softcradle.sandbox.session.inputs import SetContact, SetMass
 from softcradle.sandbox.session.snapshots import NOTHING_HELD
 from softcradle.sandbox.window.gallery.page import GalleryPage
 from softcradle.sandbox.window.settings import unsaved_path
 
 from tests.helpers.windows import Driver
+from tests.sandbox.page.conftest import page_data
 
 CTRL, SHIFT = pygame.KMOD_CTRL, pygame.KMOD_SHIFT
 
@@ -90,7 +92,7 @@ WAYS = {
 
 
 @pytest.mark.parametrize("leave", WAYS.values(), ids=WAYS)
-def test_edits_are_not_lost_unasked(driver: Driver, leave: Callable[[Driver], None]) -> None:
+def test_edits_are_not_lost_unasked(driver: Driver, leave) -> None:
     edited(driver)
     page = driver.app.page
     driver.key(pygame.K_ESCAPE)
@@ -128,7 +130,6 @@ def test_a_file_is_replaced_only_when_asked_for_and_a_folder_of_the_home_is_unde
     mine = tmp_path / "mine.toml"
     mine.write_text("precious")
     driver.page.dialogs.save("save_scene", "mine")
-    assert mine.read_text() == "precious"
     driver.key(pygame.K_ESCAPE)
     assert mine.read_text() == "precious"
     driver.page.dialogs.save("save_scene", "mine")
@@ -183,8 +184,6 @@ def test_a_film_keeps_all_of_a_window_that_is_resized(driver: Driver, tmp_path: 
     import av
 
     driver.page.dialogs.save("film", "mine.mp4")
-    driver.frames(1)
-    assert driver.page.toolbar.buttons["film"].text == "Stop 0:00"
     driver.frames(20)
     driver.resize((1600, 900))
     driver.frames(20)
@@ -204,6 +203,7 @@ def test_the_button_of_a_film_says_stop_and_the_time(name: str, monkeypatch: pyt
     page.dialogs.save("film", "mine.mp4")
     driver.frames(1)
     button, texts = page.toolbar.buttons["film"], []
+    assert button.text == "Stop 0:00"
     with monkeypatch.context() as watched:
         watched.setattr(page, "build", Mock(side_effect=AssertionError("made anew")))
         watched.setattr(button.drawable_shape, "set_text", texts.append)
@@ -291,3 +291,73 @@ def test_a_session_is_saved_and_replayed_with_the_same_digits_and_can_be_paused(
     driver.session.apply(SetMass(0, 0, 2.0))
     driver.frames(20)
     assert driver.page.clock.note() == (f"replay left at frame {driver.session.frame} of {last}", False)
+
+
+def test_the_history_is_exported_and_a_screenshot_written(driver: Driver, tmp_path) -> None:
+    driver.run(60)
+    driver.page.dialogs.save("export", "motion.csv")
+    assert len((tmp_path / "motion.csv").read_text().splitlines()) > 60
+    driver.page.dialogs.save("export", "motion.doc")
+    assert (tmp_path / "motion.doc.csv").exists()
+    driver.page.dialogs.save("export", "motion.npz")
+    driver.page.dialogs.save("save_session", "session.npz")
+    assert driver.app.settings.recent == [str(tmp_path / "session.npz")]
+    driver.key(pygame.K_p)
+    assert pygame.image.load(str(tmp_path / "one-bead-on-four.png")).get_size() == (1280, 720)
+
+
+@pytest.mark.parametrize(("action", "frames"), [("share_page", 0), ("share_page", 60), ("live_page", 60)])
+def test_what_was_played_is_shared_or_the_experiment_itself(driver: Driver, tmp_path, action: str, frames: int) -> None:
+    """Before a run there is nothing but the experiment."""
+    driver.session.apply(SetContact(0, 1, power_law(3.0, 0.3)))
+    driver.session.step_frames(frames)
+    driver.app.act(action)
+    driver.key(pygame.K_RETURN)
+    page = tmp_path / "one-bead-on-four.html"
+    assert f"saved {page}" in driver.messages
+    text = page.read_text(encoding="utf-8")
+    (lane,) = page_data(text)["lanes"]
+    if action == "live_page" or not frames:
+        assert 'id="kernels"' in text
+        assert lane["spec"]["law"][3:6] == [0.0, 3.0, 0.3]
+    else:
+        recorded = driver.session.trajectory(0)
+        assert recorded.time[-1] == driver.session.time > 0.0
+        assert 2 <= lane["recorded"]["rows"] <= recorded.time.size + 2  # and free flight before the start
+
+
+def test_a_bad_file_gives_a_message_and_no_crash(driver: Driver, tmp_path) -> None:
+    page = driver.app.page
+    bad = {"bad.toml": "title = 3", "broken.toml": "title = [", "bad.npz": "no", "picture.jpg": "no", "none.toml": ""}
+    for name, content in bad.items():
+        if content:
+            (tmp_path / name).write_text(content)
+        driver.drop_file(tmp_path / name)
+        assert driver.app.page is page
+        assert name in driver.messages[-1]
+        assert driver.app.messages.visible[-1].warning
+    driver = Driver(str(tmp_path / "bad.toml"))  # at once, in the gallery
+    assert isinstance(driver.app.page, GalleryPage)
+    assert any("bad.toml" in text for text in driver.messages)
+
+
+LONG_NAMES = "x" * 300, "a" * 250 + "/" + "b" * 270, "~" * 400, "there/" + "é" * 200
+NO_NAMES = "..", "/", "~nobody-at-all/\0", "\0", *LONG_NAMES
+
+
+def test_a_name_that_no_file_can_have_is_refused_in_a_sentence(driver: Driver) -> None:
+    driver.run(5)
+    for saving, text in product(("save_scene", "save_session", "export", "share_page", "live_page", "film"), NO_NAMES):
+        driver.app.messages.visible.clear()
+        driver.page.dialogs.save(saving, text)
+        driver.frames()
+        assert driver.messages[-1].startswith(("cannot write", f"{text} is a folder")), (saving, text)
+        assert not driver.page.dialogs.film.recording
+    page = driver.page
+    for text in (name for name in NO_NAMES if name not in ("..", "/")):
+        for take in (driver.app.open, lambda text: page.tools.data._take_typed(text + ".csv")):
+            driver.app.messages.visible.clear()
+            take(text)
+            driver.frames()
+            assert driver.messages
+            assert driver.page is page

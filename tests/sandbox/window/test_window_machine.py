@@ -52,10 +52,6 @@ def test_an_edit_that_is_undone_in_the_frame_in_which_the_page_was_built_anew(dr
     assert driver.page.view.lanes[0].drawing.chain == driver.session.lanes[0].chain
 
 
-def clicked(point: tuple[int, int]) -> list[pygame.Event]:
-    return [pygame.Event(kind, pos=point, button=1) for kind in (pygame.MOUSEBUTTONDOWN, pygame.MOUSEBUTTONUP)]
-
-
 @pytest.mark.parametrize("edit", EDITS)
 def test_a_click_meets_the_chain_that_an_edit_of_the_same_frame_has_left(driver, edit: str) -> None:
     """Where the last bead was there is none any more."""
@@ -64,6 +60,8 @@ def test_a_click_meets_the_chain_that_an_edit_of_the_same_frame_has_left(driver,
         driver.session.apply(RemoveBead(0, 5))
         driver.session.undo()
     driver.select("bead", 5)
-    driver.app.frame(FRAME, [*pressed(*EDITS[edit]), *clicked(driver.bead(5))])
+    turns, place = (pygame.MOUSEBUTTONDOWN, pygame.MOUSEBUTTONUP), driver.bead(5)
+    clicked = [pygame.Event(kind, pos=place, button=1) for kind in turns]
+    driver.app.frame(FRAME, [*pressed(*EDITS[edit]), *clicked])
     assert driver.session.lanes[0].chain.contacts == 4
     assert driver.page.editor.selection is None

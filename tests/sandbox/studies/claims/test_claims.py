@@ -1,6 +1,8 @@
-"""The claims: the command finds the verdicts of the documentation; cases are kept, sent to processes, and keep their reasons."""
+"""The claims: verdicts are those of the documentation, and follow from cases and error bars; numbers known from outside."""
 
+import importlib
 import json
+import math
 import re
 from dataclasses import asdict, replace
 from unittest.mock import patch
@@ -9,13 +11,20 @@ import numpy as np
 import pytest
 from softcradle.sandbox.cli.commands import claims
 from softcradle.sandbox.cli.main import main
+from softcradle.sandbox.studies import verify
 from softcradle.sandbox.studies.claims import catalogue
 from softcradle.sandbox.studies.claims.catalogue import CLAIMS, claim_named, measure_claims
-from softcradle.sandbox.studies.claims.claim import Claim, JudgedClaim, Verdict
-from softcradle.sandbox.studies.paper import NotSolvedError, chain_of, full_motion, start
+from softcradle.sandbox.studies.claims.claim import Case, CaseOutcome, Claim, JudgedClaim, Verdict, grid
+from softcradle.sandbox.studies.claims.study_figure import as_json, draw_study, study_table
+from softcradle.sandbox.studies.figures.catalogue import FIGURES
+from softcradle.sandbox.studies.paper import MEASURING, NotSolvedError, chain_of, full_motion, start
+from softcradle.sandbox.studies.plot_style import styled
 
+from softcradle import scenes
+from tests.helpers.figure_layout import texts_on_texts, unreadable
 from tests.helpers.paths import ROOT
 
+PAGE = (ROOT / "docs" / "paper.md").read_text(encoding="utf-8")
 KEPT = ROOT / "docs" / "measured" / "verdicts.md"
 QUICK = ("contact-duration", "kicked-out", "phi-first", "changes-sign", "hooke-interface")  # of each module one
 NAMES = [claim.name if claim.name in QUICK else pytest.param(claim.name, marks=pytest.mark.slow) for claim in CLAIMS]
@@ -82,9 +91,9 @@ def test_cases_that_are_measured_are_not_measured_again(some, tmp_path):
     names, kept = ["kicked-out"], tmp_path / claims.KEPT
     with pytest.raises(KeyboardInterrupt):
         measure_claims(names, stop, 1, kept)
-    with patch.object(Claim, "case", autospec=True, side_effect=Claim.case) as case:
+    with patch.object(Claim, "case", autospec=True, side_effect=Claim.case) as spied:
         (found,) = measure_claims(names, None, 1, kept)
-    assert 0 < case.call_count == len(found.cases) + claim_named("kicked-out").refer - measured[-1]
+    assert 0 < spied.call_count == len(found.cases) + claim_named("kicked-out").refer - measured[-1]
     assert replace(found, seconds=0.0) == replace(some[1], seconds=0.0)
     assert main(["claims", "kicked-out", "-o", str(tmp_path)]) == 0
     assert {path.suffix for path in tmp_path.iterdir()} == {".csv", ".pdf", ".png"}
@@ -100,3 +109,152 @@ def test_command_prints_a_table_and_json_and_lists(some, monkeypatch, softcradle
     assert printed[0]["verdict"] == Verdict.BEYOND
     assert {"range", "how", "limit", "cases", "counter-example", "own case", "reference"} <= set(printed[0])
     assert "contact-duration" in softcradle("claims", "--list").out
+
+
+def case(x, value, error=0.0, allowed=1.0):
+    return Case({"x": x}, x, value, error, allowed)
+
+
+def study(*cases):
+    return JudgedClaim("name", "statement", "Sec. I", "quantity", "x", "how", "", {"x": 2.0}, cases)
+
+
+def test_a_case_is_decided_only_where_its_error_bar_does_not_cross():
+    assert [case(1.0, *one).side for one in ((0.5, 0.4), (1.0, 0.0))] == [CaseOutcome.HOLDS] * 2
+    assert case(1.0, 1.5, 0.4).side is CaseOutcome.FAILS
+    undetermined = (0.5, 0.6), (1.5, 0.6), (math.nan, 0.0), (0.5, math.nan)
+    assert [case(1.0, *one).side for one in undetermined] == [CaseOutcome.UNDETERMINED] * 4
+
+
+@pytest.mark.parametrize(
+    ("values", "verdict", "text"),
+    [
+        ((0.1, 0.2, 0.3, 0.4), Verdict.HOLDS, "holds"),
+        ((0.1, 0.2, 0.3, 1.4), Verdict.WITHIN, "holds within x <= 3"),
+        ((1.1, 0.2, 0.3, 0.4), Verdict.WITHIN, "holds within x >= 2"),
+        ((1.1, 0.2, 0.3, 1.4), Verdict.WITHIN, "holds within x >= 2 and <= 3"),
+        ((1.1, 0.2, 1.3, 0.4), Verdict.WITHIN, "holds within 2 of 4 cases"),
+        ((0.1, 1.2, 1.3, 1.4), Verdict.BEYOND, "fails beyond x = 1"),
+        ((1.1, 1.2, 0.3, 1.4), Verdict.BEYOND, "fails beyond x = 1, the least tried; holds in 1 of 4"),
+        ((1.1, 1.2, 1.3, 1.4), Verdict.BEYOND, "fails beyond x = 1, the least tried"),
+        ((0.1, math.nan, 0.3, 0.4), Verdict.UNDETERMINED, "not determined"),
+        ((0.1, 0.2, math.nan, 0.4), Verdict.HOLDS, "holds; 1 of 4 not determined"),
+        ((0.1, 0.2, math.nan, 1.4), Verdict.WITHIN, "holds within x <= 2; 1 of 4 not determined"),
+    ],
+)
+def test_a_verdict_and_its_limit_follow_from_the_cases(values, verdict, text):
+    found = study(*(case(x, value) for x, value in enumerate(values, 1)))
+    assert found.verdict is verdict
+    assert found.verdict_text == text
+
+
+def test_the_counter_example_is_the_failing_case_nearest_to_the_papers_own():
+    assert study(case(1.0, 2.0), case(2.0, 0.5), case(3.0, 2.0), case(9.0, 2.0)).counter_example == case(3.0, 2.0)
+    assert study(case(2.0, 0.5)).counter_example is None
+
+
+def judged(measure, **options):
+    claim = Claim(
+        name="name", statement="statement", place="Sec. I", quantity="quantity", measure=measure, cases=grid(x=(1, 2, 3)),
+        own={"x": 2.0}, variable="x", order=lambda case: case["x"], allowed=2.5, how="how", **options,
+    )  # fmt: skip
+    return claim.study_of([*map(claim.case, claim.cases)], claim.reference())
+
+
+def test_the_error_bar_is_the_difference_of_two_methods_and_the_reference_widens_it():
+    errors = {MEASURING.method: 0.0, "conserving": 0.1, "scipy": 0.3}
+    found = judged(lambda case, solver: case["x"] + errors[solver.method])
+    assert [one.error for one in found.cases] == pytest.approx([0.1, 0.3, 0.1])
+    assert found.reference == pytest.approx(2.3)
+    assert [one.side for one in found.cases] == [CaseOutcome.HOLDS, CaseOutcome.HOLDS, CaseOutcome.FAILS]
+
+
+def test_a_run_that_gave_up_is_not_determined():
+    def measure(parameters, solver):
+        if parameters["x"] == 2.0:
+            raise NotSolvedError("too many steps")
+        return parameters["x"]
+
+    found = judged(measure, refer=False)
+    assert found.verdict is Verdict.UNDETERMINED
+    assert found.own_case.reason == "too many steps"
+    written = as_json(found)
+    assert written["own case"]["value"] is None
+    assert written["counter-example"]["parameters"] == {"x": 3.0}
+
+
+def test_the_picture_shows_every_case_that_has_a_value():
+    found = study(case(1.0, 0.5), case(2.0, 0.5), case(30.0, 200.0), case(40.0, math.nan))
+    with styled():
+        axes = draw_study(found).axes[0]
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+    assert "holds within x <= 2" in axes.get_title(loc="left")
+    assert study_table(found)["holds"].tolist() == [1.0, 1.0, -1.0, 0.0]
+
+
+@pytest.mark.parametrize("span", [5.0, 12.0, 35.0, 90.0, 300.0, 1e6])
+def test_the_labels_of_every_logarithmic_axis_are_apart(span):
+    found = study(*(case(0.025 * span**share, 0.004 * span**share) for share in (0.0, 0.3, 0.7, 1.0)))
+    with styled():
+        picture = draw_study(found)
+        assert texts_on_texts(picture) == []
+        (axes,) = picture.axes
+        assert sum(bool(label.get_text()) for label in axes.get_xticklabels()) >= 3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("claim", CLAIMS, ids=lambda claim: claim.name)
+def test_the_words_of_every_claim_have_room_in_its_picture(claim):
+    """With cases that are made up; as wide as a column."""
+    cases = [case(1.0, 0.5, 0.1), case(2.0, 0.5, 0.1), case(30.0, 200.0, 10.0), case(40.0, 0.9, 0.5)]
+    words = {name: getattr(claim, name) for name in ("name", "statement", "quantity", "variable")}
+    with styled():
+        assert unreadable(draw_study(replace(study(*cases), **words))) == []
+
+
+def test_a_verdict_says_how_it_moves_with_the_bar():
+    """At each bar that is named the study says so itself."""
+
+    def at(allowed):
+        return study(case(1.0, 0.4, 0.0, allowed), case(2.0, 0.6, 0.05, allowed), case(3.0, 2.0, 0.5, allowed))
+
+    assert at(0.5).bar_text == "by the bar: fails beyond below 0.55, holds within from 0.65, holds from 1.5"
+    verdicts = [Verdict.BEYOND, Verdict.UNDETERMINED, Verdict.WITHIN, Verdict.WITHIN, Verdict.HOLDS]
+    assert [at(allowed).verdict for allowed in (0.54, 0.6, 0.66, 1.4, 1.6)] == verdicts
+    assert replace(at(0.5), chosen=False).bar_text == ""
+
+
+def test_every_number_is_met(capsys):
+    assert main(["verify", "--json"]) == 0, capsys.readouterr().out
+    rows = json.loads(capsys.readouterr().out)["numbers"]
+    assert len({row["name"] for row in rows}) == len(rows) == len(verify.known_numbers())
+    assert all(row["met"] and row["source"] for row in rows)
+
+
+def test_a_number_that_is_missed_is_said(softcradle, monkeypatch):
+    wrong = verify.KnownNumber("two", 2.0, "counting", lambda: 2.1, 0.01)
+    monkeypatch.setattr(verify, "known_numbers", lambda: [wrong])
+    shown = softcradle("verify", code=1).out
+    assert "missed" in shown
+    assert "1e-02" in shown  # the bound, of every row
+    row = json.loads(softcradle("verify", "--json", code=1).out)["numbers"][0]
+    assert row["allowed"] == 0.01
+    assert row["met"] is False
+    assert row["error"] == pytest.approx(0.05)
+
+
+def named(kind: str) -> set[str]:
+    """The names in backticks after `kind`, or its plural, up to the next semicolon or cell."""
+    lists = re.findall(rf"\b{kind}s? ((?:`[^`]+`(?:, | and | to )?)+)", PAGE)
+    return {name for text in lists for name in re.findall(r"`([^`]+)`", text)}
+
+
+def test_what_the_page_names_exists_by_the_names_of_a_wheel():
+    assert named("claim") == {claim.name for claim in CLAIMS}  # and none is missing
+    assert named("figure") == {figure.name for figure in FIGURES}
+    assert named("scene") <= set(scenes.names())
+    for path in re.findall(r"`([a-z]+/[\w/]+\.py)`", PAGE):
+        assert path.startswith("tests/")  # what is no test is named as it is imported
+        assert (ROOT / path).is_file(), path
+    for module in re.findall(r"`(softcradle\.[\w.]+)`", PAGE):
+        importlib.import_module(module)

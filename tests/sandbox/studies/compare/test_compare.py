@@ -1,4 +1,4 @@
-"""`softcradle compare`: numbers against the truth, the nearest contact, refusals; its report as text, film and in a browser."""
+"""`softcradle compare`: numbers against the truth, the nearest contact; its report as text, film and in a browser."""
 
 import json
 import re
@@ -104,20 +104,15 @@ def test_page_closes_its_tags_loads_nothing_and_has_every_number(page):
 
 
 def test_labels_of_users_are_text_not_markup(tmp_path):
-    lane = (
-        '[[lanes]]\nlabel="<script>alert(1)</script>"\nbeads=[1,1]\nvelocity=1.0\ncontact={law="hertz",stiffness=1}\n'
-    )
+    lane = '[[lanes]]\nlabel="<script>alert()</script>"\nbeads=[1,1]\nvelocity=1.0\ncontact={law="hertz",stiffness=1}\n'
     (tmp_path / "x.toml").write_text(f'title = "<b>&x"\n{lane}{lane.replace("1}", "2}")}')
     comparison = comparison_of([str(tmp_path / "x.toml")], [])
     text = ComparisonReport(comparison, solve_sides(comparison)).html()
     assert not re.search("<script>alert|<b>", text)
 
 
-in_a_browser = pytest.mark.skipif(found() is None, reason="there is no browser")
-
-
 @pytest.mark.slow
-@in_a_browser
+@pytest.mark.skipif(found() is None, reason="there is no browser")
 def test_page_in_a_browser(page, tmp_path):
     path, _, results = page
     with Browser(tmp_path / "profile") as browser:
@@ -138,16 +133,6 @@ def test_page_in_a_browser(page, tmp_path):
         browser.device(390, 844)
         assert browser.run(fits)
         assert browser.complaints == []
-
-
-@pytest.mark.slow
-@in_a_browser
-def test_the_browser_reports_mistakes(tmp_path):
-    """The test above can fail."""
-    (tmp_path / "bad.html").write_text("<!doctype html><link rel=icon href='data:,'><script>nothing.there()</script>")
-    with Browser(tmp_path / "profile") as browser:
-        browser.open(tmp_path / "bad.html")
-        assert any("nothing is not defined" in complaint for complaint in browser.complaints)
 
 
 def outputs(folder, *names):

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from softcradle.sandbox.studies.data_table import Table
 from softcradle.sandbox.studies.figures.catalogue import figures_named
 
 
-class Tables(dict[str, Table]):
-    def __missing__(self, name: str) -> Table:
+class Tables(dict):
+    def __missing__(self, name):
         (figure,) = figures_named([name])
         self[name] = figure.table()
         return self[name]

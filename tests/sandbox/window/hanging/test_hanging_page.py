@@ -86,14 +86,11 @@ def test_throws_choices_and_restarts_are_undone():
     """To the last digit, and what follows as well."""
     driver = Driver("hanging-cradle")
     page = driver.app.page
-    driver.key(pygame.K_SPACE)
-    driver.frames(70)
-    driver.key(pygame.K_SPACE)
+    driver.play(70)
     before, expected = state(page.model), page.model.copy()
     expected.advance(0.5)
     ball = to_screen(page.pictures[0], page.model.cradles[0].places()[4])
-    driver.drag(ball, (ball[0] + 60, ball[1] - 40), steps=5)
-    driver.release(ball)
+    driver.pull(ball, (ball[0] + 60, ball[1] - 40), steps=5)
     driver.frames(20)
     driver.key(pygame.K_SPACE)
     driver.key(pygame.K_r)

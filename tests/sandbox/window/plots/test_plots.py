@@ -1,6 +1,7 @@
-"""The live plots: curves, cursor, stacked energies, the kymograph, two lanes; an entry of the table is all that one needs."""
+"""The live plots: curves, cursor, energies, kymograph, two lanes; signals that are chosen, and data of one's own over plots."""
 
 from itertools import pairwise
+from unittest.mock import Mock
 
 import numpy as np
 import pygame
@@ -9,8 +10,12 @@ from softcradle.sandbox.draw.axes import linear_axis
 from softcradle.sandbox.draw.palette import bead_colours
 from softcradle.sandbox.session.history_slices import slice_at
 from softcradle.sandbox.session.inputs import AddBead, RemoveBead
+from softcradle.sandbox.session.measured_data import MeasuredData
+from softcradle.sandbox.window.plots import kinds
+from softcradle.sandbox.window.plots.board import PlotBoard
 from softcradle.sandbox.window.plots.curves import PlotContent, ScrollingSurface, TimeSpan
-from softcradle.sandbox.window.plots.kinds import PLOT_KINDS, PlotKind, PlotSetting, Signal
+from softcradle.sandbox.window.plots.data_overlay import NumbersOverlay, PictureOverlay, edges_of
+from softcradle.sandbox.window.plots.kinds import PLOT_KINDS, PlotKind, PlotSetting, Signal, pair_of, signal_of
 from softcradle.sandbox.window.plots.scales import estimated_scales
 from softcradle.sandbox.window.plots.shapes import StackedPlot, StripPlot
 
@@ -51,7 +56,6 @@ def test_every_plot_can_be_hidden_and_shown_and_overlaps_on_a_linear_axis(driver
     shown = set(driver.page.board.shown)
     for name in ("velocities", "forces", "overlaps", "energy", "space-time", "kymograph"):
         driver.key(PLOT_KINDS[name].key)
-        driver.frames(2)
         shown ^= {name}
         assert set(driver.page.board.shown) == shown
     assert shown == {"energy", "space-time", "kymograph"}
@@ -71,11 +75,10 @@ def test_the_kymograph_shows_where_the_beads_were(driver: Driver) -> None:
     session = driver.session
     frame = session.frame - 20
     values = plot.values_at(frame)
-    time = session.history.snapshot(frame).time
     length = session.scene.view.length
     overlap = slice_at(session.history, 0, frame).overlap[0]
     assert np.diff(values) == pytest.approx(length - overlap, abs=1e-9)  # the distance of neighbours
-    x = round(plot.span.x(time))
+    x = round(plot.span.x(session.history.snapshot(frame).time))
     column = pygame.surfarray.array3d(plot.curves.surface)[x].sum(axis=1)
     for place in plot.y(values):
         assert column[max(round(place) - 1, 0) : round(place) + 2].min() < 250  # a marker
@@ -114,18 +117,12 @@ def test_the_time_axis_scrolls_only_when_it_must():
     assert span.left == 0
 
 
-class Columns:
-    """Draws the number of each column into its pixels, and records which it drew."""
-
-    def __init__(self):
-        self.drawn = []
-
-    def __call__(self, first, last):
-        self.drawn += range(first, last)
-        made = pygame.Surface((last - first, 4), 0, 32)
-        for x in range(last - first):
-            made.fill(((first + x) % 256, 1, 0), (x, 0, 1, 4))
-        return made
+def numbered(first: int, last: int) -> pygame.Surface:
+    """Columns whose pixels have their number."""
+    made = pygame.Surface((last - first, 4), 0, 32)
+    for x in range(last - first):
+        made.fill(((first + x) % 256, 1, 0), (x, 0, 1, 4))
+    return made
 
 
 def pixels(surface):
@@ -133,7 +130,7 @@ def pixels(surface):
 
 
 def test_every_column_is_in_its_place_after_any_scrolling():
-    surface = ScrollingSurface(pygame.Surface((50, 4), 0, 32), Columns())
+    surface = ScrollingSurface(pygame.Surface((50, 4), 0, 32), numbered)
     for left, first, last in ((0, 0.0, 20.5), (0, 0.0, 49.9), (30, 0.0, 70.0), (10, 5.0, 70.0), (200, 150.0, 240.0)):
         surface.scroll(left)
         for _ in range(20):
@@ -144,30 +141,27 @@ def test_every_column_is_in_its_place_after_any_scrolling():
 
 
 def test_an_update_stays_within_its_budget_draws_nothing_twice_and_clears_a_dropped_branch():
-    columns = Columns()
-    surface = ScrollingSurface(pygame.Surface((50, 4), 0, 32), columns)
+    draw = Mock(side_effect=numbered)
+    surface = ScrollingSurface(pygame.Surface((50, 4), 0, 32), draw)
     surface.update(0.0, 49.0, True, 10)
-    assert len(columns.drawn) <= 12
+    assert sum(last - first for (first, last), _ in draw.call_args_list) <= 12
     for _ in range(10):
         surface.update(0.0, 49.0, False, 10)
-    columns.drawn.clear()
+    draw.reset_mock()
     surface.update(0.0, 49.0, False, 10)
-    assert columns.drawn == []
+    draw.assert_not_called()
     surface.invalidate_from(20)
     surface.update(0.0, 21.0, True, 10)
     assert pixels(surface)[22:] == [(0, 0)] * 28
 
 
-def momentum(setting: PlotSetting) -> PlotContent:
-    axis = linear_axis("", *setting.scales.momentum)
-    return PlotContent("momentum (N s)", axis, setting.bead_names("p"), setting.colours, lambda motion: motion.momentum)
-
-
-MOMENTUM = PlotKind("momentum", pygame.K_8, "momentum of each bead", momentum)
-
-
 def test_a_plot_in_the_table_has_its_key_and_its_place_on_the_board(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(PLOT_KINDS, MOMENTUM.name, MOMENTUM)
+    def content(setting: PlotSetting) -> PlotContent:
+        axis = linear_axis("", *setting.scales.momentum)
+        return PlotContent("p (N s)", axis, setting.bead_names("p"), setting.colours, lambda motion: motion.momentum)
+
+    kind = PlotKind("momentum", pygame.K_8, "momentum of each bead", content)
+    monkeypatch.setitem(PLOT_KINDS, "momentum", kind)
     driver = Driver("one-on-four")
     board = driver.page.board
     assert "momentum" not in board.shown
@@ -202,10 +196,121 @@ def test_no_difference_of_two_lanes_is_cut_by_its_axis():
 
 def test_space_time_has_a_scale_of_its_shades(driver):
     driver.key(pygame.K_5)
-    driver.frames(3)
     plot = next(plot for plot in driver.page.board.plots if isinstance(plot, StripPlot))
     x = plot.area.right + round(6 * plot.unit) + 3
     column = [sum(driver.app.surface.get_at((x, y))[:3]) for y in range(plot.area.top + 2, plot.area.bottom - 2)]
     assert column[0] < 200  # the greatest force is dark
     assert column[-1] > 700
     assert all(b >= a - 3 for a, b in pairwise(column))
+
+
+@pytest.fixture
+def played(driver: Driver) -> Driver:
+    """A session in the middle of its collision."""
+    driver.session.step_frames(300)
+    driver.frames(3)
+    return driver
+
+
+def test_a_table_that_is_dropped_lies_over_the_velocities(played: Driver, tmp_path) -> None:
+    """What the session itself did, as if it had been measured with an error of 0.25 m/s."""
+    motion = played.session.trajectory(0)
+    table = np.column_stack([motion.time, motion.velocity + 0.25])[::20]
+    np.savetxt(tmp_path / "track.csv", table, delimiter=",", header="t,v0,v1,v2,v3,v4", comments="")
+    plot = played.page.board.plots[0]
+    before = pygame.surfarray.array3d(played.app.surface.subsurface(plot.area))
+    played.move(plot.area.center)
+    played.drop_file(tmp_path / "track.csv")
+    assert "differ by 0.25 (root mean square)" in played.messages[-1]
+    after = pygame.surfarray.array3d(played.app.surface.subsurface(plot.area))
+    assert (before != after).any(axis=2).sum() > 200
+    overlay = played.page.board.overlays["velocities", 0][0]
+    assert overlay.differences(plot) == pytest.approx(0.25)
+    x = round(plot.area.left + plot.span.x(float(overlay.data.time[3])))
+    y = round(plot.area.top + float(plot.y(overlay.data.values[3, 1])))
+    ring = pygame.surfarray.array3d(played.app.surface)[x - 5 : x + 6, y - 5 : y + 6].astype(int)
+    assert (np.ptp(ring, axis=2) > 40).any()  # in the colour of the bead
+    played.key(pygame.K_x)
+    assert not played.page.board.overlays
+    (tmp_path / "many.csv").write_text("t,a,b,c,d,e,f\n0,1,1,1,1,1,1\n1,1,1,1,1,1,1\n")
+    played.drop_file(tmp_path / "many.csv")
+    assert "has 6 columns after the time, and the plot has 5 curves" in played.messages[-1]
+    assert not played.page.board.overlays
+
+
+def test_numbers_are_compared_with_what_the_plot_shows_at_all_times_of_the_history() -> None:
+    """Between two blocks of it too."""
+    session = opened("steel-and-soft")
+    session.step_frames(600)
+    first, second = (session.trajectory(lane) for lane in (0, 1))
+    middle = 0.5 * (first.time[1:] + first.time[:-1])
+    exact = [np.interp(middle, first.time, column) for column in (second.velocity - first.velocity).T]
+    overlay = NumbersOverlay(MeasuredData("exact.csv", ("v",) * len(exact), middle, np.column_stack(exact)))
+    board, place = PlotBoard(session, lambda: 0.0), pygame.Rect(0, 0, 800, 600)
+    board.build([[("difference", 0)]], [[place]], 1.0, estimated_scales(session.scene, session))
+    found = overlay.differences(board.plots[0])
+    assert found.shape == (600 * len(exact),)
+    assert abs(found).max() < 1e-12
+
+
+def test_a_picture_lies_over_the_kymograph_where_its_edges_are_said_to_be(played: Driver, tmp_path) -> None:
+    picture = pygame.Surface((40, 20))
+    picture.fill((255, 0, 0))
+    pygame.image.save(picture, str(tmp_path / "camera.png"))
+    played.drop_file(tmp_path / "camera.png")
+    played.answer("0.5 1.5 4 2")
+    assert isinstance(played.page.board.overlays["kymograph", 0][0], PictureOverlay)
+    plot = played.page.board.plots[played.page.board.keys.index(("kymograph", 0))]
+
+    def redness(time: float, place: float) -> int:
+        x, y = plot.area.left + plot.span.x(time), plot.area.top + float(plot.y(np.array(place)))
+        red, green, _, _ = played.app.surface.get_at((round(x), round(y)))
+        return red - green
+
+    assert redness(1.0, 3.4) > 60
+    assert redness(2.0, 3.0) < 60
+    assert redness(1.0, 5.9) < 60
+
+
+LARGE = [(pygame.K_d, pygame.KMOD_CTRL), *[(pygame.K_PLUS, pygame.KMOD_CTRL)] * 5]
+
+
+@pytest.mark.parametrize("keys", [[(pygame.K_F3, 0)], LARGE])
+def test_a_picture_finds_the_kymograph_that_is_not_on_screen(driver: Driver, tmp_path, keys) -> None:
+    """At the first level, which shows one plot, and in a row that is scrolled to."""
+    pygame.image.save(pygame.Surface((4, 4)), str(tmp_path / "camera.png"))
+    for code, modifiers in keys:
+        driver.key(code, modifiers)
+    driver.drop_file(tmp_path / "camera.png")
+    driver.key(pygame.K_RETURN)
+    assert driver.page.board.overlays["kymograph", 0]
+    assert ("kymograph", 0) in driver.page.board.keys
+
+
+def test_any_signal_is_plotted_against_any(played: Driver) -> None:
+    played.key(pygame.K_8, pygame.KMOD_SHIFT)
+    played.answer("p1 against s")
+    board = played.page.board
+    plot = board.plots[board.keys.index(("x-y", 0))]
+    assert board.pair == (Signal("p", 1), Signal("s"))
+    motion = played.session.lanes[0].motion
+    assert plot.values_at(300).tolist() == pytest.approx([motion.momentum[0, 1], motion.stored[0]])
+    assert len(plot.points()) > 200
+    drawn = pygame.surfarray.array3d(played.app.surface.subsurface(plot.area)).astype(int)
+    assert (np.ptp(drawn, axis=2) > 60).sum() > 50
+    played.key(pygame.K_8, pygame.KMOD_SHIFT)
+    played.answer("f9 against q")
+    assert "the contacts of this lane are numbered 0 to 3" in played.messages[-1]
+
+
+def test_signals_are_read_and_what_are_no_signals_or_edges_is_refused():
+    assert [str(signal_of(str(signal_of(letter + "0", 3)), 3)) for letter in "xvpedrf"] == [f"{k}0" for k in "xvpedrf"]
+    assert pair_of("f1-2, d1", 3) == (Signal("f", 1), Signal("d", 1))
+    assert set(kinds.QUANTITIES) == set("txvpedrfs")
+    unknown = "g0 against t", "v3 against t", "v against t", "f2-1 against t", "f0-2, t", "v0-1, t", "t, f-1"
+    for text in ("f0", "f0 d0 e0", *unknown):
+        with pytest.raises(ValueError, match=r"two signals|is no signal|numbered 0 to 2"):
+            pair_of(text, 3)
+    for text in ("", "1 2 3", "0 1 a b", "1 0 0 1", "0 1 2 2", "0 inf 0 1"):
+        with pytest.raises(ValueError, match=r"four numbers|t right"):
+            edges_of(text)

@@ -30,7 +30,6 @@ def typed(driver: Driver, key: str, text: str) -> None:
 
 def press(driver: Driver, text: str) -> None:
     driver.click(next(one for one in driver.page.explore.buttons if one.text == text).rect.center)
-    driver.frames(2)
 
 
 def laws(driver: Driver, lane: int = 0) -> list:
@@ -82,9 +81,7 @@ def test_alpha_is_that_of_the_row_or_of_a_selected_contact_and_the_blow_goes_as_
     assert [law.exponent for law in laws(explorer)] == [0.1, 0.5, 0.1, 0.1]
 
 
-def test_speed_and_number_of_beads(explorer: Driver) -> None:
-    typed(explorer, "speed", "2")
-    assert explorer.session.lanes[0].velocity.tolist() == [2.0, 0.0, 0.0, 0.0, 0.0]
+def test_buttons_add_and_remove_a_bead(explorer: Driver) -> None:
     for button, count in (("+", 6), ("\N{MINUS SIGN}", 5)):
         press(explorer, button)
         assert len(explorer.session.lanes[0].chain.mass) == count
@@ -136,7 +133,6 @@ def test_the_same_blow_among_steel_balls_plays_below_is_told_and_left_for_one_ro
     assert [lane.velocity.tolist() for lane in explorer.session.lanes] == [[2.0, 0.0, 0.0, 0.0, 0.0]]
     assert explorer.page.unsaved
     explorer.app.act("compare_balls")
-    explorer.frames(2)
     assert len(explorer.session.lanes) == 2
 
 
@@ -162,7 +158,6 @@ def test_a_text_without_room_is_read_whole_below_the_pointer() -> None:
 def test_the_card_at_the_end_leaves_room_for_beads_and_forces(size, scale, lab, compared) -> None:
     driver = Driver("one-on-four", size=size, lab=lab)
     driver.app.scale = scale
-    driver.app.rebuild()
     if compared:
         driver.app.act("compare_balls")
     driver.play_to_the_end()
@@ -172,8 +167,7 @@ def test_the_card_at_the_end_leaves_room_for_beads_and_forces(size, scale, lab, 
     assert card.height
     assert card.bottom <= view.places.footer.top
     assert not any(card.colliderect(rect) for row in view.places.plots for rect in row)
-    for lane in view.lanes:
-        drawing = lane.drawing
+    for drawing in [lane.drawing for lane in view.lanes]:
         assert drawing.rect.bottom <= card.top
         assert drawing.rect.height >= (120 if compared else 180) * unit
     drawing = view.lanes[0].drawing
@@ -185,9 +179,8 @@ def test_the_card_at_the_end_leaves_room_for_beads_and_forces(size, scale, lab, 
 def test_what_happened_is_said_in_a_box_where_no_card_fits(explorer: Driver) -> None:
     explorer.resize((1280, 800))
     explorer.app.scale = 2.0
-    explorer.app.rebuild()
-    assert explorer.app.unit == 2.0
     explorer.run(0)
+    assert explorer.app.unit == 2.0
     explorer.until(lambda: explorer.app.dialog, most=900)
     assert "Beads 2 to 4 go together" in explorer.app.dialog.note
     explorer.click(explorer.app.dialog.buttons["Why? The forces"].rect.center)
@@ -236,7 +229,5 @@ def test_the_card_goes_to_the_greatest_force_and_to_steel_balls(driver: Driver) 
     card.show_outcome()
     driver.frames(1)
     driver.click(card.buttons["Now with steel balls"].rect.center)
-    assert [law.exponent for law in laws(driver, 1)] == [1.5] * 4
     assert driver.session.label(1) == "steel balls"
-    assert laws(driver)[0].exponent == 0.1
     assert driver.session.playing

