@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -32,7 +31,6 @@ FIRST_LOG = 4096  # rows of the log of contact switches at first
 FRAME_LOG = 256  # of `advance`: more switches within a frame are chatter, which is counted and not kept
 ROWS_A_STEP = 4  # of it for each step until a pause, at which it grows
 MOST_LOG = 4_000_000  # rows at the most: 64 MB
-KEPT_TABLES = 64  # combinations of laws of one's own
 NO_FLAGS = np.zeros(0, dtype=np.int8)
 NO_SEGMENTS = (NO_FLAGS, np.zeros((0, 9)), np.zeros(0, dtype=np.int64))  # of a chain without couplers
 
@@ -65,8 +63,9 @@ def law_rows(chain: Chain) -> Array:
     return rows
 
 
+@per_chain
 def own_laws(chain: Chain) -> OwnLaws | None:
-    """The record of the laws of one's own; None for a chain without."""
+    """The record of the laws of one's own as they are for this chain; None for a chain without."""
     if not chain.own_laws:
         return None
     numbers = np.full(chain.contacts, -1, dtype=np.int64)
@@ -75,9 +74,8 @@ def own_laws(chain: Chain) -> OwnLaws | None:
     return OwnLaws(numbers, *_tables(chain.own_laws))
 
 
-@lru_cache(maxsize=KEPT_TABLES)
 def _tables(laws: tuple[OwnLaw, ...]) -> tuple[Any, ...]:
-    """The tables of `laws` as the fields of OwnLaws, made once for each combination of laws."""
+    """The tables of `laws` as the fields of OwnLaws."""
     tables = [law.table for law in laws]
     return (
         np.cumsum([0, *(len(table.force) for table in tables)]),

@@ -18,7 +18,8 @@ from typing import Any, ClassVar, Protocol, SupportsFloat, cast, overload, runti
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.checked_input import shown
-from softcradle.physics.contact import Numbers
+from softcradle.physics.contact import Contact, Numbers
+from softcradle.physics.coupler import Coupler
 from softcradle.physics.own_law_table import LawTable, law_table
 
 Array = NDArray[np.float64]
@@ -75,7 +76,7 @@ class OwnLaw:
     Raises
     ------
     ValueError
-        `law` is neither an object with a force nor a function.
+        `law` is neither an object with a force nor a function, or a Contact or Coupler, whose loss or pull a force has not.
 
     Examples
     --------
@@ -93,6 +94,8 @@ class OwnLaw:
     def __init__(
         self, law: Law | Callable[[float], SupportsFloat], energy: Callable[[float], SupportsFloat] | None = None
     ) -> None:
+        if isinstance(law, (Contact, Coupler)):
+            raise ValueError(f"a chain takes {shown(law)} as it is: a law of your own is something else")
         if not is_law(law) or isinstance(law, OwnLaw):
             raise ValueError(f"a law of your own must be a function or have a method force(overlap), not {shown(law)}")
         found = getattr(law, "energy", None) if energy is None else energy

@@ -24,6 +24,7 @@ from softcradle.physics.trajectory import Interval, Trajectory
 Array = NDArray[np.float64]
 
 TWO_WALLS = "a chain with two walls may never come apart: give a duration"
+PUSHED_ON_A_BED = "beads on a bed may never come apart from a wall that moves: give a duration"
 DRIVEN = "a driven chain may never come apart: give a duration"
 LEAST_TOLERANCE = 1e-16  # nothing finer can be told from round-off
 LEAST_TIME = 1e-100  # [s] of a sample: overlaps then are products of such times, and far earlier ones underflow
@@ -51,7 +52,8 @@ def simulate(
         Start velocities [m/s].
     duration : float, optional
         Time to run [s]; None runs until every contact is open and none can close again (on a bed: none until the
-        beads have slid to rest), or all beads rest. A chain with a force that lasts needs one.
+        beads have slid to rest), or all beads rest. A chain with a force that lasts needs one, and beads on a bed to which a
+        wall moves.
     method : str, optional
         A name from METHODS, or "auto": a method and fineness that hold `tolerance` as the wanted error on this
         chain, by a rule that is the same on every machine; the Trajectory says which, and why. Explicit methods (euler,
@@ -71,7 +73,7 @@ def simulate(
     Raises
     ------
     ValueError
-        A value out of range, or duration None for a chain that may never come apart (two walls, a drive).
+        A value out of range, or duration None for a chain that may never come apart (two walls, a drive, a piston on a bed).
 
     Examples
     --------
@@ -174,7 +176,7 @@ def move(
     duration = magnitude("duration", duration, zero=True)
     _require(whole_number("most_steps", most_steps) > 0, f"most_steps must be at least 1, not {shown(most_steps)}")
     length = _step(chain, state, chosen, step)
-    fineness = tolerance if chosen.adaptive else 0.0
+    fineness = checked_tolerance(tolerance) if chosen.adaptive else 0.0
     problem = Problem(chain, state, method, duration, length, fineness, most_steps=most_steps)
     end = problem.end
     state.warnings, state.switched = (), NO_SWITCHES
@@ -211,6 +213,21 @@ def _require_carried(method: str, chain: Chain) -> None:
     _require(not reason, reason)
 
 
+def checked_tolerance(tolerance: float) -> float:
+    """The tolerance as a float that a method can hold. Raises ValueError."""
+    found = magnitude("tolerance", tolerance)
+    _require(found >= LEAST_TOLERANCE, f"tolerance must be at least {LEAST_TOLERANCE:g}, not {found:g}")
+    return found
+
+
+def pushes_on_a_bed(mass: ArrayLike, on_bed: ArrayLike, velocity: ArrayLike) -> NDArray[np.bool_]:
+    """(...) whether a wall moves towards beads of `mass` (..., n+1) that rub on a bed: these may stay at it for ever."""
+    walls, speeds = np.isinf(np.asarray(mass)), np.asarray(velocity)
+    ahead = (walls & (speeds > 0.0))[..., :-1].any(axis=-1) | (walls & (speeds < 0.0))[..., 1:].any(axis=-1)
+    found: NDArray[np.bool_] = ahead & np.asarray(on_bed)
+    return found
+
+
 def _step(chain: Chain, state: State, method: Method, step: float | None, duration: float | None = None) -> float:
     if step is not None:
         length = magnitude("step", step)
@@ -235,12 +252,12 @@ def _problem(
     if duration is None:
         _require(chain.walls < 2, TWO_WALLS)
         _require(not chain.lasts, DRIVEN)
+        _require(not pushes_on_a_bed(chain.mass, chain.on_bed, velocity), PUSHED_ON_A_BED)
         _require(not chain.pulls, "a chain whose couplers pull never comes apart: give a duration")
     else:
         duration = magnitude("duration", duration, zero=True)
     require_computable(chain, velocity, duration)
-    tolerance = magnitude("tolerance", tolerance)
-    _require(tolerance >= LEAST_TOLERANCE, f"tolerance must be at least {LEAST_TOLERANCE:g}, not {tolerance:g}")
+    tolerance = checked_tolerance(tolerance)
     return Problem(
         chain=chain,
         state=state,

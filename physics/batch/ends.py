@@ -36,7 +36,14 @@ from softcradle.physics.scales import (
     struck_depth,
     velocity_room,
 )
-from softcradle.physics.simulation import DRIVEN, LEAST_TOLERANCE, TWO_WALLS, solve
+from softcradle.physics.simulation import (
+    DRIVEN,
+    PUSHED_ON_A_BED,
+    TWO_WALLS,
+    checked_tolerance,
+    pushes_on_a_bed,
+    solve,
+)
 from softcradle.physics.state import from_anchor
 
 Array = NDArray[np.float64]
@@ -133,14 +140,13 @@ def ensemble_ends(
     chosen = _method(method, batch)
     if workers is not None and whole_number("workers", workers) < 1:
         raise ValueError(f"workers must be at least 1, not {shown(workers)}")
-    _require_end(batch, duration)
     speeds = _velocities(batch, velocity)
+    _require_end(batch, speeds, duration)
     durations = np.full(batch.chains, np.inf) if duration is None else _each("duration", duration, batch.chains, True)
     if chosen.adaptive:
         if step is not None:
             raise ValueError(f"method {method!r} chooses its own steps: give a tolerance instead of a step")
-        if not LEAST_TOLERANCE <= tolerance <= LARGEST:
-            raise ValueError(f"tolerance must be from {LEAST_TOLERANCE:g} to {LARGEST:g}, not {shown(tolerance)}")
+        tolerance = checked_tolerance(tolerance)
     steps = None if step is None else _each("step", step, batch.chains)
     threads, run = workers or cores(), _Run.of(batch, speeds, durations, duration is None)
     ends = EnsembleEnds(
@@ -352,7 +358,7 @@ def _method(name: str, batch: ChainBatch) -> Method:
     return chosen
 
 
-def _require_end(batch: ChainBatch, duration: ArrayLike | None) -> None:
+def _require_end(batch: ChainBatch, velocity: Array, duration: ArrayLike | None) -> None:
     """Raise ValueError where a chain may never come apart and there is no duration."""
     if duration is not None:
         return
@@ -360,6 +366,8 @@ def _require_end(batch: ChainBatch, duration: ArrayLike | None) -> None:
         raise ValueError(TWO_WALLS)
     if batch.driven.any():
         raise ValueError(DRIVEN)
+    if pushes_on_a_bed(batch.mass, batch.on_bed, velocity).any():
+        raise ValueError(PUSHED_ON_A_BED)
 
 
 def _velocities(batch: ChainBatch, velocity: ArrayLike) -> Array:

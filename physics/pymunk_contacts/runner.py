@@ -220,7 +220,7 @@ class _Run:
     def until(self, end: float, stop: bool) -> _Run:
         """Go to `end`, or with `stop` until no contact can close again."""
         self.take_samples()
-        while self.state.time <= end - self.h * GRID_TOLERANCE:
+        while self.state.time < end - self.h * GRID_TOLERANCE:
             if self.kept:
                 self.kept.offer(self.steps, self.state.copy)
             if self.steps - self.flown >= self.most_steps:

@@ -81,6 +81,10 @@ class _Run:
         self.status = Status.DONE
         self.warnings: Warnings = ()
 
+    def begin(self) -> None:
+        """Log the contacts that are closed from the start on."""
+        self._note(self._on_joints(self._carries()))
+
     def until(self, end: float) -> None:
         """Integrate to `end`; with an infinite end until all contacts are open and none closes again, or nothing moves."""
         try:
@@ -295,6 +299,7 @@ def _root(falling: Callable[[float], float], low: float, high: float) -> float:
 def run(problem: Problem) -> Record:
     """Solve `problem`; ``problem.tolerance`` is the wanted error of the velocities relative to the closing speed."""
     solved = _Run(problem, problem.duration)
+    solved.begin()
     solved.until(problem.end)
     overlap, rate, anchor, force, _ = empty_samples(0, problem.chain.contacts)
     found = Record(

@@ -143,6 +143,20 @@ def test_kinds_mix_with_walls_drives_and_gaps(loss, friction):
         assert np.ptp(found.ledger) < closes * found.ledger[0]
 
 
+def test_a_chain_has_the_law_as_it_is_when_it_is_made():
+    """Not one of the same function before: a notebook changes a number, and makes the chain anew."""
+    stiffness = 1.0
+
+    def spring(overlap):
+        return stiffness * overlap
+
+    for stiffness in (1.0, 4.0):
+        for method in ("accurate", "conserving", "scipy"):
+            found = solve(Chain([1.0, 1.0], spring), [1.0, 0.0], method=method)
+            assert found.time[-1] == pytest.approx(math.pi / math.sqrt(2.0 * stiffness), rel=2e-3), method
+            assert np.ptp(found.ledger) < 1e-6
+
+
 def test_a_preload_is_set_valued():
     found = solve(Chain([1.0] * 5, gear), START, method="conserving")
     assert found.final_velocity == pytest.approx([-0.6, 0.4, 0.4, 0.4, 0.4], abs=1e-9)  # nothing inside yields

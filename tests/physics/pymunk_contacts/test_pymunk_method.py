@@ -76,6 +76,13 @@ def test_it_gives_up_after_the_steps_that_it_may_take():
     assert "pymunk gave up after 50 steps" in str(found.warnings[0])
 
 
+def test_a_time_that_has_no_digits_below_a_step_ends():
+    """Where a billionth of a step is less than the last digit of the time."""
+    found = simulate(one_on(1, hooke(1.0)), [1.0, 0.0], 1e6, "pymunk", step=0.02, samples=3)
+    assert found.time.tolist() == [0.0, 5e5, 1e6]
+    assert found.final_velocity == pytest.approx([0.0, 1.0], abs=1e-3)
+
+
 @pytest.mark.parametrize("contact", [hooke(1e9), power_law(1e6, 2.0)], ids=["hooke", "power law"])
 def test_live_frames_go_on(contact):
     chain = Chain([1.0, 1.0, 1.0], contact, drive=[1.0, 0.0, -1.0])

@@ -172,6 +172,15 @@ def test_a_solver_may_try_a_law_of_ones_own_where_that_has_no_number():
         OwnLaw(lambda overlap: math.expm1(50.0 * overlap)).force(293.0)
 
 
+def test_what_is_pressed_at_the_start_is_closed_from_there_on():
+    """Also where friction holds it so that nothing moves."""
+    for friction, until in ((0.5, math.inf), (0.0, 0.25 * math.pi / math.sqrt(5.0))):
+        chain = Chain([1.0, 1.0], hooke(10.0), gap=-0.01, friction=friction)
+        for method in ("scipy", "accurate", "conserving"):
+            ((found,),) = simulate(chain, [0.0, 0.0], None, method, samples=2).contact_intervals
+            assert found == pytest.approx((0.0, until), abs=1e-4), method
+
+
 def test_a_contact_that_is_pressed_in_slowly_is_not_held_by_the_switches_of_another():
     """Two inner contacts begin to yield at forces of 1e-15 N; each switch began the motion of the other anew, 9500 times."""
     chain = Chain([0.6256050420307148, 1.9966455213844647, 1.7485191867510559, 0.5551660365009872, 1.0], hooke(100.0))
