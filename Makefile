@@ -77,7 +77,7 @@ node_modules: package.json
 	@touch $@
 
 docs: .venv/.docs
-	@echo "compiling kernels first, minutes on a new machine; the examples of the pages are tested by make test"
+	@echo "compiling kernels first, minutes on a new machine; the examples of the pages are tested by make test-all"
 	@$(BIN)/softcradle warm
 	$(BIN)/python -m sphinx --fail-on-warning --keep-going -q -b html docs out/docs
 

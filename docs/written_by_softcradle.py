@@ -14,6 +14,7 @@ from softcradle.physics.simulation import solve
 from softcradle.sandbox.cli.main import COMMANDS
 from softcradle.sandbox.draw.number_format import scientific
 from softcradle.sandbox.page import render_page
+from softcradle.sandbox.page.data import can_be_computed
 from softcradle.sandbox.studies.verify import verified
 from softcradle.scenes.contact_kinds import KINDS
 
@@ -74,7 +75,11 @@ def catalogue() -> Iterator[str]:
     """The scenes."""
     loaded = [(name, scenes.load(name)) for name in scenes.names()]
     return table(
-        ["scene", "title", "where in the paper"], [[_live(name), scene.title, scene.source] for name, scene in loaded]
+        ["scene", "title", "its page", "where in the paper"],
+        [
+            [_live(name), scene.title, "live" if can_be_computed(scene) else "recorded", scene.source]
+            for name, scene in loaded
+        ],
     )
 
 

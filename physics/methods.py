@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING
@@ -180,13 +181,14 @@ def _refusal_of_friction(method: Method, chain: Chain) -> str:
     return f"method {method.name!r} {reason}carries neither bed friction nor contacts with loss: take 'conserving' or {other!r}"
 
 
-def find_method(name: str) -> Method:
-    """The Method called `name`; ValueError with the nearest name and all names there are."""
+def find_method(name: str, others: Sequence[str] = (AUTO,)) -> Method:
+    """The Method called `name`; ValueError with the nearest name and all names there are, with `others` that the caller takes."""
     if not isinstance(name, str):
         raise ValueError(f"method must be a name such as 'accurate', not a {type(name).__name__}")
     for method in METHODS:
         if method.name == name:
             return method
-    near = difflib.get_close_matches(name, known_methods(), n=1)
+    known = [*others, *(method.name for method in METHODS)]
+    near = difflib.get_close_matches(name, known, n=1)
     hint = f"did you mean {near[0]!r}? " if near else ""
-    raise ValueError(f"unknown method {name!r}; {hint}there are {', '.join(known_methods())}")
+    raise ValueError(f"unknown method {name!r}; {hint}there are {', '.join(known)}")

@@ -48,7 +48,7 @@ def _kernels_called(name: str) -> list[KernelTiers]:
         from softcradle.physics.batch.ends import TIERS
 
         return list(TIERS.values())
-    found = kernels_of(find_method(name))
+    found = kernels_of(find_method(name, (SOFT_CHAIN, ENSEMBLE_ENDS)))
     return [] if found is None else [found]
 
 

@@ -132,7 +132,7 @@ def returning_warnings(problem: Problem, record: Record) -> Warnings:
     """A warning where contacts close so often again that errors of a fixed step, multiplied by each collision, may be large.
 
     Of 480 random chains (``python -m benchmarks conserving --errors``) four are off by more than 1e-3 of the closing speed at the
-    default step, and four at four times that; all but one of these eight runs have the warning, as have 28 others. Nothing is
+    default step, and four at four times that; all but one of these eight runs have the warning, as have 29 others. Nothing is
     said of chains with friction or loss, which take errors away with the motion.
     """
     again = int(np.maximum(np.bincount(record.switch_contact) - 2, 0).sum()) // 2

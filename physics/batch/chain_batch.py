@@ -20,8 +20,8 @@ Array = NDArray[np.float64]
 class ChainBatch:
     """C chains of n+1 masses and n contacts each, as arrays: what `ensemble_ends` moves.
 
-    Every argument is broadcast to its shape, so one number, or one row, may stand for all chains. The force of a contact is
-    ``preload + stiffness * overlap**exponent``, as that of a :class:`Contact`; the rest is as for a :class:`Chain`.
+    Every argument but `mass` is broadcast to its shape, so one number, or one row, may stand for all chains. The force of a
+    contact is ``preload + stiffness * overlap**exponent``, as that of a :class:`Contact`; the rest is as for a :class:`Chain`.
 
     Parameters
     ----------

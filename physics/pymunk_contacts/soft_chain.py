@@ -6,6 +6,7 @@ import math
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -127,6 +128,9 @@ class SoftChain:
             require_kind("every body", body, pymunk.Body)
         if len(bodies) < 2 or len(set(bodies)) < len(bodies):
             raise ValueError(f"a SoftChain needs at least 2 different bodies, not {len(set(bodies))}")
+        for i, pair in enumerate(pairwise(bodies)):
+            if all(body.body_type != pymunk.Body.DYNAMIC for body in pair):
+                raise ValueError(f"of two neighbours one at least must be dynamic: bodies {i} and {i + 1} are not")
         self.method = method
         self.bodies = tuple(bodies)
         n = len(bodies) - 1

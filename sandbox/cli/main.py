@@ -118,7 +118,8 @@ def command_parsers() -> tuple[Parser, dict[str, Parser]]:
         formatter_class=_Help,
         description="Rows of beads that only push on each other, softly: see them collide, and trust what you see.",
         epilog="softcradle COMMAND --help says more. A scene is a name from `softcradle scenes` or a file of your own. "
-        "Exit codes: 0; 2 for what cannot be done; 3 where a run gave up before its end; 4 for a sweep that lost points.",
+        "Exit codes: 0; 1 where verify finds a number that is not met; 2 for what cannot be done; 3 where a run "
+        "gave up before its end; 4 for a sweep that lost points.",
     )
     parser.add_argument("-V", "--version", action=_Version, nargs=0, help="print the version and exit")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", dest="command")
@@ -160,8 +161,8 @@ OTHER_WORDS = {"list": "scenes", "open": "play", "show": "play", "view": "play",
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line `arguments` (None: those of the process) and return the exit code.
 
-    It is 0; 2 for a user's mistake; 3 where a run gave up before its end; 4 where a sweep lost points; 130 when interrupted;
-    141 where a reader has closed the pipe; 143 when terminated.
+    It is 0; 1 where `verify` finds a number that is not met; 2 for a user's mistake; 3 where a run gave up before its end; 4
+    where a sweep lost points; 130 when interrupted; 141 where a reader has closed the pipe; 143 when terminated.
     """
     if arguments is None:
         # A terminated command ends like an interrupted one: half-written files are removed.

@@ -306,8 +306,11 @@ def test_the_command_says_it_too_unless_quiet(tmp_path):
 
 def test_warm_takes_names_and_loads_the_kernels_of_batches(monkeypatch):
     warm(["euler", "SoftChain"])
-    with pytest.raises(ValueError, match="did you mean 'verlet'"):
-        warm("verlt")
+    for wrong, near in (("verlt", "verlet"), ("softchain", "SoftChain")):
+        with pytest.raises(ValueError, match=f"did you mean '{near}'"):
+            warm(wrong)
+    with pytest.raises(ValueError, match=r"unknown method 'auto'; there are SoftChain, ensemble_ends, euler"):
+        warm("auto")
     loaded = []
     monkeypatch.setattr(KernelTiers, "load", lambda kernels: loaded.append(kernels.name))
     warm("ensemble_ends")

@@ -68,6 +68,10 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "no body": (lambda: SoftContact(BODY, 5, (0, 0), (0, 0), 1, LAW), "b must be a Body, not 5"),
     "a chain of numbers": (lambda: SoftChain([1, 2], LAW, 1), "every body must be a Body, not 1"),
     "a chain of one body": (lambda: SoftChain(BODY, LAW, 1), "bodies must be a Sequence"),
+    "two bodies that never move": (
+        lambda: SoftChain([pymunk.Body(body_type=pymunk.Body.STATIC), pymunk.Body(body_type=pymunk.Body.KINEMATIC)], LAW, 1),
+        "bodies 0 and 1 are not",
+    ),
     "a list of one body": (lambda: SoftChain([BODY], LAW, 1), "at least 2 different bodies"),
     "a contact too few": (lambda: SoftChain(BODIES, [LAW], 1), "one Contact for all or 2"),
     "a number for all contacts": (lambda: SoftChain(BODIES, 3.0, 1), "one Contact for all or 2"),
