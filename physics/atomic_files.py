@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import secrets
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -14,6 +15,7 @@ def output_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Yield a temporary path with the suffix of `path`; the file there replaces `path` when the block ends without error.
 
     The temporary file exists, empty, when the block begins: a folder that cannot be written to is an error before any work.
+    Its name is its own: of several that write to one path the last to end is kept. A link stays, and what it leads to is written.
 
     Raises:
         OSError: `path` is a folder, or its folder is missing or cannot be written to; the message is one sentence.
@@ -21,14 +23,15 @@ def output_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     target = Path(path)
     if target.is_dir():
         raise IsADirectoryError(f"cannot write {target}: it is a folder")
-    temporary = _hidden_sibling(target)
+    place = _place(target)
+    temporary = _hidden_sibling(target, place.parent)
     try:
         temporary.open("xb").close()
     except OSError as error:
-        raise _refusal(target, error) from None
+        raise _refusal(target, place, error) from None
     try:
         yield temporary
-        temporary.replace(target)
+        temporary.replace(place)
     finally:
         temporary.unlink(missing_ok=True)
 
@@ -43,27 +46,33 @@ def output_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
     target = Path(path)
     if target.exists() and not (target.is_dir() and not any(target.iterdir())):
         raise FileExistsError(f"cannot write {target}: it exists and is not an empty folder")
-    temporary = _hidden_sibling(target)
+    place = _place(target)
+    temporary = _hidden_sibling(target, place.parent)
     try:
         temporary.mkdir()
     except OSError as error:
-        raise _refusal(target, error) from None
+        raise _refusal(target, place, error) from None
     try:
         yield temporary
-        if target.exists():
-            target.rmdir()  # empty, as checked above; some systems do not move a folder onto another
-        temporary.rename(target)
+        if place.exists():
+            place.rmdir()  # empty, as checked above; some systems do not move a folder onto another
+        temporary.rename(place)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
 
 
-def _hidden_sibling(target: Path) -> Path:
-    """A name in the same folder: a move on one file system is atomic."""
-    return target.with_name(f".{target.stem}.{os.getpid()}.part{target.suffix}")
+def _place(target: Path) -> Path:
+    """Where `target` is, or will be: what it leads to, if it is a link."""
+    return Path(os.path.realpath(target)) if target.is_symlink() else target
 
 
-def _refusal(target: Path, error: OSError) -> OSError:
-    folder = target.absolute().parent
+def _hidden_sibling(target: Path, folder: Path) -> Path:
+    """A name that nothing else has, in the folder where `target` is: a move on one file system is atomic."""
+    return folder / f".{target.stem}.{secrets.token_hex(8)}.part{target.suffix}"
+
+
+def _refusal(target: Path, place: Path, error: OSError) -> OSError:
+    folder = place.absolute().parent
     if not folder.is_dir():
         return FileNotFoundError(f"cannot write {target}: there is no folder {folder}")
     if isinstance(error, FileNotFoundError):  # the error of file systems such as /proc

@@ -37,7 +37,7 @@ class WarningCode(StrEnum):
     RETURNS = "returns"  # contacts close so often again that the errors of a fixed step may have grown large
     LATE_START = "late-start"  # the motion began before its first sample
     UNUSUAL = "unusual"  # a number can be computed with but is hardly meant
-    UNKNOWN = "unknown"  # read from a file that knew no codes
+    UNKNOWN = "unknown"  # read from a file that knew no codes, or of a version that knows more
 
 
 @dataclass(frozen=True, slots=True)

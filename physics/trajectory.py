@@ -21,9 +21,34 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Interval = tuple[float, float]
 
+ALIKE = (
+    1e-9  # of the greatest speed: walls whose velocities differ by no more move as one; each is a sum over the chain
+)
+
 
 def _nothing() -> Array:
     return np.zeros(0)
+
+
+def work_of_walls(chain: Chain, velocity: Array, momentum: Array) -> Array:
+    """(T,) work [J] of the walls of `chain` on its beads since the first of T times; nan where it is not known.
+
+    Walls give the `momentum` (T,) [N s] of the beads that nothing else has given. Their work follows from it where all move at
+    one speed and no bed takes momentum too; walls at rest do none.
+
+    Parameters
+    ----------
+    velocity : ndarray, shape (T, n+1)
+        [m/s], of walls too.
+    """
+    speeds = velocity[:, np.isinf(chain.mass)]
+    if not speeds.any():
+        return np.zeros(len(velocity))
+    speed, fastest = speeds[0, 0], np.abs(velocity).max(initial=0.0, where=np.isfinite(velocity))
+    if not np.abs(speeds - speed).max() <= ALIKE * fastest or (speed != 0.0 and chain.on_bed):
+        return np.full(len(velocity), np.nan)
+    work: Array = speed * (momentum - momentum[0])
+    return work
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -77,7 +102,8 @@ class Trajectory:
         Energy [J] that bed friction has taken since t = 0. Kinetic + contact energy + both = that at the start +
         `driven`.
     given : ndarray, shape (T, 2)
-        Work [J] and impulse [N s] of the chain's forces over time since t = 0, walls left out.
+        Work [J] and impulse [N s] of the chain's forces over time since t = 0, walls left out; in a motion that was played in
+        the window also those of the pointer and of edits, since its first sample.
     """
 
     chain: Chain
@@ -145,8 +171,11 @@ class Trajectory:
 
     @property
     def ledger(self) -> Array:
-        """(T,) energy [J] that must not change, kinetic + of contacts + absorbed by them and by the bed - `driven`."""
-        energy = self.kinetic_energy + self.contact_energy - self.driven
+        """(T,) energy [J] that must not change, kinetic + of contacts + absorbed by them and by the bed - `driven` - `by_walls`.
+
+        Not known, nan, where `by_walls` is not.
+        """
+        energy = self.kinetic_energy + self.contact_energy - self.driven - self.by_walls
         return energy + self.absorbed_by_contacts + self.absorbed_by_bed
 
     @property
@@ -156,11 +185,11 @@ class Trajectory:
 
     @cached_property
     def driven(self) -> Array:
-        """(T,) work [J] of the chain's drive and forces over time since t = 0."""
+        """(T,) work [J] of the drive and forces over time on the beads since t = 0, walls left out."""
         if self.chain.drive_force is None:
             return self.given[:, 0]
         start = np.concatenate(([0.0], np.cumsum(self.chain.gap)))
-        work: Array = (self.position - start) @ self.chain.drive_force
+        work: Array = (self.position - start)[:, self._bead] @ self.chain.drive_force[self._bead]
         return work + self.given[:, 0]
 
     @cached_property
@@ -169,6 +198,11 @@ class Trajectory:
         if self.chain.drive_force is None:
             return self.given[:, 1]
         return self.time * self.chain.drive_force[self._bead].sum() + self.given[:, 1]
+
+    @cached_property
+    def by_walls(self) -> Array:
+        """(T,) work [J] of moving walls on the beads since the first sample, see :func:`work_of_walls`."""
+        return work_of_walls(self.chain, self.velocity, self.momentum - self.impulse)
 
     @cached_property
     def _bead(self) -> NDArray[np.bool_]:
@@ -194,7 +228,7 @@ class Trajectory:
         ValueError
             It is no trajectory of softcradle, or one of a later version.
         """
-        return Trajectory(**trajectory_file.load_motion(path))
+        return trajectory_file.load_motion(path, Trajectory)
 
     def to_csv(self, path: trajectory_file.Path) -> None:
         """Write one row a sample: time, positions, velocities, overlaps, forces, energies, momentum; header with units."""

@@ -1,7 +1,8 @@
 """Files and tables of trajectories: an .npz file that holds everything and is read back equal, .csv, xarray and pandas.
 
 The .npz file holds one array per array of a Trajectory, `position` and `velocity` for readers without softcradle,
-`contact_intervals` (K, 3) with rows (contact, closed [s], opened [s]), and `metadata`, a JSON text. Nothing is pickled.
+`contact_intervals` (K, 3) with rows (contact, closed [s], opened [s]), and `metadata`, a JSON text in which numbers may be
+`Infinity`, as the mass of a wall is, and `NaN`: Python's json reads them, strict readers do not. Nothing is pickled.
 """
 
 from __future__ import annotations
@@ -9,11 +10,10 @@ from __future__ import annotations
 import csv
 import json
 import platform
-import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, replace
 from os import PathLike
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +41,7 @@ OWN_LAW = (
 
 DIMENSIONS = {"bead": ("time", "bead"), "contact": ("time", "contact"), "": ("time",)}
 
+T = TypeVar("T")
 Array = NDArray[np.float64]
 NO_LAWS: Mapping[str, Array] = {}
 Path = str | PathLike[str]
@@ -80,14 +81,29 @@ def save_motion(path: Path, values: Mapping[str, Any], extra: Mapping[str, Array
         np.savez_compressed(file, **arrays)
 
 
-def load_motion(path: Path) -> dict[str, Any]:
-    """The fields that :func:`save_motion` wrote to `path`.
+def load_motion(path: Path, make: Callable[..., T]) -> T:
+    """What `make` makes of the fields that :func:`save_motion` wrote to `path`.
 
     Raises:
         OSError: the file cannot be read.
         ValueError: it is no trajectory of softcradle, or one of a later version.
     """
-    arrays, plain = _read(path)
+    try:
+        arrays, plain = _read(path)
+        found = plain["format"]
+        if found in READABLE:
+            return make(**_fields(arrays, plain))
+    except OSError:
+        raise
+    except (
+        Exception
+    ):  # a torn file fails in whatever reads it: zip, its compression, arrays, JSON, or what is made of them
+        raise ValueError(f"{path}: not a trajectory that softcradle saved") from None
+    raise ValueError(f"{path}: saved in format {found}, this softcradle reads formats up to {FORMAT}")
+
+
+def _fields(arrays: dict[str, Array], plain: dict[str, Any]) -> dict[str, Any]:
+    """The fields of a Trajectory from the arrays and the metadata of a file."""
     for name in ("position", "velocity"):
         arrays.pop(name, None)
     chain = chain_from_table(plain.pop("chain"), arrays)
@@ -125,11 +141,12 @@ def _stored_warning(warning: CodedWarning) -> dict[str, Any]:
 
 
 def _warnings(stored: list[Any]) -> Warnings:
-    """The warnings of a file; those of format 1 and 2 are sentences without a code."""
+    """The warnings of a file; those of format 1 and 2 are sentences without a code, a later version may have more codes."""
+    codes = {code.value: code for code in WarningCode}
     return tuple(
         CodedWarning(WarningCode.UNKNOWN, entry)
         if isinstance(entry, str)
-        else CodedWarning(WarningCode(entry["code"]), entry["sentence"], entry["numbers"])
+        else CodedWarning(codes.get(entry["code"], WarningCode.UNKNOWN), entry["sentence"], entry["numbers"])
         for entry in stored
     )
 
@@ -140,17 +157,10 @@ def _interval_rows(intervals: Intervals) -> Array:
 
 
 def _read(path: Path) -> tuple[dict[str, Array], dict[str, Any]]:
-    """Arrays and metadata of an .npz file; ValueError where it is something else."""
-    try:
-        with open(path, "rb") as opened, np.load(opened, allow_pickle=False) as file:
-            contents = {name: file[name] for name in file.files}
-        metadata = json.loads(str(contents.pop("metadata")))
-        found = metadata["format"]
-    except (KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile, ValueError):
-        raise ValueError(f"{path}: not a trajectory that softcradle saved") from None
-    if found not in READABLE:
-        raise ValueError(f"{path}: saved in format {found}, this softcradle reads formats up to {FORMAT}")
-    return contents, metadata
+    """Arrays and metadata of an .npz file."""
+    with open(path, "rb") as opened, np.load(opened, allow_pickle=False) as file:
+        contents = {name: file[name] for name in file.files}
+    return contents, json.loads(str(contents.pop("metadata")))
 
 
 def _chain_table(chain: Chain) -> dict[str, Any]:

@@ -26,13 +26,13 @@ MOST_CLUSTERS = 6  # that are named one by one
 class BeadSummary:
     """One bead: its mass [kg] (None: a wall), its velocities [m/s] at the start and at the end, and the error of the last.
 
-    The velocity at the start is None where the samples begin later. The error is what the method states of itself; None where
-    it states none (fixed steps).
+    The velocity at the start is None where the samples begin later, that at the end where the motion did not stay finite. The
+    error is what the method states of itself; None where it states none (fixed steps).
     """
 
     mass: float | None
     start_velocity: float | None
-    final_velocity: float
+    final_velocity: float | None
     velocity_error: float | None
 
 
@@ -44,17 +44,17 @@ class ContactSummary:
         closed, opened: times at which it closed first and opened last [s]; None: never.
         times: how often it closed.
         still_closed: whether it is closed at the end.
-        largest_overlap, largest_force: [m], [N]; of the samples.
-        largest_pull: [N]; 0 but for couplers.
+        largest_overlap, largest_force: [m], [N]; of the samples. None where the motion did not stay finite.
+        largest_pull: [N]; 0 but for couplers, None likewise.
     """
 
     closed: float | None
     opened: float | None
     times: int
     still_closed: bool
-    largest_overlap: float
-    largest_force: float
-    largest_pull: float = 0.0
+    largest_overlap: float | None
+    largest_force: float | None
+    largest_pull: float | None = 0.0
 
 
 @dataclass(frozen=True)
@@ -67,11 +67,13 @@ class Summary:
         end: time of the last sample [s].
         velocity_error: the largest of those of the beads [m/s]; None where the method states none.
         energy_error: largest change of the energy ledger (:attr:`Trajectory.ledger`), relative to the energy at the start,
-            in a driven chain to the largest energy; None where that is 0.
+            in a motion that is driven (by drive, forces, pointer or edits) to the largest energy; None where that is 0, or the
+            ledger is not known.
         energy_error_at_end: the same at the end; errors of explicit methods are largest during the collision.
-        momentum_error: largest change of the momentum that the drive does not explain, relative to the sum of abs(m v) at
-            the start, in a driven chain to the largest such sum; None where that is 0 or a wall or bed takes momentum.
-        absorbed_by_contacts, absorbed_by_bed: energy [J] that contacts with loss and bed friction took until the end.
+        momentum_error: largest change of the momentum that these do not explain, relative to the sum of abs(m v) at the
+            start, in a driven motion to the largest such sum; None where that is 0 or a wall or bed takes momentum.
+        absorbed_by_contacts, absorbed_by_bed: energy [J] that contacts with loss and bed friction took until the end; None
+            where the motion did not stay finite.
         method: name of the method.
         step: [s]; 0 where the method chooses its steps.
         tolerance: 0 where the step is fixed.
@@ -90,8 +92,8 @@ class Summary:
     energy_error: float | None
     energy_error_at_end: float | None
     momentum_error: float | None
-    absorbed_by_contacts: float
-    absorbed_by_bed: float
+    absorbed_by_contacts: float | None
+    absorbed_by_bed: float | None
     method: str
     step: float
     tolerance: float
@@ -132,7 +134,7 @@ def contact_table(summary: Summary) -> ResultTable:
     """A row a contact."""
     pulls = any(contact.largest_pull for contact in summary.contacts)
     size, prefix = unit_prefix(
-        max((max(item.largest_force, item.largest_pull) for item in summary.contacts), default=0.0)
+        max((size or 0.0 for item in summary.contacts for size in (item.largest_force, item.largest_pull)), default=0.0)
     )
     closed, opened, force = f"closed [{TIME.unit}]", f"opened [{TIME.unit}]", f"{prefix}{FORCE.unit}"
     titles = "contact", closed, opened, "times", f"largest {OVERLAP.label}", f"largest force [{force}]"
@@ -142,9 +144,9 @@ def contact_table(summary: Summary) -> ResultTable:
             _time(contact.closed),
             "still closed" if contact.still_closed else _time(contact.opened),
             str(contact.times),
-            f"{contact.largest_overlap:.4g}",
-            f"{contact.largest_force / size:.6g}",
-            *[f"{contact.largest_pull / size:.6g}"] * pulls,
+            "-" if contact.largest_overlap is None else f"{contact.largest_overlap:.4g}",
+            in_unit(contact.largest_force, size),
+            *[in_unit(contact.largest_pull, size)] * pulls,
         )
         for i, contact in enumerate(summary.contacts)
     )
@@ -154,6 +156,11 @@ def contact_table(summary: Summary) -> ResultTable:
 def unit_prefix(largest: float) -> tuple[float, str]:
     """(size, prefix) of the unit that suits numbers up to `largest`, of which 1000 are 1 k."""
     return next((size, name) for size, name in PREFIXES if size == 1.0 or largest >= size)
+
+
+def in_unit(value: float | None, size: float) -> str:
+    """Six digits of `value` in a unit of this `size`; a dash where it is not known."""
+    return "-" if value is None else f"{value / size:.6g}"
 
 
 def _speed(velocity: float | None) -> str:
@@ -170,11 +177,12 @@ def _time(time: float | None) -> str:
     return f"{time:.6f}" if time == 0.0 or 1e-3 <= time < 1e6 else f"{time:.6g}"
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what did not stay finite is None, and `trajectory.warnings` say why
 def summarise(label: str, trajectory: Trajectory) -> Summary:
     """The Summary of a lane's `trajectory`. Peaks are those of its samples, so they need fine samples."""
     energy = trajectory.ledger
     change = np.abs(energy - energy[0])
-    scale = (energy + trajectory.driven).max() if trajectory.chain.driven else energy[0]
+    scale = (energy + trajectory.driven).max() if _is_driven(trajectory) else energy[0]
     return Summary(
         label=label,
         beads=_beads(trajectory),
@@ -184,8 +192,8 @@ def summarise(label: str, trajectory: Trajectory) -> Summary:
         energy_error=_ratio(change.max(), scale),
         energy_error_at_end=_ratio(change[-1], scale),
         momentum_error=_momentum_error(trajectory),
-        absorbed_by_contacts=float(trajectory.absorbed_by_contacts[-1]),
-        absorbed_by_bed=float(trajectory.absorbed_by_bed[-1]),
+        absorbed_by_contacts=_known(trajectory.absorbed_by_contacts[-1]),
+        absorbed_by_bed=_known(trajectory.absorbed_by_bed[-1]),
         method=trajectory.method,
         step=trajectory.step,
         tolerance=trajectory.tolerance,
@@ -201,29 +209,29 @@ def summarise(label: str, trajectory: Trajectory) -> Summary:
 
 def _beads(trajectory: Trajectory) -> tuple[BeadSummary, ...]:
     masses = [mass if math.isfinite(mass) else None for mass in trajectory.chain.mass]
-    final, known = trajectory.final_velocity.tolist(), trajectory.time[0] == 0.0
-    start = trajectory.velocity[0].tolist() if known else [None] * len(final)
+    final, known = map(_known, trajectory.final_velocity), trajectory.time[0] == 0.0
+    start = trajectory.velocity[0].tolist() if known else [None] * len(masses)
     errors = map(_known, trajectory.velocity_error)
     return tuple(BeadSummary(*numbers) for numbers in zip(masses, start, final, errors, strict=True))
 
 
-def _known(error: float) -> float | None:
-    return float(error) if math.isfinite(error) else None
+def _known(number: float) -> float | None:
+    return float(number) if math.isfinite(number) else None
 
 
 def _contacts(trajectory: Trajectory) -> tuple[ContactSummary, ...]:
-    overlaps = np.maximum(trajectory.overlap, 0.0).max(axis=0).tolist()
-    forces = np.maximum(trajectory.force, 0.0).max(axis=0).tolist()
-    pulls = np.maximum(-trajectory.force, 0.0).max(axis=0).tolist()
+    overlaps = np.maximum(trajectory.overlap, 0.0).max(axis=0)
+    forces = np.maximum(trajectory.force, 0.0).max(axis=0)
+    pulls = np.maximum(-trajectory.force, 0.0).max(axis=0)
     return tuple(
         ContactSummary(
             closed=intervals[0][0] if intervals else None,
             opened=max((opened for _, opened in intervals if math.isfinite(opened)), default=None),
             times=len(intervals),
             still_closed=bool(intervals) and math.isinf(intervals[-1][1]),
-            largest_overlap=overlap,
-            largest_force=force,
-            largest_pull=pull,
+            largest_overlap=_known(overlap),
+            largest_force=_known(force),
+            largest_pull=_known(pull),
         )
         for intervals, overlap, force, pull in zip(trajectory.contact_intervals, overlaps, forces, pulls, strict=True)
     )
@@ -233,17 +241,25 @@ def _momentum_error(trajectory: Trajectory) -> float | None:
     if trajectory.chain.walls or trajectory.chain.on_bed:
         return None
     undriven = trajectory.momentum - trajectory.impulse
-    rows = slice(None) if trajectory.chain.driven else slice(0, 1)
+    rows = slice(None) if _is_driven(trajectory) else slice(0, 1)
     scale = np.abs(np.array(trajectory.chain.mass) * trajectory.velocity[rows]).sum(axis=1).max()
     return _ratio(np.abs(undriven - undriven[0]).max(), scale)
 
 
+def _is_driven(trajectory: Trajectory) -> bool:
+    """Whether something from outside gives energy and momentum: drive, forces over time, pointer or edits of a session."""
+    return trajectory.chain.driven or bool(trajectory.given.any())
+
+
 def _ratio(part: float, scale: float) -> float | None:
-    return float(part / scale) if scale else None
+    return _known(part / scale) if scale else None
 
 
 def describe(label: str, trajectory: Trajectory) -> str:
-    """Some sentences about a whole motion."""
+    """Some sentences about a whole motion; of one that did not stay finite only that."""
+    if not all(np.isfinite(numbers).all() for numbers in (trajectory.velocity, trajectory.overlap, trajectory.force)):
+        sentence = _("The motion by {method} did not stay finite: choose a smaller step.", method=trajectory.method)
+        return f"{label}: {sentence}" if label else sentence
     speeds = trajectory.velocity[0]
     scale = float(speeds.max() - speeds.min()) or float(abs(trajectory.final_velocity).max())
     sentences = [

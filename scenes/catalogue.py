@@ -54,7 +54,7 @@ def _read(wanted: str) -> tuple[str, str]:
     if not wanted.endswith(".toml") and Path(wanted).name == wanted and not os.path.isfile(wanted):
         raise SceneError([_unknown(wanted)])
     try:
-        return Path(wanted).read_text(encoding="utf-8"), wanted
+        return Path(wanted).read_text(encoding="utf-8-sig"), wanted
     except FileNotFoundError:
         raise SceneError([f"there is no file {wanted}"]) from None
     except UnicodeDecodeError:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, SerializeAsAny, create_model, model_validator
@@ -31,6 +31,10 @@ class Law(AnyLaw):
     def contact(self) -> physics.Contact:
         """The contact that the table describes."""
         return KIND_BY_NAME[self.law].constructor(**{name: value for name, value in self if name != "law"})
+
+    def __reduce__(self) -> tuple[Callable[[Any], Law], tuple[dict[str, Any]]]:
+        """Its table, which is read again in another process: no module holds the models of laws by name."""
+        return read_law, (self.model_dump(exclude_unset=True),)
 
 
 def _model(kind: ContactKind) -> type[Law]:

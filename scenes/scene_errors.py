@@ -1,5 +1,7 @@
 """What is wrong with a scene file, one sentence for each problem: file, key, what is allowed, and the value there is."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 from pydantic import ValidationError
@@ -22,6 +24,10 @@ class SceneError(ValueError):
     def __init__(self, problems: Sequence[str]) -> None:
         super().__init__(problems[0])
         self.problems = tuple(problems)
+
+    def __reduce__(self) -> tuple[type[SceneError], tuple[tuple[str, ...]]]:
+        """Its problems, of which it is made anew in another process."""
+        return type(self), (self.problems,)
 
 
 def scene_error(file: str, error: ValidationError) -> SceneError:

@@ -179,7 +179,7 @@ class Scene(Table):
     text : str
         What happens in it, two or three sentences.
     question : str
-        What is asked before it is played; its text is then shown afterwards.
+        What is asked before it is played; the window then shows its text afterwards, a page shows both.
     source : str
         Where it is in the paper.
     lanes : tuple of Lane

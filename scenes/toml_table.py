@@ -1,11 +1,22 @@
 """The base of all tables in a scene file, which refuses unknown keys, and its types of numbers, fractions such as "1/14" too."""
 
 import difflib
+import math
 import re
 from collections.abc import Iterable, Mapping
 from typing import Annotated, Any, TypeVar
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Strict, Tag, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    Strict,
+    Tag,
+    ValidationInfo,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 Item = TypeVar("Item")
@@ -48,6 +59,11 @@ def _fraction(value: Any) -> Any:
     return int(match[1]) / int(match[2])
 
 
+def _wall(value: Any, info: ValidationInfo) -> Any:
+    """JSON has no infinity: there null is the mass of a wall."""
+    return math.inf if value is None and info.mode == "json" else value
+
+
 # One value for all, or a list. Tags in brackets are left out of the place in the file by softcradle.scenes.scene_errors.
 OneOrMany = Annotated[
     Annotated[Item, Tag("(one)")] | Annotated[tuple[Item, ...], Tag("(many)")],
@@ -60,4 +76,4 @@ Positive = Annotated[float, Strict(), Field(gt=0), BeforeValidator(_fraction)]
 NotNegative = Annotated[float, Strict(), Field(ge=0), BeforeValidator(_fraction)]
 Loss = Annotated[float, Strict(), Field(ge=0, lt=1), BeforeValidator(_fraction)]
 AtLeastOne = Annotated[float, Strict(), Field(ge=1), BeforeValidator(_fraction)]
-Mass = Annotated[float, Strict(), Field(gt=0, allow_inf_nan=True), BeforeValidator(_fraction)]
+Mass = Annotated[float, Strict(), Field(gt=0, allow_inf_nan=True), BeforeValidator(_fraction), BeforeValidator(_wall)]

@@ -19,28 +19,38 @@ function limitsOf(data, own) {
   const slides = data.speed ** 2 / (2 * GRAVITY * data.length);
   return {
     alpha: [LEAST_ALPHA, MOST_ALPHA], strikers: [1, MOST_STRIKERS], targets: [1, MOST_TARGETS],
-    speed: [0.2 * own.speed, 1.4 * own.speed], friction: [0, Math.max(slides, 1.5 * own.friction)], loss: [0, 0.9], pace: [PACES[0], PACES.at(-1)],
+    speed: [0.2 * own.speed, 1.4 * own.speed], friction: [0, Math.max(slides, 1.5 * own.friction)], loss: [0, 0.9],
   };
 }
 
 /** @param {number} value @param {number[]} limits */
 const clamped = (value, [low, high]) => Math.min(Math.max(value, low), high);
 
+const nearest = (value, list) => list.reduce((best, one) => (Math.abs(one - value) < Math.abs(best - value) ? one : best));
+
+const NUMBER = /^-?(\d{1,9}\.?\d{0,17}|\.\d{1,17})(e-?\d{1,2})?$/;
+const entries = (fragment) => new URLSearchParams(fragment.slice(1, 400));
+
+// Whether the page has a control for it, and with that law a softness to choose.
+const settable = (name) => !part(name).closest(".never, body:not(.live) .live-only");
+const hasAlpha = (data, law) => (law === "scene" ? data.soft : law === "soft");
+
 /**
- * The experiment in the fragment of an address; what is missing, no number or unknown stays as in `own`.
- * @param {string} fragment @param {Experiment} own @param {Record<string, number[]>} limits @returns {Experiment}
+ * The experiment in the fragment of an address; what is missing, no number, unknown or not to be set stays as in `own`.
+ * @param {string} fragment @param {Experiment} own @param {Record<string, number[]>} limits @param {any} data @returns {Experiment}
  */
-function readAddress(fragment, own, limits) {
-  const given = new URLSearchParams(fragment.replace(/^#/, "").slice(0, 400)), found = { ...own };
-  for (const name of ["alpha", "strikers", "targets", "speed", "friction", "loss", "pace"]) {
-    const text = given.get(KEYS[name]);
-    if (text === null || !/^\d{1,9}(\.\d{1,17})?(e-?\d{1,2})?$/.test(text)) continue;
-    const value = clamped(Number(text), limits[name]);
-    found[name] = name === "strikers" || name === "targets" ? Math.round(value) : value;
+function readAddress(fragment, own, limits, data) {
+  const given = entries(fragment), found = { ...own }, shown = given.get("show");
+  for (const [name, words] of Object.entries({ law: LAWS, beside: BESIDE })) {
+    const word = given.get(KEYS[name]);
+    if (words.includes(word) && settable(name)) found[name] = word;
   }
-  const law = given.get(KEYS.law), beside = given.get(KEYS.beside), shown = given.get("show");
-  if (law !== null && LAWS.includes(law)) found.law = law;
-  if (beside !== null && BESIDE.includes(beside)) found.beside = beside;
+  for (const name of ["alpha", "strikers", "targets", "speed", "friction", "loss", "pace"]) {
+    const text = given.get(KEYS[name]), value = Number(text);
+    if (!NUMBER.test(text) || !settable(name) || (name === "alpha" && !hasAlpha(data, found.law))) continue;
+    if (name === "pace") found.pace = nearest(value, PACES);
+    else found[name] = clamped(name === "strikers" || name === "targets" ? Math.round(value) : value, limits[name]);
+  }
   if (shown !== null) found.shown = SHOWN.filter((name) => shown.split(".").includes(name));
   return found;
 }
@@ -61,10 +71,10 @@ function writeAddress(experiment, own, language) {
 }
 
 // A language and a moment may stand in an address as well.
-const addressLanguage = (fragment) => new URLSearchParams(fragment.replace(/^#/, "")).get("lang");
+const addressLanguage = (fragment) => entries(fragment).get("lang");
 function addressMoment(fragment) {
-  const text = new URLSearchParams(fragment.replace(/^#/, "")).get("t");
-  return text !== null && /^-?\d{1,9}(\.\d{1,17})?(e-?\d{1,2})?$/.test(text) ? Number(text) : null;
+  const text = entries(fragment).get("t");
+  return NUMBER.test(text) ? Number(text) : null;
 }
 
 const SOFT_DEPTH = 0.28, STEEL_DEPTH = 0.08; // bead lengths that two beads overlap at the scene's speed

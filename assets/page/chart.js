@@ -51,11 +51,11 @@ class Chart {
     this.dirty = [Math.min(x, this.across(this.drawn)) - SPREAD, Math.max(x + CHART_RIGHT, end) + SPREAD];
   }
 
-  // Whether the layer is of no more use. A run that somebody touches has no known end: its axis ends later than it does.
-  outlived({ begun, last, touched }) {
+  // Whether the layer is of no more use. The axis of a run whose end is open ends later than it does.
+  outlived({ begun, last, open }) {
     const span = this.end - this.begin, late = begun - this.begin, room = this.end - last;
-    const holds = touched ? late >= 0 && late < SPARE * span && room >= 0 && room < SPARE * span : !late && !room;
-    if (!holds) { this.begin = begun; this.end = touched ? last + 0.5 * SPARE * (last - begun) : last; }
+    const holds = open ? late >= 0 && late < SPARE * span && room >= 0 && room < SPARE * span : !late && !room;
+    if (!holds) { this.begin = begun; this.end = open ? last + 0.5 * SPARE * (last - begun) : last; }
     return !holds;
   }
 

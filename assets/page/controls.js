@@ -42,13 +42,17 @@ function beadKey(page, lane, event) {
   const { source } = page, direction = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
   if (!source.live || event.ctrlKey || event.metaKey || event.altKey || !(direction || event.key === "Enter" || event.key === "Escape")) return;
   event.preventDefault();
-  const last = source.rows[lane].kernel.n;
-  if (page.chosen?.lane !== lane || page.chosen.bead > last) page.chosen = { lane, bead: 0 };
+  const { mass } = source.rows[lane]; // that of a wall is 0
+  if (page.chosen?.lane !== lane || !mass[page.chosen.bead]) page.chosen = { lane, bead: mass.findIndex(Boolean) };
   else if (direction && source.hand) source.hand.place += direction * PULLED * page.data.length;
   else if (direction && event.shiftKey) page.throwChosen(direction);
-  else if (direction) page.chosen.bead = Math.min(Math.max(page.chosen.bead + direction, 0), last);
+  else if (direction) {
+    let bead = page.chosen.bead + direction;
+    while (mass[bead] === 0) bead += direction;
+    if (mass[bead]) page.chosen.bead = bead;
+  }
   if (event.key === "Escape" || (event.key === "Enter" && source.hand)) page.release();
-  else if (event.key === "Enter" && page.specs[lane].mass[page.chosen.bead] !== null) page.grab(lane, page.chosen.bead, null);
+  else if (event.key === "Enter") page.grab(lane, page.chosen.bead, null);
   part("said").textContent = say("chosen", { bead: page.chosen.bead, speed: fixed(source.values(lane).velocity[page.chosen.bead], 2) });
   if (!page.playing) page.show(false);
 }
@@ -122,9 +126,14 @@ function listen(page) {
   }).observe(part("lanes"));
 }
 
+// Copy the address, or show it where there is no clipboard.
 async function copyLink(page) {
   page.write();
-  try { await navigator.clipboard.writeText(location.href); } catch { part("said").textContent = location.href; }
+  try { await navigator.clipboard.writeText(location.href); } catch {
+    part("notice").textContent = location.href;
+    part("notice").hidden = false;
+    return;
+  }
   part("link").textContent = say("copied");
   setTimeout(() => { part("link").textContent = say("link"); }, 1500);
 }
@@ -139,13 +148,12 @@ async function kernels(text) {
 /** @returns {Promise<Page>} */
 async function start() {
   const data = JSON.parse(part("data").textContent), code = part("kernels");
-  let source = null;
+  let source = null, why = "recorded";
   useLanguage(knownLanguage(addressLanguage(location.hash) ?? navigator.language));
   if (code) {
-    try { source = new Live(data, await kernels(code.textContent)); } catch {
-      part("notice").textContent = say(data.lanes[0].recorded ? "refused" : "refused too");
-    }
-  } else part("notice").textContent = say("recorded");
+    try { source = new Live(data, await kernels(code.textContent)); } catch { why = data.lanes[0].recorded ? "refused" : "refused too"; }
+  }
+  if (!source) part("notice").textContent = say(part("notice").dataset.say = why);
   part("notice").hidden = source !== null;
   document.body.classList.toggle("live", source !== null);
   source ??= new Recorded(data);

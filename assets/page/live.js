@@ -7,8 +7,8 @@ const REMEMBERED = 3600; // kept states, a minute of them
 const FRAMES_KEPT = 2; // frames from one kept state to the next
 const LOOK_AHEAD = 60; // seconds of the wall that a run is followed before it is played
 const MOST_LOOKED = 1.5e6; // contacts times steps for that: half a second on a slow machine
-const TAIL = 1.5; // seconds of the wall after the rows have come apart
-const LINGER = 6; // the same after somebody has touched them
+const TAIL = 1.5; // seconds of the wall after the rows have come apart or to rest
+const LINGER = 6; // the same where the end was not known
 const BEFORE_HIT = 0.25; // of the time from the first hit to the end: the longest flight that is played before it
 
 class Live {
@@ -27,11 +27,12 @@ class Live {
   begin(specs, pace) {
     this.rows = specs.map((spec, k) => new Row(this.instances[k], this.data.kernel, spec));
     this.nows = specs.map((spec) => emptyNow(spec.gap.length));
-    this.setPace(pace);
+    this.setPace(1); // how far the run is followed, and where it ends, is the same at every pace
     this.scales = this.lookAhead();
     for (const row of this.rows) row.begin();
     const flight = Math.max(0, Math.floor((this.hit - BEFORE_HIT * (this.end - this.hit)) / this.frameTime));
     for (let k = 0; k < flight; k++) this.frame(null);
+    this.setPace(pace);
     const before = this.kept ?? [], rooms = this.rows.map((row) => row.width * REMEMBERED);
     this.kept = rooms.map((room, lane) => (before[lane]?.length === room ? before[lane] : new Float64Array(room)));
     this.branch += 1; // what charts have drawn of another one is not true of this one
@@ -57,6 +58,9 @@ class Live {
 
   get begun() { return this.timeOf(this.first); }
 
+  // Whether the end is not known: somebody has touched the run, or it was not followed so far.
+  get open() { return this.touched || !(this.followed || this.data.duration); }
+
   // The end of the run, as far as it is known.
   get last() { return Math.max(this.touched ? 0 : this.end, this.timeOf(this.count - 1)); }
 
@@ -66,23 +70,22 @@ class Live {
     this.rows.forEach((row, lane) => row.frame(this.frameTime, this.steps, this.slow, hand && hand.lane === lane ? hand : null));
   }
 
-  // Follow the run to its end, for its axes and its length; rows are moved, and begin again afterwards.
+  // Follow the run to its end, if patience lasts, for its axes and its length; rows are moved, and begin again afterwards.
   lookAhead() {
     const { rows, nows } = this, work = this.steps * rows.reduce((sum, row) => sum + row.kernel.n, 0);
-    const most = Math.min(LOOK_AHEAD * FRAME_RATE, Math.ceil(MOST_LOOKED / work));
-    const scales = startScales(this.data, rows);
+    const most = Math.min(LOOK_AHEAD * FRAME_RATE, Math.ceil(MOST_LOOKED / work)), { duration } = this.data;
+    const scales = startScales(this.data, rows), limit = duration ? Math.ceil(duration / this.frameTime) : Infinity;
     let apart = 0, k = 0;
     this.hit = -1;
-    const limit = this.data.duration ? Math.min(Math.ceil(this.data.duration / this.frameTime), most) : most;
-    for (; k < limit && apart < TAIL * FRAME_RATE; k++) {
+    for (; k < limit && k < most && apart < TAIL * FRAME_RATE; k++) {
       this.frame(null);
       rows.forEach((row, lane) => widened(scales, lane, row.mass, row.read(nows[lane]), this.data.length, 0));
-      const all = rows.every((row, lane) => row.apart || nows[lane].velocity.every((v) => Math.abs(v) < AT_REST * row.spec.speed));
       if (this.hit < 0 && nows.some((now) => now.force.some((f) => f > 0))) this.hit = rows[0].kernel.time;
-      apart = all ? apart + 1 : 0;
+      apart = this.apart ? apart + 1 : 0;
     }
     this.hit = Math.max(this.hit, 0);
-    this.end = rows[0].kernel.time;
+    this.followed = k >= limit || apart >= TAIL * FRAME_RATE; // or else patience has ended before the run
+    this.end = this.followed || !duration ? rows[0].kernel.time : duration;
     shareForces(scales);
     scales.magnify = this.data.magnify ?? magnified(scales, this.data.length);
     return scales;
@@ -105,11 +108,12 @@ class Live {
     if (this.sinceKept >= FRAMES_KEPT || this.over) this.keep();
   }
 
+  // Whether all rows have come apart or to rest.
   get apart() { return this.rows.every((row) => row.apart); }
 
   get over() {
     if (this.hand) return false;
-    return this.touched ? this.apartFor > LINGER : this.time >= this.end - 0.5 * this.frameTime;
+    return this.open ? this.apartFor > LINGER : this.time >= this.end - 0.5 * this.frameTime;
   }
 
   keep() {
@@ -176,7 +180,7 @@ class Live {
   // Times and values of a lane for a chart, at most `most` of them: (time, array, place of the first value in it). The first is the one
   // at `since`, up to which they are known.
   trace(lane, channel, most, since, visit) {
-    const row = this.rows[lane], { n } = row.kernel, from = channel === "velocity" ? 7 + 3 * n : 7 + 2 * n, kept = this.kept[lane];
+    const row = this.rows[lane], { n } = row.kernel, from = HEAD + (channel === "velocity" ? 3 * n : 2 * n), kept = this.kept[lane];
     const every = Math.max(1, Math.ceil((this.count - this.first) / most)), end = this.count - 1, begin = Math.max(this.first, this.numberAt(since));
     for (let k = begin; k <= end; k = k === end ? k + 1 : Math.min(every * Math.floor(k / every + 1), end)) {
       const at = (k % REMEMBERED) * row.width;

@@ -36,14 +36,10 @@ class Page {
     const moment = addressMoment(location.hash);
     if (this.playing) this.pause();
     clearTimeout(this.writing); // of what was there before
-    this.experiment = this.addressed();
+    this.experiment = readAddress(location.hash, this.own, this.limits, this.data);
     this.speak(addressLanguage(location.hash) ?? this.language ?? navigator.language);
     this.restart();
     if (moment !== null) this.go(moment); else if (!reduced()) this.play();
-  }
-
-  addressed() {
-    return this.source.live ? readAddress(location.hash, this.own, this.limits) : { ...this.own, beside: "none" };
   }
 
   // What the rows of the experiment start from.
@@ -83,7 +79,8 @@ class Page {
       this.sight.disconnect();
       for (const { canvas } of [...this.stages, ...this.charts]) this.sight.observe(canvas);
     }
-    this.stages.forEach(({ canvas }, lane) => canvas.setAttribute("aria-label", say("beads", { name: this.looks[lane].label || this.texts.title })));
+    const keys = this.source.live ? ` ${say("bead keys")}` : "";
+    this.stages.forEach(({ canvas }, lane) => canvas.setAttribute("aria-label", say("beads", { name: this.looks[lane].label || this.texts.title }) + keys));
     charts.hidden = !experiment.shown.includes("charts");
   }
 
@@ -124,7 +121,7 @@ class Page {
   show(texts, whole = !this.playing) {
     const { source, data, stages, chosen } = this, { hand } = source;
     const nows = stages.map((_, lane) => source.values(lane)), due = ({ canvas }) => whole || !this.unseen.has(canvas);
-    if (source.touched && this.widen(nows)) { this.dress(); return; }
+    if ((source.touched || !source.followed) && this.widen(nows)) { this.dress(); return; }
     stages.forEach((stage, lane) => {
       if (!due(stage)) return;
       const mine = hand && hand.lane === lane ? hand : document.activeElement === stage.canvas && chosen?.lane === lane ? chosen : null;
@@ -136,7 +133,7 @@ class Page {
     if (texts) this.tell(nows);
   }
 
-  // Axes grow with what somebody throws, the ground to four times its length.
+  // Axes grow with what nobody has foreseen, the ground to four times its length.
   widen(nows) {
     const { scales } = this.source, { window: [low, high] } = scales;
     this.firstWindow ||= high - low;
@@ -161,7 +158,7 @@ class Page {
     part("clock").textContent = clock;
     part("time").value = String(Math.round(SLIDER * (source.time - source.begun) / (source.last - source.begun || 1)));
     part("time").setAttribute("aria-valuetext", clock);
-    const ended = source.apart && (source.over || source.touched) && !source.hand;
+    const ended = source.apart && (source.over || source.open) && !source.hand;
     const said = nows.map((now, lane) => {
       const name = looks.length > 1 && looks[lane].label ? `${looks[lane].label}: ` : "", rigid = lane || source.touched ? "" : ` ${rigidWords(specs[lane], looks[lane], data.length)}`;
       return name + whatHappened(now.velocity, specs[lane].speed) + rigid;
@@ -170,9 +167,9 @@ class Page {
     if (part("words").textContent !== text) part("words").textContent = text;
     part("words").classList.toggle("ended", ended);
     if (source.live) {
-      const error = Math.max(...source.rows.map((row) => row.energyError())), given = source.rows[0].given;
-      const parts = [say("energy", { value: plain(source.rows[0].energy(), 4) }), say("right", { error: error < 1e-17 ? "10⁻¹⁶" : scientific(error, 0) })];
-      if (source.touched) parts.push(say("given", { value: plain(given, 3) }));
+      const { rows } = source, error = Math.max(...rows.map((row) => row.energyError())), parts = [say("energy", { value: plain(rows[0].energy(), 4) })];
+      if (rows.every((row) => row.balanced)) parts.push(say("right", { error: error < 1e-17 ? "10⁻¹⁶" : scientific(error, 0) }));
+      if (source.touched) parts.push(say("given", { value: plain(rows.reduce((sum, row) => sum + row.given, 0), 3) }));
       part("energy").textContent = parts.join(" · ");
     }
     if (part("numbers").open) fillTables(this, nows);
@@ -331,8 +328,7 @@ class Page {
     }
     part("law").value = experiment.law;
     part("beside").value = experiment.beside;
-    const soft = experiment.law === "scene" ? data.soft : experiment.law === "soft";
-    part("alpha").closest("label").hidden = !soft;
+    part("alpha").closest("label").hidden = !hasAlpha(data, experiment.law);
     part("steel").textContent = say(experiment.beside === "none" ? "compare steel" : "alone");
     part("steel").setAttribute("aria-pressed", String(experiment.beside !== "none"));
   }

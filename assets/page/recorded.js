@@ -13,15 +13,16 @@ class Recorded {
     this.motions.forEach((motion, k) => {
       this.scales.deepest[k] = motion.overlap.map((column) => column.reduce((most, depth) => Math.max(most, depth), 0));
     });
-    this.begun = Math.min(...this.motions.map(({ time }) => time[0]));
+    this.begun = Math.max(...this.motions.map(({ time }) => time[0]));
     this.last = Math.max(...this.motions.map(({ time }) => time.at(-1)));
-    const closed = this.motions.flatMap((motion) => motion.closed.flat()).map(([time]) => time).filter((time) => time > this.begun);
+    const closed = this.motions.flatMap((motion) => motion.closed.flat()).map(([time]) => time);
     const hit = closed.length ? Math.min(...closed) : this.begun;
     this.begun = Math.max(this.begun, hit - BEFORE_HIT * (this.last - hit));
     this.slowest = data.slow;
     this.setPace(1);
     this.time = this.begun;
-    this.touched = false;
+    this.touched = this.open = false;
+    this.followed = true;
     this.hand = null;
     this.branch = 0;
   }

@@ -8,6 +8,7 @@ const HAND_SPEED = 2; // closing speeds that the hand's pull can give: with more
 const STRUCK = 0.2; // of the closing speed: at contacts that close faster clusters are struck, and end
 const ALIKE = 1e-6; // of the closing speed: neighbours whose velocities differ by less at the start go together
 const AT_REST = 1e-9; // of the closing speed: slower rates are round-off
+const HEAD = 9; // numbers of a kept state before its lists
 
 /**
  * What a row starts from; masses, gaps and velocities from left to right.
@@ -23,7 +24,7 @@ class Row {
     this.kernel = new Kernel(instance, sizes, n, weights.indexOf(Math.max(...weights)));
     this.kernel.inverseMass.set(weights.map((mass) => 1 / mass));
     this.mass = weights.map((mass) => (mass === Infinity ? 0 : mass));
-    this.walls = spec.mass.includes(null);
+    this.balanced = !spec.mass.some((mass, k) => mass === null && spec.velocity[k]); // what a wall that moves gives is not counted
     this.position = new Float64Array(n + 1);
     this.velocity = new Float64Array(n + 1);
     this.before = new Float64Array(n + 1);
@@ -36,7 +37,7 @@ class Row {
 
   // At the start of the scene, with the laws of `spec`.
   begin() {
-    const { kernel, spec, mass } = this, { n, anchorBead } = kernel;
+    const { kernel, spec } = this, { n, anchorBead } = kernel;
     this.follow(spec);
     const place = new Float64Array(n + 1);
     for (let i = 0; i < n; i++) {
@@ -50,8 +51,7 @@ class Row {
     kernel.time = 0;
     for (let i = 0; i < n; i++) this.ends[i] = Math.abs(kernel.rate[i]) > ALIKE * spec.speed ? 1 : 0;
     this.begun = this.energy();
-    this.given = 0;
-    this.lightest = Math.min(...mass.filter((m) => m > 0));
+    this.given = this.driven = this.still = 0; // energy by hand, by the drive; frames since anything has moved
   }
 
   // Have the laws, losses and friction of `spec` from now on.
@@ -69,6 +69,7 @@ class Row {
     const before = this.energy();
     change();
     this.given += this.energy() - before;
+    this.still = 0;
   }
 
   lawForce(i) {
@@ -91,7 +92,7 @@ class Row {
 
   // Relative error of the energy, of what was there and was given since.
   energyError() {
-    const wanted = this.begun + this.given;
+    const wanted = this.begun + this.given + this.driven;
     return Math.abs(this.energy() - wanted) / Math.max(Math.abs(wanted), this.begun, Number.MIN_VALUE);
   }
 
@@ -119,16 +120,21 @@ class Row {
     for (let i = 0; i < n; i++) this.wasClosed[i] = force[i] > 0 ? 1 : 0;
     this.rateBefore.set(rate);
     const pushed = drive !== null || hand !== null;
+    let pull = 0;
     if (pushed) {
       this.before.set(kernel.rebuilt(kernel.overlap, kernel.anchor[0], this.position));
       if (drive) kernel.push.set(drive); else kernel.push.fill(0);
-      if (hand) kernel.push[hand.bead] += this.pull(hand, slow);
+      if (hand) { pull = this.pull(hand, slow); kernel.push[hand.bead] += pull; }
     }
     kernel.advance(duration, duration / steps, pushed);
     if (pushed) {
       kernel.rebuilt(kernel.overlap, kernel.anchor[0], this.position);
-      for (let j = 0; j <= n; j++) this.given += kernel.push[j] * (this.position[j] - this.before[j]);
+      const way = (j) => this.position[j] - this.before[j];
+      if (drive) drive.forEach((push, j) => { this.driven += push * way(j); });
+      if (hand) this.given += pull * way(hand.bead);
     }
+    kernel.rebuilt(rate, kernel.anchor[1], this.velocity);
+    this.still = this.velocity.every((v) => Math.abs(v) < AT_REST * speed) ? this.still + 1 : 0;
     for (let i = 0; i < n; i++) {
       if (this.wasClosed[i] && !(force[i] > 0)) this.ends[i] = 0;
       else if (!this.wasClosed[i] && force[i] > 0) this.ends[i] = this.rateBefore[i] > STRUCK * speed ? 1 : 0;
@@ -154,9 +160,10 @@ class Row {
     });
   }
 
-  // Whether no contact is closed and none can close.
+  // Whether no contact is closed and none can close, or nothing moves any more: in one frame alone it may have turned back.
   get apart() {
     const { n, overlap, rate, force } = this.kernel, least = AT_REST * this.spec.speed;
+    if (this.still > 1) return true;
     if (this.spec.drive) return false;
     for (let i = 0; i < n; i++) if (force[i] > 0 || overlap[i] > 0 || (rate[i] > least && overlap[i] < 0)) return false;
     return true;
@@ -179,31 +186,33 @@ class Row {
     return now;
   }
 
-  // Numbers of a kept state: time, energy given, edits, anchor, absorbed, overlaps, rates, forces, velocities, ends of clusters.
-  get width() { return 5 * this.kernel.n + 8; }
+  // Numbers of a kept state: HEAD of time, energy given, edits, work of the drive, frames at rest, anchor, absorbed; then overlaps, rates,
+  // forces, velocities, ends of clusters.
+  get width() { return 5 * this.kernel.n + HEAD + 1; }
 
   keep(into, at) {
-    const { kernel } = this, { n } = kernel;
-    into.set([kernel.time, this.given, this.edits, ...kernel.anchor, ...kernel.absorbed], at);
-    into.set(kernel.overlap, at + 7);
-    into.set(kernel.rate, at + 7 + n);
-    into.set(kernel.force, at + 7 + 2 * n);
-    into.set(kernel.rebuilt(kernel.rate, kernel.anchor[1], this.velocity), at + 7 + 3 * n);
-    into.set(this.ends, at + 8 + 4 * n);
+    const { kernel } = this, { n } = kernel, begin = at + HEAD;
+    into.set([kernel.time, this.given, this.edits, this.driven, this.still, ...kernel.anchor, ...kernel.absorbed], at);
+    into.set(kernel.overlap, begin);
+    into.set(kernel.rate, begin + n);
+    into.set(kernel.force, begin + 2 * n);
+    into.set(kernel.rebuilt(kernel.rate, kernel.anchor[1], this.velocity), begin + 3 * n);
+    into.set(this.ends, begin + 4 * n + 1);
   }
 
   // Go back to a kept state, whose energy is counted by the laws that hold now.
   restore(from, at) {
-    const { kernel } = this, { n } = kernel;
+    const { kernel } = this, { n } = kernel, begin = at + HEAD, list = (first, count) => from.subarray(first, first + count);
     kernel.time = from[at];
-    kernel.anchor.set(from.subarray(at + 3, at + 5));
-    kernel.absorbed.set(from.subarray(at + 5, at + 7));
-    kernel.overlap.set(from.subarray(at + 7, at + 7 + n));
-    kernel.rate.set(from.subarray(at + 7 + n, at + 7 + 2 * n));
-    kernel.force.set(from.subarray(at + 7 + 2 * n, at + 7 + 3 * n));
-    this.ends.set(from.subarray(at + 8 + 4 * n, at + 8 + 5 * n));
-    this.given = from[at + 1];
-    if (this.edits !== from[at + 2]) this.given += this.energy() - this.begun - this.given;
+    this.driven = from[at + 3];
+    this.still = from[at + 4];
+    kernel.anchor.set(list(at + 5, 2));
+    kernel.absorbed.set(list(at + 7, 2));
+    kernel.overlap.set(list(begin, n));
+    kernel.rate.set(list(begin + n, n));
+    kernel.force.set(list(begin + 2 * n, n));
+    this.ends.set(list(begin + 4 * n + 1, n));
+    this.given = this.edits === from[at + 2] ? from[at + 1] : this.energy() - this.begun - this.driven;
   }
 }
 

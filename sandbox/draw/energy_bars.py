@@ -1,5 +1,7 @@
 """The bars of energy and momentum: each bead's part, a total that must not change, and the errors of both as badges."""
 
+import math
+
 import pygame
 from softcradle.sandbox.draw.number_format import scientific
 from softcradle.sandbox.draw.palette import Colour, tones
@@ -60,7 +62,8 @@ class EnergyBars:
         self._momentum(surface, motion.momentum[row])
         if not self.has_badges:
             return
-        self._badge(surface, 0, _("energy error"), float(motion.energy_error[row]))
+        if math.isfinite(motion.energy_error[row]):
+            self._badge(surface, 0, _("energy error"), float(motion.energy_error[row]))
         if not (motion.chain.walls or motion.chain.on_bed):  # walls and the bed take momentum
             self._badge(surface, 1, _("momentum error"), float(motion.momentum_error[row]))
 

@@ -128,7 +128,7 @@ def motion_of(trajectory: Trajectory, lead: Array | None = None) -> Motion:
         force=np.concatenate((open_contacts, trajectory.force)),
         absorbed=np.concatenate((np.zeros(len(times)), absorbed)) if trajectory.chain.dissipative else np.zeros(0),
         given=np.concatenate((np.zeros((len(times), 2)), trajectory.given))
-        if trajectory.chain.forces
+        if trajectory.given.any()
         else np.zeros((0, 2)),
         method=f"{trajectory.method}, step {scientific(trajectory.step)} s" if trajectory.step else trajectory.method,
     )

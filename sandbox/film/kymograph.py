@@ -20,7 +20,7 @@ from softcradle.sandbox.draw.text import shortened, width, write
 from softcradle.sandbox.film.encoder import open_film
 from softcradle.sandbox.film.formats import check, pixels_of
 from softcradle.sandbox.film.scene_film import RenderReport
-from softcradle.sandbox.film.scene_motion import AFTER, LEAD, motion_end, scene_motions
+from softcradle.sandbox.film.scene_motion import AFTER, LEAD, Frames, motion_end, scene_motions
 from softcradle.sandbox.motion import Motion
 from softcradle.scenes import Scene
 
@@ -89,6 +89,7 @@ def stacked(camera: SlitCamera, motion: Motion) -> Pixels:
 
 
 CAMERA_RATE = 2052.0  # frames a second of the paper's camera
+CAMERA_FRAMES = Frames(of="kymograph", remedy="choose fewer frames a second (--fps)")
 FEWEST_FRAMES = 120  # of a kymograph; of a shorter motion more frames a second are taken
 
 # Design pixels around the lanes.
@@ -167,7 +168,7 @@ def render_kymograph(
         end = motion_end(scene, method, step)
         scene = filmed_scene(scene, end)
         rate = fps or camera_rate(scene, end, _width(size[0], unit))
-        motions = scene_motions(scene, rate, method, step, end)
+        motions = scene_motions(scene, rate, method, step, end, CAMERA_FRAMES)
         simulated = perf_counter() - start
         surface = film.free_surface()
         paint(surface, scene, motions, rate, unit)

@@ -12,7 +12,7 @@ from softcradle.sandbox.console import ProgressShown
 from softcradle.sandbox.draw import Picture
 from softcradle.sandbox.film.encoder import open_film
 from softcradle.sandbox.film.formats import check
-from softcradle.sandbox.film.scene_motion import first_force, scene_motions, strongest_row
+from softcradle.sandbox.film.scene_motion import Frames, first_force, scene_motions, strongest_row
 from softcradle.sandbox.motion import Motion
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
@@ -91,7 +91,8 @@ def render_scene(
         ProgressShown("simulating", shown=progress and not single) as bar,
     ):
         rows_a_frame = math.ceil(LEAST_ROWS / rate)
-        motions = scene_motions(scene, rate * slow * rows_a_frame, method=method, step=step)
+        frames = None if single else Frames(rows_a_frame)
+        motions = scene_motions(scene, rate * slow * rows_a_frame, method, step, frames=frames)
         simulated = perf_counter() - start
         picture, strongest = Picture(scene, motions, size, slow=slow), strongest_row(motions)
         sample = pygame.Surface(size, 0, 32)

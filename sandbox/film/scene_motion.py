@@ -3,6 +3,7 @@
 import math
 import warnings
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -46,11 +47,32 @@ def _flight_time(found: Trajectory) -> float:
 
 LEAD = 0.25  # free flight before the start of a scene that begins in touch, as a share of its motion
 AFTER = 0.35  # free flight after the end of a scene that does not say how much, as a share of its motion
-LONGEST_FILM = 100_000  # frames: beyond that, slow motion was probably mistyped
+MOST_FRAMES = 100_000  # beyond that, slow motion or the rate was probably mistyped
+MOST_ROWS = 100_000  # of a motion for one picture: enough for the moment and for its curves
+
+
+@dataclass(frozen=True)
+class Frames:
+    """What is made of a motion, of which every frame is drawn.
+
+    Attributes:
+        rows: of the motion for each frame.
+        of: its name.
+        remedy: what is to be chosen where there would be too many frames.
+    """
+
+    rows: int = 1
+    of: str = "film"
+    remedy: str = "choose less slow motion"
 
 
 def scene_motions(
-    scene: Scene, rows_per_second: float, method: str | None = None, step: float | None = None, end: float | None = None
+    scene: Scene,
+    rows_per_second: float,
+    method: str | None = None,
+    step: float | None = None,
+    end: float | None = None,
+    frames: Frames | None = None,
 ) -> list[Motion]:
     """The motion of each lane of `scene`; what may be wrong with it is a RuntimeWarning.
 
@@ -59,12 +81,13 @@ def scene_motions(
         rows_per_second: rows for a second of motion.
         method, step: None takes the scene's, else `conserving` with its default step.
         end: when the last lane is over [s], where :func:`motion_end` has found it already.
+        frames: what the rows are for; None: one picture, or scales, for which a long motion has fewer rows a second.
 
     Raises:
-        UserError: the method or the step does not suit the scene, or there would be too many rows.
+        UserError: the method or the step does not suit the scene, or there would be too many frames.
         GaveUpError: the method gave up before the end of the motion.
     """
-    motions, sentences = scene_motions_quietly(scene, rows_per_second, method, step, end)
+    motions, sentences = scene_motions_quietly(scene, rows_per_second, method, step, end, frames=frames)
     for sentence in sentences:
         warnings.warn(sentence, RuntimeWarning, stacklevel=2)
     return motions
@@ -77,6 +100,7 @@ def scene_motions_quietly(
     step: float | None = None,
     end: float | None = None,
     most: int | None = None,
+    frames: Frames | None = None,
 ) -> tuple[list[Motion], tuple[str, ...]]:
     """As :func:`scene_motions`, with the warnings as sentences: Python's warnings must not be used in threads.
 
@@ -85,7 +109,7 @@ def scene_motions_quietly(
     said = ""
     if end is None:
         end, said = _end_and_sentence(scene, method, step, most)
-    times = _row_times(scene, end, rows_per_second)
+    times = _row_times(scene, end, rows_per_second, frames)
     moving = times[times >= 0.0]
     trajectories = _solved(scene, method, step, most, duration=float(moving[-1]), samples=moving)
     motions = [motion_of(trajectory, times[times < 0.0]) for trajectory in trajectories]
@@ -117,21 +141,26 @@ def _end_and_sentence(
 def _solved(
     scene: Scene, method: str | None, step: float | None, most: int | None, **settings: Any
 ) -> list[Trajectory]:
-    found = run_scene(scene, most, method=method or scene.method or SHOWN, step=step, **settings)
+    usual = (
+        SHOWN if scene.step is None else None
+    )  # a scene with a step alone says by which method, see `Scene.settings`
+    found = run_scene(scene, most, method=method or scene.method or usual, step=step, **settings)
     for trajectory in found:
         if trajectory.status.gave_up:
             raise GaveUpError(f"a film needs the whole motion: {'; '.join(map(str, trajectory.warnings))}")
     return found
 
 
-def _row_times(scene: Scene, end: float, rows_per_second: float) -> Array:
+def _row_times(scene: Scene, end: float, rate: float, frames: Frames | None) -> Array:
     """Times of all rows [s]; 0, the start, is one of them."""
     lead = lead_time([(lane.chain(), np.array(lane.velocity)) for lane in scene.lanes], end)
-    after = after_time(scene, end)
-    first, last = -math.floor(lead * rows_per_second), math.ceil((end + after) * rows_per_second)
-    if last - first > LONGEST_FILM:
-        raise UserError(f"the film would have {last - first} frames, more than {LONGEST_FILM}: choose less slow motion")
-    return np.arange(first, max(last, first + 1) + 1) / rows_per_second
+    until = end + after_time(scene, end)
+    if frames is None and (lead + until) * rate > MOST_ROWS:
+        rate = MOST_ROWS / (lead + until)
+    if frames is not None and (count := (lead + until) * rate / frames.rows) > MOST_FRAMES:
+        raise UserError(f"the {frames.of} would have {count:.0f} frames, more than {MOST_FRAMES}: {frames.remedy}")
+    first, last = -math.floor(lead * rate), math.ceil(until * rate)
+    return np.arange(first, max(last, first + 1) + 1) / rate
 
 
 def lead_time(starts: Sequence[tuple[Chain, Array]], end: float) -> float:

@@ -60,7 +60,7 @@ def page_data(played: PlayedMotion, computed: bool) -> dict[str, Any]:
         "lanes": [
             _lane(played, k) | {"recorded": packed[k] | {"closed": _closed(played, k)}} for k in range(len(scene.lanes))
         ],
-        "own": {"pace": 1, "shown": SHOWN},
+        "own": {"pace": 1, "beside": "none", "shown": SHOWN},
     }
     return data | (_experiment(scene) if computed else {})
 
@@ -77,7 +77,7 @@ def _lane(played: PlayedMotion, number: int) -> dict[str, Any]:
         "solid": [[_finite(solid_force(joint, sign)) for sign in (1.0, -1.0)] for joint in chain.contact],
         "ends": ends,
         "dissipative": chain.dissipative,
-        "driven": chain.driven,
+        "driven": chain.driven or bool(trajectory.given.any()),  # by a hand too
     }
 
 

@@ -57,9 +57,9 @@ def document(title: str, parts: Sequence[str], data: object, computed: bool = Fa
 
 
 def _script(name: str) -> str:
-    """A script without lines of comment and indentation, a sixth of its length."""
+    """A script without comments and indentation, a fifth of its length."""
     text = resource(f"page/{name}.js").read_text(encoding="utf-8")
-    return re.sub(r"^\s*(//.*|/\*\*(.|\n)*?\*/)?[ \t]*\n?", "", text, flags=re.MULTILINE)
+    return re.sub(r"^\s*(//.*|/\*\*(.|\n)*?\*/)?[ \t]*\n?| +// .*", "", text, flags=re.MULTILINE)
 
 
 def _kernels() -> str:
@@ -74,7 +74,7 @@ def paragraph(text: str) -> str:
 
 
 def question(text: str) -> str:
-    """What is asked before the page is played, if anything."""
+    """What is asked of the reader, if anything; the text of the scene stands below the beads."""
     return f'<p class="text"><strong>{escape(text)}</strong></p>' if text else ""
 
 
@@ -146,8 +146,9 @@ def numbers(tables: str) -> str:
 
 
 def keys() -> str:
-    """What keys and fingers do."""
-    return '<details><summary data-say="keys">Keys and touch</summary><p data-say="help"></p></details>'
+    """What keys and fingers do, in a page in which the beads live and in any other."""
+    parts = '<p data-say="help"></p><p class="live-only" data-say="help live"></p>'
+    return f'<details><summary data-say="keys">Keys and touch</summary>{parts}</details>'
 
 
 def _transport(alone: bool) -> str:

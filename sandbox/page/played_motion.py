@@ -1,7 +1,7 @@
 """The played motion: recorded trajectories as the player of a page shows them, and the tables of their exact numbers."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -63,12 +63,22 @@ def _shown_end(scene: Scene, trajectories: Sequence[Trajectory]) -> float:
 
 
 def _drawable(trajectories: Sequence[Trajectory], end: float) -> list[Motion]:
+    """Motions with one begin: the latest, where an edit has let the record of a lane begin anew."""
     lead = 0.0
     if all(found.time[0] == 0.0 for found in trajectories):
         starts = [(found.chain, found.velocity[0]) for found in trajectories]
         lead = lead_time(starts, max(float(found.time[-1]) for found in trajectories))
     before = np.array([-lead, -JUST_BEFORE * lead]) if lead > 0.0 else None
-    return [_continued(motion_of(found, before), found.status, end) for found in trajectories]
+    motions = [_continued(motion_of(found, before), found.status, end) for found in trajectories]
+    begin = max(float(motion.time[0]) for motion in motions)
+    return [_since(begin, motion) for motion in motions]
+
+
+def _since(begin: float, motion: Motion) -> Motion:
+    """`motion` from its last row that is not after `begin`."""
+    rows = slice(int(np.searchsorted(motion.time, begin, side="right")) - 1, None)
+    names = ("time", "overlap", "rate", "anchor", "force", "absorbed", "given")
+    return replace(motion, **{name: getattr(motion, name)[rows] for name in names})
 
 
 def _continued(motion: Motion, status: Status, end: float) -> Motion:
@@ -130,4 +140,5 @@ def recorded_sentence(trajectory: Trajectory) -> str:
     if summary.velocity_error is not None:
         errors.insert(0, f"velocities at the end to {scientific(summary.velocity_error)} m/s")
     cost = [f"{summary.steps} steps"] if summary.steps else []
-    return f"Recorded motion, computed by {summary.method}, {fineness}; {', '.join(errors + cost)}"
+    said = f"; {', '.join(errors + cost)}" if errors or cost else ""
+    return f"Recorded motion, computed by {summary.method}, {fineness}{said}"

@@ -1,6 +1,7 @@
 """Conversion of contacts: a power law, a draft gear and a hard contact that stop an impact at the scene's speed alike."""
 
 import math
+from dataclasses import replace
 
 from softcradle.physics.chain import Chain, Joint
 from softcradle.physics.contact import Contact, hertz, power_law
@@ -85,7 +86,8 @@ def _hertz(energy: float, depth: float) -> Contact:
 
 
 def _power_law(energy: float, depth: float, alpha: float, loss: float) -> Contact:
-    return power_law((1.0 + alpha) * energy / depth ** (1.0 + alpha), alpha, loss)
+    checked = power_law(1.0, alpha, loss)  # a power beyond the exponents of a Contact may be 0, or no float
+    return replace(checked, stiffness=(1.0 + alpha) * energy / depth ** (1.0 + alpha))
 
 
 def impact_energy(chain: Chain, index: int, speed: float) -> tuple[float, float]:

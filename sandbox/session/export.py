@@ -23,7 +23,7 @@ from softcradle.sandbox.session.contact_conversion import kind_of
 from softcradle.sandbox.session.contact_events import ContactEvents
 from softcradle.sandbox.session.history_slices import HistorySlice
 from softcradle.sandbox.session.lane_setup import DURATION, LaneSetup, Setup
-from softcradle.sandbox.session.ledger import BY_BED, BY_CONTACTS
+from softcradle.sandbox.session.ledger import BY_BED, BY_CONTACTS, IMPULSE_GIVEN, WORK_GIVEN
 from softcradle.scenes import Lane, Scene, load, names, parse
 from softcradle.scenes.contact_table import table_of
 
@@ -156,7 +156,7 @@ def trajectory_of(part: HistorySlice, lane: int, events: ContactEvents, kept: in
     why = "the oldest that is kept" if part.first == kept else "where the chain or its method was last changed"
     sentence = f"exported from a session: begins at frame {part.first}, {why}"
     late = CodedWarning(WarningCode.LATE_START, sentence, {"frame": part.first})
-    absorbed = part.ledger[:, BY_CONTACTS : BY_BED + 1] - part.ledger[0, BY_CONTACTS : BY_BED + 1]
+    booked = part.ledger - part.ledger[0]
     return Trajectory(
         chain=part.chain,
         time=part.time,
@@ -170,18 +170,20 @@ def trajectory_of(part: HistorySlice, lane: int, events: ContactEvents, kept: in
         step=part.step,
         tolerance=0.0 if part.step else part.setup.tolerance,
         warnings=(late,) if part.first > 0 else (),
-        absorbed_by_contacts=absorbed[:, 0],
-        absorbed_by_bed=absorbed[:, 1],
-        given=np.full((part.time.size, 2), np.nan) if part.chain.forces else np.zeros((part.time.size, 2)),
+        absorbed_by_contacts=booked[:, BY_CONTACTS],
+        absorbed_by_bed=booked[:, BY_BED],
+        given=booked[:, [WORK_GIVEN, IMPULSE_GIVEN]],
     )
 
 
 def _intervals(part: HistorySlice, events: ContactEvents) -> tuple[tuple[Interval, ...], ...]:
     """(closed, opened) times of every contact within `part`; one that is closed at its first row closes then."""
     closed_first = is_closed(part.overlap[0], part.force[0])
+    last = part.first + part.time.size - 1
+    within = events.select((events.frame > part.first) & (events.frame <= last))
     found: list[tuple[Interval, ...]] = []
     for contact in range(part.chain.contacts):
-        own = events.select((events.contact == contact) & (events.frame > part.first))
+        own = within.select(within.contact == contact)
         closings = own.time[own.closed].tolist()
         if closed_first[contact]:
             closings.insert(0, float(part.time[0]))

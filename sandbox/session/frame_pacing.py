@@ -24,13 +24,13 @@ class FramePacer:
         self.due = 0.0
         self.clock_ratio, self.milliseconds = 1.0, 0.0
 
-    def run(self, wall_seconds: float, frame: Callable[[], bool]) -> int:
+    def run(self, wall_seconds: float, frame: Callable[[], bool], rate: float = FRAME_RATE) -> int:
         """Call `frame` for every frame due in `wall_seconds` that fits the budget, the first always; returns how many ran.
 
-        A `frame` that returns False is the last.
+        There are `rate` frames in a wall second. A `frame` that returns False is the last.
         """
-        wanted = min(max(wall_seconds, 0.0), LONGEST_TICK)
-        self.due += wanted * FRAME_RATE
+        wanted = min(max(wall_seconds, 0.0), LONGEST_TICK) * rate
+        self.due += wanted
         count = done = round(self.due)
         began = now = self.clock()
         for k in range(count):
@@ -44,7 +44,7 @@ class FramePacer:
                 break
         dropped = count - done
         self.due -= count
-        self._average(wall_seconds, wanted * FRAME_RATE, dropped, 1e3 * (now - began) / done if done else None)
+        self._average(wall_seconds, wanted, dropped, 1e3 * (now - began) / done if done else None)
         return done
 
     def _average(self, wall_seconds: float, wanted: float, dropped: int, milliseconds: float | None) -> None:

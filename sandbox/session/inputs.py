@@ -51,7 +51,7 @@ class LaneInput(Input):
     """An edit of one lane, or of all of them.
 
     Attributes:
-        changes_start: whether it changes the start of the lane too, as masses and the number of beads do.
+        changes_start: whether it changes the start of the lane too, as masses, laws and the number of beads do.
     """
 
     changes_start: ClassVar[bool] = False
@@ -134,6 +134,7 @@ class SetContact(LaneInput):
     """Give a contact (None: all) the law `law`; see `dataclasses.replace` to change one number of it."""
 
     undo_name: ClassVar[str] = N_("contact")
+    changes_start: ClassVar[bool] = True
     lane: int
     contact: int | None
     law: Contact
@@ -148,6 +149,7 @@ class SetKind(LaneInput):
     """Convert a contact (None: all) into a 'power' law, a draft 'gear' or a 'hard' one, alike at this scene's speed."""
 
     undo_name: ClassVar[str] = N_("kind of contact")
+    changes_start: ClassVar[bool] = True
     lane: int
     contact: int | None
     kind: str
@@ -168,6 +170,7 @@ class Lock(LaneInput):
     """Lock the piston of a contact (None: all): it becomes hard. Unlocking restores its law."""
 
     undo_name: ClassVar[str] = N_("lock")
+    changes_start: ClassVar[bool] = True
     lane: int
     contact: int | None
     locked: bool = True

@@ -3,7 +3,8 @@
 What is put in is booked; an error is what neither the start nor a booking explains: E - booked, relative to the
 largest energy so far. What contacts with loss and the bed absorb is booked as taken out, so it is no error.
 Columns: KINETIC, STORED [J], MOMENTUM [N s], ENERGY_BOOKED, MOMENTUM_BOOKED, ENERGY_SCALE, MOMENTUM_SCALE, SWITCHES,
-BY_CONTACTS, BY_BED [J] (absorbed since the lane began).
+BY_CONTACTS, BY_BED [J] (absorbed since the lane began), WORK_GIVEN [J], IMPULSE_GIVEN [N s] (of the pointer, of forces over
+time and of edits since then: what is neither the drive's nor a wall's).
 """
 
 from typing import NamedTuple
@@ -16,12 +17,12 @@ from softcradle.physics.state import State
 Array = NDArray[np.float64]
 
 KINETIC, STORED, MOMENTUM, ENERGY_BOOKED, MOMENTUM_BOOKED, ENERGY_SCALE, MOMENTUM_SCALE, SWITCHES = range(8)
-BY_CONTACTS, BY_BED = 8, 9
-LEDGER_COLUMNS = 10
+BY_CONTACTS, BY_BED, WORK_GIVEN, IMPULSE_GIVEN = 8, 9, 10, 11
+LEDGER_COLUMNS = 12
 
 
 def new_ledger(chain: Chain, state: State) -> Array:
-    """The ledger (10,) of a lane that begins now: its energy and momentum are booked."""
+    """The ledger (12,) of a lane that begins now: its energy and momentum are booked."""
     ledger = np.zeros(LEDGER_COLUMNS)
     measure(chain, state, ledger)
     ledger[ENERGY_BOOKED] = ledger[KINETIC] + ledger[STORED]
@@ -40,23 +41,31 @@ def measure(chain: Chain, state: State, ledger: Array) -> None:
     ledger[MOMENTUM_SCALE] = max(ledger[MOMENTUM_SCALE], np.abs(momenta).sum())
 
 
-def book_edit(before: Array, ledger: Array) -> None:
-    """Book what an edit has changed: the difference between `before` and `ledger`."""
-    ledger[ENERGY_BOOKED] += ledger[KINETIC] + ledger[STORED] - before[KINETIC] - before[STORED]
-    ledger[MOMENTUM_BOOKED] += ledger[MOMENTUM] - before[MOMENTUM]
+def book_edit(before: Array, ledger: Array, by_drive: float) -> None:
+    """Book what an edit has changed: the difference between `before` and `ledger`.
+
+    `by_drive` [J] is the work of the drive on the way by which the edit has moved beads: it gives the rest.
+    """
+    work = ledger[KINETIC] + ledger[STORED] - before[KINETIC] - before[STORED]
+    impulse = ledger[MOMENTUM] - before[MOMENTUM]
+    ledger[ENERGY_BOOKED] += work
+    ledger[MOMENTUM_BOOKED] += impulse
+    ledger[[WORK_GIVEN, IMPULSE_GIVEN]] += work - by_drive, impulse
 
 
 class External(NamedTuple):
     """What came from outside in one frame.
 
     Attributes:
-        work, impulse: of the pointer spring, the drive and forces over time [J], [N s].
+        work, impulse: of the drive [J], [N s].
+        given: (2,) those of the pointer spring and of forces over time.
         wall_velocity: of each wall [m/s].
         absorbed: (2,) energy [J] that contacts and the bed absorbed.
     """
 
     work: float
     impulse: float
+    given: Array
     wall_velocity: Array
     absorbed: Array
 
@@ -68,14 +77,16 @@ def book_frame(chain: Chain, before: Array, ledger: Array, external: External) -
     them move alike, and at rest where the bed takes momentum too. Elsewhere the energy after the frame is booked as it is.
     """
     ledger[[BY_CONTACTS, BY_BED]] += external.absorbed
-    ledger[ENERGY_BOOKED] += external.work - external.absorbed.sum()
-    ledger[MOMENTUM_BOOKED] += external.impulse
+    ledger[[WORK_GIVEN, IMPULSE_GIVEN]] += external.given
+    work, impulse = external.work + external.given[0], external.impulse + external.given[1]
+    ledger[ENERGY_BOOKED] += work - external.absorbed.sum()
+    ledger[MOMENTUM_BOOKED] += impulse
     if chain.on_bed and not external.wall_velocity.any():
         ledger[MOMENTUM_BOOKED] = ledger[MOMENTUM]
         return
     if not chain.walls:
         return
-    by_walls = ledger[MOMENTUM] - before[MOMENTUM] - external.impulse
+    by_walls = ledger[MOMENTUM] - before[MOMENTUM] - impulse
     if np.ptp(external.wall_velocity) == 0.0 and not chain.on_bed:
         ledger[ENERGY_BOOKED] += float(external.wall_velocity[0]) * by_walls
     else:
@@ -84,13 +95,13 @@ def book_frame(chain: Chain, before: Array, ledger: Array, external: External) -
 
 
 def energy_error(ledger: Array) -> float | Array:
-    """Unexplained energy relative to the largest energy so far; `ledger` (10,) or (R, 10)."""
+    """Unexplained energy relative to the largest energy so far; `ledger` (12,) or (R, 12)."""
     excess = ledger[..., KINETIC] + ledger[..., STORED] - ledger[..., ENERGY_BOOKED]
     return _relative(excess, ledger[..., ENERGY_SCALE])
 
 
 def momentum_error(ledger: Array) -> float | Array:
-    """Unexplained momentum relative to the largest sum of abs(m v) so far; `ledger` (10,) or (R, 10)."""
+    """Unexplained momentum relative to the largest sum of abs(m v) so far; `ledger` (12,) or (R, 12)."""
     return _relative(ledger[..., MOMENTUM] - ledger[..., MOMENTUM_BOOKED], ledger[..., MOMENTUM_SCALE])
 
 

@@ -48,7 +48,7 @@ class LiveLane:
     Attributes:
         setup: the immutable part.
         state: what moves.
-        ledger: (10,) energy and momentum, see :mod:`softcradle.sandbox.session.ledger`.
+        ledger: (12,) energy and momentum, see :mod:`softcradle.sandbox.session.ledger`.
         warning: what its method could not do of late, in a sentence; empty where there was nothing.
         warning_age: frames since then.
     """
@@ -99,7 +99,7 @@ class LiveLane:
         setup, state = item.edited(self.setup, self.state.copy())
         ledger = self.ledger.copy()
         measure(setup.chain, state, ledger)
-        book_edit(self.ledger, ledger)
+        book_edit(self.ledger, ledger, self._by_drive(state) if setup.chain is self.chain else 0.0)
         if at_start:
             start = state.copy()
         else:
@@ -127,7 +127,7 @@ class LiveLane:
             raise BlownUpError(_("{method} has blown up: {remedy}", method=setup.method, remedy=setup.remedy))
         ledger = self.ledger.copy()
         measure(chain, state, ledger)
-        book_frame(chain, self.ledger, ledger, self._external(before, duration, state.absorbed.copy(), state.given))
+        book_frame(chain, self.ledger, ledger, self._external(before, duration))
         seen = int(np.count_nonzero(closed != state.closed))
         ledger[SWITCHES] += max(seen, state.switches - switches)
         self.ledger = ledger
@@ -151,14 +151,22 @@ class LiveLane:
             push[bead] = mass * (frequency * frequency * stretch - 2.0 * frequency * velocity)
         return push
 
-    def _external(self, before: Array, duration: float, absorbed: Array, given: Array) -> External:
-        """What pointer spring, drive and forces over time, whose work and impulse are `given`, did in a frame that began at
-        the positions `before`."""
-        external = self.state.external(self.chain)
-        walls = np.isinf(self.chain.mass)
-        wall_velocity = self.velocity[walls]
-        if external is None:
-            return External(float(given[0]), float(given[1]), wall_velocity, absorbed)
-        on_beads = np.where(walls, 0.0, external)
-        work = float(on_beads @ (self.position - before)) + float(given[0])
-        return External(work, duration * float(on_beads.sum()) + float(given[1]), wall_velocity, absorbed)
+    def _external(self, before: Array, duration: float) -> External:
+        """What drive, pointer spring and forces over time did in a frame that began at the positions `before`."""
+        beads = np.isfinite(self.chain.mass)
+        moved = (self.position - before)[beads]
+
+        def of(force: Array | None) -> Array:
+            """(2,) work and impulse of a steady force on each bead."""
+            return np.zeros(2) if force is None else np.array([force[beads] @ moved, duration * force[beads].sum()])
+
+        work, impulse = of(self.chain.drive_force).tolist()
+        given = self.state.given + of(self.state.push)
+        return External(work, impulse, given, self.velocity[~beads], self.state.absorbed.copy())
+
+    def _by_drive(self, state: State) -> float:
+        """Work [J] of the drive on the way from this state of the same chain to another."""
+        if self.chain.drive_force is None:
+            return 0.0
+        moved = np.where(np.isfinite(self.chain.mass), state.position(self.chain) - self.position, 0.0)
+        return float(self.chain.drive_force @ moved)

@@ -46,7 +46,13 @@ def load_measured(path: str | Path) -> MeasuredData:
     lines = text.splitlines()
     delimiter = max(DELIMITERS, key=next(filter(str.strip, lines), "").count)
     reader = csv.reader(lines, delimiter=delimiter)
-    filled = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
+    try:
+        filled = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
+    except csv.Error:  # a cell beyond the limit, mostly all that follows a stray quote
+        most = csv.field_size_limit()
+        raise UserError(
+            _("{path}: a cell has more than {most} characters; is a quote not closed?", path=path, most=most)
+        ) from None
     line, rows = zip(*filled, strict=True) if filled else ((), ())
     if len(rows) < 3 or len(rows[0]) < 2:
         raise UserError(

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import zipfile
+import zlib
 from array import array
 from hashlib import blake2b
 from os import PathLike
@@ -111,7 +112,7 @@ def load_recording(path: Path) -> tuple[Recording, Scene]:
         return recording, scene
     except OSError as error:
         raise UserError(_("cannot read {path}: {error}", path=path, error=reason(error))) from None
-    except (KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile, ValueError, SceneError):
+    except (KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile, zlib.error, ValueError, SceneError):
         raise UserError(_("{path}: not a recording of softcradle", path=path)) from None
 
 

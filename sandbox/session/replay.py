@@ -69,15 +69,18 @@ class Replay:
         frame, last = self.frame - self.recording.frame, self.recording.last - self.recording.frame
         if self.diverged is not None:
             return _("DIVERGED at frame {frame} of {last}", frame=self.diverged - self.recording.frame, last=last)
-        if self._complete:
-            return ngettext("replay agrees in the one frame", "replay agrees in all {n} frames", last)
         if self.left:
             return _("replay left at frame {frame} of {last}", frame=frame, last=last)
+        if self._complete:
+            return ngettext("replay agrees in the one frame", "replay agrees in all {n} frames", last)
         return _("replay, frame {frame} of {last}", frame=frame, last=last)
 
     def tick(self, wall_seconds: float) -> int:
         """Go on by `wall_seconds` of the wall clock; returns the frames run."""
-        return self.session.pacer.run(wall_seconds, self.step) if self.playing else 0
+        before = self.frame
+        done = self.session.pacer.run(wall_seconds, self.step) if self.playing else 0
+        self.session.last_tick = before, before + done
+        return done
 
     def run(self) -> bool:
         """Run to the end at once; True where every state is the recorded one."""

@@ -38,6 +38,11 @@ class Present(NamedTuple):
     held: HeldBead
 
 
+def beginning(setup: Setup) -> Present:
+    """The start of every lane."""
+    return Present(setup, [LiveLane.at_start(lane) for lane in setup.lanes], NOTHING_HELD)
+
+
 def accepted(item: inputs.Input, now: Present, at_start: bool) -> Present:
     """The present after `item`; one `at_start` of the session changes the start of the lanes too. ValueError: refused."""
     if isinstance(item, inputs.Drag):
@@ -124,7 +129,7 @@ class Session:
 
     def _open(self, setup: Setup) -> None:
         """Begin at the start of every lane."""
-        lanes = [LiveLane.at_start(lane) for lane in setup.lanes]
+        lanes = beginning(setup).lanes
         states, ledgers = tuple(lane.state for lane in lanes), tuple(lane.ledger for lane in lanes)
         self.begin(Snapshot(lanes[0].state.time, setup, NOTHING_HELD, states, ledgers), 0)
 
@@ -225,16 +230,23 @@ class Session:
         """
         self.apply_all([item], gesture)
 
-    def apply_all(self, items: Sequence[inputs.Input], gesture: bool = False) -> None:
-        """Do what `items` say in turn, as one undo step. ValueError with a sentence: one is refused, nothing has changed."""
+    def apply_all(self, items: Sequence[inputs.Input], gesture: bool = False, anew: bool = False) -> None:
+        """Do what `items` say in turn, as one undo step. ValueError with a sentence: one is refused, nothing has changed.
+
+        `anew`: after a restart, which is of the same step: an undo brings the motion back as it was.
+        """
         if not items:
             return
         self._renew_recording()
-        present = self.present
+        anew = anew and (self.frame != 0 or self.scrubbed)
+        present = beginning(self.history.newest_setup) if anew else self.present
         for item in items:
-            present = accepted(item, present, at_start=self.frame == 0)
+            present = accepted(item, present, at_start=anew or self.frame == 0)
         if any(item.undo_name for item in items) and not self.undo_stack.continues(items, gesture):
             self.undo_stack.add(items, gesture, self._checkpoint())
+        if anew:
+            self.pause()
+            self.restart()
         self._branch()
         self.setup, self.lanes, self.held = present
         for item in items:
@@ -435,13 +447,14 @@ class Session:
         UserError for another suffix, or where it cannot be written.
         """
         target = Path(path)
-        if target.suffix not in (".npz", ".csv"):
+        ending = target.suffix.lower()
+        if ending not in (".npz", ".csv"):
             raise UserError(_("{path}: a history is exported as .npz or .csv", path=target))
         paths = self.export_paths(target)
         try:
             for lane, file in enumerate(paths):
                 trajectory = self.trajectory(lane)
-                (trajectory.save if target.suffix == ".npz" else trajectory.to_csv)(str(file))
+                (trajectory.save if ending == ".npz" else trajectory.to_csv)(str(file))
         except OSError as error:
             raise UserError(str(error)) from None
         return paths

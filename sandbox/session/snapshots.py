@@ -32,7 +32,7 @@ NOTHING_HELD = HeldBead(-1.0, 0.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """One frame: time [s], setup, the bead held by the pointer, and per lane State and ledger (10,)."""
+    """One frame: time [s], setup, the bead held by the pointer, and per lane State and ledger (12,)."""
 
     time: float
     setup: Setup

@@ -100,12 +100,19 @@ def inserted(chain: Chain, longer: Chain, state: State, bead: int, gap: float) -
 
 
 def with_contacts(setup: LaneSetup, state: State, index: int | None, change: Callable[[int], ContactChange]) -> Changed:
-    """The lane with contact `index` (None: each) replaced by what `change` makes of it."""
+    """The lane with contact `index` (None: each) replaced by what `change` makes of it.
+
+    Contacts that are pressed get the force of their new law; what one carries that just touches is not in its overlap, and
+    stays as far as the law has it.
+    """
     check_index(N_("contact"), index, setup.chain.contacts)
     contacts, locked = list(setup.chain.contact), list(setup.locked)
     origin = [setup.origin_of(i) for i in range(len(contacts))]
     for i in range(len(contacts)) if index is None else (index,):
-        contacts[i], locked[i], origin[i] = change(i)
+        law, locked[i], origin[i] = change(i)
+        if law != contacts[i]:
+            contacts[i], overlap = law, float(state.overlap[i])
+            state.force[i] = law.force(overlap) if overlap else min(max(float(state.force[i]), 0.0), law.preload)
     kept = tuple(origin) if any(origin) else ()
     return setup.with_chain(replace(setup.chain, contact=tuple(contacts)), tuple(locked), kept), state
 

@@ -36,6 +36,7 @@ class Checkpoint(NamedTuple):
         name: of the edit.
         is_edit: whether it changes the scene; a bead pulled while the model runs changes only the motion.
         target: what the edit changes: inputs of one gesture that change the same are one step.
+        lanes: those that it changes; empty for words, None among them for all.
         session: as it was.
         memory: bytes that the step before it does not hold too.
     """
@@ -44,6 +45,7 @@ class Checkpoint(NamedTuple):
     name: str
     is_edit: bool
     target: tuple[object, ...]
+    lanes: frozenset[int | None]
     session: FrozenSession
     memory: int
 
@@ -69,6 +71,7 @@ class UndoStack:
         self.undone: list[Checkpoint] = []
         self._numbers = count(1)
         self._saved = self._memory = 0
+        self._dropped = 0  # number of the last edit whose step is no longer kept
         self._open = False  # whether the gesture of the last input still goes on
 
     def continues(self, items: Sequence[inputs.Input], gesture: bool) -> bool:
@@ -80,12 +83,15 @@ class UndoStack:
         is_edit = isinstance(step, Scene) or not all(isinstance(item, inputs.Drag) for item in step)
         own = _own_memory(present, self.done[-1].session.blocks if self.done else ())
         name = N_("words") if isinstance(step, Scene) else next(item.undo_name for item in step if item.undo_name)
-        self.done.append(Checkpoint(next(self._numbers), name, is_edit, target_of(step), present, own))
+        lanes = frozenset(getattr(item, "lane", None) for item in step) if not isinstance(step, Scene) else frozenset()
+        self.done.append(Checkpoint(next(self._numbers), name, is_edit, target_of(step), lanes, present, own))
         self._memory += own
         self.undone.clear()
         self._open = gesture
         while len(self.done) > MOST_STEPS or (len(self.done) > 1 and self._memory > MEMORY):
-            self._memory -= self.done.popleft().memory
+            dropped = self.done.popleft()
+            self._memory -= dropped.memory
+            self._dropped = dropped.number if dropped.is_edit else self._dropped
 
     def end_gesture(self) -> None:
         """Let the next input be a step of its own."""
@@ -112,12 +118,18 @@ class UndoStack:
         """Whether edits have not been saved."""
         return self._last_edit() != self._saved
 
+    @property
+    def unsaved_beside_first(self) -> bool:
+        """Whether edits of other lanes than the first, which it did not share, have not been saved."""
+        alone = (step.lanes and step.lanes.isdisjoint((0, None)) for step in self.done if step.is_edit)
+        return self.unsaved and any(alone)
+
     def lose_what_was_saved(self) -> None:
         """Call the state unsaved: it is that of no file."""
         self._saved = -1
 
     def _last_edit(self) -> int:
-        return next((step.number for step in reversed(self.done) if step.is_edit), 0)
+        return next((step.number for step in reversed(self.done) if step.is_edit), self._dropped)
 
 
 def _own_memory(present: FrozenSession, before: tuple[Block, ...]) -> int:

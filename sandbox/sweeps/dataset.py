@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import shutil
+import os
 from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from softcradle.physics.atomic_files import output_file, output_folder
+from softcradle.physics.atomic_files import output_file
 from softcradle.physics.extras import needed_for
 from softcradle.sandbox.sweeps.measure_table import Measure, find_measure
 from softcradle.sandbox.sweeps.sample_points import Points, kinds_of
@@ -28,19 +29,27 @@ def dataset_of(chunk: Chunk, work: Work, units: Mapping[str, str], attributes: M
     """The Dataset of all points, with `units` of the numbers that a function returns."""
     import xarray as xr
 
-    points, lanes = work.points, work.lanes
+    points, lanes, columns = work.points, work.lanes, dict(chunk.columns)
     measures = [find_measure(one) if isinstance(one, str) else one for one in work.measures]
     known = {one.name: one for one in measures}
     inner = {
         name: _inner_dimensions(name, column.ndim - 1, known.get(name), len(lanes) > 1)
-        for name, column in chunk.columns.items()
+        for name, column in columns.items()
     }
     sizes: dict[str, int] = {}
     for name, dimensions in inner.items():
-        for dimension, length in zip(dimensions, chunk.columns[name].shape[1:], strict=True):
+        for dimension, length in zip(dimensions, columns[name].shape[1:], strict=True):
             sizes[dimension] = max(length, sizes.get(dimension, 0))
+    for name in known.keys() - columns.keys():  # measures that could be taken at no point
+        measure, several = known[name], len(lanes) > 1
+        inner[name] = _inner_dimensions(name, several + bool(measure.each), measure, several)
+        lengths = work.lengths | sizes
+        if lengths.keys() >= set(inner[name]):
+            sizes |= {dimension: lengths[dimension] for dimension in inner[name]}
+            columns[name] = np.full((chunk.count, *(sizes[dimension] for dimension in inner[name])), np.nan)
     variables = {}
-    for name, column in chunk.columns.items():
+    for name in [name for name in dict.fromkeys((*known, *columns)) if name in columns]:
+        column = columns[name]
         beyond = [
             (0, sizes[dimension] - length) for dimension, length in zip(inner[name], column.shape[1:], strict=True)
         ]
@@ -90,12 +99,14 @@ def _axis_coordinates(points: Points) -> dict[str, Any]:
 
 
 def checked_output(output: str | Path | None) -> Path | None:
-    """The path of the output. Raises StudyError where nothing can be written there."""
+    """The path of the output, or what it is a link to. Raises StudyError where nothing can be written there."""
     if output is None:
         return None
-    path = Path(output)
+    path = followed(Path(output))
     if path.suffix not in ENGINES:
-        raise StudyError(f"the output of a sweep must end in {' or '.join(ENGINES)}, not {str(output)!r}")
+        raise StudyError(f"the output of a sweep must end in {' or '.join(ENGINES)}, not {str(path)!r}")
+    if path.exists() and path.is_dir() != (path.suffix == ".zarr"):
+        raise StudyError(f"cannot write {path}: it is a {'folder' if path.is_dir() else 'file'}")
     if not path.absolute().parent.is_dir():
         raise StudyError(f"cannot write {path}: there is no folder {path.absolute().parent}")
     with needed_for(f"a sweep that is kept as {path.suffix}", "sweep"):
@@ -104,6 +115,11 @@ def checked_output(output: str | Path | None) -> Path | None:
         else:
             import h5netcdf  # noqa: F401
     return path
+
+
+def followed(path: Path) -> Path:
+    """The path itself, or what it is a link to: that is replaced, and what is kept lies beside it."""
+    return Path(os.path.realpath(path)) if path.is_symlink() else path
 
 
 def check_written(points: Points) -> None:
@@ -118,14 +134,29 @@ def check_written(points: Points) -> None:
 def write_dataset(found: xr.Dataset, path: Path) -> None:
     """Write a Dataset whole or not at all, in place of what is there. Raises OSError."""
     if path.suffix == ".zarr":
-        shutil.rmtree(path, ignore_errors=True)
-        with output_folder(path) as temporary:  # in the second format: the third has no texts that other programs read
-            found.to_zarr(temporary, mode="w", zarr_format=2, consolidated=True)
+        with TemporaryDirectory(prefix=f".{path.stem}.", dir=path.parent, ignore_cleanup_errors=True) as beside:
+            new, old = Path(beside, "new"), Path(beside, "old")
+            # in the second format: the third has no texts that other programs read
+            found.to_zarr(new, mode="w", zarr_format=2, consolidated=True)
+            _exchange(new, path, old)
         return
     packed = {"zlib": True, "complevel": COMPRESSION}
     encoding = {name: packed for name, variable in found.data_vars.items() if variable.dtype.kind in "fi"}
     with output_file(path) as temporary:
         found.to_netcdf(temporary, engine="h5netcdf", encoding=encoding)
+
+
+def _exchange(new: Path, path: Path, old: Path) -> None:
+    """Move a folder to `path` and what is there to `old`; where that fails, all is as it was. Raises OSError."""
+    replaced = path.exists()
+    if replaced:
+        path.rename(old)
+    try:
+        new.rename(path)
+    except OSError:
+        if replaced:
+            old.rename(path)
+        raise
 
 
 def opened_dataset(path: Path, study: str) -> xr.Dataset:
@@ -160,9 +191,10 @@ def summary_rows(found: xr.Dataset) -> list[tuple[str, str, str, str, str]]:
 
 
 def reasons_of(found: xr.Dataset) -> list[tuple[str, int]]:
-    """Why points have no numbers, the most frequent reason first."""
-    without = np.isin(found["status"].to_numpy(), NO_NUMBERS)
-    return Counter(str(text) for text in found["reason"].to_numpy()[without]).most_common()
+    """Why points have no numbers, or lack that of a measure, the most frequent reason first."""
+    status, texts = found["status"].to_numpy(), found["reason"].to_numpy()
+    without = np.isin(status, NO_NUMBERS) | ((status <= PointStatus.SEPARATED) & (texts != ""))
+    return Counter(str(text) for text in texts[without]).most_common()
 
 
 def lost_points(found: xr.Dataset) -> int:

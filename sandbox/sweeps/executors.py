@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 
 LOGGER = logging.getLogger("softcradle")
 QUEUED = 2  # chunks for each worker that are handed out: one that is computed, one that waits
+MANY = 256  # workers of an executor of the caller's that does not tell how many it has
 CONNECT = 15.0  # s, for which a scheduler is waited for
 
 Where = Literal["auto", "here", "threads", "processes"]
@@ -90,16 +91,17 @@ def threads(work: Work, workers: int) -> Workplace:
     return Workplace(work.compute, partial(DaemonThreads, workers), lambda: QUEUED * workers)
 
 
-def _of_caller(work: Work, executor: Executor, workers: int) -> Workplace:
+def _of_caller(work: Work, executor: Executor, workers: int | None) -> Workplace:
     """An executor of the caller's, which stays open, and cannot be made anew."""
     given = [executor]
+    count = workers or getattr(executor, "_max_workers", None) or MANY  # cores are those of this machine alone
 
     def make() -> Executor:
         if not given:
             raise StudyError("a worker of the executor died, and the executor takes no more work")
         return given.pop()
 
-    return Workplace(partial(compute_checked, work), make, lambda: QUEUED * workers, lambda *_: None)
+    return Workplace(partial(compute_checked, work), make, lambda: QUEUED * count, lambda *_: None)
 
 
 def processes(work: Work, workers: int) -> Workplace:
@@ -144,16 +146,22 @@ def _received(sent: bytes) -> Work:
 
 def unsendable(work: Work) -> str:
     """Why other processes of this machine cannot compute it; empty where they can."""
-    script = getattr(sys.modules.get("__main__"), "__file__", None)
+    main = sys.modules.get("__main__")
+    script, name = getattr(main, "__file__", None), getattr(getattr(main, "__spec__", None), "name", "")
+    of_package = name.endswith(
+        ".__main__"
+    )  # `python -m package`, which multiprocessing does not import in its processes
     function = work.source
     while isinstance(function, partial):
         function = function.func
     if getattr(function, "__module__", "") == "__main__" and script is None:
         return "the function is of a prompt or a notebook, put it into a module"
     try:
-        pickle.dumps(work)
+        sent = pickle.dumps(work)
     except (pickle.PicklingError, AttributeError, TypeError) as error:
         return f"put the function into a module ({error})"
+    if of_package:
+        return "what is of `__main__` cannot be imported there, put it into a module" if b"__main__" in sent else ""
     with suppress(OSError, UnicodeDecodeError):  # a script that knows its name does not begin the sweep again
         if script is not None and "__name__" not in Path(script).read_text(encoding="utf-8"):
             below = "put what begins the sweep below `if __name__ == '__main__':`"
@@ -217,7 +225,7 @@ def place_of(
     if scheduler is not None:
         return dask(work, scheduler)
     if not isinstance(executor, str):
-        return _of_caller(work, executor, count)
+        return _of_caller(work, executor, workers)
     if executor == "processes":
         return processes(work, count)
     if executor == "threads":

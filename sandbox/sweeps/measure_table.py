@@ -75,8 +75,9 @@ class Run:
     @cached_property
     def collision(self) -> CollisionMeasures:
         """All measures of the collision, of a run with fine samples."""
-        from softcradle.physics.analysis.collision import collide, measured
+        from softcradle.physics.analysis.collision import collide, measured, struck_contact
 
+        struck_contact(self.start.velocity)  # without a collision every measure of it fails before two runs, not after
         found = collide(self.start.chain, self.start.velocity, run=solve, **self.start.settings)
         self.sampled = found
         return measured(found)

@@ -18,6 +18,7 @@ from softcradle.sandbox.sweeps.dataset import (
     check_written,
     checked_output,
     dataset_of,
+    followed,
     lost_points,
     opened_dataset,
     write_dataset,
@@ -25,7 +26,15 @@ from softcradle.sandbox.sweeps.dataset import (
 from softcradle.sandbox.sweeps.executors import ChunkSchedule, Where, Workplace, here, place_of, processes_or_threads
 from softcradle.sandbox.sweeps.measure_table import Measure
 from softcradle.sandbox.sweeps.sample_points import Axis, Points, grid
-from softcradle.sandbox.sweeps.store import Store, kept_ranges, locked, partial_folder, study_in, study_text
+from softcradle.sandbox.sweeps.store import (
+    Store,
+    begun_afresh,
+    kept_ranges,
+    locked,
+    partial_folder,
+    study_in,
+    study_text,
+)
 from softcradle.sandbox.sweeps.work import (
     REASON,
     STATUS,
@@ -95,13 +104,14 @@ def sweep(
     scheduler : str or Client, optional
         A Dask scheduler instead: its address, such as `tcp://127.0.0.1:8786`, or a Client. Extra [dask].
     workers : int, optional
-        How many threads or processes; None: one for each core.
+        How many threads or processes; None: one for each core of this machine, or as many as a given executor has.
     units : mapping, optional
         Units of the numbers that a function returns, by name.
     title : str, optional
         Title of the Dataset.
     fresh : bool, optional
-        Whether to begin anew, whatever is at `output`.
+        Whether to begin anew, whatever is at `output`, which stays there until the new one is whole. Where that was
+        stopped, the same call goes on, and so does one without `fresh`.
     progress : callable, optional
         Called with ("points" or "writing", done, all).
     chunk_seconds : float, optional
@@ -124,7 +134,7 @@ def sweep(
     path, study = checked_output(output), study_text(work, title, units)
     if path is not None:
         check_written(points)
-    if path is not None and path.exists() and not fresh:
+    if path is not None and path.exists() and not (fresh or begun_afresh(partial_folder(path), study)):
         LOGGER.info("%s is complete: nothing to compute", path)
         return opened_dataset(path, study)
     with opened(path, study, fresh) as store:
@@ -159,9 +169,9 @@ def sweep_status(
 
     See `sweep`; nothing is computed. Raises StudyError.
     """
-    points, path = over if isinstance(over, Points) else grid(over), Path(output)
+    points, path = over if isinstance(over, Points) else grid(over), followed(Path(output))
     study, folder, count = study_text(sweep_work(what, points, measures), title), partial_folder(path), points.count
-    if path.exists():
+    if path.exists() and not begun_afresh(folder, study):
         with opened_dataset(path, study) as found:
             lost = lost_points(found)
         told = f", {lost} of them lost: every process that computed them died" if lost else ""

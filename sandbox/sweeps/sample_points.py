@@ -61,6 +61,11 @@ class Axis:
         known = ({bool}, np.bool_), ({int}, np.int64), ({int, float}, np.float64)
         return np.array(self.values, dtype=next((own for of, own in known if kinds <= of), object))
 
+    @cached_property
+    def given(self) -> NDArray[Any]:
+        """The values as they were given: whole numbers stay whole beside floats, with which `array` makes them floats."""
+        return np.array(self.values, object) if kinds_of(self.values) == {int, float} else self.array
+
     def between(self, unit: Array) -> NDArray[Any]:
         """The values at (N,) places from 0 to 1; number by number, so that they do not depend on N."""
         if self.scale == "whole":
@@ -109,21 +114,22 @@ class Points:
         """The dimensions of the Dataset: the axes of a grid, else "point"."""
         return tuple(axis.coordinate for axis in self.axes) if self.design == "grid" else ("point",)
 
-    def columns(self, begin: int, end: int) -> dict[str, NDArray[Any]]:
-        """The values of every axis, by path, at the points from `begin` to `end`."""
-        numbers = np.arange(begin, end)
+    def columns(self, begin: int, end: int, given: bool = False) -> dict[str, NDArray[Any]]:
+        """The values of every axis, by path, at the points from `begin` to `end`; as they were `given`, or all of one type."""
+        arrays = [axis.given if given else axis.array for axis in self.axes]
         if self.design == "grid":
-            places = np.unravel_index(numbers, self.shape)
-            return {axis.path: axis.array[place] for axis, place in zip(self.axes, places, strict=True)}
+            places = np.unravel_index(np.arange(begin, end), self.shape)
+            return {axis.path: array[place] for axis, array, place in zip(self.axes, arrays, places, strict=True)}
         if self.design == "list":
-            return {axis.path: axis.array[begin:end] for axis in self.axes}
+            return {axis.path: array[begin:end] for axis, array in zip(self.axes, arrays, strict=True)}
         unit = _unit_rows(self.design, len(self.axes), self.count, self.seed)[begin:end]
         return {axis.path: axis.between(unit[:, k]) for k, axis in enumerate(self.axes)}
 
     def rows(self, begin: int, end: int, block: int) -> Iterator[dict[str, Any]]:
         """The values of every axis, by path, at one point after the other; read a `block` at a time."""
         for first in range(begin, end, block):
-            columns = {path: values.tolist() for path, values in self.columns(first, min(first + block, end)).items()}
+            found = self.columns(first, min(first + block, end), given=True)
+            columns = {path: values.tolist() for path, values in found.items()}
             yield from (dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True))
 
 

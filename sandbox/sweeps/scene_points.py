@@ -2,10 +2,11 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from functools import cache
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 from softcradle.physics import Chain
 from softcradle.scenes import Lane, Scene
 from softcradle.scenes.scene_errors import SceneError, scene_error
@@ -42,22 +43,28 @@ class ScenePoints:
         default_factory=dict, repr=False, compare=False
     )
 
-    def __getstate__(self) -> dict[str, Any]:
-        """The scene as a table: the models of its contacts are made when they are first needed, and cannot be sent."""
-        return self.scene.model_dump()
+    def __getstate__(self) -> Scene:
+        """The scene: the functions that were made of it cannot be sent, and are made anew."""
+        return self.scene
 
-    def __setstate__(self, table: dict[str, Any]) -> None:
-        self.scene, self._moving = Scene.model_validate(table), {}
+    def __setstate__(self, scene: Scene) -> None:
+        self.scene, self._moving = scene, {}
 
     def starts(self, values: Mapping[str, Any]) -> list[LaneStart]:
         """What moves at a point, a lane each. Raises ValueError where the numbers cannot be."""
         structure = {path: value for path, value in values.items() if is_structure(path, value)}
-        key = (*structure.items(), tuple(path for path in values if path not in structure))
+        kinds = tuple(map(type, structure.values()))  # 4 and 4.0 are equal, and only one of them is a number of beads
+        paths = tuple(path for path in values if path not in structure)
+        key = (*structure.items(), kinds, paths)
         if key not in self._moving:
             if len(self._moving) >= KEPT:
                 self._moving.clear()
-            self._moving[key] = _moving_at(self._base(structure), key[-1])
-        lanes, settings = self._moving[key](values)
+            self._moving[key] = _moving_at(self._base(structure), paths)
+        try:
+            lanes, settings = self._moving[key](values)
+        except ValidationError:
+            self.checked(values)  # says what is wrong with which number, as of a file
+            raise
         return [LaneStart(lane.chain(), lane.velocity, settings) for lane in lanes]
 
     def checked(self, values: Mapping[str, Any]) -> Scene:
@@ -74,8 +81,8 @@ class ScenePoints:
 def _moving_at(scene: Scene, paths: Sequence[str]) -> Callable[[Mapping[str, Any]], Moving]:
     """What gives the lanes and settings of the scene with numbers at `paths`; made once for all points that share the rest."""
     places = [(path.split("."), path) for path in paths]
-    lanes = change_of(scene.lanes, [(keys[1:], path) for keys, path in places if keys[0] == "lanes"])
-    others = change_of(scene, [(keys, path) for keys, path in places if keys[0] != "lanes"])
+    lanes = change_of(scene.lanes, [(keys[1:], path) for keys, path in places if keys[0] == "lanes"], True)
+    others = change_of(scene, [(keys, path) for keys, path in places if keys[0] != "lanes"], True)
 
     def moving(values: Mapping[str, Any]) -> Moving:
         numbers = {path: float(values[path]) for path in paths}
@@ -85,7 +92,7 @@ def _moving_at(scene: Scene, paths: Sequence[str]) -> Callable[[Mapping[str, Any
 
 
 def is_structure(path: str, value: Any) -> bool:
-    """Whether another value makes another kind of chain, which is checked as a file is; other numbers the chain checks."""
+    """Whether another value makes another kind of chain, checked as a file is; of other numbers their own fields are."""
     return not isinstance(value, (int, float, np.number)) or any(part in LENGTHS for part in path.split("."))
 
 
@@ -124,10 +131,11 @@ def _spread(speed: Any, beads: Any) -> Any:
     return strikers_at(speed, beads) if pair else speed
 
 
-def change_of(item: Any, places: Sequence[tuple[list[str], str]]) -> Change:
+def change_of(item: Any, places: Sequence[tuple[list[str], str]], check: bool = False) -> Change:
     """A function that gives `item` with the values of each path at its keys; of two the last.
 
     Tables and lists on the way are new, `item` itself stays; what the values do not tell is found once. Raises SceneError.
+    With `check` the function raises a ValidationError where a field of a table does not take what it becomes.
     """
     if not places:
         return lambda _: item
@@ -135,15 +143,15 @@ def change_of(item: Any, places: Sequence[tuple[list[str], str]]) -> Change:
     if not places[-1][0]:
         return lambda values: values[path]
     if isinstance(item, BaseModel):
-        return _change_of_table(item, places)
+        return _change_of_table(item, places, check)
     if isinstance(item, tuple):
-        return _change_of_list(item, places)
+        return _change_of_list(item, places, check)
     keys = places[-1][0]
     raise SceneError([f"{path}: there is nothing below {'.'.join(path.split('.')[: -len(keys)])!r}, which is {item!r}"])
 
 
-def _change_of_table(item: BaseModel, places: Sequence[tuple[list[str], str]]) -> Change:
-    known, changes = type(item).model_fields, {}
+def _change_of_table(item: BaseModel, places: Sequence[tuple[list[str], str]], check: bool) -> Change:
+    known, changes = type(item).model_fields, dict[str, Change]()
     for (key, *_), path in places:
         if key not in known:
             raise SceneError([f"{path}: there is no {key!r}{suggestion(key, known)}"])
@@ -157,8 +165,23 @@ def _change_of_table(item: BaseModel, places: Sequence[tuple[list[str], str]]) -
         if isinstance(item, Lane) and key == "velocity" and whole is not None:
             changes[key] = _change_of_velocity(item.beads, own[whole][1], own[whole + 1 :])
         else:
-            changes[key] = change_of(inner, own)
+            changes[key] = change_of(inner, own, check)
+    if check:
+        changes = {key: _checked_change(type(item), key, change) for key, change in changes.items()}
     return lambda values: item.model_copy(update={key: change(values) for key, change in changes.items()})
+
+
+def _checked_change(table: type[BaseModel], key: str, change: Change) -> Change:
+    field = _field_of(table, key)
+    return lambda values: field.validate_python(change(values))
+
+
+@cache
+def _field_of(table: type[BaseModel], key: str) -> TypeAdapter[Any]:
+    """What checks a value of a field as the table does, without the rest of the table."""
+    field = table.model_fields[key]
+    kind: Any = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
+    return TypeAdapter(kind, config=ConfigDict(allow_inf_nan=table.model_config.get("allow_inf_nan", True)))
 
 
 def _change_of_velocity(beads: Any, path: str, after: Sequence[tuple[list[str], str]]) -> Change:
@@ -171,12 +194,12 @@ def _change_of_velocity(beads: Any, path: str, after: Sequence[tuple[list[str], 
     return velocity
 
 
-def _change_of_list(item: tuple[Any, ...], places: Sequence[tuple[list[str], str]]) -> Change:
+def _change_of_list(item: tuple[Any, ...], places: Sequence[tuple[list[str], str]], check: bool) -> Change:
     for (key, *_), path in places:
         if key != EVERY and not (key.isdigit() and int(key) < len(item)):
             raise SceneError([f"{path}: {key!r} must be a number from 0 to {len(item) - 1}, or * for all"])
     changes = [
-        change_of(part, [(keys[1:], path) for keys, path in places if keys[0] == EVERY or int(keys[0]) == k])
+        change_of(part, [(keys[1:], path) for keys, path in places if keys[0] == EVERY or int(keys[0]) == k], check)
         for k, part in enumerate(item)
     ]
     return lambda values: tuple([change(values) for change in changes])

@@ -21,7 +21,7 @@ from softcradle.sandbox.sweeps.scene_points import ScenePoints
 from softcradle.sandbox.sweeps.work import REASON, Chunk, Work, function_name
 from softcradle.sandbox.user_error import StudyError, reason
 
-STUDY, LOCK = "study.json", "lock"  # files beside the chunks
+STUDY, LOCK, AFRESH = "study.json", "lock", "afresh"  # files beside the chunks
 COLUMN = "column "  # before the names of columns in an .npz: a measure may be called as an argument of NumPy's
 MOST_VALUES = 100  # of an axis that are written out
 
@@ -37,7 +37,7 @@ class Store:
     Arguments:
         folder: where they are kept, made if need be; None keeps them in memory alone.
         study: the study as text; a folder of another study is refused.
-        fresh: begin anew, whatever is there.
+        fresh: begin anew, whatever is there, but for a folder of this study that was itself begun so: that goes on.
 
     Raises:
         StudyError: the folder is of another study, in use, or cannot be written to, or a file in it cannot be read.
@@ -69,12 +69,14 @@ class Store:
             raise StudyError(
                 f"{folder} was begun for another study, or by another version: give another output, or begin afresh"
             )
-        self.begun = known is not None and not fresh
+        self.begun = begun_afresh(folder, study) if fresh else known is not None
         if not self.begun:
             for file in folder.glob("*.npz"):
                 file.unlink()
             with output_file(folder / STUDY) as temporary:
                 temporary.write_text(study, encoding="utf-8")
+            if fresh:
+                (folder / AFRESH).touch()
         self._chunks = [_read(folder, *kept) for kept in kept_ranges(folder)]
 
     def keep(self, chunk: Chunk) -> None:
@@ -140,6 +142,11 @@ def study_in(folder: Path) -> str | None:
     with suppress(OSError, UnicodeDecodeError):
         return (folder / STUDY).read_text(encoding="utf-8")
     return None
+
+
+def begun_afresh(folder: Path, study: str) -> bool:
+    """Whether the folder was begun for the study by a sweep that begins anew: it counts before what is at the output."""
+    return (folder / AFRESH).exists() and study_in(folder) == study
 
 
 def kept_ranges(folder: Path) -> list[tuple[int, int]]:

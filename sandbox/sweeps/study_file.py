@@ -148,7 +148,7 @@ class SweepStudy:
 def load_study(path: str) -> SweepStudy:
     """The study in a file. Raises StudyError with what is wrong with it."""
     try:
-        table = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+        table = tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
         found = StudyFile.model_validate(table)
     except OSError as error:
         raise StudyError(f"cannot read {path}: {reason(error)}") from None

@@ -102,6 +102,13 @@ class Work:
         return [lane.label or str(k) for k, lane in enumerate(lanes)] or [""]
 
     @property
+    def lengths(self) -> dict[str, int]:
+        """How long the dimensions within a point are for the scene as it is; nothing for a function, which does not tell."""
+        lanes = self.source.scene.lanes if isinstance(self.source, ScenePoints) else ()
+        beads = max((len(lane.velocity) for lane in lanes), default=0)
+        return {"lane": len(lanes), "bead": beads, "contact": beads - 1} if lanes else {}
+
+    @property
     def title(self) -> str:
         """The title of the scene, or the name of the function."""
         return self.source.scene.title if isinstance(self.source, ScenePoints) else function_name(self.source)
@@ -155,7 +162,7 @@ class Work:
     def _beside(self, values: Mapping[str, Any], starts: Sequence[LaneStart], ends: Sequence[RunEnd | None]) -> Outcome:
         """A point whose chains ended so beside others; None where one did not run."""
         if ends and all(end is not None and end.status in (Status.DONE, Status.SEPARATED) for end in ends):
-            with suppress(Exception):  # of a measure that cannot be taken: likewise
+            with suppress(Exception):  # of lanes whose numbers are unlike: likewise
                 return self._measured([Run(*both) for both in zip(starts, ends, strict=True)])
         return self.outcome(values)
 
@@ -163,28 +170,39 @@ class Work:
         """One point. What goes wrong with it is its status and reason."""
         try:
             if isinstance(self.source, ScenePoints):
-                found: Any = self._measured([Run(start) for start in self.source.starts(values)])
-            else:
-                found = self.source(**{axis.coordinate: values[axis.path] for axis in self.points.axes})
+                return self._measured([Run(start) for start in self.source.starts(values)])
+            found = self.source(**{axis.coordinate: values[axis.path] for axis in self.points.axes})
             if isinstance(found, Mapping):
                 found = Outcome(found)
             elif not isinstance(found, Outcome):
-                found = self._measured([_run_of(found)])
+                return self._measured([_run_of(found)])
             return replace(found, values={name: _number_of(name, value) for name, value in found.values.items()})
         except Exception as error:  # whatever a point or a user's function does, the others go on
             return Outcome({}, PointStatus.REFUSED, 0, _sentence_of(error))
 
     def _measured(self, runs: Sequence[Run]) -> Outcome:
-        """What is measured of the runs of all lanes at a point."""
+        """What is measured of the runs of all lanes at a point; a measure that cannot be taken of one has no number there."""
         measures = [find_measure(item) if isinstance(item, str) else item for item in self.measures]
-        numbers: dict[str, Value] = {}
+        numbers: dict[str, Array] = {}
+        without: dict[str, dict[str, None]] = {}  # measures that cannot be taken, by the reason
+
+        def taken(measure: Measure, run: Run) -> Array | None:
+            try:
+                return _number_of(measure.name, measure.function(run))
+            except Exception as error:
+                _ = run.motion  # a run that cannot be is no matter of the measure, and raises here
+                without.setdefault(_sentence_of(error), {})[measure.name] = None
+                return None
+
         for measure in measures:
-            each = [measure.function(run) for run in runs]
-            numbers[measure.name] = each[0] if len(runs) == 1 else stacked([as_floats(value) for value in each])
+            each = [taken(measure, run) for run in runs]
+            if any(value is not None for value in each):
+                numbers[measure.name] = stacked(each) if len(each) > 1 else each[0]  # type: ignore[assignment]
         status = PointStatus(max(run.status for run in runs))
         warnings = [str(warning) for run in runs for one in run.runs() for warning in one.warnings]
         bad = status not in (PointStatus.DONE, PointStatus.SEPARATED)
-        return Outcome(numbers, status, len(warnings), warnings[0] if bad and warnings else "")
+        told = (warnings[:1] if bad else []) + [f"{', '.join(names)}: {why}" for why, names in without.items()]
+        return Outcome(numbers, status, len(warnings), "; ".join(told))
 
 
 def _run_of(found: Any) -> Run:

@@ -30,8 +30,9 @@ from softcradle.sandbox.window.keys import paint_help
 from softcradle.sandbox.window.messages import Messages
 from softcradle.sandbox.window.page import Derived, Page
 from softcradle.sandbox.window.screen_reader import ScreenReader, spoken_by
-from softcradle.sandbox.window.settings import Settings, forget_unsaved, system_language, unsaved_path
+from softcradle.sandbox.window.settings import Settings, system_language
 from softcradle.sandbox.window.theme import collect_garbage
+from softcradle.sandbox.window.unsaved_scene import UnsavedFile, left_over
 from softcradle.scenes import SceneError, load, names, parse
 
 STANDARD_INPUT = "-"
@@ -77,6 +78,8 @@ class App:
         self.minimised, self._quiet = False, 0.0
         self.focus = KeyboardFocus(self)
         self.router = EventRouter(self)
+        self.unsaved_file, self._left_over = UnsavedFile(), left_over()
+        self._quit_by_hand = False
         self.warmup.start()
         self._shapes = Derived(lambda: self.look[1:], self._begin_shapes)
         self._shapes.follow()
@@ -99,17 +102,18 @@ class App:
         self.widgets = Derived(self._made_of, self.rebuild)
         self.page: Page = self._first_page(start)
         self._build()
-        self._keep_unsaved = False
-        if unsaved_path().exists():
-            choices: Choices = {_("Open it"): self._open_unsaved, _("Discard it"): forget_unsaved}
+        if (found := self._left_over) is not None:
+            choices: Choices = {_("Open it"): partial(self._open_unsaved, found), _("Discard it"): found.forget}
             self.choose(_("An unsaved scene"), _("The window was ended with edits that are not saved."), choices)
 
-    def _open_unsaved(self) -> None:
-        """Open the scene that was not saved when the window was killed."""
-        page = self._opened(str(unsaved_path()))
+    def _open_unsaved(self, found: UnsavedFile) -> None:
+        """Open the scene that was not saved when the window crashed or was killed; its file is that of this window now."""
+        page = self._opened(str(found.path))
         if page is not None:
             page.call_unsaved()
             self.show(page)
+            self.unsaved_file.release()
+            self.unsaved_file, self._left_over = found, None
 
     def _first_page(self, start: str | None) -> Page:
         page = None if start is None else self._opened(start)
@@ -261,12 +265,12 @@ class App:
         self.choose(_("Keep the edits?"), _("This scene has edits that are not saved."), choices)
 
     def _discard(self, go_on: Callable[[], object]) -> None:
-        forget_unsaved()
+        self.unsaved_file.forget()
         go_on()
 
     def quit(self, killed: bool = False) -> None:
         """End at the end of this frame; what is unsaved is kept for the next start where the window is `killed`."""
-        self.running, self._keep_unsaved = False, killed
+        self.running, self._quit_by_hand = False, not killed
 
     def toggle_help(self) -> None:
         """Show or hide the help overlay."""
@@ -307,8 +311,11 @@ class App:
     def close(self) -> None:
         """Close the page, the thread and the display."""
         self.page.close()
-        if not self._keep_unsaved:
-            forget_unsaved()
+        if self._quit_by_hand:
+            self.unsaved_file.forget()
+        for file in (self.unsaved_file, self._left_over):
+            if file is not None:
+                file.release()
         self.warmup.stop()
         use_language(ENGLISH)  # the window alone has another one
         gc.unfreeze()

@@ -7,7 +7,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterable
 from time import sleep
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from softcradle.physics.kernel_tiers import YIELDING, KernelTiers
 from softcradle.physics.methods import METHODS, Family, find_method
@@ -32,22 +32,30 @@ class KernelWarmup:
         problem: why a method cannot be loaded, or None.
     """
 
+    _begun: ClassVar[set[KernelWarmup]] = set()  # and not ended: they share the interval of Python
+    _usual: ClassVar[float] = 0.0  # the interval before the first of them
+
     def __init__(self) -> None:
         self.complete = threading.Event()
         self.problem: str | None = None
         self._jobs: queue.SimpleQueue[tuple[Callable[[Any], None], Callable[[], Any]] | None] = queue.SimpleQueue()
         self._results: queue.SimpleQueue[tuple[Callable[[Any], None], Any]] = queue.SimpleQueue()
         self._thread = threading.Thread(target=self._run, name="warm-up", daemon=True)
-        self._interval = sys.getswitchinterval()
 
     def start(self) -> None:
         """Begin; the thread that draws does not wait for this one for long whenever it has let Python go."""
-        sys.setswitchinterval(INTERVAL)
+        if not self._begun:
+            KernelWarmup._usual = sys.getswitchinterval()
+            sys.setswitchinterval(INTERVAL)
+        self._begun.add(self)
         self._thread.start()
 
     def stop(self) -> None:
         """End the thread after its present job."""
-        sys.setswitchinterval(self._interval)
+        if self in self._begun:
+            self._begun.remove(self)
+            if not self._begun:
+                sys.setswitchinterval(self._usual)
         self._jobs.put(None)
 
     def submit(self, take: Callable[[Any], None], job: Callable[[], Any]) -> None:

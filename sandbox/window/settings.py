@@ -1,8 +1,7 @@
-"""Settings that the window keeps from one start to the next, and the unsaved scene of one that was killed."""
+"""Settings that the window keeps from one start to the next."""
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
 from dataclasses import asdict, dataclass, field, fields
@@ -12,7 +11,6 @@ import pygame
 from softcradle.physics.atomic_files import output_file
 from softcradle.sandbox.draw.palette import THEMES
 from softcradle.sandbox.languages import ENGLISH, LANGUAGES, VARIABLES, language_of_environment
-from softcradle.sandbox.session.session import Session
 
 FILE = "window.json"
 MOST_RECENT = 6  # files that are remembered
@@ -94,44 +92,3 @@ def system_language() -> str:
         return language_of_environment()
     preferred = [locale["language"] for locale in pygame.system.get_pref_locales()]
     return next((code for code in preferred if code in LANGUAGES), ENGLISH)
-
-
-WAIT = 1.0  # seconds after an edit: less than it takes until a window at rest draws no frames
-
-
-def unsaved_path() -> Path:
-    """The file, beside that of the settings."""
-    return settings_path().with_name("unsaved.toml")
-
-
-def forget_unsaved() -> None:
-    """Remove it: what it holds was saved, or discarded."""
-    with contextlib.suppress(OSError):
-        unsaved_path().unlink(missing_ok=True)
-
-
-class UnsavedScene:
-    """Writes the edited scene of a session while it is in no file."""
-
-    def __init__(self, session: Session) -> None:
-        self.session = session
-        self._seen: tuple[object, ...] = (0, None, None)  # number of the last edit, setup and words: noticed last
-        self._age = WAIT + 1.0  # seconds since
-
-    def update(self, seconds: float) -> None:
-        """Write the scene a moment after an edit, and remove the file once it is saved."""
-        stack = self.session.undo_stack
-        number = (stack.done[-1].number if stack.done else -1) if stack.unsaved else 0
-        found = (number, self.session.setup, self.session.scene) if number else (0, None, None)
-        if number != self._seen[0] or any(one is not seen for one, seen in zip(found[1:], self._seen[1:], strict=True)):
-            self._seen, self._age = found, 0.0
-        before, self._age = self._age, self._age + seconds
-        if before <= WAIT < self._age:
-            self._write() if number else forget_unsaved()
-
-    def _write(self) -> None:
-        with contextlib.suppress(OSError, ValueError):  # no place to write, or no scene file can say it
-            text = self.session.to_scene().to_toml()
-            unsaved_path().parent.mkdir(parents=True, exist_ok=True)
-            with output_file(unsaved_path()) as temporary:
-                temporary.write_text(text, encoding="utf-8")

@@ -1,6 +1,7 @@
 """Scenes, couplers too: the catalogue agrees with its texts, one is written back equal, and nothing but scenes is accepted."""
 
 import math
+import pickle
 import tomllib
 
 import numpy as np
@@ -45,6 +46,39 @@ def test_every_scene_ends_by_itself_and_is_written_back_equal(name, tmp_path):
     endless = any(lane.chain().walls or lane.drive for lane in scene.lanes) or name.startswith("train-")
     assert endless == (scene.duration is not None)
     assert all(lane.label for lane in scene.lanes)
+
+
+def test_a_file_that_begins_with_a_byte_order_mark_is_read(tmp_path):
+    (tmp_path / "own.toml").write_text(scenes.text_of("one-on-four"), encoding="utf-8-sig")
+    assert scenes.load(tmp_path / "own.toml") == scenes.load("one-on-four")
+    assert scenes.text_of(tmp_path / "own.toml") == scenes.text_of("one-on-four")
+
+
+def test_in_json_null_is_the_mass_of_a_wall():
+    contact = {"law": "hertz", "stiffness": 1.0}
+    for mass, velocity in (((math.inf, 1.0), (0.0, 1.0)), (2.0, (1.0, 0.0))):
+        scene = Scene(title="x", lanes=(Lane(mass=mass, velocity=velocity, contact=contact),))
+        assert Scene.model_validate_json(scene.model_dump_json()) == scene
+    with pytest.raises(ValueError, match="mass"):
+        Lane(mass=(None, 1.0), velocity=(0.0, 1.0), contact=contact)
+
+
+@pytest.mark.parametrize("name", ["one-on-four", "mixed", "train-braking"])
+def test_a_scene_goes_to_other_processes_and_is_the_same(name):
+    scene = scenes.load(name)
+    again = pickle.loads(pickle.dumps(scene))
+    assert again == scene
+    assert again.to_toml() == scene.to_toml()
+    assert [lane.chain() for lane in again.lanes] == [lane.chain() for lane in scene.lanes]
+
+
+def test_what_is_wrong_with_a_scene_comes_back_from_another_process():
+    with pytest.raises(SceneError) as refused:
+        scenes.parse('title = "x"\nlanes = 1\nduration = 0.0\n')
+    again = pickle.loads(pickle.dumps(refused.value))
+    assert str(again) == str(refused.value)
+    assert again.problems == refused.value.problems
+    assert len(again.problems) == 2
 
 
 @pytest.mark.parametrize(("name", "outcome"), TRUE_OUTCOMES.items())

@@ -127,7 +127,7 @@ def _print_lane(output: Console, summary: Summary) -> None:
 
 def _cost(summary: Summary) -> Table:
     from rich.table import Table
-    from softcradle.sandbox.trajectory_summary import unit_prefix
+    from softcradle.sandbox.trajectory_summary import in_unit, unit_prefix
 
     grid = Table.grid(padding=(0, 2))
     resolution = f"step {summary.step:.4g} s" if summary.step else f"tolerance {summary.tolerance:g}"
@@ -139,10 +139,11 @@ def _cost(summary: Summary) -> Table:
     grid.add_row(
         "energy error", f"{_error(summary.energy_error)} at most, {_error(summary.energy_error_at_end)} at the end"
     )
-    if summary.absorbed_by_contacts or summary.absorbed_by_bed:
-        size, prefix = unit_prefix(max(summary.absorbed_by_contacts, summary.absorbed_by_bed))
-        taken = (summary.absorbed_by_contacts / size, summary.absorbed_by_bed / size)
-        grid.add_row("absorbed", f"{taken[0]:.6g} {prefix}J by contacts, {taken[1]:.6g} {prefix}J by the bed")
+    absorbed = (summary.absorbed_by_contacts, summary.absorbed_by_bed)
+    if any(part != 0.0 for part in absorbed):
+        size, prefix = unit_prefix(max(part or 0.0 for part in absorbed))
+        by_contacts, by_bed = (in_unit(part, size) for part in absorbed)
+        grid.add_row("absorbed", f"{by_contacts} {prefix}J by contacts, {by_bed} {prefix}J by the bed")
     momentum = "not defined" if summary.momentum_error is None else f"{summary.momentum_error:.1e} at most"
     grid.add_row("momentum error", momentum)
     grid.add_row("cost", f"{summary.steps} steps, {summary.evaluations} evaluations, {summary.milliseconds:.3g} ms")

@@ -1,6 +1,7 @@
 """`softcradle scenes`: the list of scenes, or the file of one of them."""
 
 import argparse
+import sys
 
 from softcradle.sandbox.cli.arguments import completed, scene_words
 from softcradle.sandbox.console import print_json, print_rows
@@ -12,7 +13,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "scene", metavar="SCENE", nargs="?", help="print the file of this scene instead of the list"
     )
     completed(scene, scene_words)
-    parser.add_argument("--json", action="store_true", help="print JSON: the list, or all of the scene")
+    parser.add_argument(
+        "--json", action="store_true", help="print JSON: the list, or all of the scene (mass null: a wall)"
+    )
 
 
 def main(args: argparse.Namespace) -> int:
@@ -21,7 +24,7 @@ def main(args: argparse.Namespace) -> int:
         from softcradle.scenes import text_of
 
         scene = load_scene(args.scene)  # raises UserError where there is no such scene
-        print(scene.model_dump_json(indent=2) + "\n" if args.json else text_of(args.scene), end="")
+        _print_file(scene.model_dump_json(indent=2) + "\n" if args.json else text_of(args.scene))
         return 0
     from softcradle.scenes import load, names
 
@@ -33,3 +36,12 @@ def main(args: argparse.Namespace) -> int:
     else:
         print_rows(("name", "title", "source"), [(name, scene.title, scene.source) for name, scene in scenes.items()])
     return 0
+
+
+def _print_file(text: str) -> None:
+    """Print the text of a file: in UTF-8, in which files are read, unless it is for a terminal."""
+    if sys.stdout is None or sys.stdout.isatty() or not hasattr(sys.stdout, "buffer"):
+        print(text, end="")
+        return
+    sys.stdout.flush()
+    sys.stdout.buffer.write(text.encode())

@@ -209,10 +209,11 @@ class JudgedClaim(Statement):
         own = self.own_case
         if not self.chosen or own.side is CaseOutcome.UNDETERMINED:
             return ""
-        most = max(case.value - case.error for case in self.cases if case.side is not CaseOutcome.UNDETERMINED)
+        lowest = [case.value - case.error for case in self.cases]  # of each: a case fails where less is allowed
+        most = max(value for value in lowest if math.isfinite(value))
         low, high = own.value - own.error, own.value + own.error
         within = f", holds within from {high:.3g}" if high < most else ""
-        return f"by the bar: fails beyond below {low:.3g}{within}, holds from {most:.3g}"
+        return f"by the bar: fails beyond below {low:.3g}{within}, holds from {max(most, high):.3g}"
 
     @property
     def range_text(self) -> str:

@@ -96,8 +96,10 @@ def _energy_inside(result: SideResult) -> Array:
 
 
 def _law_chart(results: Sequence[SideResult]) -> str:
-    """The law of the struck contact up to the greatest overlap on any side, with the jump at overlap 0."""
+    """The law of the struck contact up to the greatest overlap on any side, with the jump at overlap 0; empty without one."""
     deepest = max(float(r.trajectory.overlap[:, r.measures.struck].max()) for r in results)
+    if deepest <= 0.0:
+        return ""
     overlap = np.concatenate(([0.0], np.geomspace(1e-6, 1.0, LAW_POINTS) * deepest))
     curves = []
     for k, result in enumerate(results):
@@ -194,7 +196,7 @@ class FilmSettings:
     Attributes:
         size: [pixels]; None fits the number of sides.
         slow: seconds of film for one of motion; None takes the scenes' own, shortened to LONGEST_FILM.
-        method, step: of the simulation; None takes the scenes' own.
+        method, step: of the simulation; None takes the scenes' own where all agree, else `conserving`.
     """
 
     size: tuple[int, int] | None = None

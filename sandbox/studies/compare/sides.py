@@ -33,19 +33,32 @@ class Comparison:
     sides: tuple[Side, ...]
 
     def as_scene(self, end: float) -> Scene:
-        """All sides as the lanes of one scene, which lasts until `end` [s] if any side's scene has a duration."""
+        """All sides as the lanes of one scene, which lasts until `end` [s] if any side's scene has a duration.
+
+        It has the method with its step or tolerance, and the magnification, on which the scenes of all sides agree.
+        """
         lanes = tuple(side.lane.model_copy(update={"label": side.name}) for side in self.sides)
         views = [side.scene.view for side in self.sides]
         view = View(
             slow=max(view.slow for view in views),
             length=max(view.length for view in views),
+            magnify=views[0].magnify if len({view.magnify for view in views}) == 1 else None,
             after=None if any(view.after is None for view in views) else max(view.after or 0.0 for view in views),
             labels=all(view.labels for view in views),
         )
+        ways = {(side.scene.method, side.scene.step, side.scene.tolerance) for side in self.sides}
+        method, step, tolerance = ways.pop() if len(ways) == 1 else (None, None, None)
         timed = any(side.scene.duration is not None for side in self.sides)
         sources = dict.fromkeys(side.scene.source for side in self.sides if side.scene.source)
         return Scene(
-            title=self.title, source=" · ".join(sources), lanes=lanes, duration=end if timed else None, view=view
+            title=self.title,
+            source=" · ".join(sources),
+            lanes=lanes,
+            duration=end if timed else None,
+            method=method,
+            step=step,
+            tolerance=tolerance,
+            view=view,
         )
 
 

@@ -424,10 +424,14 @@ class GalleryPage(Page):
         return True
 
     def _take_thumbnail(self, name: str, scene: Scene, motions: object) -> None:
-        """Draw the thumbnail of a scene whose motion is known now, unless it has no card any more."""
-        if isinstance(motions, list) and self.scenes.get(name) is scene:
+        """Draw the thumbnail of a scene whose motion is known now, of its start where that failed; not without a card."""
+        if self.scenes.get(name) is not scene:
+            return
+        if isinstance(motions, list):
             self.pictures[name] = thumbnails.paint(scene, motions)
             thumbnails.save(scene, self.theme, self.pictures[name])
+        else:
+            self.pictures[name] = thumbnails.paint(scene, thumbnails.start_of(scene))
 
     @property
     def moving(self) -> bool:  # type: ignore[override]

@@ -73,6 +73,14 @@ def save(scene: Scene, theme: str, thumbnail: pygame.Surface) -> None:
         return
 
 
+def start_of(scene: Scene) -> list[Motion]:
+    """The start of each lane as a Motion of one row, for a scene whose motion cannot be had."""
+    from softcradle.sandbox.session.lane_setup import setup_of
+    from softcradle.sandbox.session.live_lane import LiveLane
+
+    return [LiveLane.at_start(lane).motion for lane in setup_of(scene).lanes]
+
+
 def paint(scene: Scene, motions: list[Motion]) -> pygame.Surface:
     """The frame of the greatest force, one lane below the other."""
     from softcradle.sandbox.film.scene_motion import strongest_row

@@ -169,7 +169,7 @@ class HangingModel:
         """Lift the balls again."""
         places = start_places(self.lifted)
         self.cradles: tuple[Cradle, ...] = (make_cradle(LAWS[self.law], places), make_cradle(None, places))
-        self.time = self._due = 0.0
+        self.time = 0.0
         self._fresh = False  # whether the pointer has done work since the last frame
         self._pointer: tuple[pymunk.Space, pymunk.Body, Any] | None = None
 
@@ -182,15 +182,13 @@ class HangingModel:
             cradle.space.remove(*(joint for joint in cradle.space.constraints if isinstance(joint, pymunk.PivotJoint)))
         return made
 
-    def advance(self, seconds: float) -> None:
-        """Move both by `seconds` of model time, in whole frames; the rest is due next time."""
-        self._due += seconds
-        while self._due >= FRAME - 1e-12:
-            self._due -= FRAME
-            self.time += FRAME
-            for cradle in self.cradles:
-                cradle.advance(round(self.rate * FRAME), self._fresh or self._pointer is not None)
-            self._fresh = False
+    def advance(self) -> bool:
+        """Move both by a frame; True, for there is always another."""
+        self.time += FRAME
+        for cradle in self.cradles:
+            cradle.advance(round(self.rate * FRAME), self._fresh or self._pointer is not None)
+        self._fresh = False
+        return True
 
     def hold(self, cradle: int, ball: int, place: Vector) -> None:
         """Pull a ball towards `place` [m] with at most MOST_PULL; the string still holds."""

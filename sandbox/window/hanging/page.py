@@ -15,6 +15,7 @@ from softcradle.sandbox.draw.palette import bead_colours, text_on, tones
 from softcradle.sandbox.draw.supersampling import blit_sprite
 from softcradle.sandbox.draw.text import shortened, write
 from softcradle.sandbox.languages import N_, _, pgettext
+from softcradle.sandbox.session.frame_pacing import FramePacer
 from softcradle.sandbox.session.run_verdict import GOOD
 from softcradle.sandbox.window.hanging.cradle import (
     BALLS,
@@ -30,7 +31,7 @@ from softcradle.sandbox.window.hanging.cradle import (
 from softcradle.sandbox.window.page import Actions, Host, Page
 from softcradle.sandbox.window.page_geometry import MARGIN, geometry
 from softcradle.sandbox.window.scene.save_dialogs import SaveDialogs, WindowFilm
-from softcradle.sandbox.window.scene.time_controls import TimeControls
+from softcradle.sandbox.window.scene.time_controls import TimeControls, late_note
 from softcradle.sandbox.window.scene.toolbar import Toolbar
 from softcradle.sandbox.window.widgets import fits, write_wrapped
 
@@ -64,7 +65,7 @@ class HangingPage(Page):
 
     def __init__(self, host: Host, leave: Callable[[], None]) -> None:
         self.host, self.leave, self.model = host, leave, HangingModel()
-        self.playing = False
+        self.playing, self.pacer = False, FramePacer(clock=host.clock)
         self.time_controls = TimeControls(host, lambda: N_("playing") if self.playing else N_("paused"))
         self.done: list[HangingModel] = []  # what undo goes back to, the last one last
         self.held: tuple[int, int] | None = None  # cradle and ball
@@ -112,11 +113,12 @@ class HangingPage(Page):
     def play_pause(self) -> None:
         """Play or pause."""
         self.playing = not self.playing
+        self.pacer.restart()
 
     def step(self) -> None:
         """Pause, and go on by a frame."""
         self.playing = False
-        self.model.advance(FRAME)
+        self.model.advance()
 
     def message_place(self, size: tuple[int, int], unit: float) -> pygame.Rect:
         """Beside the clock, or on the time line."""
@@ -199,7 +201,7 @@ class HangingPage(Page):
         if self.held is not None and self.playing:
             self.model.hold(*self.held, to_model(self.pictures[self.held[0]], self.pointer))
         if self.playing:
-            self.model.advance(seconds / self.time_controls.slow)
+            self.pacer.run(seconds, self.model.advance, 1.0 / (FRAME * self.time_controls.slow))
         self.toolbar.update()
 
     def paint(self, surface: pygame.Surface) -> None:
@@ -237,7 +239,8 @@ class HangingPage(Page):
     def paint_over(self, surface: pygame.Surface) -> None:
         """Draw the clock, and a ring at the pointer while it holds a ball."""
         clock = f"t = {fixed(self.model.time, 2)} s"
-        self.time_controls.paint_clock(surface, clock, _(self.time_controls.activity()))
+        late = late_note(self.pacer) if self.playing else ""
+        self.time_controls.paint_clock(surface, clock, late or _(self.time_controls.activity()), bool(late))
         if self.held is not None:
             pygame.draw.aacircle(surface, tones.foreground, self.pointer, 5 * self.host.unit, 2)
 

@@ -132,7 +132,7 @@ class LessonRunner:
     def _predict(self, choice: int | str) -> None:
         self.predicted = choice
         self._edits = max((step.number for step in self.session.undo_stack.done), default=0)
-        self.session.pause()
+        self.clock.pause()
         self.clock.restart()
         self.clock.play_pause()
 

@@ -12,25 +12,27 @@ from softcradle.sandbox.session.replay import Replay
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.scene.editor import PREPARING, SceneEditor
-from softcradle.sandbox.window.scene.time_controls import SceneTimeControls, Timeline
+from softcradle.sandbox.window.scene.time_controls import SceneTimeControls, Timeline, late_note
 from softcradle.sandbox.window.scene.view import SceneView
 
-LATE = 0.95  # clock ratio below which the page shows that the clock is slow
 APART = 2.0  # lengths of a bead: a gap in every lane is that wide when it ends
 LEAST_FRAMES = FRAME_RATE // 2  # that are shown after the last contact has opened
 MOST_FRAMES = 5 * FRAME_RATE  # likewise, where beads part slowly
 
 
 def is_over(lane: LiveLane) -> bool:
-    """Whether no contact of the lane can close any more: all are open, and no beads approach each other."""
+    """Whether no contact of the lane can close any more: all are open, and no beads approach each other.
+
+    Beads whose couplers pull never part for good.
+    """
     chain, state = lane.chain, lane.state
-    if chain.driven or chain.on_bed or chain.walls > 1:
+    if chain.driven or chain.on_bed or chain.walls > 1 or chain.pulls:
         return False
     return bool((state.overlap < 0.0).all() and (state.force <= 0.0).all() and (state.rate <= 0.0).all())
 
 
 class EndOfMotion:
-    """Pauses a session once at the end of its motion, and calls `ended`.
+    """Pauses a session once at the end of its motion, and calls `ended`. A replay ends where it was recorded to.
 
     Attributes:
         enabled: whether it does.
@@ -48,18 +50,17 @@ class EndOfMotion:
         on, off = _("the clock pauses when all contacts are open for good"), _("the clock does not pause")
         self.host.messages.show(on if self.enabled else off)
 
-    def update(self, frames: int) -> None:
-        """After a tick of so many frames."""
+    def update(self, frames: int, replay: Replay | None) -> None:
+        """After a tick of so many frames in which the clock ran, of a `replay` or not."""
         session = self.session
-        if not session.playing:
-            return
         if not all(map(is_over, session.lanes)) or session.held.lane >= 0.0:
             self._frames, self.reached = 0, False
             return
         self._frames += frames
-        if not self.reached and (self._apart or self._frames >= MOST_FRAMES) and self._frames >= LEAST_FRAMES:
+        shown = self._frames >= LEAST_FRAMES and (self._apart or self._frames >= MOST_FRAMES)
+        if not self.reached and (shown or (replay is not None and replay.done)):
             self.reached = True
-            if self.enabled:
+            if self.enabled and replay is None:
                 session.pause()
                 self.ended()
 
@@ -124,9 +125,9 @@ class SceneClock:
 
     def note(self) -> tuple[str, bool]:
         """What is written below the time, and whether it is a warning."""
-        ratio = self.session.pacer.clock_ratio
-        if self.session.playing and ratio < LATE:
-            return _("late: clock at {percent:.0f} %", percent=100 * ratio), True
+        late = late_note(self.session.pacer) if self.session.playing else ""
+        if late:
+            return late, True
         if self.replay is not None:
             return self.replay.sentence, self.replay.diverged is not None
         if self.editor.preparing:
@@ -145,6 +146,12 @@ class SceneClock:
         else:
             self.controls.apply_slow()
             self.session.play()
+
+    def pause(self) -> None:
+        """Pause, be it a replay."""
+        if self._running is not None:
+            self._running.playing = False
+        self.session.pause()
 
     def step(self, by: int) -> None:
         """Go `by` frames on; the newest frame of a replay is followed by the next that was recorded."""
@@ -172,12 +179,15 @@ class SceneClock:
 
     def tick(self, seconds: float) -> None:
         """Let time pass."""
-        running = self._running
+        running, moving = self._running, self.activity() != "paused"
+        frames = 0
         if running is None:
-            self.end.update(self.session.tick(seconds))
+            frames = self.session.tick(seconds)
         elif self.session.scrubbed:
             running.playing = False
         else:
-            running.tick(seconds * self.session.slow / self.controls.wanted)
+            frames = running.tick(seconds * self.session.slow / self.controls.wanted)
             if running.done:
                 self.host.messages.show(running.sentence, warning=running.diverged is not None)
+        if moving:
+            self.end.update(frames, running)

@@ -96,8 +96,8 @@ class SceneEditor:
         """
         return self.apply_all([item], gesture)
 
-    def apply_all(self, items: Sequence[Input], gesture: bool = False) -> bool:
-        """Apply inputs as one undo step, or none of them; whether they were accepted."""
+    def apply_all(self, items: Sequence[Input], gesture: bool = False, anew: bool = False) -> bool:
+        """Apply inputs as one undo step, or none of them, `anew` after a restart; whether they were accepted."""
         if self.preparing:
             self.host.messages.show(_(PREPARING))
             return False
@@ -108,7 +108,7 @@ class SceneEditor:
                 self.refused += 1
                 return False
         try:
-            self.session.apply_all(items, gesture)
+            self.session.apply_all(items, gesture, anew)
         except ValueError as error:
             self.host.messages.show(str(error), warning=True)
             return False

@@ -17,6 +17,7 @@ from softcradle.sandbox.session.contact_conversion import at_the_same_depth, has
 from softcradle.sandbox.session.editable_numbers import MOST_SPEED, Parameter
 from softcradle.sandbox.session.history_slices import history_slices
 from softcradle.sandbox.session.inputs import AddBead, Input, RemoveBead, SetContact, SetVelocity
+from softcradle.sandbox.session.lane_setup import LaneSetup
 from softcradle.sandbox.session.run_verdict import GOOD, LEVELS, Health
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.summary_text import outcome_text
@@ -40,7 +41,12 @@ class ExplorePanel(Inspector):
 
     Arguments:
         health: of the lanes, as it was last read.
+
+    Attributes:
+        reset_view: shows the part of the line that was shown first.
     """
+
+    reset_view: Callable[[], None]
 
     def __init__(self, host: Host, session: Session, editor: SceneEditor, health: Callable[[], list[Health]]) -> None:
         super().__init__(host, session, editor)
@@ -103,16 +109,14 @@ class ExplorePanel(Inspector):
     def _apply(self, control: Control, value: float, gesture: bool) -> bool:
         """Begin anew with another number."""
         if control.parameter.key != "alpha":
-            self._begin_anew()
-            return self.editor.apply_all(self._with_speed(value), gesture)
+            return self._begin_anew(self._with_speed(value), gesture)
         if not value > 0.0:
             raise ValueError(_("alpha must be a number > 0, not {given!r}", given=value))
-        self._begin_anew()
-        return self.editor.apply_all(self._with_alpha(value), gesture)
+        return self._begin_anew(self._with_alpha(value), gesture)
 
     def _with_speed(self, speed: float) -> list[Input]:
         """Another speed of the first lane: all velocities are multiplied alike, those of the scene where that lane rests."""
-        rows = [lane.setup.start.velocity(lane.chain).tolist() for lane in self.session.lanes]
+        rows = [lane.start.velocity(lane.chain).tolist() for lane in self._newest]
         if not any(rows[0]):
             rows = [lane.velocity[: len(row)] for lane, row in zip(self.session.scene.lanes, rows, strict=True)]
         if not any(rows[0]):
@@ -123,28 +127,34 @@ class ExplorePanel(Inspector):
 
     def _with_alpha(self, alpha: float) -> list[Input]:
         """Another alpha of the row, or of the selected contact: the blow is stopped within the same depth."""
-        lane, chosen = self.session.lanes[0], self._contact
-        contacts = range(lane.chain.contacts) if chosen is None else (chosen,)
-        return [SetContact(0, i, at_the_same_depth(lane.chain, i, alpha, lane.setup.speed)) for i in contacts]
+        lane, chosen = self._newest[0], self._contact
+        contacts = range(lane.chain.contacts) if chosen is None else (min(chosen, lane.chain.contacts - 1),)
+        return [SetContact(0, i, at_the_same_depth(lane.chain, i, alpha, lane.speed)) for i in contacts]
 
     def change_beads(self, by: int) -> None:
         """Add a bead at the right end of every lane, or take the last one away."""
-        last = min(lane.chain.contacts for lane in self.session.history.newest_setup.lanes)
+        last = min(lane.chain.contacts for lane in self._newest)
         if not 2 <= last + 1 + by <= MOST_BEADS:
             self.host.messages.show(_("from 2 to {most} beads can be chosen here", most=MOST_BEADS))
             return
-        self._begin_anew()
         items: list[Input] = []
-        for k, lane in enumerate(self.session.lanes):
+        for k, lane in enumerate(self._newest):
             end = lane.chain.contacts
             items.append(AddBead(k, end + 1, lane.chain.mass[end]) if by > 0 else RemoveBead(k, end))
-        self.editor.apply_all(items)
+        self._begin_anew(items)
 
-    def _begin_anew(self) -> None:
-        """Go back to the start, with all edits: an input at an earlier frame would drop later ones."""
-        if self.session.frame != 0 or self.session.scrubbed:
-            self.session.pause()
-            self.host.act("restart")
+    @property
+    def _newest(self) -> tuple[LaneSetup, ...]:
+        """The lanes with all edits, later ones than the frame shown too."""
+        return self.session.history.newest_setup.lanes
+
+    def _begin_anew(self, items: list[Input], gesture: bool = False) -> bool:
+        """Go back to the start, with all edits and these: an input at an earlier frame would drop later ones."""
+        moved = self.session.frame != 0 or self.session.scrubbed
+        taken = self.editor.apply_all(items, gesture, anew=True)
+        if taken and moved:
+            self.reset_view()
+        return taken
 
     def backdrop(self, surface: pygame.Surface) -> None:
         """Draw the names and the text of the scene."""

@@ -25,7 +25,7 @@ from softcradle.sandbox.window.scene.time_controls import SceneTimeControls, Tim
 from softcradle.sandbox.window.scene.toolbar import Toolbar
 from softcradle.sandbox.window.scene.tools import SceneTools, ViewKeys
 from softcradle.sandbox.window.scene.view import SceneView
-from softcradle.sandbox.window.settings import UnsavedScene, forget_unsaved
+from softcradle.sandbox.window.unsaved_scene import UnsavedScene
 from softcradle.scenes import Scene
 
 
@@ -65,6 +65,7 @@ class ScenePage(Page):
         self.panels = (self.inspector, self.explore)
         self.outcome = OutcomeCard(host, session, self.board, partial(host.act, "compare_balls"))
         self.view = SceneView(host, session, self.editor, self.board, self.panels, self.outcome, self._answered)
+        self.explore.reset_view = self.view.reset_camera
         self.timeline = Timeline(session)
         self.clock = SceneClock(host, session, self.editor, self.view, self.timeline, replay, self.outcome.show_outcome)
         clock = self.clock
@@ -75,9 +76,10 @@ class ScenePage(Page):
         self.toolbar = Toolbar(host, self.film, session.undo_stack, lambda: self.board.present)
         savings = session_savings(host.messages, session)
         self.dialogs = SaveDialogs(host, self.film, savings)
-        self.sound = SceneSound(host, session)
+        self.sound = SceneSound(host, session, clock.activity)
         self.tools = SceneTools(host, session, self.editor, self.view, self.board, self.show_scene, alone)
-        self.unsaved_scene = UnsavedScene(session)
+        self.unsaved_scene = UnsavedScene(host, session)
+        self._called_unsaved = False
         self.lessons = LessonRunner(host, session, self.clock)
         for panel in self.panels:
             panel.question = lambda: self.lessons.question
@@ -99,12 +101,23 @@ class ScenePage(Page):
         parts = (self.tools, self.inspector, self.clock, view_keys, self.editor, self.dialogs)
         self.actions: Actions = joined(own, *(part.actions for part in parts))
 
-    def show_scene(self, scene: Scene, alone: Scene | None = None) -> None:
-        """Show a scene that was made of this one in its place; edits of this one stay unsaved there."""
-        session = Session(scene, clock=self.host.clock)
-        if self.unsaved:
-            session.undo_stack.lose_what_was_saved()
-        self.host.show(ScenePage(self.host, session, self.leave, alone=alone))
+    def show_scene(self, scene: Scene, alone: Scene | None = None, then: str | None = None) -> None:
+        """Show a scene that was made of the first row of this one in its place, and do the action `then` there.
+
+        Edits of that row stay unsaved there; those of other rows alone would be lost, and are asked for first.
+        """
+
+        def show() -> None:
+            session = Session(scene, clock=self.host.clock)
+            if self.unsaved:
+                session.undo_stack.lose_what_was_saved()
+            self.host.show(ScenePage(self.host, session, self.leave, alone=alone))
+            self.host.act(then)
+
+        if self.session.undo_stack.unsaved_beside_first or (self._called_unsaved and len(self.session.lanes) > 1):
+            self.host.ask_before_loss(show)
+        else:
+            show()
 
     def ask_words(self) -> None:
         """Ask for the words of the scene."""
@@ -148,8 +161,9 @@ class ScenePage(Page):
         return self.session.undo_stack.unsaved
 
     def call_unsaved(self) -> None:
-        """Call the scene unsaved: it is in no file of its own."""
+        """Call the scene unsaved, with all its rows: it is in no file of its own."""
         self.session.undo_stack.lose_what_was_saved()
+        self._called_unsaved = True
 
     @property
     def moving(self) -> bool:  # type: ignore[override]
@@ -305,6 +319,6 @@ class ScenePage(Page):
     def close(self) -> None:
         """Close the film and the sound."""
         if not self.unsaved:
-            forget_unsaved()
+            self.host.unsaved_file.forget()
         self.film.end()
         self.sound.close()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pygame
@@ -83,13 +83,15 @@ MOST_AT_ONCE = 4  # impacts of one picture that sound
 class SceneSound:
     """The sound of a session, switched by one key from silence to clicks, to clicks and tones, and back.
 
+    It sounds while the clock runs: `activity` names what that does.
+
     Attributes:
         clicks: of impacts; None while it is silent.
         tones: of the forces; None while they are off.
     """
 
-    def __init__(self, host: Host, session: Session) -> None:
-        self.host, self.session = host, session
+    def __init__(self, host: Host, session: Session, activity: Callable[[], str]) -> None:
+        self.host, self.session, self.activity = host, session, activity
         self.clicks: Clicks | None = None
         self.tones: ForceTones | None = None
 
@@ -111,7 +113,7 @@ class SceneSound:
 
     def update(self, greatest_force: float) -> None:
         """Sound the impacts of the last tick, and the forces now relative to the greatest of the scene [N]."""
-        playing = self.session.playing
+        playing = self.activity() != "paused"
         if self.clicks is not None and playing:
             speed = max(lane.setup.speed for lane in self.session.lanes)
             for impact in self.session.impacts[:MOST_AT_ONCE]:

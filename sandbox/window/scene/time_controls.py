@@ -13,6 +13,7 @@ from softcradle.sandbox.draw.palette import bead_colours, mix, tones
 from softcradle.sandbox.draw.text import shortened, write
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.session.contact_events import ContactEvents
+from softcradle.sandbox.session.frame_pacing import FramePacer
 from softcradle.sandbox.session.inputs import SetSlow
 from softcradle.sandbox.session.lane_setup import FRAME_RATE
 from softcradle.sandbox.session.session import Session
@@ -174,6 +175,7 @@ BUTTONS = ("first", "back", "play_pause", "forward", "last", "restart", "fit")
 FEW = ("play_pause", "restart")  # buttons of the first level
 
 MOVING = ("playing", "replaying")  # activities that can be paused
+LATE = 0.95  # clock ratio below which the page shows that the clock is slow
 SLOW_ROOM, GAP = 190.0, 24.0  # design pixels of the slider, and between groups
 CLOCK_ROOM = 240.0  # design pixels of the clock and its note
 MESSAGE_ROOM = 260.0  # design pixels beside the clock, the least for messages; else they lie on the time line
@@ -238,9 +240,11 @@ class TimeControls:
     def step_slow(self, direction: int) -> None:
         """The next of SLOW_MOTIONS: slower (1) or faster (-1)."""
         if direction > 0:
-            self.set_slow(next((s for s in SLOW_MOTIONS if s > self.slow * 1.001), SLOWEST))
+            beyond = [slow for slow in SLOW_MOTIONS if slow > self.slow * 1.001]
         else:
-            self.set_slow(next((s for s in reversed(SLOW_MOTIONS) if s < self.slow * 0.999), FASTEST))
+            beyond = [slow for slow in reversed(SLOW_MOTIONS) if slow < self.slow * 0.999]
+        if beyond:  # a scene may begin slower, or faster, than all of them
+            self.set_slow(beyond[0])
 
     def paint_clock(self, surface: pygame.Surface, clock: str, note: str, late: bool = False) -> None:
         """Draw the icons on the buttons, the slow motion, the time and a note below it."""
@@ -296,6 +300,13 @@ class SceneTimeControls(TimeControls):
         size, name = time_unit(span)
         clock = f"t = {fixed(session.time / size, max(0, 3 - math.floor(math.log10(span / size))))} {name}"
         self.paint_clock(surface, clock, *self.note())
+
+
+def late_note(pacer: FramePacer) -> str:
+    """How late the clock is; empty where it is on time."""
+    if pacer.clock_ratio >= LATE:
+        return ""
+    return _("late: clock at {percent:.0f} %", percent=100 * pacer.clock_ratio)
 
 
 def speed_text(slow: float) -> str:

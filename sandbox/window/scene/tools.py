@@ -237,7 +237,7 @@ class ViewKeys:
 
 
 class SceneTools:
-    """Tools of one page; `open_scene` shows another scene in its place.
+    """Tools of one page; `open_scene` shows another scene in its place, and does an action there.
 
     Attributes:
         before: the scene of one row that is compared here, or None.
@@ -250,7 +250,7 @@ class SceneTools:
         editor: SceneEditor,
         view: SceneView,
         board: PlotBoard,
-        open_scene: Callable[[Scene, Scene | None], None],
+        open_scene: Callable[[Scene, Scene | None, str | None], None],
         before: Scene | None = None,
     ) -> None:
         self.before = before
@@ -314,19 +314,17 @@ class SceneTools:
 
     def compare_balls(self) -> None:
         """Open the scene beside the same blow among steel balls, or soft beads, and play both."""
-        if self._open_beside(lambda: beside_other_balls(self.session)):
-            self.host.act("play_pause")
+        self._open_beside(lambda: beside_other_balls(self.session), "play_pause")
 
-    def _open_beside(self, make: Callable[[], Scene]) -> bool:
-        """Open what `make` gives; whether there is something."""
+    def _open_beside(self, make: Callable[[], Scene], then: str | None = None) -> None:
+        """Open what `make` gives, where there is something, and do `then`."""
         try:
             scene = make()
         except ValueError as error:
             self.host.messages.show(_("this cannot be compared: {error}", error=error_words(error)), warning=True)
-            return False
+            return
         one = self.session.scene if len(self.session.lanes) == 1 else self.before
-        self.open_scene(scene, one)
-        return True
+        self.open_scene(scene, one, then)
 
     def alone(self) -> None:
         """Go back to the first row, with the edits that were made here and what it was called before."""
@@ -341,7 +339,7 @@ class SceneTools:
         words = words_for(self.before or self.session.scene, scene.lanes[:1])
         words["title"] = words["title"].removesuffix(COMPARED)
         changed = {**words, "lanes": scene.model_dump()["lanes"][:1]}
-        self.open_scene(Scene.model_validate({**scene.model_dump(), **changed}), None)
+        self.open_scene(Scene.model_validate({**scene.model_dump(), **changed}), None, None)
 
     def handle(self, event: pygame.Event) -> bool:
         """Take an event on the table or the ruler."""

@@ -65,6 +65,13 @@ def test_scenes_are_listed_printed_to_start_from_and_checked(softcradle):
     assert softcradle("check", "galilean").out == "galilean: ok, 'Who hits whom?' with 5 and 5 beads\n"
 
 
+def test_the_file_of_a_scene_is_printed_in_utf_8_whatever_the_encoding():
+    command = ("-m", "softcradle", "scenes", "train-braking")
+    text = python(*command, encoding="utf-8", PYTHONIOENCODING="cp1252").stdout
+    assert text == scenes.text_of("train-braking")
+    assert not text.isascii()
+
+
 def test_methods_are_listed_with_what_they_are_for(softcradle):
     text = softcradle("methods").out
     assert all(name in text for name in known_methods())
@@ -178,6 +185,24 @@ def test_there_is_no_film_of_a_part(output, tmp_path, softcradle):
     err = softcradle("render", "one-on-four", *GIVES_UP, "-o", f"{tmp_path}/{output}", code=3).err
     assert "a film needs the whole motion: verlet gave up" in err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_run_that_did_not_stay_finite_is_told_in_every_form(tmp_path, softcradle):
+    path = tmp_path / "stiff.toml"
+    path.write_text(
+        'title = "A bead between walls"\nduration = 100.0\n[[lanes]]\nmass = [inf, 1.0, inf]\n'
+        'contact = {law = "hertz", stiffness = 1e6}\nvelocity = [0.0, 1.0, 0.0]\ngap = 1.0\n'
+    )
+    words = ("run", str(path), "--method", "euler", "--step", "1/2")
+    out, err = softcradle(*words)
+    assert err == ""
+    assert "nan" not in out
+    assert re.search(r"1 +1 +1\.00000000 +-", out)
+    (lane,) = json.loads(softcradle(*words, "--json").out)["lanes"]
+    assert [bead["final_velocity"] for bead in lane["beads"]] == [None, None, None]
+    assert lane["contacts"][0]["largest_force"] is None
+    said = softcradle(*words, "--describe").out
+    assert said == "A bead between walls.\nThe motion by euler did not stay finite: choose a smaller step.\n"
 
 
 @pytest.mark.parametrize("width", [30, 38, 39, 40, 41, 60, 80, 100])

@@ -94,6 +94,11 @@ def test_samples_of_a_file_and_the_example(tmp_path):
     assert (example.points.shape, example.scene.tolerance) == ((24, 5), 1e-6)
 
 
+def test_a_study_that_begins_with_a_byte_order_mark_is_read(tmp_path):
+    (tmp_path / "study.toml").write_text(GOOD, encoding="utf-8-sig")
+    assert load_study(str(tmp_path / "study.toml")).measures
+
+
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [

@@ -283,6 +283,29 @@ def test_a_film_ends_before_a_pause_that_no_one_waits_for():
     assert page.time[-1] == end
 
 
+def test_frames_are_limited_and_one_picture_of_a_long_motion_has_fewer_rows_a_second(tmp_path, monkeypatch):
+    monkeypatch.setattr(scene_motion, "MOST_FRAMES", 60)
+    monkeypatch.setattr(scene_motion, "MOST_ROWS", 60)
+    long = {"slow": 5.0, "size": (320, 180)}
+    with pytest.raises(UserError, match=r"the film would have \d+ frames, more than 60: choose less slow motion"):
+        rendered(tmp_path / "film.gif", **long)
+    assert rendered(tmp_path / "still.png", **long).frames == 1
+    (motion, _) = scene_motions(SCENE, 60.0)
+    assert len(motion.time) == pytest.approx(60, abs=2)
+    assert 0.0 in motion.time
+    few = rendered(tmp_path / "few.gif", fps=1, **long)  # whose rows, of which curves are drawn, are more
+    assert few.frames < 60
+    with pytest.raises(
+        UserError, match=r"the kymograph would have \d+ frames, .*: choose fewer frames a second \(--fps\)"
+    ):
+        render_kymograph(SCENE, str(tmp_path / "x.kymograph.png"), (320, 180), fps=1e3)
+
+
+def test_a_step_alone_is_one_of_conserving():
+    scene = SCENE.model_copy(update={"step": 0.01})
+    assert {motion.method for motion in scene_motions(scene, 20.0)} == {"conserving, step 0.010 s"}
+
+
 def test_beads_that_are_far_apart_have_all_the_time_that_they_need():
     far = parse(THREE.format(gap=[0, 50], law="hertz", stiffness=1e6))
     assert motion_end(far) > 50.0

@@ -76,6 +76,13 @@ def test_a_film_is_shown_and_saved(found, tmp_path):
     assert np.abs(frames[0].astype(int) - frames[-1]).max() > 50  # something has moved
 
 
+def test_what_did_not_stay_finite_is_no_film():
+    between = Chain([math.inf, 1, math.inf], hertz(1e6), gap=1.0)
+    blown_up = simulate(between, [0, 1, 0], 100.0, method="euler", step=0.5)
+    with pytest.raises(UserError, match="did not stay finite"):
+        blown_up.film(size=(320, 180))
+
+
 def test_a_page_plays_the_samples(found, tmp_path):
     found.to_page(tmp_path / "page.html")
     text = (tmp_path / "page.html").read_text(encoding="utf-8")

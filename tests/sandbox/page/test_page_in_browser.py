@@ -2,6 +2,7 @@
 
 import json
 import time
+from math import inf
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,10 @@ DEVICES = {"telephone": (390, 844), "desk": (1280, 800)}
 FITS = "document.documentElement.scrollWidth <= document.documentElement.clientWidth"
 BOOKED = 1e-10  # relative error of the energy
 SAID = "document.getElementById('words').textContent"
+LEDGER = "document.getElementById('energy').textContent"
+NOTICE = "document.getElementById('notice').innerText"
+HELP = """[...document.querySelectorAll('details > p')].filter((e) => getComputedStyle(e).display !== 'none')
+  .map((e) => e.textContent)"""
 ENDED = (
     "Bead 0 goes to the left at 0.57 m/s. Bead 1 goes to the right at 0.17 m/s. "
     "Beads 2 to 4 go together to the right at 0.45 to 0.47 m/s. "
@@ -138,11 +143,37 @@ def test_it_plays_by_itself_ends_in_words_and_begins_again(pages, browser):
     assert browser.run(again) == [True, True]
 
 
-def visit_row(browser, folder, duration=None, **lane):
+@pytest.mark.parametrize("pace", [0.05, 4])
+def test_a_run_is_as_long_at_every_pace(pages, browser, pace):
+    browser.visit(pages(SCENE).output, "")
+    last = browser.run("page.source.last")
+    browser.visit(pages(SCENE).output, f"#pace={pace}")
+    run_to_the_end(browser)
+    assert browser.run("page.source.last") == pytest.approx(last, abs=0.01)
+    assert browser.run(SAID) == ENDED
+
+
+def visit_row(browser, folder, duration=None, fragment="", **lane):
     """Open the page of a row, whose contacts are soft unless told."""
     scene = Scene(title="a row", lanes=(Lane(**{"contact": SOFT} | lane),), duration=duration)
-    browser.visit(render_page(scene, folder / "page.html").output, "")
+    browser.visit(render_page(scene, folder / "page.html").output, fragment)
     browser.run("page.pause()")
+
+
+@pytest.mark.parametrize("row", [{}, {"duration": 6.0, "drive": 100 * [1]}])
+def test_a_run_too_long_to_be_followed_goes_on_to_its_end(browser, tmp_path, row):
+    row = {"contact": {"law": "hertz", "stiffness": 1e6}, "velocity": [1, *99 * [0]], "gap": 99 * [0.1]} | row
+    visit_row(browser, tmp_path, **row)
+    followed = browser.run("page.source.rows[0].begin(), page.source.lookAhead(), page.source.time")
+    run_to_the_end(browser)
+    if "duration" in row:
+        assert followed < browser.run("page.source.time") == pytest.approx(6.0, abs=0.01)
+        assert browser.run("page.source.over")
+        assert browser.run(INSIDE)
+    else:
+        browser.run("page.source.next(), page.source.next()")
+        assert followed < browser.run("page.source.last")
+        assert not browser.run("page.source.over")
 
 
 @pytest.mark.parametrize(
@@ -156,6 +187,18 @@ def visit_row(browser, folder, duration=None, **lane):
 def test_a_run_is_followed_until_nothing_moves_any_more(browser, tmp_path, row, last):
     visit_row(browser, tmp_path, **row)
     assert browser.run("page.source.last") == pytest.approx(last, abs=0.01)
+
+
+def test_a_row_that_friction_holds_while_it_is_pressed_has_come_to_its_end(pages, browser):
+    rest = "Beads 0 to 4 nearly stand still."
+    browser.visit(pages(SCENE).output, "#loss=0.9&mu=0.02")
+    run_to_the_end(browser)
+    assert browser.run("page.source.values(0).force.some((force) => force > 0)")
+    assert rest in browser.run(SAID)
+    browser.run("page.go(1), page.go(page.source.last)")
+    assert rest in browser.run(SAID)
+    browser.run("page.go(2), page.chosen = {lane: 0, bead: 0}, page.throwChosen(1), page.pause()")
+    assert browser.run("for (let k = 0; k < 3000 && !page.source.over; k++) page.source.next(); page.source.over")
 
 
 @pytest.mark.parametrize(("row", "rigid"), [({}, True), ({"gap": [0.5, 0.3, 0.3]}, False), (PUSHED, False)])
@@ -230,6 +273,37 @@ def test_a_bead_is_chosen_pulled_and_thrown_by_keys(pages, browser):
     browser.run("page.pause()")
     assert browser.run("page.source.rows[0].given") == pytest.approx(0.5)  # a kilogram thrown at a metre a second
     assert error(browser) < BOOKED
+
+
+@pytest.mark.parametrize(("mass", "chosen"), [([1, 1, inf], [0, 1, 1, 0, 0]), ([inf, 1, inf, 1], [1, 3, 3, 1, 1])])
+def test_no_key_takes_a_wall(browser, tmp_path, mass, chosen):
+    visit_row(browser, tmp_path, duration=1.0, mass=mass, velocity=[0] * len(mass))
+    browser.run("page.stages[0].canvas.focus()")
+    found = []
+    for key in ("ArrowRight", "ArrowRight", "ArrowRight", "ArrowLeft", "ArrowLeft"):
+        browser.key(key)
+        found.append(browser.run("page.chosen.bead"))
+    assert found == chosen
+
+
+def test_what_a_hand_gives_is_told_of_all_rows_and_apart_from_the_drive(pages, browser, tmp_path):
+    browser.visit(pages("steel-and-soft").output, "")
+    browser.run("page.pause(), page.go(0.9), page.chosen = {lane: 1, bead: 3}, page.throwChosen(1), page.pause()")
+    assert browser.run(LEDGER).endswith(" · 0.5 J by hand")
+    visit_row(browser, tmp_path, duration=5.0, velocity=[0, 0, 0], gap=[0.5, 0], drive=[1, 0, 0])
+    browser.run("page.go(0.5), page.chosen = {lane: 0, bead: 2}, page.throwChosen(1), page.pause()")
+    thrown = browser.run("0.5 * page.specs[0].speed ** 2")
+    assert browser.run("page.source.rows[0].given") == pytest.approx(thrown)
+    assert browser.run("page.source.rows[0].driven") == pytest.approx(0.125, abs=0.01)
+    browser.run("for (let k = 0; k < 50; k++) page.source.next(); page.step(-1)")
+    assert error(browser) < BOOKED
+
+
+def test_no_balance_is_told_where_a_moving_wall_gives_energy(browser, tmp_path):
+    for mass, balanced in ([inf, 1, 1], False), ([1, 1, inf], True):
+        visit_row(browser, tmp_path, mass=mass, velocity=[1, 0, 0], gap=[0.5, 0])
+        run_to_the_end(browser)
+        assert ("balanced" in browser.run(LEDGER)) is balanced
 
 
 def test_a_bead_in_hand_stays_there_when_the_pace_changes(pages, browser):
@@ -426,6 +500,62 @@ def test_a_link_opens_the_experiment(pages, browser):
     assert browser.run("[page.language, document.getElementById('toggle').title]") == ["de", "Anhalten"]
 
 
+def test_where_there_is_no_clipboard_the_address_is_shown(pages, browser):
+    browser.visit(pages(SCENE).output, "#n=3")
+    browser.run("Object.defineProperty(navigator, 'clipboard', {value: undefined}), page.pause()")
+    browser.run("document.getElementById('link').click()")
+    assert browser.run(NOTICE) == browser.run("location.href")
+    assert browser.run("document.getElementById('link').textContent") == "Copy link"
+
+
+@pytest.mark.parametrize(
+    ("fragment", "expected"),
+    [
+        ("#v=-3&n=-3&mu=-.5", {"speed": 0.2, "targets": 1}),
+        ("#a=.05&loss=5.e-1", {"alpha": 0.05, "loss": 0.5}),
+        ("#pace=3", {"pace": 2}),
+        ("#pace=-1", {"pace": 0.05}),
+    ],
+)
+def test_a_number_beyond_its_range_is_taken_to_its_end(pages, browser, fragment, expected):
+    browser.visit(pages(SCENE).output, fragment)
+    experiment, own = browser.run("[page.experiment, page.own]")
+    assert experiment == own | expected
+
+
+@pytest.mark.parametrize(
+    ("name", "fragment"), [("galilean", "#law=steel&n=9&m=2&with=steel"), ("hertz-cradle", "#a=0.5"), ("", "#v=2&n=7")]
+)
+def test_what_a_scene_cannot_have_is_left_out_of_a_link(pages, browser, tmp_path, name, fragment):
+    if name:
+        browser.visit(pages(name).output, fragment)
+    else:
+        visit_row(browser, tmp_path, velocity=[0, 0, 0], gap=[-0.2, -0.2], fragment=fragment)
+    experiment, own = browser.run("[page.experiment, page.own]")
+    assert experiment == own
+    assert "other numbers" not in browser.run("document.getElementById('text').textContent")
+
+
+def test_a_recorded_page_reads_and_writes_what_can_be_chosen_in_it_and_promises_no_more(pages, browser):
+    browser.visit(pages("train-solid").output, "#pace=0.25&show=charts&mu=0.1&with=steel&lang=en")
+    experiment, own = browser.run("[page.experiment, page.own]")
+    assert experiment == own | {"pace": 0.25, "shown": ["charts"]}
+    browser.run("page.edit('pace', 0.5)")
+    assert browser.until("location.hash.includes('0.5') && location.hash") == "#pace=0.5&show=charts&lang=en"
+    promised = ["page.stages[0].canvas.ariaLabel", HELP]
+    assert not any("hrow" in str(browser.run(said)) for said in promised)
+    assert "cannot be changed here" in browser.run(NOTICE)
+    browser.run(SET.format("language", "de", "change"))
+    assert "nicht ändern" in browser.run(NOTICE)
+    browser.visit(pages(SCENE).output, "")
+    assert all("hrow" in str(browser.run(said)) for said in promised)
+
+
+def test_a_recorded_row_that_touches_at_the_start_is_shown_from_there(pages, browser):
+    browser.visit(pages("train-solid").output, "#t=0")
+    assert browser.run("[page.source.begun, page.source.time]") == [0, 0]
+
+
 HOSTILE = (
     "#n=1e99&m=-3&a=NaN&v=Infinity&mu=0x10&loss=1e400&pace=__proto__",
     "#law=__proto__&with=constructor&show=toString.forces&lang=hasOwnProperty",
@@ -456,7 +586,7 @@ def test_a_host_that_refuses_kernels_gets_the_recorded_motion(pages, browser, tm
     (tmp_path / "page.html").write_text(text.replace(" 'wasm-unsafe-eval'", ""), encoding="utf-8")
     browser.visit(tmp_path / "page.html", "")
     assert not browser.run("page.source.live")
-    assert "does not let the page compute" in browser.run("document.getElementById('notice').innerText")
+    assert "does not let the page compute" in browser.run(NOTICE)
     run_to_the_end(browser)
     (lane,) = scenes.load(SCENE).lanes
     np.testing.assert_allclose(velocities(browser), simulate(lane.chain(), lane.velocity).final_velocity, atol=0.02)
@@ -477,7 +607,7 @@ def test_a_recorded_motion_is_shown_as_it_was(browser, tmp_path, own):
     np.testing.assert_allclose(browser.run("Array.from(page.source.values(0).force)"), recorded.force[k], atol=2e-3)
     shown = browser.run("Array.from(page.source.values(0).overlap)")
     np.testing.assert_allclose(shown, recorded.overlap[k], rtol=0.01)
-    assert "cannot be changed here" in browser.run("document.getElementById('notice').innerText")
+    assert "cannot be changed here" in browser.run(NOTICE)
     run_to_the_end(browser)
     assert browser.run(SAID).startswith("Beads 0 to 2 nearly stand still. " if own else ENDED)
     assert browser.run("page.looks[0].marks")

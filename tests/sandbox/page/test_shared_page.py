@@ -3,21 +3,25 @@
 import base64
 import gzip
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from softcradle.physics.state import from_anchor
 from softcradle.sandbox.page import render_page, write_page
 from softcradle.sandbox.page.data import LINE_ERROR, SAME_DEPTH, can_be_computed, needed_rows, packed_lanes
-from softcradle.sandbox.page.played_motion import played_motion
+from softcradle.sandbox.page.played_motion import played_motion, recorded_sentence
 from softcradle.sandbox.page.shared_page import recorded
 from softcradle.sandbox.page.svg_charts import ChartAxes, Curve, axis_range, line_chart
 from softcradle.sandbox.scene_runs import load_scene
+from softcradle.sandbox.session import inputs
+from softcradle.sandbox.trajectory_summary import summarise
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Lane, Scene
 from softcradle.scenes.catalogue import parse
 
 from softcradle import one_on, power_law, scenes, simulate
+from tests.helpers.sessions import opened
 from tests.sandbox.page.conftest import TagChecker, page_data
 
 SCENES = ("one-on-four", "galilean", "draft-gear-two-on-two", "hertz-cradle", "mixed", "stiff-springs", "weak-contact")
@@ -58,6 +62,19 @@ def test_what_is_asked_of_a_method_is_recorded_and_the_page_says_how(tmp_path):
     found = simulate(scenes.load("one-on-four").lanes[0].chain(), [1, 0, 0, 0, 0], method="radau")
     assert all(f"{velocity:.8f}" in text for velocity in found.final_velocity)
     assert "Recorded motion, computed by radau, tolerance 1e-08; " in text
+
+
+@pytest.mark.parametrize("name", ["one-on-four", "train-starting"])
+def test_a_page_of_what_was_played_states_errors_that_are_known_alone(name):
+    session = opened(name, frames=20)
+    session.apply(inputs.SetVelocity(0, 0, 6.0))
+    session.step_frames(20)
+    found = session.trajectory(0)
+    assert "; energy error " in recorded_sentence(found)
+    assert summarise("", found).energy_error < 1e-12
+    unknown = replace(found, given=np.full_like(found.given, np.nan))
+    assert (summarise("", unknown).energy_error, summarise("", unknown).momentum_error) == (None, None)
+    assert recorded_sentence(unknown).endswith(" s")
 
 
 def test_warnings_of_the_run_are_on_the_page(tmp_path):
@@ -166,6 +183,29 @@ def test_free_flight_leads_to_the_start_and_follows_the_end():
     np.testing.assert_allclose(motion.velocity[-1], end.final_velocity, atol=1e-12)
     drift = motion.position[-1] - motion.position[-2] - motion.velocity[-1] * (motion.time[-1] - motion.time[-2])
     assert np.abs(drift).max() < 1e-12
+
+
+def test_lanes_that_were_edited_at_different_times_begin_with_the_last_of_them():
+    session = opened("steel-and-soft", frames=30)
+    session.apply(inputs.SetFriction(1, 0.01))
+    session.step_frames(30)
+    found = [session.trajectory(lane) for lane in (0, 1)]
+    assert found[0].time[0] < found[1].time[0]
+    first, second = played_motion(session.shown_scene(), found).motions
+    np.testing.assert_array_equal(first.time, second.time)
+    np.testing.assert_array_equal(first.position, found[0].position[-first.time.size :])
+
+
+@pytest.mark.parametrize("edits", [(), (inputs.SetVelocity(0, 4, 1.5),), (inputs.Drag(0, 4, 6.0), inputs.Drop())])
+def test_the_page_of_a_row_that_a_hand_has_moved_says_so(tmp_path, edits):
+    """Two rigid bodies that were left alone are no measure of it."""
+    session = opened(frames=20)
+    for edit in edits:
+        session.apply(edit)
+        session.step_frames(2)
+    write_page(session.trajectory(0), session.shown_scene(), tmp_path / "page.html")
+    (lane,) = page_data((tmp_path / "page.html").read_text(encoding="utf-8"))["lanes"]
+    assert lane["driven"] is bool(edits)
 
 
 def test_what_rests_is_at_rest():

@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from softcradle.physics import hertz, power_law
+from softcradle.physics import hertz, power_law, step_force
 from softcradle.sandbox.quantities import OVERLAP
 from softcradle.sandbox.session import Session, inputs
 from softcradle.sandbox.session.contact_conversion import kind_of
@@ -13,6 +13,7 @@ from softcradle.sandbox.session.editable_numbers import NUMBERS, parameters
 from softcradle.sandbox.session.run_verdict import PASSED
 from softcradle.sandbox.session.undo import MOST_STEPS
 from softcradle.sandbox.session.values_table import values_table
+from softcradle.scenes import parse
 
 from tests.helpers.sessions import check_replay, frame_table, opened
 
@@ -123,6 +124,39 @@ def test_locked_pistons_make_a_usual_cradle_and_unlocked_ones_a_rigid_cluster_ag
     assert session.lanes[0].chain.contact == session.scene.lanes[0].chain().contact
     session.step_frames(600)
     assert np.ptp(session.lanes[0].velocity[1:]) < 1e-6
+
+
+PRESSED = """
+title = "T"
+[[lanes]]
+velocity = [0.1, 0, 0]
+gap = [-0.01, {gap}]
+contact = {{law = "step_force", f0 = 2.0}}
+"""
+
+
+@pytest.mark.parametrize("frames", [0, 3])
+@pytest.mark.parametrize(
+    "edit", [inputs.SetContact(0, None, power_law(20.0, 0.1)), inputs.SetKind(0, None, "power"), inputs.Lock(0, None)]
+)
+def test_a_pressed_contact_pushes_by_its_new_law_at_once_and_after_a_restart(edit, frames):
+    session = Session(parse(PRESSED.format(gap=-0.02)))
+    session.step_frames(frames)
+    session.apply(edit)
+    for _ in range(2):
+        lane = session.lanes[0]
+        laws, overlaps = lane.chain.contact, lane.state.overlap.tolist()
+        assert min(overlaps) > 0.0
+        assert lane.state.force.tolist() == [law.force(overlap) for law, overlap in zip(laws, overlaps, strict=True)]
+        session.restart()
+
+
+def test_what_a_touching_contact_carries_stays_as_far_as_its_new_law_has_it():
+    session = Session(parse(PRESSED.format(gap=0.0)))
+    session.lanes[0].state.force[1] = 1.5
+    for law, force in ((step_force(3.0), 1.5), (step_force(1.0), 1.0), (power_law(1.0, 0.1), 0.0)):
+        session.apply(inputs.SetContact(0, 1, law))
+        assert session.lanes[0].state.force.tolist() == [2.0, force]
 
 
 def test_a_chosen_step_follows_edits_and_a_typed_one_stays():
@@ -293,6 +327,27 @@ def test_several_inputs_are_one_step_and_are_refused_together(tmp_path):
     assert not session.undo()
 
 
+def test_an_edit_that_begins_anew_is_one_step_with_the_run_that_it_ends(tmp_path):
+    session = opened("one-on-four", frames=60)
+    session.apply(inputs.SetMass(0, 1, 2.0))
+    session.step_frames(60)
+    session.scrub_frame(50)
+    before, last = picture(session), session.history.last
+    with pytest.raises(ValueError, match="no bead 9"):
+        session.apply_all([inputs.SetMass(0, 2, 3.0), inputs.SetMass(0, 9, 3.0)], anew=True)
+    assert (picture(session), session.frame, session.history.last) == (before, 50, last)
+    for mass in (3.0, 4.0):
+        session.apply_all([inputs.SetMass(0, 2, mass)], gesture=True, anew=True)
+    assert (session.frame, session.history.last) == (0, 0)
+    assert session.lanes[0].chain.mass == (1.0, 2.0, 4.0, 1.0, 1.0)  # with the edit that is later than the frame shown
+    session.step_frames(30)
+    check_replay(session, tmp_path / "replay.npz")
+    assert session.undo() == "mass"
+    assert (picture(session), session.frame, session.history.last) == (before, 50, last)
+    assert session.redo() == "mass"
+    assert (session.frame, session.history.last) == (30, 30)
+
+
 def test_a_throw_is_undone_to_the_frame_at_which_the_bead_was_taken():
     session = opened(frames=30)
     before = picture(session)
@@ -316,6 +371,25 @@ def test_unsaved_edits_are_known():
     for act, unsaved in ((session.undo, False), (session.redo, True), (stack.mark_saved, False), (session.undo, True)):
         act()
         assert stack.unsaved is unsaved
+
+
+@pytest.mark.parametrize("saved", [False, True])
+def test_an_edit_is_as_unsaved_as_before_when_throws_have_pushed_its_step_out(saved):
+    session = opened()
+    session.apply(inputs.SetMass(0, 1, 2.5))
+    if saved:
+        session.undo_stack.mark_saved()
+    session.play()
+    for _ in range(MOST_STEPS + 1):
+        session.drag(0, 4, 5.0)
+        session.drop()
+    assert {step.name for step in session.undo_stack.done} == {"bead pulled"}
+    assert session.edited
+    assert session.undo_stack.unsaved is not saved
+    session.apply(inputs.SetMass(0, 1, 3.0))
+    assert session.undo_stack.unsaved
+    session.undo()
+    assert session.undo_stack.unsaved is not saved
 
 
 def test_a_saved_edit_that_is_played_away_leaves_the_scene_unsaved(tmp_path):

@@ -12,10 +12,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from softcradle.physics import Contact, Trajectory, hertz
+from softcradle.sandbox.draw import motion_of
 from softcradle.sandbox.session import Replay, Session, inputs, recording
 from softcradle.sandbox.session.history_slices import last_slice
 from softcradle.sandbox.session.measured_data import load_measured
 from softcradle.sandbox.session.values_table import values_csv, values_table
+from softcradle.sandbox.trajectory_summary import describe, summarise
 from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window.plots.kinds import Signal
 from softcradle.scenes import parse
@@ -106,6 +108,13 @@ def test_the_history_is_exported_as_a_trajectory(tmp_path):
         assert all(0.0 < closed < opened for ((closed, opened),) in trajectory.contact_intervals)
 
 
+@pytest.mark.parametrize("name", ["history.CSV", "history.Npz"])
+def test_endings_are_read_in_any_case(tmp_path, name):
+    session = opened(frames=5)
+    assert session.export(tmp_path / name) == [tmp_path / name]
+    assert (tmp_path / name).read_bytes()[:2] == (b"PK" if name.lower().endswith(".npz") else b"ti")
+
+
 def test_the_export_begins_where_chain_or_method_was_last_changed_and_has_the_steps_that_were_taken(tmp_path):
     session = opened("one-on-four", inputs.SetMethod(0, "euler"), frames=340, memory=1)
     session.apply(inputs.SetMethod(0, "conserving"))
@@ -134,6 +143,51 @@ def test_the_export_begins_where_chain_or_method_was_last_changed_and_has_the_st
     assert session.trajectory(0).step == taken, "the longest: frames are shorter since"
     session.step_frames(2000)
     assert f"frame {session.history.first}, the oldest that is kept" in str(session.trajectory(0).warnings[0])
+
+
+def test_the_export_of_an_earlier_frame_has_no_contact_of_later_ones():
+    session = opened("one-on-four", frames=100)
+    before = session.trajectory(0)
+    session.step_frames(150)
+    session.apply(inputs.RemoveBead(0, 0))  # the contacts that are left have other numbers
+    session.step_frames(100)
+    session.scrub_frame(100)
+    found = session.trajectory(0)
+    assert found.contact_intervals == before.contact_intervals == ((),) * 4
+    assert describe("", found) == describe("", before)
+    session.scrub_frame(245)
+    assert [intervals[-1][1] for intervals in session.trajectory(0).contact_intervals] == [math.inf] * 4
+
+
+@pytest.mark.parametrize("name", ["one-on-four", "driven-cluster", "train-starting"])
+def test_what_pointer_and_edits_give_is_no_error_of_an_exported_motion(name, tmp_path):
+    session = opened(name, frames=20)
+    session.play()
+    for k in range(20):
+        session.drag(0, 1, float(session.lanes[0].position[1]) + 0.05 * k)
+        session.tick(1 / 60)
+    session.drop()
+    session.pause()
+    session.apply(inputs.SetVelocity(0, 0, 6.0))
+    session.apply(inputs.Place(0, 0, float(session.lanes[0].position[0]) - 0.2))
+    session.step_frames(40)
+    (path,) = session.export(tmp_path / "thrown.npz")
+    found = Trajectory.load(path)
+    health, summary = session.health(0), summarise("", found)
+    assert found.time[0] == 0.0
+    assert np.abs(found.given[-1]).min() > 0.1
+    assert summary.energy_error < health.energy_error + 1e-12
+    assert summary.momentum_error is health.momentum_error is None or summary.momentum_error < 1e-12
+    assert motion_of(found).energy_error.max() < health.energy_error + 1e-12
+
+
+def test_errors_of_a_row_that_begins_at_rest_and_is_thrown_are_relative_to_what_it_was_given():
+    session = opened("one-on-four", inputs.SetVelocity(0, None, 0.0), frames=5)
+    session.apply(inputs.SetVelocity(0, 0, 1.0))
+    session.step_frames(400)
+    summary = summarise("", session.trajectory(0))
+    assert summary.energy_error == pytest.approx(session.health(0).energy_error, abs=1e-12)
+    assert summary.momentum_error < 1e-12
 
 
 def test_beads_that_touch_are_a_length_apart():
@@ -177,6 +231,8 @@ def test_commas_semicolons_and_tabs_part_columns(tmp_path, text):
         ("t,v\n0,1\n,2\n", "'t' in row 3 is ''"),
         ("t,v\n0,1\n1,2,3\n", "row 3 has 3 cells, and 2 names"),
         ("\udcff", "UTF-8"),
+        ('t,v\n0,"1\n' + "1,2\n" * 50_000, "more than 131072 characters; is a quote"),
+        ("t,v\n0,1\n1," + "1" * 140_000, "more than 131072 characters"),
     ],
 )
 def test_what_is_no_table_is_refused_in_a_sentence(tmp_path, text, sentence):
@@ -218,6 +274,8 @@ def test_a_replay_has_the_same_digits(tmp_path, method):
     replay = check_replay(session, tmp_path / "played.npz")
     assert replay.session.frame == session.frame
     assert "agrees" in replay.sentence
+    replay.session.step_frames(1)  # what is played on is in no file
+    assert f"left at frame {session.frame}" in replay.sentence
 
 
 def test_the_names_in_a_recording_stay_those_of_earlier_versions(tmp_path):
@@ -293,6 +351,16 @@ def test_a_file_that_is_no_recording_is_refused_in_a_sentence(tmp_path, changes,
     np.savez(path, metadata=json.dumps(metadata_of(path) | changes), hashes=session.recording.hashes)
     with pytest.raises(UserError, match=sentence):
         Replay.load(path)
+
+
+def test_a_damaged_recording_is_refused_in_a_sentence(tmp_path):
+    path = tmp_path / "damaged.npz"
+    opened(frames=50).save_recording(path)
+    whole = bytearray(path.read_bytes())
+    for place in range(100, len(whole) - 200, len(whole) // 40):
+        path.write_bytes(whole[:place] + bytes(byte ^ 0xFF for byte in whole[place : place + 8]) + whole[place + 8 :])
+        with pytest.raises(UserError, match="not a recording"):
+            Replay.load(path)
 
 
 def test_other_files_are_refused(tmp_path):

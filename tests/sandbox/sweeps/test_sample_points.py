@@ -151,9 +151,11 @@ def test_contacts_one_by_one_or_all():
 
 def test_it_can_be_sent_to_another_process():
     for known in (SCENE, MIXED, load("experiment-one-on-three")):
-        sent = pickle.loads(pickle.dumps(ScenePoints(known)))
-        assert sent.scene == known
         values = {"lanes.0.mass.1": 3.0}
+        points = ScenePoints(known)
+        points.starts(values)
+        sent = pickle.loads(pickle.dumps(points))
+        assert sent.scene == known
         assert sent.starts(values)[0].chain == ScenePoints(known).starts(values)[0].chain
 
 

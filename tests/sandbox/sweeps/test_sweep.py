@@ -3,9 +3,12 @@
 import errno
 import os
 import signal
-from concurrent.futures import ThreadPoolExecutor
+import sys
+from concurrent.futures import Executor, ThreadPoolExecutor
 from functools import partial
+from importlib.machinery import ModuleSpec
 from threading import Lock
+from types import ModuleType
 from unittest.mock import Mock
 
 import numpy as np
@@ -14,10 +17,11 @@ from softcradle.physics import OwnLaw, one_on, power_law, simulate
 from softcradle.physics.analysis.collision import collide, measured
 from softcradle.sandbox.sweeps import Measure, grid, listed, run_sweep, store, sweep
 from softcradle.sandbox.sweeps.code_digest import code_digest
-from softcradle.sandbox.sweeps.executors import here
-from softcradle.sandbox.sweeps.run_sweep import drop_kept, map_points
+from softcradle.sandbox.sweeps.dataset import reasons_of, write_dataset
+from softcradle.sandbox.sweeps.executors import MANY, QUEUED, here, place_of, unsendable
+from softcradle.sandbox.sweeps.run_sweep import drop_kept, map_points, sweep_status
 from softcradle.sandbox.sweeps.store import Store, partial_folder
-from softcradle.sandbox.sweeps.work import PointStatus, Work, packed, sweep_work
+from softcradle.sandbox.sweeps.work import Outcome, PointStatus, Work, packed, sweep_work
 from softcradle.sandbox.user_error import StudyError
 from softcradle.scenes import load
 
@@ -25,7 +29,7 @@ from tests.helpers.own_process import python
 from tests.helpers.paths import ROOT
 from tests.helpers.swept import deadly, logged, numbers, reasoned
 
-pytest.importorskip("xarray")
+xr = pytest.importorskip("xarray")
 zarr = pytest.importorskip("zarr")
 pytest.importorskip("h5netcdf")
 
@@ -140,6 +144,80 @@ def test_it_goes_on_where_it_was_stopped(tmp_path, log, caplog):
     assert "7 of 20 points are in" in caplog.text
     assert not kept.exists()
     found.close()
+
+
+@pytest.mark.parametrize("fresh", [True, False])
+@pytest.mark.parametrize("replaced", [[0.7], [0.5, 0.6]], ids=["another study", "the same study"])
+def test_a_sweep_that_begins_afresh_goes_on_before_what_it_replaces(replaced, fresh, tmp_path, log):
+    def stop(_: str, done: int, __: int) -> None:
+        if done:
+            raise KeyboardInterrupt
+
+    output, before, points = tmp_path / "x.zarr", {"a": replaced, "n": [1]}, {"a": [0.5, 0.6], "n": [1]}
+    sweep(logged, before, output=output, executor="here").close()
+    log.unlink()
+    with pytest.raises(KeyboardInterrupt):
+        sweep(logged, points, output=output, fresh=True, progress=stop, **ONE_BY_ONE)
+    assert zarr.open_group(output)["product"][:].ravel().tolist() == replaced
+    told = "and no sweep is at it, the same command goes on"
+    assert sweep_status(logged, points, (), output) == (0, f"1 of 2 points are in {output}.partial, {told}")
+    with sweep(logged, points, output=output, fresh=fresh, **ONE_BY_ONE) as found:
+        assert found["product"].values.ravel().tolist() == [0.5, 0.6]
+    assert len(log.read_text().splitlines()) == 2
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["log", "x.zarr"]
+
+
+def test_to_begin_afresh_drops_what_another_sweep_kept(tmp_path):
+    starts = (
+        ("study", False, 0),
+        ("study", True, 0),
+        ("another", True, 0),
+        ("another", True, 1),
+        ("another", False, 1),
+    )
+    for study, fresh, done in starts:
+        opened = Store(tmp_path / "kept", study, fresh)
+        assert opened.done == done
+        if not done:
+            opened.keep(packed(0, [Outcome({"y": 1.0})]))
+        opened.close()
+
+
+def test_a_dataset_that_cannot_be_written_leaves_the_one_before(tmp_path, monkeypatch):
+    output = tmp_path / "x.zarr"
+    sweep(numbers, {"a": [0.5], "n": [1]}, output=output, executor="here").close()
+    new = sweep(numbers, {"a": [0.7], "n": [1]}, executor="here")
+    for written in (Mock(side_effect=OSError(errno.ENOSPC, "full")), Mock()):  # Mock() leaves nothing to be moved there
+        with monkeypatch.context() as patched:
+            patched.setattr(xr.Dataset, "to_zarr", written)
+            with pytest.raises(OSError, match=r"full|No such file|cannot find"):
+                write_dataset(new, output)
+        assert zarr.open_group(output)["product"][:].tolist() == [[0.5]]
+    write_dataset(new, output)
+    assert zarr.open_group(output)["product"][:].tolist() == [[0.7]]
+    assert list(tmp_path.iterdir()) == [output]
+
+
+def test_what_is_no_place_for_an_output_is_refused_before_any_work(tmp_path):
+    (tmp_path / "x.zarr").touch()
+    (tmp_path / "x.nc").mkdir()
+    (tmp_path / "link.zarr").symlink_to(tmp_path / "x.nc")
+    (tmp_path / "link.nc").symlink_to(tmp_path / "other")
+    sentences = {"x.zarr": "x.zarr: it is a file", "x.nc": "x.nc: it is a folder", "link.zarr": "x.nc: it is a folder"}
+    for name, sentence in (sentences | {"link.nc": "must end in .zarr or .nc, not .*other"}).items():
+        with pytest.raises(StudyError, match=sentence):
+            sweep(lambda a: pytest.fail("computed"), {"a": [1]}, output=tmp_path / name, executor="here", fresh=True)
+
+
+def test_what_an_output_is_a_link_to_is_written(tmp_path):
+    (tmp_path / "far").mkdir()
+    for name in ("x.zarr", "x.nc"):
+        (tmp_path / name).symlink_to(tmp_path / "far" / name)
+        for a in (0.5, 0.7):
+            with sweep(numbers, {"a": [a], "n": [1]}, output=tmp_path / name, executor="here", fresh=True) as found:
+                assert found["product"].item() == a
+        assert (tmp_path / name).is_symlink()
+    assert sorted(path.name for path in (tmp_path / "far").iterdir()) == ["x.nc", "x.zarr"]
 
 
 def test_points_of_a_study_keep_their_reasons_and_come_one_by_one():
@@ -316,6 +394,62 @@ def test_a_trajectory_is_measured_as_what_it_was_computed_from(settings):
     assert cut["reason"].item() == "the samples of a Trajectory that is measured must begin and end with its run"
 
 
+def test_a_measure_that_cannot_be_taken_leaves_the_others():
+    def share(run):
+        if run.start.velocity[0] == 0.5:
+            raise RuntimeError("half")
+        return 1.0
+
+    measures = ["final_velocity", "rigidity", Measure("share", "", "of the speed", "", share), "contact_turns"]
+    found = sweep("one-on-four", {SPEED: [1.0, 0.5, -1.0]}, measures, executor="here")
+    apart = (
+        "rigidity, contact_turns: no two neighbours approach each other at the start: there is no collision to measure"
+    )
+    assert found["reason"].values.tolist() == ["", "share: RuntimeError: half", apart]
+    assert (found["status"] <= PointStatus.SEPARATED).all()
+    assert np.isfinite(found["final_velocity"]).all()
+    assert np.isnan(found["rigidity"]).values.tolist() == [False, False, True]
+    assert np.isnan(found["share"]).values.tolist() == [False, True, False]
+    assert np.isnan(found["contact_turns"]).any("contact").values.tolist() == [False, False, True]
+    assert sorted(reasons_of(found)) == [(apart, 1), ("share: RuntimeError: half", 1)]
+
+
+def test_a_run_that_cannot_be_is_refused_whatever_is_measured():
+    start, known = (one_on(2, power_law(1.0, 1.0)), [1.0, 0.0, 0.0]), Measure("known", "", "", "", lambda _: 1.0)
+    found = sweep(lambda k: (*start, {"tolerance": k}), {"k": [1e-3, -1.0]}, [known, "end"], executor="here")
+    assert found["status"].values.tolist() == [PointStatus.SEPARATED, PointStatus.REFUSED]
+    assert np.isnan(found["known"]).values.tolist() == [False, True]
+
+
+def test_a_measure_that_no_point_has_is_there_without_numbers():
+    none = sweep("one-on-four", {SPEED: [-1.0, -2.0]}, ["rigidity", "contact_turns", "end"], executor="here")
+    assert list(none.data_vars)[:3] == ["rigidity", "contact_turns", "end"]
+    assert (none["rigidity"].dims, none["contact_turns"].shape) == ((SPEED,), (2, 4))
+    assert np.isnan(none["contact_turns"]).all()
+    one = sweep("weak-contact", {SPEED: [-1.0]}, ["rigidity", "restitution", "closings"], executor="here")
+    assert np.isnan(one["rigidity"]).values.tolist() == [[True, False]]  # of the lanes
+    refused = sweep(lambda k: [k], {"k": [1]}, ["rigidity", "final_velocity"], executor="here")
+    assert np.isnan(refused["rigidity"].item())
+    assert "final_velocity" not in refused  # of how many beads, nothing tells
+
+
+def test_every_value_of_a_list_is_checked_as_a_file_is():
+    over = {"lanes.0.approach": [1.0, -0.5, 1.0, np.nan, 1.0], "lanes.0.mass.2": [1.0, 1.0, np.inf, 1.0, 2.0]}
+    found = sweep("one-on-four", listed(over), ["end"], executor="here")
+    wrong = "the scene: lanes[0].approach must be "
+    expected = ["", f"{wrong}greater than or equal to 0, not -0.5", "", f"{wrong}a finite number, not nan", ""]
+    assert found["reason"].values.tolist() == expected
+    assert np.isnan(found["end"]).values.tolist() == [False, True, False, True, False]
+
+
+@pytest.mark.parametrize("other", [2.5, 4.0])
+def test_whole_numbers_stay_whole_beside_others(other):
+    found = sweep("one-on-four", {"lanes.0.beads.1": [4, other, 4]}, ["end"], executor="here")
+    refused = f"the scene: lanes[0].beads[1] must be a whole number, not {other}"
+    assert found["reason"].values.tolist() == ["", refused, ""]
+    assert found["lanes.0.beads.1"].dtype == np.float64
+
+
 @pytest.mark.parametrize(
     ("arguments", "options", "sentence"),
     [
@@ -346,6 +480,28 @@ def test_what_cannot_be_is_refused_before_any_work(arguments, options, sentence,
     with pytest.raises(ValueError, match=sentence):
         sweep(*arguments, **options)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_an_executor_of_the_caller_is_given_as_much_as_it_has_workers():
+    work = sweep_work(numbers, GRID, ())
+    with ThreadPoolExecutor(32) as pool:
+        for executor, workers, room in ((pool, None, 32), (pool, 3, 3), (Executor(), None, MANY)):
+            place = place_of(work, executor, None, workers)
+            assert place is not None
+            assert place.room() == QUEUED * room
+
+
+def test_a_command_that_is_a_package_gets_processes(tmp_path, monkeypatch):
+    """`python -m package` is not begun again in them; what stands in its `__main__` is not there."""
+    main = ModuleType("__main__")
+    main.__file__, main.__spec__ = str(tmp_path / "__main__.py"), ModuleSpec("package.__main__", None)
+    (tmp_path / "__main__.py").write_text("main()")
+    exec("def own(*_): return {}", vars(main))
+    monkeypatch.setitem(sys.modules, "__main__", main)
+    assert unsendable(sweep_work(numbers, GRID, ())) == ""
+    own = Measure("own", "", "of the package", "", main.own)
+    for work in (sweep_work(main.own, GRID, ()), sweep_work(numbers, GRID, [own])):
+        assert unsendable(work) == "what is of `__main__` cannot be imported there, put it into a module"
 
 
 SCRIPT = """
@@ -387,7 +543,7 @@ SPEED = "lanes.0.velocity.0"
         ("draft-gear-one-on-three", {"lanes.0.mass.0": [0.5, 0.7, -1.0, 1.0, 2.0], SPEED: [0.5, 1.0, 2.0]}, 3),
         ("one-on-four", {"lanes.0.contact.alpha": [0.1, 0.11, 0.12, 0.4], SPEED: [1.0, 1.1]}, 0),
         ("one-on-four", {SPEED: [1.0, 1.2, 1.4, 1.6], "lanes.0.beads.1": [3, 4]}, 0),
-        ("one-on-four", {SPEED: [-1.0, 0.0, 1.0, 2.0]}, 2),
+        ("one-on-four", {SPEED: [-1.0, 0.0, 1.0, 2.0]}, 0),
     ],
     ids=["gears, and a mass that cannot be", "motions of several runs", "chains of two shapes", "no blow to measure"],
 )

@@ -41,6 +41,16 @@ def test_all_kernels_are_loaded_jobs_done_between_and_the_thread_that_draws_wait
     assert all(map(warmup.is_warm, ("conserving", "accurate", "pymunk")))
 
 
+def test_of_two_windows_the_one_that_is_closed_last_gives_back_the_usual_interval():
+    usual, first, second = sys.getswitchinterval(), KernelWarmup(), KernelWarmup()
+    for warmup in (first, second):
+        warmup.start()
+    first.stop()
+    assert sys.getswitchinterval() == pytest.approx(kernel_warmup.INTERVAL)
+    second.stop()
+    assert sys.getswitchinterval() == pytest.approx(usual)
+
+
 def test_without_machine_code_few_contacts_in_few_steps_can_be_moved(monkeypatch):
     conservative, dissipative = Session(scenes.load("one-on-four")), Session(scenes.load("train-cut"))
     warmup, time = KernelWarmup(), conservative.setup.frame_time

@@ -1,5 +1,6 @@
 """Nothing is lost: edits are undone and asked for, files are saved and not replaced unasked, drags end, films are written."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -15,7 +16,9 @@ from softcradle.sandbox.draw.text import width
 from softcradle.sandbox.session.inputs import SetContact, SetMass
 from softcradle.sandbox.session.snapshots import NOTHING_HELD
 from softcradle.sandbox.window.gallery.page import GalleryPage
-from softcradle.sandbox.window.settings import unsaved_path
+from softcradle.sandbox.window.settings import settings_path
+from softcradle.sandbox.window.unsaved_scene import UnsavedFile, left_over, unsaved_paths
+from softcradle.scenes import load
 
 from tests.helpers.windows import Driver
 from tests.sandbox.page.conftest import page_data
@@ -28,13 +31,17 @@ def edited(driver: Driver) -> None:
     driver.key(pygame.K_a)
 
 
+def left_behind() -> list[str]:
+    return [path.name for path in settings_path().parent.glob("*unsaved*")]
+
+
 def test_a_window_that_is_killed_offers_its_edits_at_the_next_start_unless_they_are_saved(driver: Driver) -> None:
     edited(driver)
     driver.frames(90)
-    assert unsaved_path().exists()
+    assert unsaved_paths()
     driver.page.dialogs.save("save_scene", "mine")
     driver.frames(90)
-    assert not unsaved_path().exists()
+    assert not unsaved_paths()
     driver.key(pygame.K_a)
     driver.frames(90)
     for mass in range(2, 92):  # a slider that is dragged for longer than the file waits
@@ -52,8 +59,95 @@ def test_a_window_that_is_killed_offers_its_edits_at_the_next_start_unless_they_
     assert (again.session.lanes[0].chain.mass, again.session.slow) == (masses, slow)
     assert again.page.unsaved
     assert again.app.settings.recent == [str(Path("mine.toml").resolve())]
-    again.close()  # by hand
-    assert not unsaved_path().exists()
+    again.app.quit()
+    again.close()
+    assert not left_behind()
+
+
+def test_edits_of_a_window_that_crashes_are_offered_at_the_next_start(driver: Driver, monkeypatch) -> None:
+    edited(driver)
+    driver.frames(90)
+    chain = driver.session.lanes[0].chain
+    monkeypatch.setattr(driver.app, "frame", Mock(side_effect=RuntimeError("a fault")))
+    pygame.event.post(pygame.Event(pygame.KEYUP, key=pygame.K_a))
+    with pytest.raises(RuntimeError, match="a fault"):
+        driver.app.run()
+    again = Driver()
+    again.key(pygame.K_RETURN)
+    assert again.session.lanes[0].chain == chain
+
+
+def written(number: int) -> UnsavedFile:
+    """The file of a window that has ended, the later the newer."""
+    file = UnsavedFile()
+    file.write(load("one-on-four").model_copy(update={"title": f"scene {number}"}).to_toml())
+    os.utime(file.path, (number, number))
+    file.release()
+    return file
+
+
+@pytest.mark.parametrize("leave", ["quit", "page", "edit"])
+def test_an_unsaved_scene_that_is_neither_opened_nor_discarded_is_offered_again(leave: str) -> None:
+    kept = written(1)
+    driver = Driver("one-on-four")
+    assert driver.app.dialog.title == "An unsaved scene"
+    driver.key(pygame.K_ESCAPE)
+    if leave == "page":
+        driver.key(pygame.K_ESCAPE)
+        assert isinstance(driver.app.page, GalleryPage)
+    if leave == "edit":
+        edited(driver)
+        driver.frames(90)
+        assert len(unsaved_paths()) == 2
+        driver.page.dialogs.save("save_scene", "mine")
+        driver.frames(90)
+    driver.app.quit()
+    driver.close()
+    assert unsaved_paths() == [kept.path]
+    again = Driver()
+    again.key(pygame.K_RETURN)
+    assert again.page.title == "scene 1"
+
+
+def test_of_several_unsaved_scenes_the_newest_is_offered_and_the_others_at_later_starts() -> None:
+    files = [written(number) for number in (2, 3, 1)]
+    for file in (files[1], files[0], files[2]):
+        assert file.path in unsaved_paths()
+        driver = Driver()
+        driver.key(pygame.K_RIGHT)
+        driver.key(pygame.K_RETURN)  # Discard it
+        driver.close()
+        assert file.path not in unsaved_paths()
+    assert Driver().app.dialog is None
+    assert not left_behind()
+
+
+def test_the_edits_of_a_window_that_runs_are_no_other_windows(driver: Driver) -> None:
+    edited(driver)
+    driver.frames(90)
+    (own,) = unsaved_paths()
+    second = Driver()
+    assert second.app.dialog is None
+    assert left_over() is None
+    second.app.quit()
+    second.close()
+    assert unsaved_paths() == [own]
+    driver.app.close()  # as a process that is killed lets go of it
+    found = left_over()
+    assert found.path == own
+    found.release()
+
+
+def test_a_file_that_an_earlier_version_left_is_offered_and_one_that_is_no_scene_stays() -> None:
+    old = settings_path().with_name("unsaved.toml")
+    old.parent.mkdir(parents=True)
+    old.write_text("title =")
+    driver = Driver()
+    driver.key(pygame.K_RETURN)
+    assert any("not valid TOML" in text for text in driver.messages)
+    driver.app.quit()
+    driver.close()
+    assert unsaved_paths() == [old]
 
 
 def test_keys_and_buttons_undo_and_redo_and_the_motion_stays(driver: Driver) -> None:

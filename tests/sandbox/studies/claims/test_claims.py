@@ -224,6 +224,20 @@ def test_a_verdict_says_how_it_moves_with_the_bar():
     assert replace(at(0.5), chosen=False).bar_text == ""
 
 
+def test_by_the_bar_it_holds_where_no_case_fails_and_the_paper_s_own_is_determined():
+    def verdicts(bars, *values):
+        """The text at the first bar, and the verdict at each."""
+        found = [study(*(case(x, *value, allowed=bar) for x, value in enumerate(values, 1))) for bar in bars]
+        return found[0].bar_text, [one.verdict for one in found]
+
+    text, found = verdicts((0.79, 1.0, 1.21), (0.1,), (1.0, 0.2))
+    assert text == "by the bar: fails beyond below 0.8, holds from 1.2"
+    assert found == [Verdict.BEYOND, Verdict.UNDETERMINED, Verdict.HOLDS]
+    text, found = verdicts((0.65, 0.5, 0.6), (0.49,), (0.3,), (0.7, 0.08), (math.nan,))
+    assert text == "by the bar: fails beyond below 0.3, holds within from 0.3, holds from 0.62"
+    assert found == [Verdict.HOLDS, Verdict.WITHIN, Verdict.WITHIN]
+
+
 def test_every_number_is_met(capsys):
     assert main(["verify", "--json"]) == 0, capsys.readouterr().out
     rows = json.loads(capsys.readouterr().out)["numbers"]

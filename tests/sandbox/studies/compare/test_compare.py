@@ -135,6 +135,31 @@ def test_page_in_a_browser(page, tmp_path):
         assert browser.complaints == []
 
 
+APART = (
+    'title = "Apart"\nduration = 1.0\n{settings}\n[[lanes]]\nvelocity = [1.0, 0.0]\ngap = 50.0\n'
+    'contact = {{law = "power_law", f0 = 1.0, alpha = 0.1}}\n'
+)
+
+
+def test_where_no_side_touches_there_is_no_chart_of_the_law(tmp_path, compared):
+    (tmp_path / "apart.toml").write_text(APART.format(settings=""))
+    content = compared(str(tmp_path / "apart.toml"), "--contact", "hertz(10)", "-o", str(tmp_path / "x.html"))
+    assert [side["measures"]["peak_force"] for side in content["sides"]] == [0.0, 0.0]
+    text = (tmp_path / "x.html").read_text(encoding="utf-8")
+    assert "Force of the struck contact" in text
+    assert "Law of the struck contact" not in text
+
+
+def test_the_film_is_by_the_method_and_magnification_on_which_all_scenes_agree(tmp_path):
+    path = tmp_path / "own.toml"
+    path.write_text(APART.format(settings='method = "euler"\nstep = 0.01\nview = {magnify = 50.0}'))
+    scene = comparison_of([str(path)], ["hertz(10)"]).as_scene(1.0)
+    assert (scene.method, scene.step, scene.view.magnify) == ("euler", 0.01, 50.0)
+    assert {motion.method for motion in scene_motions_quietly(scene, 30.0)[0]} == {"euler, step 0.010 s"}
+    scene = comparison_of([str(path), "one-on-four"], []).as_scene(1.0)
+    assert (scene.method, scene.step, scene.view.magnify) == (None, None, None)
+
+
 def outputs(folder, *names):
     return [word for name in names for word in ("-o", str(folder / name))]
 

@@ -121,6 +121,17 @@ def test_scenes_of_ones_own_have_cards_below_the_first(gallery: Driver, tmp_path
     assert set(page.pictures) == set(page.names)
 
 
+def test_a_scene_whose_motion_cannot_be_had_is_shown_as_it_begins_and_the_page_rests(gallery: Driver, tmp_path) -> None:
+    page, scene = gallery.app.page, scenes.load("mixed").model_copy(update={"method": "conserving", "step": 1e-9})
+    (tmp_path / "mine.toml").write_text(scene.to_toml())
+    gallery.app.settings.remember(tmp_path / "mine.toml")
+    gallery.app.rebuild()
+    gallery.until(lambda: not page.moving)
+    assert str(tmp_path / "mine.toml") in page.pictures
+    assert "drawing …" not in [one.text for one in gallery.texts()]
+    assert thumbnails.load(scene, "light") is None, "it is no picture of the motion"
+
+
 def test_keys_and_the_bar_scroll_to_every_card_and_it_stays_where_it_was(gallery: Driver) -> None:
     page = gallery.app.page
     gallery.key(pygame.K_END)

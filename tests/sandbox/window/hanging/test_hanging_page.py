@@ -2,11 +2,16 @@
 
 import pygame
 from softcradle.sandbox.draw.palette import bead_colours
-from softcradle.sandbox.window.hanging.cradle import LAWS, HangingModel
+from softcradle.sandbox.window.hanging.cradle import FRAME, LAWS, HangingModel
 from softcradle.sandbox.window.hanging.page import HangingPage, to_screen
 from softcradle.sandbox.window.scene.page import ScenePage
 
 from tests.helpers.windows import Driver
+
+
+def advance(model: HangingModel, seconds: float) -> None:
+    for _ in range(round(seconds / FRAME)):
+        model.advance()
 
 
 def test_soft_balls_gain_no_energy_and_of_a_small_exponent_swing_off_nearly_as_one_body():
@@ -15,10 +20,10 @@ def test_soft_balls_gain_no_energy_and_of_a_small_exponent_swing_off_nearly_as_o
     for law in LAWS:
         model = HangingModel(law)
         (cradle, _), before = model.cradles, model.cradles[0].energy()
-        model.advance(0.95)
+        advance(model, 0.95)
         speeds = [ball.velocity.x for ball in cradle.balls[1:]]
         spreads[law] = max(speeds) - min(speeds)
-        model.advance(5.05)
+        advance(model, 5.05)
         assert 0.9 * before < cradle.energy() < 1.02 * before, law
     assert spreads["power law, alpha 1/14"] < 0.5 * spreads["steel balls (Hertz)"]
 
@@ -49,7 +54,7 @@ def test_the_hanging_page_is_driven_by_mouse_menus_and_keys():
 def test_what_is_said_of_the_energy_is_what_became_of_it():
     kept, lost = HangingModel("steel balls (Hertz)", rate=240), HangingModel("steel balls (Hertz)", rate=60)
     for model in (kept, lost):
-        model.advance(4.0)
+        advance(model, 4.0)
     found, other = kept.cradles[0].verdict(), lost.cradles[0].verdict()
     assert found.level == "good"
     assert f"{100 * abs(found.change):.2g} %" in found.sentence
@@ -60,16 +65,16 @@ def test_what_is_said_of_the_energy_is_what_became_of_it():
 
 def test_balls_that_have_passed_each_other_are_a_fault_and_a_copy_of_a_held_one_is_free():
     model = HangingModel("power law, alpha 1/14")
-    model.advance(0.1)
+    advance(model, 0.1)
     assert model.cradles[0].verdict().level == "good"
     for _ in range(60):
         model.hold(0, 4, (-0.6, -0.5))
-        model.advance(1 / 60)
+        model.advance()
     copied = model.copy()
     model.release()
     model = model.copy()  # which begins without what the joints remember, as the other
     for one in (model, copied):
-        one.advance(0.5)
+        advance(one, 0.5)
     assert state(copied) == state(model)
     assert model.cradles[0].verdict().level == "bad"
     assert "passed each other" in model.cradles[0].verdict().sentence
@@ -88,7 +93,7 @@ def test_throws_choices_and_restarts_are_undone():
     page = driver.app.page
     driver.play(70)
     before, expected = state(page.model), page.model.copy()
-    expected.advance(0.5)
+    advance(expected, 0.5)
     ball = to_screen(page.pictures[0], page.model.cradles[0].places()[4])
     driver.pull(ball, (ball[0] + 60, ball[1] - 40), steps=5)
     driver.frames(20)
@@ -99,7 +104,7 @@ def test_throws_choices_and_restarts_are_undone():
         assert state(page.model) != before
         driver.key(pygame.K_z, pygame.KMOD_CTRL)
     assert state(page.model) == before
-    page.model.advance(0.5)
+    advance(page.model, 0.5)
     assert state(page.model) == state(expected)
     assert page.menus["law"].selected_option[0] == "steel balls (Hertz)"
     driver.key(pygame.K_z, pygame.KMOD_CTRL)
@@ -114,3 +119,21 @@ def test_balls_are_numbered_as_beads_are():
         x, y = map(round, to_screen(page.pictures[0], place))
         found = pixels[x - 7 : x + 7, y - 7 : y + 7]
         assert (abs(found - colour).sum(axis=2) > 150).any(), number
+
+
+def test_the_fastest_motion_takes_no_more_of_a_picture_than_its_budget_and_is_said_to_be_late():
+    driver = Driver("hanging-cradle")
+    page = driver.app.page
+    advance = page.model.advance
+
+    def slow_frame() -> bool:
+        driver.time += 0.004
+        return advance()
+
+    page.model.advance = slow_frame
+    page.time_controls.set_slow(0.01)
+    driver.run(0)
+    before = page.model.time
+    driver.frames(10)
+    assert round((page.model.time - before) / FRAME) == 10 * 2, "a third one does not fit into the budget"
+    assert any(one.text.startswith("late: clock at") for one in driver.texts())

@@ -7,6 +7,7 @@ from softcradle.physics import power_law, simulate
 from softcradle.sandbox.session.inputs import SetContact, SetVelocity
 from softcradle.sandbox.window.lessons.runner import lessons
 from softcradle.sandbox.window.plots.scales import motions_ahead
+from softcradle.sandbox.window.scene.clock import is_over
 
 from softcradle import scenes
 from tests.helpers.drawn_text import film_texts
@@ -32,7 +33,7 @@ def answered(driver: Driver, choice: int) -> str:
     for _ in range(choice):
         driver.key(pygame.K_DOWN)
     driver.key(pygame.K_RETURN)
-    assert driver.session.playing
+    assert driver.page.clock.activity() != "paused"
     driver.until(lambda: driver.app.dialog.open, 1500)
     note, title = driver.app.dialog.note, driver.app.dialog.title
     driver.key(pygame.K_ESCAPE)
@@ -47,6 +48,19 @@ def test_a_lesson_is_predicted_run_and_answered_with_a_reason_which_an_edited_sc
     driver.page.lessons._next = 0
     driver.page.editor.apply(SetContact(0, None, power_law(100.0, 1.0)))
     assert answered(driver, 1).endswith("Measured: the last bead alone.")
+
+
+@pytest.mark.parametrize("whole", [True, False], ids=["asked while it runs", "asked at its end"])
+def test_a_question_over_a_replay_is_answered_by_it(driver: Driver, tmp_path, whole: bool) -> None:
+    driver.key(pygame.K_SPACE)
+    driver.until(lambda: driver.page.outcome.text if whole else is_over(driver.session.lanes[0]), 900)
+    driver.session.pause()
+    driver.page.dialogs.save("save_session", "played")
+    driver.drop_file(tmp_path / "played.npz")
+    driver.until(lambda: driver.session.frame > 20 if whole else driver.page.replay.done, 900)
+    assert answered(driver, 1).startswith("Not as you predicted. Measured:")
+    driver.until(lambda: driver.page.replay.done, 900)
+    assert "agrees" in driver.page.replay.sentence
 
 
 def test_a_scene_without_lessons_names_those_that_have_some() -> None:

@@ -1,6 +1,7 @@
 """The first level of the window with few controls, the same blow among steel balls, and the card at the end of a motion."""
 
 from dataclasses import replace
+from functools import partial
 
 import pygame
 import pytest
@@ -81,6 +82,30 @@ def test_alpha_is_that_of_the_row_or_of_a_selected_contact_and_the_blow_goes_as_
     assert [law.exponent for law in laws(explorer)] == [0.1, 0.5, 0.1, 0.1]
 
 
+def test_an_alpha_beyond_those_of_a_contact_is_refused_in_a_sentence(explorer: Driver) -> None:
+    before = laws(explorer)
+    for alpha in ("1000", "1e-9"):
+        typed(explorer, "alpha", alpha)
+        sentence = f"contact exponent must be from 1e-06 to 10, not {float(alpha)}"
+        assert any(text.startswith(sentence) for text in explorer.messages)
+        assert laws(explorer) == before
+
+
+def test_another_number_is_taken_back_with_the_run_that_it_ended(explorer: Driver) -> None:
+    changes = (
+        partial(typed, explorer, "alpha", "1"),
+        partial(typed, explorer, "speed", "2"),
+        partial(press, explorer, "+"),
+    )
+    for change in changes:
+        explorer.play(60)
+        before = explorer.session.frame, explorer.session.span, explorer.session.setup
+        change()
+        assert explorer.session.history.last == 0
+        explorer.key(pygame.K_z, pygame.KMOD_CTRL)
+        assert (explorer.session.frame, explorer.session.span, explorer.session.setup) == before
+
+
 def test_buttons_add_and_remove_a_bead(explorer: Driver) -> None:
     for button, count in (("+", 6), ("\N{MINUS SIGN}", 5)):
         press(explorer, button)
@@ -106,8 +131,9 @@ def test_an_action_on_two_rows_is_one_undo_step_and_every_row_moves_again_after_
     typed(driver, "speed", "2")
     assert all(lane.setup.locked[0] for lane in driver.session.lanes)
     for contacts, locked in ((4, True), (4, True), (4, False), (3, False)):
-        assert [lane.chain.contacts for lane in driver.session.lanes] == [contacts] * 2
-        assert [lane.setup.locked[0] is not None for lane in driver.session.lanes] == [locked] * 2
+        lanes = driver.session.history.newest_setup.lanes
+        assert [lane.chain.contacts for lane in lanes] == [contacts] * 2
+        assert [lane.locked[0] is not None for lane in lanes] == [locked] * 2
         undo()
     assert not undo()
 

@@ -2,6 +2,7 @@
 
 import math
 import re
+from unittest.mock import Mock
 
 import numpy as np
 import pygame
@@ -9,8 +10,11 @@ import pytest
 from softcradle.sandbox.draw.number_format import MINUS
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.session.inputs import AddBead, SetVelocity
+from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.window.scene.clock import is_over
 from softcradle.sandbox.window.scene.page import joined
 from softcradle.sandbox.window.scene.sound import RATE, TONE_VOLUME, TONES, click, tone
+from softcradle.scenes import Scene
 
 from tests.helpers.drawn_text import colliding
 from tests.helpers.windows import Driver
@@ -61,6 +65,16 @@ def test_keys_and_the_slider_set_the_slow_motion(driver: Driver) -> None:
     assert driver.session.time > 5.0
 
 
+@pytest.mark.parametrize(("slow", "slower", "faster"), [(5000.0, 5000.0, 1000.0), (0.001, 0.01, 0.001)])
+def test_slower_is_never_faster_nor_faster_slower(driver: Driver, slow: float, slower: float, faster: float) -> None:
+    scene = driver.session.scene
+    for key, expected in ((pygame.K_MINUS, slower), (pygame.K_EQUALS, faster)):
+        driver.page.show_scene(scene.model_copy(update={"view": scene.view.model_copy(update={"slow": slow})}))
+        driver.frames(2)
+        driver.key(key)
+        assert driver.session.slow == expected
+
+
 def test_no_two_actions_have_one_name():
     with pytest.raises(ValueError, match="two actions are called undo"):
         joined({"undo": print, "redo": print}, {"undo": print})
@@ -97,6 +111,32 @@ def test_one_key_goes_from_silence_to_clicks_to_tones_and_back(driver: Driver):
     driver.key(pygame.K_n)
     assert sound.clicks is sound.tones is None
     assert driver.messages[-1] == "sound off"
+
+
+def test_a_motion_is_not_over_while_couplers_may_pull() -> None:
+    gear = {"law": "preloaded", "preload": 1.0, "stiffness": 10.0, "exponent": 1.0}
+    wagons = {"beads": 3, "velocity": [-0.5, 0.0, 0.5]}
+    lane = {**wagons, "contact": {"law": "coupler", "push": gear, "pull": gear, "slack": 0.5}}
+    session = Session(Scene.model_validate({"title": "Wagons that go apart", "duration": 5.0, "lanes": [lane]}))
+    pulled = False
+    while not pulled:
+        assert not is_over(session.lanes[0])
+        session.step_frames(1)
+        pulled = bool((session.lanes[0].state.force < 0.0).any())
+    assert not is_over(session.lanes[0])
+
+
+def test_a_replay_clicks_as_the_run_did(driver: Driver, tmp_path) -> None:
+    live, replayed = Mock(), Mock()
+    driver.key(pygame.K_n)
+    driver.page.sound.clicks.click = live
+    driver.play_to_the_end()
+    driver.page.dialogs.save("save_session", "played")
+    driver.drop_file(tmp_path / "played.npz")
+    driver.key(pygame.K_n)
+    driver.page.sound.clicks.click = replayed
+    driver.until(lambda: driver.page.replay.done, most=900)
+    assert live.mock_calls == replayed.mock_calls != []
 
 
 def has_colour(driver: Driver, points, colour) -> bool:

@@ -95,6 +95,7 @@ def test_a_scene_is_compared_with_a_copy_and_edits_stay_unsaved(driver: Driver) 
     assert driver.session.lanes[0].chain.mass[1] == 1.0
     driver.session.apply(SetMass(0, 2, 3.0))
     driver.key(pygame.K_d, CTRL)  # the first lane of the two
+    driver.click(driver.app.dialog.buttons["Discard them"].rect.center)  # of the second
     assert driver.page.title == "One bead on four, compared"
     assert [driver.session.label(k) for k in (0, 1)] == ["alpha = 1/10, edited", "alpha = 1/10, edited, the other"]
     assert driver.session.lanes[1].chain.mass == (1.0, 1.0, 3.0, 1.0, 1.0)
@@ -103,6 +104,35 @@ def test_a_scene_is_compared_with_a_copy_and_edits_stay_unsaved(driver: Driver) 
     driver.key(pygame.K_ESCAPE)
     assert driver.app.page is page
     assert driver.app.dialog.title == "Keep the edits?"
+
+
+@pytest.mark.parametrize("modifiers", [CTRL, CTRL | pygame.KMOD_SHIFT], ids=["beside a copy", "back to one row"])
+def test_edits_of_a_row_that_would_go_are_asked_for(modifiers: int) -> None:
+    driver = Driver("beads-against-gear")
+    page = driver.page
+    driver.session.apply(SetMass(1, 1, 7.0))
+    driver.key(pygame.K_d, modifiers)
+    assert driver.app.dialog.title == "Keep the edits?"
+    driver.key(pygame.K_ESCAPE)  # stay
+    assert driver.app.page is page
+    assert driver.session.lanes[1].chain.mass[1] == 7.0
+    driver.page.dialogs.save("save_scene", "mine")
+    driver.session.undo()
+    driver.session.apply(SetMass(0, 1, 7.0))  # this one goes with the first row
+    driver.key(pygame.K_d, modifiers)
+    assert driver.app.page is not page
+    assert driver.session.lanes[0].chain.mass[1] == 7.0
+
+
+def test_the_same_blow_is_played_once_edits_of_the_second_row_are_discarded(driver: Driver) -> None:
+    driver.app.act("compare")
+    page = driver.page
+    driver.session.apply(SetMass(1, 1, 7.0))
+    driver.app.act("compare_balls")
+    assert not driver.session.playing
+    driver.click(driver.app.dialog.buttons["Discard them"].rect.center)
+    assert driver.app.page is not page
+    assert driver.session.playing
 
 
 def test_what_the_catalogue_says_of_its_lanes_is_not_said_of_one_of_them_or_of_an_edited_one() -> None:
