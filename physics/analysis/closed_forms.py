@@ -169,10 +169,22 @@ def common_law(chain: Chain) -> Contact | None:
     return law if isinstance(law, Contact) and all(contact == law for contact in chain.contact) else None
 
 
+def meets_freely(chain: Chain, struck: int) -> bool:
+    """Whether clusters that just touch inside meet at contact `struck`, and nothing acts on them from outside."""
+    return not (any(chain.gap[:struck] + chain.gap[struck + 1 :]) or chain.drive or chain.forces or chain.on_bed)
+
+
 def speed_ratio(chain: Chain, struck: int, speed: float) -> float | None:
     """V/v_c of draft gears, all alike, whose contact `struck` closes at `speed` [m/s]; None where there is no critical speed."""
     gear = common_law(chain)
-    if gear is None or chain.walls or gear.exponent != 1.0 or gear.preload == 0.0 or gear.stiffness == 0.0:
+    if (
+        gear is None
+        or chain.walls
+        or not meets_freely(chain, struck)
+        or gear.exponent != 1.0
+        or gear.preload == 0.0
+        or gear.stiffness == 0.0
+    ):
         return None
     critical = critical_speed(gear, chain.mass, struck + 1)
     return speed / critical if math.isfinite(critical) else None

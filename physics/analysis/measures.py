@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from softcradle.physics.analysis.closed_forms import common_law
+from softcradle.physics.analysis.closed_forms import common_law, meets_freely
 from softcradle.physics.chain import Chain, mass_shares
 from softcradle.physics.coupler import Coupler
 from softcradle.physics.trajectory import Trajectory
@@ -198,9 +198,11 @@ def spread_variable(n: int, alpha: float) -> float:
 
 
 def chain_spread_variable(chain: Chain, struck: int) -> float | None:
-    """The `spread_variable` of one bead on others, all alike, without preload or loss; None for every other chain."""
+    """The `spread_variable` of one bead on others that just touch, all alike, without preload or loss; None for other chains."""
     law, n = common_law(chain), chain.contacts
     if law is None or law.preload or law.loss or n < 2 or struck not in (0, n - 1) or len(set(chain.mass)) > 1:
+        return None
+    if not meets_freely(chain, struck):
         return None
     return spread_variable(n, law.exponent)
 

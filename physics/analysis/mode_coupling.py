@@ -16,6 +16,7 @@ it has four beads, a cluster that is pushed by a steady force two. It conserves 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -49,11 +50,12 @@ class Reduction:
         """The modes of two clusters that meet, or of one that is driven at an end.
 
         Raises:
-            ValueError: the start is neither, or an overlap inside a cluster has no power law to be found by.
+            ValueError: the start is neither, an overlap inside a cluster has no power law to be found by, or its beads are not
+                free.
         """
-        if chain.timed or chain.on_bed:
+        if chain.timed or chain.dissipative:
             raise ValueError(
-                "mode coupling needs steady forces and free beads: no forces over time, no bed and no brakes"
+                "mode coupling needs steady forces and free beads: no forces over time, no loss, no bed and no brakes"
             )
         struck = _struck(chain, checked_velocity(chain, velocity))
         found = cls(chain, _modes(chain, struck), struck)
@@ -64,6 +66,10 @@ class Reduction:
                 raise ValueError(
                     f"mode coupling needs clusters that just touch, contact {i} has a gap of {chain.gap[i]:g}"
                 )
+        for lump in found.lumps:  # Eq. (5) shares out by mass what comes in at the head
+            for j in range(lump.start, lump.stop) if lump.stop - lump.start > 1 else ():
+                if math.isinf(chain.mass[j]) or (chain.drive is not None and chain.drive[j] != 0.0):
+                    raise ValueError(f"mode coupling needs free beads inside a cluster, bead {j} is a wall or driven")
         return found
 
     @cached_property

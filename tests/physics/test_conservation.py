@@ -141,6 +141,25 @@ def test_conserving_is_of_second_order_through_stops_and_reversals(finely):
     assert errors[2] < errors[0] / 40
 
 
+@pytest.mark.parametrize("method", ["accurate", "conserving", "verlet", "scipy"])
+def test_the_work_of_walls_that_move_is_in_the_ledger(method):
+    """A cluster that a piston drives, pulled by a drive that acts on the piston too, and a bead between walls that move alike."""
+    driven = Chain([1.0, 1.0, math.inf], hertz(30.0), gap=[0.1, 0.0], drive=[-0.1, 0.0, 5.0])
+    between = Chain([math.inf, 1.0, math.inf], hertz(30.0), gap=[0.0, 0.1])
+    for chain, velocity in ((driven, [0.5, 0.0, -0.3]), (between, [0.4, 1.0, 0.4])):
+        found = simulate(chain, velocity, 3.0, method, None if method in ("accurate", "scipy") else 1e-4)
+        assert np.ptp(found.kinetic_energy) > 0.1
+        assert ledger_error(found) < (1e-6 if method == "verlet" else 1e-7)
+
+
+def test_the_ledger_is_unknown_where_walls_move_unlike_or_a_bed_takes_momentum_too():
+    for chain, velocity in (
+        (Chain([math.inf, 1.0, math.inf], hertz(30.0), gap=0.1), [0.1, 0.5, 0.0]),
+        (Chain([1.0, 1.0, math.inf], hertz(30.0), gap=0.1, friction=0.01), [0.5, 0.0, -0.3]),
+    ):
+        assert np.isnan(simulate(chain, velocity, 1.0).ledger).all()
+
+
 def test_absorbed_energy_never_falls():
     found = simulate(Chain([1.0] * 5, draft_gear(300.0, 0.01, 0.8), friction=0.1), [1, 0, 0, 0, 0], method="conserving")
     assert np.diff(found.absorbed_by_contacts).min() > -1e-14

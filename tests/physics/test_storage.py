@@ -3,7 +3,7 @@
 import csv
 import json
 import math
-from dataclasses import fields
+from dataclasses import fields, replace
 from unittest.mock import Mock
 
 import numpy as np
@@ -126,6 +126,55 @@ def test_other_files_and_those_of_the_future_are_refused_in_a_sentence(content, 
         path.write_bytes(content)
     with pytest.raises(ValueError, match=sentence):
         Trajectory.load(path)
+
+
+@pytest.mark.parametrize("without", ["chain", "contact_intervals", "code"])
+def test_a_torn_file_is_refused_in_a_sentence_and_codes_of_the_future_are_unknown(without, collision, tmp_path):
+    path, whole = tmp_path / "torn.npz", tmp_path / "whole.npz"
+    warned = replace(collision, warnings=(CodedWarning(WarningCode.SENSITIVE, "so so", {}),))
+    warned.save(whole)
+    with np.load(whole) as file:
+        content = dict(file)
+    metadata = json.loads(str(content["metadata"]))
+    if without == "code":
+        metadata["warnings"][0]["code"] = "novel"
+        np.savez(path, **{**content, "metadata": np.array(json.dumps(metadata))})
+        assert Trajectory.load(path).warnings == (CodedWarning(WarningCode.UNKNOWN, "so so", {}),)
+        return
+    metadata.pop(without, None)
+    content.pop(without, None)
+    np.savez(path, **{**content, "metadata": np.array(json.dumps(metadata))})
+    with pytest.raises(ValueError, match=r"torn\.npz: not a trajectory"):
+        Trajectory.load(path)
+
+
+def test_a_file_with_damaged_bytes_is_refused_in_a_sentence(collision, tmp_path):
+    collision.save(tmp_path / "a.npz")
+    content = (tmp_path / "a.npz").read_bytes()
+    refusals = []
+    for at in range(100, len(content), len(content) // 40):
+        (tmp_path / "b.npz").write_bytes(
+            content[:at] + bytes(255 - byte for byte in content[at : at + 4]) + content[at + 4 :]
+        )
+        try:
+            Trajectory.load(tmp_path / "b.npz")
+        except ValueError as error:
+            refusals.append(str(error))
+    assert len(refusals) > 20
+    assert all("not a trajectory" in refusal for refusal in refusals)
+
+
+def test_what_is_left_of_another_write_stops_none_and_links_stay(collision, tmp_path):
+    (tmp_path / "out").mkdir()
+    link = tmp_path / "latest.npz"
+    link.symlink_to(tmp_path / "out" / "one.npz")
+    with output_file(link) as first, output_file(link) as second:
+        assert first != second
+        assert first.parent == second.parent == tmp_path / "out"
+    collision.save(link)
+    assert link.is_symlink()
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["one.npz"]
+    assert Trajectory.load(link).steps == collision.steps
 
 
 def test_failed_write_leaves_the_old_file(collision, tmp_path, monkeypatch):

@@ -142,7 +142,16 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "modes of a bead between": (lambda: mode_coupling(CHAIN, [0, 1, 0, 0, 0], 1.0), "one cluster that strikes another"),
     "modes of beads that fly": (lambda: mode_coupling(CHAIN, [0, 0, 0, 1, 1], 1.0), "one cluster that strikes another"),
     "modes on a bed": (lambda: mode_coupling(replace(CHAIN, friction=0.1), START, 1.0), "no bed and no brakes"),
-    "modes of gears": (lambda: mode_coupling(one_on(3, GEAR), [1, 0, 0, 0], 1.0), "contact 1 has a preload"),
+    "modes of what loses": (
+        lambda: mode_coupling(one_on(4, power_law(1.0, 0.1, loss=0.2)), START, 1.0), "no loss, no bed and no brakes"
+    ),
+    "modes of a cluster at a wall": (
+        lambda: mode_coupling(Chain([1, 1, 1, math.inf], LAW), [1, 0, 0, 0], 1.0), "bead 3 is a wall"
+    ),
+    "modes of a driven cluster": (
+        lambda: mode_coupling(Chain([1] * 4, LAW, drive=[0, 0, 0, -0.3]), [1, 0, 0, 0], 1.0), "bead 3 is a wall or driven"
+    ),
+    "modes of gears": (lambda: mode_coupling(one_on(3, draft_gear(2.0, 0.1)), [1, 0, 0, 0], 1.0), "1 has a preload"),
     "modes with a gap": (lambda: mode_coupling(Chain([1] * 3, LAW, [0.5, 0.1]), [1, 0, 0], 1.0), "contact 1 has a gap"),
     "modes of a middle that is driven": (
         lambda: mode_coupling(Chain([1] * 3, LAW, drive=[0, 1, 0]), [0, 0, 0], 1.0), "a drive on the first bead"

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import Chain, Coupler, cluster_on_cluster, draft_gear, hertz, hooke, one_on, power_law, simulate
-from softcradle.physics.analysis import measures
+from softcradle.physics.analysis import closed_forms, measures
 from softcradle.physics.analysis.closed_forms import critical_speed, one_on_one, rigid_collision, rigid_stroke
 from softcradle.physics.analysis.collision import collide, measured, struck_contact
 from softcradle.physics.analysis.ringing import ringing
@@ -164,8 +164,17 @@ def test_the_scaling_variable_of_the_spread_is_that_of_one_on_n_alike():
         (one_on(3, GEAR), [0.1, 0, 0, 0]),
         (one_on(3, (power_law(1.0, 0.1), power_law(1.0, 0.1), hertz(1.0))), [1, 0, 0, 0]),
         (one_on(1, power_law(1.0, 0.1)), [1, 0]),
+        (Chain([1] * 4, power_law(1.0, 0.1), gap=[0, 0.3, 0.3]), [1, 0, 0, 0]),
     ]
-    assert [measured(collide(chain, start)).spread_variable for chain, start in others] == [None] * 5
+    assert [measured(collide(chain, start)).spread_variable for chain, start in others] == [None] * 6
+
+
+@pytest.mark.parametrize("changes", [{"gap": [0, 0.3, 0.3]}, {"drive": [0.1, 0, 0, 0]}, {"friction": 0.1}])
+def test_clusters_that_are_apart_or_pushed_have_no_critical_speed(changes):
+    """Four gears that do not touch yet are not rigid at any speed."""
+    chain = Chain([1.0] * 4, GEAR, **changes)
+    assert closed_forms.speed_ratio(chain, 0, 0.1) is None
+    assert closed_forms.speed_ratio(Chain([1.0] * 4, GEAR, gap=[0.3, 0, 0]), 0, 0.1) > 0.0
 
 
 @pytest.mark.parametrize("law", [Coupler(hooke(1e3), hooke(1e3), slack=0.1), lambda overlap: 100.0 * overlap])

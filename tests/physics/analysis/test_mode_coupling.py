@@ -115,9 +115,14 @@ def test_agrees_with_the_full_chain_where_modes_are_separate():
     np.testing.assert_allclose(model.trajectory.force, full.force, rtol=1e-3)
 
 
-def test_a_lump_keeps_the_drive_of_its_beads():
-    chain = Chain([1, 1, 1, 1], power_law(1, 0.1), drive=[0.0, 0.1, 0.2, 0.3])
-    assert Reduction.of(chain, [1, 0, 0, 0]).reduced.drive == pytest.approx((0.0, 0.1, 0.5))
+@pytest.mark.parametrize("driven", [0, 1])
+def test_beads_that_are_modes_may_be_driven(driven):
+    drive = [0.3 if bead == driven else 0.0 for bead in range(5)]
+    chain = Chain([1.0] * 5, power_law(1.0, 1 / 20), drive=drive)
+    full = simulate(chain, HIT, 1.2, samples=np.linspace(0.1, 1.2, 50))
+    model = mode_coupling(chain, HIT, 1.2, samples=full.time)
+    assert Reduction.of(chain, HIT).reduced.drive == (*drive[:2], 0.0)
+    np.testing.assert_allclose(model.trajectory.force, full.force, atol=5e-4)
 
 
 def test_response_time_is_that_of_small_oscillations():
