@@ -21,9 +21,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Interval = tuple[float, float]
 
-ALIKE = (
-    1e-9  # of the greatest speed: walls whose velocities differ by no more move as one; each is a sum over the chain
-)
+# of the greatest speed: walls whose velocities, sums over the chain, differ by no more move as one
+ALIKE = 1e-9
 
 
 def _nothing() -> Array:
@@ -100,7 +99,7 @@ class Trajectory:
         Energy [J] that contacts with loss have taken since t = 0.
     absorbed_by_bed : ndarray, shape (T,)
         Energy [J] that bed friction has taken since t = 0. Kinetic + contact energy + both = that at the start +
-        `driven`.
+        `driven` + `by_walls`.
     given : ndarray, shape (T, 2)
         Work [J] and impulse [N s] of the chain's forces over time since t = 0, walls left out; in a motion that was played in
         the window also those of the pointer and of edits, since its first sample.

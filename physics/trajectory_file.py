@@ -95,9 +95,8 @@ def load_motion(path: Path, make: Callable[..., T]) -> T:
             return make(**_fields(arrays, plain))
     except OSError:
         raise
-    except (
-        Exception
-    ):  # a torn file fails in whatever reads it: zip, its compression, arrays, JSON, or what is made of them
+    except Exception:
+        # a torn file fails in whatever reads it: zip, its compression, arrays, JSON, or what is made of them
         raise ValueError(f"{path}: not a trajectory that softcradle saved") from None
     raise ValueError(f"{path}: saved in format {found}, this softcradle reads formats up to {FORMAT}")
 

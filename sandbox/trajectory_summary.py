@@ -67,8 +67,8 @@ class Summary:
         end: time of the last sample [s].
         velocity_error: the largest of those of the beads [m/s]; None where the method states none.
         energy_error: largest change of the energy ledger (:attr:`Trajectory.ledger`), relative to the energy at the start,
-            in a motion that is driven (by drive, forces, pointer or edits) to the largest energy; None where that is 0, or the
-            ledger is not known.
+            in a motion that is driven (by drive, forces, moving walls, pointer or edits) to the largest energy; None where that
+            is 0, or the ledger is not known.
         energy_error_at_end: the same at the end; errors of explicit methods are largest during the collision.
         momentum_error: largest change of the momentum that these do not explain, relative to the sum of abs(m v) at the
             start, in a driven motion to the largest such sum; None where that is 0 or a wall or bed takes momentum.
@@ -182,7 +182,8 @@ def summarise(label: str, trajectory: Trajectory) -> Summary:
     """The Summary of a lane's `trajectory`. Peaks are those of its samples, so they need fine samples."""
     energy = trajectory.ledger
     change = np.abs(energy - energy[0])
-    scale = (energy + trajectory.driven).max() if _is_driven(trajectory) else energy[0]
+    whole = energy + trajectory.driven + trajectory.by_walls
+    scale = whole.max() if _is_driven(trajectory) else energy[0]
     return Summary(
         label=label,
         beads=_beads(trajectory),
@@ -247,8 +248,8 @@ def _momentum_error(trajectory: Trajectory) -> float | None:
 
 
 def _is_driven(trajectory: Trajectory) -> bool:
-    """Whether something from outside gives energy and momentum: drive, forces over time, pointer or edits of a session."""
-    return trajectory.chain.driven or bool(trajectory.given.any())
+    """Whether something from outside gives energy: drive, forces over time, moving walls, pointer or edits of a session."""
+    return trajectory.chain.driven or bool(trajectory.given.any() or trajectory.by_walls.any())
 
 
 def _ratio(part: float, scale: float) -> float | None:

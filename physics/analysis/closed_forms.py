@@ -171,7 +171,8 @@ def common_law(chain: Chain) -> Contact | None:
 
 def meets_freely(chain: Chain, struck: int) -> bool:
     """Whether clusters that just touch inside meet at contact `struck`, and nothing acts on them from outside."""
-    return not (any(chain.gap[:struck] + chain.gap[struck + 1 :]) or chain.drive or chain.forces or chain.on_bed)
+    inside = chain.gap[:struck] + chain.gap[struck + 1 :]
+    return chain.gap[struck] >= 0.0 and not (any(inside) or chain.driven or chain.on_bed)
 
 
 def speed_ratio(chain: Chain, struck: int, speed: float) -> float | None:

@@ -80,7 +80,7 @@ class Reduction:
 
     @cached_property
     def reduced(self) -> Chain:
-        """The chain of the modes: lumped masses, the contacts that are modes; the drive of a lump is the sum over it."""
+        """The chain of the modes: lumped masses, the contacts that are modes, the drive of beads that are not lumped."""
         chain = self.chain
         drive = None if chain.drive is None else [sum(chain.drive[lump]) for lump in self.lumps]
         masses = [sum(chain.mass[lump]) for lump in self.lumps]
@@ -200,7 +200,8 @@ def mode_coupling(
     on its first bead. Without a duration until every mode has returned to zero.
 
     Raises:
-        ValueError: any other start, contacts without power law inside a cluster, or what `simulate` refuses.
+        ValueError: any other start, contacts without power law inside a cluster, walls or driven beads there but for its head,
+            loss, a bed, forces over time, or what `simulate` refuses.
 
     >>> from softcradle import one_on, power_law
     >>> found = mode_coupling(one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0])

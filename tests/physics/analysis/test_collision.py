@@ -169,9 +169,11 @@ def test_the_scaling_variable_of_the_spread_is_that_of_one_on_n_alike():
     assert [measured(collide(chain, start)).spread_variable for chain, start in others] == [None] * 6
 
 
-@pytest.mark.parametrize("changes", [{"gap": [0, 0.3, 0.3]}, {"drive": [0.1, 0, 0, 0]}, {"friction": 0.1}])
+@pytest.mark.parametrize(
+    "changes", [{"gap": [0, 0.3, 0.3]}, {"gap": [-0.3, 0, 0]}, {"drive": [0.1, 0, 0, 0]}, {"friction": 0.1}]
+)
 def test_clusters_that_are_apart_or_pushed_have_no_critical_speed(changes):
-    """Four gears that do not touch yet are not rigid at any speed."""
+    """Four gears that do not touch yet, or are pressed, are not rigid at any speed."""
     chain = Chain([1.0] * 4, GEAR, **changes)
     assert closed_forms.speed_ratio(chain, 0, 0.1) is None
     assert closed_forms.speed_ratio(Chain([1.0] * 4, GEAR, gap=[0.3, 0, 0]), 0, 0.1) > 0.0

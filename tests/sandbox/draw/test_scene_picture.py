@@ -299,6 +299,33 @@ def test_errors_are_those_of_the_motion(soft):
     assert slowed.energy_error[-1] > 0.1
 
 
+PISTON = """
+title = "Piston"
+duration = 1.5
+[[lanes]]
+mass = [1, 1, inf]
+velocity = [0.5, 0, -0.3]
+gap = [0.1, 0]
+contact = {law = "hertz", stiffness = 30}
+drive = [0, 0, 5]
+"""
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.01])
+def test_work_of_a_wall_is_no_error_of_energy_and_what_is_not_known_has_no_badge(friction):
+    _, (motion,), picture = pictured(PISTON + f"friction = {friction}")
+    assert np.ptp(motion.energy) > 0.1
+    with drawn_texts(SIZE) as texts:
+        painted(picture, -1)
+    said = [item.text for item in texts if item.text.startswith("energy error")]
+    if friction:
+        assert np.isnan(motion.energy_error).all()
+        assert not said
+    else:
+        assert motion.energy_error[-1] < 1e-6
+        assert len(said) == 1
+
+
 def test_text_fits_its_room():
     assert width(shortened("a rather long title", 20, 100), 20) <= 100
     assert shortened("short", 20, 1000) == "short"
