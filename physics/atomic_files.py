@@ -23,7 +23,7 @@ def output_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     target = Path(path)
     if target.is_dir():
         raise IsADirectoryError(f"cannot write {target}: it is a folder")
-    place = _place(target)
+    place = followed(target)
     temporary = _hidden_sibling(target, place.parent)
     try:
         temporary.open("xb").close()
@@ -37,16 +37,19 @@ def output_file(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 @contextmanager
-def output_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
+def output_folder(path: str | os.PathLike[str], replaces: bool = False) -> Iterator[Path]:
     """Yield an empty temporary folder that becomes `path` when the block ends without error.
 
+    Where it `replaces` a folder, that stays until the new one is whole.
+
     Raises:
-        OSError: `path` exists and is not an empty folder, or its parent cannot be written to; one sentence.
+        OSError: `path` exists and is not an empty folder, or none that may be replaced, or its parent cannot be written to; one
+            sentence.
     """
     target = Path(path)
-    if target.exists() and not (target.is_dir() and not any(target.iterdir())):
+    if target.exists() and not (target.is_dir() and (replaces or not any(target.iterdir()))):
         raise FileExistsError(f"cannot write {target}: it exists and is not an empty folder")
-    place = _place(target)
+    place = followed(target)
     temporary = _hidden_sibling(target, place.parent)
     try:
         temporary.mkdir()
@@ -54,15 +57,27 @@ def output_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
         raise _refusal(target, place, error) from None
     try:
         yield temporary
-        if place.exists():
-            place.rmdir()  # empty, as checked above; some systems do not move a folder onto another
-        temporary.rename(place)
+        _exchange(temporary, place, _hidden_sibling(target, place.parent))
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
 
 
-def _place(target: Path) -> Path:
-    """Where `target` is, or will be: what it leads to, if it is a link."""
+def _exchange(new: Path, place: Path, before: Path) -> None:
+    """Move a folder to its `place`, in which a folder goes by way of `before`; where that fails, all is as it was."""
+    replaced = place.exists()
+    if replaced:
+        place.rename(before)  # some systems do not move a folder onto another, be it empty
+    try:
+        new.rename(place)
+    except OSError:
+        if replaced:
+            before.rename(place)
+        raise
+    shutil.rmtree(before, ignore_errors=True)
+
+
+def followed(target: Path) -> Path:
+    """The path itself, or what it leads to, if it is a link: that is written, and what is kept lies beside it."""
     return Path(os.path.realpath(target)) if target.is_symlink() else target
 
 

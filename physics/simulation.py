@@ -252,7 +252,7 @@ def _problem(
     if duration is None:
         _require(chain.walls < 2, TWO_WALLS)
         _require(not chain.lasts, DRIVEN)
-        _require(not pushes_on_a_bed(chain.mass, chain.on_bed, velocity), PUSHED_ON_A_BED)
+        _require(not (chain.walls and pushes_on_a_bed(chain.mass, chain.on_bed, velocity)), PUSHED_ON_A_BED)
         _require(not chain.pulls, "a chain whose couplers pull never comes apart: give a duration")
     else:
         duration = magnitude("duration", duration, zero=True)

@@ -66,10 +66,10 @@ class Reduction:
                 raise ValueError(
                     f"mode coupling needs clusters that just touch, contact {i} has a gap of {chain.gap[i]:g}"
                 )
-        for lump in found.lumps:  # Eq. (5) shares out by mass what comes in at the head
-            for j in range(lump.start, lump.stop) if lump.stop - lump.start > 1 else ():
-                if math.isinf(chain.mass[j]) or (chain.drive is not None and chain.drive[j] != 0.0):
-                    raise ValueError(f"mode coupling needs free beads inside a cluster, bead {j} is a wall or driven")
+        lumped = [j for lump in found.lumps if lump.stop - lump.start > 1 for j in range(lump.start, lump.stop)]
+        for j in lumped:  # Eq. (5) shares out by mass what comes in at the head
+            if math.isinf(chain.mass[j]) or (chain.drive is not None and chain.drive[j] != 0.0):
+                raise ValueError(f"mode coupling needs free beads inside a cluster, bead {j} is a wall or driven")
         return found
 
     @cached_property

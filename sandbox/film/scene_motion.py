@@ -141,9 +141,7 @@ def _end_and_sentence(
 def _solved(
     scene: Scene, method: str | None, step: float | None, most: int | None, **settings: Any
 ) -> list[Trajectory]:
-    usual = (
-        SHOWN if scene.step is None else None
-    )  # a scene with a step alone says by which method, see `Scene.settings`
+    usual = SHOWN if scene.step is None else None  # of a step alone the scene says by which method
     found = run_scene(scene, most, method=method or scene.method or usual, step=step, **settings)
     for trajectory in found:
         if trajectory.status.gave_up:

@@ -7,12 +7,14 @@ BY_CONTACTS, BY_BED [J] (absorbed since the lane began), WORK_GIVEN [J], IMPULSE
 time and of edits since then: what is neither the drive's nor a wall's).
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
 from softcradle.physics.state import State
+from softcradle.physics.trajectory import work_of_walls
 
 Array = NDArray[np.float64]
 
@@ -59,39 +61,35 @@ class External(NamedTuple):
     Attributes:
         work, impulse: of the drive [J], [N s].
         given: (2,) those of the pointer spring and of forces over time.
-        wall_velocity: of each wall [m/s].
+        velocity: (n+1,) [m/s], after it; walls keep theirs.
         absorbed: (2,) energy [J] that contacts and the bed absorbed.
     """
 
     work: float
     impulse: float
     given: Array
-    wall_velocity: Array
+    velocity: Array
     absorbed: Array
 
 
 def book_frame(chain: Chain, before: Array, ledger: Array, external: External) -> None:
     """Book a frame: `before` and `ledger` are what was measured before and after it.
 
-    Walls and a bed with friction give the momentum that is missing. The work of the walls follows from it where all of
-    them move alike, and at rest where the bed takes momentum too. Elsewhere the energy after the frame is booked as it is.
+    Walls and a bed with friction give the momentum that is missing. Where the work of the walls does not follow from it, see
+    `work_of_walls`, the energy after the frame is booked as it is.
     """
     ledger[[BY_CONTACTS, BY_BED]] += external.absorbed
     ledger[[WORK_GIVEN, IMPULSE_GIVEN]] += external.given
     work, impulse = external.work + external.given[0], external.impulse + external.given[1]
     ledger[ENERGY_BOOKED] += work - external.absorbed.sum()
     ledger[MOMENTUM_BOOKED] += impulse
-    if chain.on_bed and not external.wall_velocity.any():
+    if chain.walls:
+        own = np.array([before[MOMENTUM], ledger[MOMENTUM] - impulse])
+        by_walls = float(work_of_walls(chain, np.array([external.velocity] * 2), own)[-1])
+        unknown = math.isnan(by_walls)
+        ledger[ENERGY_BOOKED] = ledger[KINETIC] + ledger[STORED] if unknown else ledger[ENERGY_BOOKED] + by_walls
+    if chain.walls or chain.on_bed:
         ledger[MOMENTUM_BOOKED] = ledger[MOMENTUM]
-        return
-    if not chain.walls:
-        return
-    by_walls = ledger[MOMENTUM] - before[MOMENTUM] - impulse
-    if np.ptp(external.wall_velocity) == 0.0 and not chain.on_bed:
-        ledger[ENERGY_BOOKED] += float(external.wall_velocity[0]) * by_walls
-    else:
-        ledger[ENERGY_BOOKED] = ledger[KINETIC] + ledger[STORED]
-    ledger[MOMENTUM_BOOKED] = ledger[MOMENTUM]
 
 
 def energy_error(ledger: Array) -> float | Array:

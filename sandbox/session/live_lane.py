@@ -162,7 +162,7 @@ class LiveLane:
 
         work, impulse = of(self.chain.drive_force).tolist()
         given = self.state.given + of(self.state.push)
-        return External(work, impulse, given, self.velocity[~beads], self.state.absorbed.copy())
+        return External(work, impulse, given, self.velocity, self.state.absorbed.copy())
 
     def _by_drive(self, state: State) -> float:
         """Work [J] of the drive on the way from this state of the same chain to another."""

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from softcradle.physics.atomic_files import output_file
+from softcradle.physics.atomic_files import followed, output_file, output_folder
 from softcradle.physics.extras import needed_for
 from softcradle.sandbox.sweeps.measure_table import Measure, find_measure
 from softcradle.sandbox.sweeps.sample_points import Points, kinds_of
@@ -117,11 +115,6 @@ def checked_output(output: str | Path | None) -> Path | None:
     return path
 
 
-def followed(path: Path) -> Path:
-    """The path itself, or what it is a link to: that is replaced, and what is kept lies beside it."""
-    return Path(os.path.realpath(path)) if path.is_symlink() else path
-
-
 def check_written(points: Points) -> None:
     """Refuse parameters that no file takes. Raises StudyError."""
     for axis in points.axes:
@@ -134,29 +127,14 @@ def check_written(points: Points) -> None:
 def write_dataset(found: xr.Dataset, path: Path) -> None:
     """Write a Dataset whole or not at all, in place of what is there. Raises OSError."""
     if path.suffix == ".zarr":
-        with TemporaryDirectory(prefix=f".{path.stem}.", dir=path.parent, ignore_cleanup_errors=True) as beside:
-            new, old = Path(beside, "new"), Path(beside, "old")
+        with output_folder(path, replaces=True) as temporary:
             # in the second format: the third has no texts that other programs read
-            found.to_zarr(new, mode="w", zarr_format=2, consolidated=True)
-            _exchange(new, path, old)
+            found.to_zarr(temporary, mode="w", zarr_format=2, consolidated=True)
         return
     packed = {"zlib": True, "complevel": COMPRESSION}
     encoding = {name: packed for name, variable in found.data_vars.items() if variable.dtype.kind in "fi"}
     with output_file(path) as temporary:
         found.to_netcdf(temporary, engine="h5netcdf", encoding=encoding)
-
-
-def _exchange(new: Path, path: Path, old: Path) -> None:
-    """Move a folder to `path` and what is there to `old`; where that fails, all is as it was. Raises OSError."""
-    replaced = path.exists()
-    if replaced:
-        path.rename(old)
-    try:
-        new.rename(path)
-    except OSError:
-        if replaced:
-            old.rename(path)
-        raise
 
 
 def opened_dataset(path: Path, study: str) -> xr.Dataset:

@@ -148,9 +148,7 @@ def unsendable(work: Work) -> str:
     """Why other processes of this machine cannot compute it; empty where they can."""
     main = sys.modules.get("__main__")
     script, name = getattr(main, "__file__", None), getattr(getattr(main, "__spec__", None), "name", "")
-    of_package = name.endswith(
-        ".__main__"
-    )  # `python -m package`, which multiprocessing does not import in its processes
+    of_package = name.endswith(".__main__")  # by `python -m`: multiprocessing does not import that in its processes
     function = work.source
     while isinstance(function, partial):
         function = function.func

@@ -12,13 +12,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from softcradle.physics.atomic_files import followed
 from softcradle.physics.extras import needed_for
 from softcradle.physics.source_digest import digest_of
 from softcradle.sandbox.sweeps.dataset import (
     check_written,
     checked_output,
     dataset_of,
-    followed,
     lost_points,
     opened_dataset,
     write_dataset,

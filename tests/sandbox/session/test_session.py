@@ -1,17 +1,21 @@
 """Sessions: time, history, branches, the pointer spring, what is told in words; what is shown is the result of the physics."""
 
+import math
 import re
 
 import numpy as np
 import pytest
 from softcradle.physics import power_law, simulate
 from softcradle.sandbox.scene_runs import run_scene
+from softcradle.sandbox.session import Session
 from softcradle.sandbox.session.history_slices import last_slice
 from softcradle.sandbox.session.inputs import RemoveBead, SetContact, SetDrive, SetMass, SetMethod, SetSlow, SetVelocity
 from softcradle.sandbox.session.lane_setup import DURATION, FRAME_RATE
+from softcradle.sandbox.session.ledger import energy_error
 from softcradle.sandbox.session.snapshots import snapshot_table
 from softcradle.sandbox.session.summary_text import summary_text
 from softcradle.sandbox.trajectory_summary import describe
+from softcradle.scenes import Lane, Scene
 
 from softcradle import scenes
 from tests.helpers.sessions import EVERY_SCENE, check_replay, frame_table, opened
@@ -252,3 +256,19 @@ def test_the_bead_that_hits_is_the_one_that_approached(name):
         rate = -np.diff(lane.velocity)
         hit = re.search(r"Bead (\d+) hit bead (\d+)", describe("", found))
         assert (int(hit[1]), int(hit[2]) - 1) == (int(rate.argmax()),) * 2 if rate.any() else hit is None
+
+
+@pytest.mark.parametrize(("method", "least", "most"), [("euler", 1e-6, 1e-3), ("conserving", 0.0, 1e-12)])
+def test_between_walls_that_move_alike_no_error_is_booked_as_their_work(method, least, most):
+    """The velocity of the second is a sum over the row: alike to round-off, which hid every error."""
+    lane = Lane(
+        mass=[math.inf, 1, 1, 1, math.inf],
+        velocity=[0.1, 1, 0.3, 0.7, 0.1],
+        gap=[0.1, 0.2, 0.1, 0.3],
+        contact={"law": "hertz", "stiffness": 30.0},
+    )
+    session = Session(
+        Scene(title="moving box", lanes=(lane,), duration=5.0, method=method, step=0.01), clock=lambda: 0.0
+    )
+    session.step_frames(400)
+    assert least <= energy_error(session.lanes[0].ledger) < most

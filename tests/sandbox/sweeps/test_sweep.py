@@ -187,7 +187,8 @@ def test_a_dataset_that_cannot_be_written_leaves_the_one_before(tmp_path, monkey
     output = tmp_path / "x.zarr"
     sweep(numbers, {"a": [0.5], "n": [1]}, output=output, executor="here").close()
     new = sweep(numbers, {"a": [0.7], "n": [1]}, executor="here")
-    for written in (Mock(side_effect=OSError(errno.ENOSPC, "full")), Mock()):  # Mock() leaves nothing to be moved there
+    gone = Mock(side_effect=lambda folder, **_: folder.rmdir())  # leaves nothing to be moved there
+    for written in (Mock(side_effect=OSError(errno.ENOSPC, "full")), gone):
         with monkeypatch.context() as patched:
             patched.setattr(xr.Dataset, "to_zarr", written)
             with pytest.raises(OSError, match=r"full|No such file|cannot find"):
