@@ -27,6 +27,7 @@ from softcradle.physics.adaptive.runner import DOUBT, sampled, scale_of
 from softcradle.physics.adaptive.step_records import ERROR_EXPONENT, RADAU
 from softcradle.physics.adaptive.usual_budget import STEPS_A_CONTACT, usual_steps
 from softcradle.physics.chain import Chain, Joint, per_chain
+from softcradle.physics.checked_input import LARGEST, SMALLEST
 from softcradle.physics.contact import Contact
 from softcradle.physics.coupler import Coupler
 from softcradle.physics.fixed_step import runner as fixed_step
@@ -205,6 +206,7 @@ def _shaken(chain: Chain, part: float) -> Chain:
         factors = _up_and_down(part, chain.contacts).tolist()
         return replace(chain, contact=tuple(map(_stronger, chain.contact, factors)))
     mass = np.array(chain.mass) * _up_and_down(part, len(chain.mass))
+    np.clip(mass, SMALLEST, (1.0 - 4.0 * EPSILON) * LARGEST, out=mass, where=np.isfinite(mass))
     mass[chain.anchor] = (1.0 + EPSILON) * mass.max()
     return replace(chain, mass=tuple(mass.tolist()))
 
@@ -213,13 +215,18 @@ def _stronger(contact: Joint, factor: float) -> Joint:
     """A contact or coupler with forces times a factor."""
     if isinstance(contact, Coupler):
         pull = contact.pull and _times(contact.pull, factor)
-        return replace(contact, push=_times(contact.push, factor), pull=pull, stop=factor * contact.stop)
+        return replace(contact, push=_times(contact.push, factor), pull=pull, stop=_scaled(contact.stop, factor))
     assert isinstance(contact, Contact)
     return _times(contact, factor)
 
 
 def _times(contact: Contact, factor: float) -> Contact:
-    return replace(contact, preload=contact.preload * factor, stiffness=contact.stiffness * factor)
+    return replace(contact, preload=_scaled(contact.preload, factor), stiffness=_scaled(contact.stiffness, factor))
+
+
+def _scaled(number: float, factor: float) -> float:
+    """The number times a factor, but no further than what a chain takes; 0 stays 0."""
+    return number and min(max(number * factor, SMALLEST), LARGEST)
 
 
 def _up_and_down(part: float, size: int) -> Array:

@@ -7,7 +7,19 @@ from itertools import pairwise, product
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, OwnLaw, confirm, draft_gear, hertz, one_on, power_law, simulate
+from softcradle.physics import (
+    Chain,
+    Coupler,
+    OwnLaw,
+    confirm,
+    draft_gear,
+    hertz,
+    hooke,
+    one_on,
+    power_law,
+    simulate,
+    step_force,
+)
 from softcradle.physics.confirm import confirmed, to_its_end
 from softcradle.physics.problem import Problem, Record
 from softcradle.physics.state import State
@@ -174,6 +186,17 @@ def test_other_runs_keep_the_bead_whose_velocity_they_hold(mass: list[float]) ->
         assert other.anchor == chain.anchor
         finite = np.isfinite(mass)
         assert np.array(other.mass)[finite] == pytest.approx(np.array(mass)[finite], rel=3e-6)
+
+
+@pytest.mark.parametrize("number", [1e-30, 1e30])
+def test_other_runs_take_the_greatest_and_least_numbers_that_a_chain_takes(number: float) -> None:
+    """They were refused for numbers that nobody had given, a part in 1e10 beyond."""
+    gears = Coupler(hooke(number), hooke(number), travel=1.0, stop=number)
+    masses = [number, number, number, math.inf]
+    for chain in (Chain([1.0] * 4, (hertz(number), step_force(number), gears)), Chain(masses, OwnLaw(math.sqrt))):
+        problem = Problem(chain, State.at_start(chain, np.zeros(4)), "accurate", 1.0, tolerance=1e-6, samples=2)
+        for runs in range(4):
+            assert confirm._shaken_run(problem, 1e-5, runs).chain.anchor == chain.anchor
 
 
 def test_the_end_of_a_motion_that_rattles_is_stated_no_finer_than_it_is_determined() -> None:
