@@ -15,6 +15,7 @@ DEMANDS = {
     "string_type": "must be text in quotes",
     "tuple_type": "must be a list in [ ]",
     "model_type": "must be a table",
+    "too_short": "must not be empty",
 }
 
 

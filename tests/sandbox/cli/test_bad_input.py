@@ -36,6 +36,7 @@ BAD_FILES = {
     "velocities too short": (changed(", 0.0]\n", "]\n"), r"lanes\[0\]: velocity is a list of 2, but 3 beads need 3"),
     "contacts too few": (changed("{law", "[{law").replace("0.1}", "0.1}]"), r"contact is a list of 1, but 3 beads need 2"),
     "empty chain": (changed("mass = [1.0, 1.0, 1.0]", "mass = []").replace("[1.0, 0.0, 0.0]", "[]"), "at least 2 beads, not 0"),
+    "a title of blanks": (changed("one on two", " "), r"bad\.toml: title must not be empty, not ' '$"),
     "no lanes": ('title = "none"\nlanes = []', r"lanes: a scene needs at least one lane"),
     "walls at both ends": (changed("mass = [1.0, 1.0, 1.0]", "mass = [inf, 1.0, inf]"), r"the scene needs a duration"),
     "unknown method": ('method = "verlett"\n' + GOOD, r"method: unknown method 'verlett' \(did you mean 'verlet'\?\)"),
