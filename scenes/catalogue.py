@@ -61,6 +61,8 @@ def _read(wanted: str) -> tuple[str, str]:
         raise SceneError([f"{wanted}: not a text file in UTF-8"]) from None
     except OSError as error:
         raise SceneError([f"cannot read {wanted}: {(error.strerror or str(error)).lower()}"]) from None
+    except ValueError:  # a name that no file can have
+        raise SceneError([f"there is no file {wanted!r}"]) from None
 
 
 def _unknown(wanted: str) -> str:

@@ -1,5 +1,6 @@
 """The study file: a TOML file that says what is swept, over which points, and what is measured."""
 
+import os
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -171,5 +172,5 @@ def load_study(path: str) -> SweepStudy:
 def _scene(study: StudyFile, folder: Path) -> Scene:
     """The scene of a study, with the numbers that it sets."""
     beside = folder / study.scene
-    scene = load_scene(str(beside) if study.scene.endswith(".toml") and beside.is_file() else study.scene)
+    scene = load_scene(str(beside) if study.scene.endswith(".toml") and os.path.isfile(beside) else study.scene)
     return changed(scene, study.set)

@@ -118,6 +118,8 @@ def test_a_study_that_begins_with_a_byte_order_mark_is_read(tmp_path):
         (changed("values = [0.5, 1]", "values = []"), r"needs either values = \[...\] or between"),
         (changed('"rigidity"', '"rigid"'), "there is no measure 'rigid'"),
         (changed("one-on-four", "one-on-for"), "there is no scene 'one-on-for'"),
+        (changed("one-on-four", "one\\u0000.toml"), r"study.toml: there is no file 'one\\x00.toml'"),
+        (changed("one-on-four", "o" * 300 + ".toml"), r"study.toml: cannot read o+.toml: "),
         (changed('contact.alpha" = 1', 'contact.alpha" = -1'), r"contact.alpha must be greater than 0, not -1"),
         (changed('scene = "one-on-four"', ""), "key 'scene' is missing"),
         ("title = ", "not valid TOML"),
