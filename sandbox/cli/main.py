@@ -227,6 +227,8 @@ def _with_extras(module: CommandModule, args: argparse.Namespace) -> int:
         with needed_for(f"softcradle {args.command}", "window" if args.command == "play" else None):
             return module.main(args)
     except ImportError as error:
+        if isinstance(error.__cause__, KeyboardInterrupt | SystemExit):  # what compiled modules make of them on loading
+            raise error.__cause__ from None
         raise UserError(str(error)) from None
 
 

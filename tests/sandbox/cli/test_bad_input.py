@@ -191,3 +191,13 @@ def test_interrupted_run_leaves_no_file(tmp_path, monkeypatch, softcradle):
     monkeypatch.setattr("softcradle.sandbox.cli.commands.run.run_scene", interrupt)
     assert softcradle("run", "mixed", "-o", str(tmp_path / "out.csv"), code=130).err == "softcradle: interrupted\n"
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_command_interrupted_as_a_compiled_module_is_loaded_says_so(monkeypatch, softcradle):
+    """pybind11 makes an ImportError of Ctrl+C there; the command said "initialization failed", with exit code 2."""
+
+    def interrupt(*_, **__):
+        raise ImportError("initialization failed") from KeyboardInterrupt()
+
+    monkeypatch.setattr("softcradle.sandbox.cli.commands.run.run_scene", interrupt)
+    assert softcradle("run", "mixed", code=130).err == "softcradle: interrupted\n"
