@@ -60,4 +60,4 @@ def _contacts(session: Session, lane: int) -> str:
     last = own.select(~own.closed).time
     if not len(last):
         return first.strip()
-    return first + _("No contact has been closed since {time}.", time=seconds_in_words(float(last[-1])))
+    return first + _("The last contact opened at {time}.", time=seconds_in_words(float(last[-1])))
