@@ -290,11 +290,8 @@ def _hits(trajectory: Trajectory, scale: float) -> str:
         )
     else:
         after = _("No contact is closed after {time}.", time=seconds_in_words(max(openings)))
-    hits = [(time, -speed, k) for time, k in closings if (speed := _approach(trajectory, k, time)) > STILL * scale]
-    if not hits:  # contacts that are pressed, or touch, close without one
-        return after
-    time, speed, contact = min(hits)  # of those at the same time, with which the others only begin to push, the fastest
-    return f"{hit_in_words(contact, time, -speed)} {after}"
+    first = first_hit_in_words([(time, _approach(trajectory, k, time), k) for time, k in closings], scale)
+    return f"{first} {after}" if first else after
 
 
 def _approach(trajectory: Trajectory, contact: int, time: float) -> float:
@@ -303,14 +300,21 @@ def _approach(trajectory: Trajectory, contact: int, time: float) -> float:
     return float(trajectory.rate[row, contact])
 
 
-def hit_in_words(contact: int, time: float, speed: float) -> str:
-    """That the beads of a contact hit each other."""
+def first_hit_in_words(closings: Sequence[tuple[float, float, int]], scale: float) -> str:
+    """Which beads hit each other first, of contacts that closed: when, how fast their beads approached each other, and which.
+
+    Empty where none did: contacts that are pressed, touch or are pulled close without a hit.
+    """
+    hits = [(time, -speed, contact) for time, speed, contact in closings if speed > STILL * scale]
+    if not hits:
+        return ""
+    time, speed, contact = min(hits)  # of those at the same time, with which the others only begin to push, the fastest
     return _(
         "Bead {left} hit bead {right} at {time} with {speed}.",
         left=contact,
         right=contact + 1,
         time=seconds_in_words(time),
-        speed=speed_in_words(speed),
+        speed=speed_in_words(-speed),
     )
 
 

@@ -25,6 +25,8 @@ class ContactEvents(NamedTuple):
         closed: True: it closed; False: it opened.
         speed: closing speed of its two beads at the frame before it closed, or, if it was closed or its beads parted
             then, their speed at the frame after [m/s]; 0 for an opening, and for what an edit has closed.
+        approach: how fast its two beads approached each other at the frame before [m/s], negative where they parted; 0
+            for what an edit has switched.
     """
 
     time: Array
@@ -33,6 +35,7 @@ class ContactEvents(NamedTuple):
     contact: Integers
     closed: Mask
     speed: Array
+    approach: Array
 
     def select(self, rows: Mask | Integers) -> ContactEvents:
         """Some of them, by mask or index."""
@@ -87,8 +90,10 @@ def _events(lane: int, first: int, time: Array, closed: Mask, rate: Array, logs:
     speed = np.where(now, np.where(approach > 0.0, approach, after), 0.0)
     edited, changed = np.nonzero(closed[:-1] ^ closed[1:] ^ (count % 2 == 1))
     lanes = np.full(row.size, lane), np.full(edited.size, lane)
-    by_edit = time[edited], first + edited, lanes[1], changed, closed[edited + 1, changed], np.zeros(edited.size)
-    return _joined([ContactEvents(when, first + row, lanes[0], contact, now, speed), ContactEvents(*by_edit)])
+    none = np.zeros(edited.size)
+    by_edit = time[edited], first + edited, lanes[1], changed, closed[edited + 1, changed], none, none
+    own = ContactEvents(when, first + row, lanes[0], contact, now, speed, approach)
+    return _joined([own, ContactEvents(*by_edit)])
 
 
 def _rank(key: Integers) -> Integers:
@@ -105,7 +110,7 @@ def _joined(parts: list[ContactEvents]) -> ContactEvents:
     """All `parts` in order of time."""
     if not parts:
         empty, integers = np.empty(0), np.empty(0, dtype=np.int64)
-        return ContactEvents(empty, integers, integers, integers, empty.astype(bool), empty)
+        return ContactEvents(empty, integers, integers, integers, empty.astype(bool), empty, empty)
     columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
     order = np.argsort(columns[0], kind="stable")
     return ContactEvents._make(column[order] for column in columns)

@@ -6,7 +6,7 @@ from functools import partial
 from softcradle.physics.contact import is_closed
 from softcradle.sandbox.languages import _, label_words, ngettext
 from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.trajectory_summary import clusters_in_words, hit_in_words, seconds_in_words
+from softcradle.sandbox.trajectory_summary import clusters_in_words, first_hit_in_words, seconds_in_words
 
 
 def summary_text(session: Session) -> str:
@@ -48,11 +48,10 @@ def _contacts(session: Session, lane: int) -> str:
     own = events.select((events.lane == lane) & (events.frame <= session.frame))
     state = session.lanes[lane].state
     closed = int(is_closed(state.overlap, state.force).sum())
-    hits = own.select(own.closed & (own.speed > 0.0))
-    first = ""
-    if len(hits.time):
-        k, time, speed = int(hits.contact[0]), float(hits.time[0]), float(hits.speed[0])
-        first = f"{hit_in_words(k, time, speed)} "
+    closings = own.select(own.closed)
+    columns = closings.time.tolist(), closings.approach.tolist(), closings.contact.tolist()
+    first = first_hit_in_words(list(zip(*columns, strict=True)), session.lanes[lane].setup.speed)
+    first += " " if first else ""
     if closed:
         return first + ngettext(
             "{n} of {all} contacts is closed.", "{n} of {all} contacts are closed.", closed, all=len(state.overlap)

@@ -166,7 +166,7 @@ def test_a_contact_that_an_edit_opens_does_so_at_its_frame():
     before = len(session.contact_events().time)
     session.apply(inputs.Place(0, 0, -0.5))
     assert len(session.contact_events().time) == before + 1
-    assert [column[-1] for column in session.contact_events()] == [session.time, 300, 0, 0, False, 0.0]
+    assert [column[-1] for column in session.contact_events()] == [session.time, 300, 0, 0, False, 0.0, 0.0]
 
 
 def test_contact_events_read_all_along_are_those_found_at_the_end():

@@ -249,6 +249,14 @@ def test_when_the_last_contact_opened_is_a_time_and_no_duration_in_every_languag
     assert f"Der letzte Kontakt öffnete sich nach {last.replace('.', ',')} Sekunden." in summary_text(session)
 
 
+@pytest.mark.parametrize("name", ["driven-cluster", "train-starting"])
+def test_beads_that_are_pushed_or_pulled_hit_nobody(name):
+    """Contacts that touch close where a force pushes, and couplers where their slack is used up."""
+    session = opened(name, frames=300)
+    assert session.contact_events().closed.any()
+    assert " hit " not in summary_text(session)
+
+
 def test_lanes_are_named_and_faults_are_told():
     text = summary_text(opened("beads-against-gear", SetMethod(1, "verlet"), frames=2000))
     assert "alpha = 1/10: " in text
