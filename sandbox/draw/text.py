@@ -1,6 +1,7 @@
 """Text on surfaces: two weights of one font; what was rendered is cached."""
 
 import re
+from bisect import bisect_right
 from functools import lru_cache
 
 import pygame
@@ -53,9 +54,8 @@ def shortened(text: str, size: float, room: float, *, bold: bool = False) -> str
     """`text`, cut with an ellipsis where it is wider than `room` pixels."""
     if width(text, size, bold=bold) <= room:
         return text
-    while text and width(text + "…", size, bold=bold) > room:
-        text = text[:-1]
-    return text.rstrip() + "…"
+    fitting = bisect_right(range(1, len(text) + 1), room, key=lambda n: width(text[:n] + "…", size, bold=bold))
+    return text[:fitting].rstrip() + "…"
 
 
 def paragraphs(text: str, size: float, room: float) -> list[str]:

@@ -10,6 +10,7 @@ from softcradle.sandbox.draw.text import shortened, width, wrapped, write
 from softcradle.sandbox.languages import refusal_words
 
 MOST = 2  # on screen at once
+LONGEST = 1000  # characters that are shown, for which every window has room: a name that was pasted may be any text
 LEAST_SECONDS = 2.5  # that a message stays
 SECONDS_A_WORD = 0.35  # that a message stays
 WARNING_FACTOR = 2.0  # by which a warning stays longer
@@ -35,6 +36,7 @@ class Messages:
     def show(self, text: str, warning: bool = False, subject: str = "") -> None:
         """Show `text` in place of one on the same `subject`; a text that is on screen already stays longer."""
         text = refusal_words(text)
+        text = text if len(text) <= LONGEST else f"{text[: LONGEST - 2]} …"
         kept = (one for one in self.visible if one.text != text and (one.subject != subject or not subject))
         self.visible = list(kept)[-(MOST - 1) :]
         seconds = max(LEAST_SECONDS, SECONDS_A_WORD * len(text.split())) * (WARNING_FACTOR if warning else 1.0)

@@ -7,12 +7,13 @@ import os
 import sys
 import weakref
 from functools import partial
-from unittest.mock import Mock
+from unittest.mock import Mock, patch
 
 import pygame
 import pytest
 from pygame_gui.core.utility import translate
 from pygame_gui.elements import UITooltip
+from softcradle.sandbox.draw import text
 from softcradle.sandbox.draw.palette import BEAD_COLOURS, DARK, THEMES, mix, text_on, use_theme
 from softcradle.sandbox.session.export import shared_text
 from softcradle.sandbox.session.inputs import SetMethod
@@ -154,6 +155,19 @@ def test_messages_lie_on_neither_plots_nor_beads_nor_controls(start: str, scale:
         assert footer.top - 60 * driver.app.unit * (len(text) > 100) <= rect.top
         assert rect.bottom <= footer.bottom
         assert not any(rect.colliderect(one.rect) for one in page.time_controls.buttons.values())
+
+
+@pytest.mark.parametrize("letters", ["x", "x "])
+@pytest.mark.parametrize("size", [SMALLEST, (850, 500), (641, 1400), (1280, 720)])
+def test_a_name_of_any_length_is_refused_in_a_message_that_the_window_has_room_for(size, letters: str) -> None:
+    driver = Driver("one-on-four", size)
+    driver.app.open(letters * 10_000)  # as a text that is no scene and is pasted
+    with patch.object(text, "width", Mock(wraps=text.width)) as measured:
+        driver.frames(2)
+    assert measured.call_count < 5000
+    assert driver.messages[0].startswith("there is no scene 'x")
+    ((rect, _message),) = driver.app.messages._places
+    assert pygame.Rect((0, 0), size).contains(rect)
 
 
 def test_what_is_shown_is_made_anew_where_something_it_is_made_of_has_changed_and_only_there(driver: Driver) -> None:
