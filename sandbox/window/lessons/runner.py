@@ -14,6 +14,7 @@ from softcradle.sandbox.motion import Array
 from softcradle.sandbox.session.history_slices import slice_at
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.summary_text import outcome_text
+from softcradle.sandbox.window.dialog import Choices
 from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.scene.clock import SceneClock
 from softcradle.scenes import load
@@ -41,8 +42,8 @@ class Lesson:
     measure: str
     why: tuple[str, ...]
 
-    def answer(self, velocities: Sequence[tuple[Array, Array]]) -> int:
-        """Number of the right choice, from the velocities (n+1,) of each lane at its start and end."""
+    def answer(self, velocities: Sequence[tuple[Array, Array]]) -> int | None:
+        """Number of the right choice, from the velocities (n+1,) of each lane at its start and end; None where none is."""
         return MEASURES[self.measure](velocities)
 
 
@@ -68,13 +69,13 @@ def _striker(velocities: Sequence[tuple[Array, Array]]) -> int:
     return 1 if end[0] * start[0] < 0.0 else 2
 
 
-def _together(velocities: Sequence[tuple[Array, Array]]) -> int:
-    """0 or 1: the lane in which targets leave together; 2: both."""
+def _together(velocities: Sequence[tuple[Array, Array]]) -> int | None:
+    """0 or 1: the lane in which targets leave together; 2: both; None: neither."""
     apart = [float(np.ptp(end[1:])) > TOGETHER * float(abs(end[1:]).mean()) for _, end in velocities]
-    return 2 if not any(apart) else apart.index(False)
+    return None if all(apart) else (apart.index(False) if any(apart) else 2)
 
 
-MEASURES: dict[str, Callable[[Sequence[tuple[Array, Array]]], int]] = {
+MEASURES: dict[str, Callable[[Sequence[tuple[Array, Array]]], int | None]] = {
     "leaving": _leaving,
     "striker": _striker,
     "together": _together,
@@ -143,19 +144,25 @@ class LessonRunner:
         self.answered = True
         predicted, self.predicted = self.predicted, None
         if isinstance(predicted, str):
-            text = _("You predicted: {words} Measured: {outcome}", words=predicted, outcome=outcome_text(self.session))
-            self.host.choose(_("What happened"), text, {_("Close"): lambda: None})
+            self._tell(predicted)
         elif predicted is not None:
             self._answer(predicted)
 
+    def _tell(self, words: str, more: Choices | None = None) -> None:
+        """Say what was predicted, and who goes where."""
+        text = _("You predicted: {words} Measured: {outcome}", words=words, outcome=outcome_text(self.session))
+        self.host.choose(_("What happened"), text, {_("Close"): lambda: None, **(more or {})})
+
     def _answer(self, predicted: int) -> None:
-        """Say what was measured, and why where the scene is the catalogue's."""
+        """Say what was measured, and why: choices and reasons are of the scene as it is in the catalogue."""
         history, lanes, lesson = self.session.history, self.session.lanes, self.lesson
         begin = [slice_at(history, k, history.first).velocity[0] for k in range(len(lanes))]
         answer = lesson.answer([(one, lane.velocity) for one, lane in zip(begin, lanes, strict=True)])
         self._next += 1
+        more: Choices = {_("Next question"): self.ask} if self._next < len(self.own) else {}
+        if answer is None or self._edited:
+            self._tell(f"{_(lesson.choices[predicted])}.", more)
+            return
         title = _("As you predicted") if answer == predicted else _("Not as you predicted")
-        why = "" if self._edited else _(lesson.why[answer])  # reasons are of the scene as it is in the catalogue
-        note = _("Measured: {answer}. {why}", answer=_(lesson.choices[answer]), why=why).strip()
-        more = {_("Next question"): self.ask} if self._next < len(self.own) else {}
+        note = _("Measured: {answer}. {why}", answer=_(lesson.choices[answer]), why=_(lesson.why[answer]))
         self.host.choose(title, note, {_("Close"): lambda: None, **more})

@@ -5,6 +5,7 @@ import pygame
 import pytest
 from softcradle.physics import power_law, simulate
 from softcradle.sandbox.session.inputs import SetContact, SetVelocity
+from softcradle.sandbox.session.summary_text import outcome_text
 from softcradle.sandbox.window.lessons.runner import lessons
 from softcradle.sandbox.window.plots.scales import motions_ahead
 from softcradle.sandbox.window.scene.clock import is_over
@@ -40,14 +41,23 @@ def answered(driver: Driver, choice: int) -> str:
     return f"{title}. {note}"
 
 
-def test_a_lesson_is_predicted_run_and_answered_with_a_reason_which_an_edited_scene_has_not(driver: Driver) -> None:
+def test_a_lesson_is_predicted_run_and_answered_with_a_reason_and_in_an_edited_scene_in_words(driver: Driver) -> None:
     said = answered(driver, 1)
     assert said.startswith("Not as you predicted. Measured:")
     assert "half the force" in said
     assert answered(driver, 2).startswith("As you predicted. Measured:")
     driver.page.lessons._next = 0
     driver.page.editor.apply(SetContact(0, None, power_law(100.0, 1.0)))
-    assert answered(driver, 1).endswith("Measured: the last bead alone.")
+    said = answered(driver, 1)
+    assert said.startswith("What happened. You predicted: the last bead alone. Measured: Bead 0 goes to the left")
+    assert said.endswith(outcome_text(driver.session))
+
+
+def test_a_lesson_whose_choices_are_all_wrong_is_answered_in_words() -> None:
+    driver = Driver("locked-pistons")
+    driver.select("contact", 1)
+    driver.key(pygame.K_l, pygame.KMOD_SHIFT)  # now no row leaves together
+    assert answered(driver, 3).startswith("What happened. You predicted: in both. Measured: ")
 
 
 @pytest.mark.parametrize("whole", [True, False], ids=["asked while it runs", "asked at its end"])
