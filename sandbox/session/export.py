@@ -157,7 +157,7 @@ def trajectory_of(part: HistorySlice, lane: int, events: ContactEvents, kept: in
     sentence = f"exported from a session: begins at frame {part.first}, {why}"
     late = CodedWarning(WarningCode.LATE_START, sentence, {"frame": part.first})
     booked = part.ledger - part.ledger[0]
-    return Trajectory(
+    found = Trajectory(
         chain=part.chain,
         time=part.time,
         overlap=part.overlap,
@@ -174,6 +174,9 @@ def trajectory_of(part: HistorySlice, lane: int, events: ContactEvents, kept: in
         absorbed_by_bed=booked[:, BY_BED],
         given=booked[:, [WORK_GIVEN, IMPULSE_GIVEN]],
     )
+    # of a steady drive it counts from t = 0 and the gaps of the chain, which are not where beads begin after an edit
+    before = found.driven[0], found.impulse[0]
+    return replace(found, given=found.given - before)
 
 
 def _intervals(part: HistorySlice, events: ContactEvents) -> tuple[tuple[Interval, ...], ...]:

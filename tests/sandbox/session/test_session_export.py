@@ -182,6 +182,14 @@ def test_what_pointer_and_edits_give_is_no_error_of_an_exported_motion(name, tmp
     assert motion_of(found).energy_error.max() < health.energy_error + 1e-12
 
 
+def test_a_steady_force_has_done_no_work_where_an_exported_motion_begins():
+    """A bead was placed before the start: the way to there is none that the force has moved it."""
+    found = opened("driven-cluster", inputs.Place(0, 0, -0.5), frames=100).trajectory(0)
+    energy = found.kinetic_energy + found.contact_energy
+    assert found.driven[0] == 0.0
+    assert found.driven == pytest.approx(energy - energy[0], abs=1e-12)
+
+
 def test_errors_of_a_row_that_begins_at_rest_and_is_thrown_are_relative_to_what_it_was_given():
     session = opened("one-on-four", inputs.SetVelocity(0, None, 0.0), frames=5)
     session.apply(inputs.SetVelocity(0, 0, 1.0))
