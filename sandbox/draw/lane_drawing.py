@@ -70,6 +70,7 @@ BAR_LIFT = 8.0  # design pixels from the tops of the beads to the axis of the ba
 LEAST_BAR = 18.0  # design pixels of the highest bar, for which beads give way
 GROUND = 30.0  # design pixels from the ground line to the lower edge of the drawing
 SMALLEST_NUMBER = 8.0  # pixels: lower numbers on beads could not be read and are left out
+MASS_LABEL = 12.0  # design pixels, the size of the masses below beads
 SMALLEST_LABELLED = 26.0  # design pixels: shorter beads have no room for texts beside them
 VISIBLE_FORCE = 0.01  # of the force axis: lower bars have neither a number nor a line for rigid clusters
 ARROW_TONE = 0.35  # share of the foreground in the colour of an arrow: it stands out from the ground in both themes
@@ -132,7 +133,9 @@ class LaneDrawing:
         self.heading: tuple[pygame.Rect, ...] = ()  # where key, ruler and labels of the axis are, once drawn
         self.arrows = "velocity"  # what the arrows show, of ARROWS
         self.take_approach([-gap for gap in self.chain.gap], lane.velocity)
-        self.mass_labels = mass_labels(self.chain) if self.bead >= SMALLEST_LABELLED * unit else ()
+        masses = mass_labels(self.chain) if self.bead >= SMALLEST_LABELLED * unit else ()
+        fit = all(width(text, MASS_LABEL * unit) <= self.bead for text in masses)  # beads that touch are a length apart
+        self.mass_labels = masses if fit else ()
 
     def take_approach(self, overlap: Sequence[float], velocity: Sequence[float]) -> None:
         """Take overlaps (n,) [m] and velocities (n+1,) [m/s] before a collision, from which marks of rigid clusters follow."""
@@ -322,7 +325,7 @@ class LaneDrawing:
 
     def _arrows(self, surface: pygame.Surface, edges: list[float], shares: list[float]) -> None:
         """An arrow under each bead, of that share of the longest, and below it the mass where masses differ."""
-        y, size = self.ground + 11 * self.unit, 12 * self.unit
+        y, size = self.ground + 11 * self.unit, MASS_LABEL * self.unit
         for i, (x, share) in enumerate(zip(edges, shares, strict=True)):
             middle = x + self.bead / 2
             length = 0.85 * self.bead * share

@@ -17,6 +17,7 @@ from softcradle.sandbox.window.scene.toolbar import MENUS
 from softcradle.sandbox.window.scene.values_board import BODY, HEAD, LESS_NEEDED, MOST_DIGITS, fitting
 
 from softcradle import scenes
+from tests.helpers.drawn_text import colliding
 from tests.helpers.sessions import EVERY_SCENE
 from tests.helpers.windows import Driver
 
@@ -133,6 +134,13 @@ def test_the_same_blow_is_played_once_edits_of_the_second_row_are_discarded(driv
     driver.click(driver.app.dialog.buttons["Discard them"].rect.center)
     assert driver.app.page is not page
     assert driver.session.playing
+
+
+def test_masses_of_two_low_rows_do_not_lie_on_each_other() -> None:
+    driver = Driver("mixed", (800, 600))
+    assert any(one.text == "0.8 kg" for one in driver.texts())
+    driver.key(pygame.K_d, CTRL)
+    assert not colliding(driver.texts())
 
 
 def test_what_the_catalogue_says_of_its_lanes_is_not_said_of_one_of_them_or_of_an_edited_one() -> None:
