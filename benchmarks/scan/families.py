@@ -288,6 +288,25 @@ def _over_time(draw: Draw, n: int, end: float, values: Array) -> TimedForce:
     return TimedForce(beads, knots, np.append(values[: knots.size - 1], draw.choice([0.0, values[-1]])))
 
 
+def bounded(draw: Draw) -> tuple[Chain, Array, float | None]:
+    """Motions that go on for long and may end in the middle of a bounce: between walls, or held together by couplers."""
+    n = int(draw.integers(1, 6))
+    mass, velocity = _masses(draw, n, 0.5), _strike(draw, n)
+    if n == 1 or draw.random() < 0.5:
+        laws: list[Contact | Coupler] = (
+            [_coupler(draw)] * n if draw.random() < 0.5 else [_coupler(draw) for _ in range(n)]
+        )
+        if draw.random() < 0.3:
+            mass[-1], velocity[-1] = math.inf, 0.0
+        gap = np.zeros(n)
+    else:
+        laws = [*_laws(draw, n)]
+        mass[[0, n]], velocity[[0, n]] = math.inf, 0.0
+        gap = np.where(draw.random(n) < 0.5, 0.0, draw.uniform(0.0, 0.3, n))
+    chain = Chain(mass, laws, gap)
+    return chain, velocity, _time(draw, chain, velocity) * float(_log(draw, 1.0, 15.0))
+
+
 FAMILIES: dict[str, Callable[[Draw], tuple[Chain, Array, float | None]]] = {
     "power": power,
     "mixed": mixed,
@@ -303,6 +322,7 @@ FAMILIES: dict[str, Callable[[Draw], tuple[Chain, Array, float | None]]] = {
     "timed": timed,
     "own-laws": own_laws,
     "couplers": couplers,
+    "bounded": bounded,
 }
 
 

@@ -30,6 +30,8 @@ from softcradle.physics.adaptive.step_records import (
     LAST,
     LOCAL_SQUARE,
     NEXT,
+    RESTED,
+    START,
     Accuracy,
     Bounds,
     Regime,
@@ -37,7 +39,7 @@ from softcradle.physics.adaptive.step_records import (
     Steps,
     Trial,
 )
-from softcradle.physics.adaptive.switch_log import find_openings, grow_errors, log_switches
+from softcradle.physics.adaptive.switch_log import end_within_bounces, find_openings, grow_errors, log_switches
 from softcradle.physics.numerics.jit import inlined, piece, whole
 from softcradle.physics.numerics.knots import BESIDE, next_knot
 from softcradle.physics.numerics.meeting import meets_again
@@ -133,6 +135,7 @@ def go_on(extent, pause, accuracy, chain, regime, motion, trial, look, scratch, 
         begin(time, chain, regime, motion, bounds, scratch, log)
     while True:
         if time >= end:
+            end_within_bounces(end - control[START], chain, motion, wanted, scratch)
             return DONE, end
         if time >= until:
             acts = pass_knot(time, chain, regime, motion, bounds, scratch, log)
@@ -145,6 +148,8 @@ def go_on(extent, pause, accuracy, chain, regime, motion, trial, look, scratch, 
         if firm and not acts and nothing_moves(chain, regime, motion):
             if until == end:
                 return (SEPARATED, time) if stop else (DONE, end)
+            if steps.time.size:
+                keep_step(time, until - time, RESTED, chain, regime, motion, steps, counter)
             time = until
             continue
         if not acts and nothing_pushes(chain, regime, motion, bounds.negligible):

@@ -32,7 +32,7 @@ from softcradle.physics.adaptive.row_graphs import (
 )
 from softcradle.physics.adaptive.sampling import keep_step
 from softcradle.physics.adaptive.step_control import onset_step, restart_control
-from softcradle.physics.adaptive.step_records import AT_ONCE, FLOWN, GROWTH, LAST, LOCAL_SQUARE, NEXT
+from softcradle.physics.adaptive.step_records import AT_ONCE, FLOWN, GROWTH, LAST, LOCAL_SQUARE, NEXT, START
 from softcradle.physics.adaptive.switch_log import log_switches
 from softcradle.physics.adaptive.yield_or_slip import balance
 from softcradle.physics.numerics.bead_velocities import bead_velocities
@@ -387,8 +387,9 @@ def begin(time, chain, regime, motion, bounds, scratch, log):
     restart_control(scratch.control, first)
     for k in (AT_ONCE, LOCAL_SQUARE, GROWTH):
         scratch.control[k] = 0.0
+    scratch.control[START] = time
     for i in range(motion.mode.size):
-        scratch.opened[i] = time if motion.overlap[i] < 0.0 else math.inf
+        scratch.bounced[i], scratch.segment[i] = time if motion.overlap[i] < 0.0 else math.inf, -1
         scratch.lateness[i] = scratch.grown[i] = scratch.most_grown[i] = 0.0
         scratch.course[i] = scratch.turns[i] = 0.0
     log_switches(time, time, NO_CONTACT, regime, motion, bounds.wanted, scratch, log)

@@ -118,7 +118,7 @@ def back_to_opening(time, chain, regime, motion, scratch):
     last = -math.inf
     for i in range(motion.mode.size):
         if scratch.opening[i] >= 0.0:
-            last = max(last, scratch.opened[i])
+            last = max(last, scratch.bounced[i])
     if -math.inf < last < time:
         drift(last - time, chain, regime, motion, scratch.work[0])
         return last

@@ -173,7 +173,10 @@ def directions(h, first, last, chain, mode, trial, scratch):
 
 @inlined
 def move_stage(k, i, weight, change, chain, mode, trial, scratch):
-    """Move contact i at stage k along its curve by the Newton change; (|dd|, |df|), what was asked for where that is more."""
+    """Move contact i at stage k along its curve by the Newton change.
+
+    Returns (|dd|, |df|), what was asked for where that is more; and of both what the move is other than asked for.
+    """
     d, f = trial.overlap[k, i], trial.force[k, i]
     by_overlap, by_force = scratch.along[k, i] * change, scratch.across[k, i] * change
     if mode[i] == LOADED:
@@ -182,12 +185,13 @@ def move_stage(k, i, weight, change, chain, mode, trial, scratch):
         else:
             end, pushes = move_along(chain.law, chain.own, i, weight, d, f, by_overlap, by_force)
         trial.overlap[k, i], trial.force[k, i] = end, pushes
-        return max(abs(end - d), abs(by_overlap)), max(abs(pushes - f), abs(by_force))
+        dd, df = end - d, pushes - f
+        return max(abs(dd), abs(by_overlap)), max(abs(df), abs(by_force)), abs(dd - by_overlap), abs(df - by_force)
     if mode[i] == OPEN or mode[i] == FROZEN:
         trial.overlap[k, i] += by_overlap
     else:
         trial.force[k, i] += by_force
-    return abs(by_overlap), abs(by_force)
+    return abs(by_overlap), abs(by_force), 0.0, 0.0
 
 
 @inlined
@@ -258,10 +262,10 @@ def eliminate(h, first, last, chain, motion, trial, scratch):
 def solve_stages(h, chain, motion, precision, trial, scratch):
     """Newton on all stages from the guess in `trial`; `precision` is the velocity [m/s] to converge to.
 
-    A correction counts by the velocity it gives, h L df, and by that of its energy, sqrt(L dd df); one that a move along
-    the curve makes shorter counts in full. After the first iteration only contacts whose corrections count go on, and those
-    around them: all again where a correction at the edge of these counts. Returns the iterations used, 0 where they did not
-    converge.
+    A correction counts by the velocity it gives, h L df, and by that of its energy, sqrt(L dd df); one that a move along the
+    curve makes shorter counts in full, and what the last move has missed may count no more than the precision. After the
+    first iteration only contacts whose corrections count go on, and those around them: all again where a correction at the
+    edge of these counts. Returns the iterations used, 0 where they did not converge.
     """
     law, inverse_mass, force, mode = chain.law, chain.inverse_mass, motion.force, motion.mode
     n = mode.size
@@ -271,7 +275,7 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
     for iteration in range(MOST_TRIES):
         directions(h, first, last, chain, mode, trial, scratch)
         eliminate(h, first, last, chain, motion, trial, scratch)
-        size, settled, low, high = 0.0, True, n, ZERO
+        size, missed, settled, low, high = 0.0, 0.0, True, n, ZERO
         for i in range(first, last):
             deep = (
                 law[i, 0] == 0.0 and law[i, 2] < 1.0
@@ -281,21 +285,21 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
             for k in range(3):
                 if not math.isfinite(scratch.correction[k, i]):
                     return 0
-                by_overlap, by_force = move_stage(
+                by_overlap, by_force, missed_d, missed_f = move_stage(
                     k, i, h * h * weight, scratch.correction[k, i], chain, mode, trial, scratch
                 )
                 if not abs(trial.overlap[k, i]) < HUGE:
                     return 0
                 own = max(own, h * weight * by_force, math.sqrt(weight * (by_overlap * by_force)))
+                missed = max(missed, h * weight * missed_f, math.sqrt(weight * (missed_d * missed_f)))
                 changed, largest = max(changed, by_force), max(largest, abs(trial.force[k, i]))
             size, strongest = max(size, own), max(strongest, largest)
             rests = changed <= FORCE_PRECISION * largest
             settled &= rests
             if own > NEWTON_PART * precision or not rests:
                 low, high = min(low, i), i + 1
-        if settled and (
-            size <= precision or (iteration > 0 and size <= 1e-2 * before and size * size <= precision * before)
-        ):
+        shrinks = iteration > 0 and size <= 1e-2 * before and size * size <= precision * before
+        if settled and (size <= precision or (shrinks and missed <= precision)):
             return iteration + 1
         before = size
         at_edge = (low == first and first > 0) or (high == last and last < n)
@@ -343,7 +347,9 @@ def euler_stages(h, chain, motion, trial, scratch):
                 weight = time * time * (chain.inverse_mass[i] + chain.inverse_mass[i + 1])
                 if not math.isfinite(scratch.correction[k, i]):
                     return
-                _, by_force = move_stage(k, i, weight, scratch.correction[k, i], chain, motion.mode, trial, scratch)
+                _, by_force, _, _ = move_stage(
+                    k, i, weight, scratch.correction[k, i], chain, motion.mode, trial, scratch
+                )
                 changed, largest = max(changed, by_force), max(largest, abs(trial.force[k, i]))
             if changed <= FORCE_PRECISION * largest:
                 break

@@ -16,7 +16,7 @@ from softcradle.physics.adaptive.row_graphs import (
     side_of,
 )
 from softcradle.physics.adaptive.step_control import take_step
-from softcradle.physics.adaptive.step_records import FLOWN, Regime, Scratch, Steps, Trial
+from softcradle.physics.adaptive.step_records import FLOWN, RESTED, Regime, Scratch, Steps, Trial
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece, whole
 from softcradle.physics.numerics.law_curve import BEFORE
@@ -143,6 +143,8 @@ def sample_steps(
                 put_drive(steps.time[k], chain, regime)
         while counter[SAMPLE] < samples.time.size and samples.time[counter[SAMPLE]] < end:
             passed = samples.time[counter[SAMPLE]] - steps.time[k]
+            if steps.kind[k] == RESTED:
+                passed = 0.0
             if steps.kind[k] == FLOWN or passed <= 0.0:  # before the step lies one of another method
                 sample_flight(passed, chain, regime, motion, samples, counter[SAMPLE], scratch.work[0])
             else:

@@ -12,7 +12,10 @@ Array = NDArray[np.float64]
 RADAU, DOP853 = 0, 1  # kinds of step; tables below are indexed by them
 EITHER = 2  # in place of a kind, for a method that takes whichever is cheaper
 ALLOWED = {"radau": RADAU, "dop853": DOP853, "accurate": EITHER}  # kinds of step that a method takes
-FLOWN = 2  # in place of a kind, for a free flight among the steps that are kept
+FLOWN, RESTED = (
+    2,
+    3,
+)  # in place of a kind, among the steps that are kept: a free flight, and a time in which nothing moves
 ERROR_EXPONENT = (0.2, 0.125)  # by kind: one over the order of the error estimate, for the next step size
 TRY_EVALUATIONS = (0, 15)  # by kind: evaluations of all contacts in one try; radau counts its iterations itself
 
@@ -27,7 +30,8 @@ REACH = 6  # longest step of dop853, beyond which a soft contact is stiff [s]
 AT_ONCE = 7  # events one after another without a step between them
 LOCAL_SQUARE = 8  # sum of the squares of the errors of all steps
 GROWTH = 9  # by what factor, beside 1, bounces have made errors grow
-CONTROLS = 10
+START = 10  # when the run began [s]
+CONTROLS = 11
 
 STAGES = 12  # of dop853
 WORK_ROWS = 12  # rows of scratch memory that steps of radau, corners and what is decided at them name
@@ -63,7 +67,7 @@ class Steps(NamedTuple):
 
     time: Array  # (R,) start [s]
     length: Array  # (R,) [s]
-    kind: NDArray[np.int8]  # (R,) RADAU, DOP853 or FLOWN
+    kind: NDArray[np.int8]  # (R,) RADAU, DOP853, FLOWN or RESTED
     values: Array  # (R, K) what `keep_step` puts there
     flags: NDArray[np.int8]  # (R, F) modes, then directions of sliding and easing
 
@@ -92,7 +96,8 @@ class Scratch(NamedTuple):
 
     control: Array  # (CONTROLS,) of the step sizes
     opening: Array  # (n,) when within the step a contact opens [s], -1 where it does not
-    opened: Array  # (n,) when each contact opened last [s]; inf where it has not been apart
+    bounced: Array  # (n,) when the last bounce of each contact began or ended [s]; inf where none has
+    segment: NDArray[np.int8]  # (n,) the segment of a coupler that this was on; -1 where it was open
     lateness: Array  # (n,) of each closed contact, how much later it closed per velocity error before: flight over speed [s²/m]
     grown: Array  # (n,) growth of errors by the present bounce of each contact
     most_grown: Array  # (n,) what that can be at the most: a mistimed bounce changes velocities by twice its speed
@@ -128,7 +133,8 @@ def empty_scratch(contacts: int) -> Scratch:
     return Scratch(
         control=np.zeros(CONTROLS),
         opening=np.zeros(contacts),
-        opened=np.zeros(contacts),
+        bounced=np.zeros(contacts),
+        segment=np.zeros(contacts, dtype=np.int8),
         lateness=np.zeros(contacts),
         grown=np.zeros(contacts),
         most_grown=np.zeros(contacts),

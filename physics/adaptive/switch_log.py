@@ -10,12 +10,12 @@ import math
 
 from softcradle.physics.adaptive.constants import FEW_TRIES, ROUND_OFF, TOLERANCE_PART
 from softcradle.physics.adaptive.dop853 import hermite
-from softcradle.physics.adaptive.row_graphs import side_of
+from softcradle.physics.adaptive.row_graphs import LAW, acceleration_of, is_gear, side_of
 from softcradle.physics.adaptive.step_control import take_step
 from softcradle.physics.adaptive.step_records import GROWTH, LOCAL_SQUARE
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at
-from softcradle.physics.numerics.law_curve import cubic, curve_depth, flow_into, is_continued, pressed_force
+from softcradle.physics.numerics.law_curve import STOP, cubic, curve_depth, flow_into, is_continued, pressed_force
 from softcradle.physics.numerics.records import LOADED, OPEN
 from softcradle.physics.numerics.switches import log_switch
 
@@ -29,7 +29,7 @@ def log_switches(before, time, landed, regime, motion, wanted, scratch, log):
 
     One that has begun does so at the start: steps end where contacts close. One that has opened did so at `opening` (n,)
     after the start, or at the end where that is negative. The one that has `landed` on a corner is told of when it is over it.
-    Flights between bounces count in how errors grow, see `grow_errors`.
+    Flights between bounces, on contacts and on each segment of couplers, count in how errors grow, see `grow_errors`.
     """
     for i in range(motion.mode.size):
         if i == landed:
@@ -44,13 +44,29 @@ def log_switches(before, time, landed, regime, motion, wanted, scratch, log):
             if not now and time > before and scratch.opening[i] >= 0.0:
                 when = before + scratch.opening[i]
             log_switch(log, i, now, when)
-            if now:
-                flight, speed = when - scratch.opened[i], w
-                scratch.lateness[i] = flight / speed if flight > 0.0 and speed > 0.0 else 0.0
-                scratch.most_grown[i] = 2.0 * speed / wanted
-            else:
-                scratch.control[GROWTH] += scratch.grown[i]
-                scratch.opened[i], scratch.lateness[i], scratch.grown[i] = when, 0.0, 0.0
+            put_bounce(i, now, w, when, regime, wanted, scratch)
+        elif now and regime.segment.size and regime.segment[i] != scratch.segment[i]:
+            put_bounce(i, now, w, time, regime, wanted, scratch)
+
+
+@inlined
+def put_bounce(i, now, speed, when, regime, wanted, scratch):
+    """A bounce of contact i on a segment begins, or ends where that is not `now` entered at that `speed`.
+
+    Errors of velocity make one late that comes after another. A coupler without slack that goes over from pulling to pushing gets
+    its preloads late.
+    """
+    flight, before = when - scratch.bounced[i], scratch.segment[i]
+    scratch.control[GROWTH] += scratch.grown[i]
+    scratch.bounced[i], scratch.grown[i], scratch.segment[i] = when, 0.0, -1
+    scratch.lateness[i] = flight / speed if now and flight > 0.0 and speed > 0.0 else 0.0
+    scratch.most_grown[i] = 2.0 * speed / wanted
+    if now and regime.segment.size:
+        scratch.segment[i] = regime.segment[i]
+        if before >= 0 and is_gear(regime, i) and scratch.lateness[i] > 0.0:
+            jump = abs(regime.law[i, 0]) + abs(regime.segments[regime.first[i] + before, LAW])
+            jump *= regime.inverse_mass[i] + regime.inverse_mass[i + 1]
+            scratch.grown[i] = min(scratch.lateness[i] * jump, scratch.most_grown[i])
 
 
 @inlined
@@ -68,7 +84,8 @@ def grow_errors(row, side, chain, regime, motion, wanted, scratch):
         quiet = abs(rate) <= slowest if loaded else course[i] == 0.0
         if quiet and i != row and scratch.lateness[i] == 0.0:
             continue
-        own = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * motion.force[i]
+        weight = chain.inverse_mass[i] + chain.inverse_mass[i + 1]
+        own = weight * motion.force[i]
         others = own - flow_into(i, chain.inverse_mass, motion.force)
         others = inward * (others + drive_at(chain, i, 0.0))
         own *= inward
@@ -88,8 +105,21 @@ def grow_errors(row, side, chain, regime, motion, wanted, scratch):
             if turned or abs(rate) > abs(course[i]):
                 course[i] = rate
         if scratch.lateness[i] > 0.0:
+            if not is_gear(regime, i):  # the gear pushes beside the stop on which it bounces
+                others -= own - weight * regime.law[i, STOP] * overlap
             grown = min(scratch.lateness[i] * abs(others), scratch.most_grown[i])
             scratch.grown[i] = max(scratch.grown[i], grown)
+
+
+@inlined
+def end_within_bounces(passed, chain, motion, wanted, scratch):
+    """How errors have grown where a run ends, `passed` [s] after its start, while contacts bounce: all errors made one that
+    closed at speed u late by T e / u, and its rate is off by what it is accelerated in that time."""
+    for i in range(motion.mode.size):
+        if scratch.lateness[i] > 0.0:
+            speed = 0.5 * wanted * scratch.most_grown[i]
+            grown = passed / speed * abs(acceleration_of(i, chain, motion.force, 0.0))
+            scratch.grown[i] = max(scratch.grown[i], min(grown, scratch.most_grown[i]))
 
 
 @inlined

@@ -77,6 +77,18 @@ def test_a_brake_stops_a_bead_and_holds_it(method):
     assert found.absorbed_by_bed[-1] == pytest.approx(49.0, rel=1e-3)
 
 
+@pytest.mark.parametrize("method", [one for one in METHODS if one.dissipative], ids=lambda one: one.name)
+def test_beads_on_a_bed_that_wait_for_a_force_are_shown_at_rest(method):
+    """The samples before it lay on the path back from it: a bead that was drawn into its wall, and out again."""
+    chain = Chain([math.inf, 1.0], hooke(4.0), friction=0.05, forces=TimedForce(1, [0.5, 0.5], [0.0, -2.0]))
+    found = simulate(chain, [0.0, 0.0], 1.0, **settings(method))
+    before = found.time <= 0.5
+    assert before.sum() > 5
+    np.testing.assert_allclose(found.overlap[before], 0.0, atol=1e-12)
+    np.testing.assert_allclose(found.velocity[before], 0.0, atol=1e-12)
+    assert found.overlap[-1, 0] > 0.1
+
+
 def test_a_push_on_soft_contacts_that_hardly_close_is_computed():
     """They close at 1e-22 m/s while all beads are pushed to 1e-3: steps counted by their contact times were no number."""
     laws = [Contact(0.93, 0.0, 1.0), Contact(1.35, 11.3, 0.58), power_law(20.4, 0.0615), power_law(3.3, 0.0886)]

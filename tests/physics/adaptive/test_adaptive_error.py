@@ -14,7 +14,7 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 from scipy.special import beta
-from softcradle.physics import Chain, Contact, confirm, draft_gear, hertz, hooke, one_on, power_law, step_force
+from softcradle.physics import Chain, Contact, Coupler, confirm, draft_gear, hertz, hooke, one_on, power_law, step_force
 from softcradle.physics.adaptive import runner, usual_budget
 from softcradle.physics.problem import Problem
 from softcradle.physics.scales import closing_scale, largest_error
@@ -388,6 +388,34 @@ def test_no_stated_error_of_any_chain_exceeds_what_energy_and_momentum_allow(see
     start.time, end.time = 0.0, 3.0
     most = largest_error(chain, start, end) * (1.0 + 1e-9)
     assert (found.velocity_error <= most)[np.isfinite(mass)].all()
+
+
+WALLED = Chain([math.inf, 1.0, math.inf], hertz(1e4), 0.1)
+STOPPED = Coupler(draft_gear(233.0, 0.00428), hertz(37.0), slack=0.01, travel=0.0263, stop=29_756.0)
+SOLID = Coupler(hertz(54.7), hooke(393.0), travel=0.05, stop=1e4)
+PULLED = Coupler(draft_gear(103.0, 0.00972), draft_gear(35.8, 0.0279))
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8])
+@pytest.mark.parametrize(
+    ("chain", "velocity", "durations"),
+    [
+        pytest.param(WALLED, [0.0, 1.0, 0.0], np.linspace(4.0, 5.0, 8), id="between walls, ends within a bounce"),
+        pytest.param(Chain([5.83, math.inf], STOPPED), [1.07, 0.0], np.linspace(1.5, 1.7, 8), id="ends on a stop"),
+        pytest.param(Chain(np.ones(5), SOLID), [0.0, -0.2, -0.1, -1.3, 0.7], [1.48, 3.0], id="many stops"),
+        pytest.param(Chain([0.13, 7.3, 0.13, 4.7], PULLED), [1.0, 0.0, 0.0, 0.0], [2.6, 4.0], id="pulls and pushes"),
+    ],
+)
+def test_errors_that_bounces_and_couplers_make_grow_are_stated(chain, velocity, durations, tolerance):
+    """What errors of velocity have made late has another velocity where a run ends within a bounce. Stops of couplers, and
+    preloads without slack between them, make errors grow as bounces do. Of neither was anything told.
+    """
+    for duration in durations:
+        exact = solve(chain, velocity, duration, "radau", None, 2, 1e-12)
+        found = solve(chain, velocity, duration, samples=2, tolerance=tolerance)
+        error = np.abs(found.final_velocity - exact.final_velocity).max()
+        stated = float(found.velocity_error.max() + exact.velocity_error.max())
+        assert error < max(stated, PROMISE * tolerance * closing_speed(velocity)), duration
 
 
 @pytest.mark.parametrize("tolerance", [1e-8, 1e-12, 1e-15])

@@ -100,6 +100,17 @@ def test_a_step_solves_the_collocation_equations(first):
         assert trial.anchor[0] == pytest.approx(position + moved, abs=1e-14)
 
 
+@pytest.mark.parametrize("precision", [1e-9, 1e-11])
+def test_stages_of_a_preload_beside_a_soft_power_have_converged(precision):
+    """Each step moved the bead 2e-9 m too far: Newton's last move was a bound of the solution, which no further move followed."""
+    h, chain = 7e-4, Chain([1.0, 1.0], Contact(8.56, 5.43, 0.943))
+    data, motion = pressed(chain, [0.119, 0.0], 1.67e-4)
+    used, trial = stepped(data, motion, h, precision)
+    assert 0 < used <= 3
+    wanted = motion.overlap[0] + h * NODES * motion.rate[0] - h * h * SQUARE @ (2.0 * trial.force[:, 0])
+    assert trial.overlap[:, 0] == pytest.approx(wanted, abs=h * precision)
+
+
 def test_a_spring_is_followed_by_the_rational_function_of_the_method():
     """Radau IIA of order 5 multiplies exp(z) by R(z) = (1 + 2z/5 + z²/20) / (1 - 3z/5 + 3z²/20 - z³/60)."""
     chain = Chain([1.0, math.inf], hooke(4.0))
