@@ -23,7 +23,7 @@ function disc(pen, x, y, radius, colour, rim, theme) {
 
 // A bead with a core whose area is its share of the greatest mass; `core` is the core's radius from 0 to 1.
 function bead(pen, left, ground, size, colour, core, theme) {
-  const rim = Math.max(1, 0.03 * size), radius = size / 2;
+  const radius = size / 2, rim = Math.min(Math.max(1, 0.03 * size), radius);
   disc(pen, left + radius, ground - radius, radius, colour, rim, theme);
   if (core > 0) {
     pen.beginPath();

@@ -723,6 +723,14 @@ def test_every_scene_plays_to_its_end_without_an_error(pages, browser, name):
     assert browser.run(FITS)
 
 
+def test_beads_smaller_than_a_pixel_are_drawn(browser, tmp_path):
+    visit_row(browser, tmp_path, mass=[1, 2, 1], velocity=[1, 0, 0], gap=[2000, 0])
+    browser.run("page.edit('shown', SHOWN), page.pause()")
+    assert browser.run("page.stages[0].view.size") < 1.0
+    run_to_the_end(browser)
+    browser.run("page.dress()")
+
+
 def test_it_lives_in_a_frame_that_may_do_nothing_else(browser, tmp_path):
     """A cell of a notebook: no address of its own, no clipboard, no storage."""
     cell = scenes.load(SCENE).live()._repr_html_()
