@@ -35,6 +35,9 @@ const entries = (fragment) => new URLSearchParams(fragment.slice(1, 400));
 const settable = (name) => !part(name).closest(".never, body:not(.live) .live-only");
 const hasAlpha = (data, law) => (law === "scene" ? data.soft : law === "soft");
 
+// Whether the experiment has another value than the scene; a softness that its law does not have is none.
+const differs = (data, experiment, own, name) => experiment[name] !== own[name] && (name !== "alpha" || hasAlpha(data, experiment.law));
+
 /**
  * The experiment in the fragment of an address; what is missing, no number, unknown or not to be set stays as in `own`.
  * @param {string} fragment @param {Experiment} own @param {Record<string, number[]>} limits @param {any} data @returns {Experiment}
@@ -57,13 +60,13 @@ function readAddress(fragment, own, limits, data) {
 
 /**
  * The fragment of an experiment: only what differs from `own`, and a language, if it is to be told.
- * @param {Experiment} experiment @param {Experiment} own @param {string|null} language
+ * @param {any} data @param {Experiment} experiment @param {Experiment} own @param {string|null} language
  */
-function writeAddress(experiment, own, language) {
+function writeAddress(data, experiment, own, language) {
   const text = new URLSearchParams();
   for (const [name, key] of Object.entries(KEYS)) {
     const value = experiment[name];
-    if (value !== own[name]) text.set(key, typeof value === "number" ? String(Number(value.toPrecision(6))) : value);
+    if (differs(data, experiment, own, name)) text.set(key, typeof value === "number" ? String(Number(value.toPrecision(6))) : value);
   }
   if (String(experiment.shown) !== String(own.shown)) text.set("show", experiment.shown.join(".") || "nothing");
   if (language) text.set("lang", language);

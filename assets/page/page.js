@@ -86,7 +86,7 @@ class Page {
 
   lookOf(spec, lane) {
     const { data, experiment, own, source } = this, given = data.lanes[lane], n = spec.gap.length;
-    const same = given && experiment.law === own.law && (lane > 0 || experiment.alpha === own.alpha);
+    const same = given && experiment.law === own.law && (lane > 0 || !differs(data, experiment, own, "alpha"));
     const whole = given && given.spec.mass.length === spec.mass.length;
     const gear = (i) => spec.law[3 * i] > 0 && spec.law[3 * i + 1] > 0;
     return { mass: spec.mass, contacts: n, label: same ? this.texts.labels[lane] : lawName(spec.law), massLabels: whole ? given.massLabels : [],
@@ -286,7 +286,7 @@ class Page {
   }
 
   write() {
-    const fragment = writeAddress(this.experiment, this.own, addressLanguage(location.hash) && this.language);
+    const fragment = writeAddress(this.data, this.experiment, this.own, addressLanguage(location.hash) && this.language);
     try {
       history.replaceState(null, "", fragment ? `#${fragment}` : location.pathname + location.search);
     } catch { /* a frame without an address */ }
@@ -309,7 +309,7 @@ class Page {
 
   // The text of the scene, while the row is the scene's.
   explain() {
-    const same = MADE.every((name) => this.experiment[name] === this.own?.[name]);
+    const same = !MADE.some((name) => differs(this.data, this.experiment, this.own, name));
     part("text").textContent = same ? this.texts.text : say("other numbers");
   }
 

@@ -536,6 +536,16 @@ def test_what_a_scene_cannot_have_is_left_out_of_a_link(pages, browser, tmp_path
     assert "other numbers" not in browser.run("document.getElementById('text').textContent")
 
 
+def test_a_softness_that_the_law_does_not_have_changes_nothing_and_is_left_out_of_a_link(pages, browser):
+    said = "[document.getElementById('text').textContent, page.looks[0].label]"
+    browser.visit(pages("hertz-cradle").output, "")
+    before = browser.run(said)
+    browser.run("page.edit('law', 'soft'), page.edit('alpha', 0.5), page.edit('law', 'scene'), page.pause()")
+    assert [browser.run(said), browser.run("page.write(), location.hash")] == [before, ""]
+    browser.run("page.edit('law', 'soft'), page.write()")
+    assert browser.run("location.hash") == "#law=soft&a=0.5"
+
+
 def test_a_recorded_page_reads_and_writes_what_can_be_chosen_in_it_and_promises_no_more(pages, browser):
     browser.visit(pages("train-solid").output, "#pace=0.25&show=charts&mu=0.1&with=steel&lang=en")
     experiment, own = browser.run("[page.experiment, page.own]")
