@@ -164,7 +164,7 @@ class Row {
   get apart() {
     const { n, overlap, rate, force } = this.kernel, least = AT_REST * this.spec.speed;
     if (this.still > 1) return true;
-    if (this.spec.drive) return false;
+    if (this.spec.drive || (this.spec.friction > 0 && !this.balanced)) return false; // a wall that moves reaches what the bed has stopped
     for (let i = 0; i < n; i++) if (force[i] > 0 || overlap[i] > 0 || (rate[i] > least && overlap[i] < 0)) return false;
     return true;
   }

@@ -189,6 +189,16 @@ def test_a_run_is_followed_until_nothing_moves_any_more(browser, tmp_path, row, 
     assert browser.run("page.source.last") == pytest.approx(last, abs=0.01)
 
 
+@pytest.mark.parametrize(("duration", "fragment"), [(10.0, ""), (None, "#mu=0.02")])
+def test_a_wall_that_moves_over_a_bed_reaches_again_what_it_has_struck(browser, tmp_path, duration, fragment):
+    friction = 0.02 if duration else 0.0
+    visit_row(browser, tmp_path, duration, fragment, mass=[inf, 1], velocity=[2, 1], friction=friction)
+    run_to_the_end(browser)
+    assert browser.run("page.source.time") > 9.9
+    assert browser.run("page.source.rows[0].velocity[1]") < 2.0  # at 2.7 after 4.3 s
+    assert browser.run("document.getElementById('words').className") == ""
+
+
 def test_a_row_that_friction_holds_while_it_is_pressed_has_come_to_its_end(pages, browser):
     rest = "Beads 0 to 4 nearly stand still."
     browser.visit(pages(SCENE).output, "#loss=0.9&mu=0.02")
