@@ -41,15 +41,17 @@ def _approach(values: Array) -> float:
 
 
 def speed_scale(chain: Chain, velocity: ArrayLike, duration: float | None = None) -> float:
-    """Largest of the closing speed and what contacts pressed at the start and the drive, within `duration`, can give [m/s].
+    """The `greatest_speed`; 1 where it is 0, so that scales stay finite."""
+    return greatest_speed(chain, velocity, duration) or 1.0
 
-    1 where all are 0.
-    """
+
+def greatest_speed(chain: Chain, velocity: ArrayLike, duration: float | None = None) -> float:
+    """Largest of the closing speed and what contacts pressed at the start and the drive, within `duration`, can give [m/s]."""
     found = float(np.ptp(np.asarray(velocity)))
     if chain.drives:
         given = _given_speed(chain)
         found = max(found, given if duration is None else min(given, found + duration * _pull(chain)))
-    return max(found, _sprung_speed(chain)) or 1.0
+    return max(found, _sprung_speed(chain))
 
 
 @per_chain

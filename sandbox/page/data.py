@@ -12,7 +12,7 @@ from softcradle.physics import Chain
 from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
 from softcradle.physics.numerics.contact_solve import BEAD_ROWS
 from softcradle.physics.numerics.records import COUNTERS
-from softcradle.physics.scales import speed_scale
+from softcradle.physics.scales import greatest_speed, speed_scale
 from softcradle.sandbox.draw import Scales
 from softcradle.sandbox.draw.bodies import EQUAL_MASSES, body_height, cluster_ends, is_gear, mass_labels, solid_force
 from softcradle.sandbox.draw.palette import LIGHT, OKABE_ITO
@@ -104,22 +104,23 @@ def _spec(chain: Chain, velocity: list[float], duration: float | None) -> dict[s
 def _experiment(scene: Scene) -> dict[str, Any]:
     """What of the scene can be set by a person, and its units."""
     lane = scene.lanes[0]
-    chain, velocity = lane.chain(), np.array(lane.velocity)
-    speed, row = speed_scale(chain, velocity, scene.duration), chain.law_rows[0].tolist()
+    chain, speeds = lane.chain(), [greatest_speed(item.chain(), item.velocity, scene.duration) for item in scene.lanes]
+    speed, row = speeds[0] or 1.0, chain.law_rows[0].tolist()
     soft = [law[2] for law in chain.law_rows.tolist() if law[0] == 0.0 and law[1] > 0.0 and law[2] != STEEL]
     strikers = _strikers(chain, lane) if len(scene.lanes) == 1 else 0
     finite = [mass for mass in chain.mass if math.isfinite(mass)]
     mass = math.fsum(finite) / len(finite)
+    starts = [float(np.abs(item.velocity).max()) for item in scene.lanes]
     approach = chain.gap[strikers - 1] if strikers else 0.0
     return {
-        "speed": max(speed_scale(item.chain(), item.velocity, scene.duration) for item in scene.lanes),
+        "speed": max(speeds) or 1.0,  # a lane at rest has none
         "kernel": {"beadRows": BEAD_ROWS, "workRows": WORK_ROWS, "counters": COUNTERS},
         "soft": bool(soft),
         "uniform": {"mass": mass, "law": row, "approach": approach} if strikers else None,
         "matter": {"mass": mass, "speed": speed, "length": scene.view.length, "strength": _strength(row)},
         "own": {
             "law": "scene", "alpha": soft[0] if soft else 0.1, "strikers": strikers or 1,
-            "targets": chain.contacts + 1 - strikers, "speed": float(np.abs(velocity).max()) or speed,
+            "targets": chain.contacts + 1 - strikers, "speed": next(filter(None, starts), speed),
             "friction": chain.friction, "loss": float(chain.loss.max()), "pace": 1, "beside": "none", "shown": SHOWN,
         },
     }  # fmt: skip

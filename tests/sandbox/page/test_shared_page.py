@@ -55,6 +55,16 @@ def test_a_row_can_be_longer_if_its_contacts_are_alike(tmp_path, losses, uniform
     assert (page_data(report.output.read_text(encoding="utf-8"))["uniform"] is not None) is uniform
 
 
+@pytest.mark.parametrize("moving", [0, 1])
+def test_a_lane_at_rest_has_no_part_in_the_speed_of_a_page(tmp_path, moving):
+    velocities = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
+    velocities[moving][0] = 0.01
+    contact = {"law": "power_law", "f0": 1.0, "alpha": 0.1}
+    scene = Scene(title="rows", lanes=tuple(Lane(contact=contact, velocity=each) for each in velocities))
+    data = page_data(render_page(scene, tmp_path / "page.html").output.read_text(encoding="utf-8"))
+    assert [data["speed"], data["own"]["speed"]] == [0.01, 0.01]
+
+
 def test_what_is_asked_of_a_method_is_recorded_and_the_page_says_how(tmp_path):
     report = render_page(load_scene("one-on-four"), tmp_path / "page.html", method="radau")
     text = report.output.read_text(encoding="utf-8")
