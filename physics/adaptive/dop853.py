@@ -100,10 +100,10 @@ def accelerate(first, last, passed, chain, mode, carried, overlap, force, accele
                     if mode[i - 1] == TOUCHING:
                         pivot -= inverse_mass[i] * upper[i - 1]
                 if i < mode.size - 1:
-                    if mode[i + 1] == TOUCHING:
-                        upper[i] = inverse_mass[i + 1] / pivot
-                    else:
+                    if mode[i + 1] != TOUCHING:
                         load += inverse_mass[i + 1] * force[i + 1]
+                    elif inverse_mass[i + 1] > 0.0:  # a wall takes all, and between two of them the pivot is 0
+                        upper[i] = inverse_mass[i + 1] / pivot
                 free = pivot <= ROUND_OFF * (inverse_mass[i] + inverse_mass[i + 1])
                 force[i] = carried[i] if free else load / pivot
         for i in range(last - 2, first - 1, -1):
