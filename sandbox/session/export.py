@@ -11,6 +11,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 from softcradle.physics.chain import Chain, Joint
 from softcradle.physics.contact import Contact, is_closed
 from softcradle.physics.coupler import Coupler
@@ -26,6 +27,7 @@ from softcradle.sandbox.session.lane_setup import DURATION, LaneSetup, Setup
 from softcradle.sandbox.session.ledger import BY_BED, BY_CONTACTS, IMPULSE_GIVEN, WORK_GIVEN
 from softcradle.scenes import Lane, Scene, load, names, parse
 from softcradle.scenes.contact_table import table_of
+from softcradle.scenes.scene_errors import scene_error
 
 EDITED = ", edited"  # after the label of a lane that was edited in all but its contacts
 LARGEST_DENOMINATOR = 60  # of an exponent that is written as a fraction
@@ -77,8 +79,15 @@ def scene_of(scene: Scene, setup: Setup, labels: Sequence[str]) -> Scene:
     """`scene` as `setup` has it now: lanes with `labels`, slow motion, method and step where all lanes share them.
 
     A lane that has not been edited keeps the form in which it was written. A locked piston is written as the hard
-    contact it is.
+    contact it is. SceneError where a scene file cannot say it.
     """
+    try:
+        return _scene_of(scene, setup, labels)
+    except ValidationError as error:
+        raise scene_error("the scene", error) from None
+
+
+def _scene_of(scene: Scene, setup: Setup, labels: Sequence[str]) -> Scene:
     lanes = tuple(_lane(*both) for both in zip(scene.lanes, setup.lanes, labels, strict=True))
     changed: dict[str, Any] = {**scene.model_dump(), "lanes": [lane.model_dump() for lane in lanes]}
     changed |= words_for(scene, lanes)

@@ -83,6 +83,15 @@ def test_an_edited_scene_reads_back_as_the_same_session(tmp_path):
     assert session.lanes[1].velocity == pytest.approx(again.lanes[1].velocity, abs=1e-9)
 
 
+def test_what_no_scene_file_can_say_is_refused_in_a_sentence(tmp_path):
+    session = opened("one-on-four", inputs.SetContact(0, 0, Contact(0.0, 1e-30, 0.1)))
+    sentence = "this cannot be a scene file: the scene: contact 0-1 would be pressed by .* m; .*: choose other units"
+    with pytest.raises(UserError) as refusal:
+        session.save_scene(tmp_path / "mine.toml")
+    assert re.fullmatch(sentence, str(refusal.value))
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_scene_is_the_start_with_the_edits_and_not_the_frame_shown():
     session = opened(frames=300)
     session.apply(inputs.SetMass(0, 1, 2.0))
