@@ -12,7 +12,8 @@ With dissipation, for methods without a backward part:
     force        f(d) if w >= 0, (1 - loss) f(d) if w < 0
     kick(c h)    v -= c h (forces);  then |v| falls by c h mu g, to 0 at most: the bed stops a bead, never turns it round
 
-Contacts absorb loss * (fall of the stored energy) in a drift, the bed what the kinetic energy falls by in a kick.
+Contacts absorb loss * (fall of the stored energy) in a drift, the bed in a kick the impulse of its brake times the mean of the
+velocities before and after it: nothing from a bead that it holds.
 
 A preload is set-valued at overlap 0; these methods take f = 0 there, so a contact that should only touch chatters.
 """
@@ -111,7 +112,7 @@ def kick_and_brake(part, chain, motion, beads):
         if bed.size and bed[j] > 0.0:
             pushed, brake = beads[0, j] + beads[1, j], part * bed[j]
             ended = 0.0 if abs(pushed) <= brake else pushed - math.copysign(brake, pushed)
-            motion.taken[1] += 0.5 * (pushed - ended) * (pushed + ended) / inverse_mass[j]
+            motion.taken[1] += 0.5 * (pushed - ended) * (beads[0, j] + ended) / inverse_mass[j]
             beads[1, j] = -beads[0, j] if ended == 0.0 else beads[1, j] - math.copysign(brake, pushed)
     anchor[1] += beads[1, chain.anchor_bead]
     for i in range(n):

@@ -97,18 +97,21 @@ class Row:
             mean = [0.5 * (body.velocity.x + speed) for body, speed in zip(self.bodies, speeds, strict=True)]
             self.taken[2] += step * (self.push - self.knots.drive)[self.finite] @ np.array(mean)[self.finite]
         if self.chain.dissipative:
-            self._absorb(before, step)
+            self._absorb(before, speeds, step)
 
-    def _absorb(self, before: list[float], step: float) -> None:
-        """Book what contacts kept on the way from the overlaps `before`; let the bed brake, and book that."""
+    def _absorb(self, before: list[float], speeds: list[float], step: float) -> None:
+        """Book what contacts kept on the way from the overlaps `before`; let the bed brake, and book that.
+
+        `speeds` are those before the step: the bed takes its impulse times the mean speed, nothing from a bead that it holds.
+        """
         for contact, start, end in zip(self.chain.contact, before, self.overlaps, strict=True):
             if end < start:
                 self.taken[0] += contact.loss * (contact.energy(start) - contact.energy(end))
-        for body, bed in zip(self.bodies, self.bed.tolist(), strict=False):
+        for body, start, bed in zip(self.bodies, speeds, self.bed.tolist(), strict=False):
             speed = body.velocity.x
             slower = math.copysign(max(abs(speed) - step * bed, 0.0), speed) if bed else speed
             if slower != speed:
-                self.taken[1] += 0.5 * body.mass * (speed - slower) * (speed + slower)
+                self.taken[1] += 0.5 * body.mass * (speed - slower) * (start + slower)
                 body.velocity = slower, 0.0
 
     def steps(self, most: int, time: float, step: float) -> int:

@@ -85,6 +85,17 @@ def test_a_push_below_the_threshold_moves_nothing(method):
             assert np.diff(found.force[-1]) == pytest.approx([-weight * 1.01 / 4] * 2, rel=1e-6)
 
 
+@pytest.mark.parametrize("method", ["euler", "verlet", "conserving", "pymunk"])
+def test_the_bed_takes_nothing_from_a_bead_that_it_holds_against_a_push(method):
+    """So what it has absorbed of one that has stopped is the same however often it is asked."""
+    chain = Chain([1.0, 1.0], hertz(1e3), gap=0.5, drive=[0.5, 0.0], friction=0.3)
+    few, many = (simulate(chain, [0.5, 0.0], 1.0, method, 1e-3, samples=samples) for samples in (2, 101))
+    stopped = many.time > 0.25
+    assert (many.velocity[stopped] == 0.0).all()
+    assert many.absorbed_by_bed[stopped] == pytest.approx(few.absorbed_by_bed[-1], rel=1e-12)
+    assert np.ptp(many.ledger) < (1e-3 if method in ("euler", "pymunk") else 1e-6)
+
+
 def test_beads_that_a_weak_impact_does_not_reach_stay():
     """On a long row beads that friction holds do not move by one bit relative to the last, which is the anchor."""
     chain = Chain([1.0] * 11 + [1.5], hertz(1e6), gap=0.001, friction=0.5)
