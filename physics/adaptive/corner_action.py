@@ -91,7 +91,7 @@ def classify(late, chain, regime, motion, slow, work):
             mode[i] = LOADED
             if x < 0.0 or (x == 0.0 and w < 0.0 and not at_rest):
                 mode[i] = OPEN
-            elif (at_rest and (regime.law[i, 0] != 0.0 or chain.external.size > 0)) or stands:
+            elif (at_rest and (regime.law[i, 0] != 0.0 or is_coupler(regime, i) or chain.external.size > 0)) or stands:
                 mode[i], candidate[i], undetermined = TOUCHING, 1.0, True
             if regime.easing.size:
                 eases = mode[i] == LOADED and loss_of(regime, i) > 0.0 and x > 0.0 and w < 0.0
