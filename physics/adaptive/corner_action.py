@@ -389,7 +389,7 @@ def begin(time, chain, regime, motion, bounds, scratch, log):
         scratch.control[k] = 0.0
     scratch.control[START] = time
     for i in range(motion.mode.size):
-        scratch.bounced[i], scratch.segment[i] = time if motion.overlap[i] < 0.0 else math.inf, -1
+        scratch.bounced[i], scratch.segment[i] = time if motion.overlap[i] < 0.0 else math.inf, -1.0
         scratch.lateness[i] = scratch.grown[i] = scratch.most_grown[i] = 0.0
         scratch.course[i] = scratch.turns[i] = 0.0
     log_switches(time, time, NO_CONTACT, regime, motion, bounds.wanted, scratch, log)

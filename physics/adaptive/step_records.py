@@ -97,7 +97,7 @@ class Scratch(NamedTuple):
     control: Array  # (CONTROLS,) of the step sizes
     opening: Array  # (n,) when within the step a contact opens [s], -1 where it does not
     bounced: Array  # (n,) when the last bounce of each contact began or ended [s]; inf where none has
-    segment: NDArray[np.int8]  # (n,) the segment of a coupler that this was on; -1 where it was open
+    segment: Array  # (n,) the segment of a coupler that this was on; -1 where it was open
     lateness: Array  # (n,) of each closed contact, how much later it closed per velocity error before: flight over speed [s²/m]
     grown: Array  # (n,) growth of errors by the present bounce of each contact
     most_grown: Array  # (n,) what that can be at the most: a mistimed bounce changes velocities by twice its speed
@@ -134,7 +134,7 @@ def empty_scratch(contacts: int) -> Scratch:
         control=np.zeros(CONTROLS),
         opening=np.zeros(contacts),
         bounced=np.zeros(contacts),
-        segment=np.zeros(contacts, dtype=np.int8),
+        segment=np.zeros(contacts),
         lateness=np.zeros(contacts),
         grown=np.zeros(contacts),
         most_grown=np.zeros(contacts),

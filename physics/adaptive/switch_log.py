@@ -56,9 +56,9 @@ def put_bounce(i, now, speed, when, regime, wanted, scratch):
     Errors of velocity make one late that comes after another. A coupler without slack that goes over from pulling to pushing gets
     its preloads late.
     """
-    flight, before = when - scratch.bounced[i], scratch.segment[i]
+    flight, before = when - scratch.bounced[i], int(scratch.segment[i])
     scratch.control[GROWTH] += scratch.grown[i]
-    scratch.bounced[i], scratch.grown[i], scratch.segment[i] = when, 0.0, -1
+    scratch.bounced[i], scratch.grown[i], scratch.segment[i] = when, 0.0, -1.0
     scratch.lateness[i] = flight / speed if now and flight > 0.0 and speed > 0.0 else 0.0
     scratch.most_grown[i] = 2.0 * speed / wanted
     if now and regime.segment.size:

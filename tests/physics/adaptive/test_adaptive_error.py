@@ -400,7 +400,7 @@ PULLED = Coupler(draft_gear(103.0, 0.00972), draft_gear(35.8, 0.0279))
 @pytest.mark.parametrize(
     ("chain", "velocity", "durations"),
     [
-        pytest.param(WALLED, [0.0, 1.0, 0.0], np.linspace(4.0, 5.0, 8), id="between walls, ends within a bounce"),
+        pytest.param(WALLED, [0.0, 1.0, 0.0], [4.33, 4.355], id="between walls, ends within a bounce"),
         pytest.param(Chain([5.83, math.inf], STOPPED), [1.07, 0.0], np.linspace(1.5, 1.7, 8), id="ends on a stop"),
         pytest.param(Chain(np.ones(5), SOLID), [0.0, -0.2, -0.1, -1.3, 0.7], [1.48, 3.0], id="many stops"),
         pytest.param(Chain([0.13, 7.3, 0.13, 4.7], PULLED), [1.0, 0.0, 0.0, 0.0], [2.6, 4.0], id="pulls and pushes"),
