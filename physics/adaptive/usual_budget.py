@@ -9,7 +9,7 @@ from softcradle.physics.scales import scales_at
 CONTACT_STEPS = 120_000  # steps times contacts, rejected steps included: the budget of a short chain, about 0.1 s
 STEPS_A_CONTACT = 60  # more steps for each contact, for waves pass through long chains one contact after another
 STEPS_A_CONTACT_TIME = 400  # more steps for each of the longest contact times in the duration
-MOST_COUNTED = 2.0**60  # steps
+MOST_LASTING = 1e6  # of these, some seconds: what bounces more often is carried to its end by `conserving`
 USUAL_TOLERANCE = 1e-8  # below it the budget grows as the number of steps does
 
 
@@ -35,7 +35,7 @@ def _lasting(problem: Problem, time: float, speed: float) -> int:
         return 0
     longest = scales_at(problem.chain, speed)[1].max()
     steps = STEPS_A_CONTACT_TIME * _finer(problem.tolerance) * (time - problem.state.time) / longest
-    return int(min(steps, MOST_COUNTED))
+    return int(min(steps, MOST_LASTING))
 
 
 def usual_steps(problem: Problem, speed: float) -> int:
@@ -46,7 +46,7 @@ def usual_steps(problem: Problem, speed: float) -> int:
 def step_budget(problem: Problem, time: float, speed: float) -> int:
     """Steps by `time` [s], rejected ones included, above which a motion rattles more than it determines; or what is allowed.
 
-    Bounces at full speed, as `usual_steps` has it, never take so many, however long they go on.
+    Bounces at full speed, as `usual_steps` has it, never take so many, as long as they go on for MOST_LASTING.
     """
     if problem.most_steps is not None:
         return problem.most_steps

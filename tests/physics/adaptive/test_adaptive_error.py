@@ -365,6 +365,16 @@ def test_bounces_at_full_speed_go_on_and_are_determined(monkeypatch):
     assert abs(found.final_velocity[1] - 1.0) <= found.velocity_error[1] < 1e-4
 
 
+def test_a_motion_of_very_many_bounces_ends_in_bounded_time(monkeypatch):
+    """A bead that a steady force pressed on a wall took 43 million steps, minutes, for a seventh of a second."""
+    monkeypatch.setattr(usual_budget, "MOST_LASTING", 1e4)
+    chain = Chain([1.0, math.inf], power_law(1.27, 0.113), drive=[0.036, 0.0])
+    found = solve(chain, [0.0, 0.0], 2.0, samples=2, tolerance=1e-6)
+    assert found.status == Status.UNDETERMINED
+    assert found.steps < 5e5
+    assert abs(found.final_velocity[0]) <= found.velocity_error[0] < 1e-5  # at rest on the wall, but for 1e-13 m
+
+
 def test_no_stated_error_exceeds_what_energy_and_momentum_allow():
     """Two beads have two velocities that keep both: where they are, and where they were."""
     for mass, velocity, most in (([1.0, 3.0], [1, 0], [1.5, 0.5]), ([math.inf, 1.0, math.inf], [0, 1, 0], [0, 2, 0])):
