@@ -184,8 +184,9 @@ def go_on(extent, pause, accuracy, chain, regime, motion, trial, look, scratch, 
         absorb(h, chain, regime, motion, trial, scratch.work)
         accept_step(motion, trial)
         before, time = time, time + h if h < until - time else until
-        if timed:  # at a knot those just before it
-            acts = put_drive(time if time < until else before + (1.0 - BESIDE) * (time - before), chain, regime)
+        if timed:  # at a knot those just before it, even where the step to it is as short as the last digit of the time
+            beside = time if time < until else before + (1.0 - BESIDE) * (time - before)
+            acts = put_drive(beside if beside < until else before, chain, regime)
         counter[STEP] += 1
         if open_passed(row, chain, regime, motion, bounds.slow):
             control[LAST] = 0.0

@@ -89,6 +89,19 @@ def test_beads_on_a_bed_that_wait_for_a_force_are_shown_at_rest(method):
     assert found.overlap[-1, 0] > 0.1
 
 
+@pytest.mark.parametrize("method", [one for one in METHODS if one.adaptive], ids=lambda one: one.name)
+def test_a_brake_that_begins_just_after_a_contact_opens_takes_no_speed_at_once(method):
+    """A step to a knot that was shorter than 1e-4 of the time had the brake at its end, and a bead that slowed down turned round."""
+
+    def run(brakes=()):
+        chain = Chain([1.0, 1.0, 1.0], hooke(1000.0), [0.0, 0.02], brakes=brakes)
+        return simulate(chain, [1.0, 0.0, 0.0], 0.2, method=method.name, tolerance=1e-9)
+
+    opens = run().contact_intervals[0][0][1]
+    late, early = (run(TimedForce(1, opens + beside, 0.1)).final_velocity for beside in (1e-9, -1e-9))
+    np.testing.assert_allclose(late, early, atol=1e-7)
+
+
 @pytest.mark.parametrize("held", [{"drive": [0.0, 0.1, 0.0, -0.1]}, {"brakes": TimedForce(0, [0.0, 1.0], [0.0, 1.0])}])
 @pytest.mark.parametrize("method", [one for one in METHODS if one.adaptive], ids=lambda one: one.name)
 def test_beads_at_rest_on_both_sides_of_a_wall_stay(method, held):
