@@ -214,15 +214,15 @@ def move_along(law, own, i, weight, overlap, force, by_overlap, by_force):
             return reach, preload + excess
     if exponent < 1.0 and by_overlap < 0.0 and overlap > 0.0:
         slope = 1.0 + weight * local_exponent(law, own, i, overlap, force) * (force - preload) / overlap
-        # far to the right of the solution, where it would overshoot by much: d + weight K d**a = rest bounds both terms
+        # far to the right of the solution: d + weight K d**a = rest bounds both terms
         if slope < 2.0 and preload > 0.0:
             rest = overlap + weight * (force - preload) + slope * by_overlap
             if rest > 0.0:
                 reach = curve_overlap(law, own, i, rest, weight)
-                far = overlap + by_overlap < 0.5 * min(rest, reach)
-                if far and rest < min(reach, overlap):
+                far = 2.0 * min(rest, reach) < overlap
+                if far and rest < reach:
                     return rest, pressed_force(law, own, i, rest)
-                if far and reach < overlap:
+                if far:
                     return reach, preload + rest / weight
     towards_zero = (by_overlap < 0.0) == (overlap > 0.0) and (overlap > 0.0 or continued)
     if exponent < 1.0 and (overlap == 0.0 or by_overlap == 0.0 or towards_zero):  # by_overlap 0: the curve is vertical

@@ -91,7 +91,7 @@ def test_beads_on_a_bed_that_wait_for_a_force_are_shown_at_rest(method):
 
 @pytest.mark.parametrize("method", [one for one in METHODS if one.adaptive], ids=lambda one: one.name)
 def test_a_brake_that_begins_just_after_a_contact_opens_takes_no_speed_at_once(method):
-    """A step to a knot that was shorter than 1e-4 of the time had the brake at its end, and a bead that slowed down turned round."""
+    """A step to a knot that was shorter than 1e-4 of the time had the brake at its end: a bead that slowed down turned round."""
 
     def run(brakes=()):
         chain = Chain([1.0, 1.0, 1.0], hooke(1000.0), [0.0, 0.02], brakes=brakes)
