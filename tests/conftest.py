@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import random
+import shutil
 import sys
 import tempfile
 import time
@@ -28,6 +29,11 @@ settings.register_profile(
     "softcradle", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True
 )
 settings.load_profile("softcradle")
+
+
+def pytest_unconfigure() -> None:
+    """Leave no settings behind."""
+    shutil.rmtree(os.environ["SOFTCRADLE_CONFIG"], ignore_errors=True)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
