@@ -175,7 +175,7 @@ def directions(h, first, last, chain, mode, trial, scratch):
 def move_stage(k, i, weight, change, chain, mode, trial, scratch):
     """Move contact i at stage k along its curve by the Newton change.
 
-    Returns (|dd|, |df|), what was asked for where that is more; and of both what the move is other than asked for.
+    Returns (|dd|, |df|), what was asked for where that is more; and of both by how much more than round-off the move is another.
     """
     d, f = trial.overlap[k, i], trial.force[k, i]
     by_overlap, by_force = scratch.along[k, i] * change, scratch.across[k, i] * change
@@ -186,7 +186,9 @@ def move_stage(k, i, weight, change, chain, mode, trial, scratch):
             end, pushes = move_along(chain.law, chain.own, i, weight, d, f, by_overlap, by_force)
         trial.overlap[k, i], trial.force[k, i] = end, pushes
         dd, df = end - d, pushes - f
-        return max(abs(dd), abs(by_overlap)), max(abs(df), abs(by_force)), abs(dd - by_overlap), abs(df - by_force)
+        missed_d = max(abs(dd - by_overlap) - ROUND_OFF * abs(end), 0.0)
+        missed_f = max(abs(df - by_force) - ROUND_OFF * abs(pushes), 0.0)
+        return max(abs(dd), abs(by_overlap)), max(abs(df), abs(by_force)), missed_d, missed_f
     if mode[i] == OPEN or mode[i] == FROZEN:
         trial.overlap[k, i] += by_overlap
     else:

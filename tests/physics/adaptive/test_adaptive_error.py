@@ -365,6 +365,16 @@ def test_bounces_at_full_speed_go_on_and_are_determined(monkeypatch):
     assert abs(found.final_velocity[1] - 1.0) <= found.velocity_error[1] < 1e-4
 
 
+@pytest.mark.parametrize("family", ["hooke-hertz", "clusters"])
+@pytest.mark.parametrize("seed", [2, 3])
+def test_stages_converge_as_far_as_round_off_lets_them(family, seed):
+    """A move that misses by round-off alone is a full one: tolerances near it asked for more, and steps got ever shorter."""
+    drawn = motion(family, seed)
+    found = solve(drawn.chain, drawn.velocity, drawn.duration, "radau", None, 2, 1e-13, 20_000)
+    assert not found.status.gave_up
+    assert found.evaluations < 8 * found.steps + 10_000
+
+
 def test_a_motion_of_very_many_bounces_ends_in_bounded_time(monkeypatch):
     """A bead that a steady force pressed on a wall took 43 million steps, minutes, for a seventh of a second."""
     monkeypatch.setattr(usual_budget, "MOST_LASTING", 1e4)
