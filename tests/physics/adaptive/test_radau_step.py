@@ -111,6 +111,16 @@ def test_stages_of_a_preload_beside_a_soft_power_have_converged(precision):
     assert trial.overlap[:, 0] == pytest.approx(wanted, abs=h * precision)
 
 
+@pytest.mark.parametrize("law", [hooke(3.0), hertz(5.0), draft_gear(200.0, 0.4)], ids=str)
+def test_stages_converge_as_far_as_round_off_lets_them(law):
+    """At a precision finer than it: what a move misses by round-off is nothing."""
+    for d in (0.31, 0.47, 0.59):
+        used, trial = stepped(*pressed(Chain([1.0, 0.7, 1.3], law), [0.3, 0.0, -0.2], [d, 0.9 * d]), 0.01, 1e-17)
+        assert 0 < used <= 4
+        force = [[signed_force(law.preload, law.stiffness, law.exponent, x) for x in row] for row in trial.overlap]
+        assert trial.force == pytest.approx(np.array(force), rel=1e-12)
+
+
 def test_a_spring_is_followed_by_the_rational_function_of_the_method():
     """Radau IIA of order 5 multiplies exp(z) by R(z) = (1 + 2z/5 + z²/20) / (1 - 3z/5 + 3z²/20 - z³/60)."""
     chain = Chain([1.0, math.inf], hooke(4.0))
