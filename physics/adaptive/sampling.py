@@ -142,9 +142,7 @@ def sample_steps(
             if chain.knots.time.size:
                 put_drive(steps.time[k], chain, regime)
         while counter[SAMPLE] < samples.time.size and samples.time[counter[SAMPLE]] < end:
-            passed = samples.time[counter[SAMPLE]] - steps.time[k]
-            if steps.kind[k] == RESTED:
-                passed = 0.0
+            passed = 0.0 if steps.kind[k] == RESTED else samples.time[counter[SAMPLE]] - steps.time[k]
             if steps.kind[k] == FLOWN or passed <= 0.0:  # before the step lies one of another method
                 sample_flight(passed, chain, regime, motion, samples, counter[SAMPLE], scratch.work[0])
             else:

@@ -12,10 +12,8 @@ Array = NDArray[np.float64]
 RADAU, DOP853 = 0, 1  # kinds of step; tables below are indexed by them
 EITHER = 2  # in place of a kind, for a method that takes whichever is cheaper
 ALLOWED = {"radau": RADAU, "dop853": DOP853, "accurate": EITHER}  # kinds of step that a method takes
-FLOWN, RESTED = (
-    2,
-    3,
-)  # in place of a kind, among the steps that are kept: a free flight, and a time in which nothing moves
+# in place of a kind among the steps that are kept: a free flight, and a time in which nothing moves
+FLOWN, RESTED = 2, 3
 ERROR_EXPONENT = (0.2, 0.125)  # by kind: one over the order of the error estimate, for the next step size
 TRY_EVALUATIONS = (0, 15)  # by kind: evaluations of all contacts in one try; radau counts its iterations itself
 

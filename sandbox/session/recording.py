@@ -112,9 +112,7 @@ def load_recording(path: Path) -> tuple[Recording, Scene]:
         raise UserError(_("cannot read {path}: {error}", path=path, error=reason(error))) from None
     except UserError:
         raise
-    except (
-        Exception
-    ):  # a torn file fails in whatever reads it: zip, its compression, arrays, JSON, or what is made of them
+    except Exception:  # a torn file fails in whatever reads it: zip, compression, arrays, JSON, or what these become
         raise UserError(_("{path}: not a recording of softcradle", path=path)) from None
 
 
