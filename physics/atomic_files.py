@@ -6,8 +6,10 @@ import os
 import secrets
 import shutil
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+
+TOLD = 16  # letters of a name that its temporary one has too: the whole could be too long for the file system with more added
 
 
 @contextmanager
@@ -21,11 +23,12 @@ def output_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         OSError: `path` is a folder, or its folder is missing or cannot be written to; the message is one sentence.
     """
     target = Path(path)
-    if target.is_dir():
+    if os.path.isdir(target):
         raise IsADirectoryError(f"cannot write {target}: it is a folder")
     place = followed(target)
     temporary = _hidden_sibling(target, place.parent)
     try:
+        _check_name(place)
         temporary.open("xb").close()
     except OSError as error:
         raise _refusal(target, place, error) from None
@@ -47,11 +50,12 @@ def output_folder(path: str | os.PathLike[str], replaces: bool = False) -> Itera
             sentence.
     """
     target = Path(path)
-    if target.exists() and not (target.is_dir() and (replaces or not any(target.iterdir()))):
+    if os.path.exists(target) and not (target.is_dir() and (replaces or not any(target.iterdir()))):
         raise FileExistsError(f"cannot write {target}: it exists and is not an empty folder")
     place = followed(target)
     temporary = _hidden_sibling(target, place.parent)
     try:
+        _check_name(place)
         temporary.mkdir()
     except OSError as error:
         raise _refusal(target, place, error) from None
@@ -78,12 +82,18 @@ def _exchange(new: Path, place: Path, before: Path) -> None:
 
 def followed(target: Path) -> Path:
     """The path itself, or what it leads to, if it is a link: that is written, and what is kept lies beside it."""
-    return Path(os.path.realpath(target)) if target.is_symlink() else target
+    return Path(os.path.realpath(target)) if os.path.islink(target) else target
 
 
 def _hidden_sibling(target: Path, folder: Path) -> Path:
     """A name that nothing else has, in the folder where `target` is: a move on one file system is atomic."""
-    return folder / f".{target.stem}.{secrets.token_hex(8)}.part{target.suffix}"
+    return folder / f".{target.stem[:TOLD]}.{secrets.token_hex(8)}.part{target.suffix}"
+
+
+def _check_name(place: Path) -> None:
+    """Raise OSError where the file system takes no such name, be it too long."""
+    with suppress(FileNotFoundError):
+        place.lstat()
 
 
 def _refusal(target: Path, place: Path, error: OSError) -> OSError:

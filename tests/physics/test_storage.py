@@ -201,9 +201,10 @@ def test_folder_appears_whole_or_not_at_all(tmp_path):
     assert [path.name for path in target.iterdir()] == ["1.png"]
 
 
-def test_output_file_has_the_suffix_and_the_usual_permissions(tmp_path):
+@pytest.mark.parametrize("name", ["film.mp4", "f" * 251 + ".mp4"], ids=["usual", "longest"])
+def test_output_file_has_the_suffix_and_the_usual_permissions(name, tmp_path):
     (tmp_path / "usual").write_bytes(b"")
-    with output_file(tmp_path / "film.mp4") as temporary:
+    with output_file(tmp_path / name) as temporary:
         assert temporary.suffix == ".mp4"
         temporary.write_bytes(b"film")
-    assert (tmp_path / "film.mp4").stat().st_mode == (tmp_path / "usual").stat().st_mode
+    assert (tmp_path / name).stat().st_mode == (tmp_path / "usual").stat().st_mode
