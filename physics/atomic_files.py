@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import secrets
 import shutil
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -18,6 +19,7 @@ def output_file(path: str | os.PathLike[str]) -> Iterator[Path]:
 
     The temporary file exists, empty, when the block begins: a folder that cannot be written to is an error before any work.
     Its name is its own: of several that write to one path the last to end is kept. A link stays, and what it leads to is written.
+    A pipe or a device stays too: the whole file is written to it at the end.
 
     Raises:
         OSError: `path` is a folder, or its folder is missing or cannot be written to; the message is one sentence.
@@ -25,6 +27,9 @@ def output_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     target = Path(path)
     if os.path.isdir(target):
         raise IsADirectoryError(f"cannot write {target}: it is a folder")
+    if os.path.exists(target) and not os.path.isfile(target):
+        yield from _written_through(target)
+        return
     place = followed(target)
     temporary = _hidden_sibling(target, place.parent)
     try:
@@ -37,6 +42,18 @@ def output_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         temporary.replace(place)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def _written_through(target: Path) -> Iterator[Path]:
+    """Yield a temporary path whose content goes to a pipe or a device when the block ends without error."""
+    if not os.access(target, os.W_OK):
+        raise PermissionError(f"cannot write {target}: permission denied")
+    with tempfile.TemporaryDirectory() as folder:
+        temporary = Path(folder, f"part{target.suffix}")
+        temporary.touch()
+        yield temporary
+        with temporary.open("rb") as content, target.open("wb") as place:
+            shutil.copyfileobj(content, place)
 
 
 @contextmanager

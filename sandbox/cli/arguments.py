@@ -129,7 +129,7 @@ class WrittenFiles:
     """
 
     def __init__(self, candidates: Iterable[Path]) -> None:
-        self._before = {path.absolute() for path in candidates if os.path.exists(path)}
+        self._before = {path.absolute() for path in candidates if os.path.isfile(path) or os.path.isdir(path)}
 
     def report(self, paths: Sequence[Path], detail: str = "", show: bool = False, silent: bool = False) -> None:
         """Say what was written and what was replaced, unless `silent`; `show` opens the first of the files.

@@ -103,8 +103,9 @@ def checked_output(output: str | Path | None) -> Path | None:
     path = followed(Path(output))
     if path.suffix not in ENGINES:
         raise StudyError(f"the output of a sweep must end in {' or '.join(ENGINES)}, not {str(path)!r}")
-    if path.exists() and path.is_dir() != (path.suffix == ".zarr"):
-        raise StudyError(f"cannot write {path}: it is a {'folder' if path.is_dir() else 'file'}")
+    if path.exists() and not (path.is_dir() if path.suffix == ".zarr" else path.is_file()):
+        there = "folder" if path.is_dir() else "file" if path.is_file() else "pipe or a device"
+        raise StudyError(f"cannot write {path}: it is a {there}")
     if not path.absolute().parent.is_dir():
         raise StudyError(f"cannot write {path}: there is no folder {path.absolute().parent}")
     with needed_for(f"a sweep that is kept as {path.suffix}", "sweep"):

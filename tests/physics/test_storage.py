@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+import os
 from dataclasses import fields, replace
 from unittest.mock import Mock
 
@@ -208,3 +209,13 @@ def test_output_file_has_the_suffix_and_the_usual_permissions(name, tmp_path):
         assert temporary.suffix == ".mp4"
         temporary.write_bytes(b"film")
     assert (tmp_path / name).stat().st_mode == (tmp_path / "usual").stat().st_mode
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no pipes with names")
+def test_a_pipe_stays_and_the_whole_file_goes_through_it(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    reader = os.open(tmp_path / "pipe", os.O_RDWR | os.O_NONBLOCK)
+    with output_file(tmp_path / "pipe") as temporary:
+        temporary.write_bytes(b"film")
+    assert os.read(reader, 9) == b"film"
+    os.close(reader)

@@ -205,6 +205,9 @@ def test_what_is_no_place_for_an_output_is_refused_before_any_work(tmp_path):
     (tmp_path / "link.zarr").symlink_to(tmp_path / "x.nc")
     (tmp_path / "link.nc").symlink_to(tmp_path / "other")
     sentences = {"x.zarr": "x.zarr: it is a file", "x.nc": "x.nc: it is a folder", "link.zarr": "x.nc: it is a folder"}
+    if hasattr(os, "mkfifo"):
+        os.mkfifo(tmp_path / "pipe.nc")
+        sentences["pipe.nc"] = "it is a pipe"
     for name, sentence in (sentences | {"link.nc": "must end in .zarr or .nc, not .*other"}).items():
         with pytest.raises(StudyError, match=sentence):
             sweep(lambda a: pytest.fail("computed"), {"a": [1]}, output=tmp_path / name, executor="here", fresh=True)
