@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, Strict, field_validator, model_validator
 from softcradle.physics import notebook_views
+from softcradle.physics.checked_input import magnitude
 from softcradle.physics.methods import AUTO, refusal_of
 from softcradle.physics.scales import require_computable
 from softcradle.physics.state import checked_velocity
@@ -224,6 +225,13 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _check_settings(self) -> Self:
+        for key in ("duration", "step"):
+            if (given := getattr(self, key)) is not None:
+                magnitude(key, given)
+        if self.tolerance is not None:
+            from softcradle.physics.simulation import checked_tolerance  # no list of scenes waits for it
+
+            checked_tolerance(self.tolerance)
         if self.duration is None and any(lane.chain().walls > 1 for lane in self.lanes):
             raise problem("two walls may keep beads between them for ever: the scene needs a duration")
         if self.duration is None and any(lane.chain().lasts for lane in self.lanes):

@@ -42,6 +42,8 @@ BAD_FILES = {
     "unknown method": ('method = "verlett"\n' + GOOD, r"method: unknown method 'verlett' \(did you mean 'verlet'\?\)"),
     "step 0": ("step = 0\n" + GOOD, r"step must be greater than 0, not 0"),
     "duration negative": ("duration = -1\n" + GOOD, r"duration must be greater than 0, not -1"),
+    "duration of no step": ("duration = 5e-324\n" + GOOD, r"bad\.toml: duration must be from 1e-30 to 1e\+30"),
+    "tolerance below round-off": ("tolerance = 1e-20\n" + GOOD, r"bad\.toml: tolerance must be at least 1e-"),
     "a million million beads": (changed("mass = [1.0, 1.0, 1.0]", "beads = 1000000000000"), r"less than or equal to"),
     "loss negative": (changed("alpha = 0.1", "alpha = 0.1, loss = -1"), r"contact\.loss must be greater than"),
     "friction negative": (GOOD + "friction = -1", r"lanes\[0\]\.friction must be greater than or equal to 0"),
