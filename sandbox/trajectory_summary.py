@@ -12,7 +12,7 @@ from softcradle.sandbox.languages import N_, _, localized, ngettext
 from softcradle.sandbox.quantities import FORCE, MASS, OVERLAP, TIME, VELOCITY
 
 if TYPE_CHECKING:
-    from softcradle.physics import Trajectory
+    from softcradle.physics import Chain, Trajectory
 
 
 PREFIXES = ((1e6, "M"), (1e3, "k"), (1.0, ""))  # of units, the one that suits first
@@ -266,7 +266,7 @@ def describe(label: str, trajectory: Trajectory) -> str:
     sentences = [
         f"{label}:" if label else "",
         _hits(trajectory, scale),
-        clusters_in_words(trajectory.final_velocity.tolist(), scale),
+        clusters_in_words(trajectory.final_velocity.tolist(), walls_of(trajectory.chain), scale),
     ]
     if trajectory.status.gave_up:
         sentences.append(_("The method gave up there, so this is not the end."))
@@ -290,7 +290,8 @@ def _hits(trajectory: Trajectory, scale: float) -> str:
         )
     else:
         after = _("No contact is closed after {time}.", time=seconds_in_words(max(openings)))
-    first = first_hit_in_words([(time, _approach(trajectory, k, time), k) for time, k in closings], scale)
+    hits = [(time, _approach(trajectory, k, time), k) for time, k in closings]
+    first = first_hit_in_words(hits, walls_of(trajectory.chain), scale)
     return f"{first} {after}" if first else after
 
 
@@ -300,7 +301,12 @@ def _approach(trajectory: Trajectory, contact: int, time: float) -> float:
     return float(trajectory.rate[row, contact])
 
 
-def first_hit_in_words(closings: Sequence[tuple[float, float, int]], scale: float) -> str:
+def walls_of(chain: Chain) -> list[bool]:
+    """(n+1,) which of its beads are walls."""
+    return [math.isinf(mass) for mass in chain.mass]
+
+
+def first_hit_in_words(closings: Sequence[tuple[float, float, int]], walls: Sequence[bool], scale: float) -> str:
     """Which beads hit each other first, of contacts that closed: when, how fast their beads approached each other, and which.
 
     Empty where none did: contacts that are pressed, touch or are pulled close without a hit.
@@ -309,25 +315,37 @@ def first_hit_in_words(closings: Sequence[tuple[float, float, int]], scale: floa
     if not hits:
         return ""
     time, speed, contact = min(hits)  # of those at the same time, with which the others only begin to push, the fastest
+    when, how_fast, pair = seconds_in_words(time), speed_in_words(-speed), (contact, contact + 1)
+    if any(walls[bead] for bead in pair):
+        wall, bead = pair if walls[contact] else pair[::-1]
+        return _(
+            "Bead {bead} and wall {wall} hit each other at {time} with {speed}.",
+            bead=bead,
+            wall=wall,
+            time=when,
+            speed=how_fast,
+        )
     return _(
-        "Bead {left} hit bead {right} at {time} with {speed}.",
-        left=contact,
-        right=contact + 1,
-        time=seconds_in_words(time),
-        speed=speed_in_words(-speed),
+        "Bead {left} hit bead {right} at {time} with {speed}.", left=pair[0], right=pair[1], time=when, speed=how_fast
     )
 
 
-def clusters_in_words(velocities: Sequence[float], scale: float, brief: bool = False) -> str:
-    """Neighbours that go together, and how fast; `scale` is the closing speed [m/s]. What is `brief` is read, not spoken."""
-    clusters: list[list[int]] = [[0]]
+def clusters_in_words(velocities: Sequence[float], walls: Sequence[bool], scale: float, brief: bool = False) -> str:
+    """Neighbours that go together, and how fast; `scale` is the closing speed [m/s]. What is `brief` is read, not spoken.
+
+    A wall that rests is not spoken of.
+    """
+    clusters: list[list[int]] = []
     still = scale * (SLOW if brief else STILL)
-    for bead in range(1, len(velocities)):
-        if _alike(velocities[bead], velocities[clusters[-1][0]], scale, still):
+    for bead, velocity in enumerate(velocities):
+        if walls[bead] and abs(velocity) < still:
+            continue
+        beside = bool(clusters) and clusters[-1][-1] == bead - 1 and not (walls[bead] or walls[bead - 1])
+        if beside and _alike(velocity, velocities[clusters[-1][0]], scale, still):
             clusters[-1].append(bead)
         else:
             clusters.append([bead])
-    said = [_cluster(cluster, velocities, scale, brief) for cluster in clusters[:MOST_CLUSTERS]]
+    said = [_cluster(cluster, velocities, walls, scale, brief) for cluster in clusters[:MOST_CLUSTERS]]
     rest = len(clusters) - MOST_CLUSTERS
     return " ".join([*said, *([ngettext("And {n} more group.", "And {n} more groups.", rest)] if rest > 0 else [])])
 
@@ -338,12 +356,18 @@ def _alike(one: float, other: float, scale: float, still: float) -> bool:
     return abs(one - other) < ALIKE * min(scale, 2.0 * faster) or faster < still
 
 
-def _cluster(cluster: list[int], velocities: Sequence[float], scale: float, brief: bool) -> str:
+def _cluster(cluster: list[int], velocities: Sequence[float], walls: Sequence[bool], scale: float, brief: bool) -> str:
     mean = math.fsum(velocities[bead] for bead in cluster) / len(cluster)
     one, still = len(cluster) == 1, abs(mean) < scale * (SLOW if brief else STILL)
     between = N_("{first} and {last}") if len(cluster) == 2 else N_("{first} to {last}")
     beads = str(cluster[0]) if one else _(between, first=cluster[0], last=cluster[-1])
-    if still and brief and mean != 0.0:
+    if walls[cluster[0]]:
+        text = (
+            N_("Wall {beads} goes to the right at {speed}.")
+            if mean > 0.0
+            else N_("Wall {beads} goes to the left at {speed}.")
+        )
+    elif still and brief and mean != 0.0:
         text = N_("Bead {beads} nearly stands still.") if one else N_("Beads {beads} nearly stand still.")
     elif still:
         text = N_("Bead {beads} stands still.") if one else N_("Beads {beads} stand still.")

@@ -4,14 +4,19 @@ const TOGETHER = 0.15; // of the closing speed: beads whose velocities differ by
 const STANDS = 0.1; // of the closing speed: a slower bead nearly stands still
 const MOST_GROUPS = 5; // that are named one by one
 
-/** The sentences for a row that has come apart. @param {Float64Array} velocity @param {number} speed the closing speed */
-function whatHappened(velocity, speed) {
-  const groups = [[0]];
-  for (let k = 1; k < velocity.length; k++) {
-    const first = velocity[groups.at(-1)[0]], near = Math.abs(velocity[k] - first) < TOGETHER * speed;
-    if (near && wayOf(velocity[k], speed) === wayOf(first, speed)) groups.at(-1).push(k); else groups.push([k]);
+/**
+ * The sentences for a row that has come apart; a wall that rests is not spoken of.
+ * @param {Float64Array} velocity @param {(number|null)[]} mass null for a wall @param {number} speed the closing speed
+ */
+function whatHappened(velocity, mass, speed) {
+  const groups = [];
+  for (let k = 0; k < velocity.length; k++) {
+    const group = groups.at(-1), way = wayOf(velocity[k], speed), isWall = mass[k] === null;
+    if (isWall && !way) continue;
+    const beside = group?.at(-1) === k - 1 && !isWall && mass[k - 1] !== null, first = beside ? velocity[group[0]] : NaN;
+    if (Math.abs(velocity[k] - first) < TOGETHER * speed && way === wayOf(first, speed)) group.push(k); else groups.push([k]);
   }
-  const said = groups.slice(0, MOST_GROUPS).map((group) => groupWords(group, velocity, speed));
+  const said = groups.slice(0, MOST_GROUPS).map((group) => groupWords(group, velocity, mass, speed));
   if (groups.length > MOST_GROUPS) said.push(say("more groups", { n: groups.length - MOST_GROUPS }));
   return said.join(" ");
 }
@@ -19,8 +24,8 @@ function whatHappened(velocity, speed) {
 // 1 to the right, -1 to the left, 0 for a bead that nearly stands still.
 const wayOf = (v, speed) => (Math.abs(v) < STANDS * speed ? 0 : Math.sign(v));
 
-function groupWords(group, velocity, speed) {
-  const speeds = group.map((k) => Math.abs(velocity[k])), one = group.length === 1 ? "bead" : "beads";
+function groupWords(group, velocity, mass, speed) {
+  const speeds = group.map((k) => Math.abs(velocity[k])), one = mass[group[0]] === null ? "wall" : group.length === 1 ? "bead" : "beads";
   const way = wayOf(velocity[group[0]], speed);
   const beads = group.length === 1 ? String(group[0]) : say(group.length === 2 ? "two of" : "row of", { first: group[0], last: group.at(-1) });
   if (!way) return say(`${one} still`, { beads });

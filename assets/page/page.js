@@ -161,7 +161,7 @@ class Page {
     const ended = source.apart && (source.over || source.open) && !source.hand;
     const said = nows.map((now, lane) => {
       const name = looks.length > 1 && looks[lane].label ? `${looks[lane].label}: ` : "", rigid = lane || source.touched ? "" : ` ${rigidWords(specs[lane], looks[lane], data.length)}`;
-      return name + whatHappened(now.velocity, specs[lane].speed) + rigid;
+      return name + whatHappened(now.velocity, specs[lane].mass, specs[lane].speed) + rigid;
     });
     const text = ended ? said.join("\n") : source.live ? say("hint") : "";
     if (part("words").textContent !== text) part("words").textContent = text;

@@ -6,7 +6,7 @@ from functools import partial
 from softcradle.physics.contact import is_closed
 from softcradle.sandbox.languages import _, label_words, ngettext
 from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.trajectory_summary import clusters_in_words, first_hit_in_words, seconds_in_words
+from softcradle.sandbox.trajectory_summary import clusters_in_words, first_hit_in_words, seconds_in_words, walls_of
 
 
 def summary_text(session: Session) -> str:
@@ -30,7 +30,7 @@ def _of_lanes(session: Session, words_of: Callable[[Session, int], str]) -> str:
 
 def _clusters(session: Session, lane: int, brief: bool = False) -> str:
     live = session.lanes[lane]
-    return clusters_in_words(live.velocity.tolist(), live.setup.speed, brief)
+    return clusters_in_words(live.velocity.tolist(), walls_of(live.chain), live.setup.speed, brief)
 
 
 def _lane(session: Session, lane: int) -> str:
@@ -46,11 +46,12 @@ def _contacts(session: Session, lane: int) -> str:
     """The first hit, and how many contacts are closed."""
     events = session.contact_events()
     own = events.select((events.lane == lane) & (events.frame <= session.frame))
-    state = session.lanes[lane].state
+    live = session.lanes[lane]
+    state = live.state
     closed = int(is_closed(state.overlap, state.force).sum())
     closings = own.select(own.closed)
     columns = closings.time.tolist(), closings.approach.tolist(), closings.contact.tolist()
-    first = first_hit_in_words(list(zip(*columns, strict=True)), session.lanes[lane].setup.speed)
+    first = first_hit_in_words(list(zip(*columns, strict=True)), walls_of(live.chain), live.setup.speed)
     first += " " if first else ""
     if closed:
         return first + ngettext(

@@ -27,7 +27,8 @@ class Pick:
 def pick_title(session: Session, pick: Pick) -> str:
     """Bead or contact with its number, and with the name of its lane where there are two."""
     if pick.kind == "bead":
-        title = _("Bead {number}", number=pick.index)
+        wall = math.isinf(session.lanes[pick.lane].chain.mass[pick.index])
+        title = _("Wall {number}", number=pick.index) if wall else _("Bead {number}", number=pick.index)
     else:
         title = _("Contact {number}", number=subscript(pick.index, pick.index + 1))
     label = label_words(session.label(pick.lane))

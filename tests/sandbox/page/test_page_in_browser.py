@@ -485,6 +485,12 @@ def test_beads_that_just_touch_and_couplers_that_pull_are_said_to(pages, browser
     assert expected[-1] in browser.run("texts.map(([text]) => text)")
 
 
+def test_a_wall_has_a_name_of_its_own_where_it_moves(pages, browser):
+    browser.visit(pages(SCENE).output, "")
+    said = browser.run("whatHappened([0, -1, -1, 2], [null, 1, 1, null], 1)")
+    assert said == "Beads 1 and 2 go together to the left at 1.00 m/s. Wall 3 goes to the right at 2.00 m/s."
+
+
 def test_a_link_opens_the_experiment(pages, browser):
     page = pages(SCENE).output
     browser.visit(page, "")

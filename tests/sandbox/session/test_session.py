@@ -15,7 +15,7 @@ from softcradle.sandbox.session.lane_setup import DURATION, FRAME_RATE
 from softcradle.sandbox.session.ledger import energy_error
 from softcradle.sandbox.session.snapshots import snapshot_table
 from softcradle.sandbox.session.summary_text import summary_text
-from softcradle.sandbox.trajectory_summary import describe
+from softcradle.sandbox.trajectory_summary import clusters_in_words, describe, first_hit_in_words
 from softcradle.scenes import Lane, Scene
 
 from softcradle import scenes
@@ -239,6 +239,14 @@ def test_a_collision_is_told_in_words():
     assert (float(together[1]), float(striker[1])) == pytest.approx((0.25, 0.25), abs=0.005)
     assert re.search(r"Bead 0 hit bead 1 at .* with 0\.5 metres a second", text)
     assert "trust" not in text
+
+
+def test_a_wall_has_a_name_of_its_own_where_it_moves_or_is_hit():
+    walls = [True, False, False, True]
+    told = clusters_in_words([0.0, -1.0, -1.0, 2.0], walls, 1.0, brief=True)
+    assert told == "Beads 1 and 2 go together to the left at 1\u00a0m/s. Wall 3 goes to the right at 2\u00a0m/s."
+    hit = first_hit_in_words([(2.0, 3.0, 2)], walls, 1.0)
+    assert hit == "Bead 2 and wall 3 hit each other at 2 seconds with 3 metres a second."
 
 
 def test_when_the_last_contact_opened_is_a_time_and_no_duration_in_every_language():
