@@ -149,12 +149,14 @@ def _velocity(old: Lane, chain: Chain, start: State) -> tuple[float, ...]:
 
 
 def _method(scene: Scene, setup: Setup) -> dict[str, Any]:
-    """Method and step where all lanes share them; None for what is chosen automatically."""
-    first, *others = (
-        {"method": None if lane.automatic else lane.method, "step": lane.step if lane.step_given else None}
-        for lane in setup.lanes
-    )
-    return first if all(other == first for other in others) else {}
+    """Method and step, each where all lanes share it, else the scene's own; None for what is chosen automatically."""
+    method, *others = (None if lane.automatic else lane.method for lane in setup.lanes)
+    if any(other != method for other in others):
+        return {}
+    step, *further = (lane.step if lane.step_given else None for lane in setup.lanes)
+    if any(other != step for other in further):
+        step = scene.step if method == scene.method else None
+    return {"method": method, "step": step}
 
 
 def trajectory_of(part: HistorySlice, lane: int, events: ContactEvents, kept: int) -> Trajectory:

@@ -83,6 +83,11 @@ def test_an_edited_scene_reads_back_as_the_same_session(tmp_path):
     assert session.lanes[1].velocity == pytest.approx(again.lanes[1].velocity, abs=1e-9)
 
 
+def test_the_method_that_rows_share_is_written_though_their_steps_differ():
+    scene = opened("beads-against-gear", inputs.SetMethod(None, "verlet"), inputs.SetStep(1, 1e-4)).to_scene()
+    assert (scene.method, scene.step) == ("verlet", None)
+
+
 def test_what_no_scene_file_can_say_is_refused_in_a_sentence(tmp_path):
     session = opened("one-on-four", inputs.SetContact(0, 0, Contact(0.0, 1e-30, 0.1)))
     sentence = "this cannot be a scene file: the scene: contact 0-1 would be pressed by .* m; .*: choose other units"
