@@ -183,18 +183,19 @@ def paint_about(surface: pygame.Surface, rect: pygame.Rect, unit: float, session
 
     Returns all of it where `rect` has no room for that.
     """
-    scene, size, changed = session.scene, 13 * unit, session.edited
+    scene, size = session.scene, 13 * unit
+    changed = session.edited and bool(scene.text or scene.source)
     tips = math.ceil(1.4 * size * len(wrapped(_(TIPS), size, rect.width)) + 1) if rect.height > 150 * unit else 0
     low = pygame.Rect(rect.left, rect.bottom - tips, rect.width, tips)
     write_wrapped(surface, _(TIPS), low, size, tones.muted)
-    title = _("What do you predict?") if question else _("About this scene")
-    write(surface, title, (rect.left, rect.top + 4 * unit), 16 * unit, tones.foreground, bold=True)
     text = question or (_(CHANGED) if changed else scene_words(scene.text))
+    more = _(PREDICT) if question else "" if changed else scene_words(scene.source)
+    title = _("What do you predict?") if question else _("About this scene") if text or more else ""
+    write(surface, title, (rect.left, rect.top + 4 * unit), 16 * unit, tones.foreground, bold=True)
     place = pygame.Rect(rect.left, round(rect.top + 31 * unit), rect.width, 0)
     place.height = max(0, low.top - place.top - round(8 * unit))
     whole = fits(text, place, size)
     end = write_wrapped(surface, text, place, size, tones.foreground)
-    more = _(PREDICT) if question else "" if changed else scene_words(scene.source)
     place.top, place.height = round(end + 8 * unit), max(0, round(low.top - end - 16 * unit))
     write_wrapped(surface, more, place, size, tones.muted)
     return "" if whole and fits(more, place, size) else f"{text} {more}"

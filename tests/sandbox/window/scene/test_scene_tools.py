@@ -157,6 +157,7 @@ def test_what_the_catalogue_says_of_its_lanes_is_not_said_of_one_of_them_or_of_a
     for action, lanes in (("compare", 2), ("alone", 1)):
         page.app.act(action)
         assert (len(page.session.lanes), page.session.scene.text, page.session.scene.source) == (lanes, "", "")
+        assert "About this scene" not in [one.text for one in page.texts()], "nothing is said"
 
 
 def test_stopwatch_and_ruler_measure_and_the_ruler_lies_on_no_force() -> None:
