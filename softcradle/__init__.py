@@ -7,10 +7,12 @@ array([-0.57,  0.17,  0.45,  0.47,  0.47])
 
 from __future__ import annotations
 
+import os
 from importlib import import_module
-from pathlib import Path
-from typing import TYPE_CHECKING
 
+TYPE_CHECKING = (
+    False  # without typing and pathlib, which take most of the time: the command hears Ctrl+C after this file
+)
 if TYPE_CHECKING:
     from softcradle.physics import METHODS as METHODS
     from softcradle.physics import Chain as Chain
@@ -43,9 +45,10 @@ if TYPE_CHECKING:
     __version__: str
 
 _OF_SANDBOX = {"play": "notebook.views", "sweep": "sweeps.run_sweep"}  # public names that are no physics
-_CHECKOUT = Path(__file__).parents[1]
-if not (Path(__file__).parent / "physics").is_dir() and (_CHECKOUT / "physics" / "__init__.py").is_file():
-    __path__.append(str(_CHECKOUT))  # a wheel holds the three folders in this one, a checkout beside it
+_HERE = os.path.dirname(__file__)
+_CHECKOUT = os.path.dirname(_HERE)
+if not os.path.isdir(f"{_HERE}/physics") and os.path.isfile(f"{_CHECKOUT}/physics/__init__.py"):
+    __path__.append(_CHECKOUT)  # a wheel holds the three folders in this one, a checkout beside it
 
 
 if not TYPE_CHECKING:  # a type checker that sees it takes every name for one that exists

@@ -1,4 +1,3 @@
-# PYTHON_ARGCOMPLETE_OK
 """The `softcradle` command: its subcommands, and what goes wrong with them as a sentence and an exit code.
 
 The module of a subcommand is imported when it is run. Parsers refuse in one sentence, and refuse an option that is given twice.

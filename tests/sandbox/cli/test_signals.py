@@ -43,6 +43,16 @@ step = 1e-7
 "lanes.0.contact.alpha" = {between = [0.05, 1], count = 2000}
 """
 
+LOADING = """
+import runpy, signal, sys
+class Interrupted:
+    def find_spec(name, *_):
+        if name == "softcradle.sandbox.cli.main":
+            signal.raise_signal(signal.SIGINT)
+sys.meta_path.insert(0, Interrupted)
+runpy.run_module("softcradle", run_name="__main__")
+"""
+
 
 def begin(*words: str, folder: Path, **environment: str) -> subprocess.Popen[str]:
     """A process with Python's own handler of Ctrl+C, which a shell takes from those that it begins behind."""
@@ -98,6 +108,12 @@ def test_a_command_hears_it_while_kernels_are_compiled(command, number, word, tm
     assert all(line.startswith("softcradle: ") for line in lines)
     for lock in cache.rglob("*.compiling"):  # what goes on behind has nobody to compile for
         os.kill(int(lock.read_text().split()[0]), signal.SIGKILL)
+
+
+def test_a_command_hears_it_while_its_modules_are_loaded(tmp_path):
+    process = begin("-c", LOADING, folder=tmp_path)
+    assert process.communicate(timeout=ANSWER) == ("", "softcradle: interrupted\n")
+    assert process.returncode == 130
 
 
 @pytest.mark.parametrize("executor", [[], ["--threads"]])
