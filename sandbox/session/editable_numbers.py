@@ -199,7 +199,7 @@ NUMBERS = (
 
 @dataclass(frozen=True)
 class Parameter:
-    """An editable number of one bead or contact, with its value at present; see EditableNumber."""
+    """An editable number of one bead or contact, with its value at present; see EditableNumber. nan: of several that differ."""
 
     key: str
     name: str
@@ -212,6 +212,8 @@ class Parameter:
 
     def share(self) -> float:
         """Place of the value on the slider, from 0 to 1."""
+        if math.isnan(self.value):
+            return 0.5
         if not math.isfinite(self.value):
             return 1.0
         low, high, value = self.low, self.high, self.value

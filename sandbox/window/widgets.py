@@ -244,7 +244,7 @@ class Control:
     def show(self, parameter: Parameter, force: bool, with_slider: bool) -> None:
         """Show another value; a number that is being typed, and a slider that is held, are left as they are."""
         self.parameter = parameter
-        if (parameter.value == self.shown and not force) or self.entry.is_focused:
+        if (number_text(parameter.value) == number_text(self.shown) and not force) or self.entry.is_focused:
             return
         self.entry.set_text(number_text(parameter.value))
         if with_slider and not self.grabbed:
@@ -280,5 +280,5 @@ def parameter_control(
 
 
 def number_text(value: float) -> str:
-    """A number as the box shows it."""
-    return localized(f"{value:.5g}")
+    """A number as the box shows it; nothing for nan, of several that differ."""
+    return "" if math.isnan(value) else localized(f"{value:.5g}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import partial
 
@@ -58,11 +59,13 @@ class ExplorePanel(Inspector):
         start = lane.setup.start.velocity(lane.chain)
         speed, own = float(abs(start).max()), max(map(abs, self.session.scene.lanes[0].velocity))
         found = []
-        laws = self._laws()
-        if laws:
+        exponents = [law.exponent for law in self._laws()]
+        if exponents:
             row = N_("alpha of the whole row") if len(self.session.lanes) == 1 else N_("alpha of the upper row")
             name = row if self._contact is None else N_("alpha of this contact")
-            alpha = laws[self._contact or 0].exponent
+            alpha = exponents[self._contact or 0]
+            if self._contact is None and len(set(exponents)) > 1:
+                alpha = math.nan
             found.append(Parameter("alpha", name, "", LEAST_ALPHA, MOST_ALPHA, True, alpha, _unused))
         if own > 0.0:
             found.append(Parameter("speed", N_("speed"), "m/s", 0.0, MOST_SPEED * own, False, speed, _unused))

@@ -80,6 +80,9 @@ def test_alpha_is_that_of_the_row_or_of_a_selected_contact_and_the_blow_goes_as_
     assert explorer.page.editor.selection == Pick(0, "contact", 1)
     typed(explorer, "alpha", "0.5")
     assert [law.exponent for law in laws(explorer)] == [0.1, 0.5, 0.1, 0.1]
+    explorer.key(pygame.K_ESCAPE)
+    explorer.frames(2)
+    assert explorer.page.explore.controls["alpha"].entry.get_text() == "", "contacts differ"
 
 
 def test_an_alpha_beyond_those_of_a_contact_is_refused_in_a_sentence(explorer: Driver) -> None:
