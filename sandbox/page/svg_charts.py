@@ -72,8 +72,10 @@ def line_chart(title: str, curves: Sequence[Curve], axes: ChartAxes) -> str:
     return _figure(title, _grid(axes) + "".join(lines), HEIGHT, legend)
 
 
-def bar_chart(title: str, rows: Sequence[tuple[str, Sequence[tuple[str, float, float]]]], axes: ChartAxes) -> str:
-    """A figure with a bar of intervals (state, begin, end) for each name, above a time axis; `axes.y` has no meaning."""
+def bar_chart(
+    title: str, rows: Sequence[tuple[str, Sequence[tuple[str, float, float]]]], axes: ChartAxes, unit: str
+) -> str:
+    """A figure with a bar of intervals (state, begin, end [`unit`]) for each name, above a time axis; `axes.y` has no meaning."""
     height = TOP + BAR_PITCH * len(rows) + BOTTOM
     parts = []
     for k, (name, intervals) in enumerate(rows):
@@ -81,9 +83,10 @@ def bar_chart(title: str, rows: Sequence[tuple[str, Sequence[tuple[str, float, f
         parts.append(f'<text x="{LEFT - 6:.1f}" y="{top + 14:.1f}" class="end">{escape(name)}</text>')
         for state, begin, end in intervals:
             left, right = axes.across(np.array([begin, end]))
+            hint = f"{escape(name)} {state} {begin:.4g} to {end:.4g} {unit}"
             parts.append(
                 f'<rect class="{state}" x="{left:.1f}" y="{top:.1f}" width="{max(right - left, 0.3):.1f}" '
-                f'height="{BAR_PITCH - BAR_SPACE:.0f}"><title>{escape(name)} {state} {begin:.4g} to {end:.4g} s</title></rect>'
+                f'height="{BAR_PITCH - BAR_SPACE:.0f}"><title>{hint}</title></rect>'
             )
     parts.append(_x_axis(axes, height))
     legend = _legend([(state, state) for state in ("open", "touching", "loaded")])

@@ -42,8 +42,8 @@ class TimeAxis:
 
     def __init__(self, played: PlayedMotion) -> None:
         self.begin, self.end = played.scales.time
-        self.unit, name = played.time_unit
-        self.label = f"{TIME.name} ({name})"
+        self.unit, self.unit_name = played.time_unit
+        self.label = f"{TIME.name} ({self.unit_name})"
 
     def axes(self, values: Range, label: str) -> ChartAxes:
         """The axes of `values` over time."""
@@ -117,26 +117,27 @@ def contact_bars(results: Sequence[SideResult], axis: TimeAxis) -> str:
     charts = []
     for result in results:
         rows = [(f"{k}-{k + 1}", _states(result, k, axis)) for k in range(result.trajectory.chain.contacts)]
-        charts.append(bar_chart(f"{result.side.name}: contacts", rows, axis.axes((0.0, 1.0), "")))
+        charts.append(bar_chart(f"{result.side.name}: contacts", rows, axis.axes((0.0, 1.0), ""), axis.unit_name))
     return chart_row(charts)
 
 
 def _states(result: SideResult, contact: int, axis: TimeAxis) -> list[tuple[str, float, float]]:
-    """(state, begin, end) in the unit of the axis: open all along, and drawn over it when it is touching and loaded."""
+    """(state, begin, end) in the unit of the axis: open, closed after each, and loaded, which is drawn over touching."""
     trajectory, unit = result.trajectory, axis.unit
-    found = [("open", axis.begin / unit, axis.end / unit)]
+    found, opened_last = list[tuple[str, float, float]](), axis.begin
     loaded = trajectory.overlap[:, contact] > LEAST_OVERLAP * float(trajectory.overlap.max())
+    plain = trajectory.chain.contact[contact].preload == 0.0
     for begin, opened in trajectory.contact_intervals[contact]:
         end = opened if math.isfinite(opened) else axis.end
-        if trajectory.chain.contact[contact].preload == 0.0:
-            found.append(("loaded", begin / unit, end / unit))
-            continue
         # contacts at rest side by side do not count as touching before the collision begins
-        touched = max(begin, first_touch(trajectory, result.measures.struck))
-        if touched < end:
-            found.append(("touching", touched / unit, end / unit))
-        found += [("loaded", a / unit, b / unit) for a, b in _intervals(trajectory.time, loaded, begin, end)]
-    return found
+        closed = begin if plain else max(begin, first_touch(trajectory, result.measures.struck))
+        if closed < end:
+            found += [("open", opened_last / unit, closed / unit)] if opened_last < closed else []
+            found.append(("loaded" if plain else "touching", closed / unit, end / unit))
+            opened_last = end
+        if not plain:
+            found += [("loaded", a / unit, b / unit) for a, b in _intervals(trajectory.time, loaded, begin, end)]
+    return [*found, ("open", opened_last / unit, axis.end / unit)] if opened_last < axis.end else found
 
 
 def _intervals(time: Array, loaded: NDArray[np.bool_], begin: float, end: float) -> list[tuple[float, float]]:

@@ -101,6 +101,10 @@ def test_page_closes_its_tags_loads_nothing_and_has_every_number(page):
         for value in result.measures.final_velocity:
             assert number_text(value) in text
         assert number_text(result.measures.restitution) in text
+    bars = re.findall(r"<title>0-1 (open|touching) (\S+) to (\S+) ms</title>", text)[:3]
+    assert [state for state, *_ in bars] == ["open", "touching", "open"]
+    assert bars[0][2] == bars[1][1]
+    assert bars[1][2] == bars[2][1]
 
 
 def test_labels_of_users_are_text_not_markup(tmp_path):
