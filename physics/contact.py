@@ -163,7 +163,8 @@ def stored_energy(
     """
     pressed = np.maximum(np.asarray(overlap, dtype=np.float64), 0.0)
     more = 1.0 + exponent
-    stored: NDArray[np.float64] = preload * pressed + stiffness * power(pressed, more) / more
+    with np.errstate(over="ignore", invalid="ignore"):  # of a motion that has blown up it is inf, or nan
+        stored: NDArray[np.float64] = preload * pressed + stiffness * power(pressed, more) / more
     return stored
 
 

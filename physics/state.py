@@ -146,6 +146,7 @@ def _start(chain: Chain) -> tuple[Array, float, Array]:
     return 0.0 - gap, float(position[chain.anchor]), force
 
 
+@np.errstate(invalid="ignore")  # of a motion that has blown up some are nan
 def from_anchor(difference: Array, value: Any, anchor: int) -> Array:
     """Rebuild (..., n+1) bead values from (..., n) neighbour differences and the anchor bead's `value` (...)."""
     down = np.zeros((*difference.shape[:-1], difference.shape[-1] + 1))

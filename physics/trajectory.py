@@ -155,7 +155,8 @@ class Trajectory:
     @cached_property
     def kinetic_energy(self) -> Array:
         """(T,) kinetic energy [J] of the beads, walls left out."""
-        return 0.5 * self.velocity[:, self._bead] ** 2 @ self._mass
+        with np.errstate(over="ignore"):  # of a motion that has blown up it is inf
+            return 0.5 * self.velocity[:, self._bead] ** 2 @ self._mass
 
     @cached_property
     def contact_energy(self) -> Array:

@@ -260,3 +260,8 @@ def test_a_run_of_more_steps_than_are_kept_is_run_again(monkeypatch):
     again = simulate_quietly(chain, struck(chain), samples=23)
     assert again.rate == pytest.approx(whole.rate, abs=1e-8)
     assert again.overlap == pytest.approx(whole.overlap, abs=1e-8)
+
+
+def test_energies_of_a_motion_that_has_blown_up_are_no_warnings():
+    found = simulate_quietly(one_on(4, hertz(1e6)), START, 20.0, "verlet", step=0.05)
+    assert not np.isfinite(found.kinetic_energy + found.contact_energy).all()
