@@ -14,7 +14,7 @@ import pygame
 import pygame_gui
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import shortened, wrapped, write
-from softcradle.sandbox.languages import N_, _, scene_words
+from softcradle.sandbox.languages import ENGLISH, N_, _, language, scene_words
 from softcradle.sandbox.window.gallery import thumbnails
 from softcradle.sandbox.window.hanging.page import (
     HANGING_NAME,
@@ -259,7 +259,9 @@ class GalleryPage(Page):
         self.captions: dict[str, tuple[str, str, str]] = {}
         self._take_language()
         self.pictures: dict[str, pygame.Surface] = {}
-        self.theme = ""
+        self.made_for = "", ""  # theme and language of the pictures
+        self.english: list[str] = []  # scenes whose pictures are shown as in English, until they are drawn
+        self.drawing: str | None = None  # one that is
         self.scaled: dict[tuple[str, tuple[int, int]], pygame.Surface] = {}
         self.selected, self.search = 0, ""
         self.pressed: int | None = None
@@ -299,16 +301,31 @@ class GalleryPage(Page):
             for name, (title, text, source) in own.items()
         }
 
-    def _take_theme(self) -> None:
-        """Take the thumbnails of the present theme."""
-        self.theme = self.host.settings.theme
-        self.pictures = {HANGING_NAME: hanging_thumbnail(thumbnails.SIZE)}
+    def _take_pictures(self) -> None:
+        """Take the thumbnails of the present theme and language; what has English numbers is shown until it is drawn anew."""
+        self.made_for = theme, code = self.host.settings.theme, language()
+        self.pictures, self.english = {HANGING_NAME: hanging_thumbnail(thumbnails.SIZE)}, []
         for name, scene in self.scenes.items():
-            picture = thumbnails.shipped(name, self.theme) or thumbnails.load(scene, self.theme)
+            shipped = thumbnails.shipped(name, theme)
+            picture = shipped if shipped is not None and code == ENGLISH else thumbnails.load(scene, theme)
+            if picture is None and shipped is not None:
+                self.english.append(name)
+                picture = shipped
             if picture is None:
-                self.host.warmup.submit(partial(self._take_thumbnail, name, scene), partial(motions_ahead, scene))
+                self._draw(name)
             else:
                 self.pictures[name] = picture
+
+    def _draw(self, name: str) -> None:
+        """Draw the thumbnail of a scene once the thread behind knows its motion."""
+        scene = self.scenes[name]
+        self.host.warmup.submit(partial(self._take_thumbnail, name, scene), partial(motions_ahead, scene))
+
+    def update(self, seconds: float) -> None:
+        """Have the next of the English pictures drawn anew, one at a time, when the thread behind has nothing better to do."""
+        if self.english and self.drawing is None and self.host.warmup.complete.is_set():
+            self.drawing = self.english.pop(0)
+            self._draw(self.drawing)
 
     @property
     def typing(self) -> bool:  # type: ignore[override]
@@ -346,10 +363,10 @@ class GalleryPage(Page):
         self.scaled.clear()
         if self.recent != _written(self.host.settings.recent):
             self._take_mine()
-            self.theme = ""  # their pictures are to be made
+            self.made_for = "", ""  # their pictures are to be made
         self._take_language()
-        if self.theme != self.host.settings.theme:
-            self._take_theme()
+        if self.made_for != (self.host.settings.theme, language()):
+            self._take_pictures()
         self._arrange()
 
     def _arrange(self) -> None:
@@ -425,11 +442,14 @@ class GalleryPage(Page):
 
     def _take_thumbnail(self, name: str, scene: Scene, motions: object) -> None:
         """Draw the thumbnail of a scene whose motion is known now, of its start where that failed; not without a card."""
+        if self.drawing == name:
+            self.drawing = None
         if self.scenes.get(name) is not scene:
             return
+        self.scaled.clear()
         if isinstance(motions, list):
             self.pictures[name] = thumbnails.paint(scene, motions)
-            thumbnails.save(scene, self.theme, self.pictures[name])
+            thumbnails.save(scene, self.host.settings.theme, self.pictures[name])
         else:
             self.pictures[name] = thumbnails.paint(scene, thumbnails.start_of(scene))
 

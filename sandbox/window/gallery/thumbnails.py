@@ -14,6 +14,7 @@ from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.shared_scales import left_edges, scales_of
 from softcradle.sandbox.draw.surfaces import write_png
+from softcradle.sandbox.languages import language
 from softcradle.sandbox.motion import Motion
 from softcradle.sandbox.window.plots import scales
 from softcradle.scenes import Scene
@@ -40,12 +41,12 @@ def cache_folder() -> Path:
 
 
 def cached_path(scene: Scene, theme: str) -> Path:
-    """The file of the thumbnail of `scene`; another scene, theme, drawing or physics has another name."""
-    return cache_folder() / f"{digest_of(_sources(), theme, scene.model_dump_json())}.png"
+    """The file of the thumbnail of `scene`; another scene, theme, language, drawing or physics has another name."""
+    return cache_folder() / f"{digest_of(_sources(), theme, language(), scene.model_dump_json())}.png"
 
 
 def shipped(name: str, theme: str) -> pygame.Surface | None:
-    """The thumbnail of a scene of the catalogue in a theme, as it comes with softcradle, or None."""
+    """The thumbnail of a scene of the catalogue in a theme, as it comes with softcradle, with English numbers, or None."""
     try:
         return pygame.image.load(str(PICTURES / theme / f"{name}.png"))
     except (OSError, pygame.error):

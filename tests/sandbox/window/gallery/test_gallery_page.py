@@ -4,6 +4,7 @@ import weakref
 
 import pygame
 import pytest
+from softcradle.sandbox.languages import use_language
 from softcradle.sandbox.window.gallery import thumbnails
 from softcradle.sandbox.window.gallery.page import SECTIONS, GalleryPage
 
@@ -95,6 +96,19 @@ def test_a_search_finds_scenes_by_words_and_enter_opens_the_first(gallery: Drive
     assert searched(gallery, "newton")[:3] == ("hertz-cradle", "steel-and-soft", "hanging-cradle")  # in its place
     gallery.key(pygame.K_RETURN)
     assert gallery.page.title == "Newton's cradle: steel balls"
+
+
+def test_pictures_with_english_numbers_are_drawn_anew_in_another_language_and_kept(gallery: Driver) -> None:
+    page = gallery.app.page
+    page.scenes = {name: page.scenes[name] for name in ("one-on-four", "mixed")}
+    gallery.app.act("language")
+    gallery.frames(2)
+    assert set(page.pictures) > {"one-on-four", "mixed"}, "they are shown until then"
+    gallery.app.warmup.complete.set()
+    gallery.until(lambda: not page.english and page.drawing is None)
+    assert all(thumbnails.load(scene, "light") is not None for scene in page.scenes.values())
+    use_language("en")
+    assert thumbnails.load(page.scenes["mixed"], "light") is None
 
 
 def test_scenes_of_ones_own_have_cards_below_the_first(gallery: Driver, tmp_path) -> None:
