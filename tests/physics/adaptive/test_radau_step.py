@@ -5,14 +5,21 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, Contact, State, draft_gear, hertz, hooke, power_law
+from softcradle.physics import Chain, Contact, OwnLaw, State, draft_gear, hertz, hooke, power_law
 from softcradle.physics.adaptive import radau
-from softcradle.physics.adaptive.constants import RATIO
+from softcradle.physics.adaptive.constants import FORCE_PRECISION, KINK, MOST_TRIES, NEWTON_PART, RATIO, ROUND_OFF
 from softcradle.physics.adaptive.dop853 import error_of_range
-from softcradle.physics.adaptive.radau import compliance, embedded_error, euler_change, euler_stages, radau_step
+from softcradle.physics.adaptive.radau import (
+    compliance,
+    embedded_error,
+    euler_change,
+    euler_stages,
+    radau_step,
+    stage_rates,
+)
 from softcradle.physics.adaptive.step_records import empty_scratch, empty_trial
 from softcradle.physics.numerics.law_curve import NODES, care, signed_force
-from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING, ChainData
+from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING, ChainData, Motion
 
 from tests.helpers.plain_kernels import only_plain, records_of, row_matrix
 
@@ -25,7 +32,7 @@ GAMMA = 1.0 / (3.0 + 9.0 ** (1 / 3) - 3.0 ** (1 / 3))
 # method; that of the method against one by the two last stages.
 EMBEDDED = (np.linalg.solve(_POWERS.T, [1.0 - GAMMA, 1.0 / 2.0, 1.0 / 3.0]) - TABLEAU[2]) @ INVERSE
 COARSE = (TABLEAU[2] - np.append(0.0, np.linalg.solve(_POWERS[1:, :2].T, [1.0, 0.5]))) @ INVERSE
-LAWS = (hooke(3.0), hertz(5.0), power_law(1.0, 0.1), power_law(2.0, 0.5), draft_gear(2.0, 0.4))
+LAWS = (hooke(3.0), hertz(5.0), power_law(1.0, 0.1), power_law(2.0, 0.5), draft_gear(2.0, 0.4), Contact(0.5, 2.0, 0.3))
 
 
 def random_motion(seed):
@@ -61,8 +68,24 @@ def pressed(chain, velocity, overlap):
     return data, motion
 
 
+def driven(data, seed, h):
+    """The records with forces from outside, if any, that grow or fall in the step; (3, n+1) accelerations at its nodes."""
+    if not data.external.size:
+        return data, np.zeros((3, data.inverse_mass.size))
+    bend = np.random.default_rng(seed).normal(size=data.inverse_mass.size) / h
+    return data._replace(knots=data.knots._replace(bend=bend)), data.external + h * np.outer(NODES, bend)
+
+
+def memory(contacts):
+    """A trial and scratch memory, whose contents before a step say nothing."""
+    trial, scratch = empty_trial(contacts), empty_scratch(contacts)
+    for rows in (*trial, scratch.along, scratch.across, scratch.correction, scratch.block, scratch.work):
+        rows.fill(math.nan)
+    return trial, scratch
+
+
 def stepped(data, motion, h, precision=1e-12):
-    trial, scratch = empty_trial(motion.rate.size), empty_scratch(motion.rate.size)
+    trial, scratch = memory(motion.rate.size)
     return radau_step(h, data, motion, precision, trial, scratch)[0], trial
 
 
@@ -70,11 +93,7 @@ def stepped(data, motion, h, precision=1e-12):
 def test_a_step_solves_the_collocation_equations(first):
     for seed in range(first, first + 10):
         chain, data, motion, h = random_motion(seed)
-        drive = np.zeros((3, chain.contacts + 1))
-        if data.external.size:  # which grow or fall in the step
-            bend = np.random.default_rng(seed).normal(size=chain.contacts + 1) / h
-            data = data._replace(knots=data.knots._replace(bend=bend))
-            drive = data.external + h * np.outer(NODES, bend)
+        data, drive = driven(data, seed, h)
         used, trial = stepped(data, motion, h)
         assert 0 < used <= 8, seed
         push = trial.force @ row_matrix(chain) - drive[:, :-1]  # (3, n): - w'
@@ -98,6 +117,26 @@ def test_a_step_solves_the_collocation_equations(first):
         assert trial.anchor[1] == pytest.approx(velocity + h * TABLEAU[2] @ acceleration, abs=1e-14)
         moved = h * velocity + h * h * SQUARE[2] @ acceleration
         assert trial.anchor[0] == pytest.approx(position + moved, abs=1e-14)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_a_step_is_the_same_in_other_units(seed):
+    """With the steps of Euler that it may begin from, and its error."""
+    chain, data, motion, h = random_motion(seed)
+    ends, units = [], 10.0 ** np.random.default_rng(seed).uniform(-5.0, 5.0, 3)
+    for meter, second, kilogram in ((1.0, 1.0, 1.0), units):
+        speed, newton, (preload, stiffness, exponent) = meter / second, kilogram * meter / second**2, data.law.T
+        law = np.column_stack([preload * newton, stiffness * newton / meter**exponent, exponent])
+        moves = motion.overlap * meter, motion.rate * speed, motion.anchor * [meter, speed], motion.force * newton
+        row = data._replace(law=law, inverse_mass=data.inverse_mass / kilogram, external=data.external * speed / second)
+        (trial, scratch), moves = memory(chain.contacts), Motion(*moves, *motion[4:])
+        euler_stages(h * second, row, moves, trial, scratch)
+        ends.append([trial.overlap / meter, trial.force / newton])
+        ends[-1] += radau_step(h * second, row, moves, (1e-5, 1e3)[seed % 2] * speed, trial, scratch)
+        ends[-1] += [trial.overlap / meter, trial.rate / speed, trial.force / newton, trial.anchor / [meter, speed]]
+        ends[-1] += [embedded_error(h * second, row, moves, trial, scratch.work) / speed]
+    for one, same in zip(*ends, strict=True):
+        assert same == pytest.approx(one, rel=1e-8, abs=1e-12)
 
 
 @pytest.mark.parametrize("precision", [1e-9, 1e-11])
@@ -175,42 +214,79 @@ def test_a_correction_is_that_of_a_dense_solve(seed):
     assert (np.abs(left) <= 1e-10 * (largest + 1e-6))[:, first:last].all()
 
 
-@pytest.mark.parametrize("margin", [radau.MARGIN, 0])
-@pytest.mark.parametrize("opening", [0, 20, 39])
-def test_only_contacts_that_still_change_are_iterated(opening, margin, monkeypatch):
-    """Of forty pressed contacts one is about to open: the others have their stages after an iteration or two, and keep them.
+def test_a_move_says_how_far_it_went_and_what_it_missed():
+    """The longer of what was asked for and what was done; what differs by more than round-off."""
+    draw, trial, scratch = np.random.default_rng(0), empty_trial(1), empty_scratch(1)
+    rows = [[law.preload, law.stiffness, law.exponent] for law in LAWS]
+    rows += [
+        [0.5, 2.0, 1.5, 0.1, 3.0, -1.0],
+        [0.5, 2.0, 0.5, 0.0, 0.0, 1.0],
+        [0.5, 2.0, 1.0, 0.0, 3.0, 1.0],
+    ]  # of couplers
+    for case in range(720):
+        data = ChainData(np.array(rows[case % 9 : case % 9 + 1]), np.array([1.0, 0.5]), np.zeros(0), np.zeros(0), 0)
+        mode, start = np.full(1, case // 9 % 4), draw.uniform(0.2, 0.4)
+        start = np.array([start, radau.curve_force(data.law, None, 0, start)])
+        trial.overlap[1], trial.force[1] = start
+        ways = np.array(radau.direction(0, data, mode[0], 0.3, *start))
+        scratch.along[1], scratch.across[1] = ways
+        change = draw.normal() * 10.0 ** draw.choice([-16.0, -6.0, -1.0, 0.5])
+        found = radau.move_stage(1, 0, 0.3, change, data, mode, trial, scratch)
+        end = np.array([trial.overlap[1, 0], trial.force[1, 0]])
+        asked, went, loaded = ways * change, end - start, mode[0] == LOADED
+        missed = np.maximum(np.abs(went - asked) - ROUND_OFF * np.abs(end), 0.0)
+        longer = np.maximum(np.abs(asked), loaded * np.abs(went))
+        assert found == pytest.approx([*longer, *(loaded * missed)], rel=1e-12, abs=1e-18)
+        if loaded:
+            assert end[1] == pytest.approx(radau.curve_force(data.law, None, 0, end[0]), rel=1e-12, abs=1e-15)
+            assert data.law[0, 2] < 1.0 or end[0] == start[0] + asked[0]
+        else:
+            assert went == pytest.approx(asked, rel=1e-9, abs=1e-15)
 
-    Without a margin all go on again each time, for the correction at the edge counts.
-    """
-    chain = Chain([1.0] * 41, power_law(1.0, 0.1))
-    overlap, rate = 0.3 + 0.01 * np.cos(np.arange(40)), 0.05 * np.sin(np.arange(40))
-    overlap[opening], rate[opening] = 1e-3, -0.303
-    data, motion = pressed(chain, np.zeros(41), overlap)
-    motion.rate[:] = rate
-    directions, h = Mock(wraps=radau.directions), 3.3e-3
-    monkeypatch.setattr(radau, "MARGIN", margin)
-    monkeypatch.setattr(radau, "directions", directions)
-    used, trial = stepped(data, motion, h)
-    ranges = [call.args[1:3] for call in directions.call_args_list]
-    assert len(ranges) == used
-    whole, around = (0, 40), (max(opening - 2 - margin, 0), min(opening + 3 + margin, 40))  # two to each side are moved
-    last = [] if opening == 20 else [around if margin else whole]
-    assert ranges == [whole, whole, around, *last]
-    push = trial.force @ row_matrix(chain)
-    wanted = motion.overlap + h * np.outer(NODES, motion.rate) - h * h * SQUARE @ push
-    assert trial.overlap == pytest.approx(wanted, abs=1e-14)
-    assert trial.force == pytest.approx(chain.contact[0].force(trial.overlap), rel=1e-13)
 
+@pytest.mark.parametrize("precision", [1e-2, 1e-4, 1e-6, 1e-9])
+def test_newton_goes_on_with_what_counts_and_ends_where_nothing_does(precision, monkeypatch):
+    """Its rules, written anew for what its moves say of themselves."""
+    iterations, directions, move_stage = [], radau.directions, radau.move_stage
 
-@pytest.mark.parametrize("law", [hertz(5.0), power_law(2.0, 0.5), power_law(1.0, 0.1)], ids=str)
-def test_forces_converge_however_little_the_velocities_ask_for(law):
-    """A thousandth of the largest force is the bound, so the error is below it."""
-    chain = Chain([1.0] * 4, law)
-    for h in (0.3, 1.0):
-        data, motion = pressed(chain, [1.0, 0.0, 0.0, 0.0], 0.0)
-        _, careless = stepped(data, motion, h, precision=1e30)
-        _, exact = stepped(data, motion, h, precision=1e-13)
-        assert careless.force == pytest.approx(exact.force, abs=1e-5 * exact.force.max())
+    def begun(h, first, last, *others):
+        iterations.append(((first, last), []))
+        directions(h, first, last, *others)
+
+    def moved(k, i, reach, *others):
+        found = move_stage(k, i, reach, *others)
+        iterations[-1][1].append((i, reach, *found, abs(others[-2].force[k, i])))
+        return found
+
+    for name, value in (("MARGIN", 1), ("directions", begun), ("move_stage", moved)):
+        monkeypatch.setattr(radau, name, value)
+    for seed in range(60):
+        chain, data, motion, h = random_motion(seed)
+        h, n, all_weights = h * 10.0 ** (seed % 3), chain.contacts, np.diag(row_matrix(chain))
+        trial, scratch = memory(n)
+        iterations.clear()
+        radau.first_guess(h, data, motion, trial)
+        used = radau.solve_stages(h, data, motion, precision, trial, scratch)
+        before, strongest, expected, ended = math.inf, np.abs(motion.force).max(), (0, n), False
+        for number, (span, rows) in enumerate(iterations):
+            assert span == expected, (seed, number)
+            assert not ended
+            i, reach, dd, df, missed_d, missed_f, force = np.reshape(rows, (-1, 3, 7)).transpose(2, 0, 1)
+            i, weight = np.arange(*span), all_weights[span[0] : span[1], None]
+            assert reach == pytest.approx(h * h * weight + 0.0 * reach)
+            own = np.maximum(h * weight * df, np.sqrt(weight * dd * df)).max(axis=1)
+            missed = np.maximum(h * weight * missed_f, np.sqrt(weight * missed_d * missed_f)).max()
+            so_far, (preload, _, exponent) = np.maximum.accumulate([strongest, *force.max(axis=1)]), data.law[i].T
+            least = np.maximum(np.abs(motion.force[i]), FORCE_PRECISION * so_far[:-1])
+            largest = np.where((preload == 0.0) & (exponent < 1.0), np.maximum(least, force.max(axis=1)), so_far[1:])
+            rests, size, strongest = df.max(axis=1) <= FORCE_PRECISION * largest, own.max(), so_far[-1]
+            shrinks = number > 0 and size <= 1e-2 * before and size**2 <= precision * before
+            ended, before = rests.all() and (size <= precision or (shrinks and missed <= precision)), size
+            on = i[~rests | (own > NEWTON_PART * precision)]
+            expected = (max(on.min() - 1, 0), min(on.max() + 2, n)) if on.size else (0, n)
+            if on.size and ((on.min() == span[0] > 0) or (on.max() + 1 == span[1] < n)):
+                expected = 0, n
+        assert ended == (used > 0)
 
 
 @pytest.mark.parametrize("mass", [0.3, 0.7, 1.1, 2.9])
@@ -224,35 +300,54 @@ def test_a_force_from_wall_to_wall_stays_as_it_is(mass, h):
     assert used > 0
     assert trial.force == pytest.approx(0.5, abs=1e-12)
     assert trial.overlap == pytest.approx(0.0, abs=1e-12)
+    assert embedded_error(h, data, motion, trial, np.ones((4, 3))) < 1e-11
 
 
-@pytest.mark.parametrize(
-    ("contact", "overlap", "by_overlaps"),
-    [
-        (Contact(0.5, 1.0, 0.1), 1e-9, True),  # oscillates in the step
-        (Contact(1.0, 0.1, 0.5), 1e-5, False),  # its preload moves more, but does not oscillate
-    ],
-)
-def test_rates_come_from_overlaps_where_a_contact_oscillates_in_the_step(contact, overlap, by_overlaps):
-    chain, h = Chain([1.0, 1.0], contact), 0.01
-    used, trial = stepped(*pressed(chain, [1e-4, 0.0], overlap), h, precision=1e-3)  # so loose that both rates differ
-    assert used > 0
-    of_overlaps = INVERSE @ (trial.overlap[:, 0] - overlap) / h
-    of_forces = 1e-4 - h * TABLEAU @ (2.0 * trial.force[:, 0])
-    assert not np.allclose(of_overlaps, of_forces, rtol=1e-9, atol=0.0)
-    assert trial.rate[:, 0] == pytest.approx(of_overlaps if by_overlaps else of_forces, rel=1e-12)
+@pytest.mark.parametrize("seed", range(20))
+def test_rates_come_from_overlaps_where_a_contact_oscillates_in_the_step(seed):
+    """Of any stages: where all overlaps are smaller than what the largest of the forces above the preload moves."""
+    draw, (chain, data, motion, h) = np.random.default_rng(seed), random_motion(seed)
+    data, drive = driven(data, seed, h)
+    data.law[:, 0] += 10.0
+    trial, weight, preload = empty_trial(chain.contacts), np.diag(row_matrix(chain)), data.law[:, 0]
+    for _ in range(10):
+        excess, depth = 10.0 ** draw.uniform(-2, 2, (2, 4, chain.contacts)) * draw.choice(
+            [-1, 1], (2, 4, chain.contacts)
+        )
+        motion.overlap[:], *trial.overlap[:] = depth * h * h * weight
+        trial.force[:] = preload + excess[1:]
+        stage_rates(h, data, motion, trial)
+        by_overlaps = INVERSE @ (trial.overlap - motion.overlap) / h
+        by_forces = motion.rate - h * TABLEAU @ (trial.force @ row_matrix(chain) - drive[:, :-1])
+        fine = (np.abs(depth).max(axis=0) < np.abs(excess[1:]).max(axis=0)) | (motion.mode == TOUCHING)
+        assert trial.rate == pytest.approx(np.where(fine, by_overlaps, by_forces), rel=1e-9, abs=1e-12)
 
 
 def test_stages_that_do_not_converge_are_said():
-    _, data, motion, h = random_motion(3)
-    motion.rate[:] = math.nan
-    assert stepped(data, motion, h)[0] == 0
+    for rate in (math.nan, 1e250, -1e250):
+        data, motion = pressed(Chain([1.0, 1.0], hooke(3.0)), [0.0, 0.0], 0.1)
+        motion.mode[:], motion.rate[:] = OPEN, rate
+        assert radau_step(0.1, data, motion, 1e-12, *memory(1)) == (0, 2 * MOST_TRIES)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_where_newton_fails_it_begins_again_from_implicit_euler_steps(seed, monkeypatch):
+    """Whatever has become of the stages."""
+    _, data, motion, h = random_motion(seed)
+    _, wanted = stepped(data, motion, h)
+    monkeypatch.setattr(radau, "first_guess", lambda h, chain, motion, trial: [rows.fill(math.nan) for rows in trial])
+    trial, scratch = memory(motion.rate.size)
+    used, tried = radau_step(h, data, motion, 1e-12, trial, scratch)
+    assert 0 < used == tried - MOST_TRIES
+    for found, rows in zip(trial, wanted, strict=True):
+        assert found == pytest.approx(rows, rel=1e-9, abs=1e-12)
 
 
 @pytest.mark.parametrize("seed", range(40))
 def test_the_error_is_that_of_two_quadratures_filtered(seed):
     """(C + (h gamma)² L) phi = e_d + h gamma e_w by a dense solve, in place of the elimination along the row."""
     chain, data, motion, h = random_motion(seed)
+    data, _ = driven(data, seed, h)
     used, trial = stepped(data, motion, h)
     assert used > 0
     n, matrix, reach = chain.contacts, row_matrix(chain), h * GAMMA
@@ -279,8 +374,22 @@ def test_the_error_is_that_of_two_quadratures_filtered(seed):
             stiff = weight[i] / give[i]
             times = care(data.law[i, 2], h * h * stiff, stiff / slowest)
         worst = max(worst, times * by_fine[i] * min(1.0, RATIO * by_fine[i] / max(by_coarse[i], 1e-300)))
-    found = embedded_error(h, data, motion, trial, np.zeros((4, n + 1)))
+    end = [rows[-1].copy() for rows in trial[:3]]
+    found = embedded_error(h, data, motion, trial, np.full((4, n + 1), math.nan))
     assert found == pytest.approx(worst, rel=1e-6, abs=1e-14)
+    assert all((rows[-1] == same).all() for rows, same in zip(trial, end, strict=False))
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+@pytest.mark.parametrize(("mode", "part"), [(LOADED, KINK), (OPEN, 0.0)])
+def test_a_bend_of_a_law_that_is_passed_counts_as_an_error(mode, part, sign):
+    """A flight that the quadratures take exactly: what is left is a part of the impulse beyond the bend, of loaded contacts."""
+    law, h, rate, trial = OwnLaw(lambda d: d + 40.0 * max(d - 0.1, 0.0)), 0.03, 0.5 * sign, empty_trial(1)
+    data, motion = pressed(Chain([2.0, 0.5], law), [rate, 0.0], 0.1 - 0.3 * h * rate)
+    motion.force[:], motion.mode[:] = 0.0, mode
+    trial.overlap[:, 0], trial.rate[:] = motion.overlap + h * NODES * rate, rate
+    found = embedded_error(h, data, motion, trial, np.zeros((4, 2)))
+    assert found == pytest.approx(part * h * (0.5 + 2.0) * 40.0 * 0.7 * h * 0.5, rel=1e-3, abs=1e-15)
 
 
 def test_compliance():
@@ -296,15 +405,20 @@ def test_compliance():
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_first_stages_are_implicit_euler_steps_to_each_node(seed):
+def test_first_stages_are_implicit_euler_steps_to_each_node(seed, monkeypatch):
     """From rest and from deep inside alike, for slopes over many decades: d = d0 + t w0 - t² (L f - e), on the curves."""
     chain, data, motion, h = random_motion(seed)
+    move_stage = Mock(wraps=radau.move_stage)
+    monkeypatch.setattr(radau, "move_stage", move_stage)
     for start in (motion.overlap.copy(), np.where(motion.mode == LOADED, 1e-12, motion.overlap)):
         motion.overlap[:] = start
         for i in np.flatnonzero(motion.mode == LOADED):
             motion.force[i] = chain.contact[i].force(start[i])
-        trial, scratch = empty_trial(start.size), empty_scratch(start.size)
+        trial, scratch = memory(start.size)
         euler_stages(h, data, motion, trial, scratch)
+        assert move_stage.call_count <= 100 * chain.contacts
+        for k, i, reach in (call.args[:3] for call in move_stage.call_args_list):
+            assert reach == pytest.approx((h * NODES[k]) ** 2 * row_matrix(chain)[i, i])
         drive = data.external[:-1] if data.external.size else 0.0
         for k, time in enumerate(h * NODES):
             pull = row_matrix(chain) @ trial.force[k]
