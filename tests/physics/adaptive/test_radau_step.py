@@ -384,11 +384,11 @@ def test_the_error_is_that_of_two_quadratures_filtered(seed):
 @pytest.mark.parametrize(("mode", "part"), [(LOADED, KINK), (OPEN, 0.0)])
 def test_a_bend_of_a_law_that_is_passed_counts_as_an_error(mode, part, sign):
     """A flight that the quadratures take exactly: what is left is a part of the impulse beyond the bend, of loaded contacts."""
-    law, h, rate, trial = OwnLaw(lambda d: d + 40.0 * max(d - 0.1, 0.0)), 0.03, 0.5 * sign, empty_trial(1)
-    data, motion = pressed(Chain([2.0, 0.5], law), [rate, 0.0], 0.1 - 0.3 * h * rate)
-    motion.force[:], motion.mode[:] = 0.0, mode
-    trial.overlap[:, 0], trial.rate[:] = motion.overlap + h * NODES * rate, rate
-    found = embedded_error(h, data, motion, trial, np.zeros((4, 2)))
+    law, h, rate, trial = OwnLaw(lambda d: d + 40.0 * max(d - 0.1, 0.0)), 0.03, 0.5 * sign, empty_trial(2)
+    data, motion = pressed(Chain([3.0, 2.0, 0.5], [hooke(1.0), law]), [2.0 * rate, rate, 0.0], 0.1 - 0.3 * h * rate)
+    motion.force[:], motion.mode[:] = 0.0, (OPEN, mode)
+    trial.overlap[:], trial.rate[:] = motion.overlap + h * rate * NODES[:, None], rate
+    found = embedded_error(h, data, motion, trial, np.zeros((4, 3)))
     assert found == pytest.approx(part * h * (0.5 + 2.0) * 40.0 * 0.7 * h * 0.5, rel=1e-3, abs=1e-15)
 
 
