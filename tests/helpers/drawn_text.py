@@ -2,8 +2,10 @@
 
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from itertools import combinations
 from typing import NamedTuple
+from unittest.mock import patch
 
 import pygame
 from softcradle.sandbox.draw import Picture, text
@@ -32,26 +34,20 @@ def drawn_texts(size: tuple[int, int]) -> Iterator[list[DrawnText]]:
             found.append(DrawnText(words, pygame.Rect(left, top, wide, high)))
         return original(surface, words, place, size_of_text, colour, bold=bold, align=align)
 
-    users = [module for name, module in list(sys.modules.items()) if name.startswith("softcradle.")]
-    users = [module for module in users if getattr(module, "write", None) is original]
-    for module in users:
-        module.write = write
-    try:
+    with ExitStack() as patches:
+        for name, module in list(sys.modules.items()):
+            if name.startswith("softcradle.") and getattr(module, "write", None) is original:
+                patches.enter_context(patch.object(module, "write", write))
         yield found
-    finally:
-        for module in users:
-            module.write = original
 
 
 def colliding(texts: list[DrawnText]) -> list[tuple[str, str]]:
     """Pairs of texts that lie on each other by more than the leading of their lines; numbers of beads move over each other."""
     found = []
-    for k, one in enumerate(texts):
-        for other in texts[:k]:
-            common = one.rect.clip(other.rect)
-            digits = one.text.isdigit() and other.text.isdigit()
-            if not digits and common.width > 2 and common.height > 0.3 * min(one.rect.height, other.rect.height):
-                found.append((other.text, one.text))
+    for one, other in combinations(texts, 2):
+        common, digits = one.rect.clip(other.rect), one.text.isdigit() and other.text.isdigit()
+        if not digits and common.width > 2 and common.height > 0.3 * min(one.rect.height, other.rect.height):
+            found.append((one.text, other.text))
     return found
 
 

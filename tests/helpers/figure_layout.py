@@ -1,5 +1,6 @@
 """What is wrong with the layout of a figure: small text, text on text, text on a curve, text beyond the edge."""
 
+from itertools import combinations
 from unittest.mock import patch
 
 from matplotlib.axes import Axes
@@ -30,14 +31,8 @@ def texts_of(figure: Figure) -> list[tuple[Text, Bbox]]:
 
 
 def texts_on_texts(figure: Figure) -> list[tuple[str, str]]:
-    texts, touch = texts_of(figure), TOUCH * figure.dpi / 72.0
-    return [
-        (one.get_text(), other.get_text())
-        for k, (one, box) in enumerate(texts)
-        for other, below in texts[:k]
-        if min(box.x1, below.x1) - max(box.x0, below.x0) > touch
-        and min(box.y1, below.y1) - max(box.y0, below.y0) > touch
-    ]
+    texts = [(text.get_text(), box.padded(-0.5 * TOUCH * figure.dpi / 72.0)) for text, box in texts_of(figure)]
+    return [(one, other) for (one, box), (other, below) in combinations(texts, 2) if box.overlaps(below)]
 
 
 def texts_on_curves(figure: Figure) -> list[tuple[str, str]]:
