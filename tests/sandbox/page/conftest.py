@@ -9,6 +9,7 @@ import pytest
 from softcradle.sandbox.page import render_page
 from softcradle.sandbox.scene_runs import load_scene
 
+SOFT = {"law": "power_law", "f0": 1.0, "alpha": 0.1}
 VOID = frozenset({"meta", "link", "img", "br", "path", "rect", "input"})
 
 

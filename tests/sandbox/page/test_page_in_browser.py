@@ -15,11 +15,11 @@ from softcradle.scenes import Lane, Scene
 
 from softcradle import one_on, scenes, simulate
 from tests.helpers.drawn_text import contrast
+from tests.sandbox.page.conftest import SOFT
 from tools.browser import Browser, found
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(found() is None, reason="there is no browser")]
 SCENE = "one-on-four"
-SOFT = {"law": "power_law", "f0": 1.0, "alpha": 0.1}
 PUSHED = {"forces": [{"beads": 3, "time": [0, 1], "force": [0.01, 0.01]}], "duration": 9.0}
 DEVICES = {"telephone": (390, 844), "desk": (1280, 800)}
 FITS = "document.documentElement.scrollWidth <= document.documentElement.clientWidth"
@@ -83,6 +83,13 @@ def browser(process):
     process.fresh()
     yield process
     assert [one for one in process.complaints if "willReadFrequently" not in one] == []
+
+
+@pytest.fixture
+def live(pages, browser):
+    """The browser at the page of one bead on four."""
+    browser.visit(pages(SCENE).output, "")
+    return browser
 
 
 def error(browser):
@@ -219,9 +226,8 @@ def test_what_rigid_bodies_would_do_is_told_where_two_of_them_would_meet_alone(b
     assert ("rigid" in browser.run(SAID)) is rigid
 
 
-def test_a_pause_within_a_picture_leaves_one_clock(pages, browser):
-    browser.visit(pages(SCENE).output, "")
-    times = browser.run("""new Promise((done) => {
+def test_a_pause_within_a_picture_leaves_one_clock(live):
+    times = live.run("""new Promise((done) => {
       const times = [];
       page.picture = (now) => { times.push(now); if (times.length < 9) page.next(); else done(times); };
       page.again(), page.pause(), page.play(), page.pause(), page.play();
@@ -262,27 +268,26 @@ def test_a_bead_is_thrown_with_the_mouse_or_a_finger_and_the_page_stays(pages, b
         browser.until("scrollY > 50")  # beside the beads a finger that moves up scrolls the page
 
 
-def test_a_bead_is_chosen_pulled_and_thrown_by_keys(pages, browser):
-    browser.visit(pages(SCENE).output, "")
-    hold_the_clock(browser)
-    browser.run("page.stages[0].canvas.focus()")
+def test_a_bead_is_chosen_pulled_and_thrown_by_keys(live):
+    hold_the_clock(live)
+    live.run("page.stages[0].canvas.focus()")
     for _ in range(3):
-        browser.key("ArrowRight")  # the first one chooses bead 0
-    assert browser.run("document.getElementById('said').textContent").startswith("bead 2, ")
-    browser.key("Enter")
-    chosen, held, before = browser.run("[page.chosen.bead, page.source.hand.bead, page.source.hand.place]")
+        live.key("ArrowRight")  # the first one chooses bead 0
+    assert live.run("document.getElementById('said').textContent").startswith("bead 2, ")
+    live.key("Enter")
+    chosen, held, before = live.run("[page.chosen.bead, page.source.hand.bead, page.source.hand.place]")
     assert (chosen, held) == (2, 2)
-    browser.key("ArrowLeft")
-    assert browser.run("page.source.hand.place") == pytest.approx(before - 0.3)
-    pictures(browser, 12)
-    browser.key("Escape")
-    assert browser.run("page.source.hand") is None
-    assert error(browser) < BOOKED
-    browser.run("page.again(), page.pause()")
-    browser.key("ArrowLeft", shift=True)
-    browser.run("page.pause()")
-    assert browser.run("page.source.rows[0].given") == pytest.approx(0.5)  # a kilogram thrown at a metre a second
-    assert error(browser) < BOOKED
+    live.key("ArrowLeft")
+    assert live.run("page.source.hand.place") == pytest.approx(before - 0.3)
+    pictures(live, 12)
+    live.key("Escape")
+    assert live.run("page.source.hand") is None
+    assert error(live) < BOOKED
+    live.run("page.again(), page.pause()")
+    live.key("ArrowLeft", shift=True)
+    live.run("page.pause()")
+    assert live.run("page.source.rows[0].given") == pytest.approx(0.5)  # a kilogram thrown at a metre a second
+    assert error(live) < BOOKED
 
 
 @pytest.mark.parametrize(("mass", "chosen"), [([1, 1, inf], [0, 1, 1, 0, 0]), ([inf, 1, inf, 1], [1, 3, 3, 1, 1])])
@@ -325,16 +330,15 @@ def test_a_bead_in_hand_stays_there_when_the_pace_changes(pages, browser):
     assert error(browser) < BOOKED
 
 
-def test_alpha_changes_while_beads_touch(pages, browser):
-    browser.visit(pages(SCENE).output, "")
-    browser.run("page.pause(), page.go(1.9)")
-    assert browser.run("page.source.rows[0].stored(0)") > 0.1
-    browser.run(SET.format("alpha", 1000, "input"))
-    browser.run("page.pause()")
-    assert browser.run("page.source.rows[0].kernel.law[2]") == 1.5
-    assert browser.run("page.source.rows[0].given") != 0.0
-    browser.run("for (let k = 0; k < 200; k++) page.source.next()")
-    assert error(browser) < BOOKED
+def test_alpha_changes_while_beads_touch(live):
+    live.run("page.pause(), page.go(1.9)")
+    assert live.run("page.source.rows[0].stored(0)") > 0.1
+    live.run(SET.format("alpha", 1000, "input"))
+    live.run("page.pause()")
+    assert live.run("page.source.rows[0].kernel.law[2]") == 1.5
+    assert live.run("page.source.rows[0].given") != 0.0
+    live.run("for (let k = 0; k < 200; k++) page.source.next()")
+    assert error(live) < BOOKED
 
 
 def test_energy_is_balanced_wherever_soft_contacts_stand_in_the_row(browser, tmp_path):
@@ -372,51 +376,47 @@ def test_the_slider_tells_the_alpha_that_acts(pages, browser):
 
 
 @pytest.mark.parametrize(("law", "last"), [("steel", 0.986), ("gear", 0.4)])
-def test_another_law_for_the_row(pages, browser, law, last):
-    browser.visit(pages(SCENE).output, "")
-    browser.run(SET.format("law", law, "change"))
-    run_to_the_end(browser)
-    assert velocities(browser)[-1] == pytest.approx(last, abs=0.015)
-    assert error(browser) < BOOKED
+def test_another_law_for_the_row(live, law, last):
+    live.run(SET.format("law", law, "change"))
+    run_to_the_end(live)
+    assert velocities(live)[-1] == pytest.approx(last, abs=0.015)
+    assert error(live) < BOOKED
 
 
-def test_steel_balls_beside_soft_beads(pages, browser):
-    browser.visit(pages(SCENE).output, "")
-    browser.run("document.getElementById('steel').click()")
-    assert browser.run("page.stages.length") == 2
-    run_to_the_end(browser)
-    assert velocities(browser, 1)[-1] == pytest.approx(0.986, abs=0.01)
-    soft, steel = browser.run(SAID).split("\n")
+def test_steel_balls_beside_soft_beads(live):
+    live.run("document.getElementById('steel').click()")
+    assert live.run("page.stages.length") == 2
+    run_to_the_end(live)
+    assert velocities(live, 1)[-1] == pytest.approx(0.986, abs=0.01)
+    soft, steel = live.run(SAID).split("\n")
     assert soft.startswith("alpha = 1/10: ")
     assert steel.startswith("steel balls: Beads 0 to 2 nearly stand still. ")
-    assert len(set(browser.run("page.source.rows.map((row) => row.kernel.time)"))) == 1
-    browser.run("document.getElementById('steel').click()")
-    assert browser.run("page.stages.length") == 1
+    assert len(set(live.run("page.source.rows.map((row) => row.kernel.time)"))) == 1
+    live.run("document.getElementById('steel').click()")
+    assert live.run("page.stages.length") == 1
 
 
-def test_winding_back_and_on_gives_the_same_motion_to_the_bit(pages, browser):
-    browser.visit(pages(SCENE).output, "")
-    run_to_the_end(browser)
-    kept = browser.run(LAST_STATE)
-    browser.run("page.go(1.5), page.source.forget()")
-    assert browser.run("page.source.count") < kept[0]
-    run_to_the_end(browser)
-    assert browser.run(LAST_STATE) == kept
-    browser.run("page.go(1.5), page.chosen = {lane: 0, bead: 4}, page.throwChosen(-1), page.pause()")
-    assert browser.run("page.source.last") < 2.0  # what comes after an edit is another motion
-    assert error(browser) < BOOKED
+def test_winding_back_and_on_gives_the_same_motion_to_the_bit(live):
+    run_to_the_end(live)
+    kept = live.run(LAST_STATE)
+    live.run("page.go(1.5), page.source.forget()")
+    assert live.run("page.source.count") < kept[0]
+    run_to_the_end(live)
+    assert live.run(LAST_STATE) == kept
+    live.run("page.go(1.5), page.chosen = {lane: 0, bead: 4}, page.throwChosen(-1), page.pause()")
+    assert live.run("page.source.last") < 2.0  # what comes after an edit is another motion
+    assert error(live) < BOOKED
 
 
 @pytest.mark.parametrize(
     "edit", ["0", "page.throwChosen(1)", "page.go(1.2), page.source.forget(), page.throwChosen(-1)"]
 )
-def test_a_chart_that_grew_piece_by_piece_is_the_one_that_is_drawn_at_once(pages, browser, edit):
-    browser.visit(pages(SCENE).output, "")
-    browser.run(f"page.pause(), page.go(1.5), page.chosen = {{lane: 0, bead: 4}}, {edit}, page.pause()")
-    browser.run("for (let k = 0; k < 150; k++) { page.source.next(); page.source.next(); page.show(false); }")
-    grown = np.array(browser.run(CHART))
-    browser.run("page.dress()")
-    assert (np.abs(grown - browser.run(CHART)) > 64).mean() < 0.004  # where pieces were joined
+def test_a_chart_that_grew_piece_by_piece_is_the_one_that_is_drawn_at_once(live, edit):
+    live.run(f"page.pause(), page.go(1.5), page.chosen = {{lane: 0, bead: 4}}, {edit}, page.pause()")
+    live.run("for (let k = 0; k < 150; k++) { page.source.next(); page.source.next(); page.show(false); }")
+    grown = np.array(live.run(CHART))
+    live.run("page.dress()")
+    assert (np.abs(grown - live.run(CHART)) > 64).mean() < 0.004  # where pieces were joined
     assert (grown > 0).mean() > 0.02
 
 
@@ -451,24 +451,22 @@ def test_pictures_that_come_late_have_fewer_pixels_if_that_helps(pages, browser,
     assert [browser.run(late.format(wait)) for wait in (16.7, 33.0, then, 33.0)] == [3, 1, density, density]
 
 
-def test_only_the_last_minute_is_remembered(pages, browser):
-    browser.visit(pages(SCENE).output, "")
-    browser.run("page.pause(), page.source.touched = true, page.source.apartFor = -1e9")
-    browser.run("for (let k = 0; k < 9000; k++) page.source.next()")
-    assert browser.run("page.source.count - page.source.first") == 3600
-    assert browser.run("page.go(-1e9), page.source.time === page.source.begun")
-    assert error(browser) < BOOKED
+def test_only_the_last_minute_is_remembered(live):
+    live.run("page.pause(), page.source.touched = true, page.source.apartFor = -1e9")
+    live.run("for (let k = 0; k < 9000; k++) page.source.next()")
+    assert live.run("page.source.count - page.source.first") == 3600
+    assert live.run("page.go(-1e9), page.source.time === page.source.begun")
+    assert error(live) < BOOKED
 
 
-def test_a_cluster_ends_at_its_first_open_contact(pages, browser):
-    browser.visit(pages(SCENE).output, "")
+def test_a_cluster_ends_at_its_first_open_contact(live):
     mass, force, overlap = [1.0, 2.0, 1.0, 3.0, 1.0], [1.0, 0.7, 0.1, 0.2], [0.1, 0.0, -0.1, 0.1]
     there = f"""(() => {{ const now = emptyNow(4); now.ends[0] = 1; now.force.set({force}); now.overlap.set({overlap});
       return Array.from(rigidForces({mass}, now, 1)); }})()"""
     expected = rigid_forces(mass, [True, False, False, False], overlap, force, 1.0)
-    np.testing.assert_allclose(browser.run(there), expected)
-    run_to_the_end(browser)
-    assert browser.run("Array.from(rigidForces([1, 1, 1, 1, 1], page.source.values(0), 1))") == [0, 0, 0, 0]
+    np.testing.assert_allclose(live.run(there), expected)
+    run_to_the_end(live)
+    assert live.run("Array.from(rigidForces([1, 1, 1, 1, 1], page.source.values(0), 1))") == [0, 0, 0, 0]
 
 
 @pytest.mark.parametrize(
@@ -525,31 +523,25 @@ def test_where_there_is_no_clipboard_the_address_is_shown(pages, browser):
 
 
 @pytest.mark.parametrize(
-    ("fragment", "expected"),
+    ("name", "fragment", "expected"),
     [
-        ("#v=-3&n=-3&mu=-.5", {"speed": 0.2, "targets": 1}),
-        ("#a=.05&loss=5.e-1", {"alpha": 0.05, "loss": 0.5}),
-        ("#pace=3", {"pace": 2}),
-        ("#pace=-1", {"pace": 0.05}),
+        (SCENE, "#v=-3&n=-3&mu=-.5", {"speed": 0.2, "targets": 1}),
+        (SCENE, "#a=.05&loss=5.e-1", {"alpha": 0.05, "loss": 0.5}),
+        (SCENE, "#pace=3", {"pace": 2}),
+        (SCENE, "#pace=-1", {"pace": 0.05}),
+        ("galilean", "#law=steel&n=9&m=2&with=steel", {}),
+        ("hertz-cradle", "#a=0.5", {}),
+        ("", "#v=2&n=7", {}),
     ],
 )
-def test_a_number_beyond_its_range_is_taken_to_its_end(pages, browser, fragment, expected):
-    browser.visit(pages(SCENE).output, fragment)
-    experiment, own = browser.run("[page.experiment, page.own]")
-    assert experiment == own | expected
-
-
-@pytest.mark.parametrize(
-    ("name", "fragment"), [("galilean", "#law=steel&n=9&m=2&with=steel"), ("hertz-cradle", "#a=0.5"), ("", "#v=2&n=7")]
-)
-def test_what_a_scene_cannot_have_is_left_out_of_a_link(pages, browser, tmp_path, name, fragment):
+def test_an_address_is_taken_as_far_as_the_scene_and_the_ranges_go(pages, browser, tmp_path, name, fragment, expected):
     if name:
         browser.visit(pages(name).output, fragment)
     else:
         visit_row(browser, tmp_path, velocity=[0, 0, 0], gap=[-0.2, -0.2], fragment=fragment)
     experiment, own = browser.run("[page.experiment, page.own]")
-    assert experiment == own
-    assert "other numbers" not in browser.run("document.getElementById('text').textContent")
+    assert experiment == own | expected
+    assert expected or "other numbers" not in browser.run("document.getElementById('text').textContent")
 
 
 def test_a_softness_that_the_law_does_not_have_changes_nothing_and_is_left_out_of_a_link(pages, browser):
@@ -563,7 +555,8 @@ def test_a_softness_that_the_law_does_not_have_changes_nothing_and_is_left_out_o
 
 
 def test_a_recorded_page_reads_and_writes_what_can_be_chosen_in_it_and_promises_no_more(pages, browser):
-    browser.visit(pages("train-solid").output, "#pace=0.25&show=charts&mu=0.1&with=steel&lang=en")
+    browser.visit(pages("train-solid").output, "#t=0&pace=0.25&show=charts&mu=0.1&with=steel&lang=en")
+    assert browser.run("[page.source.begun, page.source.time]") == [0, 0]  # its wagons touch
     experiment, own = browser.run("[page.experiment, page.own]")
     assert experiment == own | {"pace": 0.25, "shown": ["charts"]}
     browser.run("page.edit('pace', 0.5)")
@@ -575,11 +568,6 @@ def test_a_recorded_page_reads_and_writes_what_can_be_chosen_in_it_and_promises_
     assert "nicht ändern" in browser.run(NOTICE)
     browser.visit(pages(SCENE).output, "")
     assert all("hrow" in str(browser.run(said)) for said in promised)
-
-
-def test_a_recorded_row_that_touches_at_the_start_is_shown_from_there(pages, browser):
-    browser.visit(pages("train-solid").output, "#t=0")
-    assert browser.run("[page.source.begun, page.source.time]") == [0, 0]
 
 
 HOSTILE = (
@@ -654,13 +642,12 @@ def test_it_speaks_the_language_of_its_reader(pages, browser, code, title):
     assert browser.run("document.getElementById('toggle').title") == "Lecture"
 
 
-def test_every_word_is_there_in_every_language(pages, browser):
-    browser.visit(pages(SCENE).output, "")
+def test_every_word_is_there_in_every_language(live):
     wrong = """Object.keys(WORDS.en).filter((key) => {
       const holes = (code) => WORDS[code][key] && [...WORDS[code][key].matchAll(/[{]\\w+[}]/g)].map(String).sort().join();
       return ['de', 'fr'].some((code) => holes(code) !== holes('en'));
     })"""
-    assert browser.run(wrong) == []
+    assert live.run(wrong) == []
 
 
 @pytest.mark.parametrize("fragment", ["", "#with=steel&show=forces.loupes.balance.charts", "#n=49&lang=de"])
