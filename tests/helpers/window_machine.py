@@ -14,6 +14,7 @@ from time import perf_counter
 from typing import Any, NamedTuple
 
 import pygame
+import pytest
 from hypothesis import HealthCheck, seed, settings, stateful
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
@@ -27,7 +28,7 @@ from softcradle.sandbox.window.theme import collect_garbage
 
 from softcradle import scenes
 from tests.helpers import sessions
-from tests.helpers.windows import Driver, faults, widgets
+from tests.helpers.windows import Driver, faults, rarely, widgets
 
 KINDS = ("bead", "contact", "widget", "plot", "bar", "window")
 
@@ -47,21 +48,16 @@ PLACES = st.builds(Place, st.sampled_from(KINDS), st.integers(0, 60), _SHARES, _
 
 def point_of(place: Place, driver: Driver) -> tuple[int, int]:
     """The pixel of `place` in the window as it is now, or the nearest to it: a pointer does not leave the window."""
-    page, kind, number = driver.app.page, place.kind, place.number
-    if kind == "widget" and (found := widgets(driver)):
-        return tuple(found[number % len(found)].rect.center)
-    width, height = driver.app.size
-    rect = 0, 0, width, height
-    if isinstance(page, ScenePage) and kind in ("bead", "contact"):
-        view = page.view.lanes[number % len(page.view.lanes)]
-        number //= len(page.view.lanes)
-        x, y = view.centre(number % len(view.edges))
-        rect = (view.contacts[number % len(view.contacts)] if kind == "contact" else x), y, 1, 1
-    elif isinstance(page, ScenePage) and kind == "plot" and page.board.plots:
-        rect = page.board.plots[number % len(page.board.plots)].area
-    elif isinstance(page, ScenePage) and kind == "bar":
-        rect = page.timeline.rect
-    x, y = rect[0] + place.across * (rect[2] - 1), rect[1] + place.down * (rect[3] - 1)
+    page, (width, height) = driver.app.page, driver.app.size
+    rects = {"widget": [(*one.rect.center, 1, 1) for one in widgets(driver)]}
+    if isinstance(page, ScenePage):
+        lanes = page.view.lanes
+        rects["bead"] = [(*lane.centre(k), 1, 1) for lane in lanes for k in range(len(lane.edges))]
+        rects["contact"] = [(x, lane.centre(0)[1], 1, 1) for lane in lanes for x in lane.contacts]
+        rects |= {"plot": [plot.area for plot in page.board.plots], "bar": [page.timeline.rect]}
+    found = rects.get(place.kind) or [(0, 0, width, height)]
+    left, top, wide, high = found[place.number % len(found)]
+    x, y = left + place.across * (wide - 1), top + place.down * (high - 1)
     return min(max(round(x), 0), width - 1), min(max(round(y), 0), height - 1)
 
 
@@ -72,7 +68,6 @@ STARTS = ("one-on-four", "beads-against-gear", "driven-cluster", "hanging-cradle
 SIZES = ((1280, 720), (800, 600), (1000, 600), (1600, 900))
 TEXTS = ("1", "0.1", "1e-3", "250", "-2", "0", "nan", "1e99", "x", "")
 LEAVING = (pygame.WINDOWFOCUSLOST, pygame.WINDOWMINIMIZED, pygame.WINDOWRESTORED, pygame.WINDOWFOCUSGAINED)
-REBUILDS = 20  # of which one collects garbage, which takes half of their time
 
 
 class WindowMachine(RuleBasedStateMachine):
@@ -80,10 +75,9 @@ class WindowMachine(RuleBasedStateMachine):
 
     def __init__(self) -> None:
         super().__init__()
-        self.folder = tempfile.TemporaryDirectory()
-        self.before, self.config = os.getcwd(), os.environ["SOFTCRADLE_CONFIG"]
-        os.environ["SOFTCRADLE_CONFIG"] = self.folder.name  # keys change settings
-        os.chdir(self.folder.name)  # buttons write files
+        self.folder, self.patch = tempfile.TemporaryDirectory(), pytest.MonkeyPatch()
+        self.patch.setenv("SOFTCRADLE_CONFIG", self.folder.name)  # keys change settings
+        self.patch.chdir(self.folder.name)  # buttons write files
         self.driver: Driver | None = None
         self.down = False  # whether the left button is
 
@@ -260,8 +254,7 @@ class WindowMachine(RuleBasedStateMachine):
         finally:
             if self.driver is not None:
                 self.driver.close()
-            os.chdir(self.before)
-            os.environ["SOFTCRADLE_CONFIG"] = self.config
+            self.patch.undo()
             self.folder.cleanup()
 
 
@@ -272,8 +265,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--minutes", type=float, default=0.0, help="least time; 0: one seed")
     args = parser.parse_args()
-    calls = itertools.count(1)
-    app.collect_garbage = lambda: collect_garbage() if next(calls) % REBUILDS == 0 else None
+    app.collect_garbage = rarely(collect_garbage)
     size = {"max_examples": args.examples, "stateful_step_count": args.steps}
     wanted = settings(deadline=None, database=None, print_blob=False, suppress_health_check=list(HealthCheck), **size)
     end = perf_counter() + 60.0 * args.minutes

@@ -29,6 +29,12 @@ FRAME = 1.0 / 60.0
 LONGEST_WORK = 120.0  # seconds of processor time after which what a test waits for does not come
 
 
+def rarely(collect: Callable[[], None], every: int = 20) -> Callable[[], None]:
+    """Every twentieth collection of garbage alone: they take half of the time, and tests have a large heap to search."""
+    calls = itertools.count(1)
+    return lambda: None if next(calls) % every else collect()
+
+
 class Driver:
     """Posts keys and mouse events to an App, and lets its frames pass.
 
@@ -103,13 +109,11 @@ class Driver:
     def choose(self, menu: UIDropDownMenu, text: str) -> None:
         self.post(pygame_gui.UI_DROP_DOWN_MENU_CHANGED, ui_element=menu, text=text)
 
-    def key(self, code: int, modifiers: int = 0, text: str = "") -> None:
-        pressed = {"key": code, "mod": modifiers, "unicode": text, "scancode": 0}
-        pygame.event.post(pygame.Event(pygame.KEYDOWN, pressed))
-        if text:
-            pygame.event.post(pygame.Event(pygame.TEXTINPUT, text=text))
-        pygame.event.post(pygame.Event(pygame.KEYUP, pressed))
-        self.frames(2)  # widgets post events of their own
+    def key(self, code: int, modifiers: int = 0, text: str = "", times: int = 1) -> None:
+        for _ in range(times):
+            for event in pressed(code, modifiers, text):
+                pygame.event.post(event)
+            self.frames(2)  # widgets post events of their own
 
     def type(self, text: str) -> None:
         for letter in text:
@@ -166,8 +170,8 @@ class Driver:
         self.frames(2)
 
     def enter(self, key: str, text: str) -> None:
-        """Type into the box of a number in the inspector, and take it."""
-        entry = self.page.inspector.controls[key].entry
+        """Type into the box of a number in the panel, and take it."""
+        entry = (self.page.explore.controls or self.page.inspector.controls)[key].entry
         self.click(entry.rect.center)
         entry.set_text(text)
         self.key(pygame.K_RETURN)
@@ -185,6 +189,10 @@ class Driver:
             self.app.paint()
         return found
 
+    def said(self) -> str:
+        """All that is written, as one text."""
+        return " ".join(one.text for one in self.texts())
+
     def bead(self, bead: int, lane: int = 0) -> tuple[float, float]:
         return self.page.view.lanes[lane].centre(bead)
 
@@ -195,6 +203,13 @@ class Driver:
         self.app.close()
         if self in self.opened:
             self.opened.remove(self)
+
+
+def pressed(code: int, modifiers: int = 0, text: str = "", times: int = 1) -> list[pygame.Event]:
+    """A key that goes down, so many times where it is held for long, and up."""
+    values = {"key": code, "mod": modifiers, "unicode": text, "scancode": 0}
+    typed = [pygame.Event(pygame.TEXTINPUT, text=text)] if text else []
+    return [*[pygame.Event(pygame.KEYDOWN, values)] * times, *typed, pygame.Event(pygame.KEYUP, values)]
 
 
 def widgets(driver: Driver) -> list[UIElement]:
@@ -219,18 +234,13 @@ def floating(shown: list[UIElement]) -> list[UIElement]:
 
 def faults(driver: Driver) -> list[str]:
     window = pygame.Rect((0, 0), driver.app.size)
-    found = []
     shown = widgets(driver)
-    for one in shown:
-        if not window.contains(one.rect):
-            found.append(f"{widget_name(one)} leaves the window: {one.rect}")
-        alone = isinstance(one, UIButton) and one.text and one.tool_tip_text is None
-        if alone and one.font.get_rect(one.text).width > one.rect.width:
-            found.append(f"the text of {widget_name(one)} is clipped")
-    for one, other in itertools.combinations(shown, 2):
-        if one.rect.colliderect(other.rect):
-            found.append(f"{widget_name(one)} {one.rect} overlaps {widget_name(other)} {other.rect}")
-    return found
+    found = [f"{widget_name(one)} leaves the window: {one.rect}" for one in shown if not window.contains(one.rect)]
+    alone = [one for one in shown if isinstance(one, UIButton) and one.text and one.tool_tip_text is None]
+    clipped = [one for one in alone if one.font.get_rect(one.text).width > one.rect.width]
+    found += [f"the text of {widget_name(one)} is clipped" for one in clipped]
+    pairs = [(a, b) for a, b in itertools.combinations(shown, 2) if a.rect.colliderect(b.rect)]
+    return found + [f"{widget_name(a)} {a.rect} overlaps {widget_name(b)} {b.rect}" for a, b in pairs]
 
 
 def widget_name(one: UIElement) -> str:

@@ -23,7 +23,7 @@ from softcradle.sandbox.window.theme import collect_garbage
 
 from softcradle import scenes
 from tests.helpers.drawn_text import contrast
-from tests.helpers.windows import Driver
+from tests.helpers.windows import FRAME, Driver, pressed
 from tools import screenshots
 
 CTRL = pygame.KMOD_CTRL
@@ -41,12 +41,10 @@ def test_help_covers_the_page_grows_with_the_scale_is_scrolled_and_closed_and_th
     driver.app.rebuild()
     assert shown()["Keys and mouse"].height > 1.2 * high
     assert max(rect.bottom for rect in shown().values()) > driver.app.size[1]
-    for _ in range(40):
-        driver.key(pygame.K_DOWN)
+    driver.key(pygame.K_DOWN, times=40)
     assert max(rect.bottom for rect in shown().values()) < driver.app.size[1]
     assert shown()["Keys and mouse"].bottom < 0
-    for _ in range(40):
-        driver.key(pygame.K_PAGEUP)
+    driver.key(pygame.K_PAGEUP, times=40)
     assert shown()["Keys and mouse"].top > 0
     assert driver.app.help
     driver.key(pygame.K_ESCAPE)
@@ -77,9 +75,7 @@ def test_the_window_is_resized_and_scaled_and_its_panel_hidden(driver: Driver) -
     for size in ((1000, 600), (1920, 1080), (800, 480), (1280, 720)):
         driver.resize(size)
         assert driver.app.size == size
-    for _ in range(2):
-        driver.key(pygame.K_F11)  # the whole screen, and back
-        driver.frames(2)
+    driver.key(pygame.K_F11, times=2)  # the whole screen, and back
     assert driver.app.size == (1280, 720)
     driver.resize((300, 200))
     assert driver.app.size == SMALLEST
@@ -91,8 +87,7 @@ def test_the_window_is_resized_and_scaled_and_its_panel_hidden(driver: Driver) -
     driver.key(pygame.K_i)
     assert driver.page.view.places.lanes[0].width > wide
     driver.resize((1280, 720))
-    for _ in range(3):
-        driver.key(pygame.K_EQUALS, CTRL)
+    driver.key(pygame.K_EQUALS, CTRL, times=3)
     assert driver.messages == ["scale 144 %: there is no room for more in this window"]
     driver.close()
     assert Driver("one-on-four").app.scale == 1.5  # remembered
@@ -273,8 +268,7 @@ def test_the_open_dialog_offers_the_files_of_before(driver: Driver, tmp_path):
     driver.key(pygame.K_o, CTRL)
     dialog = driver.app.dialog
     assert len(dialog.rows) == MOST_RECENT
-    driver.key(pygame.K_DOWN)
-    driver.key(pygame.K_DOWN)
+    driver.key(pygame.K_DOWN, times=2)
     assert dialog.entry.get_text() == Settings.load().recent[1]
     driver.click(dialog.rows[2].rect.center)
     assert not dialog.open
@@ -285,9 +279,9 @@ def test_the_open_dialog_offers_the_files_of_before(driver: Driver, tmp_path):
 def test_no_widget_of_a_selection_that_is_gone_stays_behind_a_dialog(driver: Driver):
     driver.click(driver.bead(2))
     assert driver.page.inspector.controls
-    for key in (pygame.K_ESCAPE, pygame.K_q):  # deselects, and asks the question of a lesson
-        pygame.event.post(pygame.Event(pygame.KEYDOWN, key=key, mod=0, unicode="", scancode=0))
-    driver.frames(3)
+    # deselects, and asks the question of a lesson
+    driver.app.frame(FRAME, [*pressed(pygame.K_ESCAPE), *pressed(pygame.K_q)])
+    driver.frames(2)
     assert driver.page.editor.selection is None
     at_once = pygame.surfarray.array3d(driver.app.surface)
     driver.app.dialog.close()

@@ -15,7 +15,7 @@ from softcradle.sandbox.window.keys import COLUMN, CTRL, KEYS_ROOM, MOUSE, ORDER
 from softcradle.sandbox.window.screen_reader import CONTROL, ROOT, STATUS, ScreenReader, Spoken, control_name, tree_of
 from softcradle.sandbox.window.widgets import KEYS, REPEAT
 
-from tests.helpers.windows import Driver
+from tests.helpers.windows import FRAME, Driver, pressed
 
 
 def test_every_key_has_one_action_and_every_action_is_offered(driver: Driver) -> None:
@@ -31,8 +31,7 @@ def test_a_key_that_is_held_repeats_only_what_is_gradual(driver: Driver) -> None
     """The system sends it again and again, as one that was pressed."""
 
     def hold(code, times=5):
-        for kind in (*[pygame.KEYDOWN] * times, pygame.KEYUP):
-            pygame.event.post(pygame.Event(kind, key=code, mod=0, unicode="", scancode=0))
+        driver.app.frame(FRAME, pressed(code, times=times))
         driver.frames(2)
 
     hold(pygame.K_PERIOD)
@@ -124,8 +123,7 @@ def test_every_kind_of_control_is_used_by_keys(driver: Driver) -> None:
     focus(driver, lambda one: one is driver.page.time_controls.buttons["play_pause"])
     driver.key(pygame.K_RETURN)
     assert driver.session.playing
-    for _ in range(3):
-        driver.key(pygame.K_RIGHT)  # bead 0, contact 01, bead 1
+    driver.key(pygame.K_RIGHT, times=3)  # bead 0, contact 01, bead 1
     focus(driver, lambda one: isinstance(one, UITextEntryLine))
     driver.page.inspector.controls["mass"].entry.set_text("2.5")
     driver.key(pygame.K_RETURN)
@@ -134,8 +132,7 @@ def test_every_kind_of_control_is_used_by_keys(driver: Driver) -> None:
     driver.key(pygame.K_DOWN)
     assert driver.session.lanes[0].setup.method == "euler"
     focus(driver, lambda one: isinstance(one, UIButton) and one.text == "Undo")
-    for _ in range(2):
-        driver.key(pygame.K_SPACE)
+    driver.key(pygame.K_SPACE, times=2)
     assert driver.session.lanes[0].chain.mass[1] == 1.0
 
 

@@ -9,7 +9,7 @@ from softcradle.sandbox.session.inputs import AddBead, RemoveBead, SetMass, SetV
 
 from tests.helpers.sessions import check_replay, check_round_trip, opened
 from tests.helpers.window_machine import WindowMachine
-from tests.helpers.windows import FRAME
+from tests.helpers.windows import FRAME, pressed
 
 
 @pytest.mark.parametrize(("examples", "steps"), [(6, 25), pytest.param(20, 40, marks=pytest.mark.slow)])
@@ -34,10 +34,6 @@ def test_the_checks_of_the_machine_find_what_they_look_for(tmp_path) -> None:
 
 
 EDITS = {"remove": (pygame.K_DELETE, 0), "undo": (pygame.K_z, pygame.KMOD_CTRL), "redo": (pygame.K_y, pygame.KMOD_CTRL)}
-
-
-def pressed(key: int, mod: int = 0) -> list[pygame.Event]:
-    return [pygame.Event(kind, key=key, mod=mod, unicode="", scancode=0) for kind in (pygame.KEYDOWN, pygame.KEYUP)]
 
 
 def test_an_edit_that_is_undone_in_the_frame_in_which_the_page_was_built_anew(driver) -> None:

@@ -31,8 +31,7 @@ def answered(driver: Driver, choice: int) -> str:
     assert driver.app.dialog.focus == -1  # no choice is marked
     driver.key(pygame.K_RETURN)
     assert driver.app.dialog.open
-    for _ in range(choice):
-        driver.key(pygame.K_DOWN)
+    driver.key(pygame.K_DOWN, times=choice)
     driver.key(pygame.K_RETURN)
     assert driver.page.clock.activity() != "paused"
     driver.until(lambda: driver.app.dialog.open, 1500)
@@ -79,27 +78,22 @@ def test_a_scene_without_lessons_names_those_that_have_some() -> None:
     assert any("One bead on four" in text for text in driver.messages)
 
 
-def drawn(driver: Driver) -> str:
-    return " ".join(one.text for one in driver.texts())
-
-
 @pytest.mark.parametrize("lab", [False, True], ids=["explore", "lab"])
 def test_the_text_of_a_scene_is_read_after_its_question_and_not_said_of_an_edited_one(lab: bool) -> None:
     driver = Driver("one-on-four", lab=lab)
-    assert "What leaves on the right?" in drawn(driver)
-    assert "rigid-like" not in drawn(driver)
+    assert "What leaves on the right?" in driver.said()
+    assert "rigid-like" not in driver.said()
     driver.key(pygame.K_SPACE)
     driver.until(lambda: driver.page.lessons.answered)
-    assert "rigid-like" in drawn(driver)
+    assert "rigid-like" in driver.said()
     driver.key(pygame.K_r)
-    assert "rigid-like" in drawn(driver)  # it is known by now
-    driver.frames(2)
+    assert "rigid-like" in driver.said()  # it is known by now
     before = driver.page.view.backdrop.version
     driver.page.editor.apply(SetVelocity(0, 0, 0.7))
     driver.frames(2)
     assert driver.page.view.backdrop.version == before + 1
-    assert "rigid-like" not in drawn(driver)
-    assert "You have changed this scene" in drawn(driver)
+    assert "rigid-like" not in driver.said()
+    assert "You have changed this scene" in driver.said()
 
 
 def test_words_and_a_question_of_ones_own_are_in_the_scene_the_window_the_film_and_the_page(driver, tmp_path) -> None:
@@ -118,14 +112,14 @@ def test_words_and_a_question_of_ones_own_are_in_the_scene_the_window_the_film_a
     assert driver.page.unsaved
     driver.key(pygame.K_z, pygame.KMOD_CTRL)
     assert (driver.session.scene.title, driver.session.frame) == ("One bead on four", 100)
-    assert "Five at rest" not in drawn(driver)
+    assert "Five at rest" not in driver.said()
     driver.key(pygame.K_y, pygame.KMOD_CTRL)
     assert driver.session.scene == scene
     driver.page.dialogs.save("save_scene", "mine")
     assert scenes.load(str(tmp_path / "mine.toml")) == scene
     driver.key(pygame.K_ESCAPE)  # nothing is selected
-    assert "Who goes?" in drawn(driver)
-    assert "They all go." not in drawn(driver)
+    assert "Who goes?" in driver.said()
+    assert "They all go." not in driver.said()
     driver.page.dialogs.save("share_page", "mine")
     assert "Who goes?" in (tmp_path / "mine.html").read_text(encoding="utf-8")
     written = film_texts(scene, motions_ahead(scene), (1280, 720), [0])
@@ -136,7 +130,7 @@ def test_words_and_a_question_of_ones_own_are_in_the_scene_the_window_the_film_a
     driver.until(lambda: driver.app.dialog.open)
     assert driver.app.dialog.note.startswith("You predicted: all")
     driver.key(pygame.K_ESCAPE)
-    assert "They all go." in drawn(driver)
+    assert "They all go." in driver.said()
 
 
 def test_a_text_is_typed_in_several_lines_and_kept_as_one(driver: Driver) -> None:

@@ -50,8 +50,7 @@ def test_keys_edit_what_is_selected_and_with_shift_all_contacts(driver: Driver) 
     assert driver.session.setup is before
     for wanted in ("select a bead", "select a contact"):
         assert any(wanted in text for text in driver.messages)
-    driver.key(pygame.K_RIGHT)
-    driver.key(pygame.K_RIGHT)
+    driver.key(pygame.K_RIGHT, times=2)
     assert driver.page.editor.selection == Pick(0, "contact", 0)
     driver.key(pygame.K_g)
     assert [law.preload > 0.0 for law in driver.session.lanes[0].chain.contact] == [True, False, False, False]
@@ -140,8 +139,7 @@ def test_the_badge_is_red_when_the_method_is_past_its_limit() -> None:
     driver = Driver("draft-gear-one-on-three")
     for edit in (SetMethod(None, "euler"), SetStep(None, 0.01)):
         driver.session.apply(edit)
-    for _ in range(3):
-        driver.key(pygame.K_PLUS)
+    driver.key(pygame.K_PLUS, times=3)
     driver.run(60)
     assert driver.page.cards.health[0].level == "bad"
     card = driver.page.cards.rects[0]
@@ -225,8 +223,7 @@ def test_the_badge_tells_the_error_of_velocities(driver: Driver) -> None:
 
 def test_the_badge_goes_to_the_fault_of_the_run() -> None:
     driver = Driver("draft-gear-one-on-three")
-    for _ in range(2):
-        driver.key(pygame.K_m, SHIFT)
+    driver.key(pygame.K_m, SHIFT, times=2)
     driver.run(900)
     button = driver.page.cards.verdicts[0]
     assert "chattered" in button.text

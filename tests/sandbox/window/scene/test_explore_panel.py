@@ -21,24 +21,12 @@ def explorer() -> Driver:
     return Driver("one-on-four", lab=False)
 
 
-def typed(driver: Driver, key: str, text: str) -> None:
-    entry = driver.page.explore.controls[key].entry
-    driver.click(entry.rect.center)
-    entry.set_text("")
-    driver.type(text)
-    driver.key(pygame.K_RETURN)
-
-
 def press(driver: Driver, text: str) -> None:
     driver.click(next(one for one in driver.page.explore.buttons if one.text == text).rect.center)
 
 
 def laws(driver: Driver, lane: int = 0) -> list:
     return list(driver.session.lanes[lane].chain.contact)
-
-
-def said(driver: Driver) -> str:
-    return " ".join(one.text for one in driver.texts())
 
 
 def test_a_newcomer_sees_few_controls_and_beads_in_the_upper_half(explorer: Driver) -> None:
@@ -50,7 +38,7 @@ def test_a_newcomer_sees_few_controls_and_beads_in_the_upper_half(explorer: Driv
     for level in ("good", "bad"):  # the badge speaks where all is not well
         state = replace(explorer.session.health(0), level=level, sentence="beads are off")
         explorer.page.explore.health = lambda found=state: [found]
-        assert ("beads are off" in said(explorer)) == (level == "bad")
+        assert ("beads are off" in explorer.said()) == (level == "bad")
 
 
 def test_one_switch_leads_to_the_lab_and_is_remembered(explorer: Driver) -> None:
@@ -69,7 +57,7 @@ def test_alpha_is_that_of_the_row_or_of_a_selected_contact_and_the_blow_goes_as_
     lane = explorer.session.lanes[0]
     before = impact_energy(lane.chain, 1, lane.setup.speed)
     explorer.run(60)
-    typed(explorer, "alpha", "1")
+    explorer.enter("alpha", "1")
     assert explorer.session.frame == 0  # begun anew
     assert [law.exponent for law in laws(explorer)] == [1.0] * 4
     lane = explorer.session.lanes[0]
@@ -78,7 +66,7 @@ def test_alpha_is_that_of_the_row_or_of_a_selected_contact_and_the_blow_goes_as_
     assert laws(explorer) == [power_law(1.0, 0.1)] * 4
     explorer.click(explorer.page.view.lanes[0].handles()[1])
     assert explorer.page.editor.selection == Pick(0, "contact", 1)
-    typed(explorer, "alpha", "0.5")
+    explorer.enter("alpha", "0.5")
     assert [law.exponent for law in laws(explorer)] == [0.1, 0.5, 0.1, 0.1]
     explorer.key(pygame.K_ESCAPE)
     explorer.frames(2)
@@ -88,7 +76,7 @@ def test_alpha_is_that_of_the_row_or_of_a_selected_contact_and_the_blow_goes_as_
 def test_an_alpha_beyond_those_of_a_contact_is_refused_in_a_sentence(explorer: Driver) -> None:
     before = laws(explorer)
     for alpha in ("1000", "1e-9"):
-        typed(explorer, "alpha", alpha)
+        explorer.enter("alpha", alpha)
         sentence = f"contact exponent must be from 1e-06 to 10, not {float(alpha)}"
         assert any(text.startswith(sentence) for text in explorer.messages)
         assert laws(explorer) == before
@@ -96,23 +84,18 @@ def test_an_alpha_beyond_those_of_a_contact_is_refused_in_a_sentence(explorer: D
 
 def test_another_number_is_taken_back_with_the_run_that_it_ended(explorer: Driver) -> None:
     changes = (
-        partial(typed, explorer, "alpha", "1"),
-        partial(typed, explorer, "speed", "2"),
-        partial(press, explorer, "+"),
+        (partial(explorer.enter, "alpha", "1"), 5),
+        (partial(explorer.enter, "speed", "2"), 5),
+        (partial(press, explorer, "+"), 6),
+        (partial(press, explorer, "\N{MINUS SIGN}"), 4),
     )
-    for change in changes:
+    for change, beads in changes:
         explorer.play(60)
         before = explorer.session.frame, explorer.session.span, explorer.session.setup
         change()
-        assert explorer.session.history.last == 0
+        assert (explorer.session.history.last, len(explorer.session.lanes[0].chain.mass)) == (0, beads)
         explorer.key(pygame.K_z, pygame.KMOD_CTRL)
         assert (explorer.session.frame, explorer.session.span, explorer.session.setup) == before
-
-
-def test_buttons_add_and_remove_a_bead(explorer: Driver) -> None:
-    for button, count in (("+", 6), ("\N{MINUS SIGN}", 5)):
-        press(explorer, button)
-        assert len(explorer.session.lanes[0].chain.mass) == count
 
 
 def test_an_action_on_two_rows_is_one_undo_step_and_every_row_moves_again_after_speed_0() -> None:
@@ -120,7 +103,7 @@ def test_an_action_on_two_rows_is_one_undo_step_and_every_row_moves_again_after_
     undo = driver.session.undo
     before = [lane.velocity.tolist() for lane in driver.session.lanes]
     for speed in ("0", "-1", "0.5"):  # that of the scene
-        typed(driver, "speed", speed)
+        driver.enter("speed", speed)
     assert [lane.velocity.tolist() for lane in driver.session.lanes] == before
     for _ in range(3):
         assert undo()
@@ -131,7 +114,7 @@ def test_an_action_on_two_rows_is_one_undo_step_and_every_row_moves_again_after_
     driver.page.editor.lock_all()
     driver.session.step_frames(20)
     driver.session.scrub_frame(5)  # before that edit
-    typed(driver, "speed", "2")
+    driver.enter("speed", "2")
     assert all(lane.setup.locked[0] for lane in driver.session.lanes)
     for contacts, locked in ((4, True), (4, True), (4, False), (3, False)):
         lanes = driver.session.history.newest_setup.lanes
@@ -145,7 +128,7 @@ def test_the_same_blow_among_steel_balls_plays_below_is_told_and_left_for_one_ro
     before = explorer.session.scene
     press(explorer, "Compare with steel balls")
     assert [law.exponent for law in laws(explorer, 1)] == [1.5] * 4
-    assert "alpha of the upper row" in said(explorer)  # the slider leaves the steel balls as they are
+    assert "alpha of the upper row" in explorer.said()  # the slider leaves the steel balls as they are
     assert explorer.session.playing
     assert len(explorer.app.focus.controls()) <= MOST_CONTROLS
     explorer.play_to_the_end()
@@ -155,7 +138,7 @@ def test_the_same_blow_among_steel_balls_plays_below_is_told_and_left_for_one_ro
     soft, steel = explorer.page.outcome.text.split("\n")
     assert "Beads 2 to 4 go together to the right at 0.46\N{NO-BREAK SPACE}m/s." in soft
     assert steel.startswith("steel balls: Beads 0 to 2 nearly stand still.")
-    typed(explorer, "speed", "2")
+    explorer.enter("speed", "2")
     press(explorer, "Back to one row")
     scene = explorer.session.scene
     assert (scene.title, scene.text, scene.question) == (before.title, "", before.question)  # it is another speed
@@ -169,8 +152,7 @@ def test_a_text_without_room_is_read_whole_below_the_pointer() -> None:
     made = Driver("one-on-four", lab=False)
     made.page.lessons.answered = True
     for scale, cut in ((0, False), (4, True)):
-        for _ in range(scale):
-            made.key(pygame.K_PLUS, pygame.KMOD_CTRL)
+        made.key(pygame.K_PLUS, pygame.KMOD_CTRL, times=scale)
         made.page.view.backdrop.forget()
         made.frames(2)
         assert bool(made.page.explore._whole[1]) == cut

@@ -58,8 +58,7 @@ def test_keys_and_the_slider_set_the_slow_motion(driver: Driver) -> None:
     driver.frames(2)
     assert driver.session.slow == 1000.0
     driver.release((slider.rect.right, slider.rect.centery))
-    for _ in range(20):
-        driver.key(pygame.K_EQUALS)
+    driver.key(pygame.K_EQUALS, times=20)
     assert driver.session.slow == 0.01  # faster than real time
     driver.run(10)
     assert driver.session.time > 5.0

@@ -188,8 +188,7 @@ def test_a_menu_does_its_actions_by_keys_and_clicks(driver: Driver, menu: str) -
     left = ("compare", "compare_balls", "copy_values", "copy_scene", "sound")
     for k, name in enumerate(MENUS[menu]):
         driver.click(driver.page.toolbar.buttons[menu].rect.center)
-        for _ in range(k):
-            driver.key(pygame.K_DOWN)
+        driver.key(pygame.K_DOWN, times=k)
         shown = driver.app.dialog
         assert shown.names[shown.focus] == name
         driver.key(pygame.K_ESCAPE if name in left else pygame.K_RETURN)
@@ -248,6 +247,5 @@ def test_rows_are_selected_and_scrolled_to(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(pygame.mouse, "get_pos", lambda: place.rect.center)
     driver.wheel(place.rect.center, -9)
     assert values.places[0].last == 11
-    driver.key(pygame.K_LEFT)
-    driver.key(pygame.K_LEFT)  # the selection comes into view
+    driver.key(pygame.K_LEFT, times=2)  # the selection comes into view
     assert values.places[0].first == 0
