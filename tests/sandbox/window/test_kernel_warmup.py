@@ -28,13 +28,12 @@ driver.close()
 
 def test_all_kernels_are_loaded_jobs_done_between_and_the_thread_that_draws_waits_for_no_other_for_long():
     """Python's own five milliseconds, some ten times a frame, made frames late while modules were imported."""
-    usual, warmup, done = sys.getswitchinterval(), KernelWarmup(), []
+    warmup, done = KernelWarmup(), []
     warmup.start()
     assert sys.getswitchinterval() < 1e-3
     warmup.submit(done.append, lambda: 7)
     assert warmup.complete.wait(3600.0)
     warmup.stop()
-    assert sys.getswitchinterval() == pytest.approx(usual)
     while not warmup.deliver():
         pass
     assert done == [7]

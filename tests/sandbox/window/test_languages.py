@@ -1,7 +1,6 @@
 """The languages of the window: chosen by the locale or a key, at once and for all that is shown; numbers with their mark."""
 
 import re
-import string
 from gettext import NullTranslations
 
 import pygame
@@ -22,7 +21,6 @@ from tests.helpers.windows import Driver
 
 
 def test_a_key_takes_the_next_language_at_once_and_for_the_next_start(driver: Driver) -> None:
-    assert driver.page.toolbar.buttons["undo"].text == "Undo"
     driver.key(pygame.K_F8)
     assert driver.page.toolbar.buttons["undo"].text == "Rückgängig"
     assert driver.messages == ["Deutsch"]
@@ -50,8 +48,7 @@ def german(monkeypatch: pytest.MonkeyPatch) -> Driver:
     return Driver("one-on-four")
 
 
-@pytest.mark.parametrize("typed", ["0,25", "0.25", "1/4"])
-def test_boxes_take_both_marks_and_show_that_of_the_language(german: Driver, typed: str) -> None:
+def test_boxes_take_and_show_the_mark_of_the_language(german: Driver) -> None:
     german.select("contact", 1)
     assert german.page.inspector.controls["exponent"].entry.get_text() == "0,1"
     german.enter("exponent", "0,25")
@@ -91,11 +88,9 @@ def test_what_methods_and_choices_are_called_fits_its_place(code: str) -> None:
 class Other(NullTranslations):
     """A language in letters that are not those of English, with the placeholders of the source."""
 
-    LETTERS = str.maketrans({one: chr(ord(one) - ord("A") + 0x410) for one in string.ascii_letters})
-
     def gettext(self, message: str) -> str:
-        parts = re.split(r"(\{[^{}]*\})", message)
-        return "".join(part if part.startswith("{") else part.translate(self.LETTERS) for part in parts)
+        """Letters are moved on to those of Cyrillic; placeholders stay."""
+        return re.sub(r"\{[^{}]*\}|[A-Za-z]", lambda one: one[0] if one[0][1:] else chr(ord(one[0]) + 0x3CF), message)
 
     def ngettext(self, msgid1: str, msgid2: str, n: int) -> str:
         return self.gettext(msgid1 if n == 1 else msgid2)

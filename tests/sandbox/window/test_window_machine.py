@@ -7,7 +7,7 @@ from hypothesis import Phase, settings
 from hypothesis.stateful import run_state_machine_as_test
 from softcradle.sandbox.session.inputs import AddBead, RemoveBead, SetMass, SetVelocity
 
-from tests.helpers.sessions import check_replay, check_round_trip, opened
+from tests.helpers.sessions import check_replay, opened
 from tests.helpers.window_machine import WindowMachine
 from tests.helpers.windows import FRAME, pressed
 
@@ -20,13 +20,10 @@ def test_no_order_of_inputs_breaks_the_window(examples: int, steps: int) -> None
     run_state_machine_as_test(WindowMachine, settings=wanted)
 
 
-def test_the_checks_of_the_machine_find_what_they_look_for(tmp_path) -> None:
-    session = opened("one-on-four", SetVelocity(0, 1, 0.3))
-    session.step_frames(5)
+def test_the_last_digit_of_an_input_is_seen_by_the_replay(tmp_path) -> None:
+    session = opened("one-on-four", SetVelocity(0, 1, 0.3), frames=5)
     session.apply(SetMass(0, 0, 2.0))
     session.step_frames(600)  # into the collision
-    check_round_trip(session)
-    check_replay(session, tmp_path / "replay.npz")
     inputs = session.recording.inputs
     inputs[-1] = (inputs[-1][0], SetMass(0, 0, np.nextafter(2.0, 3.0)))
     with pytest.raises(AssertionError, match="DIVERGED"):

@@ -51,7 +51,6 @@ def test_pages_and_widgets_that_are_left_are_freed(gallery: Driver) -> None:
         gallery.frames()
         assert old_widget() is None
     gallery.key(pygame.K_ESCAPE)
-    gallery.frames()
     assert isinstance(gallery.app.page, GalleryPage)
     assert old_page() is None
 
@@ -74,7 +73,6 @@ def test_every_scene_has_a_picture_at_once_a_section_and_whole_sentences(gallery
 def searched(gallery: Driver, words: str) -> tuple[str, ...]:
     gallery.key(pygame.K_f, pygame.KMOD_CTRL)
     gallery.type(words)
-    gallery.frames(2)
     return gallery.app.page.names
 
 
