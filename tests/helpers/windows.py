@@ -173,7 +173,8 @@ class Driver:
         """Type into the box of a number in the panel, and take it."""
         entry = (self.page.explore.controls or self.page.inspector.controls)[key].entry
         self.click(entry.rect.center)
-        entry.set_text(text)
+        entry.set_text("")
+        self.type(text)
         self.key(pygame.K_RETURN)
 
     def answer(self, text: str) -> None:
