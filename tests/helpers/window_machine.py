@@ -28,7 +28,7 @@ from softcradle.sandbox.window.theme import collect_garbage
 
 from softcradle import scenes
 from tests.helpers import sessions
-from tests.helpers.windows import Driver, faults, rarely, widgets
+from tests.helpers.windows import FRAME, Driver, faults, pressed, rarely, widgets
 
 KINDS = ("bead", "contact", "widget", "plot", "bar", "window")
 
@@ -106,18 +106,16 @@ class WindowMachine(RuleBasedStateMachine):
     @rule(key=st.sampled_from(KEYS), times=st.integers(2, 4))
     def hold_key(self, key: Key, times: int) -> None:
         """Hold a key down: the system repeats it."""
-        for kind in (*[pygame.KEYDOWN] * times, pygame.KEYUP):
-            self.driver.post(kind, key=key.code, mod=key.modifiers, unicode="", scancode=0)
+        for event in pressed(key.code, key.modifiers, times=times):
+            self.driver.post(event.type, **event.dict)
 
     @rule(keys=st.lists(st.sampled_from(KEYS), min_size=2, max_size=4), place=PLACES)
     def press_at_once(self, keys: list[Key], place: Place) -> None:
         """Several keys, and a click among them, between two frames."""
-        point = point_of(place, self.driver)
-        for k, key in enumerate(keys):
-            self.driver.post(pygame.KEYDOWN, key=key.code, mod=key.modifiers, unicode="", scancode=0)
-            if k == 0:
-                self.driver.post(pygame.MOUSEBUTTONDOWN, pos=point, button=1)
-        self.driver.post(pygame.MOUSEBUTTONUP, pos=point, button=1)
+        turns, point = (pygame.MOUSEBUTTONDOWN, pygame.MOUSEBUTTONUP), point_of(place, self.driver)
+        first, *others = [pressed(key.code, key.modifiers) for key in keys]
+        clicked = [pygame.Event(kind, pos=point, button=1) for kind in turns]
+        self.driver.app.frame(FRAME, [*first, *clicked, *itertools.chain(*others)])
         self.down = False
         self.driver.frames()
 

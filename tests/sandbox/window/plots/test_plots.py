@@ -85,8 +85,11 @@ def test_the_kymograph_shows_where_the_beads_were(driver: Driver) -> None:
     assert all(300 < column[row] < 740 for row in band)  # the pale colour of a bead
 
 
-def test_two_lanes_share_the_clock_and_show_their_difference() -> None:
-    driver = Driver("beads-against-gear")
+def test_two_lanes_share_the_clock_name_their_plots_and_show_their_difference() -> None:
+    driver = Driver("steel-and-soft")
+    titles = [one.text for one in driver.texts() if "(m" in one.text or "(N)" in one.text]
+    for label in ("steel", "soft"):
+        assert sum(title.split(" · ")[-1].startswith(label) for title in titles) == 3
     driver.run(120)
     first, second = driver.session.lanes
     assert first.state.time == second.state.time
@@ -97,12 +100,6 @@ def test_two_lanes_share_the_clock_and_show_their_difference() -> None:
     driver.key(PLOT_KINDS["difference"].key)
     assert "difference" not in board.shown
     assert not driver.messages
-
-
-def test_each_plot_of_two_lanes_says_whose_it_is() -> None:
-    titles = [one.text for one in Driver("steel-and-soft").texts() if "(m" in one.text or "(N)" in one.text]
-    assert sum(title.split(" · ")[-1].startswith("steel") for title in titles) == 3
-    assert sum(title.split(" · ")[-1].startswith("soft") for title in titles) == 3
 
 
 def test_the_time_axis_scrolls_only_when_it_must():
