@@ -249,7 +249,9 @@ def test_the_theme_changes_every_page_and_is_kept():
     use_theme("light")
 
 
-@pytest.mark.parametrize("text", ["", "[]", '{"theme": "pink", "language": "tlh"}', '{"theme": 3}', '{"recent": 7}'])
+@pytest.mark.parametrize(
+    "text", ["", "[]", '{"theme": "pink", "language": "tlh"}', '{"theme": 3}', '{"recent": 7}', "7"]
+)
 def test_settings_that_cannot_be_read_are_the_usual_ones(text: str) -> None:
     settings_path().parent.mkdir(parents=True)
     settings_path().write_text(text)

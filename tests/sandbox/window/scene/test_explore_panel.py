@@ -51,6 +51,8 @@ def test_one_switch_leads_to_the_lab_and_is_remembered(explorer: Driver) -> None
     assert explorer.page.cards.menus
     explorer.key(pygame.K_F3)
     assert explorer.page.explore.controls
+    explorer.app.act("plots_menu")  # which has no button at this level
+    assert explorer.app.dialog is None
 
 
 def test_alpha_is_that_of_the_row_or_of_a_selected_contact_and_the_blow_goes_as_deep(explorer: Driver) -> None:

@@ -238,6 +238,8 @@ def test_rows_are_selected_and_scrolled_to(monkeypatch: pytest.MonkeyPatch) -> N
     values = driver.page.tools.values
     place = values.places[0]
     assert not place.whole
+    driver.click((place.rect.centerx, place.rect.top + 2))  # among the names of columns
+    assert driver.page.editor.selection is None
     driver.click(place.strip(1).center)
     assert driver.page.editor.selection == Pick(0, "bead", 1)
     monkeypatch.setattr(pygame.mouse, "get_pos", lambda: place.rect.center)
