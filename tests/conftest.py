@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import HealthCheck, settings
 
-from tests.helpers.own_process import children, descriptors, run_alone
+from tests.helpers.own_process import children, descriptors, run_alone, runs_alone
 
 if TYPE_CHECKING:
     from tests.helpers.windows import Driver
@@ -58,13 +58,19 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
         pytest.skip("the time is over")
 
 
+def pytest_itemcollected(item: pytest.Item) -> None:
+    """What a test takes that runs in a process of its own is made there."""
+    if runs_alone(item):
+        item.fixturenames = []
+
+
 @pytest.hookimpl(tryfirst=True)
-def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> bool | None:
+def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
     """Run a test that is marked `own_process` in one, and end all that it started with it."""
-    done = run_alone(item) if item.get_closest_marker("own_process") else None
-    if done:  # the folders that it shares with the test before it, and not with the next
-        item.session._setupstate.teardown_exact(nextitem)
-    return done
+    if not runs_alone(pyfuncitem):
+        return None
+    run_alone(pyfuncitem.nodeid)
+    return True
 
 
 def pytest_runtest_teardown(item: pytest.Item) -> None:

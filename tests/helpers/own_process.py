@@ -66,25 +66,13 @@ def _read(path: Path) -> str:
     return ""
 
 
-def run_alone(item: pytest.Item) -> bool | None:
-    """Report on a test by what it does in a process and session of its own, which is then killed as a whole."""
-    if INSIDE in os.environ:
-        return None
-    item.ihook.pytest_runtest_logstart(nodeid=item.nodeid, location=item.location)
-    begun = time.time()
-    outcome, text = _outcome(item.nodeid)
-    longrepr = (str(item.path), item.location[1] or 0, text) if outcome == "skipped" else text
-    report = pytest.TestReport(
-        item.nodeid, item.location, dict.fromkeys(item.keywords, 1), outcome,
-        longrepr if outcome != "passed" else None, "call",
-        start=begun, stop=time.time(), duration=time.time() - begun,
-    )  # fmt: skip
-    item.ihook.pytest_runtest_logreport(report=report)
-    item.ihook.pytest_runtest_logfinish(nodeid=item.nodeid, location=item.location)
-    return True
+def runs_alone(item: pytest.Item) -> bool:
+    """Whether a test is to run in a process of its own, and this is not the one."""
+    return INSIDE not in os.environ and item.get_closest_marker("own_process") is not None
 
 
-def _outcome(test: str) -> tuple[str, str]:
+def run_alone(test: str) -> None:
+    """Do a test in a process and session of its own, which is then killed as a whole."""
     command = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", test]
     process = subprocess.Popen(
         command, cwd=ROOT, env=os.environ | {INSIDE: "1", "PYTEST_ADDOPTS": ""}, start_new_session=True,
@@ -96,11 +84,10 @@ def _outcome(test: str) -> tuple[str, str]:
         said = f"not done after {LONGEST:.0f} s"
     finally:
         end_all_of(process)
-    if process.returncode == 0 and re.search(r"^\d+ passed", said.splitlines()[-1]):
-        return "passed", ""
     if process.returncode == 0 and (skipped := re.search(r"^SKIPPED \[1\] \S+ (.*)", said, re.MULTILINE)):
-        return "skipped", skipped[1]
-    return "failed", said
+        pytest.skip(skipped[1])
+    if process.returncode != 0 or not re.search(r"^\d+ passed", said.splitlines()[-1]):
+        pytest.fail(said, pytrace=False)
 
 
 def end_all_of(process: subprocess.Popen[str]) -> None:
