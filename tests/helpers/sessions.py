@@ -61,6 +61,11 @@ def frame_table(session: Session) -> dict[str, Any]:
     return table
 
 
+def picture(session: Session) -> tuple[object, ...]:
+    """What a window shows of a session: the frame with every digit, and which frames there are."""
+    return session.frame, session.history.first, session.history.last, session.setup, frame_table(session)
+
+
 def check_order(session: Session) -> None:
     """The frame shown lies in the history, and the recording ends with it. AssertionError where not."""
     history, recording = session.history, session.recording

@@ -9,7 +9,16 @@ from softcradle.sandbox.session import Session
 from softcradle.sandbox.session.inputs import Input, SetMethod, SetStep
 
 from softcradle import scenes
-from tests.helpers.sessions import INPUTS, check_invariants, check_replay, check_round_trip, fitted, opened, read_all
+from tests.helpers.sessions import (
+    INPUTS,
+    check_invariants,
+    check_replay,
+    check_round_trip,
+    fitted,
+    opened,
+    picture,
+    read_all,
+)
 
 # One row, two lanes, drives, laws side by side, couplers with friction and brakes, and beads pressed from the start.
 SCENES = st.sampled_from(
@@ -28,14 +37,29 @@ def given_to(session: Session, item: Input) -> bool:
 
 @given(name=SCENES, items=EDITS)
 @settings(max_examples=25)
-def test_inputs_in_any_order(name, items, tmp_path_factory):
-    session = Session(scenes.load(name), memory=100_000)
-    for item in items:
-        given_to(session, item)
-        session.step_frames(2)
+def test_inputs_in_any_order_which_are_undone_and_redone_in_turn_with_the_motion(name, items, tmp_path_factory):
+    session, seen = Session(scenes.load(name), memory=100_000), []
+    for k, item in enumerate(items):
+        before = picture(session)
+        if given_to(session, item) and item.undo_name:
+            seen.append(before)
+            assert session.history.last == session.frame
+        if k == 5:
+            session.restart()
+        session.step_frames(3)
+        session.step_frames(-1)  # a frame that the next edit drops
         check_invariants(session)
     read_all(session)
     check_round_trip(session)
+    last = picture(session)
+    for expected in reversed(seen):
+        assert session.undo()
+        assert picture(session) == expected
+    assert not session.undo()
+    for expected in (*seen, last)[1:]:
+        assert session.redo()
+        assert picture(session) == expected
+    assert not session.redo()
     check_replay(session, tmp_path_factory.mktemp("replay") / "replay.npz")
 
 

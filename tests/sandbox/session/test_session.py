@@ -126,18 +126,6 @@ def test_playing_on_from_a_scrubbed_frame_is_a_new_branch_with_the_same_digits(n
     check_replay(session, tmp_path / "replay.npz")
 
 
-def test_an_edit_of_a_scrubbed_frame_drops_the_later_ones():
-    session = opened(frames=400)
-    session.scrub_frame(150)
-    session.apply(SetMass(0, 1, 5.0))
-    assert session.history.last == 150
-    session.step_frames(10)
-    session.scrub_frame(149)
-    assert session.lanes[0].chain.mass[1] == 1.0, "a frame is shown with its setup"
-    session.scrub_frame(150)
-    assert session.lanes[0].chain.mass[1] == 5.0
-
-
 def test_a_restart_and_a_saved_scene_have_the_edits_of_the_beads_and_of_the_start(tmp_path):
     session = opened("one-on-four", SetVelocity(0, 0, 2.0), frames=100)
     session.apply(SetMass(0, 2, 3.0))
