@@ -7,13 +7,14 @@ import sys
 from concurrent.futures import Executor, ThreadPoolExecutor
 from functools import partial
 from importlib.machinery import ModuleSpec
+from itertools import product
 from threading import Lock
 from types import ModuleType
 from unittest.mock import Mock
 
 import numpy as np
 import pytest
-from softcradle.physics import OwnLaw, one_on, power_law, simulate
+from softcradle.physics import Chain, OwnLaw, one_on, power_law, simulate
 from softcradle.physics.analysis.collision import collide, measured
 from softcradle.sandbox.sweeps import Measure, grid, listed, run_sweep, store, sweep
 from softcradle.sandbox.sweeps.code_digest import code_digest
@@ -23,7 +24,6 @@ from softcradle.sandbox.sweeps.run_sweep import drop_kept, map_points, sweep_sta
 from softcradle.sandbox.sweeps.store import Store, partial_folder
 from softcradle.sandbox.sweeps.work import Outcome, PointStatus, Work, packed, sweep_work
 from softcradle.sandbox.user_error import StudyError
-from softcradle.scenes import load
 
 from tests.helpers.own_process import python
 from tests.helpers.paths import ROOT
@@ -340,47 +340,33 @@ def test_a_full_disk_loses_nothing_and_no_other_study_goes_on(tmp_path, monkeypa
     assert found.load().identical(alone)
 
 
-def test_a_scene_gives_what_simulate_gives():
-    over = {"lanes.0.contact.alpha": [0.5, 1.0], "lanes.0.beads.1": [2, 3]}
-    found = sweep("one-on-four", over, ["final_velocity", "rigidity", "contact_time"], executor="here")
-    assert found["final_velocity"].dims == ("lanes.0.contact.alpha", "lanes.0.beads.1", "bead")
+def test_a_scene_gives_what_simulate_and_the_table_of_its_collision_give():
+    over = {
+        "lanes.0.contact.alpha": [0.5, 1.5],
+        "lanes.0.beads.1": [2, 3],
+        "method": ["accurate", "auto", "conserving"],
+    }
+    measures = ["final_velocity", "rigidity", "contact_time", "peak_force", "contact_peak_force"]
+    found = sweep("one-on-four", over | {"tolerance": [1e-3]}, measures, executor="here").squeeze("tolerance")
+    assert found["final_velocity"].dims == (*over, "bead")
     assert found["final_velocity"].attrs["units"] == "m/s"
-    run = simulate(one_on(3, power_law(1.0, 0.5)), [1, 0, 0, 0], samples=2)
-    np.testing.assert_array_equal(found["final_velocity"][0, 1, :4], run.final_velocity)
-    ((closed, opened),) = run.contact_intervals[0]
-    assert float(found["contact_time"][0, 1]) == pytest.approx(opened - closed, rel=1e-12)
-    assert found["rigidity"][0, 1] == np.ptp(run.final_velocity[1:]) / run.final_velocity[1:].mean()
-    lanes = sweep("weak-contact", listed({"lanes.*.velocity.0": [0.5, 1.0]}), ["end"], executor="here")
-    assert lanes["end"].shape == (2, 2)
-    assert (lanes["end"] > 0.0).all()
+    for alpha, n, method in product(*over.values()):
+        point = found.sel(dict(zip(over, (alpha, n, method), strict=True)))
+        chain = Chain([1.0] * (n + 1), power_law(1.0, alpha), [1.0] + [0.0] * (n - 1))
+        start, fine = (chain, [1] + [0] * n), {"method": method, "tolerance": 1e-3}
+        run, collision = simulate(*start, **fine, samples=2), measured(collide(*start, **fine))
+        np.testing.assert_array_equal(point["final_velocity"][: n + 1], run.final_velocity)
+        ((closed, opened),) = run.contact_intervals[0]
+        assert point["contact_time"].item() == pytest.approx(opened - closed, rel=1e-12)
+        assert point["rigidity"] == np.ptp(run.final_velocity[1:]) / run.final_velocity[1:].mean()
+        assert point["peak_force"] == collision.peak_force
+        assert point["contact_peak_force"][:n].values.tolist() == [one.peak_force for one in collision.contacts]
 
 
-def test_method_auto_chooses_for_each_point_as_simulate_does():
-    over = {"lanes.0.contact.alpha": [0.5, 1.5], "method": ["auto"], "tolerance": [1e-3]}
-    found = sweep("one-on-four", over, ["final_velocity", "peak_force"], executor="here")
-    for k, alpha in enumerate((0.5, 1.5)):
-        run = simulate(one_on(4, power_law(1.0, alpha)), [1, 0, 0, 0, 0], None, "auto", samples=2, tolerance=1e-3)
-        np.testing.assert_array_equal(found["final_velocity"][k].values.ravel(), run.final_velocity)
-    assert (found["peak_force"] > 0.0).all()
-
-
-def test_measures_of_fine_samples_are_those_of_the_table():
-    over = {"method": ["conserving"], "step": [0.02]}
-    found = sweep("one-on-four", over, ["peak_force", "contact_peak_force"], executor="here")
-    chain, velocity = load("one-on-four").lanes[0].chain(), [1, 0, 0, 0, 0]
-    expected = measured(collide(chain, velocity, method="conserving", step=0.02))
-    assert found["peak_force"].item() == expected.peak_force
-    assert found["contact_peak_force"].values.ravel().tolist() == [contact.peak_force for contact in expected.contacts]
-
-
-def test_motions_of_a_function_are_measured():
-    def blow(speed):
-        return one_on(2, power_law(1.0, 1.0)), [speed, 0.0, 0.0], {"tolerance": 1e-6}
-
-    share = Measure("share", "", "of the first target", "", lambda run: run.motion.final_velocity[1])
-    found = sweep(blow, {"speed": [0.5, 1.0]}, ["final_velocity", share], executor="here")
-    np.testing.assert_array_equal(found["share"], found["final_velocity"][:, 1])
-    assert found["final_velocity"].sum("bead").values == pytest.approx([0.5, 1.0])
+def test_every_lane_of_a_scene_is_measured():
+    found = sweep("weak-contact", listed({"lanes.*.velocity.0": [0.5, 1.0]}), ["end"], executor="here")
+    assert found["end"].shape == (2, 2)
+    assert (found["end"] > 0.0).all()
 
 
 @pytest.mark.parametrize(
