@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from subprocess import CompletedProcess
@@ -26,6 +26,19 @@ def python(
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, **options)
     assert not check or done.returncode == 0, (done.stdout + done.stderr)[-4000:]
     return done
+
+
+# s: far more than an answer takes on a loaded machine, and far less than work of which a test hears that it is stopped
+ANSWER = 180.0
+
+
+def until(condition: Callable[[], object], process: subprocess.Popen[Any]) -> None:
+    """Wait for what a process is to bring about while it runs."""
+    end = time.monotonic() + ANSWER
+    while not condition():
+        assert process.poll() is None, process.communicate()
+        assert time.monotonic() < end
+        time.sleep(0.05)
 
 
 INSIDE = "SOFTCRADLE_OWN_PROCESS"  # set in the process of a test

@@ -58,14 +58,11 @@ HEAVY = ("numpy", "numba", "scipy", "pymunk", "pygame", "matplotlib", "av", "PIL
 @pytest.mark.parametrize(
     ("code", "absent"),
     [
-        ("from softcradle import physics", HEAVY),
         ("import softcradle; softcradle.METHODS", HEAVY),
         ("import softcradle.sandbox.cli.main", HEAVY),
-        ("from softcradle.physics import Chain", [name for name in HEAVY if name != "numpy"]),
         ("import softcradle.physics.simulation", [name for name in HEAVY if name != "numpy"]),
         ("import softcradle.physics.fixed_step.runner", ("pymunk", "pygame")),  # numba itself takes scipy where it is
         ("import softcradle.physics.reference.runner", ("numba", "pymunk", "pygame")),
-        ("import softcradle.scenes", [name for name in HEAVY if name not in {"numpy", "pydantic"}]),
         ("import softcradle.sandbox.session.session", [name for name in HEAVY if name not in {"numpy", "pydantic"}]),
     ],
 )

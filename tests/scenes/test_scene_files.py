@@ -63,15 +63,6 @@ def test_in_json_null_is_the_mass_of_a_wall():
         Lane(mass=(None, 1.0), velocity=(0.0, 1.0), contact=contact)
 
 
-@pytest.mark.parametrize("name", ["one-on-four", "mixed", "train-braking"])
-def test_a_scene_goes_to_other_processes_and_is_the_same(name):
-    scene = scenes.load(name)
-    again = pickle.loads(pickle.dumps(scene))
-    assert again == scene
-    assert again.to_toml() == scene.to_toml()
-    assert [lane.chain() for lane in again.lanes] == [lane.chain() for lane in scene.lanes]
-
-
 def test_what_is_wrong_with_a_scene_comes_back_from_another_process():
     with pytest.raises(SceneError) as refused:
         scenes.parse('title = "x"\nlanes = 1\nduration = 0.0\n')

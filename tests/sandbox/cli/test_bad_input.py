@@ -185,21 +185,16 @@ def test_check_reports_every_problem_of_every_file(tmp_path, softcradle, refused
     assert "there is no scene 'nope'" in err.splitlines()[2]
 
 
-def test_interrupted_run_leaves_no_file(tmp_path, monkeypatch, softcradle):
+@pytest.mark.parametrize("compiled", [False, True])
+def test_interrupted_run_leaves_no_file(compiled, tmp_path, monkeypatch, softcradle):
+    """pybind11 makes an ImportError of Ctrl+C; the command said "initialization failed", with exit code 2."""
+
     def interrupt(*_, **__):
         assert len(list(tmp_path.iterdir())) == 1  # the file is opened before the run
+        if compiled:
+            raise ImportError("initialization failed") from KeyboardInterrupt()
         raise KeyboardInterrupt
 
     monkeypatch.setattr("softcradle.sandbox.cli.commands.run.run_scene", interrupt)
     assert softcradle("run", "mixed", "-o", str(tmp_path / "out.csv"), code=130).err == "softcradle: interrupted\n"
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_command_interrupted_as_a_compiled_module_is_loaded_says_so(monkeypatch, softcradle):
-    """pybind11 makes an ImportError of Ctrl+C there; the command said "initialization failed", with exit code 2."""
-
-    def interrupt(*_, **__):
-        raise ImportError("initialization failed") from KeyboardInterrupt()
-
-    monkeypatch.setattr("softcradle.sandbox.cli.commands.run.run_scene", interrupt)
-    assert softcradle("run", "mixed", code=130).err == "softcradle: interrupted\n"

@@ -5,17 +5,15 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from softcradle.physics.numerics.float_bits import COMPILED
 
+from tests.helpers.own_process import ANSWER, until
 from tests.helpers.paths import ROOT
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(os.name != "posix", reason="signals are others there")]
-# s: far more than an answer takes on a loaded machine, and far less than the work, which would take from half an hour to years
-ANSWER = 180.0
 LONG_RUN = """
 import sys
 from softcradle import one_on, power_law, simulate
@@ -73,14 +71,6 @@ def told(process: subprocess.Popen[str], number: int) -> list[str]:
         return process.communicate(timeout=ANSWER)[1].splitlines()
     finally:
         process.kill()
-
-
-def until(condition: Callable[[], object], process: subprocess.Popen[str]) -> None:
-    end = time.monotonic() + ANSWER
-    while not condition():
-        assert process.poll() is None, process.communicate()
-        assert time.monotonic() < end
-        time.sleep(0.05)
 
 
 @pytest.mark.skipif(not COMPILED, reason="plain Python hears everything")

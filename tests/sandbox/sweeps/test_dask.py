@@ -1,13 +1,9 @@
 """A sweep on a real Dask scheduler with real workers: killed, resumed, a worker and the scheduler killed."""
 
-import json
 import os
 import socket
 import subprocess
 import sys
-import time
-from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
 from typing import BinaryIO
 
@@ -15,10 +11,11 @@ import pytest
 from softcradle.sandbox.sweeps import executors, sobol, sweep
 from softcradle.sandbox.user_error import StudyError
 
+from tests.helpers.own_process import until
 from tests.helpers.paths import ROOT
 from tests.helpers.swept import HELD, LOG, logged
 
-pytest.importorskip("distributed")
+json_load_robust = pytest.importorskip("distributed.utils").json_load_robust
 # Dask keeps threads and connections, which are cut on purpose; both end with the process.
 pytestmark = [pytest.mark.own_process, pytest.mark.filterwarnings("ignore")]
 
@@ -52,18 +49,12 @@ class Cluster:
         self._place.unlink(missing_ok=True)
         place = ("--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(self._place))
         self.start("-m", "distributed.cli.dask_scheduler", *place)
-        until(self.answers)
+        self.address = json_load_robust(self._place, timeout=120.0)["address"]
         for _ in range(2):
             self.worker = self.start(
                 "-m", "distributed.cli.dask_worker", self.address, "--nthreads", "1", "--no-nanny", "--no-dashboard",
                 "--host", "127.0.0.1", "--death-timeout", "120",
             )  # fmt: skip
-
-    def answers(self) -> bool:
-        with suppress(OSError, ValueError):  # not there, or not all of it
-            self.address = json.loads(self._place.read_text())["address"]
-            return True
-        return False
 
     def kill(self) -> None:
         for process in self.processes:
@@ -73,13 +64,6 @@ class Cluster:
 def kill(process: subprocess.Popen[bytes]) -> None:
     process.kill()
     process.wait()
-
-
-def until(condition: Callable[[], object]) -> None:
-    end = time.monotonic() + 120.0
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.02)
 
 
 @pytest.fixture
@@ -103,8 +87,7 @@ def test_killed_and_resumed_it_is_equal_bit_for_bit(cluster, tmp_path, caplog):
     held = tmp_path / "held"  # so that it is not through before it is killed, however busy the machine is
     held.touch()
     coordinator = cluster.start("-c", COORDINATOR, str(output), cluster.address)
-    until(lambda: (len(lines(log)) >= HELD and list(kept.glob("[0-9]*.npz"))) or coordinator.poll() is not None)
-    assert coordinator.poll() is None
+    until(lambda: len(lines(log)) >= HELD and list(kept.glob("[0-9]*.npz")), coordinator)
     kill(coordinator)
     held.unlink()
     assert not output.exists()
