@@ -243,12 +243,6 @@ def test_a_point_of_a_study_that_fails_ends_it_and_is_tried_again(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_points_of_another_study_are_dropped(tmp_path, log):
-    for a, times in ((0.5, 1), (0.5, 1), (0.25, 2)):
-        map_points(logged, grid({"a": [a], "n": [2]}), tmp_path / "kept", executor="here")
-        assert len(log.read_text().splitlines()) == times
-
-
 def test_a_study_of_unlike_points_begins_with_processes(monkeypatch):
     """None of its points is tried in this process first, which would let the other cores wait for the longest."""
     begun: list[Work] = []
@@ -256,19 +250,6 @@ def test_a_study_of_unlike_points_begins_with_processes(monkeypatch):
     for alike in (True, False):
         assert len(map_points(numbers, grid({"a": [0.5], "n": [2, 3]}), workers=2, alike=alike)) == 2
         assert len(begun) == (not alike)
-
-
-def test_what_is_complete_is_opened_and_not_computed(tmp_path, log):
-    def swept(*a, **options):
-        with sweep(logged, {"a": a, "n": [1]}, executor="here", output=tmp_path / "x.nc", **options) as found:
-            return found.load()
-
-    assert swept(0.1, 0.2).identical(swept(0.1, 0.2))
-    assert len(log.read_text().splitlines()) == 2
-    for points, other in (((0.1, 0.3), {}), ((0.1, 0.2), {"units": {"product": "mm"}})):
-        with pytest.raises(StudyError, match=r"x.nc holds another study"):
-            swept(*points, **other)
-    assert swept(0.1, 0.3, fresh=True)["product"].to_numpy().ravel().tolist() == [0.1, 0.3]
 
 
 def held(value):
@@ -332,8 +313,9 @@ def test_a_full_disk_loses_nothing_and_no_other_study_goes_on(tmp_path, monkeypa
     with pytest.raises(StudyError, match=r"cannot write .*x.zarr.partial: no space left on device; 2 points are kept"):
         sweep(numbers, GRID, chunk_seconds=0.0, **options)
     assert [path.name for path in tmp_path.iterdir()] == ["x.zarr.partial"]
-    with pytest.raises(StudyError, match=r"x.zarr.partial was begun for another study"):
-        sweep(numbers, {"a": [0.1], "n": [1]}, executor="here", output=output)
+    for other in ({"a": [0.1], "n": [1]}, {}), (GRID, {"units": {"product": "mm"}}):
+        with pytest.raises(StudyError, match=r"x.zarr.partial was begun for another study"):
+            sweep(numbers, other[0], executor="here", output=output, **other[1])
     begun: list[int] = []
     found = sweep(numbers, GRID, progress=lambda _, done, __: begun.append(done), **options)
     assert begun[0] == 2
