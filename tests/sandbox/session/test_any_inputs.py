@@ -43,13 +43,15 @@ def test_inputs_in_any_order_which_are_undone_and_redone_in_turn_with_the_motion
         before = picture(session)
         if given_to(session, item) and item.undo_name:
             seen.append(before)
-            assert session.history.last == session.frame
+            assert session.history.last == session.frame == before[0]
         if k == 5:
             session.restart()
         session.step_frames(3)
         session.step_frames(-1)  # a frame that the next edit drops
         check_invariants(session)
     read_all(session)
+    frames = sum(len(part.time) for part in session.history_slices(0, 10**6))
+    assert frames == session.frame - session.history.first + 1
     check_round_trip(session)
     last = picture(session)
     for expected in reversed(seen):

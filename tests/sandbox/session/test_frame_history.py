@@ -55,16 +55,6 @@ def test_memory_is_bounded_and_the_oldest_is_dropped():
     assert session.frame == session.history.first
 
 
-def test_paused_edits_stay_on_their_frame():
-    session = opened(frames=10)
-    for k in range(50):
-        session.apply(inputs.SetMass(0, 1, 1.0 + k))
-        session.apply(inputs.AddBead(0, 1))
-        session.apply(inputs.RemoveBead(0, 1))
-    assert (session.frame, session.history.last) == (10, 10)
-    assert sum(len(part.time) for part in session.history_slices(0, 100)) == 11
-
-
 def test_a_branch_is_another_one_where_frames_are_dropped_or_replaced_and_not_where_they_are_added():
     session = opened()
     branch, version = session.history.branch, session.history.version

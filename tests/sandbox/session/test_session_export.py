@@ -23,13 +23,7 @@ from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window.plots.kinds import Signal
 from softcradle.scenes import parse
 
-from tests.helpers.sessions import EVERY_SCENE, check_replay, opened
-
-
-@pytest.mark.parametrize("name", EVERY_SCENE)
-def test_an_unedited_scene_comes_back_equal(name):
-    session = opened(name, frames=50)
-    assert session.to_scene() == session.scene
+from tests.helpers.sessions import check_replay, opened
 
 
 def test_velocities_are_written_as_they_were_given():
