@@ -19,12 +19,11 @@ from softcradle.sandbox.session.snapshots import NOTHING_HELD, snapshot_table
 from softcradle import scenes
 
 
-def opened(name: str = "one-on-four", *edits: inputs.Input, frames: int = 0, **options: Any) -> Session:
-    """A session with the scene `name` after `edits` and `frames`, whose clock stands still; `options` are those of Session."""
+def opened(name: str = "one-on-four", *done: inputs.Input | int, frames: int = 0, **options: Any) -> Session:
+    """A session with the scene `name` after edits and numbers of frames in turn; its clock stands still."""
     session = Session(scenes.load(name), **{"clock": lambda: 0.0, **options})
-    for edit in edits:
-        session.apply(edit)
-    session.step_frames(frames)
+    for one in (*done, frames):
+        session.step_frames(one) if isinstance(one, int) else session.apply(one)
     return session
 
 

@@ -281,9 +281,7 @@ def test_several_inputs_are_one_step_and_are_refused_together(tmp_path):
 
 
 def test_an_edit_that_begins_anew_is_one_step_with_the_run_that_it_ends(tmp_path):
-    session = opened("one-on-four", frames=60)
-    session.apply(inputs.SetMass(0, 1, 2.0))
-    session.step_frames(60)
+    session = opened("one-on-four", 60, inputs.SetMass(0, 1, 2.0), 60)
     session.scrub_frame(50)
     before, last = picture(session), session.history.last
     with pytest.raises(ValueError, match="no bead 9"):
@@ -328,8 +326,7 @@ def test_unsaved_edits_are_known():
 
 @pytest.mark.parametrize("saved", [False, True])
 def test_an_edit_is_as_unsaved_as_before_when_throws_have_pushed_its_step_out(saved):
-    session = opened()
-    session.apply(inputs.SetMass(0, 1, 2.5))
+    session = opened("one-on-four", inputs.SetMass(0, 1, 2.5))
     if saved:
         session.undo_stack.mark_saved()
     session.play()
@@ -346,9 +343,7 @@ def test_an_edit_is_as_unsaved_as_before_when_throws_have_pushed_its_step_out(sa
 
 
 def test_a_saved_edit_that_is_played_away_leaves_the_scene_unsaved(tmp_path):
-    session = opened(frames=5)
-    session.apply(inputs.SetMass(0, 1, 2.5))
-    session.step_frames(2)
+    session = opened("one-on-four", 5, inputs.SetMass(0, 1, 2.5), 2)
     session.save_scene(tmp_path / "saved.toml")
     for frame, unsaved in ((6, False), (3, True)):  # where the edit is made already, and before it
         session.scrub_frame(frame)

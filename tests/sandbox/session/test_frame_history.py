@@ -19,15 +19,9 @@ FRAMES = BLOCK_ROWS + 300
 @pytest.fixture(scope="module")
 def edited():
     """A session of several blocks with edits in between, which change the number of beads too."""
-    session = opened("beads-against-gear", inputs.AddBead(0, 4), frames=100)
-    session.apply(inputs.AddBead(0, 5))
-    session.step_frames(200)
-    for k in range(20):
-        session.apply(inputs.SetMass(0, 1, 0.4 + 0.1 * k))
-        session.step_frames(7)
-    session.apply(inputs.SetMass(0, 2, 77.0))
-    session.step_frames(FRAMES)
-    return session
+    masses = [one for k in range(20) for one in (inputs.SetMass(0, 1, 0.4 + 0.1 * k), 7)]
+    beads = inputs.AddBead(0, 4), 100, inputs.AddBead(0, 5), 200
+    return opened("beads-against-gear", *beads, *masses, inputs.SetMass(0, 2, 77.0), FRAMES)
 
 
 def test_frame_at_finds_the_nearest_frame(edited):
@@ -103,9 +97,7 @@ def test_slices_end_at_the_frame_shown_and_the_last_begins_where_the_chain_was_l
 
 
 def test_slices_are_thinned_and_follow_changes_of_the_number_of_beads():
-    session = opened(frames=700)
-    session.apply(inputs.AddBead(0, 5, 1.0))
-    session.step_frames(50)
+    session = opened("one-on-four", 700, inputs.AddBead(0, 5, 1.0), 50)
     thin = list(history_slices(session.history, 0, 0, session.history.last, 100))
     assert 90 <= sum(len(part.time) for part in thin) <= 200
     assert {part.velocity.shape[1] for part in thin} == {5, 6}

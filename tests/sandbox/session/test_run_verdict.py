@@ -34,9 +34,7 @@ def test_the_chosen_method_is_good_on_every_scene_which_comes_back_equal(name):
 
 @pytest.mark.parametrize("method", [name for name in NAMES if name != "scipy"])
 def test_every_method_can_be_switched_to_while_it_runs(method):
-    session = opened("hertz-cradle", frames=510)
-    session.apply(inputs.SetMethod(None, method))
-    session.step_frames(500)
+    session = opened("hertz-cradle", 510, inputs.SetMethod(None, method), 500)
     lane = session.scene.lanes[0]
     truth = simulate(lane.chain(), lane.velocity, session.time, "conserving", step=1e-4).final_velocity
     assert session.lanes[0].velocity == pytest.approx(truth, abs=2e-3)

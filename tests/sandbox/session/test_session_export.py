@@ -106,9 +106,8 @@ def test_the_history_is_exported_as_a_trajectory(tmp_path):
 
 
 def test_the_export_begins_where_chain_or_method_was_last_changed_and_has_the_steps_that_were_taken(tmp_path):
-    session = opened("one-on-four", inputs.SetMethod(0, "euler"), frames=340, memory=1)
-    session.apply(inputs.SetMethod(0, "conserving"))
-    session.step_frames(10)
+    methods = inputs.SetMethod(0, "euler"), 340, inputs.SetMethod(0, "conserving"), 10
+    session = opened("one-on-four", *methods, memory=1)
     assert "frame 340, where the chain or its method" in str(session.trajectory(0).warnings[0])
     taken = session.lanes[0].setup.step_for(session.setup.frame_time)
     assert session.trajectory(0).step == taken < session.lanes[0].setup.step
@@ -181,9 +180,7 @@ def test_a_steady_force_has_done_no_work_where_an_exported_motion_begins():
 
 
 def test_errors_of_a_row_that_begins_at_rest_and_is_thrown_are_relative_to_what_it_was_given():
-    session = opened("one-on-four", inputs.SetVelocity(0, None, 0.0), frames=5)
-    session.apply(inputs.SetVelocity(0, 0, 1.0))
-    session.step_frames(400)
+    session = opened("one-on-four", inputs.SetVelocity(0, None, 0.0), 5, inputs.SetVelocity(0, 0, 1.0), 400)
     summary = summarise("", session.trajectory(0))
     assert summary.energy_error == pytest.approx(session.health(0).energy_error, abs=1e-12)
     assert summary.momentum_error < 1e-12
@@ -329,12 +326,12 @@ def test_a_file_that_is_no_recording_is_refused_in_a_sentence(tmp_path, changes,
 def test_a_damaged_recording_is_refused_in_a_sentence(tmp_path):
     path = tmp_path / "damaged.npz"
     opened(frames=50).save_recording(path)
-    whole = bytearray(path.read_bytes())
+    whole = np.fromfile(path, np.uint8)
 
     def load_with(place, count):
-        path.write_bytes(
-            whole[:place] + bytes(byte ^ 0xFF for byte in whole[place : place + count]) + whole[place + count :]
-        )
+        whole[place : place + count] ^= 0xFF
+        whole.tofile(path)
+        whole[place : place + count] ^= 0xFF
         return Replay.load(path)
 
     for place in range(100, len(whole) - 200, len(whole) // 40):
