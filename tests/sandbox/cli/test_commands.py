@@ -10,6 +10,7 @@ import subprocess
 import sys
 import warnings
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -129,11 +130,8 @@ def test_results_say_how_well_the_final_velocities_are_known(softcradle):
 
 
 def test_a_warning_is_a_sentence(softcradle, monkeypatch):
-    def warns(_args: object) -> int:
-        warnings.warn("the step is too long", RuntimeWarning, stacklevel=1)
-        return 0
-
-    monkeypatch.setattr("softcradle.sandbox.cli.commands.check.main", warns)
+    warned = partial(warnings.warn, "the step is too long", RuntimeWarning, stacklevel=1)
+    monkeypatch.setattr("softcradle.sandbox.cli.commands.check.main", lambda _: warned() or 0)
     with warnings.catch_warnings():
         warnings.simplefilter("always")
         assert softcradle("check", "mixed").err == "softcradle: warning: the step is too long\n"

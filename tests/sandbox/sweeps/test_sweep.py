@@ -128,10 +128,7 @@ def log(tmp_path, monkeypatch):
 
 
 def test_it_goes_on_where_it_was_stopped(tmp_path, log, caplog):
-    def stop(_: str, done: int, __: int) -> None:
-        if done >= 7:
-            raise KeyboardInterrupt
-
+    stop = Mock(side_effect=[None] * 7 + [KeyboardInterrupt])
     output, few = tmp_path / "x.zarr", grid({"a": A[:10], "n": [1, 2]})
     with pytest.raises(KeyboardInterrupt):
         sweep(logged, few, output=output, progress=stop, **ONE_BY_ONE)
@@ -149,10 +146,7 @@ def test_it_goes_on_where_it_was_stopped(tmp_path, log, caplog):
 @pytest.mark.parametrize("fresh", [True, False])
 @pytest.mark.parametrize("replaced", [[0.7], [0.5, 0.6]], ids=["another study", "the same study"])
 def test_a_sweep_that_begins_afresh_goes_on_before_what_it_replaces(replaced, fresh, tmp_path, log):
-    def stop(_: str, done: int, __: int) -> None:
-        if done:
-            raise KeyboardInterrupt
-
+    stop = Mock(side_effect=[None, KeyboardInterrupt])
     output, before, points = tmp_path / "x.zarr", {"a": replaced, "n": [1]}, {"a": [0.5, 0.6], "n": [1]}
     sweep(logged, before, output=output, executor="here").close()
     log.unlink()

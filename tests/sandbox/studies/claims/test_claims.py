@@ -5,7 +5,7 @@ import json
 import math
 import re
 from dataclasses import asdict, replace
-from unittest.mock import patch
+from unittest.mock import Mock, patch
 
 import numpy as np
 import pytest
@@ -82,18 +82,13 @@ def test_a_case_that_is_not_solved_keeps_its_reason(monkeypatch):
 
 
 def test_cases_that_are_measured_are_not_measured_again(some, tmp_path):
-    def stop(_: str, done: int, __: int) -> None:
-        measured.append(done)
-        if done >= 2:
-            raise KeyboardInterrupt
-
-    measured: list[int] = []
+    stop = Mock(side_effect=[None, KeyboardInterrupt])
     names, kept = ["kicked-out"], tmp_path / claims.KEPT
     with pytest.raises(KeyboardInterrupt):
         measure_claims(names, stop, 1, kept)
     with patch.object(Claim, "case", autospec=True, side_effect=Claim.case) as spied:
         (found,) = measure_claims(names, None, 1, kept)
-    assert 0 < spied.call_count == len(found.cases) + claim_named("kicked-out").refer - measured[-1]
+    assert 0 < spied.call_count == len(found.cases) + claim_named("kicked-out").refer - stop.call_args.args[1]
     assert replace(found, seconds=0.0) == replace(some[1], seconds=0.0)
     assert main(["claims", "kicked-out", "-o", str(tmp_path)]) == 0
     assert {path.suffix for path in tmp_path.iterdir()} == {".csv", ".pdf", ".png"}
