@@ -1,5 +1,7 @@
 """What tests of the command share."""
 
+import re
+
 import pytest
 from softcradle.sandbox.cli.main import main
 from softcradle.sandbox.console import set_quiet
@@ -15,3 +17,16 @@ def softcradle(capsys):
 
     yield run
     set_quiet(False)
+
+
+@pytest.fixture
+def refused(softcradle):
+    """A function: the one sentence of what the command says to words that it does not take."""
+
+    def run(*words):
+        out, err = softcradle(*words, code=2)
+        assert out == ""
+        assert re.fullmatch(r"softcradle: .+\n", err), err
+        return err.removeprefix("softcradle: ").rstrip()
+
+    return run

@@ -57,19 +57,6 @@ BAD_FILES = {
 }  # fmt: skip
 
 
-@pytest.fixture
-def refused(softcradle):
-    """A function: the one sentence of what the command says to words that it does not take."""
-
-    def run(*words):
-        out, err = softcradle(*words, code=2)
-        assert out == ""
-        assert re.fullmatch(r"softcradle: .+\n", err)
-        return err.removeprefix("softcradle: ").rstrip()
-
-    return run
-
-
 @pytest.mark.parametrize(("text", "sentence"), BAD_FILES.values(), ids=BAD_FILES)
 def test_bad_scene_file(text, sentence, tmp_path, refused):
     path = tmp_path / "bad.toml"

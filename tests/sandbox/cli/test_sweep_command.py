@@ -121,11 +121,9 @@ def test_samples_of_a_file_and_the_example(tmp_path):
         ("title = ", "not valid TOML"),
     ],
 )
-def test_bad_study_file(text, sentence, tmp_path, swept):
-    out, err = swept(text=text, code=2)
-    assert out == ""
-    assert re.fullmatch(r"softcradle: .+\n", err), err
-    assert re.search(sentence, err), err
+def test_bad_study_file(text, sentence, tmp_path, refused):
+    (tmp_path / "study.toml").write_text(text)
+    assert re.search(sentence, refused("sweep", f"{tmp_path}/study.toml", "-o", f"{tmp_path}/found.nc"))
     assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
 
 

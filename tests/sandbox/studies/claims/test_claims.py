@@ -207,30 +207,25 @@ def test_the_words_of_every_claim_have_room_in_its_picture(claim):
         assert unreadable(draw_study(replace(study(*cases), **words))) == []
 
 
+def verdicts(bars, *values):
+    """The text at the first bar, and the verdict at each."""
+    found = [study(*(case(x, *value, allowed=bar) for x, value in enumerate(values, 1))) for bar in bars]
+    return found[0].bar_text, [one.verdict for one in found]
+
+
 def test_a_verdict_says_how_it_moves_with_the_bar():
-    """At each bar that is named the study says so itself."""
-
-    def at(allowed):
-        return study(case(1.0, 0.4, 0.0, allowed), case(2.0, 0.6, 0.05, allowed), case(3.0, 2.0, 0.5, allowed))
-
-    assert at(0.5).bar_text == "by the bar: fails beyond below 0.55, holds within from 0.65, holds from 1.5"
-    verdicts = [Verdict.BEYOND, Verdict.UNDETERMINED, Verdict.WITHIN, Verdict.WITHIN, Verdict.HOLDS]
-    assert [at(allowed).verdict for allowed in (0.54, 0.6, 0.66, 1.4, 1.6)] == verdicts
-    assert replace(at(0.5), chosen=False).bar_text == ""
-
-
-def test_by_the_bar_it_holds_where_no_case_fails_and_the_paper_s_own_is_determined():
-    def verdicts(bars, *values):
-        """The text at the first bar, and the verdict at each."""
-        found = [study(*(case(x, *value, allowed=bar) for x, value in enumerate(values, 1))) for bar in bars]
-        return found[0].bar_text, [one.verdict for one in found]
-
+    """At each bar that is named the study says so itself; it holds where no case fails and the paper's own is determined."""
+    text, found = verdicts((0.54, 0.6, 0.66, 1.4, 1.6), (0.4,), (0.6, 0.05), (2.0, 0.5))
+    assert text == "by the bar: fails beyond below 0.55, holds within from 0.65, holds from 1.5"
+    assert found == [Verdict.BEYOND, Verdict.UNDETERMINED, Verdict.WITHIN, Verdict.WITHIN, Verdict.HOLDS]
     text, found = verdicts((0.79, 1.0, 1.21), (0.1,), (1.0, 0.2))
     assert text == "by the bar: fails beyond below 0.8, holds from 1.2"
     assert found == [Verdict.BEYOND, Verdict.UNDETERMINED, Verdict.HOLDS]
     text, found = verdicts((0.65, 0.5, 0.6), (0.49,), (0.3,), (0.7, 0.08), (math.nan,))
     assert text == "by the bar: fails beyond below 0.3, holds within from 0.3, holds from 0.62"
     assert found == [Verdict.HOLDS, Verdict.WITHIN, Verdict.WITHIN]
+    chosen = study(case(1.0, 0.5), case(2.0, 0.5))
+    assert chosen.bar_text != replace(chosen, chosen=False).bar_text == ""
 
 
 def test_every_number_is_met(capsys):
