@@ -86,7 +86,13 @@ def test_the_scene_of_any_session_reads_back_as_its_start(name, items):
         given_to(session, item)
     again = Session(scenes.parse(session.to_scene().to_toml()))
     session.restart()
+    assert again.slow == session.slow
+    labels = [session.label(lane) for lane in range(len(session.lanes))]
+    assert labels == [lane.label for lane in again.scene.lanes] == [lane.setup.label for lane in again.lanes]
     for one, other in zip(session.lanes, again.lanes, strict=True):
         assert replace(one.chain, gap=0.0) == replace(other.chain, gap=0.0)
+        if len(labels) == 1:  # lanes of unlike methods have none in common
+            assert (one.setup.method, one.setup.step_given) == (other.setup.method, other.setup.step_given)
+            assert one.setup.step == other.setup.step or not one.setup.step_given
         assert np.allclose(one.state.overlap, other.state.overlap, rtol=1e-12, atol=1e-12)
         assert np.allclose(one.velocity, other.velocity, rtol=1e-12, atol=1e-12)

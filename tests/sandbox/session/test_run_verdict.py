@@ -134,6 +134,9 @@ def test_the_label_says_what_the_contacts_are_now():
     assert session.label(0) == "alpha = 1/10"
     session.apply(inputs.SetMass(0, 1, 3.0))
     assert session.label(0) == session.to_scene().lanes[0].label == "alpha = 1/10, edited"
+    laws = [inputs.SetContact(0, k, law) for k, law in enumerate((hertz(12.0), Contact(0.1, 0.3, 0.7)))]
+    mixed = opened("beads-against-gear", *laws, inputs.Lock(1, 0))
+    assert [mixed.label(lane) for lane in (0, 1)] == ["mixed contacts", "Hertz, alpha = 3/2 and draft gear"]
     again = Session(session.to_scene())
     again.apply(inputs.SetMass(0, 1, 2.0))
     assert again.label(0) == "alpha = 1/10, edited"  # once
