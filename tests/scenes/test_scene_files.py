@@ -49,13 +49,9 @@ def test_every_scene_ends_by_itself_and_is_written_back_equal(name, tmp_path):
     assert all(lane.label for lane in scene.lanes)
 
 
-def test_in_json_null_is_the_mass_of_a_wall():
-    contact = {"law": "hertz", "stiffness": 1.0}
-    for mass, velocity in (((math.inf, 1.0), (0.0, 1.0)), (2.0, (1.0, 0.0))):
-        scene = Scene(title="x", lanes=(Lane(mass=mass, velocity=velocity, contact=contact),))
-        assert Scene.model_validate_json(scene.model_dump_json()) == scene
+def test_null_is_the_mass_of_a_wall_in_json_alone():
     with pytest.raises(ValueError, match="mass"):
-        Lane(mass=(None, 1.0), velocity=(0.0, 1.0), contact=contact)
+        Lane(mass=(None, 1.0), velocity=(0.0, 1.0), contact={"law": "hertz", "stiffness": 1.0})
 
 
 def test_what_is_wrong_with_a_scene_comes_back_from_another_process():
@@ -187,8 +183,9 @@ SCENES = st.builds(
 @given(SCENES)
 @settings(max_examples=150, deadline=None)
 def test_any_scene_is_written_back_equal(scene):
-    assert scenes.parse(scene.to_toml()) == scene
-    assert [lane.chain() for lane in scenes.parse(scene.to_toml()).lanes] == [lane.chain() for lane in scene.lanes]
+    for again in scenes.parse(scene.to_toml()), Scene.model_validate_json(scene.model_dump_json()):
+        assert again == scene
+        assert [lane.chain() for lane in again.lanes] == [lane.chain() for lane in scene.lanes]
 
 
 ANYTHING = st.recursive(
