@@ -146,8 +146,10 @@ def test_what_pointer_and_edits_give_is_no_error_of_an_exported_motion(name, tmp
     health, summary = session.health(0), summarise("", found)
     assert found.time[0] == 0.0
     assert np.abs(found.given[-1]).min() > 0.1
+    assert health.energy_error < 1e-10
     assert summary.energy_error < health.energy_error + 1e-12
     assert summary.momentum_error is health.momentum_error is None or summary.momentum_error < 1e-12
+    assert health.momentum_error is None or health.momentum_error < 1e-10
     assert motion_of(found).energy_error.max() < health.energy_error + 1e-12
 
 
