@@ -141,15 +141,12 @@ def test_every_module_and_asset_comes_from_the_wheel(installed):
     assert [file for file in files if not file.is_relative_to(installed.packages / "softcradle")] == []
 
 
-def test_a_game_with_a_folder_physics_of_its_own_and_the_command_run(installed):
+def test_a_game_with_a_folder_physics_of_its_own_the_command_and_languages_run(installed):
     assert installed.run(installed.python, "game.py") == "[0. 1.]\n"
     printed = installed.run(installed.python, "-m", "softcradle", "run", "one-on-four")
     assert "-0.5675856" in printed  # final velocity of the striker [m/s]
     assert "accurate, tolerance 1e-08" in printed
     assert "one-on-four" in installed.run(installed.python.with_name("softcradle"), "scenes")
-
-
-def test_languages_are_found(installed):
     program = "from softcradle.sandbox.languages import _, use_language\nuse_language('de')\nprint(ascii(_('Undo')))"
     assert installed.run(installed.python, "-c", program) == ascii("Rückgängig") + "\n"
 

@@ -15,7 +15,7 @@ from softcradle.sandbox.session.undo import MOST_STEPS
 from softcradle.sandbox.session.values_table import values_table
 from softcradle.scenes import parse
 
-from tests.helpers.sessions import check_replay, frame_table, opened, picture
+from tests.helpers.sessions import check_replay, opened, picture
 
 # of no sentence for people
 PYTHON = re.compile(r"float64|np\.|\w+\(|[a-z]_[a-z]|\w+Error|Traceback|<|None|\bself\b|\n")
@@ -184,12 +184,11 @@ def test_a_chosen_step_follows_edits_and_a_typed_one_stays():
 def test_a_refusal_names_what_is_wrong_and_changes_nothing(edit, sentence):
     session = opened(frames=20)
     session.scrub_frame(5)
-    before = frame_table(session)
+    before = picture(session)
     with pytest.raises(ValueError, match=sentence) as refused:
         session.apply(edit)
     assert not PYTHON.search(str(refused.value)), refused.value
-    assert frame_table(session) == before
-    assert (session.frame, session.history.last, session.recording.inputs) == (5, 20, [])
+    assert (picture(session), session.recording.inputs) == (before, [])
     assert not session.undo()
 
 
@@ -278,10 +277,10 @@ def test_several_inputs_are_one_step_and_are_refused_together(tmp_path):
 def test_an_edit_that_begins_anew_is_one_step_with_the_run_that_it_ends(tmp_path):
     session = opened("one-on-four", 60, inputs.SetMass(0, 1, 2.0), 60)
     session.scrub_frame(50)
-    before, last = picture(session), session.history.last
+    before = picture(session)
     with pytest.raises(ValueError, match="no bead 9"):
         session.apply_all([inputs.SetMass(0, 2, 3.0), inputs.SetMass(0, 9, 3.0)], anew=True)
-    assert (picture(session), session.frame, session.history.last) == (before, 50, last)
+    assert picture(session) == before
     for mass in (3.0, 4.0):
         session.apply_all([inputs.SetMass(0, 2, mass)], gesture=True, anew=True)
     assert (session.frame, session.history.last) == (0, 0)
@@ -289,7 +288,7 @@ def test_an_edit_that_begins_anew_is_one_step_with_the_run_that_it_ends(tmp_path
     session.step_frames(30)
     check_replay(session, tmp_path / "replay.npz")
     assert session.undo() == "mass"
-    assert (picture(session), session.frame, session.history.last) == (before, 50, last)
+    assert picture(session) == before
     assert session.redo() == "mass"
     assert (session.frame, session.history.last) == (30, 30)
 

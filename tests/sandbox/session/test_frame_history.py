@@ -62,7 +62,7 @@ def test_a_branch_is_another_one_where_frames_are_dropped_or_replaced_and_not_wh
     assert len(set(found)) == 5
 
 
-def test_slices_are_the_frames_one_by_one(edited):
+def test_slices_are_the_frames_one_by_one_up_to_the_one_shown(edited):
     last = edited.frame
     slices = edited.history_slices(0, 10_000)
     assert sum(len(part.time) for part in slices) == last + 1
@@ -81,12 +81,8 @@ def test_slices_are_the_frames_one_by_one(edited):
         assert part.energy[row] == pytest.approx(part.ledger[row, [KINETIC, STORED]].sum(), rel=1e-12)
         assert energy_error(part.ledger).max() < 1e-10
     edited.scrub_frame(last)
-
-
-def test_slices_end_at_the_frame_shown_and_the_last_begins_where_the_chain_was_last_changed(edited):
-    last = edited.frame
     part = last_slice(edited.history, 0, last)
-    assert part.first == last - FRAMES
+    assert part.first == last - FRAMES, "where the chain was last changed"
     assert (np.diff(part.time) > 0.0).all()
     assert (part.overlap[-1] == edited.lanes[0].state.overlap).all()
     edited.scrub_frame(last - 50)
