@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from softcradle.physics import Chain, Contact, Coupler, draft_gear, hooke, power_law, simulate
 from softcradle.physics.analysis.closed_forms import critical_speed, rigid_stroke
-from softcradle.sandbox.cli.main import main
 from softcradle.scenes import Lane, Scene, SceneError, View
 from softcradle.scenes.contact_kinds import KINDS
 from softcradle.scenes.contact_table import table_of
@@ -267,9 +266,3 @@ def test_what_is_wrong_with_a_coupler_is_said(old, new, sentence):
     assert old in TRAIN
     with pytest.raises(SceneError, match=sentence):
         scenes.parse(TRAIN.replace(old, new, 1))
-
-
-def test_the_table_of_results_has_the_largest_pull_where_couplers_pull(capsys):
-    for scene, pulls in (("train-starting", True), ("one-on-four", False)):
-        assert main(["run", scene]) == 0
-        assert ("pull [kN]" in capsys.readouterr().out) is pulls

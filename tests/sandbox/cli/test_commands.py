@@ -96,13 +96,15 @@ def test_run_prints_velocities_contacts_errors_and_cost(softcradle):
         assert word in out
 
 
-def test_large_forces_have_the_prefix_of_their_unit(softcradle):
+def test_large_forces_have_the_prefix_of_their_unit_and_pulls_a_column(softcradle):
     """1.33 MN, not 1330980 N; what the bed takes of the momentum is no error."""
     out = softcradle("run", "train-shunting").out
     assert "force [MN]" in out
     assert re.search(r"\b0-1 .* 1\.33\d* *$", out, re.MULTILINE)
     assert re.search(r"absorbed +\d{3}\.\d+ kJ by contacts, 9\.\d+ kJ by the bed", out)
     assert re.search(r"momentum error +not defined *$", out, re.MULTILINE)
+    assert "pull [" not in out
+    assert "pull [kN]" in softcradle("run", "train-starting").out
 
 
 def test_what_happens_is_said_in_words(softcradle):

@@ -3,7 +3,6 @@
 And recordings: a replay has the digits of the session, or tells the first frame that differs.
 """
 
-import csv
 import json
 import math
 import re
@@ -103,13 +102,12 @@ def test_the_export_begins_where_chain_or_method_was_last_changed_and_has_the_st
     assert list(tmp_path.iterdir()) == []
     path = tmp_path / "history.CSV"
     assert session.export(path) == [path]
-    with path.open(newline="") as file:
-        rows = list(csv.reader(file))
-    assert len(rows) == 1 + 51
+    rows = np.loadtxt(path, delimiter=",", skiprows=1)
+    assert len(rows) == 51
+    assert np.isfinite(rows).all()
     assert "frame 350" in str(session.trajectory(0).warnings[0])
     closed = [intervals[0][0] for intervals in session.trajectory(0).contact_intervals]
     assert min(closed) == session.trajectory(0).time[0], "closed from the start"
-    assert np.isfinite(np.array(rows[1:], dtype=float)).all()
     assert session.trajectory(0).step == taken, "the longest: frames are shorter since"
     session.step_frames(2000)
     assert f"frame {session.history.first}, the oldest that is kept" in str(session.trajectory(0).warnings[0])
