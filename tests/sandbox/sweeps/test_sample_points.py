@@ -98,32 +98,29 @@ velocity = [1.0, 0.0, 0.0]
 """)
 
 
-@pytest.mark.parametrize(("strikers", "targets"), [(1, 4), (2, 3), (3, 2), (2, 4), (1, 1)])
-def test_strikers_and_targets_are_as_many_as_a_point_says(strikers, targets):
-    """Two on three of one on four are five beads too, and once only the first of them moved."""
-    values = {"lanes.0.beads.0": strikers, "lanes.0.beads.1": targets, "lanes.0.contact.alpha": 0.25}
-    (found,) = ScenePoints(SCENE).starts(values)
-    gaps = np.eye(1, strikers + targets - 1, strikers - 1)[0]
-    assert found.chain == Chain([1.0] * (strikers + targets), power_law(1.0, 0.25), gaps)
-    assert tuple(found.velocity) == (1.0,) * strikers + (0.0,) * targets
-    assert ScenePoints(SCENE).checked(values).lanes[0].velocity == tuple(found.velocity)
-
-
 @pytest.mark.parametrize(
     ("values", "velocity", "mass"),
     [
+        *(
+            ({"beads.0": m, "beads.1": n, "contact.alpha": 0.25}, (1.0,) * m + (0.0,) * n, (1.0,) * (m + n))
+            for m, n in ((1, 4), (2, 3), (3, 2), (2, 4), (1, 1))
+        ),
         ({"velocity.0": 2.0, "beads.0": 2, "beads.1": 3}, (2.0, 1.0, 0.0, 0.0, 0.0), (1.0,) * 5),
         ({"velocity": 2.0, "beads.0": 2, "beads.1": 3}, (2.0, 2.0, 0.0, 0.0, 0.0), (1.0,) * 5),
         ({"velocity": 2.0, "velocity.1": 3.0}, (2.0, 3.0, 0.0, 0.0, 0.0), (1.0,) * 5),
         ({"velocity.1": 3.0, "velocity": 2.0}, (2.0, 0.0, 0.0, 0.0, 0.0), (1.0,) * 5),
         ({"mass.0": 2.0, "beads.1": 5}, (1.0,) + (0.0,) * 5, (2.0,) + (1.0,) * 5),
+        ({"mass": 2.5}, (1.0,) + (0.0,) * 4, (2.5,) * 5),
     ],
 )
-def test_numbers_are_those_of_the_beads_of_a_point_in_whatever_order(values, velocity, mass):
+def test_numbers_are_those_of_as_many_beads_as_a_point_has_in_whatever_order(values, velocity, mass):
+    """Two on three of one on four are five beads too, and once only the first of them moved."""
+    gap = np.eye(1, len(mass) - 1, values.get("beads.0", 1) - 1)[0]
+    chain = Chain(mass, power_law(1.0, values.get("contact.alpha", 0.1)), gap)
     values = {f"lanes.0.{path}": value for path, value in values.items()}
     (found,), lane = ScenePoints(SCENE).starts(values), changed(SCENE, values).lanes[0]
     assert tuple(found.velocity) == lane.velocity == velocity
-    assert found.chain.mass == lane.chain().mass == mass
+    assert found.chain == lane.chain() == chain
 
 
 def test_velocities_of_ones_own_stay_with_their_beads():
@@ -133,9 +130,7 @@ def test_velocities_of_ones_own_stay_with_their_beads():
         changed(own, {"lanes.0.beads.1": 5})
 
 
-def test_a_point_is_the_scene_with_these_numbers_or_with_those_of_single_beads():
-    (found,) = ScenePoints(SCENE).starts({"lanes.0.mass": 2.5})
-    assert found.chain.mass == (2.5,) * 5
+def test_a_point_is_the_scene_with_numbers_of_single_beads():
     (found,) = ScenePoints(SCENE).starts({"lanes.0.mass.2": 5.0, "lanes.0.velocity.1": 0.5, "lanes.0.gap.3": 0.1})
     assert found.chain.mass == (1.0, 1.0, 5.0, 1.0, 1.0)
     assert found.chain.gap == (0.0, 0.0, 0.0, 0.1)
