@@ -54,25 +54,39 @@ def test_command_writes_picture_and_numbers(tmp_path, softcradle):
         assert sorted(row["n"] for row in csv.DictReader(file)) == ["2"] * 5 + ["3"] * 5
 
 
+def map_with(changes, monkeypatch, *size):
+    """Table and axes of a map whose runs have `changes`, by their number of contacts and whether they go to the end."""
+
+    def changed(chain, *arguments, **options):
+        found = solve(chain, *arguments, **options)
+        return replace(found, **changes(chain.contacts, "duration" not in options))
+
+    monkeypatch.setattr(measure_table, "solve", changed)
+    scanned, _ = rigidity_maps(*size)
+    table = compute_map(scanned, workers=1)
+    with styled():
+        return table, draw_map(scanned, table).axes[:2]
+
+
 def test_a_point_that_gives_up_is_hatched_and_the_map_complete(monkeypatch):
     """The longest chains give up before anything has opened."""
-
-    def giving_up(chain, *arguments, **options):
-        found = solve(chain, *arguments, **options)
-        return replace(found, status=Status.OUT_OF_STEPS, contact_intervals=((),) * 3) if chain.contacts == 3 else found
-
-    monkeypatch.setattr(measure_table, "solve", giving_up)
-    scanned, _ = rigidity_maps(4, 3)
-    table = compute_map(scanned, workers=1)
+    lost = {"status": Status.OUT_OF_STEPS, "contact_intervals": ((),) * 3}
+    table, (axes, _) = map_with(lambda contacts, _: lost if contacts == 3 else {}, monkeypatch, 4, 3)
     failed = table["n"] == 3
     for column in COLUMNS:
         np.testing.assert_array_equal(np.isnan(table[column]), failed)
     assert (table["status"][failed] == Status.OUT_OF_STEPS).all()
-    with styled():
-        axes = draw_map(scanned, table).axes[0]
     assert len(axes.patches) == 4
     assert all(patch.get_hatch() for patch in axes.patches)
     assert "hatched: 4 took too many steps" in axes.get_xlabel()
+
+
+def test_the_reason_of_a_hatched_cell_is_that_of_the_run_that_gave_up(monkeypatch):
+    """The run to the end gives up at n = 2, that to the detachment at n = 3; what is undetermined is no reason."""
+    lost = {True: {"status": Status.FAILED}, False: {"status": Status.UNDETERMINED}}
+    table, both = map_with(lambda contacts, to_the_end: lost[to_the_end is (contacts == 2)], monkeypatch, 3, 2)
+    assert (table["status"] == Status.FAILED).all()
+    assert all("hatched: 3 could not go on" in axes.get_xlabel() for axes in both)
 
 
 def commonest(pixels):
@@ -130,23 +144,6 @@ def test_white_cells_are_white_at_a_hundredth_of_the_tolerance():
         sides.append([point[key] < 1e-3 for point in points for key in point if key.startswith("rigidity")])
     assert sides[0] == sides[1]
     assert 0 < sum(sides[0]) < len(sides[0])
-
-
-def test_the_reason_of_a_hatched_cell_is_that_of_the_run_that_gave_up(monkeypatch):
-    """The run to the end gives up at n = 2, that to the detachment at n = 3; what is undetermined is no reason."""
-
-    def giving_up(chain, *arguments, **options):
-        to_the_end = "duration" not in options
-        lost = Status.FAILED if to_the_end is (chain.contacts == 2) else Status.UNDETERMINED
-        return replace(solve(chain, *arguments, **options), status=lost)
-
-    monkeypatch.setattr(measure_table, "solve", giving_up)
-    scanned, _ = rigidity_maps(3, 2)
-    table = compute_map(scanned, workers=1)
-    assert (table["status"] == Status.FAILED).all()
-    with styled():
-        figure = draw_map(scanned, table)
-    assert all("hatched: 3 could not go on" in axes.get_xlabel() for axes in figure.axes[:2])
 
 
 def test_kept_points_of_other_settings_are_not_taken(tmp_path, monkeypatch):
