@@ -2,6 +2,7 @@
 
 import copy
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,14 @@ def opened(name: str = "one-on-four", *done: inputs.Input | int, frames: int = 0
     for one in (*done, frames):
         session.step_frames(one) if isinstance(one, int) else session.apply(one)
     return session
+
+
+def pull(session: Session, bead: int, places: Iterable[float]) -> None:
+    """Let the clock run, and pull a bead to another place in every picture."""
+    session.play()
+    for place in places:
+        session.drag(0, bead, place)
+        session.tick(1 / 60)
 
 
 # One row; two lanes beside each other; a drive without an end; couplers, forces over time and friction.

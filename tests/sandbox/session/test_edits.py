@@ -15,7 +15,7 @@ from softcradle.sandbox.session.undo import MOST_STEPS
 from softcradle.sandbox.session.values_table import values_table
 from softcradle.scenes import parse
 
-from tests.helpers.sessions import check_replay, opened, picture
+from tests.helpers.sessions import check_replay, opened, picture, pull
 
 # of no sentence for people
 PYTHON = re.compile(r"float64|np\.|\w+\(|[a-z]_[a-z]|\w+Error|Traceback|<|None|\bself\b|\n")
@@ -296,10 +296,7 @@ def test_an_edit_that_begins_anew_is_one_step_with_the_run_that_it_ends(tmp_path
 def test_a_throw_is_undone_to_the_frame_at_which_the_bead_was_taken():
     session = opened(frames=30)
     before = picture(session)
-    session.play()
-    for k in range(10):
-        session.drag(0, 4, 5.0 + 0.1 * k)
-        session.tick(1 / 60)
+    pull(session, 4, [5.0 + 0.1 * k for k in range(10)])
     session.drop()
     session.tick(0.1)
     assert not session.undo_stack.unsaved  # the scene is as it was

@@ -19,7 +19,7 @@ from softcradle.sandbox.trajectory_summary import clusters_in_words, describe, f
 from softcradle.scenes import Lane, Scene
 
 from softcradle import scenes
-from tests.helpers.sessions import EVERY_SCENE, check_replay, frame_table, opened
+from tests.helpers.sessions import EVERY_SCENE, check_replay, frame_table, opened, pull
 
 PICTURE = 2.0 / FRAME_RATE
 
@@ -142,30 +142,22 @@ def test_a_restart_and_a_saved_scene_have_the_edits_of_the_beads_and_of_the_star
 @pytest.mark.parametrize("slow", [1.0, 2.0, 100.0])
 def test_a_dragged_bead_reaches_the_pointer_in_every_slow_motion(slow):
     session = opened("hertz-cradle", SetVelocity(0, None, 0.0), SetSlow(slow))
-    session.play()
     target = session.lanes[0].position[0] - 0.2 / slow
-    for _ in range(90):
-        session.drag(0, 0, target)
-        session.tick(PICTURE)
+    pull(session, 0, [target] * 90)
     assert session.lanes[0].position[0] == pytest.approx(target, abs=0.01 / slow)
     assert session.lanes[0].velocity[1:] == pytest.approx(0.0), "the others did not move"
 
 
 def test_a_released_bead_flies_on_at_the_speed_of_the_pointer():
     session = opened("one-on-four", SetVelocity(0, None, 0.0))
-    session.play()
-    for k in range(120):
-        session.drag(0, 0, -0.01 * k)
-        session.tick(PICTURE)
+    pull(session, 0, [-0.01 * k for k in range(120)])
     session.drop()
     thrown = session.lanes[0].velocity[0]
     assert thrown == pytest.approx(-0.01 / PICTURE * session.slow, rel=0.05)
     session.tick(0.1)
     assert session.lanes[0].velocity[0] == thrown
     session.apply(SetSlow(1000.0))
-    for _ in range(120):
-        session.drag(0, 0, -1e6)
-        session.tick(PICTURE)
+    pull(session, 0, [-1e6] * 120)
     assert -11.0 < session.lanes[0].velocity[0] < -5.0, "the spring is no faster than ten times the scene"
 
 

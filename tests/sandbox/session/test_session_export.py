@@ -22,7 +22,7 @@ from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window.plots.kinds import Signal
 from softcradle.scenes import parse
 
-from tests.helpers.sessions import check_replay, opened
+from tests.helpers.sessions import check_replay, opened, pull
 
 
 def test_velocities_are_written_as_they_were_given():
@@ -130,10 +130,7 @@ def test_the_export_of_an_earlier_frame_has_no_contact_of_later_ones():
 @pytest.mark.parametrize("name", ["one-on-four", "driven-cluster", "train-starting"])
 def test_what_pointer_and_edits_give_is_no_error_of_an_exported_motion(name, tmp_path):
     session = opened(name, frames=20)
-    session.play()
-    for k in range(20):
-        session.drag(0, 1, float(session.lanes[0].position[1]) + 0.05 * k)
-        session.tick(1 / 60)
+    pull(session, 1, (float(session.lanes[0].position[1]) + 0.05 * k for k in range(20)))
     session.drop()
     session.pause()
     session.apply(inputs.SetVelocity(0, 0, 6.0))
@@ -267,10 +264,7 @@ def test_only_the_last_pointer_position_of_a_frame_is_recorded():
 def test_a_full_recording_begins_anew_and_still_replays(tmp_path, monkeypatch):
     monkeypatch.setattr(recording, "MOST_INPUTS", 20)
     session = opened()
-    session.play()
-    for k in range(100):
-        session.drag(0, 0, 0.01 * k)
-        session.tick(1 / 60)
+    pull(session, 0, [0.01 * k for k in range(100)])
     assert session.recording.frame > 0
     assert len(session.recording.inputs) <= 22
     replay = check_replay(session, tmp_path / "late.npz")
