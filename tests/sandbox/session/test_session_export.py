@@ -261,9 +261,10 @@ def test_only_the_last_pointer_position_of_a_frame_is_recorded():
     assert [item for _, item in session.recording.inputs] == [inputs.Drag(0, 0, 0.999)]
 
 
-def test_a_full_recording_begins_anew_and_still_replays(tmp_path, monkeypatch):
+@pytest.mark.parametrize("method", ["auto", "verlet", "pymunk"])
+def test_a_full_recording_begins_anew_and_still_replays(method, tmp_path, monkeypatch):
     monkeypatch.setattr(recording, "MOST_INPUTS", 20)
-    session = opened()
+    session = opened("one-on-four", inputs.SetMethod(None, method))
     pull(session, 0, [0.01 * k for k in range(100)])
     assert session.recording.frame > 0
     assert len(session.recording.inputs) <= 22
