@@ -5,7 +5,6 @@ import socket
 import subprocess
 import sys
 from pathlib import Path
-from typing import BinaryIO
 
 import pytest
 from softcradle.sandbox.sweeps import executors, sobol, sweep
@@ -32,16 +31,16 @@ sweep(logged, POINTS, output=sys.argv[1], scheduler=sys.argv[2], chunk_seconds=0
 
 
 class Cluster:
-    def __init__(self, folder: Path, told: BinaryIO) -> None:
+    def __init__(self, folder: Path) -> None:
         quick = {f"DASK_DISTRIBUTED__{name}": value for name, value in QUICK.items()}
         self._environment = os.environ | quick | {"PYTHONPATH": str(ROOT)}
-        self._told, self._place = told, folder / "scheduler.json"
+        self._place = folder / "scheduler.json"
         self.processes: list[subprocess.Popen[bytes]] = []
         self.start_scheduler()
 
     def start(self, *words: str) -> subprocess.Popen[bytes]:
-        kept = {"env": self._environment, "stdout": subprocess.DEVNULL, "stderr": self._told}
-        self.processes.append(subprocess.Popen([sys.executable, *words], **kept))
+        command = [sys.executable, *words]
+        self.processes.append(subprocess.Popen(command, env=self._environment, stdout=subprocess.DEVNULL))
         return self.processes[-1]
 
     def start_scheduler(self) -> None:
@@ -70,10 +69,9 @@ def kill(process: subprocess.Popen[bytes]) -> None:
 def cluster(tmp_path, monkeypatch):
     monkeypatch.setenv(LOG, str(tmp_path / "log"))
     (tmp_path / "log").touch()
-    with (tmp_path / "told").open("wb") as told:
-        found = Cluster(tmp_path, told)
-        yield found
-        found.kill()
+    found = Cluster(tmp_path)
+    yield found
+    found.kill()
 
 
 def lines(path: Path) -> list[str]:

@@ -307,9 +307,9 @@ def test_a_full_disk_loses_nothing_and_no_other_study_goes_on(tmp_path, monkeypa
     with pytest.raises(StudyError, match=r"cannot write .*x.zarr.partial: no space left on device; 2 points are kept"):
         sweep(numbers, GRID, chunk_seconds=0.0, **options)
     assert [path.name for path in tmp_path.iterdir()] == ["x.zarr.partial"]
-    for other in ({"a": [0.1], "n": [1]}, {}), (GRID, {"units": {"product": "mm"}}):
+    for over, units in ({"a": [0.1], "n": [1]}, {"product": "m"}), (GRID, {"product": "mm"}):
         with pytest.raises(StudyError, match=r"x.zarr.partial was begun for another study"):
-            sweep(numbers, other[0], executor="here", output=output, **other[1])
+            sweep(numbers, over, executor="here", output=output, units=units)
     begun: list[int] = []
     found = sweep(numbers, GRID, progress=lambda _, done, __: begun.append(done), **options)
     assert begun[0] == 2

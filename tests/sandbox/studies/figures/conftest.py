@@ -1,20 +1,15 @@
 """The tables of all figures, each computed when a test first asks for it."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from softcradle.sandbox.studies.figures.catalogue import figures_named
 
 
-class Tables(dict):
-    def __missing__(self, name):
-        (figure,) = figures_named([name])
-        self[name] = figure.table()
-        return self[name]
-
-
 @pytest.fixture(scope="session")
 def tables():
-    return Tables()
+    return cache(lambda name: figures_named([name])[0].table())
 
 
 def columns(table, name, count, kind=""):

@@ -26,7 +26,7 @@ NAMES = [one.name if one.name in KINDS else pytest.param(one.name, marks=pytest.
 @pytest.mark.parametrize("name", NAMES)
 def test_files_are_whole(tables, name, tmp_path):
     """With numbers that read back equal."""
-    (figure,), table = figures_named([name]), tables[name]
+    (figure,), table = figures_named([name]), tables(name)
     paths = write_figure(replace(figure, table=lambda: table), tmp_path)
     assert [path.suffix for path in paths] == list(SUFFIXES)
     with Image.open(paths[0]) as image:
@@ -47,7 +47,7 @@ def test_a_printed_figure_can_be_read(tables, name):
     """Every curve is named; no text below 6 points or beyond the edge, none on another one or on a curve, no key on a curve."""
     (figure,) = figures_named([name])
     with styled():
-        picture = figure.draw(tables[name])
+        picture = figure.draw(tables(name))
         assert unreadable(picture) == []
         assert unnamed_colours(picture) == set()
         assert keys_on_curves(picture) == []
@@ -73,14 +73,14 @@ def test_tables_of_a_sweep_are_those_of_the_figures(tables):
     """With all columns in their order, however long those of other figures are."""
     wanted = figures_named(["1d", "1b", "2a", "1d"])
     found = list(compute_tables(wanted, workers=1))
-    assert all(same(table, tables[figure.name]) for table, figure in zip(found, wanted, strict=True))
+    assert all(same(table, tables(figure.name)) for table, figure in zip(found, wanted, strict=True))
     assert len({len(next(iter(table.values()))) for table in found}) > 1
 
 
 def test_a_figure_that_is_computed_is_not_computed_again(tables, tmp_path, monkeypatch):
     stop = Mock(side_effect=[None, KeyboardInterrupt])
     wanted = figures_named(["2a", "exchange"])
-    expected = [tables[figure.name] for figure in wanted]  # before one of them can no longer be computed
+    expected = [tables(figure.name) for figure in wanted]  # before one of them can no longer be computed
     with pytest.raises(KeyboardInterrupt):
         list(compute_tables(wanted, tmp_path / KEPT, stop, 1))
     again = [replace(wanted[0], table=lambda: pytest.fail("computed again")), wanted[1]]
@@ -92,7 +92,7 @@ def test_a_figure_that_is_computed_is_not_computed_again(tables, tmp_path, monke
 
 
 def test_1b_beads_stay_in_order_and_the_striker_comes_back(tables):
-    table = tables["1b"]
+    table = tables("1b")
     positions = columns(table, "x", 5)
     assert (np.diff(positions, axis=1) > 0.0).all()  # x0 ... x4 from bottom to top
     before = table["t"] <= 0.0
@@ -101,7 +101,7 @@ def test_1b_beads_stay_in_order_and_the_striker_comes_back(tables):
 
 
 def test_velocities_of_fig_1_and_that_of_v1_deviates_less_at_the_smaller_alpha(tables):
-    harder, softer = (columns(tables[name], "v", 5) for name in ("1c", "1d"))
+    harder, softer = (columns(tables(name), "v", 5) for name in ("1c", "1d"))
     for velocity in (harder, softer):
         assert velocity[0, 0] == 1.0
         assert velocity[-1, 0] < 0.0 < velocity[-1, 1] < velocity[-1, 2] <= velocity[-1, 3] <= velocity[-1, 4]
@@ -112,18 +112,18 @@ def test_velocities_of_fig_1_and_that_of_v1_deviates_less_at_the_smaller_alpha(t
 
 
 def test_2a_phi_is_large_and_returns_first(tables):
-    table = tables["2a"]
+    table = tables("2a")
     assert table["Phi"].max() > 5.0 * table["psi"].max() > 0.0
     returned = {name: table["t"][1:][(table[name][1:] <= 0.0)][0] for name in ("Phi", "psi")}
     assert returned["Phi"] < returned["psi"]
     assert returned["Phi"] == pytest.approx(1.802, abs=0.005)
     assert (table["psi"][table["t"] < 2.05][1:] > 0.0).all()
     detached = table["Phi"] < -0.01
-    assert (tables["2b"]["f01 model"][detached] == 0.0).all()  # for Phi < 0 the striker has left
+    assert (tables("2b")["f01 model"][detached] == 0.0).all()  # for Phi < 0 the striker has left
 
 
 def test_2b_forces_from_top_to_bottom(tables):
-    table = tables["2b"]
+    table = tables("2b")
     full, model = forces(table, "full"), forces(table, "model")
     both = (table["t"] > 0.0) & (table["t"] < 1.75)
     assert (np.diff(full[both], axis=1) < 0.0).all()
@@ -133,7 +133,7 @@ def test_2b_forces_from_top_to_bottom(tables):
 
 
 def test_2c_a_thousandth_but_for_the_last_part(tables):
-    table = tables["2c"]
+    table = tables("2c")
     assert np.abs(table["f12"]).max() < 1e-3
     early = table["t"] < 0.97 * table["t"][-1]
     assert np.abs(table["f01"][early]).max() < 1e-3
@@ -144,7 +144,7 @@ def test_2c_a_thousandth_but_for_the_last_part(tables):
 
 
 def test_2d_rises_as_powers(tables):
-    table = tables["2d"]
+    table = tables("2d")
     full, model = forces(table, "full"), forces(table, "model")
     assert (np.diff(full, axis=1) < 0.0).all()
     assert (np.diff(full[table["t"] < 0.5], axis=0) > 0.0).all()
@@ -176,7 +176,7 @@ def test_b_agrees_at_two_tolerances(n, alpha):
 @pytest.mark.slow
 def test_b_sign_change_of_small_clusters_is_real(tables):
     """The sign change near the end at (1/10, 3) is no artefact: the inner contact opens before the striker leaves."""
-    curve = rows_where(tables["B"], n=3, alpha=1 / 10, i=2)
+    curve = rows_where(tables("B"), n=3, alpha=1 / 10, i=2)
     late = curve["fraction of contact"] > 0.97
     assert np.nanmin(curve["discrepancy"][late]) < 0.0
     assert np.isnan(curve["discrepancy"][-1])
@@ -185,7 +185,7 @@ def test_b_sign_change_of_small_clusters_is_real(tables):
 
 def test_the_stop_multiplies_the_force_where_the_gear_is_full_and_stiffness_of_wagons_matters_there(tables):
     """Wagons that give take a twentieth of the force below, a sixth above: the figure says so, and so do the docs."""
-    endless, rigid, elastic = (rows_where(tables["stop"], train=number) for number in range(3))
+    endless, rigid, elastic = (rows_where(tables("stop"), train=number) for number in range(3))
     below = endless["speed"] < 2.54  # [m/s] at which one wagon on ten presses the first gear in by its whole travel
     np.testing.assert_allclose(rigid["force"][below], endless["force"][below], rtol=1e-6)
     slope = np.diff(rigid["force"]) / np.diff(rigid["speed"])
@@ -197,12 +197,12 @@ def test_the_stop_multiplies_the_force_where_the_gear_is_full_and_stiffness_of_w
 
 
 def test_in_train_forces_of_a_blow_and_what_gears_absorb(tables):
-    assert tables["train"]["five on ten: force 5-6"].max() == pytest.approx(1335.0, rel=0.02)
-    assert (tables["train"]["one on ten: absorbed by gears"] >= -1e-9).all()
+    assert tables("train")["five on ten: force 5-6"].max() == pytest.approx(1335.0, rel=0.02)
+    assert (tables("train")["one on ten: absorbed by gears"] >= -1e-9).all()
 
 
 def test_wagons_start_one_after_another(tables):
-    table = tables["starting"]
+    table = tables("starting")
     wagons = [name for name in table if name not in ("t", "locomotive")]
     starts = [table["t"][np.argmax(table[name] > 0.01)] for name in wagons]
     gaps = np.diff(starts)

@@ -14,14 +14,14 @@ pytestmark = pytest.mark.slow  # tables of seconds to a minute
 
 def test_spread_vanishes_with_alpha_and_says_by_how_much_finer_runs_disagree(tables):
     for n in rigidity.SPREAD_SIZES:
-        points = rows_where(tables["spread"], n=n)
+        points = rows_where(tables("spread"), n=n)
         assert points["spread"][-1] > 0.5
         assert points["spread"][0] < 0.05
         assert (points["v striker"][0], points["v last"][0]) == pytest.approx(rigidity.rigid_outcome(n), abs=0.01)
-    apart = tables["spread"]["finer runs apart"]
+    apart = tables("spread")["finer runs apart"]
     assert (apart >= 0.0).all()
     assert apart.max() < 1e-3
-    assert np.abs(np.diff(1.0 / rows_where(tables["spread"], n=2)["alpha"])).max() < 0.11
+    assert np.abs(np.diff(1.0 / rows_where(tables("spread"), n=2)["alpha"])).max() < 0.11
 
 
 @pytest.mark.parametrize(
@@ -29,7 +29,7 @@ def test_spread_vanishes_with_alpha_and_says_by_how_much_finer_runs_disagree(tab
 )
 def test_samples_are_dense_enough_where_curves_jag(tables, name, n, low, high):
     """Velocities between two samples, found by runs of their own, lie on the line that is drawn; on coarser ones not."""
-    cases = np.unique(rows_where(tables[name], n=n)["alpha"])[::-1]
+    cases = np.unique(rows_where(tables(name), n=n)["alpha"])[::-1]
     cases = cases[(1.0 / cases > low - 0.01) & (1.0 / cases < high + 0.01)]
     at = 1.0 / cases
     drawn_velocity = np.array([rigidity.outcome(n, alpha) for alpha in cases])
@@ -45,7 +45,7 @@ def test_samples_are_dense_enough_where_curves_jag(tables, name, n, low, high):
 
 
 def test_rigid_like_behaviour_ends(tables):
-    table = tables["softness"]
+    table = tables("softness")
     cradle = rows_where(table, n=4, alpha=max(rigidity.LOSS_ALPHAS))["v"]
     assert cradle[-1] > 0.99
     assert np.abs(cradle[:-1]).max() < 0.1
@@ -56,7 +56,7 @@ def test_rigid_like_behaviour_ends(tables):
 
 def test_limits_of_small_alpha(tables):
     for n in scaling.SIZES:
-        points = rows_where(tables["scalings"], n=n)
+        points = rows_where(tables("scalings"), n=n)
         assert (np.diff(points["max psi"]) < 0.0).all()
         assert points["contact time"][-1] == pytest.approx(scaling.contact_time_limit(n), rel=0.02)
         assert np.isfinite(points["contact time"]).all()
@@ -67,7 +67,7 @@ def test_limits_of_small_alpha(tables):
 
 
 def test_in_train_forces_grow_with_the_blow_and_fall_along_the_train(tables):
-    table, coupling = tables["envelopes"], load(train.SOLID).lanes[0].chain().contact[0]
+    table, coupling = tables("envelopes"), load(train.SOLID).lanes[0].chain().contact[0]
     for number, (struck, last) in enumerate(((1, 10), (5, 14))):
         blows = rows_where(table, train=number, coupling=struck)
         assert (np.diff(blows["force"]) > 0.0).all()
@@ -81,7 +81,7 @@ def test_in_train_forces_grow_with_the_blow_and_fall_along_the_train(tables):
 
 
 def test_driven_cluster_oscillates_about_the_uniform_acceleration(tables):
-    table = tables["driven"]
+    table = tables("driven")
     np.testing.assert_allclose(table["V"], DRIVE / wave.SHOWN_BEADS * table["t"], atol=1e-9)
     psi, model = table["psi full"], table["psi model"]
     assert np.abs(psi - model).max() < 0.2 * model.max()
@@ -92,7 +92,7 @@ def test_driven_cluster_oscillates_about_the_uniform_acceleration(tables):
 
 
 def test_period_and_amplitude_of_the_driven_mode(tables):
-    table = tables["driven-scan"]
+    table = tables("driven-scan")
     np.testing.assert_allclose(table["period full"], table["period model"], rtol=0.06)
     np.testing.assert_allclose(table["amplitude full"], table["amplitude model"], rtol=0.03)
     two = rows_where(table, n=2)
@@ -103,7 +103,7 @@ def test_period_and_amplitude_of_the_driven_mode(tables):
 
 
 def test_spreads_collapse_and_the_threshold_falls_with_the_logarithm(tables):
-    table = tables["collapse"]
+    table = tables("collapse")
     thresholds = {n: scaling.threshold(table, n, "n alpha") for n in scaling.COLLAPSE_SIZES}
     assert (np.diff(list(thresholds.values())) < 0.0).all()
     for n, found in thresholds.items():
@@ -113,14 +113,14 @@ def test_spreads_collapse_and_the_threshold_falls_with_the_logarithm(tables):
 
 
 def test_inner_contacts_ring_at_the_frequency_of_their_branch(tables):
-    table = tables["ringing"]
+    table = tables("ringing")
     rows = np.isfinite(table["period"])
     assert rows.sum() >= 15
     np.testing.assert_allclose(table["period"][rows], table["period of the branch"][rows], rtol=0.06)
 
 
 def test_the_softer_the_slower_the_gear_that_does_the_same(tables):
-    table = tables["equivalence"]
+    table = tables("equivalence")
     four = rows_where(table, n=4)
     at_tenth = int(np.argmin(np.abs(four["alpha"] - 0.1)))
     assert four["V over v_c"][at_tenth] == pytest.approx(1.26, abs=0.08)
@@ -130,7 +130,7 @@ def test_the_softer_the_slower_the_gear_that_does_the_same(tables):
 
 
 def test_disorder_breaks_the_cradle_and_clusters_with_weak_contacts(tables):
-    table = tables["disorder"]
+    table = tables("disorder")
     load, spreads = disorder.loads_and_spreads(table, disorder.SOFT)
     assert spreads[load < 0.84].max() < 0.01  # contacts that are strong enough: rigid-like
     assert spreads[load > 1.0].min() > 0.1  # and that are not
@@ -142,14 +142,14 @@ def test_disorder_breaks_the_cradle_and_clusters_with_weak_contacts(tables):
 
 
 def test_both_modes_of_cluster_on_cluster(tables):
-    table = tables["clusters"]
+    table = tables("clusters")
     count = variant.STRIKERS + variant.TARGETS - 1
     inside = (table["t"] > 0.1) & (table["t"] < 3.7)
     np.testing.assert_allclose(forces(table, "model", count)[inside], forces(table, "full", count)[inside], rtol=0.01)
 
 
 def test_hooke_interface_opens_last_and_leaves_a_rigid_cluster(tables):
-    table = tables["interface"]
+    table = tables("interface")
     assert columns(table, "v", 5)[-1] == pytest.approx([-0.6, 0.4, 0.4, 0.4, 0.4], abs=0.01)
     both = (table["t"] > 0.2) & (table["t"] < 2.2)
     np.testing.assert_allclose(forces(table, "model")[both], forces(table, "full")[both], rtol=0.02)
@@ -157,7 +157,7 @@ def test_hooke_interface_opens_last_and_leaves_a_rigid_cluster(tables):
 
 
 def test_evanescent_clusters_have_no_waves_springs_fast_and_prestressed_ones_slow_waves(tables):
-    table = tables["roads"]
+    table = tables("roads")
     turns = {kind: (np.diff(np.sign(np.diff(table[f"f23 {kind}"]))) != 0).sum() for kind in wave.STRUCK_CLUSTERS}
     assert turns["soft"] <= 2
     assert turns["springs"] > 10
@@ -169,7 +169,7 @@ def test_evanescent_clusters_have_no_waves_springs_fast_and_prestressed_ones_slo
 
 
 def test_pulse_has_the_speed_of_the_solitary_wave(tables):
-    table = tables["pulse"]
+    table = tables("pulse")
     velocity = columns(table, "v", wave.PULSE_TARGETS + 1)
     arrival = table["t"][np.argmax(velocity, axis=0)]
     assert 10.0 / (arrival[22] - arrival[12]) == pytest.approx(0.840509, rel=5e-3)
