@@ -12,7 +12,7 @@ from softcradle.sandbox.session.contact_conversion import kind_of
 from softcradle.sandbox.session.editable_numbers import NUMBERS, parameters
 from softcradle.sandbox.session.run_verdict import PASSED
 from softcradle.sandbox.session.undo import MOST_STEPS
-from softcradle.sandbox.session.values_table import values_table
+from softcradle.sandbox.session.values_table import SET_COLUMNS, values_table
 from softcradle.scenes import parse
 
 from tests.helpers.sessions import check_replay, opened, picture, pull
@@ -204,6 +204,8 @@ def test_a_number_is_wherever_numbers_are(number, tmp_path):
     before = value_in(session, index)
     parameter = next(one for one in parameters(session, 0, number.owner, index) if one.name == number.name)
     assert parameter.value == before
+    columns, had = values_table(session, 0, number.owner).columns, np.nan_to_num(number.values(session.lanes[0])).any()
+    assert (number.column in columns) == (had or number.column not in SET_COLUMNS)  # what none has takes no room
     value = parameter.at(0.3)
     assert value != before
     session.apply(parameter.edit(value))
@@ -217,17 +219,6 @@ def test_a_number_is_wherever_numbers_are(number, tmp_path):
     session.scrub_frame(0)
     assert session.undo()
     assert value_in(session, index) == before
-
-
-def test_a_number_that_no_bead_has_takes_no_room():
-    """All of a row of power laws are without preload and loss: the table of values has no such columns."""
-    session = opened()
-    columns = values_table(session, 0, "contact").columns
-    assert {"f0 (N/m^a)", "alpha"} <= set(columns)
-    assert {"preload (N)", "loss", "k (N/m)"}.isdisjoint(columns)
-    preload = next(one for one in parameters(session, 0, "contact", 2) if one.key == "preload")
-    session.apply(preload.edit(1.0))
-    assert "preload (N)" in values_table(session, 0, "contact").columns
 
 
 def test_a_gap_of_beads_that_touch_has_no_sign():
