@@ -108,6 +108,7 @@ REFUSED = [
     (f"sweep {STUDY} --threads --scheduler tcp://127.0.0.1:1", "give one of them"),
     (f"sweep {STUDY} --workers 0", "must be a whole number from 1"),
     ("compare one-on-four", "has nothing to be compared with"),
+    ("compare one-on-four no-such", "there is no scene 'no-such'"),
     ("compare one-on-four two-on-two --contact hertz(1)", "--contact changes one scene, but 2 are given"),
     ("compare one-on-four --contact hertz(-1)", "stiffness must be greater than 0"),
     ("compare one-on-four two-on-two -o x.pdf", "the name must end in .html, .json, .mp4"),
