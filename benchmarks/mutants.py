@@ -51,10 +51,7 @@ ROOMS = {  # sources, and the arguments of pytest that choose their tests
     "events": (
         ("physics/adaptive/corner_search.py", "physics/adaptive/corner_action.py"),
         (
-            "tests/physics/adaptive/test_first_root.py",
-            "tests/physics/adaptive/test_find_event.py",
-            "tests/physics/adaptive/test_guards.py",
-            "tests/physics/adaptive/test_yield_or_slip.py",
+            "tests/physics/adaptive/test_corner_search.py",
             "tests/physics/adaptive/test_corner_action.py",
             "tests/physics/adaptive/test_adaptive_methods.py::test_a_contact_with_a_largest_force_against_its_closed_form",
             "tests/physics/test_whole_motions.py",

@@ -76,6 +76,11 @@ class Step:
         return b[5], 5.0 * (b[5] - b[4]) / H
 
 
+def at_wall(law, speed, overlap, mode, force, **more):
+    """A step of a bead of 1 kg with one contact, that with a wall."""
+    return Step(Chain([1.0, math.inf], law), [speed, 0.0], [overlap], [mode], [force], **more)
+
+
 def thrown(speed, gap, pull=-9.8):
     """A bead thrown at a wall against a steady force."""
     chain = Chain([1.0, math.inf], hertz(1e3), drive=[pull, 0.0])

@@ -29,7 +29,7 @@ PLACES = {
     ),
     "plain Python": (
         {"NUMBA_DISABLE_JIT": "1"},
-        ["adaptive/test_first_root.py", "adaptive/test_yield_or_slip.py", "test_contact.py", "test_chain.py"],
+        ["adaptive/test_corner_search.py", "adaptive/test_corner_action.py", "test_contact.py", "test_chain.py"],
     ),
 }
 

@@ -1,18 +1,22 @@
-"""What is carried out at a corner, a row at a time: branches, segments of couplers, slides, and what has been passed over."""
+"""What is decided and carried out at a corner: branches, segments, slides, contacts at rest, and what has been passed over.
+
+Accelerations and forces are checked by the conditions that define them.
+"""
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, Coupler, State, draft_gear, hertz, hooke
+from softcradle.physics import Chain, Coupler, State, draft_gear, hertz, hooke, power_law
 from softcradle.physics.adaptive import corner_action
-from softcradle.physics.adaptive.corner_action import cross, decide, ease, open_passed, settle_bead
+from softcradle.physics.adaptive.corner_action import cross, decide, ease, open_passed, settle_bead, stop_rate
 from softcradle.physics.adaptive.corner_search import guard_of, stays
 from softcradle.physics.adaptive.row_graphs import ORIGIN, of_segment, put_segment
 from softcradle.physics.adaptive.step_records import WORK_ROWS, Bounds, Regime, empty_scratch
+from softcradle.physics.adaptive.yield_or_slip import balance
 from softcradle.physics.kernel_records import chain_and_regime, empty_log, motion_record
 from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING, ChainData, Motion
 
 from tests.helpers.given_steps import H, Step
-from tests.helpers.plain_kernels import only_plain
+from tests.helpers.plain_kernels import only_plain, records_of
 
 pytestmark = only_plain
 BOUNDS = Bounds(1e-9, 1e-10, 1e-11)
@@ -68,15 +72,26 @@ def test_a_bead_at_rest_slides_where_it_is_accelerated_and_else_has_no_velocity(
     assert rows.state.velocity(Chain([1.0, 2.0, 1.0], hertz(1.0))) == pytest.approx(wanted, abs=1e-15)
 
 
-@pytest.mark.parametrize(("push", "side", "mode"), [(0.8, 1, LOADED), (0.0, 0, OPEN)])  # all it carries, and none
-def test_a_contact_that_is_still_held_at_its_bound_gives_way(push, side, mode):
-    """To the last digit nothing accelerates it, so it would be held for ever."""
-    rows = Rows(Chain([1.0, np.inf], GEAR, drive=[push, 0.0])).decide()
+@pytest.mark.parametrize(("part", "side", "mode"), [(1.0, 1, LOADED), (0.0, 0, OPEN)])  # of all it carries
+@pytest.mark.parametrize("pulls", [False, True])
+def test_a_gear_that_is_still_held_at_its_bound_gives_way(part, side, mode, pulls):
+    """To the last digit nothing accelerates it, so it would be held for ever; one that pulls lies the other way round."""
+    push = -0.8 * part if pulls else 0.8 * part
+    link = Coupler(hooke(50.0), pull=GEAR, slack=0.1, travel=0.05, stop=1e3) if pulls else GEAR
+    rows = Rows(Chain([1.0, np.inf], link, gap=0.1 * pulls, drive=[push, 0.0]))
+    if pulls:
+        put_segment(0, PULL, rows.regime, rows.motion)
+        rows.motion.overlap[0] = 0.0
+    rows.decide()
     assert rows.motion.mode[0] == TOUCHING
     assert rows.motion.force[0] == pytest.approx(push)
-    rows.cross(0, side)
+    rows.cross(0, 1 - side if pulls else side)
     assert rows.motion.mode[0] == mode
-    assert rows.motion.overlap[0] == 0.0
+    if pulls:
+        assert rows.regime.segment[0] == (PULL if part else PUSH)
+        assert rows.motion.force[0] == pytest.approx(push)
+    else:
+        assert rows.motion.overlap[0] == 0.0
 
 
 @pytest.mark.parametrize("bead", [0, 1])
@@ -134,21 +149,6 @@ def test_a_contact_that_begins_to_leave_by_round_off_begins_at_rest():
     assert guard_of(0, 0, *given, 0.0, np.zeros((WORK_ROWS, 2)))[1] == pytest.approx(-1e-12 * H / 5.0)
 
 
-@pytest.mark.parametrize(("pull", "side", "mode", "number"), [(0.8, 0, LOADED, PULL), (0.0, 1, OPEN, PUSH)])
-def test_a_pulling_gear_that_is_still_held_at_its_bound_gives_way(pull, side, mode, number):
-    """Between pulling with up to 0.8 N and nothing; a contact that pulls lies the other way round."""
-    gear = Coupler(hooke(50.0), pull=GEAR, slack=0.1, travel=0.05, stop=1e3)
-    rows = Rows(Chain([1.0, np.inf], gear, gap=0.1, drive=[-pull, 0.0]))
-    put_segment(0, PULL, rows.regime, rows.motion)
-    rows.motion.overlap[0] = 0.0
-    rows.decide()
-    assert rows.motion.mode[0] == TOUCHING
-    assert rows.motion.force[0] == pytest.approx(-pull)
-    rows.cross(0, side)
-    assert (rows.motion.mode[0], rows.regime.segment[0]) == (mode, number)
-    assert rows.motion.force[0] == pytest.approx(-pull)
-
-
 @pytest.mark.parametrize(
     ("overlap", "rate", "found"),
     [
@@ -165,3 +165,67 @@ def test_what_is_handed_on_to_a_contact_at_rest_begins_with_any_power_of_time(ov
     step = Step(Chain([1.0, 1.0], hertz(1.0)), [0.0, 0.0], [0.0], [LOADED], [0.0])
     step.trial.overlap[:, 0], step.trial.rate[2, 0] = overlap, rate
     assert stays(0, H, step.data, step.regime, step.motion, step.trial, 0.0, 1e-11) == found
+
+
+def random_rows(seed):
+    draw = np.random.default_rng(seed)
+    n = int(draw.integers(1, 9))
+    inverse_mass = 10.0 ** draw.uniform(-1, 1, n + 1)
+    inverse_mass[draw.random(n + 1) < 0.15] = 0.0
+    load = draw.normal(size=n + 1) * draw.integers(0, 2, n + 1)
+    give = np.where((draw.random(n + 1) < 0.5) & (inverse_mass > 0.0), draw.uniform(0, 1, n + 1), 0.0)
+    low = np.where(draw.random(n) < 0.5, 0.0, draw.uniform(0, 1, n))
+    high = low + np.where(draw.random(n) < 0.7, draw.uniform(0, 1, n), 0.0)
+    return inverse_mass, load, give, low, high
+
+
+@pytest.mark.parametrize("first", range(0, 2000, 100))
+def test_the_conditions_of_a_bounded_multiplier_hold(first):
+    for seed in range(first, first + 100):
+        inverse_mass, load, give, low, high = random_rows(seed)
+        n = low.size
+        a, f = np.zeros(n + 1), np.zeros(n)
+        balance(inverse_mass, load, give, low, high, a, f, np.zeros((2, n + 1)), np.zeros((2, 4 * n + 8)))
+        assert ((low <= f) & (f <= high)).all()
+        assert (f[a[:-1] > a[1:]] == high[a[:-1] > a[1:]]).all()  # pressed together: all they can carry
+        assert (f[a[:-1] < a[1:]] == low[a[:-1] < a[1:]]).all()  # drawn apart: the least
+        assert (a[inverse_mass == 0.0] == 0.0).all()
+        net = load - np.append(f, 0.0) + np.append(0.0, f)
+        slides = a != 0.0
+        rests = ~slides & (inverse_mass > 0.0)
+        assert (np.abs(net[rests]) <= give[rests] + 1e-12).all()
+        inertia = a[slides] / inverse_mass[slides]
+        lacks = net[slides] - inertia - np.sign(a[slides]) * give[slides]
+        assert (np.abs(lacks) <= 1e-9 * (1.0 + np.abs(inertia))).all()
+
+
+MASS, VELOCITY = np.array([1.0, 2.0, 0.5, 4.0, 1.5]), np.array([0.3, -0.1, 0.2, 0.5, -0.4])
+
+
+@pytest.mark.parametrize("anchor", range(5))
+@pytest.mark.parametrize("i", range(4))
+def test_beads_whose_contact_comes_to_rest_take_the_velocity_of_their_centre_of_mass(i, anchor):
+    chain = Chain(MASS, hertz(1.0))
+    data, _, motion = records_of(chain, State.at_start(chain, VELOCITY))
+    data, motion.mode[:] = data._replace(anchor_bead=anchor), LOADED
+    motion.anchor[1] = VELOCITY[anchor]
+    stop_rate(i, data, motion)
+    behind = np.append(0.0, -np.cumsum(motion.rate))
+    wanted = VELOCITY.copy()
+    wanted[i : i + 2] = MASS[i : i + 2] @ VELOCITY[i : i + 2] / MASS[i : i + 2].sum()
+    assert motion.anchor[1] + behind - behind[anchor] == pytest.approx(wanted, abs=1e-15)
+    assert motion.rate[i] == 0.0
+
+
+@pytest.mark.parametrize(("i", "beside"), [(2, 1), (2, 2), (2, 3), (1, 2), (0, 1), (3, 2)])
+def test_beside_a_soft_or_touching_contact_it_alone_comes_to_rest(i, beside):
+    laws = [hertz(1.0)] * 4
+    laws[beside] = power_law(1.0, 0.1)
+    for contacts, mode in ((laws, LOADED), (hertz(1.0), TOUCHING)):
+        chain = Chain(MASS, contacts)
+        data, _, motion = records_of(chain, State.at_start(chain, VELOCITY))
+        before = motion.rate.copy()
+        motion.mode[:] = LOADED
+        motion.mode[beside] = mode
+        stop_rate(i, data, motion)
+        assert motion.rate == pytest.approx(np.where(np.arange(4) == i, 0.0, before), abs=0.0)

@@ -1,24 +1,158 @@
-"""Event location by motions whose switches are known in closed form: each kind of row, the earliest of several, and none."""
+"""The search for corners: the first root of a guard, against dense sampling of random quintics; guards near zero; and events.
+
+Events are located in motions whose switches are known in closed form: each kind of row, the earliest of several, and none.
+"""
 
 import math
+from math import comb
 
 import numpy as np
 import pytest
+from scipy.interpolate import BPoly
 from softcradle.physics import Chain, draft_gear, hertz, hooke, power_law
-from softcradle.physics.adaptive.corner_search import closes_inactive, is_continued
-from softcradle.physics.numerics.law_curve import NODES
+from softcradle.physics.adaptive.constants import SAFETY
+from softcradle.physics.adaptive.corner_search import (
+    NONE,
+    closes_inactive,
+    first_root,
+    guard_of,
+    hermite_cubic,
+    hermite_quintic,
+    is_continued,
+    stage_cubic,
+)
+from softcradle.physics.numerics.law_curve import NODES, cubic
 from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
 
-from tests.helpers.given_steps import CLOSES, EASES, NOTHING, OPENS, SLIPS, STOPS, TURNS, YIELDS, H, Step, thrown
+from tests.helpers.given_steps import (
+    CLOSES,
+    EASES,
+    NOTHING,
+    OPENS,
+    SLIPS,
+    STOPS,
+    TURNS,
+    YIELDS,
+    H,
+    Step,
+    at_wall,
+    thrown,
+)
 from tests.helpers.plain_kernels import only_plain
 
 pytestmark = only_plain
 GEAR, LOSSY = draft_gear(2.0, 0.4), hooke(2.0, loss=0.4)  # the gear touches with up to 0.8 N
+PART = np.linspace(0.0, 1.0, 20001)
 
 
-def at_wall(law, speed, overlap, mode, force, **more):
-    """A step of a bead of 1 kg with one contact, that with a wall."""
-    return Step(Chain([1.0, math.inf], law), [speed, 0.0], [overlap], [mode], [force], **more)
+def value(b, x):
+    """Of a quintic in Bernstein form."""
+    return sum(b[k] * comb(5, k) * x**k * (1.0 - x) ** (5 - k) for k in range(6))
+
+
+BASIS = np.array([value(one, PART) for one in np.eye(6)])
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_it_is_the_first_place_at_which_the_polynomial_turns_negative(seed):
+    draw = np.random.default_rng(seed)
+    for k in range(100):
+        b = draw.normal(size=6)
+        b[0] = abs(b[0])
+        if k % 3 == 0:  # it begins at zero, and turns positive
+            b[0], b[1] = 0.0, abs(b[1])
+        values = b @ BASIS
+        below = np.flatnonzero(values[1:] < -1e-9)
+        found = first_root(tuple(b))
+        if not below.size:
+            assert found == NONE or values[int(found * 20000)] < 1e-6
+        else:
+            assert found <= PART[below[0] + 1] + 1e-9
+            assert abs(values[int(found * 20000)]) < 1e-3
+
+
+def test_a_touch_and_return_narrower_than_any_sampling_is_found():
+    for width in (1e-3, 1e-5, 1e-7):
+        middle = 0.371
+        power = (middle**2 - width**2, -2.0 * middle, 1.0)  # (x - middle)² - width²
+        b = tuple(sum(comb(k, j) / comb(5, j) * power[j] for j in range(3)) for k in range(6))
+        assert first_root(b) == pytest.approx(middle - width, abs=1e-9 + 1e-15 / width)
+
+
+def test_coefficients_that_vanish_do_not_hide_the_root():
+    """100 (1-x)**5 = x**5, where four coefficients are 0."""
+    assert first_root((100.0, 0.0, 0.0, 0.0, 0.0, -1.0)) == pytest.approx(1.0 / (1.0 + 100.0**-0.2), abs=1e-13)
+
+
+def test_a_start_at_zero_counts_where_the_polynomial_leaves_it_downward():
+    assert first_root((0.0, -1.0, 1.0, 1.0, 1.0, 1.0)) == 0.0  # negative at once by its slope
+    assert first_root((0.0, 0.0, -1.0, 1.0, 1.0, 1.0)) == 0.0  # by its curvature
+    assert first_root((0.0, 0.0, 1.0, 1.0, 1.0, 0.0)) == NONE
+    falls = (0.0, 0.0, 1.0, 1.0, 1.0, -1.0)  # it begins with a double zero, rises, and falls
+    found = first_root(falls)
+    assert found > 0.5
+    assert value(falls, found) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_the_forms_of_a_guard_are_the_polynomials_they_name():
+    y = (0.3, -1.2, 0.7, 2.0)
+    for x in (0.0, NODES[0], 0.4, NODES[1], 1.0):
+        assert value(stage_cubic(*y), x) == pytest.approx(cubic(x, *y), abs=1e-13)
+
+    path, h = np.polynomial.Polynomial([0.2, -1.5, 0.7, 2.0]), 0.8
+    rate = path.deriv()
+    quintic = hermite_quintic(h, path(0), rate(0), 1.4, path(h), rate(h), 1.4 + 12.0 * h)
+    hermite = hermite_cubic(h, path(0), rate(0), path(h), rate(h))
+    for x in (0.0, 0.25, 0.6, 1.0):
+        assert value(quintic, x) == pytest.approx(path(h * x), abs=1e-13)
+        assert value(hermite, x) == pytest.approx(path(h * x), abs=1e-13)
+
+
+@pytest.mark.parametrize("peak", [0.75, 0.5, 0.79])
+@pytest.mark.parametrize("scale", [1.0, 1e-2])
+def test_a_guard_that_comes_near_is_looked_at_where_it_does(peak, scale):
+    """A multiplier within 0 and 0.8 N, or a hundredth of that, with a peak at half the step."""
+    force = np.array([0.2, 4.0 * (peak - 0.2) / H, -4.0 * (peak - 0.2) / H**2])
+    step = at_wall(draft_gear(2.0 * scale, 0.4), 0.0, 0.0, TOUCHING, scale * force)
+    assert step.corner()[4] == pytest.approx(0.5 if peak > SAFETY * 0.8 else 1.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(("peak", "near"), [(0.95, False), (0.97, True)])
+def test_how_near_is_a_part_of_the_range_of_a_multiplier(peak, near):
+    """With a loss of 0.4 a spring that stands at 1 N carries from 0.6 N on: a tenth of that range is 0.04 N."""
+    force = [0.7, 4.0 * (peak - 0.7) / H, -4.0 * (peak - 0.7) / H**2]
+    step = at_wall(hooke(2.0, loss=0.4), 0.0, 0.5, TOUCHING, force)
+    assert step.corner()[4] == pytest.approx(0.5 if near else 1.0, abs=1e-9)
+
+
+def test_a_loaded_contact_is_near_no_switch():
+    assert at_wall(draft_gear(2.0, 0.4), -1.0, 0.6, LOADED, 0.8).corner()[4] == 1.0
+
+
+def test_an_open_contact_that_nearly_touches_is_looked_at():
+    """Both ends tell less than what lies between: where quintic and cubic disagree by more than the gap that is left."""
+    step = thrown(2.0, 0.5 * 4.0 / 9.8 + 1e-6)
+    assert step.corner()[4] == 1.0
+    step.motion.force[0] = 3.0  # so the quintic differs from the cubic by h²/64 times the difference
+    guard = guard_of(0, 0, H, step.data, step.regime, step.motion, step.trial, 0.0, step.work)
+    found = step.corner()[4]
+    assert 0.0 < found < 1.0
+    assert BPoly(np.reshape(guard, (6, 1)), [0.0, 1.0]).derivative()(found) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_guards_and_slopes_at_the_end():
+    gear = draft_gear(2.0, 0.4)
+    touching = at_wall(gear, 0.0, 0.0, TOUCHING, [0.2, 0.5, -0.7])
+    force, slope = touching.forces[0](H), touching.forces[0].deriv()(H)
+    assert touching.guard(0, 0) == pytest.approx((force, slope))
+    assert touching.guard(0, 1) == pytest.approx((0.8 - force, -slope))
+    assert at_wall(gear, -1.0, 0.3, LOADED, 0.8).guard(0, 0) == pytest.approx((0.3 - H - 0.4 * H * H, -1.0 - 0.8 * H))
+    assert thrown(3.0, 0.4).guard(0, 0) == pytest.approx((0.4 - 3.0 * H + 4.9 * H * H, -3.0 + 9.8 * H))
+    for sign in (1.0, -1.0):
+        turning = at_wall(hertz(2.0, loss=0.4), 0.3 * sign, 0.5, LOADED, 1.5 * sign, easing=[int(sign < 0.0)])
+        assert turning.guard(0, 1) == pytest.approx((0.3 - 1.5 * H, -1.5))
+    stands = at_wall(hooke(2.0, loss=0.4), 0.0, 0.5, TOUCHING, [0.9, -1.0])
+    assert stands.guard(0, 0) == pytest.approx((0.9 - H - 0.6, -1.0))
 
 
 def test_a_bead_thrown_at_a_ceiling_closes_when_it_is_there():
