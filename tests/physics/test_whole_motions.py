@@ -15,7 +15,7 @@ from tests.helpers import relations
 from tests.helpers.random_chains import random_collision, random_dissipative
 from tests.helpers.relations import KERNELS, assert_momentum, assert_sound, fineness, ledger_error, simulate_quietly
 
-METHODS = (*KERNELS, "conserving", "verlet", "yoshida4", "euler")
+METHODS = (*KERNELS, "conserving", "verlet", "yoshida4", "euler", "pymunk")
 TOLERANCE = 1e-6
 SAMPLES = 7
 
@@ -32,7 +32,7 @@ class Case(NamedTuple):
 
 TODA = OwnLaw(lambda d: 20.0 * math.expm1(d), lambda d: 20.0 * (math.expm1(d) - d))  # exponential, with its energy
 HARDENING = OwnLaw(lambda d: 2.0 + 30.0 * d + 50.0 * d**3)
-EXPLICIT = ("verlet", "yoshida4", "euler")  # which chatter, at the step of the others, on what is stiff
+EXPLICIT = ("verlet", "yoshida4", "euler", "pymunk")  # which chatter, at the step of the others, on what is stiff
 CASES = {
     "one on four": Case(one_on(4, power_law(1.0, 0.1)), [1.0, 0.0, 0.0, 0.0, 0.0], None, 0.01, ("dop853",)),
     "hertz with gaps": Case(Chain([1.0, 3.0, 1.0, 2.0], hertz(50.0), gap=[0.1, 0.2, 0.1]), [1.0, 0.0, 0.0, -0.5], None, 0.005),
@@ -82,6 +82,23 @@ CASES = {
         Chain([1.0, 2.0, 1.0], [HARDENING, TODA], friction=0.1), [1.0, 0.0, -0.5], 0.6, 3e-3, EXPLICIT
     ),
     "an exponential law to the end": Case(Chain([1.0, 2.0, 1.0], TODA), [1.0, 0.0, -0.5], None, 2e-3),
+    "laws of one's own amid walls, drives, gaps and loss": Case(
+        Chain(
+            [1.0, 2.0, 1.0, 1.0, math.inf], [TODA, hertz(2.0, loss=0.4), draft_gear(3.0, 0.2), TODA],
+            gap=[0.0, 0.1, -0.05, 0.0], drive=[0.5, 0.0, 0.0, 0.0, 0.0], friction=0.05,
+        ),
+        [1.0, 0.0, 0.0, 0.0, 0.0], 3.0, 3e-3, EXPLICIT,
+    ),
+    "laws of one's own beside loss and a coupler": Case(
+        Chain(
+            [1.0, 2.0, 1.0, 1.5], [HARDENING, hertz(50.0, 0.3), Coupler(draft_gear(100.0, 0.05, 0.2), hooke(30.0), slack=0.02)],
+            friction=0.05,
+        ),
+        [1.0, 0.5, 0.0, 0.0], 0.4, 1e-3, EXPLICIT,
+    ),
+    "a pressed row let go": Case(
+        Chain([1.0, 2.0, 1.0, 0.5], [hertz(3.0), power_law(1.0, 0.5), hooke(2.0)], [-0.3, -0.1, 0.2]), [0.0] * 4, 6.0, 5e-3
+    ),
     "a force that comes and goes": Case(
         Chain([1.0] * 3, hertz(50.0), forces=TimedForce([0, 2], [0.0, 0.2, 0.4, 0.4], [0.0, 3.0, 1.0, 0.0])),
         [0.0] * 3, 0.8, 4e-3,
@@ -105,8 +122,8 @@ MOVED_LIVE = (
     "hertz with gaps", "gears on straws", "between walls", "loss and friction in a mixed chain", "a ball that bounces to rest",
     "laws of one's own", "a wagon train", "a force that comes and goes",
 )  # fmt: skip
-RANDOM = [(random_dissipative, 0.3, seed) for seed in (1, 2, 5, 8)]
-RANDOM += [(random_collision, 1.0, seed) for seed in (0, 1, 2, 4, 5)]
+for make, duration, seeds in ((random_dissipative, 0.3, (1, 2, 5, 8)), (random_collision, 1.0, (0, 1, 2, 4, 5))):
+    CASES |= {f"{make.__name__} {seed}": Case(*make(seed, 4), duration, 1e-4, EXPLICIT) for seed in seeds}
 
 
 def solved(case, method):
@@ -127,10 +144,9 @@ def test_what_holds_of_every_motion(name, method):
     assert found.status in (Status.DONE, Status.SEPARATED)
     if not case.chain.pulls:
         assert_sound(found)
-    exact = method in (*KERNELS, "conserving")
     if np.abs(found.velocity).max() > 0.0:
-        assert ledger_error(found) < (100.0 * TOLERANCE if exact else 0.3)
-    if not (case.chain.on_bed or case.chain.lasts or case.chain.timed):
+        assert ledger_error(found) < (100.0 * TOLERANCE if method in KERNELS else 0.3 if method in EXPLICIT else 1e-11)
+    if not case.chain.on_bed:
         assert_momentum(found, case.velocity, TOLERANCE)
     if found.status is Status.SEPARATED and not case.chain.on_bed:
         assert relations.separating(found.final_velocity, 1e-6)
@@ -144,13 +160,20 @@ def by_scipy(name):
     return simulate_quietly(case.chain, case.velocity, duration, "scipy", samples=SAMPLES, tolerance=1e-9)
 
 
-@pytest.mark.parametrize(("name", "method"), runs([name for name in CASES if name != "held by friction"], KERNELS))
+MOVING = [name for name in CASES if name != "held by friction"]
+
+
+@pytest.mark.parametrize(("name", "method"), runs(MOVING, (*KERNELS, "conserving")))
 def test_every_corner_is_passed_as_the_reference_does(name, method):
     """It shares no kernel with them: between located switches SciPy integrates the equations of beads."""
     case = CASES[name]
     found, other = solved(case, method), by_scipy(name)
-    fastest = np.abs(other.velocity).max()
-    assert found.final_velocity == pytest.approx(other.final_velocity, abs=30.0 * TOLERANCE * fastest)
+    fastest, allowed = np.abs(other.velocity).max(), 30.0 * TOLERANCE if method in KERNELS else 3e-3
+    assert ledger_error(other) < 1e-9
+    assert found.final_velocity == pytest.approx(other.final_velocity, abs=allowed * fastest)
+    if method == "conserving":
+        assert list(map(len, found.contact_intervals)) == list(map(len, other.contact_intervals))
+        return
     if case.duration:
         assert found.overlap == pytest.approx(other.overlap, abs=30.0 * TOLERANCE * fastest)
         assert found.absorbed_by_contacts == pytest.approx(other.absorbed_by_contacts, abs=1e-4)
@@ -189,17 +212,6 @@ def test_frames_go_where_the_whole_run_goes(name, method):
     assert state.copy().absorbed.tolist() == state.absorbed.tolist()
     if case.chain.timed:
         assert state.given == pytest.approx(whole.given[-1], rel=1e-3, abs=1e-9)
-
-
-@pytest.mark.parametrize("method", KERNELS)
-@pytest.mark.parametrize(("make", "duration", "seed"), RANDOM)
-def test_random_motions_keep_their_ledger(make, duration, seed, method):
-    chain, velocity = make(seed, 4)
-    found = simulate_quietly(chain, velocity, duration, method, samples=SAMPLES, tolerance=TOLERANCE)
-    assert_sound(found)
-    assert ledger_error(found) < 100.0 * TOLERANCE
-    if not chain.on_bed:
-        assert_momentum(found, velocity, TOLERANCE)
 
 
 def test_deep_forces_grow_smoothly_from_the_first_moment():
