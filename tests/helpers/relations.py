@@ -94,6 +94,17 @@ def ledger_error(found: Trajectory) -> float:
     return float(np.ptp(found.ledger)) / scale
 
 
+def digits(found: Trajectory) -> list[object]:
+    """All that two runs have alike which take the same steps."""
+    arrays = found.time, found.overlap, found.velocity, found.force, found.final_velocity, found.velocity_error
+    return [array.tobytes() for array in arrays] + [
+        found.contact_intervals,
+        found.steps,
+        found.evaluations,
+        found.status,
+    ]
+
+
 def assert_momentum(found: Trajectory, velocity: ArrayLike, tolerance: float = 0.0) -> None:
     """Momentum less what is given stays, to round-off and ten times `tolerance`; a chain with a wall has none of its own.
 

@@ -16,7 +16,7 @@ from softcradle.physics.pymunk_contacts import soft_chain
 
 from tests.helpers.own_process import python
 from tests.helpers.random_chains import random_collision
-from tests.helpers.relations import LIVE, struck
+from tests.helpers.relations import LIVE, digits, struck
 from tests.helpers.spaces import chain_row, run
 
 pytest.importorskip("numba")
@@ -33,11 +33,6 @@ def cold(monkeypatch):
     monkeypatch.setattr(KernelTiers, "on_disk", False)
     monkeypatch.setattr(KernelTiers, "compile_behind", lambda self, niceness=0: False)
     return monkeypatch
-
-
-def digits(found):
-    arrays = found.time, found.overlap, found.velocity, found.final_velocity, found.velocity_error
-    return [array.tobytes() for array in arrays] + [found.contact_intervals, found.steps, found.status]
 
 
 @pytest.mark.parametrize("seed", range(6))

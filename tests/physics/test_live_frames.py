@@ -14,7 +14,8 @@ from softcradle.physics.methods import find_method, refusal_of
 from softcradle.physics.simulation import move, solve
 from softcradle.physics.status import Status
 
-from tests.helpers.relations import NAMES, struck, total_energy
+from benchmarks.scan.families import motion
+from tests.helpers.relations import NAMES, digits, fineness, struck, total_energy
 
 SOFT = one_on(4, power_law(1.0, 0.1))
 RUBS = Chain(np.ones(4), [power_law(1.0, 0.1)] * 3, friction=0.02)
@@ -98,34 +99,29 @@ CASES = {
     "couplers": (Chain([1.0] * 3, Coupler(hooke(9.0), hooke(9.0), slack=0.05)), {"duration": 4.0}),
     "a long row": (one_on(70, [power_law(1.0 + 0.01 * k, 0.3) for k in range(70)]), {"duration": 2.0}),
 }
+RUNS = [(name, method) for method in ("verlet", "conserving") for name in CASES]
+for timed in (motion("timed", seed) for seed in (1, 5, 8, 9)):
+    RUNS.append((f"timed {timed.seed}", "accurate"))
+    CASES[f"timed {timed.seed}"] = timed.chain, {"duration": timed.duration}
 
 
-def digits(chain: Chain, method: str, options: dict[str, object]) -> list[object]:
-    velocity = np.eye(1, chain.contacts + 1, chain.mass[0] == np.inf)[0]
-    found = simulate(chain, velocity, method=method, step=0.013, **{"samples": 9, **options})
-    arrays = found.time, found.overlap, found.velocity, found.force, found.final_velocity
-    return [array.tobytes() for array in arrays] + [found.contact_intervals, found.steps, found.evaluations]
+def digits_of(chain: Chain, method: str, options: dict[str, object]) -> list[object]:
+    """Of a run and of frames of live use, whose steps are large, so that few are enough."""
+    velocity, step = np.eye(1, chain.contacts + 1, chain.mass[0] == np.inf)[0], fineness(method, 0.013)
+    state, moved = State.at_start(chain, velocity), []
+    for _ in range(5):
+        advance(chain, state, 0.1, method, **step)
+        moved += [state.overlap.tobytes(), state.rate.tobytes()]
+    return moved + digits(simulate(chain, velocity, method=method, **step, **{"samples": 9, **options}))
 
 
-@pytest.mark.filterwarnings("ignore::RuntimeWarning")  # steps are large, so that few are enough
-@pytest.mark.parametrize("method", ["verlet", "conserving"])
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+@pytest.mark.parametrize(("name", "method"), RUNS)
 def test_the_digits_of_a_run_do_not_depend_on_its_pauses(name, method, monkeypatch):
+    """At a knot of an adaptive method too, where brakes that begin and beads that yield are found anew."""
     chain, options = CASES[name]
-    whole = digits(chain, method, options)
-    for steps in (1, 2, 7, 50):
+    whole = digits_of(chain, method, options)
+    for steps in (1,) if method == "accurate" else (1, 2, 7, 50):
         monkeypatch.setattr("softcradle.physics.fixed_step.runner.PAUSE", steps * chain.contacts)
-        assert digits(chain, method, options) == whole
-
-
-def test_frames_of_live_use_pause_too(monkeypatch):
-    def played() -> bytes:
-        chain = one_on(3, power_law(1.0, 0.1))
-        state = State.at_start(chain, [1, 0, 0, 0])
-        for _ in range(20):
-            advance(chain, state, 0.1, "conserving", step=0.003)
-        return state.overlap.tobytes() + state.rate.tobytes()
-
-    whole = played()
-    monkeypatch.setattr("softcradle.physics.fixed_step.runner.PAUSE", 4)
-    assert played() == whole
+        monkeypatch.setattr("softcradle.physics.adaptive.runner.PAUSE", steps)
+        assert digits_of(chain, method, options) == whole

@@ -133,19 +133,6 @@ def test_accurate_and_conserving_end_where_the_reference_does(seed):
     np.testing.assert_allclose(kept.final_velocity, truth, atol=0.02)
 
 
-@pytest.mark.parametrize("seed", [1, 5, 8, 9])
-def test_a_run_that_pauses_at_every_step_is_the_same(seed, monkeypatch):
-    """At a knot too, where brakes that begin and beads that yield are found anew."""
-    chosen = motion("timed", seed)
-    given = chosen.chain, chosen.velocity, chosen.duration
-    whole = simulate_quietly(*given)
-    monkeypatch.setattr("softcradle.physics.adaptive.runner.PAUSE", 1)
-    paused = simulate_quietly(*given)
-    np.testing.assert_array_equal(paused.final_velocity, whole.final_velocity)
-    np.testing.assert_array_equal(paused.given, whole.given)
-    np.testing.assert_array_equal(paused.overlap, whole.overlap)
-
-
 def test_without_a_duration_it_ends_when_forces_and_contacts_do():
     """The forces end at 0.9 s; what lasts needs a duration."""
     found = simulate(PUSHING, REST)
