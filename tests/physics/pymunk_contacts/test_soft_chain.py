@@ -1,14 +1,35 @@
-"""SoftChain in a user's own Space: energy and momentum at sixty steps a second, whatever the contacts."""
+"""SoftChain in a user's own Space: energy and momentum at sixty steps a second, whatever the contacts and whatever changes.
 
+Bodies are moved, removed, shared or static, contacts changed, among joints, shapes and sleep.
+"""
+
+import copy
 import itertools
 import math
+import pickle
+from unittest.mock import Mock
 
 import numpy as np
 import pymunk
 import pytest
-from softcradle.physics import Chain, Contact, draft_gear, hertz, hooke, power_law, simulate, step_force
+from softcradle.physics import (
+    Chain,
+    Contact,
+    SoftChain,
+    SoftContact,
+    draft_gear,
+    hertz,
+    hooke,
+    power_law,
+    simulate,
+    step_force,
+)
+from softcradle.physics.pymunk_contacts import soft_chain
 
-from tests.helpers.spaces import FRAME, LAWS, chain_row, momentum, run, total_energy
+from tests.helpers.spaces import FRAME, LAWS, LOSSY, chain_row, cradle, momentum, run, total_energy
+
+STEP = 1 / 240
+LAW = hertz(100.0)
 
 
 @pytest.mark.parametrize("gap", [0.0, 0.3])
@@ -111,12 +132,19 @@ def test_a_column_that_loses_comes_to_rest(loss, step):
     assert [body.position.y for body in bodies] == pytest.approx(range(4), abs=2e-3)
 
 
-@pytest.mark.parametrize("step", [1 / 480, 1 / 120, 1 / 30])
-def test_a_collision_shorter_than_a_step_has_its_restitution(step):
-    space, bodies, chain = chain_row(Contact(1e4, 1e3, 1.0, loss=0.75), beads=2, masses=[1, 1])
-    run(space, step, 10)
-    assert [body.velocity.x for body in bodies] == pytest.approx([0.25, 0.75], abs=1e-9)
-    assert chain.absorbed == pytest.approx(0.5 * 0.75 * 0.5, abs=1e-9)
+SHORT = [(Contact(1e4, 1e3, 1.0, loss=0.75), step, 10, 1e-9) for step in (1 / 480, 1 / 120, 1 / 30)]
+
+
+@pytest.mark.parametrize(
+    ("law", "step", "count", "allowed"), SHORT + [(law, 1e-3, 10_000, 1e-2) for law in LOSSY.values()]
+)
+def test_a_collision_has_its_restitution(law, step, count, allowed):
+    """Also one that is shorter than a step."""
+    space, bodies, chain = chain_row(law, beads=2, speed=0.5, masses=[1.0, 1.0])
+    run(space, step, count)
+    assert bodies[1].velocity.x - bodies[0].velocity.x == pytest.approx(0.5 * math.sqrt(1.0 - law.loss), rel=allowed)
+    assert total_energy(bodies, chain) + chain.absorbed == pytest.approx(0.125, rel=1e-9)
+    assert momentum(bodies) == pytest.approx(0.5, abs=1e-9)
 
 
 def test_a_column_rests_on_its_preload():
@@ -127,3 +155,373 @@ def test_a_column_rests_on_its_preload():
     run(space, FRAME, 600)
     np.testing.assert_allclose([body.position.y for body in bodies], range(5), atol=1e-12)
     np.testing.assert_allclose(chain.forces, [40.0, 30.0, 20.0, 10.0], rtol=1e-9)
+
+
+def assert_energy_stays(space, bodies, chain, energy=0.5, frames=300):
+    for _ in range(frames):
+        space.step(FRAME)
+        assert total_energy(bodies, chain) == pytest.approx(energy, rel=1e-10)
+
+
+@pytest.mark.parametrize("sleeps", [False, True])
+@pytest.mark.parametrize("law", [power_law(1.0, 0.1), hertz(1e6), draft_gear(1e4, 0.02)], ids=str)
+def test_a_velocity_set_between_steps_adds_its_energy_alone(law, sleeps):
+    """It moves no body, so it may press no contact, however stiff; a row that sleeps wakes by it."""
+    space, bodies, chain = chain_row(law, speed=0.0)
+    space.sleep_time_threshold = 0.2 if sleeps else math.inf
+    run(space, FRAME, 60)
+    assert total_energy(bodies, chain) == 0.0
+    assert [body.is_sleeping for body in bodies] == [sleeps] * 5
+    bodies[0].velocity = 1.0, 0.0
+    assert_energy_stays(space, bodies, chain, frames=600)
+    assert bodies[4].velocity.x > (0.3 if law.preload else 0.2)
+    assert chain.energy == 0.0
+
+
+def test_a_body_moved_away_and_back():
+    space, bodies, chain = chain_row(hooke(30.0), gap=0.1)
+    run(space, FRAME, 15)
+    assert chain.overlaps[0] > 0.0
+    bodies[0].position, bodies[0].velocity = (-5.0, 0.0), (0.0, 0.0)
+    run(space, FRAME, 1)
+    assert chain.overlaps[0] == pytest.approx(-5.0, abs=0.2)
+    assert chain.forces[0] == 0.0
+    run(space, FRAME, 100)
+    bodies[0].position, bodies[0].velocity = bodies[1].position - (0.9, 0.0), bodies[1].velocity
+    run(space, FRAME, 1)
+    assert chain.overlaps[0] == pytest.approx(0.1, abs=0.01)
+    assert chain.forces[0] == pytest.approx(30.0 * 0.1, rel=0.05)
+    energy = total_energy(bodies, chain)
+    assert energy > 0.15
+    assert_energy_stays(space, bodies, chain, energy)
+
+
+def test_overlaps_follow_bodies_whose_positions_are_set():
+    """A body moved a little in every step: the overlaps that the chain sums up stay those of the positions."""
+    space, bodies, chain = chain_row(hooke(30.0), gap=0.1)
+    for _ in range(200):
+        space.step(FRAME)
+        bodies[2].position += pymunk.Vec2d(0.003, 0.001)
+    space.step(FRAME)
+    apart = [(b - a).length for a, b in itertools.pairwise(chain.positions)]
+    np.testing.assert_allclose(chain.overlaps, 1.0 - np.array(apart), atol=1e-9)
+
+
+@pytest.mark.parametrize("law", [hertz(1e4), hooke(1e6), draft_gear(1e4, 0.02)], ids=str)
+def test_a_body_tied_along_the_row_is_a_wall(law):
+    """A body that strikes it comes back, and one between it and a real wall stays."""
+    space, bodies, chain = chain_row(law, gap=[0.3, 0.0, 0.0], beads=4, masses=[1.0, 1.0, 1.0, math.inf])
+    space.add(pymunk.PinJoint(space.static_body, bodies[2], (5.0, 0.0), (0.0, 0.0)))
+    run(space, FRAME, 120)
+    assert bodies[0].velocity.x == pytest.approx(-1.0, rel=0.1)
+    assert abs(bodies[2].velocity.x) < 0.02
+    assert bodies[2].position.x == pytest.approx(2.3, abs=1e-3)
+    assert np.isfinite(chain.forces).all()
+
+
+@pytest.mark.parametrize("spring_first", [True, False])
+def test_a_spring_and_a_mouse_joint_add_no_energy(spring_first):
+    """A spring before or after the chain in the Space, and a joint of limited force on the last body."""
+    space, bodies, chain = chain_row(hertz(1e4), gap=0.2)
+    spring = pymunk.DampedSpring(space.static_body, bodies[0], (0, 0), (0, 0), 0.0, 20.0, 0.0)
+    joint = pymunk.PivotJoint(space.static_body, bodies[4], (4.2, 0.0), (0.0, 0.0))
+    joint.max_force = 5.0
+    links = list(chain) if spring_first else []
+    space.remove(*links)
+    space.add(spring, joint, *links)
+    for _ in range(1200):
+        space.step(FRAME)
+        energy = total_energy(bodies, chain) + 0.5 * 20.0 * chain.positions[0].length ** 2
+        assert energy < 0.55
+    assert energy < 0.4, "the joint takes energy"
+    assert all(abs(body.velocity.y) < 1e-12 for body in bodies)
+
+
+def test_a_spring_between_bodies_keeps_the_energy_at_small_steps():
+    """Another force in the Space, kicked before the chain solves: second-order in the step, without a drift."""
+    drifts = []
+    for step in (FRAME, FRAME / 8):
+        space, bodies, chain = chain_row(hertz(100.0), gap=0.2, beads=3)
+        spring = pymunk.DampedSpring(bodies[0], bodies[2], (0, 0), (0, 0), 2.2, 15.0, 0.0)
+        space.remove(*chain)
+        space.add(spring, *chain)
+        energies = []
+        for _ in range(round(20.0 / step)):
+            space.step(step)
+            apart = (chain.positions[2] - chain.positions[0]).length
+            energies.append(total_energy(bodies, chain) + 7.5 * (apart - 2.2) ** 2)
+        drifts.append(np.abs(np.array(energies) - 0.5).max())
+        assert momentum(bodies) == pytest.approx(1.0, abs=1e-11)
+    assert drifts[0] < 0.05
+    assert drifts[1] < 0.05 * drifts[0]
+
+
+def test_a_changing_step():
+    space, bodies, chain = chain_row(power_law(1.0, 0.1), gap=0.3)
+    for i in range(1500):
+        space.step((0.004, 0.011, 0.016)[i % 3])
+        assert total_energy(bodies, chain) == pytest.approx(0.5, rel=1e-10)
+    assert bodies[4].velocity.x > 0.3
+
+
+def test_contacts_and_touching_distances_changed_live():
+    space, bodies, chain = chain_row(hooke(30.0), speed=0.0)
+    run(space, FRAME, 5)
+    chain.touching_distances = [1.1, 1.0, 1.0, 1.0]
+    assert chain.overlaps == pytest.approx([0.1, 0.0, 0.0, 0.0])
+    chain.contacts = [hooke(60.0), *chain.contacts[1:]]
+    assert_energy_stays(space, bodies, chain, 0.5 * 60.0 * 0.1**2)
+    assert bodies[0].velocity.x < -0.1
+
+
+def test_links_that_are_taken_out_push_no_more_until_they_are_added_again():
+    space, bodies, chain = chain_row(hertz(1e5), gap=0.5)
+    chain.remove_from(space)
+    run(space, FRAME, 60)
+    assert bodies[0].position.x == pytest.approx(1.0)
+    bodies[0].position = 0.0, 0.0
+    space.add(*chain)
+    assert_energy_stays(space, bodies, chain, frames=31)  # till a contact is pressed
+    assert chain.forces.max() > 0.0
+    chain.remove_from(space)
+    assert not space.constraints
+    for frames in (0, 60):
+        run(space, FRAME, frames)
+        assert (chain.forces.tolist(), chain.overlaps.tolist(), chain.energy) == ([0.0] * 4, [-math.inf] * 4, 0.0)
+
+
+@pytest.mark.parametrize("way", ["remove_from", "as every constraint", "contacts alone"])
+@pytest.mark.parametrize("law", [hertz(1e4), power_law(1.0, 0.1), draft_gear(1e3, 0.02)], ids=str)
+def test_a_middle_body_dies_and_two_rows_go_on(law, way):
+    """They move as two chains that were made so, digit for digit where the solver has no more to do than they."""
+    space, (*first, dead, third, fourth, fifth), chain = chain_row(law, beads=6, masses=[1.0] * 6)
+    if way == "remove_from":
+        chain.remove_from(space, dead)
+    else:
+        space.remove(*(dead.constraints & space.constraints))
+    if way == "contacts alone":
+        dead.position = 2.0, 50.0
+    else:
+        space.remove(dead)
+    parts = [chain_row(law, beads=count, masses=[1.0] * count) for count in (2, 3)]
+    third.velocity = 1.0, 0.0
+    for each in (space, parts[0][0], parts[1][0]):
+        run(each, FRAME, 240)
+    alive = [*first, third, fourth, fifth]
+    expected = [body.velocity.x for part in parts for body in part[1]]
+    assert [body.velocity.x for body in alive] == pytest.approx(expected, abs=1e-9)
+    assert expected[1] > 0.99 or law.exponent < 1.0
+    assert total_energy(alive, chain) == pytest.approx(1.0, rel=1e-10)
+    assert (chain.overlaps[1:3].tolist(), chain.forces[1:3].tolist()) == ([-math.inf] * 2, [0.0] * 2)
+
+
+def test_a_contact_breaks_by_its_impulse_and_is_mended():
+    space, bodies, chain = chain_row(hertz(1e3), gap=0.1, masses=[1.0] * 5)
+    weakest = list(chain)[1]
+    while weakest.impulse < 0.1:
+        space.step(FRAME)
+    space.remove(weakest)
+    run(space, FRAME, 300)
+    assert bodies[1].position.x > bodies[2].position.x, "nothing is between them"
+    bodies[0].position, bodies[1].position = (-9.0, 0.0), (bodies[2].position.x - 1.5, 0.0)
+    bodies[0].velocity, bodies[1].velocity = (0.0, 0.0), (bodies[2].velocity.x + 2.0, 0.0)
+    space.add(weakest)
+    run(space, FRAME, 1)
+    assert_energy_stays(space, bodies, chain, total_energy(bodies, chain))
+    assert bodies[1].velocity.x < bodies[2].velocity.x
+
+
+def test_a_body_that_left_may_join_another_chain():
+    space, bodies, chain = chain_row(hertz(1e3), masses=[1.0] * 5)
+    chain.remove_from(space, bodies[4])
+    late = pymunk.Body(1.0, math.inf)
+    late.position = 5.0, 0.0
+    other = SoftChain([bodies[4], late], hertz(1e3), 1.0)
+    space.add(late, *other)
+    assert SoftChain.of(space) == [chain, other]
+    bodies[4].velocity = 1.0, 0.0
+    run(space, FRAME, 120)
+    assert late.velocity.x == pytest.approx(1.0, rel=1e-6)
+    with pytest.raises(ValueError, match="no contacts of a body that is not in it"):
+        chain.remove_from(space, late)
+
+
+def frames(space, chain, count):
+    """Everything that moves in so many frames."""
+    found = []
+    for _ in range(count):
+        space.step(FRAME)
+        found += [(body.position, body.velocity, body.angle) for body in chain.bodies]
+        found += [chain.overlaps.tolist(), chain.forces.tolist(), chain.energy, chain.absorbed]
+    return found
+
+
+@pytest.mark.parametrize("law", [power_law(1.0, 0.1), hertz(1e6), draft_gear(1e3, 0.02, 0.5)], ids=str)
+@pytest.mark.parametrize("before", [0, 12, 40])
+def test_ten_frames_rolled_back_to_the_bit(law, before):
+    """By the state of the chain, by a copy of the Space and by a pickle: before the first step, in a blow and after it."""
+    space, _, chain = chain_row(law, gap=0.1)
+    run(space, FRAME, before)
+    state = pickle.loads(pickle.dumps(chain.state))
+    copies = [space.copy(), copy.deepcopy(space), pickle.loads(pickle.dumps(space))]
+    first = frames(space, chain, 10)
+    chain.restore(state)
+    assert frames(space, chain, 10) == first
+    for copied in copies:
+        (theirs,) = SoftChain.of(copied)
+        assert theirs is not chain
+        assert list(theirs) == list(copied.constraints)
+        assert frames(copied, theirs, 10) == first
+        theirs.restore(state)
+        assert frames(copied, theirs, 10) == first
+
+
+def test_neighbours_do_not_collide_twice():
+    """Their shapes, which overlap while they push each other, are left to the chain."""
+    space, bodies, chain = chain_row(hooke(30.0), gap=0.1)
+    space.add(*(pymunk.Circle(body, 0.5) for body in bodies))
+    assert_energy_stays(space, bodies, chain)
+    assert bodies[4].velocity.x > 0.5
+
+
+def test_a_centre_of_gravity_that_is_not_the_origin():
+    space = pymunk.Space()
+    bodies = [pymunk.Body(1.0, 1.0) for _ in range(3)]
+    for i, body in enumerate(bodies):
+        body.center_of_gravity = 0.2, 0.3
+        body.position = 1.2 * i, 0.0
+    bodies[0].velocity = 1.0, 0.0
+    chain = SoftChain(bodies, hertz(1e4), 1.0)
+    space.add(*bodies, *chain)
+    assert_energy_stays(space, bodies, chain, frames=120)
+    assert bodies[2].velocity.x > 0.9
+    assert all(body.angular_velocity == 0.0 for body in bodies)
+
+
+def test_what_goes_wrong_in_the_solver_reaches_the_caller_once(monkeypatch):
+    space, bodies, _ = chain_row(hertz(1e4), gap=0.01)
+    monkeypatch.setattr(soft_chain, "solve_chain_step", Mock(py_func=None, side_effect=FloatingPointError("no forces")))
+    with pytest.raises(FloatingPointError, match="no forces") as caught:
+        space.step(FRAME)
+    assert not hasattr(caught.value, "__notes__")
+    monkeypatch.setattr(soft_chain, "solve_chain_step", Mock(py_func=None, return_value=False))
+    with pytest.raises(RuntimeWarning, match="did not converge"):
+        space.step(FRAME)
+    monkeypatch.undo()
+    run(space, FRAME, 120)
+    assert bodies[4].velocity.x > 0.1
+
+
+def test_a_link_takes_no_force_of_its_own():
+    """What pymunk lets a spring have would break the ledger of the chain, or be of no effect."""
+    space, bodies, chain = chain_row(hertz(1e4), gap=0.1)
+    of_a_spring = ("stiffness", "damping", "rest_length", "anchor_a", "anchor_b", "max_force", "force_func")
+    for link, name in itertools.product(chain, of_a_spring):
+        with pytest.raises(AttributeError, match=f"takes no {name}: its force is the chain's"):
+            setattr(link, name, 0.1)
+    assert_energy_stays(space, bodies, chain, frames=60)
+    assert [link.max_force for link in chain] == [math.inf] * 4
+
+
+@pytest.mark.parametrize(("name", "value"), [("velocity", (math.nan, 0.0)), ("force", (math.inf, 0.0))])
+def test_a_body_that_is_nowhere_is_named_after_the_step(name, value):
+    space, bodies, chain = chain_row(hertz(1e4), gap=0.1)
+    run(space, FRAME, 3)
+    state = chain.state
+    setattr(bodies[1], name, value)
+    with pytest.raises(ValueError, match=f"body 1 of a SoftChain has the {name} Vec2d"):
+        space.step(FRAME)
+    chain.restore(state)
+    assert_energy_stays(space, bodies, chain, frames=60)
+    assert bodies[4].velocity.x > 0.1
+
+
+def test_a_state_of_another_row():
+    chain, other = chain_row(hertz(1e4))[2], chain_row(hertz(1e4), beads=3)[2]
+    with pytest.raises(ValueError, match="a state of 3 bodies is none of a SoftChain of 5"):
+        chain.restore(other.state)
+    with pytest.raises(ValueError, match="state must be a SoftChainState, not 7"):
+        chain.restore(7)
+
+
+@pytest.mark.parametrize("gone", [0, 2, 4])
+def test_a_body_removed_whose_chain_stays(gone):
+    space, bodies, chain = chain_row(LAW)
+    space.step(STEP)
+    space.remove(bodies[gone])
+    with pytest.raises(RuntimeError, match=rf"body {gone} .* chain.remove_from\(space, body\)"):
+        run(space, STEP, 20)
+    chain.remove_from(space, bodies[gone])
+    before = momentum(bodies)
+    run(space, STEP, 480)
+    assert momentum(bodies) == pytest.approx(before, abs=1e-13)
+
+
+@pytest.mark.parametrize("chained", [True, False])
+def test_the_only_body_before_a_wall_removed(chained):
+    """None of the two bodies is in the Space then, and yet it says so."""
+    space, ball, wall = pymunk.Space(), pymunk.Body(1, 1), pymunk.Body(body_type=pymunk.Body.STATIC)
+    wall.position = 0.99, 0
+    links = SoftChain([ball, wall], LAW, 1.0) if chained else [SoftContact(ball, wall, (0, 0), (0, 0), 1.0, LAW, False)]
+    space.add(ball, *links)
+    space.step(1e-3)
+    space.remove(ball)
+    with pytest.raises(RuntimeError, match="is not in the Space"):
+        space.step(1e-3)
+
+
+def test_two_chains_that_share_a_body():
+    space, bodies, _ = chain_row(LAW, beads=3)
+    space.add(*SoftChain(bodies[1:], LAW, 1.0))
+    with pytest.raises(RuntimeError, match="two SoftChains"):
+        space.step(STEP)
+
+
+def test_two_chains_joined_by_a_contact():
+    """In small steps, for a SoftContact is symplectic Euler."""
+    space, bodies, (first, _, last) = cradle(LAW, beads=4)
+    space.remove(first, last)
+    space.add(*SoftChain(bodies[:2], LAW, 1.0), *SoftChain(bodies[2:], LAW, 1.0))
+    run(space, 1e-3, 4000)
+    assert bodies[3].velocity.x > 0.5
+    assert sum(0.5 * body.mass * body.velocity.length**2 for body in bodies) == pytest.approx(0.5, rel=0.02)
+
+
+def test_a_static_body_needs_no_place_in_the_space():
+    space, ball, wall = pymunk.Space(), pymunk.Body(1, 1), pymunk.Body(body_type=pymunk.Body.STATIC)
+    ball.velocity, wall.position = (1, 0), (1.5, 0)
+    space.add(ball, *SoftChain([ball, wall], LAW, 1.0))
+    run(space, STEP, 480)
+    assert ball.velocity.x == pytest.approx(-1.0, abs=1e-12)
+
+
+def swing_energy(seconds, step=STEP, string=pymunk.PinJoint, law=None):
+    """Energy after over before of a cradle of five pendulums of 1 m on strings, the first of them released at 0.5 rad."""
+    space = pymunk.Space()
+    space.gravity = 0, -9.81
+    bodies = [pymunk.Body(1, 1e9) for _ in range(5)]
+    for i, body in enumerate(bodies):
+        angle = -0.5 if i == 0 else 0.0
+        body.position = 0.1 * i + math.sin(angle), -math.cos(angle)
+        space.add(body, string(space.static_body, body, (0.1 * i, 0), (0, 0)))
+    chain = SoftChain(bodies, law or hertz(1e7), 0.1)
+    space.add(*chain)
+
+    def energy():
+        heights = [1.0 + body.position.y + 0.5 * step * body.velocity.y for body in bodies]
+        return total_energy(bodies, chain) + 9.81 * sum(heights)
+
+    start = energy()
+    run(space, step, round(seconds / step))
+    return energy() / start
+
+
+@pytest.mark.slow
+def test_a_cradle_on_pin_joints_loses_what_the_docstring_of_soft_chain_says():
+    assert swing_energy(60.0) == pytest.approx(1.0 - 0.041, abs=0.01)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rate", [60, 120, 240])
+def test_a_cradle_on_slide_joints_gains_nothing_at_sixty_steps_a_second_and_more(rate):
+    assert 0.8 < swing_energy(30.0, 1 / rate, lambda *ends: pymunk.SlideJoint(*ends, 0.0, 1.0), hertz(1e6)) < 1.0
