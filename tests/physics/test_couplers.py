@@ -10,9 +10,8 @@ from softcradle.physics.contact import Contact, hooke, power_law
 from softcradle.physics.methods import METHODS
 from softcradle.physics.simulation import solve
 
-from benchmarks.scan.families import motion
 from softcradle import Chain, Coupler, TimedForce, simulate, stable_step
-from tests.helpers.relations import assert_momentum, fineness
+from tests.helpers.relations import fineness
 
 CARRY = [method.name for method in METHODS if method.couplers]
 GEAR = Contact(250e3, 3.75e7, 1.7, loss=0.8)
@@ -72,28 +71,6 @@ def test_pulling_is_pushing_seen_from_the_other_side(method):
     np.testing.assert_allclose(pulling.force, -pushing.force, atol=2e-2)
     for pushed, pulled in zip(pushing.contact_intervals[0], pulling.contact_intervals[0], strict=True):
         assert pulled == pytest.approx(pushed, abs=1e-9)
-
-
-@pytest.mark.parametrize("seed", range(24))
-def test_random_trains_move_as_the_reference_says(seed):
-    chosen = motion("couplers", seed)
-    chain, given = chosen.chain, (chosen.chain, chosen.velocity, chosen.duration)
-    with np.errstate(all="raise"):
-        truth = solve(*given, "scipy", tolerance=1e-6, samples=5)
-    found = [solve(*given, "conserving", chosen.duration / count, samples=5) for count in (10_000, 40_000)]
-    assert np.abs(found[1].velocity - truth.velocity).max() < 1e-4
-    for method in ("accurate", "radau"):
-        exact = solve(*given, method, tolerance=1e-7, samples=5)
-        np.testing.assert_allclose(exact.velocity, truth.velocity, atol=5e-6)
-        np.testing.assert_allclose(exact.overlap, truth.overlap, atol=1e-6)
-        found.append(exact)
-    for run in (*found, truth):
-        scale = np.abs(run.kinetic_energy).max() + run.contact_energy.max()
-        closes = 1e-9 if run.method == "conserving" else 1e-7
-        assert np.ptp(run.ledger) < closes * scale
-        assert (np.diff(run.absorbed_by_contacts) >= -1e-9 * scale).all()
-    if not chain.on_bed:
-        assert_momentum(found[1], chosen.velocity)
 
 
 @pytest.mark.parametrize("seed", range(24))
