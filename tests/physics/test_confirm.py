@@ -7,20 +7,9 @@ from itertools import pairwise, product
 
 import numpy as np
 import pytest
-from softcradle.physics import (
-    Chain,
-    Coupler,
-    OwnLaw,
-    confirm,
-    draft_gear,
-    hertz,
-    hooke,
-    one_on,
-    power_law,
-    simulate,
-    step_force,
-)
+from softcradle.physics import Chain, Coupler, OwnLaw, confirm, one_on, simulate
 from softcradle.physics.confirm import confirmed, to_its_end
+from softcradle.physics.contact import draft_gear, hertz, hooke, power_law, step_force
 from softcradle.physics.problem import Problem, Record
 from softcradle.physics.state import State
 from softcradle.physics.status import Status

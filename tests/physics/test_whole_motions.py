@@ -31,6 +31,11 @@ class Case(NamedTuple):
     without: tuple[str, ...] = ()
 
 
+def box(contact):
+    """Three beads side by side between two walls."""
+    return Chain([math.inf, 1.0, 2.0, 3.0, math.inf], contact)
+
+
 TODA = OwnLaw(lambda d: 20.0 * math.expm1(d), lambda d: 20.0 * (math.expm1(d) - d))  # exponential, with its energy
 HARDENING = OwnLaw(lambda d: 2.0 + 30.0 * d + 50.0 * d**3)
 EXPLICIT = ("verlet", "yoshida4", "euler", "pymunk")  # which chatter, at the step of the others, on what is stiff
@@ -96,6 +101,14 @@ CASES = {
             friction=0.05,
         ),
         [1.0, 0.5, 0.0, 0.0], 0.4, 1e-3, EXPLICIT,
+    ),
+    "a box of gears that is struck from inside": Case(box(Contact(1.4, 3.0, 0.5)), [0.0, 1.0, 0.0, 0.0, 0.0], 5.0, 5e-3),
+    "a box of spheres that is struck from inside": Case(box(hertz(5.0)), [0.0, 1.0, 0.0, 0.0, 0.0], 5.0, 5e-3),
+    "a soft contact that needs no time to push a bead loose": Case(
+        Chain(
+            [1.0] * 3, [power_law(25.5324, 0.101981, loss=0.716), step_force(0.503251)], gap=[0.215607, 0.0], friction=0.00289438
+        ),
+        [1.0, 0.0, 0.0], 1.0, 1e-4, EXPLICIT,
     ),
     "a pressed row let go": Case(
         Chain([1.0, 2.0, 1.0, 0.5], [hertz(3.0), power_law(1.0, 0.5), hooke(2.0)], [-0.3, -0.1, 0.2]), [0.0] * 4, 6.0, 5e-3

@@ -12,18 +12,8 @@ from unittest.mock import Mock
 import numpy as np
 import pymunk
 import pytest
-from softcradle.physics import (
-    Chain,
-    Contact,
-    SoftChain,
-    SoftContact,
-    draft_gear,
-    hertz,
-    hooke,
-    power_law,
-    simulate,
-    step_force,
-)
+from softcradle.physics import Chain, Contact, SoftChain, SoftContact, simulate
+from softcradle.physics.contact import draft_gear, hertz, hooke, power_law, step_force
 from softcradle.physics.pymunk_contacts import soft_chain
 
 from tests.helpers.spaces import FRAME, LAWS, LOSSY, chain_row, cradle, momentum, run, total_energy
