@@ -8,7 +8,7 @@ import pytest
 from softcradle.physics import Chain, one_on, simulate
 from softcradle.physics.analysis.closed_forms import one_on_one
 from softcradle.physics.chain import GRAVITY
-from softcradle.physics.contact import Contact, draft_gear, hertz, power_law, step_force
+from softcradle.physics.contact import draft_gear, hertz, power_law, step_force
 from softcradle.physics.kernel_tiers import plain
 from softcradle.physics.methods import METHODS, find_method
 from softcradle.physics.numerics.meeting import slides_into
@@ -113,15 +113,6 @@ def test_beads_that_a_weak_impact_does_not_reach_stay():
     assert (found.rate[:, -6:] == 0.0).all()
     assert (found.overlap[:, -6:] == -0.001).all()
     assert found.warnings == ()
-
-
-def test_a_gear_may_stay_pressed_on_its_bed():
-    """Where friction can carry the force with which a gear comes out, it stays pressed: all beads rest and the run ends."""
-    found = simulate(Chain([1.0, 1.0], Contact(0.0, 50.0, 1.0, 0.95), friction=0.8), [1.0, 0.0], method="conserving")
-    assert found.contact_intervals[0][0][1] == math.inf
-    assert found.velocity[-1].tolist() == [0.0, 0.0]
-    assert found.overlap[-1, 0] > 0.0
-    assert ledger_error(found) < 1e-12
 
 
 def test_the_end_comes_when_nothing_can_meet_again():

@@ -129,13 +129,6 @@ def test_without_a_duration_it_ends_when_forces_and_contacts_do():
         simulate(FREE, [0.0, 0.0])
 
 
-def test_contacts_that_stay_closed_over_a_knot_switch_once():
-    chain = Chain([1.0, 1.0, math.inf], draft_gear(50.0, 0.1), forces=TimedForce(0, [0.0, 0.3, 0.3], [9.0, 9.0, 8.0]))
-    found = simulate(chain, [0.0, 0.0, 0.0], 0.6, method="radau")
-    assert [spans[0][0] for spans in found.contact_intervals] == [0.0, 0.0]
-    assert all(len(spans) == 1 for spans in found.contact_intervals)
-
-
 @pytest.mark.parametrize("before", [4.7e-15, 1e-12, 1e-9, 1e-6])
 def test_a_frame_that_begins_just_before_a_knot_gives_the_impulse_of_its_force(before):
     """A step of the time between the two would be all round-off: it gave the pulled train some 1000 N s."""

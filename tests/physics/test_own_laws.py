@@ -100,14 +100,8 @@ def test_adaptive_methods_against_the_reference(law, method):
     chain = Chain([1.0, 2.0, 1.0, 1.5], law)
     found, truth = (solve(chain, START[:4], method=name) for name in (method, "scipy"))
     assert found.final_velocity == pytest.approx(truth.final_velocity, abs=1e-7)
+    assert (np.abs(found.final_velocity - truth.final_velocity) <= 0.5 * found.velocity_error).all()
     assert found.velocity_error.max() < 1e-6
-
-
-def test_a_bend_takes_a_step_of_its_error():
-    """Without it `dop853` ends beyond what it states: no node of a long step tells where within it a slope jumps."""
-    chain = one_on(4, two_slopes)
-    found, truth = solve(chain, START, method="dop853"), solve(chain, START, method="radau", tolerance=1e-12)
-    assert np.abs(found.final_velocity - truth.final_velocity).max() < 0.5 * found.velocity_error.max()
 
 
 def test_the_automatic_method_takes_laws_of_ones_own():
@@ -170,12 +164,6 @@ def test_bends_and_jumps_of_a_law_are_known():
     assert three[:, 1] == pytest.approx([0.0, 0.0, 1.0], abs=1e-4)
     assert three[:, 2] == pytest.approx([1.0, 40.0, 0.0], abs=1e-4)
     assert all(len(OwnLaw(law).table.bend) == 0 for law in (Toda(3.0), Power(1.0, 0.1), gear, math.tanh))
-
-
-def test_a_step_of_pymunk_is_one_of_euler():
-    chain = Chain([1.0] * 3, Toda(3.0))
-    euler, pymunk = (solve(chain, START[:3], 2.0, method, 0.04, samples=2) for method in ("euler", "pymunk"))
-    assert pymunk.final_velocity == pytest.approx(euler.final_velocity, abs=1e-12)
 
 
 LAWS = {

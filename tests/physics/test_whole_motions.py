@@ -11,7 +11,6 @@ from softcradle.physics.contact import Contact, draft_gear, hertz, hooke, power_
 from softcradle.physics.methods import refusal_of
 from softcradle.physics.status import Status
 
-from benchmarks.scan.families import motion
 from tests.helpers import relations
 from tests.helpers.random_chains import random_collision, random_dissipative
 from tests.helpers.relations import KERNELS, assert_momentum, assert_sound, fineness, ledger_error, simulate_quietly
@@ -108,8 +107,20 @@ CASES = {
         Chain(
             [1.0] * 3, [power_law(25.5324, 0.101981, loss=0.716), step_force(0.503251)], gap=[0.215607, 0.0], friction=0.00289438
         ),
-        [1.0, 0.0, 0.0], 1.0, 1e-4, EXPLICIT,
+        [1.0, 0.0, 0.0], 1.0, 1e-3, EXPLICIT,
     ),
+    "a gear that stays pressed on its bed": Case(
+        Chain([1.0, 1.0], hooke(50.0, loss=0.95), friction=0.8), [1.0, 0.0], 1.0, 1e-3, EXPLICIT
+    ),
+    "contacts that stay closed over a knot": Case(
+        Chain([1.0, 1.0, math.inf], draft_gear(50.0, 0.1), forces=TimedForce(0, [0.0, 0.3, 0.3], [9.0, 9.0, 8.0])),
+        [0.0] * 3, 0.6, 1e-3,
+    ),
+    "a coupler torn open from a touch, whose pull alone has a preload": Case(
+        Chain([5.6, 0.2, 0.4], Coupler(Contact(0.0, 14.7, 0.89), Contact(3.95, 39.5, 1.0)), gap=[0.274, 0.0]),
+        [0.3, -1.0, -1.0], 1e-4, 1e-6,
+    ),
+    "clusters that meet": Case(Chain([1.0] * 5, hooke(2.0), [0.0, 0.3, 0.0, 0.0]), [1.0, 1.0, 0.0, 0.0, 0.0], None, 5e-3),
     "a pressed row let go": Case(
         Chain([1.0, 2.0, 1.0, 0.5], [hertz(3.0), power_law(1.0, 0.5), hooke(2.0)], [-0.3, -0.1, 0.2]), [0.0] * 4, 6.0, 5e-3
     ),
@@ -137,7 +148,7 @@ MOVED_LIVE = (
     "laws of one's own", "a wagon train", "a force that comes and goes",
 )  # fmt: skip
 for make, duration, seeds in ((random_dissipative, 0.3, (1, 2, 5, 8)), (random_collision, 1.0, (0, 1, 2, 4, 5))):
-    CASES |= {f"{make.__name__} {seed}": Case(*make(seed, 4), duration, 1e-4, EXPLICIT) for seed in seeds}
+    CASES |= {f"{make.__name__} {seed}": Case(*make(seed, 4), duration, 1e-3, EXPLICIT) for seed in seeds}
 
 
 def solved(case, method):
@@ -185,47 +196,19 @@ def test_every_corner_is_passed_as_the_reference_does(name, method):
     fastest, allowed = np.abs(other.velocity).max(), 30.0 * TOLERANCE if method in KERNELS else 3e-3
     assert ledger_error(other) < 1e-9
     assert found.final_velocity == pytest.approx(other.final_velocity, abs=allowed * fastest)
+    if case.duration:
+        assert found.overlap == pytest.approx(other.overlap, abs=allowed * fastest)
     if method == "conserving":
         assert list(map(len, found.contact_intervals)) == list(map(len, other.contact_intervals))
         return
     if case.duration:
-        assert found.overlap == pytest.approx(other.overlap, abs=30.0 * TOLERANCE * fastest)
         assert found.absorbed_by_contacts == pytest.approx(other.absorbed_by_contacts, abs=1e-4)
         assert found.absorbed_by_bed == pytest.approx(other.absorbed_by_bed, abs=1e-4)
     for one, those in zip(found.contact_intervals, other.contact_intervals, strict=True):
         ends = [min(end, other.time[-1]) for _, end in those]
         assert [min(end, found.time[-1]) for _, end in one] == pytest.approx(ends, abs=1e-3)
-
-
-FEW = {  # of each family those that the reference takes no long time for
-    "couplers": range(1, 24), "bounded": (1, 3, 5, 9, 10, 12, 13), "timed": (1, 2, 5, 8), "driven": (2, 5, 7, 8, 9),
-    "friction": (0, 3, 6, 7, 9), "loss": (1, 2, 3, 4, 7), "walls": (0, 2, 4, 8), "own-laws": (1, 2, 3),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize(("family", "seed"), [(family, seed) for family, seeds in FEW.items() for seed in seeds])
-def test_random_motions_go_where_the_reference_goes_and_keep_their_ledger(family, seed):
-    """Ten tolerances at the most, and no more than is stated; conserving, in steps, keeps energy and momentum to round-off."""
-    chosen = motion(family, seed)
-    chain, velocity, speed = chosen.chain, chosen.velocity, chosen.speed
-    truth = simulate_quietly(chain, velocity, chosen.duration, "scipy", samples=5, tolerance=1e-9)
-    end = truth.time[-1]
-    assert ledger_error(truth) < 1e-9
-    for method in (one for one in KERNELS if not refusal_of(one, chain)):
-        found = simulate_quietly(chain, velocity, end, method, samples=5, tolerance=1e-7)
-        assert np.abs(found.velocity - truth.velocity).max() < relations.PROMISE * 1e-7 * speed, method
-        assert np.abs(found.overlap - truth.overlap).max() < relations.PROMISE * 1e-7 * max(1.0, speed), method
-        assert (np.abs(found.final_velocity - truth.final_velocity) <= found.velocity_error + 1e-8 * speed).all(), (
-            method
-        )
-        assert ledger_error(found) < 1e-7, method
-    found = simulate_quietly(chain, velocity, end, "conserving", end / 40_000, samples=5)
-    assert np.abs(found.velocity - truth.velocity).max() < 1e-4 * speed
-    assert ledger_error(found) < 1e-10
-    for one in (truth, found):
-        assert (np.diff(one.absorbed_by_contacts) >= -1e-9 * one.ledger[0]).all()
-    if not chain.on_bed:
-        assert_momentum(found, velocity)
+        if not (case.chain.on_bed or case.chain.pulls):  # there a contact may begin to push when forces grow
+            assert [begin for begin, _ in one] == pytest.approx([begin for begin, _ in those], abs=2e-3)
 
 
 @pytest.mark.parametrize("exponent", [2.5, 3.0])

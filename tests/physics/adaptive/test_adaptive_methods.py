@@ -13,7 +13,7 @@ from softcradle.physics.analysis.closed_forms import rigid_collision, rigid_stro
 from softcradle.physics.status import Status
 
 from examples.largest_force import LargestForce
-from tests.helpers.relations import EPSILON, KERNELS, PROMISE, momentum, run, separating, struck
+from tests.helpers.relations import EPSILON, KERNELS, PROMISE, momentum, run, struck
 from tests.helpers.truth import GEAR, gear_critical_speed
 
 
@@ -125,17 +125,6 @@ def test_a_budget_that_ends_is_a_value(monkeypatch):
         assert len(found.warnings) == 1
         assert found.status == Status.UNDETERMINED
         assert (np.abs(found.final_velocity - whole[method]) <= found.velocity_error).all()
-
-
-def test_a_gap_between_clusters_counts_from_the_first_touch():
-    """Beads that rest against each other unpushed are open; the cluster closes as one when it is hit."""
-    chain, start = Chain([1.0] * 5, hooke(2.0), [0.0, 0.3, 0.0, 0.0]), [1, 1, 0, 0, 0]
-    for method in KERNELS:
-        found = run(chain, start, method=method, tolerance=1e-8)
-        for intervals in found.contact_intervals:
-            assert intervals[0][0] == pytest.approx(0.3, abs=1e-12)
-            assert all(math.isfinite(time) for interval in intervals for time in interval)
-        assert separating(found.final_velocity, 1e-7)
 
 
 @pytest.mark.parametrize("method", KERNELS)

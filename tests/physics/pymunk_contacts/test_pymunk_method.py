@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, State, advance, hertz, hooke, one_on, power_law, simulate
+from softcradle.physics import Chain, OwnLaw, State, advance, hertz, hooke, one_on, power_law, simulate
 from softcradle.physics.simulation import solve
 from softcradle.physics.status import Status
 
@@ -17,6 +17,7 @@ CASES = {
     "alpha 1/7": (one_on(3, power_law(1.0, 1 / 7)), [1, 0, 0, 0]),
     "mixed, with gaps": (Chain([1, 2, 0.5, 3], MIXED, [0, 0.1, 0.03]), [1, 0, 0, -0.5]),
     "wall at rest": (Chain([1, 2, 0.5, math.inf], MIXED, [0, 0.1, 0.03]), [1, 0, 0, 0]),
+    "a law of one's own": (Chain([1.0] * 3, OwnLaw(lambda overlap: 3.0 * math.expm1(overlap))), [1, 0, 0]),
     "moving wall": (Chain([math.inf, 2, 0.5, 1], MIXED), [0.5, 0, 0, 0]),
 }
 

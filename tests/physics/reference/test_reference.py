@@ -1,4 +1,4 @@
-"""The reference itself: contact modes, located switches, pushes; `test_whole_motions.py` compares other methods with it."""
+"""The reference itself: contact modes, located switches, pushes; random motions by other methods are compared with it."""
 
 import math
 
@@ -7,9 +7,41 @@ import pytest
 from softcradle.physics import Chain, Coupler, OwnLaw, cluster_on_cluster, one_on, simulate
 from softcradle.physics.chain import GRAVITY
 from softcradle.physics.contact import draft_gear, hertz, hooke, power_law
+from softcradle.physics.methods import refusal_of
 from softcradle.physics.reference.laws import Laws
 
-from tests.helpers.relations import NAMES
+from benchmarks.scan.families import motion
+from tests.helpers.relations import KERNELS, NAMES, PROMISE, assert_momentum, ledger_error, simulate_quietly
+
+FEW = {  # of each family those that the reference takes no long time for
+    "couplers": range(1, 24), "bounded": (1, 3, 5, 9, 10, 12, 13), "timed": (1, 2, 5, 8), "driven": (2, 5, 7, 8, 9),
+    "friction": (0, 3, 6, 7, 9), "loss": (1, 2, 3, 4, 7), "walls": (0, 2, 4, 8), "own-laws": (1, 2, 3),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("family", "seed"), [(family, seed) for family, seeds in FEW.items() for seed in seeds])
+def test_random_motions_go_where_the_reference_goes_and_keep_their_ledger(family, seed):
+    """Ten tolerances at the most, and no more than is stated; conserving, in steps, keeps energy and momentum to round-off."""
+    chosen = motion(family, seed)
+    chain, velocity, speed = chosen.chain, chosen.velocity, chosen.speed
+    truth = simulate_quietly(chain, velocity, chosen.duration, "scipy", samples=5, tolerance=1e-9)
+    end = truth.time[-1]
+    assert ledger_error(truth) < 1e-9
+    for method in (one for one in KERNELS if not refusal_of(one, chain)):
+        found = simulate_quietly(chain, velocity, end, method, samples=5, tolerance=1e-7)
+        assert np.abs(found.velocity - truth.velocity).max() < PROMISE * 1e-7 * speed, method
+        assert np.abs(found.overlap - truth.overlap).max() < PROMISE * 1e-7 * max(1.0, speed), method
+        off = np.abs(found.final_velocity - truth.final_velocity)
+        assert (off <= found.velocity_error + 1e-8 * speed).all(), method
+        assert ledger_error(found) < 1e-7, method
+    found = simulate_quietly(chain, velocity, end, "conserving", end / 40_000, samples=5)
+    assert np.abs(found.velocity - truth.velocity).max() < 1e-4 * speed
+    assert ledger_error(found) < 1e-10
+    for one in (truth, found):
+        for absorbed in (one.absorbed_by_contacts, one.absorbed_by_bed):
+            assert (np.diff(absorbed) >= -1e-9 * truth.ledger[0]).all()
+    if not chain.on_bed:
+        assert_momentum(found, velocity)
 
 
 def ended(chain, velocity, duration=None):
