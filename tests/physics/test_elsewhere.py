@@ -25,7 +25,7 @@ PLACES = {
     ),
     "a processor without the instructions of this one": (
         {"NUMBA_CPU_NAME": "generic", "OPENBLAS_CORETYPE": "Prescott", "SOFTCRADLE_COMPILE": "first"},
-        [*DIGITS, "numerics/test_exact_matrices.py"],
+        [*DIGITS, "numerics/test_elementary.py"],
     ),
     "plain Python": (
         {"NUMBA_DISABLE_JIT": "1"},

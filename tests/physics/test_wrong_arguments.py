@@ -72,6 +72,10 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
         lambda: SoftChain([pymunk.Body(body_type=pymunk.Body.STATIC), pymunk.Body(body_type=pymunk.Body.KINEMATIC)], LAW, 1),
         "bodies 0 and 1 are not",
     ),
+    "a state of another row": (
+        lambda: SoftChain(BODIES, LAW, 1).restore(SoftChain(BODIES[:2], LAW, 1).state), "of 2 bodies is none of a SoftChain of 3"
+    ),
+    "no state of a row": (lambda: SoftChain(BODIES, LAW, 1).restore(7), "state must be a SoftChainState, not 7"),
     "a list of one body": (lambda: SoftChain([BODY], LAW, 1), "at least 2 different bodies"),
     "a contact too few": (lambda: SoftChain(BODIES, [LAW], 1), "one Contact for all or 2"),
     "a number for all contacts": (lambda: SoftChain(BODIES, 3.0, 1), "one Contact for all or 2"),

@@ -36,11 +36,6 @@ def test_a_step_past_the_limit_is_reported():
         assert simulate(chain, [1, 0, 0, 0, 0, 0], method="verlet", step=step).warnings
 
 
-@pytest.mark.parametrize("method", ["conserving", "accurate", "radau"])
-def test_methods_that_carry_touching_contacts_have_nothing_to_report(method):
-    assert simulate(one_on(3, draft_gear(770.0, 0.0177), mass=0.396), [0.5, 0, 0, 0], method=method).warnings == ()
-
-
 @pytest.mark.parametrize("contact", [hertz(1.0), power_law(1.0, 0.5), power_law(1.0, 0.1)])
 @pytest.mark.parametrize("error", [1e-2, 1e-3])
 def test_within_the_estimate_the_error_holds(contact, error):

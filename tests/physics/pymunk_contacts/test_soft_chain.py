@@ -426,14 +426,6 @@ def test_a_body_that_is_nowhere_is_named_after_the_step(name, value):
     assert bodies[4].velocity.x > 0.1
 
 
-def test_a_state_of_another_row():
-    chain, other = chain_row(hertz(1e4))[2], chain_row(hertz(1e4), beads=3)[2]
-    with pytest.raises(ValueError, match="a state of 3 bodies is none of a SoftChain of 5"):
-        chain.restore(other.state)
-    with pytest.raises(ValueError, match="state must be a SoftChainState, not 7"):
-        chain.restore(7)
-
-
 @pytest.mark.parametrize("gone", [0, 2, 4])
 def test_a_body_removed_whose_chain_stays(gone):
     space, bodies, chain = chain_row(LAW)
