@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import Chain, Coupler, OwnLaw, cluster_on_cluster, one_on, simulate
-from softcradle.physics.chain import GRAVITY
 from softcradle.physics.contact import draft_gear, hertz, hooke, power_law
 from softcradle.physics.methods import refusal_of
 from softcradle.physics.reference.laws import Laws
@@ -80,30 +79,12 @@ def test_scales_of_length_and_time_do_not_matter(method):
     assert small.overlap / length == pytest.approx(large.overlap, abs=1e-8)
 
 
-def test_friction_holds_a_bead_where_it_turns():
-    """Pushed against a spring; the next bead stays, for the spring never pushes with more than its friction."""
-    chain = Chain([1.0, 1.0], hooke(10.0), drive=[1.2 * 0.2 * GRAVITY, 0.0], friction=0.2)
-    # one bead swings about its balance under the spring alone, from rest to rest: it never pushes with 2 * 0.2 mu g
-    frequency, force = math.sqrt(10.0), 0.2 * 0.2 * GRAVITY
-    middle = ended(chain, [0.0, 0.0], 0.5 * math.pi / frequency)
-    assert middle.final_velocity[0] == pytest.approx(force / frequency, abs=1e-12)
-    # within 3 s it turns, and friction holds it there
-    assert ended(chain, [0.0, 0.0], 3.0).final_velocity.tolist() == [0.0, 0.0]
-
-
 def test_parts_of_a_coupler_that_only_together_are_determined():
     """Both gears of a coupler touch at the same overlap: the force between the beads is one, whichever part carries it."""
     link = Coupler(draft_gear(100.0, 0.05), pull=draft_gear(80.0, 0.05))
     found = ended(Chain([1.0, 2.0, 3.0], link, drive=[3.0, 0.0, 0.0]), [0.0, 0.0, 0.0], 2.0)
     assert found.final_velocity == pytest.approx([1.0, 1.0, 1.0], abs=1e-12)
     assert found.force[-1] == pytest.approx([2.5, 1.5], abs=1e-9)
-
-
-def test_a_touch_within_one_step_is_not_passed_over():
-    """Steps of a flight are as long as it is; a bead thrown at a ceiling comes down at the speed at which it left."""
-    for speed in (3.001, 3.1, 8.0):  # the first would reach a third of a millimetre beyond it
-        chain = Chain([1.0, math.inf], hertz(1e6), gap=0.5 * 3.0**2 / 9.8, drive=[-9.8, 0.0])
-        assert len(ended(chain, [speed, 0.0], 2.0 * speed / 9.8).contact_intervals[0]) == 1
 
 
 def test_a_solver_may_try_a_law_of_ones_own_where_that_has_no_number():
