@@ -8,14 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from softcradle.physics import METHODS, Chain, Contact, Coupler, State, TimedForce, advance, one_on, simulate
-from softcradle.physics.contact import draft_gear, hertz, hooke, power_law
-from softcradle.physics.methods import find_method, refusal_of
+from softcradle.physics import METHODS, Chain, Contact, Coupler, State, advance, one_on, simulate
+from softcradle.physics.contact import draft_gear, hooke, power_law
 from softcradle.physics.simulation import move, solve
 from softcradle.physics.status import Status
 
 from benchmarks.scan.families import motion
-from tests.helpers.relations import NAMES, digits, fineness, struck, total_energy
+from tests.helpers.relations import digits, fineness, struck, total_energy
 
 SOFT = one_on(4, power_law(1.0, 0.1))
 RUBS = Chain(np.ones(4), [power_law(1.0, 0.1)] * 3, friction=0.02)
@@ -60,32 +59,6 @@ def test_a_run_whose_budget_ends_between_changes_of_friction_reaches_its_end(cha
     assert (np.abs(found.final_velocity - exact.final_velocity) <= found.velocity_error).all()
     assert found.time.size == 11
     assert found.ledger[-1] == pytest.approx(found.ledger[0], rel=1e-6)
-
-
-HIT = Chain(np.ones(4), [hertz(50.0)] * 3, gap=(0.013, 0.0, 0.021))
-BRAKED = Chain(np.ones(4), [Contact(0.0, 50.0, 1.5, loss=0.3)] * 3, gap=(0.013, 0.0, 0.021), friction=0.02)
-PUSHED = replace(HIT, forces=(TimedForce(0, (0.1, 0.3), (0.0, 0.5)),))
-COUPLED = replace(HIT, contact=(Coupler(hertz(50.0), pull=hooke(9.0), slack=0.05),) * 3)
-TAKEN = [(one, chain) for one in NAMES for chain in (HIT, BRAKED, PUSHED, COUPLED) if not refusal_of(one, chain)]
-
-
-@pytest.mark.parametrize(("method", "chain"), TAKEN)
-def test_frames_hand_out_the_switches_of_the_whole_motion(method, chain):
-    start, step = np.eye(1, 4)[0], None if find_method(method).adaptive else 1e-3
-    whole = simulate(chain, start, 1.0, method, step=step, samples=2)
-    state, found = State.at_start(chain, start), [[], [], []]
-    for _ in range(40):
-        before = state.closed
-        advance(chain, state, 0.025, method, step=step)
-        for contact, time in zip(*state.switched, strict=True):
-            found[contact].append(time)
-            assert state.time - 0.025 - 1e-12 <= time <= state.time
-        assert ((np.bincount(state.switched.contact, minlength=3) % 2 == 1) == (before != state.closed)).all()
-    expected = [[time for span in spans for time in span if time < np.inf] for spans in whole.contact_intervals]
-    assert [len(times) for times in found] == [len(times) for times in expected]
-    assert state.switches == sum(map(len, expected))
-    for times, known in zip(found, expected, strict=True):
-        assert times == pytest.approx(known, abs=2e-3 if step else 1e-6)
 
 
 CASES = {
