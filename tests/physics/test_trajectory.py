@@ -110,20 +110,6 @@ def test_free_flight_costs_no_steps_worth_mentioning(method):
     assert far.final_velocity == pytest.approx(near.final_velocity, abs=1e-4)
 
 
-def test_advance_is_simulate(method):
-    chain = Chain([1.0, 2.0, 1.0, 0.5], [hertz(1.0), hooke(2.0), power_law(1.0, 0.5)], [0.0, 0.1, 0.0])
-    start = [1.0, 0.0, 0.0, -0.5]
-    state = State.at_start(chain, start)
-    for _ in range(8):
-        advance(chain, state, 0.25, method, **fineness(method, 2**-10))
-    found = simulate(chain, start, 2.0, method, samples=2, **fineness(method, 2**-10))
-    allowed = 1e-13 if method in [one.name for one in LIVE] else 1e-8
-    assert state.time == 2.0
-    assert state.velocity(chain) == pytest.approx(found.velocity[-1], abs=allowed)
-    assert state.position(chain) == pytest.approx(found.position[-1], abs=allowed)
-    assert state.force == pytest.approx(found.force[-1], abs=10.0 * allowed)
-
-
 @pytest.mark.parametrize("method", [method.name for method in LIVE])
 def test_advance_takes_no_memory_a_step(method):
     chain = one_on(50, hertz(1.0))

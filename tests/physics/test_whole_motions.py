@@ -268,8 +268,11 @@ def test_frames_go_where_the_whole_run_goes_and_hand_out_its_switches(name, meth
         assert ((np.bincount(state.switched.contact, minlength=len(found)) % 2 == 1) == (before != state.closed)).all()
     whole = simulate_quietly(case.chain, case.velocity, 1.0, method, samples=2, **finer)
     assert state.time == pytest.approx(1.0)
-    allowed = 1e-3 if method in ("pymunk", "euler") else 1e-6 if "step" in finer else 30.0 * TOLERANCE
-    assert state.velocity(case.chain) == pytest.approx(whole.final_velocity, abs=allowed)
+    # a contact of "between walls" closes at an end of a frame: within a step of a Space, by round-off
+    allowed = {"pymunk": 1e-3, "scipy": 1e-9}.get(method, 1e-13 if "step" in finer else TOLERANCE)
+    assert state.velocity(case.chain) == pytest.approx(whole.velocity[-1], abs=allowed)
+    assert state.position(case.chain) == pytest.approx(whole.position[-1], abs=allowed)
+    assert state.force == pytest.approx(whole.force[-1], abs=1e3 * allowed)
     absorbed = whole.absorbed_by_contacts[-1], whole.absorbed_by_bed[-1]
     assert state.absorbed == pytest.approx(absorbed, rel=1e-6 if "step" in finer else 1e-4, abs=1e-6)
     assert state.copy().absorbed.tolist() == state.absorbed.tolist()
