@@ -1,4 +1,4 @@
-"""Method `pymunk`: the digits of `euler`, from bodies in a Space; steps and switches in `test_whole_motions.py`."""
+"""Method `pymunk`: the digits, steps and switches of `euler`, from bodies in a Space."""
 
 import math
 
@@ -7,6 +7,24 @@ import pytest
 from softcradle.physics import Chain, State, advance, hertz, hooke, one_on, power_law, simulate
 from softcradle.physics.simulation import solve
 from softcradle.physics.status import Status
+
+from tests.helpers.motions import CASES, runs, solved
+
+# where round-off decides what touches, or none is evaluated
+UNLIKE_EULER = ("gears on straws", "step forces", "a ball that bounces to rest", "held by friction")
+
+
+@pytest.mark.parametrize("name", [name for name, _ in runs(CASES, ("pymunk",)) if name not in UNLIKE_EULER])
+def test_digits_steps_and_switches_of_pymunk_are_those_of_euler(name):
+    euler, pymunk = (solved(CASES[name], method) for method in ("euler", "pymunk"))
+    assert pymunk.time == pytest.approx(euler.time)
+    for row in ("overlap", "rate", "anchor", "position", "velocity"):
+        np.testing.assert_allclose(getattr(pymunk, row), getattr(euler, row), rtol=0, atol=1e-12, err_msg=row)
+    np.testing.assert_allclose(pymunk.force, euler.force, rtol=0, atol=1e-10 * euler.force.max())
+    assert (pymunk.steps, pymunk.evaluations) == (euler.steps, euler.evaluations)
+    for ours, theirs in zip(pymunk.contact_intervals, euler.contact_intervals, strict=True):
+        np.testing.assert_allclose(ours, theirs, atol=0.05)  # a contact that closes at speed 0 has no sharp time
+        np.testing.assert_allclose([end for _, end in ours], [end for _, end in theirs], atol=1e-6)
 
 
 def both(chain, velocity, **options):
