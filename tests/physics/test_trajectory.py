@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from softcradle.physics import Chain, OwnLaw, State, TimedForce, advance, draft_gear, hooke, one_on, power_law, simulate
+from softcradle.physics import Chain, State, advance, draft_gear, hooke, one_on, simulate
 from softcradle.physics.adaptive import kept_steps, runner
 from softcradle.physics.contact import hertz
 from softcradle.physics.fixed_step import runner as fixed_step
 from softcradle.physics.fixed_step import step_loop
 from softcradle.physics.pymunk_contacts import runner as pymunk_contacts
 
+from tests.helpers.motions import CASES, runs
 from tests.helpers.relations import FIXED_STEP, LIVE, NAMES, fineness, separating, simulate_quietly, struck
 
 CRADLE = one_on(4, hertz(1.0))
@@ -138,47 +139,27 @@ def test_any_step_duration_and_samples_go_together(method, duration, step, parts
 
 
 # Samples of a run to its end are taken from what it kept: the same motion as with a known duration, and no second run.
-PLAIN = {
-    "power law": one_on(4, power_law(1.0, 0.1)),
-    "gears with gaps": Chain([1.0] * 4, draft_gear(100.0, 0.05), gap=[0.0, 0.02, 0.0]),
-    "flights": Chain([1.0] * 3, hooke(1e3), gap=[7.0, 0.3]),
-    "own law": Chain([1.0] * 3, OwnLaw(lambda overlap: overlap + overlap**3)),
-    "over at once": Chain([1.0, 1.0, 1.0], hooke(1.0), gap=0.1),
-}
-DISSIPATIVE = {
-    "loss": one_on(4, power_law(1.0, 0.1, loss=0.2)),
-    "friction": Chain([1.0] * 5, power_law(1.0, 0.1), friction=0.05, gap=[0.0, 0.02, 0.0, 0.1]),
-    "forces": Chain([1.0] * 4, power_law(1.0, 0.1), forces=TimedForce(0, [0.0, 0.6, 0.7], [0.3, 0.3, 0.0])),
-}
+ENDED = {name: (case.chain, case.velocity) for name, case in CASES.items() if case.duration is None}
+ENDED["over at once"] = Chain([1.0, 1.0, 1.0], hooke(1.0), gap=0.1), [-1.0, 0.0, 0.0]
+ADAPTIVE = [name for name, _ in runs([name for name in CASES if name in ENDED], ("accurate",))]
+for name, chain in (("gears in a row", one_on(10, draft_gear(1.0, 0.1))), ("spheres in a row", one_on(20, hertz(1.0)))):
+    ENDED[name] = chain, struck(chain)
+    ADAPTIVE.append(name)
 # of steps of a run and of one that is known to end there; a Space goes on from positions rounded anew, and bounces make that grow
 APART = {"pymunk": 1e-9, "accurate": 5e-9, "scipy": 1.5e-8}
-ADAPTIVE = {  # whose samples are taken from the steps that a run has kept
-    "gears in a row": one_on(10, draft_gear(1.0, 0.1)),
-    "hertz": one_on(20, hertz(1.0)),
-    **{name: PLAIN[name] for name in ("power law", "gears with gaps")},
-    **DISSIPATIVE,
-}
-CASES = [
-    *((name, one.name) for name in PLAIN for one in FIXED_STEP if (name, one.name) != ("own law", "pymunk")),
-    *((name, method) for name in DISSIPATIVE for method in ("verlet", "conserving", "pymunk")),
-    *((name, "accurate") for name in ADAPTIVE),
-    *[pytest.param("friction", "scipy", marks=pytest.mark.slow), ("forces", "scipy")],
-]
+SAMPLED = [*runs([name for name in CASES if name in ENDED], [one.name for one in FIXED_STEP])]
+SAMPLED += [*(("over at once", one.name) for one in FIXED_STEP), *((name, "accurate") for name in ADAPTIVE)]
+SAMPLED += [pytest.param("gears on straws", "scipy", marks=pytest.mark.slow), ("a push that ends", "scipy")]
 ROWS = ("overlap", "velocity", "anchor", "absorbed_by_contacts", "absorbed_by_bed", "given")
 
 
-def named(name: str) -> tuple[Chain, np.ndarray]:
-    chain = {**PLAIN, **ADAPTIVE}[name]
-    return chain, (-1.0 if name == "over at once" else 1.0) * struck(chain)
-
-
 @pytest.mark.parametrize("rows", [None, 6], ids=["", "thinned many times"])
-@pytest.mark.parametrize(("name", "method"), CASES)
+@pytest.mark.parametrize(("name", "method"), SAMPLED)
 def test_a_run_to_its_end_has_the_samples_of_one_with_this_duration(name, method, rows, monkeypatch):
     if rows:
         monkeypatch.setattr(step_loop, "MOST_ROWS", rows)
         monkeypatch.setattr("softcradle.physics.problem.MOST_CHECKPOINTS", rows)
-    chain, velocity = named(name)
+    chain, velocity = ENDED[name]
     found = simulate_quietly(chain, velocity, method=method, samples=37)
     known = simulate_quietly(chain, velocity, found.time[-1], method=method, samples=37)
     assert found.time == pytest.approx(known.time, rel=1e-15, abs=0.0)
@@ -191,10 +172,14 @@ def test_a_run_to_its_end_has_the_samples_of_one_with_this_duration(name, method
 
 @pytest.mark.parametrize(
     ("module", "method", "name"),
-    [(fixed_step, "conserving", "power law"), (fixed_step, "verlet", "loss"), (pymunk_contacts, "pymunk", "power law")],
+    [
+        (fixed_step, "conserving", "one on four"),
+        (fixed_step, "verlet", "gears on straws"),
+        (pymunk_contacts, "pymunk", "one on four"),
+    ],
 )
 def test_samples_cost_no_second_run(module, method, name, monkeypatch):
-    chain, velocity = named(name)
+    chain, velocity = ENDED[name]
     simulate_quietly(chain, velocity, method=method, samples=50)  # the first of a process loads kernels too
     counted = Mock(wraps=module._pass)
     monkeypatch.setattr(module, "_pass", counted)
@@ -202,26 +187,26 @@ def test_samples_cost_no_second_run(module, method, name, monkeypatch):
     assert [call.args[1] for call in counted.call_args_list] == [np.inf]
 
 
-@pytest.mark.parametrize("chain", ADAPTIVE.values(), ids=ADAPTIVE)
-def test_samples_cost_no_second_run_of_an_adaptive_method(chain, monkeypatch):
+@pytest.mark.parametrize("name", ADAPTIVE)
+def test_samples_cost_no_second_run_of_an_adaptive_method(name, monkeypatch):
     kernels, counted, begun = runner.TIERS["adaptive"], Mock(wraps=runner.integrate), []
     kernels.load_made()  # each kernel is called once as it is loaded
     monkeypatch.setattr(runner, "integrate", counted)
     monkeypatch.setattr(kernels, "of", lambda kernel, work=0.0: kernel)
     for samples in (2, 50):
         counted.reset_mock()
-        simulate_quietly(chain, struck(chain), samples=samples, tolerance=1e-4)
+        simulate_quietly(*ENDED[name], samples=samples, tolerance=1e-4)
         begun.append(sum(not resumed for _, (resumed, *_), *_ in [call.args for call in counted.call_args_list]))
     assert begun[0] == begun[1] > 0
 
 
 @pytest.mark.parametrize(("limit", "rows", "allowed"), [("MOST_ROWS", 3, 0.0), ("MOST_KEPT", 1, 1e-8)])
-@pytest.mark.parametrize("chain", ADAPTIVE.values(), ids=ADAPTIVE)
-def test_samples_do_not_tell_in_what_blocks_steps_were_kept_or_run_again(chain, limit, rows, allowed, monkeypatch):
-    whole = simulate_quietly(chain, struck(chain), samples=23)
+@pytest.mark.parametrize("name", ADAPTIVE)
+def test_samples_do_not_tell_in_what_blocks_steps_were_kept_or_run_again(name, limit, rows, allowed, monkeypatch):
+    whole = simulate_quietly(*ENDED[name], samples=23)
     monkeypatch.setattr(kept_steps, limit, rows)
     monkeypatch.setattr(kept_steps, "_spare", kept_steps._Spare())
-    found = simulate_quietly(chain, struck(chain), samples=23)
+    found = simulate_quietly(*ENDED[name], samples=23)
     for row in ("time", *ROWS):
         np.testing.assert_allclose(getattr(found, row), getattr(whole, row), rtol=0.0, atol=allowed)
     if not allowed:
