@@ -13,7 +13,7 @@ from softcradle.physics.simulation import move, solve
 from softcradle.physics.status import Status
 
 from tests.helpers.motions import CASES, Case, runs, solved
-from tests.helpers.relations import digits, fineness, struck, total_energy
+from tests.helpers.relations import KERNELS, digits, fineness, struck, total_energy
 
 SOFT = one_on(4, power_law(1.0, 0.1))
 RUBS = Chain(np.ones(4), [power_law(1.0, 0.1)] * 3, friction=0.02)
@@ -46,13 +46,15 @@ def test_with_steps_enough_nothing_is_said_and_old_trouble_is_forgotten(method):
     assert state.warnings == ()
 
 
-@pytest.mark.parametrize("chain", [RUBS, LOSES], ids=["rubs", "loses"])
+@pytest.mark.parametrize(("chain", "method"), [(RUBS, "radau"), (LOSES, "radau"), *((SOFT, one) for one in KERNELS)])
 @pytest.mark.parametrize("steps", [1, 2, 5, 20, 60])
-def test_a_run_whose_budget_ends_between_changes_of_friction_reaches_its_end(chain, steps, monkeypatch):
-    exact = solve(chain, struck(chain), None, "radau", None, 11, 1e-8)
+def test_a_run_whose_budget_ends_reaches_its_end(chain, method, steps, monkeypatch):
+    """Between changes of friction too."""
+    exact = solve(chain, struck(chain), None, method, None, 11, 1e-8)
     monkeypatch.setattr("softcradle.physics.adaptive.usual_budget.MOST_STEPS", steps)
-    found = solve(chain, struck(chain), None, "radau", None, 11, 1e-8)
+    found = solve(chain, struck(chain), None, method, None, 11, 1e-8)
     (warning,) = found.warnings
+    assert "final velocities are determined to" in warning.sentence
     assert found.status == Status.UNDETERMINED
     assert warning.code == "sensitive"
     assert (np.abs(found.final_velocity - exact.final_velocity) <= found.velocity_error).all()

@@ -117,18 +117,6 @@ def test_cost_is_that_of_the_promise(chain, duration, tolerance, steps, evaluati
     assert found.evaluations < evaluations
 
 
-def test_a_budget_that_ends_is_a_value(monkeypatch):
-    chain, start = one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0]
-    whole = {method: run(chain, start, method=method).final_velocity for method in KERNELS}
-    monkeypatch.setattr("softcradle.physics.adaptive.usual_budget.MOST_STEPS", 20)
-    for method in KERNELS:
-        with pytest.warns(RuntimeWarning, match=r"final velocities are determined to .* m/s only"):
-            found = run(chain, start, method=method)
-        assert len(found.warnings) == 1
-        assert found.status == Status.UNDETERMINED
-        assert (np.abs(found.final_velocity - whole[method]) <= found.velocity_error).all()
-
-
 @pytest.mark.parametrize("method", KERNELS)
 def test_a_contact_with_a_largest_force_against_its_closed_form(method):
     """A row of one's own, as in the documentation: a preloaded spring to the largest force, then a steady one, in closed form."""
