@@ -3,6 +3,7 @@
 import math
 from typing import NamedTuple
 
+import numpy as np
 from softcradle.physics import Chain, Coupler, OwnLaw, TimedForce, cluster_on_cluster, one_on
 from softcradle.physics.chain import GRAVITY
 from softcradle.physics.contact import Contact, draft_gear, hertz, hooke, power_law, step_force
@@ -163,6 +164,23 @@ CASES = {
         [0.0, 0.0, -0.4], 1.5, 2e-3, EXPLICIT,
     ),
 }  # fmt: skip
+RESTING = {
+    "held by friction": CASES["held by friction"],
+    **{
+        f"a box of {n} beads": Case(
+            Chain([math.inf, *np.linspace(1.0, 3.0, n), math.inf], Contact(1.4, 3.0, 0.5)), [0.0] * (n + 2), 9.64, 0.01, EXPLICIT
+        )
+        for n in (1, 2, 5)
+    },
+    "on both sides of a wall": Case(
+        Chain([math.inf, 1.0, math.inf, 1.0], draft_gear(5.0, 0.2), drive=[0.0, 0.1, 0.0, -0.1]), [0.0] * 4, 0.5, 0.01, EXPLICIT
+    ),
+    "between a brake and a wall": Case(
+        Chain([1.0, 1.0, math.inf, 1.0], draft_gear(5.0, 0.2), brakes=TimedForce(0, [0.0, 1.0], [0.0, 1.0])),
+        [0.0] * 4, 0.5, 0.01, EXPLICIT,
+    ),
+}  # fmt: skip
+CASES |= RESTING
 for make, duration, seeds in ((random_dissipative, 0.3, (1, 2, 5, 8)), (random_collision, 1.0, (0, 1, 2, 4, 5))):
     CASES |= {f"{make.__name__} {seed}": Case(*make(seed, 4), duration, 1e-3, EXPLICIT) for seed in seeds}
 

@@ -102,16 +102,6 @@ def test_a_brake_that_begins_just_after_a_contact_opens_takes_no_speed_at_once(m
     np.testing.assert_allclose(late, early, atol=1e-7)
 
 
-@pytest.mark.parametrize("held", [{"drive": [0.0, 0.1, 0.0, -0.1]}, {"brakes": TimedForce(0, [0.0, 1.0], [0.0, 1.0])}])
-@pytest.mark.parametrize("method", [one for one in METHODS if one.adaptive], ids=lambda one: one.name)
-def test_beads_at_rest_on_both_sides_of_a_wall_stay(method, held):
-    """Between two walls, or a wall and a bead that a brake holds, and beyond."""
-    chain = Chain([math.inf if "drive" in held else 1.0, 1.0, math.inf, 1.0], draft_gear(5.0, 0.2), **held)
-    found = simulate(chain, REST, 0.5, method=method.name)
-    assert (found.velocity == 0.0).all()
-    assert np.isfinite(found.force).all()
-
-
 def test_a_push_on_soft_contacts_that_hardly_close_is_computed():
     """They close at 1e-22 m/s while all beads are pushed to 1e-3: steps counted by their contact times were no number."""
     laws = [Contact(0.93, 0.0, 1.0), Contact(1.35, 11.3, 0.58), power_law(20.4, 0.0615), power_law(3.3, 0.0886)]

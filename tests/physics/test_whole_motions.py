@@ -8,7 +8,7 @@ from softcradle.physics import State, advance, one_on, power_law, simulate
 from softcradle.physics.status import Status
 
 from tests.helpers import relations
-from tests.helpers.motions import CASES, EXPLICIT, METHODS, SAMPLES, TOLERANCE, runs, solved
+from tests.helpers.motions import CASES, EXPLICIT, METHODS, RESTING, SAMPLES, TOLERANCE, runs, solved
 from tests.helpers.relations import KERNELS, assert_momentum, assert_sound, fineness, ledger_error, simulate_quietly
 
 MOVED_LIVE = (
@@ -32,6 +32,19 @@ def test_what_holds_of_every_motion(name, method):
         assert relations.separating(found.final_velocity, 1e-6)
 
 
+@pytest.mark.parametrize(("name", "method"), runs(RESTING, (*METHODS, "scipy")))
+def test_what_rests_stays_at_rest_in_equilibrium(name, method):
+    chain, found = CASES[name].chain, solved(CASES[name], method)
+    assert not found.velocity.any()
+    assert_sound(found)
+    if not chain.on_bed:
+        assert not found.overlap.any()
+        left, right = np.pad(found.force, [(0, 0), (1, 0)]), np.pad(found.force, [(0, 0), (0, 1)])
+        net = left - right + (0.0 if chain.drive_force is None else chain.drive_force)
+        begun = 1 if method == "conserving" else 0  # whose first forces are those of its first step
+        assert net[begun:, np.isfinite(chain.mass)] == pytest.approx(0.0, abs=1e-12)
+
+
 @cache
 def by_scipy(name):
     """As long as `accurate` finds that it takes: on a bed `scipy` goes on until all beads rest."""
@@ -40,7 +53,7 @@ def by_scipy(name):
     return simulate_quietly(case.chain, case.velocity, duration, "scipy", samples=SAMPLES, tolerance=1e-9)
 
 
-MOVING = [name for name in CASES if name != "held by friction"]
+MOVING = [name for name in CASES if name not in RESTING]
 
 
 @pytest.mark.parametrize(("name", "method"), runs(MOVING, (*KERNELS, "conserving")))
