@@ -179,6 +179,10 @@ RESTING = {
         Chain([1.0, 1.0, math.inf, 1.0], draft_gear(5.0, 0.2), brakes=TimedForce(0, [0.0, 1.0], [0.0, 1.0])),
         [0.0] * 4, 0.5, 0.01, EXPLICIT,
     ),
+    "a row under its press": Case(
+        Chain([1.0] * 4, power_law(1.0, 0.1), -float(power_law(1.0, 0.1).overlap(0.75)), drive=[0.75, 0.0, 0.0, -0.75]),
+        [0.0] * 4, 5.0, 0.01, EXPLICIT,
+    ),
 }  # fmt: skip
 CASES |= RESTING
 for make, duration, seeds in ((random_dissipative, 0.3, (1, 2, 5, 8)), (random_collision, 1.0, (0, 1, 2, 4, 5))):

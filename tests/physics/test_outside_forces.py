@@ -196,15 +196,6 @@ def test_a_pressed_spring_gives_its_energy_to_both_ends(method):
     assert (closed, opened) == (0.0, pytest.approx(0.5 * np.pi / np.sqrt(4.0 / 0.75), abs=3e-4))
 
 
-@pytest.mark.parametrize("method", ["conserving", "radau", "accurate", "scipy"])
-def test_a_pressed_row_at_rest_under_its_press_stays(method):
-    contact = power_law(1.0, 0.1)
-    gap = -float(contact.overlap(0.75))
-    found = simulate(Chain([1.0] * 4, contact, gap, drive=[0.75, 0.0, 0.0, -0.75]), [0.0] * 4, 5.0, method)
-    np.testing.assert_allclose(found.overlap, -gap, rtol=1e-9)
-    np.testing.assert_allclose(found.velocity, 0.0, atol=1e-10)
-
-
 def test_speed_scale_knows_the_press():
     assert speed_scale(SPRUNG, [0.0, 0.0]) == pytest.approx((2.0 * 0.5 / 0.75) ** 0.5)
     assert speed_scale(one_on(2, hooke(1.0)), [0.0, 0.0, 0.0]) == 1.0

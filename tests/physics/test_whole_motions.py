@@ -24,7 +24,7 @@ def test_what_holds_of_every_motion(name, method):
     assert found.status in (Status.DONE, Status.SEPARATED)
     if not case.chain.pulls:
         assert_sound(found)
-    if np.abs(found.velocity).max() > 0.0:
+    if name not in RESTING:
         assert ledger_error(found) < (100.0 * TOLERANCE if method in KERNELS else 0.3 if method in EXPLICIT else 1e-11)
     if not case.chain.on_bed:
         assert_momentum(found, case.velocity, TOLERANCE)
@@ -35,14 +35,15 @@ def test_what_holds_of_every_motion(name, method):
 @pytest.mark.parametrize(("name", "method"), runs(RESTING, (*METHODS, "scipy")))
 def test_what_rests_stays_at_rest_in_equilibrium(name, method):
     chain, found = CASES[name].chain, solved(CASES[name], method)
-    assert not found.velocity.any()
+    pressed = np.min(chain.gap) < 0.0  # where round-off moves them
+    assert np.abs(found.velocity).max() <= 1e-10 * pressed
     assert_sound(found)
     if not chain.on_bed:
-        assert not found.overlap.any()
+        assert np.abs(found.overlap + chain.gap).max() <= 1e-9 * np.abs(chain.gap).max()
         left, right = np.pad(found.force, [(0, 0), (1, 0)]), np.pad(found.force, [(0, 0), (0, 1)])
         net = left - right + (0.0 if chain.drive_force is None else chain.drive_force)
         begun = 1 if method == "conserving" else 0  # whose first forces are those of its first step
-        assert net[begun:, np.isfinite(chain.mass)] == pytest.approx(0.0, abs=1e-12)
+        assert net[begun:, np.isfinite(chain.mass)] == pytest.approx(0.0, abs=1e-9 if pressed else 1e-12)
 
 
 @cache
