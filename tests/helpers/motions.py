@@ -76,6 +76,10 @@ CASES = {
         Chain([1.0] * 3, Coupler(hooke(50.0, loss=0.3), pull=hertz(80.0, loss=0.5), slack=0.1, travel=0.05, stop=1e3)),
         [1.0, 0.0, -0.5], 1.0, 2e-3,
     ),
+    "spheres that springs hold together": Case(
+        Chain([1.0] * 4, Coupler(hertz(50.0), pull=hooke(9.0), slack=0.05), gap=[0.013, 0.0, 0.021]),
+        [1.0, 0.0, 0.0, 0.0], 1.0, 1e-3,
+    ),
     "laws of one's own": Case(
         Chain([1.0, 2.0, 1.0, math.inf], [TODA, hertz(50.0), HARDENING], gap=[0.05, 0.0, 0.05]),
         [1.0, 0.0, 0.0, 0.0], 1.5, 3e-3,
