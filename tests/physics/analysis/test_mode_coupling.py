@@ -124,6 +124,13 @@ def test_response_time_is_that_of_small_oscillations():
     assert response_times(simulate(chain, [1.0, 0.0, 0.0], 1.0)) == pytest.approx([1.0 / 4.0, 0.0])
 
 
-def test_a_motion_that_is_no_collision_has_no_time_scales():
+def test_time_scales_separate_as_alpha_goes_to_zero():
+    separation = [
+        time_scale_separation(simulate(one_on(4, power_law(1.0, a)), HIT, method="radau", tolerance=1e-6))
+        for a in (1 / 5, 1 / 10, 1 / 20)
+    ]
+    assert (np.diff(separation, axis=0)[:, 1:] < 0.0).all()
+    assert (np.diff(separation[1]) < 0.0).all()
+    assert separation[1][2] < 1e-2 < separation[1][0]
     with pytest.raises(ValueError, match="does not close and open again"):
         time_scale_separation(simulate(one_on(1, hooke(1.0)), [0.0, 1.0], 1.0, method="radau"))
