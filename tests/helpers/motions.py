@@ -144,7 +144,7 @@ CASES = {
     "flights between springs": Case(Chain([1.0] * 3, hooke(1e3), gap=[7.0, 0.3]), [1.0, 0.0, 0.0], None, 5e-4),
     "a push that ends": Case(
         Chain([1.0] * 4, power_law(1.0, 0.1), forces=TimedForce(0, [0.0, 0.6, 0.7], [0.3, 0.3, 0.0])),
-        [1.0, 0.0, 0.0, 0.0], None, 5e-3, EXPLICIT,
+        [1.0, 0.0, 0.0, 0.0], None, 5e-3, (*EXPLICIT, "dop853"),
     ),
     "a pressed row let go": Case(
         Chain([1.0, 2.0, 1.0, 0.5], [hertz(3.0), power_law(1.0, 0.5), hooke(2.0)], [-0.3, -0.1, 0.2]), [0.0] * 4, 6.0, 5e-3
