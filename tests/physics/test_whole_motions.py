@@ -25,7 +25,7 @@ def test_what_holds_of_every_motion(name, method):
     if not case.chain.pulls:
         assert_sound(found)
     if name not in RESTING:
-        assert ledger_error(found) < (100.0 * TOLERANCE if method in KERNELS else 0.3 if method in EXPLICIT else 1e-11)
+        assert ledger_error(found) < (3.0 * TOLERANCE if method in KERNELS else 0.3 if method in EXPLICIT else 1e-11)
     if not case.chain.on_bed:
         assert_momentum(found, case.velocity, TOLERANCE)
     if found.status is Status.SEPARATED and not case.chain.on_bed:
@@ -55,6 +55,7 @@ def by_scipy(name):
 
 
 MOVING = [name for name in CASES if name not in RESTING]
+MANY_SWITCHES = ("gears on straws", "a wagon train", "a stack under its weight")  # within steps of `conserving`
 
 
 @pytest.mark.parametrize(("name", "method"), runs(MOVING, (*KERNELS, "conserving")))
@@ -62,7 +63,8 @@ def test_every_corner_is_passed_as_the_reference_does(name, method):
     """It shares no kernel with them: between located switches SciPy integrates the equations of beads."""
     case = CASES[name]
     found, other = solved(case, method), by_scipy(name)
-    fastest, allowed = np.abs(other.velocity).max(), 30.0 * TOLERANCE if method in KERNELS else 3e-3
+    fastest = np.abs(other.velocity).max()
+    allowed = 3.0 * TOLERANCE if method in KERNELS else 3e-3 if name in MANY_SWITCHES else 7e-4
     assert ledger_error(other) < 1e-9
     assert found.final_velocity == pytest.approx(other.final_velocity, abs=allowed * fastest)
     if case.duration:
@@ -71,8 +73,8 @@ def test_every_corner_is_passed_as_the_reference_does(name, method):
         assert list(map(len, found.contact_intervals)) == list(map(len, other.contact_intervals))
         return
     if case.duration:
-        assert found.absorbed_by_contacts == pytest.approx(other.absorbed_by_contacts, abs=1e-4)
-        assert found.absorbed_by_bed == pytest.approx(other.absorbed_by_bed, abs=1e-4)
+        assert found.absorbed_by_contacts == pytest.approx(other.absorbed_by_contacts, abs=1e-6)
+        assert found.absorbed_by_bed == pytest.approx(other.absorbed_by_bed, abs=1e-6)
     for one, those in zip(found.contact_intervals, other.contact_intervals, strict=True):
         ends = [min(end, other.time[-1]) for _, end in those]
         assert [min(end, found.time[-1]) for _, end in one] == pytest.approx(ends, abs=1e-3)
