@@ -122,7 +122,7 @@ def first_guess(h, chain, motion, trial):
             if mode[i] == LOADED and overlap[i] == 0.0 and rate[i] == 0.0 and stage_force[k, i] == 0.0:
                 set_pushed(h, chain, i, k, i + 1, stage_force[k, i + 1], stage_overlap, stage_force)
                 drive = drive_at(chain, i, h * NODES[k])
-                if drive > 0.0 and law[i, 0] == 0.0:  # of two halves the lighter bead's mass
+                if law[i, 0] == 0.0:  # of two halves the lighter bead's mass
                     push = drive / (inverse_mass[i] + inverse_mass[i + 1])
                     set_pushed(h, chain, i, k, i + 1, push, stage_overlap, stage_force)
 
@@ -180,10 +180,7 @@ def move_stage(k, i, weight, change, chain, mode, trial, scratch):
     d, f = trial.overlap[k, i], trial.force[k, i]
     by_overlap, by_force = scratch.along[k, i] * change, scratch.across[k, i] * change
     if mode[i] == LOADED:
-        if chain.law.shape[1] > 3 and chain.law[i, 2] >= 1.0:
-            end, pushes = d + by_overlap, curve_force(chain.law, chain.own, i, d + by_overlap)
-        else:
-            end, pushes = move_along(chain.law, chain.own, i, weight, d, f, by_overlap, by_force)
+        end, pushes = move_along(chain.law, chain.own, i, weight, d, f, by_overlap, by_force)
         trial.overlap[k, i], trial.force[k, i] = end, pushes
         dd, df = end - d, pushes - f
         missed_d = max(abs(dd - by_overlap) - ROUND_OFF * abs(end), 0.0)
@@ -305,7 +302,7 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
             return iteration + 1
         before = size
         at_edge = (low == first and first > 0) or (high == last and last < n)
-        first, last = (ZERO, n) if at_edge or low == n else (max(low - MARGIN, 0), min(high + MARGIN, n))
+        first, last = (ZERO, n) if at_edge else (max(low - MARGIN, 0), min(high + MARGIN, n))
     return 0
 
 
