@@ -10,18 +10,29 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.adaptive import usual_budget
+from softcradle.physics.adaptive.adaptive_loop import integrate
 from softcradle.physics.adaptive.runner import error_growth, fastest_bead, stated_error
 from softcradle.physics.adaptive.step_records import ALLOWED, empty_scratch, empty_steps, empty_trial
 from softcradle.physics.batch.chain_batch import ChainBatch
-from softcradle.physics.batch.run_each import BatchData, BatchMotion, integrate_each, march_each
+from softcradle.physics.batch.run_each import (
+    NO_PAUSE,
+    BatchData,
+    BatchMotion,
+    integrate_arguments,
+    integrate_each,
+    march_arguments,
+    march_each,
+)
 from softcradle.physics.checked_input import LARGEST, SMALLEST, number_array, require_kind, shown, whole_number
 from softcradle.physics.confirm import MOST_GROWN, SOFTEST
 from softcradle.physics.contact import stored_energy
 from softcradle.physics.ensemble_runs import cores, in_threads, parts
 from softcradle.physics.fixed_step import runner as fixed_step
+from softcradle.physics.fixed_step.step_loop import march
 from softcradle.physics.kernel_records import NO_FLAGS
-from softcradle.physics.kernel_tiers import KernelTiers
+from softcradle.physics.kernel_tiers import KernelTiers, plain
 from softcradle.physics.methods import Family, Method, find_method, refusal_of
+from softcradle.physics.numerics.jit import entry_of
 from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic
 from softcradle.physics.numerics.records import COUNTERS, DONE, EVALUATION, NO_JOINTS, NO_KNOTS, SEPARATED, STEP
 from softcradle.physics.scales import (
@@ -228,11 +239,11 @@ def _march(kernel: Any, method: str, run: _Run, which: Which) -> None:
         tuple(scratch.spare), tuple(scratch.samples), (scratch.log.contact, scratch.log.time), tuple(scratch.checkpoints),
         tuple(scratch.pause), np.zeros(4), (scratch.beads, scratch.work),
     )  # fmt: skip
-    with kernel_arithmetic():
-        kernel(
-            which, fixed_step.kind_of(method), run.stop, fixed_step.MOST_FIXED_STEPS, tuple(run.data), tuple(run.moving),
-            memory, (NO_FLAGS, NO_JOINTS, NO_KNOTS),
-        )  # fmt: skip
+    arguments = (
+        fixed_step.kind_of(method), run.stop, fixed_step.MOST_FIXED_STEPS, tuple(run.data), tuple(run.moving), memory,
+        (NO_FLAGS, NO_JOINTS, NO_KNOTS),
+    )  # fmt: skip
+    _for_each(kernel, march, march_arguments, which, arguments)
 
 
 @dataclass(frozen=True)
@@ -277,12 +288,22 @@ def _integrate(kernel: Any, accuracy: _Accuracy, run: _Run, which: Which) -> Non
     effective = np.zeros((n, 3)), np.zeros(n + 1), np.zeros(n + 1), np.zeros(4)
     block, records = _in_one_block(empty_trial(n), empty_trial(n), empty_scratch(n))
     memory = effective, np.zeros(4 * n + 1, dtype=np.int8), block, (*records, tuple(empty_steps(0, n, False)))
-    nothing = np.zeros(0, dtype=np.int64), np.zeros(0), NO_JOINTS, NO_KNOTS
+    nothing = np.zeros(0, dtype=np.int64), np.zeros(0), NO_JOINTS, NO_KNOTS, NO_PAUSE
+    arguments = (
+        (ALLOWED[accuracy.method], accuracy.tolerance, accuracy.scale), run.stop, accuracy.budget, tuple(run.data),
+        tuple(run.moving), memory, nothing,
+    )  # fmt: skip
+    errors = accuracy.grown, accuracy.turns, accuracy.control
+    _for_each(kernel, integrate, integrate_arguments, which, arguments, errors)
+
+
+def _for_each(
+    kernel: Any, of_one: Any, arguments_of: Any, which: Which, arguments: tuple[Any, ...], *found: Any
+) -> None:
+    """Call `kernel` for the chains `which`: it calls the kernel `of_one` with what `arguments_of` a chain gives."""
     with kernel_arithmetic():
-        kernel(
-            which, (ALLOWED[accuracy.method], accuracy.tolerance, accuracy.scale), run.stop, accuracy.budget,
-            tuple(run.data), tuple(run.moving), memory, nothing, (accuracy.grown, accuracy.turns, accuracy.control),
-        )  # fmt: skip
+        entry = entry_of(of_one, plain(arguments_of)(int(which[0]), *arguments))
+        kernel(entry, which, *arguments, *found)
 
 
 def _in_one_block(*records: Any) -> tuple[Array, list[tuple[Array, ...]]]:

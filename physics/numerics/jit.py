@@ -1,4 +1,7 @@
-"""`jit`: numba's njit with a disk cache that an edit of any kernel empties; plain Python where numba is not to be had."""
+"""`jit`: numba's njit with a disk cache that an edit of any kernel empties; plain Python where numba is not to be had.
+
+What a kernel calls becomes part of its machine code, but for a kernel that it calls by its entry.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ from contextlib import contextmanager
 from functools import partial
 from typing import Any, TypeVar
 
+from softcradle.physics.numerics.float_bits import COMPILED
 from softcradle.physics.numerics.kernel_cache import cache_folder
 
 Kernel = TypeVar("Kernel", bound=Callable[..., object])
@@ -15,7 +19,10 @@ Kernel = TypeVar("Kernel", bound=Callable[..., object])
 try:
     import numba
     from llvmlite.binding import Linkage, parse_assembly
+    from numba import types
+    from numba.core import cgutils
     from numba.core.compiler import Compiler
+    from numba.extending import intrinsic
 except ImportError:  # no wheel for this machine: the same functions run as plain Python
 
     def jit(function: Kernel) -> Kernel:
@@ -121,6 +128,44 @@ else:
     def piece(function: Kernel) -> Kernel:
         """`jit` for what a `whole` kernel calls: slow where Python calls it."""
         return _compiled(function, pipeline_class=_Optimized)
+
+
+def entry_of(kernel: Any, arguments: tuple[Any, ...]) -> Any:
+    """Where the machine code of `kernel` for arguments like these begins, for `called_at`; the kernel itself as plain Python."""
+    if not COMPILED:
+        return kernel
+    kinds = tuple(map(numba.typeof, arguments))
+    kernel.compile(kinds)
+    found = kernel.overloads[kinds]
+    return found.library.get_pointer_to_function(found.fndesc.llvm_func_name)
+
+
+def _called_here(entry: Any, arguments: tuple[Any, ...]) -> Any:
+    """What a kernel gives that is called as plain Python."""
+    return entry(*arguments)
+
+
+if COMPILED:
+
+    @intrinsic
+    def called_at(typing_context, entry, arguments):
+        """The status and the time that a kernel gives whose machine code begins at `entry`: it is not made once more here."""
+        found = types.Tuple((types.int64, types.float64))
+
+        def generate(context, builder, signature, values):
+            kinds, convention = list(signature.args[1]), context.call_conv
+            kernel = builder.inttoptr(values[0], convention.get_function_type(found, kinds).as_pointer())
+            unpacked = [builder.extract_value(values[1], k) for k in range(len(kinds))]
+            status, result = convention.call_function(builder, kernel, found, kinds, unpacked)
+            with cgutils.if_unlikely(builder, status.is_error):
+                convention.return_status_propagate(builder, status)
+            return result
+
+        return found(types.int64, arguments), generate
+
+    called_at.py_func = _called_here
+else:
+    called_at = _called_here
 
 
 def c_function(function: Kernel, signature: Any) -> Any:
