@@ -323,7 +323,6 @@ def march(
                 keep_checkpoint(time, motion, kept, counter)
             until = end if counter[SAMPLE] == wanted.size else min(end, wanted[counter[SAMPLE]])
             over, look = seems_over(stop and not bed, closed, look, still, pushed, chain, motion, counter)
-            rests = rests and not changing
             over = (
                 stop and not changing and (rests or (over and not meets_again(chain, brakes, motion, still, beads[0])))
             )
@@ -339,7 +338,7 @@ def march(
                 return status, end if status == DONE else time
             if not last:
                 most = min(most, kept.plan[DUE] - counter[STEP])
-            rests = bed and at_rest(motion)
+            rests = bed and not changing and at_rest(motion)
         whole, left, taken = most, ZERO, ZERO
         if not (sampling or last):
             most = min(most, max(pause.counts[AT] - counter[STEP], ONE))

@@ -89,6 +89,15 @@ def test_beads_on_a_bed_that_wait_for_a_force_are_shown_at_rest(method):
     assert found.overlap[-1, 0] > 0.1
 
 
+@pytest.mark.parametrize("step", [2e-3, 1e-3, 3e-4])
+@pytest.mark.parametrize("method", ["conserving", "verlet"])
+def test_beads_that_rest_until_the_last_jump_of_a_force_begin_there_whatever_is_sampled(method, step):
+    force = TimedForce(0, [1.0, 1.0, 3.0, 3.0], [0.0, 0.1, 0.2, 1.0])
+    chain = Chain([1.0, 1.0], hooke(1.0), gap=1e3, friction=0.05, forces=force)
+    found = simulate(chain, [0.0, 0.0], 6.0, method, step, samples=[4.0, 5.0, 6.0])
+    assert found.velocity[:, 0] == pytest.approx((1.0 - 0.05 * 9.80665) * np.array([1.0, 2.0, 3.0]), abs=1.01 * step)
+
+
 @pytest.mark.parametrize("method", [one for one in METHODS if one.adaptive], ids=lambda one: one.name)
 def test_a_brake_that_begins_just_after_a_contact_opens_takes_no_speed_at_once(method):
     """A step to a knot that was shorter than 1e-4 of the time had the brake at its end: a bead that slowed down turned round."""
