@@ -135,7 +135,7 @@ class OwnLaw:
             return last
         fall, further = (first - middle) / first, (middle - last) / first
         found = last - first * further * further / (fall - further) if fall > further else last
-        return found if found > OWN_DIGITS * last else 0.0
+        return found if found > max(OWN_DIGITS * last, LEAST_FORCE) else 0.0
 
     @property
     def onset(self) -> tuple[float, float, float]:
