@@ -93,11 +93,11 @@ class Row:
         speeds = [body.velocity.x for body in self.bodies]
         self._take([d + step * (a - b) for d, (a, b) in zip(self.overlaps, pairwise(speeds), strict=True)])
         self.space.step(step)
+        if self.chain.dissipative:
+            self._absorb(before, speeds, step)
         if self.chain.timed:
             mean = [0.5 * (body.velocity.x + speed) for body, speed in zip(self.bodies, speeds, strict=True)]
             self.taken[2] += step * (self.push - self.knots.drive)[self.finite] @ np.array(mean)[self.finite]
-        if self.chain.dissipative:
-            self._absorb(before, speeds, step)
 
     def _absorb(self, before: list[float], speeds: list[float], step: float) -> None:
         """Book what contacts kept on the way from the overlaps `before`; let the bed brake, and book that.

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, State, advance, hertz, hooke, one_on, power_law, simulate
+from softcradle.physics import Chain, State, TimedForce, advance, hertz, hooke, one_on, power_law, simulate
 from softcradle.physics.simulation import solve
 from softcradle.physics.status import Status
 
@@ -16,9 +16,18 @@ UNLIKE_EULER = ("gears on straws", "step forces", "a ball that bounces to rest",
 
 @pytest.mark.parametrize("name", [name for name, _ in runs(CASES, ("pymunk",)) if name not in UNLIKE_EULER])
 def test_digits_steps_and_switches_of_pymunk_are_those_of_euler(name):
-    euler, pymunk = (solved(CASES[name], method) for method in ("euler", "pymunk"))
+    same_as_euler(*(solved(CASES[name], method) for method in ("euler", "pymunk")))
+
+
+def test_what_is_given_and_absorbed_on_a_bed_is_that_of_euler():
+    chain = Chain([1, 2, 0.5], [hertz(10.0), hooke(30.0)], 0.1, None, 0.1, TimedForce(0, [0, 0.1, 0.1], [9, 4, 0]))
+    same_as_euler(*both(chain, [1, 0, 0], step=2e-3, samples=57))
+
+
+def same_as_euler(euler, pymunk):
     assert pymunk.time == pytest.approx(euler.time)
-    for row in ("overlap", "rate", "anchor", "position", "velocity"):
+    absorbed = "absorbed_by_contacts", "absorbed_by_bed", "given"
+    for row in ("overlap", "rate", "anchor", "position", "velocity", *absorbed):
         np.testing.assert_allclose(getattr(pymunk, row), getattr(euler, row), rtol=0, atol=1e-12, err_msg=row)
     np.testing.assert_allclose(pymunk.force, euler.force, rtol=0, atol=1e-10 * euler.force.max())
     assert (pymunk.steps, pymunk.evaluations) == (euler.steps, euler.evaluations)
