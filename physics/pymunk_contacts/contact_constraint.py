@@ -112,7 +112,7 @@ class SoftContact(pymunk.DampedSpring):
         self.collide_bodies = False
         self._native = native
         self._touching_distance = distance
-        self._known_overlap = math.nan
+        self._known_overlap = self._known_rate = math.nan
         self._compiled_law: Any = None
         self._was_closed = False
         self._looked_at: tuple[float, ...]  # step [s], and the speed [m/s] and 1/mass [1/kg] at which it was looked at
@@ -139,7 +139,7 @@ class SoftContact(pymunk.DampedSpring):
                 raise ValueError(f"a law must give a finite force, not {force!r} at an overlap of {overlap:.6g} m")
             if not was_closed or spring._compiled_law is not None:
                 spring._look_at_step(overlap)
-            return force if spring._loss == 0.0 or spring.rate >= 0.0 else (1.0 - spring._loss) * force
+            return (1.0 - spring._loss) * force if spring._loss and spring._moves_apart() else force
         except BaseException as error:  # KeyboardInterrupt too, which pymunk would only print
             raise_after_step(spring, error)
             return 0.0
@@ -268,9 +268,14 @@ class SoftContact(pymunk.DampedSpring):
     def damping(self, damping: float) -> None:
         raise AttributeError("a SoftContact has no damping: a damper would pull bodies that are apart")
 
-    def _take_overlap(self, overlap: float) -> None:
-        """Use this overlap [m] from now on: the caller knows it to more digits than positions have, and looks after steps."""
-        self._known_overlap = overlap
+    def _moves_apart(self) -> bool:
+        return (self.rate if math.isnan(self._known_rate) else self._known_rate) < 0.0
+
+    def _take_overlap(self, overlap: float, rate: float) -> None:
+        """Use this overlap [m] and rate [m/s] from now on: the caller, who looks after steps, knows more digits of the one than
+        positions have, and the other before the contacts of the step have pushed.
+        """
+        self._known_overlap, self._known_rate = overlap, rate
         if self._compiled_law is not None:
             self._compiled_law[4], self._compiled_law[6] = overlap, 0.0
 

@@ -55,7 +55,7 @@ class Row:
         ]
         self.space.add(*self.bodies, *self.contacts)
         self.reach = reach
-        self.overlaps = [0.0] * chain.contacts
+        self.overlaps, self.rates = [0.0] * chain.contacts, [0.0] * chain.contacts
         self.closed = [False] * chain.contacts
         self.taken, self.finite = np.zeros(4), np.isfinite(chain.mass)
 
@@ -68,7 +68,7 @@ class Row:
         self.taken[:] = state.taken
         self.knots, self.push, self.bed = knots_of(self.chain, state), np.zeros(len(self.bodies)), self.chain.bed.copy()
         self.external = state.external(self.chain)
-        self._take(state.overlap.tolist())
+        self._take(state.overlap.tolist(), state.rate.tolist())
 
     def read(self, state: State) -> None:
         """Put into `state` where the bodies are, and the forces there."""
@@ -76,8 +76,8 @@ class Row:
         state.overlap[:] = self.overlaps
         state.rate[:] = velocity[:-1] - velocity[1:]
         state.anchor[:] = self.bodies[self.chain.anchor].position.x, velocity[self.chain.anchor]
-        both = zip(self.chain.contact, self.overlaps, state.rate.tolist(), strict=True)
-        state.force[:] = [contact.force(d) * (1.0 - contact.loss if w < 0.0 else 1.0) for contact, d, w in both]
+        each = zip(self.chain.contact, self.overlaps, self.rates, strict=True)
+        state.force[:] = [contact.force(d) * (1.0 - contact.loss if w < 0.0 else 1.0) for contact, d, w in each]
         state.taken[:] = self.taken
 
     def step(self, time: float, step: float) -> None:
@@ -91,7 +91,8 @@ class Row:
                 body.force = force, 0.0
         before = self.overlaps
         speeds = [body.velocity.x for body in self.bodies]
-        self._take([d + step * (a - b) for d, (a, b) in zip(self.overlaps, pairwise(speeds), strict=True)])
+        rates = [a - b for a, b in pairwise(speeds)]
+        self._take([d + step * w for d, w in zip(self.overlaps, rates, strict=True)], rates)
         self.space.step(step)
         if self.chain.dissipative:
             self._absorb(before, speeds, step)
@@ -126,20 +127,20 @@ class Row:
     def look_ahead(self, step: float, state: State) -> None:
         """Put into `state` what one step under its push would give, and take the step back."""
         kept, taken = [(body.position, body.velocity) for body in self.bodies], self.taken.copy()
-        overlaps = self.overlaps
+        overlaps, rates = self.overlaps, self.rates
         self.step(state.time, step)
         self.read(state)
         for body, (position, velocity) in zip(self.bodies, kept, strict=True):
             body.position = position
             body.velocity = velocity
         self.taken[:] = taken
-        self._take(overlaps)
+        self._take(overlaps, rates)
 
-    def _take(self, overlaps: list[float]) -> None:
-        """Hand the overlaps to the contacts; move the anchors apart where one comes near to `reach`."""
-        self.overlaps = overlaps
-        for contact, overlap in zip(self.contacts, overlaps, strict=True):
-            contact._take_overlap(overlap)
+    def _take(self, overlaps: list[float], rates: list[float]) -> None:
+        """Hand the overlaps and rates of the drift to the contacts; move the anchors apart where one comes near to `reach`."""
+        self.overlaps, self.rates = overlaps, rates
+        for contact, overlap, rate in zip(self.contacts, overlaps, rates, strict=True):
+            contact._take_overlap(overlap, rate)
         self.closed = [overlap > 0.0 for overlap in overlaps]
         deepest = max(overlaps)
         if (
