@@ -9,10 +9,11 @@ from dataclasses import dataclass, field
 from typing import Any, SupportsFloat
 from weakref import WeakKeyDictionary
 
+import numpy as np
 import pymunk
 from softcradle.physics.advice.stability_limits import TRUSTED_ERROR, stable_step
 from softcradle.physics.chain import Chain
-from softcradle.physics.checked_input import magnitude, require_kind, shown
+from softcradle.physics.checked_input import magnitude, number_array, require_kind, shown
 from softcradle.physics.contact import Contact
 from softcradle.physics.coupler import Coupler
 from softcradle.physics.kernel_tiers import plain
@@ -60,7 +61,7 @@ class SoftContact(pymunk.DampedSpring):
     Raises
     ------
     ValueError
-        The distance is not a finite number > 0, or `contact` has no force.
+        The distance is not a finite number > 0, an anchor is not two finite numbers, or `contact` has no force.
     RuntimeError
         `native` is True and compiled code cannot be had; the message says why.
 
@@ -108,7 +109,8 @@ class SoftContact(pymunk.DampedSpring):
         if a is b:
             raise ValueError("a SoftContact needs two different bodies: a and b are the same")
         distance = _checked_distance(touching_distance)
-        super().__init__(a, b, anchor_a, anchor_b, distance, 0.0, 0.0)
+        anchors = _checked_anchor("anchor_a", anchor_a), _checked_anchor("anchor_b", anchor_b)
+        super().__init__(a, b, *anchors, distance, 0.0, 0.0)
         self.collide_bodies = False
         self._native = native
         self._touching_distance = distance
@@ -334,6 +336,14 @@ def _require_in_space(spring: SoftContact, overlap: float) -> None:
 
 def _checked_distance(distance: float) -> float:
     return magnitude("touching_distance", distance)
+
+
+def _checked_anchor(name: str, anchor: Pair) -> Pair:
+    found = number_array(name, anchor)
+    if found.shape != (2,) or not np.isfinite(found).all():
+        raise ValueError(f"{name} must be two finite numbers, not {shown(anchor)}")
+    x, y = found.tolist()
+    return x, y
 
 
 def _scalar_law(contact: LawLike) -> Callable[[float], float]:

@@ -122,7 +122,7 @@ class SoftChain:
         method: str = "conserving",
     ) -> None:
         if method not in CHAIN_METHODS:
-            raise ValueError(f"method of a SoftChain must be one of {', '.join(CHAIN_METHODS)}, not {method!r}")
+            raise ValueError(f"method of a SoftChain must be one of {', '.join(CHAIN_METHODS)}, not {shown(method)}")
         require_kind("bodies", bodies, Sequence)
         for body in bodies:
             require_kind("every body", body, pymunk.Body)
@@ -149,6 +149,7 @@ class SoftChain:
     @classmethod
     def of(cls, space: pymunk.Space) -> list[SoftChain]:
         """The chains in a Space, in the order in which they were added: those of a copy, for instance."""
+        require_kind("space", space, pymunk.Space)
         return list({link.chain: None for link in space.constraints if isinstance(link, _Link)})
 
     def remove_from(self, space: pymunk.Space, *bodies: pymunk.Body) -> None:
@@ -156,6 +157,9 @@ class SoftChain:
 
         A contact comes back when it is added again: ``space.add(body, *(body.constraints - space.constraints))``.
         """
+        require_kind("space", space, pymunk.Space)
+        for body in bodies:
+            require_kind("every body", body, pymunk.Body)
         if strangers := set(bodies) - set(self.bodies):
             raise ValueError(f"a SoftChain has no contacts of a body that is not in it: {shown(strangers.pop())}")
         there = [link for link in self._links if link in space.constraints]

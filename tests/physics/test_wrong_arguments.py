@@ -25,6 +25,7 @@ BODY, *BODIES = (pymunk.Body(1, 1) for _ in range(4))
 ONES, WALLED = np.ones((3, 3)), [[math.inf, 1, math.inf]]
 BATCH = ChainBatch(ONES, 0.0, 1.0, 0.5)
 CONTACT = SoftContact(*BODIES[:2], (0, 0), (0, 0), 1, LAW)
+ROW = SoftChain(BODIES, LAW, 1)
 GEAR = draft_gear(2.0, 0.1, loss=0.1)
 RUBS, TRAIN = Chain([1, 1], hertz(1.0), friction=0.1), Chain([1, 1], Coupler(LAW, LAW))
 RANGE = r"must be|can be computed"
@@ -66,6 +67,11 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "too few velocities": (lambda: stable_step(CHAIN, [1, 0]), r"5 beads need 5 velocities, not \[1, 0\]"),
     "one body twice": (lambda: SoftContact(BODY, BODY, (0, 0), (0, 0), 1, LAW), "two different bodies"),
     "no body": (lambda: SoftContact(BODY, 5, (0, 0), (0, 0), 1, LAW), "b must be a Body, not 5"),
+    "no anchor": (lambda: SoftContact(*BODIES[:2], None, (0, 0), 1, LAW), "anchor_a must be two finite numbers, not None"),
+    "an anchor nowhere": (lambda: SoftContact(*BODIES[:2], (0, 0), (math.nan, 0), 1, LAW), "anchor_b must be two finite"),
+    "chains of no Space": (lambda: SoftChain.of(None), "space must be a Space, not None"),
+    "a removal from no Space": (lambda: ROW.remove_from(None), "space must be a Space, not None"),
+    "a removal of a list": (lambda: ROW.remove_from(pymunk.Space(), BODIES), r"every body must be a Body, not \["),
     "a chain of numbers": (lambda: SoftChain([1, 2], LAW, 1), "every body must be a Body, not 1"),
     "a chain of one body": (lambda: SoftChain(BODY, LAW, 1), "bodies must be a Sequence"),
     "two bodies that never move": (
