@@ -311,7 +311,7 @@ class SoftChain:
             )
 
     def _require_own_bodies(self, space: pymunk.Space) -> None:
-        """RuntimeError where a body has been removed from the Space, or belongs to another SoftChain there too."""
+        """RuntimeError where a body has been removed from the Space or no contact can move it, or two SoftChains share it."""
         pushed = {
             i: body for i, body in enumerate(self.bodies) if not {i - 1, i} <= {-1, len(self._links), *self._gone}
         }
@@ -319,6 +319,12 @@ class SoftChain:
             if body.space is not space and body.body_type == pymunk.Body.DYNAMIC:
                 raise RuntimeError(
                     f"body {i} of a SoftChain is not in the Space, a contact of it is: chain.remove_from(space, body)"
+                )
+        for i in range(len(self._links)):
+            if i not in self._gone and all(body.body_type != pymunk.Body.DYNAMIC for body in self.bodies[i : i + 2]):
+                raise RuntimeError(
+                    f"of two neighbours in a SoftChain one at least must be dynamic: bodies {i} and {i + 1} are not any more; "
+                    "remove the contact between them"
                 )
         if self._step:
             return

@@ -439,6 +439,15 @@ def test_a_body_removed_whose_chain_stays(gone):
     assert momentum(bodies) == pytest.approx(before, abs=1e-13)
 
 
+def test_two_neighbours_that_no_contact_can_move_any_more():
+    """A constraint between them gives pymunk velocities that are no numbers."""
+    space, bodies, _ = chain_row(LAW)
+    space.step(STEP)
+    bodies[1].body_type = bodies[2].body_type = pymunk.Body.STATIC
+    with pytest.raises(RuntimeError, match="bodies 1 and 2 are not any more; remove the contact"):
+        space.step(STEP)
+
+
 @pytest.mark.parametrize("chained", [True, False])
 def test_the_only_body_before_a_wall_removed(chained):
     """None of the two bodies is in the Space then, and yet it says so."""
