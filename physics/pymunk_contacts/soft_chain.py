@@ -296,10 +296,11 @@ class SoftChain:
         _tier(begin_chain_step)(step, self._step or step, *bodies, self._direction, *own)
         self._step = step
         call_after_step(link, self._end_step)
-        if self._gone:  # apart, whatever the bodies do in this step
+        at_one_place = np.flatnonzero(~self._direction.any(axis=1)).tolist()  # pymunk has no line along which to push
+        if apart := [*self._gone, *at_one_place]:  # whatever the bodies do in this step
             fastest = np.abs(outside.velocity).max() + np.abs(outside.expected).max()
-            self._overlap[self._gone] = -self._touching[self._gone] - 4.0 * step * fastest
-            self._lag[self._gone] = self._outside[self._gone] = 0.0
+            self._overlap[apart] = -self._touching[apart] - 4.0 * step * fastest
+            self._lag[apart] = self._outside[apart] = 0.0
         moving = outside.mobility, outside.expected, outside.velocity, self._direction
         contacts = self._lag, self._outside, self._overlap, self._rate, self._force
         loss, memory = self._loss if self._loss.any() else NOTHING, (self._beads, self._work)

@@ -186,6 +186,19 @@ def test_a_body_moved_away_and_back():
     assert_energy_stays(space, bodies, chain, energy)
 
 
+@pytest.mark.parametrize("law", [hertz(100.0), hertz(100.0, 0.3)], ids=str)
+def test_bodies_at_one_place_do_not_push_until_they_are_moved(law):
+    space, bodies, chain = chain_row(law, speed=0.0)
+    for body in bodies:
+        body.position = 0.0, 0.0
+    run(space, FRAME, 10)
+    assert [body.velocity for body in bodies] == [(0.0, 0.0)] * 5
+    assert (chain.overlaps.tolist(), chain.forces.tolist()) == ([1.0] * 4, [0.0] * 4)
+    bodies[4].position = 0.9, 0.0
+    run(space, FRAME, 2)
+    assert bodies[4].velocity.x > 0.04
+
+
 def test_overlaps_follow_bodies_whose_positions_are_set():
     """A body moved a little in every step: the overlaps that the chain sums up stay those of the positions."""
     space, bodies, chain = chain_row(hooke(30.0), gap=0.1)
