@@ -213,8 +213,14 @@ class SoftContact(pymunk.DampedSpring):
         found = 0.0
         for body, end in zip((self.a, self.b), ends, strict=True):
             if body.body_type == pymunk.Body.DYNAMIC:
+                if not (body.mass and body.moment):
+                    raise ValueError(
+                        "a body of a SoftContact has no mass or moment yet: give it both, or shapes with density"
+                    )
                 arm = (end - body.local_to_world(body.center_of_gravity)).cross(line)
                 found += 1.0 / body.mass + arm * arm / body.moment
+        if not found:
+            raise ValueError("of the bodies of a SoftContact one at least must be dynamic: none is any more")
         return found
 
     def _look_at_step(self, overlap: float) -> None:

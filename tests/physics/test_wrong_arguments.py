@@ -69,6 +69,10 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "no body": (lambda: SoftContact(BODY, 5, (0, 0), (0, 0), 1, LAW), "b must be a Body, not 5"),
     "no anchor": (lambda: SoftContact(*BODIES[:2], None, (0, 0), 1, LAW), "anchor_a must be two finite numbers, not None"),
     "an anchor nowhere": (lambda: SoftContact(*BODIES[:2], (0, 0), (math.nan, 0), 1, LAW), "anchor_b must be two finite"),
+    "substeps of a body without mass": (
+        lambda: SoftContact(pymunk.Body(), BODY, (0, 0), (0, 0), 1, LAW).substeps(0.1, 1),
+        "no mass or moment yet",
+    ),
     "chains of no Space": (lambda: SoftChain.of(None), "space must be a Space, not None"),
     "a removal from no Space": (lambda: ROW.remove_from(None), "space must be a Space, not None"),
     "a removal of a list": (lambda: ROW.remove_from(pymunk.Space(), BODIES), r"every body must be a Body, not \["),
