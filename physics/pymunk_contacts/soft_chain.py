@@ -30,7 +30,8 @@ from softcradle.physics.pymunk_contacts.space_forces import SpaceForces, centres
 Array = NDArray[np.float64]
 
 CHAIN_METHODS = ("conserving",)  # values of the argument `method`
-ROWS = ("_overlap", "_rate", "_lag", "_outside", "_force", "_place", "_speed", "_absorbed")  # what moves in a chain
+# what moves in a chain
+ROWS = ("_overlap", "_rate", "_lag", "_outside", "_acted", "_force", "_place", "_speed", "_absorbed")
 
 
 @dataclass(frozen=True)
@@ -67,8 +68,8 @@ class SoftChain:
 
     Bodies push through their centres of gravity, along the line between neighbours, in a bent row too. Gravity, forces
     and strings (pin joints, taut slide joints) to kinematic and static bodies are known before the contacts are solved. Other
-    joints are expected to act as in the last step, so one that stops a body within a step takes energy. A body that is moved
-    or given another velocity between steps continues from there. Copy and pickle of the Space include the chain, which `of`
+    joints are expected to go on as in the last two steps, so one that stops a body within a step takes energy. A body that is
+    moved or given another velocity between steps continues from there. Copy and pickle of the Space include the chain, which `of`
     finds; `state` and `restore` roll back a chain alone. A body belongs to one SoftChain.
 
     Joints have errors of their own: in 60 s at steps of 1/240 s a pendulum on a PinJoint, released at 0.5 rad, loses 5.5 % of
@@ -134,7 +135,9 @@ class SoftChain:
         self.method = method
         self.bodies = tuple(bodies)
         n = len(bodies) - 1
-        self._overlap, self._rate, self._lag, self._outside, self._force = np.zeros((5, n))
+        self._overlap, self._rate, self._lag, self._force = np.zeros((4, n))
+        self._outside = np.zeros(n)  # changes of rates by others that are expected in a step
+        self._acted = np.zeros(n)  # and those of the last step
         self._place, self._speed, self._direction = np.zeros((n + 1, 2)), np.zeros((n + 1, 2)), np.zeros((n, 2))
         self._work = np.zeros((CHAIN_ROWS, n))
         self._beads = np.zeros((BEAD_ROWS, n + 1))
@@ -293,14 +296,16 @@ class SoftChain:
         own = self._overlap, self._rate, self._lag, self._outside
         if not self._step:
             _tier(start_chain_step)(step, *bodies, *own, self._force)
-        _tier(begin_chain_step)(step, self._step or step, *bodies, self._direction, *own)
+        before = self._step or step
+        _tier(begin_chain_step)(step, before, *bodies, self._direction, *own)
+        self._acted *= step / before
         self._step = step
         call_after_step(link, self._end_step)
         at_one_place = np.flatnonzero(~self._direction.any(axis=1)).tolist()  # pymunk has no line along which to push
         if apart := [*self._gone, *at_one_place]:  # whatever the bodies do in this step
             fastest = np.abs(outside.velocity).max() + np.abs(outside.expected).max()
             self._overlap[apart] = -self._touching[apart] - 4.0 * step * fastest
-            self._lag[apart] = self._outside[apart] = 0.0
+            self._lag[apart] = self._outside[apart] = self._acted[apart] = 0.0
         moving = outside.mobility, outside.expected, outside.velocity, self._direction
         contacts = self._lag, self._outside, self._overlap, self._rate, self._force
         loss, memory = self._loss if self._loss.any() else NOTHING, (self._beads, self._work)
@@ -343,6 +348,10 @@ class SoftChain:
             self._step, self._touching, *centres(self.bodies), self._place, self._speed, self._direction, self._overlap,
             self._rate, self._lag, self._outside,
         )  # fmt: skip
+        acted, before = self._outside.copy(), self._acted
+        # what acted in two steps goes on; a collision, which acts in one, would be expected to come again
+        self._outside = np.maximum(np.minimum(acted, before), 0.0) + np.minimum(np.maximum(acted, before), 0.0)
+        self._acted = acted
 
 
 def _of_the_chain(name: str) -> property:

@@ -222,6 +222,21 @@ def test_a_body_tied_along_the_row_is_a_wall(law):
     assert np.isfinite(chain.forces).all()
 
 
+@pytest.mark.parametrize("law", [hertz(1e4), power_law(50.0, 0.1), draft_gear(1e4, 0.02)], ids=str)
+def test_collisions_with_elastic_walls_add_no_energy(law):
+    """A blow of the wall is over with its step: the chain does not expect another one in the next."""
+    space, bodies, chain = chain_row(law, gap=0.1, beads=3)
+    ends = [pymunk.Segment(space.static_body, (x, -1), (x, 1), 0.5) for x in (-1.2, 3.4)]
+    space.add(*ends, *(pymunk.Circle(body, 0.5) for body in bodies))
+    for shape in space.shapes:
+        shape.elasticity = 1.0
+    most = 0.0
+    for _ in range(1800):
+        space.step(FRAME)
+        most = max(most, total_energy(bodies, chain))
+    assert most < 0.5 * 1.001
+
+
 @pytest.mark.parametrize("spring_first", [True, False])
 def test_a_spring_and_a_mouse_joint_add_no_energy(spring_first):
     """A spring before or after the chain in the Space, and a joint of limited force on the last body."""
