@@ -36,6 +36,8 @@ from softcradle.physics.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
+WITHIN_CONTACT = 31  # samples of a contact at least, by which its greatest force is right to a part in a thousand
+
 
 def _measure(title: str, unit: str, meaning: str, dissipative: bool = False) -> Any:
     """A field of a table of measures: its title, unit and meaning, and whether it is of use for dissipative chains alone."""
@@ -189,7 +191,8 @@ def collide(
     samples: int = 2001,
     run: Callable[..., Trajectory] = simulate,
 ) -> Trajectory:
-    """`simulate` with the samples that :func:`measured` needs: even ones, more while contacts are closed, and switches.
+    """`simulate` with the samples that :func:`measured` needs: even ones, more while contacts are closed, and switches; contacts
+    that are closed for a short time have some of their own.
 
     `method` None is "accurate" where that carries the chain, else "conserving". `run` is `simulate`, or `solve` in threads,
     for which Python's warnings are not.
@@ -198,11 +201,23 @@ def collide(
         method = "conserving" if chain.dissipative and not find_method("accurate").dissipative else "accurate"
     first = run(chain, velocity, duration, method, step, 2, tolerance)
     end = float(first.time[-1]) if duration is None else duration
-    switches = np.array([t for spans in first.contact_intervals for span in spans for t in span])
-    switches = switches[switches <= end]
+    spans = np.array([span for of_contact in first.contact_intervals for span in of_contact]).reshape(-1, 2)
+    switches = spans[spans <= end]
     closed = np.linspace(switches.min(), switches.max(), samples) if switches.size else switches
-    times = np.unique(np.concatenate((np.linspace(0.0, end, samples), closed, switches)))
+    times = np.concatenate((np.linspace(0.0, end, samples), closed, switches, _inside_short(spans, end, samples)))
+    times = np.unique(times)
     return run(chain, velocity, duration, method, step, times, tolerance)
+
+
+def _inside_short(spans: Array, end: float, samples: int) -> Array:
+    """Times within those of `spans` (K, 2) [s] that even samples up to the `end` miss; together about as many as `samples`."""
+    last = np.minimum(spans[:, 1], end)
+    length = last - spans[:, 0]
+    short = (length > 0.0) & (length < WITHIN_CONTACT * end / samples)
+    if not short.any():
+        return np.zeros(0)
+    count = min(max(samples // int(short.sum()), 1), WITHIN_CONTACT)
+    return np.linspace(spans[short, 0], last[short], count + 2)[1:-1].ravel()
 
 
 def measured(trajectory: Trajectory) -> CollisionMeasures:

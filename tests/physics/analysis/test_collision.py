@@ -97,6 +97,12 @@ def test_a_longer_way_to_the_target_changes_nothing():
     assert b.rigidity == pytest.approx(a.rigidity, rel=1e-6)
 
 
+def test_a_contact_far_shorter_than_the_run_is_measured():
+    law = hertz(1e9)
+    found = measured(collide(Chain([1, 1, 1], [law, hertz(1.0)], [0.0, 1.0]), [1.0, 0.0, 0.0]))
+    assert found.peak_force == pytest.approx(one_on_one(law, 0.5, 1.0).peak_force, rel=2e-3)
+
+
 def test_against_a_wall():
     found = measured(collide(Chain([1, 1, math.inf], hertz(2.0), [0.0, 0.5]), [1.0, 1.0, 0.0]))
     assert found.struck == 1
