@@ -140,6 +140,8 @@ def impulses(trajectory: Trajectory, struck: int) -> Array:
     the first touch of the contact `struck` on, because the forces between beads that friction holds are not determined.
     """
     chain, time = trajectory.chain, trajectory.time
+    if chain.on_bed:
+        return _integrated_force(trajectory, struck)
     mass = np.array(chain.mass)
     drive = np.zeros(len(mass)) if chain.drive_force is None else chain.drive_force * time[-1]
     for item in chain.forces:
@@ -147,12 +149,26 @@ def impulses(trajectory: Trajectory, struck: int) -> Array:
     with np.errstate(invalid="ignore"):
         gained = mass * (trajectory.final_velocity - trajectory.velocity[0]) - drive  # nan for walls
     right, left = np.cumsum(gained[::-1])[::-1][1:], -np.cumsum(gained)[:-1]
-    late = time >= first_touch(trajectory, struck)
-    summed = np.trapezoid(trajectory.force[late], time[late], axis=0)
-    if chain.on_bed:
-        return np.asarray(summed)
-    passed: Array = np.where(np.isfinite(right), right, np.where(np.isfinite(left), left, summed))
+    known = np.where(np.isfinite(right), right, left)
+    passed: Array = np.where(np.isfinite(known), known, _integrated_force(trajectory, struck))
     return passed
+
+
+def _integrated_force(trajectory: Trajectory, struck: int) -> Array:
+    """(n,) integral of the force of each contact [N s] over the samples from the first touch of the contact `struck` on.
+
+    Between two samples of which one is open, a force that jumps at the switch must not count with its mean.
+    """
+    time, force = trajectory.time, trajectory.force
+    middle, mean = 0.5 * (time[1:] + time[:-1]), 0.5 * (force[1:] + force[:-1])
+    for k, spans in enumerate(trajectory.contact_intervals):
+        if not isinstance(trajectory.chain.contact[k], Coupler):  # which may push before its switch is told
+            switches = np.array(spans).ravel()
+            mean[:, k] = np.where(np.isin(time[1:], switches[1::2]), force[:-1, k], mean[:, k])
+            mean[np.searchsorted(switches, middle) % 2 == 0, k] = 0.0
+    late = middle > first_touch(trajectory, struck)
+    integral: Array = np.diff(time)[late] @ mean[late]
+    return integral
 
 
 def first_touch(trajectory: Trajectory, struck: int) -> float:

@@ -4,7 +4,18 @@ import math
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, Coupler, cluster_on_cluster, draft_gear, hertz, hooke, one_on, power_law, simulate
+from softcradle.physics import (
+    Chain,
+    Coupler,
+    cluster_on_cluster,
+    draft_gear,
+    hertz,
+    hooke,
+    one_on,
+    power_law,
+    simulate,
+    step_force,
+)
 from softcradle.physics.analysis import closed_forms, measures
 from softcradle.physics.analysis.closed_forms import critical_speed, one_on_one, rigid_collision, rigid_stroke
 from softcradle.physics.analysis.collision import collide, measured, struck_contact
@@ -101,6 +112,12 @@ def test_a_contact_far_shorter_than_the_run_is_measured():
     law = hertz(1e9)
     found = measured(collide(Chain([1, 1, 1], [law, hertz(1.0)], [0.0, 1.0]), [1.0, 0.0, 0.0]))
     assert found.peak_force == pytest.approx(one_on_one(law, 0.5, 1.0).peak_force, rel=2e-3)
+
+
+def test_a_force_that_jumps_passes_its_momentum_on_a_bed_too():
+    free, on_bed = (Chain([10, 0.1, 10], step_force(100.0), [0.0, 0.5], friction=friction) for friction in (0.0, 1e-9))
+    a, b = (measured(collide(chain, [1.0, 0.0, 0.0])) for chain in (free, on_bed))  # the light bead hits eleven times
+    assert [c.momentum for c in b.contacts] == pytest.approx([c.momentum for c in a.contacts], rel=1e-3)
 
 
 def test_against_a_wall():
