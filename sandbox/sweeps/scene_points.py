@@ -181,6 +181,10 @@ def _field_of(table: type[BaseModel], key: str) -> TypeAdapter[Any]:
     """What checks a value of a field as the table does, without the rest of the table."""
     field = table.model_fields[key]
     kind: Any = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
+    if isinstance(field.annotation, type) and issubclass(
+        field.annotation, BaseModel
+    ):  # a table has a config of its own
+        return TypeAdapter(kind)
     return TypeAdapter(kind, config=ConfigDict(allow_inf_nan=table.model_config.get("allow_inf_nan", True)))
 
 

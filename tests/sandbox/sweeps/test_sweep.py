@@ -21,6 +21,7 @@ from softcradle.sandbox.sweeps.code_digest import code_digest
 from softcradle.sandbox.sweeps.dataset import reasons_of, write_dataset
 from softcradle.sandbox.sweeps.executors import MANY, QUEUED, here, place_of, unsendable
 from softcradle.sandbox.sweeps.run_sweep import drop_kept, map_points, sweep_status
+from softcradle.sandbox.sweeps.scene_points import changed
 from softcradle.sandbox.sweeps.store import Store, partial_folder
 from softcradle.sandbox.sweeps.work import Outcome, PointStatus, Work, packed, sweep_work
 from softcradle.sandbox.user_error import StudyError
@@ -406,6 +407,17 @@ def test_every_value_of_a_list_is_checked_as_a_file_is():
     expected = ["", f"{wrong}greater than or equal to 0, not -0.5", "", f"{wrong}a finite number, not nan", ""]
     assert found["reason"].values.tolist() == expected
     assert np.isnan(found["end"]).values.tolist() == [False, True, False, True, False]
+
+
+def test_numbers_of_the_gear_of_a_coupler_vary_and_are_checked():
+    path = "lanes.0.contact.push.loss"
+    over = {path: [0.5, 2.0, 0.7], "duration": [0.1] * 3}
+    found = sweep("train-solid", listed(over), ["final_velocity"], executor="here")
+    refused = "the scene: lanes[0].contact.push.loss must be less than 1, not 2.0"
+    assert found["reason"].values.tolist() == ["", refused, ""]
+    lane = changed(load("train-solid"), {path: 0.7}).lanes[0]
+    run = simulate(lane.chain(), lane.velocity, 0.1, "conserving", samples=2)
+    np.testing.assert_array_equal(found["final_velocity"][2], run.final_velocity)
 
 
 @pytest.mark.parametrize("other", [2.5, 4.0])
