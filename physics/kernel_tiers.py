@@ -249,6 +249,21 @@ def _plain_names(module: str) -> dict[str, Any]:
     return _names[module]
 
 
+# ---- machine code
+
+
+def entry_of(kernel: Any, arguments: tuple[Any, ...]) -> Any:
+    """Where the machine code of `kernel` for arguments like these begins, for `called_at`; the kernel itself as plain Python."""
+    if not COMPILED:
+        return kernel
+    import numba
+
+    kinds = tuple(map(numba.typeof, arguments))
+    kernel.compile(kinds)
+    found = kernel.overloads[kinds]
+    return found.library.get_pointer_to_function(found.fndesc.llvm_func_name)
+
+
 # ---- this machine
 
 

@@ -16,10 +16,7 @@ from softcradle.physics.numerics.records import Dissipation
 Array = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
-NO_PAUSE = (
-    False,
-    2**62,
-)  # whether a run is resumed, and steps after which it is interrupted
+NO_PAUSE = False, 2**62  # no run is resumed, and none is interrupted
 
 
 class BatchData(NamedTuple):

@@ -130,16 +130,6 @@ else:
         return _compiled(function, pipeline_class=_Optimized)
 
 
-def entry_of(kernel: Any, arguments: tuple[Any, ...]) -> Any:
-    """Where the machine code of `kernel` for arguments like these begins, for `called_at`; the kernel itself as plain Python."""
-    if not COMPILED:
-        return kernel
-    kinds = tuple(map(numba.typeof, arguments))
-    kernel.compile(kinds)
-    found = kernel.overloads[kinds]
-    return found.library.get_pointer_to_function(found.fndesc.llvm_func_name)
-
-
 def _called_here(entry: Any, arguments: tuple[Any, ...]) -> Any:
     """What a kernel gives that is called as plain Python."""
     return entry(*arguments)
