@@ -28,11 +28,12 @@ def log_switches(before, time, landed, regime, motion, wanted, scratch, log):
     """Log the contacts that have begun or ceased to push in the step from `before` to `time`.
 
     One that has begun does so at the start: steps end where contacts close. One that has opened did so at `opening` (n,)
-    after the start, or at the end where that is negative. The one that has `landed` on a corner is told of when it is over it.
+    after the start, or at the end where that is negative. What opens where it has `landed` on a corner is told of when it is
+    over it.
     Flights between bounces, on contacts and on each segment of couplers, count in how errors grow, see `grow_errors`.
     """
     for i in range(motion.mode.size):
-        if i == landed:
+        if i == landed and log.closed[i] != 0:
             continue
         x, w = side_of(regime, i) * motion.overlap[i], side_of(regime, i) * motion.rate[i]
         through = (

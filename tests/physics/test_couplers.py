@@ -44,6 +44,15 @@ def test_two_wagons_bounce_in_the_solid_stop(method, side):
     assert np.abs(found.ledger / found.ledger[0] - 1.0).max() < (1e-4 if method == "euler" else 1e-8)
 
 
+@pytest.mark.parametrize("travel", [1e-3, 1e-2, 1e-1])
+@pytest.mark.parametrize("method", ["radau", "dop853", "accurate"])
+def test_a_contact_is_told_from_where_it_closed_though_the_first_step_ends_at_the_stop(method, travel):
+    chain = Chain([1.0, 1.0], Coupler(hooke(10.0), travel=travel, stop=1e3), gap=0.5)
+    _, time = bounce_in_the_stop(10.0, 1e3, travel, 0.5, 1.0)
+    found = simulate(chain, [1.0, 0.0], 1.0, method=method, samples=2)
+    assert found.contact_intervals[0] == (pytest.approx((0.5, 0.5 + time), abs=1e-6),)
+
+
 @pytest.mark.parametrize("method", CARRY)
 def test_wagons_of_a_pulled_train_start_one_after_another(method):
     """Hard links pass the whole momentum on: wagon k starts at T (k + 1) / 2 with T = sqrt(2 s m / F), all at one speed."""
