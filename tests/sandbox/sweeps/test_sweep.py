@@ -25,6 +25,7 @@ from softcradle.sandbox.sweeps.scene_points import changed
 from softcradle.sandbox.sweeps.store import Store, partial_folder
 from softcradle.sandbox.sweeps.work import Outcome, PointStatus, Work, packed, sweep_work
 from softcradle.sandbox.user_error import StudyError
+from softcradle.scenes import load
 
 from tests.helpers.own_process import python
 from tests.helpers.paths import ROOT
