@@ -189,7 +189,7 @@ def test_samples_cost_no_second_run(module, method, name, monkeypatch):
 
 @pytest.mark.parametrize("name", ADAPTIVE)
 def test_samples_cost_no_second_run_of_an_adaptive_method(name, monkeypatch):
-    kernels, counted, begun = runner.kernels_of(chain), Mock(wraps=runner.integrate), []
+    kernels, counted, begun = runner.kernels_of(ENDED[name][0]), Mock(wraps=runner.integrate), []
     kernels.load_made()  # each kernel is called once as it is loaded
     monkeypatch.setattr(runner, "integrate", counted)
     monkeypatch.setattr(kernels, "of", lambda kernel, work=0.0: kernel)
