@@ -149,7 +149,9 @@ def impulses(trajectory: Trajectory, struck: int) -> Array:
     with np.errstate(invalid="ignore"):
         gained = mass * (trajectory.final_velocity - trajectory.velocity[0]) - drive  # nan for walls
     right, left = np.cumsum(gained[::-1])[::-1][1:], -np.cumsum(gained)[:-1]
-    known = np.where(np.isfinite(right), right, left)
+    known: Array = np.where(np.isfinite(right), right, left)
+    if np.isfinite(known).all():
+        return known
     passed: Array = np.where(np.isfinite(known), known, _integrated_force(trajectory, struck))
     return passed
 

@@ -179,21 +179,24 @@ def ensemble_ends(
     special = batch.driven | (batch.gap < 0.0).any(axis=1)
     for _ in in_threads(alone, np.flatnonzero(special).tolist(), threads):
         tell(1)
-    plain = np.flatnonzero(~special)
+    ordinary = np.flatnonzero(~special)
     times = _contact_times(batch, run.velocity, special)
     if chosen.adaptive:
         accuracy = _Accuracy.of(batch, method, float(tolerance), run.velocity)
-        move: Any = partial(_integrate, KERNELS["adaptive"].of(integrate_each, np.inf), accuracy, run)
+        found = accuracy.grown, accuracy.turns, accuracy.control
+        kernels: Any = KERNELS["adaptive"].of(integrate_each, np.inf), integrate, integrate_arguments
+        move = _mover(*kernels, partial(_of_integrate, accuracy, run), ordinary, found)
     else:
         run.data.step[:] = _default_steps(batch, run.velocity, times) if steps is None else steps
-        move = partial(_march, KERNELS["march"].of(march_each, np.inf), method, run)
-    blocks = [plain[part.start : part.stop] for part in parts(0, plain.size, threads, LEAST_AT_ONCE)]
+        kernels = KERNELS["march"].of(march_each, np.inf), march, march_arguments
+        move = _mover(*kernels, partial(_of_march, method, run), ordinary)
+    blocks = [ordinary[part.start : part.stop] for part in parts(0, ordinary.size, threads, LEAST_AT_ONCE)]
     for k, _ in in_threads(move, blocks, threads):
         tell(blocks[k].size)
-    ends.final_velocity[plain] = _velocities_of(batch, run.moving.rate, run.moving.anchor)[plain]
+    ends.final_velocity[ordinary] = _velocities_of(batch, run.moving.rate, run.moving.anchor)[ordinary]
     if chosen.adaptive:
         error, growth = accuracy.errors(run.velocity, ends.final_velocity, ends.steps)
-        ends.velocity_error[plain] = error[plain, None]
+        ends.velocity_error[ordinary] = error[ordinary, None]
         again = ~special & _needs_another_run(batch, run, error, growth)
         for _ in in_threads(alone, np.flatnonzero(again).tolist(), threads):
             pass
@@ -231,18 +234,17 @@ class _Run:
         return cls(data, moving, stop, _velocities_of(batch, rate, anchor))
 
 
-def _march(kernel: Any, method: str, run: _Run, which: Which) -> None:
-    """Move the chains `which` to their ends by a method of fixed steps."""
+def _of_march(method: str, run: _Run) -> tuple[Any, ...]:
+    """What all chains have in common for `march_each`, with memory of its own: methods of fixed steps."""
     scratch = fixed_step.Scratch.of(method, run.moving.overlap.shape[1])
     memory = (
         tuple(scratch.spare), tuple(scratch.samples), (scratch.log.contact, scratch.log.time), tuple(scratch.checkpoints),
         tuple(scratch.pause), np.zeros(4), (scratch.beads, scratch.work),
     )  # fmt: skip
-    arguments = (
+    return (
         fixed_step.kind_of(method), run.stop, fixed_step.MOST_FIXED_STEPS, tuple(run.data), tuple(run.moving), memory,
         (NO_FLAGS, NO_JOINTS, NO_KNOTS),
     )  # fmt: skip
-    _for_each(kernel, march, march_arguments, which, arguments)
 
 
 @dataclass(frozen=True)
@@ -281,28 +283,33 @@ class _Accuracy:
         return stated_error(growth, self.control[:, 1], steps + self.grown.shape[1], fastest), growth
 
 
-def _integrate(kernel: Any, accuracy: _Accuracy, run: _Run, which: Which) -> None:
-    """Move the chains `which` as far as an adaptive method goes by itself."""
+def _of_integrate(accuracy: _Accuracy, run: _Run) -> tuple[Any, ...]:
+    """The same for `integrate_each`, which moves chains as far as an adaptive method goes by itself."""
     n = run.moving.overlap.shape[1]
     effective = np.zeros((n, 3)), np.zeros(n + 1), np.zeros(n + 1), np.zeros(4)
     block, records = _in_one_block(empty_trial(n), empty_trial(n), empty_scratch(n))
     memory = effective, np.zeros(4 * n + 1, dtype=np.int8), block, (*records, tuple(empty_steps(0, n, False)))
     nothing = np.zeros(0, dtype=np.int64), np.zeros(0), NO_JOINTS, NO_KNOTS, NO_PAUSE
-    arguments = (
+    return (
         (ALLOWED[accuracy.method], accuracy.tolerance, accuracy.scale), run.stop, accuracy.budget, tuple(run.data),
         tuple(run.moving), memory, nothing,
     )  # fmt: skip
-    errors = accuracy.grown, accuracy.turns, accuracy.control
-    _for_each(kernel, integrate, integrate_arguments, which, arguments, errors)
 
 
-def _for_each(
-    kernel: Any, of_one: Any, arguments_of: Any, which: Which, arguments: tuple[Any, ...], *found: Any
-) -> None:
-    """Call `kernel` for the chains `which`: it calls the kernel `of_one` with what `arguments_of` a chain gives."""
-    with kernel_arithmetic():
-        entry = entry_of(of_one, plain(arguments_of)(int(which[0]), *arguments))
-        kernel(entry, which, *arguments, *found)
+def _mover(
+    kernel: Any, of_one: Any, arguments_of: Any, common: Callable[[], tuple[Any, ...]], chains: Which, *found: Any
+) -> Callable[[Which], None]:
+    """What moves some of the `chains` by `kernel`, which calls the kernel `of_one` with what `arguments_of` a chain gives.
+
+    What is `common` to all is made anew for each call; the entry of `of_one`, which takes longer to find, once.
+    """
+    entry = entry_of(of_one, plain(arguments_of)(int(chains[0]), *common())) if chains.size else None
+
+    def move(which: Which) -> None:
+        with kernel_arithmetic():
+            kernel(entry, which, *common(), *found)
+
+    return move
 
 
 def _in_one_block(*records: Any) -> tuple[Array, list[tuple[Array, ...]]]:
