@@ -54,6 +54,8 @@ FINER = 10.0  # ratio of the tolerances of successive runs
 # chance: differences tell of errors as long as these are small. A coarser one then confirms nothing, and two finer ones have to.
 MOST_TRUSTED = FINER**3
 MOST_STATED = 0.3
+# times what is promised: where a run states more, a coarser one may be off alike, for both damp what neither follows
+MOST_CONFIRMED = 3.0
 # Times the steps of a run that the order of radau asks for in one as much finer. A finer one that takes more of them may follow
 # what the other damped: a coarser run then confirms nothing, and with the square of it a finer one neither.
 ALIKE = FINER ** ERROR_EXPONENT[RADAU]
@@ -108,12 +110,12 @@ def confirmed(problem: Problem, record: Record) -> Record:
         return record
     if record.status == Status.UNDETERMINED:
         return _as_far_as_determined(problem, record)
-    if _agrees_by_chance(record, FINER, problem):
+    promised = PROMISED * max(problem.tolerance, LEAST_PROMISED) * scale_of(problem)
+    if record.growth > MOST_TRUSTED or record.velocity_error.max() > MOST_CONFIRMED * promised:
         return _finer(problem, record)
     coarse = _shaken_run(problem, FINER * problem.tolerance, 0)
     coarser = to_its_end(replace(coarse, samples=2, later=False, most_steps=2 * record.steps + STEPS_A_CONTACT))
     apart = np.abs(coarser.end.velocity(problem.chain) - record.end.velocity(problem.chain))
-    promised = PROMISED * max(problem.tolerance, LEAST_PROMISED) * scale_of(problem)
     if coarser.warnings or record.steps > ALIKE * coarser.steps or not apart.max() <= 0.5 * promised:
         return _with_cost_of(_finer(problem, record), coarser)
     return replace(_with_cost_of(record, coarser), velocity_error=_error_of(apart) + _error_anyway(record))
@@ -134,7 +136,7 @@ def _finer(problem: Problem, record: Record) -> Record:
     scale = scale_of(problem)
     allowed = max(problem.tolerance, LEAST_PROMISED) * scale
     tolerance, runs, confirming, usual, steps = problem.tolerance, 0, 0, usual_steps(problem, scale), record.steps
-    chance = _agrees_by_chance(record, 1.0, problem)
+    chance = _agrees_by_chance(record, problem)
     while not record.warnings:
         tolerance, runs = max(tolerance / FINER, ROUND_OFF), runs + 1
         finest = tolerance < 2.0 * ROUND_OFF  # a run as fine as another agrees with it, whatever both are off by
@@ -145,7 +147,7 @@ def _finer(problem: Problem, record: Record) -> Record:
         if finer.status == Status.UNDETERMINED:
             return replace(_with_cost_of(record, finer), status=Status.UNDETERMINED, velocity_error=error)
         confirming = confirming + 1 if agrees and finer.steps <= ALIKE**2 * steps else 0
-        before, chance = chance, _agrees_by_chance(finer, 1.0, problem)
+        before, chance = chance, _agrees_by_chance(finer, problem)
         if confirming >= (2 if chance or before else 1):
             return replace(_with_cost_of(record, finer), velocity_error=error)
         steps, record = finer.steps, replace(_with_cost_of(finer, record), velocity_error=error)
@@ -157,11 +159,9 @@ def _finer(problem: Problem, record: Record) -> Record:
     return record
 
 
-def _agrees_by_chance(record: Record, coarser: float, problem: Problem) -> bool:
-    """Whether a run as fine as the record's, or `coarser` by this factor, may agree with another by chance."""
-    return record.growth > MOST_TRUSTED or coarser * float(record.velocity_error.max()) > MOST_STATED * scale_of(
-        problem
-    )
+def _agrees_by_chance(record: Record, problem: Problem) -> bool:
+    """Whether a run as fine as the record's may agree with it by chance."""
+    return record.growth > MOST_TRUSTED or float(record.velocity_error.max()) > MOST_STATED * scale_of(problem)
 
 
 def _error_of(apart: Array) -> Array:

@@ -14,6 +14,7 @@ from softcradle.physics.problem import Problem, Record
 from softcradle.physics.state import State
 from softcradle.physics.status import Status
 
+from benchmarks.scan.families import motion
 from softcradle import scenes
 from tests.helpers.relations import PROMISE, simulate_quietly, struck
 
@@ -127,13 +128,36 @@ def test_a_finer_run_that_follows_more_confirms_nothing(other_runs) -> None:
     assert not found.warnings
 
 
-@pytest.mark.parametrize(("growth", "taken"), [(7.0, []), (500.0, [1e-5]), (2000.0, [1e-7, 1e-8])])
+@pytest.mark.parametrize(("growth", "taken"), [(7.0, []), (100.0, [1e-5]), (2000.0, [1e-7, 1e-8])])
 def test_the_more_errors_grow_the_more_runs_confirm(growth: float, taken: list[float], other_runs) -> None:
     """None, a coarser one, two finer ones: with growth of 1e4, runs at 1e-8 and 1e-9 agreed to 1e-8 and were off by 1e-5."""
     first = grown(to_its_end(hit()), growth)
     tolerances = other_runs(first)
     assert not confirmed(hit(), first).warnings
     assert tolerances == pytest.approx(taken)
+
+
+@pytest.mark.parametrize(("stated", "taken"), [(2.9e-5, 1e-5), (3.1e-5, 1e-7)])
+def test_a_coarser_run_is_asked_of_what_a_run_states_not_far_beyond_its_promise(stated, taken, other_runs) -> None:
+    first = replace(to_its_end(hit()), growth=100.0, velocity_error=np.full(3, stated))
+    tolerances = other_runs(first)
+    assert not confirmed(hit(), first).warnings
+    assert tolerances == pytest.approx([taken])
+
+
+@pytest.mark.parametrize(
+    ("family", "seed", "tolerance"), [("extreme", 310, 1e-8), ("walls", 246, 1e-4), ("timed", 370, 1e-4)]
+)
+def test_what_two_runs_damp_alike_is_not_confirmed(family: str, seed: int, tolerance: float) -> None:
+    """A bead rattles between its neighbours: a run stated right what it was off by, and a coarser one ended where it did."""
+    drawn = motion(family, seed)
+    ends = [
+        simulate_quietly(drawn.chain, drawn.velocity, drawn.duration, samples=2, tolerance=each)
+        for each in (tolerance, 1e-10)
+    ]
+    error = np.abs(ends[0].final_velocity - ends[1].final_velocity)
+    assert not ends[1].warnings
+    assert error.max() < PROMISE * tolerance * drawn.speed
 
 
 @pytest.mark.parametrize("apart", [4e-6, 6e-6])
