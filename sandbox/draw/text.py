@@ -63,12 +63,12 @@ def paragraphs(text: str, size: float, room: float) -> list[str]:
     return [line for part in text.split("\n") for line in wrapped(part, size, room)]
 
 
-def wrapped(text: str, size: float, room: float) -> list[str]:
+def wrapped(text: str, size: float, room: float, *, bold: bool = False) -> list[str]:
     """`text` broken between words into lines of at most `room` pixels; spaces that do not break stay."""
     lines = [""]
     for word in re.split(r"[ \n\t]+", text.strip(" \n\t")):
         longer = f"{lines[-1]} {word}".strip()
-        if lines[-1] and width(longer, size) > room:
+        if lines[-1] and width(longer, size, bold=bold) > room:
             lines.append(word)
         else:
             lines[-1] = longer

@@ -203,25 +203,35 @@ HOVERED_OPACITY = 24  # of 255, of the tint of the card under the pointer
 PRESSED_OPACITY = 48  # of 255, of the same card while the button is down
 
 
-def _beginning(text: str, ends: str, size: float, room: float, most: int) -> list[str]:
-    """The lines of `text` up to the last of its parts, which `ends` end, that `most` lines hold; of the first one at least."""
-    parts = re.findall(rf".+?(?:[{ends}](?= )|$)", text) or [""]
+def _beginning(text: str, ends: Sequence[str], size: float, room: float, most: int) -> list[str]:
+    """The lines of `text` up to the last of its parts that `most` lines hold; of the first one at least.
+
+    The first of `ends` end its parts, the next ones the parts of a first part that is too long.
+    """
+    parts = re.findall(rf".+?(?:[{ends[0]}](?= )|$)", text) or [""]
     wholes = ("".join(parts[: k + 1]).strip(" ;:,") for k in range(len(parts) - 1, -1, -1))
     lines = next((found for whole in wholes if len(found := wrapped(whole, size, room)) <= most), [])
     if lines:
         return lines
+    if ends[1:]:
+        return _beginning(parts[0], ends[1:], size, room, most)
     lines = wrapped(parts[0], size, room)[:most]
     return [*lines[:-1], shortened(f"{lines[-1]} …", size, room)]
 
 
 def paint_caption(surface: pygame.Surface, caption: tuple[str, str, str], picture: pygame.Rect, unit: float) -> None:
-    """Title, as many sentences of the text as two lines hold, and source, below the `picture`."""
+    """Title, whole sentences of the text and what of the source stands by itself, in four lines below the `picture`."""
     (title, text, source), room = caption, picture.width - 20 * unit
     x, y = picture.left + 10 * unit, picture.bottom + 7 * unit
-    write(surface, shortened(title, 16 * unit, room, bold=True), (x, y), 16 * unit, tones.foreground, bold=True)
-    lines = _beginning(text, ".?!", 13 * unit, room, 2) + _beginning(source, ";:,", 13 * unit, room, 1)
-    for row, line in enumerate(lines):
-        write(surface, line, (x, y + (21 + 17 * row) * unit), 13 * unit, tones.muted)
+    first, *rest = wrapped(title, 16 * unit, room, bold=True)
+    titles = [first, " ".join(rest)] if rest else [first]
+    for line in titles:
+        write(surface, shortened(line, 16 * unit, room, bold=True), (x, y), 16 * unit, tones.foreground, bold=True)
+        y += 19 * unit
+    lines = _beginning(text, (".?!",), 13 * unit, room, 3 - len(titles))
+    for line in lines + _beginning(source, (";", ":,"), 13 * unit, room, 1):
+        write(surface, line, (x, y + 2 * unit), 13 * unit, tones.muted)
+        y += 17 * unit
 
 
 def paint_border(surface: pygame.Surface, place: pygame.Rect, hovered: bool, pressed: bool) -> None:

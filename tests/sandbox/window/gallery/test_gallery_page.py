@@ -2,11 +2,14 @@
 
 import weakref
 
+import numpy as np
 import pygame
 import pytest
-from softcradle.sandbox.languages import use_language
+from softcradle.sandbox.draw.palette import THEMES, use_theme
+from softcradle.sandbox.languages import LANGUAGES, use_language
 from softcradle.sandbox.window.gallery import thumbnails
 from softcradle.sandbox.window.gallery.page import SECTIONS, GalleryPage
+from softcradle.sandbox.window.plots.scales import motions_ahead
 
 from softcradle import scenes
 from tests.helpers.windows import Driver
@@ -68,6 +71,38 @@ def test_every_scene_has_a_picture_at_once_a_section_and_whole_sentences(gallery
         assert scene.text.startswith(said)
         assert said.endswith(".")
         assert scene.source.startswith(lines[-1])
+
+
+def test_titles_are_whole_in_every_language_and_no_source_is_cut_within_a_list(gallery: Driver) -> None:
+    """What is ours of a scene stands at the end of its source: "launch speed, friction and loss ours"."""
+    page = gallery.app.page
+    for code in LANGUAGES:
+        use_language(code)
+        gallery.app.rebuild()
+        for scroll in range(0, 1800, 400):
+            page.grid.scroll = 0.0
+            page.grid.scroll_by(scroll)
+            texts = gallery.texts()
+            for k, name in enumerate(page.names):
+                place = page.grid.place(k)
+                if place.top < 120 or place.bottom > 720:
+                    continue
+                words = [one.text for one in texts if place.collidepoint(one.rect.center)]
+                title, _text, source = page.captions[name]
+                assert " ".join(words).startswith(title), (code, title)
+                shown, rest = words[-1], source.removeprefix(words[-1]).lstrip("\xa0 ")
+                assert rest == "" or rest[0] == ";" or ";" not in shown.removesuffix(";"), (code, source, shown)
+
+
+def test_shipped_pictures_are_those_that_are_drawn_now() -> None:
+    for name in scenes.names():
+        scene = scenes.load(name)
+        motions = motions_ahead(scene)
+        for theme in reversed(THEMES):
+            use_theme(theme)
+            drawn, shipped = thumbnails.paint(scene, motions), thumbnails.shipped(name, theme)
+            one, other = (pygame.surfarray.array3d(picture).astype(float) for picture in (drawn, shipped))
+            assert np.abs(one - other).mean() < 1.0, (name, theme)  # of 255
 
 
 def searched(gallery: Driver, words: str) -> tuple[str, ...]:
