@@ -11,13 +11,18 @@ from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.motion import GOOD, Array, Motion, level_of
 
-# Titles of the energy bar, of which the longest that fits is written, and those of the momentum bar.
+# Titles of the energy bar, of which the longest that fits is written with a key of its greys, and those of the momentum bar.
 ENERGY_TITLES = (N_("energy: motion of each bead, stored in contacts"), N_("energy, stored in contacts"), N_("energy"))
+ABSORBED = N_("absorbed")  # by contacts with loss and by the bed
+KEY_WIDTH = 14.0  # design pixels of a colour behind its word
+WORDS_APART = 10.0  # design pixels
 MOMENTUM_TITLES = (
     N_("momentum of each bead; marks: zero and total"),
     N_("momentum; marks: zero, total"),
     N_("momentum"),
 )
+
+Words = list[tuple[str, Colour | None]]  # parts of a title, and the colour in the bar that each names
 
 
 class EnergyBars:
@@ -27,14 +32,22 @@ class EnergyBars:
         rect: where they are drawn.
         unit: pixels of a design pixel.
         colours: of the beads.
+        dissipative: whether contacts or the bed absorb energy.
         scales: the scales of all lanes.
         badges: whether the errors are shown.
     """
 
     def __init__(
-        self, rect: pygame.Rect, unit: float, colours: tuple[Colour, ...], scales: Scales, badges: bool = True
+        self,
+        rect: pygame.Rect,
+        unit: float,
+        colours: tuple[Colour, ...],
+        dissipative: bool,
+        scales: Scales,
+        badges: bool = True,
     ) -> None:
-        self.unit, self.colours, self.scales, self.has_badges = unit, colours, scales, badges
+        self.unit, self.colours, self.dissipative = unit, colours, dissipative
+        self.scales, self.has_badges = scales, badges
         gap = 22 * unit
         wide = (rect.width - 2 * gap) / 3 if badges else (rect.width - gap) / 2
         top, height = round(rect.bottom - 15 * unit), round(11 * unit)
@@ -45,15 +58,34 @@ class EnergyBars:
 
     def backdrop(self, surface: pygame.Surface) -> None:
         """Draw titles and empty bars."""
-        unit = self.unit
-        for rect, titles in zip(self.bars, (ENERGY_TITLES, MOMENTUM_TITLES), strict=True):
+        for rect, titles in zip(
+            self.bars, (self._energy_titles(), [[(_(t), None)] for t in MOMENTUM_TITLES]), strict=True
+        ):
             surface.fill(tones.grid, rect)
-            fitting = [title for title in titles if width(_(title), 13 * unit) < rect.width - 14 * unit] or [""]
-            end = write(
-                surface, _(fitting[0]), (rect.left, rect.top - 3 * unit), 13 * unit, tones.muted, align=(0, 1)
-            ).right
-            if fitting[0].endswith("contacts"):
-                fill_rectangle(surface, tones.steel, (end + 4 * unit, rect.top - 14 * unit, 9 * unit, 9 * unit))
+            fitting = [title for title in titles if self._room(title) < rect.width]
+            self._title(surface, rect, fitting[0] if fitting else [])
+
+    def _energy_titles(self) -> list[Words]:
+        """The longest first; a grey has a name in all of them, or in none."""
+        *long, bare = ENERGY_TITLES
+        absorbed = [(_(ABSORBED), tones.muted)] if self.dissipative else []
+        return [*([(_(title), tones.steel), *absorbed] for title in long), [(_(bare), None)]]
+
+    def _room(self, title: Words) -> float:
+        """Pixels that a title needs."""
+        keys = sum(KEY_WIDTH for _word, colour in title if colour is not None)
+        words = sum(width(word, 13 * self.unit) for word, _colour in title)
+        return words + (keys + WORDS_APART * (len(title) - 1)) * self.unit
+
+    def _title(self, surface: pygame.Surface, rect: pygame.Rect, title: Words) -> None:
+        """Write the words above a bar, behind each the colour that it names."""
+        unit, x = self.unit, float(rect.left)
+        for word, colour in title:
+            x = write(surface, word, (x, rect.top - 3 * unit), 13 * unit, tones.muted, align=(0, 1)).right
+            if colour is not None:
+                fill_rectangle(surface, colour, (x + 4 * unit, rect.top - 14 * unit, 9 * unit, 9 * unit))
+                x += KEY_WIDTH * unit
+            x += WORDS_APART * unit
 
     def paint(self, surface: pygame.Surface, motion: Motion, row: int) -> None:
         """Draw energy, momentum and errors at row `row` of `motion`."""

@@ -190,7 +190,7 @@ class _LanePicture:
         self.motion = picture.motions[number]
         self.drawing = LaneDrawing(place.drawing, unit, scene, number, scales)
         self.insets = MagnifiedInsets(place.insets, unit, self.drawing, scales.deepest[number])
-        self.bars = EnergyBars(place.bars, unit, self.drawing.colours, scales)
+        self.bars = EnergyBars(place.bars, unit, self.drawing.colours, self.drawing.chain.dissipative, scales)
         self.panels = [self._panel(rect, kind, scales, unit) for kind, rect in enumerate(place.panels)]
         self.ahead = picture.ahead
         for panel, values in zip(self.panels, _curves(self.motion), strict=False):

@@ -85,7 +85,8 @@ class LaneView:
         beads, insets, bars = rects
         self.drawing = LaneDrawing(beads, unit, scene, number, scales)
         self.insets = MagnifiedInsets(insets, unit, self.drawing, scales.deepest[number]) if insets.height else None
-        self.energy_bars = EnergyBars(bars, unit, self.drawing.colours, scales, badges=False) if bars.height else None
+        colours, dissipative = self.drawing.colours, self.drawing.chain.dissipative
+        self.energy_bars = EnergyBars(bars, unit, colours, dissipative, scales, badges=False) if bars.height else None
         lane = scene.lanes[number]
         self.take_approach(*lane.approach)
         self.locked = lane.locked

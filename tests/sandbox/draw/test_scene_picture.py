@@ -23,7 +23,7 @@ from softcradle.sandbox.film.scene_motion import scene_motions, strongest_row
 from softcradle.scenes import Lane, Scene
 from softcradle.scenes.catalogue import parse
 
-from tests.helpers.drawn_text import drawn_texts
+from tests.helpers.drawn_text import drawn_texts, film_texts
 
 SIZE = (960, 540)
 
@@ -317,6 +317,21 @@ def test_work_of_a_wall_is_no_error_of_energy_and_what_is_not_known_has_no_badge
     else:
         assert motion.energy_error[-1] < 1e-6
         assert len(said) == 1
+
+
+@pytest.mark.parametrize(
+    ("friction", "keys"), [(0.0, {"contacts": "steel"}), (0.1, {"contacts": "steel", "absorbed": "muted"})]
+)
+def test_what_is_absorbed_has_a_name_in_the_bar_of_energy(friction, keys):
+    scene, motions, _ = pictured(hertz_row(duration=1.5, beads=[1, 2], velocity=1.0, friction=friction))
+    (texts,) = film_texts(scene, motions, (1280, 720), [-1])
+    pixels = painted(Picture(scene, motions, (1280, 720)), -1)
+    named = {
+        words[-1]: item.rect for item in texts if (words := item.text.split()) and words[-1] in ("contacts", "absorbed")
+    }
+    assert list(named) == list(keys)
+    for word, colour in keys.items():
+        assert near(pixels[named[word].centery, named[word].right + 8], getattr(tones, colour))
 
 
 def test_text_fits_its_room():
