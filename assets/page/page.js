@@ -297,6 +297,7 @@ class Page {
     useLanguage(this.language);
     this.texts = this.data.texts[this.language] ?? this.data.texts.en;
     part("title").textContent = document.title = this.texts.title;
+    part("source").textContent = this.texts.source;
     this.explain();
     for (const element of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-say]"))) element.textContent = say(element.dataset.say);
     for (const element of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-name]"))) {

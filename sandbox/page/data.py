@@ -145,13 +145,14 @@ def _strikers(chain: Chain, lane: Lane) -> int:
 
 
 def _texts(played: PlayedMotion) -> dict[str, dict[str, Any]]:
-    """Title, text and labels in every language that the page speaks."""
+    """Title, source, text and labels in every language that the page speaks."""
     scene, before, found = played.scene, language(), {}
     try:
         for code in LANGUAGES:
             use_language(code)
             labels = [label_words(label) for label in played.labels]
-            found[code] = {"title": scene_words(scene.title), "text": scene_words(scene.text), "labels": labels}
+            words = {key: scene_words(getattr(scene, key)) for key in ("title", "source", "text")}
+            found[code] = words | {"labels": labels}
     finally:
         use_language(before)
     return {code: texts for code, texts in found.items() if code == "en" or texts != found["en"]}

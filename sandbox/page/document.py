@@ -100,7 +100,7 @@ def table(titles: Sequence[str], rows: Sequence[Sequence[str]], caption: str, hi
 
 def footer() -> str:
     """The last line of the page, with the version."""
-    return f"<footer>{escape(f'made with softcradle {version()}')}</footer>"
+    return f'<footer><span data-say="made">made with</span> softcradle {escape(version())}</footer>'
 
 
 def json_text(content: Any) -> str:
@@ -113,7 +113,7 @@ def heading(title: str, source: str) -> str:
     """The title, where it is in the paper, and the language of the reader."""
     names = "".join(f'<option value="{code}">{escape(entry.name)}</option>' for code, entry in LANGUAGES.items())
     return (
-        f'<header class="top"><div><h1 id="title">{escape(title)}</h1><p class="source">{escape(source)}</p></div>'
+        f'<header class="top"><div><h1 id="title">{escape(title)}</h1><p class="source" id="source">{escape(source)}</p></div>'
         f'<div class="tools"><button type="button" id="link" class="quiet live-only" data-say="link">Copy link</button>'
         f'<select id="language" class="quiet" data-name="language" aria-label="Language">{names}</select></div></header>'
         '<p id="notice" class="notice" role="status" hidden></p>'

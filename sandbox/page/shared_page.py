@@ -135,7 +135,7 @@ def _scene_file(played: PlayedMotion) -> str:
     if any(found.chain.own_laws or found.time[0] > 0.0 for found in played.trajectories):
         return ""
     return (
-        "<details><summary>The scene as a file: softcradle play FILE lets you change it</summary>"
+        '<details><summary data-say="file">The scene as a file: softcradle play FILE lets you change it</summary>'
         f'<pre tabindex="0">{escape(played.scene.to_toml())}</pre></details>'
     )
 

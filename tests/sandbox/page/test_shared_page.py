@@ -95,12 +95,12 @@ def test_warnings_of_the_run_are_on_the_page(tmp_path):
 def test_labels_of_users_are_text_not_markup(tmp_path):
     evil = "</script><script>alert(1)</script>"
     lane = f'label = "{evil}"\nbeads = [1, 1]\nvelocity = 1.0\ncontact = {{law = "hertz", stiffness = 1.0}}\n'
-    scene = parse(f'title = "<b>&x"\ntext = "{evil}"\n[[lanes]]\n{lane}[[lanes]]\n{lane}')
+    scene = parse(f'title = "<b>&x"\ntext = "{evil}"\nsource = "{evil}"\n[[lanes]]\n{lane}[[lanes]]\n{lane}')
     text = render_page(scene, tmp_path / "page.html").output.read_text(encoding="utf-8")
     TagChecker(text)
     assert "<script>alert" not in text
     assert "<b>" not in text
-    assert page_data(text)["texts"]["en"] == {"title": "<b>&x", "text": evil, "labels": [evil, evil]}
+    assert page_data(text)["texts"]["en"] == {"title": "<b>&x", "source": evil, "text": evil, "labels": [evil, evil]}
 
 
 def test_a_trajectory_is_missing_for_a_lane(tmp_path):
