@@ -15,7 +15,7 @@ from softcradle.sandbox.motion import Array
 TEXT = 13.0  # design pixels of what is written
 LINE = 14.0  # design pixels between labels, and between names
 MARKER_RADIUS = 3.6  # design pixels
-OVERHANG = 20.0  # design pixels by which a title may be longer than the axes
+OVERHANG = 40.0  # design pixels by which a title may be longer than the axes: the next axis has its numbers there
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from softcradle.sandbox.draw.number_format import ticks, time_unit
 from softcradle.sandbox.draw.palette import Colour, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS
 from softcradle.sandbox.draw.surfaces import cached_surfaces
-from softcradle.sandbox.draw.text import width
+from softcradle.sandbox.draw.text import shortened, width
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.session.frame_history import History
 from softcradle.sandbox.session.history_slices import history_slices, slice_at
@@ -269,8 +269,10 @@ class Plot(Axes):
     def backdrop(self, surface: pygame.Surface) -> None:
         """Draw the title and the labels of the vertical axis."""
         title, mark, lane = self.content.title.partition(" · ")
-        if width(self.content.title, TEXT * self.unit) > self.title_room():
-            title = title.split(": ")[0]  # what explains it goes, the name of the lane stays
+        size, room = TEXT * self.unit, self.title_room()
+        if width(self.content.title, size) > room:
+            title = title.split(": ")[0]  # what explains it goes, the name of the lane stays, a third at the least
+            title = shortened(title, size, room - min(width(mark + lane, size), room / 3))
         self.write_title(surface, title + mark + lane)
         self.write_down(surface)
 

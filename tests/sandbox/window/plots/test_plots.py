@@ -7,6 +7,7 @@ import numpy as np
 import pygame
 import pytest
 from softcradle.sandbox.draw.palette import bead_colours
+from softcradle.sandbox.languages import LANGUAGES, label_words, use_language
 from softcradle.sandbox.session.history_slices import slice_at
 from softcradle.sandbox.session.inputs import AddBead, RemoveBead
 from softcradle.sandbox.session.measured_data import MeasuredData
@@ -163,6 +164,18 @@ def test_the_choice_of_plots_is_remembered() -> None:
     for scene, more in (("one-on-four", []), ("beads-against-gear", ["difference"])):  # which one lane cannot show
         driver = Driver(scene)
         assert sorted(driver.page.board.shown) == sorted(["velocities", "overlaps", "energy", *more])
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_titles_without_room_still_name_their_lanes(code: str) -> None:
+    driver = Driver("beads-against-gear")
+    use_language(code)
+    for shown in (3, 4):
+        driver.app.rebuild()
+        titles = [one.text.split(" · ") for one in driver.texts() if " · " in one.text]
+        starts = [label_words(lane.label)[:2] for lane in driver.session.scene.lanes]
+        assert [title[1][:2] for title in titles] == [start for start in starts for _ in range(shown)], titles
+        driver.key(PLOT_KINDS["kymograph"].key)
 
 
 def test_no_difference_of_two_lanes_is_cut_by_its_axis():
