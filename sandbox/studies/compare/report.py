@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.analysis.collision import CollisionMeasures, ContactMeasures
+from softcradle.physics.analysis.collision import ContactMeasures
 from softcradle.physics.analysis.matching import Match
 from softcradle.physics.analysis.measures import LEAST_OVERLAP, energy_inside, first_touch
 from softcradle.sandbox.files import readable_json
@@ -27,9 +27,11 @@ from softcradle.sandbox.studies.compare.results import (
     contact_table,
     end_time,
     results_as_json,
+    title_of,
     velocity_table,
 )
 from softcradle.sandbox.studies.compare.sides import Comparison, match_as_json, match_sentence
+from softcradle.sandbox.trajectory_summary import ResultTable
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
 
@@ -156,6 +158,7 @@ def html_page(title: str, scene: Scene, results: Sequence[SideResult], notes: Se
     names = [result.side.name for result in results]
     played = PlayedMotion(scene, tuple(result.trajectory for result in results), tuple(names))
     axis, measures, speeds = TimeAxis(played), collision_table(results), velocity_table(results)
+    contacts = [contact_table(result) for result in results]
     parts = [
         result_notes(played),
         "<h2>In numbers</h2>",
@@ -164,21 +167,25 @@ def html_page(title: str, scene: Scene, results: Sequence[SideResult], notes: Se
         "<h2>On top of each other</h2>", overlays(results, axis),
         "<h2>Open, touching, loaded</h2>", contact_bars(results, axis),
         "<h2>Contact by contact</h2>",
-        *(table(found.titles, found.rows, name) for found, name in zip(map(contact_table, results), names, strict=True)),
-        "<h2>What the numbers mean</h2>", _meanings(),
+        *(table(found.titles, found.rows, name) for found, name in zip(contacts, names, strict=True)),
+        "<h2>What the numbers mean</h2>", _meanings([measures, speeds], contacts),
         footer(),
     ]  # fmt: skip
     return recorded_page(played, parts, title)
 
 
-def _meanings() -> str:
+def _meanings(tables: Sequence[ResultTable], contacts: Sequence[ResultTable]) -> str:
+    """What each name means that stands in front of a row of `tables`, or above a column of those of `contacts`."""
+    above = {title for found in contacts for title in found.titles}
+    columns = [(title_of(one), one.metadata["meaning"]) for one in fields(ContactMeasures) if title_of(one) in above]
     meanings: dict[str, str] = {}
-    for kind in (CollisionMeasures, ContactMeasures):
-        for field in fields(kind):
-            if "title" in field.metadata:
-                meanings.setdefault(field.metadata["title"], field.metadata["meaning"])
-    items = "".join(f"<dt>{escape(title)}</dt><dd>{escape(meaning)}</dd>" for title, meaning in meanings.items())
-    return f"<dl>{items}</dl>"
+    for title, meaning in [
+        *((row[0], hint) for t in tables for row, hint in zip(t.rows, t.hints, strict=True)),
+        *columns,
+    ]:
+        meanings.setdefault(title, meaning)
+    items = (f"<dt>{escape(title)}</dt><dd>{escape(text)}</dd>" for title, text in meanings.items() if text)
+    return f"<dl>{''.join(items)}</dl>"
 
 
 FILM_WIDTH = 1280  # [pixels]

@@ -2,8 +2,8 @@
 
 import math
 import warnings
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Sequence
+from dataclasses import Field, asdict, dataclass, fields
 from itertools import groupby
 from typing import Any
 
@@ -101,8 +101,9 @@ def collision_table(results: Sequence[SideResult]) -> ResultTable:
             continue
         if field.metadata["dissipative"] and not any(result.trajectory.chain.dissipative for result in results):
             continue
-        values = [number_text(getattr(result.measures, field.name)) for result in results]
-        rows.append((_title(field.metadata), field.metadata["meaning"], values))
+        values = [getattr(result.measures, field.name) for result in results]
+        if any(value is not None for value in values):
+            rows.append((title_of(field), field.metadata["meaning"], list(map(number_text, values))))
     return _table(results, rows)
 
 
@@ -121,18 +122,22 @@ def velocity_table(results: Sequence[SideResult]) -> ResultTable:
 
 
 def contact_table(result: SideResult) -> ResultTable:
-    """A row a contact of one side."""
-    rows, shortest = [], SHORTEST_TIME * float(result.trajectory.time[-1])
-    for k, contact in enumerate(result.measures.contacts):
-        numbers = {field.name: getattr(contact, field.name) for field in fields(ContactMeasures)}
+    """A row a contact of one side; what none of them has is left out."""
+    rows, shortest, contacts = [], SHORTEST_TIME * float(result.trajectory.time[-1]), result.measures.contacts
+    found = [
+        field for field in fields(ContactMeasures) if any(getattr(one, field.name) is not None for one in contacts)
+    ]
+    for k, contact in enumerate(contacts):
+        numbers = {field.name: getattr(contact, field.name) for field in found}
         numbers |= {name: 0.0 for name in ("open", "touching", "loaded") if numbers[name] < shortest}
         struck = " (struck)" if k == result.measures.struck else ""
         rows.append((f"{k}-{k + 1}{struck}", *map(number_text, numbers.values())))
-    return ResultTable(("contact", *(_title(field.metadata) for field in fields(ContactMeasures))), tuple(rows))
+    return ResultTable(("contact", *map(title_of, found)), tuple(rows))
 
 
-def _title(metadata: Mapping[str, Any]) -> str:
-    title, unit = metadata["title"], metadata["unit"]
+def title_of(field: Field[Any]) -> str:
+    """The name of a measure, with its unit."""
+    title, unit = field.metadata["title"], field.metadata["unit"]
     return f"{title} ({unit})" if unit else str(title)
 
 

@@ -106,6 +106,11 @@ def test_page_closes_its_tags_loads_nothing_and_has_every_number(page):
     assert [state for state, *_ in bars] == ["open", "touching", "open"]
     assert bars[0][2] == bars[1][1]
     assert bars[1][2] == bars[2][1]
+    for title in re.findall("<dt>([^<]+)</dt>", text):
+        assert re.search(rf"<th [^>]*>{re.escape(title)}</th>", text), f"{title} is explained and not there"
+    for table in re.findall("<table>.*?</table>", text):
+        rows = [re.findall("<td>([^<]*)</td>", row) for row in re.findall("<tr>.*?</tr>", table)[1:]]
+        assert all(set(values) != {"-"} for values in (*rows, *zip(*rows, strict=True))), "a measure that nothing has"
 
 
 def test_labels_of_users_are_text_not_markup(tmp_path):
