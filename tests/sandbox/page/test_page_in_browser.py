@@ -653,6 +653,7 @@ def test_every_word_is_there_in_every_language(live):
       return ['de', 'fr'].some((code) => holes(code) !== holes('en'));
     })"""
     assert live.run(wrong) == []
+    assert live.run("Object.values(WORDS.fr).filter((words) => / [:;!?]/.test(words))") == []  # which begins a line
 
 
 @pytest.mark.parametrize("fragment", ["", "#with=steel&show=forces.loupes.balance.charts", "#n=49&lang=de"])
