@@ -117,8 +117,8 @@ def test_advance_takes_no_memory_a_step(method):
     state = State.at_start(chain, [1.0] + [0.0] * 50)
     advance(chain, state, 0.01, method, step=1e-3)  # compiles, and takes its scratch memory
     peaks = []
+    gc.collect()
     for count in (10, 10_000):
-        gc.collect()
         tracemalloc.start()
         advance(chain, state, count * 1e-4, method, step=1e-4)
         peaks.append(tracemalloc.get_traced_memory()[1])

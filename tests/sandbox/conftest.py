@@ -20,6 +20,12 @@ def softcradle(capsys):
 
 
 @pytest.fixture
+def one_core(monkeypatch):
+    """Points of a sweep are computed here: processes would each import and load all for a few of them."""
+    monkeypatch.setattr("softcradle.sandbox.sweeps.executors.cores", lambda: 1)
+
+
+@pytest.fixture
 def refused(softcradle):
     """A function: the one sentence of what the command says to words that it does not take."""
 

@@ -34,7 +34,7 @@ def first_closings(chain: Chain, velocity: np.ndarray, duration: float, method: 
     return np.array([intervals[0][0] if intervals else np.inf for intervals in found.contact_intervals])
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", [*range(20), *(pytest.param(k, marks=pytest.mark.slow) for k in range(20, 40))])
 def test_first_closings_are_those_of_the_reference(seed):
     """An explicit step takes no force at overlap 0: with a preload, what touches closes late."""
     chain, velocity, duration = random_chain(seed)

@@ -60,6 +60,7 @@ def test_caught_pistons_take_energy_and_no_momentum():
     assert lines == pytest.approx(moments, abs=1e-7)  # at the camera's frames, where nothing slows
 
 
+@pytest.mark.usefixtures("one_core")
 def test_the_command_finds_what_friction_and_pistons_explain_and_what_not(softcradle, tmp_path, monkeypatch):
     """One coefficient gives both momenta but not the energies; with pistons both are those stated. v_c goes as sqrt(k) Delta0."""
     found = experiment.compute_experiment()
