@@ -5,7 +5,7 @@ from dataclasses import replace
 from softcradle.sandbox.studies.precision import measurement
 from softcradle.sandbox.studies.precision.measurement import ChartPoint, Series, Solution, Solver, TimeLimits
 
-SHORT_LIMITS = TimeLimits(run=0.05, series=0.05, case=2.0)
+SHORT_LIMITS = TimeLimits(run=0.05, series=0.05, case=1.0)
 
 
 def our_solver(case, name, *finenesses):

@@ -142,8 +142,15 @@ def test_fixed_steps(method, truth):
     assert opened - closed == pytest.approx(truth.contact_time, rel=SAFETY / STEPS)
 
 
-@pytest.mark.parametrize("truth", CASES, ids=lambda truth: truth.name)
-@pytest.mark.parametrize("method", ADAPTIVE, ids=lambda method: method.name)
+SOFT = [truth for truth in ELASTIC if truth.least_exponent < 1.0]
+LONG = {("scipy", truth.name) for truth in SOFT if truth.name not in ("one on 1, alpha 1/10", "one on 4, alpha 1/10")}
+HELD = [
+    pytest.param(method, truth, id=f"{method.name}-{truth.name}", marks=pytest.mark.slow if given in LONG else ())
+    for method in ADAPTIVE for truth in CASES for given in [(method.name, truth.name)]
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("method", "truth"), HELD)
 def test_tolerances(method, truth):
     swings = method.name == "dop853" and truth.least_exponent < 1.0
     promised, tolerance = (SOFT_PROMISE, SOFT_TOLERANCE) if swings else (PROMISE, TOLERANCE)

@@ -114,7 +114,7 @@ def test_what_a_whole_kernel_calls_is_private_to_it():
     assert "define linkonce_odr" not in code
 
 
-@pytest.mark.parametrize("order", ["adaptive fixed_step", "fixed_step adaptive"])
+@pytest.mark.parametrize("order", ["adaptive fixed_step", pytest.param("fixed_step adaptive", marks=pytest.mark.slow)])
 def test_kernels_of_all_rooms_live_side_by_side(order):
     """Whichever are loaded first: those that came later called functions of the others, which took other arguments."""
     code = "from importlib import import_module\n"

@@ -126,7 +126,7 @@ SHORT = [(Contact(1e4, 1e3, 1.0, loss=0.75), step, 10, 1e-9) for step in (1 / 48
 
 
 @pytest.mark.parametrize(
-    ("law", "step", "count", "allowed"), SHORT + [(law, 1e-3, 10_000, 1e-2) for law in LOSSY.values()]
+    ("law", "step", "count", "allowed"), SHORT + [(law, 1e-3, 6000, 1e-2) for law in LOSSY.values()]
 )
 def test_a_collision_has_its_restitution(law, step, count, allowed):
     """Also one that is shorter than a step."""

@@ -211,10 +211,13 @@ def test_names_of_overlaps_stand_beside_the_greatest_though_beads_fly_far_apart(
 
 AT_REST = hertz_row(1.0, velocity=[0, 0])
 CHAINS = {"wall": (WALL, SIZE), "many": (MANY, SIZE), "gear": (GEAR, SIZE), "rest": (AT_REST, SIZE)}
-SIZES = {str(size): (TWO, size) for size in ((160, 90), (320, 180), (540, 960), (3840, 2160))}
+SIZES = {str(size): (TWO, size) for size in ((160, 90), (320, 180), (540, 960))}
+LARGE = pytest.param(TWO, (3840, 2160), id="large", marks=pytest.mark.slow)
 
 
-@pytest.mark.parametrize(("text", "size"), (CHAINS | SIZES).values(), ids=CHAINS | SIZES)
+@pytest.mark.parametrize(
+    ("text", "size"), [*(pytest.param(*given, id=name) for name, given in (CHAINS | SIZES).items()), LARGE]
+)
 def test_any_chain_and_any_size(text, size):
     _, motions, picture = pictured(text, 20.0, size)
     frames = [painted(picture, row) for row in (0, len(motions[0].time) // 2, len(motions[0].time) - 1)]
