@@ -42,7 +42,7 @@ def run(without: tuple[str, ...], program: str) -> subprocess.CompletedProcess[s
         ("pygame", ["play"], "window"),
         ("pygame_gui", ["play"], "window"),
         ("matplotlib", ["chart"], "figures"),
-        ("matplotlib", ["figures", "1b"], "figures"),
+        pytest.param("matplotlib", ["figures", "1b"], "figures", marks=pytest.mark.slow),
         ("zarr", ["sweep", str(ROOT / "examples" / "softness-and-size.toml")], "sweep"),
     ],
 )
