@@ -142,7 +142,9 @@ def unpacked(motion):
         )
 
 
-@pytest.mark.parametrize("name", [*SCENES, "experiment-two-on-two"])
+@pytest.mark.parametrize(
+    "name", [*SCENES[:6], pytest.param(SCENES[6], marks=pytest.mark.slow), "experiment-two-on-two"]
+)
 def test_lines_between_samples_follow_the_recorded_motion(name):
     motion = played(name)
     scales = motion.scales

@@ -151,8 +151,9 @@ def test_messages_lie_on_neither_plots_nor_beads_nor_controls(start: str, scale:
         assert not any(rect.colliderect(one.rect) for one in page.time_controls.buttons.values())
 
 
-@pytest.mark.parametrize("letters", ["x", "x "])
-@pytest.mark.parametrize("size", [SMALLEST, (850, 500), (641, 1400), (1280, 720)])
+@pytest.mark.parametrize(
+    ("size", "letters"), [(SMALLEST, "x"), (SMALLEST, "x "), ((850, 500), "x"), ((641, 1400), "x "), ((1280, 720), "x")]
+)
 def test_a_name_of_any_length_is_refused_in_a_message_that_the_window_has_room_for(size, letters: str) -> None:
     driver = Driver("one-on-four", size)
     driver.app.open(letters * 10_000)  # as a text that is no scene and is pasted
