@@ -436,5 +436,4 @@ def mass_shares(mass: ArrayLike, struck: int) -> Array:
     masses = np.asarray(mass, dtype=np.float64)
     beyond = accelerated_mass(masses, struck)
     side = np.where(np.arange(beyond.size) < struck, np.cumsum(masses)[struck], beyond[struck])
-    shares: Array = np.divide(beyond, side, out=np.ones(beyond.size), where=np.isfinite(beyond))
-    return shares
+    return np.divide(beyond, side, out=np.ones(beyond.size), where=np.isfinite(beyond))

@@ -166,14 +166,12 @@ def _agrees_by_chance(record: Record, problem: Problem) -> bool:
 
 def _error_of(apart: Array) -> Array:
     """What runs state that end `apart` (n+1,) [m/s]: that of one bead may be small by chance, where those of others are not."""
-    error: Array = np.maximum(DOUBT * apart, apart.max())
-    return error
+    return np.maximum(DOUBT * apart, apart.max())
 
 
 def _error_anyway(record: Record) -> Array:
     """What a record whose growth of errors another run has shown, or bounded, may be off by beside their difference."""
-    error: Array = record.velocity_error * (min(record.growth, MOST_GROWN) / record.growth)
-    return error
+    return record.velocity_error * (min(record.growth, MOST_GROWN) / record.growth)
 
 
 def _shaken_run(problem: Problem, tolerance: float, runs: int) -> Problem:
@@ -231,8 +229,7 @@ def _scaled(number: float, factor: float) -> float:
 
 def _up_and_down(part: float, size: int) -> Array:
     """(size,) factors 1 + part, 1 - part, 1 + part, ..."""
-    factors: Array = np.resize([1.0 + part, 1.0 - part], size)
-    return factors
+    return np.resize([1.0 + part, 1.0 - part], size)
 
 
 # ---- the end of a motion that rattles

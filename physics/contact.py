@@ -177,8 +177,7 @@ def is_closed(overlap: ArrayLike, force: ArrayLike) -> NDArray[np.bool_]:
     array([False, False,  True,  True,  True])
     """
     overlaps, forces = np.asarray(overlap), np.asarray(force)
-    closed: NDArray[np.bool_] = (overlaps > 0.0) | ((overlaps == 0.0) & (forces > 0.0)) | (forces < 0.0)
-    return closed
+    return (overlaps > 0.0) | ((overlaps == 0.0) & (forces > 0.0)) | (forces < 0.0)
 
 
 def _like(argument: ArrayLike, result: NDArray[np.float64]) -> Numbers:

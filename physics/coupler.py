@@ -176,8 +176,7 @@ def gear_segment(
 
 def _own(part: Part, overlap: ArrayLike) -> Array:
     """The overlap of a part at `overlap` of its coupler."""
-    found: Array = part.side * (np.asarray(overlap, dtype=np.float64) - part.origin)
-    return found
+    return part.side * (np.asarray(overlap, dtype=np.float64) - part.origin)
 
 
 def _summed(overlap: ArrayLike, parts: list[Array]) -> Numbers:

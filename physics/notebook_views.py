@@ -57,15 +57,13 @@ class InlinePage:
 def figure_of(shown: object) -> Figure:
     """The figure of a Trajectory or a Scene."""
     with needed_for("plot()", "figures"):
-        figure: Figure = _module("figure_view").figure_of(shown)
-        return figure
+        return _module("figure_view").figure_of(shown)
 
 
 def film_of(shown: object, slow: float | None, size: tuple[int, int]) -> InlineFilm:
     """The film of a Trajectory or a Scene."""
     with needed_for("film()", "film"):
-        film: InlineFilm = _module("views").film_of(shown, slow, size)
-        return film
+        return _module("views").film_of(shown, slow, size)
 
 
 def write_page(shown: object, path: str | PathLike[str], slow: float | None) -> None:
@@ -81,8 +79,7 @@ def live_of(shown: object, slow: float | None) -> InlinePage:
 
 def html_of(shown: object) -> str:
     """The table of a Trajectory, a Scene or a Chain, with a picture where matplotlib is installed."""
-    html: str = _module("views").html_of(shown)
-    return html
+    return _module("views").html_of(shown)
 
 
 def _module(name: str) -> Any:

@@ -224,8 +224,7 @@ def pushes_on_a_bed(mass: ArrayLike, on_bed: ArrayLike, velocity: ArrayLike) -> 
     """(...) whether a wall moves towards beads of `mass` (..., n+1) that rub on a bed: these may stay at it for ever."""
     walls, speeds = np.isinf(np.asarray(mass)), np.asarray(velocity)
     ahead = (walls & (speeds > 0.0))[..., :-1].any(axis=-1) | (walls & (speeds < 0.0))[..., 1:].any(axis=-1)
-    found: NDArray[np.bool_] = ahead & np.asarray(on_bed)
-    return found
+    return ahead & np.asarray(on_bed)
 
 
 def _step(chain: Chain, state: State, method: Method, step: float | None, duration: float | None = None) -> float:

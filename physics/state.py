@@ -115,8 +115,7 @@ class State:
         """
         if chain.drive_force is None:
             return self.push
-        total: Array = chain.drive_force + (0.0 if self.push is None else self.push)
-        return total
+        return chain.drive_force + (0.0 if self.push is None else self.push)
 
     def copy(self) -> State:
         """An independent copy, without the scratch memory."""

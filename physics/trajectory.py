@@ -46,8 +46,7 @@ def work_of_walls(chain: Chain, velocity: Array, momentum: Array) -> Array:
     speed, fastest = speeds[0, 0], np.abs(velocity).max(initial=0.0, where=np.isfinite(velocity))
     if not np.abs(speeds - speed).max() <= ALIKE * fastest or (speed != 0.0 and chain.on_bed):
         return np.full(len(velocity), np.nan)
-    work: Array = speed * (momentum - momentum[0])
-    return work
+    return speed * (momentum - momentum[0])
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -144,8 +143,7 @@ class Trajectory:
     @property
     def position_error(self) -> Array:
         """(T,) estimated error [m] of the positions: the largest of `velocity_error` times the time since the start."""
-        error: Array = self.velocity_error.max() * self.time
-        return error
+        return self.velocity_error.max() * self.time
 
     @cached_property
     def velocity(self) -> Array:
@@ -161,8 +159,7 @@ class Trajectory:
     @cached_property
     def contact_energy(self) -> Array:
         """(T,) energy [J] taken up by the contacts; those with loss give only a part of it back."""
-        energy: Array = self.chain.stored_energy(self.overlap).sum(axis=1)
-        return energy
+        return self.chain.stored_energy(self.overlap).sum(axis=1)
 
     @cached_property
     def momentum(self) -> Array:

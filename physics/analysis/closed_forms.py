@@ -110,8 +110,7 @@ class LinearChain:
     def velocity(self, time: ArrayLike) -> Array:
         """(..., n+1) velocities [m/s] at `time` [s], any shape."""
         phase = np.multiply.outer(np.asarray(time, dtype=np.float64), self._frequency)
-        moved: Array = np.cos(phase) * self._amplitude @ self._shape.T
-        return moved
+        return np.cos(phase) * self._amplitude @ self._shape.T
 
     def overlap(self, time: ArrayLike) -> Array:
         """(..., n) overlaps [m] at `time` [s], any shape."""

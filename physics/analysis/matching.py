@@ -186,8 +186,7 @@ def _simplex(place: Array, size: float, low: Array, high: Array) -> Array:
     corners = np.tile(place, (3, 1))
     for k in range(2):
         corners[k + 1, k] += size if place[k] + size <= high[k] else -size
-    inside: Array = np.clip(corners, low, high)
-    return inside
+    return np.clip(corners, low, high)
 
 
 def only_contact(chain: Chain) -> Contact:

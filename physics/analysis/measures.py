@@ -24,8 +24,7 @@ def depth_law(n: int, alpha: float) -> Array:
     array([1.    , 0.0173, 0.    ])
     """
     depth = np.arange(1, n)
-    law: Array = ((n - depth) / (n - 1)) ** (1.0 / alpha)
-    return law
+    return ((n - depth) / (n - 1)) ** (1.0 / alpha)
 
 
 def depth_bound(n: int, alpha: float) -> Array:
@@ -34,8 +33,7 @@ def depth_bound(n: int, alpha: float) -> Array:
     >>> bool((depth_law(7, 0.05) <= depth_bound(7, 0.05)).all())
     True
     """
-    bound: Array = np.exp(-(np.arange(1, n) - 1) / (n * alpha))
-    return bound
+    return np.exp(-(np.arange(1, n) - 1) / (n * alpha))
 
 
 def loads(chain: Chain, struck: int = 0) -> Array:
@@ -52,8 +50,7 @@ def loads(chain: Chain, struck: int = 0) -> Array:
     """
     preload, stiffness, _ = chain.parameters.law.T
     strength = preload + stiffness
-    found: Array = mass_shares(chain.mass, struck) * strength[struck] / strength
-    return found
+    return mass_shares(chain.mass, struck) * strength[struck] / strength
 
 
 def response_times(trajectory: Trajectory) -> Array:
@@ -81,8 +78,7 @@ def time_scale_separation(trajectory: Trajectory, struck: int = 0) -> Array:
     if not intervals or not np.isfinite(intervals[0][1]):
         raise ValueError(f"contact {struck} does not close and open again: the collision has no duration")
     closed, opened = intervals[0]
-    separation: Array = (response_times(trajectory) / (opened - closed)) ** 2
-    return separation
+    return (response_times(trajectory) / (opened - closed)) ** 2
 
 
 def rigidity(velocity: ArrayLike) -> Array:
@@ -105,8 +101,7 @@ def interpolated(trajectory: Trajectory, values: Array, time: float) -> Array:
     right = min(max(int(np.searchsorted(trajectory.time, time)), 1), len(trajectory.time) - 1)
     before, after = trajectory.time[right - 1], trajectory.time[right]
     share = 0.0 if after == before else min(max((time - before) / (after - before), 0.0), 1.0)
-    row: Array = (1.0 - share) * values[right - 1] + share * values[right]
-    return row
+    return (1.0 - share) * values[right - 1] + share * values[right]
 
 
 def restitution(trajectory: Trajectory, struck: int, touch: float, detachment: float) -> float | None:
@@ -129,8 +124,7 @@ def energy_inside(trajectory: Trajectory, struck: int) -> Array:
     own = velocity - (velocity @ mass / mass.sum())[:, None] if beads.size else velocity
     stored = chain.stored_energy(trajectory.overlap)[:, struck + 1 :].sum(axis=1)
     total = trajectory.kinetic_energy[0] + trajectory.contact_energy[0]
-    share: Array = (0.5 * own**2 @ mass + stored) / (total or math.nan)
-    return share
+    return (0.5 * own**2 @ mass + stored) / (total or math.nan)
 
 
 def impulses(trajectory: Trajectory, struck: int) -> Array:
@@ -152,8 +146,7 @@ def impulses(trajectory: Trajectory, struck: int) -> Array:
     known: Array = np.where(np.isfinite(right), right, left)
     if np.isfinite(known).all():
         return known
-    passed: Array = np.where(np.isfinite(known), known, _integrated_force(trajectory, struck))
-    return passed
+    return np.where(np.isfinite(known), known, _integrated_force(trajectory, struck))
 
 
 def _integrated_force(trajectory: Trajectory, struck: int) -> Array:
@@ -169,8 +162,7 @@ def _integrated_force(trajectory: Trajectory, struck: int) -> Array:
             mean[:, k] = np.where(np.isin(time[1:], switches[1::2]), force[:-1, k], mean[:, k])
             mean[np.searchsorted(switches, middle) % 2 == 0, k] = 0.0
     late = middle > first_touch(trajectory, struck)
-    integral: Array = np.diff(time)[late] @ mean[late]
-    return integral
+    return np.diff(time)[late] @ mean[late]
 
 
 def first_touch(trajectory: Trajectory, struck: int) -> float:
@@ -245,8 +237,7 @@ def penetration_depth(trajectory: Trajectory, struck: int = 0) -> float:
 def cluster_beads(chain: Chain, side: slice) -> NDArray[np.int_]:
     """Indices of the beads of a side, walls left out."""
     numbers = np.arange(len(chain.mass))[side]
-    found: NDArray[np.int_] = numbers[np.isfinite(np.array(chain.mass)[side])]
-    return found
+    return numbers[np.isfinite(np.array(chain.mass)[side])]
 
 
 def _side_velocity(chain: Chain, side: slice, velocity: Array) -> float:

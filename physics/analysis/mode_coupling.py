@@ -172,8 +172,7 @@ class ModeCoupling:
         net[:, :-1] -= self.reduced.force
         net[:, 1:] += self.reduced.force
         bead = net * chain.inverse_mass
-        difference: Array = bead[:, :-1] - bead[:, 1:]
-        return difference
+        return bead[:, :-1] - bead[:, 1:]
 
     def returns(self, contact: int) -> float:
         """Time [s] at which the mode of that `contact` of the whole chain first returns to zero; inf if never."""

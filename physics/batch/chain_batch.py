@@ -156,14 +156,12 @@ class ChainBatch:
     @cached_property
     def inverse_mass(self) -> Array:
         """(C, n+1) [1/kg]; 0 for a wall."""
-        found: Array = 1.0 / self.mass
-        return found
+        return 1.0 / self.mass
 
     @cached_property
     def bed(self) -> Array:
         """(C, n+1) deceleration [m/s²] of a bead that slides; 0 for a wall, and without friction."""
-        found: Array = np.where(np.isfinite(self.mass), (self.friction * GRAVITY)[:, None], 0.0)
-        return found
+        return np.where(np.isfinite(self.mass), (self.friction * GRAVITY)[:, None], 0.0)
 
     @cached_property
     def anchor(self) -> NDArray[np.int64]:
@@ -173,8 +171,7 @@ class ChainBatch:
     @cached_property
     def driven(self) -> NDArray[np.bool_]:
         """(C,) whether a force from outside acts."""
-        found: NDArray[np.bool_] = np.asarray(self.drive.any(axis=1))
-        return found
+        return np.asarray(self.drive.any(axis=1))
 
     @cached_property
     def on_bed(self) -> NDArray[np.bool_]:
@@ -184,14 +181,12 @@ class ChainBatch:
     @cached_property
     def lossy(self) -> NDArray[np.bool_]:
         """(C,) whether a contact has loss."""
-        found: NDArray[np.bool_] = np.asarray(self.loss.any(axis=1))
-        return found
+        return np.asarray(self.loss.any(axis=1))
 
     @cached_property
     def dissipative(self) -> NDArray[np.bool_]:
         """(C,) whether beads are braked or a contact has loss."""
-        found: NDArray[np.bool_] = np.asarray(np.any([self.on_bed, self.lossy], axis=0))
-        return found
+        return np.asarray(np.any([self.on_bed, self.lossy], axis=0))
 
     def _check(self) -> None:
         """Raise ValueError where a number is out of the range that a Chain takes."""

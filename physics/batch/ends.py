@@ -332,8 +332,7 @@ def _needs_another_run(batch: ChainBatch, run: _Run, error: Array, growth: Array
     _, room = velocity_room(batch.mass, batch.on_bed, run.velocity, stored, batch.drive, run.moving.time)
     room[np.isinf(batch.mass)] = np.inf
     gave_up = (run.moving.status != DONE) & (run.moving.status != SEPARATED)
-    found: NDArray[np.bool_] = gave_up | (growth > MOST_GROWN) | soft.any(axis=1) | (error > room.min(axis=1))
-    return found
+    return gave_up | (growth > MOST_GROWN) | soft.any(axis=1) | (error > room.min(axis=1))
 
 
 def _velocities_of(batch: ChainBatch, rate: Array, anchor: Array) -> Array:
@@ -354,8 +353,7 @@ def _contact_times(batch: ChainBatch, velocity: Array, special: NDArray[np.bool_
     computable = (speed >= SMALLEST) & ((depth >= LEAST_DEPTH) & (depth <= MOST_DEPTH)).all(axis=1)
     for k in np.flatnonzero(~(computable | special)).tolist():
         require_computable(batch.chain(k), velocity[k])
-    times: Array = 2.0 * depth / speed[:, None]
-    return times
+    return 2.0 * depth / speed[:, None]
 
 
 def _default_steps(batch: ChainBatch, velocity: Array, times: Array) -> Array:

@@ -257,8 +257,7 @@ class _Run:
     def meets_again(self) -> bool:
         """Whether two beads that slide apart until they rest will meet."""
         chain, motion = ChainData(*chain_records(self.problem.chain, self.state)), Motion(*motion_record(self.state))
-        found: bool = plain(meets_again)(chain, chain.dissipation.bed, motion, 0.0, np.zeros(chain.inverse_mass.size))
-        return found
+        return plain(meets_again)(chain, chain.dissipation.bed, motion, 0.0, np.zeros(chain.inverse_mass.size))
 
     def changes(self) -> bool:
         """Whether forces or brakes are still to change."""

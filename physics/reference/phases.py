@@ -107,8 +107,7 @@ class System:
     def on_joints(self, force: Array) -> Array:
         """(..., n) forces between neighbours [N] from those (..., m or p) of contacts; negative where they pull."""
         on = (self.laws.joint[:, None] == np.arange(self.n)) * self.laws.side[:, None]
-        found: Array = force[..., : self.m] @ on + 0.0
-        return found
+        return force[..., : self.m] @ on + 0.0
 
     def push(self, time: Any, span: Span) -> Array:
         """(..., n+1) forces from outside [N] at `time` (...)."""

@@ -58,8 +58,7 @@ class _Segment:
 
     def at(self, times: Array) -> Array:
         """(T, m+n+2) states at `times` (T,) [s]."""
-        found: Array = self.solution((times - self.start) / self.scale).T
-        return found
+        return self.solution((times - self.start) / self.scale).T
 
 
 class _Run:
@@ -215,8 +214,7 @@ class _Run:
         self._note(self.closed & ~self._on_joints(loaded | self._carries()))
 
     def _carries(self) -> NDArray[np.bool_]:
-        found: NDArray[np.bool_] = self.phase.force(self.time, self.y)[: self.system.m] > 0.0
-        return found
+        return self.phase.force(self.time, self.y)[: self.system.m] > 0.0
 
     def _on_joints(self, contacts: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """(n,) whether any of the contacts (m,) of each joint is one."""
