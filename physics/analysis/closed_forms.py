@@ -1,4 +1,4 @@
-"""Closed forms: one contact, rigid clusters, linear chains. Methods are tested by them."""
+"""Closed forms: one contact, rigid clusters, a very long linear chain. Methods are tested by them."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import optimize, special
+from scipy import special
 from softcradle.physics.chain import Chain, mass_shares
 from softcradle.physics.contact import Contact
 
@@ -82,54 +82,6 @@ def rigid_stroke(contact: Contact, mass: ArrayLike, strikers: int, speed: float 
     """
     first, second = rigid_masses(mass, strikers)
     return one_on_one(contact, 1.0 / (1.0 / first + 1.0 / second), speed)
-
-
-class LinearChain:
-    """Beads joined by linear springs, solved by eigenmodes; a truncated Hooke chain until its first contact opens.
-
-    ``M u'' = -B^T K B u``: with the modes of ``M^-1/2 B^T K B M^-1/2``, eigenvalues w_k^2, each mode is a sine in time,
-    a uniform motion where w_k = 0.
-
-    Arguments:
-        mass: (n+1,) [kg].
-        stiffness: (n,) [N/m].
-        velocity: (n+1,) [m/s] at time 0, when all overlaps are 0.
-    """
-
-    def __init__(self, mass: ArrayLike, stiffness: ArrayLike, velocity: ArrayLike) -> None:
-        root = np.sqrt(np.asarray(mass, dtype=np.float64))
-        n = root.size - 1
-        difference = np.eye(n, n + 1) - np.eye(n, n + 1, 1)
-        scaled = np.sqrt(np.broadcast_to(stiffness, (n,)))[:, None] * difference / root
-        squares, modes = np.linalg.eigh(scaled.T @ scaled)
-        self._frequency = np.sqrt(np.maximum(squares, 0.0))
-        self._frequency[0] = 0.0  # the uniform motion, whose eigenvalue eigh finds to round-off
-        self._shape = modes / root[:, None]
-        self._amplitude = modes.T @ (root * np.asarray(velocity, dtype=np.float64))
-
-    def velocity(self, time: ArrayLike) -> Array:
-        """(..., n+1) velocities [m/s] at `time` [s], any shape."""
-        phase = np.multiply.outer(np.asarray(time, dtype=np.float64), self._frequency)
-        return np.cos(phase) * self._amplitude @ self._shape.T
-
-    def overlap(self, time: ArrayLike) -> Array:
-        """(..., n) overlaps [m] at `time` [s], any shape."""
-        times = np.asarray(time, dtype=np.float64)
-        phase = np.multiply.outer(times, self._frequency / np.pi)
-        moved: Array = times[..., None] * np.sinc(phase) * self._amplitude @ self._shape.T
-        return moved[..., :-1] - moved[..., 1:]
-
-    def first_opening(self, contact: int = 0) -> float:
-        """Time [s] at which `contact` first returns to overlap 0, to round-off; the closing itself left out."""
-        grid = np.linspace(0.0, 4.0 * math.pi / self._frequency[-1], 400)[1:]
-        while not (opened := self.overlap(grid)[1:, contact] <= 0.0).any():
-            grid = grid * 2.0
-        last = 1 + int(np.argmax(opened))
-
-        def overlap(time: float) -> float:
-            return float(self.overlap(time)[contact])
-
-        return float(optimize.brentq(overlap, grid[last - 1], grid[last], xtol=1e-14 * grid[last]))
 
 
 def long_linear_chain(mass: float = 1.0, stiffness: float = 1.0) -> tuple[float, float]:

@@ -4,10 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from scipy import optimize
 from scipy.integrate import quad
 from softcradle.physics import Chain, cluster_on_cluster, simulate
 from softcradle.physics.analysis import closed_forms
-from softcradle.physics.analysis.closed_forms import LinearChain, critical_speed, one_on_one, rigid_collision
+from softcradle.physics.analysis.closed_forms import critical_speed, one_on_one, rigid_collision
 from softcradle.physics.contact import draft_gear, hertz, hooke, power_law, step_force
 
 from tests.helpers.relations import SET_VALUED
@@ -73,6 +74,44 @@ def test_both_sides_of_the_critical_speed(strikers, targets, method):
         assert (inner.max() <= 0.0) == rigid
         error = np.abs(found.final_velocity - rigid_collision(mass, strikers, speed)).max() / speed
         assert error < 1e-9 if rigid else error > 1e-9
+
+
+class LinearChain:
+    """Beads joined by linear springs, solved by eigenmodes; a truncated Hooke chain until its first contact opens.
+
+    ``M u'' = -B^T K B u``: with the modes of ``M^-1/2 B^T K B M^-1/2``, eigenvalues w_k^2, each mode is a sine in time,
+    a uniform motion where w_k = 0.
+    """
+
+    def __init__(self, mass, stiffness, velocity):
+        root = np.sqrt(np.asarray(mass, dtype=np.float64))
+        n = root.size - 1
+        difference = np.eye(n, n + 1) - np.eye(n, n + 1, 1)
+        scaled = np.sqrt(np.broadcast_to(stiffness, (n,)))[:, None] * difference / root
+        squares, modes = np.linalg.eigh(scaled.T @ scaled)
+        self.frequency = np.sqrt(np.maximum(squares, 0.0))
+        self.frequency[0] = 0.0  # the uniform motion, whose eigenvalue eigh finds to round-off
+        self.shape = modes / root[:, None]
+        self.amplitude = modes.T @ (root * np.asarray(velocity, dtype=np.float64))
+
+    def velocity(self, time):
+        phase = np.multiply.outer(time, self.frequency)
+        return np.cos(phase) * self.amplitude @ self.shape.T
+
+    def overlap(self, time):
+        times = np.asarray(time, dtype=np.float64)
+        phase = np.multiply.outer(times, self.frequency / np.pi)
+        moved = times[..., None] * np.sinc(phase) * self.amplitude @ self.shape.T
+        return moved[..., :-1] - moved[..., 1:]
+
+    def first_opening(self, contact=0):
+        """Time [s] at which `contact` first returns to overlap 0, to round-off; the closing itself left out."""
+        grid = np.linspace(0.0, 4.0 * math.pi / self.frequency[-1], 400)[1:]
+        while not (opened := self.overlap(grid)[1:, contact] <= 0.0).any():
+            grid = grid * 2.0
+        last = 1 + int(np.argmax(opened))
+        ends = grid[last - 1 : last + 1]
+        return optimize.brentq(lambda time: self.overlap(time)[contact], *ends, xtol=1e-14 * ends[1])
 
 
 def test_eigenmodes_agree_with_the_truth():
