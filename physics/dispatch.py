@@ -9,14 +9,10 @@ from softcradle.physics.problem import Problem, Record, Runner
 from softcradle.physics.status import Status
 
 
+@cache
 def runner_of(method: str) -> Runner:
     """The runner that carries out `method`, imported on first use: numba, pymunk and SciPy load with theirs."""
-    return _runner(find_method(method).family)
-
-
-@cache
-def _runner(family: Family) -> Runner:
-    match family:
+    match find_method(method).family:
         case Family.FIXED_STEP:
             from softcradle.physics.fixed_step import runner as fixed_step
 

@@ -28,7 +28,6 @@ class Method:
     Attributes:
         name: what `simulate(method=...)` takes.
         order: order of convergence on smooth motion.
-        adaptive: True: takes a tolerance and chooses its steps; False: takes a fixed step.
         set_valued: True: a contact with preload may rest at overlap 0; False: it chatters there.
         family: the runner that carries it out.
         summary: one line for menus.
@@ -39,13 +38,17 @@ class Method:
 
     name: str
     order: int
-    adaptive: bool
     set_valued: bool
     family: Family
     summary: str
     purpose: str
     dissipative: bool = True
-    couplers: bool = False
+    couplers: bool = True
+
+    @property
+    def adaptive(self) -> bool:
+        """Whether it takes a tolerance and chooses its steps; else it takes a fixed step."""
+        return self.family in (Family.ADAPTIVE, Family.REFERENCE)
 
 
 METHODS: tuple[Method, ...] = (
@@ -53,91 +56,68 @@ METHODS: tuple[Method, ...] = (
         "euler",
         1,
         False,
-        False,
         Family.FIXED_STEP,
         "symplectic Euler, what one pymunk step does",
         "to see what a step of pymunk does",
-        couplers=True,
     ),
-    Method(
-        "verlet",
-        2,
-        False,
-        False,
-        Family.FIXED_STEP,
-        "leapfrog",
-        "Hertz and Hooke contacts at errors of 1e-3 to 1e-5",
-        couplers=True,
-    ),
+    Method("verlet", 2, False, Family.FIXED_STEP, "leapfrog", "Hertz and Hooke contacts at errors of 1e-3 to 1e-5"),
     Method(
         "yoshida4",
         4,
-        False,
         False,
         Family.FIXED_STEP,
         "fourth-order composition of leapfrogs",
         "Hertz and Hooke contacts at errors of 1e-5, without friction or loss",
         dissipative=False,
-        couplers=True,
     ),
     Method(
         "conserving",
         2,
-        False,
         True,
         Family.FIXED_STEP,
         "discrete gradient: exact energy",
         "live use and long runs: energy and momentum to round-off",
-        couplers=True,
     ),
     Method(
         "radau",
         5,
         True,
-        True,
         Family.ADAPTIVE,
         "implicit, adaptive, every contact law",
         "soft contacts and draft gears, to a tolerance",
-        couplers=True,
     ),
     Method(
         "dop853",
         8,
         True,
-        True,
         Family.ADAPTIVE,
         "explicit, adaptive, for contacts that are not soft",
         "Hertz and Hooke contacts, to a tolerance",
-        couplers=True,
     ),
     Method(
         "accurate",
         8,
         True,
-        True,
         Family.ADAPTIVE,
         "dop853 where no contact is stiff, radau where one is",
         "wherever the answer matters; the default",
-        couplers=True,
     ),
     Method(
         "pymunk",
         1,
         False,
-        False,
         Family.PYMUNK,
         "bodies in a pymunk Space; the digits of euler",
         "to compare with the engine of a game",
+        couplers=False,
     ),
     Method(
         "scipy",
         8,
         True,
-        True,
         Family.REFERENCE,
         "the reference: solve_ivp between located contact switches",
         "to check the others: slow, shares no code with them",
-        couplers=True,
     ),
 )
 
@@ -153,32 +133,23 @@ def known_methods() -> list[str]:
 def refusal_of(method: str, chain: Chain) -> str:
     """Why `method`, a name that there is or "auto", does not take `chain`, and what does; empty where it does."""
     found = None if method == AUTO else find_method(method)
-    refusal = _refusal_of_couplers(method, found, chain) if chain.couplers else ""
-    if refusal:
-        return refusal
-    if not chain.dissipative or found is None:
-        return ""
-    return "" if found.dissipative else _refusal_of_friction(found, chain)
-
-
-def _refusal_of_couplers(method: str, found: Method | None, chain: Chain) -> str:
-    if found is not None and not found.couplers:
+    if found and chain.couplers and not found.couplers:
         return (
             f"method {method!r} takes contacts that only push, with one law from overlap 0 on, not couplers: "
             "take 'accurate', 'conserving' or 'scipy'"
         )
-    if (found is None or found.family is Family.ADAPTIVE) and not all(link.smooth for _, link in chain.couplers):
+    events = found is None or found.family is Family.ADAPTIVE
+    if events and not all(coupler.smooth for _, coupler in chain.couplers):
         return (
             f"method {method!r} takes couplers whose gears that pull or go solid have exponents of 1 or more: "
             "take 'conserving' or 'scipy'"
         )
+    if found and chain.dissipative and not found.dissipative:
+        return (
+            f"method {method!r} steps back in time, in which friction would feed the motion, and carries neither bed friction "
+            f"nor contacts with loss: take 'conserving' or {'scipy' if chain.couplers else 'accurate'!r}"
+        )
     return ""
-
-
-def _refusal_of_friction(method: Method, chain: Chain) -> str:
-    other = "scipy" if chain.couplers else "accurate"
-    reason = "steps back in time, in which friction would feed the motion, and " if method.name == "yoshida4" else ""
-    return f"method {method.name!r} {reason}carries neither bed friction nor contacts with loss: take 'conserving' or {other!r}"
 
 
 def find_method(name: str, others: Sequence[str] = (AUTO,)) -> Method:
