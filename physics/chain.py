@@ -105,7 +105,7 @@ class Chain:
         object.__setattr__(self, "contact", _checked_contacts(contact, n))
         object.__setattr__(self, "gap", _checked_gaps(gap, n))
         object.__setattr__(self, "drive", None if drive is None else _checked_drive(drive, n))
-        object.__setattr__(self, "friction", _checked_friction(friction))
+        object.__setattr__(self, "friction", magnitude("friction", friction, zero=True))
         object.__setattr__(self, "forces", checked_forces("forces", forces, n + 1))
         object.__setattr__(self, "brakes", checked_forces("brakes", brakes, n + 1, brakes=True))
 
@@ -188,23 +188,18 @@ class Chain:
         Those of a coupler are of the gear that it pushes with.
         """
         laws = [contact.push if isinstance(contact, Coupler) else contact for contact in self.contact]
-        law = np.array([(c.preload, getattr(c, "stiffness", math.nan), getattr(c, "exponent", math.nan)) for c in laws])
-        law.setflags(write=False)
-        return law
+        rows = [(c.preload, getattr(c, "stiffness", math.nan), getattr(c, "exponent", math.nan)) for c in laws]
+        return _read_only(np.array(rows))
 
     @cached_property
     def inverse_mass(self) -> Array:
         """(n+1,) [1/kg], read-only; 0 for a wall."""
-        found: Array = 1.0 / np.array(self.mass)
-        found.setflags(write=False)
-        return found
+        return _read_only(1.0 / np.array(self.mass))
 
     @cached_property
     def finite_mass(self) -> Array:
         """(n+1,) [kg], read-only; 0 for a wall, which has no kinetic energy that counts."""
-        found: Array = np.where(np.isfinite(self.mass), self.mass, 0.0)
-        found.setflags(write=False)
-        return found
+        return _read_only(np.where(np.isfinite(self.mass), self.mass, 0.0))
 
     def stored_energy(self, overlap: ArrayLike, power: Callable[..., Any] = np.power) -> Array:
         """(..., n) energy [J] in each contact at overlaps (..., n) [m], see :meth:`Contact.energy`; `power` as there."""
@@ -221,17 +216,12 @@ class Chain:
     @cached_property
     def inverse_reduced_mass(self) -> Array:
         """(n,) 1/m_i + 1/m_(i+1) of the two beads of each contact [1/kg]: the diagonal of L = B M^-1 B^T."""
-        inverse_mass = self.inverse_mass
-        found: Array = inverse_mass[:-1] + inverse_mass[1:]
-        found.setflags(write=False)
-        return found
+        return _read_only(self.inverse_mass[:-1] + self.inverse_mass[1:])
 
     @cached_property
     def loss(self) -> Array:
         """(n,) loss of each contact."""
-        loss = np.array([contact.loss for contact in self.contact])
-        loss.setflags(write=False)
-        return loss
+        return _read_only(np.array([contact.loss for contact in self.contact]))
 
     @cached_property
     def bed(self) -> Array:
@@ -240,8 +230,7 @@ class Chain:
         bed = np.where(np.isfinite(self.mass), self.friction * GRAVITY, 0.0) if self.on_bed else np.zeros(0)
         for brake in self.brakes:
             bed[list(brake.beads)] += max(brake.force) * self.inverse_mass[list(brake.beads)]
-        bed.setflags(write=False)
-        return bed
+        return _read_only(bed)
 
     @property
     def on_bed(self) -> bool:
@@ -308,11 +297,7 @@ class Chain:
     @cached_property
     def drive_force(self) -> Array | None:
         """(n+1,) the drive as a read-only array [N]; None for a chain that is not driven."""
-        if self.drive is None:
-            return None
-        force = np.array(self.drive)
-        force.setflags(write=False)
-        return force
+        return None if self.drive is None else _read_only(np.array(self.drive))
 
 
 def per_chain(compute: Callable[[Chain], T]) -> Callable[[Chain], T]:
@@ -327,6 +312,11 @@ def per_chain(compute: Callable[[Chain], T]) -> Callable[[Chain], T]:
         return cast("T", known[name])
 
     return found
+
+
+def _read_only(values: Array) -> Array:
+    values.setflags(write=False)
+    return values
 
 
 def _shortened(values: Sequence[object]) -> str:
@@ -390,10 +380,6 @@ def _checked_drive(drive: ArrayLike, n: int) -> tuple[float, ...] | None:
     if not (np.abs(forces) <= LARGEST).all():
         raise ValueError(f"every drive force must be a number up to {LARGEST:g}, not {shown(drive)}")
     return tuple(forces.tolist()) if forces.any() else None
-
-
-def _checked_friction(friction: float) -> float:
-    return magnitude("friction", friction, zero=True)
 
 
 def one_on(n: int, contact: Laws, mass: ArrayLike = 1.0) -> Chain:

@@ -279,18 +279,8 @@ def _computable_speeds(chain: Chain) -> tuple[float, float]:
     """Scales of speed [m/s] between which every contact is pressed to depths that are computed; none with laws of one's own."""
     if chain.own_laws:
         return math.inf, 0.0
-    least, most = SMALLEST, math.inf
-    for preload, stiffness, exponent, inverse_mass in set(map(tuple, _contact_rows(chain).tolist())):
-        power = 1.0 + exponent
-        low, high = (max(preload * d, stiffness * d**power / power) for d in (LEAST_DEPTH, MOST_DEPTH))
-        least = max(least, math.sqrt(2.0 * low * inverse_mass))
-        most = min(most, math.sqrt(2.0 * high * inverse_mass))
-    return least, most
-
-
-def _contact_rows(chain: Chain) -> Array:
-    """(n, 4) the law of each contact, and 1/m of its two beads together [1/kg]."""
-    return np.column_stack((chain.law_rows, chain.inverse_reduced_mass))
+    least, most = (speeds_to_depth(chain, depth) for depth in (LEAST_DEPTH, MOST_DEPTH))
+    return max(SMALLEST, float(least.max())), float(most.min())
 
 
 def require_computable(chain: Chain, velocity: ArrayLike, duration: float | None = None) -> None:
