@@ -14,7 +14,7 @@ the clusters as rigid bodies, whatever its numbers: there the outcome is flat, a
 search begins with contacts of every V/v_c, or of every alpha, that hold two rigid bodies together for a given time T:
 
     draft gear   T = (2/w) atan(x), x = V/(w D) = (V/v_c) sqrt(1/r^2 - 1)
-    power law    T ~ K^(-1/p), p = 1 + alpha, from that of stiffness 1
+    power law    Contact.by_contact_time
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import optimize
-from softcradle.physics.analysis.closed_forms import one_on_one, rigid_masses, rigid_stroke, speed_ratio
+from softcradle.physics.analysis.closed_forms import rigid_masses, rigid_stroke, speed_ratio
 from softcradle.physics.analysis.collision import struck_contact
 from softcradle.physics.chain import Chain, mass_shares
 from softcradle.physics.contact import Contact, draft_gear, power_law
@@ -116,22 +116,17 @@ def match(
     speeds = np.asarray(velocity, dtype=np.float64)
     struck = struck_contact(speeds)
     sought: Family = family or ("power_law" if given.preload > 0.0 else "draft_gear")
-    depth, closing = _depth(chain, speeds, struck), float(speeds[struck] - speeds[struck + 1])
+    closing = float(speeds[struck] - speeds[struck + 1])
+    depth, time, _ = rigid_stroke(given, chain.mass, struck + 1, closing)
     guess = start or _first_guess(given, sought, depth)
     by_outcome = outcome_distance(chain, speeds, struck)
     apart = force_distance(chain, speeds, struck) if distance == "force" else by_outcome
-    starts = [guess, *_all_starts(chain, sought, struck, closing)]
+    starts_of = laws_of_all_exponents if sought == "power_law" else gears_of_all_speeds
+    starts = [guess, *starts_of(chain, struck, closing, time)]
     place, residual, ends, evaluations = _search(sought, starts, depth, apart, DESCENTS[distance])
     gear = given if sought == "power_law" else place
-    ratio = speed_ratio(replace(chain, contact=(gear,) * chain.contacts), struck, closing)
+    ratio = speed_ratio(_with(chain, gear), struck, closing)
     return Match(given, place, distance, residual, residual <= NEAR, by_outcome(place), ratio, ends, evaluations)
-
-
-def _all_starts(chain: Chain, family: Family, struck: int, speed: float) -> list[Contact]:
-    """Contacts of `family` of all kinds of motion, which hold rigid clusters together for as long as that of `chain`."""
-    time = rigid_stroke(chain.power_laws[0], chain.mass, struck + 1, speed).contact_time
-    all_of = laws_of_all_exponents if family == "power_law" else gears_of_all_speeds
-    return all_of(chain, struck, speed, time)
 
 
 def _search(
@@ -201,12 +196,6 @@ def only_contact(chain: Chain) -> Contact:
     if chain.walls > 1 or chain.driven:
         raise ValueError("matching needs a collision that ends: no drive and no second wall")
     return given
-
-
-def _depth(chain: Chain, velocity: Array, struck: int) -> float:
-    """Largest overlap of the struck contact if both sides were rigid [m]."""
-    speed = float(velocity[struck] - velocity[struck + 1])
-    return rigid_stroke(chain.power_laws[0], chain.mass, struck + 1, speed).largest_overlap
 
 
 def _first_guess(given: Contact, family: Family, depth: float) -> Contact:
@@ -330,9 +319,5 @@ def gears_of_all_speeds(chain: Chain, struck: int, speed: float, time: float) ->
 def laws_of_all_exponents(chain: Chain, struck: int, speed: float, time: float) -> list[Contact]:
     """A power law for every exponent of EXPONENTS that holds two rigid bodies together for `time` [s]."""
     first, second = rigid_masses(chain.mass, struck + 1)
-    found = []
     reduced = 1.0 / (1.0 / first + 1.0 / second)
-    for exponent in EXPONENTS:
-        unit = one_on_one(power_law(1.0, exponent), reduced, speed).contact_time  # of stiffness 1; T ~ K^(-1/p)
-        found.append(power_law((unit / time) ** (1.0 + exponent), exponent))
-    return found
+    return [Contact.by_contact_time(time, reduced, speed, exponent) for exponent in EXPONENTS]
