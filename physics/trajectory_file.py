@@ -71,7 +71,7 @@ def save_motion(path: Path, values: Mapping[str, Any], extra: Mapping[str, Array
     arrays: dict[str, Any] = {name: value for name, value in both.items() if isinstance(value, np.ndarray)}
     plain = {name: value for name, value in values.items() if name not in arrays}
     arrays["contact_intervals"] = _interval_rows(plain.pop("contact_intervals"))
-    chain, warnings = plain.pop("chain"), [_stored_warning(warning) for warning in plain.pop("warnings")]
+    chain, warnings = plain.pop("chain"), [asdict(warning) for warning in plain.pop("warnings")]
     arrays |= _law_arrays(chain)
     metadata = {
         "format": FORMAT, "versions": versions(), "chain": _chain_table(chain), "warnings": warnings, **plain
@@ -133,10 +133,6 @@ def titles(columns: Sequence[Columns]) -> list[str]:
 def versions() -> dict[str, str]:
     """Versions of what made a result: softcradle, numpy, python."""
     return {"softcradle": version(), "numpy": np.__version__, "python": platform.python_version()}
-
-
-def _stored_warning(warning: CodedWarning) -> dict[str, Any]:
-    return {"code": warning.code, "sentence": warning.sentence, "numbers": dict(warning.numbers)}
 
 
 def _warnings(stored: list[Any]) -> Warnings:

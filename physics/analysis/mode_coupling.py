@@ -17,7 +17,7 @@ it has four beads, a cluster that is pushed by a steady force two. It conserves 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -219,9 +219,9 @@ def _whole(reduction: Reduction, reduced: Trajectory) -> Trajectory:
     position = from_anchor(overlap, reduced.position[:, 0], head)
     velocity = from_anchor(rate, reduced.velocity[:, 0], head)
     final = np.repeat(reduced.final_velocity, [lump.stop - lump.start for lump in reduction.lumps])
-    return Trajectory(
+    return replace(
+        reduced,
         chain=chain,
-        time=reduced.time,
         overlap=overlap,
         rate=rate,
         anchor=np.column_stack((position[:, chain.anchor], velocity[:, chain.anchor])),
@@ -229,13 +229,7 @@ def _whole(reduction: Reduction, reduced: Trajectory) -> Trajectory:
         final_velocity=final,
         contact_intervals=tuple(reduced.contact_intervals[i] for i in reduction.carrier),
         method=f"mode coupling, {reduced.method}",
-        step=reduced.step,
-        tolerance=reduced.tolerance,
-        steps=reduced.steps,
-        evaluations=reduced.evaluations,
-        seconds=reduced.seconds,
-        status=reduced.status,
-        warnings=reduced.warnings,
+        velocity_error=np.full(final.size, np.nan),  # that of the method says nothing of the model
     )
 
 
