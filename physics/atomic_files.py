@@ -6,8 +6,9 @@ import os
 import secrets
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 
 TOLD = 16  # letters of a name that its temporary one has too: the whole could be too long for the file system with more added
@@ -31,12 +32,7 @@ def output_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         yield from _written_through(target)
         return
     place = followed(target)
-    temporary = _hidden_sibling(target, place.parent)
-    try:
-        _check_name(place)
-        temporary.open("xb").close()
-    except OSError as error:
-        raise _refusal(target, place, error) from None
+    temporary = _made_beside(place, target, partial(Path.touch, exist_ok=False))
     try:
         yield temporary
         temporary.replace(place)
@@ -70,12 +66,7 @@ def output_folder(path: str | os.PathLike[str], replaces: bool = False) -> Itera
     if os.path.exists(target) and not (target.is_dir() and (replaces or not any(target.iterdir()))):
         raise FileExistsError(f"cannot write {target}: it exists and is not an empty folder")
     place = followed(target)
-    temporary = _hidden_sibling(target, place.parent)
-    try:
-        _check_name(place)
-        temporary.mkdir()
-    except OSError as error:
-        raise _refusal(target, place, error) from None
+    temporary = _made_beside(place, target, Path.mkdir)
     try:
         yield temporary
         _exchange(temporary, place, _hidden_sibling(target, place.parent))
@@ -102,15 +93,21 @@ def followed(target: Path) -> Path:
     return Path(os.path.realpath(target)) if os.path.islink(target) else target
 
 
+def _made_beside(place: Path, target: Path, make: Callable[[Path], None]) -> Path:
+    """What `make` makes beside `place`, to which `target` leads; OSError of one sentence where nothing can be written there."""
+    temporary = _hidden_sibling(target, place.parent)
+    try:
+        with suppress(FileNotFoundError):
+            place.lstat()  # an error where the file system takes no such name, be it too long
+        make(temporary)
+    except OSError as error:
+        raise _refusal(target, place, error) from None
+    return temporary
+
+
 def _hidden_sibling(target: Path, folder: Path) -> Path:
     """A name that nothing else has, in the folder where `target` is: a move on one file system is atomic."""
     return folder / f".{target.stem[:TOLD]}.{secrets.token_hex(8)}.part{target.suffix}"
-
-
-def _check_name(place: Path) -> None:
-    """Raise OSError where the file system takes no such name, be it too long."""
-    with suppress(FileNotFoundError):
-        place.lstat()
 
 
 def _refusal(target: Path, place: Path, error: OSError) -> OSError:
