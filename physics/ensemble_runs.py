@@ -73,9 +73,7 @@ def ensemble(
     """
     if isinstance(chains, Chain):
         raise ValueError("ensemble takes a list of chains and a list of velocities for each; simulate takes one chain")
-    if workers is not None and whole_number("workers", workers) < 1:
-        raise ValueError(f"workers must be at least 1, not {shown(workers)}")
-    count = len(chains)
+    threads, count = threads_of(workers), len(chains)
     durations, steps = _spread("durations", duration, count), _spread("steps", step, count)
     if len(velocities) != count:
         raise ValueError(f"{count} chains need {count} lists of velocities, not {len(velocities)}")
@@ -83,7 +81,6 @@ def ensemble(
     def part(indices: range) -> list[Trajectory]:
         return [solve(chains[k], velocities[k], durations[k], method, steps[k], samples, tolerance) for k in indices]
 
-    threads = workers or cores()
     found = part(range(min(1, count)))  # loads the kernels once, before threads would all wait for it
     if progress is not None and found:
         progress(1)
@@ -147,6 +144,13 @@ def in_threads(function: Callable[[Item], Found], items: Sequence[Item], count: 
 def cores() -> int:
     """Cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def threads_of(workers: int | None) -> int:
+    """Number of threads: `workers`, or one for each core. ValueError where they are none."""
+    if workers is not None and whole_number("workers", workers) < 1:
+        raise ValueError(f"workers must be at least 1, not {shown(workers)}")
+    return workers or cores()
 
 
 def parts(begin: int, end: int, threads: int, least: int = 1) -> list[range]:

@@ -220,9 +220,6 @@ class OwnLaw:
         below, above = self.tried(np.array([low, high])).tolist()
         return float(max(above - below, 0.0) / (high - low))
 
-    def _integrated(self, overlaps: Array) -> Array:
-        return self.table.values(self.table.energy, overlaps)
-
     @cached_property
     def _takes_arrays(self) -> bool:
         return _takes_arrays(self.force_of)
@@ -237,7 +234,7 @@ class OwnLaw:
 
     def _energy(self, overlaps: Array) -> Array:
         if self.energy_of is None:
-            return self._checked("energy", self._integrated(overlaps), overlaps, "J")
+            return self._checked("energy", self.table.values(self.table.energy, overlaps), overlaps, "J")
         found = self._values(self.energy_of, overlaps, self._energy_takes_arrays)
         found = np.where(np.isfinite(found), np.maximum(found, 0.0), found)  # a difference may round to below 0
         return self._checked("energy", found, overlaps, "J")

@@ -23,10 +23,10 @@ from softcradle.physics.batch.run_each import (
     march_arguments,
     march_each,
 )
-from softcradle.physics.checked_input import LARGEST, SMALLEST, number_array, require_kind, shown, whole_number
+from softcradle.physics.checked_input import LARGEST, SMALLEST, number_array, require_kind, shown
 from softcradle.physics.confirm import MOST_GROWN, SOFTEST
 from softcradle.physics.contact import stored_energy
-from softcradle.physics.ensemble_runs import cores, in_threads, parts
+from softcradle.physics.ensemble_runs import in_threads, parts, threads_of
 from softcradle.physics.fixed_step import runner as fixed_step
 from softcradle.physics.fixed_step.step_loop import march
 from softcradle.physics.kernel_records import NO_FLAGS
@@ -148,8 +148,7 @@ def ensemble_ends(
     """
     require_kind("batch", batch, ChainBatch)
     chosen = _method(method, batch)
-    if workers is not None and whole_number("workers", workers) < 1:
-        raise ValueError(f"workers must be at least 1, not {shown(workers)}")
+    threads = threads_of(workers)
     speeds = _velocities(batch, velocity)
     _require_end(batch, speeds, duration)
     durations = np.full(batch.chains, np.inf) if duration is None else _each("duration", duration, batch.chains, True)
@@ -158,7 +157,7 @@ def ensemble_ends(
             raise ValueError(f"method {method!r} chooses its own steps: give a tolerance instead of a step")
         tolerance = checked_tolerance(tolerance)
     steps = None if step is None else _each("step", step, batch.chains)
-    threads, run = workers or cores(), _Run.of(batch, speeds, durations, duration is None)
+    run = _Run.of(batch, speeds, durations, duration is None)
     ends = EnsembleEnds(
         np.empty(speeds.shape), np.full(speeds.shape, np.nan), run.moving.time, run.moving.status,
         run.moving.counter[:, STEP], run.moving.counter[:, EVALUATION],
@@ -184,11 +183,11 @@ def ensemble_ends(
     if chosen.adaptive:
         accuracy = _Accuracy.of(batch, method, float(tolerance), run.velocity)
         found = accuracy.grown, accuracy.turns, accuracy.control
-        kernels: Any = KERNELS["adaptive"].of(integrate_each, np.inf), integrate, integrate_arguments
+        kernels: Any = TIERS["batch-adaptive"].of(integrate_each, np.inf), integrate, integrate_arguments
         move = _mover(*kernels, partial(_of_integrate, accuracy, run), ordinary, found)
     else:
         run.data.step[:] = _default_steps(batch, run.velocity, times) if steps is None else steps
-        kernels = KERNELS["march"].of(march_each, np.inf), march, march_arguments
+        kernels = TIERS["batch-march"].of(march_each, np.inf), march, march_arguments
         move = _mover(*kernels, partial(_of_march, method, run), ordinary)
     blocks = [ordinary[part.start : part.stop] for part in parts(0, ordinary.size, threads, LEAST_AT_ONCE)]
     for k, _ in in_threads(move, blocks, threads):
@@ -419,8 +418,7 @@ def _call_kernels(method: str) -> None:
     ensemble_ends(ChainBatch(np.ones((2, 3)), 0.0, 1.0, 0.1), [1.0, 0.0, 0.0], 1e-3, method)
 
 
-KERNELS = {
-    name: KernelTiers(f"batch-{name}", __name__, partial(_call_kernels, method))
-    for name, method in (("march", "conserving"), ("adaptive", "accurate"))
+TIERS = {
+    name: KernelTiers(name, __name__, partial(_call_kernels, method))
+    for name, method in (("batch-march", "conserving"), ("batch-adaptive", "accurate"))
 }
-TIERS = {kernels.name: kernels for kernels in KERNELS.values()}

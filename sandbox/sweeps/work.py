@@ -126,10 +126,10 @@ class Work:
 
     def _runs_at_once(self) -> bool:
         """Whether ends of runs are all that is measured, and the kernels that run chains side by side are at hand."""
-        from softcradle.physics.batch.ends import KERNELS
+        from softcradle.physics.batch.ends import TIERS
 
         ends_alone = isinstance(self.source, ScenePoints) and set(self.measures) <= set(OF_ENDS)
-        kernels = KERNELS["adaptive"]
+        kernels = TIERS["batch-adaptive"]
         if ends_alone and not kernels.in_memory and not kernels.on_disk and self.points.count >= WORTH_KERNELS:
             kernels.compile_behind()
         return ends_alone and (kernels.in_memory or kernels.on_disk)
