@@ -30,7 +30,7 @@ from softcradle.physics.analysis.measures import (
 )
 from softcradle.physics.analysis.ringing import ringing
 from softcradle.physics.chain import Chain, accelerated_mass
-from softcradle.physics.methods import find_method
+from softcradle.physics.methods import refusal_of
 from softcradle.physics.simulation import simulate
 from softcradle.physics.trajectory import Trajectory
 
@@ -198,7 +198,7 @@ def collide(
     for which Python's warnings are not.
     """
     if method is None:
-        method = "conserving" if chain.dissipative and not find_method("accurate").dissipative else "accurate"
+        method = "conserving" if refusal_of("accurate", chain) else "accurate"
     first = run(chain, velocity, duration, method, step, 2, tolerance)
     end = float(first.time[-1]) if duration is None else duration
     spans = np.array([span for of_contact in first.contact_intervals for span in of_contact]).reshape(-1, 2)

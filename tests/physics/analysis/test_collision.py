@@ -211,6 +211,12 @@ def test_couplers_and_laws_of_ones_own_are_measured(law):
     assert sum(found.final_velocity) == pytest.approx(1.0)
 
 
+@pytest.mark.parametrize(("gear", "method"), [(hooke(1e3), "accurate"), (power_law(1e3, 0.5), "conserving")])
+def test_a_collision_without_a_method_takes_one_that_carries_the_chain(gear, method):
+    """`accurate` refuses couplers whose gears pull with exponents below 1."""
+    assert collide(one_on(2, Coupler(hooke(1e3), gear)), [1, 0, 0], 0.5).method == method
+
+
 def test_inner_contacts_of_small_exponents_ring_about_their_branch():
     trajectory = collide(one_on(2, power_law(1.0, 1 / 20)), [1, 0, 0], samples=20_001)
     assert measured(trajectory).contacts[1].turns >= 7
