@@ -221,7 +221,7 @@ def penetration_depth(trajectory: Trajectory, struck: int = 0) -> float:
     """Contacts over which the overlap falls by a factor e, at the moment when the first contact inside is pressed most.
 
     From the straight line through the logarithms of the overlaps behind the contact `struck`; the paper's bound on Eq. (7)
-    has n alpha. 0 where no second contact inside is pressed.
+    has n alpha. 0 where no second contact inside is pressed, or where they are pressed no less further inside.
     """
     inner = trajectory.overlap[:, struck + 1 :]
     if inner.shape[1] < 2:
@@ -231,7 +231,7 @@ def penetration_depth(trajectory: Trajectory, struck: int = 0) -> float:
     if count < 2:
         return 0.0
     slope = float(np.polyfit(np.arange(count), np.log(row[:count]), 1)[0])
-    return -1.0 / slope
+    return -1.0 / slope if slope < 0.0 else 0.0
 
 
 def cluster_beads(chain: Chain, side: slice) -> NDArray[np.int_]:

@@ -235,3 +235,5 @@ def test_the_evanescent_mode_reaches_no_deeper_than_n_alpha():
         found = measured(collide(one_on(n, power_law(1.0, alpha)), [1.0] + [0.0] * n))
         assert 0.1 * n * alpha < found.penetration_depth < n * alpha
     assert measured(collide(one_on(2, power_law(1.0, 0.1)), [1, 0, 0])).penetration_depth is None
+    softer_inside = one_on(3, [power_law(1.0, 0.1), power_law(1.0, 0.1), hooke(0.2)])
+    assert measured(collide(softer_inside, [1, 0, 0, 0])).penetration_depth is None
