@@ -34,7 +34,7 @@ from softcradle.physics.fixed_step import runner as fixed_step
 from softcradle.physics.kernel_records import law_rows
 from softcradle.physics.problem import NO_TIMES, SAMPLED, Problem, Record, continued_switches, with_ends_as_samples
 from softcradle.physics.scales import default_step, is_possible, largest_error
-from softcradle.physics.state import State
+from softcradle.physics.state import State, Switches
 from softcradle.physics.status import CodedWarning, Status, WarningCode
 
 Array = NDArray[np.float64]
@@ -292,11 +292,12 @@ def _in_a_row(chain: Chain, starts: list[float], records: list[Record]) -> Recor
     for start, record in zip(starts, records, strict=True):
         switches += continued_switches(closed, start, record)
     rows: dict[str, Any] = {name: np.concatenate([getattr(record, name) for record in records]) for name in SAMPLED}
+    contact, time = Switches.of(switches)
     return replace(
         records[-1],
         **rows,
-        switch_contact=np.array([contact for contact, _ in switches], dtype=np.int64),
-        switch_time=np.array([time for _, time in switches]),
+        switch_contact=contact,
+        switch_time=time,
         steps=sum(record.steps for record in records),
         evaluations=sum(record.evaluations for record in records),
         seconds=sum(record.seconds for record in records),

@@ -10,7 +10,7 @@ from typing import Any, Generic, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
-from softcradle.physics.state import State
+from softcradle.physics.state import MOVING, State
 from softcradle.physics.status import Status, Warnings
 
 Array = NDArray[np.float64]
@@ -181,8 +181,7 @@ def empty_samples(count: int, contacts: int) -> Rows:
     return np.zeros(wide), np.zeros(wide), np.zeros((count, 2)), np.zeros(wide), np.zeros((count, 4))
 
 
-# fields of a Record with one row a sample, as of Samples
-SAMPLED = "time", "overlap", "rate", "anchor", "force", "taken"
+SAMPLED = "time", *MOVING  # fields of a Record with one row a sample, as of Samples
 Pass = Callable[[Problem, float, Array, bool], Record]
 
 
@@ -215,7 +214,7 @@ def with_ends_as_samples(found: Record, start: State, times: Array) -> Record:
     """The record with its `start` or its end as the samples at `times`, none of which lies between them."""
     states = [found.end if time > start.time else start for time in times.tolist()]
     rows: dict[str, Any] = {}
-    for name in SAMPLED[1:]:
+    for name in MOVING:
         values = [getattr(state, name) for state in states]
         rows[name] = np.array(values) if values else np.zeros((0, getattr(start, name).size))
     return replace(found, time=times, kept=None, **rows)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -21,8 +22,14 @@ class Switches(NamedTuple):
     contact: NDArray[np.int64]
     time: Array
 
+    @classmethod
+    def of(cls, pairs: Sequence[tuple[int, float]]) -> Switches:
+        """Those of (contact, time) for each."""
+        return cls(np.array([contact for contact, _ in pairs], dtype=np.int64), np.array([time for _, time in pairs]))
 
-NO_SWITCHES = Switches(np.zeros(0, dtype=np.int64), np.zeros(0))
+
+NO_SWITCHES = Switches.of(())
+MOVING = "overlap", "rate", "anchor", "force", "taken"  # the arrays of a State, and with the time those of samples
 
 
 @dataclass
@@ -105,7 +112,8 @@ class State:
 
     def energy(self, chain: Chain) -> float:
         """Kinetic and contact energy [J], walls left out."""
-        return float(energy(chain, self.velocity(chain), self.overlap))
+        kinetic = 0.5 * (chain.finite_mass * self.velocity(chain) ** 2).sum()
+        return float(kinetic + chain.stored_energy(self.overlap).sum())
 
     def external(self, chain: Chain) -> Array | None:
         """(n+1,) steady external force on each bead [N], the chain's drive and the push; None where there is neither.
@@ -119,7 +127,7 @@ class State:
 
     def copy(self) -> State:
         """An independent copy, without the scratch memory."""
-        arrays = {name: getattr(self, name).copy() for name in ("overlap", "rate", "anchor", "force", "taken")}
+        arrays = {name: getattr(self, name).copy() for name in MOVING}
         return replace(self, push=None if self.push is None else self.push.copy(), work={}, **arrays)
 
     def note_switches(self, contact: ArrayLike, time: ArrayLike, count: int | None = None) -> None:
@@ -154,12 +162,6 @@ def from_anchor(difference: Array, value: Any, anchor: int) -> Array:
         down -= down[..., anchor, None].copy() if down.ndim > 1 else down[anchor]
     down += np.asarray(value)[..., None] if down.ndim > 1 else value
     return down
-
-
-def energy(chain: Chain, velocity: Array, overlap: Array) -> Any:
-    """Kinetic and contact energy (...) [J] at velocities (..., n+1) [m/s] and overlaps (..., n) [m], walls left out."""
-    kinetic = 0.5 * (chain.finite_mass * velocity**2).sum(axis=-1)
-    return kinetic + chain.stored_energy(overlap).sum(axis=-1)
 
 
 def checked_velocity(chain: Chain, velocity: ArrayLike) -> Array:

@@ -26,7 +26,7 @@ from softcradle.physics.numerics.records import ChainData, Motion
 from softcradle.physics.problem import SAMPLED, CheckpointList, Problem, Record, empty_samples, run_to_end
 from softcradle.physics.pymunk_contacts.contact_constraint import SoftContact
 from softcradle.physics.scales import contact_scales, speed_scale
-from softcradle.physics.state import State
+from softcradle.physics.state import MOVING, State, Switches
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
 
 Array = NDArray[np.float64]
@@ -298,19 +298,16 @@ class _Run:
             if self.times[self.sampled] - time > slack:
                 self.row.look_ahead(self.times[self.sampled] - time, sample)
                 self.evaluations += 1
-            found = sample.overlap, sample.rate, sample.anchor, sample.force, sample.taken
-            for rows, values in zip(self.rows, found, strict=True):
-                rows[self.sampled] = values
+            for rows, name in zip(self.rows, MOVING, strict=True):
+                rows[self.sampled] = getattr(sample, name)
             self.sampled += 1
 
     def record(self) -> Record:
         """What `simulate` wants to know."""
-        contact = np.array([i for i, _ in self.switches], dtype=np.int64)
-        time = np.array([time for _, time in self.switches])
         overlap, rate, anchor, force, taken = self.rows
         return Record(
-            self.times, overlap, rate, anchor, force, contact, time, self.state, self.steps, self.evaluations, self.status,
-            self.warnings, taken=taken, kept=_KeptRun(self.problem, self.kept.items) if self.kept else None,
+            self.times, overlap, rate, anchor, force, *Switches.of(self.switches), self.state, self.steps, self.evaluations,
+            self.status, self.warnings, taken=taken, kept=_KeptRun(self.problem, self.kept.items) if self.kept else None,
         )  # fmt: skip
 
 
@@ -342,8 +339,7 @@ def advance(problem: Problem) -> Status:
             state.time = begin + taken * length
             if row.closed != before:
                 row.read(state)
-                found = _switches(before, row.closed, state, length)
-                state.note_switches([contact for contact, _ in found], [time for _, time in found])
+                state.note_switches(*Switches.of(_switches(before, row.closed, state, length)))
     row.read(state)
     state.time = start + duration
     return Status.DONE

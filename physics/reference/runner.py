@@ -27,7 +27,7 @@ from softcradle.physics.reference.phases import (
     switched_phase,
 )
 from softcradle.physics.reference.spans import Span
-from softcradle.physics.state import State
+from softcradle.physics.state import MOVING, State, Switches
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
 
 Array = NDArray[np.float64]
@@ -75,7 +75,7 @@ class _Run:
         self.phase = first_phase(system, Span.at(chain, self.time), self.time, self.y)
         self.closed = np.zeros(chain.contacts, dtype=bool)
         self.segments: list[_Segment] = []
-        self.switches: list[tuple[float, int]] = []
+        self.switches: list[tuple[int, float]] = []
         self.steps = 0
         self.status = Status.DONE
         self.warnings: Warnings = ()
@@ -223,7 +223,7 @@ class _Run:
         return found
 
     def _note(self, changed: NDArray[np.bool_]) -> None:
-        self.switches.extend((self.time, int(i)) for i in np.flatnonzero(changed))
+        self.switches.extend((int(i), self.time) for i in np.flatnonzero(changed))
         self.closed ^= changed
 
     def samples(self, times: Array) -> dict[str, Array]:
@@ -301,9 +301,7 @@ def run(problem: Problem) -> Record:
     solved.until(problem.end)
     overlap, rate, anchor, force, _ = empty_samples(0, problem.chain.contacts)
     found = Record(
-        NO_TIMES, overlap, rate, anchor, force,
-        np.array([contact for _, contact in solved.switches], dtype=np.int64),
-        np.array([time for time, _ in solved.switches]),
+        NO_TIMES, overlap, rate, anchor, force, *Switches.of(solved.switches),
         solved.end(), solved.steps, solved.system.evaluations, solved.status, solved.warnings, kept=_KeptSolution(solved),
     )  # fmt: skip
     return found if problem.later else _KeptSolution(solved).record(found, problem.sample_times(solved.time))
@@ -335,7 +333,7 @@ def advance(problem: Problem) -> Status:
     solved.until(problem.end)
     end = solved.end()
     state.time = end.time
-    state.note_switches([contact for _, contact in solved.switches], [time for time, _ in solved.switches])
-    for name in ("overlap", "rate", "anchor", "force", "taken"):
+    state.note_switches(*Switches.of(solved.switches))
+    for name in MOVING:
         getattr(state, name)[:] = getattr(end, name)
     return solved.status
