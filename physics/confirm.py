@@ -355,7 +355,6 @@ def _rattles(chain: Chain) -> bool:
 
 
 def _energy_warning(problem: Problem, error: float) -> CodedWarning:
-    """The energy ledger does not close to within many times the tolerance."""
     sentence = (
         f"energy is off by {error:.1g} of itself, more than {problem.method} promises at tolerance {problem.tolerance:g}: "
         "compare with method 'conserving', or with another tolerance"
@@ -364,7 +363,6 @@ def _energy_warning(problem: Problem, error: float) -> CodedWarning:
 
 
 def _undetermined_warning(error: Array) -> CodedWarning:
-    """How far a motion is determined."""
     worst = float(error.max())
     sentence = f"final velocities are determined to {worst:.1g} m/s only: the contacts rattle, and finer runs differ by as much"
     return CodedWarning(WarningCode.SENSITIVE, sentence, {"error": worst})

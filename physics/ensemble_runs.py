@@ -81,26 +81,20 @@ def ensemble(
     def part(indices: range) -> list[Trajectory]:
         return [solve(chains[k], velocities[k], durations[k], method, steps[k], samples, tolerance) for k in indices]
 
+    tell = progress or (lambda count: None)
     found = part(range(min(1, count)))  # loads the kernels once, before threads would all wait for it
-    if progress is not None and found:
-        progress(1)
+    if found:
+        tell(1)
     blocks = parts(len(found), count, threads)
     done: list[list[Trajectory]] = [[] for _ in blocks]
     for k, runs in in_threads(part, blocks, threads):
         done[k] = runs
-        if progress is not None:
-            progress(len(runs))
+        tell(len(runs))
     return found + [run for runs in done for run in runs]
 
 
 class DaemonThreads(Executor):
-    """Threads that nobody waits for: they are in kernels, which hear no signal, and a program that is stopped ends without them.
-
-    Parameters
-    ----------
-    count : int
-        How many.
-    """
+    """`count` threads that nobody waits for: kernels hear no signal, and a program that is stopped ends without them."""
 
     def __init__(self, count: int) -> None:
         self._waiting: SimpleQueue[tuple[Future[Any], Callable[[], Any]] | None] = SimpleQueue()

@@ -90,7 +90,6 @@ def _tables(laws: tuple[OwnLaw, ...]) -> tuple[Any, ...]:
 
 
 def _joints(chain: Chain) -> Joints:
-    """The record of the couplers."""
     if not chain.couplers:
         return NO_JOINTS
     count, below, rows = np.zeros(chain.contacts + 1, dtype=np.int64), np.full(chain.contacts, -np.inf), []

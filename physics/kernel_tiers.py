@@ -179,7 +179,6 @@ class KernelTiers:
             self._lock.unlink(missing_ok=True)
 
     def _live(self) -> None:
-        """Give signs of life."""
         while True:
             sleep(HEARTBEAT)
             try:

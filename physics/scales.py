@@ -107,7 +107,7 @@ def closing_scale(
         if not found and duration is not None:
             found = float(np.abs(acceleration).max()) * duration
     if not found and high == low:
-        return closing_speed(velocity)
+        return 1.0
     return max(found, LEAST_SCALE * apart, ROUND_OFF / tolerance * apart)
 
 

@@ -128,7 +128,6 @@ def _solve_by_choice(
     samples: int | ArrayLike,
     error: float,
 ) -> Trajectory:
-    """The run by the method and fineness that `auto` chooses."""
     from softcradle.physics.advice.auto_method import choose
 
     require_kind("chain", chain, Chain)
@@ -189,7 +188,6 @@ def move(
 
 
 def _finish_frame(chain: Chain, state: State, end: float) -> None:
-    """Move `state` on to `end` by the fallback method."""
     rest = end - state.time
     if rest > 0.0:
         dispatch.advance(Problem(chain, state, FALLBACK_METHOD, rest, rest / FALLBACK_STEPS))
@@ -208,7 +206,6 @@ def _require(condition: bool | np.bool_, sentence: str) -> None:
 
 
 def _require_carried(method: str, chain: Chain) -> None:
-    """Raise ValueError where the method does not take such a chain."""
     reason = refusal_of(method, chain)
     _require(not reason, reason)
 

@@ -279,7 +279,6 @@ class Trajectory:
         }
 
     def _columns(self) -> list[trajectory_file.Columns]:
-        """The samples as columns of a table."""
         beads = [f" {i}" for i in range(self.chain.contacts + 1)]
         contacts = [f" {i}-{i + 1}" for i in range(self.chain.contacts)]
         return [

@@ -39,7 +39,6 @@ def warm(methods: Iterable[str] | str | None = None) -> None:
 
 
 def _kernels_called(name: str) -> list[KernelTiers]:
-    """The kernels of a method, of SoftChain or of ensemble_ends, by name."""
     if name == SOFT_CHAIN:
         from softcradle.physics.pymunk_contacts.soft_chain import KERNELS
 

@@ -16,13 +16,7 @@ LARGEST_FRICTION = 5.0  # coefficient of the bed: rubber on concrete has 1
 
 
 def unusual_warnings(chain: Chain, velocity: ArrayLike, tolerance: float) -> Warnings:
-    """Warnings of a tolerance, a precompression or a friction that is out of any sensible range for `chain`.
-
-    Arguments:
-        chain: the Chain.
-        velocity: (n+1,) start velocities [m/s].
-        tolerance: wanted error; 0 where the step is fixed.
-    """
+    """Warnings of a tolerance (0: fixed steps), a precompression or a friction that is out of any sensible range for `chain`."""
     found = (*_of_tolerance(tolerance), *_of_gears(chain, velocity), *_of_friction(chain.friction))
     return (*found, *_of_own_laws(chain, velocity))
 

@@ -414,7 +414,6 @@ def _each(name: str, value: ArrayLike, count: int, zero: bool = False) -> Array:
 
 
 def _call_kernels(method: str) -> None:
-    """Call the kernels once."""
     ensemble_ends(ChainBatch(np.ones((2, 3)), 0.0, 1.0, 0.1), [1.0, 0.0, 0.0], 1e-3, method)
 
 

@@ -103,12 +103,11 @@ class SoftContact(pymunk.DampedSpring):
         contact: LawLike,
         native: bool | None = None,
     ) -> None:
-        """Contact of beads a and b; the class lists the arguments."""
         require_kind("a", a, pymunk.Body)
         require_kind("b", b, pymunk.Body)
         if a is b:
             raise ValueError("a SoftContact needs two different bodies: a and b are the same")
-        distance = _checked_distance(touching_distance)
+        distance = magnitude("touching_distance", touching_distance)
         anchors = _checked_anchor("anchor_a", anchor_a), _checked_anchor("anchor_b", anchor_b)
         super().__init__(a, b, *anchors, distance, 0.0, 0.0)
         self.collide_bodies = False
@@ -168,7 +167,7 @@ class SoftContact(pymunk.DampedSpring):
 
     @touching_distance.setter
     def touching_distance(self, distance: float) -> None:
-        self._touching_distance = _checked_distance(distance)
+        self._touching_distance = magnitude("touching_distance", distance)
         pymunk.DampedSpring.rest_length.fset(self, self._touching_distance)  # type: ignore[attr-defined]
         self._write_law()
 
@@ -338,10 +337,6 @@ def _require_in_space(spring: SoftContact, overlap: float) -> None:
             raise RuntimeError("a body of a SoftContact is not in the Space: remove its contacts with it")
         if math.isnan(overlap):
             require_finite(body, "a body of a SoftContact")
-
-
-def _checked_distance(distance: float) -> float:
-    return magnitude("touching_distance", distance)
 
 
 def _checked_anchor(name: str, anchor: Pair) -> Pair:

@@ -44,7 +44,10 @@ class Row:
     just touch, `reach`, stands in the anchors. It exceeds every overlap, or the line between anchors would turn round.
     """
 
-    def __init__(self, chain: Chain, reach: float) -> None:
+    def __init__(self, chain: Chain, state: State, step: float) -> None:
+        velocity = state.velocity(chain)
+        depth = float(contact_scales(chain, velocity)[0].max())
+        reach = _power_of_two(8.0 * max(depth, step * speed_scale(chain, velocity)))
         self.chain = chain
         self.space = pymunk.Space()
         self.space.iterations = 1  # soft contacts are forces: there is nothing to iterate
@@ -159,12 +162,6 @@ def _body(mass: float) -> pymunk.Body:
     return pymunk.Body(mass, math.inf)
 
 
-def _row(chain: Chain, state: State, step: float) -> Row:
-    velocity = state.velocity(chain)
-    depth = float(contact_scales(chain, velocity)[0].max())
-    return Row(chain, _power_of_two(8.0 * max(depth, step * speed_scale(chain, velocity))))
-
-
 def _power_of_two(least: float) -> float:
     """Smallest power of two above `least`: sums with it round less often."""
     return 2.0 ** math.ceil(math.log2(least))
@@ -206,7 +203,7 @@ class _Run:
     def __init__(self, problem: Problem, times: Array, kept: CheckpointList[State] | None = None) -> None:
         self.problem, self.h, self.times, self.kept = problem, problem.step, times, kept
         self.most_steps = problem.most_steps or MOST_SPACE_STEPS
-        self.row = _row(problem.chain, problem.state, self.h)
+        self.row = Row(problem.chain, problem.state, self.h)
         self.rows = empty_samples(times.size, problem.chain.contacts)
         self.evaluations = self.sampled = 0
         self.switches: list[tuple[int, float]] = []
@@ -327,7 +324,7 @@ def advance(problem: Problem) -> Status:
     duration = problem.duration or 0.0
     row = state.work.get("pymunk")
     if row is None or row.chain is not chain:
-        row = state.work["pymunk"] = _row(chain, state, step)
+        row = state.work["pymunk"] = Row(chain, state, step)
     row.write(state)
     start = state.time
     whole = math.floor(duration / step + GRID_TOLERANCE)
