@@ -128,7 +128,7 @@ def energy_inside(trajectory: Trajectory, struck: int) -> Array:
 
 
 def impulses(trajectory: Trajectory, struck: int) -> Array:
-    """(n,) momentum that each contact has passed from left to right [N s], from the balance of the beads on one side.
+    """(n,) momentum that each contact passed to the right from the first sample to the last [N s], by the balance of one side.
 
     Between two walls, and with bed friction, there is no such balance: there the force is integrated over the samples from
     the first touch of the contact `struck` on, because the forces between beads that friction holds are not determined.
@@ -137,11 +137,11 @@ def impulses(trajectory: Trajectory, struck: int) -> Array:
     if chain.on_bed:
         return _integrated_force(trajectory, struck)
     mass = np.array(chain.mass)
-    drive = np.zeros(len(mass)) if chain.drive_force is None else chain.drive_force * time[-1]
+    drive = np.zeros(len(mass)) if chain.drive_force is None else chain.drive_force * (time[-1] - time[0])
     for item in chain.forces:
-        drive[list(item.beads)] += item.impulse(float(time[-1]))
+        drive[list(item.beads)] += np.diff(item.impulse(time[[0, -1]]))
     with np.errstate(invalid="ignore"):
-        gained = mass * (trajectory.final_velocity - trajectory.velocity[0]) - drive  # nan for walls
+        gained = mass * (trajectory.velocity[-1] - trajectory.velocity[0]) - drive  # nan for walls
     right, left = np.cumsum(gained[::-1])[::-1][1:], -np.cumsum(gained)[:-1]
     known: Array = np.where(np.isfinite(right), right, left)
     if np.isfinite(known).all():

@@ -7,6 +7,7 @@ import pytest
 from softcradle.physics import (
     Chain,
     Coupler,
+    TimedForce,
     cluster_on_cluster,
     draft_gear,
     hertz,
@@ -215,6 +216,16 @@ def test_couplers_and_laws_of_ones_own_are_measured(law):
 def test_a_collision_without_a_method_takes_one_that_carries_the_chain(gear, method):
     """`accurate` refuses couplers whose gears pull with exponents below 1."""
     assert collide(one_on(2, Coupler(hooke(1e3), gear)), [1, 0, 0], 0.5).method == method
+
+
+@pytest.mark.parametrize("first", [0.0, 2.0])
+def test_momentum_is_that_passed_within_the_samples(first):
+    """A run that is sampled in a part of it alone, with drives and forces on both sides, beside the integral of the force."""
+    forces = [TimedForce(0, [0.0, 4.0], [0.0, 2.0]), TimedForce(1, 0.0, -0.5)]
+    chain = Chain([1.0, 2.0], hooke(10.0), drive=[1.0, -0.5], forces=forces)
+    found = simulate(chain, [0.0, 0.0], 10.0, samples=np.linspace(first, 5.0, 5001))
+    passed = np.trapezoid(found.force[:, 0], found.time)
+    assert measures.impulses(found, 0) == pytest.approx([passed], rel=1e-5)
 
 
 def test_inner_contacts_of_small_exponents_ring_about_their_branch():
