@@ -104,7 +104,8 @@ class Chain:
         object.__setattr__(self, "mass", masses)
         object.__setattr__(self, "contact", _checked_contacts(contact, n))
         object.__setattr__(self, "gap", _checked_gaps(gap, n))
-        object.__setattr__(self, "drive", None if drive is None else _checked_drive(drive, n))
+        driven = None if drive is None else bead_forces("drive", drive, n + 1)
+        object.__setattr__(self, "drive", None if driven is None or not driven.any() else tuple(driven.tolist()))
         object.__setattr__(self, "friction", magnitude("friction", friction, zero=True))
         object.__setattr__(self, "forces", checked_forces("forces", forces, n + 1))
         object.__setattr__(self, "brakes", checked_forces("brakes", brakes, n + 1, brakes=True))
@@ -372,14 +373,14 @@ def _checked_gaps(gap: ArrayLike, n: int) -> tuple[float, ...]:
     return tuple(np.broadcast_to(gaps, (n,)).tolist())
 
 
-def _checked_drive(drive: ArrayLike, n: int) -> tuple[float, ...] | None:
-    """The forces as a tuple, or None where all are 0: such a chain is not driven."""
-    forces = number_array("drive", drive)
-    if forces.shape != (n + 1,):
-        raise ValueError(f"{n + 1} masses need {n + 1} drive forces, not {shown(drive)}")
-    if not (np.abs(forces) <= LARGEST).all():
-        raise ValueError(f"every drive force must be a number up to {LARGEST:g}, not {shown(drive)}")
-    return tuple(forces.tolist()) if forces.any() else None
+def bead_forces(what: str, forces: ArrayLike, beads: int) -> Array:
+    """`forces` as (beads,) finite numbers [N]; ValueError where they are none."""
+    found = number_array(what, forces)
+    if found.shape != (beads,):
+        raise ValueError(f"{beads} masses need {beads} {what} forces, not {shown(forces)}")
+    if not (np.abs(found) <= LARGEST).all():
+        raise ValueError(f"every {what} force must be a number up to {LARGEST:g}, not {shown(forces)}")
+    return found
 
 
 def one_on(n: int, contact: Laws, mass: ArrayLike = 1.0) -> Chain:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from softcradle.physics import dispatch
 from softcradle.physics.advice.stability_limits import coarse_warnings, explicit_warnings, returning_warnings
 from softcradle.physics.advice.unusual_numbers import unusual_warnings
-from softcradle.physics.chain import Chain
+from softcradle.physics.chain import Chain, bead_forces
 from softcradle.physics.checked_input import magnitude, number_array, require_kind, shown, whole_number
 from softcradle.physics.methods import AUTO, Method, find_method, refusal_of
 from softcradle.physics.problem import MOST_STEPS, Problem, Record
@@ -172,6 +172,8 @@ def move(
     _require(method != AUTO, "advance takes the name of a method; 'auto' is for simulate, which knows the whole motion")
     chosen = find_method(method)
     _require_carried(method, chain)
+    if state.push is not None:
+        state.push = bead_forces("push", state.push, chain.contacts + 1)
     duration = magnitude("duration", duration, zero=True)
     _require(whole_number("most_steps", most_steps) > 0, f"most_steps must be at least 1, not {shown(most_steps)}")
     length = _step(chain, state, chosen, step)

@@ -105,6 +105,8 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "a method that is none": (lambda: simulate(CHAIN, START, method="rk4"), "'rk4'; there are auto, euler, verlet"),
     "an endless duration": (lambda: simulate(CHAIN, START, math.inf), "duration must be a finite number >= 0, not inf"),
     "a frame below 0": (lambda: advance(CHAIN, STATE, -1), "duration must be .* >= 0, not -1"),
+    "one push for all": (lambda: advance(CHAIN, replace(STATE, push=np.ones(1)), 0.1), "5 masses need 5 push forces, not array"),
+    "a push of nan": (lambda: advance(CHAIN, replace(STATE, push=[0, 0, math.nan, 0, 0]), 0.1), "every push force must be a num"),
     "no steps": (lambda: advance(CHAIN, STATE, 0.1, most_steps=0), "most_steps must be at least 1"),
     "auto for a frame": (lambda: advance(CHAIN, STATE, 0.1, "auto"), "'auto' is for simulate"),
     "a frame to a tolerance of nan": (lambda: advance(CHAIN, STATE, 0.1, "accurate", tolerance=math.nan), "tolerance must be"),
