@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class Family(Enum):
-    """Methods that one runner carries out, see `softcradle.physics.dispatch`."""
+    """Methods that one runner carries out, see `softcradle.physics.simulation`."""
 
     FIXED_STEP = "fixed_step"
     ADAPTIVE = "adaptive"

@@ -5,17 +5,17 @@ from __future__ import annotations
 import math
 import warnings
 from dataclasses import replace
+from functools import cache
 from time import perf_counter
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from softcradle.physics import dispatch
 from softcradle.physics.advice.stability_limits import coarse_warnings, explicit_warnings, returning_warnings
 from softcradle.physics.advice.unusual_numbers import unusual_warnings
 from softcradle.physics.chain import Chain, bead_forces
 from softcradle.physics.checked_input import magnitude, number_array, require_kind, shown, whole_number
-from softcradle.physics.methods import AUTO, Method, find_method, refusal_of
-from softcradle.physics.problem import MOST_STEPS, Problem, Record
+from softcradle.physics.methods import AUTO, Family, Method, find_method, refusal_of
+from softcradle.physics.problem import MOST_STEPS, Problem, Record, Runner
 from softcradle.physics.scales import default_step, require_computable
 from softcradle.physics.state import NO_SWITCHES, State
 from softcradle.physics.status import CodedWarning, WarningCode
@@ -108,7 +108,7 @@ def solve(
     if most_steps is not None:
         problem = replace(problem, most_steps=most_steps)
     began = perf_counter()
-    record = dispatch.run(problem)
+    record = runner_of(method).run(problem)
     record.seconds = record.seconds or perf_counter() - began
     record.warnings += unusual_warnings(chain, velocity, problem.tolerance)
     if not chosen.set_valued:
@@ -182,17 +182,39 @@ def move(
     end = problem.end
     state.warnings, state.switched = (), NO_SWITCHES
     before = chain.impulse(state.time)
-    state.status = dispatch.advance(problem)
+    state.status = runner_of(method).advance(problem)
     if state.status.gave_up:
         state.warnings = (_gave_up(method, state.time, most_steps),)
         _finish_frame(chain, state, end)
     state.taken[3] += chain.impulse(state.time) - before
 
 
+@cache
+def runner_of(method: str) -> Runner:
+    """What moves chains by `method`, imported on first use: numba, pymunk and SciPy load with theirs."""
+    match find_method(method).family:
+        case Family.FIXED_STEP:
+            from softcradle.physics.fixed_step import runner as fixed_step
+
+            return fixed_step
+        case Family.ADAPTIVE:
+            from softcradle.physics import confirm
+
+            return confirm
+        case Family.PYMUNK:
+            from softcradle.physics.pymunk_contacts import runner as pymunk_space
+
+            return pymunk_space
+        case Family.REFERENCE:
+            from softcradle.physics.reference import runner as reference
+
+            return reference
+
+
 def _finish_frame(chain: Chain, state: State, end: float) -> None:
     rest = end - state.time
     if rest > 0.0:
-        dispatch.advance(Problem(chain, state, FALLBACK_METHOD, rest, rest / FALLBACK_STEPS))
+        runner_of(FALLBACK_METHOD).advance(Problem(chain, state, FALLBACK_METHOD, rest, rest / FALLBACK_STEPS))
     state.time = end
 
 
