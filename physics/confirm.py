@@ -45,9 +45,8 @@ PROMISED = 10.0  # tolerances: errors up to these are promised
 # errors that grow by more have to be confirmed by another run: `mixed` is off by 40 tolerances at 10; that much of a growth no
 # other run tells, for it is the same in both
 MOST_GROWN = 8.0
-LEAST_PROMISED = (
-    1e-11  # tolerance: nothing finer is promised, for round-off decides; the stated error tells how far it goes
-)
+# tolerance: nothing finer is promised, for round-off decides; the stated error tells how far it goes
+LEAST_PROMISED = 1e-11
 # Other runs
 FINER = 10.0  # ratio of the tolerances of successive runs
 # Where errors grow by more, or where a run states more than this part of the closing speed, another run may agree with it by

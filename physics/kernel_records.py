@@ -95,8 +95,7 @@ def _joints(chain: Chain) -> Joints:
     count, below, rows = np.zeros(chain.contacts + 1, dtype=np.int64), np.full(chain.contacts, -np.inf), []
     for i, coupler in chain.couplers:
         count[i + 1], below[i] = len(coupler.parts), coupler.pulls_below
-        laws = [(law.preload, law.stiffness, law.exponent, law.loss) for law, _, _ in coupler.parts]
-        rows += [(*law, side, origin) for law, (_, side, origin) in zip(laws, coupler.parts, strict=True)]
+        rows += [(law.preload, law.stiffness, law.exponent, law.loss, side, at) for law, side, at in coupler.parts]
     return Joints(np.cumsum(count), np.array(rows), below)
 
 

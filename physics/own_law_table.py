@@ -100,9 +100,8 @@ def law_table(force: Force) -> LawTable:
         noisy &= level | (depth > STEEP)
         settled = finite & ((level & (error <= WANTED)) | noisy | (depth == MOST_HALVINGS))
         found.append((start[settled], end[settled], values[settled], error[settled]))
-        pending = ~settled & (
-            start <= start[~finite].min(initial=np.inf)
-        )  # above a force that is no number there is no table
+        # above a force that is no number there is no table
+        pending = ~settled & (start <= start[~finite].min(initial=np.inf))
         start, end, before = start[pending], end[pending], error[pending]
         if not start.size:
             break

@@ -32,12 +32,10 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-FORMAT = 6
 # 1 has neither loss nor friction, 2 neither status nor codes of warnings, 3 no forces over time, 4 no couplers, 5 no own laws
-READABLE = 1, 2, 3, 4, 5, 6
-OWN_LAW = (
-    "own_law"  # key of a contact with a law of one's own, and what the names of the arrays of its table begin with
-)
+FORMAT = 6
+# key of a contact with a law of one's own, and what the names of the arrays of its table begin with
+OWN_LAW = "own_law"
 
 DIMENSIONS = {"bead": ("time", "bead"), "contact": ("time", "contact"), "": ("time",)}
 
@@ -91,7 +89,7 @@ def load_motion(path: Path, make: Callable[..., T]) -> T:
     try:
         arrays, plain = _read(path)
         found = plain["format"]
-        if found in READABLE:
+        if found in range(1, FORMAT + 1):
             return make(**_fields(arrays, plain))
     except OSError:
         raise

@@ -237,10 +237,7 @@ class SoftContact(pymunk.DampedSpring):
         self._looked_at = step, speed, yielding
         try:
             limit = self._longest_step(speed, yielding)
-        except (
-            ValueError,
-            ArithmeticError,
-        ):  # a law of its own has no force or energy at some depths: it says so there
+        except (ValueError, ArithmeticError):  # a law of its own with no force or energy at some depths says so there
             return
         if step > limit:
             watch.warned.add(repr(self._contact))

@@ -32,7 +32,7 @@ from softcradle.physics.status import CodedWarning, Status, WarningCode, Warning
 Array = NDArray[np.float64]
 
 MOST_SPACE_STEPS = 20_000_000  # some minutes
-MOST_REACH = 2.0**90  # [m] of the anchors
+MOST_REACH = 2.0**90  # [m] of the anchors; only motions that steps too long have blown up go beyond
 FIRST_SPACING = 4  # steps between two checkpoints at first
 GRID_TOLERANCE = 1e-9  # of a step: a time this near to the grid is on the grid
 
@@ -146,9 +146,7 @@ class Row:
             contact._take_overlap(overlap, rate)
         self.closed = [overlap > 0.0 for overlap in overlaps]
         deepest = max(overlaps)
-        if (
-            deepest > 0.5 * self.reach and self.reach < MOST_REACH
-        ):  # beyond, steps that are too long have blown the motion up
+        if deepest > 0.5 * self.reach and self.reach < MOST_REACH:
             self.reach = min(_power_of_two(8.0 * min(deepest, MOST_REACH)), MOST_REACH)
             for contact in self.contacts:
                 contact.anchor_b = self.reach, 0.0

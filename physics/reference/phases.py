@@ -278,9 +278,8 @@ def next_phase(before: Phase, span: Span, time: float, y: Array, closing: Which,
     _brake(system, span, time, mode, velocity)
     slow = np.abs(velocity) <= 2.0 * system.least_rate
     slow[:m] |= np.abs(velocity[:m]) <= system.least_bounce
-    yields = (mode[:m] == LOADED) & (
-        velocity[:m] > 0.0
-    )  # pressed in from a corner it has left: no other row's switch holds it
+    # pressed in from a corner that it has left: the switch of another row does not hold it
+    yields = (mode[:m] == LOADED) & (velocity[:m] > 0.0)
     corner = (mode[:m] == TOUCHING) | (slow[:m] & ~yields & (np.abs(overlap) <= 2.0 * system.least_overlap))
     turns = (mode[:m] == LOADED) | (mode[:m] == RELEASED)
     turns &= (system.laws.loss > 0.0) & (np.abs(velocity[:m]) <= 2.0 * system.least_turn(overlap))

@@ -37,9 +37,8 @@ EVALUATIONS_A_STEP = 3  # evaluations that count as a step where steps are limit
 SMOOTH = "DOP853"  # integrator where all exponents are >= 1: such contacts are never stiff
 STIFF = "Radau"  # integrator where an exponent is below 1: stiffness has no bound
 ROOT = 4e-15  # of a contact time: error of a located switch, for SciPy gives brentq a tolerance of 4 ulp of 1
-LOOKS = np.linspace(
-    0.0, 1.0, 8, endpoint=False
-)  # parts of a step at which margins are looked at: SciPy looks at its end alone
+# parts of a step at which margins are looked at: SciPy looks at its end alone
+LOOKS = np.linspace(0.0, 1.0, 8, endpoint=False)
 GAUSS = np.polynomial.legendre.leggauss(7)  # nodes and weights on [-1, 1], of which the dense solution has the order
 QUIET = np.errstate(under="ignore")  # powers of overlaps next to 0
 MOST_PHASES = 20_000  # of a run: in one with more the contacts chatter
@@ -241,10 +240,8 @@ class _Run:
         return {"time": times, **self._joint_rows(states, forces), "taken": self.taken_at(times)}
 
     def _joint_rows(self, states: Array, forces: Array) -> dict[str, Array]:
-        m, first = (
-            self.system.m,
-            np.unique(self.system.laws.joint, return_index=True)[1],
-        )  # the pushing part tells of the joint
+        m = self.system.m
+        first = np.unique(self.system.laws.joint, return_index=True)[1]  # the pushing part tells of the joint
         return {
             "overlap": states[..., first], "rate": states[..., m:-2], "anchor": states[..., -2:],
             "force": self.system.on_joints(forces),
