@@ -203,7 +203,10 @@ class OwnLaw:
     def overlap(self, force: ArrayLike) -> Array: ...
 
     def overlap(self, force: ArrayLike) -> Numbers:
-        """Overlap [m] at which the contact pushes with `force` [N], any shape; 0 below the preload, inf out of reach."""
+        """Overlap [m] at which the contact pushes with `force` [N], any shape; 0 below the preload.
+
+        Out of reach it is inf, or where the numbers of a law end, the overlap at which they do.
+        """
         forces, table = np.asarray(force, dtype=np.float64), self.table
         found = [
             table.overlap(table.force, value) if value > self.preload else 0.0 for value in forces.ravel().tolist()

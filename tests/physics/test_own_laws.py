@@ -214,6 +214,8 @@ def test_a_table_of_forces_takes_laws_for_numbers_and_for_arrays():
         assert OwnLaw(law).force([[-1.0, 0.0], [0.5, 2.0]]).tolist() == [[0.0, 0.0], [0.25, 4.0]]
     assert OwnLaw(lambda d: 3.0).force([1.0, 2.0]).tolist() == [3.0, 3.0]
     assert OwnLaw(Power(2.0, 1.5)).overlap([2.0, 16.0]) == pytest.approx([1.0, 4.0])
+    assert OwnLaw(math.tanh).overlap(2.0) == math.inf
+    assert OwnLaw(math.asin).overlap(2.0) == 1.0  # where its numbers end
 
 
 def test_a_file_holds_the_table_of_a_law(tmp_path):
