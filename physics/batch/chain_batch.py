@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -144,9 +143,8 @@ class ChainBatch:
             Which.
         """
         rows = zip(self.preload[index], self.stiffness[index], self.exponent[index], self.loss[index], strict=True)
-        contacts = [Contact(*map(float, row)) for row in rows]
-        drive = self.drive[index] if self.drive[index].any() else None
-        return Chain(self.mass[index], contacts, self.gap[index], drive, float(self.friction[index]))
+        contacts = [Contact(*row) for row in rows]
+        return Chain(self.mass[index], contacts, self.gap[index], self.drive[index], self.friction[index])
 
     @cached_property
     def law_rows(self) -> Array:
@@ -238,5 +236,4 @@ def _rows(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:
 
 def _require(name: str, value: Array, allowed: NDArray[np.bool_], limits: str) -> None:
     if not allowed.all():
-        wrong = value[~allowed].flat[0]
-        raise ValueError(f"{name} must be {limits}, not {shown(wrong if not math.isnan(wrong) else math.nan)}")
+        raise ValueError(f"{name} must be {limits}, not {shown(value[~allowed].flat[0])}")
