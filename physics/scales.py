@@ -241,6 +241,11 @@ def scales_at(chain: Chain, speed: float) -> tuple[Array, Array]:
     return depth, times if pulling is None else np.minimum(times, scales_at(pulling, speed)[1])
 
 
+def shortest_contact(chain: Chain, speed: float) -> float:
+    """Time [s] of the shortest contact of the chain at the closing speed `speed` [m/s]."""
+    return float(scales_at(chain, speed)[1].min())
+
+
 @per_chain
 def as_it_pulls(chain: Chain) -> Chain | None:
     """The chain with the gear that pulls in place of each coupler; None where none pulls."""
@@ -256,7 +261,7 @@ def default_step(chain: Chain, velocity: ArrayLike, duration: float | None = Non
     With bed friction or brakes it is at most a hundredth of the time in which they stop a bead.
     """
     speed = speed_scale(chain, velocity, duration)
-    shortest = float(scales_at(chain, speed)[1].min()) / DEFAULT_STEPS_A_CONTACT
+    shortest = shortest_contact(chain, speed) / DEFAULT_STEPS_A_CONTACT
     strongest = float(chain.bed.max(initial=0.0))
     return min(shortest, speed / strongest / DEFAULT_STEPS_A_STOP) if strongest else shortest
 

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 from softcradle.physics.chain import Chain, mass_shares
-from softcradle.physics.scales import scales_at, speed_scale
+from softcradle.physics.scales import shortest_contact, speed_scale
 
 LIVE_ERROR = 1e-3  # of final velocities: about a pixel of a plot; from it on a collision takes fixed steps
 LIVE_STEPS = 64  # of `conserving` in the shortest contact: they hold LIVE_ERROR, and their error falls as their square
@@ -73,7 +73,7 @@ def _adaptive(method: str, tolerance: float, error: float, why: str) -> Choice:
 
 def conserving_step(chain: Chain, speed: float, error: float = LIVE_ERROR) -> float:
     """Step [s] at which `conserving` is expected to hold `error` in one collision at the closing speed `speed` [m/s]."""
-    return float(scales_at(chain, speed)[1].min()) / LIVE_STEPS * math.sqrt(error / LIVE_ERROR)
+    return shortest_contact(chain, speed) / LIVE_STEPS * math.sqrt(error / LIVE_ERROR)
 
 
 def _why_not_fixed(chain: Chain, duration: float | None, error: float) -> str:

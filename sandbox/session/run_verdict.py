@@ -15,12 +15,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.methods import find_method
+from softcradle.physics.scales import shortest_contact
 from softcradle.sandbox.languages import N_, _, language, localized
 from softcradle.sandbox.motion import BAD, BAD_ERROR, FAIR, FAIR_ERROR, GOOD, LEVELS, Array, level_of
 from softcradle.sandbox.session.frame_history import Block, History
 from softcradle.sandbox.session.frame_pacing import FramePacer
 from softcradle.sandbox.session.history_slices import HistorySlice, history_slices
-from softcradle.sandbox.session.lane_setup import LaneSetup, contact_time
+from softcradle.sandbox.session.lane_setup import LaneSetup
 from softcradle.sandbox.session.ledger import SWITCHES, energy_error, momentum_error
 
 __all__ = ["BAD", "FAIR", "GOOD", "LEVELS"]  # those of every motion, which badges show
@@ -117,14 +118,16 @@ def _chatter(part: HistorySlice, before: Sequence[HistorySlice] = ()) -> Array:
     switches = np.concatenate([one.ledger[:, SWITCHES] for one in (*alike, part)])
     row = np.arange(len(time) - len(part.time), len(time))
     begin = np.maximum(row - WINDOW, 0)
-    most = 2.0 * part.chain.contacts * (1.0 + (time[row] - time[begin]) / contact_time(part.chain, part.setup.scale))
+    most = (
+        2.0 * part.chain.contacts * (1.0 + (time[row] - time[begin]) / shortest_contact(part.chain, part.setup.scale))
+    )
     chatter: Array = np.maximum(switches[row] - switches[begin], 0.0) / most
     return chatter
 
 
 def _steps_a_contact(setup: LaneSetup, frame_time: float) -> float:
     step = setup.step_for(frame_time)
-    return contact_time(setup.chain, setup.scale) / step if step else math.inf
+    return shortest_contact(setup.chain, setup.scale) / step if step else math.inf
 
 
 def _percent(value: float) -> str:
