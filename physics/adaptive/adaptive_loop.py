@@ -15,7 +15,7 @@ from softcradle.physics.adaptive.constants import (
 )
 from softcradle.physics.adaptive.corner_action import begin, cross, fly_to_event, open_passed, pass_knot
 from softcradle.physics.adaptive.flight import back_to_opening, nothing_pushes
-from softcradle.physics.adaptive.row_graphs import acceleration_of, bead_acceleration, put_drive
+from softcradle.physics.adaptive.row_graphs import bead_acceleration, put_drive
 from softcradle.physics.adaptive.sampling import absorbed_between, changing_work, keep_step
 from softcradle.physics.adaptive.step_control import (
     find_step,
@@ -42,6 +42,7 @@ from softcradle.physics.adaptive.step_records import (
 from softcradle.physics.adaptive.switch_log import end_within_bounces, find_openings, grow_errors, log_switches
 from softcradle.physics.numerics.jit import inlined, piece, whole
 from softcradle.physics.numerics.knots import BESIDE, next_knot
+from softcradle.physics.numerics.law_curve import acceleration_of
 from softcradle.physics.numerics.meeting import meets_again
 from softcradle.physics.numerics.records import (
     DONE,

@@ -37,8 +37,7 @@ from softcradle.physics.adaptive.switch_log import log_switches
 from softcradle.physics.adaptive.yield_or_slip import balance
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece
-from softcradle.physics.numerics.knots import drive_at
-from softcradle.physics.numerics.law_curve import flow_into, is_continued
+from softcradle.physics.numerics.law_curve import acceleration_of, is_continued
 from softcradle.physics.numerics.records import FROZEN, LOADED, NO_CONTACT, OPEN, TOUCHING
 
 # rows (n+1,) of the work array: velocities of beads; known forces on them and the static friction of those at rest; bounds of the
@@ -324,7 +323,7 @@ def open_passed(row, chain, regime, motion, slow):
         elif motion.mode[i] == LOADED and side_of(regime, i) * motion.overlap[i] < 0.0:
             any_passed = True
             motion.force[i] = 0.0
-            if abs(motion.rate[i]) > slow or flow_into(i, chain.inverse_mass, motion.force) > drive_at(chain, i, 0.0):
+            if abs(motion.rate[i]) > slow or acceleration_of(i, chain, motion.force, 0.0) < 0.0:
                 motion.mode[i] = OPEN
             else:  # pushed from both sides, or not at all, and too slow to count: it stays at 0
                 motion.overlap[i] = 0.0

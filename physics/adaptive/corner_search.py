@@ -22,7 +22,6 @@ import math
 
 from softcradle.physics.adaptive.constants import FIRST_PART, MOST_MOVES, ROUND_OFF, SAFETY
 from softcradle.physics.adaptive.row_graphs import (
-    acceleration_of,
     bead_acceleration,
     friction_needed,
     length_of,
@@ -34,7 +33,7 @@ from softcradle.physics.adaptive.row_graphs import (
 )
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined
-from softcradle.physics.numerics.law_curve import NODES, curve_force, is_continued
+from softcradle.physics.numerics.law_curve import NODES, acceleration_of, curve_force, is_continued
 from softcradle.physics.numerics.records import LOADED, NO_CONTACT, OPEN, TOUCHING, ZERO
 
 BEFORE, AFTER = 5, 6  # rows (n+1,) of the work array: velocities of the beads at both ends of a step

@@ -25,7 +25,14 @@ from softcradle.physics.adaptive.dop853_tableau import (
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at
 from softcradle.physics.numerics.law_curve import NODES as OUTPUT_NODES
-from softcradle.physics.numerics.law_curve import care, curve_force, curve_slope, larger, pressed_force
+from softcradle.physics.numerics.law_curve import (
+    anchor_acceleration,
+    care,
+    curve_force,
+    curve_slope,
+    larger,
+    pressed_force,
+)
 from softcradle.physics.numerics.own_contacts import bend_passed
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING, ZERO
 
@@ -121,16 +128,6 @@ def accelerate(first, last, passed, chain, mode, carried, overlap, force, accele
         for i in range(first, last):
             if mode[i] == TOUCHING:
                 acceleration[i] = 0.0
-
-
-@piece
-def anchor_acceleration(chain, force, passed):
-    """Acceleration of the anchor bead by the contact forces (n,) and from outside, `passed` [s] after now."""
-    inverse_mass, anchor_bead = chain.inverse_mass, chain.anchor_bead
-    net = force[anchor_bead - 1] if anchor_bead > 0 else 0.0
-    if anchor_bead < force.size:
-        net -= force[anchor_bead]
-    return net * inverse_mass[anchor_bead] + drive_at(chain, force.size, passed)
 
 
 @inlined

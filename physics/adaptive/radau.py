@@ -31,6 +31,8 @@ from softcradle.physics.numerics.law_curve import (
     NODES,
     ROOT6,
     SMALLEST,
+    acceleration_of,
+    anchor_acceleration,
     care,
     curve_force,
     curve_overlap,
@@ -316,8 +318,8 @@ def euler_change(k, time, chain, motion, trial, scratch):
         along[i], across[i] = direction(i, chain, motion.mode[i], weight, trial.overlap[k, i], trial.force[k, i])
     for i in range(n):
         left, right = square * inverse_mass[i], square * inverse_mass[i + 1]
-        flow = flow_into(i, inverse_mass, trial.force[k]) - drive_at(chain, i, time)
-        z[i] = motion.overlap[i] + time * motion.rate[i] - trial.overlap[k, i] - square * flow
+        pushed = square * acceleration_of(i, chain, trial.force[k], time)
+        z[i] = motion.overlap[i] + time * motion.rate[i] - trial.overlap[k, i] + pushed
         pivot = along[i] + (left + right) * across[i]
         if i > 0:
             pivot -= left * across[i - 1] * upper[i - 1, 0]
@@ -365,16 +367,9 @@ def stage_rates(h, chain, motion, trial):
     overlap, rate, mode = motion.overlap, motion.rate, motion.mode
     stage_overlap, stage_force, stage_rate = trial.overlap, trial.force, trial.rate
     for i in range(overlap.size):
-        flow = (
-            flow_into(i, inverse_mass, stage_force[0]),
-            flow_into(i, inverse_mass, stage_force[1]),
-            flow_into(i, inverse_mass, stage_force[2]),
-        )
-        drive = (
-            drive_at(chain, i, h * NODES[0]),
-            drive_at(chain, i, h * NODES[1]),
-            drive_at(chain, i, h * NODES[2]),
-        )
+        a0 = acceleration_of(i, chain, stage_force[0], h * NODES[0])
+        a1 = acceleration_of(i, chain, stage_force[1], h * NODES[1])
+        a2 = acceleration_of(i, chain, stage_force[2], h * NODES[2])
         moved = (stage_overlap[0, i] - overlap[i], stage_overlap[1, i] - overlap[i], stage_overlap[2, i] - overlap[i])
         largest = max(abs(overlap[i]), abs(stage_overlap[0, i]), abs(stage_overlap[1, i]), abs(stage_overlap[2, i]))
         pushed = h * h * (inverse_mass[i] + inverse_mass[i + 1])
@@ -384,24 +379,16 @@ def stage_rates(h, chain, motion, trial):
             if fine:
                 stage_rate[k, i] = (INVERSE[k, 0] * moved[0] + INVERSE[k, 1] * moved[1] + INVERSE[k, 2] * moved[2]) / h
             else:
-                stage_rate[k, i] = rate[i] - h * (
-                    TABLEAU[k, 0] * (flow[0] - drive[0])
-                    + TABLEAU[k, 1] * (flow[1] - drive[1])
-                    + TABLEAU[k, 2] * (flow[2] - drive[2])
-                )
+                stage_rate[k, i] = rate[i] + h * (TABLEAU[k, 0] * a0 + TABLEAU[k, 1] * a1 + TABLEAU[k, 2] * a2)
 
 
 @inlined
 def move_anchor(h, chain, anchor, trial):
     """Position and velocity of the anchor bead at the end of the step."""
-    inverse_mass, anchor_bead = chain.inverse_mass, chain.anchor_bead
-    stage_force, end_anchor = trial.force, trial.anchor
-    n = stage_force.shape[1]
+    end_anchor = trial.anchor
     end_anchor[0], end_anchor[1] = anchor[0] + h * anchor[1], anchor[1]
     for j in range(3):
-        net = stage_force[j, anchor_bead - 1] if anchor_bead > 0 else 0.0
-        net -= stage_force[j, anchor_bead] if anchor_bead < n else 0.0
-        acceleration = net * inverse_mass[anchor_bead] + drive_at(chain, n, h * NODES[j])
+        acceleration = anchor_acceleration(chain, trial.force[j], h * NODES[j])
         square = TABLEAU[2, 0] * TABLEAU[0, j] + TABLEAU[2, 1] * TABLEAU[1, j] + TABLEAU[2, 2] * TABLEAU[2, j]
         end_anchor[0] += h * h * square * acceleration
         end_anchor[1] += h * TABLEAU[2, j] * acceleration
@@ -450,7 +437,7 @@ def embedded_error(h, chain, motion, trial, work):
     reach = h * GAMMA
     fine_rate, coarse_rate = stage_rate[0], stage_rate[1]  # free by now: the end of the step is the third row
     for i in range(n):
-        fine_w = reach * (drive_at(chain, i, 0.0) - flow_into(i, inverse_mass, force))
+        fine_w = reach * acceleration_of(i, chain, force, 0.0)
         fine_d = reach * rate[i]
         coarse_w, coarse_d = 0.0, 0.0
         for k in range(3):

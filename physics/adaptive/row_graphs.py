@@ -15,8 +15,8 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.numerics.jit import inlined
-from softcradle.physics.numerics.knots import drive_at, put_values
-from softcradle.physics.numerics.law_curve import BEFORE, LAW_SIDE, STOP, curve_force, flow_into
+from softcradle.physics.numerics.knots import put_values
+from softcradle.physics.numerics.law_curve import BEFORE, LAW_SIDE, STOP, curve_force
 
 SIDE, ORIGIN, LAW, LOSS, LENGTH = 0, 1, 2, 7, 8  # columns of the segments; from LAW on F, K, a, and
 
@@ -169,12 +169,6 @@ def put_drive(time, chain, regime):
     acts = put_values(time, chain.knots, regime.push, regime.bed)
     drive_overlaps(chain, regime)
     return acts
-
-
-@inlined
-def acceleration_of(i, chain, force, passed):
-    """w' of contact i under the contact forces (n,), `passed` [s] after now."""
-    return drive_at(chain, i, passed) - flow_into(i, chain.inverse_mass, force)
 
 
 @inlined

@@ -10,12 +10,20 @@ import math
 
 from softcradle.physics.adaptive.constants import FEW_TRIES, ROUND_OFF, TOLERANCE_PART
 from softcradle.physics.adaptive.dop853 import hermite
-from softcradle.physics.adaptive.row_graphs import LAW, acceleration_of, is_gear, side_of
+from softcradle.physics.adaptive.row_graphs import LAW, is_gear, side_of
 from softcradle.physics.adaptive.step_control import take_step
 from softcradle.physics.adaptive.step_records import GROWTH, LOCAL_SQUARE
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at
-from softcradle.physics.numerics.law_curve import STOP, cubic, curve_depth, flow_into, is_continued, pressed_force
+from softcradle.physics.numerics.law_curve import (
+    STOP,
+    acceleration_of,
+    cubic,
+    curve_depth,
+    flow_into,
+    is_continued,
+    pressed_force,
+)
 from softcradle.physics.numerics.records import LOADED, OPEN
 from softcradle.physics.numerics.switches import log_switch
 
@@ -188,8 +196,7 @@ def opening_of_quintic(i, h, chain, motion, trial):
     """When contact i opens by the quintic through overlaps, rates and accelerations of both ends of the step, and the
     overlap that the cubic through the stages has then."""
     d0, w0, d1, w1 = motion.overlap[i], motion.rate[i], trial.overlap[2, i], trial.rate[2, i]
-    a0 = drive_at(chain, i, 0.0) - flow_into(i, chain.inverse_mass, motion.force)
-    a1 = drive_at(chain, i, h) - flow_into(i, chain.inverse_mass, trial.force[2])
+    a0, a1 = acceleration_of(i, chain, motion.force, 0.0), acceleration_of(i, chain, trial.force[2], h)
     low, high = 0.0, 1.0
     while high - low > ROUND_OFF:
         x = 0.5 * (low + high)

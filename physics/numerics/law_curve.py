@@ -15,7 +15,8 @@ import math
 
 import numpy as np
 from softcradle.physics.numerics.elementary import power
-from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.jit import inlined, jit, piece
+from softcradle.physics.numerics.knots import drive_at
 from softcradle.physics.numerics.own_contacts import number_of, own_force, own_inverse, own_slope
 
 ROOT6 = math.sqrt(6.0)
@@ -246,6 +247,22 @@ def flow_into(i, inverse_mass, force):
     if i < force.size - 1:
         flow -= inverse_mass[i + 1] * force[i + 1]
     return flow
+
+
+@inlined
+def acceleration_of(i, chain, force, passed):
+    """w' of contact i under the contact forces (n,), `passed` [s] after now."""
+    return drive_at(chain, i, passed) - flow_into(i, chain.inverse_mass, force)
+
+
+@piece
+def anchor_acceleration(chain, force, passed):
+    """Acceleration of the anchor bead by the contact forces (n,) and from outside, `passed` [s] after now."""
+    inverse_mass, anchor_bead = chain.inverse_mass, chain.anchor_bead
+    net = force[anchor_bead - 1] if anchor_bead > 0 else 0.0
+    if anchor_bead < force.size:
+        net -= force[anchor_bead]
+    return net * inverse_mass[anchor_bead] + drive_at(chain, force.size, passed)
 
 
 @inlined
