@@ -113,19 +113,11 @@ def integrate(
     Records come as plain tuples of their fields; `look` is a second Trial, for what happens inside a step. Returns the status
     and the time reached. Overlaps of couplers are left as they are counted here, from the origins of their segments.
     """
-    extent, accuracy = Extent(*extent_fields), Accuracy(*accuracy_fields)
+    (time, end, stop, most_steps), (resumed, budget) = Extent(*extent_fields), pause
+    allowed, tolerance, scale = Accuracy(*accuracy_fields)
     chain, motion, steps = ChainData(*chain_fields), Motion(*motion_fields), Steps(*steps_fields)
     regime, trial, look = Regime(*regime_fields), Trial(*trial_fields), Trial(*look_fields)
     scratch, log = Scratch(*scratch_fields), SwitchLog(*log_fields)
-    return go_on(extent, pause, accuracy, chain, regime, motion, trial, look, scratch, steps, log)
-
-
-@inlined
-def go_on(extent, pause, accuracy, chain, regime, motion, trial, look, scratch, steps, log):
-    """`integrate`, of records."""
-    allowed, tolerance, scale = accuracy
-    time, end, stop, most_steps = extent
-    resumed, budget = pause
     wanted = TOLERANCE_PART * tolerance * scale
     bounds = Bounds(wanted, NEWTON_PART * wanted, max(TOLERANCE_PART * wanted, ROUND_OFF * scale))
     control, counter, firm = scratch.control, log.counter, regime.bed.size > 0
