@@ -59,36 +59,32 @@ def bend_of(chain, i):
     return chain.external[i] if chain.external.size else 0.0
 
 
-@inlined
-def next_flight_event(chain, regime, motion, negligible, velocity):
-    """(time, row, side) of the first closing or stop of a bead; `velocity` (n+1,) is scratch memory."""
+@piece
+def next_event(time, end, chain, regime, motion, negligible, velocity):
+    """Until when free flight lasts, to the first corner or to `end`: a contact closes, a coupler pulls, or a bead stops.
+
+    With row and side of the corner (-1: none before `end`); `velocity` (n+1,) is scratch memory.
+    """
     flight, row, at = math.inf, NO_CONTACT, ZERO
     for i in range(motion.mode.size):
         if motion.mode[i] == OPEN and (chain.external.size or motion.rate[i] > negligible):
-            time = closing_time(motion.overlap[i], motion.rate[i], bend_of(chain, i))
-            if time < flight:
-                flight, row, at = max(time, 0.0), ZERO + i, ZERO
+            passed = closing_time(motion.overlap[i], motion.rate[i], bend_of(chain, i))
+            if passed < flight:
+                flight, row, at = max(passed, 0.0), ZERO + i, ZERO
         slack = slack_of(regime, i)
         if motion.mode[i] == OPEN and slack < math.inf:
-            time = max(closing_time(-motion.overlap[i] - slack, -motion.rate[i], -bend_of(chain, i)), 0.0)
-            if time < flight:
-                flight, row, at = time, ZERO + i, ZERO + 1
+            passed = max(closing_time(-motion.overlap[i] - slack, -motion.rate[i], -bend_of(chain, i)), 0.0)
+            if passed < flight:
+                flight, row, at = passed, ZERO + i, ZERO + 1
     if regime.bed.size:
         bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], velocity)
         for j in range(regime.bed.size):
             if regime.bed[j] > 0.0 and regime.slide[j] != 0:
                 a = bead_push(chain, regime, j)
                 if a * regime.slide[j] < 0.0:
-                    time = max(-velocity[j] / a, 0.0)
-                    if time < flight:
-                        flight, row, at = time, ZERO + motion.mode.size + j, ZERO
-    return flight, row, at
-
-
-@piece
-def next_event(time, end, chain, regime, motion, negligible, velocity):
-    """Until when free flight lasts, to the first corner or to `end`; and row and side of the corner (-1: none before `end`)."""
-    flight, row, at = next_flight_event(chain, regime, motion, negligible, velocity)
+                    passed = max(-velocity[j] / a, 0.0)
+                    if passed < flight:
+                        flight, row, at = passed, ZERO + motion.mode.size + j, ZERO
     if time + flight > end or time + flight == math.inf:
         return end, NO_CONTACT, ZERO
     return time + flight, row, at
