@@ -16,7 +16,7 @@ from softcradle.physics.adaptive.constants import (
 from softcradle.physics.adaptive.corner_action import begin, cross, fly_to_event, open_passed, pass_knot
 from softcradle.physics.adaptive.flight import back_to_opening, nothing_pushes
 from softcradle.physics.adaptive.row_graphs import bead_acceleration, put_drive
-from softcradle.physics.adaptive.sampling import absorbed_between, changing_work, keep_step
+from softcradle.physics.adaptive.sampling import absorb, keep_step
 from softcradle.physics.adaptive.step_control import (
     find_step,
     first_step,
@@ -174,7 +174,7 @@ def integrate(
         find_openings(h, kind, firm, chain, motion, wanted, trial, look, scratch, log)
         if steps.time.size:
             keep_step(time, h, kind, chain, regime, motion, steps, counter)
-        absorb(h, chain, regime, motion, trial, scratch.work)
+        absorb(h, chain, regime, motion, trial, scratch.work, motion.taken)
         accept_step(motion, trial)
         before, time = time, time + h if h < until - time else until
         if timed:  # at a knot those just before it, even where the step to it is as short as the last digit of the time
@@ -187,17 +187,3 @@ def integrate(
         grow_errors(row, side, chain, regime, motion, wanted, scratch)
         if row >= 0:
             cross(row, side, time, chain, regime, motion, bounds, scratch, log)
-
-
-@inlined
-def absorb(h, chain, regime, motion, trial, work):
-    """Add what contacts and bed absorb in the step to come, and the work of forces over time."""
-    if regime.easing.size or regime.bed.size:
-        path = trial.anchor[0] - motion.anchor[0]
-        absorbed = absorbed_between(chain, regime, motion.overlap, work[0], trial.overlap[2], path)
-        motion.taken[0] += absorbed[0]
-        motion.taken[1] += absorbed[1]
-    if chain.knots.time.size:
-        given, braked = changing_work(h, chain, regime, motion, trial, work)
-        motion.taken[1] += braked
-        motion.taken[2] += given

@@ -6,7 +6,7 @@ A run keeps its steps, for without a duration it does not know before its end wh
 from __future__ import annotations
 
 from softcradle.physics.adaptive.constants import ROUND_OFF, SAFETY
-from softcradle.physics.adaptive.flight import bend_of, flight_work, flown
+from softcradle.physics.adaptive.flight import drift
 from softcradle.physics.adaptive.row_graphs import (
     ORIGIN,
     bead_acceleration,
@@ -21,41 +21,41 @@ from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece, whole
 from softcradle.physics.numerics.law_curve import BEFORE
 from softcradle.physics.numerics.law_kernels import energy
-from softcradle.physics.numerics.records import FROZEN, KEPT, SAMPLE, ChainData, Motion, Samples, SwitchLog
-from softcradle.physics.numerics.switches import copy_into
+from softcradle.physics.numerics.records import KEPT, SAMPLE, ChainData, Motion, Samples, SwitchLog
+from softcradle.physics.numerics.switches import copy_into, copy_motion, row_of
 
 
 @inlined
-def absorbed_between(chain, regime, before, moved, end, path):
-    """Energy [J] that (contacts, the bed) absorb while overlaps go from `before` to `end` (n,), and the anchor bead by `path`.
+def absorb(h, chain, regime, motion, trial, work, taken):
+    """Add to `taken` (4,) [J] what contacts and bed absorb in the step of length `h` to the `trial`, and the work of forces.
 
-    `moved` (n+1,) is scratch memory. Modes are those of now, so what they absorb is a difference of potentials.
+    Modes are those of now, so what is absorbed is a difference of potentials; `work` (3 or more, n+1) is scratch memory.
     """
-    by_contacts, by_bed = 0.0, 0.0
+    by_contacts, by_bed, moved, law = 0.0, 0.0, work[0], regime.law
     for i in range(regime.easing.size):
         if regime.easing[i] != 0:
-            preload, stiffness, exponent, side = (
-                regime.law[i, 0],
-                regime.law[i, 1],
-                regime.law[i, 2],
-                side_of(regime, i),
-            )
-            way = regime.law[i, BEFORE] if regime.segment.size else 0.0
-            fall = energy(preload, stiffness, exponent, way + side * before[i])
-            fall -= energy(preload, stiffness, exponent, way + side * end[i])
+            side, way = side_of(regime, i), law[i, BEFORE] if regime.segment.size else 0.0
+            fall = energy(law[i, 0], law[i, 1], law[i, 2], way + side * motion.overlap[i])
+            fall -= energy(law[i, 0], law[i, 1], law[i, 2], way + side * trial.overlap[2, i])
             by_contacts += regime.loss[i] * fall
     if regime.bed.size:
-        bead_paths(chain, before, end, path, moved)
+        bead_paths(chain, motion, trial, moved)
         for j in range(moved.size):
             if regime.bed[j] > 0.0:
                 by_bed += regime.slide[j] * regime.bed[j] / regime.inverse_mass[j] * moved[j]
-    return by_contacts, by_bed
+    taken[0] += by_contacts
+    taken[1] += by_bed
+    if chain.knots.time.size:
+        given, braked = changing_work(h, chain, regime, motion, trial, work)
+        taken[1] += braked
+        taken[2] += given
 
 
 @inlined
-def bead_paths(chain, before, end, path, moved):
-    """Ways of the beads (n+1,) into `moved` while overlaps go from `before` to `end` (n,), and the anchor bead by `path`."""
-    moved[chain.anchor_bead] = path
+def bead_paths(chain, motion, trial, moved):
+    """Ways of the beads (n+1,) from the motion to the end of the trial into `moved`."""
+    before, end = motion.overlap, trial.overlap[2]
+    moved[chain.anchor_bead] = trial.anchor[0] - motion.anchor[0]
     for j in range(chain.anchor_bead - 1, -1, -1):
         moved[j] = moved[j + 1] + (end[j] - before[j])
     for j in range(chain.anchor_bead, before.size):
@@ -69,7 +69,7 @@ def changing_work(h, chain, regime, motion, trial, work):
     With x the way of a bead, a force p + s t gives it (p + s h) x - s times the integral of x, by the quintic through both ends.
     """
     moved, v0, v1, knots = work[0], work[1], work[2], chain.knots
-    bead_paths(chain, motion.overlap, trial.overlap[2], trial.anchor[0] - motion.anchor[0], moved)
+    bead_paths(chain, motion, trial, moved)
     bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], v0)
     bead_velocities(trial.rate[2], chain.anchor_bead, trial.anchor[1], v1)
     given, braked = 0.0, 0.0
@@ -142,19 +142,17 @@ def sample_steps(
             if chain.knots.time.size:
                 put_drive(steps.time[k], chain, regime)
         while counter[SAMPLE] < samples.time.size and samples.time[counter[SAMPLE]] < end:
-            passed = 0.0 if steps.kind[k] == RESTED else samples.time[counter[SAMPLE]] - steps.time[k]
-            if steps.kind[k] == FLOWN or passed <= 0.0:  # before the step lies one of another method
-                sample_flight(passed, chain, regime, motion, samples, counter[SAMPLE], scratch.work[0])
+            row = row_of(samples, counter[SAMPLE], motion)
+            copy_motion(row, motion)
+            passed = 0.0 if steps.kind[k] == RESTED else max(samples.time[counter[SAMPLE]] - steps.time[k], 0.0)
+            if steps.kind[k] == FLOWN or passed == 0.0:
+                drift(passed, chain, regime, row, scratch.work[0])
             else:
-                sample_inside(passed, steps.kind[k], wanted, chain, regime, motion, trial, scratch, samples, log)
-            count_from_touch(samples.overlap[counter[SAMPLE]], regime)
+                move_inside(passed, steps.kind[k], wanted, chain, regime, motion, trial, scratch, row, log)
+            for i in range(row.force.size):  # without what a law that goes on beyond d = 0 has there
+                row.force[i] = min(row.force[i], 0.0) if side_of(regime, i) < 0.0 else max(row.force[i], 0.0)
+            count_from_touch(row.overlap, regime)
             counter[SAMPLE] += 1
-
-
-@inlined
-def shown_force(i, force, regime):
-    """The force of contact i without what a law that goes on beyond d = 0 has there."""
-    return min(force, 0.0) if side_of(regime, i) < 0.0 else max(force, 0.0)
 
 
 @inlined
@@ -165,44 +163,20 @@ def count_from_touch(overlap, regime):
 
 
 @piece
-def sample_inside(passed, kind, wanted, chain, regime, motion, trial, scratch, samples, log):
-    """Fill the next sample row, `passed` [s] after the start of a step, by a shorter step into `trial`.
+def move_inside(passed, kind, wanted, chain, regime, motion, trial, scratch, row, log):
+    """Move `row`, a copy of the motion at the start of a step, on by `passed` [s] in it: by a shorter step into `trial`.
 
     Where its stages do not converge, the step is made a little shorter and the rest drifts.
     """
-    k, length, firm = log.counter[SAMPLE], passed, regime.bed.size > 0
+    length, firm = passed, regime.bed.size > 0
     while take_step(length, kind, firm, chain, motion, wanted, trial, scratch, log) < 0.0:
         length *= SAFETY
         if length < ROUND_OFF * passed:
             break
     rest = passed - length
     for i in range(motion.mode.size):
-        samples.overlap[k, i] = trial.overlap[2, i] + rest * trial.rate[2, i]
-        samples.rate[k, i], samples.force[k, i] = trial.rate[2, i], shown_force(i, trial.force[2, i], regime)
-    samples.anchor[k, 0] = trial.anchor[0] + rest * trial.anchor[1]
-    samples.anchor[k, 1] = trial.anchor[1]
-    path = samples.anchor[k, 0] - motion.anchor[0]
-    absorbed = absorbed_between(chain, regime, motion.overlap, scratch.work[0], samples.overlap[k], path)
-    samples.taken[k, 0] = motion.taken[0] + absorbed[0]
-    samples.taken[k, 1] = motion.taken[1] + absorbed[1]
-    if chain.knots.time.size:
-        given, braked = changing_work(length, chain, regime, motion, trial, scratch.work)
-        samples.taken[k, 1] += braked
-        samples.taken[k, 2] = motion.taken[2] + given
-
-
-@piece
-def sample_flight(passed, chain, regime, motion, samples, k, velocity):
-    """Fill sample row k, `passed` [s] after the start of a flight."""
-    n = motion.mode.size
-    for i in range(n):
-        length = passed if motion.mode[i] != FROZEN else 0.0
-        samples.overlap[k, i] = flown(motion.overlap[i], motion.rate[i], bend_of(chain, i), length)
-        samples.rate[k, i] = motion.rate[i] + length * bend_of(chain, i)
-        samples.force[k, i] = shown_force(i, motion.force[i], regime)
-    bend = bend_of(chain, n) if passed > 0.0 else 0.0
-    samples.anchor[k, 0] = motion.anchor[0] + passed * (motion.anchor[1] + 0.5 * passed * bend)
-    samples.anchor[k, 1] = motion.anchor[1] + passed * bend
-    copy_into(samples.taken[k], motion.taken)
-    if regime.bed.size and passed > 0.0:
-        samples.taken[k, 1] += flight_work(passed, chain, regime, motion, velocity)
+        trial.overlap[2, i] += rest * trial.rate[2, i]
+        row.overlap[i], row.rate[i], row.force[i] = trial.overlap[2, i], trial.rate[2, i], trial.force[2, i]
+    trial.anchor[0] += rest * trial.anchor[1]
+    copy_into(row.anchor, trial.anchor)
+    absorb(length, chain, regime, motion, trial, scratch.work, row.taken)

@@ -39,12 +39,10 @@ from softcradle.physics.numerics.records import (
 )
 from softcradle.physics.numerics.switches import (
     any_switched,
-    copy_into,
     copy_motion,
     is_closed,
     log_switch,
-    put_row,
-    take_row,
+    row_of,
     take_sample,
 )
 
@@ -136,15 +134,11 @@ def keep_checkpoint(time, motion, kept, counter):
         left = (rows + 1) // 2
         for k in range(1, left):
             kept.time[k] = kept.time[2 * k]
-            copy_into(kept.overlap[k], kept.overlap[2 * k])
-            copy_into(kept.rate[k], kept.rate[2 * k])
-            copy_into(kept.anchor[k], kept.anchor[2 * k])
-            copy_into(kept.force[k], kept.force[2 * k])
-            copy_into(kept.taken[k], kept.taken[2 * k])
+            copy_motion(row_of(kept, k, motion), row_of(kept, 2 * k, motion))
         plan[COUNT], plan[SPACING] = left, 2 * plan[SPACING]
     k = plan[COUNT]
     kept.time[k] = time
-    put_row(kept, k, motion)
+    copy_motion(row_of(kept, k, motion), motion)
     plan[COUNT], plan[DUE] = k + 1, counter[STEP] + plan[SPACING]
 
 
@@ -387,7 +381,7 @@ def sample_between(
             last += 1
         if last == counter[SAMPLE]:
             continue
-        take_row(motion, kept, k)
+        copy_motion(motion, row_of(kept, k, motion))
         counter[STEP] = 0
         end = begun + h * math.floor((wanted[last - 1] - begun) / h + GRID_TOLERANCE)
         march(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from softcradle.physics.numerics.jit import inlined
-from softcradle.physics.numerics.records import SAMPLE, SWITCH
+from softcradle.physics.numerics.records import SAMPLE, SWITCH, Motion
 
 
 @inlined
@@ -49,30 +49,16 @@ def copy_motion(target, source):
 
 
 @inlined
-def put_row(rows, k, motion):
-    """Copy `motion` into row k of Samples or Checkpoints."""
-    copy_into(rows.overlap[k], motion.overlap)
-    copy_into(rows.rate[k], motion.rate)
-    copy_into(rows.force[k], motion.force)
-    copy_into(rows.anchor[k], motion.anchor)
-    copy_into(rows.taken[k], motion.taken)
-
-
-@inlined
-def take_row(motion, rows, k):
-    """Copy row k of Samples or Checkpoints into `motion`."""
-    copy_into(motion.overlap, rows.overlap[k])
-    copy_into(motion.rate, rows.rate[k])
-    copy_into(motion.force, rows.force[k])
-    copy_into(motion.anchor, rows.anchor[k])
-    copy_into(motion.taken, rows.taken[k])
+def row_of(rows, k, motion):
+    """Row k of Samples or Checkpoints as a Motion, with the modes of `motion`."""
+    return Motion(rows.overlap[k], rows.rate[k], rows.anchor[k], rows.force[k], rows.taken[k], motion.mode, motion.held)
 
 
 @inlined
 def take_sample(samples, log, motion):
     """Copy `motion` into the next sample row; an open contact does not push, whatever its mean force in the last step was."""
     k = log.counter[SAMPLE]
-    put_row(samples, k, motion)
+    copy_motion(row_of(samples, k, motion), motion)
     for i in range(motion.force.size):
         if motion.overlap[i] < 0.0:
             samples.force[k, i] = min(motion.force[i], 0.0)
