@@ -80,13 +80,13 @@ def next_range(after, h, inactive, chain, motion):
 def accelerate(first, last, passed, chain, mode, carried, overlap, force, acceleration, upper):
     """Forces (n,) and overlap accelerations (n,) in a range, from the overlaps of one stage, `passed` [s] after now.
 
-    Where contacts from one wall to another all touch, a force through all of them moves nothing: the last keeps what it has
-    `carried` (n,).
+    A contact that is frozen keeps what it has `carried` (n,). So does the last of contacts that all touch from one wall to
+    another: a force through all of them moves nothing.
     """
     law, inverse_mass = chain.law, chain.inverse_mass
     touching = False
     for i in range(first, last):
-        force[i] = 0.0
+        force[i] = carried[i] if mode[i] == FROZEN else 0.0
         if mode[i] == LOADED and overlap[i] > 0.0 and law.shape[1] == 3:
             force[i] = pressed_force(law, chain.own, i, overlap[i])
         elif mode[i] == LOADED:
@@ -162,19 +162,14 @@ def dop853_step(h, inactive, firm, chain, motion, trial, scratch):
     for i in range(n):
         trial.force[2, i] = force[i]
         if force[i] == 0.0 and mode[i] == LOADED and trial.overlap[2, i] > 0.0:  # an inactive contact
-            trial.force[2, i] = force_at(chain, i, trial.overlap[2, i])
+            trial.force[2, i] = curve_force(chain.law, chain.own, i, trial.overlap[2, i])
         if mode[i] == FROZEN:
             trial.force[2, i] = motion.force[i]
     if touching or firm:
         stage, upper = scratch.correction[0], scratch.correction[2]
         for k in range(2):
-            for i in range(n):
-                trial.force[k, i] = 0.0
             passed = h * OUTPUT_NODES[k]
             accelerate(ZERO, n, passed, chain, mode, motion.force, trial.overlap[k], trial.force[k], stage, upper)
-            for i in range(n):
-                if mode[i] == FROZEN:
-                    trial.force[k, i] = motion.force[i]
     return worst
 
 
@@ -243,7 +238,7 @@ def error_of_range(h, first, last, chain, motion, trial, force):
                 if law[i, 2] < 1.0:
                     rough = True
                 else:
-                    push = force_at(chain, i, overlap[i] if opens else end_overlap[i])
+                    push = curve_force(law, chain.own, i, overlap[i] if opens else end_overlap[i])
                     worst = larger(worst, KINK * h * (inverse_mass[i] + inverse_mass[i + 1]) * push)
     for i in range(first, last):
         if mode[i] == LOADED:
@@ -257,7 +252,8 @@ def error_of_range(h, first, last, chain, motion, trial, force):
         # where a smooth contact begins to push, its end tells: errors of rates alone vanish at some lengths of a step
         at = overlap[i] if overlap[i] > 0.0 or law[i, 2] < 1.0 else end_overlap[i]
         if mode[i] == LOADED and (at > 0.0 or (law.shape[1] > 3 and law[i, 2] >= 1.0)):
-            frequency[i] = frequency_of(chain, i, at)
+            slope = curve_slope(law, chain.own, i, at, curve_force(law, chain.own, i, at))
+            frequency[i] = (inverse_mass[i] + inverse_mass[i + 1]) * slope  # squared [1/s²]
             of_overlap = abs(fifth_overlap[i]) if rough else combined(fifth_overlap[i], third_overlap[i])
             error[i] = larger(error[i], math.sqrt(frequency[i]) * of_overlap)
             if law[i, 2] < 1.0:
@@ -266,19 +262,6 @@ def error_of_range(h, first, last, chain, motion, trial, force):
         faster = frequency[i] / slowest if math.isfinite(slowest) else 1.0
         worst = larger(worst, error[i] * care(law[i, 2], h * h * frequency[i], faster))
     return worst
-
-
-@inlined
-def frequency_of(chain, i, overlap):
-    """The local frequency, squared, of contact i at `overlap` > 0 [1/s²]."""
-    slope = curve_slope(chain.law, chain.own, i, overlap, force_at(chain, i, overlap))
-    return (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * slope
-
-
-@inlined
-def force_at(chain, i, overlap):
-    """Force of contact i, loaded, at `overlap`."""
-    return curve_force(chain.law, chain.own, i, overlap)
 
 
 @piece
