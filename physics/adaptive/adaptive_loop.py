@@ -7,12 +7,7 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.adaptive.constants import (
-    FEW_TRIES,
-    NEWTON_PART,
-    ROUND_OFF,
-    TOLERANCE_PART,
-)
+from softcradle.physics.adaptive.constants import FEW_TRIES, NEWTON_PART, ROUND_OFF, TOLERANCE_PART
 from softcradle.physics.adaptive.corner_action import begin, cross, fly_to_event, open_passed, pass_knot
 from softcradle.physics.adaptive.flight import back_to_opening, nothing_pushes
 from softcradle.physics.adaptive.row_graphs import bead_acceleration, put_drive

@@ -43,24 +43,9 @@ from softcradle.physics.kernel_records import (
 )
 from softcradle.physics.kernel_tiers import KernelTiers, plain
 from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic
-from softcradle.physics.numerics.records import (
-    EVALUATION,
-    OUT_OF_STEPS,
-    PAUSED,
-    REJECTED,
-    STEP,
-    SWITCH,
-    SwitchLog,
-)
+from softcradle.physics.numerics.records import EVALUATION, OUT_OF_STEPS, PAUSED, REJECTED, STEP, SWITCH, SwitchLog
 from softcradle.physics.own_law import OwnLaw
-from softcradle.physics.problem import (
-    NO_TIMES,
-    Problem,
-    Record,
-    empty_samples,
-    with_ends_as_samples,
-    with_samples_of,
-)
+from softcradle.physics.problem import NO_TIMES, Problem, Record, empty_samples, with_ends_as_samples, with_samples_of
 from softcradle.physics.scales import ROUND_OFF, closing_scale
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings

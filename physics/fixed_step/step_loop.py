@@ -37,14 +37,7 @@ from softcradle.physics.numerics.records import (
     Samples,
     SwitchLog,
 )
-from softcradle.physics.numerics.switches import (
-    any_switched,
-    copy_motion,
-    is_closed,
-    log_switch,
-    row_of,
-    take_sample,
-)
+from softcradle.physics.numerics.switches import any_switched, copy_motion, is_closed, log_switch, row_of, take_sample
 
 Array = NDArray[np.float64]
 
