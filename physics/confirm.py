@@ -134,7 +134,7 @@ def _finer(problem: Problem, record: Record) -> Record:
     """
     scale = scale_of(problem)
     allowed = max(problem.tolerance, LEAST_PROMISED) * scale
-    tolerance, runs, confirming, usual, steps = problem.tolerance, 0, 0, usual_steps(problem, scale), record.steps
+    tolerance, runs, confirming, usual, steps = problem.tolerance, 0, 0, usual_steps(problem, problem.end, scale), record.steps
     chance = _agrees_by_chance(record, problem)
     while not record.warnings:
         tolerance, runs = max(tolerance / FINER, ROUND_OFF), runs + 1

@@ -19,11 +19,6 @@ def usual_budget(contacts: int, tolerance: float) -> int:
     return int(min(budget * _finer(tolerance), MOST_STEPS))
 
 
-def _of_chain(problem: Problem) -> int:
-    """The same, after the start and after each knot of its forces anew."""
-    return usual_budget(problem.chain.contacts, problem.tolerance) * (1 + len(problem.chain.knots))
-
-
 def _finer(tolerance: float) -> float:
     """Times the steps at the usual tolerance."""
     return float(max(USUAL_TOLERANCE / tolerance, 1.0) ** ERROR_EXPONENT[RADAU])
@@ -38,20 +33,22 @@ def _lasting(problem: Problem, time: float, speed: float) -> int:
     return int(min(steps, MOST_LASTING))
 
 
-def usual_steps(problem: Problem, speed: float) -> int:
-    """The usual budget of a whole run; `speed` [m/s] is that of the fastest closing there can be, see `closing_scale`."""
-    return _of_chain(problem) + _lasting(problem, problem.end, speed)
+def usual_steps(problem: Problem, time: float, speed: float) -> int:
+    """The usual budget of a run until `time` [s], after the start and after each knot of its forces anew.
+
+    `speed` [m/s] is that of the fastest closing there can be, see `closing_scale`: bounces at it never take so many, as long as
+    they go on for MOST_LASTING.
+    """
+    budget = usual_budget(problem.chain.contacts, problem.tolerance) * (1 + len(problem.chain.knots))
+    return budget + _lasting(problem, time, speed)
 
 
 def step_budget(problem: Problem, time: float, speed: float) -> int:
-    """Steps by `time` [s], rejected ones included, above which a motion rattles more than it determines; or what is allowed.
-
-    Bounces at full speed, as `usual_steps` has it, never take so many, as long as they go on for MOST_LASTING.
-    """
+    """Steps by `time` [s], rejected ones included, above which a motion rattles more than it determines; or what is allowed."""
     if problem.most_steps is not None:
         return problem.most_steps
     if ALLOWED[problem.method] == DOP853:  # alone it follows the oscillations of soft contacts, however many
         return MOST_STEPS + _lasting(problem, time, speed)
     if problem.budget is not None:
         return problem.budget
-    return _of_chain(problem) + _lasting(problem, time, speed)
+    return usual_steps(problem, time, speed)
