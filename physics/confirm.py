@@ -134,8 +134,8 @@ def _finer(problem: Problem, record: Record) -> Record:
     """
     scale = scale_of(problem)
     allowed = max(problem.tolerance, LEAST_PROMISED) * scale
-    tolerance, runs, confirming, usual, steps = problem.tolerance, 0, 0, usual_steps(problem, problem.end, scale), record.steps
-    chance = _agrees_by_chance(record, problem)
+    usual, steps, tolerance = usual_steps(problem, problem.end, scale), record.steps, problem.tolerance
+    runs, confirming, chance = 0, 0, _agrees_by_chance(record, problem)
     while not record.warnings:
         tolerance, runs = max(tolerance / FINER, ROUND_OFF), runs + 1
         finest = tolerance < 2.0 * ROUND_OFF  # a run as fine as another agrees with it, whatever both are off by

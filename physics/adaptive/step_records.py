@@ -128,23 +128,6 @@ def empty_steps(rows: int, contacts: int, dissipative: bool) -> Steps:
 
 def empty_scratch(contacts: int) -> Scratch:
     """Scratch memory of a chain with `contacts`."""
-    return Scratch(
-        control=np.zeros(CONTROLS),
-        opening=np.zeros(contacts),
-        bounced=np.zeros(contacts),
-        segment=np.zeros(contacts),
-        lateness=np.zeros(contacts),
-        grown=np.zeros(contacts),
-        most_grown=np.zeros(contacts),
-        course=np.zeros(contacts),
-        turns=np.zeros(contacts),
-        along=np.zeros((3, contacts)),
-        across=np.zeros((3, contacts)),
-        correction=np.zeros((3, contacts)),
-        block=np.zeros((contacts, 9)),
-        acceleration=np.zeros((STAGES, contacts)),
-        anchor_acceleration=np.zeros(STAGES),
-        work=np.zeros((WORK_ROWS, contacts + 1)),
-        bounds=np.zeros((2, contacts + 1)),
-        knots=np.zeros((2, 4 * contacts + 8)),
-    )
+    n, each = contacts, [np.zeros(contacts) for _ in range(8)]  # from `opening` to `turns`
+    shapes = (3, n), (3, n), (3, n), (n, 9), (STAGES, n), STAGES, (WORK_ROWS, n + 1), (2, n + 1), (2, 4 * n + 8)
+    return Scratch(np.zeros(CONTROLS), *each, *(np.zeros(shape) for shape in shapes))
