@@ -8,6 +8,7 @@ from softcradle.physics.adaptive.constants import ROUND_OFF
 from softcradle.physics.adaptive.row_graphs import bead_push, side_of, slack_of
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece
+from softcradle.physics.numerics.knots import drive_at
 from softcradle.physics.numerics.records import FROZEN, LOADED, NO_CONTACT, OPEN, TOUCHING, ZERO
 
 
@@ -53,12 +54,6 @@ def closing_time(overlap, rate, bend):
     return (root - rate) / bend
 
 
-@inlined
-def bend_of(chain, i):
-    """w' of contact i in flight; the anchor's acceleration where i is the number of contacts."""
-    return chain.external[i] if chain.external.size else 0.0
-
-
 @piece
 def next_event(time, end, chain, regime, motion, negligible, velocity):
     """Until when free flight lasts, to the first corner or to `end`: a contact closes, a coupler pulls, or a bead stops.
@@ -68,12 +63,12 @@ def next_event(time, end, chain, regime, motion, negligible, velocity):
     flight, row, at = math.inf, NO_CONTACT, ZERO
     for i in range(motion.mode.size):
         if motion.mode[i] == OPEN and (chain.external.size or motion.rate[i] > negligible):
-            passed = closing_time(motion.overlap[i], motion.rate[i], bend_of(chain, i))
+            passed = closing_time(motion.overlap[i], motion.rate[i], drive_at(chain, i, 0.0))
             if passed < flight:
                 flight, row, at = max(passed, 0.0), ZERO + i, ZERO
         slack = slack_of(regime, i)
         if motion.mode[i] == OPEN and slack < math.inf:
-            passed = max(closing_time(-motion.overlap[i] - slack, -motion.rate[i], -bend_of(chain, i)), 0.0)
+            passed = max(closing_time(-motion.overlap[i] - slack, -motion.rate[i], -drive_at(chain, i, 0.0)), 0.0)
             if passed < flight:
                 flight, row, at = passed, ZERO + i, ZERO + 1
     if regime.bed.size:
@@ -97,10 +92,10 @@ def drift(passed, chain, regime, motion, velocity):
         motion.taken[1] += flight_work(passed, chain, regime, motion, velocity)
     for i in range(motion.mode.size):
         if motion.mode[i] != FROZEN:
-            motion.overlap[i] = flown(motion.overlap[i], motion.rate[i], bend_of(chain, i), passed)
-            motion.rate[i] += passed * bend_of(chain, i)
+            motion.overlap[i] = flown(motion.overlap[i], motion.rate[i], drive_at(chain, i, 0.0), passed)
+            motion.rate[i] += passed * drive_at(chain, i, 0.0)
         motion.held[i] = 0
-    bend = bend_of(chain, motion.mode.size)
+    bend = drive_at(chain, motion.mode.size, 0.0)
     motion.anchor[0] += passed * (motion.anchor[1] + 0.5 * passed * bend)
     motion.anchor[1] += passed * bend
 
