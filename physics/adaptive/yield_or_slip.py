@@ -29,6 +29,14 @@ def inverse(value, mass, knots, count):
 
 
 @inlined
+def shift(first, last, places, knots):
+    """Move the knots [first, last) on by so many places, or back."""
+    for k in range(last - first):
+        at = last - 1 - k if places > 0 else first + k
+        knots[0, at + places], knots[1, at + places] = knots[0, at], knots[1, at]
+
+
+@inlined
 def add_bead(mass, load, give, knots, count):
     """Add ``mass a - load + give sign(a)`` to the function; returns the number of knots."""
     x, y = knots[0], knots[1]
@@ -48,15 +56,12 @@ def add_bead(mass, load, give, knots, count):
         else:
             part = x[at] / (x[at] - x[at - 1])
             below = above = y[at] - (y[at] - y[at - 1]) * part
-        grows = at + 2 - after  # two knots at 0 replace those between
-        if grows >= 0:
-            for k in range(count - 1, after - 1, -1):
-                x[k + grows], y[k + grows] = x[k], y[k] + give
-        else:
-            for k in range(after, count):
-                x[k + grows], y[k + grows] = x[k], y[k] + give
         for k in range(at):
             y[k] -= give
+        for k in range(after, count):
+            y[k] += give
+        grows = at + 2 - after  # two knots at 0 replace those between
+        shift(after, count, grows, knots)
         x[at], y[at], x[at + 1], y[at + 1] = 0.0, below - give, 0.0, above + give
         count += grows
     for k in range(count):
@@ -78,12 +83,7 @@ def clip(low, high, slow, fast, knots, count):
     while last > first and y[last - 1] >= -low:
         last -= 1
     kept = last - first
-    if first >= 1:
-        for k in range(kept):
-            x[k + 1], y[k + 1] = x[first + k], y[first + k]
-    else:
-        for k in range(kept - 1, -1, -1):
-            x[k + 1], y[k + 1] = x[first + k], y[first + k]
+    shift(first, last, 1 - first, knots)
     x[0], y[0], x[kept + 1], y[kept + 1] = slow, -high, fast, -low
     return kept + 2
 
