@@ -157,21 +157,27 @@ def ease(i, regime, motion):
 
 
 @inlined
+def take_velocity(left, first, last, chain, motion):
+    """Take the velocity `left` from beads `first` to `last`, which move as one."""
+    if first > 0:
+        motion.rate[first - 1] += left
+    if last < motion.rate.size:
+        motion.rate[last] -= left
+    if first <= chain.anchor_bead <= last:
+        motion.anchor[1] = 0.0
+
+
+@inlined
 def stop_bead(j, chain, regime, motion, velocity):
     """Take the velocity that bead j still has from it and from all that move as one with it; `velocity` (n+1,) is scratch."""
     n, rate = motion.rate.size, motion.rate
     bead_velocities(rate, chain.anchor_bead, motion.anchor[1], velocity)
-    left, first, last = velocity[j], j, j
+    first, last = j, j
     while first > 0 and rate[first - 1] == 0.0:
         first -= 1
     while last < n and rate[last] == 0.0:
         last += 1
-    if first > 0:
-        rate[first - 1] += left
-    if last < n:
-        rate[last] -= left
-    if first <= chain.anchor_bead <= last:
-        motion.anchor[1] = 0.0
+    take_velocity(velocity[j], first, last, chain, motion)
 
 
 @inlined
@@ -180,13 +186,7 @@ def settle_bead(j, chain, regime, motion, work):
     a = work[ACCELERATION, j]
     regime.slide[j] = 1 if a > 0.0 else (-1 if a < 0.0 else 0)
     if regime.slide[j] == 0 and work[VELOCITY, j] != 0.0:
-        left = work[VELOCITY, j]
-        if j > 0:
-            motion.rate[j - 1] += left
-        if j < motion.rate.size:
-            motion.rate[j] -= left
-        if j == chain.anchor_bead:
-            motion.anchor[1] = 0.0
+        take_velocity(work[VELOCITY, j], j, j, chain, motion)
 
 
 @inlined

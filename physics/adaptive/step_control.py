@@ -143,14 +143,13 @@ def update_control(control, h, kind, error, near, landing, rejected, wanted):
 
     `rejected` is the length of the last step rejected for its error just before this one (inf: none): the next stays well below.
     """
-    exponent = ERROR_EXPONENT[kind]
-    grow = min(MOST_GROWTH, SAFETY * power(wanted / max(error, 1e-300), exponent))
+    exponent, error = ERROR_EXPONENT[kind], max(error, 1e-300)
+    grow = min(MOST_GROWTH, SAFETY * power(wanted / error, exponent))
     control[UNLIMITED] = h * grow
     if landing >= 0 or near:
         control[LAST] = 0.0
         control[NEXT] = max(control[NEXT], h * grow) if math.isfinite(control[NEXT]) else h * grow
         return
-    error = max(error, 1e-300)
     if control[LAST] > 0.0:
         predicted = (h / control[LAST]) * power(control[ERROR] / error, exponent)
         if h < control[LAST]:
