@@ -1,7 +1,8 @@
-"""From a Chain and a State to the records of the kernels, and from the log of switches back."""
+"""From a Chain and a State to the records of the kernels, and from the log of switches back; the arithmetic around them."""
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
 from typing import Any
 
 import numpy as np
@@ -33,6 +34,11 @@ ROWS_A_STEP = 4  # of it for each step until a pause, at which it grows
 MOST_LOG = 4_000_000  # rows at the most: 64 MB
 NO_FLAGS = np.zeros(0, dtype=np.int8)
 NO_SEGMENTS = (NO_FLAGS, np.zeros((0, 9)), np.zeros(0, dtype=np.int64))  # of a chain without couplers
+
+
+def kernel_arithmetic() -> AbstractContextManager[object]:
+    """Within it, kernels that run as plain Python warn no more of infinite intermediate results than compiled ones do."""
+    return np.errstate(all="ignore")
 
 
 def chain_records(chain: Chain, state: State) -> tuple[Any, ...]:

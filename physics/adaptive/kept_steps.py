@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from softcradle.physics.adaptive.sampling import sample_steps
 from softcradle.physics.adaptive.step_records import Steps, empty_scratch, empty_steps, empty_trial
 from softcradle.physics.chain import Chain
-from softcradle.physics.kernel_records import chain_and_regime, empty_log, motion_record
+from softcradle.physics.kernel_records import chain_and_regime, empty_log, kernel_arithmetic, motion_record
 from softcradle.physics.kernel_tiers import KernelTiers
-from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic
 from softcradle.physics.numerics.records import KEPT, SAMPLE, Samples, SwitchLog
 from softcradle.physics.problem import Problem, Record, empty_samples
 

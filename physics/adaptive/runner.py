@@ -35,6 +35,7 @@ from softcradle.physics.kernel_records import (
     chain_and_regime,
     empty_log,
     kept_switches,
+    kernel_arithmetic,
     larger_log,
     log_warnings,
     motion_record,
@@ -42,7 +43,6 @@ from softcradle.physics.kernel_records import (
     with_free_rows,
 )
 from softcradle.physics.kernel_tiers import KernelTiers, plain
-from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic
 from softcradle.physics.numerics.records import EVALUATION, OUT_OF_STEPS, PAUSED, REJECTED, STEP, SWITCH, SwitchLog
 from softcradle.physics.own_law import OwnLaw
 from softcradle.physics.problem import NO_TIMES, Problem, Record, empty_samples, with_ends_as_samples, with_samples_of

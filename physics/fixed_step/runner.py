@@ -33,6 +33,7 @@ from softcradle.physics.kernel_records import (
     chain_records,
     empty_log,
     kept_switches,
+    kernel_arithmetic,
     larger_log,
     log_warnings,
     motion_record,
@@ -40,7 +41,6 @@ from softcradle.physics.kernel_records import (
 )
 from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.numerics.contact_solve import BEAD_ROWS
-from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic
 from softcradle.physics.numerics.records import (
     EVALUATION,
     PAUSED,

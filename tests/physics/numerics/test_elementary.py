@@ -6,12 +6,12 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics.adaptive import dop853_tableau, radau
+from softcradle.physics.kernel_records import kernel_arithmetic
 from softcradle.physics.kernel_tiers import plain
 from softcradle.physics.numerics import elementary
 from softcradle.physics.numerics.array_powers import FEW, powers
 from softcradle.physics.numerics.exact_matrices import exact_inverse, exact_product
 from softcradle.physics.numerics.jit import jit
-from softcradle.physics.numerics.kernel_arithmetic import kernel_arithmetic
 
 from tests.helpers.own_process import python
 from tools import elementary_tables
