@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.numerics.bead_velocities import at_rest, bead_velocities
+from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.contact_solve import (
     DIAGONAL,
     END,
@@ -35,7 +35,7 @@ from softcradle.physics.numerics.knots import add_half_work, put_mean
 from softcradle.physics.numerics.law_kernels import energy
 from softcradle.physics.numerics.records import EVALUATION, UNCONVERGED
 from softcradle.physics.numerics.resolvent import SMALLEST
-from softcradle.physics.numerics.switches import any_switched, copy_into
+from softcradle.physics.numerics.switches import copy_into, has_stopped
 from softcradle.physics.numerics.touching import TOUCHES, settle_touching
 
 FIRST_FORCE = SOLVER_ROWS  # row (n,) of scratch memory beside those of the solver: forces before a step that may be cut
@@ -271,9 +271,6 @@ def gradient_steps(most, time, h, chain, motion, closed, beads, work, counter):
         used = gradient_step(h, chain, motion, beads, work)
         counter[EVALUATION] += abs(used)
         counter[UNCONVERGED] += 1 if used < 0 else 0
-        stopped = any_switched(motion, closed)
-        if chain.dissipation.loss.size:
-            stopped |= at_rest(motion)
-        if stopped:
+        if has_stopped(chain, motion, closed):
             return step + 1
     return most

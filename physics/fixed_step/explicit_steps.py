@@ -23,13 +23,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from softcradle.physics.numerics.bead_velocities import at_rest, bead_velocities
+from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.coupler_kernels import is_joint, joint_fall, joint_force, settle_joint_forces
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.knots import add_half_work, put_mean
 from softcradle.physics.numerics.law_kernels import energy
 from softcradle.physics.numerics.own_contacts import force_at
-from softcradle.physics.numerics.switches import any_switched
+from softcradle.physics.numerics.switches import has_stopped
 
 _OUTER = 1.0 / (2.0 - 1.2599210498948732)
 _INNER = 1.0 - 2.0 * _OUTER
@@ -148,9 +148,6 @@ def split_steps(most, time, h, drifts, kicks, chain, motion, closed, beads):
         if drifts[stages] != 0.0:
             drift(h * drifts[stages], chain, motion)
         settle_joint_forces(chain.joints, motion)
-        stopped = any_switched(motion, closed)
-        if dissipates:
-            stopped |= at_rest(motion)
-        if stopped:
+        if has_stopped(chain, motion, closed):
             return step + 1
     return most

@@ -37,7 +37,7 @@ from softcradle.physics.numerics.records import (
     Samples,
     SwitchLog,
 )
-from softcradle.physics.numerics.switches import any_switched, copy_motion, is_closed, log_switch, row_of, take_sample
+from softcradle.physics.numerics.switches import copy_motion, has_stopped, is_closed, log_switch, row_of, take_sample
 
 Array = NDArray[np.float64]
 
@@ -272,7 +272,7 @@ def march(
     motion, spare, kept = Motion(*motion_fields), Motion(*spare_fields), Checkpoints(*checkpoint_fields)
     pause = Pause(*pause_fields)
     counter, wanted = log.counter, samples.time
-    brakes, dissipates = chain.dissipation.bed, chain.dissipation.loss.size > 0
+    brakes = chain.dissipation.bed
     bed = brakes.size > 0
     between_walls = kind == DISCRETE_GRADIENT and chain.inverse_mass[0] == 0.0 and chain.inverse_mass[-1] == 0.0
     if pause.counts[BEGUN] != 0:
@@ -340,8 +340,7 @@ def march(
             take_sample(samples, log, spare)
             continue
         counter[STEP] += taken
-        stopped = any_switched(motion, log.closed) or (dissipates and at_rest(motion))
-        if taken == most and most < whole and not stopped:
+        if taken == most and most < whole and not has_stopped(chain, motion, log.closed):
             keep_pause(pause, whole - taken, look, flown, closed, rests, still, rates, overlaps)
             return PAUSED, start + counter[STEP] * h
         rests = rests and at_rest(motion)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from softcradle.physics.numerics.bead_velocities import at_rest
 from softcradle.physics.numerics.jit import inlined
 from softcradle.physics.numerics.records import SAMPLE, SWITCH, Motion
 
@@ -29,6 +30,12 @@ def any_switched(motion, closed):
     for i in range(closed.size):
         switched |= is_closed(motion.overlap[i], motion.force[i]) != (closed[i] != 0)
     return switched
+
+
+@inlined
+def has_stopped(chain, motion, closed):
+    """Whether a run of steps ends: a contact has left the state in `closed`, or all beads of a chain with dissipation rest."""
+    return any_switched(motion, closed) or (chain.dissipation.loss.size > 0 and at_rest(motion))
 
 
 @inlined
