@@ -94,7 +94,7 @@ def find_segment(i, regime, motion, slow):
 
 @inlined
 def loss_of(regime, i):
-    """The part of its energy that contact i keeps."""
+    """The part of its energy that contact i loses."""
     return regime.loss[i] if regime.loss.size else 0.0
 
 
