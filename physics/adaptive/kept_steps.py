@@ -46,7 +46,7 @@ class KeptSteps:
         if self.known:
             self._want(problem.sample_times(problem.end))
         needless = self.ends or (self.known and not self.times.size)
-        self.steps = _no_steps(problem.chain) if needless else _block(problem.chain)
+        self.steps = steps_of(problem.chain) if needless else _block(problem.chain)
 
     def _want(self, times: Array) -> None:
         contacts = self.problem.chain.contacts
@@ -64,7 +64,7 @@ class KeptSteps:
             self.overflows = len(self._chunks) * bytes_a_chunk > MOST_KEPT
             if self.overflows:
                 self._chunks.clear()
-            self.steps = _no_steps(self.problem.chain) if self.overflows else _block(self.problem.chain)
+            self.steps = steps_of(self.problem.chain) if self.overflows else _block(self.problem.chain)
 
     def _sample(self, steps: Steps, count: int) -> None:
         """Take the samples in `count` steps."""
@@ -119,20 +119,17 @@ class _Spare(threading.local):
 _spare = _Spare()
 
 
-def _no_steps(chain: Chain) -> Steps:
-    return empty_steps(0, chain.contacts, chain.dissipative or bool(chain.couplers))
+def steps_of(chain: Chain, rows: int = 0) -> Steps:
+    """Memory of so many steps of such a chain."""
+    return empty_steps(rows, chain.contacts, chain.dissipative or bool(chain.couplers))
 
 
 def _block(chain: Chain) -> Steps:
     """Rows for some steps: those of the run before, where they fit."""
-    none = _no_steps(chain)
+    none = steps_of(chain)
+    wide = none.values.shape[1], none.flags.shape[1]
     while _spare.blocks:
         block = _spare.blocks.pop()
-        if (
-            block.time.size
-            and block.values.shape[1] == none.values.shape[1]
-            and block.flags.shape[1] == none.flags.shape[1]
-        ):
+        if block.time.size and (block.values.shape[1], block.flags.shape[1]) == wide:
             return block
-    rows = min(MOST_ROWS, MOST_NUMBERS // none.values.shape[1] + 1)
-    return empty_steps(rows, chain.contacts, chain.dissipative or bool(chain.couplers))
+    return steps_of(chain, min(MOST_ROWS, MOST_NUMBERS // wide[0] + 1))

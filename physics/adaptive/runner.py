@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.adaptive.adaptive_loop import integrate
 from softcradle.physics.adaptive.constants import TOLERANCE_PART
-from softcradle.physics.adaptive.kept_steps import KeptSteps
+from softcradle.physics.adaptive.kept_steps import KeptSteps, steps_of
 from softcradle.physics.adaptive.sampling import count_from_touch
 from softcradle.physics.adaptive.step_records import (
     ALLOWED,
@@ -19,10 +19,8 @@ from softcradle.physics.adaptive.step_records import (
     LOCAL_SQUARE,
     Regime,
     Scratch,
-    Steps,
     Trial,
     empty_scratch,
-    empty_steps,
     empty_trial,
 )
 from softcradle.physics.adaptive.usual_budget import step_budget
@@ -69,17 +67,14 @@ class Memory:
     trial: Trial
     look: Trial
     scratch: Scratch
-    steps: Steps
     log: SwitchLog
 
     @classmethod
-    def of(cls, chain: Chain, log_size: int = 0, steps: Steps | None = None) -> Memory:
-        """Memory for a chain; with rows for `steps` where samples are wanted."""
-        n = chain.contacts
-        mode, held, rows = np.zeros(n, dtype=np.int8), np.zeros(n, dtype=np.int8), steps
-        if rows is None:
-            rows = empty_steps(0, n, chain.dissipative or bool(chain.couplers))
-        return cls(mode, held, empty_trial(n), empty_trial(n), empty_scratch(n), rows, empty_log(n, log_size))
+    def of(cls, contacts: int, log_size: int) -> Memory:
+        """Memory for a chain with `contacts`."""
+        mode, held = np.zeros((2, contacts), dtype=np.int8)
+        trial, look = empty_trial(contacts), empty_trial(contacts)
+        return cls(mode, held, trial, look, empty_scratch(contacts), empty_log(contacts, log_size))
 
 
 def kernels_of(chain: Chain) -> KernelTiers:
@@ -121,7 +116,9 @@ def stated_error(growth: Any, local_square: Any, roundings: Any, fastest: Any) -
 def advance(problem: Problem) -> Status:
     """Move ``problem.state`` on by the duration in place; the memory of the kernels stays with the state."""
     state = problem.state
-    memory = state.work.get("adaptive") or state.work.setdefault("adaptive", Memory.of(problem.chain, FRAME_LOG))
+    memory = state.work.get("adaptive")
+    if memory is None:
+        memory = state.work["adaptive"] = Memory.of(problem.chain.contacts, FRAME_LOG)
     memory.log.counter[:] = 0
     memory.log.closed[:] = state.closed
     status, state.time = _integrate(problem, state, scale_of(problem), memory)
@@ -134,7 +131,7 @@ def one_run(problem: Problem, log_size: int = FIRST_LOG) -> Record:
     state = problem.state.copy()
     scale = scale_of(problem)
     kept = KeptSteps(problem, TOLERANCE_PART * problem.tolerance * scale, kernels_of(problem.chain))
-    memory = Memory.of(problem.chain, log_size, kept.steps)
+    memory = Memory.of(problem.chain.contacts, log_size)
     began = perf_counter()
     code, state.time = _integrate(problem, state, scale, memory, kept)
     seconds = perf_counter() - began
@@ -160,6 +157,7 @@ def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kep
     most, counter, stop = step_budget(problem, state.time, scale), memory.log.counter, problem.duration is None
     code, time, resumed, end = PAUSED, state.time, False, problem.end
     motion = tuple(motion_record(state, memory.mode, memory.held))
+    none = steps_of(problem.chain)  # a frame keeps none
     records: Any = data, regime, motion, tuple(memory.trial), tuple(memory.look), tuple(memory.scratch)
     tiers, accuracy = kernels_of(problem.chain), (ALLOWED[problem.method], problem.tolerance, scale)
     while code == PAUSED:
@@ -171,7 +169,7 @@ def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kep
         pause = int(counter[STEP] + counter[REJECTED]) + (most_now if compiled else min(most_now, PLAIN_PAUSE))
         if kept and not compiled:
             tiers.spent += work
-        steps = kept.steps if kept else memory.steps
+        steps = kept.steps if kept else none
         with kernel_arithmetic():
             code, time = kernel(
                 (time, end, stop, most), (resumed, pause), accuracy, *records, tuple(steps), tuple(memory.log)
