@@ -17,6 +17,7 @@ from collections.abc import Callable
 from decimal import Decimal, getcontext
 from itertools import pairwise
 from pathlib import Path
+from textwrap import wrap
 
 getcontext().prec = 50
 
@@ -28,6 +29,7 @@ HEAD_BITS = 17  # of logarithms behind the point: with k ln 2 they have 27 bits,
 EXP_HEAD_BITS = 41  # of ln(2)/128 behind the point: its product with n is exact
 P_COUNT, Q_COUNT = 6, 4  # coefficients: the least with which errors are far below a unit of the last place
 WIDEST_LOG, WIDEST_EXP = Decimal("0.0055"), Decimal(2).ln() / 256  # largest |r|
+WIDTH = 116  # characters of a row of a table
 
 HEAD = '''"""Tables and coefficients of `elementary.py`, written by ``python -m tools.elementary_tables``."""
 
@@ -115,8 +117,8 @@ def text() -> str:
     power, power_tail = zip(*exponentials(), strict=True)
     tables = {"INVERSE": inverse, "LOG_HEAD": log_head, "LOG_TAIL": log_tail, "POWER": power, "POWER_TAIL": power_tail}
     for name, values in tables.items():
-        rows = [", ".join(map(repr, values[k : k + 4])) for k in range(0, PARTS, 4)]
-        lines += [f"{name} = table((", *(f"    {row}," for row in rows), "))"]
+        rows = wrap(", ".join(map(repr, values)) + ",", WIDTH, break_on_hyphens=False)
+        lines += [f"{name} = table((", *(f"    {row}" for row in rows), "))"]
     return HEAD + "\n".join(lines) + "\n"
 
 
