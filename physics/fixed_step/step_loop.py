@@ -50,9 +50,8 @@ FLOWN = -2  # in place of a status: it looks ahead once more
 
 GRID_TOLERANCE = 1e-9  # of a step: what is this near to the grid is on it
 FIRST_LOOK = 256  # steps after which a run looks if closed contacts still push; then twice as many, and so on
-MOST_COUNTED = 2**62  # steps of a run, those of flights included: their number stays one of 64 bits
-MOST_FLOWN = 2.0**61  # steps of a flight, for the same reason
-MOST_AT_ONCE = 2**40  # steps; keeps the count an integer where the end is infinitely far
+NEVER = 2**62  # steps: more than any run takes, those of flights included, so that their number stays one of 64 bits
+MOST_AT_ONCE = 2.0**61  # steps, those of a flight too, for the same reason
 
 # entries of the plan
 COUNT = 0  # checkpoints kept
@@ -71,7 +70,6 @@ STILL, RATES, OVERLAPS = 0, 1, 3  # rates up to which nothing closes; exact sums
 MOST_ROWS, MOST_NUMBERS = 1024, 2**22  # checkpoints of a run, and numbers that they take: 32 MB
 # steps between two at first; to leave the loop of steps after each one would cost a short chain half of a run
 FIRST_SPACING = 4
-NEVER = 2**62  # steps
 
 
 class Stepper(NamedTuple):
@@ -203,7 +201,7 @@ def look_ahead(time, end, until, h, most_steps, over, free, rests, still, chain,
         return DONE, ONE, h, True
     if over:
         return SEPARATED, ONE, h, True
-    if counter[STEP] >= min(most_steps, MOST_COUNTED):
+    if counter[STEP] >= min(most_steps, NEVER):
         return OUT_OF_STEPS, ONE, h, True
     ahead = until - time
     if rests or free:
@@ -211,7 +209,7 @@ def look_ahead(time, end, until, h, most_steps, over, free, rests, still, chain,
         whole = (
             0.0
             if chain.dissipation.bed.size > 0 and not rests
-            else math.floor(min(flight, ahead, MOST_FLOWN * h) / h) - 1.0
+            else math.floor(min(flight, ahead, MOST_AT_ONCE * h) / h) - 1.0
         )
         if whole >= 1.0:
             fly(whole, h, motion)
