@@ -10,7 +10,7 @@ import numpy as np
 import pygame
 from numpy.typing import NDArray
 from softcradle.sandbox.draw.axes import TEXT, Axes, VerticalAxis
-from softcradle.sandbox.draw.number_format import ticks, time_unit
+from softcradle.sandbox.draw.number_format import fixed, ticks, time_unit
 from softcradle.sandbox.draw.palette import Colour, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS
 from softcradle.sandbox.draw.surfaces import cached_surfaces
@@ -148,6 +148,11 @@ class TimeSpan:
     def unit(self) -> tuple[float, str]:
         """(seconds in the unit of the labels, its name)."""
         return time_unit(self.seconds)
+
+    def clock(self, time: float) -> str:
+        """`time` [s] as a clock shows it: in that unit, whatever the time, with digits for a thousandth of the axis."""
+        size, name = self.unit()
+        return f"{fixed(time / size, max(0, 3 - math.floor(math.log10(self.seconds / size))))} {name}"
 
     def ticks(self) -> list[tuple[float, str]]:
         """(time [s], label) of the round times that are visible."""

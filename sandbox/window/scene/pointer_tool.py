@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import pygame
-from softcradle.sandbox.draw.number_format import fixed, scientific, time_unit
+from softcradle.sandbox.draw.number_format import scientific
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.languages import N_, _
@@ -20,8 +21,9 @@ REACH = 8.0  # design pixels about an end of the ruler that take it
 class Stopwatch:
     """Started, stopped and put away by one key; it measures model time, also while scrubbing."""
 
-    def __init__(self, host: Host, session: Session) -> None:
-        self.host, self.session = host, session
+    def __init__(self, host: Host, session: Session, clock: Callable[[float], str]) -> None:
+        """`clock` writes a time [s]."""
+        self.host, self.session, self.clock = host, session, clock
         self.begin: float | None = None
         self.end: float | None = None
 
@@ -45,9 +47,8 @@ class Stopwatch:
         """Draw the time, centred at `place`."""
         if self.elapsed is None:
             return
-        size, name = time_unit(max(abs(self.elapsed), 1e-9))
         text = N_("stopwatch {time} (running)") if self.end is None else N_("stopwatch {time} (stopped)")
-        _tag(surface, _(text, time=f"{fixed(self.elapsed / size, 3)} {name}"), place, self.host.unit)
+        _tag(surface, _(text, time=self.clock(self.elapsed)), place, self.host.unit)
 
 
 class Ruler:

@@ -296,10 +296,7 @@ class SceneTimeControls(TimeControls):
     def paint_over(self, surface: pygame.Surface) -> None:
         """Draw icons and numbers, the slow motion as an undo or a replay has left it."""
         self.slow = self.wanted
-        session, span = self.session, self.board.span.seconds
-        size, name = time_unit(span)
-        clock = f"t = {fixed(session.time / size, max(0, 3 - math.floor(math.log10(span / size))))} {name}"
-        self.paint_clock(surface, clock, *self.note())
+        self.paint_clock(surface, f"t = {self.board.span.clock(self.session.time)}", *self.note())
 
 
 def late_note(pacer: FramePacer) -> str:

@@ -256,7 +256,7 @@ class SceneTools:
         self.before = before
         self.host, self.session, self.view, self.board, self.open_scene = host, session, view, board, open_scene
         self.values = ValuesBoard(host, session, editor, self.values_area)
-        self.stopwatch = Stopwatch(host, session)
+        self.stopwatch = Stopwatch(host, session, board.span.clock)
         self.ruler = Ruler(host, session, view)
         self.data = DataTool(host, session, view)
         self.actions: dict[str, Callable[[], None]] = {

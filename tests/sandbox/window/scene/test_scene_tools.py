@@ -161,6 +161,7 @@ def test_stopwatch_and_ruler_measure_and_the_ruler_lies_on_no_force() -> None:
     driver = Driver("steel-and-soft", size=(1280, 800))
     watch, ruler = driver.page.tools.stopwatch, driver.page.tools.ruler
     driver.key(pygame.K_k)
+    assert "stopwatch 0.000 s (running)" in [one.text for one in driver.texts()]  # in the unit of the clock, as later
     driver.run(30)
     driver.key(pygame.K_k)
     elapsed = watch.elapsed
