@@ -1,6 +1,7 @@
 """The bars of energy and momentum: each bead's part, a total that must not change, and the errors of both as badges."""
 
 import math
+from collections.abc import Sequence
 
 import pygame
 from softcradle.sandbox.draw.number_format import scientific
@@ -22,7 +23,7 @@ MOMENTUM_TITLES = (
     N_("momentum"),
 )
 
-Words = list[tuple[str, Colour | None]]  # parts of a title, and the colour in the bar that each names
+Words = Sequence[tuple[str, Colour | None]]  # parts of a title, and the colour in the bar that each names
 
 
 class EnergyBars:
@@ -58,9 +59,8 @@ class EnergyBars:
 
     def backdrop(self, surface: pygame.Surface) -> None:
         """Draw titles and empty bars."""
-        for rect, titles in zip(
-            self.bars, (self._energy_titles(), [[(_(t), None)] for t in MOMENTUM_TITLES]), strict=True
-        ):
+        momentum: list[Words] = [[(_(title), None)] for title in MOMENTUM_TITLES]
+        for rect, titles in zip(self.bars, (self._energy_titles(), momentum), strict=True):
             surface.fill(tones.grid, rect)
             fitting = [title for title in titles if self._room(title) < rect.width]
             self._title(surface, rect, fitting[0] if fitting else [])
@@ -69,7 +69,8 @@ class EnergyBars:
         """The longest first; a grey has a name in all of them, or in none."""
         *long, bare = ENERGY_TITLES
         absorbed = [(_(ABSORBED), tones.muted)] if self.dissipative else []
-        return [*([(_(title), tones.steel), *absorbed] for title in long), [(_(bare), None)]]
+        titles: list[Words] = [[(_(title), tones.steel), *absorbed] for title in long]
+        return [*titles, [(_(bare), None)]]
 
     def _room(self, title: Words) -> float:
         """Pixels that a title needs."""
