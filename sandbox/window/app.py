@@ -9,7 +9,6 @@ import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import partial
-from pathlib import Path
 from time import perf_counter
 from types import FrameType
 
@@ -222,7 +221,11 @@ class App:
 
     def paste(self) -> None:
         """Open the scene or the path that is on the clipboard."""
-        self.open(pygame.scrap.get_text().strip())
+        text = pygame.scrap.get_text().strip()
+        if text:
+            self.open(text)
+        else:
+            self.messages.show(_("the clipboard is empty: Ctrl+C copies a scene"), warning=True)
 
     def ask_path(self) -> None:
         """Ask for the path of a file to open."""
@@ -405,7 +408,7 @@ def page_of(host: App, name_or_path: str, leave: Callable[[], None]) -> Page:
     from softcradle.sandbox.session.session import Session
     from softcradle.sandbox.window.scene.page import ScenePage
 
-    wanted = name_or_path if name_or_path in names() else str(Path(os.path.expanduser(name_or_path)))
+    wanted = name_or_path if name_or_path in names() else os.path.expanduser(name_or_path)
     text = sys.stdin.read() if name_or_path == STANDARD_INPUT else name_or_path
     if is_shared_text(text):
         scene = scene_from_text(text)

@@ -78,6 +78,10 @@ def test_a_scene_is_copied_as_text_and_pasted(driver: Driver, clipboard: list[st
     driver.key(pygame.K_v, CTRL)
     assert driver.app.page is page
     assert any("not a whole scene" in text for text in driver.messages)
+    clipboard[0] = " "
+    driver.key(pygame.K_v, CTRL)
+    driver.app.open("")  # as where nothing was typed
+    assert [text[:22] for text in driver.messages[-2:]] == ["the clipboard is empty", "there is no scene '' ("]
 
 
 @pytest.mark.parametrize("name", EVERY_SCENE)
