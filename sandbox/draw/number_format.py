@@ -102,9 +102,11 @@ def force_unit(largest: float) -> tuple[float, str]:
 
 
 def number_text(value: float | None) -> str:
-    """A result in a table: up to five digits; 0 for round-off, a dash for what is not defined."""
+    """A result in a table: up to five digits; 0 for round-off, a dash for what is not defined. A count is whole."""
     if value is None:
         return "-"
+    if isinstance(value, int):
+        return str(value)
     if abs(value) < ROUND_OFF:
         return "0"
     if not 1e-3 <= abs(value) < LARGEST_PLAIN:

@@ -200,9 +200,9 @@ def match_sentence(found: Match) -> str:
 
 
 def _speed_sentence(ratio: float) -> str:
-    """On which side of its critical speed the draft gear is struck, and by which margin."""
-    side = "below: the clusters stay exactly rigid" if ratio <= 1.0 else "above"
-    return f"The draft gear is struck at {ratio:.3g} times its critical speed, {abs(ratio - 1.0):.0%} {side}."
+    """On which side of its critical speed the draft gear is struck, and how far from it."""
+    below = ": the clusters stay exactly rigid" if ratio <= 1.0 else ""
+    return f"The draft gear is struck at {ratio:.3g} times its critical speed{below}."
 
 
 def match_as_json(found: Match) -> dict[str, Any]:

@@ -365,6 +365,7 @@ def test_steps_are_round(span, most):
         (fixed(-0.001, 2), "0.00"),
         ([number_text(value) for value in (None, 0.0, 1e-15, -0.25)], ["-", "0", "0", f"{MINUS}0.2500"]),
         ([number_text(value) for value in (2e-5, 1234.4, 123456.0)], ["2.00·10⁻⁵", "1234", "1.23·10⁵"]),
+        ([number_text(value) for value in (0, 1, 493)], ["0", "1", "493"]),
         (number_format.subscript(1, 2), "₁₂"),
         (number_format.subscript(9, 10), "₉₋₁₀"),
         (number_format.decades(-6, 0, 3), [(0.0, "10⁰"), (-2.0, "10⁻²"), (-4.0, "10⁻⁴"), (-6.0, "10⁻⁶")]),
