@@ -165,20 +165,12 @@ def test_a_text_without_room_is_read_whole_below_the_pointer() -> None:
         assert ("rigid-like, not rigid" in shown) == cut
 
 
-@pytest.mark.parametrize(
-    ("compared", "lab"),
-    [
-        pytest.param(False, False, id="one row-explore"),
-        pytest.param(True, True, id="two rows-lab"),
-        pytest.param(False, True, id="one row-lab", marks=pytest.mark.slow),
-        pytest.param(True, False, id="two rows-explore", marks=pytest.mark.slow),
-    ],
-)
-@pytest.mark.parametrize(
-    ("size", "scale"),
-    [pytest.param((1280, 720), 1.0, marks=pytest.mark.slow), ((1024, 600), 1.0), ((1280, 800), 1.5)],
-    ids=str,
-)
+SLOW_ROWS = [pytest.param(lab, not lab, marks=pytest.mark.slow) for lab in (False, True)]
+SLOW_SIZE = pytest.param((1280, 720), 1.0, marks=pytest.mark.slow)
+
+
+@pytest.mark.parametrize(("lab", "compared"), [(False, False), (True, True), *SLOW_ROWS])
+@pytest.mark.parametrize(("size", "scale"), [SLOW_SIZE, ((1024, 600), 1.0), ((1280, 800), 1.5)], ids=str)
 def test_the_card_at_the_end_leaves_room_for_beads_and_forces(size, scale, lab, compared) -> None:
     driver = Driver("one-on-four", size=size, lab=lab)
     driver.app.scale = scale
