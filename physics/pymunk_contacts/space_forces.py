@@ -6,6 +6,7 @@ takes back would be energy lost.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,25 +49,9 @@ class SpaceForces:
         )
         for i, body in enumerate(bodies):
             if inverse_mass[i]:
-                for line in _strings(body, position[i]):
-                    line.hold(found.expected[i], found.mobility[i])
+                for direction, speed in _strings(body, position[i]):
+                    _hold(found.expected[i], found.mobility[i], direction, speed)
         return found
-
-
-@dataclass
-class _String:
-    """A string from a body's centre to a kinematic or static body; it holds the speed along itself at `speed` [m/s]."""
-
-    direction: Array
-    speed: float
-
-    def hold(self, expected: Array, mobility: Array) -> None:
-        """Remove the motion and the mobility along the string, in place."""
-        pulled = mobility @ self.direction
-        yielding = float(self.direction @ pulled)
-        if yielding > 0.0:
-            expected -= pulled * ((self.direction @ expected - self.speed) / yielding)
-            mobility -= STIFFNESS * np.outer(pulled, pulled) / yielding
 
 
 def centres(bodies: tuple[pymunk.Body, ...]) -> tuple[Array, Array]:
@@ -75,20 +60,27 @@ def centres(bodies: tuple[pymunk.Body, ...]) -> tuple[Array, Array]:
     return position, np.array([body.velocity for body in bodies])
 
 
-def _strings(body: pymunk.Body, centre: Array) -> list[_String]:
-    """The pin joints and taut slide joints of `body` as strings."""
-    joints = [joint for joint in body.constraints if isinstance(joint, (pymunk.PinJoint, pymunk.SlideJoint))]
-    return [line for line in (_string(joint, body, centre) for joint in joints) if line is not None]
+def _strings(body: pymunk.Body, centre: Array) -> Iterator[tuple[Array, float]]:
+    """The direction of each string from the centre of a body to a kinematic or static one, and the speed [m/s] along it.
+
+    Pin joints are strings, and slide joints that are taut.
+    """
+    for joint in body.constraints:
+        if isinstance(joint, (pymunk.PinJoint, pymunk.SlideJoint)):
+            other, anchor = (joint.b, joint.anchor_b) if joint.a is body else (joint.a, joint.anchor_a)
+            end = other.local_to_world(anchor)
+            line = centre - np.array(end)
+            length = float(np.hypot(*line))
+            slack = isinstance(joint, pymunk.SlideJoint) and length < joint.max * (1.0 - TAUT)
+            if other.body_type != body.DYNAMIC and length > 0.0 and not slack:
+                direction = line / length
+                yield direction, float(direction @ np.array(other.velocity_at_world_point(end)))
 
 
-def _string(joint: pymunk.PinJoint | pymunk.SlideJoint, body: pymunk.Body, centre: Array) -> _String | None:
-    other, anchor = (joint.b, joint.anchor_b) if joint.a is body else (joint.a, joint.anchor_a)
-    if other.body_type == body.DYNAMIC:
-        return None
-    end = other.local_to_world(anchor)
-    line = centre - np.array(end)
-    length = float(np.hypot(*line))
-    if length == 0.0 or (isinstance(joint, pymunk.SlideJoint) and length < joint.max * (1.0 - TAUT)):
-        return None
-    direction = line / length
-    return _String(direction, float(direction @ np.array(other.velocity_at_world_point(end))))
+def _hold(expected: Array, mobility: Array, direction: Array, speed: float) -> None:
+    """Remove the motion beyond `speed` and the mobility along a string, in place."""
+    pulled = mobility @ direction
+    yielding = float(direction @ pulled)
+    if yielding > 0.0:
+        expected -= pulled * ((direction @ expected - speed) / yielding)
+        mobility -= STIFFNESS * np.outer(pulled, pulled) / yielding
