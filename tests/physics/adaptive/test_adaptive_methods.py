@@ -275,6 +275,13 @@ def test_one_run_in_a_thousand_at_a_loose_tolerance_errs_by_more_than_it_states(
     assert len(found) <= 0.001 * 3 * len(seeds) * len(FAMILIES), found
 
 
+@pytest.mark.parametrize(("family", "seed", "most"), [("friction", 5036, 100), ("bounded", 5030, 3000)])
+def test_what_is_held_well_within_its_range_costs_no_steps(family, seed, most):
+    """By the polynomials of their guards alone beads that stick and contacts that touch took 763 and 25 600 steps here."""
+    held = motion(family, seed)
+    assert solve(held.chain, held.velocity, held.duration, samples=2, tolerance=1e-8).steps < most
+
+
 def silent_at_loose_tolerances(family, seeds):
     """(family, seed, tolerance) of each run that is off by more than ten tolerances, and than it states, without a warning."""
     silent = []
