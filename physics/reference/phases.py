@@ -222,9 +222,20 @@ class Phase:
             return by_overlap, by_velocity, np.full(by_velocity.shape, np.inf)
         force = self.force(time, y)
         low, high = self.bounds(time, y)
-        noise = ROUND_OFF * (np.abs(force) @ np.abs(system.coupling)) / system.response
-        inside = (np.minimum(force - low, high - force) + noise) / np.maximum(high, TINY) + SLACK
+        inside = (np.minimum(force - low, high - force) + self.noise(force)) / np.maximum(high, TINY) + SLACK
         return by_overlap, by_velocity, np.where(self.fixed, inside, np.inf)
+
+    def noise(self, force: Array) -> Array:
+        """(..., p) round-off of the multipliers among the `force` (..., p) of all rows."""
+        found: Array = ROUND_OFF * (np.abs(force) @ np.abs(self.system.coupling)) / self.system.response
+        return found
+
+    def carries(self, time: Any, y: Array) -> Which:
+        """(..., m) whether each contact pushes: beyond the least overlaps, or with more than the round-off of multipliers."""
+        force, m = self.force(time, y), self.system.m
+        held: Which = (force > self.noise(force))[..., :m] & self.fixed[:m]
+        pressed: Which = (self.part > 0.0) & (y[..., :m] > 2.0 * self.system.least_overlap)
+        return held | pressed
 
     def bounds(self, time: Any, y: Array) -> tuple[Array, Array]:
         """(..., p) least and largest multiplier [N] of fixed rows."""

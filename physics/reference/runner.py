@@ -18,7 +18,6 @@ from softcradle.physics.problem import NO_TIMES, Problem, Record, empty_samples
 from softcradle.physics.reference.phases import (
     LOADED,
     RELEASED,
-    TOUCHING,
     OutOfEvaluationsError,
     Phase,
     System,
@@ -169,8 +168,9 @@ class _Run:
             elapsed, met = earlier, True
         elapsed += ROOT if met else 0.0
         now = start + elapsed * scale if met or found.status < 0 else end
-        inside = found.y[:, found.t <= elapsed]
-        self._note_closings(now, inside[: system.m])
+        ends = np.append(found.t[found.t < elapsed], elapsed)
+        times = np.concatenate((ends, 0.5 * (ends[1:] + ends[:-1])))
+        self._note_closings(start + times * scale, found.sol(times).T)
         self.segments.append(_Segment(start, now, scale, phase, found.sol))
         self.time, self.y = now, found.sol(elapsed)
         if met:
@@ -201,11 +201,12 @@ class _Run:
                 return _root(least, times[k - 1], float(low.x))
         return _root(least, times[past[0] - 1], times[past[0]]) if past.size else None
 
-    def _note_closings(self, now: float, overlap: Array) -> None:
-        """Log the contacts that closed in a phase with overlaps (m, steps); one that only rested at 0 did not close."""
-        mode, force = self.phase.mode[: self.system.m], self.phase.force(now, self.y)[: self.system.m]
-        loaded = mode >= LOADED
-        pressed = np.where(loaded, (overlap > 0.0).any(axis=1), (mode == TOUCHING) & (force > 0.0))
+    def _note_closings(self, times: Array, states: Array) -> None:
+        """Log the contacts that closed in a phase with `states` (T, m+n+2) at `times` in it; one that only rested at 0 did not.
+
+        One that touches may carry nothing at both ends of a phase: while its neighbour is pressed in and comes out again.
+        """
+        pressed: NDArray[np.bool_] = np.logical_or.reduce(self.phase.carries(times, states))
         self._note(self._on_joints(pressed) & ~self.closed)
 
     def _note_openings(self) -> None:
@@ -213,7 +214,7 @@ class _Run:
         self._note(self.closed & ~self._on_joints(loaded | self._carries()))
 
     def _carries(self) -> NDArray[np.bool_]:
-        return self.phase.force(self.time, self.y)[: self.system.m] > 0.0
+        return self.phase.carries(self.time, self.y)
 
     def _on_joints(self, contacts: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """(n,) whether any of the contacts (m,) of each joint is one."""

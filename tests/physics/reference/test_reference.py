@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from softcradle.physics import Chain, Coupler, OwnLaw, cluster_on_cluster, one_on, simulate
 from softcradle.physics.chain import GRAVITY
-from softcradle.physics.contact import draft_gear, hertz, hooke, power_law
+from softcradle.physics.contact import draft_gear, hertz, hooke, power_law, step_force
 from softcradle.physics.methods import refusal_of
 from softcradle.physics.reference.laws import Laws
 
@@ -115,6 +115,18 @@ def test_what_is_pressed_at_the_start_is_closed_from_there_on():
     for method in ("scipy", "accurate", "conserving"):
         chain = Chain([1.0, 1.0], hooke(10.0), gap=-0.01, friction=0.5)
         assert simulate(chain, [0.0, 0.0], None, method, samples=2).contact_intervals == (((0.0, math.inf),),), method
+
+
+def test_what_touches_closes_as_soon_as_a_neighbour_pushes_it():
+    """Its force is 0 as the neighbour closes, and again as that opens: looked at there alone, it was never told of."""
+    found = ended(one_on(2, [hooke(1.0), step_force(20.0)]), [1.0, 0.0, 0.0])
+    (pushed,), (touching,) = found.contact_intervals
+    assert pushed == pytest.approx((0.0, math.pi / math.sqrt(1.5)), abs=1e-9)
+    assert touching == pytest.approx(pushed, abs=1e-9)
+    resting = Chain(
+        [1.0, 2.0, 1.0], [hooke(1.0), hertz(1.0)], friction=0.1
+    )  # which beads that slide side by side do not
+    assert ended(resting, [1.0, 1.0, 1.0], 0.5).contact_intervals == ((), ())
 
 
 def test_a_contact_that_is_pressed_in_slowly_is_not_held_by_the_switches_of_another():
