@@ -227,7 +227,8 @@ class SoftContact(pymunk.DampedSpring):
         if not math.isnan(self._known_overlap):
             return
         space = space_of(self)
-        watch, step, rate, yielding = _watch(space), space.current_time_step, self.rate, self._yielding()
+        watch = _watches.setdefault(space, _Watch())
+        step, rate, yielding = space.current_time_step, self.rate, self._yielding()
         before = overlap - step * rate
         released = 2.0 * yielding * self._stores.energy(before) if before > 1e-9 * overlap else 0.0
         watch.fastest = speed = max(watch.fastest, math.sqrt(rate * rate + released))
@@ -321,10 +322,6 @@ class _Watch:
 
 
 _watches: WeakKeyDictionary[pymunk.Space, _Watch] = WeakKeyDictionary()
-
-
-def _watch(space: pymunk.Space) -> _Watch:
-    return _watches.setdefault(space, _Watch())
 
 
 def _require_in_space(spring: SoftContact, overlap: float) -> None:
