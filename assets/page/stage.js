@@ -34,7 +34,7 @@ class Stage {
     canvas.style.height = `${height}px`;
     const colours = motion.mass.map((mass, k) => (mass === null ? theme.muted : theme.bead(k)));
     const ground = tall - GROUND, base = ground - Math.max(data.height * size, 12) - 8, forces = shown.includes("forces");
-    const captions = captionPlaces(this.pen, motion, data, width - 24 - rulerLength(data, width, scale) * scale, forces);
+    const captions = captionPlaces(this.pen, motion, data, width - 24 - rulerLength(data, width, scale) * scale, width, forces);
     this.data = data;
     this.view = { motion, theme, width, tall, scale, size, colours, ground, base, narrow, loupeFit, density, captions, forces, force, balance,
       contactColours: motion.mass.slice(1).map((_, k) => theme.bead(k + 1)),
@@ -103,19 +103,27 @@ function leftEdges(now, view, data) {
   return Array.from(now.position, (x, k) => view.origin + view.scale * (x + shift[k] - mean + data.length * k));
 }
 
-// Where the captions of the bars stand: after the label, or below it where there is no room; bars end below the captions.
-function captionPlaces(pen, motion, data, room, forces) {
-  const words = (text, weight, size) => { pen.font = `${weight} ${size}px ${FONT}`; return pen.measureText(text).width; };
-  const stops = motion.solid.flat().some((force) => force !== null), name = say("force", { unit: data.forceUnit.name });
-  const force = `${name}${motion.pulls ? `   ${say("hollow")}` : ""}${stops ? `   ${say("dark")}` : ""}`;
-  const label = 8 + (motion.label ? words(motion.label, 600, 15) + 14 : 0), after = label + words(force, 400, 12.5);
-  const rigid = forces && motion.marks;
-  const beside = after + 36 + words(say("rigid"), 400, 12.5) < room;
-  return { label, force: forces && after < room ? force : "", rigid: rigid && (beside ? [after + 16, 20] : [8, 39]), bottom: rigid && !beside ? 40 : 22 };
+// Where the label and the captions of the bars stand: on two lines, left of the ruler and of what is below it; captions without
+// room are left out, and bars end below all.
+function captionPlaces(pen, motion, data, room, width, forces) {
+  const words = (text, weight = 400, size = 12.5) => { pen.font = `${weight} ${size}px ${FONT}`; return pen.measureText(text).width; };
+  const stops = motion.solid.flat().some((force) => force !== null), found = [], rooms = [room, width - 24 - words(scaleText(data))];
+  let { label } = motion, x = 8, line = 0;
+  while (label?.length > 1 && words(label, 600, 15) > room - 8) label = `${label.replace(/.…?$/, "")}…`;
+  if (label) x += words(label, 600, 15);
+  for (const key of ["force", motion.pulls && "hollow", stops && "dark", motion.marks && "rigid"].filter((one) => forces && one)) {
+    const mark = key === "rigid" ? 20 : 0, text = say(key, { unit: data.forceUnit.name }), wide = mark + words(text);
+    if (x > 8) x += mark ? 16 : 14;
+    if (x + wide >= rooms[line]) { line++; x = 8; }
+    if (line > 1 || x + wide >= rooms[line]) break;
+    found.push({ text, x, y: 20 + 19 * line, mark });
+    x += wide;
+  }
+  return { label, found, bottom: found.at(-1)?.y > 20 ? 40 : 22 };
 }
 
 function backdrop(pen, view, data) {
-  const { theme, width, ground, motion } = view;
+  const { theme, width, ground } = view;
   pen.fillStyle = theme.card;
   rounded(pen, 0, 0, width, view.tall, 8);
   const unit = data.forceUnit, most = Math.max(1, Math.min(4, Math.floor(view.barRoom / 26)));
@@ -125,19 +133,18 @@ function backdrop(pen, view, data) {
     pen.fillRect(0, Math.round(y), width, 1);
     if (y > view.captions.bottom + 15) write(pen, text, 8, y - 3, 12, theme.muted);
   }
-  const { label, force, rigid } = view.captions;
-  write(pen, motion.label, 8, 20, 15, theme.ink, "left", true);
-  write(pen, force, label, 20, 12.5, theme.muted);
-  if (rigid) {
+  write(pen, view.captions.label, 8, 20, 15, theme.ink, "left", true);
+  for (const { text, x, y, mark } of view.captions.found) {
     pen.fillStyle = theme.ink;
-    pen.fillRect(rigid[0], rigid[1] - 5, 14, 1.5);
-    write(pen, say("rigid"), rigid[0] + 20, rigid[1], 12.5, theme.muted);
+    pen.fillRect(x, y - 5, 0.7 * mark, 1.5);
+    write(pen, text, x + mark, y, 12.5, theme.muted);
   }
   pen.fillStyle = theme.strong;
   pen.fillRect(0, Math.round(ground), width, 1.5);
   ruler(pen, view, data);
 }
 
+const scaleText = ({ scales: { magnify } }) => (magnify === 1 ? say("to scale") : say("magnified", { factor: factorText(magnify) }));
 const rulerLength = (data, width, scale) => roundDown(Math.min(1.6 * data.length, 0.3 * width / scale));
 
 function ruler(pen, view, data) {
@@ -147,8 +154,7 @@ function ruler(pen, view, data) {
   pen.fillRect(left, 20, right - left, 1.5);
   for (const x of [left, right]) pen.fillRect(x - 0.75, 16, 1.5, 9);
   write(pen, `${scientific(length, 0)} m`, (left + right) / 2, 13, 12, theme.muted, "center");
-  const magnify = data.scales.magnify;
-  write(pen, magnify === 1 ? say("to scale") : say("magnified", { factor: factorText(magnify) }), right, 39, 12.5, theme.muted, "right");
+  write(pen, scaleText(data), right, 39, 12.5, theme.muted, "right");
 }
 
 function bodies(pen, view, data, edges, faces) {
@@ -202,6 +208,7 @@ function forceBars(pen, view, data, now) {
   const { motion, size, theme } = view, visible = VISIBLE_FORCE * view.force;
   const wide = Math.min(Math.max(0.26 * size, 3), 30), unit = data.forceUnit.size;
   const decimals = Math.max(0, 2 - Math.floor(Math.log10(view.force / unit))), rigid = rigidForces(motion.mass, now, data.length);
+  const high = size < 40 ? 11 : 13, numbers = [];
   now.contacts.forEach((x, k) => {
     const force = now.force[k], top = barTop(view, data, Math.abs(force)), expected = rigid[k];
     pen.fillStyle = view.contactColours[k];
@@ -219,8 +226,16 @@ function forceBars(pen, view, data, now) {
       pen.fillRect(x - reach, line - 0.75, 2 * reach, 1.5);
       if (line > top - 20) above = Math.min(top, line); // a number stands above a line that would strike it through
     }
-    if (Math.abs(force) > visible && size >= 28) write(pen, fixed(force / unit, decimals), x, above - 5, size < 40 ? 11 : 13, theme.ink, "center", true);
+    if (Math.abs(force) > visible && size >= 28) numbers.push({ text: fixed(force / unit, decimals), x, y: above - 5, force: Math.abs(force) });
   });
+  const taken = []; // the greatest first; a number that would lie on another is left out
+  pen.font = `600 ${high}px ${FONT}`;
+  for (const { text, x, y } of numbers.sort((a, b) => b.force - a.force)) {
+    const half = pen.measureText(text).width / 2 + 1;
+    if (taken.some((other) => Math.abs(other.x - x) < other.half + half && Math.abs(other.y - y) < high)) continue;
+    taken.push({ x, y, half });
+    write(pen, text, x, y, high, theme.ink, "center", true);
+  }
 }
 
 // A velocity arrow under each bead, and below it the mass where masses differ.

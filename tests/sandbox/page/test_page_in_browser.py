@@ -695,7 +695,7 @@ def covering(one, other):
 
 
 @pytest.mark.parametrize("width", [320, 390, 600, 740, 900, 1280])
-@pytest.mark.parametrize("name", ["one-on-four", "one-on-ten", "three-on-five", "train-shunting"])
+@pytest.mark.parametrize("name", ["one-on-four", "one-on-ten", "three-on-five", "train-shunting", "train-starting"])
 @pytest.mark.parametrize("language", ["en", "de"])
 def test_no_text_of_the_drawing_covers_another_or_leaves_it(pages, browser, name, width, language):
     """The numbers on beads are left out: they move over each other with the beads."""
