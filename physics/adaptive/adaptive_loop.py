@@ -178,7 +178,7 @@ def integrate(
         counter[STEP] += 1
         if open_passed(row, chain, regime, motion, bounds.slow):
             control[LAST] = 0.0
-        log_switches(before, time, row, regime, motion, wanted, scratch, log)
+        log_switches(before, time, row, chain, regime, motion, wanted, scratch, log)
         grow_errors(row, side, chain, regime, motion, wanted, scratch)
         if row >= 0:
             cross(row, side, time, chain, regime, motion, bounds, scratch, log)

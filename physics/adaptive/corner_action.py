@@ -284,7 +284,7 @@ def cross(row, side, time, chain, regime, motion, bounds, scratch, log):
             elif regime.easing.size:
                 regime.easing[row] = 0
         decide(slipping, chain, regime, motion, bounds.slow, scratch)
-    log_switches(time, time, NO_CONTACT, regime, motion, bounds.wanted, scratch, log)
+    log_switches(time, time, NO_CONTACT, chain, regime, motion, bounds.wanted, scratch, log)
 
 
 @piece
@@ -342,7 +342,7 @@ def fly_to_event(time, end, chain, regime, motion, bounds, scratch, steps, log):
             motion.mode[i], motion.force[i] = OPEN, 0.0
             if side_of(regime, i) < 0.0:
                 put_segment(i, regime.segment[i] + 1, regime, motion)
-    log_switches(time, time, NO_CONTACT, regime, motion, bounds.wanted, scratch, log)
+    log_switches(time, time, NO_CONTACT, chain, regime, motion, bounds.wanted, scratch, log)
     scratch.control[NEXT] = math.inf
     until, row, side = next_event(time, end, chain, regime, motion, bounds.negligible, scratch.work[0])
     if until < math.inf:
@@ -391,7 +391,8 @@ def begin(time, chain, regime, motion, bounds, scratch, log):
         scratch.bounced[i], scratch.segment[i] = time if motion.overlap[i] < 0.0 else math.inf, -1.0
         scratch.lateness[i] = scratch.grown[i] = scratch.most_grown[i] = 0.0
         scratch.course[i] = scratch.turns[i] = 0.0
-    log_switches(time, time, NO_CONTACT, regime, motion, bounds.wanted, scratch, log)
+        scratch.pressed[i] = math.inf
+    log_switches(time, time, NO_CONTACT, chain, regime, motion, bounds.wanted, scratch, log)
 
 
 @piece
@@ -406,5 +407,5 @@ def pass_knot(time, chain, regime, motion, bounds, scratch, log):
         motion.held[i] = 0
     decide(NO_CONTACT, chain, regime, motion, bounds.slow, scratch)
     scratch.control[LAST] = 0.0
-    log_switches(time, time, NO_CONTACT, regime, motion, bounds.wanted, scratch, log)
+    log_switches(time, time, NO_CONTACT, chain, regime, motion, bounds.wanted, scratch, log)
     return acts

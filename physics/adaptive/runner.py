@@ -122,8 +122,21 @@ def advance(problem: Problem) -> Status:
     memory.log.counter[:] = 0
     memory.log.closed[:] = state.closed
     status, state.time = _integrate(problem, state, scale_of(problem), memory)
-    state.note_switches(*kept_switches(memory.log), int(memory.log.counter[SWITCH]))
+    _note_switches(state, memory.log)
     return Status(status)
+
+
+def _note_switches(state: State, log: SwitchLog) -> None:
+    """Hand out the switches of a frame: the next begins with what the state tells, where a contact at d = 0 does not push yet."""
+    contact, time = kept_switches(log)
+    more = int(log.counter[SWITCH]) - contact.size
+    for i in np.flatnonzero(log.closed != state.closed):
+        last = np.flatnonzero(contact == i)[-1:]
+        if last.size and time[last[0]] == state.time:  # it closes at the start of the next
+            contact, time = np.delete(contact, last), np.delete(time, last)
+        else:
+            contact, time = np.append(contact, i), np.append(time, state.time)
+    state.note_switches(contact, time, contact.size + more)
 
 
 def one_run(problem: Problem, log_size: int = FIRST_LOG) -> Record:

@@ -95,6 +95,9 @@ class Scratch(NamedTuple):
     control: Array  # (CONTROLS,) of the step sizes
     opening: Array  # (n,) when within the step a contact opens [s], -1 where it does not
     bounced: Array  # (n,) when the last bounce of each contact began or ended [s]; inf where none has
+    pressed: (
+        Array  # (n,) since when a contact pushes, or is pressed by one that does [s]; inf or AT_REST where it is not
+    )
     segment: Array  # (n,) the segment of a coupler that this was on; -1 where it was open
     lateness: Array  # (n,) of each closed contact, how much later it closed per velocity error before: flight over speed [s²/m]
     grown: Array  # (n,) growth of errors by the present bounce of each contact
@@ -128,6 +131,6 @@ def empty_steps(rows: int, contacts: int, dissipative: bool) -> Steps:
 
 def empty_scratch(contacts: int) -> Scratch:
     """Scratch memory of a chain with `contacts`."""
-    n, each = contacts, [np.zeros(contacts) for _ in range(8)]  # from `opening` to `turns`
+    n, each = contacts, [np.zeros(contacts) for _ in range(9)]  # from `opening` to `turns`
     shapes = (3, n), (3, n), (3, n), (n, 9), (STAGES, n), STAGES, (WORK_ROWS, n + 1), (2, n + 1), (2, 4 * n + 8)
     return Scratch(np.zeros(CONTROLS), *each, *(np.zeros(shape) for shape in shapes))

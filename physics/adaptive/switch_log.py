@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.adaptive.constants import FEW_TRIES, ROUND_OFF, TOLERANCE_PART
+from softcradle.physics.adaptive.constants import FEW_TRIES, NEWTON_PART, ROUND_OFF, TOLERANCE_PART
 from softcradle.physics.adaptive.dop853 import hermite
-from softcradle.physics.adaptive.row_graphs import LAW, is_gear, side_of
+from softcradle.physics.adaptive.row_graphs import LAW, is_coupler, is_firm, is_gear, side_of
 from softcradle.physics.adaptive.step_control import take_step
 from softcradle.physics.adaptive.step_records import GROWTH, LOCAL_SQUARE
 from softcradle.physics.numerics.jit import inlined, piece
@@ -24,38 +24,95 @@ from softcradle.physics.numerics.law_curve import (
     is_continued,
     pressed_force,
 )
-from softcradle.physics.numerics.records import LOADED, OPEN
+from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
 from softcradle.physics.numerics.switches import log_switch
 
 # of the push against which a contact would swing as fast as it has: where less pushes it back, the wave has gone on
 STEADY = 0.3
+PRESSED = 5  # row (n+1,) of the work array: which contacts push, or are pressed by one that does, as
+PUSHES, IS_PUSHED = 1.0, 2.0
+AT_REST = -1.0  # in place of a time: the contact touches, and nothing has pushed it
 
 
 @inlined
-def log_switches(before, time, landed, regime, motion, wanted, scratch, log):
+def log_switches(before, time, landed, chain, regime, motion, wanted, scratch, log):
     """Log the contacts that have begun or ceased to push in the step from `before` to `time`.
 
-    One that has begun does so at the start: steps end where contacts close. One that has opened did so at `opening` (n,)
-    after the start, or at the end where that is negative. What opens where it has `landed` on a corner is told of when it is
-    over it.
+    One that has begun does so at the start: steps end where contacts close. One that touched at rest has begun when a neighbour
+    did, see `find_pressed`, however late its overlap is a number. One that has opened did so at `opening` (n,) after the start,
+    or at the end where that is negative. What opens where it has `landed` on a corner is told of when it is over it.
+    One that closes and opens within one step has next to no force, and is not told.
     Flights between bounces, on contacts and on each segment of couplers, count in how errors grow, see `grow_errors`.
     """
+    pressed, since = scratch.work[PRESSED], scratch.pressed
+    find_pressed(chain, regime, motion, NEWTON_PART * wanted, since, pressed)
     for i in range(motion.mode.size):
-        if i == landed and log.closed[i] != 0:
+        if pressed[i] == 0.0:
+            since[i] = AT_REST if rests(i, chain, regime, motion, since) else math.inf
+        elif since[i] == AT_REST or since[i] == math.inf:
+            since[i] = before
+        closed = log.closed[i] != 0
+        if i == landed and closed:
             continue
-        x, w = side_of(regime, i) * motion.overlap[i], side_of(regime, i) * motion.rate[i]
-        through = (
-            log.closed[i] != 0 and motion.mode[i] == LOADED and w > 0.0
-        )  # a coupler without slack, from pulling to pushing
-        now = motion.mode[i] != OPEN and (x > 0.0 or motion.force[i] != 0.0 or through)
-        if now != (log.closed[i] != 0):
-            when = before if now else time
+        w = side_of(regime, i) * motion.rate[i]
+        if closed:  # a coupler without slack may go over from pulling to pushing
+            now = pressed[i] != 0.0 or (motion.mode[i] == LOADED and w > 0.0)
+        else:
+            now = pressed[i] == PUSHES
+        if now != closed:
+            when = min(before, since[i]) if now else time
             if not now and time > before and scratch.opening[i] >= 0.0:
                 when = before + scratch.opening[i]
             log_switch(log, i, now, when)
             put_bounce(i, now, w, when, regime, wanted, scratch)
         elif now and regime.segment.size and regime.segment[i] != scratch.segment[i]:
             put_bounce(i, now, w, time, regime, wanted, scratch)
+
+
+@inlined
+def pushes(i, regime, motion):
+    """Whether contact i pushes or pulls; one that touches carries nothing where its force is the round-off of its preload."""
+    if motion.mode[i] == OPEN:
+        return False
+    if side_of(regime, i) * motion.overlap[i] > 0.0:
+        return True
+    least = ROUND_OFF * abs(regime.law[i, 0]) if motion.mode[i] == TOUCHING else 0.0
+    return abs(motion.force[i]) > least
+
+
+@inlined
+def find_pressed(chain, regime, motion, slow, since, pressed):
+    """Which contacts push, and which touch and are pressed by a neighbour that does, into `pressed` (n,): 0 for others.
+
+    What a neighbour hands on begins with it, however high the power of time is with which it grows: it may be far too small for
+    a number, or for the precision of the stages, which leave round-off of either sign where nothing pushes. A rate up to `slow`
+    [m/s] at d = 0 is none.
+    """
+    for i in range(motion.mode.size):
+        pressed[i] = PUSHES if since[i] != AT_REST and pushes(i, regime, motion) else 0.0
+        if pressed[i] == 0.0 and i > 0 and takes_on(i, i, i - 1, chain, regime, motion, slow, since, pressed):
+            pressed[i] = PUSHES if pushes(i, regime, motion) else IS_PUSHED
+    for i in range(motion.mode.size - 2, -1, -1):
+        if pressed[i] == 0.0 and takes_on(i, i + 1, i + 1, chain, regime, motion, slow, since, pressed):
+            pressed[i] = PUSHES if pushes(i, regime, motion) else IS_PUSHED
+
+
+@inlined
+def takes_on(i, bead, neighbour, chain, regime, motion, slow, since, pressed):
+    """Whether contact i touches and the `neighbour`, which pushes, pushes the `bead` between them into it."""
+    touches = motion.mode[i] == LOADED or motion.mode[i] == TOUCHING
+    touches = touches and (since[i] == AT_REST or (motion.overlap[i] == 0.0 and motion.rate[i] >= -slow))
+    pushed = pressed[neighbour] != 0.0 and side_of(regime, neighbour) > 0.0 and not is_firm(regime, bead)
+    return touches and pushed and side_of(regime, i) > 0.0 and drive_at(chain, i, 0.0) >= 0.0
+
+
+@inlined
+def rests(i, chain, regime, motion, since):
+    """Whether contact i, which nothing pushes, touches at rest: what overlap it gets so is round-off."""
+    at_zero = since[i] == AT_REST or (motion.overlap[i] == 0.0 == motion.rate[i])
+    steady = chain.knots.bend.size == 0 or chain.knots.bend[i] == 0.0
+    driven = drive_at(chain, i, 0.0) != 0.0 or not steady
+    return motion.mode[i] == LOADED and at_zero and not driven and not is_coupler(regime, i)
 
 
 @inlined

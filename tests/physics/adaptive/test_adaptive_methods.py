@@ -241,6 +241,25 @@ def test_step_forces_with_loss_turn_within_the_step_in_which_they_close(seed):
         assert found.final_velocity == pytest.approx(truth, abs=1e-7), method
 
 
+@pytest.mark.parametrize(
+    ("family", "seed"),
+    [("bounded", 27), ("clusters", 12), ("clusters", 53), ("hooke-hertz", 23), ("power", 91)],
+)
+@pytest.mark.parametrize("method", ["radau", "accurate"])
+def test_beads_that_touch_at_rest_close_as_soon_as_a_neighbour_does(method, family, seed):
+    """What is handed on may be too small for a number; round-off closed what nothing pushed, seconds early."""
+    chosen = motion(family, seed)
+    found = solve(chosen.chain, chosen.velocity, chosen.duration, method, samples=2)
+    first = [spans[0][0] if spans else math.inf for spans in found.contact_intervals]
+    padded = [math.inf, *first, math.inf]
+    rests = (np.array(chosen.chain.gap) == 0.0) & (np.diff(chosen.velocity) == 0.0)
+    assert rests.any()
+    for i in np.flatnonzero(rests):
+        assert first[i] == min(padded[i], padded[i + 2]), i
+    if chosen.duration is None:  # the run ends when all have let go, also one that only touches
+        assert all(math.isfinite(opened) for spans in found.contact_intervals for _, opened in spans)
+
+
 WALLS = motion("walls", 163)
 PASSED_OVER = {
     # tries to end a step at an event were all spent on a step far too long; the next, shorter one went past the closing
