@@ -260,7 +260,7 @@ def test_results_show_themselves(tmp_path):
     found.to_page(tmp_path / "x.html")
     page = (tmp_path / "x.html").read_text(encoding="utf-8")
     assert "Toda(overlap)" in page
-    assert "The scene as a file" not in page  # which would name another law
+    assert 'data-say="file"' not in page  # which would name another law
     assert found.to_xarray().force.shape == found.force.shape
 
 

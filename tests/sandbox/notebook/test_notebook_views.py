@@ -88,10 +88,10 @@ def test_a_page_plays_the_samples(found, tmp_path):
     text = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert "5 beads, by conserving" in text
     assert "power_law(1, 0.1)" in text
-    assert "The scene as a file" in text
+    assert 'data-say="file"' in text
     late = simulate(CHAIN, [1, 0, 0, 0, 0], samples=np.linspace(1, 3, 51))  # which do not tell how it began
     late.to_page(tmp_path / "late.html")
-    assert "The scene as a file" not in (tmp_path / "late.html").read_text(encoding="utf-8")
+    assert 'data-say="file"' not in (tmp_path / "late.html").read_text(encoding="utf-8")
     assert "<td>0</td><td>1</td><td>-</td><td>-0.56" in late._repr_html_()
 
 
