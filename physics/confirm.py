@@ -102,8 +102,8 @@ def to_its_end(problem: Problem) -> Record:
 def confirmed(problem: Problem, record: Record) -> Record:
     """The record, if its errors hardly grow or another run of a slightly different chain agrees with it; else a finer one.
 
-    The other run is a coarser one, which takes the fewest steps: where it ends within half of what is promised of the record, the
-    latter is off by less than that, as a rule by far. Where it does not, finer ones decide.
+    The other run is a coarser one, which takes the fewest steps: where it ends within half of what is promised of the record, errors
+    do not grow beyond what the record states. Where it does not, finer ones decide.
     """
     if record.growth <= MOST_GROWN or record.warnings:
         return record
@@ -117,7 +117,7 @@ def confirmed(problem: Problem, record: Record) -> Record:
     apart = np.abs(coarser.end.velocity(problem.chain) - record.end.velocity(problem.chain))
     if coarser.warnings or record.steps > ALIKE * coarser.steps or not apart.max() <= 0.5 * promised:
         return _with_cost_of(_finer(problem, record), coarser)
-    return replace(_with_cost_of(record, coarser), velocity_error=_error_of(apart) + _error_anyway(record))
+    return replace(_with_cost_of(record, coarser), velocity_error=np.maximum(_error_of(apart), record.velocity_error))
 
 
 def _as_far_as_determined(problem: Problem, record: Record) -> Record:
