@@ -102,8 +102,8 @@ def to_its_end(problem: Problem) -> Record:
 def confirmed(problem: Problem, record: Record) -> Record:
     """The record, if its errors hardly grow or another run of a slightly different chain agrees with it; else a finer one.
 
-    The other run is a coarser one, which takes the fewest steps: where it ends within half of what is promised of the record, errors
-    do not grow beyond what the record states. Where it does not, finer ones decide.
+    The other run is a coarser one, which takes the fewest steps: where it ends within half of what is promised of the record,
+    errors do not grow beyond what the record states. Where it does not, finer ones decide.
     """
     if record.growth <= MOST_GROWN or record.warnings:
         return record

@@ -95,9 +95,7 @@ class Scratch(NamedTuple):
     control: Array  # (CONTROLS,) of the step sizes
     opening: Array  # (n,) when within the step a contact opens [s], -1 where it does not
     bounced: Array  # (n,) when the last bounce of each contact began or ended [s]; inf where none has
-    pressed: (
-        Array  # (n,) since when a contact pushes, or is pressed by one that does [s]; inf or AT_REST where it is not
-    )
+    pressed: Array  # (n,) since when a contact pushes, or a neighbour presses it [s]; inf or AT_REST where neither does
     segment: Array  # (n,) the segment of a coupler that this was on; -1 where it was open
     lateness: Array  # (n,) of each closed contact, how much later it closed per velocity error before: flight over speed [s²/m]
     grown: Array  # (n,) growth of errors by the present bounce of each contact

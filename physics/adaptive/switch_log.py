@@ -31,7 +31,7 @@ from softcradle.physics.numerics.switches import log_switch
 STEADY = 0.3
 PRESSED = 5  # row (n+1,) of the work array: which contacts push, or are pressed by one that does, as
 PUSHES, IS_PUSHED = 1.0, 2.0
-AT_REST = -1.0  # in place of a time: the contact touches, and nothing has pushed it
+AT_REST = -math.inf  # in place of a time: the contact touches, and nothing has pushed it
 
 
 @inlined
