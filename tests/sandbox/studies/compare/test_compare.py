@@ -137,7 +137,7 @@ def test_page_in_a_browser(page, tmp_path):
         times = browser.run("page.charts.map((chart) => chart.timeAt(chart.across(page.source.time)))")
         assert times == pytest.approx([moment] * 2 * len(results))  # velocities and forces of each lane
         tables = browser.run("[...document.querySelectorAll('table')].map((t) => t.rows.length)")
-        assert tables == [1 + 14 + 5, 4, 4, 4]  # four velocities, and how well they are known
+        assert tables == [1 + 13 + 5, 4, 4, 4]  # nobody rings; four velocities and how well they are known
         fits = "document.documentElement.scrollWidth <= document.documentElement.clientWidth"
         assert browser.run(fits)
         browser.device(390, 844)
