@@ -39,10 +39,8 @@ demo: .venv/.installed
 	@cat out/one-on-four.txt
 
 test: .venv/.installed # kernels are compiled first, side by side: test processes would each compile all of them
-	@$(BIN)/python -c "import softcradle; from softcradle.physics.adaptive.runner import TIERS; \
-		softcradle.warm(['accurate', 'ensemble_ends']); [kernels.load() for kernels in TIERS.values()]" & \
-	$(BIN)/python -c "import softcradle; from softcradle.physics.fixed_step.runner import TIERS; \
-		softcradle.warm([m.name for m in softcradle.METHODS if not m.adaptive] + ['SoftChain']); [kernels.load() for kernels in TIERS.values()]"; wait
+	@$(BIN)/python -c "import softcradle; softcradle.warm(['accurate', 'ensemble_ends'])" & \
+	$(BIN)/python -c "import softcradle; softcradle.warm([m.name for m in softcradle.METHODS if not m.adaptive] + ['SoftChain', 'OwnLaw'])"; wait
 	SDL_VIDEODRIVER=dummy SDL_AUDIODRIVER=dummy $(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow"
 
 test-all: check test

@@ -74,10 +74,11 @@ class Trajectory:
         Bead velocities [m/s] at the end of the run, wherever the samples lie.
     contact_intervals : tuple of tuples
         Per contact a tuple of (closed, opened) times [s]; opened is inf where it never opens. What touches at rest closes as
-        soon as a neighbour pushes it, by fixed steps up to two steps a contact later. Not determined are how often a soft
-        contact opens and closes while it lets go, and whether beads that friction holds at rest push each other: adaptive
-        methods take a force in the middle of what it may be. By fixed steps beads beside such a bead may close by round-off,
-        and an adaptive step tells of no bounce within it, which has next to no force.
+        soon as a neighbour pushes it, long before a wave brings a force that counts; by fixed steps up to two steps a contact
+        later. Not determined are how often a soft contact opens and closes while it lets go, when contacts open between beads
+        that a wave leaves all but at rest, and whether beads that friction holds at rest push each other: adaptive methods take
+        a force in the middle of what it may be. By fixed steps beads beside such a bead may close by round-off, and an adaptive
+        step tells of no bounce within it, which has next to no force.
     method : str
         Name of the method.
     step : float

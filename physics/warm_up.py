@@ -7,7 +7,11 @@ from collections.abc import Iterable
 from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.methods import METHODS, Family, Method, find_method
 
-SOFT_CHAIN, ENSEMBLE_ENDS = "SoftChain", "ensemble_ends"  # what else has kernels, by its name in Python
+SOFT_CHAIN, ENSEMBLE_ENDS, OWN_LAW = OTHERS = (
+    "SoftChain",
+    "ensemble_ends",
+    "OwnLaw",
+)  # what else has kernels, by its name in Python
 
 
 def warm(methods: Iterable[str] | str | None = None) -> None:
@@ -18,7 +22,7 @@ def warm(methods: Iterable[str] | str | None = None) -> None:
     Parameters
     ----------
     methods : str or iterable of str, optional
-        One name or several, "SoftChain" and "ensemble_ends" among them; None: all.
+        One name or several, "SoftChain", "ensemble_ends" and "OwnLaw" (laws of one's own, by all methods) among them; None: all.
 
     Raises
     ------
@@ -32,7 +36,7 @@ def warm(methods: Iterable[str] | str | None = None) -> None:
     """
     names = [methods] if isinstance(methods, str) else methods
     if names is None:
-        names = [*(method.name for method in METHODS), SOFT_CHAIN, ENSEMBLE_ENDS]
+        names = [*(method.name for method in METHODS), *OTHERS]
     for name in names:
         for kernels in _kernels_called(name):
             kernels.load()
@@ -47,7 +51,12 @@ def _kernels_called(name: str) -> list[KernelTiers]:
         from softcradle.physics.batch.ends import TIERS
 
         return list(TIERS.values())
-    found = kernels_of(find_method(name, (SOFT_CHAIN, ENSEMBLE_ENDS)))
+    if name == OWN_LAW:
+        from softcradle.physics.adaptive import runner as adaptive
+        from softcradle.physics.fixed_step import runner as fixed_step
+
+        return [adaptive.TIERS["adaptive-own-laws"], fixed_step.TIERS["fixed-step-own-laws"]]
+    found = kernels_of(find_method(name, OTHERS))
     return [] if found is None else [found]
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.adaptive.sampling import sample_steps
 from softcradle.physics.adaptive.step_records import Steps, empty_scratch, empty_steps, empty_trial
-from softcradle.physics.chain import Chain
+from softcradle.physics.chain import Chain, per_chain
 from softcradle.physics.kernel_records import chain_and_regime, empty_log, kernel_arithmetic, motion_record
 from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.numerics.records import KEPT, SAMPLE, Samples, SwitchLog
@@ -46,7 +46,7 @@ class KeptSteps:
         if self.known:
             self._want(problem.sample_times(problem.end))
         needless = self.ends or (self.known and not self.times.size)
-        self.steps = steps_of(problem.chain) if needless else _block(problem.chain)
+        self.steps = no_steps(problem.chain) if needless else _block(problem.chain)
 
     def _want(self, times: Array) -> None:
         contacts = self.problem.chain.contacts
@@ -64,7 +64,7 @@ class KeptSteps:
             self.overflows = len(self._chunks) * bytes_a_chunk > MOST_KEPT
             if self.overflows:
                 self._chunks.clear()
-            self.steps = steps_of(self.problem.chain) if self.overflows else _block(self.problem.chain)
+            self.steps = no_steps(self.problem.chain) if self.overflows else _block(self.problem.chain)
 
     def _sample(self, steps: Steps, count: int) -> None:
         """Take the samples in `count` steps."""
@@ -119,17 +119,22 @@ class _Spare(threading.local):
 _spare = _Spare()
 
 
-def steps_of(chain: Chain, rows: int = 0) -> Steps:
-    """Memory of so many steps of such a chain."""
+def _steps(chain: Chain, rows: int) -> Steps:
     return empty_steps(rows, chain.contacts, chain.dissipative or bool(chain.couplers))
+
+
+@per_chain
+def no_steps(chain: Chain) -> Steps:
+    """Memory of the steps of such a chain where none are kept."""
+    return _steps(chain, 0)
 
 
 def _block(chain: Chain) -> Steps:
     """Rows for some steps: those of the run before, where they fit."""
-    none = steps_of(chain)
+    none = no_steps(chain)
     wide = none.values.shape[1], none.flags.shape[1]
     while _spare.blocks:
         block = _spare.blocks.pop()
         if block.time.size and (block.values.shape[1], block.flags.shape[1]) == wide:
             return block
-    return steps_of(chain, min(MOST_ROWS, MOST_NUMBERS // wide[0] + 1))
+    return _steps(chain, min(MOST_ROWS, MOST_NUMBERS // wide[0] + 1))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.adaptive.adaptive_loop import integrate
 from softcradle.physics.adaptive.constants import TOLERANCE_PART
-from softcradle.physics.adaptive.kept_steps import KeptSteps, steps_of
+from softcradle.physics.adaptive.kept_steps import KeptSteps, no_steps
 from softcradle.physics.adaptive.sampling import count_from_touch
 from softcradle.physics.adaptive.step_records import (
     ALLOWED,
@@ -170,7 +170,6 @@ def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kep
     most, counter, stop = step_budget(problem, state.time, scale), memory.log.counter, problem.duration is None
     code, time, resumed, end = PAUSED, state.time, False, problem.end
     motion = tuple(motion_record(state, memory.mode, memory.held))
-    none = steps_of(problem.chain)  # a frame keeps none
     records: Any = data, regime, motion, tuple(memory.trial), tuple(memory.look), tuple(memory.scratch)
     tiers, accuracy = kernels_of(problem.chain), (ALLOWED[problem.method], problem.tolerance, scale)
     while code == PAUSED:
@@ -182,7 +181,7 @@ def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kep
         pause = int(counter[STEP] + counter[REJECTED]) + (most_now if compiled else min(most_now, PLAIN_PAUSE))
         if kept and not compiled:
             tiers.spent += work
-        steps = kept.steps if kept else none
+        steps = kept.steps if kept else no_steps(problem.chain)
         with kernel_arithmetic():
             code, time = kernel(
                 (time, end, stop, most), (resumed, pause), accuracy, *records, tuple(steps), tuple(memory.log)

@@ -47,11 +47,13 @@ def log_switches(before, time, landed, chain, regime, motion, wanted, scratch, l
     pressed, since = scratch.work[PRESSED], scratch.pressed
     find_pressed(chain, regime, motion, NEWTON_PART * wanted, since, pressed)
     for i in range(motion.mode.size):
+        closed = log.closed[i] != 0
         if pressed[i] == 0.0:
             since[i] = AT_REST if rests(i, chain, regime, motion, since) else math.inf
+            if not closed:
+                continue
         elif since[i] == AT_REST or since[i] == math.inf:
             since[i] = before
-        closed = log.closed[i] != 0
         if i == landed and closed:
             continue
         w = side_of(regime, i) * motion.rate[i]
@@ -88,31 +90,39 @@ def find_pressed(chain, regime, motion, slow, since, pressed):
     a number, or for the precision of the stages, which leave round-off of either sign where nothing pushes. A rate up to `slow`
     [m/s] at d = 0 is none.
     """
+    back = False
     for i in range(motion.mode.size):
         pressed[i] = PUSHES if since[i] != AT_REST and pushes(i, regime, motion) else 0.0
-        if pressed[i] == 0.0 and i > 0 and takes_on(i, i, i - 1, chain, regime, motion, slow, since, pressed):
+        if i == 0:
+            continue
+        if pressed[i] == 0.0 != pressed[i - 1] and takes_on(i, i, i - 1, chain, regime, motion, slow, since):
             pressed[i] = PUSHES if pushes(i, regime, motion) else IS_PUSHED
+        back |= pressed[i] != 0.0 == pressed[i - 1] and motion.mode[i - 1] != OPEN
+    if not back:
+        return
     for i in range(motion.mode.size - 2, -1, -1):
-        if pressed[i] == 0.0 and takes_on(i, i + 1, i + 1, chain, regime, motion, slow, since, pressed):
+        if pressed[i] == 0.0 != pressed[i + 1] and takes_on(i, i + 1, i + 1, chain, regime, motion, slow, since):
             pressed[i] = PUSHES if pushes(i, regime, motion) else IS_PUSHED
 
 
 @inlined
-def takes_on(i, bead, neighbour, chain, regime, motion, slow, since, pressed):
+def takes_on(i, bead, neighbour, chain, regime, motion, slow, since):
     """Whether contact i touches and the `neighbour`, which pushes, pushes the `bead` between them into it."""
-    touches = motion.mode[i] == LOADED or motion.mode[i] == TOUCHING
-    touches = touches and (since[i] == AT_REST or (motion.overlap[i] == 0.0 and motion.rate[i] >= -slow))
-    pushed = pressed[neighbour] != 0.0 and side_of(regime, neighbour) > 0.0 and not is_firm(regime, bead)
-    return touches and pushed and side_of(regime, i) > 0.0 and drive_at(chain, i, 0.0) >= 0.0
+    if side_of(regime, neighbour) < 0.0 or side_of(regime, i) < 0.0:
+        return False
+    touches = since[i] == AT_REST or (motion.overlap[i] == 0.0 and motion.rate[i] >= -slow)
+    if not touches or (motion.mode[i] != LOADED and motion.mode[i] != TOUCHING):
+        return False
+    return not is_firm(regime, bead) and drive_at(chain, i, 0.0) >= 0.0
 
 
 @inlined
 def rests(i, chain, regime, motion, since):
     """Whether contact i, which nothing pushes, touches at rest: what overlap it gets so is round-off."""
     at_zero = since[i] == AT_REST or (motion.overlap[i] == 0.0 == motion.rate[i])
-    steady = chain.knots.bend.size == 0 or chain.knots.bend[i] == 0.0
-    driven = drive_at(chain, i, 0.0) != 0.0 or not steady
-    return motion.mode[i] == LOADED and at_zero and not driven and not is_coupler(regime, i)
+    if not at_zero or motion.mode[i] != LOADED or is_coupler(regime, i) or drive_at(chain, i, 0.0) != 0.0:
+        return False
+    return chain.knots.bend.size == 0 or chain.knots.bend[i] == 0.0
 
 
 @inlined

@@ -283,15 +283,14 @@ def test_what_a_long_step_does_not_foretell_is_not_passed_over(chain, velocity, 
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_loose_tolerances_err_no_more_than_they_state(family):
-    assert silent_at_loose_tolerances(family, range(20, 40)) == []
+    assert silent_at_loose_tolerances(family, range(40)) == []
 
 
 @pytest.mark.slow
 def test_one_run_in_a_thousand_at_a_loose_tolerance_errs_by_more_than_it_states():
     """Sensitive motions: a coarser run may agree with one by chance."""
-    seeds = [*range(20), *range(40, 400)]
-    found = [silent for family in FAMILIES for silent in silent_at_loose_tolerances(family, seeds)]
-    assert len(found) <= 0.001 * 3 * len(seeds) * len(FAMILIES), found
+    found = [silent for family in FAMILIES for silent in silent_at_loose_tolerances(family, range(40, 400))]
+    assert len(found) <= 0.001 * 3 * 360 * len(FAMILIES), found
 
 
 @pytest.mark.parametrize(("family", "seed", "most"), [("friction", 5036, 100), ("bounded", 5030, 3000)])

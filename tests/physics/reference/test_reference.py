@@ -123,10 +123,10 @@ def test_what_touches_closes_as_soon_as_a_neighbour_pushes_it():
     (pushed,), (touching,) = found.contact_intervals
     assert pushed == pytest.approx((0.0, math.pi / math.sqrt(1.5)), abs=1e-9)
     assert touching == pytest.approx(pushed, abs=1e-9)
-    resting = Chain(
+    sliding = Chain(
         [1.0, 2.0, 1.0], [hooke(1.0), hertz(1.0)], friction=0.1
-    )  # which beads that slide side by side do not
-    assert ended(resting, [1.0, 1.0, 1.0], 0.5).contact_intervals == ((), ())
+    )  # beads side by side push each other no more
+    assert ended(sliding, [1.0, 1.0, 1.0], 0.5).contact_intervals == ((), ())
 
 
 def test_a_contact_that_is_pressed_in_slowly_is_not_held_by_the_switches_of_another():
