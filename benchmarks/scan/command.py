@@ -91,8 +91,9 @@ def _truths(args: argparse.Namespace) -> dict[str, Entry]:
 
 def _keep(truths: Mapping[str, Entry]) -> None:
     """Write the truths of chains that the families draw today, the same bytes for the same truths."""
-    chains = (motion(family, int(seed)) for family, seed, _ in (key.split("/") for key in sorted(truths)))
-    text = "\n".join(json.dumps(truths[chain.key]) for chain in chains if chain.key in truths)
+    chains = sorted({(family, int(seed)) for family, seed, _ in (key.split("/") for key in truths)})
+    keys = (motion(family, seed).key for family, seed in chains)
+    text = "\n".join(json.dumps(truths[key]) for key in keys if key in truths)
     with output_file(KEPT) as temporary:
         temporary.write_bytes(gzip.compress(text.encode(), mtime=0))
 
@@ -155,7 +156,7 @@ def _report(entries: list[Entry], families: Iterable[str], title: str) -> Report
         f"within: error of final velocities up to {PROMISE:g} tolerances; stated: within the error that the run states, or "
         "the run warns; silent: beyond both; unknown: the truth is known less well",
         "truth: two fine runs that `conserving` confirms, else the reference in extended precision, for laws of one's own method "
-        "`scipy`, else the median and spread of eight fine runs, else those of runs of `conserving`: "
+        "`scipy`, else the median and spread of fine runs, else those of runs of `conserving`: "
         + ", ".join(f"{count} by {source}" for source, count in sources.items()),
     ]
     return Report(f"Random chains, {title}", columns, rows, notes, entries)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -26,6 +27,8 @@ from softcradle.physics.scales import contact_scales
 Array = NDArray[np.float64]
 Draw = np.random.Generator
 
+NUMBER = r"\d+\.\d+(e[+-]?\d+)?"  # with a point, as Python writes it
+
 
 @dataclass(frozen=True)
 class Motion:
@@ -39,10 +42,15 @@ class Motion:
 
     @property
     def key(self) -> str:
-        """Family, seed and a digest of the chain: what a truth is stored under."""
+        """Family, seed and a digest of the chain, its numbers to ten digits: what a truth is stored under.
+
+        Durations come from scales, whose last digits are the processor's.
+        """
         own = [law.law for law in self.chain.own_laws]  # whose numbers the chain does not tell
-        content = repr((self.chain, self.velocity, self.duration, *own)).encode()
-        return f"{self.family}/{self.seed}/{hashlib.sha256(content).hexdigest()[:12]}"
+        content = re.sub(
+            NUMBER, lambda found: f"{float(found[0]):.10g}", repr((self.chain, self.velocity, self.duration, *own))
+        )
+        return f"{self.family}/{self.seed}/{hashlib.sha256(content.encode()).hexdigest()[:12]}"
 
     @property
     def speed(self) -> float:

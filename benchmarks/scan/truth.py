@@ -4,14 +4,13 @@ Most chains are easy, and the reference takes seconds: where two fine runs of un
 neither steps nor event location with them, ends where they do, theirs is the truth. One chain in twenty, and every chain that
 they do not agree on or do not carry, is solved by the reference in extended precision. It takes no laws of one's own: these are
 solved by method `scipy`, which asks the functions where the others read a table. Where the reference gives up, the motion bounces
-often: eight fine runs by two methods tell how far it is determined, and where these give up too, the spread of runs of
-`conserving`, which is the wider the coarser they are, tells how well its end is known.
+often: the finest runs by two methods that come to its end tell how far it is determined, and where these give up too, the spread
+of runs of `conserving`, which is the wider the coarser they are, tells how well its end is known.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from itertools import product
 from typing import Any, cast
 
 import numpy as np
@@ -40,11 +39,11 @@ FINE = {"radau": 1e-11, "accurate": 3e-12}  # tolerances of the two fine runs
 AGREEMENT = 1e-10  # closing speeds: fine runs further apart do not confirm each other
 CONFIRMED = 20.0  # times what two steps of `conserving` differ by, and
 CONFIRMED_AT_LEAST = 1e-5  # closing speeds: as near has `conserving` to be to the fine runs
-# methods and tolerances of the fine runs that tell how far a motion is determined; each once more with shaken forces
-DETERMINING, FINEST = ("accurate", "radau"), (1e-12, 1e-13)
+# methods and tolerances, the finest first, of runs that tell how far a motion is determined; each once more with shaken forces
+DETERMINING, FINEST = ("accurate", "radau"), (1e-13, 1e-12, 1e-11, 1e-10)
 ROUND_OFF = 1e-14  # relative change of forces by which these are shaken: some units in the last place
-MOST_FINE_STEPS = 60_000  # of each
-LEAST_FINE_RUNS = 3  # of a method that come to their end, or they tell nothing
+MOST_FINE_STEPS = 1_000_000  # of each, some seconds
+LEAST_FINE_RUNS = 3  # of a method that come to their end, or they tell nothing; with as many no coarser ones are tried
 # what a truth is known by
 FINE_RUNS, REFERENCE, FINE_SPREAD, SPREAD, BY_SCIPY = SOURCES = (
     "fine runs", "reference", "spread of fine runs", "spread", "scipy",
@@ -133,12 +132,13 @@ def _fine_spread(motion: Motion) -> Truth | None:
 
 def _fine_ends(motion: Motion, method: str) -> Array:
     """(runs, n+1) ends of the finest runs by a method, of those that come to it."""
-    ends = []
-    for tolerance, part in product(FINEST, (0.0, ROUND_OFF)):
-        chain = _shaken(motion.chain, part)
-        found = solve(chain, motion.velocity, motion.duration, method, None, 2, tolerance, MOST_FINE_STEPS)
-        if not found.status.gave_up:
-            ends.append(found.final_velocity)
+    ends: list[Array] = []
+    for tolerance in FINEST:
+        for part in (0.0, ROUND_OFF) if len(ends) < LEAST_FINE_RUNS else ():
+            chain = _shaken(motion.chain, part)
+            found = solve(chain, motion.velocity, motion.duration, method, None, 2, tolerance, MOST_FINE_STEPS)
+            if not found.status.gave_up:
+                ends.append(found.final_velocity)
     return np.array(ends)
 
 

@@ -46,6 +46,21 @@ def test_the_truth_is_by_the_reference_and_that_of_laws_of_ones_own_by_scipy():
     assert ours.final_velocity == pytest.approx(found.velocity, abs=1e-5)
 
 
+def test_where_the_finest_runs_do_not_end_coarser_ones_tell_the_truth():
+    chosen = motion("bounded", 7)  # two runs of each method end at 1e-12, none at 1e-13
+    found = truth_of(chosen)
+    assert found.source == "spread of fine runs"
+    assert found.doubt.max() < 1e-9
+    other = simulate(chosen.chain, chosen.velocity, chosen.duration, "scipy", samples=2, tolerance=1e-9)
+    assert other.final_velocity == pytest.approx(found.velocity, abs=1e-9)
+
+
+def test_a_truth_is_found_again_where_last_digits_differ():
+    chosen = motion("own-laws", 2)
+    assert replace(chosen, duration=chosen.duration * (1.0 + 1e-14)).key == chosen.key
+    assert replace(chosen, duration=chosen.duration * (1.0 + 1e-8)).key != chosen.key
+
+
 def test_chains_that_a_method_refuses_are_left_out(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("benchmarks.scan.command.refusal_of", lambda _, chain: "no" if chain.couplers else "")
     given = ["scan", "--families", "couplers", "hooke-hertz", "--jobs", "1", "--folder", str(tmp_path), "--count", "1"]
