@@ -301,7 +301,8 @@ def opened(path: Path | None, study: str, fresh: bool) -> Iterator[Store]:
         if not done and not store.begun:
             store.remove()
         if store.folder is not None and done:
-            kept = f"{done} points are kept in {store.folder}; the same sweep goes on from there"
+            points = "1 point is" if done == 1 else f"{done} points are"
+            kept = f"{points} kept in {store.folder}; the same sweep goes on from there"
             if isinstance(error, StudyError):
                 raise StudyError(f"{error}; {kept}") from None
             LOGGER.warning("%s", kept)

@@ -232,7 +232,7 @@ def test_points_of_a_study_keep_their_reasons_and_come_one_by_one():
 def test_a_point_of_a_study_that_fails_ends_it_and_is_tried_again(tmp_path):
     kept, points = tmp_path / "kept", grid({"a": [0.5, 0.95], "n": [2]})
     for _ in range(2):
-        with pytest.raises(StudyError, match=r"^a 0.95, n 2: a must be at most 0.9, not 0.95; 1 points are kept in"):
+        with pytest.raises(StudyError, match=r"^a 0.95, n 2: a must be at most 0.9, not 0.95; 1 point is kept in"):
             map_points(numbers, points, kept, executor="here", chunk_seconds=0.0)
     assert partial_folder(kept).is_dir()
     drop_kept(kept)
