@@ -18,6 +18,7 @@ from concurrent.futures import (
     Executor,
     Future,
     ProcessPoolExecutor,
+    ThreadPoolExecutor,
     wait,
 )
 from contextlib import suppress
@@ -110,16 +111,31 @@ def processes(work: Work, workers: int) -> Workplace:
     if why:
         raise StudyError(f"other processes cannot compute this: {why}")
     context = multiprocessing.get_context("spawn")  # a fork of a process with threads may stand still
-    make = partial(ProcessPoolExecutor, workers, context, _begin_worker)
+    make = partial(_Processes, workers, context, _begin_worker)
     call = partial(_compute_sent, pickle.dumps(work))
-    return Workplace(call, make, lambda: QUEUED * workers, _end_processes)  # type: ignore[arg-type]
+    return Workplace(call, make, lambda: QUEUED * workers, _Processes.end)  # type: ignore[arg-type]
 
 
-def _end_processes(executor: ProcessPoolExecutor, stopped: bool) -> None:
-    """End the processes; at once where the sweep was stopped: they may be in a kernel, or wait for one."""
-    for process in list((executor._processes or {}).values()) if stopped else ():
-        process.terminate()  # what Executor.terminate_workers does from Python 3.14 on
-    executor.shutdown(wait=True, cancel_futures=True)
+class _Processes(ProcessPoolExecutor):
+    """Begins its processes in a thread: Ctrl+C, which the main thread hears, leaves none half begun."""
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        self._beginner = ThreadPoolExecutor(1)
+
+    def submit(self, function: Callable[..., Any], /, *args: Any, **keywords: Any) -> Future[Any]:
+        return self._beginner.submit(super().submit, function, *args, **keywords).result()
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        self._beginner.shutdown()
+        super().shutdown(wait, cancel_futures=cancel_futures)
+
+    def end(self, stopped: bool) -> None:
+        """End the processes; at once where the sweep was stopped: they may be in a kernel, or wait for one."""
+        self._beginner.shutdown()
+        for process in list((self._processes or {}).values()) if stopped else ():
+            process.terminate()  # what Executor.terminate_workers does from Python 3.14 on
+        self.shutdown(wait=True, cancel_futures=True)
 
 
 def _begin_worker() -> None:

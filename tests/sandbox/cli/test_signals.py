@@ -114,7 +114,7 @@ def test_a_sweep_keeps_its_points_and_says_so(executor, tmp_path):
     kept = tmp_path / "out" / "study.zarr.partial"
     until(lambda: list(kept.glob("[0-9]*.npz")), process)
     lines = told(process, signal.SIGINT)
-    assert process.returncode == 130, lines
+    assert process.returncode == 130, "\n".join(lines)
     assert lines[-1] == "softcradle: interrupted"
     assert re.search(r"point(s are| is) kept in out/study\.zarr\.partial", lines[-2])
     assert not [line for line in lines if "Traceback" in line]

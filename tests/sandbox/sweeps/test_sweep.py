@@ -8,7 +8,8 @@ from concurrent.futures import Executor, ThreadPoolExecutor
 from functools import partial
 from importlib.machinery import ModuleSpec
 from itertools import product
-from threading import Lock
+from multiprocessing.context import SpawnProcess
+from threading import Lock, current_thread, main_thread
 from types import ModuleType
 from unittest.mock import Mock
 
@@ -94,6 +95,16 @@ def test_it_is_equal_however_it_is_computed(kind, output, alone, tmp_path):
     assert found.load().identical(alone)
     assert [p.name for p in tmp_path.iterdir()] == ([output] if output else [])
     found.close()
+
+
+@pytest.mark.slow
+def test_no_process_is_begun_in_the_thread_that_hears_an_interruption(monkeypatch):
+    """It would be left half begun, and tell of that in a traceback."""
+    begun, start = [], SpawnProcess.start
+    monkeypatch.setattr(SpawnProcess, "start", lambda self: (begun.append(current_thread()), start(self)))
+    sweep(numbers, {"a": [0.5], "n": [1]}, executor="processes", workers=1)
+    assert begun
+    assert main_thread() not in begun
 
 
 @pytest.mark.slow
