@@ -134,7 +134,9 @@ def _fine_ends(motion: Motion, method: str) -> Array:
     """(runs, n+1) ends of the finest runs by a method, of those that come to it."""
     ends: list[Array] = []
     for tolerance in FINEST:
-        for part in (0.0, ROUND_OFF) if len(ends) < LEAST_FINE_RUNS else ():
+        if len(ends) >= LEAST_FINE_RUNS:
+            break
+        for part in (0.0, ROUND_OFF):
             chain = _shaken(motion.chain, part)
             found = solve(chain, motion.velocity, motion.duration, method, None, 2, tolerance, MOST_FINE_STEPS)
             if not found.status.gave_up:

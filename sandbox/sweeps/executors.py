@@ -117,11 +117,11 @@ def processes(work: Work, workers: int) -> Workplace:
 
 
 class _Processes(ProcessPoolExecutor):
-    """Begins its processes in a thread: Ctrl+C, which the main thread hears, leaves none half begun."""
+    """Begins its processes in a thread that Ctrl+C does not reach, nor do they hear it: none is left half begun."""
 
     def __init__(self, *args: Any) -> None:
         super().__init__(*args)
-        self._beginner = ThreadPoolExecutor(1)
+        self._beginner = ThreadPoolExecutor(1, initializer=_leave_interruptions)
 
     def submit(self, function: Callable[..., Any], /, *args: Any, **keywords: Any) -> Future[Any]:
         return self._beginner.submit(super().submit, function, *args, **keywords).result()
@@ -135,12 +135,18 @@ class _Processes(ProcessPoolExecutor):
         self._beginner.shutdown()
         for process in list((self._processes or {}).values()) if stopped else ():
             process.terminate()  # what Executor.terminate_workers does from Python 3.14 on
-        self.shutdown(wait=True, cancel_futures=True)
+        super().shutdown(wait=True, cancel_futures=True)
+
+
+def _leave_interruptions() -> None:
+    """Leave Ctrl+C to the main thread; what this thread begins does so from its first moment on."""
+    if sys.platform != "win32":
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
 
 
 def _begin_worker() -> None:
     """Begin a process: leave Ctrl+C to the parent, and end when the parent has ended, which a kill may have done."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # where it is not blocked
 
     def end_with_parent() -> None:
         multiprocessing.parent_process().join()  # type: ignore[union-attr]

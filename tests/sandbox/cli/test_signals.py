@@ -62,12 +62,16 @@ def begin(*words: str, folder: Path, **environment: str) -> subprocess.Popen[str
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
+        start_new_session=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),  # noqa: PLW1509
     )
 
 
 def told(process: subprocess.Popen[str], number: int) -> list[str]:
-    process.send_signal(number)
+    if number == signal.SIGINT:  # a terminal sends it to all that a command has begun, too
+        os.killpg(process.pid, number)
+    else:
+        process.send_signal(number)
     try:
         return process.communicate(timeout=ANSWER)[1].splitlines()
     finally:
