@@ -17,7 +17,6 @@ import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,9 +31,17 @@ from softcradle.physics.contact import Contact
 from softcradle.physics.coupler import Coupler
 from softcradle.physics.fixed_step import runner as fixed_step
 from softcradle.physics.kernel_records import law_rows
-from softcradle.physics.problem import NO_TIMES, SAMPLED, Problem, Record, continued_switches, with_ends_as_samples
+from softcradle.physics.numerics.records import Samples
+from softcradle.physics.problem import (
+    NO_TIMES,
+    Problem,
+    Record,
+    continued_switches,
+    first_samples,
+    with_ends_as_samples,
+)
 from softcradle.physics.scales import default_step, is_possible, largest_error
-from softcradle.physics.state import State, Switches
+from softcradle.physics.state import State, Switches, energies
 from softcradle.physics.status import CodedWarning, Status, WarningCode
 
 Array = NDArray[np.float64]
@@ -114,7 +121,7 @@ def confirmed(problem: Problem, record: Record) -> Record:
         return _finer(problem, record)
     coarse = _shaken_run(problem, FINER * problem.tolerance, 0)
     coarser = to_its_end(replace(coarse, samples=2, later=False, most_steps=2 * record.steps + STEPS_A_CONTACT))
-    apart = np.abs(coarser.end.velocity(problem.chain) - record.end.velocity(problem.chain))
+    apart = np.abs(coarser.velocity - record.velocity)
     if coarser.warnings or record.steps > ALIKE * coarser.steps or not apart.max() <= 0.5 * promised:
         return _with_cost_of(_finer(problem, record), coarser)
     return replace(_with_cost_of(record, coarser), velocity_error=np.maximum(_error_of(apart), record.velocity_error))
@@ -123,7 +130,7 @@ def confirmed(problem: Problem, record: Record) -> Record:
 def _as_far_as_determined(problem: Problem, record: Record) -> Record:
     """A record that several runs from one state carried to its end, with what a run from a state of its own differs by."""
     other = to_its_end(replace(_shaken_run(problem, FINER * problem.tolerance, 0), samples=2, budget=record.steps))
-    apart = np.abs(other.end.velocity(problem.chain) - record.end.velocity(problem.chain))
+    apart = np.abs(other.velocity - record.velocity)
     return replace(_with_cost_of(record, other), velocity_error=np.maximum(record.velocity_error, _error_of(apart)))
 
 
@@ -141,7 +148,7 @@ def _finer(problem: Problem, record: Record) -> Record:
         finest = tolerance < 2.0 * ROUND_OFF  # a run as fine as another agrees with it, whatever both are off by
         budget = min(int(FINER * (record.steps + STEPS_A_CONTACT)), usual)
         finer = to_its_end(replace(_shaken_run(problem, tolerance, runs), budget=budget))
-        apart = np.abs(finer.end.velocity(problem.chain) - record.end.velocity(problem.chain))
+        apart = np.abs(finer.velocity - record.velocity)
         error, agrees = _error_of(apart) + _error_anyway(finer), apart.max() <= allowed
         if finer.status == Status.UNDETERMINED:
             return replace(_with_cost_of(record, finer), status=Status.UNDETERMINED, velocity_error=error)
@@ -238,11 +245,11 @@ def _finished(problem: Problem, given_up: Record) -> Record:
     """The whole record of a motion that the adaptive method gave up at ``given_up.end``; its error is the spread of the runs."""
     start = given_up.end
     elapsed = start.time - problem.state.time
-    step = STEP_PART * default_step(problem.chain, problem.state.velocity(problem.chain))
+    step = STEP_PART * default_step(problem.chain, problem.velocity)
     step = max(step, ELAPSED_PART * elapsed)
     with ThreadPoolExecutor(min(len(PARTS), os.cpu_count() or 1)) as threads:
         ends = list(threads.map(lambda part: _run_on(problem, start, part * step, None, NO_TIMES), PARTS))
-    velocities = np.array([end.end.velocity(problem.chain) for end in ends])
+    velocities = np.array([end.velocity for end in ends])
     error = _error_anyway(given_up) + _error_of(np.ptp(velocities, axis=0) + _rattling(problem.chain, ends[-1].end))
     times, last = problem.sample_times(ends[-1].end.time), ends[-1]
     early, late = times[times <= start.time], times[times > start.time]
@@ -278,8 +285,8 @@ def _run_on(problem: Problem, start: State, step: float, end: float | None, time
             problem.chain, state.copy(), "conserving", duration, step, samples=samples, most_steps=STEPS_ALIKE
         )
         found = fixed_step.run(part)
-        records.append(replace(found, **{name: getattr(found, name)[: left.size] for name in SAMPLED}))
-        left = left[records[-1].time.size :]  # samples within the step after the last one are taken too
+        records.append(replace(found, samples=first_samples(found.samples, left.size)))
+        left = left[records[-1].samples.time.size :]  # samples within the step after the last one are taken too
         state, step = found.end, 2.0 * step
     starts = [start.time, *(record.end.time for record in records[:-1])]
     return records[0] if len(records) == 1 else _in_a_row(problem.chain, starts, records)
@@ -290,11 +297,11 @@ def _in_a_row(chain: Chain, starts: list[float], records: list[Record]) -> Recor
     closed, switches = np.zeros(chain.contacts, dtype=bool), []
     for start, record in zip(starts, records, strict=True):
         switches += continued_switches(closed, start, record)
-    rows: dict[str, Any] = {name: np.concatenate([getattr(record, name) for record in records]) for name in SAMPLED}
+    samples = Samples(*map(np.concatenate, zip(*(record.samples for record in records), strict=True)))
     contact, time = Switches.of(switches)
     return replace(
         records[-1],
-        **rows,
+        samples=samples,
         switch_contact=contact,
         switch_time=time,
         steps=sum(record.steps for record in records),
@@ -330,11 +337,12 @@ def _bound_by_energy(problem: Problem, record: Record) -> None:
 def _ledger(problem: Problem, record: Record) -> tuple[float, float]:
     """The energy [J] of a chain at the start, and by how much it is off in the end, 0 where work is done on it."""
     chain, start, end = problem.chain, problem.state, record.end
-    before = start.energy(chain)
-    wall_moves = chain.walls > 0 and bool((np.isinf(chain.mass) & (start.velocity(chain) != 0.0)).any())
+    moving = np.array((problem.velocity, record.velocity)), np.array((start.overlap, end.overlap))
+    before, after = energies(chain, *moving).tolist()
+    wall_moves = chain.walls > 0 and bool((np.isinf(chain.mass) & (problem.velocity != 0.0)).any())
     if wall_moves or chain.forces or start.external(chain) is not None:
         return before, 0.0
-    return before, abs(end.energy(chain) + float((end.absorbed - start.absorbed).sum()) - before)
+    return before, abs(after + float((end.absorbed - start.absorbed).sum()) - before)
 
 
 def _unresolved(chain: Chain, change: float) -> float:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from time import perf_counter
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
+from softcradle.physics.numerics.records import Samples
 from softcradle.physics.state import MOVING, State
 from softcradle.physics.status import Status, Warnings
 
@@ -48,6 +50,11 @@ class Problem:
     budget: int | None = None
     later: bool = False
 
+    @cached_property
+    def velocity(self) -> Array:
+        """(n+1,) bead velocities [m/s] at the start."""
+        return self.state.velocity(self.chain)
+
     @property
     def end(self) -> float:
         """When the run ends [s]; inf without a duration."""
@@ -75,10 +82,11 @@ class Problem:
 
 @dataclass
 class Record:
-    """What a runner found: sample rows, contact switches in order of time, the end, the cost.
+    """What a runner found: samples, contact switches in order of time, the end, the cost.
 
     Attributes:
-        time (T,), overlap (T, n), rate (T, n), anchor (T, 2), force (T, n): the samples; fewer than wanted where it gave up.
+        chain: whose motion it is.
+        samples: fewer than wanted where it gave up.
         switch_contact, switch_time: every change of a contact between open and closed (all start open).
         end: State at the end of the run.
         steps, evaluations: cost.
@@ -87,15 +95,11 @@ class Record:
         seconds: wall time of the solver, loading of kernels left out; 0 where the runner leaves the clock to `simulate`.
         velocity_error: (n+1,) estimated error [m/s] of the bead velocities at the end; empty where none is estimated.
         growth: factor by which errors of velocities grow along the motion, as far as its bounces tell.
-        taken: (T, 4) as of State, up to each sample; empty where nothing is.
         kept: what the run kept of its motion, while samples are still to be taken from it.
     """
 
-    time: Array
-    overlap: Array
-    rate: Array
-    anchor: Array
-    force: Array
+    chain: Chain
+    samples: Samples
     switch_contact: NDArray[np.int64]
     switch_time: Array
     end: State
@@ -104,10 +108,14 @@ class Record:
     status: Status = Status.DONE
     warnings: Warnings = ()
     seconds: float = 0.0
-    taken: Array = field(default_factory=lambda: np.zeros((0, 4)))
     velocity_error: Array = field(default_factory=lambda: np.zeros(0))
     growth: float = 1.0
     kept: KeptRun | None = None
+
+    @cached_property
+    def velocity(self) -> Array:
+        """(n+1,) bead velocities [m/s] at the end."""
+        return self.end.velocity(self.chain)
 
 
 class KeptRun(Protocol):
@@ -172,16 +180,17 @@ def continued_switches(closed: NDArray[np.bool_], start: float, record: Record) 
     return [*((int(contact), start) for contact in opened), *kept]
 
 
-Rows = tuple[Array, Array, Array, Array, Array]
+def empty_samples(times: Array, contacts: int) -> Samples:
+    """Rows for the samples at `times` (T,) [s]."""
+    count, wide = times.size, (times.size, contacts)
+    return Samples(times, np.zeros(wide), np.zeros(wide), np.zeros((count, 2)), np.zeros(wide), np.zeros((count, 4)))
 
 
-def empty_samples(count: int, contacts: int) -> Rows:
-    """Rows for `count` samples: overlap, rate, anchor, force, taken."""
-    wide = count, contacts
-    return np.zeros(wide), np.zeros(wide), np.zeros((count, 2)), np.zeros(wide), np.zeros((count, 4))
+def first_samples(samples: Samples, count: int) -> Samples:
+    """The first `count` of the samples."""
+    return Samples(*(rows[:count] for rows in samples))
 
 
-SAMPLED = "time", *MOVING  # fields of a Record with one row a sample, as of Samples
 Pass = Callable[[Problem, float, Array, bool], Record]
 
 
@@ -202,19 +211,13 @@ def run_to_end(problem: Problem, once: Pass) -> Record:
         began = perf_counter()
         found = found.kept.record(found, times)
         return replace(found, seconds=found.seconds + perf_counter() - began)
-    return with_samples_of(found, once(problem, max(found.end.time, float(times[-1])), times, False))
-
-
-def with_samples_of(found: Record, sampled: Record) -> Record:
-    """The record `found` with the samples of another."""
-    return replace(found, kept=None, **{name: getattr(sampled, name) for name in SAMPLED})
+    return replace(found, samples=once(problem, max(found.end.time, float(times[-1])), times, False).samples)
 
 
 def with_ends_as_samples(found: Record, start: State, times: Array) -> Record:
     """The record with its `start` or its end as the samples at `times`, none of which lies between them."""
     states = [found.end if time > start.time else start for time in times.tolist()]
-    rows: dict[str, Any] = {}
-    for name in MOVING:
-        values = [getattr(state, name) for state in states]
-        rows[name] = np.array(values) if values else np.zeros((0, getattr(start, name).size))
-    return replace(found, time=times, kept=None, **rows)
+    if not states:
+        return replace(found, samples=empty_samples(times, start.overlap.size), kept=None)
+    rows = (np.array([getattr(state, name) for state in states]) for name in MOVING)
+    return replace(found, samples=Samples(times, *rows), kept=None)

@@ -312,14 +312,15 @@ def _samples(samples: int | ArrayLike, duration: float | None, chain: Chain, gra
 
 
 def _trajectory(problem: Problem, record: Record) -> Trajectory:
+    time, overlap, rate, anchor, force, taken = record.samples
     return Trajectory(
         chain=problem.chain,
-        time=record.time,
-        overlap=record.overlap,
-        rate=record.rate,
-        anchor=record.anchor,
-        force=record.force,
-        final_velocity=record.end.velocity(problem.chain),
+        time=time,
+        overlap=overlap,
+        rate=rate,
+        anchor=anchor,
+        force=force,
+        final_velocity=record.velocity,
         contact_intervals=_intervals(problem.chain.contacts, record),
         method=problem.method,
         step=problem.step,
@@ -330,11 +331,9 @@ def _trajectory(problem: Problem, record: Record) -> Trajectory:
         status=record.status,
         warnings=record.warnings,
         velocity_error=record.velocity_error,
-        absorbed_by_contacts=record.taken[:, 0],
-        absorbed_by_bed=record.taken[:, 1],
-        given=np.column_stack((record.taken[:, 2], problem.chain.impulse(record.time)))
-        if problem.chain.timed
-        else NO_FORCES,
+        absorbed_by_contacts=taken[:, 0],
+        absorbed_by_bed=taken[:, 1],
+        given=np.column_stack((taken[:, 2], problem.chain.impulse(time))) if problem.chain.timed else NO_FORCES,
     )
 
 

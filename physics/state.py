@@ -112,8 +112,7 @@ class State:
 
     def energy(self, chain: Chain) -> float:
         """Kinetic and contact energy [J], walls left out."""
-        kinetic = 0.5 * (chain.finite_mass * self.velocity(chain) ** 2).sum()
-        return float(kinetic + chain.stored_energy(self.overlap).sum())
+        return float(energies(chain, self.velocity(chain), self.overlap))
 
     def external(self, chain: Chain) -> Array | None:
         """(n+1,) steady external force on each bead [N], the chain's drive and the push; None where there is neither.
@@ -162,6 +161,12 @@ def from_anchor(difference: Array, value: Any, anchor: int) -> Array:
         down -= down[..., anchor, None].copy() if down.ndim > 1 else down[anchor]
     down += np.asarray(value)[..., None] if down.ndim > 1 else value
     return down
+
+
+def energies(chain: Chain, velocity: Array, overlap: Array) -> Any:
+    """(...) kinetic and contact energy [J] at `velocity` (..., n+1) and `overlap` (..., n), walls left out."""
+    kinetic = 0.5 * (chain.finite_mass * velocity**2).sum(axis=-1)
+    return kinetic + chain.stored_energy(overlap).sum(axis=-1)
 
 
 def checked_velocity(chain: Chain, velocity: ArrayLike) -> Array:

@@ -14,8 +14,8 @@ from softcradle.physics.adaptive.step_records import Steps, empty_scratch, empty
 from softcradle.physics.chain import Chain, per_chain
 from softcradle.physics.kernel_records import chain_and_regime, empty_log, kernel_arithmetic, motion_record
 from softcradle.physics.kernel_tiers import KernelTiers
-from softcradle.physics.numerics.records import KEPT, SAMPLE, Samples, SwitchLog
-from softcradle.physics.problem import Problem, Record, empty_samples
+from softcradle.physics.numerics.records import KEPT, SAMPLE, SwitchLog
+from softcradle.physics.problem import Problem, Record, empty_samples, first_samples
 
 Array = NDArray[np.float64]
 
@@ -51,7 +51,7 @@ class KeptSteps:
     def _want(self, times: Array) -> None:
         contacts = self.problem.chain.contacts
         self.times, self._log = times, empty_log(contacts, 0)
-        self._samples = Samples(times, *empty_samples(times.size, contacts))
+        self._samples = empty_samples(times, contacts)
 
     def take(self, log: SwitchLog) -> None:
         """Take the samples in the steps that the kernel has filled, or keep these."""
@@ -98,15 +98,14 @@ class KeptSteps:
         state, done, rows = found.end, int(self._log.counter[SAMPLE]), times.size
         if found.status.gave_up:
             rows = max(done, int(np.searchsorted(times, state.time, side="right")))
-        overlap, rate, anchor, force, taken = (row[:rows] for row in self._samples[1:])
+        samples = first_samples(self._samples, rows)
+        _, overlap, rate, anchor, force, taken = samples
         left = times[done:rows] - state.time
         overlap[done:], rate[done:], force[done:] = state.overlap + np.outer(left, state.rate), state.rate, state.force
         anchor[done:, 0], anchor[done:, 1] = state.anchor[0] + left * state.anchor[1], state.anchor[1]
         taken[done:] = state.taken
         _spare.blocks = [self.steps, *(steps for steps, _ in self._chunks)][:MOST_SPARE]
-        return replace(
-            found, time=times[:rows], overlap=overlap, rate=rate, anchor=anchor, force=force, taken=taken, kept=None
-        )  # fmt: skip
+        return replace(found, samples=samples, kept=None)
 
 
 class _Spare(threading.local):

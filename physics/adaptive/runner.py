@@ -43,7 +43,7 @@ from softcradle.physics.kernel_records import (
 from softcradle.physics.kernel_tiers import KernelTiers, plain
 from softcradle.physics.numerics.records import EVALUATION, OUT_OF_STEPS, PAUSED, REJECTED, STEP, SWITCH, SwitchLog
 from softcradle.physics.own_law import OwnLaw
-from softcradle.physics.problem import NO_TIMES, Problem, Record, empty_samples, with_ends_as_samples, with_samples_of
+from softcradle.physics.problem import NO_TIMES, Problem, Record, empty_samples, with_ends_as_samples
 from softcradle.physics.scales import ROUND_OFF, closing_scale
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
@@ -94,7 +94,7 @@ def sampled(record: Record, times: Array) -> Record:
         return kept.record(record, times)
     end = max(record.end.time, float(times[-1])) if times.size else record.end.time
     again = one_run(replace(kept.problem, duration=end - kept.problem.state.time, samples=times))
-    return with_samples_of(record, sampled(again, times))
+    return replace(record, samples=sampled(again, times).samples, kept=None)
 
 
 def error_growth(before: Any, grown: Array, turns: Array) -> Any:
@@ -153,15 +153,15 @@ def one_run(problem: Problem, log_size: int = FIRST_LOG) -> Record:
         return one_run(problem, larger)
     counter, status, scratch = memory.log.counter, Status(code), memory.scratch
     growth = float(error_growth(scratch.control[GROWTH], scratch.grown, scratch.turns))
-    fastest = max(fastest_bead(problem.state.velocity(problem.chain)), fastest_bead(state.velocity(problem.chain)))
-    error = stated_error(growth, scratch.control[LOCAL_SQUARE], counter[STEP] + problem.chain.contacts, fastest)
-    overlap, rate, anchor, force, taken = empty_samples(0, problem.chain.contacts)
-    return Record(
-        NO_TIMES, overlap, rate, anchor, force, *kept_switches(memory.log), state, int(counter[STEP]),
-        int(counter[EVALUATION]), status, _warnings(problem, status, state.time, memory.log), seconds, taken,
-        np.full(problem.chain.contacts + 1, error), growth,
+    record = Record(
+        problem.chain, empty_samples(NO_TIMES, problem.chain.contacts), *kept_switches(memory.log), state, int(counter[STEP]),
+        int(counter[EVALUATION]), status, _warnings(problem, status, state.time, memory.log), seconds, growth=growth,
         kept=None if problem.later and kept.overflows else kept,
     )  # fmt: skip
+    fastest = max(fastest_bead(problem.velocity), fastest_bead(record.velocity))
+    error = stated_error(growth, scratch.control[LOCAL_SQUARE], counter[STEP] + problem.chain.contacts, fastest)
+    record.velocity_error = np.full(problem.chain.contacts + 1, error)
+    return record
 
 
 def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kept: KeptSteps | None = None) -> Any:
@@ -202,7 +202,7 @@ def scale_of(problem: Problem) -> float:
     """The velocity [m/s] that a tolerance is relative to: that of the fastest closing there can be, see `closing_scale`."""
     chain, state = problem.chain, problem.state
     return closing_scale(
-        chain, state.velocity(chain), state.overlap, state.external(chain), problem.duration, problem.tolerance
+        chain, problem.velocity, state.overlap, state.external(chain), problem.duration, problem.tolerance
     )
 
 

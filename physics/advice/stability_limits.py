@@ -111,7 +111,7 @@ def _zero_of(rising: Callable[[float], float], low: float, high: float) -> float
 def explicit_warnings(problem: Problem, record: Record) -> Warnings:
     """Warnings where the step of an explicit method is too long for `problem`, or where its contacts chatter."""
     found = []
-    limit = stable_step(problem.chain, problem.state.velocity(problem.chain), TRUSTED_ERROR)
+    limit = stable_step(problem.chain, problem.velocity, TRUSTED_ERROR)
     if problem.step > limit:
         sentence = (
             f"{problem.method} with step {problem.step:.3g} s is past its limit of about {limit:.2g} s on this chain: "
@@ -147,7 +147,7 @@ def returning_warnings(problem: Problem, record: Record) -> Warnings:
 
 def coarse_warnings(problem: Problem) -> Warnings:
     """A warning where the step of a method that is always stable is too long to resolve the shortest contact."""
-    velocity = problem.state.velocity(problem.chain)
+    velocity = problem.velocity
     limit = float(contact_scales(problem.chain, velocity, problem.duration)[1].min()) / LEAST_STEPS
     if problem.step <= limit:
         return ()

@@ -53,7 +53,7 @@ from softcradle.physics.numerics.records import (
     SwitchLog,
 )
 from softcradle.physics.own_law import OwnLaw
-from softcradle.physics.problem import NO_TIMES, SAMPLED, Problem, Record, empty_samples, run_to_end
+from softcradle.physics.problem import NO_TIMES, Problem, Record, empty_samples, first_samples, run_to_end
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
 
@@ -88,7 +88,7 @@ class Scratch:
         none = np.empty(0, dtype=np.int8)
         spare = Motion(np.empty(contacts), np.empty(contacts), np.empty(2), np.empty(contacts), np.empty(4), none, none)
         rows = WORK_ROWS if method == "conserving" else 0
-        samples = Samples(times, *empty_samples(times.size, contacts))
+        samples = empty_samples(times, contacts)
         beads, work = np.zeros((BEAD_ROWS, contacts + 1)), np.empty((rows, contacts))
         kept = empty_checkpoints(contacts, checkpoints)
         return cls(method, spare, beads, work, samples, empty_log(contacts, log_size), kept, no_pause())
@@ -141,11 +141,10 @@ def _pass(
     if larger:
         return _pass(problem, end, times, stop, larger, plain)
     counter = scratch.log.counter
-    rows = int(counter[SAMPLE])  # fewer than wanted where the run gave up
-    overlap, rate, anchor, force, taken = (row[:rows] for row in scratch.samples[1:])
+    samples = first_samples(scratch.samples, int(counter[SAMPLE]))  # fewer than wanted where the run gave up
     return Record(
-        times[:rows], overlap, rate, anchor, force, *kept_switches(scratch.log), state, int(counter[STEP]),
-        int(counter[EVALUATION]), Status(status), _warnings(problem, Status(status), state.time, scratch.log), seconds, taken,
+        problem.chain, samples, *kept_switches(scratch.log), state, int(counter[STEP]), int(counter[EVALUATION]),
+        Status(status), _warnings(problem, Status(status), state.time, scratch.log), seconds,
         kept=_KeptRun(problem, scratch) if problem.keeps else None,
     )  # fmt: skip
 
@@ -160,7 +159,7 @@ class _KeptRun:
     def record(self, found: Record, times: Array) -> Record:
         """The record `found` of the run with its samples at `times`, which may lie beyond its end."""
         problem, scratch, chain = self.problem, self.scratch, self.problem.chain
-        scratch.samples = Samples(times, *empty_samples(times.size, chain.contacts))
+        scratch.samples = empty_samples(times, chain.contacts)
         scratch.log = empty_log(chain.contacts, 0)
         state, late = problem.state.copy(), max(float(times[-1]) - found.end.time, 0.0) if times.size else 0.0
         again = min(found.steps, times.size * int(scratch.checkpoints.plan[SPACING])) + late / problem.step
@@ -174,9 +173,7 @@ class _KeptRun:
         pause.counts[AT], pause.counts[BEGUN], pause.counts[NEXT] = _steps_at_once(problem), 0, 0
         while not _call(kernel, most, problem, state, scratch, (kept, none, tuple(pause))):
             pass  # signals are heard here
-        rows = int(scratch.log.counter[SAMPLE])
-        sampled: dict[str, Any] = {name: getattr(scratch.samples, name)[:rows] for name in SAMPLED}
-        return replace(found, kept=None, **sampled)
+        return replace(found, samples=first_samples(scratch.samples, int(scratch.log.counter[SAMPLE])), kept=None)
 
 
 def _kernels(chain: Chain) -> KernelTiers:

@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 import pymunk
@@ -23,7 +22,7 @@ from softcradle.physics.kernel_tiers import plain
 from softcradle.physics.numerics.knots import put_mean
 from softcradle.physics.numerics.meeting import meets_again
 from softcradle.physics.numerics.records import ChainData, Motion
-from softcradle.physics.problem import SAMPLED, CheckpointList, Problem, Record, empty_samples, run_to_end
+from softcradle.physics.problem import CheckpointList, Problem, Record, empty_samples, run_to_end
 from softcradle.physics.pymunk_contacts.contact_constraint import SoftContact
 from softcradle.physics.scales import contact_scales, speed_scale
 from softcradle.physics.state import MOVING, State, Switches
@@ -191,8 +190,7 @@ class _KeptRun:
             if first < last:
                 run.begin(state)
                 run.until(float(times[last - 1]), stop=False)
-        sampled: dict[str, Any] = dict(zip(SAMPLED, (times, *run.rows), strict=True))
-        return replace(found, kept=None, **sampled)
+        return replace(found, samples=run.samples, kept=None)
 
 
 class _Run:
@@ -202,7 +200,7 @@ class _Run:
         self.problem, self.h, self.times, self.kept = problem, problem.step, times, kept
         self.most_steps = problem.most_steps or MOST_SPACE_STEPS
         self.row = Row(problem.chain, problem.state, self.h)
-        self.rows = empty_samples(times.size, problem.chain.contacts)
+        self.samples = empty_samples(times, problem.chain.contacts)
         self.evaluations = self.sampled = 0
         self.switches: list[tuple[int, float]] = []
         self.status = Status.DONE
@@ -293,16 +291,15 @@ class _Run:
             if self.times[self.sampled] - time > slack:
                 self.row.look_ahead(self.times[self.sampled] - time, sample)
                 self.evaluations += 1
-            for rows, name in zip(self.rows, MOVING, strict=True):
-                rows[self.sampled] = getattr(sample, name)
+            for name in MOVING:
+                getattr(self.samples, name)[self.sampled] = getattr(sample, name)
             self.sampled += 1
 
     def record(self) -> Record:
         """What `simulate` wants to know."""
-        overlap, rate, anchor, force, taken = self.rows
         return Record(
-            self.times, overlap, rate, anchor, force, *Switches.of(self.switches), self.state, self.steps, self.evaluations,
-            self.status, self.warnings, taken=taken, kept=_KeptRun(self.problem, self.kept.items) if self.kept else None,
+            self.problem.chain, self.samples, *Switches.of(self.switches), self.state, self.steps, self.evaluations,
+            self.status, self.warnings, kept=_KeptRun(self.problem, self.kept.items) if self.kept else None,
         )  # fmt: skip
 
 

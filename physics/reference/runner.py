@@ -297,9 +297,8 @@ def run(problem: Problem) -> Record:
     solved = _Run(problem, problem.duration)
     solved.begin()
     solved.until(problem.end)
-    overlap, rate, anchor, force, _ = empty_samples(0, problem.chain.contacts)
     found = Record(
-        NO_TIMES, overlap, rate, anchor, force, *Switches.of(solved.switches),
+        problem.chain, empty_samples(NO_TIMES, problem.chain.contacts), *Switches.of(solved.switches),
         solved.end(), solved.steps, solved.system.evaluations, solved.status, solved.warnings, kept=_KeptSolution(solved),
     )  # fmt: skip
     return found if problem.later else _KeptSolution(solved).record(found, problem.sample_times(solved.time))
@@ -318,8 +317,7 @@ class _KeptSolution:
         if times.size and times[-1] > solved.time and not solved.warnings:
             solved.until(float(times[-1]))
             found = replace(found, end=solved.end(), steps=solved.steps, evaluations=solved.system.evaluations)
-        sampled: dict[str, Any] = solved.samples(times)
-        return replace(found, kept=None, **sampled)
+        return replace(found, samples=found.samples._replace(**solved.samples(times)), kept=None)
 
 
 @QUIET
