@@ -1,16 +1,17 @@
 """The page in a real browser: beads thrown by mouse, finger and keys, wound back, compared, linked, without an error."""
 
-import json
+import re
 import time
 from math import inf
 from pathlib import Path
 
+import axe_core_python
 import numpy as np
 import pytest
 from PIL import Image, ImageColor
 from softcradle.sandbox.draw.bodies import rigid_forces
 from softcradle.sandbox.draw.number_format import MINUS
-from softcradle.sandbox.page import render_page, write_page
+from softcradle.sandbox.page import render_page
 from softcradle.scenes import Lane, Scene
 
 from softcradle import one_on, scenes, simulate
@@ -21,6 +22,7 @@ from tools.browser import Browser, found
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(found() is None, reason="there is no browser")]
 SCENE = "one-on-four"
 PUSHED = {"forces": [{"beads": 3, "time": [0, 1], "force": [0.01, 0.01]}], "duration": 9.0}
+AXE = Path(axe_core_python.__file__).with_name("axe.min.js")
 DEVICES = {"telephone": (390, 844), "desk": (1280, 800)}
 FITS = "document.documentElement.scrollWidth <= document.documentElement.clientWidth"
 BOOKED = 1e-10  # relative error of the energy
@@ -142,22 +144,17 @@ def test_the_rows_end_as_simulate_says(pages, browser, fragment, name, apart):
     assert error(browser) < 1e-13
 
 
-def test_it_plays_by_itself_ends_in_words_and_begins_again(pages, browser):
+def test_it_plays_to_the_same_end_at_every_pace_tells_it_in_words_and_begins_again(pages, browser):
     browser.visit(pages(SCENE).output, "#pace=4")
     browser.until("!page.playing")
-    assert browser.run(SAID) == ENDED
+    said, last = browser.run(f"[{SAID}, page.source.last]")
+    assert said == ENDED
     again = "document.getElementById('toggle').click(), [page.playing, page.source.time === page.source.begun]"
     assert browser.run(again) == [True, True]
-
-
-@pytest.mark.parametrize("pace", [0.05, 4])
-def test_a_run_is_as_long_at_every_pace(pages, browser, pace):
-    browser.visit(pages(SCENE).output, "")
-    last = browser.run("page.source.last")
-    browser.visit(pages(SCENE).output, f"#pace={pace}")
-    run_to_the_end(browser)
-    assert browser.run("page.source.last") == pytest.approx(last, abs=0.01)
-    assert browser.run(SAID) == ENDED
+    for fragment in ("", "#pace=0.05"):
+        browser.visit(pages(SCENE).output, fragment)
+        run_to_the_end(browser)
+        assert browser.run(f"[{SAID}, page.source.last]") == [ENDED, pytest.approx(last, abs=0.01)]
 
 
 def visit_row(browser, folder, duration=None, fragment="", **lane):
@@ -314,11 +311,13 @@ def test_what_a_hand_gives_is_told_of_all_rows_and_apart_from_the_drive(pages, b
     assert error(browser) < BOOKED
 
 
-def test_no_balance_is_told_where_a_moving_wall_gives_energy(browser, tmp_path):
+def test_a_wall_that_moves_is_told_of_and_no_balance_of_the_energy_that_it_gives(browser, tmp_path):
     for mass, balanced in ([inf, 1, 1], False), ([1, 1, inf], True):
         visit_row(browser, tmp_path, mass=mass, velocity=[1, 0, 0], gap=[0.5, 0])
         run_to_the_end(browser)
         assert ("balanced" in browser.run(LEDGER)) is balanced
+        walls = re.findall(r"Wall .*? m/s\. ", browser.run(SAID))
+        assert walls == ([] if balanced else ["Wall 0 goes to the right at 1.00 m/s. "])
 
 
 def test_a_bead_in_hand_stays_there_when_the_pace_changes(pages, browser):
@@ -375,25 +374,23 @@ def test_the_slider_tells_the_alpha_that_acts(pages, browser):
     assert "as one body" in browser.run(text)
 
 
-@pytest.mark.parametrize(("law", "last"), [("steel", 0.986), ("gear", 0.4)])
-def test_another_law_for_the_row(live, law, last):
-    live.run(SET.format("law", law, "change"))
-    run_to_the_end(live)
-    assert velocities(live)[-1] == pytest.approx(last, abs=0.015)
-    assert error(live) < BOOKED
-
-
-def test_steel_balls_beside_soft_beads(live):
+def test_another_law_for_the_row_and_steel_balls_beside_it(live):
     live.run("document.getElementById('steel').click()")
     assert live.run("page.stages.length") == 2
     run_to_the_end(live)
-    assert velocities(live, 1)[-1] == pytest.approx(0.986, abs=0.01)
     soft, steel = live.run(SAID).split("\n")
     assert soft.startswith("alpha = 1/10: ")
     assert steel.startswith("steel balls: Beads 0 to 2 nearly stand still. ")
     assert len(set(live.run("page.source.rows.map((row) => row.kernel.time)"))) == 1
+    beside = velocities(live, 1)
+    assert beside[-1] == pytest.approx(0.986, abs=0.01)
     live.run("document.getElementById('steel').click()")
     assert live.run("page.stages.length") == 1
+    for law, last in (("steel", beside[-1]), ("gear", 0.4)):
+        live.run(SET.format("law", law, "change"))
+        run_to_the_end(live)
+        assert velocities(live)[-1] == pytest.approx(last, abs=0.015)
+        assert error(live) < 1e-13
 
 
 def test_winding_back_and_on_gives_the_same_motion_to_the_bit(live):
@@ -483,13 +480,7 @@ def test_beads_that_just_touch_and_couplers_that_pull_are_said_to(pages, browser
     assert expected[-1] in browser.run("texts.map(([text]) => text)")
 
 
-def test_a_wall_has_a_name_of_its_own_where_it_moves(pages, browser):
-    browser.visit(pages(SCENE).output, "")
-    said = browser.run("whatHappened([0, -1, -1, 2], [null, 1, 1, null], 1)")
-    assert said == "Beads 1 and 2 go together to the left at 1.00 m/s. Wall 3 goes to the right at 2.00 m/s."
-
-
-def test_a_link_opens_the_experiment(pages, browser):
+def test_a_link_opens_the_experiment_and_is_shown_where_there_is_no_clipboard(pages, browser):
     page = pages(SCENE).output
     browser.visit(page, "")
     allowed = ["clipboardReadWrite", "clipboardSanitizedWrite"]
@@ -504,22 +495,20 @@ def test_a_link_opens_the_experiment(pages, browser):
     assert opened == {name: pytest.approx(one) if isinstance(one, float) else one for name, one in experiment.items()}
     assert opened["targets"] == 15
     assert opened["beside"] == "gear"
-    browser.run("location.hash = '#n=2&t=1.2&lang=de'")
-    browser.until("page.specs[0].mass.length === 3")
-    assert browser.run("[page.language, page.playing, page.source.time]") == ["de", False, pytest.approx(1.2, abs=0.02)]
-    browser.run("page.edit('speed', 0.5)")
-    assert browser.until("!location.hash.includes('t=') && location.hash") == "#n=2&v=0.5&lang=de"
-    browser.run("location.hash = '#n=3'")
-    browser.until("page.specs[0].mass.length === 4")
-    assert browser.run("[page.language, document.getElementById('toggle').title]") == ["de", "Anhalten"]
-
-
-def test_where_there_is_no_clipboard_the_address_is_shown(pages, browser):
-    browser.visit(pages(SCENE).output, "#n=3")
     browser.run("Object.defineProperty(navigator, 'clipboard', {value: undefined}), page.pause()")
     browser.run("document.getElementById('link').click()")
-    assert browser.run(NOTICE) == browser.run("location.href")
-    assert browser.run("document.getElementById('link').textContent") == "Copy link"
+    assert browser.run(f"[{NOTICE}, document.getElementById('link').textContent]") == [link, "Copy link"]
+
+
+def test_an_address_that_changes_is_followed_and_keeps_up_with_what_is_chosen(live):
+    live.run("location.hash = '#n=2&t=1.2&lang=de'")
+    live.until("page.specs[0].mass.length === 3")
+    assert live.run("[page.language, page.playing, page.source.time]") == ["de", False, pytest.approx(1.2, abs=0.02)]
+    live.run("page.edit('speed', 0.5)")
+    assert live.until("!location.hash.includes('t=') && location.hash") == "#n=2&v=0.5&lang=de"
+    live.run("location.hash = '#n=3'")
+    live.until("page.specs[0].mass.length === 4")
+    assert live.run("[page.language, document.getElementById('toggle').title]") == ["de", "Anhalten"]
 
 
 @pytest.mark.parametrize(
@@ -612,10 +601,7 @@ def test_a_recorded_motion_is_shown_as_it_was(browser, tmp_path, own):
     scene, k = scenes.load(SCENE), 1200
     chain, method = (one_on(4, lambda d: d + d**3), "conserving") if own else (scene.lanes[0].chain(), "accurate")
     recorded = simulate(chain, scene.lanes[0].velocity, method=method, samples=2001)
-    if own:
-        recorded.to_page(tmp_path / "page.html")
-    else:
-        write_page(recorded, scene, tmp_path / "page.html")
+    recorded.to_page(tmp_path / "page.html")
     browser.visit(tmp_path / "page.html", f"#t={recorded.time[k]}")
     np.testing.assert_allclose(velocities(browser), recorded.velocity[k], atol=2e-3)
     np.testing.assert_allclose(browser.run("Array.from(page.source.values(0).force)"), recorded.force[k], atol=2e-3)
@@ -670,7 +656,7 @@ def test_it_fits(pages, browser, width, fragment):
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("device", DEVICES)
-def test_it_is_drawn_and_texts_stand_out(pages, browser, tmp_path, device, scheme):
+def test_it_is_drawn_texts_stand_out_and_axe_finds_nothing(pages, browser, tmp_path, device, scheme):
     browser.device(*DEVICES[device])
     browser.media("screen", scheme)
     browser.visit(pages(SCENE).output, "#t=1.9")
@@ -685,6 +671,10 @@ def test_it_is_drawn_and_texts_stand_out(pages, browser, tmp_path, device, schem
     for pair in ("ink", "paper"), ("muted", "paper"), ("ink", "card"), ("muted", "card"), ("alarm", "paper"):
         colours = [ImageColor.getrgb(browser.run(style.format(name))) for name in pair]
         assert contrast(*colours) >= 4.5, pair
+    browser.run(AXE.read_text(encoding="utf-8") + "; document.getElementById('steel').click(), page.go(1.5)")
+    found = browser.run("axe.run().then(({violations, passes}) => ({violations, passes: passes.length}))")
+    assert [(rule["id"], [node["html"] for node in rule["nodes"]]) for rule in found["violations"]] == []
+    assert found["passes"] > 20
     browser.media("print")
     for part, shown in ((".transport", "none"), (".stage", "block")):
         assert browser.run(f"getComputedStyle(document.querySelector('{part}')).display") == shown
@@ -712,20 +702,6 @@ def test_no_text_of_the_drawing_covers_another_or_leaves_it(pages, browser, name
         assert [(a[0], b[0]) for a, b in pairs if covering(a, b)] == []
         assert [text for text in texts if any(covering(text, rule) for rule in rules)] == []
         assert [text for text in words if text[1] < -1 or text[3] > room + 1] == []
-
-
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("device", DEVICES)
-def test_axe_finds_nothing(pages, browser, device, scheme):
-    axe = Path(pytest.importorskip("axe_core_python").__file__).parent / "axe.min.js"
-    browser.device(*DEVICES[device])
-    browser.media("screen", scheme)
-    browser.visit(pages(SCENE).output, "#t=1.5&with=steel")
-    browser.run(axe.read_text(encoding="utf-8") + ";0")
-    report = "axe.run().then(({violations, passes}) => JSON.stringify({violations, passes: passes.length}))"
-    found = json.loads(browser.run(report))
-    assert [(rule["id"], [node["html"] for node in rule["nodes"]]) for rule in found["violations"]] == []
-    assert found["passes"] > 20
 
 
 @pytest.mark.parametrize("name", scenes.names())
