@@ -12,7 +12,7 @@ from softcradle.sandbox.draw import Picture, draw, number_format, scales_of
 from softcradle.sandbox.draw.axes import LINE
 from softcradle.sandbox.draw.bodies import cluster_ends, has_marks, rigid_forces
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
-from softcradle.sandbox.draw.number_format import MINUS, factor, fixed, number_text, scientific, spread, ticks
+from softcradle.sandbox.draw.number_format import MINUS, TIMES, factor, fixed, number_text, scientific, spread, ticks
 from softcradle.sandbox.draw.palette import BEAD_COLOURS, OKABE_ITO, bead_colours, tones
 from softcradle.sandbox.draw.scene_picture import _speed
 from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, left_edges
@@ -80,8 +80,9 @@ def near(pixels, colour, tolerance=6):
 
 def test_drawing_changes_nothing_and_depends_on_the_row_alone(two):
     scene, motions, _ = two
-    names = ("time", "position", "overlap", "force")
-    before = [{name: getattr(motion, name).copy() for name in names} for motion in motions]
+    for motion in motions:
+        for values in (motion.time, motion.position, motion.overlap, motion.force):
+            values.setflags(write=False)
     picture = Picture(scene, motions, SIZE)
     middle, row = len(motions[0].time) // 2, len(motions[0].time) // 3
     first = painted(picture, middle)
@@ -93,8 +94,6 @@ def test_drawing_changes_nothing_and_depends_on_the_row_alone(two):
     assert (other != first).any()
     faded = painted(picture, middle, text_opacity=0.5)
     assert 0 < np.abs(faded - first).sum() < np.abs(text - first).sum()
-    for motion, arrays in zip(motions, before, strict=True):
-        assert all((getattr(motion, name) == array).all() for name, array in arrays.items())
 
 
 def test_bars_are_as_high_as_the_forces(soft):
@@ -176,17 +175,11 @@ def test_bars_and_times_hold_all_that_they_show(lane):
     """What the bed has absorbed is in the bar of the energy too; that of a small momentum to the left is as long as it."""
     scene = hertz_row(20.0, **lane)
     (motion,) = motions = scene_motions(scene, 30.0)
-    scales, total = scales_of(scene, motions), motion.kinetic.sum(axis=1) + motion.stored
-    total += motion.absorbed if motion.absorbed.size else 0.0
+    scales, total = scales_of(scene, motions), motion.energy + (motion.absorbed if motion.absorbed.size else 0.0)
     assert scales.energy == (total.max() or 1.0)
     assert np.ptp(scales.momentum) == pytest.approx(np.abs(motion.momentum.sum(axis=1)).max() or 1.0)
     moment = {name: getattr(motion, name)[:1] for name in ("time", "overlap", "rate", "anchor", "force")}
     assert np.ptp(scales_of(scene, [replace(motion, **moment)]).time) > 0.0
-
-
-@pytest.mark.parametrize(("slow", "said"), [(1, "real time"), (4, "slow motion 1/4"), (0.7, "1.429"), (0.01, "100")])
-def test_the_pace_is_said_as_it_is(slow, said):
-    assert said in _speed(slow)
 
 
 def test_magnified_overlaps_move_beads_about_their_mean():
@@ -299,8 +292,7 @@ def test_where_clusters_end_and_which_have_marks():
 
 def test_errors_are_those_of_the_motion(soft):
     (motion,) = soft[1]
-    energy = motion.kinetic.sum(axis=1) + motion.stored
-    assert motion.energy_error[-1] == pytest.approx(np.abs(energy / energy[0] - 1.0).max())
+    assert motion.energy_error[-1] == pytest.approx(np.abs(motion.energy / motion.energy[0] - 1.0).max())
     slowed = replace(motion, rate=0.5 * motion.rate, anchor=motion.anchor * [1.0, 0.5])
     assert slowed.momentum_error[-1] == pytest.approx(motion.momentum_error[-1], abs=1e-12)
     assert slowed.energy_error[-1] > 0.1
@@ -372,6 +364,8 @@ def test_steps_are_round(span, most):
         (ticks(-0.2, 1.0, 4), [(0.0, "0.0"), (0.5, "0.5"), (1.0, "1.0")]),
         ([text for _, text in ticks(0.0, 1.4e6, 3)], ["0", "500 k", "1 M"]),
         ([text for _, text in ticks(-2e4, 2e4, 4)], [f"{MINUS}20 k", f"{MINUS}10 k", "0", "10 k", "20 k"]),
+        ([_speed(slow) for slow in (1, 4)], ["real time", "slow motion 1/4"]),
+        ([_speed(slow) for slow in (0.7, 0.01)], [f"quick motion {TIMES}1.429", f"quick motion {TIMES}100"]),
     ],
 )
 def test_numbers(found, expected):

@@ -22,7 +22,7 @@ from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Lane, Scene
 from softcradle.scenes.catalogue import parse
 
-from softcradle import scenes
+from softcradle import scenes, simulate
 from tests.helpers.drawn_text import colliding, film_texts
 
 SIZE = (480, 270)
@@ -181,6 +181,9 @@ def test_a_motion_that_is_not_finite_is_refused():
     lane = Lane(mass=[math.inf, 1, math.inf], velocity=[0, 1, 0], contact={"law": "hertz", "stiffness": 1e6}, gap=1.0)
     with pytest.raises(UserError, match="did not stay finite"):
         scene_motions(Scene(title="Between walls", lanes=(lane,), duration=100.0), FPS, "euler", 0.5)
+    blown_up = simulate(lane.chain(), lane.velocity, 100.0, method="euler", step=0.5)
+    with pytest.raises(UserError, match="did not stay finite"):
+        blown_up.film()
 
 
 def test_a_folder_with_something_in_it_and_a_missing_codec_are_refused(tmp_path, monkeypatch):

@@ -81,9 +81,10 @@ def process(tmp_path_factory):
 
 @pytest.fixture
 def browser(process):
-    """An empty page of its own for each test, which complains of nothing but how tests read its canvases."""
+    """An empty page of its own for each test; in the end its energy is balanced, and it complains of how tests read alone."""
     process.fresh()
     yield process
+    assert process.run("typeof page === 'object' && page.source.live") is False or error(process) < BOOKED
     assert [one for one in process.complaints if "willReadFrequently" not in one] == []
 
 
@@ -95,8 +96,8 @@ def live(pages, browser):
 
 
 def error(browser):
-    """The greatest relative error of the energy of a row, which is 0 to round-off."""
-    return browser.run("Math.max(...page.source.rows.map((row) => row.energyError()))")
+    """The greatest relative error of the energy of a row; a wall that moves gives some that nobody counts."""
+    return browser.run("Math.max(...page.source.rows.map((row) => (row.balanced ? row.energyError() : 0)))")
 
 
 def velocities(browser, lane=0):
@@ -257,7 +258,6 @@ def test_a_bead_is_thrown_with_the_mouse_or_a_finger_and_the_page_stays(pages, b
     assert browser.run("page.source.hand") is None
     browser.run("page.pause()")
     assert (velocities(browser).sum() - 1.0) * pull > 0.0  # the way in which it was pulled
-    assert error(browser) < BOOKED
     assert browser.run("page.source.rows[0].given") != 0.0
     assert browser.run("scrollY") == 0
     if device == "telephone":
@@ -284,7 +284,6 @@ def test_a_bead_is_chosen_pulled_and_thrown_by_keys(live):
     live.key("ArrowLeft", shift=True)
     live.run("page.pause()")
     assert live.run("page.source.rows[0].given") == pytest.approx(0.5)  # a kilogram thrown at a metre a second
-    assert error(live) < BOOKED
 
 
 @pytest.mark.parametrize(("mass", "chosen"), [([1, 1, inf], [0, 1, 1, 0, 0]), ([inf, 1, inf, 1], [1, 3, 3, 1, 1])])
@@ -308,7 +307,6 @@ def test_what_a_hand_gives_is_told_of_all_rows_and_apart_from_the_drive(pages, b
     assert browser.run("page.source.rows[0].given") == pytest.approx(thrown)
     assert browser.run("page.source.rows[0].driven") == pytest.approx(0.125, abs=0.01)
     browser.run("for (let k = 0; k < 50; k++) page.source.next(); page.step(-1)")
-    assert error(browser) < BOOKED
 
 
 def test_a_wall_that_moves_is_told_of_and_no_balance_of_the_energy_that_it_gives(browser, tmp_path):
@@ -326,7 +324,6 @@ def test_a_bead_in_hand_stays_there_when_the_pace_changes(pages, browser):
     browser.run(SET.format("pace", 4, "change"))
     browser.run("page.pause(); for (let k = 0; k < 300; k++) page.source.next()")
     assert np.abs(velocities(browser)).max() < 4.0  # the hand can give twice the closing speed of 1 m/s
-    assert error(browser) < BOOKED
 
 
 def test_alpha_changes_while_beads_touch(live):
@@ -337,7 +334,6 @@ def test_alpha_changes_while_beads_touch(live):
     assert live.run("page.source.rows[0].kernel.law[2]") == 1.5
     assert live.run("page.source.rows[0].given") != 0.0
     live.run("for (let k = 0; k < 200; k++) page.source.next()")
-    assert error(live) < BOOKED
 
 
 def test_energy_is_balanced_wherever_soft_contacts_stand_in_the_row(browser, tmp_path):
@@ -356,7 +352,7 @@ def test_rows_that_were_edited_as_they_moved_are_those_that_begin_anew(pages, br
     before = browser.run(f"page.pause(), page.go(1), {laws}")
     browser.run("page.edit('alpha', 0.5), page.edit('loss', 0.5), page.edit('friction', 0.01), page.pause()")
     edited = browser.run(laws)
-    assert error(browser) < BOOKED
+    assert error(browser) < BOOKED  # and of those that begin anew
     assert edited == browser.run(f"page.restart(), {laws}") != before
 
 
@@ -402,7 +398,6 @@ def test_winding_back_and_on_gives_the_same_motion_to_the_bit(live):
     assert live.run(LAST_STATE) == kept
     live.run("page.go(1.5), page.chosen = {lane: 0, bead: 4}, page.throwChosen(-1), page.pause()")
     assert live.run("page.source.last") < 2.0  # what comes after an edit is another motion
-    assert error(live) < BOOKED
 
 
 @pytest.mark.parametrize(
@@ -453,7 +448,6 @@ def test_only_the_last_minute_is_remembered(live):
     live.run("for (let k = 0; k < 9000; k++) page.source.next()")
     assert live.run("page.source.count - page.source.first") == 3600
     assert live.run("page.go(-1e9), page.source.time === page.source.begun")
-    assert error(live) < BOOKED
 
 
 def test_a_cluster_ends_at_its_first_open_contact(live):
@@ -581,7 +575,6 @@ def test_nothing_in_an_address_is_more_than_a_number_or_a_known_word(pages, brow
     assert set(experiment["shown"]) <= {"forces", "loupes", "balance", "charts"}
     assert browser.run("document.querySelectorAll('main script, main img').length") == 0
     run_to_the_end(browser)
-    assert error(browser) < BOOKED
 
 
 def test_a_host_that_refuses_kernels_gets_the_recorded_motion(pages, browser, tmp_path):
@@ -711,8 +704,6 @@ def test_every_scene_plays_to_its_end_without_an_error(pages, browser, name):
     browser.run("for (let k = 0; k <= 40; k++) page.go(page.source.begun + k / 40 * span)")
     assert np.isfinite(velocities(browser)).all()
     assert browser.run(INSIDE)
-    if browser.run("page.source.live"):
-        assert error(browser) < BOOKED
     dissipative = scenes.load(name).lanes[0].chain().dissipative
     assert (browser.run("page.source.values(0).absorbed") > 0.0) == dissipative
     assert browser.run(FITS)
