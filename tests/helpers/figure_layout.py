@@ -35,17 +35,6 @@ def texts_on_texts(figure: Figure) -> list[tuple[str, str]]:
     return [(one, other) for (one, box), (other, below) in combinations(texts, 2) if box.overlaps(below)]
 
 
-def texts_on_curves(figure: Figure) -> list[tuple[str, str]]:
-    """Texts inside of axes, those of legends among them, that a curve passes through, with the curve's label."""
-    found = []
-    for text, box in texts_of(figure):
-        inner = Bbox.from_extents(box.x0, box.y0 + 0.2 * box.height, box.x1, box.y1 - 0.2 * box.height)
-        for axes in figure.findobj(Axes):
-            if axes.bbox.contains(*box.get_points().mean(axis=0)):
-                found += [(text.get_text(), label) for label in _crossing(inner, axes)]
-    return found
-
-
 def keys_on_curves(figure: Figure) -> list[tuple[str, str]]:
     """Keys of legends, by their texts, that a curve passes through, with the curve's label: it looks as if it were the key."""
     figure.draw_without_rendering()
@@ -69,7 +58,11 @@ def unreadable(figure: Figure) -> list[object]:
         beyond = box.x0 < edge.x0 or box.y0 < edge.y0 or box.x1 > edge.x1 - 1 or box.y1 > edge.y1 - 1
         if beyond or text.get_fontsize() * script < LEAST_SIZE:
             found.append(words)
-    return [*found, *texts_on_texts(figure), *texts_on_curves(figure)]
+        inner = Bbox.from_extents(box.x0, box.y0 + 0.2 * box.height, box.x1, box.y1 - 0.2 * box.height)
+        for axes in figure.findobj(Axes):
+            if axes.bbox.contains(*box.get_points().mean(axis=0)):
+                found += [(words, label) for label in _crossing(inner, axes)]
+    return [*found, *texts_on_texts(figure)]
 
 
 def unnamed_colours(figure: Figure) -> set[str]:

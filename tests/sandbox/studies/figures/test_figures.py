@@ -8,6 +8,7 @@ import pytest
 from PIL import Image
 from softcradle.sandbox.cli.commands.figures import KEPT
 from softcradle.sandbox.cli.main import main
+from softcradle.sandbox.files import filled_folder
 from softcradle.sandbox.studies.data_table import rows_where
 from softcradle.sandbox.studies.figures import catalogue, rigidity
 from softcradle.sandbox.studies.figures.catalogue import FIGURES, compute_tables, figures_named, write_figure
@@ -75,8 +76,7 @@ def test_the_command_lists_all_and_does_not_compute_again_what_is_kept(tables, t
     stop = Mock(side_effect=[None, KeyboardInterrupt])
     wanted, folder = figures_named(["2a", "exchange"]), tmp_path / "new" / "folder"
     expected = [tables(figure.name) for figure in wanted]  # before one of them can no longer be computed
-    folder.mkdir(parents=True)
-    with pytest.raises(KeyboardInterrupt):
+    with filled_folder(folder), pytest.raises(KeyboardInterrupt):
         list(compute_tables(wanted, folder / KEPT, stop, 1))
     again = [replace(wanted[0], table=lambda: pytest.fail("computed again")), wanted[1]]
     monkeypatch.setattr(catalogue, "FIGURES", again)
