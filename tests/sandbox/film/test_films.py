@@ -321,13 +321,10 @@ def written(path, cores, monkeypatch):
     return path
 
 
-def test_the_film_is_the_same_on_every_number_of_cores(tmp_path, monkeypatch):
-    films = [written(tmp_path / f"{cores}.mp4", cores, monkeypatch).read_bytes() for cores in (1, 2, 3, 8)]
-    assert len(set(films)) == 1
-
-
-def test_every_frame_has_its_time_and_its_picture_and_players_may_begin_at_any_segment(tmp_path, monkeypatch):
-    with av.open(str(written(tmp_path / "film.mp4", 3, monkeypatch))) as container:
+def test_frames_have_their_time_and_picture_and_players_begin_at_any_segment_on_any_cores(tmp_path, monkeypatch):
+    films = [written(tmp_path / f"{cores}.mp4", cores, monkeypatch) for cores in (1, 2, 3, 8)]
+    assert len({film.read_bytes() for film in films}) == 1
+    with av.open(str(films[0])) as container:
         stream = container.streams.video[0]
         assert stream.frames == FRAMES
         assert float(stream.duration * stream.time_base) == pytest.approx(FRAMES / 30.0)

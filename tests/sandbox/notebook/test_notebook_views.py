@@ -21,7 +21,7 @@ def found() -> Trajectory:
     return simulate(CHAIN, [1, 0, 0, 0, 0], method="conserving", step=1e-2)
 
 
-def test_texts_are_short(found):
+def test_texts_are_short_and_chains_and_scenes_are_tables(found):
     assert repr(CHAIN).startswith("Chain(mass=5 x 1.0, contact=4 x Contact(")
     assert re.match(r"Trajectory of 5 beads, 0 to 2\.\d+ s in 201 samples, by conserving", repr(found))
     assert repr(scenes.load("galilean")) == "Scene('Who hits whom?', 5 beads and 5 beads)"
@@ -29,6 +29,10 @@ def test_texts_are_short(found):
     assert "mass=[1.0, 2.0, inf]" in mixed
     assert "friction=0.1" in mixed
     assert len(repr(one_on(1000, hertz(1), np.linspace(1, 2, 1001)))) < 200
+    assert "power_law(1, 0.1)" in CHAIN._repr_html_()
+    shown = scenes.load("one-on-four").model_copy(update={"title": "<b>"})._repr_html_()
+    assert "&lt;b&gt;" in shown
+    assert "alpha = 1/10" in shown
 
 
 @pytest.mark.parametrize("n", [4, 200])
@@ -40,13 +44,6 @@ def test_a_trajectory_is_a_picture_and_two_tables(n):
     assert "largest force [N]" in contacts
     data = re.search(r'src="data:image/png;base64,([^"]+)"', shown)
     assert base64.b64decode(data[1]).startswith(b"\x89PNG")
-
-
-def test_chains_and_scenes_are_tables():
-    assert "power_law(1, 0.1)" in CHAIN._repr_html_()
-    shown = scenes.load("one-on-four").model_copy(update={"title": "<b>"})._repr_html_()
-    assert "&lt;b&gt;" in shown
-    assert "alpha = 1/10" in shown
 
 
 def test_a_figure_is_shown_without_any_setting(found, tmp_path):
@@ -99,16 +96,13 @@ def test_a_scene_lives_in_a_cell_and_in_a_file(tmp_path):
     assert (tmp_path / "cell.html").read_text() == (tmp_path / "page.html").read_text()
 
 
-def test_xarray(found):
+def test_xarray_and_pandas_have_the_samples_with_their_units(found, tmp_path):
     data = found.to_xarray()
     assert dict(data.sizes) == {"time": 201, "bead": 5, "contact": 4}
     np.testing.assert_array_equal(data.force.sel(contact=2), found.force[:, 2])
     assert data.velocity.attrs["units"] == "m/s"
     assert data.kinetic_energy.dims == ("time",)
     assert data.attrs["method"] == "conserving"
-
-
-def test_pandas(found, tmp_path):
     frame = found.to_pandas()
     found.to_csv(tmp_path / "x.csv")
     pd.testing.assert_frame_equal(frame, pd.read_csv(tmp_path / "x.csv", index_col="time [s]"))

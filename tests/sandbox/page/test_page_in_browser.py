@@ -389,7 +389,7 @@ def test_another_law_for_the_row_and_steel_balls_beside_it(live):
         assert error(live) < 1e-13
 
 
-def test_winding_back_and_on_gives_the_same_motion_to_the_bit(live):
+def test_winding_back_and_on_within_the_last_minute_gives_the_same_motion_to_the_bit(live):
     run_to_the_end(live)
     kept = live.run(LAST_STATE)
     live.run("page.go(1.5), page.source.forget()")
@@ -398,6 +398,9 @@ def test_winding_back_and_on_gives_the_same_motion_to_the_bit(live):
     assert live.run(LAST_STATE) == kept
     live.run("page.go(1.5), page.chosen = {lane: 0, bead: 4}, page.throwChosen(-1), page.pause()")
     assert live.run("page.source.last") < 2.0  # what comes after an edit is another motion
+    live.run("page.source.apartFor = -1e9; for (let k = 0; k < 9000; k++) page.source.next()")
+    assert live.run("page.source.count - page.source.first") == 3600  # kept states: no more are remembered
+    assert live.run("page.go(-1e9), page.source.time === page.source.begun")
 
 
 @pytest.mark.parametrize(
@@ -441,13 +444,6 @@ def test_pictures_that_come_late_have_fewer_pixels_if_that_helps(pages, browser,
     browser.visit(pages(SCENE).output, "#t=1.5")
     late = "for (let k = 0; k < 60; k++) page.spare({}); page.theme.density"
     assert [browser.run(late.format(wait)) for wait in (16.7, 33.0, then, 33.0)] == [3, 1, density, density]
-
-
-def test_only_the_last_minute_is_remembered(live):
-    live.run("page.pause(), page.source.touched = true, page.source.apartFor = -1e9")
-    live.run("for (let k = 0; k < 9000; k++) page.source.next()")
-    assert live.run("page.source.count - page.source.first") == 3600
-    assert live.run("page.go(-1e9), page.source.time === page.source.begun")
 
 
 def test_a_cluster_ends_at_its_first_open_contact(live):

@@ -61,13 +61,19 @@ def test_a_lane_at_rest_has_no_part_in_the_speed_of_a_page(speeds):
     assert [data["speed"], data["own"]["speed"]] == [0.01, 0.01]
 
 
-def test_what_is_asked_of_a_method_is_recorded_and_the_page_says_how(tmp_path):
-    report = render_page(load_scene("one-on-four"), tmp_path / "page.html", method="radau")
+def test_what_is_asked_of_a_method_is_recorded_and_the_page_says_how_and_with_what_warnings(tmp_path):
+    scene = load_scene("one-on-four")
+    chain, velocity = scene.lanes[0].chain(), scene.lanes[0].velocity
+    report = render_page(scene, tmp_path / "page.html", method="radau")
     text = report.output.read_text(encoding="utf-8")
     assert not report.computed
-    found = simulate(scenes.load("one-on-four").lanes[0].chain(), [1, 0, 0, 0, 0], method="radau")
-    assert all(f"{velocity:.8f}" in text for velocity in found.final_velocity)
+    assert all(f"{value:.8f}" in text for value in simulate(chain, velocity, method="radau").final_velocity)
     assert "Recorded motion, computed by radau, tolerance 1e-08; " in text
+    with pytest.warns(RuntimeWarning) as warned:
+        found = simulate(chain, velocity, method="verlet", step=0.05)
+    text = write_page(found, scene, tmp_path / "page.html").output.read_text(encoding="utf-8")
+    assert str(warned[0].message).replace("'", "&#x27;") in text
+    assert "computed by verlet, step 0.050 s" in text
 
 
 @pytest.mark.parametrize("name", ["one-on-four", "train-starting"])
@@ -79,16 +85,6 @@ def test_a_page_of_what_was_played_states_errors_that_are_known_alone(name):
     assert "; energy error " in recorded_sentence(found)
     unknown = replace(found, given=np.full_like(found.given, np.nan))
     assert recorded_sentence(unknown).endswith(" s")
-
-
-def test_warnings_of_the_run_are_on_the_page(tmp_path):
-    scene = load_scene("one-on-four")
-    with pytest.warns(RuntimeWarning) as warned:
-        found = simulate(scene.lanes[0].chain(), scene.lanes[0].velocity, method="verlet", step=0.05)
-    write_page(found, scene, tmp_path / "page.html")
-    text = (tmp_path / "page.html").read_text(encoding="utf-8")
-    assert str(warned[0].message).replace("'", "&#x27;") in text
-    assert "computed by verlet, step 0.050 s" in text
 
 
 def test_labels_of_users_are_text_not_markup():
@@ -173,7 +169,7 @@ def test_lines_between_samples_follow_the_recorded_motion_and_deep_overlaps_keep
         assert len(values.time) < len(found.time) / 2
 
 
-def test_free_flight_leads_to_the_start_and_follows_the_end():
+def test_free_flight_leads_to_the_start_and_follows_the_end_and_few_samples_are_played_as_they_are():
     scene = Scene(title="in touch", lanes=(Lane(contact=SOFT, velocity=[1, 0, 0]),))
     (end,) = recorded(scene)
     (motion,) = played_motion(scene, [end]).motions
@@ -183,6 +179,9 @@ def test_free_flight_leads_to_the_start_and_follows_the_end():
     np.testing.assert_allclose(motion.velocity[-1], end.final_velocity, atol=1e-12)
     drift = motion.position[-1] - motion.position[-2] - motion.velocity[-1] * (motion.time[-1] - motion.time[-2])
     assert np.abs(drift).max() < 1e-12
+    few = simulate(one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0], duration=1.0, samples=3)
+    (motion,) = played_motion(load_scene("one-on-four"), [few]).motions
+    assert motion.time[-3:].tolist() == [0.0, 0.5, 1.0]
 
 
 def test_lanes_that_were_edited_at_different_times_begin_with_the_last_of_them():
@@ -203,8 +202,8 @@ def test_the_page_of_a_row_that_a_hand_has_moved_says_so(tmp_path, edits):
     for edit in edits:
         session.apply(edit)
         session.step_frames(2)
-    write_page(session.trajectory(0), session.shown_scene(), tmp_path / "page.html")
-    (lane,) = page_data((tmp_path / "page.html").read_text(encoding="utf-8"))["lanes"]
+    written = write_page(session.trajectory(0), session.shown_scene(), tmp_path / "page.html").output
+    (lane,) = page_data(written.read_text(encoding="utf-8"))["lanes"]
     assert lane["driven"] is bool(edits)
 
 
@@ -219,12 +218,6 @@ def test_a_motion_that_needs_too_many_samples_gets_coarser_ones_or_is_refused(mo
     monkeypatch.setattr("softcradle.sandbox.page.data.MOST_BYTES", 500)
     with pytest.raises(UserError, match="5 beads is too much for one page"):
         packed_lanes(motion.motions, motion.scales)
-
-
-def test_a_trajectory_of_few_samples_is_played_as_it_is():
-    found = simulate(one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0], duration=1.0, samples=3)
-    (motion,) = played_motion(load_scene("one-on-four"), [found]).motions
-    assert motion.time[-3:].tolist() == [0.0, 0.5, 1.0]
 
 
 def test_thinned_curves_keep_their_jumps():
