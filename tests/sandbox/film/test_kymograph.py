@@ -64,45 +64,31 @@ def test_the_paper_s_camera_where_units_are_the_paper_s():
     assert kymograph.camera_rate(load("one-on-four"), 3.0, 1000) == pytest.approx(1000 / (3.0 * 1.6))
 
 
-ACROSS = 1280 - 2 * 28 - 92  # pixels of the kymograph
-
-
-def foreground(scene, tmp_path):
-    """Where the picture of a scene has the colour of bars and lines, and how many camera frames it shows."""
-    path = tmp_path / "x.kymograph.png"
-    report = render_kymograph(scene, str(path))
+def test_the_picture_has_scale_bars_of_100_ms_and_12_cm_and_marks_release_and_first_touch(tmp_path):
+    """Dotted lines of the foreground across the lane: at t = 0, and where 20 mm at 0.5 m/s are flown."""
+    path, (scene, (motion,)) = tmp_path / "x.kymograph.png", filmed(load("draft-gear-two-on-two"))
+    frames = render_kymograph(load("draft-gear-two-on-two"), str(path)).frames
     with Image.open(path) as opened:
         picture = np.asarray(opened.convert("RGB"))
     assert picture.shape == (720, 1280, 3)
-    return (picture == np.array(tones.foreground)).all(axis=2), report.frames
-
-
-def test_scale_bars_are_100_ms_and_12_cm(tmp_path):
-    scene = load("draft-gear-one-on-three")
-    black, frames = foreground(scene, tmp_path)
+    black = (picture == np.array(tones.foreground)).all(axis=2)
+    across, tall = 1280 - 2 * 28 - 92, 720 - 80 - 58 - 24 - 14  # pixels of the kymograph
     below, right = black[-60:-40].sum(axis=1).max(), black[100:-62, -118:-90].sum(axis=0).max()
-    assert below == pytest.approx(0.1 * CAMERA_RATE * ACROSS / frames, abs=2)
-    low, high = scales_of(*filmed(scene)).window
-    tall = 720 - 80 - 58 - 24 - 14
-    assert right == pytest.approx(0.12 / (high - low) * tall, abs=2)
+    assert below == pytest.approx(0.1 * CAMERA_RATE * across / frames, abs=2)
+    assert right == pytest.approx(0.12 / np.ptp(scales_of(scene, [motion]).window) * tall, abs=2)
+    (first, release), (second, touch) = instants(motion)
+    assert (first, second, release) == ("release", "first touch", 0)
+    assert motion.time[touch] == pytest.approx(0.04, abs=1.0 / CAMERA_RATE)
+    dotted = black[110:640].sum(axis=0) > 0.4 * 530
+    assert [28, 28 + round(across * touch / frames)] == np.flatnonzero(dotted[: 28 + across]).tolist()
 
 
-def test_release_and_first_touch_are_marked(tmp_path):
-    """Dotted lines of the foreground across the lane: at t = 0, and where 20 mm at 0.5 m/s are flown."""
-    scene = load("draft-gear-two-on-two")
-    _, (motion,) = filmed(scene)
+def test_what_is_in_touch_at_the_start_is_not_released_nor_is_a_train_that_begins_to_pull():
     in_touch = parse(f'title = "x"\n[[lanes]]\nbeads = 2\nvelocity = [1.0, 0.0]\ncontact = {BALL}')
     _, (touching,) = filmed(in_touch, 30.0)
     assert touching.time[0] < 0.0
-    assert [name for name, _ in instants(touching)] == ["first touch"]  # it is not released
-    assert not instants(scene_motions(load("train-starting"), 5.0)[0])  # nor is a train, which begins to pull
-    (first, release), (second, touch) = instants(motion)
-    assert (first, second) == ("release", "first touch")
-    assert release == 0
-    assert motion.time[touch] == pytest.approx(0.04, abs=1.0 / CAMERA_RATE)
-    black, frames = foreground(scene, tmp_path)
-    dotted = black[110:640].sum(axis=0) > 0.4 * 530
-    assert [28, 28 + round(ACROSS * touch / frames)] == np.flatnonzero(dotted[: 28 + ACROSS]).tolist()
+    assert [name for name, _ in instants(touching)] == ["first touch"]
+    assert not instants(scene_motions(load("train-starting"), 5.0)[0])
 
 
 @pytest.mark.parametrize("velocity", ["[0.0, 1.0, 2.0]", "[0.0, 0.0, 0.0]"])

@@ -12,9 +12,9 @@ def tables():
     return cache(lambda name: figures_named([name])[0].table())
 
 
-def columns(table, name, count, kind=""):
+def columns(table, name, count):
     """(T, count): the columns of beads 0 to count - 1."""
-    return np.column_stack([table[f"{name}{i}{kind}"] for i in range(count)])
+    return np.column_stack([table[f"{name}{i}"] for i in range(count)])
 
 
 def forces(table, kind, count=4):

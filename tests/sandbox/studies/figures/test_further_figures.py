@@ -65,7 +65,7 @@ def test_in_train_forces_grow_with_the_blow_and_fall_along_the_train(tables):
     np.testing.assert_allclose(np.maximum(table["force"], 1e-3 * coupling.preload), 1e-3 * forces, rtol=5e-3)
 
 
-def test_driven_cluster_oscillates_about_the_uniform_acceleration(tables):
+def test_driven_cluster_oscillates_about_the_uniform_acceleration_as_the_model_does(tables):
     table = tables("driven")
     np.testing.assert_allclose(table["V"], DRIVE / wave.SHOWN_BEADS * table["t"], atol=1e-9)
     psi, model = table["psi full"], table["psi model"]
@@ -74,9 +74,6 @@ def test_driven_cluster_oscillates_about_the_uniform_acceleration(tables):
     beads = np.column_stack([table[f"v{i} - V"] for i in (1, 2, 3, 4)])
     np.testing.assert_allclose(beads.sum(axis=1), 0.0, atol=1e-9)
     assert np.ptp(beads[:, 1:], axis=1).max() < 0.1 * np.ptp(beads[:, 0])  # beads 2 to 4 move as one against the first
-
-
-def test_period_and_amplitude_of_the_driven_mode(tables):
     table = tables("driven-scan")
     np.testing.assert_allclose(table["period full"], table["period model"], rtol=0.06)
     np.testing.assert_allclose(table["amplitude full"], table["amplitude model"], rtol=0.03)
@@ -122,18 +119,14 @@ def test_disorder_breaks_the_cradle_and_clusters_with_weak_contacts(tables):
     assert np.std(last) > 0.1
 
 
-def test_both_modes_of_cluster_on_cluster(tables):
-    table = tables("clusters")
-    count = variant.STRIKERS + variant.TARGETS - 1
-    inside = (table["t"] > 0.1) & (table["t"] < 3.7)
-    np.testing.assert_allclose(forces(table, "model", count)[inside], forces(table, "full", count)[inside], rtol=0.01)
-
-
-def test_hooke_interface_opens_last_and_leaves_a_rigid_cluster(tables):
-    table = tables("interface")
+def test_the_model_follows_cluster_on_cluster_and_a_hooke_interface_which_opens_last(tables):
+    both = variant.STRIKERS + variant.TARGETS - 1
+    for name, count, begin, end, apart in (("clusters", both, 0.1, 3.7, 0.01), ("interface", 4, 0.2, 2.2, 0.02)):
+        table = tables(name)
+        inside = (table["t"] > begin) & (table["t"] < end)
+        model, full = (forces(table, kind, count)[inside] for kind in ("model", "full"))
+        np.testing.assert_allclose(model, full, rtol=apart)
     assert columns(table, "v", 5)[-1] == pytest.approx([-0.6, 0.4, 0.4, 0.4, 0.4], abs=0.01)
-    both = (table["t"] > 0.2) & (table["t"] < 2.2)
-    np.testing.assert_allclose(forces(table, "model")[both], forces(table, "full")[both], rtol=0.02)
     assert table["t"][table["f12 full"] > 0.0][-1] < table["t"][table["f01 full"] > 0.0][-1]
 
 
