@@ -45,8 +45,6 @@ COVERED = """(() => [...document.querySelectorAll('button, input, select, summar
   const now = area.getBoundingClientRect(), top = document.elementFromPoint(now.x + now.width / 2, now.y + now.height / 2);
   return [e.id || e.tagName, area === top || area.contains(top), now.height];
 }))()"""
-LAST_STATE = """(() => { const {count, kept, rows} = page.source, {width} = rows[0];
-  return [count - 1, Array.from(kept[0].subarray((count - 1) * width, count * width))]; })()"""
 CHART = """(() => { const {canvas} = page.charts[0], {width, height} = canvas;
   return Array.from(canvas.getContext("2d").getImageData(0, 0, width, height).data); })()"""
 # Boxes of the texts, and of the thin lines, that are drawn with the beads from now on.
@@ -81,7 +79,7 @@ def process(tmp_path_factory):
 
 @pytest.fixture
 def browser(process):
-    """An empty page of its own for each test; in the end its energy is balanced, and it complains of how tests read alone."""
+    """An empty page for each test, which ends with its energy balanced and complains of how tests read canvases alone."""
     process.fresh()
     yield process
     assert process.run("typeof page === 'object' && page.source.live") is False or error(process) < BOOKED
@@ -390,12 +388,13 @@ def test_another_law_for_the_row_and_steel_balls_beside_it(live):
 
 
 def test_winding_back_and_on_within_the_last_minute_gives_the_same_motion_to_the_bit(live):
+    state = "[page.source.count, page.source.values(0), page.source.time]"
     run_to_the_end(live)
-    kept = live.run(LAST_STATE)
+    kept = live.run(state)
     live.run("page.go(1.5), page.source.forget()")
     assert live.run("page.source.count") < kept[0]
     run_to_the_end(live)
-    assert live.run(LAST_STATE) == kept
+    assert live.run(state) == kept
     live.run("page.go(1.5), page.chosen = {lane: 0, bead: 4}, page.throwChosen(-1), page.pause()")
     assert live.run("page.source.last") < 2.0  # what comes after an edit is another motion
     live.run("page.source.apartFor = -1e9; for (let k = 0; k < 9000; k++) page.source.next()")
