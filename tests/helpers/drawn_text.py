@@ -2,12 +2,12 @@
 
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from itertools import combinations
 from typing import NamedTuple
-from unittest.mock import patch
 
 import pygame
+import pytest
 from softcradle.sandbox.draw import Picture, text
 from softcradle.sandbox.draw.palette import luminance
 from softcradle.sandbox.motion import Motion
@@ -34,10 +34,10 @@ def drawn_texts(size: tuple[int, int]) -> Iterator[list[DrawnText]]:
             found.append(DrawnText(words, pygame.Rect(left, top, wide, high)))
         return original(surface, words, place, size_of_text, colour, bold=bold, align=align)
 
-    with ExitStack() as patches:
+    with pytest.MonkeyPatch.context() as patches:
         for name, module in list(sys.modules.items()):
             if name.startswith("softcradle.") and getattr(module, "write", None) is original:
-                patches.enter_context(patch.object(module, "write", write))
+                patches.setattr(module, "write", write)
         yield found
 
 

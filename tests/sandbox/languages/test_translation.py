@@ -155,12 +155,12 @@ def test_the_fonts_have_every_letter_and_digits_of_one_width(code, bold):
 def test_what_waits_for_a_translation_is_counted(tmp_path, monkeypatch, capsys):
     """New messages come in empty, and only a release is held up by them."""
     path = tmp_path / "de.po"
-    monkeypatch.setattr("tools.update_catalogues.catalogue_path", lambda code: path)
+    for module in ("tools.update_catalogues", "softcradle.sandbox.languages.translation"):
+        monkeypatch.setattr(f"{module}.catalogue_path", lambda code: path)
     text = catalogue_path("de").read_text(encoding="utf-8")
     path.write_text(text.replace('msgstr "Rückgängig"', 'msgstr ""'), encoding="utf-8")
     waiting = update("de")
     assert waiting > 0
-    monkeypatch.setattr(translation, "catalogue_path", lambda code: path)
     german = translation.catalogue.__wrapped__("de")  # read anew, and not kept
     assert german.gettext("Undo") == "Undo"
     assert german.gettext("Redo") != "Redo"

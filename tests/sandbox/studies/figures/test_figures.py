@@ -172,12 +172,9 @@ def test_the_stop_multiplies_the_force_where_the_gear_is_full_and_stiffness_of_w
     assert less[~below] == pytest.approx(0.175, abs=0.015)
 
 
-def test_in_train_forces_of_a_blow_and_what_gears_absorb(tables):
+def test_a_blow_has_in_train_forces_that_gears_absorb_and_wagons_start_one_after_another(tables):
     assert tables("train")["five on ten: force 5-6"].max() == pytest.approx(1335.0, rel=0.02)
     assert (tables("train")["one on ten: absorbed by gears"] >= -1e-9).all()
-
-
-def test_wagons_start_one_after_another(tables):
     table = tables("starting")
     wagons = [name for name in table if name not in ("t", "locomotive")]
     starts = [table["t"][np.argmax(table[name] > 0.01)] for name in wagons]
