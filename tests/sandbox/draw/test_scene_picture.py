@@ -96,11 +96,18 @@ def test_drawing_changes_nothing_and_depends_on_the_row_alone(two):
     assert 0 < np.abs(faded - first).sum() < np.abs(text - first).sum()
 
 
-def test_bars_are_as_high_as_the_forces(soft):
+def test_beads_are_at_their_positions_overlaps_are_darker_and_bars_as_high_as_the_forces(soft):
     _, motions, picture = soft
     drawing, row = picture.lanes[0].drawing, strongest_row(motions)
-    inside = slice(drawing.rect.left, drawing.rect.right)
-    above = painted(picture, row)[drawing.rect.top : math.floor(drawing.bar_base), inside]
+    pixels = painted(picture, row)
+    state = motions[0].position[row], motions[0].overlap[row]
+    edges = drawing.left() + drawing.scale * left_edges(*state, drawing.length, picture.scales.magnify)
+    y = round(drawing.ground - drawing.bead / 2 - 0.3 * drawing.bead)
+    for i, edge in enumerate(edges[2:], 2):
+        assert near(pixels[y, round(edge + drawing.bead / 2)], drawing.colours[i], 45), i
+    lens = pixels[round(drawing.ground - drawing.bead / 2), round((edges[0] + drawing.bead + edges[1]) / 2)]
+    assert lens.sum() < pixels[y, round(edges[1] + drawing.bead * 0.6)].sum() - 20
+    above = pixels[drawing.rect.top : math.floor(drawing.bar_base), drawing.rect.left : drawing.rect.right]
     heights = [near(above, colour).sum(axis=0).max() for colour in drawing.contact_colours]
     expected = drawing.bar_room * motions[0].force[row] / (picture.scales.force / FORCE_MARGIN)
     lines_across = 3  # the line of the rigid cluster, and two partly covered pixels
@@ -119,19 +126,6 @@ def test_a_lane_without_room_for_bars_is_drawn(soft, height):
     above = pixels_of(surface)[: math.floor(drawing.bar_base), :, 2::-1]
     bars = [near(above, colour).sum() for colour in drawing.contact_colours]
     assert (max(bars) > 0) == (drawing.bar_room > 0.0)
-
-
-def test_beads_are_at_their_positions_and_overlaps_are_darker(soft):
-    _, motions, picture = soft
-    drawing, row = picture.lanes[0].drawing, strongest_row(motions)
-    pixels = painted(picture, row)
-    state = motions[0].position[row], motions[0].overlap[row]
-    edges = drawing.left() + drawing.scale * left_edges(*state, drawing.length, picture.scales.magnify)
-    y = round(drawing.ground - drawing.bead / 2 - 0.3 * drawing.bead)
-    for i, edge in enumerate(edges[2:], 2):
-        assert near(pixels[y, round(edge + drawing.bead / 2)], drawing.colours[i], 45), i
-    lens = pixels[round(drawing.ground - drawing.bead / 2), round((edges[0] + drawing.bead + edges[1]) / 2)]
-    assert lens.sum() < pixels[y, round(edges[1] + drawing.bead * 0.6)].sum() - 20
 
 
 def test_piston_moves_in_by_the_magnified_overlap():
