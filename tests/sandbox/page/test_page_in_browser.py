@@ -427,20 +427,15 @@ def test_a_picture_of_play_changes_canvases_alone_and_draws_what_moves(pages, br
     assert browser.run("document.getElementById('time').value") == slider
 
 
-def test_what_is_out_of_sight_is_drawn_when_the_motion_stands(pages, browser):
-    browser.device(390, 844)
+@pytest.mark.parametrize(("then", "density"), [(15.0, 1), (33.0, 3)])
+def test_play_draws_nothing_out_of_sight_and_fewer_pixels_where_that_helps(pages, browser, then, density):
+    browser.device(390, 844, 3)
     browser.visit(pages(SCENE).output, "#t=1.5")
     browser.until("page.unseen.has(page.charts[1].canvas)")
     chart = CHART.replace("[0]", "[1]")
     before = browser.run(chart)
     assert browser.run(f"page.playing = true, page.source.go(1.9), page.show(false), {chart}") == before
     assert browser.run(f"page.playing = false, page.show(false), {chart}") != before
-
-
-@pytest.mark.parametrize(("then", "density"), [(15.0, 1), (33.0, 3)])
-def test_pictures_that_come_late_have_fewer_pixels_if_that_helps(pages, browser, then, density):
-    browser.device(390, 844, 3)
-    browser.visit(pages(SCENE).output, "#t=1.5")
     late = "for (let k = 0; k < 60; k++) page.spare({}); page.theme.density"
     assert [browser.run(late.format(wait)) for wait in (16.7, 33.0, then, 33.0)] == [3, 1, density, density]
 
