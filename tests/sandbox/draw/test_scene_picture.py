@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 import pygame
@@ -52,20 +53,11 @@ def hertz_row(duration, **lane):
     return Scene(title="x", duration=duration, lanes=[Lane(contact={"law": "hertz", "stiffness": 30.0}, **lane)])
 
 
+@lru_cache(4)
 def pictured(scene, rows_per_second=40.0, size=SIZE):
     scene = parse(scene) if isinstance(scene, str) else scene
     motions = scene_motions(scene, rows_per_second * scene.view.slow)
     return scene, motions, Picture(scene, motions, size)
-
-
-@pytest.fixture(scope="module")
-def soft():
-    return pictured(SOFT)
-
-
-@pytest.fixture(scope="module")
-def two():
-    return pictured(TWO)
 
 
 def painted(picture, row, **options):
@@ -78,8 +70,8 @@ def near(pixels, colour, tolerance=6):
     return (np.abs(pixels - np.array(colour)) <= tolerance).all(axis=-1)
 
 
-def test_drawing_changes_nothing_and_depends_on_the_row_alone(two):
-    scene, motions, _ = two
+def test_drawing_changes_nothing_and_depends_on_the_row_alone():
+    scene, motions, _ = pictured(TWO)
     for motion in motions:
         for values in (motion.time, motion.position, motion.overlap, motion.force):
             values.setflags(write=False)
@@ -96,8 +88,8 @@ def test_drawing_changes_nothing_and_depends_on_the_row_alone(two):
     assert 0 < np.abs(faded - first).sum() < np.abs(text - first).sum()
 
 
-def test_beads_are_at_their_positions_overlaps_are_darker_and_bars_as_high_as_the_forces(soft):
-    _, motions, picture = soft
+def test_beads_are_at_their_positions_overlaps_are_darker_and_bars_as_high_as_the_forces():
+    _, motions, picture = pictured(SOFT)
     drawing, row = picture.lanes[0].drawing, strongest_row(motions)
     pixels = painted(picture, row)
     state = motions[0].position[row], motions[0].overlap[row]
@@ -116,8 +108,8 @@ def test_beads_are_at_their_positions_overlaps_are_darker_and_bars_as_high_as_th
 
 
 @pytest.mark.parametrize("height", [60, 70, 150])
-def test_a_lane_without_room_for_bars_is_drawn(soft, height):
-    scene, motions, _ = soft
+def test_a_lane_without_room_for_bars_is_drawn(height):
+    scene, motions, _ = pictured(SOFT)
     surface = pygame.Surface((564, height), 0, 32)
     drawing = LaneDrawing(surface.get_rect(), 0.75, scene, 0, scales_of(scene, motions))
     assert (drawing.bar_room > 0.0) == (height > 70)
@@ -140,8 +132,8 @@ def test_piston_moves_in_by_the_magnified_overlap():
     assert rods[0] - rods[1] == pytest.approx(moved, abs=3)
 
 
-def test_lanes_share_times_axes_and_a_scale_in_which_everything_stays_in_view(two):
-    scene, motions, picture = two
+def test_lanes_share_times_axes_and_a_scale_in_which_everything_stays_in_view():
+    scene, motions, picture = pictured(TWO)
     first, second = picture.lanes
     assert first.drawing.scale == second.drawing.scale
     for a, b in zip(first.panels, second.panels, strict=True):
@@ -183,8 +175,8 @@ def test_magnified_overlaps_move_beads_about_their_mean():
     assert (edges - left_edges(position, overlap, 1.0, 1.0)).mean() == pytest.approx(0.0)
 
 
-def test_names_of_overlaps_stand_beside_the_greatest_though_beads_fly_far_apart(soft):
-    scene, motions, _ = soft
+def test_names_of_overlaps_stand_beside_the_greatest_though_beads_fly_far_apart():
+    scene, motions, _ = pictured(SOFT)
     assert (motions[0].overlap.min(axis=0) < -motions[0].overlap.max(axis=0)).any()
     with drawn_texts(SIZE) as texts:
         picture = Picture(scene, motions, SIZE)
@@ -214,8 +206,8 @@ def test_any_chain_and_any_size(text, size):
     assert (frames[0] != frames[-1]).any()
 
 
-def test_camera_moves_the_beads_and_nothing_else(soft):
-    _, _, picture = soft
+def test_camera_moves_the_beads_and_nothing_else():
+    _, _, picture = pictured(SOFT)
     drawing = picture.lanes[0].drawing
     still, moved = painted(picture, 5), painted(picture, 5, centre=sum(picture.scales.window) / 2 + 0.5)
     changed = np.argwhere((still != moved).any(axis=-1))
@@ -284,8 +276,8 @@ def test_where_clusters_end_and_which_have_marks():
     assert [has_marks(ends) for ends in ((False, False), (True,), (True, True), (True, False))] == [False] * 3 + [True]
 
 
-def test_errors_are_those_of_the_motion(soft):
-    (motion,) = soft[1]
+def test_errors_are_those_of_the_motion():
+    (motion,) = pictured(SOFT)[1]
     assert motion.energy_error[-1] == pytest.approx(np.abs(motion.energy / motion.energy[0] - 1.0).max())
     slowed = replace(motion, rate=0.5 * motion.rate, anchor=motion.anchor * [1.0, 0.5])
     assert slowed.momentum_error[-1] == pytest.approx(motion.momentum_error[-1], abs=1e-12)

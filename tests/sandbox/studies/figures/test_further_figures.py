@@ -46,6 +46,7 @@ def test_limits_of_small_alpha(tables):
         points = rows_where(tables("scalings"), n=n)
         assert (np.diff(points["max psi"]) < 0.0).all()
         assert points["contact time"][-1] == pytest.approx(scaling.contact_time_limit(n), rel=0.02)
+        assert np.isfinite(points["contact time"]).all()
         assert 0.1 < points["max psi"][-1] / scaling.psi_limit(n, 1 / 200) < 10.0  # over dozens of decades
         response = points["response time"] * np.sqrt(points["alpha"]) * (n / (n - 1)) ** (0.5 / points["alpha"])
         assert response[-2] == pytest.approx(response[-1], rel=0.05)
