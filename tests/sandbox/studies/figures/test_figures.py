@@ -25,8 +25,8 @@ NAMES = [one.name if one.name in KINDS else pytest.param(one.name, marks=pytest.
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_files_are_whole(tables, name, tmp_path):
-    """With numbers that read back equal."""
+def test_files_are_whole_and_a_printed_figure_can_be_read(tables, name, tmp_path):
+    """Every curve is named; no text below 6 points or beyond the edge, none on another one or on a curve, no key on a curve."""
     (figure,), table = figures_named([name]), tables(name)
     paths = write_figure(replace(figure, table=lambda: table), tmp_path)
     assert [path.suffix for path in paths] == list(SUFFIXES)
@@ -40,15 +40,8 @@ def test_files_are_whole(tables, name, tmp_path):
     header, _, rows = paths[2].read_text(encoding="utf-8").partition("\n")
     assert header.split(",") == list(table)
     np.testing.assert_array_equal(np.loadtxt(rows.splitlines(), delimiter=","), np.column_stack(list(table.values())))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", [figure.name for figure in FIGURES])
-def test_a_printed_figure_can_be_read(tables, name):
-    """Every curve is named; no text below 6 points or beyond the edge, none on another one or on a curve, no key on a curve."""
-    (figure,) = figures_named([name])
     with styled():
-        picture = figure.draw(tables(name))
+        picture = figure.draw(table)
         assert unreadable(picture) == []
         assert unnamed_colours(picture) == set()
         assert keys_on_curves(picture) == []
