@@ -4,7 +4,6 @@ import base64
 import gzip
 import re
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -117,24 +116,14 @@ def played(name):
     return played_motion(scene, recorded(scene))
 
 
-def unpacked(motion):
-    """Of each lane what is packed, and what the page's script makes of it, by name: (T,) or (T, k) values."""
-    for found, packed in zip(motion.motions, packed_lanes(motion.motions, motion.scales), strict=True):
-        data, rows, beads = base64.b64decode(packed["data"]), packed["rows"], found.chain.contacts + 1
-        split = 4 * rows * (beads + 3)
-        floats = np.frombuffer(data[:split], "<f4").astype(float).reshape(-1, rows)
-        codes = np.frombuffer(data[split:], "<i2").astype(float).reshape(-1, rows) / 32767
-        yield (
-            found,
-            SimpleNamespace(
-                time=floats[0],
-                anchor=floats[1],
-                energies=floats[2:4].T,
-                overlap=floats[4:].T * np.array(packed["depth"]),
-                velocity=codes[:beads].T * max(map(abs, motion.scales.velocity)),
-                force=codes[beads:].T * motion.scales.force,
-            ),
-        )
+def unpacked(packed, scales, beads):
+    """Time, place of the anchor, energies, overlaps, velocities and forces of a lane, as the page's script finds them."""
+    data, rows = base64.b64decode(packed["data"]), packed["rows"]
+    split = 4 * rows * (beads + 3)
+    floats = np.frombuffer(data[:split], "<f4").astype(float).reshape(-1, rows)
+    codes = np.frombuffer(data[split:], "<i2").astype(float).reshape(-1, rows) / 32767
+    velocity, force = codes[:beads].T * max(map(abs, scales.velocity)), codes[beads:].T * scales.force
+    return floats[0], floats[1], floats[2:4].T, floats[4:].T * packed["depth"], velocity, force
 
 
 @pytest.mark.parametrize(
@@ -144,29 +133,30 @@ def test_lines_between_samples_follow_the_recorded_motion_and_deep_overlaps_keep
     motion = played(name)
     scales = motion.scales
     smallest = 10.0 ** (scales.decades[0] - 1)  # a decade below the axis of overlaps
-    for found, values in unpacked(motion):
+    for found, packed in zip(motion.motions, packed_lanes(motion.motions, scales), strict=True):
+        time, anchor, energies, overlap, velocity, force = unpacked(packed, scales, found.chain.contacts + 1)
         absorbed = found.absorbed if found.absorbed.size else np.zeros(found.time.size)
-        position = from_anchor(values.overlap, values.anchor, found.chain.anchor)
+        position = from_anchor(overlap, anchor, found.chain.anchor)
         for read, true, error in (
             (position, found.position, LINE_ERROR * np.ptp(scales.window)),
-            (values.velocity, found.velocity, (LINE_ERROR + 2e-5) * np.ptp(scales.velocity)),
-            (values.force, found.force, (LINE_ERROR + 2e-5) * scales.force),
-            (values.energies, np.column_stack([found.stored, absorbed]), LINE_ERROR * scales.energy),
+            (velocity, found.velocity, (LINE_ERROR + 2e-5) * np.ptp(scales.velocity)),
+            (force, found.force, (LINE_ERROR + 2e-5) * scales.force),
+            (energies, np.column_stack([found.stored, absorbed]), LINE_ERROR * scales.energy),
         ):
             for column, curve in zip(read.T, true.T, strict=True):
-                apart = np.abs(np.interp(found.time, values.time, column) - curve)
+                apart = np.abs(np.interp(found.time, time, column) - curve)
                 jumps = np.flatnonzero(np.abs(np.diff(curve)) > 5 * error)
                 # a jump lies between two times that are one as floats of the page
                 near_jump = np.abs(found.time[:, None] - found.time[jumps]).min(axis=1, initial=1e9)
                 assert apart[near_jump > 1e-6 * found.time[-1]].max() < 1.2 * error
-        for read, true in zip(values.overlap.T, found.overlap.T, strict=True):
+        for read, true in zip(overlap.T, found.overlap.T, strict=True):
             deep = true > 1e-3 * true.max()
-            lines = np.interp(found.time[deep], values.time, read)
+            lines = np.interp(found.time[deep], time, read)
             np.testing.assert_allclose(lines, true[deep], rtol=2 * SAME_DEPTH, atol=smallest)
         # however few digits are kept, no bead that rests creeps
-        assert (values.velocity[0, found.velocity[0] == 0.0] == 0.0).all()
-        assert (values.force[0, found.force[0] == 0.0] == 0.0).all()
-        assert len(values.time) < len(found.time) / 2
+        assert (velocity[0, found.velocity[0] == 0.0] == 0.0).all()
+        assert (force[0, found.force[0] == 0.0] == 0.0).all()
+        assert len(time) < len(found.time) / 2
 
 
 def test_free_flight_leads_to_the_start_and_follows_the_end_and_few_samples_are_played_as_they_are():
