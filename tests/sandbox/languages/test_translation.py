@@ -130,14 +130,13 @@ def fields(text: str) -> set[tuple[str, str, str | None]]:
 
 @pytest.mark.parametrize("code", CODES)
 def test_translations_have_the_placeholders_of_their_source(code):
-    for message in filter(is_translated, read_catalogue(code)):
-        if isinstance(message.id, str):
-            assert fields(message.id) == fields(message.string), message.id
-        else:
-            few, many = map(fields, message.id)
-            assert len(message.string) == read_catalogue(code).num_plurals
-            assert all(few <= fields(form) <= many for form in message.string), message.id
-            assert fields(message.string[-1]) == many, message.id
+    catalogue = read_catalogue(code)
+    for message in filter(is_translated, catalogue):
+        sources, forms = (message.id, message.string) if message.pluralizable else (2 * [message.id], [message.string])
+        few, many = map(fields, sources)
+        assert len(forms) == (catalogue.num_plurals if message.pluralizable else 1)
+        assert all(few <= fields(form) <= many for form in forms), message.id
+        assert fields(forms[-1]) == many, message.id
 
 
 SIGNS = "0123456789δvf₀₁₉₋⁰¹²⁹⁻·…✓µ()=!éüα\N{MULTIPLICATION SIGN}\N{MINUS SIGN}\N{NARROW NO-BREAK SPACE}"
