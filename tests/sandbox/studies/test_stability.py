@@ -104,7 +104,6 @@ def test_summary_counts_failures_and_names_the_finest():
 
 @pytest.fixture
 def small_scan(monkeypatch):
-    """A scan of few runs, the only one for now, and its runs."""
     scan = Scan("alpha", "exponent", (0.05, 1.0), next(one for one in SCANS if one.name == "alpha").chain)
     monkeypatch.setattr(failure_scans, "STEPS", (0.01, 0.3))
     monkeypatch.setattr(failure_scans, "TOLERANCES", (1e-3, 1e-2))

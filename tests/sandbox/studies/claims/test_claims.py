@@ -33,7 +33,6 @@ BAR = re.compile(r"\.? by the bar: .*?(?=\. |$)")  # numbers of many digits
 
 
 def rows(text: str) -> dict[str, list[str]]:
-    """By the name of a claim: statement, verdict, what was found."""
     cells = [line.strip("| ").split(" | ") for line in text.splitlines()[2:]]
     return {name.strip("`"): rest for name, *rest in cells}
 
@@ -79,16 +78,6 @@ def test_cases_of_a_sweep_are_those_of_the_study(some):
         np.testing.assert_equal(asdict(replace(found, seconds=0.0)), asdict(alone))
 
 
-def test_a_case_that_is_not_solved_keeps_its_reason(monkeypatch):
-    def unsolved(_, solver):
-        raise NotSolvedError(f"{solver.method}: never")
-
-    broken = replace(claim_named("kicked-out"), measure=unsolved)
-    monkeypatch.setattr(catalogue, "CLAIMS", (broken,))
-    (found,) = measure_claims(workers=1)
-    assert {case.reason for case in found.cases} == {f"{broken.first.method}: never"}
-
-
 def test_cases_that_are_measured_are_not_measured_again(some, tmp_path):
     stop = Mock(side_effect=[None, KeyboardInterrupt])
     names, kept = ["kicked-out"], tmp_path / claims.KEPT
@@ -122,11 +111,13 @@ def study(*cases):
     return JudgedClaim("name", "statement", "Sec. I", "quantity", "x", "how", "", {"x": 2.0}, cases)
 
 
-def test_a_case_is_decided_only_where_its_error_bar_does_not_cross():
+def test_error_bars_decide_cases_and_the_failing_one_nearest_to_the_papers_own_is_the_example():
     assert [case(1.0, *one).side for one in ((0.5, 0.4), (1.0, 0.0))] == [CaseOutcome.HOLDS] * 2
     assert case(1.0, 1.5, 0.4).side is CaseOutcome.FAILS
     undetermined = (0.5, 0.6), (1.5, 0.6), (math.nan, 0.0), (0.5, math.nan)
     assert [case(1.0, *one).side for one in undetermined] == [CaseOutcome.UNDETERMINED] * 4
+    assert study(case(1.0, 2.0), case(2.0, 0.5), case(3.0, 2.0), case(9.0, 2.0)).counter_example == case(3.0, 2.0)
+    assert study(case(2.0, 0.5)).counter_example is None
 
 
 @pytest.mark.parametrize(
@@ -151,36 +142,32 @@ def test_a_verdict_and_its_limit_follow_from_the_cases(values, verdict, text):
     assert found.verdict_text == text
 
 
-def test_the_counter_example_is_the_failing_case_nearest_to_the_papers_own():
-    assert study(case(1.0, 2.0), case(2.0, 0.5), case(3.0, 2.0), case(9.0, 2.0)).counter_example == case(3.0, 2.0)
-    assert study(case(2.0, 0.5)).counter_example is None
-
-
-def judged(measure, **options):
-    claim = Claim(
+def made_claim(measure, **options):
+    return Claim(
         name="name", statement="statement", place="Sec. I", quantity="quantity", measure=measure, cases=grid(x=(1, 2, 3)),
         own={"x": 2.0}, variable="x", order=lambda case: case["x"], allowed=2.5, how="how", **options,
     )  # fmt: skip
-    return claim.study_of([*map(claim.case, claim.cases)], claim.reference())
 
 
 def test_the_error_bar_is_the_difference_of_two_methods_and_the_reference_widens_it():
     errors = {MEASURING.method: 0.0, "conserving": 0.1, "scipy": 0.3}
-    found = judged(lambda case, solver: case["x"] + errors[solver.method])
+    claim = made_claim(lambda case, solver: case["x"] + errors[solver.method])
+    found = claim.study_of([*map(claim.case, claim.cases)], claim.reference())
     assert [one.error for one in found.cases] == pytest.approx([0.1, 0.3, 0.1])
     assert found.reference == pytest.approx(2.3)
     assert [one.side for one in found.cases] == [CaseOutcome.HOLDS, CaseOutcome.HOLDS, CaseOutcome.FAILS]
 
 
-def test_a_run_that_gave_up_is_not_determined():
+def test_a_case_that_is_not_solved_is_not_determined_and_keeps_its_reason(monkeypatch):
     def measure(parameters, solver):
         if parameters["x"] == 2.0:
             raise NotSolvedError("too many steps")
         return parameters["x"]
 
-    found = judged(measure, refer=False)
+    monkeypatch.setattr(catalogue, "CLAIMS", (made_claim(measure, refer=False),))
+    (found,) = measure_claims(workers=1)
     assert found.verdict is Verdict.UNDETERMINED
-    assert found.own_case.reason == "too many steps"
+    assert [one.reason for one in found.cases] == ["", "too many steps", ""]
     written = as_json(found)
     assert written["own case"]["value"] is None
     assert written["counter-example"]["parameters"] == {"x": 3.0}
@@ -208,7 +195,6 @@ def test_the_labels_of_every_logarithmic_axis_are_apart(span):
 @pytest.mark.slow
 @pytest.mark.parametrize("claim", CLAIMS, ids=lambda claim: claim.name)
 def test_the_words_of_every_claim_have_room_in_its_picture(claim):
-    """With cases that are made up; as wide as a column."""
     cases = [case(1.0, 0.5, 0.1), case(2.0, 0.5, 0.1), case(30.0, 200.0, 10.0), case(40.0, 0.9, 0.5)]
     words = {name: getattr(claim, name) for name in ("name", "statement", "quantity", "variable")}
     with styled():

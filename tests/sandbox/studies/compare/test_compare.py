@@ -22,8 +22,6 @@ from tools.browser import Browser, found
 
 @pytest.fixture
 def compared(softcradle):
-    """A function: the JSON that `softcradle compare` prints for its arguments."""
-
     def run(*arguments):
         printed, errors = softcradle("compare", *arguments, "--json")
         assert errors.strip() == ""  # the progress bar of a film leaves an empty line
