@@ -6,7 +6,6 @@ import time
 from pathlib import Path
 
 import numpy as np
-from softcradle.sandbox.sweeps.work import Outcome
 
 LOG = "SWEPT_LOG"  # environment: the file of the log
 ONE_POINT = 0.004  # s
@@ -18,11 +17,6 @@ def numbers(a: float, n: int) -> dict[str, object]:
     if a > 0.9:
         raise ValueError(f"a must be at most 0.9, not {a:.3g}")
     return {"product": a * n, "powers": np.float64(a) ** np.arange(n)}
-
-
-def reasoned(a: float, n: int) -> Outcome:
-    """The same, with a reason where n is 3."""
-    return Outcome(numbers(a, n), reason="three" if n == 3 else "")
 
 
 def logged(a: float, n: int) -> dict[str, object]:

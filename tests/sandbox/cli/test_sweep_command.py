@@ -36,13 +36,11 @@ def changed(old: str, new: str) -> str:
     return GOOD.replace(old, new)
 
 
-GRID = GOOD.partition("[grid]")[2]
+GRID, VALUES = GOOD.partition("[grid]")[2], "values = [0.5, 1]"
 
 
 @pytest.fixture
 def swept(tmp_path, softcradle):
-    """A function: what the command prints of the study GOOD, or of another text, for these further words."""
-
     def run(*words, text=GOOD, code=0):
         (tmp_path / "study.toml").write_text(text, encoding="utf-8-sig")  # by an editor that begins with a mark
         return softcradle("sweep", f"{tmp_path}/study.toml", "-o", f"{tmp_path}/found.nc", *words, code=code)
@@ -69,7 +67,7 @@ def test_a_study_is_computed_once_and_says_how_far_it_is(tmp_path, swept, monkey
     swept()
     assert output.stat().st_mtime_ns == changed_at
     assert sorted(path.name for path in tmp_path.iterdir()) == ["found.nc", "study.toml"]
-    other = changed("values = [0.5, 1]", "values = [0.5, 2]")
+    other = changed(VALUES, "values = [0.5, 2]")
     for words in (), ("--status",):
         assert "holds another study" in swept(*words, text=other, code=2).err
 
@@ -101,17 +99,11 @@ def test_samples_of_a_file_and_the_example(tmp_path):
         (changed("[grid]", "[gird]"), r"unknown key 'gird' \(did you mean 'grid'\?\)"),
         (changed("[grid]" + GRID, ""), "needs one of the tables grid, list, sobol, latin_hypercube, not 0"),
         (GOOD + SOBOL, "needs one of the tables grid, list, sobol, latin_hypercube, not 2"),
-        (changed("values = [0.5, 1]", "between = [1, 0.5]"), r"study.toml: lanes.0.velocity.0 must lie .* 1 and 0.5"),
-        (changed("values = [0.5, 1]", "between = [0.5, 1]"), "count is missing"),
-        (
-            changed("values = [0.5, 1]", 'between = [2, 20], scale = "whole", count = 4'),
-            r"study.toml: .*velocity.0.*: scale = \"whole\" takes every number between .*: leave out count",
-        ),
-        (
-            changed("values = [0.5, 1]", 'values = [0.5, 1], scale = "log"'),
-            r"study.toml: .*velocity.0.*: scale is allowed beside between = .*, not beside values",
-        ),
-        (changed("values = [0.5, 1]", "values = []"), r"needs either values = \[...\] or between"),
+        (changed(VALUES, "between = [1, 0.5]"), r"study.toml: lanes.0.velocity.0 must lie .* 1 and 0.5"),
+        (changed(VALUES, "between = [0.5, 1]"), "count is missing"),
+        (changed(VALUES, 'between = [2, 20], scale = "whole", count = 4'), r"velocity.0.*: .* leave out count"),
+        (changed(VALUES, f'{VALUES}, scale = "log"'), r"velocity.0.*: scale is allowed .*, not beside values"),
+        (changed(VALUES, "values = []"), r"needs either values = \[...\] or between"),
         (changed('"rigidity"', '"rigid"'), "there is no measure 'rigid'"),
         (changed("one-on-four", "one\\u0000.toml"), r"study.toml: there is no file 'one\\x00.toml'"),
         (changed("one-on-four", "o" * 300 + ".toml"), r"study.toml: cannot read o+.toml: "),

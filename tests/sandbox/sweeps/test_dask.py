@@ -31,29 +31,27 @@ sweep(logged, POINTS, output=sys.argv[1], scheduler=sys.argv[2], chunk_seconds=0
 
 
 class Cluster:
+    """A scheduler on a port that is free, which it writes into a file, and two workers, each a process."""
+
     def __init__(self, folder: Path) -> None:
-        quick = {f"DASK_DISTRIBUTED__{name}": value for name, value in QUICK.items()}
-        self._environment = os.environ | quick | {"PYTHONPATH": str(ROOT)}
         self._place = folder / "scheduler.json"
         self.processes: list[subprocess.Popen[bytes]] = []
-        self.start_scheduler()
+        self.begin()
 
     def start(self, *words: str) -> subprocess.Popen[bytes]:
-        command = [sys.executable, *words]
-        self.processes.append(subprocess.Popen(command, env=self._environment, stdout=subprocess.DEVNULL))
+        environment = os.environ | {f"DASK_DISTRIBUTED__{name}": value for name, value in QUICK.items()}
+        command, options = [sys.executable, *words], {"env": environment | {"PYTHONPATH": str(ROOT)}}
+        self.processes.append(subprocess.Popen(command, stdout=subprocess.DEVNULL, **options))
         return self.processes[-1]
 
-    def start_scheduler(self) -> None:
-        """On a port that is free, which it writes into a file."""
+    def begin(self) -> None:
         self._place.unlink(missing_ok=True)
-        place = ("--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(self._place))
-        self.start("-m", "distributed.cli.dask_scheduler", *place)
+        near = ("--scheduler-file", str(self._place), "--host", "127.0.0.1", "--no-dashboard")
+        self.start("-m", "distributed.cli.dask_scheduler", *near, "--port", "0")
         self.address = json_load_robust(self._place, timeout=120.0)["address"]
+        of_one = ("--nthreads", "1", "--no-nanny", "--death-timeout", "120")
         for _ in range(2):
-            self.worker = self.start(
-                "-m", "distributed.cli.dask_worker", self.address, "--nthreads", "1", "--no-nanny", "--no-dashboard",
-                "--host", "127.0.0.1", "--death-timeout", "120",
-            )  # fmt: skip
+            self.worker = self.start("-m", "distributed.cli.dask_worker", *near, *of_one)
 
     def kill(self) -> None:
         for process in self.processes:
@@ -104,7 +102,7 @@ def test_killed_and_resumed_it_is_equal_bit_for_bit(cluster, tmp_path, caplog):
         sweep(logged, POINTS, progress=strike, scheduler=cluster.address, **options)
     assert 0 < reached[0] < 0.6 * COUNT < reached[-1] < COUNT
     assert f"{reached[0]} of {COUNT} points are in {kept} and not computed again" in caplog.text
-    cluster.start_scheduler()
+    cluster.begin()
     before = lines(log)
     found = sweep(logged, POINTS, scheduler=cluster.address, **options).load()
     assert not kept.exists()
