@@ -13,7 +13,6 @@ from tests.helpers.sessions import (
     INPUTS,
     check_invariants,
     check_replay,
-    check_round_trip,
     fitted,
     opened,
     picture,
@@ -52,7 +51,6 @@ def test_inputs_in_any_order_which_are_undone_and_redone_in_turn_with_the_motion
     read_all(session)
     frames = sum(len(part.time) for part in session.history_slices(0, 10**6))
     assert frames == session.frame - session.history.first + 1
-    check_round_trip(session)
     last = picture(session)
     for expected in reversed(seen):
         assert session.undo()

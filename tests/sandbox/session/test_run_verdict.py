@@ -1,5 +1,6 @@
 """The verdict on a lane: good where the physics is right, with a sentence where it is not, now and in the whole run."""
 
+import re
 from functools import partial
 
 import numpy as np
@@ -56,15 +57,6 @@ def test_every_method_can_be_switched_to_while_it_runs(method):
     assert session.health(0).level == "good"
 
 
-@pytest.mark.parametrize("method", ["euler", "verlet", "yoshida4", "pymunk"])
-def test_contacts_that_only_seem_to_stay_closed_are_chatter(method):
-    health = worst_of(opened("draft-gear-one-on-three", inputs.SetMethod(0, method)))
-    assert health.chatter > MOST_CHATTER
-    assert health.level == "bad"
-    assert method in health.sentence
-    assert "conserving" in health.sentence
-
-
 def test_a_step_that_is_too_large_is_bad_and_one_longer_than_a_contact_makes_velocities_arbitrary():
     fast = opened("hertz-cradle", inputs.SetSlow(1.0), inputs.SetContact(0, None, hertz(1e9)), inputs.SetStep(0, 1.0))
     arbitrary = fast.health(0)
@@ -94,7 +86,10 @@ def test_a_method_that_blows_up_is_stopped_and_reported():
 
 
 def test_the_badge_and_the_findings_of_a_run_are_one_verdict_also_after_chatter_has_ended():
-    session = opened("draft-gear-one-on-three", inputs.SetMethod(0, "verlet"), frames=300)
+    session = opened("draft-gear-one-on-three", inputs.SetMethod(0, "verlet"))
+    while_it_chatters = worst_of(session, 300)
+    assert (while_it_chatters.level, while_it_chatters.chatter > MOST_CHATTER) == ("bad", True)
+    assert re.search("verlet .*conserving", while_it_chatters.sentence)
     for slow, frames in ((5.0, 300), (20.0, 4000)):  # a new setup begins a new slice, and chatter goes on
         session.apply(inputs.SetSlow(slow))
         session.step_frames(frames)
@@ -126,16 +121,6 @@ def test_marks_of_rigid_clusters_are_of_the_velocities_before_the_collision():
     assert session.approach(0)[1].tolist() == [1.0, 0.0, 0.0, 0.0, 0.0]
     session.apply(inputs.RemoveBead(0, 4))
     assert len(session.approach(0)[1]) == 4
-
-
-def test_a_contact_converted_to_and_fro_is_what_it_was():
-    session = opened("draft-gear-one-on-three")
-    found = [session.lanes[0].chain]
-    for kind in ("hard", "power", "hard", "gear"):
-        session.apply(inputs.SetKind(0, None, kind))
-        found.append(session.lanes[0].chain)
-    assert found[0] == found[4]
-    assert found[1] == found[3] != found[2]
 
 
 def test_the_label_says_what_the_contacts_are_now():

@@ -42,14 +42,6 @@ def test_slow_motion_changes_the_speed_and_hardly_the_motion():
     assert np.abs(fast.lanes[0].velocity - slow.lanes[0].velocity).max() < 1e-3
 
 
-def test_uneven_pictures_lose_no_time():
-    session = opened()
-    session.play()
-    for wall in (0.012, 0.021, 0.017, 0.016, 0.002, 0.032) * 10:
-        session.tick(wall)
-    assert session.time * session.slow == pytest.approx(1.0, abs=1.0 / FRAME_RATE)
-
-
 def test_late_physics_slows_the_clock_and_is_reported():
     took = 0.008
     session = opened(budget=0.010)
@@ -143,13 +135,14 @@ def test_a_released_bead_flies_on_at_the_speed_of_the_pointer():
     assert -11.0 < session.lanes[0].velocity[0] < -5.0, "the spring is no faster than ten times the scene"
 
 
-def test_an_impact_is_given_once():
+def test_uneven_pictures_lose_no_time_and_give_an_impact_once():
     session = opened()
     session.play()
     found = []
-    for _ in range(180):
-        session.tick(PICTURE)
+    for wall in (0.012, 0.021, 0.017, 0.016, 0.002, 0.032) * 30:
+        session.tick(wall)
         found += session.impacts
+    assert session.time * session.slow == pytest.approx(3.0, abs=1.0 / FRAME_RATE)
     assert [(hit.lane, hit.contact) for hit in found] == [(0, 0)]
     assert found[0].speed == pytest.approx(1.0)
     assert found[0].time == pytest.approx(1.0)
@@ -159,18 +152,15 @@ def test_an_impact_is_given_once():
 
 
 @pytest.mark.parametrize("scene", ["train-solid", "train-shunting", "train-starting"])
-def test_the_reference_plays_trains(scene):
-    """Frames of trains took it seconds, and more than it may."""
+def test_the_reference_plays_trains_with_a_bounded_work_in_a_frame(scene, monkeypatch):
+    """Frames took it seconds. What it does not finish is moved on by `conserving`, and the lane says so."""
     session = opened(scene, SetMethod(None, "scipy"))
     for _ in range(6):
         session.step_frames(1)
         assert not any(lane.warning for lane in session.lanes)
-
-
-def test_the_reference_takes_a_bounded_work_in_a_frame(monkeypatch):
-    """What it does not finish is moved on by `conserving`, and the lane says so."""
     monkeypatch.setattr("softcradle.sandbox.session.live_lane.REFERENCE_STEPS", 5)
-    session = opened("train-shunting", SetMethod(0, "scipy"), frames=6)
+    session.restart()
+    session.step_frames(6)
     assert session.time == pytest.approx(6 * session.setup.frame_time)
     assert np.isfinite(session.lanes[0].velocity).all()
     assert "gave up" in session.lanes[0].warning

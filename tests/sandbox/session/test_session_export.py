@@ -148,15 +148,12 @@ def test_what_pointer_and_edits_give_is_no_error_of_an_exported_motion(name, tmp
     assert motion_of(found).energy_error.max() < health.energy_error + 1e-12
 
 
-def test_a_steady_force_has_done_no_work_where_an_exported_motion_begins():
-    """A bead was placed before the start: the way to there is none that the force has moved it."""
+def test_what_was_done_at_the_start_is_no_work_and_errors_are_relative_to_what_was_given_since():
+    """A bead was placed: the way to there is none that the drive has moved it. Or a row at rest was thrown."""
     found = opened("driven-cluster", inputs.Place(0, 0, -0.5), frames=100).trajectory(0)
     energy = found.kinetic_energy + found.contact_energy
     assert found.driven[0] == 0.0
     assert found.driven == pytest.approx(energy - energy[0], abs=1e-12)
-
-
-def test_errors_of_a_row_that_begins_at_rest_and_is_thrown_are_relative_to_what_it_was_given():
     session = opened("one-on-four", inputs.SetVelocity(0, None, 0.0), 5, inputs.SetVelocity(0, 0, 1.0), 400)
     summary = summarise("", session.trajectory(0))
     assert summary.energy_error == pytest.approx(session.health(0).energy_error, abs=1e-12)
@@ -253,18 +250,14 @@ def test_diverged_names_the_first_frame_that_differs(tmp_path, part):
     assert re.search(rf"DIVERGED.*\b{frame}\b", replay.sentence)
 
 
-def test_only_the_last_pointer_position_of_a_frame_is_recorded():
-    session = opened()
+@pytest.mark.parametrize("method", ["auto", "verlet", "pymunk"])
+def test_a_recording_has_the_last_pointer_position_of_a_frame_and_a_full_one_begins_anew(method, tmp_path, monkeypatch):
+    monkeypatch.setattr(recording, "MOST_INPUTS", 20)
+    session = opened("one-on-four", inputs.SetMethod(None, method))
     session.play()
     for k in range(1000):
         session.drag(0, 0, 0.001 * k)
-    assert [item for _, item in session.recording.inputs] == [inputs.Drag(0, 0, 0.999)]
-
-
-@pytest.mark.parametrize("method", ["auto", "verlet", "pymunk"])
-def test_a_full_recording_begins_anew_and_still_replays(method, tmp_path, monkeypatch):
-    monkeypatch.setattr(recording, "MOST_INPUTS", 20)
-    session = opened("one-on-four", inputs.SetMethod(None, method))
+    assert [item for _, item in session.recording.inputs[1:]] == [inputs.Drag(0, 0, 0.999)]
     pull(session, 0, [0.01 * k for k in range(100)])
     assert session.recording.frame > 0
     assert len(session.recording.inputs) <= 22
@@ -298,7 +291,7 @@ def test_a_file_that_is_no_recording_is_refused_in_a_sentence(tmp_path, changes,
         Replay.load(path)
 
 
-def test_a_damaged_recording_is_refused_in_a_sentence(tmp_path):
+def test_damaged_recordings_and_other_files_are_refused_in_a_sentence(tmp_path):
     path = tmp_path / "damaged.npz"
     opened(frames=50).save_recording(path)
     whole = np.fromfile(path, np.uint8)
@@ -315,9 +308,6 @@ def test_a_damaged_recording_is_refused_in_a_sentence(tmp_path):
     for place in range(0, len(whole) - 4, 7):  # bytes that nobody reads, and those of the way in which it is packed
         with suppress(UserError):
             load_with(place, 4)
-
-
-def test_other_files_are_refused(tmp_path):
     (tmp_path / "text.npz").write_text("hello")
     np.savez(tmp_path / "other.npz", a=np.zeros(3))
     for name, sentence in (("text", "not a recording"), ("other", "not a recording"), ("none", "cannot read")):
