@@ -83,6 +83,7 @@ REFUSED = [
     ("run mixed --duration inf", "--duration: must be a number > 0, not 'inf'"),
     ("run mixed --samples 1", "--samples: must be a whole number from 2"),
     ("run mixed --describe --json", "--json: not allowed with argument --describe"),
+    ("run mixed -o out.npz --method verlet --tolerance 0.1", "takes a step"),
     ("run mixed -o out.xls", "cannot write out.xls: run writes .npz or .csv"),
     ("run mixed -o nowhere/out.npz", "there is no folder "),
     ("experiment -o nowhere/out.json", "there is no folder "),
@@ -130,30 +131,18 @@ def test_what_a_command_does_not_take_is_refused(line, sentence, tmp_path, monke
     assert list(tmp_path.iterdir()) == []
 
 
-def test_existing_output_survives_a_refused_run(tmp_path, refused):
-    path = tmp_path / "out.npz"
-    path.write_bytes(b"old")
-    assert "takes a step" in refused("run", "mixed", "-o", str(path), "--method", "verlet", "--tolerance", "0.1")
-    assert path.read_bytes() == b"old"
-    assert list(tmp_path.iterdir()) == [path]
-    (tmp_path / "out.csv").mkdir()
-    assert "it is a folder" in refused("run", "mixed", "-o", str(tmp_path / "out.csv"))
-
-
-def test_a_refused_sweep_leaves_no_folder_of_files_that_have_no_name(tmp_path, monkeypatch, refused):
+def test_files_that_have_no_name_get_their_folder_unless_they_are_refused(tmp_path, monkeypatch, refused):
     refusing = Mock(side_effect=StudyError("cannot write"))
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("softcradle.sandbox.sweeps.run_sweep.checked_output", refusing)
     refused("sweep", str(STUDY), "--workers", "1")
     assert list(tmp_path.iterdir()) == []
-
-
-def test_files_that_have_no_name_get_their_folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
     with opened_outputs([Path("out/chart.png"), Path("out/chart.csv")]) as places:
         for place in places:
             place.touch()
     assert {path.name for path in Path("out").iterdir()} == {"chart.png", "chart.csv"}
+    Path("out.csv").mkdir()
+    assert "out.csv: it is a folder" in refused("run", "mixed", "-o", "out.csv")
 
 
 def test_check_reports_every_problem_of_every_file(tmp_path, softcradle, refused):
@@ -163,22 +152,25 @@ def test_check_reports_every_problem_of_every_file(tmp_path, softcradle, refused
     path.write_text(GOOD, encoding="utf-8")
     assert softcradle("check", str(path)).out == f"{path}: ok, 'one on two' with 3 beads\n"
     path.write_text(changed("mass = [1.0, 1.0", "mass = [-1.0, -2.0"), encoding="utf-8")
-    out, err = softcradle("check", str(path), "mixed", "nope", code=2)
-    assert out.startswith("mixed: ok")
+    out, err = softcradle("check", str(path), "galilean", "nope", code=2)
+    assert out == "galilean: ok, 'Who hits whom?' with 5 and 5 beads\n"
     assert [line.count("mass") for line in err.splitlines()] == [1, 1, 0]
     assert "there is no scene 'nope'" in err.splitlines()[2]
 
 
 @pytest.mark.parametrize("compiled", [False, True])
-def test_interrupted_run_leaves_no_file(compiled, tmp_path, monkeypatch, softcradle):
+def test_an_interrupted_run_leaves_no_file_and_what_was_there(compiled, tmp_path, monkeypatch, softcradle):
     """pybind11 makes an ImportError of Ctrl+C; the command said "initialization failed", with exit code 2."""
+    path = tmp_path / "out.csv"
+    path.write_bytes(b"old")
 
     def interrupt(*_, **__):
-        assert len(list(tmp_path.iterdir())) == 1  # the file is opened before the run
+        assert len(list(tmp_path.iterdir())) == 2  # a file is opened before the run
         if compiled:
             raise ImportError("initialization failed") from KeyboardInterrupt()
         raise KeyboardInterrupt
 
     monkeypatch.setattr("softcradle.sandbox.cli.commands.run.run_scene", interrupt)
-    assert softcradle("run", "mixed", "-o", str(tmp_path / "out.csv"), code=130).err == "softcradle: interrupted\n"
-    assert list(tmp_path.iterdir()) == []
+    assert softcradle("run", "mixed", "-o", str(path), code=130).err == "softcradle: interrupted\n"
+    assert list(tmp_path.iterdir()) == [path]
+    assert path.read_bytes() == b"old"

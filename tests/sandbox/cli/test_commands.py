@@ -12,7 +12,6 @@ import warnings
 from dataclasses import replace
 from functools import partial
 
-import numpy as np
 import pytest
 from rich.console import Console
 from softcradle.physics import Chain, Trajectory, hertz, simulate
@@ -57,7 +56,7 @@ def test_a_closed_pipe_is_no_error():
     assert result.returncode in (0, 141)  # 0 where all was written before the other end closed
 
 
-def test_scenes_are_listed_printed_to_start_from_and_checked(softcradle):
+def test_scenes_are_listed_and_printed_to_start_from(softcradle):
     out = softcradle("scenes").out
     for name in scenes.names():
         assert name in out
@@ -65,7 +64,6 @@ def test_scenes_are_listed_printed_to_start_from_and_checked(softcradle):
     assert [scene["name"] for scene in json.loads(softcradle("scenes", "--json").out)] == [*scenes.names()]
     assert scenes.parse(softcradle("scenes", "galilean").out) == scenes.load("galilean")
     assert json.loads(softcradle("scenes", "mixed", "--json").out)["title"] == scenes.load("mixed").title
-    assert softcradle("check", "galilean").out == "galilean: ok, 'Who hits whom?' with 5 and 5 beads\n"
 
 
 def test_the_file_of_a_scene_is_printed_in_utf_8_whatever_the_encoding():
@@ -140,20 +138,16 @@ def test_a_warning_is_a_sentence(softcradle, monkeypatch):
 
 
 def test_errors_are_relative_to_the_start():
-    """A constructed motion with known losses of energy and momentum."""
-    chain = scenes.load("one-on-four").lanes[0].chain()
-    n = chain.contacts
-    apart = np.full((2, n), -1.0)
-    velocity = np.array([[2.0, 0, 0, 0, 0], [1.0, 0, 0, 0, np.sqrt(2.0)]])
-    rate = velocity[:, :-1] - velocity[:, 1:]
-    anchor = np.column_stack([np.zeros(2), velocity[:, chain.anchor]])
-    trajectory = Trajectory(
-        chain=chain, time=np.array([0.0, 1.0]), overlap=apart, rate=rate, anchor=anchor, force=np.zeros((2, n)),
-        final_velocity=velocity[-1], contact_intervals=(((0.1, 0.2), (0.9, np.inf)), *((),) * (n - 1)), method="constructed",
+    """All beads are half as fast at the end as they should be."""
+    found = simulate(scenes.load("one-on-four").lanes[0].chain(), [1.0, 0.0, 0.0, 0.0, 0.0], samples=2)
+    slowed = replace(
+        found, rate=found.rate * [[1.0], [0.5]], anchor=found.anchor * [[1.0, 1.0], [1.0, 0.5]],
+        contact_intervals=(((0.1, 0.2), (0.9, math.inf)), (), (), ()),
     )  # fmt: skip
-    summary = summarise("lane", trajectory)
-    assert (summary.energy_error, summary.energy_error_at_end) == pytest.approx((0.25, 0.25))
-    assert summary.momentum_error == pytest.approx((1.0 + np.sqrt(2.0) - 2.0) / 2.0)
+    summary = summarise("lane", slowed)
+    assert (summary.energy_error, summary.energy_error_at_end, summary.momentum_error) == pytest.approx(
+        (0.75, 0.75, 0.5)
+    )
     first, second = summary.contacts[:2]
     assert (first.closed, first.opened, first.times, first.still_closed) == (0.1, 0.2, 2, True)
     assert (second.closed, second.opened, second.times, second.still_closed) == (None, None, 0, False)
@@ -170,33 +164,23 @@ def test_work_of_a_moving_wall_is_no_error_of_energy(velocity):
     assert (unknown.energy_error, unknown.energy_error_at_end) == (None, None)
 
 
-GIVES_UP = ("--method", "verlet", "--step", "1e-12")
-
-
-@pytest.fixture
-def few_steps(monkeypatch):
-    """A thousand steps of a picosecond end long before the beads touch."""
+def test_a_run_that_gave_up_has_no_final_velocities_and_no_film_and_the_exit_code_is_3(
+    softcradle, tmp_path, monkeypatch
+):
     monkeypatch.setattr(runner, "MOST_FIXED_STEPS", 1000)
-
-
-@pytest.mark.usefixtures("few_steps")
-def test_last_velocities_of_a_run_that_gave_up_are_not_called_final_and_the_exit_code_is_3(softcradle, tmp_path):
-    out = " ".join(softcradle("run", "one-on-four", *GIVES_UP, code=3).out.split())
+    gives_up = ("--method", "verlet", "--step", "1e-12")  # of which a thousand end long before the beads touch
+    out = " ".join(softcradle("run", "one-on-four", *gives_up, code=3).out.split())
     assert "velocity when it gave up" in out
     assert "final velocity" not in out
     assert "verlet gave up after" in out
-    said = softcradle("run", "one-on-four", *GIVES_UP, "--json", "-o", str(tmp_path / "part.npz"), code=3).out
+    for output in ("film.mp4", "frames/", "x.kymograph.png"):
+        err = softcradle("render", "one-on-four", *gives_up, "-o", f"{tmp_path}/{output}", code=3).err
+        assert "a film needs the whole motion: verlet gave up" in err
+    assert list(tmp_path.iterdir()) == []
+    said = softcradle("run", "one-on-four", *gives_up, "--json", "-o", str(tmp_path / "part.npz"), code=3).out
     assert json.loads(said)["lanes"][0]["gave_up"] is True
     assert (tmp_path / "part.npz").exists()
-    softcradle("compare", "one-on-four", "--contact", "hertz(1)", *GIVES_UP, "--json", code=3)
-
-
-@pytest.mark.usefixtures("few_steps")
-@pytest.mark.parametrize("output", ["film.mp4", "frames/", "x.kymograph.png"])
-def test_there_is_no_film_of_a_part(output, tmp_path, softcradle):
-    err = softcradle("render", "one-on-four", *GIVES_UP, "-o", f"{tmp_path}/{output}", code=3).err
-    assert "a film needs the whole motion: verlet gave up" in err
-    assert list(tmp_path.iterdir()) == []
+    softcradle("compare", "one-on-four", "--contact", "hertz(1)", *gives_up, "--json", code=3)
 
 
 def test_a_run_that_did_not_stay_finite_is_told_in_every_form(tmp_path, softcradle):
