@@ -110,7 +110,6 @@ def test_killed_and_resumed_it_is_equal_bit_for_bit(cluster, tmp_path, caplog):
     alone = sweep(logged, POINTS, executor="here")
     for name in alone.variables:
         assert found[name].dtype.kind in (alone[name].dtype.kind, "T", "O")
-        assert found[name].identical(alone[name]), name
     assert found.identical(alone)
 
 

@@ -28,7 +28,7 @@ from softcradle.sandbox.user_error import StudyError
 
 from tests.helpers.own_process import python
 from tests.helpers.paths import ROOT
-from tests.helpers.swept import deadly, logged, numbers
+from tests.helpers.swept import logged, numbers
 
 xr = pytest.importorskip("xarray")
 zarr = pytest.importorskip("zarr")
@@ -106,31 +106,27 @@ def test_no_process_is_begun_in_the_thread_that_hears_an_interruption(monkeypatc
     assert begun == [(False, {signal.SIGINT})]
 
 
-@pytest.mark.slow
-def test_a_point_that_kills_its_process_is_marked_and_the_others_are_found(caplog):
-    """It is among the first ones, which are computed in no process of the caller's."""
-    few = grid({"a": [0.5, 0.25], "n": [3, 2]})
-    found = sweep(deadly, few, executor="processes", workers=1, chunk_seconds=1e-3)
-    assert found["status"].to_numpy().tolist() == [[PointStatus.LOST, 0], [0, 0]]
-    assert found["reason"].to_numpy()[0, 0] == "the process that computed it died, 3 times"
-    np.testing.assert_array_equal(found["product"], [[np.nan, 1.0], [0.75, 0.5]])
-    assert "point 0 is lost" in caplog.text
+DEADLY = """
+import sys
+from softcradle.sandbox.sweeps import grid, sweep
+from tests.helpers.swept import deadly
+few = grid({"a": [0.5, 0.25], "n": [3, 2]})
+found = sweep(deadly, few, output=sys.argv[1], executor=sys.argv[2], workers=2, chunk_seconds=1e-3)
+print(*(found[name].to_numpy().ravel().tolist() for name in ("status", "product")), found["reason"].to_numpy()[0, 0])
+"""
 
 
 @pytest.mark.slow
-def test_what_died_of_a_first_point_goes_on_in_processes(tmp_path):
+def test_a_point_that_kills_its_process_is_marked_and_the_others_are_found(tmp_path):
     """ "auto" tries the first points in the process of the caller, and leaves a note that the next start heeds."""
-    program = (
-        "from softcradle.sandbox.sweeps import grid, sweep\n"
-        "from tests.helpers.swept import deadly\n"
-        "few = grid({'a': [0.5, 0.25], 'n': [3, 2]})\n"
-        f"found = sweep(deadly, few, workers=2, output={str(tmp_path / 'x.nc')!r})\n"
-        "print(found['status'].to_numpy().ravel().tolist())\n"
-    )
-    first, second = (python("-c", program, check=False, timeout=300, PYTHONPATH=str(ROOT)) for _ in range(2))
-    assert first.returncode == -signal.SIGKILL
-    assert second.stdout == "[6, 0, 0, 0]\n", second.stderr
-    assert [path.name for path in tmp_path.iterdir()] == ["x.nc"]
+    x, y = (str(tmp_path / name) for name in ("x.nc", "y.nc"))
+    options = {"check": False, "timeout": 300, "PYTHONPATH": str(ROOT)}
+    died, *others = (python("-c", DEADLY, *words, **options) for words in ((x, "auto"), (x, "auto"), (y, "processes")))
+    assert died.returncode == -signal.SIGKILL
+    for done in others:
+        assert done.stdout == "[6, 0, 0, 0] [nan, 1.0, 0.75, 0.5] the process that computed it died, 3 times\n"
+        assert "point 0 is lost" in done.stderr
+    assert sorted(str(path) for path in tmp_path.iterdir()) == [x, y]
 
 
 @pytest.fixture
@@ -209,18 +205,6 @@ def test_what_an_output_is_a_link_to_is_written(tmp_path):
     assert sorted(path.name for path in (tmp_path / "far").iterdir()) == ["x.nc", "x.zarr"]
 
 
-def test_points_of_a_study_keep_their_reasons_and_come_one_by_one():
-    taken: list[int] = []
-    points = grid({"a": [0.5, 0.25], "n": [2, 3]})
-    found = map_points(
-        lambda a, n: Outcome(numbers(a, n), reason="three" if n == 3 else ""), points,
-        each=lambda number, row: taken.append(number), **ONE_BY_ONE,
-    )  # fmt: skip
-    assert taken == [0, 1, 2, 3]
-    assert [row.get("reason") for row in found] == [None, "three", None, "three"]
-    assert [row["product"] for row in found] == [1.0, 1.5, 0.5, 0.75]
-
-
 def test_a_point_of_a_study_that_fails_ends_it_and_is_tried_again(tmp_path):
     kept, points = tmp_path / "kept", grid({"a": [0.5, 0.95], "n": [2]})
     for _ in range(2):
@@ -231,13 +215,15 @@ def test_a_point_of_a_study_that_fails_ends_it_and_is_tried_again(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_study_of_unlike_points_begins_with_processes(monkeypatch):
+def test_points_of_a_study_come_one_by_one_and_unlike_ones_begin_with_processes(monkeypatch):
     """None of its points is tried in this process first, which would let the other cores wait for the longest."""
-    begun: list[Work] = []
+    begun, taken = [], []
+    options = {"workers": 2, "chunk_seconds": 0.0, "each": lambda number, row: taken.append((number, row["product"]))}
     monkeypatch.setattr(run_sweep, "processes_or_threads", lambda work, _: begun.append(work) or here(work))
     for alike in (True, False):
-        assert len(map_points(numbers, grid({"a": [0.5], "n": [2, 3]}), workers=2, alike=alike)) == 2
+        assert len(map_points(numbers, grid({"a": [0.5], "n": [2, 3]}), alike=alike, **options)) == 2
         assert len(begun) == (not alike)
+    assert taken == [(0, 1.0), (1, 1.5)] * 2
 
 
 def held(value):
