@@ -114,7 +114,6 @@ def test_white_cells_mean_spreads_below_a_thousandth_alone(tables, name):
 @pytest.mark.slow
 @pytest.mark.parametrize("scanned", rigidity_maps(40, 20), ids=["power", "gear"])
 def test_a_map_can_be_read(scanned):
-    """It says what white is, and no text lies on another one, on a guide or beyond the edge."""
     with styled():
         figure = draw_map(scanned, compute_map(scanned))
         assert [text.get_text() for text, _ in texts_of(figure) if "white: below 0.1 %" in text.get_text()]

@@ -76,7 +76,7 @@ def test_forces_and_overlaps_have_errors_of_their_own(case, quantity):
     assert 0.002 < error_of(pulled, quantity, off) <= 0.0101
 
 
-def test_a_series_ends_at_its_time_limit(case):
+def test_a_series_ends_at_its_time_limit_and_a_case_shares_its_time_among_its_solvers(case, monkeypatch):
     solver = our_solver(case, "verlet")
     found = measure_series(case, solver, limits=TimeLimits(run=1e-4, series=10.0))
     assert found.out_of_time
@@ -84,10 +84,7 @@ def test_a_series_ends_at_its_time_limit(case):
     exact = measure_series(case, our_solver(case, "accurate", 1e-3, 1e-11, 1e-12, 1e-13))
     assert [point.fineness for point in exact.points] == [1e-3, 1e-11, 1e-12]
     assert not exact.out_of_time
-
-
-def test_a_case_shares_its_time_among_its_solvers(case, monkeypatch):
-    shares, solver, made = [], our_solver(case, "verlet", 30.0), made_series("x", True, (0.1, 1.0))
+    shares, made = [], made_series("x", True, (0.1, 1.0))
     monkeypatch.setattr(measurement, "measure_series", lambda *a: shares.append(a[3].series) or made)
     measurement.measure_case(case, [solver] * 4, limits=TimeLimits(1.0, 10.0, 8.0))
     assert shares[0] == pytest.approx(2.0)
@@ -103,12 +100,6 @@ def test_a_peer_that_raises_has_given_up_and_a_method_of_ours_has_a_bug(case, tm
     assert [row["error of velocities"] for row in rows] == ["", ""]
     with pytest.raises(ValueError, match="infs"):
         measurement.measure_case(case, [Solver("method", "", (1e-2,), broken, ours=True)], limits=SHORT_LIMITS)
-
-
-def test_without_the_reference_two_ways_to_the_truth_agree():
-    solved = DEFINITIONS["one-on-5"].solve(by_reference=False)
-    assert 0.0 < solved.uncertainty < 1e-10
-    assert f"radau at {TRUTH_TOLERANCE:g}" in solved.source
 
 
 @pytest.mark.slow
@@ -143,7 +134,10 @@ def test_an_earlier_start_ends_the_same(case):
     assert error_of(case, "forces", second) < 0.02
     velocity = np.array([1.0, 0.0, 0.1])  # it cannot begin earlier
     parting = CaseDefinition("parting", "parting", lambda: one_on(2, power_law(1.0, 0.1)), velocity=velocity)
-    assert len(parting.solve(by_reference=False).starts([0.1, 0.2])) == 1
+    solved = parting.solve(by_reference=False)
+    assert 0.0 < solved.uncertainty < 1e-10  # two ways to the truth agree
+    assert f"radau at {TRUTH_TOLERANCE:g}" in solved.source
+    assert len(solved.starts([0.1, 0.2])) == 1
     for chain in (SLIDING, PUSHED, BRAKED, PULLED):  # nor where it would not be in free flight until then
         acted_on = replace(case, chain=chain, velocity=np.eye(1, chain.contacts + 1)[0])
         assert len(acted_on.starts([0.1, 0.2])) == 1
