@@ -1,7 +1,5 @@
 """Without the packages of an extra: what needs them says how to get them, in a sentence; the rest works."""
 
-import subprocess
-
 import pytest
 from softcradle.physics.extras import EXTRA_OF, needed_for
 
@@ -25,7 +23,7 @@ for method in METHODS:
 """
 
 
-def run(without: tuple[str, ...], program: str) -> subprocess.CompletedProcess[str]:
+def run(without, program):
     program = f"import sys\nfor name in {without!r}: sys.modules[name] = None\n{program}"
     return python("-c", program, check=False, PYTHONPATH=str(ROOT))
 

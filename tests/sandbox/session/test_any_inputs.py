@@ -9,15 +9,7 @@ from softcradle.sandbox.session import Session
 from softcradle.sandbox.session.inputs import Input, SetMethod, SetStep
 
 from softcradle import scenes
-from tests.helpers.sessions import (
-    INPUTS,
-    check_invariants,
-    check_replay,
-    fitted,
-    opened,
-    picture,
-    read_all,
-)
+from tests.helpers.sessions import INPUTS, check_invariants, check_replay, fitted, opened, picture, read_all
 
 # One row, two lanes, drives, laws side by side, couplers with friction and brakes, and beads pressed from the start.
 SCENES = st.sampled_from(

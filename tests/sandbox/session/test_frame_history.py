@@ -18,7 +18,6 @@ FRAMES = BLOCK_ROWS + 300
 
 @pytest.fixture(scope="module")
 def edited():
-    """A session of several blocks with edits in between, which change the number of beads too."""
     masses = [one for k in range(20) for one in (inputs.SetMass(0, 1, 0.4 + 0.1 * k), 7)]
     beads = inputs.AddBead(0, 4), 100, inputs.AddBead(0, 5), 200
     return opened("beads-against-gear", *beads, *masses, inputs.SetMass(0, 2, 77.0), FRAMES)

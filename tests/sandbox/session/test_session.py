@@ -218,14 +218,8 @@ def test_the_bead_that_hits_is_the_one_that_approached(name):
 @pytest.mark.parametrize(("method", "least", "most"), [("euler", 1e-6, 1e-3), ("conserving", 0.0, 1e-12)])
 def test_between_walls_that_move_alike_no_error_is_booked_as_their_work(method, least, most):
     """The velocity of the second is a sum over the row: alike to round-off, which hid every error."""
-    lane = Lane(
-        mass=[math.inf, 1, 1, 1, math.inf],
-        velocity=[0.1, 1, 0.3, 0.7, 0.1],
-        gap=[0.1, 0.2, 0.1, 0.3],
-        contact={"law": "hertz", "stiffness": 30.0},
-    )
-    session = Session(
-        Scene(title="moving box", lanes=(lane,), duration=5.0, method=method, step=0.01), clock=lambda: 0.0
-    )
+    row = {"mass": [math.inf, 1, 1, 1, math.inf], "velocity": [0.1, 1, 0.3, 0.7, 0.1], "gap": [0.1, 0.2, 0.1, 0.3]}
+    lane = Lane(**row, contact={"law": "hertz", "stiffness": 30.0})
+    session = Session(Scene(title="moving box", lanes=(lane,), duration=5.0, method=method, step=0.01))
     session.step_frames(400)
     assert least <= energy_error(session.lanes[0].ledger) < most
