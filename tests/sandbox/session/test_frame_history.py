@@ -53,11 +53,13 @@ def test_a_branch_is_another_one_where_frames_are_dropped_or_replaced_and_not_wh
     assert len(set(found)) == 5
 
 
-def test_a_frame_is_found_by_its_time(edited):
+def test_the_frame_nearest_to_a_time_is_shown(edited):
     times = np.concatenate([block.time[: block.used] for block in edited.history.blocks])
     wanted = np.concatenate((np.linspace(-0.01, times[-1] + 0.01, 200), times[BLOCK_ROWS - 3 : BLOCK_ROWS + 3] + 1e-9))
     for time in wanted:
-        assert abs(times[edited.history.frame_at(time)] - time) == np.abs(times - time).min()
+        edited.scrub(time)
+        assert abs(edited.time - time) == np.abs(times - time).min()
+    edited.scrub_frame(edited.history.last)
 
 
 def test_slices_are_the_frames_one_by_one_up_to_the_one_shown(edited):

@@ -113,16 +113,6 @@ def test_beads_that_pass_through_each_other_are_not_good():
     assert PASSED in [item.cause for item in session.findings(0)]
 
 
-def test_marks_of_rigid_clusters_are_of_the_velocities_before_the_collision():
-    session = opened(frames=300)
-    assert (session.lanes[0].state.force > 0.0).any()
-    assert session.approach(0)[1].tolist() == [1.0, 0.0, 0.0, 0.0, 0.0]
-    session.apply(inputs.SetMass(0, 1, 1.5))
-    assert session.approach(0)[1].tolist() == [1.0, 0.0, 0.0, 0.0, 0.0]
-    session.apply(inputs.RemoveBead(0, 4))
-    assert len(session.approach(0)[1]) == 4
-
-
 def test_the_label_says_what_the_contacts_are_now():
     session = opened()
     law = session.lanes[0].chain.contact[0]
