@@ -102,24 +102,29 @@ def test_summary_counts_failures_and_names_the_finest():
     assert dict(found.kinds) == {Failure.CHATTER: 1, Failure.ERROR: 1}
 
 
-@pytest.fixture
-def small_scan(monkeypatch):
+def test_a_scan_is_written_and_drawn_as_a_map_for_each_method_with_the_limit_on_top(tmp_path, softcradle, monkeypatch):
     scan = Scan("alpha", "exponent", (0.05, 1.0), next(one for one in SCANS if one.name == "alpha").chain)
     monkeypatch.setattr(failure_scans, "STEPS", (0.01, 0.3))
     monkeypatch.setattr(failure_scans, "TOLERANCES", (1e-3, 1e-2))
     monkeypatch.setattr(failure_scans, "SCANS", (scan,))
-    return scan, [one for method in METHODS for one in scan_runs(scan, method)]
-
-
-def test_pictures_have_a_map_for_each_method_with_the_limit_on_top_and_say_what_they_show(small_scan):
-    scan, found = small_scan
-    euler = [one.failure for one in found if one.method == "euler"]
+    monkeypatch.setattr(rigid_cradle, "STEPS", (1 / 60,))
+    printed = softcradle("stability", "-o", str(tmp_path / "x.png")).out
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["x.csv", "x.png"]
+    assert all(method.name in printed for method in METHODS)
+    assert "pymunk's own rigid contacts" in printed
+    assert f"{failure_scans.ADAPTIVE_ERROR_FACTOR:g} times the tolerance" in " ".join(printed.split())
+    found = [one for method in METHODS for one in scan_runs(scan, method)]
+    with (tmp_path / "x.csv").open() as file:
+        assert [row["failure"] for row in csv.DictReader(file)] == [one.failure or "" for one in found]
+    failure_scans.write_csv(found, tmp_path / "alone.csv")  # runs of a sweep are those of a scan
+    assert (tmp_path / "alone.csv").read_text() == (tmp_path / "x.csv").read_text()
     with styled():
         details, overview = draw_details(found, [scan]), draw_overview(found, [scan])
     maps = [axes for axes in details.axes if axes.collections and axes.get_ylabel() in {"step [s]", "tolerance"}]
     assert len(maps) == 3 * len(METHODS)
     fixed = [axes for axes in maps if axes.get_ylabel() == "step [s]"]
     assert all(len(axes.lines) == 1 for axes in fixed)
+    euler = [one.failure for one in found if one.method == "euler"]
     letters = sorted(text.get_text() for text in fixed[0].texts)
     assert letters == sorted(failure[0] for failure in euler if failure)
     assert letters
@@ -129,18 +134,3 @@ def test_pictures_have_a_map_for_each_method_with_the_limit_on_top_and_say_what_
     assert all(name in explained for name in (*(failure.value for failure in Failure), "stable_step"))
     shown = np.sort(np.asarray(maps[0].collections[0].get_array()).ravel())
     np.testing.assert_array_equal(shown, np.sort([ORDER.index(failure) for failure in euler]))
-
-
-def test_command_writes_picture_and_numbers(small_scan, tmp_path, softcradle, monkeypatch):
-    monkeypatch.setattr(rigid_cradle, "STEPS", (1 / 60,))
-    printed = softcradle("stability", "-o", str(tmp_path / "x.png")).out
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["x.csv", "x.png"]
-    assert all(method.name in printed for method in METHODS)
-    assert "pymunk's own rigid contacts" in printed
-    assert f"{failure_scans.ADAPTIVE_ERROR_FACTOR:g} times the tolerance" in " ".join(printed.split())
-    _, found = small_scan
-    with (tmp_path / "x.csv").open() as file:
-        rows = list(csv.DictReader(file))
-    assert [row["failure"] for row in rows] == [one.failure or "" for one in found]
-    failure_scans.write_csv(found, tmp_path / "alone.csv")  # runs of a sweep are those of a scan
-    assert (tmp_path / "alone.csv").read_text() == (tmp_path / "x.csv").read_text()
