@@ -36,12 +36,6 @@ def test_a_drive_stronger_than_soft_contacts_has_steps_for_the_speed_that_it_giv
     assert session.lanes[0].velocity == pytest.approx(end, abs=1e-4)
 
 
-def test_slow_motion_changes_the_speed_and_hardly_the_motion():
-    fast, slow = (opened("one-on-four", SetSlow(k), frames=round(3 * k * FRAME_RATE)) for k in (1.0, 8.0))
-    assert (fast.time, slow.time) == pytest.approx((3.0, 3.0))
-    assert np.abs(fast.lanes[0].velocity - slow.lanes[0].velocity).max() < 1e-3
-
-
 def test_late_physics_slows_the_clock_and_is_reported():
     took = 0.008
     session = opened(budget=0.010)
