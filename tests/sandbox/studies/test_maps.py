@@ -129,14 +129,3 @@ def test_white_cells_are_white_at_a_hundredth_of_the_tolerance():
         sides.append([point[key] < 1e-3 for point in points for key in point if key.startswith("rigidity")])
     assert sides[0] == sides[1]
     assert 0 < sum(sides[0]) < len(sides[0])
-
-
-def test_kept_points_of_other_settings_are_not_taken(tmp_path, monkeypatch):
-    power, _ = rigidity_maps(3, 2)
-    kept = tmp_path / "kept"
-    compute_map(power, kept, workers=1)
-    monkeypatch.setattr(rigidity_scan, "TOLERANCE", 1e-3)
-    asked: list[object] = []
-    monkeypatch.setattr(measure_table, "solve", lambda chain, *a, **k: asked.append(chain) or solve(chain, *a, **k))
-    compute_map(power, kept, workers=1)
-    assert len(asked) == 2 * 6

@@ -210,7 +210,8 @@ def test_a_point_of_a_study_that_fails_ends_it_and_is_tried_again(tmp_path):
     for _ in range(2):
         with pytest.raises(StudyError, match=r"^a 0.95, n 2: a must be at most 0.9, not 0.95; 1 point is kept in"):
             map_points(numbers, points, kept, executor="here", chunk_seconds=0.0)
-    assert partial_folder(kept).is_dir()
+    (row,) = map_points(numbers, grid({"a": [0.5], "n": [3]}), kept, executor="here")  # another study begins anew
+    assert (row["product"], partial_folder(kept).is_dir()) == (1.5, True)
     drop_kept(kept)
     assert list(tmp_path.iterdir()) == []
 
