@@ -9,6 +9,7 @@ from softcradle.physics import Contact, hertz, power_law, simulate
 from softcradle.sandbox.session import Session, inputs
 from softcradle.sandbox.session.lane_setup import ERROR
 from softcradle.sandbox.session.run_verdict import LEVELS, MOST_CHATTER, PASSED
+from softcradle.sandbox.session.summary_text import summary_text
 from softcradle.sandbox.session.velocity_check import VelocityCheck
 
 from tests.helpers.relations import NAMES
@@ -96,6 +97,7 @@ def test_the_badge_and_the_findings_of_a_run_are_one_verdict_also_after_chatter_
     assert session.health(0).level == "good"  # of the last second
     found = next(item for item in session.findings(0) if "chattered" in item.cause)
     assert found.level == "bad"
+    assert "Do not trust it: verlet chattered from " in summary_text(session)
     assert 0.0 < found.begin < found.end < session.time
     bad = {frame for item in session.findings(0) for frame in range(item.first, item.last + 1)}
     for frame in range(session.history.last, 0, -25):

@@ -172,13 +172,6 @@ def test_beads_that_are_pushed_or_pulled_hit_nobody(name):
     assert " hit " not in summary_text(session)
 
 
-def test_lanes_are_named_and_faults_are_told():
-    text = summary_text(opened("beads-against-gear", SetMethod(1, "verlet"), frames=2000))
-    assert "alpha = 1/10: " in text
-    assert "draft gear: " in text
-    assert "Do not trust it: verlet chattered from " in text
-
-
 @pytest.mark.parametrize("name", EVERY_SCENE)
 def test_the_bead_that_hits_is_the_one_that_approached(name):
     """Contacts that merely touch, or are pressed, close at the same time or before."""
