@@ -1,4 +1,4 @@
-"""The chain: what it accepts, what it refuses, the start that it gives a State, and its scales, found once."""
+"""The chain: what it accepts, what it refuses, and the start that it gives a State."""
 
 import math
 import pickle
@@ -6,19 +6,12 @@ from dataclasses import FrozenInstanceError
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, State, cluster_on_cluster, draft_gear, hertz, hooke, one_on, power_law, simulate
+from softcradle.physics import Chain, State, draft_gear, hooke, one_on, power_law, simulate
 from softcradle.physics.advice.unusual_numbers import unusual_warnings
-from softcradle.physics.chain import per_chain
 from softcradle.physics.contact import Contact
 from softcradle.physics.scales import LEAST_DEPTH, MOST_DEPTH, contact_scales, require_computable, speeds_to_depth
 
 LAW = power_law(1.0, 0.1)
-
-
-def test_clusters():
-    assert one_on(4, LAW, 2.0) == Chain([2.0] * 5, LAW)
-    assert cluster_on_cluster(2, 3, LAW) == Chain([1.0] * 5, LAW)
-    assert cluster_on_cluster(1, 1, [LAW], [1.0, 2.0]) == Chain([1.0, 2.0], LAW)
 
 
 def test_a_wall_is_a_bead_of_infinite_mass_and_the_anchor():
@@ -84,19 +77,6 @@ def test_a_gear_that_yields_too_little_is_told_of(factor):
     gear = draft_gear(3.0, 2.0)
     border = float(np.sqrt(4.0 * gear.preload * 2e-3))
     assert bool(unusual_warnings(Chain([1, 1], gear), [factor * border, 0.0], 1e-8)) == (factor < 1.0)
-
-
-def test_what_a_chain_alone_determines_is_found_once():
-    calls = []
-
-    @per_chain
-    def number_of_beads(chain):
-        calls.append(chain)
-        return chain.contacts + 1
-
-    one, other = Chain([1, 1], hertz(1.0)), Chain([1, 1, 1], hertz(1.0))
-    assert [number_of_beads(chain) for chain in (one, other, one, other)] == [2, 3, 2, 3]
-    assert calls == [one, other]
 
 
 def test_a_chain_that_has_run_goes_to_other_processes_and_is_the_same():
