@@ -4,13 +4,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from softcradle.physics import Chain, Coupler, OwnLaw, TimedForce, cluster_on_cluster, one_on
+from softcradle.physics import Chain, Coupler, OwnLaw, State, TimedForce, advance, cluster_on_cluster, one_on
 from softcradle.physics.chain import GRAVITY
 from softcradle.physics.contact import Contact, draft_gear, hertz, hooke, power_law, step_force
 from softcradle.physics.methods import refusal_of
 
 from tests.helpers.random_chains import random_collision, random_dissipative
-from tests.helpers.relations import KERNELS, fineness, simulate_quietly
+from tests.helpers.relations import KERNELS, digits, fineness, simulate_quietly
 
 METHODS = (*KERNELS, "conserving", "verlet", "yoshida4", "euler", "pymunk")
 TOLERANCE = 1e-6
@@ -193,9 +193,23 @@ for make, duration, seeds in ((random_dissipative, 0.3, (1, 2, 5, 8)), (random_c
     CASES |= {f"{make.__name__} {seed}": Case(*make(seed, 4), duration, 1e-3, EXPLICIT) for seed in seeds}
 
 
+ROWS = [power_law(1.0 + 0.01 * k, 0.1 + 0.02 * k) for k in range(70)]
+LONG_ROW = Case(Chain([1.0] * 71, ROWS, [-0.01 * (k % 7) for k in range(70)]), np.eye(1, 71)[0], 0.1, 2e-3)
+
+
 def solved(case, method, samples=SAMPLES):
     finer = fineness(method, case.step, tolerance=TOLERANCE)
     return simulate_quietly(case.chain, case.velocity, case.duration, method, samples=samples, **finer)
+
+
+def digits_of(case, method):
+    """Of runs with samples at their end, even ones and some, and of frames of live use."""
+    state, moved = State.at_start(case.chain, case.velocity), []
+    for _ in range(5):
+        advance(case.chain, state, 10.0 * case.step, method, **fineness(method, case.step))
+        moved += [state.overlap.tobytes(), state.rate.tobytes()]
+    samples = 2, 9, case.step * np.array([1.0, 1.1, 4.0])
+    return moved, *(digits(solved(case, method, each)) for each in samples)
 
 
 def runs(names, methods):

@@ -105,10 +105,6 @@ def test_a_default_step_resolves_the_shortest_contact():
 
 
 CASES = ELASTIC + GEARS
-STEPS = 3000  # of a fixed-step method in the striker's contact
-# Error of a fixed step: each onset or loss is off by its order at impacts; 30 for up to 5 contacts of up to 3 chatters
-# each. One number for all methods and cases.
-SAFETY = 30.0
 # dop853 alone takes explicit steps across the singular openings of contacts with exponents below 1, for which `accurate`
 # hands over to radau: there its estimate of the error falls short by another 10, and it follows every swing of such a contact,
 # which at a finer tolerance would take more steps than it may
@@ -125,21 +121,6 @@ def impedance(truth, bound):
     overlap = np.maximum(np.abs(truth.overlap), bound * truth.largest_overlap)
     slope = exponent * stiffness * overlap ** (exponent - 1.0)
     return np.sqrt(slope / truth.chain.inverse_reduced_mass)
-
-
-@pytest.mark.parametrize("truth", CASES, ids=lambda truth: truth.name)
-@pytest.mark.parametrize("method", FIXED_STEP, ids=lambda method: method.name)
-def test_fixed_steps(method, truth):
-    step = truth.contact_time / STEPS
-    # explicit steps leave set-valued contacts chattering for ever: the end of the collision is set
-    end = 1.1 * max(float(np.nanmax(truth.opened)), truth.contact_time)
-    found = simulate(truth.chain, truth.start, end, method.name, step, samples=2)
-    # a force that begins as d**a allows 1 + a, one that begins with a jump 1
-    order = 1.0 if truth in GEARS else min(method.order, 1.0 + truth.least_exponent)
-    bound = SAFETY * STEPS**-order
-    assert np.abs(found.final_velocity - truth.final).max() < bound * closing_speed(truth.start)
-    closed, opened = found.contact_intervals[truth.struck][0]
-    assert opened - closed == pytest.approx(truth.contact_time, rel=SAFETY / STEPS)
 
 
 SOFT = [truth for truth in ELASTIC if truth.least_exponent < 1.0]

@@ -58,24 +58,6 @@ def test_a_last_digit_changes_a_digest():
     assert len({digest(rows), *map(digest, others)}) == 61
 
 
-MOVE_CONSTANTS = """
-from tests.helpers.digests import digest, motions, states
-from softcradle.physics.adaptive import adaptive_loop, step_control
-MOTIONS = {name: rest for name, *rest in motions()}
-for module, constant, method in (step_control, "SAFETY", "accurate"), (adaptive_loop, "TOLERANCE_PART", "radau"):
-    print(digest(states(*MOTIONS["one-on-four/" + method])))
-    setattr(module, constant, getattr(module, constant) * (1.0 + 1e-15))
-    print(digest(states(*MOTIONS["one-on-four/" + method])))
-"""
-
-
-def test_a_constant_that_moves_by_its_last_digits_changes_a_digest():
-    """By one part in 1e15, in a process whose kernels are plain Python, so that constants can be replaced."""
-    accurate, moved, radau, moved_too = python("-c", MOVE_CONSTANTS, NUMBA_DISABLE_JIT="1").stdout.split()
-    assert accurate != moved
-    assert radau != moved_too
-
-
 def passed(names, **variables):
     """What pytest says of files of tests, all of which pass, in a process with these variables."""
     words = ("-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", *map(str, names))

@@ -3,11 +3,10 @@
 import os
 from dataclasses import replace
 from functools import partial
-from itertools import product
 from unittest.mock import Mock
 
 import pytest
-from softcradle.physics import Chain, State, advance, hertz, kernel_tiers, one_on, power_law, simulate, warm
+from softcradle.physics import State, advance, hertz, kernel_tiers, one_on, power_law, simulate, warm
 from softcradle.physics.adaptive import runner as adaptive
 from softcradle.physics.fixed_step.runner import TIERS
 from softcradle.physics.kernel_tiers import FIRST, KernelTiers, plain
@@ -15,10 +14,11 @@ from softcradle.physics.numerics import kernel_cache
 from softcradle.physics.numerics.float_bits import COMPILED
 from softcradle.physics.pymunk_contacts import soft_chain
 
+from tests.helpers.motions import CASES, LONG_ROW, digits_of, runs
 from tests.helpers.own_process import python
-from tests.helpers.random_chains import random_collision
-from tests.helpers.relations import LIVE, digits, struck
-from tests.helpers.spaces import chain_row, run
+from tests.helpers.relations import LIVE, digits
+from tests.helpers.spaces import chain_row
+from tests.helpers.spaces import run as run_space
 
 pytest.importorskip("numba")
 pytestmark = pytest.mark.skipif(not COMPILED, reason="nothing compiles here")
@@ -62,46 +62,23 @@ def test_what_runs_call_is_made_before(monkeypatch, method, friction):
         assert kernels <= called[name]
 
 
-def random_run(method, seed):
-    chain, velocity = random_collision(seed, 4)
-    if seed % 2:
-        chain = Chain(chain.mass, chain.contact, chain.gap, friction=0.01)
-    return digits(simulate(chain, velocity, 1.0, method, samples=7, tolerance=1e-6))
-
-
-def live_frames():
-    chain = one_on(3, power_law(1.0, 0.2))
-    state = State.at_start(chain, [1, 0, 0, 0])
-    for _ in range(20):
-        advance(chain, state, 0.1, "conserving")
-        advance(chain, state, 0.01, "accurate")
-    return state.overlap.tolist(), state.rate.tolist()
-
-
-def long_row(method):
-    n = 70
-    laws = [power_law(1.0 + 0.01 * k, 0.1 + 0.02 * k) for k in range(n)]
-    chain = Chain([1.0] * (n + 1), laws, [-0.01 * (k % 7) for k in range(n)])
-    state = State.at_start(chain, struck(chain))
-    advance(chain, state, 0.06, method, step=1e-3)
-    found = simulate(chain, struck(chain), 0.02, method=method, step=1e-3, samples=3)
-    return state.overlap.tolist(), state.rate.tolist(), found.overlap.tolist()
-
-
 def soft_chain_steps(loss):
     space, balls, chain = chain_row(power_law(100.0, 1.5, loss), beads=4)
     for k, ball in enumerate(balls):
         ball.position = k, 0.1 * k * k
     chain.touching_distances = [1.01, 1.04, 1.1]
-    run(space, 1e-2, 200)
+    run_space(space, 1e-2, 200)
     return [tuple(ball.velocity) for ball in balls]
 
 
-MOVED = [*(partial(long_row, one.name) for one in LIVE), partial(soft_chain_steps, 0.0), partial(soft_chain_steps, 0.3)]
-MOVED += [partial(random_run, *each) for each in product(("accurate", "radau", "conserving", "verlet"), range(6))]
+MOVED = [partial(digits_of, LONG_ROW, one.name) for one in LIVE]
+MOVED += [partial(soft_chain_steps, loss) for loss in (0.0, 0.3)]
+DRAWN = [name for name in CASES if name.startswith("random")]
+MOVED += [partial(digits_of, CASES[name], method) for name, method in runs(DRAWN, ("accurate", "radau", "conserving"))]
+MOVED.append(partial(digits_of, CASES["gears on straws"], "verlet"))
 
 
-@pytest.mark.parametrize("moved", [live_frames, *MOVED])
+@pytest.mark.parametrize("moved", MOVED)
 def test_plain_python_gives_the_digits_of_machine_code(cold, moved):
     plainly = moved()
     cold.undo()

@@ -12,8 +12,8 @@ from softcradle.physics.contact import power_law
 from softcradle.physics.simulation import move, solve
 from softcradle.physics.status import Status
 
-from tests.helpers.motions import CASES, Case, runs, solved
-from tests.helpers.relations import KERNELS, digits, fineness, struck, total_energy
+from tests.helpers.motions import CASES, LONG_ROW, digits_of, runs
+from tests.helpers.relations import KERNELS, struck, total_energy
 
 SOFT = one_on(4, power_law(1.0, 0.1))
 RUBS = Chain(np.ones(4), [power_law(1.0, 0.1)] * 3, friction=0.02)
@@ -62,21 +62,6 @@ def test_a_run_whose_budget_ends_reaches_its_end(chain, method, steps, monkeypat
     assert found.ledger[-1] == pytest.approx(found.ledger[0], rel=1e-6)
 
 
-LONG = Case(one_on(70, [power_law(1.0 + 0.01 * k, 0.3) for k in range(70)]), np.eye(1, 71)[0], 2.0, 0.013)
-
-
-def digits_of(case: Case, method: str) -> list[object]:
-    """Of runs with samples at their end, even ones and some, and of frames of live use."""
-    state, moved = State.at_start(case.chain, case.velocity), []
-    for _ in range(5):
-        advance(case.chain, state, 10.0 * case.step, method, **fineness(method, case.step))
-        moved += [state.overlap.tobytes(), state.rate.tobytes()]
-    return [
-        moved,
-        *(digits(solved(case, method, samples)) for samples in (2, 9, case.step * np.array([1.0, 1.1, 4.0]))),
-    ]
-
-
 FIXED = "verlet", "conserving"
 PAUSED = [*runs(CASES, ("accurate",)), *(("a long row", one) for one in FIXED)]
 # with forces over time steps are put where round-off has them
@@ -86,7 +71,7 @@ PAUSED += runs([name for name in CASES if not CASES[name].chain.timed], FIXED)
 @pytest.mark.parametrize(("name", "method"), PAUSED)
 def test_the_digits_of_a_run_do_not_depend_on_its_pauses(name, method, monkeypatch):
     """At a knot of an adaptive method too, where brakes that begin and beads that yield are found anew."""
-    case = CASES.get(name, LONG)
+    case = CASES.get(name, LONG_ROW)
     whole = digits_of(case, method)
     for steps in (1,) if method == "accurate" else (1, 2, 7, 50):
         monkeypatch.setattr("softcradle.physics.fixed_step.runner.PAUSE", steps * case.chain.contacts)

@@ -100,15 +100,7 @@ def test_a_gap_is_flown_through_freely(method):
     touching = simulate(Chain([1.0, 1.0], hertz(1.0)), [0.5, 0.0], method=method)
     assert opened - closed == pytest.approx(touching.contact_intervals[0][0][1], abs=0.02)
     assert found.final_velocity == pytest.approx(touching.final_velocity, abs=1e-4)
-
-
-@pytest.mark.parametrize("method", [method.name for method in FIXED_STEP])
-def test_free_flight_costs_no_steps_worth_mentioning(method):
-    chains = (Chain([1.0, 1.0], hertz(1.0), gap) for gap in (0.0, 1e4))
-    near, far = (simulate(chain, [1.0, 0.0], method=method, samples=2) for chain in chains)
-    if method != "pymunk":  # which steps its Space through the gap
-        assert far.evaluations < near.evaluations + 10
-    assert far.final_velocity == pytest.approx(near.final_velocity, abs=1e-4)
+    assert found.evaluations < 1.5 * touching.evaluations  # a flight costs next to none
 
 
 @pytest.mark.parametrize("method", [method.name for method in LIVE])

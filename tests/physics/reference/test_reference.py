@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import Chain, Coupler, OwnLaw, cluster_on_cluster, one_on, simulate
-from softcradle.physics.chain import GRAVITY
 from softcradle.physics.contact import draft_gear, hertz, hooke, power_law, step_force
 from softcradle.physics.methods import refusal_of
 from softcradle.physics.reference.laws import Laws
@@ -81,17 +80,6 @@ def test_scales_of_length_and_time_do_not_matter(method):
     small = simulate(one_on(3, hertz(stiffness)), [length / time, 0, 0, 0], 4.0 * time, method, samples=5)
     assert small.velocity * time / length == pytest.approx(large.velocity, abs=1e-8)
     assert small.overlap / length == pytest.approx(large.overlap, abs=1e-8)
-
-
-def test_friction_holds_a_bead_where_it_turns():
-    """Pushed against a spring; the next bead stays, for the spring never pushes with more than its friction."""
-    chain = Chain([1.0, 1.0], hooke(10.0), drive=[1.2 * 0.2 * GRAVITY, 0.0], friction=0.2)
-    # one bead swings about its balance under the spring alone, from rest to rest: it never pushes with 2 * 0.2 mu g
-    frequency, force = math.sqrt(10.0), 0.2 * 0.2 * GRAVITY
-    middle = ended(chain, [0.0, 0.0], 0.5 * math.pi / frequency)
-    assert middle.final_velocity[0] == pytest.approx(force / frequency, abs=1e-12)
-    # within 3 s it turns, and friction holds it there
-    assert ended(chain, [0.0, 0.0], 3.0).final_velocity.tolist() == [0.0, 0.0]
 
 
 def test_parts_of_a_coupler_that_only_together_are_determined():
