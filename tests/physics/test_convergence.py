@@ -1,6 +1,6 @@
-"""Orders of convergence, on smooth motion a method's own, at a touch the force's; every method against the exact answers.
+"""Orders of convergence, on smooth motion a method's own, at a touch the force's; adaptive methods against exact answers.
 
-These are in quadruple precision: what an explicit step must reach, what a tolerance promises.
+These are in quadruple precision: what a tolerance promises.
 """
 
 import math

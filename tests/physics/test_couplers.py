@@ -72,6 +72,16 @@ def test_wagons_of_a_pulled_train_start_one_after_another(method):
     assert errors[1] < 0.15 * errors[0]  # a hundred times as hard, a tenth of that
 
 
+@pytest.mark.parametrize("method", ["euler", "verlet", "conserving", "scipy"])
+def test_pulling_is_pushing_seen_from_the_other_side(method):
+    chain, finer = Chain([8e4, 8e4], TRAIN, 0.01), fineness(method, 1e-4)
+    pushing, pulling = (simulate(chain, [speed, 0.0], 0.6, method, samples=31, **finer) for speed in (3.0, -3.0))
+    np.testing.assert_allclose(pulling.overlap + 0.02, -pushing.overlap, atol=1e-9)
+    np.testing.assert_allclose(pulling.force, -pushing.force, atol=2e-2)
+    for pushed, pulled in zip(pushing.contact_intervals[0], pulling.contact_intervals[0], strict=True):
+        assert pulled == pytest.approx(pushed, abs=1e-9)
+
+
 @pytest.mark.parametrize(
     "seed", [pytest.param(k, marks=pytest.mark.slow) if k in (6, 7, 9, 13, 21) else k for k in range(24)]
 )

@@ -83,6 +83,8 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "no body": (lambda: SoftContact(BODY, 5, (0, 0), (0, 0), 1, LAW), "b must be a Body, not 5"),
     "no anchor": (lambda: SoftContact(*BODIES[:2], None, (0, 0), 1, LAW), "anchor_a must be two finite numbers, not None"),
     "an anchor nowhere": (lambda: SoftContact(*BODIES[:2], (0, 0), (math.nan, 0), 1, LAW), "anchor_b must be two finite"),
+    "a touching distance of 0": (lambda: SoftContact(*BODIES[:2], (0, 0), (0, 0), 0, LAW), "touching_distance"),
+    "an endless touching distance": (lambda: SoftContact(*BODIES[:2], (0, 0), (0, 0), math.inf, LAW), "touching_distance"),
     "substeps of a body without mass": (
         lambda: SoftContact(pymunk.Body(), BODY, (0, 0), (0, 0), 1, LAW).substeps(0.1, 1),
         "no mass or moment yet",

@@ -57,17 +57,6 @@ def test_moves_as_method_conserving(law):
         np.testing.assert_allclose(chain.overlaps, expected.overlap[-1], rtol=1e-6)
 
 
-@pytest.mark.parametrize("direction", [(0.6, 0.8), (0.0, -1.0)])
-def test_a_row_in_any_direction(direction):
-    straight = chain_row(hertz(1e3), gap=0.3)
-    turned = chain_row(hertz(1e3), gap=0.3, direction=direction)
-    for space, _, _ in (straight, turned):
-        run(space, FRAME, 180)
-    for body, other in zip(straight[1], turned[1], strict=True):
-        assert other.velocity.dot(direction) == pytest.approx(body.velocity.x, abs=1e-9)
-        assert other.velocity.cross(direction) == pytest.approx(0.0, abs=1e-12)
-
-
 @pytest.mark.parametrize("law", [hooke(100.0), hertz(1e5), power_law(1.0, 0.1)], ids=str)
 def test_a_bent_row(law):
     """Twenty degrees at every body: forces couple by the cosine; lines that turn cost second-order in the step."""
@@ -137,16 +126,6 @@ def test_a_collision_has_its_restitution(law, step, count, allowed):
     assert momentum(bodies) == pytest.approx(0.5, abs=1e-9)
 
 
-def test_a_column_rests_on_its_preload():
-    space, bodies, chain = chain_row(
-        draft_gear(1e4, 0.02), beads=5, direction=(0, 1), masses=[math.inf] + [1.0] * 4, speed=0
-    )
-    space.gravity = 0.0, -10.0
-    run(space, FRAME, 600)
-    np.testing.assert_allclose([body.position.y for body in bodies], range(5), atol=1e-12)
-    np.testing.assert_allclose(chain.forces, [40.0, 30.0, 20.0, 10.0], rtol=1e-9)
-
-
 def assert_energy_stays(space, bodies, chain, energy=0.5, frames=300):
     for _ in range(frames):
         space.step(FRAME)
@@ -166,24 +145,6 @@ def test_a_velocity_set_between_steps_adds_its_energy_alone(law, sleeps):
     assert_energy_stays(space, bodies, chain, frames=600)
     assert bodies[4].velocity.x > (0.3 if law.preload else 0.2)
     assert chain.energy == 0.0
-
-
-def test_a_body_moved_away_and_back():
-    space, bodies, chain = chain_row(hooke(30.0), gap=0.1)
-    run(space, FRAME, 15)
-    assert chain.overlaps[0] > 0.0
-    bodies[0].position, bodies[0].velocity = (-5.0, 0.0), (0.0, 0.0)
-    run(space, FRAME, 1)
-    assert chain.overlaps[0] == pytest.approx(-5.0, abs=0.2)
-    assert chain.forces[0] == 0.0
-    run(space, FRAME, 100)
-    bodies[0].position, bodies[0].velocity = bodies[1].position - (0.9, 0.0), bodies[1].velocity
-    run(space, FRAME, 1)
-    assert chain.overlaps[0] == pytest.approx(0.1, abs=0.01)
-    assert chain.forces[0] == pytest.approx(30.0 * 0.1, rel=0.05)
-    energy = total_energy(bodies, chain)
-    assert energy > 0.15
-    assert_energy_stays(space, bodies, chain, energy)
 
 
 @pytest.mark.parametrize("law", [hertz(100.0), hertz(100.0, 0.3)], ids=str)
@@ -514,16 +475,26 @@ def test_a_static_body_needs_no_place_in_the_space():
     assert ball.velocity.x == pytest.approx(-1.0, abs=1e-12)
 
 
-def swing_energy(seconds, step=STEP, string=pymunk.PinJoint, law=None):
-    """Energy after over before of a cradle of five pendulums of 1 m on strings, the first of them released at 0.5 rad."""
-    space = pymunk.Space()
+PIN, SLIDE = pymunk.PinJoint, lambda *ends: pymunk.SlideJoint(*ends, 0.0, 1.0)
+# the docstring of SoftChain says what pin joints lose; slide joints gain nothing
+STRINGS = [
+    (PIN, hertz(1e7), 60.0, 240, (0.949, 0.969)),
+    *((SLIDE, hertz(1e6), 30.0, rate, (0.8, 1.0)) for rate in (60, 120, 240)),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("string", "law", "seconds", "rate", "kept"), STRINGS)
+def test_a_cradle_of_pendulums_keeps_its_energy_as_well_as_its_strings_do(string, law, seconds, rate, kept):
+    """Five of 1 m, the first of them released at 0.5 rad."""
+    space, step = pymunk.Space(), 1.0 / rate
     space.gravity = 0, -9.81
     bodies = [pymunk.Body(1, 1e9) for _ in range(5)]
     for i, body in enumerate(bodies):
         angle = -0.5 if i == 0 else 0.0
         body.position = 0.1 * i + math.sin(angle), -math.cos(angle)
         space.add(body, string(space.static_body, body, (0.1 * i, 0), (0, 0)))
-    chain = SoftChain(bodies, law or hertz(1e7), 0.1)
+    chain = SoftChain(bodies, law, 0.1)
     space.add(*chain)
 
     def energy():
@@ -531,16 +502,6 @@ def swing_energy(seconds, step=STEP, string=pymunk.PinJoint, law=None):
         return total_energy(bodies, chain) + 9.81 * sum(heights)
 
     start = energy()
-    run(space, step, round(seconds / step))
-    return energy() / start
-
-
-@pytest.mark.slow
-def test_a_cradle_on_pin_joints_loses_what_the_docstring_of_soft_chain_says():
-    assert swing_energy(60.0) == pytest.approx(1.0 - 0.041, abs=0.01)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("rate", [60, 120, 240])
-def test_a_cradle_on_slide_joints_gains_nothing_at_sixty_steps_a_second_and_more(rate):
-    assert 0.8 < swing_energy(30.0, 1 / rate, lambda *ends: pymunk.SlideJoint(*ends, 0.0, 1.0), hertz(1e6)) < 1.0
+    run(space, step, round(seconds * rate))
+    least, most = kept
+    assert least < energy() / start < most
