@@ -16,15 +16,7 @@ from softcradle.physics.scales import contact_scales, default_step
 
 from tests.helpers import relations
 from tests.helpers.random_chains import collisions, random_dissipative
-from tests.helpers.relations import (
-    KERNELS,
-    NAMES,
-    assert_momentum,
-    assert_sound,
-    fineness,
-    ledger_error,
-    simulate_quietly,
-)
+from tests.helpers.relations import KERNELS, NAMES, assert_momentum, assert_sound, ledger_error, simulate_quietly
 
 MIXED = Chain([1.0, 30.0, 0.2, 5.0, 1.0], [power_law(1.0, 0.1), hooke(3.0), draft_gear(2.0, 0.1), hertz(4.0)])
 MIXED_START = [1.0, 0.0, 0.5, 0.0, -1.0]
@@ -50,7 +42,7 @@ def test_momentum_to_round_off_and_so_the_whole_moves_uniformly(method):
 @pytest.mark.parametrize("method", NAMES)
 def test_motion_is_the_same_for_a_moving_observer(method):
     chain, start = cluster_on_cluster(2, 3, hertz(1.0), [1.0, 2.0, 1.0, 0.5, 1.0]), np.array([1.0, 1.0, 0, 0, 0])
-    options = {"method": method, "duration": 3.0, "samples": 7} | fineness(method, 0.01)
+    options = {"method": method, "duration": 3.0, "samples": 7} | relations.fineness(method, 0.01)
     here = simulate(chain, start, **options)
     there = simulate(chain, start + 0.75, **options)
     assert there.velocity == pytest.approx(here.velocity + 0.75, abs=1e-7)

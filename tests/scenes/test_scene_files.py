@@ -69,11 +69,6 @@ def test_scene_is_the_case_whose_true_outcome_is_known(name, outcome):
 
 
 def test_texts_agree_with_the_motions():
-    softer, harder = TRUE_OUTCOMES["one-on-four-softer"], TRUE_OUTCOMES["one-on-four"]
-    assert (softer[3] - softer[1]) / softer[3] == pytest.approx(0.2, abs=0.02)  # "by a fifth of their speed"
-    assert (harder[3] - harder[1]) / harder[3] > 0.5  # "more than half with 1/10"
-    assert max(TRUE_OUTCOMES["hooke-cradle"][:3]) < 0.0
-    assert TRUE_OUTCOMES["hooke-cradle"][3] == pytest.approx(0.3, abs=0.03)  # "nearly a third"
     three_on_five, mixed = final_velocities("three-on-five")[0], final_velocities("mixed")[0]
     assert (three_on_five[:3] < -0.2).all()
     assert (three_on_five[3:] > 0.7).all()

@@ -4,23 +4,12 @@ import math
 
 import numpy as np
 import pytest
-from softcradle.physics import (
-    Chain,
-    Coupler,
-    TimedForce,
-    cluster_on_cluster,
-    draft_gear,
-    hertz,
-    hooke,
-    one_on,
-    power_law,
-    simulate,
-    step_force,
-)
+from softcradle.physics import Chain, Coupler, TimedForce, cluster_on_cluster, one_on, simulate
 from softcradle.physics.analysis import closed_forms, measures
 from softcradle.physics.analysis.closed_forms import critical_speed, one_on_one, rigid_collision, rigid_stroke
 from softcradle.physics.analysis.collision import collide, measured
 from softcradle.physics.analysis.ringing import ringing
+from softcradle.physics.contact import draft_gear, hertz, hooke, power_law, step_force
 
 from tests.helpers.truth import ELASTIC, GEARS
 

@@ -147,6 +147,16 @@ def test_a_velocity_set_between_steps_adds_its_energy_alone(law, sleeps):
     assert chain.energy == 0.0
 
 
+def test_a_body_set_into_its_neighbour_is_pressed_from_then_on():
+    space, bodies, chain = chain_row(hooke(30.0), gap=0.1)
+    run(space, FRAME, 15)
+    bodies[0].position, bodies[0].velocity = bodies[1].position - (0.9, 0.0), bodies[1].velocity
+    run(space, FRAME, 1)
+    assert chain.overlaps[0] == pytest.approx(0.1, abs=0.01)
+    assert chain.forces[0] == pytest.approx(30.0 * 0.1, rel=0.05)
+    assert_energy_stays(space, bodies, chain, total_energy(bodies, chain))
+
+
 @pytest.mark.parametrize("law", [hertz(100.0), hertz(100.0, 0.3)], ids=str)
 def test_bodies_at_one_place_do_not_push_until_they_are_moved(law):
     space, bodies, chain = chain_row(law, speed=0.0)
