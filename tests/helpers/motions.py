@@ -4,7 +4,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from softcradle.physics import Chain, Coupler, OwnLaw, State, TimedForce, advance, cluster_on_cluster, one_on
+from softcradle.physics import Chain, Coupler, OwnLaw, State, TimedForce, advance, one_on
 from softcradle.physics.chain import GRAVITY
 from softcradle.physics.contact import Contact, draft_gear, hertz, hooke, power_law, step_force
 from softcradle.physics.methods import refusal_of
@@ -38,7 +38,6 @@ EXPLICIT = ("verlet", "yoshida4", "euler", "pymunk")  # which chatter, at the st
 CASES = {
     "one on four": Case(one_on(4, power_law(1.0, 0.1)), [1.0, 0.0, 0.0, 0.0, 0.0], None, 0.01, ("dop853",)),
     "hertz with gaps": Case(Chain([1.0, 3.0, 1.0, 2.0], hertz(50.0), gap=[0.1, 0.2, 0.1]), [1.0, 0.0, 0.0, -0.5], None, 0.005),
-    "two gears on two": Case(cluster_on_cluster(2, 2, draft_gear(770.0, 0.0177), 0.396), [0.5, 0.5, 0.0, 0.0], None, 1e-3),
     "gears on straws": Case(
         Chain([0.4] * 4, draft_gear(770.0, 0.0177, loss=0.122), gap=[0.02, 0.0, 0.0], friction=0.064),
         [0.5, 0.0, 0.0, 0.0], None, 1e-3,
@@ -48,7 +47,6 @@ CASES = {
         Chain([math.inf, 1.0, 2.0, math.inf], [hertz(50.0), draft_gear(2.0, 0.1), hooke(30.0)], gap=[0.1, 0.2, 0.1]),
         [0.0, 1.0, 0.0, 0.0], 1.5, 0.005,
     ),
-    "pushed from rest": Case(Chain([1.0, 1.0, 2.0], power_law(1.0, 0.5), drive=[1.0, 0.0, 0.0]), [0.0, 0.0, 0.0], 2.0, 0.005),
     "a stack under its weight": Case(
         Chain([1.0, 1.0, math.inf], draft_gear(20.0, 0.2), drive=[1.0, 1.0, 0.0]), [0.5, 0.0, 0.0], 0.8, 0.005, EXPLICIT
     ),
@@ -83,9 +81,6 @@ CASES = {
     "laws of one's own": Case(
         Chain([1.0, 2.0, 1.0, math.inf], [TODA, hertz(50.0), HARDENING], gap=[0.05, 0.0, 0.05]),
         [1.0, 0.0, 0.0, 0.0], 1.5, 3e-3,
-    ),
-    "laws of one's own with friction": Case(
-        Chain([1.0, 2.0, 1.0], [HARDENING, TODA], friction=0.1), [1.0, 0.0, -0.5], 0.6, 3e-3, EXPLICIT
     ),
     "an exponential law to the end": Case(Chain([1.0, 2.0, 1.0], TODA), [1.0, 0.0, -0.5], None, 2e-3),
     "laws of one's own amid walls, drives, gaps and loss": Case(
@@ -139,15 +134,11 @@ CASES = {
         )
         for stiffness in (1e4, 1e-2, 1e-4)
     },
-    "contacts that stiffen": Case(one_on(2, Contact(0.0, 1.0, 2.5)), [1.0, 0.0, 0.0], None, 5e-3),
-    "contacts that stiffen more": Case(one_on(2, Contact(0.0, 1.0, 3.0)), [1.0, 0.0, 0.0], None, 5e-3),
+    "contacts that stiffen": Case(one_on(2, Contact(0.0, 1.0, 3.0)), [1.0, 0.0, 0.0], None, 5e-3),
     "flights between springs": Case(Chain([1.0] * 3, hooke(1e3), gap=[7.0, 0.3]), [1.0, 0.0, 0.0], None, 5e-4),
     "a push that ends": Case(
         Chain([1.0] * 4, power_law(1.0, 0.1), forces=TimedForce(0, [0.0, 0.6, 0.7], [0.3, 0.3, 0.0])),
         [1.0, 0.0, 0.0, 0.0], None, 5e-3, (*EXPLICIT, "dop853"),
-    ),
-    "a pressed row let go": Case(
-        Chain([1.0, 2.0, 1.0, 0.5], [hertz(3.0), power_law(1.0, 0.5), hooke(2.0)], [-0.3, -0.1, 0.2]), [0.0] * 4, 6.0, 5e-3
     ),
     "a force that comes and goes": Case(
         Chain([1.0] * 3, hertz(50.0), forces=TimedForce([0, 2], [0.0, 0.2, 0.4, 0.4], [0.0, 3.0, 1.0, 0.0])),
@@ -159,13 +150,6 @@ CASES = {
             forces=TimedForce(0, [0.0, 0.5, 0.5], [3.0, 3.0, -4.0]), brakes=TimedForce([1, 2], [0.6, 0.9], [0.0, 2.5]),
         ),
         [0.3, 0.0, 0.0], 1.5, 2e-3, EXPLICIT,
-    ),
-    "brakes that let go": Case(
-        Chain(
-            [1.0, 2.0, 1.0], [draft_gear(20.0, 0.05), hertz(50.0, loss=0.4)], gap=[0.01, 0.02], friction=0.02,
-            forces=TimedForce([0, 2], [0.0, 0.4, 1.0], [2.0, -2.0, 1.0]), brakes=TimedForce([0, 1], [0.0, 0.5], [1.5, 0.2]),
-        ),
-        [0.0, 0.0, -0.4], 1.5, 2e-3, EXPLICIT,
     ),
 }  # fmt: skip
 RESTING = {

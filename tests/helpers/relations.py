@@ -21,7 +21,6 @@ KERNELS = tuple(method.name for method in METHODS if method.family is Family.ADA
 
 EPSILON = float(np.finfo(float).eps)
 PROMISE = 10.0  # tolerances: the error of final velocities in adaptive methods, or there is a warning
-MOST_ENERGY = 100.0  # tolerances: the energy error of a motion without dissipation, or there is a warning
 # of the sum of momenta, for a step and a bead: light beads between heavy ones multiply round-off; the worst of 12 800 random
 # collisions had a third of it
 MOMENTUM_ROUND_OFF = 10_000 * EPSILON

@@ -1,7 +1,4 @@
-"""The public names: exactly these, importable, documented, the same from `softcradle.physics`; imports are light.
-
-Every example in a docstring runs, under the name that users import it by.
-"""
+"""The public names: exactly these, importable, documented, with examples that run; imports are light."""
 
 import ast
 import doctest

@@ -1,7 +1,4 @@
-"""The scans of random chains: what they draw and judge, that one goes on where it stopped; a part of that of `conserving`.
-
-Their judge is collocation in extended precision: its order, known truths, and method `scipy` beside it.
-"""
+"""The scans of random chains: what they draw and judge, that one goes on where it stopped; and the judge itself."""
 
 import json
 import math

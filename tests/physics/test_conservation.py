@@ -1,30 +1,23 @@
-"""Momentum to round-off in every method, energy bounded in all and exact where the method says so.
-
-Also on random chains: up to 40 contacts of any kind, masses over 4 decades, gaps, a wall, 3 clusters.
-"""
+"""Momentum to round-off in every method, energy exact where the method says so, ledgers with walls, friction and loss."""
 
 import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings
 from softcradle.physics import Chain, cluster_on_cluster, simulate
-from softcradle.physics.chain import GRAVITY
 from softcradle.physics.contact import draft_gear, hertz, hooke, power_law
 from softcradle.physics.scales import contact_scales, default_step
 
 from tests.helpers import relations
-from tests.helpers.random_chains import collisions, random_dissipative
-from tests.helpers.relations import KERNELS, NAMES, assert_momentum, assert_sound, ledger_error, simulate_quietly
+from tests.helpers.random_chains import collisions
+from tests.helpers.relations import NAMES, assert_momentum, assert_sound, ledger_error, simulate_quietly
 
 MIXED = Chain([1.0, 30.0, 0.2, 5.0, 1.0], [power_law(1.0, 0.1), hooke(3.0), draft_gear(2.0, 0.1), hertz(4.0)])
 MIXED_START = [1.0, 0.0, 0.5, 0.0, -1.0]
 # energy error of `conserving`, for the root of the steps: the worst of 12 800 random collisions had a third of it, half of
 # them had 1e-15
 ENERGY_ROUND_OFF = 1e-10
-TOLERANCE = 1e-6
-NEWTON = 2.5e-3  # of the tolerance: momentum that a step of radau may lose, for so much Newton's iteration leaves
 
 
 @pytest.mark.parametrize("method", NAMES)
@@ -65,16 +58,6 @@ CHAIN = Chain([1.0, 2.0, 1.5, 1.0], draft_gear(300.0, 0.01, 0.6), gap=[0.005, 0.
 START = [1.0, 0.0, 0.0, -0.5]
 
 
-@given(st.integers(0, 2**32 - 1), st.sampled_from([5, 60, 1000]))
-def test_the_ledger_of_conserving_closes_to_round_off(seed, parts):
-    chain, velocity = random_dissipative(seed)
-    stopped = np.ptp(velocity) / (chain.friction * GRAVITY)  # after this time friction has stopped a bead [s]
-    longest = min(float(contact_scales(chain, velocity)[1].max()), stopped)
-    found = simulate(chain, velocity, longest * min(20, 2000 / parts), "conserving", longest / parts, samples=41)
-    assume(found.warnings == ())  # one in some hundred chains has a step that does not converge, and a warning
-    assert ledger_error(found) < 1e-10
-
-
 @pytest.mark.parametrize("method", ["radau", "accurate", "scipy"])
 def test_conserving_reaches_what_adaptive_methods_find_through_stops_and_reversals_in_second_order(method):
     """Two ways that share no step."""
@@ -111,16 +94,6 @@ def test_the_ledger_is_unknown_where_walls_move_unlike_or_a_bed_takes_momentum_t
         assert np.isnan(simulate(chain, velocity, 1.0).ledger).all()
 
 
-@pytest.fixture(scope="class")
-def few_steps():
-    """Light beads between heavy ones may bounce thousands of times: a run that takes so long gives up here, and says so."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("softcradle.physics.reference.runner.MOST_PHASES", 200)
-        patch.setattr("softcradle.physics.reference.phases.MOST_EVALUATIONS", 20_000)
-        patch.setattr("softcradle.physics.adaptive.usual_budget.MOST_STEPS", 5_000)
-        yield
-
-
 @pytest.mark.parametrize("method", relations.LIVE, ids=lambda method: method.name)
 @given(collisions())
 @settings(max_examples=60)
@@ -145,21 +118,3 @@ def test_energy_is_exact_at_any_step(method, parts, collision):
     assert_sound(found)
     assert_momentum(found, velocity)
     assert relations.energy_error(found, velocity) < ENERGY_ROUND_OFF * math.sqrt(found.steps + 1)
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("few_steps")
-@pytest.mark.parametrize("method", [*KERNELS, "scipy"])
-@given(collision=collisions(most=8))
-@settings(max_examples=30)
-def test_adaptive_methods_end_with_the_beads_in_order(method, collision):
-    """Or with a warning, as chains do whose light beads bounce thousands of times."""
-    chain, velocity = collision
-    # alone, dop853 is for contacts that are not soft: on others it takes steps in which they swing
-    assume(method != "dop853" or all(contact.exponent >= 1.0 for contact in chain.contact))
-    found = simulate_quietly(chain, velocity, None, method, tolerance=TOLERANCE, samples=31)
-    assert_sound(found)
-    if not found.warnings:
-        assert_momentum(found, velocity, TOLERANCE * (1.0 + NEWTON * found.steps))
-        assert relations.energy_error(found, velocity) < relations.MOST_ENERGY * TOLERANCE
-        assert relations.separating(found.final_velocity, 10.0 * TOLERANCE * relations.closing_speed(velocity))

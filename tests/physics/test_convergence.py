@@ -1,7 +1,4 @@
-"""Orders of convergence, on smooth motion a method's own, at a touch the force's; adaptive methods against exact answers.
-
-These are in quadruple precision: what a tolerance promises.
-"""
+"""Orders of convergence, and every adaptive method against exact answers, which are in quadruple precision."""
 
 import math
 from functools import cache

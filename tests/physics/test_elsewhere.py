@@ -1,7 +1,4 @@
-"""Determinism: the same digits run for run, whatever the processor and the C library; kernels one by one.
-
-As plain Python these are in a process of their own: compiled, each would be compiled for its test alone.
-"""
+"""Determinism: the same digits run for run, whatever the processor and the C library; files of kernels as plain Python."""
 
 import json
 

@@ -1,7 +1,4 @@
-"""Runs that are interrupted: frames of live use have a budget, and long runs hand back, so that signals are heard.
-
-An adaptive method that is not through hands over to `conserving`, and it is said; pauses change no digit.
-"""
+"""Runs that are interrupted: frames have a budget, long runs hand back so that signals are heard; pauses change no digit."""
 
 import warnings
 
