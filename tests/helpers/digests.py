@@ -18,12 +18,13 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics import METHODS, Chain, State, advance, simulate
+from softcradle.physics import METHODS, Chain, State, advance
 from softcradle.physics.methods import refusal_of
 from softcradle.physics.scales import contact_scales
 
 from softcradle import scenes
 from tests.helpers.random_chains import random_collision, random_dissipative
+from tests.helpers.relations import fineness, simulate_quietly
 
 Array = NDArray[np.float64]
 
@@ -81,10 +82,8 @@ def runs() -> Iterator[tuple[str, Chain, Array, str]]:
 def solved(chain: Chain, velocity: Array, method: str) -> str:
     """The digest of a run: samples, switches of contacts, final velocities, number of steps."""
     duration = CONTACT_TIMES * float(contact_scales(chain, velocity)[1].min())
-    step = None if next(one for one in METHODS if one.name == method).adaptive else duration / STEPS
-    with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore")
-        found = simulate(chain, velocity, duration, method, step, samples=33)
+    with np.errstate(all="ignore"):
+        found = simulate_quietly(chain, velocity, duration, method, samples=33, **fineness(method, duration / STEPS))
     switches = [time for times in found.contact_intervals for interval in times for time in interval]
     parts = (found.overlap, found.rate, found.force, found.final_velocity, switches, found.steps)
     return digest(np.concatenate([np.ravel(part) for part in parts]))

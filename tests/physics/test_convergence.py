@@ -63,19 +63,6 @@ def test_order_at_a_touch(method, law):
     assert slope(counts, errors) == pytest.approx(expected, abs=0.1)
 
 
-@pytest.mark.parametrize("loss", [0.1, 0.5, 0.9])
-def test_order_where_contacts_with_loss_reverse(loss):
-    """2 for mean forces, over the phase of the step at which the first contact turns from pressing in to coming out."""
-    chain, counts = Chain([1.0, 1.0, 1.0], Contact(1.0, 1e3, 1.5, loss)), (25, 50, 100, 200, 400)
-    exact = simulate(chain, [1, 0, 0], 0.5, "scipy", samples=2, tolerance=1e-10).final_velocity
-    errors = []
-    for count in counts:
-        steps = 0.5 / count * (1.0 - 0.04 * np.arange(12))
-        runs = (simulate(chain, [1, 0, 0], 0.5, "conserving", step, 2) for step in steps)
-        errors.append(np.sqrt(np.mean([(run.final_velocity - exact) ** 2 for run in runs])))
-    assert slope(counts, errors) == pytest.approx(2.0, abs=0.15)
-
-
 @pytest.mark.parametrize("case", SMOOTH)
 @pytest.mark.parametrize("method", ADAPTIVE, ids=lambda method: method.name)
 def test_adaptive_error_follows_the_tolerance(method, case):

@@ -11,7 +11,7 @@ from softcradle.physics.analysis.closed_forms import critical_speed, one_on_one,
 from softcradle.physics.contact import draft_gear, hertz, hooke, power_law, step_force
 
 from tests.helpers.relations import SET_VALUED
-from tests.helpers.truth import CRITICAL_SPEEDS, GEAR, GEARS
+from tests.helpers.truth import CRITICAL_SPEEDS, GEAR
 
 LAWS = [power_law(1.0, 0.1), power_law(2.0, 1 / 14), hooke(3.0), hertz(2.0), draft_gear(2.0, 0.3), step_force(1.5)]
 LAWS += [hertz(2.0, loss=0.3), draft_gear(2.0, 0.3, loss=0.6), step_force(1.5, loss=0.9)]
@@ -42,15 +42,6 @@ def test_critical_speeds(name):
     found = critical_speed(GEAR, [0.396] * (strikers + targets), strikers)
     assert found == pytest.approx(CRITICAL_SPEEDS[name], rel=1e-14)
     assert critical_speed(GEAR, [1.0, 2.0], 1) == math.inf
-
-
-@pytest.mark.parametrize("truth", [case for case in GEARS if "1.5vc" not in case.name], ids=lambda truth: truth.name)
-def test_rigid_gears_are_two_rigid_bodies(truth):
-    mass, speed = truth.chain.mass, truth.start[0]
-    assert speed < critical_speed(GEAR, mass, 1)
-    assert rigid_collision(mass, 1, speed) == pytest.approx(truth.final, rel=1e-14)
-    stroke = closed_forms.rigid_stroke(GEAR, mass, 1, speed)
-    assert stroke == pytest.approx((truth.largest_overlap[0], truth.contact_time, truth.peak_force[0]), rel=1e-13)
 
 
 @pytest.mark.parametrize(("strikers", "targets"), [(1, 2), (1, 5), (2, 2), (2, 3), (3, 1)])
