@@ -116,7 +116,6 @@ CASES = {
         Chain([5.6, 0.2, 0.4], Coupler(Contact(0.0, 14.7, 0.89), Contact(3.95, 39.5, 1.0)), gap=[0.274, 0.0]),
         [0.3, -1.0, -1.0], 1e-4, 1e-6,
     ),
-    "clusters that meet": Case(Chain([1.0] * 5, hooke(2.0), [0.0, 0.3, 0.0, 0.0]), [1.0, 1.0, 0.0, 0.0, 0.0], None, 5e-3),
     "friction holds a bead where it turns": Case(
         Chain([1.0, 1.0], hooke(10.0), drive=[1.2 * 0.2 * GRAVITY, 0.0], friction=0.2), [0.0, 0.0], 3.0, 5e-3, EXPLICIT
     ),

@@ -2,6 +2,7 @@
 
 import math
 import pickle
+from contextlib import nullcontext
 from dataclasses import FrozenInstanceError
 
 import numpy as np
@@ -56,19 +57,12 @@ def test_what_is_computed_is_what_the_depths_say(seed):
     exponent = rng.choice([1.0, 1.5, rng.uniform(0.01, 3.0)], n)
     chain = Chain(10 ** rng.uniform(-3, 3, n + 1), list(map(Contact, preload, 10 ** rng.uniform(-6, 8, n), exponent)))
     borders = speeds_to_depth(chain, [[LEAST_DEPTH], [MOST_DEPTH]]).ravel()
-    refused = 0
-    for speed in [border * factor for border in borders for factor in (0.5, 1.0 - 1e-9, 1.0 + 1e-9, 2.0)]:
-        if not 1e-30 <= speed <= 1e30:
-            continue
+    for speed in np.clip(np.outer(borders, [0.5, 1.0 - 1e-9, 1.0 + 1e-9, 2.0]).ravel(), 1e-30, 1e30):
         velocity = [speed, *[0.0] * n]
         depth = contact_scales(chain, velocity)[0]
-        if ((depth >= LEAST_DEPTH) & (depth <= MOST_DEPTH)).all():
+        within = ((depth >= LEAST_DEPTH) & (depth <= MOST_DEPTH)).all()
+        with nullcontext() if within else pytest.raises(ValueError, match="would be pressed by about"):
             require_computable(chain, velocity)
-        else:
-            refused += 1
-            with pytest.raises(ValueError, match="would be pressed by about"):
-                require_computable(chain, velocity)
-    assert refused or (borders < 1e-30).all() or not ((borders > 1e-30) & (borders < 1e30)).any()
 
 
 @pytest.mark.parametrize("factor", [0.5, 1.0 - 1e-6, 1.0 + 1e-6, 2.0])

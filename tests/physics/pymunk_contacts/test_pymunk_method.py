@@ -55,20 +55,6 @@ def test_anchors_move_apart_under_deep_overlaps():
     np.testing.assert_allclose(pymunk.overlap[:60], euler.overlap[:60], rtol=0, atol=1e-12)
 
 
-def test_advance_agrees_with_euler_under_a_push():
-    chain = Chain([1.0, 2.0, 0.5, 3.0], [hertz(10.0), hooke(30.0), power_law(2.0, 1.2)], [0.0, 0.1, 0.03])
-    states = [State.at_start(chain, [1.0, 0.0, 0.0, -0.5]) for _ in range(2)]
-    for frame in range(60):
-        for state, method in zip(states, ("euler", "pymunk"), strict=True):
-            state.push = np.array([math.sin(0.1 * frame), 0.0, 0.3, -1.0])
-            advance(chain, state, 1.0 / 60.0 + 1e-4 * frame, method, step=1e-3)
-    euler, pymunk = states
-    assert pymunk.time == euler.time
-    for name in ("overlap", "rate", "anchor"):
-        np.testing.assert_allclose(getattr(pymunk, name), getattr(euler, name), rtol=0, atol=1e-12, err_msg=name)
-    assert abs(euler.rate).max() > 0.1
-
-
 def test_it_gives_up_after_the_steps_that_it_may_take():
     found = solve(one_on(3, hertz(1.0)), [1.0, 0.0, 0.0, 0.0], None, "pymunk", step=1e-3, most_steps=50)
     assert (found.status, found.steps) == (Status.OUT_OF_STEPS, 50)
