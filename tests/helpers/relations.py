@@ -70,11 +70,6 @@ def total_energy(chain: Chain, state: State) -> float:
     return kinetic_energy(chain, state.velocity(chain)) + float(chain.stored_energy(state.overlap).sum())
 
 
-def separating(velocity: ArrayLike, tolerance: float) -> bool:
-    """Whether no bead runs into the next, as must be when all contacts are open for good."""
-    return bool((np.diff(np.asarray(velocity)) >= -tolerance).all())
-
-
 def energy_error(found: Trajectory, velocity: ArrayLike) -> float:
     """Largest error of the energy over the run, relative to the kinetic energy of all beads at the start."""
     energy = found.kinetic_energy + found.contact_energy

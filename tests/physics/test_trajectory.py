@@ -17,7 +17,7 @@ from softcradle.physics.fixed_step import step_loop
 from softcradle.physics.pymunk_contacts import runner as pymunk_contacts
 
 from tests.helpers.motions import CASES, runs
-from tests.helpers.relations import FIXED_STEP, LIVE, NAMES, fineness, separating, simulate_quietly, struck
+from tests.helpers.relations import FIXED_STEP, LIVE, NAMES, fineness, simulate_quietly, struck
 
 CRADLE = one_on(4, hertz(1.0))
 START = [1.0, 0.0, 0.0, 0.0, 0.0]
@@ -65,7 +65,7 @@ def test_given_sample_times_are_those(method):
 
 def test_without_a_duration_it_runs_until_all_are_apart(method):
     found = simulate(CRADLE, START, method=method)
-    assert separating(found.final_velocity, 1e-9)
+    assert np.diff(found.final_velocity).min() >= -1e-9
     assert (found.overlap[-1] <= 1e-9).all()
     end = found.time[-1]
     assert end == pytest.approx(max(intervals[-1][1] for intervals in found.contact_intervals), rel=5e-3)
