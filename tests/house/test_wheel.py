@@ -122,17 +122,20 @@ def test_the_description_shows_no_file_that_an_index_does_not_have(wheel):
     assert "](" not in text  # neither links nor pictures
 
 
-@pytest.fixture(scope="module")
-def archive(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("archive")
-    command = [sys.executable, "-m", "hatchling", "build", "--target", "sdist", "--directory", str(folder)]
+def test_the_source_archive_builds_the_same_wheel_and_holds_documentation_and_examples(wheel, tmp_path):
+    command = [sys.executable, "-m", "hatchling", "build", "--target", "sdist", "--directory", str(tmp_path)]
     subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
-    (found,) = folder.glob("*.tar.gz")
-    return found
-
-
-def test_the_source_archive_builds_the_same_wheel(wheel, archive, tmp_path):
+    (archive,) = tmp_path.glob("*.tar.gz")
     assert contents(built(archive, tmp_path / "wheel")) == contents(wheel)
+    with tarfile.open(archive) as opened:
+        names = {name.partition("/")[2] for name in opened.getnames()}
+    kept = {"README.md", "hatch_build.py", "LICENSE", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md"}
+    pages = [*(ROOT / "docs").glob("*.md"), *(ROOT / "examples").rglob("*.ipynb"), *(ROOT / "examples").rglob("*.py")]
+    kept |= {path.relative_to(ROOT).as_posix() for path in pages}
+    pictures = [path.relative_to(ROOT) for path in (ROOT / "docs").glob("**/*.png")]
+    shown = {path.as_posix() for path in pictures if path.parts[1] not in ("_made", "gallery")}
+    assert len(shown) >= 15
+    assert names >= kept | shown
 
 
 def test_every_module_and_asset_comes_from_the_wheel(installed):
@@ -187,15 +190,3 @@ def test_a_user_s_script_is_type_checked_against_the_wheel(installed):
     words = ("-m", "mypy", "--strict", "--python-executable", str(installed.python), "user.py")
     kept = {key: value for key, value in os.environ.items() if key not in ("MYPYPATH", "PYTHONPATH")}
     assert python(*words, env=kept, cwd=installed.game).stdout == "Success: no issues found in 1 source file\n"
-
-
-def test_the_source_archive_holds_documentation_and_examples(archive):
-    with tarfile.open(archive) as opened:
-        names = {name.partition("/")[2] for name in opened.getnames()}
-    kept = {"README.md", "hatch_build.py", "LICENSE", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md"}
-    pages = [*(ROOT / "docs").glob("*.md"), *(ROOT / "examples").rglob("*.ipynb"), *(ROOT / "examples").rglob("*.py")]
-    kept |= {path.relative_to(ROOT).as_posix() for path in pages}
-    pictures = [path.relative_to(ROOT) for path in (ROOT / "docs").glob("**/*.png")]
-    shown = {path.as_posix() for path in pictures if path.parts[1] not in ("_made", "gallery")}
-    assert len(shown) >= 15
-    assert names >= kept | shown

@@ -93,19 +93,10 @@ def test_beads_that_are_modes_may_be_driven(driven):
     np.testing.assert_allclose(model.trajectory.force, full.force, atol=5e-4)
 
 
-def test_response_time_is_that_of_small_oscillations():
+def test_response_time_is_that_of_small_oscillations_a_pi_th_of_the_contact_time():
     """Two unit beads on a linear contact: omega**2 = 2 k. A contact that never loads has none."""
-    chain = Chain([1.0, 1.0, 1.0], [hooke(8.0), hertz(8.0)], gap=[0.0, 9.0])
-    assert response_times(simulate(chain, [1.0, 0.0, 0.0], 1.0)) == pytest.approx([1.0 / 4.0, 0.0])
-
-
-def test_time_scales_separate_as_alpha_goes_to_zero():
-    separation = [
-        time_scale_separation(simulate(one_on(4, power_law(1.0, a)), HIT, method="radau", tolerance=1e-6))
-        for a in (1 / 5, 1 / 10, 1 / 20)
-    ]
-    assert (np.diff(separation, axis=0)[:, 1:] < 0.0).all()
-    assert (np.diff(separation[1]) < 0.0).all()
-    assert separation[1][2] < 1e-2 < separation[1][0]
+    found = simulate(Chain([1.0, 1.0, 1.0], [hooke(8.0), hertz(8.0)], gap=[0.0, 9.0]), [1.0, 0.0, 0.0], 1.0)
+    assert response_times(found) == pytest.approx([1.0 / 4.0, 0.0])
+    assert time_scale_separation(found) == pytest.approx([1.0 / math.pi**2, 0.0])
     with pytest.raises(ValueError, match="does not close and open again"):
-        time_scale_separation(simulate(one_on(1, hooke(1.0)), [0.0, 1.0], 1.0, method="radau"))
+        time_scale_separation(found, struck=1)
