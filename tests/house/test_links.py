@@ -1,10 +1,13 @@
-"""Links of the documentation lead to something: files, headings, pages, and the paths of the architecture page.
+"""Links of the documentation, paths of the architecture page and links that set-up makes for editors lead to something.
 
 `make check` runs this file; links to other sites are asked by `make links`.
 """
 
 import re
+import tomllib
 from pathlib import Path
+
+import pytest
 
 from tests.helpers.paths import ROOT
 
@@ -53,3 +56,14 @@ def test_paths_of_the_architecture_page_exist():
     definition = r"^(?:class|def) {0}\b|^{0}\b.*="
     sources = [(name, (ROOT / path).read_text(encoding="utf-8")) for name, path in named if (ROOT / path).is_file()]
     assert [name for name, source in sources if not re.search(definition.format(name), source, re.MULTILINE)] == []
+
+
+def test_every_tool_reads_the_same_links_to_the_folders():
+    tools = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]
+    typed = tools["mypy"]["mypy_path"]
+    assert tools["pyright"]["extraPaths"] == [typed]
+    if not (ROOT / typed / "softcradle" / "physics").is_dir():
+        pytest.skip("set up without make")
+    rooms = {room: ROOT / room for room in ("physics", "scenes", "sandbox")}
+    rooms |= {name: ROOT / "softcradle" / name for name in ("__init__.py", "__main__.py")}
+    assert {path.name: path.resolve() for path in (ROOT / typed / "softcradle").iterdir()} == rooms

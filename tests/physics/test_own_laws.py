@@ -45,6 +45,7 @@ def gear(overlap: float) -> float:
     return 2.0 + 3.0 * overlap + 5.0 * overlap**3
 
 
+SUBNORMAL = 112443850.21149778, 1.16693629679573
 PAIRS = {
     "soft": (power(1.0, 0.1), power_law(1.0, 0.1)),
     "softer": (power(2.0, 1 / 30), power_law(2.0, 1 / 30)),
@@ -54,10 +55,7 @@ PAIRS = {
     "step": (lambda overlap: 2.0, step_force(2.0)),
     "soft gear": (lambda overlap: 0.3 + 2.0 * overlap**0.3, Contact(0.3, 2.0, 0.3)),
     "softest gear": (lambda overlap: 0.01 + 3.0 * overlap ** (1 / 30), Contact(0.01, 3.0, 1 / 30)),
-    "subnormal at first": (
-        power(112443850.21149778, 1.16693629679573),
-        power_law(112443850.21149778, 1.16693629679573),
-    ),
+    "subnormal at first": (power(*SUBNORMAL), power_law(*SUBNORMAL)),
 }
 
 
