@@ -3,8 +3,7 @@
     python -m tests.helpers.digests            # says which answers differ from data/digests.json, the one record of them
     python -m tests.helpers.digests --write    # writes it anew, after a change that is meant to change digits
 
-They hold on every machine: kernels have powers, exponentials and logarithms of their own, and no product is fused with a sum.
-Only those of pymunk are its wheel's.
+They hold on every machine, for all is computed by operations of IEEE 754; only those of pymunk are its wheel's.
 """
 
 import argparse

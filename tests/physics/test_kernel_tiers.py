@@ -259,18 +259,14 @@ def in_a_new_cache(folder, *arguments, **more):
 
 
 @pytest.mark.slow
-def test_first_use_that_compiles_says_so_and_the_second_has_nothing_to_say(tmp_path):
+def test_first_use_that_compiles_says_so_and_the_command_too_unless_quiet(tmp_path):
     first = in_a_new_cache(tmp_path, "-c", CRADLE, SOFTCRADLE_COMPILE="first")
     assert first.stderr.count(FIRST) == 1
     assert in_a_new_cache(tmp_path, "-c", CRADLE).stderr == ""
-
-
-@pytest.mark.slow
-def test_the_command_says_it_too_unless_quiet(tmp_path):
     scene = ("-m", "softcradle", "run", "hertz-cradle", "--method", "verlet", "--step", "1e-3", "--duration", "0.1")
-    first = in_a_new_cache(tmp_path, *scene, SOFTCRADLE_COMPILE="first")
-    assert first.stderr.splitlines()[0] == f"softcradle: {FIRST}"
-    assert FIRST not in in_a_new_cache(tmp_path / "other", *scene, "-q", SOFTCRADLE_COMPILE="first").stderr
+    told = in_a_new_cache(tmp_path / "command", *scene, SOFTCRADLE_COMPILE="first")
+    assert told.stderr.splitlines()[0] == f"softcradle: {FIRST}"
+    assert FIRST not in in_a_new_cache(tmp_path / "quiet", *scene, "-q", SOFTCRADLE_COMPILE="first").stderr
 
 
 def test_warm_takes_names_and_loads_the_kernels_of_batches(monkeypatch):

@@ -174,19 +174,19 @@ def test_clusters_that_are_apart_or_pushed_have_no_critical_speed(changes):
     assert closed_forms.speed_ratio(Chain([1.0] * 4, GEAR, gap=[0.3, 0, 0]), 0, 0.1) > 0.0
 
 
-@pytest.mark.parametrize("law", [Coupler(hooke(1e3), hooke(1e3), slack=0.1), lambda overlap: 100.0 * overlap])
-def test_couplers_and_laws_of_ones_own_are_measured(law):
-    """They have no critical speed and no scaling variable, and all else."""
-    found = measured(collide(one_on(2, law), [1, 0, 0], 0.5, method="conserving", step=1e-4, samples=101))
+PULLED, SOFT = (Coupler(hooke(1e3), gear, slack=0.1) for gear in (hooke(1e3), power_law(1e3, 0.5)))
+CARRIED = [(PULLED, "accurate"), (lambda overlap: 100.0 * overlap, "accurate"), (SOFT, "conserving")]
+
+
+@pytest.mark.parametrize(("law", "method"), CARRIED)
+def test_couplers_and_laws_of_ones_own_are_measured_by_a_method_that_carries_them(law, method):
+    """They have no critical speed and no scaling variable; `accurate` refuses gears that pull with exponents below 1."""
+    run = collide(one_on(2, law), [1, 0, 0], 0.5, samples=101)
+    found = measured(run)
+    assert run.method == method
     assert (found.speed_ratio, found.speed_margin, found.spread_variable) == (None, None, None)
     assert found.contacts[0].transmitted > 0.5
     assert sum(found.final_velocity) == pytest.approx(1.0)
-
-
-@pytest.mark.parametrize(("gear", "method"), [(hooke(1e3), "accurate"), (power_law(1e3, 0.5), "conserving")])
-def test_a_collision_without_a_method_takes_one_that_carries_the_chain(gear, method):
-    """`accurate` refuses couplers whose gears pull with exponents below 1."""
-    assert collide(one_on(2, Coupler(hooke(1e3), gear)), [1, 0, 0], 0.5).method == method
 
 
 @pytest.mark.parametrize("first", [0.0, 2.0])
