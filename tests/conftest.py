@@ -21,9 +21,8 @@ from tests.helpers.own_process import children, descriptors, run_alone, runs_alo
 if TYPE_CHECKING:
     from tests.helpers.windows import Driver
 
-os.environ["SOFTCRADLE_CONFIG"] = tempfile.mkdtemp(
-    prefix="softcradle-settings-"
-)  # never those of whoever runs the tests
+# never the settings of whoever runs the tests
+os.environ["SOFTCRADLE_CONFIG"] = tempfile.mkdtemp(prefix="softcradle-settings-")
 os.environ["LANGUAGE"] = "en"  # texts are compared in English, whatever the locale of the machine
 settings.register_profile(
     "softcradle", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True

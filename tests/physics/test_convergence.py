@@ -88,17 +88,6 @@ SOFT_PROMISE, SOFT_TOLERANCE = 100.0, 1e-6
 TOLERANCE = 1e-8
 
 
-def impedance(truth, bound):
-    """(T, n) force error [N] for an error of 1 m/s in the rate: sqrt(mu df/dd), which is unbounded where a < 1 opens.
-
-    The slope is that at the overlap, or at its error where that is larger.
-    """
-    _, stiffness, exponent = truth.chain.parameters.law.T
-    overlap = np.maximum(np.abs(truth.overlap), bound * truth.largest_overlap)
-    slope = exponent * stiffness * overlap ** (exponent - 1.0)
-    return np.sqrt(slope / truth.chain.inverse_reduced_mass)
-
-
 SOFT = [truth for truth in ELASTIC if truth.least_exponent < 1.0]
 LONG = {("scipy", truth.name) for truth in SOFT if truth.name not in ("one on 1, alpha 1/10", "one on 4, alpha 1/10")}
 HELD = [
@@ -121,7 +110,12 @@ def test_tolerances(method, truth):
     assert np.abs(found.overlap[rows] - truth.overlap).max() < bound * truth.largest_overlap.max()
     assert np.abs(found.ledger / found.ledger[0] - 1.0).max() < 10.0 * tolerance
     if not swings:  # a soft contact beside others swings about its force
-        stiff = truth.peak_force.max() + impedance(truth, bound) * speed
+        # (T, n) force error [N] for an error of 1 m/s in the rate: sqrt(mu df/dd), unbounded where an exponent < 1 opens; the
+        # slope is that at the overlap, or at its error where that is larger
+        _, stiffness, exponent = truth.chain.parameters.law.T
+        overlap = np.maximum(np.abs(truth.overlap), bound * truth.largest_overlap)
+        slopes = exponent * stiffness * overlap ** (exponent - 1.0)
+        stiff = truth.peak_force.max() + np.sqrt(slopes / truth.chain.inverse_reduced_mass) * speed
         assert (np.abs(found.force[rows] - truth.force) < bound * stiff).all()
     assert not found.warnings or (swings and found.velocity_error.max() > PROMISE * tolerance * speed)
     if method.name == "scipy":

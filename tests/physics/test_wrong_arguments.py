@@ -180,7 +180,6 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "too slow": (lambda: simulate(CHAIN, [1e-300, 0, 0, 0, 0]), RANGE),
     "too fast": (lambda: simulate(CHAIN, [1e308, 0, 0, 0, 0]), RANGE),
     "too light": (lambda: one_on(4, LAW, 1e-300), RANGE),
-    "too heavy": (lambda: one_on(4, LAW, 1e300), RANGE),
     "too far": (lambda: Chain([1, 1], LAW, gap=1e300), RANGE),
     "too driven": (lambda: Chain([1, 1], LAW, drive=[1e300, 0]), RANGE),
     "too together": (lambda: simulate(one_on(4, power_law(SMALLEST, 0.1), LARGEST), [LARGEST, 0, 0, 0, 0]), RANGE),

@@ -111,9 +111,8 @@ def test_what_touches_closes_as_soon_as_a_neighbour_pushes_it():
     (pushed,), (touching,) = found.contact_intervals
     assert pushed == pytest.approx((0.0, math.pi / math.sqrt(1.5)), abs=1e-9)
     assert touching == pytest.approx(pushed, abs=1e-9)
-    sliding = Chain(
-        [1.0, 2.0, 1.0], [hooke(1.0), hertz(1.0)], friction=0.1
-    )  # beads side by side push each other no more
+    # beads that slide side by side push each other no more
+    sliding = Chain([1.0, 2.0, 1.0], [hooke(1.0), hertz(1.0)], friction=0.1)
     assert ended(sliding, [1.0, 1.0, 1.0], 0.5).contact_intervals == ((), ())
 
 
