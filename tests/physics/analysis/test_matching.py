@@ -5,9 +5,10 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import Chain, cluster_on_cluster, draft_gear, hooke, one_on, power_law
-from softcradle.physics.analysis.closed_forms import critical_speed
+from softcradle.physics.analysis import matching
+from softcradle.physics.analysis.closed_forms import critical_speed, rigid_stroke, speed_ratio
 from softcradle.physics.analysis.collision import collide
-from softcradle.physics.analysis.matching import DISTANCES, NEAR, Match, match
+from softcradle.physics.analysis.matching import DISTANCES, NEAR, RATIOS, Match, match
 
 pytestmark = pytest.mark.slow  # each match is a search of some seconds
 
@@ -78,6 +79,17 @@ def test_the_outcome_is_met_above_the_critical_speed_where_a_search_from_below_s
     velocity = collide(one_on(4, found.contact), [1, 0, 0, 0, 0]).final_velocity
     truth = collide(one_on(4, power_law(1.0, alpha)), [1, 0, 0, 0, 0]).final_velocity
     np.testing.assert_allclose(velocity, truth, atol=0.015)
+
+
+def test_starts_hold_rigid_clusters_together_for_the_given_time():
+    chain = one_on(4, power_law(1.0, 0.1))
+    gears = matching.gears_of_all_speeds(chain, 0, 2.0, 1.7)
+    laws = matching.laws_of_all_exponents(chain, 0, 2.0, 1.7)
+    for contact in (*gears, *laws):
+        assert rigid_stroke(contact, chain.mass, 1, 2.0).contact_time == pytest.approx(1.7, rel=1e-12)
+    assert [speed_ratio(one_on(4, gear), 0, 2.0) for gear in gears] == pytest.approx(RATIOS)
+    assert speed_ratio(one_on(4, laws[0]), 0, 2.0) is None
+    assert matching.gears_of_all_speeds(one_on(1, hooke(1.0)), 0, 1.0, 1.0) == []
 
 
 def test_pairs_strike_pairs_after_a_gap():
