@@ -41,9 +41,7 @@ def test_digits_of_random_runs_are_those_recorded():
     assert [name for name, rest in ours if solved(*rest) != RECORDED[name]] == []
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.slow) if name in LONG else name for name in MOTIONS]
-)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if n in LONG else n for n in MOTIONS])
 def test_digits_are_those_recorded(name):
     again = digest(states(*MOTIONS[name])) if MOTIONS[name][-1] in NOT_OURS else RECORDED[name]
     assert digest(states(*MOTIONS[name])) == again

@@ -82,9 +82,8 @@ def test_every_corner_is_passed_as_the_reference_does(name, method):
 
 
 # by the reference too, but where what just touches opens and closes from frame to frame
-LIVE = runs(MOVED_LIVE, METHODS) + [
-    (name, "scipy") for name in MOVED_LIVE if name not in ("gears on straws", "between walls")
-]
+LIVE = runs(MOVED_LIVE, METHODS)
+LIVE += [(name, "scipy") for name in MOVED_LIVE if name not in ("gears on straws", "between walls")]
 
 
 @pytest.mark.parametrize(("name", "method"), LIVE)
