@@ -108,12 +108,11 @@ def test_a_column_that_loses_comes_to_rest(loss, step):
     assert [body.position.y for body in bodies] == pytest.approx(range(4), abs=2e-3)
 
 
-SHORT = [(Contact(1e4, 1e3, 1.0, loss=0.75), step, 10, 1e-9) for step in (1 / 480, 1 / 120, 1 / 30)]
+LOSING = [(Contact(1e4, 1e3, 1.0, loss=0.75), step, 10, 1e-9) for step in (1 / 480, 1 / 120, 1 / 30)]
+LOSING += [(law, 1e-3, 6000, 1e-2) for law in LOSSY.values()]
 
 
-@pytest.mark.parametrize(
-    ("law", "step", "count", "allowed"), SHORT + [(law, 1e-3, 6000, 1e-2) for law in LOSSY.values()]
-)
+@pytest.mark.parametrize(("law", "step", "count", "allowed"), LOSING)
 def test_a_collision_has_its_restitution(law, step, count, allowed):
     """Also one that is shorter than a step."""
     space, bodies, chain = chain_row(law, beads=2, speed=0.5, masses=[1.0, 1.0])
