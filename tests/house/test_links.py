@@ -58,12 +58,27 @@ def test_paths_of_the_architecture_page_exist():
     assert [name for name, source in sources if not re.search(definition.format(name), source, re.MULTILINE)] == []
 
 
+TOOLS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]
+TYPED = ROOT / TOOLS["mypy"]["mypy_path"]
+made = pytest.mark.skipif(not (TYPED / "softcradle" / "physics").is_dir(), reason="set up without make")
+
+
+@made
 def test_every_tool_reads_the_same_links_to_the_folders():
-    tools = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]
-    typed = tools["mypy"]["mypy_path"]
-    assert tools["pyright"]["extraPaths"] == [typed]
-    if not (ROOT / typed / "softcradle" / "physics").is_dir():
-        pytest.skip("set up without make")
+    assert TOOLS["pyright"]["extraPaths"] == [TOOLS["mypy"]["mypy_path"]]
     rooms = {room: ROOT / room for room in ("physics", "scenes", "sandbox")}
     rooms |= {name: ROOT / "softcradle" / name for name in ("__init__.py", "__main__.py")}
-    assert {path.name: path.resolve() for path in (ROOT / typed / "softcradle").iterdir()} == rooms
+    assert {path.name: path.resolve() for path in (TYPED / "softcradle").iterdir()} == rooms
+
+
+@made
+def test_an_editor_finds_a_definition_in_another_room():
+    jedi = pytest.importorskip("jedi")
+    text = "from softcradle.physics.chain import Chain\nfrom softcradle.scenes.catalogue import load\nChain, load\n"
+    project = jedi.Project(ROOT, sys_path=[str(TYPED)], smart_sys_path=False)
+    script = jedi.Script(
+        text, path=ROOT / "sandbox" / "new.py", environment=jedi.InterpreterEnvironment(), project=project
+    )
+    found = [script.goto(3, column, follow_imports=True)[0] for column in (0, 7)]
+    places = [("Chain", ROOT / "physics" / "chain.py"), ("load", ROOT / "scenes" / "catalogue.py")]
+    assert [(one.name, Path(one.module_path).resolve()) for one in found] == places
