@@ -63,6 +63,18 @@ def test_two_targets_need_no_reduction():
     np.testing.assert_array_equal(model.trajectory.final_velocity, full.final_velocity)
 
 
+@pytest.mark.parametrize("alpha", [1 / 10, 1 / 30])
+def test_start_is_the_series(alpha):
+    """Phi ~ t, psi ~ t**(2 + alpha) / ((1 + alpha)(2 + alpha)), from times of 1e-30 on."""
+    times = np.logspace(-30, -20, 11)
+    found = mode_coupling(one_on(4, power_law(1.0, alpha)), HIT, 1.0, samples=times)
+    np.testing.assert_allclose(found.phi, times, rtol=1e-9)
+    # the next term is smaller by t**(alpha (1 + alpha)); the method itself is asked for forces to a few 1e-3 here
+    slack = alpha * 2.0 * times ** (alpha * (1 + alpha)) + 3e-3
+    series = times ** (2 + alpha) / ((1 + alpha) * (2 + alpha))
+    assert (np.abs((found.psi / series) ** alpha - 1.0) < slack).all()
+
+
 def test_cluster_on_cluster_has_a_mode_on_either_side():
     found = mode_coupling(cluster_on_cluster(3, 3, power_law(1.0, 1 / 14)), [1.0] * 3 + [0.0] * 3)
     assert found.reduction.modes == (1, 2, 3)
