@@ -17,8 +17,6 @@ from tests.helpers.plain_kernels import records_of, row_matrix
 
 H = 0.4  # [s] length of the steps
 NODE_TIMES = H * NODES
-NOTHING, CLOSES, OPENS, YIELDS = "nothing", "closes", "opens", "yields"
-EASES, TURNS, STOPS, SLIPS = "eases", "turns", "stops", "slips"
 
 
 class Step:
@@ -62,11 +60,13 @@ class Step:
         """(contact or bead, what happens at its corner, part of the step)."""
         row, side, part, *_ = self.corner(landing, slow)
         n = self.chain.contacts
+        if row < 0:
+            return row, "nothing", part
         if row >= n:
-            return row - n, STOPS if self.regime.slide[row - n] else SLIPS, part
-        eases = EASES if self.motion.overlap[row] > 0.0 else OPENS
-        names = {OPEN: (CLOSES,), LOADED: (OPENS, TURNS), TOUCHING: (eases, YIELDS)}
-        return row, names[int(self.motion.mode[row])][side] if row >= 0 else NOTHING, part
+            return row - n, "stops" if self.regime.slide[row - n] else "slips", part
+        eases = "eases" if self.motion.overlap[row] > 0.0 else "opens"
+        names = {OPEN: ("closes",), LOADED: ("opens", "turns"), TOUCHING: (eases, "yields")}
+        return row, names[int(self.motion.mode[row])][side], part
 
     def guard(self, row, side):
         """Its value at the end of the step, and its slope."""

@@ -16,20 +16,7 @@ from softcradle.physics.adaptive.corner_search import NONE, closes_inactive, fir
 from softcradle.physics.numerics.law_curve import NODES, cubic
 from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
 
-from tests.helpers.given_steps import (
-    CLOSES,
-    EASES,
-    NOTHING,
-    OPENS,
-    SLIPS,
-    STOPS,
-    TURNS,
-    YIELDS,
-    H,
-    Step,
-    at_wall,
-    thrown,
-)
+from tests.helpers.given_steps import H, Step, at_wall, thrown
 from tests.helpers.plain_kernels import only_plain
 
 pytestmark = only_plain
@@ -100,29 +87,25 @@ def test_the_forms_of_a_guard_are_the_polynomials_they_name():
         assert value(hermite, x) == pytest.approx(path(h * x), abs=1e-13)
 
 
-@pytest.mark.parametrize("peak", [0.75, 0.5, 0.79])
-@pytest.mark.parametrize("scale", [1.0, 1e-2])
-def test_a_guard_that_comes_near_is_looked_at_where_it_does(peak, scale):
-    """A multiplier within 0 and 0.8 N, or a hundredth of that, with a peak at half the step."""
-    force = np.array([0.2, 4.0 * (peak - 0.2) / H, -4.0 * (peak - 0.2) / H**2])
-    step = at_wall(draft_gear(2.0 * scale, 0.4), 0.0, 0.0, TOUCHING, scale * force)
-    assert step.corner()[4] == pytest.approx(0.5 if peak > SAFETY * 0.8 else 1.0, abs=1e-9)
-
-
-@pytest.mark.parametrize(("peak", "near"), [(0.95, False), (0.97, True)])
-def test_how_near_is_a_part_of_the_range_of_a_multiplier(peak, near):
-    """With a loss of 0.4 a spring that stands at 1 N carries from 0.6 N on: a tenth of that range is 0.04 N."""
-    force = [0.7, 4.0 * (peak - 0.7) / H, -4.0 * (peak - 0.7) / H**2]
-    step = at_wall(hooke(2.0, loss=0.4), 0.0, 0.5, TOUCHING, force)
+@pytest.mark.parametrize(
+    ("law", "overlap", "first", "peak", "near"),
+    [
+        *((GEAR, 0.0, 0.2, peak, peak > SAFETY * 0.8) for peak in (0.5, 0.75, 0.79)),
+        (draft_gear(0.02, 0.4), 0.0, 2e-3, 7.5e-3, True),
+        (LOSSY, 0.5, 0.7, 0.95, False),  # at 1 N it carries from 0.6 N on: a tenth of that range is 0.04 N
+        (LOSSY, 0.5, 0.7, 0.97, True),
+    ],
+)
+def test_a_multiplier_that_comes_near_its_bound_is_looked_at_where_it_does(law, overlap, first, peak, near):
+    """At half the step; how near is a part of its range."""
+    rise = 4.0 * (peak - first)
+    step = at_wall(law, 0.0, overlap, TOUCHING, [first, rise / H, -rise / H**2])
     assert step.corner()[4] == pytest.approx(0.5 if near else 1.0, abs=1e-9)
 
 
-def test_a_loaded_contact_is_near_no_switch():
-    assert at_wall(draft_gear(2.0, 0.4), -1.0, 0.6, LOADED, 0.8).corner()[4] == 1.0
-
-
-def test_an_open_contact_that_nearly_touches_is_looked_at():
+def test_an_open_contact_that_nearly_touches_is_looked_at_and_a_loaded_one_is_not():
     """Both ends tell less than what lies between: where quintic and cubic disagree by more than the gap that is left."""
+    assert at_wall(GEAR, -1.0, 0.6, LOADED, 0.8).corner()[4] == 1.0
     step = thrown(2.0, 0.5 * 4.0 / 9.8 + 1e-6)
     assert step.corner()[4] == 1.0
     step.motion.force[0] = 3.0  # so the quintic differs from the cubic by h²/64 times the difference
@@ -133,27 +116,26 @@ def test_an_open_contact_that_nearly_touches_is_looked_at():
 
 
 def test_guards_and_slopes_at_the_end():
-    gear = draft_gear(2.0, 0.4)
-    touching = at_wall(gear, 0.0, 0.0, TOUCHING, [0.2, 0.5, -0.7])
+    touching = at_wall(GEAR, 0.0, 0.0, TOUCHING, [0.2, 0.5, -0.7])
     force, slope = touching.forces[0](H), touching.forces[0].deriv()(H)
     assert touching.guard(0, 0) == pytest.approx((force, slope))
     assert touching.guard(0, 1) == pytest.approx((0.8 - force, -slope))
-    assert at_wall(gear, -1.0, 0.3, LOADED, 0.8).guard(0, 0) == pytest.approx((0.3 - H - 0.4 * H * H, -1.0 - 0.8 * H))
+    assert at_wall(GEAR, -1.0, 0.3, LOADED, 0.8).guard(0, 0) == pytest.approx((0.3 - H - 0.4 * H * H, -1.0 - 0.8 * H))
     assert thrown(3.0, 0.4).guard(0, 0) == pytest.approx((0.4 - 3.0 * H + 4.9 * H * H, -3.0 + 9.8 * H))
     for sign in (1.0, -1.0):
         turning = at_wall(hertz(2.0, loss=0.4), 0.3 * sign, 0.5, LOADED, 1.5 * sign, easing=[int(sign < 0.0)])
         assert turning.guard(0, 1) == pytest.approx((0.3 - 1.5 * H, -1.5))
-    stands = at_wall(hooke(2.0, loss=0.4), 0.0, 0.5, TOUCHING, [0.9, -1.0])
+    stands = at_wall(LOSSY, 0.0, 0.5, TOUCHING, [0.9, -1.0])
     assert stands.guard(0, 0) == pytest.approx((0.9 - H - 0.6, -1.0))
 
 
 def test_a_bead_thrown_at_a_ceiling_closes_when_it_is_there():
     time = (3.0 - math.sqrt(9.0 - 2 * 9.8 * 0.4)) / 9.8
-    assert thrown(3.0, 0.4).find() == (0, CLOSES, pytest.approx(time / H, abs=1e-13 / H))
+    assert thrown(3.0, 0.4).find() == (0, "closes", pytest.approx(time / H, abs=1e-13 / H))
     peak = 0.5 * 9.0 / 9.8
-    assert thrown(3.0, peak - 1e-9).find()[1] == CLOSES  # there and back within the step
-    assert thrown(3.0, peak + 1e-9).find() == (-1, NOTHING, 1.0)
-    assert thrown(3.0, 0.4).find(landing=(0, 0))[1] == CLOSES  # at the end of the step it is on its way back
+    assert thrown(3.0, peak - 1e-9).find()[1] == "closes"  # there and back within the step
+    assert thrown(3.0, peak + 1e-9).find() == (-1, "nothing", 1.0)
+    assert thrown(3.0, 0.4).find(landing=(0, 0))[1] == "closes"  # at the end of the step it is on its way back
     *_, miss, _ = thrown(3.0, 1.0).corner(landing=(0, 0))
     assert math.isnan(miss)
     row, _, _, miss, _ = thrown(5.0, 1.6).corner(landing=(0, 0))  # 0.384 m before it, at 1.08 m/s
@@ -161,37 +143,44 @@ def test_a_bead_thrown_at_a_ceiling_closes_when_it_is_there():
     assert miss == pytest.approx((1.6 - 5.0 * H + 4.9 * H**2) / (5.0 - 9.8 * H), abs=1e-12)
 
 
-def test_a_contact_that_is_pulled_open_or_apart():
-    time = (math.sqrt(1.0 + 2.0 * 0.8 * 0.3) - 1.0) / 0.8
-    assert at_wall(GEAR, -1.0, 0.3, LOADED, 0.8).find() == (0, OPENS, pytest.approx(time / H, abs=1e-12 / H))
-    assert at_wall(hooke(2.0), -1.0, 0.3, LOADED, 0.8).find()[1] == OPENS
-    assert at_wall(hertz(2.0), -1.0, 0.3, LOADED, 0.8).find()[1] == NOTHING
+MIDDLE = float(NODES[1])
+BEND = 0.65 / MIDDLE**2
+CURVED = np.polynomial.Polynomial([0.2, -2.0, 1.0, 3.0])
+EVENTS = [  # of a contact at a wall: law, speed, overlap, mode and force; what happens first, and when [s]
+    (GEAR, -1.0, 0.3, LOADED, 0.8, "opens", (math.sqrt(1.0 + 2.0 * 0.8 * 0.3) - 1.0) / 0.8),
+    (hooke(2.0), -1.0, 0.3, LOADED, 0.8, "opens", (math.sqrt(1.0 + 2.0 * 0.8 * 0.3) - 1.0) / 0.8),
+    (hertz(2.0), -1.0, 0.3, LOADED, 0.8, "nothing", H),
+    # a multiplier within 0 and 0.8 N
+    (GEAR, 0.0, 0.0, TOUCHING, CURVED.coef, "opens", min(root.real for root in CURVED.roots() if root.real > 0.0)),
+    (GEAR, 0.0, 0.0, TOUCHING, [0.2, -2.0], "opens", 0.1),
+    (GEAR, 0.0, 0.0, TOUCHING, [0.2, 4.0], "yields", 0.15),
+    (GEAR, 0.0, 0.0, TOUCHING, [0.2, 0.5], "nothing", H),
+    # 0.85 N at the middle stage, 0.475 N and 0.653 N at the others
+    (GEAR, 0.0, 0.0, TOUCHING, [0.2, 2.0 * BEND * MIDDLE / H, -BEND / H**2], "yields", H * (MIDDLE - math.sqrt(0.05 / BEND))),
+    # stands still at 1 N, with a loss of 0.4: the least is 0.6 N
+    (LOSSY, 0.0, 0.5, TOUCHING, [0.9, -1.0], "eases", 0.3),
+    (LOSSY, 0.0, 0.5, TOUCHING, [0.9, 1.0], "yields", 0.1),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("law", "speed", "overlap", "mode", "force", "kind", "time"), EVENTS)
+def test_a_contact_leaves_its_branch(law, speed, overlap, mode, force, kind, time):
+    row, *found = at_wall(law, speed, overlap, mode, force).find()
+    assert row == (-1 if kind == "nothing" else 0)
+    assert found == [kind, pytest.approx(time / H, abs=1e-10)]
+
+
+def test_only_laws_with_a_preload_or_an_exponent_of_one_go_on_beyond_zero():
     law = np.array([[0.0, 1.0, 1.0], [0.5, 1.0, 0.5], [0.0, 1.0, 0.5]])
     assert [is_continued(law, i) for i in range(3)] == [True, True, False]
-
-
-def test_a_touching_contact_leaves_its_range():
-    """A multiplier from 0.2 N within 0 and 0.8 N, linear in time or curved."""
-    curved = np.polynomial.Polynomial([0.2, -2.0, 1.0, 3.0])
-    time = min(x.real for x in curved.roots() if abs(x.imag) < 1e-12 and x.real > 0.0)
-    assert at_wall(GEAR, 0.0, 0.0, TOUCHING, curved.coef).find()[2] * H == pytest.approx(time, abs=1e-10)
-    for slope, kind, part in ((-2.0, OPENS, 0.25), (4.0, YIELDS, 0.375), (0.5, NOTHING, 1.0)):
-        found = at_wall(GEAR, 0.0, 0.0, TOUCHING, [0.2, slope]).find()
-        assert found[1:] == (kind, pytest.approx(part, abs=1e-10))
-
-
-@pytest.mark.parametrize(("slope", "kind", "part"), [(-1.0, EASES, 0.75), (1.0, YIELDS, 0.25)])
-def test_a_contact_with_loss_that_stands_still(slope, kind, part):
-    """It carries 0.9 N of 1 N; with a loss of 0.4 the least is 0.6 N."""
-    assert at_wall(LOSSY, 0.0, 0.5, TOUCHING, [0.9, slope]).find() == (0, kind, pytest.approx(part, abs=1e-10))
 
 
 @pytest.mark.parametrize(("speed", "easing"), [(0.3, 0), (-0.3, 1)])
 def test_a_contact_with_loss_turns(speed, easing):
     given = speed, 0.5, LOADED, 1.5 if speed > 0.0 else -1.5  # no force pulls, but a guard does not ask
     found = at_wall(hertz(2.0, loss=0.4), *given, easing=[easing]).find()
-    assert found == (0, TURNS, pytest.approx(0.2 / H, abs=1e-12))
-    assert at_wall(hertz(2.0), *given, easing=[easing]).find()[1] == NOTHING
+    assert found == (0, "turns", pytest.approx(0.2 / H, abs=1e-12))
+    assert at_wall(hertz(2.0), *given, easing=[easing]).find()[1] == "nothing"
 
 
 def on_bed(velocity, slide, drive=(0.0, 0.0)):
@@ -210,8 +199,8 @@ def on_bed(velocity, slide, drive=(0.0, 0.0)):
 def test_a_sliding_bead_stops(sign):
     step = on_bed([0.2 * sign, 0.1 * sign], [sign, sign])
     brake = step.chain.bed[0]
-    assert step.find() == (1, STOPS, pytest.approx(0.1 / brake / H, abs=1e-12 / H))
-    assert step.find(landing=(2, 0)) == (0, STOPS, pytest.approx(0.2 / brake / H, abs=1e-12 / H))
+    assert step.find() == (1, "stops", pytest.approx(0.1 / brake / H, abs=1e-12 / H))
+    assert step.find(landing=(2, 0)) == (0, "stops", pytest.approx(0.2 / brake / H, abs=1e-12 / H))
     assert step.guard(1, 0) == (pytest.approx(0.2 - H * brake, abs=1e-14), pytest.approx(-brake))
 
 
@@ -222,21 +211,21 @@ def test_a_bead_at_rest_slips_when_its_friction_does_not_suffice(sign):
     most = chain.bed[1]
     left, right = ([0.3, 4.0], [0.3]) if sign > 0.0 else ([0.3], [0.3, 4.0])
     step = Step(chain, [0.0, 0.0, 0.0], [0.2, 0.2], [LOADED, LOADED], [left, right], slide=[0, 0, 0])
-    assert step.find() == (1, SLIPS, pytest.approx(most / 4.0 / H, abs=1e-10 / H))
+    assert step.find() == (1, "slips", pytest.approx(most / 4.0 / H, abs=1e-10 / H))
     assert step.guard(3, 1 if sign > 0.0 else 0) == pytest.approx((most - 4.0 * H, -4.0))
     value, _ = step.guard(2, 0)  # the left bead is pushed to the left, the less it needs the more it has
     assert value == pytest.approx(10.0 * most - 0.3 - (4.0 * H if sign > 0.0 else 0.0))
     light = Chain([10.0, 0.01, 10.0], hertz(2.0), friction=0.1)
     pushed = [[0.3, 0.04 * most / H], [0.3]]
     step = Step(light, [0.0] * 3, [0.2, 0.2], [LOADED, LOADED], pushed, slide=[0, 0, 0])
-    assert step.find() == (1, SLIPS, pytest.approx(0.25, abs=1e-9))
+    assert step.find() == (1, "slips", pytest.approx(0.25, abs=1e-9))
     below = Step(chain, [0.0] * 3, [0.2, 0.2], [LOADED] * 2, [[0.3, 2.0 * most], [0.3, 1.0]], slide=[1, 0, 1])
-    assert below.find()[1] in (NOTHING, STOPS)
+    assert below.find()[1] in ("nothing", "stops")
 
 
 def test_a_steady_push_on_a_bead_counts():
     step = on_bed([0.0, 1.0], [0, 1], drive=(0.95, 0.0))
-    assert step.find()[1] == NOTHING
+    assert step.find()[1] == "nothing"
     assert step.guard(1, 1) == pytest.approx((step.chain.bed[0] - 0.95, 0.0))
 
 
@@ -245,26 +234,18 @@ def test_the_earliest_of_several_counts_and_the_first_of_two_at_once():
     for first, second in ((0.1, 0.2), (0.3, 0.2)):
         step = Step(chain, [0.0] * 3, [0.0] * 2, [TOUCHING] * 2, [[0.2, -0.2 / first], [0.2, -0.2 / second]])
         time = min(first, second)
-        assert step.find() == (0 if first < second else 1, OPENS, pytest.approx(time / H, abs=1e-10 / H))
+        assert step.find() == (0 if first < second else 1, "opens", pytest.approx(time / H, abs=1e-10 / H))
     step = Step(Chain([1.0, math.inf, 1.0], hertz(2.0)), [1.0, 0.0, -1.0], [-0.2] * 2, [OPEN] * 2, [0.0] * 2)
-    assert step.find() == (0, CLOSES, pytest.approx(0.5))
-
-
-def test_a_multiplier_that_leaves_its_range_between_the_outer_stages():
-    """0.85 N of at most 0.8 N at the middle stage, 0.475 N and 0.653 N at the others."""
-    middle = float(NODES[1])
-    bend = 0.65 / middle**2
-    found = at_wall(GEAR, 0.0, 0.0, TOUCHING, [0.2, 2.0 * bend * middle / H, -bend / H**2]).find()
-    assert found == (0, YIELDS, pytest.approx(middle - math.sqrt(0.05 / bend), abs=1e-10))
+    assert step.find() == (0, "closes", pytest.approx(0.5))
 
 
 def test_a_rate_or_velocity_just_outside_its_side_is_round_off():
     """What begins no more than `slow` beyond zero, and stays there, has neither turned nor stopped."""
     pressing_in = at_wall(LOSSY, -0.04, 0.5, LOADED, 0.0, easing=[0])
-    assert pressing_in.find(slow=0.05)[1] == NOTHING
-    assert pressing_in.find(slow=0.03)[:2] == (0, TURNS)
+    assert pressing_in.find(slow=0.05)[1] == "nothing"
+    assert pressing_in.find(slow=0.03)[:2] == (0, "turns")
     drive = on_bed([0.0, 0.0], [1, 1]).chain.bed[0]  # as much as the brake, so that nothing accelerates
-    for speed, slow, kind in ((-0.04, 0.05, NOTHING), (-0.04, 0.03, STOPS), (0.04, 0.03, NOTHING)):
+    for speed, slow, kind in ((-0.04, 0.05, "nothing"), (-0.04, 0.03, "stops"), (0.04, 0.03, "nothing")):
         assert on_bed([speed, 1.0], [1, 1], drive=(drive, drive)).find(slow=slow)[1] == kind
 
 
@@ -276,32 +257,28 @@ def test_an_open_contact_that_is_pulled_back_within_the_step_has_closed(neighbou
     forces = [force if i == neighbour else 0.0 for i in range(3)]
     step = Step(chain, [0.0, speed, 0.0, 0.0], [0.1, -0.1, 0.1], [LOADED, OPEN, LOADED], forces)
     assert step.trial.overlap[2, 1] < 0.0
-    assert step.find()[:2] == (1, CLOSES)
+    assert step.find()[:2] == (1, "closes")
     free = Step(chain, [0.0, speed, 0.0, 0.0], [0.1, -0.1 - speed * H, 0.1], [LOADED, OPEN, LOADED], [0.0, 0.0, 0.0])
-    assert free.find() == (-1, NOTHING, 1.0)
+    assert free.find() == (-1, "nothing", 1.0)
 
 
 def test_a_closing_that_does_not_count():
-    data = Step(Chain([1.0, 1.0], power_law(2.0, 0.5)), [1e-3, 0.0], [-1e-5], [OPEN], [0.0]).data
-    push = 2.0 * 2.0 * math.sqrt(1e-8) * 1e-8  # (1/m + 1/m) f d
+    data = Step(Chain([1.0, 3.0, 9.0], power_law(2.0, 0.5)), [0.0] * 3, [-1.0] * 2, [OPEN] * 2, [0.0] * 2).data
+    push = (1.0 + 1.0 / 3.0) * 2.0 * math.sqrt(1e-8) * 1e-8  # (1/m + 1/3m) f d
     assert closes_inactive(data, 0, math.sqrt(1.01 * push), 1e-9, 1e-9, 1e-8)
     assert not closes_inactive(data, 0, math.sqrt(0.99 * push), 1e-9, 1e-9, 1e-8)
     assert closes_inactive(data, 0, 1e-3, 1e-3, 1e-3, 1e-8)
     assert not closes_inactive(data, 0, 1e-3, 2e-3, 1e-9, 1e-8)
     assert not closes_inactive(data, 0, 1e-3, 1e-9, 2e-3, 1e-8)
     assert not closes_inactive(data, 0, 1e-3, 1e-9, 1e-9, 0.0)
-    gear = Step(Chain([1.0, 1.0], GEAR), [1e-3, 0.0], [-1e-5], [OPEN], [0.0]).data
-    assert not closes_inactive(gear, 0, 1.0, 1e-9, 1e-9, 1e-8)
-    unlike = Step(Chain([1.0, 3.0, 9.0], power_law(2.0, 0.5)), [0.0] * 3, [-1.0] * 2, [OPEN] * 2, [0.0] * 2).data
-    assert closes_inactive(unlike, 0, math.sqrt(1.01 * 2.0 / 3.0 * push), 1e-9, 1e-9, 1e-8)  # (1/m + 1/3m) f d
-    assert not closes_inactive(unlike, 0, math.sqrt(0.99 * 2.0 / 3.0 * push), 1e-9, 1e-9, 1e-8)
+    assert not closes_inactive(at_wall(GEAR, 1e-3, -1e-5, OPEN, 0.0).data, 0, 1.0, 1e-9, 1e-9, 1e-8)
 
 
 def test_what_starts_at_rest_at_zero_is_no_event_of_the_start():
     """What leaves d = 0 against its mode is round-off; what the forces drive back opens at once."""
-    assert at_wall(GEAR, -1e-12, 0.0, LOADED, -0.5).find(slow=1e-10)[1] == NOTHING
-    assert at_wall(GEAR, 1e-12, 0.0, LOADED, 0.5).find(slow=0.0)[:2] == (0, OPENS)
+    assert at_wall(GEAR, -1e-12, 0.0, LOADED, -0.5).find(slow=1e-10)[1] == "nothing"
+    assert at_wall(GEAR, 1e-12, 0.0, LOADED, 0.5).find(slow=0.0)[:2] == (0, "opens")
     sliding = on_bed([1.0, 0.0], [1, 1], drive=(0.0, 3.0))
     sliding.motion.rate[0] = 1.0 + 1e-13
     sliding.motion.anchor[1] = 1.0 if sliding.chain.anchor == 0 else -1e-13
-    assert sliding.find(slow=1e-10)[1] == NOTHING
+    assert sliding.find(slow=1e-10)[1] == "nothing"
