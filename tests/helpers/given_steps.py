@@ -7,13 +7,12 @@ import math
 import numpy as np
 from softcradle.physics import Chain, State, hertz
 from softcradle.physics.adaptive.corner_search import AFTER, BEFORE, first_corner, guard_of
-from softcradle.physics.adaptive.step_records import WORK_ROWS, Regime, empty_trial
-from softcradle.physics.kernel_records import NO_SEGMENTS
+from softcradle.physics.adaptive.step_records import WORK_ROWS, empty_trial
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.law_curve import NODES
 from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
 
-from tests.helpers.plain_kernels import records_of, row_matrix
+from tests.helpers.plain_kernels import effective_records, row_matrix
 
 H = 0.4  # [s] length of the steps
 NODE_TIMES = H * NODES
@@ -31,13 +30,8 @@ class Step:
         state.overlap[:] = overlap
         self.forces = [np.polynomial.Polynomial(np.atleast_1d(force)) for force in forces]
         state.force[:] = [force(0.0) for force in self.forces]
-        self.data, _, self.motion = records_of(chain, state)
-        self.motion.mode[:] = modes
-        loss = chain.loss.copy() if chain.loss.any() else np.zeros(0)
-        bed = chain.bed.copy() if chain.on_bed else np.zeros(0)
-        flags = np.full(chain.contacts + 1, slide, dtype=np.int8), np.full(chain.contacts, easing, dtype=np.int8)
-        laws = self.data.law, self.data.inverse_mass, self.data.push
-        self.regime = Regime(*laws, loss, bed, *flags, *NO_SEGMENTS)
+        self.data, self.regime, self.motion = effective_records(chain, state)
+        self.motion.mode[:], self.regime.slide[:], self.regime.easing[:] = modes, slide, easing
         self.work, self.trial = np.zeros((WORK_ROWS, chain.contacts + 1)), empty_trial(chain.contacts)
         matrix = row_matrix(chain)
         external = self.data.external[:-1] if self.data.external.size else np.zeros(chain.contacts)

@@ -10,13 +10,13 @@ from softcradle.physics.adaptive import corner_action
 from softcradle.physics.adaptive.corner_action import cross, decide, ease, open_passed, settle_bead, stop_rate
 from softcradle.physics.adaptive.corner_search import guard_of, stays
 from softcradle.physics.adaptive.row_graphs import ORIGIN, of_segment, put_segment
-from softcradle.physics.adaptive.step_records import WORK_ROWS, Bounds, Regime, empty_scratch
+from softcradle.physics.adaptive.step_records import WORK_ROWS, Bounds, empty_scratch
 from softcradle.physics.adaptive.yield_or_slip import balance
-from softcradle.physics.kernel_records import chain_and_regime, empty_log, motion_record
-from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING, ChainData, Motion
+from softcradle.physics.kernel_records import empty_log
+from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
 
 from tests.helpers.given_steps import H, Step
-from tests.helpers.plain_kernels import only_plain, records_of
+from tests.helpers.plain_kernels import effective_records, only_plain, records_of
 
 pytestmark = only_plain
 BOUNDS = Bounds(1e-9, 1e-10, 1e-11)
@@ -31,9 +31,7 @@ class Rows:
     def __init__(self, chain, velocity=None):
         n = chain.contacts
         self.state = State.at_start(chain, np.zeros(n + 1) if velocity is None else velocity)
-        data, regime = chain_and_regime(chain, self.state)
-        self.chain, self.regime = ChainData(*data), Regime(*regime)
-        self.motion = Motion(*motion_record(self.state, np.zeros(n, dtype=np.int8), np.zeros(n, dtype=np.int8)))
+        self.chain, self.regime, self.motion = effective_records(chain, self.state)
         self.scratch, self.log = empty_scratch(n), empty_log(n, 16)
 
     def decide(self):
@@ -206,7 +204,7 @@ MASS, VELOCITY = np.array([1.0, 2.0, 0.5, 4.0, 1.5]), np.array([0.3, -0.1, 0.2, 
 @pytest.mark.parametrize("i", range(4))
 def test_beads_whose_contact_comes_to_rest_take_the_velocity_of_their_centre_of_mass(i, anchor):
     chain = Chain(MASS, hertz(1.0))
-    data, _, motion = records_of(chain, State.at_start(chain, VELOCITY))
+    data, motion = records_of(chain, State.at_start(chain, VELOCITY))
     data, motion.mode[:] = data._replace(anchor_bead=anchor), LOADED
     motion.anchor[1] = VELOCITY[anchor]
     stop_rate(i, data, motion)
@@ -223,7 +221,7 @@ def test_beside_a_soft_or_touching_contact_it_alone_comes_to_rest(i, beside):
     laws[beside] = power_law(1.0, 0.1)
     for contacts, mode in ((laws, LOADED), (hertz(1.0), TOUCHING)):
         chain = Chain(MASS, contacts)
-        data, _, motion = records_of(chain, State.at_start(chain, VELOCITY))
+        data, motion = records_of(chain, State.at_start(chain, VELOCITY))
         before = motion.rate.copy()
         motion.mode[:] = LOADED
         motion.mode[beside] = mode

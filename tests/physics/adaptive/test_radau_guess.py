@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, Contact, State, draft_gear, hertz, hooke, power_law
+from softcradle.physics import Chain, Contact, draft_gear, hertz, hooke, power_law
 from softcradle.physics.adaptive.constants import MOST_GUESSED, ROUND_OFF
 from softcradle.physics.adaptive.radau import (
     SHORT_EXPONENT,
@@ -17,28 +17,16 @@ from softcradle.physics.adaptive.step_records import empty_trial
 from softcradle.physics.numerics.law_curve import NODES, signed_force
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
 
-from tests.helpers.plain_kernels import only_plain, records_of
+from tests.helpers.plain_kernels import only_plain, pressed
 
 pytestmark = only_plain
 SOFT = power_law(2.0, 0.5)
 
 
-def guessed(chain, state, mode, h, bend=None):
-    data, _, motion = records_of(chain, state)
-    motion.mode[:] = mode
-    if bend is not None:
-        data = data._replace(knots=data.knots._replace(bend=bend))
-    trial = empty_trial(chain.contacts)
+def guessed(h, data, motion):
+    trial = empty_trial(motion.rate.size)
     first_guess(h, data, motion, trial)
     return trial
-
-
-def pressed(chain, velocity, overlap):
-    """A chain whose contacts have these overlaps, with the forces that their laws give them."""
-    state = State.at_start(chain, velocity)
-    state.overlap[:] = overlap
-    state.force[:] = [law.force(d) for law, d in zip(chain.contact, state.overlap, strict=True)]
-    return chain, state
 
 
 def test_short_logarithms_and_powers_are_as_good_as_a_guess_needs():
@@ -52,16 +40,16 @@ def test_short_logarithms_and_powers_are_as_good_as_a_guess_needs():
 
 def test_guesses():
     laws = [hooke(3.0), draft_gear(2.0, 0.4), SOFT]
-    chain, state = pressed(Chain([1.0] * 4, laws), [0.5, 0.1, 0.2, 0.0], [0.2, 0.0, 0.25])
-    state.force[1] = 0.3
-    found = guessed(chain, state, [LOADED, TOUCHING, LOADED], 0.1)
+    data, motion = pressed(Chain([1.0] * 4, laws), [0.5, 0.1, 0.2, 0.0], [0.2, 0.0, 0.25])
+    motion.force[1], motion.mode[1] = 0.3, TOUCHING
+    found = guessed(0.1, data, motion)
     flown = 0.2 + 0.1 * NODES * 0.4
     assert found.overlap[:, 0] == pytest.approx(flown)
     assert found.force[:, 0] == pytest.approx(3.0 * flown)
     assert (found.overlap[:, 1] == 0.0).all()
     assert (found.force[:, 1] == 0.3).all()
-    state.overlap[0], state.force[0] = -1.0, 0.0
-    found = guessed(chain, state, [OPEN, FROZEN, LOADED], 0.1)
+    motion.overlap[0], motion.force[0], motion.mode[:2] = -1.0, 0.0, (OPEN, FROZEN)
+    found = guessed(0.1, data, motion)
     assert found.overlap[:, 0] == pytest.approx(-1.0 + 0.1 * NODES * 0.4)
     assert (found.force[:, 0] == 0.0).all()
     assert (found.force[:, 1] == 0.3).all()
@@ -72,16 +60,16 @@ def test_only_what_rests_at_no_overlap_without_a_preload_is_pushed_together():
     for law in (hooke(3.0), hertz(4.0), SOFT, Contact(1.0, 2.0, 0.5), draft_gear(2.0, 0.4)):
         for d, w in ((0.0, 0.3), (0.0, -0.3), (-0.1, 0.3), *([(0.0, 0.0)] if law.preload else [])):
             chain = Chain([1.0] * 4, [hertz(5.0), law, hertz(5.0)], drive=[0.0, 1.0, 0.0, 0.0])
-            chain, state = pressed(chain, [0.0] * 4, [0.3, d, 0.3])
+            data, motion = pressed(chain, [0.0] * 4, [0.3, d, 0.3])
             flown = d + 0.1 * NODES * w
             first, *force = [signed_force(law.preload, law.stiffness, law.exponent, x) for x in (d, *flown)]
-            state.rate[1], state.force[1] = w, first
-            found = guessed(chain, state, [LOADED] * 3, 0.1)
+            motion.rate[1], motion.force[1] = w, first
+            found = guessed(0.1, data, motion)
             assert found.overlap[:, 1] == pytest.approx(flown, abs=1e-15)
             assert found.force[:, 1] == pytest.approx(force)
-    chain, state = pressed(Chain([1.0, 1.0], SOFT), [0.2, 0.0], [1e-300])
-    state.force[0] = 0.3
-    found = guessed(chain, state, [LOADED], 0.1)
+    data, motion = pressed(Chain([1.0, 1.0], SOFT), [0.2, 0.0], [1e-300])
+    motion.force[0] = 0.3
+    found = guessed(0.1, data, motion)
     assert (found.overlap == 1e-300).all()
     assert (found.force == 0.3).all()
 
@@ -90,11 +78,11 @@ def test_only_what_rests_at_no_overlap_without_a_preload_is_pushed_together():
 @pytest.mark.parametrize("part", [0.99, 1.01])
 def test_a_soft_contact_that_comes_out_keeps_its_rate_where_its_force_is_small(preload, part):
     """Beside one that sets the pace: where at this rate it is apart within two radians of its oscillation."""
-    chain, state = pressed(Chain([1.0, 0.7, 1.3], [SOFT, Contact(preload, 2.0, 0.5)]), [0.0] * 3, [0.4, 0.01])
+    data, motion = pressed(Chain([1.0, 0.7, 1.3], [SOFT, Contact(preload, 2.0, 0.5)]), [0.0] * 3, [0.4, 0.01])
     frequency, h = math.sqrt((1.0 / 0.7 + 1.0 / 1.3) * 0.5 * 2.0 / math.sqrt(0.01)), 0.1
-    state.rate[:] = 0.8, -part * 0.5 * frequency * 0.01
-    found = guessed(chain, state, [LOADED, LOADED], h)
-    own, paced = 0.01 + h * NODES * state.rate[1], 0.01 * (1.0 + h * NODES / 0.5) ** (state.rate[1] * 0.5 / 0.01)
+    motion.rate[:] = 0.8, -part * 0.5 * frequency * 0.01
+    found = guessed(h, data, motion)
+    own, paced = 0.01 + h * NODES * motion.rate[1], 0.01 * (1.0 + h * NODES / 0.5) ** (motion.rate[1] * 0.5 / 0.01)
     assert found.overlap[:, 1] == pytest.approx(own if part > 1.0 else paced, rel=1e-7)
     assert found.force[:, 1] == pytest.approx(preload + 2.0 * np.sqrt(found.overlap[:, 1]), rel=1e-12)
 
@@ -102,9 +90,9 @@ def test_a_soft_contact_that_comes_out_keeps_its_rate_where_its_force_is_small(p
 @pytest.mark.parametrize("h", [0.002, 0.2])
 def test_a_soft_contact_goes_on_as_a_power_of_the_time_since_its_onset(h):
     """Driven alone from rest at t = 0, d = w t: the guess is d (1 + h c/t), exact; one that it pushes has its own growth."""
-    chain, state = pressed(Chain([1.0, 1.0, 1.0], SOFT), [1.0, 0.0, 0.0], [0.4, 0.01])
-    state.rate[:] = 0.8, 0.06  # onset 0.5 s ago; the second grows as t**3
-    found = guessed(chain, state, [LOADED, LOADED], h)
+    data, motion = pressed(Chain([1.0, 1.0, 1.0], SOFT), [1.0, 0.0, 0.0], [0.4, 0.01])
+    motion.rate[:] = 0.8, 0.06  # onset 0.5 s ago; the second grows as t**3
+    found = guessed(h, data, motion)
     part = 1.0 + h * NODES / 0.5
     assert found.overlap[:, 0] == pytest.approx(0.4 * part, rel=1e-9)
     assert found.overlap[:, 1] == pytest.approx(0.01 * part**3, rel=1e-9)
@@ -127,7 +115,7 @@ def test_the_onset_is_that_of_the_contact_that_pushes_most_however_little():
 
 def test_a_soft_contact_that_will_be_apart_within_the_step_flies_there():
     for h in (2.0**-10, 2.0**-12):  # in the latter at its very end
-        found = guessed(*pressed(Chain([1.0, 1.0], SOFT), [-0.5, 0.0], 2.0**-13), [LOADED], h)
+        found = guessed(h, *pressed(Chain([1.0, 1.0], SOFT), [-0.5, 0.0], 2.0**-13))
         flown = 2.0**-13 - 0.5 * h * NODES
         apart = flown <= 0.0
         assert apart[2]
@@ -135,16 +123,16 @@ def test_a_soft_contact_that_will_be_apart_within_the_step_flies_there():
         assert (found.force[apart, 0] == 0.0).all()
         assert found.force[~apart, 0] == pytest.approx(2.0 * np.sqrt(flown[~apart]))
     # the force of a light bead turns it before the contact opens
-    found = guessed(*pressed(Chain([1.0, 1.0 / 9.0], SOFT), [-0.4, 0.0], 0.25), [LOADED], 1.0)
+    found = guessed(1.0, *pressed(Chain([1.0, 1.0 / 9.0], SOFT), [-0.4, 0.0], 0.25))
     assert found.overlap[2, 0] == pytest.approx(0.25 * math.exp(-2.0 * MOST_GUESSED))
     # the force above a preload falls to a third, no further
-    found = guessed(*pressed(Chain([1.0, 1.0], Contact(1.0, 2.0, 0.1)), [-9.0, 0.0], 1e-4), [LOADED], 1e-3)
+    found = guessed(1e-3, *pressed(Chain([1.0, 1.0], Contact(1.0, 2.0, 0.1)), [-9.0, 0.0], 1e-4))
     assert found.overlap[2, 0] == pytest.approx(1e-4 * math.exp(-10.0 * MOST_GUESSED))
     assert found.force[2, 0] == pytest.approx(1.0 + 2.0 * 1e-4**0.1 * math.exp(-MOST_GUESSED))
 
 
 def test_a_guessed_force_grows_so_much_at_the_most():
-    found = guessed(*pressed(Chain([1.0, 1.0], SOFT), [100.0, 0.0], 0.25), [LOADED], 0.2)
+    found = guessed(0.2, *pressed(Chain([1.0, 1.0], SOFT), [100.0, 0.0], 0.25))
     assert found.force[:, 0] == pytest.approx(math.exp(MOST_GUESSED))
     assert found.overlap[:, 0] == pytest.approx(0.25 * math.exp(2.0 * MOST_GUESSED))
 
@@ -155,11 +143,11 @@ def test_contacts_at_rest_are_pushed_one_after_another(first, h):
     """The bead between two contacts flies under the force of the one that is loaded, from the left or from the right, no
     further than where four fifths of this force stop it.
     """
-    chain, state = pressed(Chain([1.0, 2.0, 2.0, 1.0], hertz(5.0)), [0.0] * 4, 0.3 * np.eye(3)[first])
-    found = guessed(chain, state, [LOADED] * 3, h)
+    data, motion = pressed(Chain([1.0, 2.0, 2.0, 1.0], hertz(5.0)), [0.0] * 4, 0.3 * np.eye(3)[first])
+    found = guessed(h, data, motion)
     assert found.overlap[:, first] == pytest.approx(0.3)
-    assert found.force[:, first] == pytest.approx(state.force[first])
-    for i, push in ((1, state.force[first]), (2 - first, found.force[:, 1])):
+    assert found.force[:, first] == pytest.approx(motion.force[first])
+    for i, push in ((1, motion.force[first]), (2 - first, found.force[:, 1])):
         flown = np.minimum(0.5 * (h * NODES) ** 2 * 0.5 * push, (0.8 * push / 5.0) ** (1.0 / 1.5))
         assert found.overlap[:, i] == pytest.approx(flown)
         assert found.force[:, i] == pytest.approx(5.0 * flown**1.5)
@@ -168,7 +156,8 @@ def test_contacts_at_rest_are_pushed_one_after_another(first, h):
 def test_beads_at_rest_are_pushed_by_a_force_from_outside():
     for sign in (1.0, -1.0):
         chain = Chain([1.0, 3.0, 1.0], hertz(5.0), drive=[2.0 * sign, -3.0 * sign, 0.0])
-        found = guessed(chain, State.at_start(chain, [0.0] * 3), [LOADED] * 2, 0.1, np.array([7.0, -7.0, 7.0]))
+        data, motion = pressed(chain, [0.0] * 3, 0.0)
+        found = guessed(0.1, data._replace(knots=data.knots._replace(bend=np.array([7.0, -7.0, 7.0]))), motion)
         push = (2.0 + 1.0 + 0.1 * NODES * 7.0 * sign) / (1.0 + 1.0 / 3.0)
         flown = 0.5 * (0.1 * NODES) ** 2 * push / 3.0
         assert found.overlap[:, 0] == pytest.approx(flown if sign > 0.0 else 0.0)

@@ -21,7 +21,7 @@ from softcradle.physics.adaptive.step_records import empty_scratch, empty_trial
 from softcradle.physics.numerics.law_curve import NODES, care, signed_force
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING, ChainData, Motion
 
-from tests.helpers.plain_kernels import only_plain, records_of, row_matrix
+from tests.helpers.plain_kernels import only_plain, pressed, records_of, row_matrix
 
 pytestmark = only_plain
 _POWERS = np.vander(NODES, 3, increasing=True)
@@ -53,19 +53,9 @@ def random_motion(seed):
         state.overlap[i] = {OPEN: -2.0, TOUCHING: 0.0}.get(int(mode[i]), draw.uniform(0.3, 0.6))
         state.force[i] = 0.5 * law.preload if mode[i] == TOUCHING else law.force(state.overlap[i])
     state.rate[np.isin(mode, (TOUCHING, FROZEN))] = 0.0
-    data, _, motion = records_of(chain, state)
+    data, motion = records_of(chain, state)
     motion.mode[:] = mode
     return chain, data, motion, draw.uniform(0.005, 0.03)
-
-
-def pressed(chain, velocity, overlap):
-    """Records of a chain whose contacts are loaded: with these overlaps, and the forces that their laws give them."""
-    state = State.at_start(chain, velocity)
-    state.overlap[:] = overlap
-    state.force[:] = [law.force(d) for law, d in zip(chain.contact, state.overlap, strict=True)]
-    data, _, motion = records_of(chain, state)
-    motion.mode[:] = LOADED
-    return data, motion
 
 
 def driven(data, seed, h):

@@ -66,7 +66,7 @@ def hard_chain(seed):
 
 def records(chain, state):
     """What a kernel is given: the chain, the motion of that state itself, and memory."""
-    data, _, motion = records_of(chain, state)
+    data, motion = records_of(chain, state)
     return data, motion, np.zeros((BEAD_ROWS, chain.contacts + 1)), np.zeros((WORK_ROWS, chain.contacts))
 
 
