@@ -43,9 +43,7 @@ def test_rigid_gears_to_round_off(method, part, n):
     assert not found.overlap[pushed, 1:].any()
     assert not found.rate[pushed, 1:].any()
     ((closed, opened),) = found.contact_intervals[0]
-    assert found.contact_intervals[1:] == (found.contact_intervals[0],) * (
-        n - 1
-    )  # they push exactly as long as it does
+    assert set(found.contact_intervals) == {((closed, opened),)}  # all push exactly as long
     assert opened - closed == pytest.approx(pulse, rel=1e-12)
     middle = run(chain, speed * struck(chain), pulse, method, samples=[pulse / 2], tolerance=1e-13)
     assert middle.force[0] == pytest.approx(peak * np.arange(n, 0, -1) / n, rel=1e-12)
@@ -67,30 +65,39 @@ def test_the_limit_of_small_exponents_is_the_step_force(method, n):
     assert gaps[-1] < 1e-7
 
 
-COLLISIONS = {  # chain, start, duration, and how often each contact closes
+WALLS = motion("walls", 163)
+PASSED_OVER = {  # chain, start, duration, and how often each contact closes at least
     **{
-        f"after a flight of {gap:g} s": (Chain([1.0] * 3, hooke(1e4), gap), [1, 0, 0], 10.0 + 3.0 * gap, [1, 1])
+        f"a collision after a flight of {gap:g} s": (Chain([1.0] * 3, hooke(1e4), gap), [1, 0, 0], 10.0 + 3.0 * gap, [1, 1])
         for gap in (0.1, 1.0, 1e3, 1e6)
     },
-    "beside a slow contact": (
+    "a collision beside a slow contact": (
         Chain([1.0, 1.0, 1.0, 1e-3], [hooke(1.0), hooke(1e-9), hooke(1e3)], [0.0, 50.0, 0.5]),
         [1.0, 0.0, 0.0, -0.5], 3.0, [1, 0, 1],
     ),
-    "in the middle of another": (Chain([1, 1, 2, 1], hertz(3.0), [0.5, 0.1, 0.0]), [2, 0, 0.5, -1], None, [2, 1, 2]),
+    "a collision in the middle of another": (Chain([1, 1, 2, 1], hertz(3.0), [0.5, 0.1, 0.0]), [2, 0, 0.5, -1], None, [2, 1, 2]),
+    "a ceiling that a bead is thrown at": (Chain([1.0, math.inf], hooke(1e6), 4.9, drive=[-9.8, 0.0]), [10.0, 0.0], 5.0, [1]),
+    # tries to end a step at an event were all spent on a step far too long; the next, shorter one went past the closing
+    "a closing": (Chain([math.inf, 1.0, 1.0, math.inf], hooke(0.149), [0.0, 0.213, 0.0]), [0, 1, 1, 0], 24.0, [1, 2, 1]),
+    # a light bead beside a heavy one shivers: whether a long step foretells its opening depends on the length of the step
+    "an opening": (Chain([3.4e-3, 9.8e3, 0.69], [hooke(12.7), hooke(19.4)]), [1, 1, 0], None, [1, 1]),
+    # tries that began far beyond an opening went to and fro before it, and the last of them went on past it
+    "a corner": (WALLS.chain, WALLS.velocity, WALLS.duration, [2, 2, 1, 1, 1]),
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(("chain", "start", "duration", "closings"), COLLISIONS.values(), ids=COLLISIONS)
-@pytest.mark.parametrize("tolerance", [1e-2, 1e-3])
+@pytest.mark.parametrize(("chain", "start", "duration", "closings"), PASSED_OVER.values(), ids=PASSED_OVER)
 @pytest.mark.parametrize("method", KERNELS)
-def test_a_loose_tolerance_does_not_jump_over_a_collision(method, tolerance, chain, start, duration, closings):
-    """Of a hundredth of a second, where a step could be as long as a flight, or as another contact."""
-    found = run(chain, start, duration, method, tolerance=tolerance)
-    assert [len(intervals) for intervals in found.contact_intervals] == closings
-    fine = run(chain, start, duration, method, tolerance=1e-9).final_velocity
-    assert found.final_velocity == pytest.approx(fine, abs=PROMISE * tolerance * np.ptp(start))
-    if closings == [1, 1]:
-        assert fine == pytest.approx([0.0, 0.0, 1.0], abs=1e-8)
+def test_a_long_step_passes_over_no_switch(method, chain, start, duration, closings):
+    """A loose tolerance allows one as long as a flight, or as another contact; a collision takes a hundredth of a second."""
+    fine = simulate_quietly(chain, start, duration, method, tolerance=1e-9, samples=2)
+    for tolerance in (1e-2, 1e-3, 1e-4):
+        found = simulate_quietly(chain, start, duration, method, tolerance=tolerance, samples=2)
+        assert found.final_velocity == pytest.approx(fine.final_velocity, abs=PROMISE * tolerance * np.ptp(start))
+        for spans, wanted, least in zip(found.contact_intervals, fine.contact_intervals, closings, strict=True):
+            assert len(spans) >= least
+            first, expected = ([begin for begin, _ in each[:1]] for each in (spans, wanted))
+            assert first == pytest.approx(expected, rel=tolerance, abs=tolerance)
 
 
 @pytest.mark.parametrize("law", [hertz(1.0), hooke(1.0), draft_gear(1.0, 0.3), power_law(1.0, 0.5)], ids=str)
@@ -184,25 +191,6 @@ def test_a_box_that_is_driven_ends_as_by_conserving(method, seed):
     assert np.isfinite(found.force).all()
 
 
-FAMILIES = ("hooke-hertz", "gears", "clusters", "walls", "extreme", "loss")  # of random chains
-
-
-@pytest.mark.parametrize(
-    ("method", "tolerance", "allowed"),
-    [*((method, each, 200.0 * each) for method in KERNELS for each in (1e-3, 1e-6, 1e-9)), ("scipy", 1e-11, 1e-11)],
-)
-def test_a_bead_thrown_at_a_ceiling_comes_back(method, tolerance, allowed):
-    """It rises 4.9 m against gravity, touches at v² = 10² - 2 g 4.9 for some milliseconds, and falls for the rest of the time."""
-    gravity, frequency = 9.8, 1e3
-    chain = Chain([1.0, math.inf], hooke(frequency**2), gap=4.9, drive=[-gravity, 0.0])
-    found = simulate_quietly(chain, [10.0, 0.0], 5.0, method, tolerance=tolerance, samples=2)
-    speed = math.sqrt(10.0**2 - 2.0 * gravity * 4.9)
-    touch, time = (10.0 - speed) / gravity, 2.0 * math.atan(speed * frequency / gravity) / frequency
-    ((closed, _),) = found.contact_intervals[0]
-    assert closed == pytest.approx(touch, abs=1e-9)
-    assert found.final_velocity[0] == pytest.approx(-speed - gravity * (5.0 - touch - time), abs=allowed)
-
-
 @pytest.mark.parametrize("seed", range(0, 400, 40))
 def test_no_contact_is_missed_under_random_drives_toward_a_wall(seed):
     """One bead flies to a wall against or with a steady force; what is exact without the contact tells whether there is one."""
@@ -260,25 +248,7 @@ def test_beads_that_touch_at_rest_close_as_soon_as_a_neighbour_does(method, fami
         assert all(math.isfinite(opened) for spans in found.contact_intervals for _, opened in spans)
 
 
-WALLS = motion("walls", 163)
-PASSED_OVER = {
-    # tries to end a step at an event were all spent on a step far too long; the next, shorter one went past the closing
-    "a closing": (Chain([math.inf, 1.0, 1.0, math.inf], hooke(0.149), [0.0, 0.213, 0.0]), [0, 1, 1, 0], 24.0),
-    # a light bead beside a heavy one shivers: whether a long step foretells its opening depends on the length of the step
-    "an opening": (Chain([3.4e-3, 9.8e3, 0.69], [hooke(12.7), hooke(19.4)]), [1, 1, 0], None),
-    # tries that began far beyond an opening went to and fro before it, and the last of them went on past it
-    "a corner": (WALLS.chain, WALLS.velocity, WALLS.duration),
-}
-
-
-@pytest.mark.parametrize(("chain", "velocity", "duration"), PASSED_OVER.values(), ids=PASSED_OVER)
-def test_what_a_long_step_does_not_foretell_is_not_passed_over(chain, velocity, duration):
-    fine = simulate_quietly(chain, velocity, duration, tolerance=1e-10, samples=2)
-    for tolerance in (1e-2, 1e-3, 1e-4):
-        found = simulate_quietly(chain, velocity, duration, tolerance=tolerance, samples=2)
-        assert np.abs(found.final_velocity - fine.final_velocity).max() < 10.0 * tolerance
-    for spans, wanted in zip(found.contact_intervals, fine.contact_intervals, strict=True):
-        assert spans[0][0] == pytest.approx(wanted[0][0], abs=1e-3)
+FAMILIES = ("hooke-hertz", "gears", "clusters", "walls", "extreme", "loss")  # of random chains
 
 
 @pytest.mark.parametrize("family", FAMILIES)
