@@ -207,25 +207,11 @@ def test_positions_state_an_error(chain):
     assert found.position_error[-1] < 1e-4
 
 
-def test_fixed_steps_estimate_no_error():
-    found = simulate_quietly(one_on(2, hertz(1.0)), [1, 0, 0], method="conserving", samples=2)
-    assert np.isnan(found.velocity_error).all()
-    assert np.isnan(found.position_error).all()
-
-
 def test_a_bead_that_goes_away_does_not_loosen_the_tolerance_of_the_others():
     chain = Chain([1.0, 1.0, 1.0], hooke(1.0))
     found = simulate_quietly(chain, [-1e6, 1.0, 0.0], tolerance=1e-4, samples=2)
     np.testing.assert_allclose(found.final_velocity, [-1e6, 0.0, 1.0], atol=1e-3)
     assert closing_scale(chain, np.array([-1e6, 1.0, 0.0]), np.zeros(2), None, None) == 1.0
-
-
-def test_a_driven_chain_at_rest_has_the_scale_of_its_own_drive():
-    """A gear that falls 1e-3 m at 1e-18 m/s² closes at 4.5e-11 m/s and bounces back."""
-    chain = Chain([1.0, 2.0, math.inf], draft_gear(1e-3, 1.0), gap=1e-3, drive=[1e-18, 0.0, 0.0])
-    found = simulate_quietly(chain, [0.0, 0.0, 0.0], 1e8, samples=2)
-    assert found.final_velocity[1] == pytest.approx(1.35e-11, rel=0.1)
-    np.testing.assert_allclose(found.ledger[-1], found.ledger[0], atol=1e-26)
 
 
 def test_a_log_that_is_too_small_grows_as_the_run_goes_on(monkeypatch):

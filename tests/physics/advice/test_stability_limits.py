@@ -29,13 +29,6 @@ def test_contacts_that_close_again_and_again_are_reported():
         assert sum(len(closed) - 1 for closed in run.contact_intervals) > 6
 
 
-def test_a_step_past_the_limit_is_reported():
-    chain = one_on(5, power_law(1.0, 0.02))
-    step = 10 * stable_step(chain, [1, 0, 0, 0, 0, 0], error=1e-2)
-    with pytest.warns(RuntimeWarning, match="past its limit"):
-        assert simulate(chain, [1, 0, 0, 0, 0, 0], method="verlet", step=step).warnings
-
-
 @pytest.mark.parametrize("contact", [hertz(1.0), power_law(1.0, 0.5), power_law(1.0, 0.1)])
 @pytest.mark.parametrize("error", [1e-2, 1e-3])
 def test_within_the_estimate_the_error_holds(contact, error):

@@ -8,7 +8,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from softcradle.physics import Chain, Coupler, State, advance, one_on, simulate
 from softcradle.physics.analysis.closed_forms import rigid_stroke
-from softcradle.physics.contact import Contact, draft_gear, power_law, step_force
+from softcradle.physics.contact import Contact, power_law, step_force
 from softcradle.physics.fixed_step import runner
 from softcradle.physics.kernel_records import NO_FLAGS
 from softcradle.physics.kernel_tiers import plain
@@ -26,25 +26,20 @@ from tests.helpers.relations import assert_momentum, assert_sound, energy_error,
 from tests.helpers.truth import GEAR, gear_critical_speed
 
 
-def lanes():
-    return [
-        pytest.param(lane.chain(), np.array(lane.velocity), id=f"{name}-{k}")
-        for name in scenes.names()
-        for k, lane in enumerate(scenes.load(name).lanes)
-    ]
-
-
 @pytest.mark.parametrize("step", [1e-4, 1e-3, 1e-2, 0.1, 1.0])  # [s], whatever the scene's own times
-@pytest.mark.parametrize(("chain", "velocity"), lanes())
-def test_energy_and_momentum_in_every_scene(chain, velocity, step):
+@pytest.mark.parametrize("name", scenes.names())
+def test_energy_and_momentum_in_every_scene(name, step):
     duration = min(step * 20_000, 20.0)  # by the shortest step too, enough for the whole of most collisions
-    found = simulate(chain, velocity, duration, "conserving", step, samples=101)  # a warning is an error
-    start = found.ledger[0]
-    assert np.abs(found.ledger - start).max() < 1e-11 * max(start, np.abs(found.work).max())
-    if chain.walls == 0 and not chain.on_bed:
-        momentum = found.momentum - found.impulse
-        scale = np.array(chain.mass) @ np.abs(found.velocity).max(axis=0)
-        assert np.abs(momentum - momentum[0]).max() < 1e-12 * scale
+    for lane in scenes.load(name).lanes:
+        chain, velocity = lane.chain(), lane.velocity
+        found = simulate(chain, velocity, duration, "conserving", step, samples=101)  # a warning is an error
+        assert np.ptp(found.ledger) < 1e-11 * max(found.ledger[0], np.abs(found.work).max())
+        assert np.isnan(found.velocity_error).all()
+        assert np.isnan(found.position_error).all()
+        if chain.walls == 0 and not chain.on_bed:
+            momentum = found.momentum - found.impulse
+            scale = np.array(chain.mass) @ np.abs(found.velocity).max(axis=0)
+            assert np.abs(momentum - momentum[0]).max() < 1e-12 * scale
 
 
 @pytest.mark.parametrize("parts", [3, 7, 100, 1000])
@@ -183,13 +178,6 @@ def test_it_is_monotone_and_no_step_is_longer_than_its_argument(law, start, weig
     assert -slack <= weight * (f_high - f_low) <= high - low + slack
 
 
-@given(LAW, START, WEIGHT, SUM, SIZES, SIZES)
-def test_it_does_not_depend_on_the_guess(law, start, weight, s, one, other):
-    first, second = solved(law, start, weight, s, one), solved(law, start, weight, s, other)
-    assert first[0] == pytest.approx(second[0], rel=1e-9, abs=1e-13 * abs(s))
-    assert first[1] == pytest.approx(second[1], rel=1e-9, abs=1e-13 * abs(s) / weight)
-
-
 @given(LAW, START, WEIGHT, SUM)
 def test_its_slope_is_that_of_its_force(law, start, weight, s):
     nudge = 1e-6 * abs(s)
@@ -199,15 +187,6 @@ def test_its_slope_is_that_of_its_force(law, start, weight, s):
     low, high = sorted((slope, other))
     slack = 1e-9 / weight * nudge + 1e-12 * (abs(s) + abs(start)) / weight
     assert 0.9 * low * nudge - slack <= f1 - f0 <= 1.1 * high * nudge + slack
-
-
-def test_a_touching_contact_carries_what_it_must():
-    law = (2.0, 5.0, 1.0)
-    for s in np.linspace(0.0, 2.0, 9) * 0.1:
-        assert solved(law, 0.0, 0.1, s)[:2] == (0.0, s / 0.1)
-    end, force, _ = solved(law, 0.0, 0.1, 0.3)
-    assert end > 0.0
-    assert force > 2.0
 
 
 def test_a_failure_to_converge_is_returned():
@@ -225,14 +204,6 @@ def test_a_soft_cluster_keeps_its_depth():
     found = simulate(one_on(10, power_law(1.0, 1 / 30)), [1] + [0] * 10, 0.3, "conserving", 1e-3, samples=[0.2, 0.3])
     assert 0.0 < found.overlap[-1, -1] < 1e-25
     assert found.force[-1] == pytest.approx(found.force[-1, 0] * np.arange(10, 0, -1) / 10, rel=0.05)
-
-
-def test_beads_at_rest_between_two_walls_stay():
-    """The common part of forces between two walls is free; steps of any length leave the beads where they are."""
-    chain = Chain([math.inf, 1.0, 2.0, math.inf], draft_gear(1.0, 1.0))
-    found = simulate(chain, [0.0] * 4, 10.0, "conserving", 0.7, samples=5)
-    assert not found.velocity.any()
-    assert not found.overlap.any()
 
 
 @pytest.mark.parametrize("part", [1.0, 0.83, 0.61, 0.5])
