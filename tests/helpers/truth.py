@@ -48,36 +48,18 @@ class Truth:
         return min(contact.exponent for contact in self.chain.contact)
 
 
+ARRAYS = ["start", "final", "opened", "largest_overlap", "peak_force", "time", "overlap", "force", "velocity"]
+
+
+def _truth(name: str, case: dict[str, Any]) -> Truth:
+    powers = zip(map(float, case.get("stiffness", ())), map(Fraction, case.get("exponent", ())), strict=True)
+    chain = Chain(np.array(case["mass"], float), [Contact(0.0, *map(float, power)) for power in powers] or GEAR)
+    numbers = {key: np.array(case[key], float) for key in ARRAYS}
+    return Truth(name, chain, struck=case["struck"], contact_time=float(case["contact_time"]), **numbers)
+
+
 _DATA: dict[str, Any] = json.loads((Path(__file__).parent / "data" / "truth.json").read_text())
-
-
-def _numbers(values: Any) -> Array:
-    return np.array(values, dtype=np.float64)
-
-
-def _truth(name: str, case: dict[str, Any], chain: Chain, start: Array, names: str, samples: Any) -> Truth:
-    """A case; `names` are those of its contact time, last openings, largest overlaps and forces in the file."""
-    contact_time, *others = (_numbers(case[key]) for key in names.split())
-    columns = map(_numbers, zip(*samples, strict=True))
-    ends = _numbers(case["vfinal"]), case["hit_contact"], float(contact_time)
-    return Truth(name, chain, start, *ends, *others, *columns)
-
-
-def _elastic(name: str, case: dict[str, Any]) -> Truth:
-    contacts = [Contact(0.0, float(f), float(Fraction(str(a)))) for f, a in zip(case["F"], case["a"], strict=True)]
-    samples = [[row[key] for key in "tdfv"] for row in case["samples_contact"]]
-    chain, names = Chain(case["m"], contacts), "contact_duration open_last d_max f_max"
-    return _truth(name, case, chain, _numbers(case["v_init"]), names, samples)
-
-
-def _gear(name: str, case: dict[str, Any]) -> Truth:
-    chain, names = Chain(_numbers(case["masses"]), GEAR), "T_hit_open last_open dmax fmax"
-    return _truth(f"draft gear {name}", case, chain, _numbers(case["v"]), names, case["samples_t_d_f_v"])
-
-
-ELASTIC = tuple(_elastic(name, case) for name, case in _DATA.items() if isinstance(case, dict) and "m" in case)
-GEARS = tuple(_gear(name, case) for name, case in _DATA["draft gear"].items() if "masses" in case)
-CRITICAL_SPEEDS = {
-    name: float(speed)
-    for name, speed in next(v for k, v in _DATA["draft gear"].items() if k.startswith("critical_speeds")).items()
-}
+_CASES = [_truth(name, case) for name, case in _DATA.items() if "mass" in case]
+GEARS = tuple(truth for truth in _CASES if truth.chain.contact[0] == GEAR)
+ELASTIC = tuple(truth for truth in _CASES if truth.chain.contact[0] != GEAR)
+CRITICAL_SPEEDS = {name: float(speed) for name, speed in _DATA["critical speeds of draft gears"].items()}
