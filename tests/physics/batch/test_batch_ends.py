@@ -7,7 +7,6 @@ import pytest
 from softcradle.physics import Chain, ChainBatch, ensemble, ensemble_ends, one_on
 from softcradle.physics.contact import draft_gear, hertz, hooke, power_law
 from softcradle.physics.simulation import solve
-from softcradle.physics.status import Status
 
 from tests.helpers.random_chains import random_collision, random_dissipative
 from tests.helpers.relations import digits
@@ -36,10 +35,37 @@ def each_alone(chains, velocities, settings):
         yield solve(chain, velocity, samples=2, **own)
 
 
-def ends_as_alone(chains, velocities, **settings):
-    """How the chains end as a batch: each as it would alone."""
+def rattling():
+    """Errors have grown in most of these, so more than one run decides, and some are not determined."""
+    draw = np.random.default_rng(3)
+    masses, exponents = np.exp(draw.uniform(-1, 1, (25, 6))), draw.uniform(0.02, 0.12, (25, 5))
+    chains = [Chain(mass, [power_law(1.0, a) for a in few]) for mass, few in zip(masses, exponents, strict=True)]
+    return chains, -np.sort(-draw.normal(size=(25, 6)))
+
+
+FIXED = [*itertools.product(("euler", "verlet", "yoshida4", "conserving"), [(random_collision, {})])]
+FIXED += itertools.product(("euler", "verlet", "conserving"), [(random_dissipative, {"duration": 2.0})])
+SHORT = [Chain([1.0, 1.0], hooke(450.0), gap=gap) for gap in (0.43, 0.44, 3.0)]  # contacts that no step shows
+PRESSED = [Chain([1.0, 1.0, 2.0], hertz(k), [-0.1, 0.2], friction=0.1) for k in (1.0, 2.0)]
+BATCHES = [  # chains with their velocities, and what an ensemble is given
+    *(
+        (chains_of(maker, contacts), {"method": method, "step": STEP, **options})
+        for (method, (maker, options)), contacts in itertools.product(FIXED, (1, 3, 4))
+    ),
+    *((chains_of(random_collision, contacts, 30), {"tolerance": 1e-6}) for contacts in (1, 3)),
+    *((chains_of(random_dissipative, contacts, 12), {"duration": 2.0, "tolerance": 1e-6}) for contacts in (1, 3)),
+    (rattling(), {"tolerance": 1e-6}),
+    (chains_of(random_collision, 2, 20), {"duration": np.linspace(0.0, 1.0, 20), "method": "verlet"}),
+    ((PRESSED, [[1.0, 0.0, 0.0]] * 2), {"method": "verlet"}),
+    ((SHORT, [[1.0, 0.0]] * 3), {"method": "verlet", "step": 0.1}),
+]
+
+
+@pytest.mark.parametrize(("batch", "settings"), BATCHES)
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_chains_end_as_they_would_alone(batch, settings):
+    chains, velocities = batch
     ends = ensemble_ends(ChainBatch.of(chains), velocities, **settings)
-    velocities = np.broadcast_to(velocities, ends.final_velocity.shape)
     for k, alone in enumerate(each_alone(chains, velocities, settings)):
         assert np.array_equal(ends.final_velocity[k], alone.final_velocity), k
         assert np.array_equal(ends.velocity_error[k], alone.velocity_error, equal_nan=True), k
@@ -47,50 +73,6 @@ def ends_as_alone(chains, velocities, **settings):
         assert ends.steps[k] == alone.steps, k
         if "duration" not in settings:  # a sample at the end evaluates contacts, too
             assert ends.evaluations[k] == alone.evaluations, k
-    return ends
-
-
-@pytest.mark.parametrize("contacts", [1, 3, 4])
-@pytest.mark.parametrize(
-    ("method", "maker", "options"),
-    [(method, random_collision, {}) for method in ("euler", "verlet", "yoshida4", "conserving")]
-    + [(method, random_dissipative, {"duration": 2.0}) for method in ("euler", "verlet", "conserving")],
-)
-@pytest.mark.filterwarnings("ignore::RuntimeWarning")
-def test_collisions_and_chains_with_beds_losses_and_drives_end_as_they_would_alone(method, maker, options, contacts):
-    chains, velocities = chains_of(maker, contacts)
-    assert maker is random_collision or any(chain.drive for chain in chains)
-    ends_as_alone(chains, velocities, method=method, step=STEP, **options)
-
-
-@pytest.mark.parametrize("contacts", [1, 3])
-def test_adaptive_methods_end_as_they_would_alone(contacts):
-    """Some of these rattle, or errors grow in them: more than one run decides."""
-    ends_as_alone(*chains_of(random_collision, contacts, 30), tolerance=1e-6)
-    ends_as_alone(*chains_of(random_dissipative, contacts, 12), duration=2.0, tolerance=1e-6)
-
-
-def test_chains_that_rattle_end_as_they_would_alone():
-    """Errors have grown in most of these, so more than one run decides, and some are not determined."""
-    draw = np.random.default_rng(3)
-    masses, exponents = np.exp(draw.uniform(-1, 1, (25, 6))), draw.uniform(0.02, 0.12, (25, 5))
-    chains = [Chain(mass, [power_law(1.0, a) for a in few]) for mass, few in zip(masses, exponents, strict=True)]
-    ends_as_alone(chains, -np.sort(-draw.normal(size=(25, 6))), tolerance=1e-6)
-
-
-@pytest.mark.filterwarnings("ignore::RuntimeWarning")
-def test_default_steps_and_durations_are_those_of_each_chain():
-    ends_as_alone(*chains_of(random_collision, 2, 20), duration=np.linspace(0.0, 1.0, 20), method="verlet")
-    pressed = [Chain([1.0, 1.0, 2.0], hertz(k), [-0.1, 0.2], friction=0.1) for k in (1.0, 2.0)]
-    ends_as_alone(pressed, [1.0, 0.0, 0.0], method="verlet")
-
-
-@pytest.mark.filterwarnings("ignore::RuntimeWarning")
-def test_a_contact_that_no_step_shows_ends_a_chain_as_it_does_alone():
-    chains = [Chain([1.0, 1.0], hooke(450.0), gap=gap) for gap in (0.43, 0.44, 3.0)]
-    ends = ends_as_alone(chains, [1.0, 0.0], method="verlet", step=0.1)
-    assert (ends.status == Status.SEPARATED).all()
-    assert ends.steps.max() < 50
 
 
 def test_threads_and_neighbours_change_nothing_and_progress_counts_every_chain():
