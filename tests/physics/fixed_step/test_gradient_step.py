@@ -147,39 +147,29 @@ def check_contact(chain, i, before, state, h, seed):
             assert least - 1e-10 * size <= work <= most + 1e-10 * size, (seed, i)
 
 
-def test_the_first_bead_to_stop_and_the_first_contact_to_turn_cut_the_step():
-    chain = Chain([1.0, 2.0], hooke(1.0), gap=10.0, friction=0.1)
-    brake = 0.1 * GRAVITY
-    state = State.at_start(chain, [0.5 * brake, -0.25 * brake])
-    given = records(chain, state)
-    used, part = single_step(1.0, *given, False, False)
-    assert used > 0
-    assert part == pytest.approx(0.25)
-    assert state.rate[0] == 0.75 * brake, "the motion stays as it was"
-    assert discrete_gradient.first_event(1.0, *given) == pytest.approx(0.25)
-
-    chain = Chain([1.0, math.inf], step_force(2.0, loss=0.5))  # it turns at w/a = 0.4/2
-    state = State.at_start(chain, [0.4, 0.0])
-    state.overlap[0] = 1.0
-    used, part = single_step(0.25, *records(chain, state), False, False)
-    assert used > 0
-    assert part == pytest.approx(0.8)
-
-
 @pytest.mark.parametrize("h", [0.3, 0.6, 1.0])
-def test_a_slide_and_a_bounce_end_to_the_digit_in_one_step(h):
-    """Cut where a bead stops and where a contact turns, a step is exact under steady forces."""
-    chain = Chain([2.0, 1.0], hooke(1.0), gap=10.0, friction=0.1)
-    brake = 0.1 * GRAVITY
+def test_a_step_is_cut_where_a_bead_stops_and_slides_end_to_the_digit(h):
+    chain, brake = Chain([2.0, 1.0], hooke(1.0), gap=10.0, friction=0.1), 0.1 * GRAVITY
     state = State.at_start(chain, [0.2 * brake, -0.1 * brake])
+    given = records(chain, state)
+    used, part = single_step(h, *given, False, False)
+    assert used > 0
+    assert part == pytest.approx(0.1 / h)
+    assert state.rate[0] == 0.2 * brake - -0.1 * brake, "the motion stays as it was"
+    assert discrete_gradient.first_event(h, *given) == pytest.approx(0.1 / h)
     taken(chain, state, h)
     assert state.velocity(chain).tolist() == [0.0, 0.0]
     assert state.position(chain) == pytest.approx([0.02 * brake, 10.0 - 0.005 * brake], rel=1e-13)
     assert state.absorbed[1] == pytest.approx(0.04 * brake**2 + 0.005 * brake**2, rel=1e-12)
 
+
+def test_a_step_is_cut_where_a_contact_turns_and_a_bounce_ends_to_the_digit():
     chain = Chain([1.0, math.inf], step_force(2.0, loss=0.75))
     state = State.at_start(chain, [1.0, 0.0])
     state.overlap[0] = 1.0
+    used, part = single_step(0.6, *records(chain, state), False, False)
+    assert used > 0
+    assert part == pytest.approx(0.5 / 0.6)
     taken(chain, state, 0.6)
     assert state.velocity(chain)[0] == pytest.approx(-0.5 * 0.1, rel=1e-12)  # 0.5 s in, then by a quarter of the force
     assert state.overlap[0] == pytest.approx(1.25 - 0.25 * 0.01, rel=1e-12)
