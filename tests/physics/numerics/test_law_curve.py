@@ -75,26 +75,34 @@ def newton(law, weight, s, overlap):
     return overlap, 200
 
 
-def test_moves_toward_zero_go_by_the_force():
-    """A soft contact takes the force that Newton wants, and the overlap of this force; one that wants less than none opens."""
-    soft, gear = (0.0, 2.0, 0.5), (1.0, 2.0, 0.5)
-    assert move_along(*soft, 1.0, 0.25, 1.0, -0.1, -0.4) == pytest.approx((0.09, 0.6))
-    assert move_along(*gear, 3.0, 0.25, 2.0, -0.1, -0.4) == pytest.approx((0.09, 1.6))
-    assert move_along(*gear, 1e-9, 0.25, 2.0, -0.3, -1.4) == pytest.approx((-0.04, 0.6))
-    assert move_along(*soft, 1.0, 0.25, 1.0, -0.5, -1.0) == pytest.approx((-0.25, 0.0))
-    assert move_along(*soft, 1.0, 0.25, 1.0, -0.5, -2.0) == pytest.approx((-0.25, 0.0))
-    assert move_along(*soft, 1.0, 0.25, 1.0, -0.1, -2.0) == (-SMALLEST, 0.0)
-    assert move_along(*gear, 1e-9, 0.25, 2.0, -0.3, -1.0) == (0.0, 1.0)
-    assert move_along(*soft, 1.0, 0.0, 0.0, 0.0, 1.0) == pytest.approx((0.25, 1.0))
-    vertical = 1e-295  # so little pressed that the curve is
-    assert move_along(*soft, 1.0, vertical, signed_force(*soft, vertical), 0.0, 1.0) == pytest.approx((0.25, 1.0))
-    assert move_along(0.0, 2.0, 1.5, 1.0, 1.0, 2.0, -0.75, -5.0) == pytest.approx((0.25, 0.25))
+SOFT, GEAR = (0.0, 2.0, 0.5), (1.0, 2.0, 0.5)
+VERTICAL = 1e-295  # m: so little pressed that the curve is
+SMALL = 2.0 * math.sqrt(1e-5)  # N at 1e-5 m, by SOFT
+MOVED = [  # law, weight, overlap, what Newton wants of overlap and of force, where it goes
+    # toward zero by the force: a soft contact takes the overlap of the force that is wanted; less than none opens it
+    (SOFT, 1.0, 0.25, -0.1, -0.4, 0.09), (GEAR, 3.0, 0.25, -0.1, -0.4, 0.09), (GEAR, 1e-9, 0.25, -0.3, -1.4, -0.04),
+    (SOFT, 1.0, 0.25, -0.5, -1.0, -0.25), (SOFT, 1.0, 0.25, -0.5, -2.0, -0.25), (SOFT, 1.0, 0.25, -0.1, -2.0, -SMALLEST),
+    (GEAR, 1e-9, 0.25, -0.3, -1.0, 0.0), (SOFT, 1.0, 0.0, 0.0, 1.0, 0.25), (SOFT, 1.0, VERTICAL, 0.0, 1.0, 0.25),
+    ((0.0, 2.0, 1.5), 1.0, 1.0, -0.75, -5.0, 0.25),
+    # away from zero by the overlap, or by a small force
+    (SOFT, 1e-3, 1.0, 1.25, 1.25, 2.25), ((0.0, 2.0, 0.1), 1.0, 1e-20, 1e-19, 0.02, 0.02**10),
+    # one that moves its beads further than its overlap is small: a tenth of weight times force, 0.4 m and 0.04 mm here
+    (SOFT, 100.0, 1e-4, 2e-4, 0.02, 4e-4),
+    (SOFT, 0.01, 1e-5, 2e-5 * (0.04 / SMALL - 1.0), 0.04 - SMALL, 2e-5 * 0.04 / SMALL - 1e-5),
+    # by the overlap both ways where the contact is not soft: there Newton overshoots in neither direction
+    ((0.0, 5.0, 1.5), 1e3, 0.01, 1.0, 0.75, 1.01), ((0.0, 5.0, 2.0), 1e3, 0.01, 1.0, 0.75, 1.01),
+    ((1.0, 2.0, 1.5), 0.01, 1.0, -0.98, -1.0, 0.02), ((1.0, 2.0, 2.0), 0.01, 1.0, -0.98, -1.0, 0.02),
+    # far beyond the solution to the bound of it: d + weight f stays what the move makes it, and one of the terms takes all
+    (GEAR, 0.01, 4.0, -3.999, -1.0, 4.04 - 1.005 * 3.999), (GEAR, 0.9, 4.0, -3.9, -1.0, ((7.6 - 1.45 * 3.9) / 1.8) ** 2),
+]  # fmt: skip
 
 
-def test_moves_away_from_zero_go_by_the_overlap_or_by_a_small_force():
-    soft = (0.0, 2.0, 0.5)
-    assert move_along(*soft, 1e-3, 1.0, 2.0, 1.25, 1.25) == pytest.approx((2.25, 3.0))
-    assert move_along(0.0, 2.0, 0.1, 1.0, 1e-20, 0.02, 1e-19, 0.02) == pytest.approx(((0.04 / 2.0) ** 10.0, 0.04))
+@pytest.mark.parametrize(("law", "weight", "overlap", "by_overlap", "by_force", "wanted"), MOVED)
+def test_a_move_goes_by_the_force_or_by_the_overlap_and_stays_on_the_curve(
+    law, weight, overlap, by_overlap, by_force, wanted
+):
+    moved = move_along(*law, weight, overlap, signed_force(*law, overlap), by_overlap, by_force)
+    assert moved == pytest.approx((wanted, signed_force(*law, wanted)), rel=1e-6, abs=0.0)
 
 
 @pytest.mark.parametrize("exponent", [0.02, 0.1, 0.5, 0.99])
@@ -106,41 +114,6 @@ def test_a_short_move_of_a_soft_contact_needs_no_power(exponent, part):
     moved, pushes = move_along(*law, 1.0, overlap, force, part * overlap, exponent * part * force)
     assert moved == overlap + part * overlap
     assert pushes == pytest.approx(signed_force(*law, moved), rel=3e-15, abs=0.0)
-
-
-@pytest.mark.parametrize("exponent", [1.5, 2.0])
-def test_a_contact_that_is_not_soft_goes_by_the_overlap_both_ways(exponent):
-    """Whatever a soft one does: there Newton overshoots in neither direction."""
-    law = (0.0, 5.0, exponent)
-    force = signed_force(*law, 0.01)
-    assert move_along(*law, 1e3, 0.01, force, 1.0, 0.75) == pytest.approx((1.01, signed_force(*law, 1.01)))
-    gear = (1.0, 2.0, exponent)
-    assert move_along(*gear, 0.01, 1.0, 3.0, -0.98, -1.0) == pytest.approx((0.02, signed_force(*gear, 0.02)))
-
-
-@pytest.mark.parametrize(("weight", "overlap", "goes_by_force"), [(100.0, 1e-4, True), (0.01, 1e-5, False)])
-def test_a_small_force_is_one_that_moves_its_beads_further_than_its_overlap(weight, overlap, goes_by_force):
-    """A tenth of weight times force is the bound, 0.4 m and 0.04 mm here, for the 0.4 mm that a force of 0.04 N has."""
-    law = (0.0, 2.0, 0.5)
-    force = signed_force(*law, overlap)
-    by_force = 0.04 - force
-    by_overlap = by_force / slope_at(*law, overlap, force)
-    found = move_along(*law, weight, overlap, force, by_overlap, by_force)
-    moved = overlap + by_overlap
-    assert found == pytest.approx((4e-4, 0.04) if goes_by_force else (moved, signed_force(*law, moved)))
-    assert moved < 3.1e-4
-
-
-def test_a_contact_far_beyond_its_solution_goes_to_the_bound_of_it():
-    """d + weight f stays what Newton's move makes it: with a preload, the nearer of the overlaps at which one term takes all."""
-    law = (1.0, 2.0, 0.5)
-    force = signed_force(*law, 4.0)
-    for weight, way, by_overlap in ((0.01, 3.999, True), (0.9, 3.9, False)):
-        rest = 4.0 + weight * (force - 1.0) - (1.0 + weight * 0.5 * (force - 1.0) / 4.0) * way
-        by_force = (rest / (2.0 * weight)) ** 2
-        assert (rest < by_force) == by_overlap
-        wanted = (rest, signed_force(*law, rest)) if by_overlap else (by_force, 1.0 + rest / weight)
-        assert move_along(*law, weight, 4.0, force, -way, -1.0) == pytest.approx(wanted)
 
 
 def test_forces_flow_as_the_matrix_of_the_chain_says():
