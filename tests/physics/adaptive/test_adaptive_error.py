@@ -24,7 +24,7 @@ from softcradle.physics.status import Status, WarningCode
 
 from benchmarks.scan.families import motion
 from softcradle import scenes
-from tests.helpers.relations import KERNELS, PROMISE, closing_speed, run, simulate_quietly, struck
+from tests.helpers.relations import KERNELS, PROMISE, assert_sound, closing_speed, run, simulate_quietly, struck
 from tests.helpers.truth import ELASTIC, GEAR, GEARS, gear_critical_speed
 
 TOLERANCES = tuple(10.0 ** (-0.25 * k) for k in range(12, 41))  # quarter decades, 1e-3 to 1e-10
@@ -188,10 +188,8 @@ def test_a_motion_that_rattles_ends_with_what_is_determined_of_it(tolerance):
     assert found.time.size == 201
     np.testing.assert_allclose(found.velocity[-1], found.final_velocity, atol=1e-12)
     assert (np.diff(found.time) > 0.0).all()
-    for intervals in found.contact_intervals:  # each closes and opens in turn, across the hand-over too
-        switches = [time for interval in intervals for time in interval]
-        assert (np.diff(switches) >= 0.0).all()
-        assert switches[-1] <= found.time[-1] * (1.0 + 1e-9)
+    assert_sound(found)  # contacts close and open in turn, across the hand-over too
+    assert max(intervals[-1][1] for intervals in found.contact_intervals) <= found.time[-1] * (1.0 + 1e-9)
     assert found.contact_intervals[0][-1][1] > 1.5  # the struck contact stays closed nearly to the end
 
 
@@ -318,16 +316,6 @@ def test_bounces_at_full_speed_go_on_and_are_determined(monkeypatch):
     assert not found.warnings
     assert found.steps > 5000
     assert abs(found.final_velocity[1] - 1.0) <= found.velocity_error[1] < 1e-4
-
-
-@pytest.mark.parametrize("family", ["hooke-hertz", "clusters"])
-@pytest.mark.parametrize("seed", [2, 3])
-def test_stages_converge_as_far_as_round_off_lets_them(family, seed):
-    """A move that misses by round-off alone is a full one: tolerances near it asked for more, and steps got ever shorter."""
-    drawn = motion(family, seed)
-    found = solve(drawn.chain, drawn.velocity, drawn.duration, "radau", None, 2, 1e-13, 20_000)
-    assert not found.status.gave_up
-    assert found.evaluations < 8 * found.steps + 10_000
 
 
 def test_a_motion_of_very_many_bounces_ends_in_bounded_time(monkeypatch):
