@@ -193,18 +193,6 @@ def test_a_motion_that_rattles_ends_with_what_is_determined_of_it(tolerance):
     assert found.contact_intervals[0][-1][1] > 1.5  # the struck contact stays closed nearly to the end
 
 
-@pytest.mark.parametrize(
-    "chain", [one_on(2, hertz(1.0)), one_on(3, power_law(1.0, 0.2)), one_on(3, draft_gear(1.0, 0.3))], ids=str
-)
-def test_positions_state_an_error(chain):
-    """Of 495 chains of `benchmarks scan` at 1e-6 it was never exceeded, nor more than a third of it reached."""
-    end = 0.999 * simulate_quietly(chain, struck(chain), tolerance=1e-6, samples=2).time[-1]
-    found, exact = (simulate_quietly(chain, struck(chain), end, tolerance=each, samples=15) for each in (1e-6, 1e-11))
-    error = np.abs(found.position - exact.position).max(axis=1)
-    assert (error <= found.position_error + exact.position_error).all()
-    assert found.position_error[-1] < 1e-4
-
-
 def test_a_bead_that_goes_away_does_not_loosen_the_tolerance_of_the_others():
     chain = Chain([1.0, 1.0, 1.0], hooke(1.0))
     found = simulate_quietly(chain, [-1e6, 1.0, 0.0], tolerance=1e-4, samples=2)
@@ -296,15 +284,6 @@ def test_no_error_of_a_return_at_rest_is_silent(seed):
     assert found.warnings or error <= max(20.0 * tolerance * fastest, found.velocity_error[0])
 
 
-@pytest.mark.parametrize("part", [0.1, 0.5, 2.0])
-def test_a_bead_that_comes_back_at_speed_needs_no_other_run(part):
-    """The same bead with a velocity of its own goes through d = 0, again and again, and nothing grows by it."""
-    chain = Chain([1.0, math.inf], draft_gear(1.0, 1.0), drive=[2.0, 0.0])
-    fine, found = (solve(chain, [part, 0.0], 20.0, samples=2, tolerance=each) for each in (1e-11, 1e-8))
-    assert not found.warnings
-    assert abs(found.final_velocity - fine.final_velocity).max() < 1e-7
-
-
 def test_bounces_at_full_speed_go_on_and_are_determined(monkeypatch):
     """A bead between two springs, 600 bounces at full speed: no number of steps is too large for them."""
     monkeypatch.setattr(usual_budget, "CONTACT_STEPS", 1000)
@@ -373,6 +352,10 @@ GROWING = [  # chain, start, durations and tolerances
     (Chain([5.83, math.inf], STOPPED), [1.07, 0.0], np.linspace(1.5, 1.7, 8), (1e-6, 1e-8)),
     (Chain(np.ones(5), SOLID), [0.0, -0.2, -0.1, -1.3, 0.7], [1.48, 3.0], (1e-6, 1e-8)),
     (Chain([0.13, 7.3, 0.13, 4.7], PULLED), [1.0, 0.0, 0.0, 0.0], [2.6, 4.0], (1e-6, 1e-8)),
+    *(
+        (one, struck(one), [2.0], (1e-6,))
+        for one in (one_on(2, hertz(1.0)), one_on(3, power_law(1.0, 0.2)), one_on(3, GEAR))
+    ),
 ]
 MIXES = [
     (one.chain, one.velocity, [one.duration], (1e-5, 1e-8)) for one in (motion("hooke-hertz", k) for k in range(60))
@@ -383,14 +366,17 @@ STATED = [(method, *given) for method in ("radau", "accurate") for given in GROW
 
 
 @pytest.mark.parametrize(("method", "chain", "velocity", "durations", "tolerances"), STATED)
-def test_the_stated_error_holds(method, chain, velocity, durations, tolerances):
+def test_the_stated_errors_hold(method, chain, velocity, durations, tolerances):
     for duration in durations:
-        exact = simulate_quietly(chain, velocity, duration, tolerance=1e-11, samples=2)
+        exact = simulate_quietly(chain, velocity, duration, tolerance=1e-11, samples=15)
         for tolerance in tolerances:
-            found = simulate_quietly(chain, velocity, duration, method, tolerance=tolerance, samples=2)
+            found = simulate_quietly(chain, velocity, duration, method, tolerance=tolerance, samples=15)
             error = np.abs(found.final_velocity - exact.final_velocity)
             assert (error <= found.velocity_error + exact.velocity_error).all(), (duration, tolerance)
             assert error.max() < PROMISE * tolerance * closing_speed(velocity) or found.status == Status.UNDETERMINED
+            if duration is not None:  # else ends differ, and so do the times of samples
+                apart = np.abs(found.position - exact.position).max(axis=1)
+                assert (apart <= found.position_error + exact.position_error).all(), (duration, tolerance)
 
 
 @pytest.mark.parametrize("tolerance", [1e-8, 1e-12, 1e-15])
