@@ -15,12 +15,6 @@ Array = NDArray[np.float64]
 GEAR = draft_gear(770.0, 0.0177)
 
 
-def gear_critical_speed(n: int) -> float:
-    """Speed [m/s] up to which one unit mass on `n`, all GEARs between them, stays exactly rigid; from energy alone."""
-    precompression = GEAR.preload / GEAR.stiffness
-    return precompression * float(np.sqrt(GEAR.stiffness * (n + 1) / n * ((n / (n - 1)) ** 2 - 1)))
-
-
 @dataclass(frozen=True)
 class Truth:
     """One case: chain and start, and what happens.

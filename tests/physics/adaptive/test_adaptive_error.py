@@ -16,6 +16,7 @@ import pytest
 from scipy.special import beta
 from softcradle.physics import Chain, Contact, Coupler, confirm, draft_gear, hertz, hooke, one_on, power_law, step_force
 from softcradle.physics.adaptive import runner, usual_budget
+from softcradle.physics.analysis.closed_forms import critical_speed
 from softcradle.physics.problem import Problem
 from softcradle.physics.scales import closing_scale, largest_error
 from softcradle.physics.simulation import solve
@@ -25,7 +26,7 @@ from softcradle.physics.status import Status, WarningCode
 from benchmarks.scan.families import motion
 from softcradle import scenes
 from tests.helpers.relations import KERNELS, PROMISE, assert_sound, closing_speed, run, simulate_quietly, struck
-from tests.helpers.truth import ELASTIC, GEAR, GEARS, gear_critical_speed
+from tests.helpers.truth import ELASTIC, GEAR, GEARS
 
 TOLERANCES = tuple(10.0 ** (-0.25 * k) for k in range(12, 41))  # quarter decades, 1e-3 to 1e-10
 HALF_DECADES = TOLERANCES[:21:2]  # to 1e-8, for motions whose runs are many and long
@@ -108,8 +109,7 @@ def test_error_under_a_steady_push():
 @pytest.mark.parametrize(("n", "ratio"), [(4, 1.005), (4, 1.014), (10, 1.005), (10, 1.014)])
 def test_a_gear_that_yields_for_a_moment_is_seen(method, n, ratio, tolerance):
     """Just above the critical speed an inner contact passes its preload by a part in a thousand, between the nodes of a step."""
-    chain = one_on(n, GEAR)
-    speed = ratio * gear_critical_speed(n)
+    chain, speed = one_on(n, GEAR), ratio * critical_speed(GEAR, np.ones(n + 1), 1)
     reference = run(chain, speed * struck(chain), method="radau", tolerance=1e-12)
     found = run(chain, speed * struck(chain), method=method, tolerance=tolerance)
     assert np.abs(found.final_velocity - reference.final_velocity).max() < PROMISE * tolerance * speed

@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 from scipy.interpolate import BPoly
 from softcradle.physics import Chain, draft_gear, hertz, hooke, power_law
-from softcradle.physics.adaptive import corner_search
 from softcradle.physics.adaptive.constants import SAFETY
 from softcradle.physics.adaptive.corner_search import NONE, closes_inactive, first_root, guard_of, is_continued
-from softcradle.physics.numerics.law_curve import NODES, cubic
+from softcradle.physics.numerics.law_curve import NODES
 from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
 
 from tests.helpers.given_steps import H, Step, at_wall, thrown
@@ -71,20 +70,6 @@ def test_a_start_at_zero_counts_where_the_polynomial_leaves_it_downward():
     found = first_root(falls)
     assert found > 0.5
     assert value(falls, found) == pytest.approx(0.0, abs=1e-12)
-
-
-def test_the_forms_of_a_guard_are_the_polynomials_they_name():
-    y = (0.3, -1.2, 0.7, 2.0)
-    for x in (0.0, NODES[0], 0.4, NODES[1], 1.0):
-        assert value(corner_search.stage_cubic(*y), x) == pytest.approx(cubic(x, *y), abs=1e-13)
-
-    path, h = np.polynomial.Polynomial([0.2, -1.5, 0.7, 2.0]), 0.8
-    rate = path.deriv()
-    quintic = corner_search.hermite_quintic(h, path(0), rate(0), 1.4, path(h), rate(h), 1.4 + 12.0 * h)
-    hermite = corner_search.hermite_cubic(h, path(0), rate(0), path(h), rate(h))
-    for x in (0.0, 0.25, 0.6, 1.0):
-        assert value(quintic, x) == pytest.approx(path(h * x), abs=1e-13)
-        assert value(hermite, x) == pytest.approx(path(h * x), abs=1e-13)
 
 
 @pytest.mark.parametrize(

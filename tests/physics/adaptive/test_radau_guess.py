@@ -129,9 +129,7 @@ def test_a_soft_contact_that_will_be_apart_within_the_step_flies_there():
     found = guessed(1e-3, *pressed(Chain([1.0, 1.0], Contact(1.0, 2.0, 0.1)), [-9.0, 0.0], 1e-4))
     assert found.overlap[2, 0] == pytest.approx(1e-4 * math.exp(-10.0 * MOST_GUESSED))
     assert found.force[2, 0] == pytest.approx(1.0 + 2.0 * 1e-4**0.1 * math.exp(-MOST_GUESSED))
-
-
-def test_a_guessed_force_grows_so_much_at_the_most():
+    # and one that comes in grows as much at the most
     found = guessed(0.2, *pressed(Chain([1.0, 1.0], SOFT), [100.0, 0.0], 0.25))
     assert found.force[:, 0] == pytest.approx(math.exp(MOST_GUESSED))
     assert found.overlap[:, 0] == pytest.approx(0.25 * math.exp(2.0 * MOST_GUESSED))

@@ -134,10 +134,6 @@ def test_nodes_and_cubic():
 
 
 POWERS = [(0.0, 2.0, 0.5), (1.0, 2.0, 0.5), (0.0, 3.0, 1.0), (0.0, 5.0, 1.5), (0.7, 5.0, 2.0)]
-MOVES = [  # weight, overlap, moves in overlap and force: of each way in which a contact can go
-    (1.0, 0.25, -0.1, -0.4), (1.0, 0.25, -0.5, -2.0), (1e-9, 0.25, -0.3, -1.4), (1.0, 0.25, -0.1, -2.0), (1e-3, 1.0, 1.25, 1.25),
-    (100.0, 0.01, 0.001, 0.01), (0.01, 4.0, -3.999, -1.0), (0.9, 4.0, -3.9, -1.0), (1.0, 0.5, 0.0, 1.0), (1.0, -0.3, 0.1, 0.2),
-]  # fmt: skip
 
 
 def with_its_table(law):
@@ -167,7 +163,7 @@ def test_a_law_of_ones_own_that_is_a_power_law_is_followed_as_one(law):
             assert reached == pytest.approx(overlap, rel=1e-9)
         energy = (preload + stiffness * overlap**exponent / (1.0 + exponent)) * overlap
         assert law_curve.curve_depth(row, own, 1, energy) == pytest.approx(overlap, rel=1e-9)
-    for weight, overlap, by_overlap, by_force in MOVES:
+    for _, weight, overlap, by_overlap, by_force, _ in MOVED:
         given = weight, overlap, law_curve.curve_force(row, None, 1, overlap), by_overlap, by_force
         moved = law_curve.move_along(row, None, 1, *given)[0]
         crosses, continued = moved * overlap < 0.0 and by_overlap * overlap <= 0.0, preload or exponent == 1.0
