@@ -200,14 +200,19 @@ def test_the_conditions_of_a_bounded_multiplier_hold(first):
 MASS, VELOCITY = np.array([1.0, 2.0, 0.5, 4.0, 1.5]), np.array([0.3, -0.1, 0.2, 0.5, -0.4])
 
 
+def stopped(i, laws, anchor=4, beside=0, mode=LOADED):
+    """The motion after contact i has come to rest; contact `beside` is in that mode, all others are loaded."""
+    chain = Chain(MASS, laws)
+    data, motion = records_of(chain, State.at_start(chain, VELOCITY))
+    motion.anchor[1], motion.mode[:], motion.mode[beside] = VELOCITY[anchor], LOADED, mode
+    stop_rate(i, data._replace(anchor_bead=anchor), motion)
+    return motion
+
+
 @pytest.mark.parametrize("anchor", range(5))
 @pytest.mark.parametrize("i", range(4))
 def test_beads_whose_contact_comes_to_rest_take_the_velocity_of_their_centre_of_mass(i, anchor):
-    chain = Chain(MASS, hertz(1.0))
-    data, motion = records_of(chain, State.at_start(chain, VELOCITY))
-    data, motion.mode[:] = data._replace(anchor_bead=anchor), LOADED
-    motion.anchor[1] = VELOCITY[anchor]
-    stop_rate(i, data, motion)
+    motion = stopped(i, hertz(1.0), anchor)
     behind = np.append(0.0, -np.cumsum(motion.rate))
     wanted = VELOCITY.copy()
     wanted[i : i + 2] = MASS[i : i + 2] @ VELOCITY[i : i + 2] / MASS[i : i + 2].sum()
@@ -217,13 +222,6 @@ def test_beads_whose_contact_comes_to_rest_take_the_velocity_of_their_centre_of_
 
 @pytest.mark.parametrize(("i", "beside"), [(2, 1), (2, 2), (2, 3), (1, 2), (0, 1), (3, 2)])
 def test_beside_a_soft_or_touching_contact_it_alone_comes_to_rest(i, beside):
-    laws = [hertz(1.0)] * 4
-    laws[beside] = power_law(1.0, 0.1)
-    for contacts, mode in ((laws, LOADED), (hertz(1.0), TOUCHING)):
-        chain = Chain(MASS, contacts)
-        data, motion = records_of(chain, State.at_start(chain, VELOCITY))
-        before = motion.rate.copy()
-        motion.mode[:] = LOADED
-        motion.mode[beside] = mode
-        stop_rate(i, data, motion)
-        assert motion.rate == pytest.approx(np.where(np.arange(4) == i, 0.0, before), abs=0.0)
+    laws = [power_law(1.0, 0.1) if k == beside else hertz(1.0) for k in range(4)]
+    for motion in (stopped(i, laws), stopped(i, hertz(1.0), beside=beside, mode=TOUCHING)):
+        assert motion.rate == pytest.approx(np.where(np.arange(4) == i, 0.0, -np.diff(VELOCITY)), abs=0.0)
