@@ -55,10 +55,9 @@ def test_the_limit_of_small_exponents_is_the_step_force(method, n):
     stepped = one_on(n, step_force(1.0))
     limit = run(stepped, struck(stepped), method=method, tolerance=1e-8).final_velocity
     assert limit == pytest.approx(rigid_collision(stepped.mass, 1), abs=1e-7)
-    gaps = []
-    for alpha in (1e-1, 3e-2, 1e-2, 3e-3, 1.5e-3, 1e-3):  # overlaps from 1e-1 to below the smallest number
-        found = run(one_on(n, power_law(1.0, alpha)), struck(stepped), method=method, tolerance=1e-8)
-        gaps.append(float(np.abs(found.final_velocity - limit).max()))
+    alphas = (1e-1, 3e-2, 1e-2, 3e-3, 1.5e-3, 1e-3)  # overlaps from 1e-1 to below the smallest number
+    runs = (run(one_on(n, power_law(1.0, a)), struck(stepped), method=method, tolerance=1e-8) for a in alphas)
+    gaps = [np.abs(found.final_velocity - limit).max() for found in runs]
     assert gaps[0] < 0.5
     assert all(later < max(0.5 * earlier, 1e-7) for earlier, later in pairwise(gaps))
     assert gaps[-1] < 1e-7
@@ -171,10 +170,6 @@ def test_a_wave_through_a_row_keeps_energy_momentum_and_the_order_of_its_beads(n
     assert (np.diff(found.final_velocity) > -(10.0 if unequal else 1.0) * tolerance).all()
 
 
-def box(beads: int, contact: object, **more: object) -> Chain:
-    return Chain([np.inf, *np.linspace(1.0, 3.0, beads), np.inf], contact, **more)
-
-
 @pytest.mark.parametrize("method", KERNELS)
 @pytest.mark.parametrize("seed", range(8))
 def test_a_box_that_is_driven_ends_as_by_conserving(method, seed):
@@ -182,7 +177,8 @@ def test_a_box_that_is_driven_ends_as_by_conserving(method, seed):
     draw = np.random.default_rng(seed)
     beads, size = int(draw.integers(1, 6)), 10.0 ** draw.uniform(-1.0, 1.0)
     drive = [0.0, *(size * draw.uniform(-1.0, 1.0, beads)), 0.0]
-    chain = box(beads, Contact(1.4, 3.0, float(draw.uniform(0.5, 1.5))), drive=drive)
+    mass = [np.inf, *np.linspace(1.0, 3.0, beads), np.inf]
+    chain = Chain(mass, Contact(1.4, 3.0, float(draw.uniform(0.5, 1.5))), drive=drive)
     found = run(chain, np.zeros(beads + 2), 2.0, method=method, samples=5, tolerance=1e-9)
     fine = run(chain, np.zeros(beads + 2), 2.0, method="conserving", step=2e-4, samples=5)
     assert found.velocity == pytest.approx(fine.velocity, abs=1e-5 * size)

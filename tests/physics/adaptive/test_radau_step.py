@@ -385,14 +385,9 @@ def test_first_stages_are_implicit_euler_steps_to_each_node(seed, monkeypatch):
 @pytest.mark.parametrize("row", [0, 1, 2])
 def test_an_error_that_is_no_number_is_none_of_0(row):
     """``max(0, nan)`` is 0: a step with a row that is no number would have been taken as exact."""
-    chain = Chain([1.0] * 4, [hooke(3.0), hertz(5.0), power_law(1.0, 0.5)])
-    data, motion = pressed(chain, [1.0, 0.5, 0.0, -0.5], 0.4)
-    used, trial = stepped(data, motion, 0.01)
-    assert used > 0
+    data, motion = pressed(Chain([1.0] * 4, [hooke(3.0), hertz(5.0), power_law(1.0, 0.5)]), [1.0, 0.5, 0.0, -0.5], 0.4)
+    trial = stepped(data, motion, 0.01)[1]
     trial.rate[:, row] = math.nan
     assert math.isnan(embedded_error(0.01, data, motion, trial, np.zeros((4, 4))))
-    trial = empty_trial(3)
-    for rows in trial[:3]:
-        rows[:] = 0.4
-    trial.overlap[0, row] = math.nan
+    trial.rate[:, row], trial.overlap[0, row] = 0.4, math.nan
     assert math.isnan(error_of_range(0.01, 0, 3, data, motion, trial, np.zeros(3)))

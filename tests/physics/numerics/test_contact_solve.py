@@ -1,7 +1,5 @@
 """Pieces of the solver of contact forces: resolvents and mean forces of contacts and of couplers, the way to the next bend."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from softcradle.physics import Chain, Coupler, State, draft_gear, hertz, hooke
@@ -68,18 +66,6 @@ def test_a_row_without_slope_moves_to_where_a_bead_breaks_loose_or_its_contact_d
     turn = 1.0 if up else -1.0  # more force brakes the left bead and drives the right one
     by_beads = weight * (h * bed + turn * free * [1.0, -1.0]) * mass / h
     assert found == pytest.approx(turn * max(min(by_contact, *by_beads), 0.0), rel=1e-8, abs=1e-15)
-
-
-def test_newtons_shift_solves_its_linear_system():
-    """Of four contacts without a bed: what a row's neighbours yield, it feels by the mass of the bead between them."""
-    draw, h = np.random.default_rng(5), 0.3
-    work, inverse_mass = draw.uniform(0.5, 2.0, (WORK_ROWS, 4)), draw.uniform(0.5, 2.0, 5)
-    slope, residual = work[contact_solve.SLOPE].copy(), work[contact_solve.RESIDUAL].copy()
-    between = np.diag(0.5 * h**2 * inverse_mass[1:-1], 1)
-    matrix = np.eye(4) - (between + between.T) * slope
-    chain = ChainData(np.zeros((4, 3)), inverse_mass, NOTHING, NOTHING, 0)
-    contact_solve.newton_shift(h, chain, SimpleNamespace(overlap=np.zeros(4)), 1.0, None, work)
-    assert work[contact_solve.SHIFT] == pytest.approx(np.linalg.solve(matrix, -residual), rel=1e-12)
 
 
 @pytest.fixture(params=COUPLERS.values(), ids=COUPLERS.keys())
