@@ -42,14 +42,12 @@ class Truth:
         return min(contact.exponent for contact in self.chain.contact)
 
 
-ARRAYS = ["start", "final", "opened", "largest_overlap", "peak_force", "time", "overlap", "force", "velocity"]
-
-
-def _truth(name: str, case: dict[str, Any]) -> Truth:
+def _truth(case_name: str, case: dict[str, Any]) -> Truth:
     powers = zip(map(float, case.get("stiffness", ())), map(Fraction, case.get("exponent", ())), strict=True)
     chain = Chain(np.array(case["mass"], float), [Contact(0.0, *map(float, power)) for power in powers] or GEAR)
-    numbers = {key: np.array(case[key], float) for key in ARRAYS}
-    return Truth(name, chain, struck=case["struck"], contact_time=float(case["contact_time"]), **numbers)
+    names = "start final opened largest_overlap peak_force time overlap force velocity"
+    numbers = {name: np.array(case[name], float) for name in names.split()}
+    return Truth(case_name, chain, struck=case["struck"], contact_time=float(case["contact_time"]), **numbers)
 
 
 _DATA: dict[str, Any] = json.loads((Path(__file__).parent / "data" / "truth.json").read_text())
