@@ -1,7 +1,4 @@
-"""Errors of adaptive methods: ten tolerances at the most, or a warning, and no more than each result states of its own.
-
-A motion that rattles ends, with what is determined of it.
-"""
+"""Errors of adaptive methods: ten tolerances at the most, or a warning, and no more than each result states of its own."""
 
 import math
 import signal

@@ -1,7 +1,4 @@
-"""radau, dop853 and accurate: live steps, closed forms of gears, no switch missed, and the work they take.
-
-Also ranges of a chain that are stepped apart, and forces through all beads between two walls, which nothing determines.
-"""
+"""radau, dop853 and accurate: live steps, closed forms, no switch missed, rows stepped in ranges, and the work they take."""
 
 import math
 from itertools import pairwise, product
