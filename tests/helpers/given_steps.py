@@ -19,10 +19,7 @@ NODE_TIMES = H * NODES
 
 
 class Step:
-    """A step of length H in which every contact force goes as the polynomial of time that is given for it.
-
-    Overlaps and velocities follow exactly, by integration of the polynomials.
-    """
+    """A step of length H by contact forces that are polynomials of time; overlaps and velocities follow by integration."""
 
     def __init__(self, chain, velocity, overlap, modes, forces, slide=0, easing=0):
         self.chain = chain

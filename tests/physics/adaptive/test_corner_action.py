@@ -1,7 +1,4 @@
-"""What is decided and carried out at a corner: branches, segments, slides, contacts at rest, and what has been passed over.
-
-Accelerations and forces are checked by the conditions that define them.
-"""
+"""What is decided and carried out at a corner: branches, segments, slides, contacts at rest, and what was passed over."""
 
 import numpy as np
 import pytest

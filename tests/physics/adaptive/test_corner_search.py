@@ -1,7 +1,4 @@
-"""The search for corners: the first root of a guard, against dense sampling of random quintics; guards near zero; and events.
-
-Events are located in motions whose switches are known in closed form: each kind of row, the earliest of several, and none.
-"""
+"""The search for corners: first roots of guards, and events of motions whose switches are known in closed form."""
 
 import math
 from math import comb

@@ -254,6 +254,19 @@ def test_newton_goes_on_with_what_counts_and_ends_where_nothing_does(precision, 
         assert ended == (used > 0)
 
 
+@pytest.mark.parametrize("mass", [0.3, 0.7, 1.1, 2.9])
+@pytest.mark.parametrize("h", [0.01, 30.0])
+def test_a_force_from_wall_to_wall_stays_as_it_is(mass, h):
+    """Two contacts touch, between two walls: a force through both moves nothing, so nothing determines it."""
+    data, motion = pressed(Chain([math.inf, mass, math.inf], draft_gear(2.0, 0.4)), [0.0] * 3, 0.0)
+    motion.mode[:], motion.force[:] = TOUCHING, 0.5
+    used, trial = stepped(data, motion, h)
+    assert used > 0
+    assert trial.force == pytest.approx(0.5, abs=1e-12)
+    assert trial.overlap == pytest.approx(0.0, abs=1e-12)
+    assert embedded_error(h, data, motion, trial, np.ones((4, 3))) < 1e-11
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_rates_come_from_overlaps_where_a_contact_oscillates_in_the_step(seed):
     """Of any stages: where all overlaps are smaller than what the largest of the forces above the preload moves."""
