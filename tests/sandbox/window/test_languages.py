@@ -48,12 +48,18 @@ def german(monkeypatch: pytest.MonkeyPatch) -> Driver:
     return Driver("one-on-four")
 
 
-def test_boxes_take_and_show_the_mark_of_the_language(german: Driver) -> None:
+def test_boxes_take_and_show_the_mark_of_the_language_and_refusals_and_verdicts_follow_it(german: Driver) -> None:
     german.select("contact", 1)
     assert german.page.inspector.controls["exponent"].entry.get_text() == "0,1"
     german.enter("exponent", "0,25")
     assert german.session.lanes[0].chain.power_laws[1].exponent == 0.25
     assert german.page.inspector.controls["exponent"].entry.get_text() == "0,25"
+    german.enter("loss", "1,5")
+    assert german.messages[-1].startswith("der Verlust eines Kontakts muss >= 0 und unter 1 sein, nicht 1,5")
+    assert german.page.cards.health[0].sentence.endswith("hält seine Fehler klein")
+    german.key(pygame.K_F8)
+    german.frames(30)
+    assert german.page.cards.health[0].sentence.endswith("garde ses erreurs petites")
 
 
 def test_words_are_taken_in_the_language_and_in_english(german: Driver) -> None:
@@ -64,16 +70,6 @@ def test_words_are_taken_in_the_language_and_in_english(german: Driver) -> None:
     german.app.show_gallery()
     german.app.page._search("federapparat")
     assert "draft-gear-one-on-three" in german.app.page.names
-
-
-def test_refusals_and_verdicts_follow_the_language(german: Driver) -> None:
-    german.select("contact", 1)
-    german.enter("loss", "1,5")
-    assert german.messages[-1].startswith("der Verlust eines Kontakts muss >= 0 und unter 1 sein, nicht 1,5")
-    assert german.page.cards.health[0].sentence.endswith("hält seine Fehler klein")
-    german.key(pygame.K_F8)
-    german.frames(30)
-    assert german.page.cards.health[0].sentence.endswith("garde ses erreurs petites")
 
 
 @pytest.mark.parametrize("code", [code for code in LANGUAGES if code != "en"])
