@@ -9,7 +9,7 @@ from softcradle.sandbox.draw.palette import THEMES, use_theme
 from softcradle.sandbox.languages import LANGUAGES, use_language
 from softcradle.sandbox.window.gallery import thumbnails
 from softcradle.sandbox.window.gallery.page import SECTIONS, GalleryPage
-from softcradle.sandbox.window.plots.scales import motions_ahead
+from softcradle.sandbox.window.plots.scales import MOST_AT_ONCE, motions_ahead
 
 from softcradle import scenes
 from tests.helpers.windows import Driver
@@ -94,10 +94,10 @@ def test_titles_are_whole_in_every_language_and_no_source_is_cut_within_a_list(g
                 assert rest == "" or rest[0] == ";" or ";" not in shown.removesuffix(";"), (code, source, shown)
 
 
-def test_shipped_pictures_are_those_that_are_drawn_now() -> None:
+def test_shipped_pictures_are_those_that_are_drawn_now_of_motions_that_hold_no_window_up() -> None:
     for name in scenes.names():
         scene = scenes.load(name)
-        motions = motions_ahead(scene)
+        motions = motions_ahead(scene, MOST_AT_ONCE)
         for theme in reversed(THEMES):
             use_theme(theme)
             drawn, shipped = thumbnails.paint(scene, motions), thumbnails.shipped(name, theme)

@@ -73,9 +73,6 @@ def test_alpha_is_that_of_the_row_or_of_a_selected_contact_and_the_blow_goes_as_
     explorer.key(pygame.K_ESCAPE)
     explorer.frames(2)
     assert explorer.page.explore.controls["alpha"].entry.get_text() == "", "contacts differ"
-
-
-def test_an_alpha_beyond_those_of_a_contact_is_refused_in_a_sentence(explorer: Driver) -> None:
     before = laws(explorer)
     for alpha in ("1000", "1e-9"):
         explorer.enter("alpha", alpha)

@@ -12,7 +12,6 @@ from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.session.inputs import AddBead, SetVelocity
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.scene.clock import is_over
-from softcradle.sandbox.window.scene.page import joined
 from softcradle.sandbox.window.scene.sound import RATE, TONE_VOLUME, TONES, click, tone
 from softcradle.scenes import Scene
 
@@ -72,11 +71,6 @@ def test_slower_is_never_faster_nor_faster_slower(driver: Driver, slow: float, s
         driver.frames(2)
         driver.key(key)
         assert driver.session.slow == expected
-
-
-def test_no_two_actions_have_one_name():
-    with pytest.raises(ValueError, match="two actions are called undo"):
-        joined({"undo": print, "redo": print}, {"undo": print})
 
 
 def test_a_click_is_short_and_decays():
