@@ -191,7 +191,6 @@ class Driver:
         return found
 
     def said(self) -> str:
-        """All that is written, as one text."""
         return " ".join(one.text for one in self.texts())
 
     def bead(self, bead: int, lane: int = 0) -> tuple[float, float]:

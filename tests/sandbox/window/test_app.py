@@ -288,10 +288,9 @@ def test_no_widget_of_a_selection_that_is_gone_stays_behind_a_dialog(driver: Dri
     assert (pygame.surfarray.array3d(driver.app.surface) == at_once).all()
 
 
-@pytest.mark.parametrize("refusal", [None, OSError, AttributeError, TypeError])
+@pytest.mark.parametrize("refusal", [OSError, AttributeError, TypeError])
 def test_cycles_are_freed_also_where_the_system_cannot_trim_the_heap(refusal, monkeypatch):
-    if refusal is not None:
-        monkeypatch.setattr(ctypes, "CDLL", Mock(side_effect=refusal))
+    monkeypatch.setattr(ctypes, "CDLL", Mock(side_effect=refusal))
     one = Mock()
     one.container, left = one, weakref.ref(one)  # as widgets and containers refer to each other
     del one

@@ -4,15 +4,12 @@ import sys
 
 import pytest
 from softcradle.physics.fixed_step.runner import TIERS
-from softcradle.sandbox.session import Session
 from softcradle.sandbox.session.inputs import SetFriction
 from softcradle.sandbox.window import kernel_warmup
 from softcradle.sandbox.window.kernel_warmup import KernelWarmup
 
-from softcradle import scenes
 from tests.helpers.own_process import python
 from tests.helpers.paths import ROOT
-from tests.helpers.windows import Driver
 
 PLAYED = """
 from tests.helpers.windows import Driver
@@ -25,48 +22,31 @@ driver.close()
 """
 
 
-def test_all_kernels_are_loaded_jobs_done_between_and_the_thread_that_draws_waits_for_no_other_for_long():
+def test_all_kernels_are_loaded_jobs_done_between_and_the_last_window_gives_back_the_usual_interval():
     """Python's own five milliseconds, some ten times a frame, made frames late while modules were imported."""
-    warmup, done = KernelWarmup(), []
+    usual, warmup, other, done = sys.getswitchinterval(), KernelWarmup(), KernelWarmup(), []
     warmup.start()
-    assert sys.getswitchinterval() < 1e-3
+    other.start()
     warmup.submit(done.append, lambda: 7)
     assert warmup.complete.wait(3600.0)
     warmup.stop()
+    assert sys.getswitchinterval() == pytest.approx(kernel_warmup.INTERVAL)
+    other.stop()
+    assert sys.getswitchinterval() == pytest.approx(usual)
     while not warmup.deliver():
         pass
     assert done == [7]
     assert all(map(warmup.is_warm, ("conserving", "accurate", "pymunk")))
 
 
-def test_of_two_windows_the_one_that_is_closed_last_gives_back_the_usual_interval():
-    usual, first, second = sys.getswitchinterval(), KernelWarmup(), KernelWarmup()
-    for warmup in (first, second):
-        warmup.start()
-    first.stop()
-    assert sys.getswitchinterval() == pytest.approx(kernel_warmup.INTERVAL)
-    second.stop()
-    assert sys.getswitchinterval() == pytest.approx(usual)
-
-
-def test_without_machine_code_few_contacts_in_few_steps_can_be_moved(monkeypatch):
-    conservative, dissipative = Session(scenes.load("one-on-four")), Session(scenes.load("train-cut"))
-    warmup, time = KernelWarmup(), conservative.setup.frame_time
+def test_without_machine_code_few_contacts_can_be_moved_and_a_clock_too_fast_pauses(driver, monkeypatch) -> None:
     for kernels in TIERS.values():
         monkeypatch.setattr(kernels, "_loaded", False)
-    assert warmup.can_move(conservative.lanes, time)
-    assert not warmup.can_move(conservative.lanes, time, "accurate") or warmup.is_warm("accurate")
+    warmup, lanes, time = driver.app.warmup, driver.session.lanes, driver.session.setup.frame_time
+    assert warmup.can_move(lanes, time)
+    assert not warmup.can_move(lanes, time, "accurate") or warmup.is_warm("accurate")
     monkeypatch.setattr(kernel_warmup, "PLAIN_FRAME", 0)
-    assert not warmup.can_move(dissipative.lanes, dissipative.setup.frame_time)
-    monkeypatch.setattr(TIERS["fixed-step"], "_loaded", True)
-    assert warmup.can_move(dissipative.lanes, dissipative.setup.frame_time)
-    assert warmup.can_move(dissipative.lanes, time, "pymunk"), "it has nothing to load"
-
-
-def test_friction_whose_kernels_are_not_loaded_pauses_a_clock_too_fast_for_plain_python(monkeypatch) -> None:
-    driver = Driver("one-on-four")
-    monkeypatch.setattr(TIERS["fixed-step"], "_loaded", False)
-    monkeypatch.setattr(kernel_warmup, "PLAIN_FRAME", 0)
+    assert warmup.can_move(lanes, time, "pymunk"), "it has nothing to load"
     driver.session.apply(SetFriction(0, 0.1))
     driver.session.play()
     driver.frames(3)

@@ -1,7 +1,7 @@
 """The languages of the window: chosen by the locale or a key, at once and for all that is shown; numbers with their mark."""
 
 import re
-from gettext import NullTranslations
+from types import SimpleNamespace
 
 import pygame
 import pytest
@@ -81,18 +81,16 @@ def test_what_methods_and_choices_are_called_fits_its_place(code: str) -> None:
     assert not [text for text in choices if width(text, 13.0) > page.MENU - 24]
 
 
-class Other(NullTranslations):
-    """A language in letters that are not those of English, with the placeholders of the source."""
+def cyrillic(message: str) -> str:
+    """Every letter is moved on to one of Cyrillic; placeholders stay."""
+    return re.sub(r"\{[^{}]*\}|[A-Za-z]", lambda one: one[0] if one[0][1:] else chr(ord(one[0]) + 0x3CF), message)
 
-    def gettext(self, message: str) -> str:
-        """Letters are moved on to those of Cyrillic; placeholders stay."""
-        return re.sub(r"\{[^{}]*\}|[A-Za-z]", lambda one: one[0] if one[0][1:] else chr(ord(one[0]) + 0x3CF), message)
 
-    def ngettext(self, msgid1: str, msgid2: str, n: int) -> str:
-        return self.gettext(msgid1 if n == 1 else msgid2)
-
-    def pgettext(self, context: str, message: str) -> str:
-        return self.gettext(message)
+OTHER = SimpleNamespace(
+    gettext=cyrillic,
+    ngettext=lambda one, many, n: cyrillic(one if n == 1 else many),
+    pgettext=lambda context, message: cyrillic(message),
+)
 
 
 NAMES = {"softcradle", "auto", "SoftChain", "SoftContact", *(method.name.strip("4") for method in METHODS)}
@@ -120,7 +118,7 @@ def shown_texts(driver: Driver) -> list[str]:
 @pytest.fixture
 def other(monkeypatch: pytest.MonkeyPatch) -> Driver:
     """The window in a language in which every message differs from the source in each letter."""
-    monkeypatch.setattr(translation, "catalogue", lambda code: Other())
+    monkeypatch.setattr(translation, "catalogue", lambda code: OTHER)
     monkeypatch.setenv("LANGUAGE", "de")
     return Driver()
 

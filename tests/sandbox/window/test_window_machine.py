@@ -35,7 +35,6 @@ def test_an_edit_that_is_undone_in_the_frame_in_which_the_page_was_built_anew(dr
 
 @pytest.mark.parametrize("edit", EDITS)
 def test_a_click_meets_the_chain_that_an_edit_of_the_same_frame_has_left(driver, edit: str) -> None:
-    """Where the last bead was there is none any more."""
     driver.session.apply(AddBead(0, 5, 1.0))
     if edit == "redo":
         driver.session.apply(RemoveBead(0, 5))

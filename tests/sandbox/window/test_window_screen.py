@@ -43,9 +43,6 @@ class Screen:
             time.sleep(0.1)
         return result if isinstance(result, list) else []
 
-    def shows(self, title: str) -> None:
-        self.until(lambda: self.tool("getwindowname", self.window).startswith(title))
-
     def key(self, *names: str) -> None:
         self.tool("key", "--window", self.window, "--delay", "150", *names)
 
@@ -63,14 +60,11 @@ class Screen:
 
 @pytest.fixture
 def screen(tmp_path: Path) -> Iterator[Screen]:
-    reading, writing = os.pipe()
     # without -noreset it starts anew whenever its last client has left, and refuses who comes in that moment
-    words = ["-displayfd", str(writing), "-screen", "0", "1400x900x24", "-nolisten", "tcp", "-noreset"]
-    with subprocess.Popen(["Xvfb", *words], pass_fds=(writing,), stderr=subprocess.DEVNULL) as server:
-        os.close(writing)
+    command = ["Xvfb", "-displayfd", "1", "-screen", "0", "1400x900x24", "-nolisten", "tcp", "-noreset"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as server:
         try:
-            with os.fdopen(reading) as output:
-                yield Screen(f":{output.readline().strip()}", tmp_path)
+            yield Screen(f":{server.stdout.readline().strip()}", tmp_path)
         finally:
             server.kill()
 
@@ -78,7 +72,7 @@ def screen(tmp_path: Path) -> Iterator[Screen]:
 def test_a_scene_is_played_on_a_screen(screen: Screen, tmp_path: Path) -> None:
     screen.key("ctrl+o")
     screen.type_path("one-on-four")
-    screen.shows("One bead on four")
+    screen.until(lambda: screen.tool("getwindowname", screen.window).startswith("One bead on four"))
     exported = tmp_path / "motion.npz"
 
     def collided() -> bool:

@@ -58,24 +58,12 @@ def test_pages_and_widgets_that_are_left_are_freed(gallery: Driver) -> None:
     assert old_page() is None
 
 
-def test_every_scene_has_a_picture_at_once_a_section_and_whole_sentences(gallery: Driver) -> None:
-    page, texts = gallery.app.page, gallery.texts()
+def test_every_scene_has_a_picture_at_once_a_section_and_whole_words_in_every_language(gallery: Driver) -> None:
+    """What is ours of a scene stands at the end of its source, of which no list is cut: "launch speed and loss ours"."""
+    page = gallery.app.page
     assert not page.moving
     listed = [name for section in SECTIONS for name in section.names]
     assert sorted(listed) == sorted(page.names) == sorted(page.captions)
-    for k in range(4):
-        title, *lines = [one.text for one in texts if page.grid.place(k).collidepoint(one.rect.center)]
-        scene = page.scenes[page.names[k]]
-        said = " ".join(lines[:-1])
-        assert title == scene.title
-        assert scene.text.startswith(said)
-        assert said.endswith(".")
-        assert scene.source.startswith(lines[-1])
-
-
-def test_titles_are_whole_in_every_language_and_no_source_is_cut_within_a_list(gallery: Driver) -> None:
-    """What is ours of a scene stands at the end of its source: "launch speed, friction and loss ours"."""
-    page = gallery.app.page
     for code in LANGUAGES:
         use_language(code)
         gallery.app.rebuild()
@@ -87,10 +75,15 @@ def test_titles_are_whole_in_every_language_and_no_source_is_cut_within_a_list(g
                 place = page.grid.place(k)
                 if place.top < 120 or place.bottom > 720:
                     continue
-                words = [one.text for one in texts if place.collidepoint(one.rect.center)]
-                title, _text, source = page.captions[name]
+                *words, shown = [one.text for one in texts if place.collidepoint(one.rect.center)]
+                title, text, source = page.captions[name]
                 assert " ".join(words).startswith(title), (code, title)
-                shown, rest = words[-1], source.removeprefix(words[-1]).lstrip("\xa0 ")
+                said = " ".join(words).removeprefix(title).strip()
+                ends = (".",) if code == "en" and k < 4 else (".", "?", "…")  # of some scenes one sentence is too long
+                assert said.endswith(ends), (code, said)
+                assert text.startswith(said.removesuffix("…")), (code, text, said)
+                assert source.startswith(shown), (code, source, shown)
+                rest = source.removeprefix(shown).lstrip("\xa0 ")
                 assert rest == "" or rest[0] == ";" or ";" not in shown.removesuffix(";"), (code, source, shown)
 
 

@@ -28,9 +28,13 @@ def test_soft_balls_gain_no_energy_and_of_a_small_exponent_swing_off_nearly_as_o
     assert spreads["power law, alpha 1/14"] < 0.5 * spreads["steel balls (Hertz)"]
 
 
-def test_the_hanging_page_is_driven_by_mouse_menus_and_keys():
+def test_the_hanging_page_numbers_balls_as_beads_and_is_driven_by_mouse_menus_and_keys():
     driver = Driver("hanging-cradle")
-    page = driver.app.page
+    page, pixels = driver.app.page, pygame.surfarray.array3d(driver.app.surface).astype(int)
+    for number, (place, colour) in enumerate(zip(page.model.cradles[0].places(), bead_colours(5), strict=True)):
+        x, y = map(round, to_screen(page.pictures[0], place))
+        # not the picture of its neighbour in another colour: the number is light on dark, or dark on light
+        assert (abs(pixels[x - 7 : x + 7, y - 7 : y + 7] - colour).sum(axis=2) > 150).any(), number
     driver.run(30)
     assert page.model.time > 0.4
     ball = to_screen(page.pictures[1], page.model.cradles[1].places()[4])
@@ -87,8 +91,7 @@ def state(model: HangingModel) -> list[object]:
     return [model.time, model.law, moving, [cradle.energy() for cradle in model.cradles]]
 
 
-def test_throws_choices_and_restarts_are_undone():
-    """To the last digit, and what follows as well."""
+def test_throws_choices_and_restarts_are_undone_to_the_last_digit():
     driver = Driver("hanging-cradle")
     page = driver.app.page
     driver.play(70)
@@ -109,16 +112,6 @@ def test_throws_choices_and_restarts_are_undone():
     assert page.menus["law"].selected_option[0] == "steel balls (Hertz)"
     driver.key(pygame.K_z, pygame.KMOD_CTRL)
     assert driver.messages == ["nothing to undo"]
-
-
-def test_balls_are_numbered_as_beads_are():
-    """The picture of a ball is not that of its neighbour with another colour: the number is light on dark, or dark on light."""
-    driver = Driver("hanging-cradle")
-    page, pixels = driver.app.page, pygame.surfarray.array3d(driver.app.surface).astype(int)
-    for number, (place, colour) in enumerate(zip(page.model.cradles[0].places(), bead_colours(5), strict=True)):
-        x, y = map(round, to_screen(page.pictures[0], place))
-        found = pixels[x - 7 : x + 7, y - 7 : y + 7]
-        assert (abs(found - colour).sum(axis=2) > 150).any(), number
 
 
 def test_the_fastest_motion_takes_no_more_of_a_picture_than_its_budget_and_is_said_to_be_late():
