@@ -9,6 +9,7 @@ import argparse
 import itertools
 import os
 import tempfile
+from contextlib import ExitStack
 from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple
@@ -78,9 +79,11 @@ class WindowMachine(RuleBasedStateMachine):
 
     def __init__(self) -> None:
         super().__init__()
-        self.folder, self.patch = tempfile.TemporaryDirectory(), pytest.MonkeyPatch()
-        self.patch.setenv("SOFTCRADLE_CONFIG", self.folder.name)  # keys change settings
-        self.patch.chdir(self.folder.name)  # buttons write files
+        self.ending = ExitStack()
+        self.folder = Path(self.ending.enter_context(tempfile.TemporaryDirectory()))
+        patch = self.ending.enter_context(pytest.MonkeyPatch.context())
+        patch.setenv("SOFTCRADLE_CONFIG", str(self.folder))  # keys change settings
+        patch.chdir(self.folder)  # buttons write files
         self.driver: Driver | None = None
         self.down = False  # whether the left button is
 
@@ -88,6 +91,7 @@ class WindowMachine(RuleBasedStateMachine):
     def begin(self, start: str, lab: bool) -> None:
         """The window opens with a scene, or with the gallery, at either level."""
         self.driver = Driver(start or None, lab=lab)
+        self.ending.callback(self.driver.close)
         self.driver.app.warmup.submit = self._do_at_once
         pygame.scrap.put_text("")
         self.driver.frames(2)
@@ -189,7 +193,7 @@ class WindowMachine(RuleBasedStateMachine):
     @rule(file=st.sampled_from(("bad.toml", "track.csv", "camera.png")))
     def drop_file(self, file: str) -> None:
         """Drop a file that is none of ours, or data to lay over the plots."""
-        path = Path(self.folder.name) / file
+        path = self.folder / file
         if file == "camera.png":
             pygame.image.save(pygame.Surface((8, 5)), str(path))
         else:
@@ -242,14 +246,9 @@ class WindowMachine(RuleBasedStateMachine):
 
     def teardown(self) -> None:
         """What was recorded runs again, digit by digit; then the window closes."""
-        try:
+        with self.ending:
             if self.driver is not None and isinstance(self.driver.app.page, ScenePage):
-                sessions.check_replay(self.driver.session, Path(self.folder.name) / "replay.npz")
-        finally:
-            if self.driver is not None:
-                self.driver.close()
-            self.patch.undo()
-            self.folder.cleanup()
+                sessions.check_replay(self.driver.session, self.folder / "replay.npz")
 
 
 def main() -> None:

@@ -213,23 +213,19 @@ def pressed(code: int, modifiers: int = 0, text: str = "", times: int = 1) -> li
 
 
 def widgets(driver: Driver) -> list[UIElement]:
-    """The widgets of the page, or of the dialog where there is one."""
+    """Those of the dialog, or of the page but for tooltips and unfolded lists, which lie on other widgets on purpose."""
     dialog = driver.app.dialog
     if dialog is not None and dialog.open:
         found = dialog.manager.get_root_container().elements
         return [one for one in found if one.visible and isinstance(one, UIButton | UITextEntryLine)]
     shown = [one for one in driver.app.manager.get_root_container().elements if one.visible]
-    own = [one.button_container for one in shown if isinstance(one, Slider)]
-    return [one for one in shown if one not in own and one not in floating(shown)]
-
-
-def floating(shown: list[UIElement]) -> list[UIElement]:
-    """What lies on other widgets on purpose: tooltips, and the lists of menus that are unfolded."""
     tips = [one for one in shown if isinstance(one, UITooltip)]
-    menus = [one.menu_states["expanded"] for one in shown if isinstance(one, UIDropDownMenu)]
-    lists = [menu.options_selection_list for menu in menus if menu.options_selection_list is not None]
-    inside = [part for one in lists for part in (one.list_and_scroll_bar_container, one.item_list_container)]
-    return [*tips, *(tip.text_block for tip in tips), *lists, *inside]
+    menus = [one.menu_states["expanded"].options_selection_list for one in shown if isinstance(one, UIDropDownMenu)]
+    lists = [one for one in menus if one is not None]
+    parts = [part for one in lists for part in (one, one.list_and_scroll_bar_container, one.item_list_container)]
+    sliders = [one.button_container for one in shown if isinstance(one, Slider)]
+    left_out = [*tips, *(tip.text_block for tip in tips), *parts, *sliders]
+    return [one for one in shown if one not in left_out]
 
 
 def faults(driver: Driver) -> list[str]:

@@ -1,10 +1,8 @@
 """The application: help, sizes and scales, messages, themes, settings, the end of the loop."""
 
-import ctypes
 import io
 import locale
 import os
-import sys
 import weakref
 from functools import partial
 from unittest.mock import Mock, patch
@@ -127,7 +125,7 @@ def test_a_person_s_settings_are_neither_shown_nor_changed(monkeypatch, tmp_path
 
     monkeypatch.setattr(screenshots, "save_all", save_all)
     monkeypatch.setattr(screenshots, "save_thumbnails", lambda: None)
-    monkeypatch.setattr(sys, "argv", ["screenshots", str(tmp_path / "pictures")])
+    monkeypatch.setattr("sys.argv", ["screenshots", str(tmp_path / "pictures")])
     screenshots.main()
     assert found == [(tmp_path / "pictures", Settings())]
     assert settings_path().read_bytes() == before
@@ -290,7 +288,7 @@ def test_no_widget_of_a_selection_that_is_gone_stays_behind_a_dialog(driver: Dri
 
 @pytest.mark.parametrize("refusal", [OSError, AttributeError, TypeError])
 def test_cycles_are_freed_also_where_the_system_cannot_trim_the_heap(refusal, monkeypatch):
-    monkeypatch.setattr(ctypes, "CDLL", Mock(side_effect=refusal))
+    monkeypatch.setattr("ctypes.CDLL", Mock(side_effect=refusal))
     one = Mock()
     one.container, left = one, weakref.ref(one)  # as widgets and containers refer to each other
     del one

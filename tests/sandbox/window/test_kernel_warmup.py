@@ -5,8 +5,7 @@ import sys
 import pytest
 from softcradle.physics.fixed_step.runner import TIERS
 from softcradle.sandbox.session.inputs import SetFriction
-from softcradle.sandbox.window import kernel_warmup
-from softcradle.sandbox.window.kernel_warmup import KernelWarmup
+from softcradle.sandbox.window.kernel_warmup import INTERVAL, KernelWarmup
 
 from tests.helpers.own_process import python
 from tests.helpers.paths import ROOT
@@ -30,7 +29,7 @@ def test_all_kernels_are_loaded_jobs_done_between_and_the_last_window_gives_back
     warmup.submit(done.append, lambda: 7)
     assert warmup.complete.wait(3600.0)
     warmup.stop()
-    assert sys.getswitchinterval() == pytest.approx(kernel_warmup.INTERVAL)
+    assert sys.getswitchinterval() == pytest.approx(INTERVAL)
     other.stop()
     assert sys.getswitchinterval() == pytest.approx(usual)
     while not warmup.deliver():
@@ -45,7 +44,7 @@ def test_without_machine_code_few_contacts_can_be_moved_and_a_clock_too_fast_pau
     warmup, lanes, time = driver.app.warmup, driver.session.lanes, driver.session.setup.frame_time
     assert warmup.can_move(lanes, time)
     assert not warmup.can_move(lanes, time, "accurate") or warmup.is_warm("accurate")
-    monkeypatch.setattr(kernel_warmup, "PLAIN_FRAME", 0)
+    monkeypatch.setattr("softcradle.sandbox.window.kernel_warmup.PLAIN_FRAME", 0)
     assert warmup.can_move(lanes, time, "pymunk"), "it has nothing to load"
     driver.session.apply(SetFriction(0, 0.1))
     driver.session.play()

@@ -1,7 +1,6 @@
 """The table of keys, every control without a mouse, and what the window says to a screen reader."""
 
-import sys
-from unittest.mock import Mock
+from unittest.mock import Mock, patch
 
 import pygame
 import pytest
@@ -190,8 +189,8 @@ def test_messages_dialogs_and_controls_are_said_once(driver: Driver, monkeypatch
         adapter.update_window_focus_state.assert_called_with(focused)
 
 
-def test_without_accesskit_nothing_is_told(driver, monkeypatch):
-    monkeypatch.setitem(sys.modules, "accesskit", None)
+@patch.dict("sys.modules", accesskit=None)
+def test_without_accesskit_nothing_is_told():
     reader = ScreenReader("softcradle")
     assert not reader.active
     reader.tell(Spoken("a", "b"))

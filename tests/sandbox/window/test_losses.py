@@ -272,9 +272,11 @@ def test_the_button_of_a_film_says_stop_and_the_time_and_a_film_keeps_all_of_a_w
 def test_a_signal_while_filming_keeps_the_film(driver: Driver, monkeypatch, number: signal.Signals) -> None:
     import av
 
+    edited(driver)  # who closes the window would be asked
     driver.page.dialogs.save("film", "mine.mp4")
     driver.frames(20)
-    monkeypatch.setattr(driver.page, "update", lambda seconds: signal.raise_signal(number))
+    signals = iter([number] * 9)
+    monkeypatch.setattr(driver.page, "update", lambda seconds: signal.raise_signal(next(signals)))
     driver.app.run()
     with av.open("mine.mp4") as film:
         assert sum(1 for _ in film.decode(video=0)) >= 5

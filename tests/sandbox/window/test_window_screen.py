@@ -1,6 +1,5 @@
 """The window on a virtual screen, with pointer and keyboard events of the system: Xvfb and xdotool."""
 
-import itertools
 import os
 import shutil
 import subprocess
@@ -49,7 +48,7 @@ class Screen:
     def drag(self, start: tuple[int, int], end: tuple[int, int]) -> None:
         points = np.linspace(start, end, 9, dtype=int).astype(str)
         first, *moves = [["mousemove", "--window", self.window, *point, "sleep", "0.05"] for point in points]
-        self.tool(*first, "mousedown", "1", *itertools.chain(*moves), "mouseup", "1", "sleep", "0.1")
+        self.tool(*first, "mousedown", "1", *(word for move in moves for word in move), "mouseup", "1", "sleep", "0.1")
 
     def type_path(self, text: str) -> Path:
         self.key("ctrl+a")

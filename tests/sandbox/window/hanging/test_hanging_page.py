@@ -3,8 +3,7 @@
 import pygame
 from softcradle.sandbox.draw.palette import bead_colours
 from softcradle.sandbox.window.hanging.cradle import FRAME, LAWS, HangingModel
-from softcradle.sandbox.window.hanging.page import HangingPage, to_screen
-from softcradle.sandbox.window.scene.page import ScenePage
+from softcradle.sandbox.window.hanging.page import to_screen
 
 from tests.helpers.windows import Driver
 
@@ -52,7 +51,7 @@ def test_the_hanging_page_numbers_balls_as_beads_and_is_driven_by_mouse_menus_an
         driver.choose(page.menus[field], text)
     assert (page.model.rate, page.model.lifted, page.model.law) == (960, 2, "draft gear")
     driver.key(pygame.K_ESCAPE)
-    assert not isinstance(driver.app.page, (HangingPage, ScenePage))
+    assert driver.app.page is driver.app.gallery
 
 
 def test_what_is_said_of_the_energy_is_what_became_of_it():

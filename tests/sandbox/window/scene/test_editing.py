@@ -1,6 +1,5 @@
 """Edits by pointer, keys, inspector, sweep and cards of the lanes; axes, loupes, the badge and the look ahead follow them."""
 
-import warnings
 from dataclasses import replace
 from unittest.mock import Mock
 
@@ -9,9 +8,8 @@ import pytest
 from softcradle.physics import one_on, power_law, simulate
 from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.film.scene_motion import scene_motions, scene_motions_quietly
-from softcradle.sandbox.motion import Motion
 from softcradle.sandbox.session.editable_numbers import variants
-from softcradle.sandbox.session.inputs import SetContact, SetMass, SetMethod, SetStep, SetVelocity
+from softcradle.sandbox.session.inputs import AddBead, RemoveBead, SetContact, SetMass, SetMethod, SetStep, SetVelocity
 from softcradle.sandbox.session.lane_setup import setup_of
 from softcradle.sandbox.session.snapshots import NOTHING_HELD
 from softcradle.sandbox.user_error import GaveUpError
@@ -22,7 +20,7 @@ from softcradle.sandbox.window.widgets import number
 
 from softcradle import scenes
 from tests.helpers.sessions import opened
-from tests.helpers.windows import Driver
+from tests.helpers.windows import FRAME, Driver, pressed
 
 CTRL, SHIFT = pygame.KMOD_CTRL, pygame.KMOD_SHIFT
 
@@ -197,9 +195,7 @@ def test_nine_values_have_the_motions_that_they_make_and_one_is_taken_by_key_or_
 
 
 def test_a_value_whose_motion_is_given_up_is_one_of_nine_and_says_why() -> None:
-    def gives_up(scene: scenes.Scene) -> list[Motion]:
-        raise GaveUpError("no end")
-
+    gives_up = Mock(side_effect=GaveUpError("no end"))
     found = variants(scenes.load("one-on-four"), 0, [2.0, 3.0], lambda mass: SetMass(0, 0, mass), gives_up)
     assert [(one.value, one.motion) for one in found] == [(2.0, None), (3.0, None)]
     assert all("the method gave up" in one.problem for one in found)
@@ -257,13 +253,42 @@ def test_scales_of_what_is_undone_go_with_it(driver: Driver, change) -> None:
     driver.until(lambda: driver.page.view.scales.scales == before)
 
 
+EDITS = {"remove": (pygame.K_DELETE, 0), "undo": (pygame.K_z, pygame.KMOD_CTRL), "redo": (pygame.K_y, pygame.KMOD_CTRL)}
+
+
+def test_an_edit_that_is_undone_in_the_frame_in_which_the_page_was_built_anew(driver) -> None:
+    """The page was then built of beads that there are no more."""
+    driver.click(driver.bead(2))
+    driver.session.step_frames(200)
+    driver.frames(2)
+    driver.app.frame(FRAME, [*pressed(pygame.K_DELETE), *pressed(pygame.K_i), *pressed(*EDITS["undo"])])
+    driver.frames()
+    assert driver.session.lanes[0].chain.contacts == 4
+    assert [len(depths) for depths in driver.page.view.scales.scales.deepest] == [4]
+    assert driver.page.view.lanes[0].drawing.chain == driver.session.lanes[0].chain
+
+
+@pytest.mark.parametrize("edit", EDITS)
+def test_a_click_meets_the_chain_that_an_edit_of_the_same_frame_has_left(driver, edit: str) -> None:
+    driver.session.apply(AddBead(0, 5, 1.0))
+    if edit == "redo":
+        driver.session.apply(RemoveBead(0, 5))
+        driver.session.undo()
+    driver.select("bead", 5)
+    turns, place = (pygame.MOUSEBUTTONDOWN, pygame.MOUSEBUTTONUP), driver.bead(5)
+    clicked = [pygame.Event(kind, pos=place, button=1) for kind in turns]
+    driver.app.frame(FRAME, [*pressed(*EDITS[edit]), *clicked])
+    assert driver.session.lanes[0].chain.contacts == 4
+    assert driver.page.editor.selection is None
+
+
 def test_the_look_ahead_does_not_touch_the_warning_filters(monkeypatch):
     """It runs on a thread, and the filters are those of all threads. A film still warns of the same motion."""
     scene = scenes.load("one-on-four").model_copy(update={"method": "euler", "step": 1e-3})
     with pytest.warns(RuntimeWarning):
         scene_motions(scene, 2000.0)
     for name in ("catch_warnings", "simplefilter", "filterwarnings", "warn"):
-        monkeypatch.setattr(warnings, name, Mock(side_effect=AssertionError("a thread used the warnings")))
+        monkeypatch.setattr(f"warnings.{name}", Mock(side_effect=AssertionError("a thread used the warnings")))
     _motions, sentences = scene_motions_quietly(scene, 2000.0)
     assert sentences
     assert motions_ahead(scene)

@@ -130,17 +130,16 @@ def test_the_same_blow_among_steel_balls_plays_below_is_told_and_left_for_one_ro
     assert len(explorer.session.lanes) == 2
 
 
-def test_a_text_without_room_is_read_whole_below_the_pointer() -> None:
-    made = Driver("one-on-four", lab=False)
-    made.page.lessons.answered = True
+def test_a_text_without_room_is_read_whole_below_the_pointer(explorer: Driver) -> None:
+    explorer.page.lessons.answered = True
     for scale, cut in ((0, False), (4, True)):
-        made.key(pygame.K_PLUS, pygame.KMOD_CTRL, times=scale)
-        made.page.view.backdrop.forget()
-        made.frames(2)
-        assert bool(made.page.explore._whole[1]) == cut
-        made.move(made.page.explore._about.center)
-        with drawn_texts(made.app.size) as texts:
-            made.app.paint()
+        explorer.key(pygame.K_PLUS, pygame.KMOD_CTRL, times=scale)
+        explorer.page.view.backdrop.forget()
+        explorer.frames(2)
+        assert bool(explorer.page.explore._whole[1]) == cut
+        explorer.move(explorer.page.explore._about.center)
+        with drawn_texts(explorer.app.size) as texts:
+            explorer.app.paint()
         shown = " ".join(one.text for one in texts)  # over the backdrop, which is drawn already
         assert ("rigid-like, not rigid" in shown) == cut
 

@@ -197,14 +197,12 @@ def test_every_force_of_a_row_is_written_at_every_scale(lab: bool) -> None:
         assert {"0.92", "0.71", "0.47", "0.24"} <= {one.text for one in driver.texts()}
 
 
-def test_seven_plots_of_two_lanes_are_wide_and_scrolled_to() -> None:
+def test_seven_plots_of_two_lanes_are_scrolled_to() -> None:
     driver = Driver("beads-against-gear")
     board, view = driver.page.board, driver.page.view
     board.chosen = board.available()
     driver.frames(2)
     assert len(board.shown) >= 7
-    assert min(plot.area.width for plot in board.plots) > 100
-    assert min(plot.area.height for plot in board.plots) > 20
     driver.app.scale = 1.5
     driver.frames(2)
     assert len(view.rows) < view.row_count
