@@ -103,17 +103,6 @@ def test_two_lanes_share_the_clock_and_show_their_difference() -> None:
     assert not driver.messages
 
 
-def test_the_time_axis_scrolls_only_when_it_must():
-    span = TimeSpan(8.0, 400)
-    span.follow(7.0)
-    assert span.left == 0
-    span.follow(9.0)
-    assert span.x(9.0) == pytest.approx(0.92 * 400, abs=1.0)
-    assert span.time(span.x(9.0)) == pytest.approx(9.0)
-    span.follow(0.0)
-    assert span.left == 0
-
-
 def numbered(first: int, last: int) -> pygame.Surface:
     """Columns whose pixels have their number."""
     return pygame.surfarray.make_surface(np.array([[(x % 256, 1, 0)] * 4 for x in range(first, last)]))
@@ -123,7 +112,15 @@ def pixels(surface):
     return [tuple(surface.surface.get_at((x, 0)))[:2] for x in range(surface.width)]
 
 
-def test_every_column_is_in_its_place_after_any_scrolling():
+def test_the_time_axis_scrolls_only_when_it_must_and_every_column_is_then_in_its_place():
+    span = TimeSpan(8.0, 400)
+    span.follow(7.0)
+    assert span.left == 0
+    span.follow(9.0)
+    assert span.x(9.0) == pytest.approx(0.92 * 400, abs=1.0)
+    assert span.time(span.x(9.0)) == pytest.approx(9.0)
+    span.follow(0.0)
+    assert span.left == 0
     surface = ScrollingSurface(pygame.Surface((50, 4), 0, 32), numbered)
     for left, first, last in ((0, 0.0, 20.5), (0, 0.0, 49.9), (30, 0.0, 70.0), (10, 5.0, 70.0), (200, 150.0, 240.0)):
         surface.scroll(left)

@@ -28,7 +28,7 @@ def laws(driver: Driver, lane: int = 0) -> list:
     return list(driver.session.lanes[lane].chain.contact)
 
 
-def test_a_newcomer_sees_few_controls_and_beads_in_the_upper_half(explorer: Driver) -> None:
+def test_a_newcomer_sees_few_controls_and_one_switch_leads_to_the_lab_and_is_remembered(explorer: Driver) -> None:
     assert len(explorer.app.focus.controls()) <= MOST_CONTROLS
     places = explorer.page.view.places
     assert places.lanes[0].height > 0.45 * explorer.app.size[1]
@@ -38,9 +38,6 @@ def test_a_newcomer_sees_few_controls_and_beads_in_the_upper_half(explorer: Driv
         state = replace(explorer.session.health(0), level=level, sentence="beads are off")
         explorer.page.explore.health = lambda found=state: [found]
         assert ("beads are off" in explorer.said()) == (level == "bad")
-
-
-def test_one_switch_leads_to_the_lab_and_is_remembered(explorer: Driver) -> None:
     explorer.click(explorer.page.toolbar.buttons["level"].rect.center)
     assert explorer.page.cards.menus
     assert not explorer.page.explore.controls
