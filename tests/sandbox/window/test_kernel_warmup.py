@@ -25,9 +25,9 @@ def test_all_kernels_are_loaded_jobs_done_between_and_the_last_window_gives_back
     """Python's own five milliseconds, some ten times a frame, made frames late while modules were imported."""
     usual, warmup, other, done = sys.getswitchinterval(), KernelWarmup(), KernelWarmup(), []
     warmup.start()
-    other.start()
     warmup.submit(done.append, lambda: 7)
     assert warmup.complete.wait(3600.0)
+    other.start()
     warmup.stop()
     assert sys.getswitchinterval() == pytest.approx(INTERVAL)
     other.stop()
