@@ -63,6 +63,14 @@ def test_order_at_a_touch(method, law):
     assert slope(counts, errors) == pytest.approx(expected, abs=0.1)
 
 
+@pytest.mark.parametrize("case", SMOOTH)
+@pytest.mark.parametrize("method", ADAPTIVE, ids=lambda method: method.name)
+def test_adaptive_error_follows_the_tolerance(method, case):
+    exact = moved(SMOOTH[case], "yoshida4", step=DURATION / 8192)
+    for tolerance in (1e-3, 1e-5, 1e-7, 1e-9):
+        assert np.abs(moved(SMOOTH[case], method.name, tolerance=tolerance) - exact).max() < max(10 * tolerance, 1e-12)
+
+
 @pytest.mark.parametrize("method", ADAPTIVE, ids=lambda method: method.name)
 def test_adaptive_cost_grows_slowly_with_the_digits(method):
     chain, start = Chain([1.0] * 5, hertz(1.0)), [1, 0, 0, 0, 0]
