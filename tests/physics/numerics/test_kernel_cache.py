@@ -5,6 +5,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+from softcradle.physics.numerics.float_bits import COMPILED
 from softcradle.physics.numerics.jit import jit
 from softcradle.physics.numerics.kernel_cache import cache_folder
 from softcradle.physics.source_digest import digest_of, kernel_sources
@@ -84,6 +85,27 @@ def test_compiling_leaves_other_users_of_numba_alone():
     before = numba.config.CACHE_DIR
     jit(lambda x: x)
     assert before == numba.config.CACHE_DIR
+
+
+@pytest.mark.skipif(not COMPILED, reason="machine code of numba")
+def test_what_a_whole_kernel_calls_is_private_to_it():
+    """LLVM inlines a private function that is called once, whatever its size: a quarter of the time of steps."""
+    from numba import njit
+    from softcradle.physics.numerics.jit import _Optimized, _Whole
+
+    names: dict = {}
+    exec("def long(x):\n" + 200 * "    x = x * x + 0.1\n" + "    return x\n", names)
+    long = njit(pipeline_class=_Optimized)(names["long"])
+
+    def twice(x):
+        return long(long(x))
+
+    whole = njit(pipeline_class=_Whole)(twice)
+    assert whole(0.25) == names["long"](names["long"](0.25))
+    (compiled,) = whole.overloads.values()
+    code = compiled.library.get_llvm_str()
+    assert "define private" in code
+    assert "define linkonce_odr" not in code
 
 
 @pytest.mark.parametrize("order", ["adaptive fixed_step", pytest.param("fixed_step adaptive", marks=pytest.mark.slow)])
