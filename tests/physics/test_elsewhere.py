@@ -2,7 +2,6 @@
 
 import json
 
-import numpy as np
 import pytest
 from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
 
@@ -27,9 +26,12 @@ PLACES = {
     ),
     "plain Python": (
         {"NUMBA_DISABLE_JIT": "1"},
-        ["adaptive/test_corner_search.py", "adaptive/test_corner_action.py", "test_contact.py", "test_chain.py"],
+        [
+            "adaptive/test_corner_search.py", "adaptive/test_corner_action.py", "test_contact.py", "test_chain.py",
+            "pymunk_contacts/test_contact_constraint.py",
+        ],
     ),
-}
+}  # fmt: skip
 
 
 def test_every_motion_and_every_run_has_a_digest():
@@ -45,12 +47,6 @@ def test_digits_of_random_runs_are_those_recorded():
 def test_digits_are_those_recorded(name):
     again = digest(states(*MOTIONS[name])) if MOTIONS[name][-1] in NOT_OURS else RECORDED[name]
     assert digest(states(*MOTIONS[name])) == again
-
-
-def test_a_last_digit_changes_a_digest():
-    rows = np.linspace(0.1, 1.0, 60)
-    others = rows + np.diag(np.spacing(rows))
-    assert len({digest(rows), *map(digest, others)}) == 61
 
 
 def passed(names, **variables):

@@ -229,24 +229,18 @@ def test_kernels_of_other_versions_are_dropped_when_they_are_not_used(tmp_path, 
 def test_an_empty_cache_is_filled_behind(tmp_path):
     script = """
 import os
-from softcradle import one_on, power_law, simulate
 from softcradle.physics.adaptive.runner import TIERS
 from softcradle.physics.kernel_tiers import YIELDING
 kernels = TIERS["adaptive"]
-def tell():
-    print(kernels.in_memory, simulate(one_on(4, power_law(1, .1)), [1, 0, 0, 0, 0]).final_velocity.tolist())
 kernels.compile_behind(YIELDING)
-tell()
 while os.name == "posix" and os.getpriority(os.PRIO_PROCESS, kernels._process.pid) < YIELDING:
     pass  # a process that never yields to frames is gone in the end, an error
 kernels.wait()
 kernels.load_made()
-tell()
+print(kernels.in_memory)
 """
     done = python("-c", script, NUMBA_CACHE_DIR=str(tmp_path))
-    before, after = (line.split(" ", 1) for line in done.stdout.splitlines())
-    assert (before[0], after[0]) == ("False", "True")
-    assert before[1] == after[1]
+    assert done.stdout == "True\n"
     waits = "waiting for kernels"  # on a busy machine
     assert [line for line in done.stderr.splitlines() if not line.startswith(waits)] == []
 

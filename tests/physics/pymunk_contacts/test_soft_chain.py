@@ -345,14 +345,6 @@ def test_ten_frames_rolled_back_to_the_bit(law, before):
         assert frames(copied, theirs, 10) == first
 
 
-def test_neighbours_do_not_collide_twice():
-    """Their shapes, which overlap while they push each other, are left to the chain."""
-    space, bodies, chain = chain_row(hooke(30.0), gap=0.1)
-    space.add(*(pymunk.Circle(body, 0.5) for body in bodies))
-    assert_energy_stays(space, bodies, chain)
-    assert bodies[4].velocity.x > 0.5
-
-
 def test_a_centre_of_gravity_that_is_not_the_origin():
     space = pymunk.Space()
     bodies = [pymunk.Body(1.0, 1.0) for _ in range(3)]
@@ -449,14 +441,6 @@ def test_two_chains_joined_by_a_contact():
     run(space, 1e-3, 4000)
     assert bodies[3].velocity.x > 0.5
     assert sum(0.5 * body.mass * body.velocity.length**2 for body in bodies) == pytest.approx(0.5, rel=0.02)
-
-
-def test_a_static_body_needs_no_place_in_the_space():
-    space, ball, wall = pymunk.Space(), pymunk.Body(1, 1), pymunk.Body(body_type=pymunk.Body.STATIC)
-    ball.velocity, wall.position = (1, 0), (1.5, 0)
-    space.add(ball, *SoftChain([ball, wall], LAW, 1.0))
-    run(space, STEP, 480)
-    assert ball.velocity.x == pytest.approx(-1.0, abs=1e-12)
 
 
 PIN, SLIDE = pymunk.PinJoint, lambda *ends: pymunk.SlideJoint(*ends, 0.0, 1.0)

@@ -96,15 +96,6 @@ def test_a_law_that_has_no_energy_at_some_depth_is_left_to_itself():
         run(space, 1e-3, 10)
 
 
-def test_functions_of_the_overlap_as_in_a_chain():
-    rows = [cradle(law, beads=3) for law in (hooke(30.0), lambda overlap: 30.0 * overlap)]
-    for space, _, contacts in rows:
-        run(space, 1e-3, 120)
-        assert 0.01 < contacts[0].energy == pytest.approx(15.0 * contacts[0].overlap ** 2, rel=1e-9)
-    (_, bodies, _), (_, others, _) = rows
-    assert [body.velocity.x for body in bodies] == pytest.approx([body.velocity.x for body in others], abs=1e-14)
-
-
 @pytest.mark.parametrize("native", [None, False])
 def test_a_body_that_is_nowhere_is_named(native):
     space, (a, _), _ = pair(0.75, native=native)
