@@ -192,10 +192,7 @@ GEARS = [[hertz(end), step_force(end), Coupler(hooke(end), hooke(end), travel=1.
 
 @pytest.mark.parametrize("chain", [Chain(m, OwnLaw(math.sqrt)) for m in MASSES] + [Chain([1.0] * 4, g) for g in GEARS])
 def test_other_runs_keep_the_bead_whose_velocity_they_hold(chain: Chain) -> None:
-    """Masses are shaken where a law is one's own; of equal ones another became the heaviest, and its velocity was taken.
-
-    At an end of the range they were refused for numbers that nobody had given, a part in 1e10 beyond.
-    """
+    """Of equal masses another was the heaviest when shaken; at an end of the range they were refused, a part in 1e10 beyond."""
     start = State.at_start(chain, np.zeros(chain.contacts + 1))
     problem = Problem(chain, start, "accurate", 1.0, tolerance=1e-6, samples=2)
     for runs in range(4):

@@ -64,6 +64,7 @@ def test_named_constructors():
     assert row(hertz(3.0)) == (0.0, 3.0, 1.5)
     assert row(hooke(3.0)) == (0.0, 3.0, 1.0)
     assert row(step_force(3.0))[:2] == (3.0, 0.0)
+    assert step_force(2.0).overlap([1.0, 2.0, 2.1]).tolist() == [0.0, 0.0, math.inf]
     assert draft_gear(770.0, 0.0177).force(0.01) == pytest.approx(770.0 * (0.0177 + 0.01))  # Eq. (C1)
 
 
@@ -74,10 +75,6 @@ def test_arrays_keep_their_shape_and_scalars_are_floats():
         assert type(method(2.0)) is float
         assert method(overlap).shape == (2, 3)
         assert [method(d) for d in overlap.ravel()] == method(overlap).ravel().tolist()
-
-
-def test_a_step_force_cannot_be_exceeded():
-    assert step_force(2.0).overlap([1.0, 2.0, 2.1]).tolist() == [0.0, 0.0, math.inf]
 
 
 def test_a_contact_is_closed_if_it_overlaps_or_pushes_or_pulls():

@@ -125,14 +125,6 @@ def test_a_run_of_unknown_length_is_tried_and_begun_anew(cold, waited):
     assert digits(simulate(chain, [1, 0, 0], **options)) == digits(found)
 
 
-def test_where_nothing_compiles_that_is_said_once(monkeypatch, caplog):
-    monkeypatch.setattr(kernel_tiers, "INSTALLED", False)
-    kernel_tiers.tell_once.cache_clear()
-    for _ in range(2):
-        KernelTiers("nothing", "no.such.module", lambda: None)
-    assert caplog.messages == [kernel_tiers.SLOW]
-
-
 @pytest.fixture
 def locked(tmp_path, monkeypatch):
     """A function: kernels that process `number` compiles, as its lock in a cache of its own says."""

