@@ -9,7 +9,6 @@ import numpy as np
 
 LOG = "SWEPT_LOG"  # environment: the file of the log
 ONE_POINT = 0.004  # s
-HELD = 75  # points that are begun while a file `held` lies beside the log
 
 
 def numbers(a: float, n: int) -> dict[str, object]:
@@ -20,11 +19,8 @@ def numbers(a: float, n: int) -> dict[str, object]:
 
 
 def logged(a: float, n: int) -> dict[str, object]:
-    """The same, slowly, with a line in the log; with many lines it waits until it is no longer held."""
-    log = Path(os.environ[LOG])
-    while log.with_name("held").exists() and len(log.read_text().splitlines()) >= HELD:
-        time.sleep(ONE_POINT)
-    with log.open("a") as file:
+    """The same, slowly, with a line in the log."""
+    with Path(os.environ[LOG]).open("a") as file:
         file.write(f"{a!r} {n}\n")
     time.sleep(ONE_POINT)
     return numbers(a, n)

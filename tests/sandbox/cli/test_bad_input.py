@@ -137,6 +137,9 @@ def test_files_that_have_no_name_get_their_folder_unless_they_are_refused(tmp_pa
     monkeypatch.setattr("softcradle.sandbox.sweeps.run_sweep.checked_output", refusing)
     refused("sweep", str(STUDY), "--workers", "1")
     assert list(tmp_path.iterdir()) == []
+    Path("out").mkdir()
+    refused("sweep", str(STUDY), "--workers", "1")
+    assert list(tmp_path.iterdir()) == [tmp_path / "out"]
     with opened_outputs([Path("out/chart.png"), Path("out/chart.csv")]) as places:
         for place in places:
             place.touch()

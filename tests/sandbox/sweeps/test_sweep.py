@@ -142,6 +142,9 @@ def test_a_sweep_that_begins_afresh_goes_on_before_what_it_replaces(replaced, fr
     output, before, points = tmp_path / "x.zarr", {"a": replaced, "n": [1]}, {"a": [0.5, 0.6], "n": [1]}
     sweep(logged, before, output=output, executor="here").close()
     log.unlink()
+    other = Store(partial_folder(output), "a study that was given up")
+    other.keep(packed(0, [Outcome({"y": 1.0})]))
+    other.close()
     with pytest.raises(KeyboardInterrupt):
         sweep(logged, points, output=output, fresh=True, progress=stop, **ONE_BY_ONE)
     assert f"1 point is kept in {output}.partial; the same sweep goes on from there" in caplog.text
@@ -152,16 +155,6 @@ def test_a_sweep_that_begins_afresh_goes_on_before_what_it_replaces(replaced, fr
         assert found["product"].values.ravel().tolist() == [0.5, 0.6]
     assert len(log.read_text().splitlines()) == 2
     assert sorted(path.name for path in tmp_path.iterdir()) == ["log", "x.zarr"]
-
-
-def test_to_begin_afresh_drops_what_another_sweep_kept(tmp_path):
-    starts = ("study", False), ("study", True), ("another", True), ("another", True), ("another", False)
-    for (study, fresh), done in zip(starts, (0, 0, 0, 1, 1), strict=True):
-        opened = Store(tmp_path / "kept", study, fresh)
-        assert opened.done == done
-        if not done:
-            opened.keep(packed(0, [Outcome({"y": 1.0})]))
-        opened.close()
 
 
 def test_a_dataset_that_cannot_be_written_leaves_the_one_before(tmp_path, monkeypatch):
