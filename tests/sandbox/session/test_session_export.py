@@ -42,15 +42,8 @@ def test_velocities_are_written_as_they_were_given():
     assert not session.edited
 
 
-def test_what_the_catalogue_says_of_a_scene_is_not_said_of_an_edited_one():
-    """In its file, its film and on its page; words of a person's own stay, and come back with undo."""
+def test_words_of_ones_own_stay_those_of_an_edited_scene():
     session = opened("one-on-four")
-    words = session.scene.text
-    session.apply(inputs.RemoveBead(0, 4))
-    assert (session.to_scene().text, session.to_scene().source) == ("", "")
-    session.undo()
-    assert words
-    assert session.to_scene().text == words
     session.set_words(session.to_scene().model_copy(update={"text": "Mine."}))
     session.apply(inputs.SetMass(0, 0, 2.0))
     assert session.to_scene().text == "Mine."
@@ -201,7 +194,6 @@ def test_commas_semicolons_and_tabs_part_columns(tmp_path, text):
         ("t,v\n0,1\n1,2,3\n", "row 3 has 3 cells, and 2 names"),
         ("\udcff", "UTF-8"),
         ('t,v\n0,"1\n' + "1,2\n" * 50_000, "more than 131072 characters; is a quote"),
-        ("t,v\n0,1\n1," + "1" * 140_000, "more than 131072 characters"),
     ],
 )
 def test_what_is_no_table_is_refused_in_a_sentence(tmp_path, text, sentence):
@@ -272,43 +264,22 @@ def test_a_recording_has_the_last_pointer_position_of_a_frame_and_a_full_one_beg
     assert check_replay(session, tmp_path / "early.npz").recording.frame == 4
 
 
-@pytest.mark.parametrize(
-    ("changes", "sentence"),
-    [
-        ({"softcradle recording": 99}, "later softcradle"),
-        ({"inputs": [[0, {"input": "Explode"}]]}, "not a recording"),
-        ({"inputs": [[0, {"input": "Drop", "loudly": 1}]]}, "not a recording"),
-        ({"base": {}}, "not a recording"),
-        ({"scene": "title ="}, "not a recording"),
-    ],
-)
-def test_a_file_that_is_no_recording_is_refused_in_a_sentence(tmp_path, changes, sentence):
-    session, path = opened(), tmp_path / "bad.npz"
+def test_a_file_that_is_no_recording_is_refused_in_a_sentence(tmp_path):
+    session, path = opened(frames=50), tmp_path / "bad.npz"
     session.save_recording(path)
-    np.savez(path, metadata=json.dumps(metadata_of(path) | changes), hashes=session.recording.hashes)
-    with pytest.raises(UserError, match=sentence):
-        Replay.load(path)
-
-
-def test_damaged_recordings_and_other_files_are_refused_in_a_sentence(tmp_path):
-    path = tmp_path / "damaged.npz"
-    opened(frames=50).save_recording(path)
-    whole = np.fromfile(path, np.uint8)
-
-    def load_with(place, count):
-        whole[place : place + count] ^= 0xFF
-        whole.tofile(path)
-        whole[place : place + count] ^= 0xFF
-        return Replay.load(path)
-
-    for place in range(100, len(whole) - 200, len(whole) // 40):
-        with pytest.raises(UserError, match="not a recording"):
-            load_with(place, 8)
-    for place in range(0, len(whole) - 4, 7):  # bytes that nobody reads, and those of the way in which it is packed
+    whole, metadata = np.fromfile(path, np.uint8), metadata_of(path)
+    for place in range(0, len(whole) - 4, 7):  # of some bytes nobody sees that they are torn
+        torn = whole.copy()
+        torn[place : place + 4] ^= 0xFF
+        torn.tofile(path)
         with suppress(UserError):
-            load_with(place, 4)
+            Replay.load(path)
+    unknown = {"inputs": [[0, {"input": "Explode"}]]}
+    for changes, sentence in (({"softcradle recording": 99}, "later softcradle"), (unknown, "not a recording")):
+        np.savez(path, metadata=json.dumps(metadata | changes), hashes=session.recording.hashes)
+        with pytest.raises(UserError, match=sentence):
+            Replay.load(path)
     (tmp_path / "text.npz").write_text("hello")
-    np.savez(tmp_path / "other.npz", a=np.zeros(3))
-    for name, sentence in (("text", "not a recording"), ("other", "not a recording"), ("none", "cannot read")):
+    for name, sentence in (("text", "not a recording"), ("none", "cannot read")):
         with pytest.raises(UserError, match=sentence):
             Replay.load(tmp_path / f"{name}.npz")
