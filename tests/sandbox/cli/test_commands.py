@@ -276,8 +276,7 @@ def test_a_second_file_is_written_too_and_each_lane_has_its_own_and_what_is_repl
     trajectory = Trajectory.load(tmp_path / "a-2.npz")
     assert (trajectory.method, trajectory.time.shape) == ("verlet", (4,))
     assert trajectory.chain == scenes.load("galilean").lanes[1].chain()
-    with (tmp_path / "b-2.csv").open(newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
+    rows = list(csv.DictReader((tmp_path / "b-2.csv").read_text(encoding="utf-8").splitlines()))
     assert [float(row["time [s]"]) for row in rows] == [0.0, 0.5, 1.0, 1.5]
     assert float(rows[0]["velocity 0 [m/s]"]) == 1.0
 

@@ -129,15 +129,11 @@ def test_a_point_that_kills_its_process_is_marked_and_the_others_are_found(tmp_p
     assert sorted(str(path) for path in tmp_path.iterdir()) == [x, y]
 
 
-@pytest.fixture
-def log(tmp_path, monkeypatch):
-    monkeypatch.setenv("SWEPT_LOG", str(tmp_path / "log"))
-    return tmp_path / "log"
-
-
 @pytest.mark.parametrize("fresh", [True, False])
 @pytest.mark.parametrize("replaced", [[0.7], [0.5, 0.6]], ids=["another study", "the same study"])
-def test_a_sweep_that_begins_afresh_goes_on_before_what_it_replaces(replaced, fresh, tmp_path, log, caplog):
+def test_a_sweep_that_begins_afresh_goes_on_before_what_it_replaces(replaced, fresh, tmp_path, monkeypatch, caplog):
+    log = tmp_path / "log"
+    monkeypatch.setenv("SWEPT_LOG", str(log))
     stop = Mock(side_effect=[None, KeyboardInterrupt])
     output, before, points = tmp_path / "x.zarr", {"a": replaced, "n": [1]}, {"a": [0.5, 0.6], "n": [1]}
     sweep(logged, before, output=output, executor="here").close()
@@ -220,10 +216,6 @@ def test_points_of_a_study_come_one_by_one_and_unlike_ones_begin_with_processes(
     assert taken == [(0, 1.0), (1, 1.5)] * 2
 
 
-def held(value):
-    return lambda a: value
-
-
 class Holder:
     def __init__(self, held: object) -> None:
         self.held = held
@@ -239,9 +231,9 @@ class Holder:
         lambda n: eval(f"lambda a: [lambda: 1, lambda: {n}]"),
         lambda n: eval("lambda a: N", {"N": n, "__name__": "own"}),
         lambda n: partial(numbers, np.array([1.0 + 1e-10 * n, 2.0])),
-        lambda n: Holder([n]),
+        lambda n: lambda a: n,
         lambda n: Holder(n).__call__,
-        lambda n: held([one_on(n, power_law(1.0, 0.5))]),
+        lambda n: Holder([one_on(n, power_law(1.0, 0.5))]),
         lambda n: OwnLaw(lambda overlap: n * overlap),
     ],
 )
