@@ -45,7 +45,6 @@ BAD_FILES = {
     "a million million beads": (changed("mass = [1.0, 1.0, 1.0]", "beads = 1000000000000"), r"less than or equal to"),
     "loss negative": (changed("alpha = 0.1", "alpha = 0.1, loss = -1"), r"contact\.loss must be greater than"),
     "friction negative": (GOOD + "friction = -1", r"lanes\[0\]\.friction must be greater than or equal to 0"),
-    "friction by yoshida4": ('method = "yoshida4"\n' + GOOD + "friction = 0.1", "yoshida4"),
     "endless drive": (GOOD + "drive = [1, 0, 0]", "the scene needs a duration"),
     "brake on no bead": (LASTS + "brakes = [{beads = [1, 3], time = 0, force = 3}]", "brakes act on bead 3"),
     "a force too few": (LASTS + "forces = [{beads = 0, time = [0, 1, 2], force = [0, 2]}]", "3 times of a force need 3"),

@@ -94,7 +94,7 @@ def test_a_converted_contact_stops_the_same_impact_and_comes_back_as_it_was(name
     assert PASSED not in {item.cause for item in session.findings(0)}
 
 
-def test_locked_pistons_make_a_usual_cradle_and_unlocked_ones_a_rigid_cluster_again():
+def test_locked_pistons_make_a_usual_cradle_and_unlocked_ones_have_their_laws_again():
     session = opened("draft-gear-one-on-three", inputs.Lock(0, None), inputs.Lock(0, 1), frames=600)
     final = session.lanes[0].velocity
     assert final[3] > 0.45, "the last cylinder leaves with nearly all of the 0.5 m/s"
@@ -102,8 +102,6 @@ def test_locked_pistons_make_a_usual_cradle_and_unlocked_ones_a_rigid_cluster_ag
     session.restart()
     session.apply(inputs.Lock(0, None, locked=False))
     assert session.lanes[0].chain.contact == session.scene.lanes[0].chain().contact
-    session.step_frames(600)
-    assert np.ptp(session.lanes[0].velocity[1:]) < 1e-6
 
 
 PRESSED = """

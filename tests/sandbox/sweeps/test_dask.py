@@ -47,12 +47,8 @@ class Cluster:
 
     def kill(self) -> None:
         for process in self.processes:
-            kill(process)
-
-
-def kill(process: subprocess.Popen[bytes]) -> None:
-    process.kill()
-    process.wait()
+            process.kill()
+            process.wait()
 
 
 @pytest.fixture
@@ -72,7 +68,7 @@ def test_killed_and_resumed_it_is_equal_bit_for_bit(cluster, tmp_path, caplog):
     def strike(what: str, done: int, count: int) -> None:
         reached.append(done)
         if done > 0.4 * count and cluster.worker.poll() is None:
-            kill(cluster.worker)
+            cluster.worker.kill()
         if done > 0.6 * count:
             cluster.kill()
 
