@@ -8,7 +8,7 @@ from softcradle.physics import hertz, simulate
 from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.contact_events import contact_events
 from softcradle.sandbox.session.frame_history import BLOCK_ROWS
-from softcradle.sandbox.session.history_slices import history_slices, last_slice
+from softcradle.sandbox.session.history_slices import history_slices, last_slice, slice_at
 from softcradle.sandbox.session.ledger import KINETIC, STORED, energy_error
 
 from tests.helpers.sessions import opened
@@ -71,6 +71,7 @@ def test_slices_are_the_frames_one_by_one_up_to_the_one_shown(edited):
         assert part.setup is lane.setup
         assert edited.time == part.time[row]
         assert (lane.state.overlap == part.overlap[row]).all()
+        assert (slice_at(edited.history, 0, frame).overlap == part.overlap[row]).all()
         assert part.position[row] == pytest.approx(lane.position, abs=1e-15)
         assert part.velocity[row] == pytest.approx(lane.velocity, abs=1e-15)
         assert part.kinetic[row] == pytest.approx(0.5 * np.array(lane.chain.mass) * lane.velocity**2, rel=1e-12)
