@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 
 LOG = "SWEPT_LOG"  # environment: the file of the log
-ONE_POINT = 0.004  # s
 
 
 def numbers(a: float, n: int) -> dict[str, object]:
@@ -22,7 +21,7 @@ def logged(a: float, n: int) -> dict[str, object]:
     """The same, slowly, with a line in the log."""
     with Path(os.environ[LOG]).open("a") as file:
         file.write(f"{a!r} {n}\n")
-    time.sleep(ONE_POINT)
+    time.sleep(0.004)
     return numbers(a, n)
 
 
