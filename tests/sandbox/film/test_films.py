@@ -116,12 +116,6 @@ def test_folder_of_pictures(tmp_path, frames):
             assert (np.asarray(image.convert("RGB")) == frame).all()
 
 
-def test_slow_motion_stretches_the_motion_only(tmp_path):
-    plain, slow = rendered(tmp_path / "a.mp4"), rendered(tmp_path / "b.mp4", slow=2.0)
-    still = sum(shot.row == 1 for shot in shot_list(SCENE, 2, FPS)) - 1
-    assert slow.frames - still == pytest.approx(2 * (plain.frames - still), abs=3)
-
-
 def test_the_last_frame_stays_for_a_moment_and_then_for_the_text():
     shots = shot_list(SCENE, 20, 10.0)
     opacity = [shot.text_opacity for shot in shots]
@@ -276,11 +270,6 @@ def test_frames_are_limited_and_one_picture_of_a_long_motion_has_fewer_rows_a_se
         UserError, match=r"the kymograph would have \d+ frames, .*: choose fewer frames a second \(--fps\)"
     ):
         render_kymograph(SCENE, str(tmp_path / "x.kymograph.png"), (320, 180), fps=1e3)
-
-
-def test_a_step_alone_is_one_of_conserving():
-    scene = SCENE.model_copy(update={"step": 0.01})
-    assert {motion.method for motion in scene_motions(scene, 20.0)} == {"conserving, step 0.010 s"}
 
 
 def test_beads_that_are_far_apart_have_all_the_time_that_they_need():

@@ -51,14 +51,6 @@ def test_files_are_whole_and_a_printed_figure_can_be_read(tables, name, tmp_path
     assert height <= 240.0  # of the page
 
 
-def test_tables_of_a_sweep_are_those_of_the_figures(tables):
-    """With all columns in their order, however long those of other figures are."""
-    wanted = figures_named(["1d", "1b", "2a", "1d"])
-    found = list(compute_tables(wanted, workers=1))
-    np.testing.assert_equal([[*table.items()] for table in found], [[*tables(one.name).items()] for one in wanted])
-    assert len({len(next(iter(table.values()))) for table in found}) > 1
-
-
 def test_the_command_lists_all_and_does_not_compute_again_what_is_kept(tables, tmp_path, monkeypatch, softcradle):
     listed = " ".join(softcradle("figures", "--list").out.split())  # long captions go on in the next line
     assert all(figure.caption in listed for figure in FIGURES)
