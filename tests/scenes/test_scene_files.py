@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from softcradle.physics import Chain, Contact, Coupler, draft_gear, hooke, power_law, simulate
-from softcradle.physics.analysis.closed_forms import critical_speed, rigid_stroke
+from softcradle.physics import Chain, Contact, Coupler, hooke, power_law, simulate
+from softcradle.physics.analysis.closed_forms import rigid_stroke
 from softcradle.scenes import Lane, Scene, SceneError, View
 from softcradle.scenes.contact_kinds import KINDS
 from softcradle.scenes.contact_table import table_of
@@ -82,16 +82,9 @@ def test_texts_agree_with_the_motions():
     assert np.ptp(rigid[1:]) < 1e-9
     assert usual[3] > 0.98 * 0.5  # "the usual cradle"
     assert np.abs(usual[:3]).max() < 0.12 * 0.5
-
-
-@pytest.mark.parametrize(("name", "strikers"), [("draft-gear-one-on-three", 1), ("draft-gear-two-on-two", 2)])
-def test_draft_gears_are_launched_below_the_speed_at_which_inner_springs_yield(name, strikers):
-    (lane,) = scenes.load(name).lanes
-    chain = lane.chain()
-    assert chain.contact == (draft_gear(770.0, 0.0177),) * 3
-    critical = critical_speed(chain.contact[0], chain.mass, strikers)
-    assert critical == pytest.approx({1: 1.0132, 2: 1.3589}[strikers], abs=1e-4)
-    assert max(lane.velocity) < critical
+    for name, strikers in (("draft-gear-one-on-three", 1), ("draft-gear-two-on-two", 2)):
+        (gears,) = final_velocities(name)
+        assert np.ptp(gears[strikers:]) < 1e-9  # the speed is below that at which inner springs yield
 
 
 def test_beads_touch_as_long_as_the_gears_beside_them():
@@ -231,17 +224,14 @@ stop = 1e8
 COUPLER = Coupler(Contact(250e3, 3.75e7, 1.7, 0.8), Contact(0.0, 1e7, 1.0), 0.02, 0.166, 1e8)
 
 
-def test_a_scene_file_gives_couplers():
+def test_a_scene_file_gives_couplers_and_their_tables_give_them_back():
     scene = scenes.parse(TRAIN)
     assert scene.lanes[0].chain() == Chain([8e4] * 3, COUPLER, 0.01)
     assert scenes.parse(scene.to_toml()) == scene
-
-
-@pytest.mark.parametrize("coupler", [COUPLER, Coupler(Contact(1.0, 2.0, 1.5)), Coupler(COUPLER.push, COUPLER.pull)])
-def test_the_table_of_a_coupler_gives_it_back(coupler):
-    table = table_of(coupler)
-    assert table.contact() == coupler
-    assert type(table).model_validate(table.model_dump()) == table
+    for coupler in COUPLER, Coupler(Contact(1.0, 2.0, 1.5)), Coupler(COUPLER.push, COUPLER.pull):
+        table = table_of(coupler)
+        assert table.contact() == coupler
+        assert type(table).model_validate(table.model_dump()) == table
 
 
 @pytest.mark.parametrize(

@@ -97,13 +97,6 @@ def test_labels_of_users_are_text_not_markup():
     assert page_data(text)["texts"]["en"] == {"title": "<b>&x", "source": evil, "text": evil, "labels": [evil, evil]}
 
 
-def test_a_trajectory_is_missing_for_a_lane(tmp_path):
-    scene = load_scene("galilean")
-    with pytest.raises(UserError, match="a trajectory for each lane: 2, not 1"):
-        write_page(simulate(scene.lanes[0].chain(), scene.lanes[0].velocity), scene, tmp_path / "page.html")
-    assert list(tmp_path.iterdir()) == []
-
-
 @pytest.mark.parametrize("command", ["render", "page"])
 def test_the_command_reports_the_page(softcradle, tmp_path, command):
     printed = softcradle(command, "two-on-two", "-o", str(tmp_path / "two.html")).out

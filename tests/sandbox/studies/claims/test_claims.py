@@ -16,7 +16,7 @@ from softcradle.sandbox.studies.claims.catalogue import CLAIMS, claim_named, mea
 from softcradle.sandbox.studies.claims.claim import Case, CaseOutcome, Claim, JudgedClaim, Verdict, grid
 from softcradle.sandbox.studies.claims.study_figure import as_json, draw_study, study_table
 from softcradle.sandbox.studies.figures.catalogue import FIGURES
-from softcradle.sandbox.studies.paper import MEASURING, NotSolvedError, chain_of, full_motion, start
+from softcradle.sandbox.studies.paper import MEASURING, NotSolvedError
 from softcradle.sandbox.studies.plot_style import styled
 
 from softcradle import scenes
@@ -56,12 +56,6 @@ def test_the_papers_own_case_has_the_value_of_the_documentation(name):
     own = claim.study_of([*map(claim.measured, claim.cases)]).own_case.parameters
     value, _ = claim.value(own, claim.first)
     assert value == pytest.approx(float(VALUE.search(rows(KEPT.read_text())[name][2])[1]), rel=0.01, abs=1e-6)
-
-
-def test_the_motions_of_figures_pass_warnings_on():
-    chain = chain_of({"n": 4.0, "1/alpha": 10.0})
-    with pytest.warns(RuntimeWarning, match="step"):
-        full_motion(chain, start(chain), step=0.4)
 
 
 @pytest.fixture(scope="module")
