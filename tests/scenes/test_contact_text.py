@@ -68,12 +68,3 @@ def test_the_table_of_any_contact_gives_exactly_its_numbers(preload, stiffness, 
     assert law_of(physics.Contact(preload + 1.0, 0.0, exponent)).contact() == physics.step_force(preload + 1.0)
     gear = physics.draft_gear(stiffness, preload)
     assert (law_of(gear).law, law_of(gear).contact()) == ("draft_gear" if preload else "hooke", gear)
-
-
-def test_a_preload_that_rounding_excludes_is_a_draft_gear_in_text_alone():
-    pressed = next(
-        contact for k in range(1, 1000) if law_of(contact := physics.Contact(k / 10.0, 0.7, 1.0)).law == "preloaded"
-    )
-    assert law_of(pressed).contact() == pressed
-    assert contact_text(pressed).startswith("draft_gear(0.7, ")
-    assert contact_from(contact_text(pressed)).contact().preload == pytest.approx(pressed.preload, rel=1e-5)

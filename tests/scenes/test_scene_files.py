@@ -48,11 +48,6 @@ def test_every_scene_ends_by_itself_and_is_written_back_equal(name, tmp_path):
     assert all(lane.label for lane in scene.lanes)
 
 
-def test_null_is_the_mass_of_a_wall_in_json_alone():
-    with pytest.raises(ValueError, match="mass"):
-        Lane(mass=(None, 1.0), velocity=(0.0, 1.0), contact={"law": "hertz", "stiffness": 1.0})
-
-
 def test_what_is_wrong_with_a_scene_comes_back_from_another_process():
     with pytest.raises(SceneError) as refused:
         scenes.parse('title = "x"\nlanes = 1\nduration = 0.0\n')

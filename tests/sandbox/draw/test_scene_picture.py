@@ -14,7 +14,7 @@ from softcradle.sandbox.draw.axes import LINE
 from softcradle.sandbox.draw.bodies import cluster_ends, has_marks, rigid_forces
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.number_format import MINUS, TIMES, factor, fixed, number_text, scientific, spread, ticks
-from softcradle.sandbox.draw.palette import BEAD_COLOURS, OKABE_ITO, bead_colours, tones
+from softcradle.sandbox.draw.palette import BEAD_COLOURS, bead_colours, tones
 from softcradle.sandbox.draw.scene_picture import _speed
 from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, left_edges
 from softcradle.sandbox.draw.surfaces import cached_surfaces, clear_cached_surfaces
@@ -360,16 +360,10 @@ COLOUR_BLIND = [
 ]
 
 
-def apart(colours):
-    """The least distance of two of the colours for the colour-blind."""
-    linear = (np.array(colours) / 255.0) ** 2.2
+def test_colours_differ_for_the_colour_blind():
+    linear = (np.array(BEAD_COLOURS) / 255.0) ** 2.2
     seen = np.clip(linear @ np.transpose(COLOUR_BLIND, (0, 2, 1)), 0.0, 1.0) ** (1 / 2.2) * 255.0
     distance = np.linalg.norm(seen[:, :, None] - seen[:, None], axis=-1)
-    return (distance + 1e3 * np.eye(len(colours))).min()
-
-
-def test_colours_differ_for_the_colour_blind():
-    assert apart(OKABE_ITO) > 20.0
+    assert (distance + 1e3 * np.eye(len(BEAD_COLOURS))).min() > 40.0  # twice the least that is told apart
     assert len(set(bead_colours(60))) == 60
     assert bead_colours(12) == BEAD_COLOURS
-    assert apart(BEAD_COLOURS) > 40.0  # twice the least that is told apart
