@@ -15,6 +15,8 @@ def test_names_numbers_and_fractions():
     for arguments in ("(2, 1/14)", "_law( f0 = 2 , alpha = 1/14 ) ", "(2, alpha=1/14)", "_law(2.0,1 / 14)"):
         assert contact_from(f" power{arguments}").contact() == physics.power_law(2.0, 1 / 14)
     assert contact_text(physics.draft_gear(770.0, 0.0177)) == "draft_gear(770, 0.0177)"
+    rounded = next(one for k in range(1, 99) if law_of(one := physics.Contact(k / 10.0, 0.7, 1.0)).law == "preloaded")
+    assert contact_text(rounded).startswith("draft_gear(0.7, ")  # in text alone: no precompression gives its digits
 
 
 @pytest.mark.parametrize(

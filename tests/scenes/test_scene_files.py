@@ -103,6 +103,8 @@ def test_short_forms_mean_what_they_stand_for():
     assert short.chain().contact == (power_law(2.0, 1 / 14),) * 4
     wall = lane('mass = [inf, 1, 2]\nvelocity = [0, -1, 0]\ngap = [1, 0.5]\ncontact = {law = "hooke", stiffness = 3}')
     assert wall.chain() == Chain([math.inf, 1.0, 2.0], hooke(3.0), [1.0, 0.5])
+    with pytest.raises(ValueError, match="mass"):
+        Lane(mass=(None, 1.0), velocity=(0.0, 1.0), contact={"law": "hertz", "stiffness": 1.0})  # in JSON alone a wall
 
 
 def test_overrides_replace_what_the_scene_says():

@@ -492,7 +492,6 @@ def test_an_address_that_changes_is_followed_and_keeps_up_with_what_is_chosen(li
         (SCENE, "#v=-3&n=-3&mu=-.5", {"speed": 0.2, "targets": 1}),
         (SCENE, "#a=.05&loss=5.e-1", {"alpha": 0.05, "loss": 0.5}),
         (SCENE, "#pace=3", {"pace": 2}),
-        (SCENE, "#pace=-1", {"pace": 0.05}),
         ("galilean", "#law=steel&n=9&m=2&with=steel", {}),
         ("hertz-cradle", "#a=0.5", {}),
         ("", "#v=2&n=7", {}),
