@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from softcradle.physics.state import from_anchor
 from softcradle.sandbox.page import render_page, scene_text, write_page
-from softcradle.sandbox.page.data import LINE_ERROR, SAME_DEPTH, can_be_computed, needed_rows, packed_lanes
+from softcradle.sandbox.page.data import LINE_ERROR, SAME_DEPTH, needed_rows, packed_lanes
 from softcradle.sandbox.page.played_motion import played_motion, recorded_sentence
 from softcradle.sandbox.page.shared_page import recorded
 from softcradle.sandbox.page.svg_charts import ChartAxes, Curve, axis_range, line_chart
@@ -19,7 +19,7 @@ from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Lane, Scene
 from softcradle.scenes.catalogue import parse
 
-from softcradle import one_on, power_law, scenes, simulate
+from softcradle import one_on, power_law, simulate
 from tests.helpers.sessions import opened
 from tests.sandbox.page.conftest import SOFT, TagChecker, page_data
 
@@ -37,13 +37,6 @@ def test_a_page_in_which_beads_live_is_small_closes_its_tags_and_loads_nothing(p
     assert checker.links == ["data:,"]
     assert len(set(checker.ids)) == len(checker.ids)
     assert "default-src 'none'" in text
-
-
-@pytest.mark.parametrize("name", scenes.names())
-def test_a_scene_with_forces_over_time_or_couplers_is_recorded_and_all_others_live(name):
-    chains = [lane.chain() for lane in load_scene(name).lanes]
-    special = any(chain.couplers or chain.timed or chain.brakes for chain in chains) or len(chains) > 2
-    assert can_be_computed(load_scene(name)) is not special
 
 
 @pytest.mark.parametrize(("losses", "uniform"), [((0.5, 0.5, 0.5), True), ((0.0, 0.0, 0.5), False)])
