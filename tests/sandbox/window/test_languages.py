@@ -7,8 +7,7 @@ import pygame
 import pytest
 from softcradle.physics import METHODS
 from softcradle.sandbox.draw.text import width
-from softcradle.sandbox.languages import LANGUAGES, VARIABLES, _, error_words, language, translation
-from softcradle.sandbox.user_error import GaveUpError
+from softcradle.sandbox.languages import LANGUAGES, VARIABLES, error_words, language, translation
 from softcradle.sandbox.window import page_geometry
 from softcradle.sandbox.window.hanging import cradle, page
 from softcradle.sandbox.window.keys import bindings
@@ -42,6 +41,9 @@ def test_the_locale_chooses_also_where_no_variable_has_it(monkeypatch: pytest.Mo
         assert system_language() == code
 
 
+TWO_WALLS = "two walls side by side: a contact between them could never be solved"
+
+
 @pytest.fixture
 def german(monkeypatch: pytest.MonkeyPatch) -> Driver:
     monkeypatch.setenv("LANGUAGE", "de")
@@ -56,6 +58,7 @@ def test_boxes_take_and_show_the_mark_of_the_language_and_refusals_and_verdicts_
     assert german.page.inspector.controls["exponent"].entry.get_text() == "0,25"
     german.enter("loss", "1,5")
     assert german.messages[-1].startswith("der Verlust eines Kontakts muss >= 0 und unter 1 sein, nicht 1,5")
+    assert error_words(ValueError(TWO_WALLS)).startswith("zwei Wände")  # within another message
     assert german.page.cards.health[0].sentence.endswith("hält seine Fehler klein")
     german.key(pygame.K_F8)
     german.frames(30)
@@ -143,12 +146,3 @@ def test_no_text_of_the_window_stays_english(other: Driver, start: str | None) -
                 app.dialog.close()
             app.help = False
     assert not found, "\n".join(map(str, sorted(found)[:40]))
-
-
-def test_what_an_error_says_within_a_message_is_in_the_language(other: Driver) -> None:
-    """Of a run that gave up as of a refusal: the sentence of physics stood there in English."""
-    refused = ValueError("two walls side by side: a contact between them could never be solved")
-    for error in (refused, GaveUpError("a film needs the whole motion: euler gave up after 2000000 steps")):
-        other.app.messages.show(_("this cannot be swept: {error}", error=error_words(error)))
-    assert len(other.messages) >= 2
-    assert not [word for text in other.messages for word in english_words(text)]

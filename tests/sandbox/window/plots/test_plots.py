@@ -9,11 +9,9 @@ from softcradle.sandbox.draw.palette import bead_colours
 from softcradle.sandbox.languages import LANGUAGES, label_words, use_language
 from softcradle.sandbox.session.history_slices import slice_at
 from softcradle.sandbox.session.inputs import AddBead, RemoveBead
-from softcradle.sandbox.session.measured_data import MeasuredData
 from softcradle.sandbox.window.plots import kinds
-from softcradle.sandbox.window.plots.board import PlotBoard
 from softcradle.sandbox.window.plots.curves import ScrollingSurface, TimeSpan
-from softcradle.sandbox.window.plots.data_overlay import NumbersOverlay, PictureOverlay, edges_of
+from softcradle.sandbox.window.plots.data_overlay import PictureOverlay, edges_of
 from softcradle.sandbox.window.plots.kinds import PLOT_KINDS, PlotSetting, Signal, pair_of, signal_of
 from softcradle.sandbox.window.plots.scales import estimated_scales
 from softcradle.sandbox.window.plots.shapes import StackedPlot, StripPlot
@@ -213,21 +211,6 @@ def test_a_table_that_is_dropped_lies_over_the_velocities(played: Driver, tmp_pa
     played.drop_file(tmp_path / "many.csv")
     assert "has 6 columns after the time, and the plot has 5 curves" in played.messages[-1]
     assert not played.page.board.overlays
-
-
-def test_numbers_are_compared_with_what_the_plot_shows_at_all_times_of_the_history() -> None:
-    """Between two blocks of it too."""
-    session = opened("steel-and-soft")
-    session.step_frames(600)
-    first, second = (session.trajectory(lane) for lane in (0, 1))
-    middle = 0.5 * (first.time[1:] + first.time[:-1])
-    exact = [np.interp(middle, first.time, column) for column in (second.velocity - first.velocity).T]
-    overlay = NumbersOverlay(MeasuredData("exact.csv", ("v",) * len(exact), middle, np.column_stack(exact)))
-    board, place = PlotBoard(session, lambda: 0.0), pygame.Rect(0, 0, 800, 600)
-    board.build([[("difference", 0)]], [[place]], 1.0, estimated_scales(session.scene, session))
-    found = overlay.differences(board.plots[0])
-    assert found.shape == (600 * len(exact),)
-    assert abs(found).max() < 1e-12
 
 
 def test_a_picture_lies_over_the_kymograph_where_its_edges_are_said_to_be(played: Driver, tmp_path) -> None:

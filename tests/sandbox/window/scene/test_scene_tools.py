@@ -1,23 +1,14 @@
 """The tools of the page: arrows, tables of values, sharing, comparison, stopwatch, ruler, and their menu by keys."""
 
-from itertools import product
-
-import numpy as np
 import pygame
 import pytest
 from softcradle.sandbox.draw.lane_drawing import ARROWS
-from softcradle.sandbox.draw.number_format import scientific
-from softcradle.sandbox.draw.text import width
-from softcradle.sandbox.session.export import scene_from_text, shared_text
 from softcradle.sandbox.session.inputs import SetMass
-from softcradle.sandbox.session.values_table import BEAD_COLUMNS, CONTACT_COLUMNS, SET_COLUMNS
 from softcradle.sandbox.window.scene.editor import Pick
 from softcradle.sandbox.window.scene.toolbar import MENUS
-from softcradle.sandbox.window.scene.values_board import BODY, HEAD, LESS_NEEDED, MOST_DIGITS, fitting
+from softcradle.sandbox.window.scene.values_board import MOST_DIGITS
 
-from softcradle import scenes
 from tests.helpers.drawn_text import colliding
-from tests.helpers.sessions import EVERY_SCENE
 from tests.helpers.windows import Driver
 
 CTRL = pygame.KMOD_CTRL
@@ -45,6 +36,7 @@ def test_the_table_of_values_and_what_happened_are_shown_and_copied(driver: Driv
     assert (beads.kind, beads.count, contacts.kind, contacts.count) == ("bead", 5, "contact", 4)
     assert beads.whole
     assert contacts.whole
+    assert (len(beads.columns.shown), beads.columns.digits) == (len(beads.names), MOST_DIGITS)
     driver.key(pygame.K_c)
     table = [line.split(",") for line in pygame.scrap.get_text().splitlines()]
     assert table[0] == ["time (s)", "0.0"]
@@ -76,14 +68,6 @@ def test_a_scene_is_copied_as_text_and_pasted(driver: Driver) -> None:
     driver.key(pygame.K_v, CTRL)
     driver.app.open("")  # as where nothing was typed
     assert [text[:22] for text in driver.messages[-2:]] == ["the clipboard is empty", "there is no scene '' ("]
-
-
-@pytest.mark.parametrize("name", EVERY_SCENE)
-def test_every_scene_is_a_text_that_reads_back(name: str) -> None:
-    scene = scenes.load(name)
-    text = shared_text(scene)
-    assert scene_from_text("\n ".join(text[k : k + 60] for k in range(0, len(text), 60))) == scene
-    assert len(text) < 2000
 
 
 def test_a_scene_is_compared_with_a_copy_and_edits_stay_unsaved(driver: Driver) -> None:
@@ -192,24 +176,6 @@ def test_a_menu_marks_what_is_shown_and_is_clicked(driver: Driver) -> None:
     driver.click(driver.app.dialog.buttons[MENUS["plots_menu"].index("forces")].rect.center)
     assert not driver.app.dialog.open
     assert driver.page.board.shown == ["velocities"]
-
-
-def test_no_number_covers_another_and_all_columns_are_there_where_there_is_room():
-    columns_of_tables = BEAD_COLUMNS, CONTACT_COLUMNS, (*CONTACT_COLUMNS, *SET_COLUMNS)
-    numbers = 0.0, 1.0, -0.1657, 4.277e-3, -6.846e-4, -2.466e-7, 0.09249, 123.4, -5.678e8
-    for names, unit, room in product(columns_of_tables, (0.75, 1.0, 1.5, 2.0), (300, 370, 520, 900)):
-        columns = fitting(names, room, unit)
-        assert columns.shown[0] == 0
-        assert set(names) - {names[k] for k in columns.shown} <= set(LESS_NEEDED)
-        if columns.right[-1] > room + 1:  # no more can be left out
-            assert {names[k] for k in columns.shown}.isdisjoint(LESS_NEEDED)
-        for k, free in zip(columns.shown[1:], np.diff(columns.right), strict=True):
-            assert max(width(scientific(number, columns.digits), BODY * unit) for number in numbers) < free
-            assert max(width(word, HEAD * unit) for word in names[k].replace(" (", "\n(").split("\n")) < free
-    for names in (BEAD_COLUMNS, CONTACT_COLUMNS):
-        columns = fitting(names, 700, 1.0)
-        assert columns.shown == tuple(range(len(names)))
-        assert columns.digits == MOST_DIGITS
 
 
 def test_rows_are_selected_and_scrolled_to() -> None:
