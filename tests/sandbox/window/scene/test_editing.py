@@ -80,6 +80,8 @@ def test_numbers_that_are_refused_or_not_taken_do_not_stay_and_keys_type_no_comm
     for typed, mass in (("0,5", 0.5), ("1/14", 1 / 14), (" 7 ", 7.0)):
         driver.enter("mass", typed)
         assert driver.session.lanes[0].chain.mass[3] == mass
+    driver.enter("velocity", "\N{MINUS SIGN}2e-3")
+    assert driver.session.lanes[0].velocity[3] == -2e-3
     driver.key(pygame.K_SPACE)
     assert driver.session.playing
 
