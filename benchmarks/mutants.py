@@ -26,7 +26,11 @@ COPIED = ("softcradle", "physics", "scenes", "sandbox", "assets", "tests", "benc
 ROOMS = {  # sources, and the arguments of pytest that choose their tests
     "law": (
         ("physics/numerics/law_kernels.py", "physics/numerics/law_curve.py", "physics/contact.py"),
-        ("tests/physics/test_contact.py", "tests/physics/numerics/test_law_curve.py"),
+        (
+            "tests/physics/test_contact.py",
+            "tests/physics/test_wrong_arguments.py",
+            "tests/physics/numerics/test_law_curve.py",
+        ),
     ),
     "conserving": (
         (

@@ -8,6 +8,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from softcradle.physics import Contact, draft_gear, hertz, hooke, power_law, step_force
 from softcradle.physics.analysis.closed_forms import one_on_one
+from softcradle.physics.contact import is_closed
 from softcradle.physics.numerics import law_kernels as kernel
 
 preloads = st.one_of(st.just(0.0), st.floats(1e-3, 1e3))
@@ -74,6 +75,12 @@ def test_arrays_keep_their_shape_and_scalars_are_floats():
         assert type(method(2.0)) is float
         assert method(overlap).shape == (2, 3)
         assert [method(d) for d in overlap.ravel()] == method(overlap).ravel().tolist()
+
+
+def test_a_contact_is_closed_if_it_overlaps_or_pushes_or_pulls():
+    overlap = [-1.0, -1.0, 0.0, 0.0, 0.5, 0.5, 0.0]
+    force = [0.0, -4.0, 0.0, 0.5, 0.0, 0.5, -0.5]
+    assert is_closed(overlap, force).tolist() == [False, True, False, True, True, True, True]
 
 
 @pytest.mark.parametrize("loss", [0.0, 0.75])
