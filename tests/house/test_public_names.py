@@ -12,7 +12,7 @@ import pytest
 import softcradle
 from softcradle import physics
 from tests.helpers.own_process import python
-from tests.helpers.paths import ROOT, module_name, source_files
+from tests.helpers.paths import LAYERS, ROOT
 
 PUBLIC = [
     "Chain", "ChainBatch", "Contact", "Coupler", "EnsembleEnds", "METHODS", "OwnLaw", "SoftChain", "SoftContact", "State",
@@ -69,7 +69,13 @@ def test_imports_are_light(code, absent):
 
 
 FLAGS = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS
-MODULES = [module_name(path) for path in source_files() if ">>> " in path.read_text(encoding="utf-8")]
+FILES = [
+    path for layer in LAYERS for path in (ROOT / layer).rglob("*.py") if ">>> " in path.read_text(encoding="utf-8")
+]
+MODULES = [
+    "softcradle",
+    *sorted(".".join(("softcradle", *path.relative_to(ROOT).with_suffix("").parts)) for path in FILES),
+]
 
 
 @pytest.mark.parametrize("name", MODULES)
