@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 
 TOLERANCE = 1e-12  # of the reference in extended precision
 SCIPY = 1e-9, 1e-10  # tolerances of the two runs of method `scipy`,
-MOST_STEPS_OF_SCIPY = 20_000  # and of each, some seconds, before it gives up
+MOST_STEPS_OF_SCIPY = 100_000  # and of each, some ten seconds, before it gives up
 STEPS_AND_SQUARE = 60_000  # steps of the reference times the square of beads, some seconds, before it gives up
 LEAST_STEPS, MOST_STEPS_OF_REFERENCE = 200, 3000  # of it in any case
 SHAKE = 1e-10  # relative change of the forces from one run of `conserving` to the next
