@@ -47,6 +47,7 @@ CASES = {
         Chain([math.inf, 1.0, 2.0, math.inf], [hertz(50.0), draft_gear(2.0, 0.1), hooke(30.0)], gap=[0.1, 0.2, 0.1]),
         [0.0, 1.0, 0.0, 0.0], 1.5, 0.005,
     ),
+    "pushed from rest": Case(Chain([1.0, 1.0, 2.0], power_law(1.0, 0.5), drive=[1.0, 0.0, 0.0]), [0.0, 0.0, 0.0], 2.0, 0.005),
     "a stack under its weight": Case(
         Chain([1.0, 1.0, math.inf], draft_gear(20.0, 0.2), drive=[1.0, 1.0, 0.0]), [0.5, 0.0, 0.0], 0.8, 0.005, EXPLICIT
     ),
@@ -81,6 +82,9 @@ CASES = {
     "laws of one's own": Case(
         Chain([1.0, 2.0, 1.0, math.inf], [TODA, hertz(50.0), HARDENING], gap=[0.05, 0.0, 0.05]),
         [1.0, 0.0, 0.0, 0.0], 1.5, 3e-3,
+    ),
+    "laws of one's own with friction": Case(
+        Chain([1.0, 2.0, 1.0], [HARDENING, TODA], friction=0.1), [1.0, 0.0, -0.5], 0.6, 3e-3, EXPLICIT
     ),
     "an exponential law to the end": Case(Chain([1.0, 2.0, 1.0], TODA), [1.0, 0.0, -0.5], None, 2e-3),
     "laws of one's own amid walls, drives, gaps and loss": Case(
@@ -139,6 +143,9 @@ CASES = {
         Chain([1.0] * 4, power_law(1.0, 0.1), forces=TimedForce(0, [0.0, 0.6, 0.7], [0.3, 0.3, 0.0])),
         [1.0, 0.0, 0.0, 0.0], None, 5e-3, (*EXPLICIT, "dop853"),
     ),
+    "a pressed row let go": Case(
+        Chain([1.0, 2.0, 1.0, 0.5], [hertz(3.0), power_law(1.0, 0.5), hooke(2.0)], [-0.3, -0.1, 0.2]), [0.0] * 4, 6.0, 5e-3
+    ),
     "a force that comes and goes": Case(
         Chain([1.0] * 3, hertz(50.0), forces=TimedForce([0, 2], [0.0, 0.2, 0.4, 0.4], [0.0, 3.0, 1.0, 0.0])),
         [0.0] * 3, 0.8, 4e-3,
@@ -149,6 +156,13 @@ CASES = {
             forces=TimedForce(0, [0.0, 0.5, 0.5], [3.0, 3.0, -4.0]), brakes=TimedForce([1, 2], [0.6, 0.9], [0.0, 2.5]),
         ),
         [0.3, 0.0, 0.0], 1.5, 2e-3, EXPLICIT,
+    ),
+    "brakes that let go": Case(
+        Chain(
+            [1.0, 2.0, 1.0], [draft_gear(20.0, 0.05), hertz(50.0, loss=0.4)], gap=[0.01, 0.02], friction=0.02,
+            forces=TimedForce([0, 2], [0.0, 0.4, 1.0], [2.0, -2.0, 1.0]), brakes=TimedForce([0, 1], [0.0, 0.5], [1.5, 0.2]),
+        ),
+        [0.0, 0.0, -0.4], 1.5, 2e-3, EXPLICIT,
     ),
 }  # fmt: skip
 RESTING = {

@@ -63,17 +63,14 @@ def chain_row(law, gap=0.0, beads=5, speed=1.0, direction=(1.0, 0.0), masses=Non
     space, along = pymunk.Space(), pymunk.Vec2d(*direction)
     gaps = [gap] + [0.0] * (beads - 2) if np.ndim(gap) == 0 else gap
     places = np.concatenate(([0.0], np.cumsum(1.0 + np.array(gaps))))
-    bodies = [_body(mass) for mass in masses or [1.0 + 0.1 * i for i in range(beads)]]
+    wanted, still = masses or [1.0 + 0.1 * i for i in range(beads)], pymunk.Body.KINEMATIC
+    bodies = [pymunk.Body(body_type=still) if math.isinf(mass) else pymunk.Body(mass, math.inf) for mass in wanted]
     for body, place in zip(bodies, places.tolist(), strict=True):
         body.position = place * along
     bodies[0].velocity = speed * along
     chain = SoftChain(bodies, law, 1.0)
     space.add(*bodies, *chain)
     return space, bodies, chain
-
-
-def _body(mass):
-    return pymunk.Body(body_type=pymunk.Body.KINEMATIC) if math.isinf(mass) else pymunk.Body(mass, math.inf)
 
 
 def momentum(bodies):
