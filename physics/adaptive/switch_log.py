@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.adaptive.constants import FEW_TRIES, NEWTON_PART, ROUND_OFF, TOLERANCE_PART
-from softcradle.physics.adaptive.dop853 import hermite
+from softcradle.physics.adaptive.corner_search import first_root, halves, hermite_quintic, stage_cubic
 from softcradle.physics.adaptive.row_graphs import LAW, is_coupler, is_firm, is_gear, side_of
 from softcradle.physics.adaptive.step_control import take_step
 from softcradle.physics.adaptive.step_records import GROWTH, LOCAL_SQUARE
@@ -18,7 +18,6 @@ from softcradle.physics.numerics.knots import drive_at
 from softcradle.physics.numerics.law_curve import (
     STOP,
     acceleration_of,
-    cubic,
     curve_depth,
     flow_into,
     is_continued,
@@ -239,7 +238,11 @@ def find_openings(h, kind, firm, chain, motion, wanted, trial, look, scratch, lo
         opening[i] = -1.0
         opens = motion.mode[i] == LOADED and motion.overlap[i] > 0.0 > trial.overlap[2, i]
         if opens and not is_continued(chain.law, i):
-            opening[i], by_stages = opening_of_quintic(i, h, chain, motion, trial)
+            a0, a1 = acceleration_of(i, chain, motion.force, 0.0), acceleration_of(i, chain, trial.force[2], h)
+            d0, d1 = motion.overlap[i], trial.overlap[2, i]
+            part = first_root(hermite_quintic(h, d0, motion.rate[i], a0, d1, trial.rate[2, i], a1))
+            by_stages = halves(part, stage_cubic(d0, trial.overlap[0, i], trial.overlap[1, i], d1))[0][5]
+            opening[i] = part * h
             doubtful |= abs(by_stages) > wanted / TOLERANCE_PART * h
     if not doubtful:
         return
@@ -256,19 +259,3 @@ def find_openings(h, kind, firm, chain, motion, wanted, trial, look, scratch, lo
             opening[i] = min(max(part - miss / speed, 0.5 * part), h)
             if abs(miss) <= allowed:
                 break
-
-
-@piece
-def opening_of_quintic(i, h, chain, motion, trial):
-    """When contact i opens by the quintic through overlaps, rates and accelerations of both ends of the step, and the
-    overlap that the cubic through the stages has then."""
-    d0, w0, d1, w1 = motion.overlap[i], motion.rate[i], trial.overlap[2, i], trial.rate[2, i]
-    a0, a1 = acceleration_of(i, chain, motion.force, 0.0), acceleration_of(i, chain, trial.force[2], h)
-    low, high = 0.0, 1.0
-    while high - low > ROUND_OFF:
-        x = 0.5 * (low + high)
-        if hermite(x, h, d0, w0, a0, d1, w1, a1) > 0.0:
-            low = x
-        else:
-            high = x
-    return low * h, cubic(low, d0, trial.overlap[0, i], trial.overlap[1, i], d1)

@@ -263,12 +263,3 @@ def anchor_acceleration(chain, force, passed):
     if anchor_bead < force.size:
         net -= force[anchor_bead]
     return net * inverse_mass[anchor_bead] + drive_at(chain, force.size, passed)
-
-
-@inlined
-def cubic(x, y0, y1, y2, y3):
-    """Value at x of the cubic through (0, y0) and the stages (c_k, y_k), by divided differences."""
-    c1, c2 = NODES[0], NODES[1]
-    first, second, third = (y1 - y0) / c1, (y2 - y1) / (c2 - c1), (y3 - y2) / (1.0 - c2)
-    left, right = (second - first) / c2, (third - second) / (1.0 - c1)
-    return y0 + x * (first + (x - c1) * (left + (x - c2) * (right - left)))
