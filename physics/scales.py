@@ -260,7 +260,11 @@ def default_step(chain: Chain, velocity: ArrayLike, duration: float | None = Non
 
     With bed friction or brakes it is at most a hundredth of the time in which they stop a bead.
     """
-    speed = speed_scale(chain, velocity, duration)
+    return step_at(chain, speed_scale(chain, velocity, duration))
+
+
+def step_at(chain: Chain, speed: float) -> float:
+    """The `default_step` [s] at the closing speed `speed` [m/s]."""
     shortest = shortest_contact(chain, speed) / DEFAULT_STEPS_A_CONTACT
     strongest = float(chain.bed.max(initial=0.0))
     return min(shortest, speed / strongest / DEFAULT_STEPS_A_STOP) if strongest else shortest

@@ -240,7 +240,7 @@ def find_openings(h, kind, firm, chain, motion, wanted, trial, look, scratch, lo
         if opens and not is_continued(chain.law, i):
             a0, a1 = acceleration_of(i, chain, motion.force, 0.0), acceleration_of(i, chain, trial.force[2], h)
             d0, d1 = motion.overlap[i], trial.overlap[2, i]
-            part = first_root(hermite_quintic(h, d0, motion.rate[i], a0, d1, trial.rate[2, i], a1))
+            part = min(first_root(hermite_quintic(h, d0, motion.rate[i], a0, d1, trial.rate[2, i], a1)), 1.0)
             by_stages = halves(part, stage_cubic(d0, trial.overlap[0, i], trial.overlap[1, i], d1))[0][5]
             opening[i] = part * h
             doubtful |= abs(by_stages) > wanted / TOLERANCE_PART * h

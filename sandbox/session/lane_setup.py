@@ -12,7 +12,7 @@ from softcradle.physics.advice.auto_method import conserving_step
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import Contact
 from softcradle.physics.methods import find_method, refusal_of
-from softcradle.physics.scales import DEFAULT_STEPS_A_CONTACT, shortest_contact, speed_scale
+from softcradle.physics.scales import speed_scale, step_at
 from softcradle.physics.state import State
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.scene_runs import KEEPING, SHOWN
@@ -33,7 +33,7 @@ def suitable_step(method: str, chain: Chain, speed: float) -> float:
         return 0.0
     if method == KEEPING:
         return conserving_step(chain, speed, ERROR)
-    return shortest_contact(chain, speed) / DEFAULT_STEPS_A_CONTACT
+    return step_at(chain, speed)
 
 
 def steps_in(frame_time: float, method: str, step: float, contacts: int, given: bool) -> int:
