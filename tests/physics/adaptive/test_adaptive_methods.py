@@ -222,8 +222,7 @@ def test_step_forces_with_loss_turn_within_the_step_in_which_they_close(seed):
 
 
 @pytest.mark.parametrize(
-    ("family", "seed"),
-    [("bounded", 27), ("clusters", 12), ("clusters", 53), ("hooke-hertz", 23), ("power", 91)],
+    ("family", "seed"), [("bounded", 27), ("clusters", 12), ("clusters", 53), ("hooke-hertz", 23), ("power", 91)]
 )
 @pytest.mark.parametrize("method", ["radau", "accurate"])
 def test_beads_that_touch_at_rest_close_as_soon_as_a_neighbour_does(method, family, seed):
@@ -237,6 +236,13 @@ def test_beads_that_touch_at_rest_close_as_soon_as_a_neighbour_does(method, fami
         assert first[i] == min(first[max(i - 1, 0) : i] + first[i + 1 : i + 2]), i
     if chosen.duration is None:  # the run ends when all have let go, also one that only touches
         assert all(math.isfinite(opened) for spans in found.contact_intervals for _, opened in spans)
+
+
+def test_a_soft_contact_opens_inside_a_step_when_fine_runs_say():
+    for seed, contact in ((11, 4), (59, 2)):  # the quintic through the step has more than one root
+        one = motion("mixed", seed)
+        found, fine = (solve(one.chain, one.velocity, one.duration, samples=2, tolerance=t) for t in (1e-8, 1e-11))
+        assert found.contact_intervals[contact][-1] == pytest.approx(fine.contact_intervals[contact][-1], rel=3e-8)
 
 
 FAMILIES = ("hooke-hertz", "gears", "clusters", "walls", "extreme", "loss")  # of random chains

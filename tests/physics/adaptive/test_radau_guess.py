@@ -6,13 +6,7 @@ import numpy as np
 import pytest
 from softcradle.physics import Chain, Contact, draft_gear, hertz, hooke, power_law
 from softcradle.physics.adaptive.constants import MOST_GUESSED, ROUND_OFF
-from softcradle.physics.adaptive.radau import (
-    SHORT_EXPONENT,
-    exp_near,
-    first_guess,
-    log_grown,
-    time_since_onset,
-)
+from softcradle.physics.adaptive.radau import SHORT_EXPONENT, exp_near, first_guess, log_grown, time_since_onset
 from softcradle.physics.adaptive.step_records import empty_trial
 from softcradle.physics.numerics.law_curve import NODES, signed_force
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
