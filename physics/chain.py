@@ -200,7 +200,7 @@ class Chain:
     @cached_property
     def finite_mass(self) -> Array:
         """(n+1,) [kg], read-only; 0 for a wall, which has no kinetic energy that counts."""
-        return _read_only(np.where(np.isfinite(self.mass), self.mass, 0.0))
+        return _read_only(np.array([mass if mass < math.inf else 0.0 for mass in self.mass]))
 
     def stored_energy(self, overlap: ArrayLike, power: Callable[..., Any] = np.power) -> Array:
         """(..., n) energy [J] in each contact at overlaps (..., n) [m], see :meth:`Contact.energy`; `power` as there."""

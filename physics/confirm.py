@@ -342,7 +342,8 @@ def _ledger(problem: Problem, record: Record) -> tuple[float, float]:
     wall_moves = chain.walls > 0 and bool((np.isinf(chain.mass) & (problem.velocity != 0.0)).any())
     if wall_moves or chain.forces or start.external(chain) is not None:
         return before, 0.0
-    return before, abs(after + float((end.absorbed - start.absorbed).sum()) - before)
+    absorbed = float((end.absorbed - start.absorbed).sum()) if chain.dissipative else 0.0
+    return before, abs(after + absorbed - before)
 
 
 def _unresolved(chain: Chain, change: float) -> float:
@@ -357,8 +358,7 @@ def _unresolved(chain: Chain, change: float) -> float:
 @per_chain
 def _rattles(chain: Chain) -> bool:
     """Whether contacts are so soft that a cluster of them rattles."""
-    law = law_rows(chain)
-    return bool(((law[:, 0] == 0.0) & (law[:, 2] < SOFTEST)).any())
+    return any(preload == 0.0 and exponent < SOFTEST for preload, _, exponent in law_rows(chain).tolist())
 
 
 def _energy_warning(problem: Problem, error: float) -> CodedWarning:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -31,10 +32,10 @@ def closing_speed(velocity: ArrayLike) -> float:
     return float(speeds.max() - speeds.min()) or 1.0
 
 
-def _approach(values: Array) -> float:
+def _approach(values: Sequence[float]) -> float:
     """Largest of ``values[j] - values[k]`` for beads j to the left of k; 0 where none is positive."""
     found, ahead = 0.0, -math.inf
-    for value in values.tolist():
+    for value in values:
         ahead = max(ahead, value)
         found = max(found, ahead - value)
     return found
@@ -87,7 +88,8 @@ def closing_scale(
     `external` forces (n+1,) [N] can give by pressing on contacts and over the gaps; in a motion without any of these, of what
     moves at all. That `tolerance` of it is no less than the round-off of velocities.
     """
-    high, low, approach = float(velocity.max()), float(velocity.min()), _approach(velocity)
+    speeds = velocity.tolist()
+    high, low, approach = max(speeds), min(speeds), _approach(speeds)
     if approach <= NO_APPROACH * max(high, -low):
         approach = 0.0
     if chain.pulls:  # what goes apart comes back
@@ -101,7 +103,7 @@ def closing_scale(
         acceleration = external * chain.inverse_mass
         given = max(_driven_speed(chain, external), math.hypot(approach, _fall_speed(chain, external, overlap)))
         if duration is not None:
-            given = min(given, approach + _approach(acceleration) * duration)
+            given = min(given, approach + _approach(acceleration.tolist()) * duration)
             apart += float(np.ptp(acceleration)) * duration
         found = max(found, given)
         if not found and duration is not None:
@@ -134,9 +136,9 @@ def is_possible(chain: Chain, start: State, error: float) -> bool:
 @per_chain
 def _least_share(chain: Chain) -> float:
     """The least sqrt(1/m - 1/M), as in `velocity_room`."""
-    total = math.inf if chain.walls or chain.on_bed else float(chain.finite_mass.sum())
-    inverse = chain.inverse_mass
-    return math.sqrt(max(float(inverse[inverse > 0.0].min(initial=math.inf)) - 1.0 / total, 0.0))
+    total = math.inf if chain.walls or chain.on_bed else sum(chain.mass)
+    heaviest = max(mass for mass in chain.mass if mass < math.inf)
+    return math.sqrt(max(1.0 / heaviest - 1.0 / total, 0.0))
 
 
 def velocity_room(
@@ -171,7 +173,7 @@ def _released_speed(chain: Chain, overlap: Array) -> float:
 def _fall_speed(chain: Chain, force: Array, overlap: Array) -> float:
     """Largest speed [m/s] at which beads that `force` (n+1,) [N] drives into each other, from rest, meet beyond all gaps."""
     gaps = float(-np.minimum(overlap, 0.0).sum())
-    return math.sqrt(2.0 * _approach(force * chain.inverse_mass) * gaps)
+    return math.sqrt(2.0 * _approach((force * chain.inverse_mass).tolist()) * gaps)
 
 
 def _driven_speed(chain: Chain, force: Array) -> float:
@@ -270,17 +272,19 @@ def step_at(chain: Chain, speed: float) -> float:
     return min(shortest, speed / strongest / DEFAULT_STEPS_A_STOP) if strongest else shortest
 
 
-def speeds_to_depth(chain: Chain, depth: ArrayLike) -> Array:
-    """(..., n) speeds [m/s] at which a contact that is struck alone is pressed in to `depth` (..., n) or (..., 1) [m].
+def speed_to_depth(law: Sequence[float], weight: float, depth: float) -> float:
+    """Speed [m/s] at which a contact that is struck alone is pressed in to `depth` [m]: the inverse of :func:`contact_scales`.
 
-    The inverse of the depths of :func:`contact_scales`; not for contacts with laws of one's own.
+    `law` is its preload, stiffness and exponent, `weight` its inverse reduced mass [1/kg].
     """
-    preload, stiffness, exponent = chain.law_rows.T
+    preload, stiffness, exponent = law
     power = 1.0 + exponent
-    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
-        energy = np.fmax(np.multiply(preload, depth), stiffness * np.power(depth, power) / power)
-        speeds: Array = np.sqrt(2.0 * energy * chain.inverse_reduced_mass)
-    return speeds
+    return math.sqrt(2.0 * weight * max(preload * depth, stiffness * depth**power / power))
+
+
+def laws_and_weights(chain: Chain) -> set[tuple[tuple[float, ...], float]]:
+    """The different pairs of preload, stiffness and exponent and inverse reduced mass [1/kg] among the contacts of a chain."""
+    return set(zip(map(tuple, chain.law_rows.tolist()), chain.inverse_reduced_mass.tolist(), strict=True))
 
 
 @per_chain
@@ -288,8 +292,9 @@ def _computable_speeds(chain: Chain) -> tuple[float, float]:
     """Scales of speed [m/s] between which every contact is pressed to depths that are computed; none with laws of one's own."""
     if chain.own_laws:
         return math.inf, 0.0
-    least, most = (speeds_to_depth(chain, depth) for depth in (LEAST_DEPTH, MOST_DEPTH))
-    return max(SMALLEST, float(least.max())), float(most.min())
+    kinds = laws_and_weights(chain)
+    least, most = ([speed_to_depth(*kind, depth) for kind in kinds] for depth in (LEAST_DEPTH, MOST_DEPTH))
+    return max(SMALLEST, *least), min(most)
 
 
 def require_computable(chain: Chain, velocity: ArrayLike, duration: float | None = None) -> None:

@@ -113,7 +113,7 @@ def solve(
     record.warnings += unusual_warnings(chain, velocity, problem.tolerance)
     if not chosen.set_valued:
         record.warnings += explicit_warnings(problem, record)
-    elif problem.step:
+    elif step is not None:  # a default one is not coarse
         record.warnings += coarse_warnings(problem)
     if problem.step and not any(warning.code is WarningCode.CHATTER for warning in record.warnings):
         record.warnings += returning_warnings(problem, record)
@@ -237,7 +237,8 @@ def _require_carried(method: str, chain: Chain) -> None:
 def checked_tolerance(tolerance: float) -> float:
     """The tolerance as a float that a method can hold. Raises ValueError."""
     found = magnitude("tolerance", tolerance)
-    _require(found >= LEAST_TOLERANCE, f"tolerance must be at least {LEAST_TOLERANCE:g}, not {found:g}")
+    if found < LEAST_TOLERANCE:
+        raise ValueError(f"tolerance must be at least {LEAST_TOLERANCE:g}, not {found:g}")
     return found
 
 
@@ -293,9 +294,8 @@ def _samples(samples: int | ArrayLike, duration: float | None, chain: Chain, gra
     most = MOST_SAMPLED // (chain.contacts + 1)
     if np.ndim(samples) == 0:
         count = whole_number("samples", samples)
-        _require(
-            2 <= count <= most, f"samples must be from 2 (start and end) to {most} of these beads, not {shown(samples)}"
-        )
+        if not 2 <= count <= most:
+            raise ValueError(f"samples must be from 2 (start and end) to {most} of these beads, not {shown(samples)}")
         return count
     times = number_array("samples", samples).copy()
     _require(times.ndim == 1 and 0 < times.size <= most, f"sample times must be a list of 1 to {most} times")

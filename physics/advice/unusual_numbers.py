@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import ArrayLike
 from softcradle.physics.chain import Chain, per_chain
-from softcradle.physics.scales import NO_APPROACH, contact_scales, speeds_to_depth
+from softcradle.physics.scales import NO_APPROACH, contact_scales, laws_and_weights, speed_to_depth
 from softcradle.physics.status import CodedWarning, WarningCode, Warnings
 
 LARGEST_TOLERANCE = 0.1  # of the closing speed: beyond, velocities are not determined
@@ -35,7 +33,8 @@ def _of_gears(chain: Chain, velocity: ArrayLike) -> Warnings:
     usual = _usual_speed_of_gears(chain)
     if not (usual and 0.0 < np.ptp(np.asarray(velocity)) < usual):
         return ()
-    gears, (preload, stiffness, _) = _gears(chain), chain.law_rows.T
+    preload, stiffness, exponent = chain.law_rows.T
+    gears = (preload > 0.0) & (stiffness > 0.0) & (exponent == 1.0)
     depth = contact_scales(chain, velocity)[0]
     share = np.full(chain.contacts, np.inf)
     np.divide(depth * stiffness, preload, out=share, where=gears)
@@ -50,20 +49,12 @@ def _of_gears(chain: Chain, velocity: ArrayLike) -> Warnings:
     return (CodedWarning(WarningCode.UNUSUAL, sentence, {"precompression": float(length), "yield": float(depth[i])}),)
 
 
-def _gears(chain: Chain) -> Any:
-    """(n,) whether each contact is a preloaded spring."""
-    preload, stiffness, exponent = chain.law_rows.T
-    return (preload > 0.0) & (stiffness > 0.0) & (exponent == 1.0)
-
-
 @per_chain
 def _usual_speed_of_gears(chain: Chain) -> float:
     """Closing speed [m/s] from which on every gear yields by a usual share of its precompression; 0 without gears."""
-    gears, (preload, stiffness, _) = _gears(chain), chain.law_rows.T
-    if not gears.any():
-        return 0.0
-    depth = np.divide(LEAST_YIELD * preload, stiffness, out=np.zeros(chain.contacts), where=gears)
-    return float(np.max(speeds_to_depth(chain, depth), where=gears, initial=0.0)) * (1.0 + NO_APPROACH)
+    gears = [(law, weight) for law, weight in laws_and_weights(chain) if law[0] > 0.0 < law[1] and law[2] == 1.0]
+    speeds = [speed_to_depth(law, weight, LEAST_YIELD * law[0] / law[1]) for law, weight in gears]
+    return max(speeds, default=0.0) * (1.0 + NO_APPROACH)
 
 
 def _of_friction(friction: float) -> Warnings:

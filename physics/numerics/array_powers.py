@@ -25,8 +25,9 @@ def powers(base: ArrayLike, exponent: ArrayLike) -> Array:
 
     b, a = np.broadcast_arrays(np.asarray(base, dtype=np.float64), np.asarray(exponent, dtype=np.float64))
     if b.size <= FEW:
-        pairs = zip(b.ravel().tolist(), a.ravel().tolist(), strict=True)
-        return np.array([_named("power", False)(*pair) for pair in pairs]).reshape(b.shape)
+        pairs = list(zip(b.ravel().tolist(), a.ravel().tolist(), strict=True))
+        different = {pair: _named("power", False)(*pair) for pair in dict.fromkeys(pairs)}
+        return np.array([different[pair] for pair in pairs]).reshape(b.shape)
     usual = (b >= elementary.LEAST) & (b <= elementary.MOST)
     x, more = _named("times_log", True)(a.copy(), np.where(usual, b, 1.0), 0)
     usual &= np.abs(x + more) < elementary.USUAL

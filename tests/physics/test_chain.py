@@ -7,10 +7,10 @@ from dataclasses import FrozenInstanceError
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, State, draft_gear, hooke, one_on, power_law, simulate
+from softcradle.physics import Chain, State, draft_gear, hooke, one_on, power_law, scales, simulate
 from softcradle.physics.advice.unusual_numbers import unusual_warnings
 from softcradle.physics.contact import Contact
-from softcradle.physics.scales import LEAST_DEPTH, MOST_DEPTH, contact_scales, require_computable, speeds_to_depth
+from softcradle.physics.scales import LEAST_DEPTH, MOST_DEPTH, contact_scales, require_computable
 
 LAW = power_law(1.0, 0.1)
 
@@ -56,7 +56,8 @@ def test_what_is_computed_is_what_the_depths_say(seed):
     preload = rng.choice([0.0, 1.0], n) * 10 ** rng.uniform(-3, 3, n)
     exponent = rng.choice([1.0, 1.5, rng.uniform(0.01, 3.0)], n)
     chain = Chain(10 ** rng.uniform(-3, 3, n + 1), list(map(Contact, preload, 10 ** rng.uniform(-6, 8, n), exponent)))
-    borders = speeds_to_depth(chain, [[LEAST_DEPTH], [MOST_DEPTH]]).ravel()
+    kinds, ends = scales.laws_and_weights(chain), (LEAST_DEPTH, MOST_DEPTH)
+    borders = [scales.speed_to_depth(*kind, depth) for kind in kinds for depth in ends]
     for speed in np.clip(np.outer(borders, [0.5, 1.0 - 1e-9, 1.0 + 1e-9, 2.0]).ravel(), 1e-30, 1e30):
         velocity = [speed, *[0.0] * n]
         depth = contact_scales(chain, velocity)[0]
@@ -68,9 +69,8 @@ def test_what_is_computed_is_what_the_depths_say(seed):
 @pytest.mark.parametrize("factor", [0.5, 1.0 - 1e-6, 1.0 + 1e-6, 2.0])
 def test_a_gear_that_yields_too_little_is_told_of(factor):
     """Where the gear yields by a thousandth of its precompression: v**2 / 4 = preload * yield for two beads of 1 kg."""
-    gear = draft_gear(3.0, 2.0)
-    border = float(np.sqrt(4.0 * gear.preload * 2e-3))
-    assert bool(unusual_warnings(Chain([1, 1], gear), [factor * border, 0.0], 1e-8)) == (factor < 1.0)
+    border = math.sqrt(4.0 * 6.0 * 2e-3)
+    assert bool(unusual_warnings(Chain([1, 1], draft_gear(3.0, 2.0)), [factor * border, 0.0], 1e-8)) == (factor < 1.0)
 
 
 def test_a_chain_that_has_run_goes_to_other_processes_and_is_the_same():
