@@ -60,8 +60,6 @@ FINER = 10.0  # ratio of the tolerances of successive runs
 # chance: differences tell of errors as long as these are small. A coarser one then confirms nothing, and two finer ones have to.
 MOST_TRUSTED = FINER**3
 MOST_STATED = 0.3
-# times what is promised: where a run states more, a coarser one may be off alike, for both damp what neither follows
-MOST_CONFIRMED = 3.0
 # Times the steps of a run that the order of radau asks for in one as much finer. A finer one that takes more of them may follow
 # what the other damped: a coarser run then confirms nothing, and with the square of it a finer one neither.
 ALIKE = FINER ** ERROR_EXPONENT[RADAU]
@@ -110,14 +108,15 @@ def confirmed(problem: Problem, record: Record) -> Record:
     """The record, if its errors hardly grow or another run of a slightly different chain agrees with it; else a finer one.
 
     The other run is a coarser one, which takes the fewest steps: where it ends within half of what is promised of the record,
-    errors do not grow beyond what the record states. Where it does not, finer ones decide.
+    errors do not grow beyond what the record states. Where it does not, finer ones decide; and where the record states more than
+    is promised, for then a coarser one states ten times as much, and agrees by chance or because both damp what neither follows.
     """
     if record.growth <= MOST_GROWN or record.warnings:
         return record
     if record.status == Status.UNDETERMINED:
         return _as_far_as_determined(problem, record)
     promised = PROMISED * max(problem.tolerance, LEAST_PROMISED) * scale_of(problem)
-    if record.growth > MOST_TRUSTED or record.velocity_error.max() > MOST_CONFIRMED * promised:
+    if record.growth > MOST_TRUSTED or record.velocity_error.max() > promised:
         return _finer(problem, record)
     coarse = _shaken_run(problem, FINER * problem.tolerance, 0)
     coarser = to_its_end(replace(coarse, samples=2, later=False, most_steps=2 * record.steps + STEPS_A_CONTACT))
