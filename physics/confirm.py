@@ -175,8 +175,12 @@ def _error_of(apart: Array) -> Array:
 
 
 def _error_anyway(record: Record) -> Array:
-    """What a record whose growth of errors another run has shown, or bounded, may be off by beside their difference."""
-    return record.velocity_error * (min(record.growth, MOST_GROWN) / record.growth)
+    """What a record whose growth of errors another run has shown, or bounded, may be off by beside their difference.
+
+    One that several runs carried to its end states what these differ by, which is of no growth.
+    """
+    grown = record.growth if record.status != Status.UNDETERMINED else 1.0
+    return record.velocity_error * (min(grown, MOST_GROWN) / grown)
 
 
 def _shaken_run(problem: Problem, tolerance: float, runs: int) -> Problem:
