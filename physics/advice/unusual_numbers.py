@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike
 from softcradle.physics.chain import Chain, per_chain
@@ -33,26 +36,28 @@ def _of_gears(chain: Chain, velocity: ArrayLike) -> Warnings:
     usual = _usual_speed_of_gears(chain)
     if not (usual and 0.0 < np.ptp(np.asarray(velocity)) < usual):
         return ()
-    preload, stiffness, exponent = chain.law_rows.T
-    gears = (preload > 0.0) & (stiffness > 0.0) & (exponent == 1.0)
-    depth = contact_scales(chain, velocity)[0]
-    share = np.full(chain.contacts, np.inf)
-    np.divide(depth * stiffness, preload, out=share, where=gears)
-    i = int(np.argmin(share))
-    if share[i] >= LEAST_YIELD:
+    laws, depth = chain.law_rows.tolist(), contact_scales(chain, velocity)[0].tolist()
+    shares = [d * law[1] / law[0] if _is_gear(law) else math.inf for d, law in zip(depth, laws, strict=True)]
+    i = int(np.argmin(shares))
+    if shares[i] >= LEAST_YIELD:
         return ()
-    length = preload[i] / stiffness[i]
+    length = laws[i][0] / laws[i][1]
     sentence = (
         f"contact {i}-{i + 1} is precompressed by {length:.3g} m and yields by about {depth[i]:.1g} m only, as a step force "
         "would: is the precompression given in metres?"
     )
-    return (CodedWarning(WarningCode.UNUSUAL, sentence, {"precompression": float(length), "yield": float(depth[i])}),)
+    return (CodedWarning(WarningCode.UNUSUAL, sentence, {"precompression": length, "yield": depth[i]}),)
+
+
+def _is_gear(law: Sequence[float]) -> bool:
+    """Whether a contact of that preload, stiffness and exponent is a preloaded spring."""
+    return law[0] > 0.0 < law[1] and law[2] == 1.0
 
 
 @per_chain
 def _usual_speed_of_gears(chain: Chain) -> float:
     """Closing speed [m/s] from which on every gear yields by a usual share of its precompression; 0 without gears."""
-    gears = [(law, weight) for law, weight in laws_and_weights(chain) if law[0] > 0.0 < law[1] and law[2] == 1.0]
+    gears = [(law, weight) for law, weight in laws_and_weights(chain) if _is_gear(law)]
     speeds = [speed_to_depth(law, weight, LEAST_YIELD * law[0] / law[1]) for law, weight in gears]
     return max(speeds, default=0.0) * (1.0 + NO_APPROACH)
 
