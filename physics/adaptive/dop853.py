@@ -190,14 +190,17 @@ def step_of_range(h, first, last, chain, motion, trial, scratch):
     end_overlap, end_rate, fifth, third = trial.overlap[2], trial.rate[2], trial.overlap[0], trial.overlap[1]
     fifth_overlap, third_overlap = trial.rate[0], trial.rate[1]
     for i in range(first, last):
-        fifth[i], third[i], fifth_overlap[i], third_overlap[i] = 0.0, 0.0, 0.0, 0.0
-    for k in range(STAGES):
-        add_scaled(square * WEIGHTS_SQUARE[k], acceleration[k], first, last, end_overlap)
-        add_scaled(h * WEIGHTS[k], acceleration[k], first, last, end_rate)
-        add_scaled(h * FIFTH[k], acceleration[k], first, last, fifth)
-        add_scaled(h * THIRD[k], acceleration[k], first, last, third)
-        add_scaled(square * FIFTH_SQUARE[k], acceleration[k], first, last, fifth_overlap)
-        add_scaled(square * THIRD_SQUARE[k], acceleration[k], first, last, third_overlap)
+        d, w, d5, w5, d3, w3 = end_overlap[i], end_rate[i], 0.0, 0.0, 0.0, 0.0
+        for k in range(STAGES):
+            a = acceleration[k, i]
+            d += square * WEIGHTS_SQUARE[k] * a
+            w += h * WEIGHTS[k] * a
+            d5 += square * FIFTH_SQUARE[k] * a
+            w5 += h * FIFTH[k] * a
+            d3 += square * THIRD_SQUARE[k] * a
+            w3 += h * THIRD[k] * a
+        end_overlap[i], end_rate[i] = d, w
+        fifth_overlap[i], fifth[i], third_overlap[i], third[i] = d5, w5, d3, w3
     for i in range(first, last):
         if mode[i] == TOUCHING:
             end_overlap[i], end_rate[i] = overlap[i], 0.0
