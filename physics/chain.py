@@ -204,6 +204,8 @@ class Chain:
 
     def stored_energy(self, overlap: ArrayLike, power: Callable[..., Any] = np.power) -> Array:
         """(..., n) energy [J] in each contact at overlaps (..., n) [m], see :meth:`Contact.energy`; `power` as there."""
+        if not self.couplers and (np.asarray(overlap) <= 0.0).all():  # as at the start and the end of most motions
+            return np.zeros(np.shape(overlap))
         preload, stiffness, exponent = self.law_rows.T
         if self.own_laws:  # whose energy follows
             exponent = np.where(np.isnan(exponent), 1.0, exponent)
@@ -398,8 +400,7 @@ def cluster_on_cluster(m: int, n: int, contact: Laws, mass: ArrayLike = 1.0) -> 
     masses = number_array("mass", mass)
     if masses.shape not in ((), (m + n,)):
         raise ValueError(f"{m} on {n} needs one mass for all or {m + n} masses, not {shown(mass)}")
-    masses = np.broadcast_to(masses, m + n)
-    return Chain(masses, contact)
+    return Chain(masses if masses.ndim else np.full(m + n, masses), contact)
 
 
 def accelerated_mass(mass: ArrayLike, struck: int) -> Array:

@@ -117,6 +117,11 @@ class Record:
         """(n+1,) bead velocities [m/s] at the end."""
         return self.end.velocity(self.chain)
 
+    def with_samples(self, samples: Samples) -> Record:
+        """This record, with the samples that were still to be taken."""
+        self.samples, self.kept = samples, None
+        return self
+
 
 class KeptRun(Protocol):
     """What a run without a duration keeps of its motion, for the times of its samples are known at its end alone."""
@@ -210,7 +215,8 @@ def run_to_end(problem: Problem, once: Pass) -> Record:
     if found.kept is not None:
         began = perf_counter()
         found = found.kept.record(found, times)
-        return replace(found, seconds=found.seconds + perf_counter() - began)
+        found.seconds += perf_counter() - began
+        return found
     return replace(found, samples=once(problem, max(found.end.time, float(times[-1])), times, False).samples)
 
 
@@ -218,6 +224,6 @@ def with_ends_as_samples(found: Record, start: State, times: Array) -> Record:
     """The record with its `start` or its end as the samples at `times`, none of which lies between them."""
     states = [found.end if time > start.time else start for time in times.tolist()]
     if not states:
-        return replace(found, samples=empty_samples(times, start.overlap.size), kept=None)
+        return found.with_samples(empty_samples(times, start.overlap.size))
     rows = (np.array([getattr(state, name) for state in states]) for name in MOVING)
-    return replace(found, samples=Samples(times, *rows), kept=None)
+    return found.with_samples(Samples(times, *rows))

@@ -48,7 +48,8 @@ def speed_scale(chain: Chain, velocity: ArrayLike, duration: float | None = None
 
 def greatest_speed(chain: Chain, velocity: ArrayLike, duration: float | None = None) -> float:
     """Largest of the closing speed and what contacts pressed at the start and the drive, within `duration`, can give [m/s]."""
-    found = float(np.ptp(np.asarray(velocity)))
+    speeds = np.asarray(velocity, dtype=np.float64).tolist()
+    found = max(speeds) - min(speeds)
     if chain.drives:
         given = _given_speed(chain)
         found = max(found, given if duration is None else min(given, found + duration * _pull(chain)))
@@ -65,6 +66,8 @@ def _given_speed(chain: Chain) -> float:
 @per_chain
 def _sprung_speed(chain: Chain) -> float:
     """Largest speed [m/s] that contacts pressed at the start can give."""
+    if min(chain.gap) >= 0.0:
+        return 0.0
     return _released_speed(chain, -np.asarray(chain.gap, dtype=np.float64))
 
 
@@ -282,6 +285,7 @@ def speed_to_depth(law: Sequence[float], weight: float, depth: float) -> float:
     return math.sqrt(2.0 * weight * max(preload * depth, stiffness * depth**power / power))
 
 
+@per_chain
 def laws_and_weights(chain: Chain) -> set[tuple[tuple[float, ...], float]]:
     """The different pairs of preload, stiffness and exponent and inverse reduced mass [1/kg] among the contacts of a chain."""
     return set(zip(map(tuple, chain.law_rows.tolist()), chain.inverse_reduced_mass.tolist(), strict=True))

@@ -292,7 +292,7 @@ def _problem(
 
 def _samples(samples: int | ArrayLike, duration: float | None, chain: Chain, graded: bool) -> int | Array:
     most = MOST_SAMPLED // (chain.contacts + 1)
-    if np.ndim(samples) == 0:
+    if isinstance(samples, int) or np.ndim(samples) == 0:
         count = whole_number("samples", samples)
         if not 2 <= count <= most:
             raise ValueError(f"samples must be from 2 (start and end) to {most} of these beads, not {shown(samples)}")

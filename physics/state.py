@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -126,8 +127,11 @@ class State:
 
     def copy(self) -> State:
         """An independent copy, without the scratch memory."""
-        arrays = {name: getattr(self, name).copy() for name in MOVING}
-        return replace(self, push=None if self.push is None else self.push.copy(), work={}, **arrays)
+        return State(
+            self.time, self.overlap.copy(), self.rate.copy(), self.anchor.copy(), self.force.copy(),
+            None if self.push is None else self.push.copy(), self.switches, self.switched, self.taken.copy(), self.status,
+            self.warnings,
+        )  # fmt: skip
 
     def note_switches(self, contact: ArrayLike, time: ArrayLike, count: int | None = None) -> None:
         """Append switches to those of this `advance`; they were `count` in truth where the log had no room for all."""
@@ -156,7 +160,8 @@ def _start(chain: Chain) -> tuple[Array, float, Array]:
 def from_anchor(difference: Array, value: Any, anchor: int) -> Array:
     """Rebuild (..., n+1) bead values from (..., n) neighbour differences and the anchor bead's `value` (...)."""
     down = np.zeros((*difference.shape[:-1], difference.shape[-1] + 1))
-    np.add.accumulate(-difference, axis=-1, out=down[..., 1:])
+    down[..., 1:] = difference
+    np.subtract.accumulate(down, axis=-1, out=down)
     if anchor:
         down -= down[..., anchor, None].copy() if down.ndim > 1 else down[anchor]
     down += np.asarray(value)[..., None] if down.ndim > 1 else value
@@ -174,8 +179,9 @@ def checked_velocity(chain: Chain, velocity: ArrayLike) -> Array:
     speeds = number_array("velocity", velocity)
     if speeds.shape != (chain.contacts + 1,):
         raise ValueError(f"{chain.contacts + 1} beads need {chain.contacts + 1} velocities, not {shown(velocity)}")
-    fastest = np.abs(speeds).max()
-    if not np.isfinite(fastest):
+    values = speeds.tolist()
+    fastest = max(map(abs, values))
+    if not all(map(math.isfinite, values)):
         raise ValueError("every velocity must be finite")
     if fastest > LARGEST:
         raise ValueError(f"every velocity must be at most {LARGEST:g} m/s, not {fastest:g}: choose other units")

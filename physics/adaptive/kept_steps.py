@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -105,7 +104,7 @@ class KeptSteps:
         anchor[done:, 0], anchor[done:, 1] = state.anchor[0] + left * state.anchor[1], state.anchor[1]
         taken[done:] = state.taken
         _spare.blocks = [self.steps, *(steps for steps, _ in self._chunks)][:MOST_SPARE]
-        return replace(found, samples=samples, kept=None)
+        return found.with_samples(samples)
 
 
 class _Spare(threading.local):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from dataclasses import dataclass, replace
 from functools import partial
 from time import perf_counter
@@ -55,6 +56,7 @@ PAUSE = 20_000  # steps, rejected ones included, after which a kernel hands back
 LONGER = 1.1  # a budget of steps that has grown by this since it was asked for is worth another call
 PLAIN_PAUSE = 50  # steps likewise as plain Python, so that machine code is taken when it comes
 PLAIN_COST = 3.0  # fixed steps that cost plain Python as much as one of these
+LONGEST_REUSED = 1000  # contacts of a chain whose memory the thread keeps for its next run
 DOUBT = 3.0  # times the sum of all local errors of a run, or the difference between runs: the error that is stated
 
 
@@ -77,6 +79,28 @@ class Memory:
         return cls(mode, held, trial, look, empty_scratch(contacts), empty_log(contacts, log_size))
 
 
+class _LastRun(threading.local):
+    """Memory of the last run of a thread, for its next one with as many contacts: fresh memory costs as much as some steps."""
+
+    memory: Memory | None = None
+
+    def take(self, contacts: int) -> Memory | None:
+        """That memory, or None where it does not fit."""
+        memory, self.memory = self.memory, None
+        if memory is None or memory.mode.size != contacts or memory.log.contact.size != FIRST_LOG:
+            return None
+        memory.log.counter[:] = 0
+        memory.log.closed[:] = 0
+        return memory
+
+    def keep(self, memory: Memory) -> None:
+        """Keep the memory, unless it is large."""
+        self.memory = memory if memory.mode.size <= LONGEST_REUSED else None
+
+
+_last_run = _LastRun()
+
+
 def kernels_of(chain: Chain) -> KernelTiers:
     """The kernels for such a chain: they are compiled for what they need not ask for."""
     return TIERS["adaptive-own-laws" if chain.own_laws else "adaptive"]
@@ -94,17 +118,12 @@ def sampled(record: Record, times: Array) -> Record:
         return kept.record(record, times)
     end = max(record.end.time, float(times[-1])) if times.size else record.end.time
     again = one_run(replace(kept.problem, duration=end - kept.problem.state.time, samples=times))
-    return replace(record, samples=sampled(again, times).samples, kept=None)
+    return record.with_samples(sampled(again, times).samples)
 
 
 def error_growth(before: Any, grown: Array, turns: Array) -> Any:
     """The factor by which errors have grown: by bounces `before`, by the last ones and by the turns of contacts (..., n)."""
     return 1.0 + before + grown.sum(axis=-1) + TURN_GROWTH * turns.max(axis=-1)
-
-
-def fastest_bead(velocity: Array) -> Any:
-    """The largest speed (...) [m/s] of `velocity` (..., n+1)."""
-    return np.abs(velocity).max(axis=-1)
 
 
 def stated_error(growth: Any, local_square: Any, roundings: Any, fastest: Any) -> Any:
@@ -144,7 +163,8 @@ def one_run(problem: Problem, log_size: int = FIRST_LOG) -> Record:
     state = problem.state.copy()
     scale = scale_of(problem)
     kept = KeptSteps(problem, TOLERANCE_PART * problem.tolerance * scale, kernels_of(problem.chain))
-    memory = Memory.of(problem.chain.contacts, log_size)
+    memory = _last_run.take(problem.chain.contacts) if log_size == FIRST_LOG else None
+    memory = memory or Memory.of(problem.chain.contacts, log_size)
     began = perf_counter()
     code, state.time = _integrate(problem, state, scale, memory, kept)
     seconds = perf_counter() - began
@@ -153,14 +173,16 @@ def one_run(problem: Problem, log_size: int = FIRST_LOG) -> Record:
         return one_run(problem, larger)
     counter, status, scratch = memory.log.counter, Status(code), memory.scratch
     growth = float(error_growth(scratch.control[GROWTH], scratch.grown, scratch.turns))
+    contact, at = kept_switches(memory.log)
     record = Record(
-        problem.chain, empty_samples(NO_TIMES, problem.chain.contacts), *kept_switches(memory.log), state, int(counter[STEP]),
+        problem.chain, empty_samples(NO_TIMES, problem.chain.contacts), contact.copy(), at.copy(), state, int(counter[STEP]),
         int(counter[EVALUATION]), status, _warnings(problem, status, state.time, memory.log), seconds, growth=growth,
         kept=None if problem.later and kept.overflows else kept,
     )  # fmt: skip
-    fastest = max(fastest_bead(problem.velocity), fastest_bead(record.velocity))
+    fastest = max(map(abs, [*problem.velocity.tolist(), *record.velocity.tolist()]))
     error = stated_error(growth, scratch.control[LOCAL_SQUARE], counter[STEP] + problem.chain.contacts, fastest)
     record.velocity_error = np.full(problem.chain.contacts + 1, error)
+    _last_run.keep(memory)
     return record
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.adaptive import usual_budget
 from softcradle.physics.adaptive.adaptive_loop import integrate
-from softcradle.physics.adaptive.runner import error_growth, fastest_bead, stated_error
+from softcradle.physics.adaptive.runner import error_growth, stated_error
 from softcradle.physics.adaptive.step_records import ALLOWED, empty_scratch, empty_steps, empty_trial
 from softcradle.physics.batch.chain_batch import ChainBatch
 from softcradle.physics.batch.run_each import (
@@ -277,7 +277,7 @@ class _Accuracy:
         `start` and `end` (C, n+1) are the velocities of the beads [m/s] before and after.
         """
         growth = error_growth(self.control[:, 0], self.grown, self.turns)
-        fastest = np.maximum(fastest_bead(start), fastest_bead(end))
+        fastest = np.maximum(np.abs(start), np.abs(end)).max(axis=-1)
         return stated_error(growth, self.control[:, 1], steps + self.grown.shape[1], fastest), growth
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from time import perf_counter
 from typing import Any
@@ -173,7 +173,7 @@ class _KeptRun:
         pause.counts[AT], pause.counts[BEGUN], pause.counts[NEXT] = _steps_at_once(problem), 0, 0
         while not _call(kernel, most, problem, state, scratch, (kept, none, tuple(pause))):
             pass  # signals are heard here
-        return replace(found, samples=first_samples(scratch.samples, int(scratch.log.counter[SAMPLE])), kept=None)
+        return found.with_samples(first_samples(scratch.samples, int(scratch.log.counter[SAMPLE])))
 
 
 def _kernels(chain: Chain) -> KernelTiers:
