@@ -180,7 +180,7 @@ def _error_anyway(record: Record) -> Array:
     One that several runs carried to its end states what these differ by, which is of no growth.
     """
     grown = record.growth if record.status != Status.UNDETERMINED else 1.0
-    return record.velocity_error * (min(grown, MOST_GROWN) / grown)
+    return np.maximum(record.velocity_error * (min(grown, MOST_GROWN) / grown), record.unseen)
 
 
 def _shaken_run(problem: Problem, tolerance: float, runs: int) -> Problem:

@@ -95,6 +95,7 @@ class Record:
         seconds: wall time of the solver, loading of kernels left out; 0 where the runner leaves the clock to `simulate`.
         velocity_error: (n+1,) estimated error [m/s] of the bead velocities at the end; empty where none is estimated.
         growth: factor by which errors of velocities grow along the motion, as far as its bounces tell.
+        unseen: the part of that error [m/s] that finer runs make as well, so that it is no difference between them.
         kept: what the run kept of its motion, while samples are still to be taken from it.
     """
 
@@ -110,6 +111,7 @@ class Record:
     seconds: float = 0.0
     velocity_error: Array = field(default_factory=lambda: np.zeros(0))
     growth: float = 1.0
+    unseen: float = 0.0
     kept: KeptRun | None = None
 
     @cached_property

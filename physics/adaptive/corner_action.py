@@ -32,7 +32,16 @@ from softcradle.physics.adaptive.row_graphs import (
 )
 from softcradle.physics.adaptive.sampling import keep_step
 from softcradle.physics.adaptive.step_control import onset_step, restart_control
-from softcradle.physics.adaptive.step_records import AT_ONCE, FLOWN, GROWTH, LAST, LOCAL_SQUARE, NEXT, START
+from softcradle.physics.adaptive.step_records import (
+    AT_ONCE,
+    FLOWN,
+    GROWTH,
+    LAST,
+    LOCAL_SQUARE,
+    NEXT,
+    START,
+    UNSEEN_SQUARE,
+)
 from softcradle.physics.adaptive.switch_log import log_switches
 from softcradle.physics.adaptive.yield_or_slip import balance
 from softcradle.physics.numerics.bead_velocities import bead_velocities
@@ -312,20 +321,24 @@ def stop_rate(i, chain, motion):
 
 
 @inlined
-def open_passed(row, chain, regime, motion, slow):
-    """Open the contacts that the step has carried past d = 0; returns True where there are any."""
+def open_passed(row, time, chain, regime, motion, slow, scratch):
+    """Open the contacts that the step to `time` has carried past d = 0; returns True where there are any."""
     any_passed = False
     for i in range(motion.mode.size):
-        if i == row or (is_continued(chain.law, i) and motion.mode[i] == LOADED):
+        inward = side_of(regime, i) * motion.overlap[i]
+        if inward == 0.0 or (inward < 0.0) == (motion.mode[i] == OPEN) or i == row:
             continue
-        if motion.mode[i] == OPEN and side_of(regime, i) * motion.overlap[i] > 0.0:  # its event could not be met
+        if motion.mode[i] == OPEN:  # its event could not be met
             motion.mode[i] = LOADED
-        elif motion.mode[i] == LOADED and side_of(regime, i) * motion.overlap[i] < 0.0:
+        elif motion.mode[i] == LOADED and not is_continued(chain.law, i):
             any_passed = True
             motion.force[i] = 0.0
-            if abs(motion.rate[i]) > slow or acceleration_of(i, chain, motion.force, 0.0) < 0.0:
+            bend = acceleration_of(i, chain, motion.force, 0.0)
+            if abs(motion.rate[i]) > slow or bend < 0.0:
                 motion.mode[i] = OPEN
             else:  # pushed from both sides, or not at all, and too slow to count: it stays at 0
+                if bend == 0.0 and scratch.parting[i] == 0.0:
+                    scratch.parting[i], scratch.parted[i] = abs(motion.rate[i]), time
                 motion.overlap[i] = 0.0
                 stop_rate(i, chain, motion)
             if regime.easing.size and regime.easing[i] != 0:
@@ -384,13 +397,13 @@ def begin(time, chain, regime, motion, bounds, scratch, log):
         if motion.mode[i] == LOADED and motion.overlap[i] == 0.0:
             first = min(first, onset_step(chain, i, max(motion.rate[i], 0.0), bounds.wanted))
     restart_control(scratch.control, first)
-    for k in (AT_ONCE, LOCAL_SQUARE, GROWTH):
+    for k in (AT_ONCE, LOCAL_SQUARE, GROWTH, UNSEEN_SQUARE):
         scratch.control[k] = 0.0
     scratch.control[START] = time
     for i in range(motion.mode.size):
         scratch.bounced[i], scratch.segment[i] = time if motion.overlap[i] < 0.0 else math.inf, -1.0
         scratch.lateness[i] = scratch.grown[i] = scratch.most_grown[i] = 0.0
-        scratch.course[i] = scratch.turns[i] = 0.0
+        scratch.course[i] = scratch.turns[i] = scratch.parting[i] = 0.0
         scratch.pressed[i] = math.inf
     log_switches(time, time, NO_CONTACT, chain, regime, motion, bounds.wanted, scratch, log)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from dataclasses import dataclass, replace
 from functools import partial
@@ -18,6 +19,7 @@ from softcradle.physics.adaptive.step_records import (
     ALLOWED,
     GROWTH,
     LOCAL_SQUARE,
+    UNSEEN_SQUARE,
     Regime,
     Scratch,
     Trial,
@@ -182,6 +184,7 @@ def one_run(problem: Problem, log_size: int = FIRST_LOG) -> Record:
     fastest = max(map(abs, [*problem.velocity.tolist(), *record.velocity.tolist()]))
     error = stated_error(growth, scratch.control[LOCAL_SQUARE], counter[STEP] + problem.chain.contacts, fastest)
     record.velocity_error = np.full(problem.chain.contacts + 1, error)
+    record.unseen = DOUBT * growth * math.sqrt(scratch.control[UNSEEN_SQUARE])
     _last_run.keep(memory)
     return record
 

@@ -29,7 +29,8 @@ AT_ONCE = 7  # events one after another without a step between them
 LOCAL_SQUARE = 8  # sum of the squares of the errors of all steps
 GROWTH = 9  # by what factor, beside 1, bounces have made errors grow
 START = 10  # when the run began [s]
-CONTROLS = 11
+UNSEEN_SQUARE = 11  # the part of LOCAL_SQUARE that finer runs make alike
+CONTROLS = 12
 
 STAGES = 12  # of dop853
 WORK_ROWS = 12  # rows of scratch memory that steps of radau, corners and what is decided at them name
@@ -100,6 +101,8 @@ class Scratch(NamedTuple):
     lateness: Array  # (n,) of each closed contact, how much later it closed per velocity error before: flight over speed [s²/m]
     grown: Array  # (n,) growth of errors by the present bounce of each contact
     most_grown: Array  # (n,) what that can be at the most: a mistimed bounce changes velocities by twice its speed
+    parting: Array  # (n,) the rate [m/s] that was taken from a contact which nothing has pushed since, at d = 0; else 0
+    parted: Array  # (n,) since when [s]
     course: Array  # (n,) the fastest rate of each loaded contact since it turned, if above the tolerance; 0 where there is none
     turns: Array  # (n,) how often that has changed its sign
     along: Array  # (3, n)
@@ -129,6 +132,6 @@ def empty_steps(rows: int, contacts: int, dissipative: bool) -> Steps:
 
 def empty_scratch(contacts: int) -> Scratch:
     """Scratch memory of a chain with `contacts`."""
-    n, each = contacts, [np.zeros(contacts) for _ in range(9)]  # from `opening` to `turns`
+    n, each = contacts, [np.zeros(contacts) for _ in range(11)]  # from `opening` to `turns`
     shapes = (3, n), (3, n), (3, n), (n, 9), (STAGES, n), STAGES, (WORK_ROWS, n + 1), (2, n + 1), (2, 4 * n + 8)
     return Scratch(np.zeros(CONTROLS), *each, *(np.zeros(shape) for shape in shapes))

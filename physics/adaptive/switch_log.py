@@ -9,16 +9,17 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.adaptive.constants import FEW_TRIES, NEWTON_PART, ROUND_OFF, TOLERANCE_PART
-from softcradle.physics.adaptive.corner_search import first_root, halves, hermite_quintic, stage_cubic
+from softcradle.physics.adaptive.corner_search import first_root, halves, hermite_quintic
 from softcradle.physics.adaptive.row_graphs import LAW, is_coupler, is_firm, is_gear, side_of
 from softcradle.physics.adaptive.step_control import take_step
-from softcradle.physics.adaptive.step_records import GROWTH, LOCAL_SQUARE
+from softcradle.physics.adaptive.step_records import GROWTH, LOCAL_SQUARE, UNSEEN_SQUARE
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at
 from softcradle.physics.numerics.law_curve import (
     STOP,
     acceleration_of,
     curve_depth,
+    curve_force,
     flow_into,
     is_continued,
     pressed_force,
@@ -53,13 +54,11 @@ def log_switches(before, time, landed, chain, regime, motion, wanted, scratch, l
                 continue
         elif since[i] == AT_REST or since[i] == math.inf:
             since[i] = before
-        if i == landed and closed:
+        if (i == landed) if closed else (pressed[i] != PUSHES):
             continue
         w = side_of(regime, i) * motion.rate[i]
-        if closed:  # a coupler without slack may go over from pulling to pushing
-            now = pressed[i] != 0.0 or (motion.mode[i] == LOADED and w > 0.0)
-        else:
-            now = pressed[i] == PUSHES
+        # a coupler without slack may go over from pulling to pushing
+        now = not closed or pressed[i] != 0.0 or (motion.mode[i] == LOADED and w > 0.0)
         if now != closed:
             when = min(before, since[i]) if now else time
             if not now and time > before and scratch.opening[i] >= 0.0:
@@ -89,14 +88,14 @@ def find_pressed(chain, regime, motion, slow, since, pressed):
     a number, or for the precision of the stages, which leave round-off of either sign where nothing pushes. A rate up to `slow`
     [m/s] at d = 0 is none.
     """
-    back = False
+    back, before = False, 0.0
     for i in range(motion.mode.size):
-        pressed[i] = PUSHES if since[i] != AT_REST and pushes(i, regime, motion) else 0.0
-        if i == 0:
-            continue
-        if pressed[i] == 0.0 != pressed[i - 1] and takes_on(i, i, i - 1, chain, regime, motion, slow, since):
-            pressed[i] = PUSHES if pushes(i, regime, motion) else IS_PUSHED
-        back |= pressed[i] != 0.0 == pressed[i - 1] and motion.mode[i - 1] != OPEN
+        now = PUSHES if pushes(i, regime, motion) else IS_PUSHED
+        found = now if now == PUSHES and since[i] != AT_REST else 0.0
+        if found == 0.0 != before and takes_on(i, i, i - 1, chain, regime, motion, slow, since):
+            found = now
+        back |= found != 0.0 == before and i > 0 and motion.mode[i - 1] != OPEN
+        pressed[i] = before = found
     if not back:
         return
     for i in range(motion.mode.size - 2, -1, -1):
@@ -145,17 +144,19 @@ def put_bounce(i, now, speed, when, regime, wanted, scratch):
 
 
 @inlined
-def grow_errors(row, side, chain, regime, motion, wanted, scratch):
+def grow_errors(row, side, before, chain, regime, motion, wanted, scale, scratch):
     """How the bounces that now go on, and returns to d = 0, make errors grow, and how often loaded contacts have turned.
 
     A velocity error e before a flight of duration T closes the contact T e / u later, at closing speed u. What else pushes its
-    beads meanwhile, at acceleration a, makes that a velocity error of a T e / u. The step has ended at the corner of `row` on
-    that `side`.
+    beads meanwhile, at acceleration a, makes that a velocity error of a T e / u. The step, which began at `before`, has ended at
+    the corner of `row` on that `side`.
     """
     course, slowest = scratch.course, wanted / TOLERANCE_PART
     for i in range(motion.mode.size):
         inward = side_of(regime, i)
         loaded, rate, overlap = motion.mode[i] == LOADED, inward * motion.rate[i], inward * motion.overlap[i]
+        if scratch.parting[i] > 0.0 and (not loaded or overlap > 0.0):
+            count_parting(i, before, chain, regime, motion, ROUND_OFF * scale, scratch)
         quiet = abs(rate) <= slowest if loaded else course[i] == 0.0
         if quiet and i != row and scratch.lateness[i] == 0.0:
             continue
@@ -184,6 +185,26 @@ def grow_errors(row, side, chain, regime, motion, wanted, scratch):
                 others -= own - weight * regime.law[i, STOP] * overlap
             grown = min(scratch.lateness[i] * abs(others), scratch.most_grown[i])
             scratch.grown[i] = max(scratch.grown[i], grown)
+
+
+@inlined
+def count_parting(i, before, chain, regime, motion, least, scratch):
+    """Count as an error what contact i would bounce at, which was put to rest and is pushed again in the step from `before`.
+
+    At the rate e it would have parted by e T in the time T since. The acceleration a of its beads closes that at sqrt(2 a e T); a
+    bounce changes velocities by twice as much. What parts at `least` [m/s] at the most rests in finer runs, too: no difference
+    between them tells of it.
+    """
+    pushed = 0.0
+    if motion.mode[i] == LOADED:
+        own = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * motion.force[i]
+        pushed = side_of(regime, i) * (own - flow_into(i, chain.inverse_mass, motion.force) + drive_at(chain, i, 0.0))
+        if pushed <= 0.0:
+            return
+    square = 8.0 * pushed * scratch.parting[i] * (before - scratch.parted[i])
+    scratch.control[LOCAL_SQUARE] += square
+    scratch.control[UNSEEN_SQUARE] += square if scratch.parting[i] <= least else 0.0
+    scratch.parting[i] = 0.0
 
 
 @inlined
@@ -229,9 +250,33 @@ def return_to_touch(i, fastest, rate, least, others, chain, control):
 
 
 @inlined
+def in_the_middle(i, h, chain, motion, trial):
+    """Overlap [m] and its second derivative in the middle of the step, by the quintic of contact i through both ends."""
+    d0, d1, turned = motion.overlap[i], trial.overlap[2, i], trial.rate[2, i] - motion.rate[i]
+    bends = acceleration_of(i, chain, motion.force, 0.0) + acceleration_of(i, chain, trial.force[2], h)
+    return 0.5 * (d0 + d1) + h * (h * bends / 64.0 - 5.0 / 32.0 * turned), 1.5 * turned / h - 0.25 * bends
+
+
+@inlined
+def quintic_lacks(i, part, h, chain, motion, trial, look):
+    """What the quintic of contact i lacks [m] at a part of the step: by the acceleration in its middle, which is not that of the
+    forces there. An error c x³ (1-x)³ has -24 times its value as second derivative in the middle. `look` is scratch."""
+    for k in range(max(i - 1, 0), min(i + 2, motion.mode.size)):
+        overlap, _ = in_the_middle(k, h, chain, motion, trial)
+        if motion.mode[k] == LOADED:
+            look.force[0, k] = curve_force(chain.law, chain.own, k, overlap)
+        else:
+            look.force[0, k] = 0.5 * (motion.force[k] + trial.force[2, k])
+    _, bend = in_the_middle(i, h, chain, motion, trial)
+    missed = acceleration_of(i, chain, look.force[0], 0.5 * h) - bend
+    x = 4.0 * part * (1.0 - part)
+    return -h * h / 24.0 * missed * x * x * x
+
+
+@inlined
 def find_openings(h, kind, firm, chain, motion, wanted, trial, look, scratch, log):
-    """When within the step contacts open without an event, into `scratch.opening`: by the quintic of both ends, then, where
-    the stages tell that it may be off, by shorter steps of the method, tried in `look`."""
+    """When within the step contacts open without an event, into `scratch.opening`: by the quintic of both ends and what it lacks,
+    then, where that is much, by shorter steps of the method, tried in `look`."""
     doubtful, allowed = False, TOLERANCE_PART * wanted * h
     opening = scratch.opening
     for i in range(motion.mode.size):
@@ -240,10 +285,14 @@ def find_openings(h, kind, firm, chain, motion, wanted, trial, look, scratch, lo
         if opens and not is_continued(chain.law, i):
             a0, a1 = acceleration_of(i, chain, motion.force, 0.0), acceleration_of(i, chain, trial.force[2], h)
             d0, d1 = motion.overlap[i], trial.overlap[2, i]
-            part = min(first_root(hermite_quintic(h, d0, motion.rate[i], a0, d1, trial.rate[2, i], a1)), 1.0)
-            by_stages = halves(part, stage_cubic(d0, trial.overlap[0, i], trial.overlap[1, i], d1))[0][5]
+            guard = hermite_quintic(h, d0, motion.rate[i], a0, d1, trial.rate[2, i], a1)
+            part = min(first_root(guard), 1.0)
+            lacks = quintic_lacks(i, part, h, chain, motion, trial, look)
+            doubtful |= abs(lacks) > wanted * h
+            _, _, _, _, before, at = halves(part, guard)[0]
+            if at < before:
+                part = min(max(part + 0.2 * part * lacks / (before - at), 0.5 * part), 1.0)
             opening[i] = part * h
-            doubtful |= abs(by_stages) > wanted / TOLERANCE_PART * h
     if not doubtful:
         return
     for i in range(motion.mode.size):

@@ -106,27 +106,24 @@ def test_a_smooth_contact_with_loss_that_just_touches_is_pressed_by_no_force():
     assert rows.motion.force[0] == rows.regime.easing[0] == 0.0
 
 
-@pytest.mark.parametrize(
-    ("mode", "overlap", "rate", "then", "at"),
-    [
-        (LOADED, -1e-12, -1e-3, OPEN, -1e-12),  # it opens
-        (LOADED, -1e-12, -1e-11, LOADED, 0.0),  # too slow to count, between contacts that push
-        (OPEN, 1e-12, 1e-3, LOADED, 1e-12),  # its event was not met
-        (OPEN, -1e-12, 1e-3, OPEN, -1e-12),
-        (TOUCHING, 0.0, 0.0, TOUCHING, 0.0),
-    ],
-)
-def test_contacts_that_a_step_has_carried_past_their_corner(mode, overlap, rate, then, at):
+PASSED = [
+    (LOADED, -1e-12, -1e-3, 0.3, OPEN, -1e-12),  # it opens
+    (LOADED, -1e-12, -1e-11, 0.3, LOADED, 0.0),  # too slow to count, between contacts that push
+    (LOADED, -1e-12, -1e-9, 0.0, OPEN, -1e-12), (LOADED, -1e-12, -1e-14, 0.0, LOADED, 0.0),  # and where none does
+    (OPEN, 1e-12, 1e-3, 0.3, LOADED, 1e-12), (OPEN, -1e-12, 1e-3, 0.3, OPEN, -1e-12),  # its event was not met, or is to come
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("mode", "overlap", "rate", "push", "then", "at"), PASSED)
+def test_contacts_that_a_step_has_carried_past_their_corner(mode, overlap, rate, push, then, at):
     rows = Rows(Chain([1.0] * 4, hertz(1.0)))
     motion = rows.motion
-    motion.mode[:], motion.overlap[:], motion.force[:] = LOADED, 0.5, 0.3
-    motion.mode[1], motion.overlap[1], motion.rate[1] = mode, overlap, rate
-    motion.force[1] = 0.0
-    passed = open_passed(-1, rows.chain, rows.regime, motion, BOUNDS.slow)
-    assert passed == (mode == LOADED)
-    assert motion.mode.tolist() == [LOADED, then, LOADED]
-    assert motion.overlap.tolist() == [0.5, at, 0.5]
+    motion.mode[:], motion.overlap[:], motion.force[:] = LOADED, 0.5, push
+    motion.mode[1], motion.overlap[1], motion.rate[1], motion.force[1] = mode, overlap, rate, 0.0
+    assert open_passed(-1, 2.0, rows.chain, rows.regime, motion, BOUNDS.slow, rows.scratch) == (mode == LOADED)
+    assert (motion.mode.tolist(), motion.overlap.tolist()) == ([LOADED, then, LOADED], [0.5, at, 0.5])
     assert motion.rate[1] == (0.0 if then == LOADED and mode == LOADED else rate)
+    assert rows.scratch.parting[1] == (-rate if push == at == 0.0 else 0.0)  # what it is off by when it is pushed again
 
 
 @pytest.mark.parametrize(("force", "found"), [([0.3], True), ([0.1, 0.7], True), ([0.5], False), ([0.3, -1.0], False)])
