@@ -1,6 +1,6 @@
 """Adaptive runs above their runner: samples, what one run states of its error, and other runs where that is not enough.
 
-    one run          states DOUBT * growth * sqrt(sum of the squares of its local errors and of their round-off)
+    one run          states DOUBT * growth * sqrt(sum of the squares of its local errors, of bounces left out and of round-off)
     grown errors     another run of a slightly different chain has to agree: a coarser one, which is cheap, else finer ones
     rattling         where following each bounce stops paying, several runs of `conserving` carry the motion to its end
 
