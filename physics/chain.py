@@ -204,8 +204,9 @@ class Chain:
 
     def stored_energy(self, overlap: ArrayLike, power: Callable[..., Any] = np.power) -> Array:
         """(..., n) energy [J] in each contact at overlaps (..., n) [m], see :meth:`Contact.energy`; `power` as there."""
-        if not self.couplers and (np.asarray(overlap) <= 0.0).all():  # as at the start and the end of most motions
-            return np.zeros(np.shape(overlap))
+        apart = np.asarray(overlap) <= 0.0
+        if not self.couplers and apart.all():  # as at the start and the end of most motions
+            return np.zeros(np.broadcast_shapes(apart.shape, (self.contacts,)))
         preload, stiffness, exponent = self.law_rows.T
         if self.own_laws:  # whose energy follows
             exponent = np.where(np.isnan(exponent), 1.0, exponent)
