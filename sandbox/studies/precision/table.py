@@ -117,17 +117,17 @@ def ratio(rows: Sequence[CurveRow], level: int) -> float | None:
 
 
 def ratio_sentence(rows: Sequence[CurveRow]) -> str:
-    """Who is fastest to each error level, and the ratios of the times."""
-    parts = []
+    """Who is fastest to each error level, and the ratios of the times; who of ours where no peer was measured."""
+    parts, alone = [], all(row.ours for row in rows)
     for level, error in enumerate(ERROR_LEVELS):
         mine, peer = fastest_row(rows, True, level), fastest_row(rows, False, level)
         if mine is None:
             parts.append(f"{error:g}: none of ours")
         elif peer is None:
-            parts.append(f"{error:g}: {mine.name}, no peer")
+            parts.append(f"{error:g}: {mine.name}" + (", no peer" if not alone else ""))
         else:
             parts.append(f"{error:g}: {peer.name} / {mine.name} = {ratio(rows, level):.2g}")
-    return "fastest peer over our fastest, at " + "; ".join(parts)
+    return ("fastest, at " if alone else "fastest peer over our fastest, at ") + "; ".join(parts)
 
 
 def auto_sentence(rows: Sequence[CurveRow]) -> str:

@@ -274,11 +274,11 @@ def test_ratios_are_of_the_fastest_on_each_side():
     fine = (1e-12, 5e-3)
     pair = [made_series("a", True, (1e-4, 2e-3), fine), made_series("b", False, (1e-4, 4e-3), fine)]
     found = MeasuredCase(None, pair)
-    assert ratio(curve_rows(found), 0) == pytest.approx(2.0)
-    assert ratio(curve_rows(found), 1) == pytest.approx(1.0)
+    assert [ratio(curve_rows(found), level) for level in (0, 1)] == pytest.approx([2.0, 1.0])
     assert "b / a = 2" in table.ratio_sentence(curve_rows(found))
     assert ratio(curve_rows(MeasuredCase(None, found.series[:1])), 0) == math.inf
     assert ratio(curve_rows(MeasuredCase(None, found.series[1:])), 0) is None
     auto = [made_series("a", True, (1e-4, 2e-3), fine), made_series("auto", True, (1e-4, 3e-3), fine)]
+    assert table.ratio_sentence(curve_rows(MeasuredCase(None, auto))).startswith("fastest, at 0.001: a; ")
     assert "0.001: 1.5" in table.auto_sentence(curve_rows(MeasuredCase(None, auto)))
     assert table.auto_sentence(curve_rows(MeasuredCase(None, auto[:1]))) == ""
