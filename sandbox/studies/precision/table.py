@@ -124,7 +124,7 @@ def ratio_sentence(rows: Sequence[CurveRow]) -> str:
         if mine is None:
             parts.append(f"{error:g}: none of ours")
         elif peer is None:
-            parts.append(f"{error:g}: {mine.name}" + (", no peer" if not alone else ""))
+            parts.append(f"{error:g}: {mine.name}" + ("" if alone else ", no peer"))
         else:
             parts.append(f"{error:g}: {peer.name} / {mine.name} = {ratio(rows, level):.2g}")
     return ("fastest, at " if alone else "fastest peer over our fastest, at ") + "; ".join(parts)

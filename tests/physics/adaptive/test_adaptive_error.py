@@ -58,9 +58,9 @@ def test_error_stays_below_ten_tolerances(method, truth):
     check_errors(truth.final, TOLERANCES, truth.chain, truth.start, method=method, speed=closing_speed(truth.start))
 
 
-@pytest.mark.parametrize(("n", "softness"), [(2, 16), (3, 14), (3, 24), (5, 14), (10, 30), (20, 50)])
+@pytest.mark.parametrize(("n", "softness"), [(5, 14), (10, 30), (20, 50)])
 def test_error_in_deep_clusters(n, softness):
-    """A step as long as a swing of the deepest contact, at 1e-6 of the speed, damps it; one on 5 bounces six times at as much."""
+    """One on 5 bounces six times at 1e-6 of its speed before it is over: there one part in 1e10 is a bounce."""
     chain = one_on(n, power_law(1.0, 1.0 / softness))
     exact = run(chain, struck(chain), method="radau", tolerance=1e-12).final_velocity
     check_errors(exact, TOLERANCES, chain, struck(chain))

@@ -329,17 +329,12 @@ def test_steps_are_round(span, most):
 @pytest.mark.parametrize(
     ("found", "expected"),
     [
-        (scientific(0.41), "0.41"),
-        (scientific(7.8e-4), "7.8·10⁻⁴"),
-        (scientific(-1.25e7), "\N{MINUS SIGN}1.2·10⁷"),
-        (scientific(0.0), "0"),
-        (factor(20000.0), "\N{MULTIPLICATION SIGN}20\N{NARROW NO-BREAK SPACE}000"),
-        (factor(2e6), "\N{MULTIPLICATION SIGN}2·10⁶"),
-        (fixed(-0.001, 2), "0.00"),
+        (scientific(0.41), "0.41"), (scientific(7.8e-4), "7.8·10⁻⁴"), (scientific(-1.25e7), "\N{MINUS SIGN}1.2·10⁷"),
+        (scientific(0.0), "0"), (factor(20000.0), "\N{MULTIPLICATION SIGN}20\N{NARROW NO-BREAK SPACE}000"),
+        (factor(2e6), "\N{MULTIPLICATION SIGN}2·10⁶"), (fixed(-0.001, 2), "0.00"),
         ([number_text(value) for value in (None, 0.0, 1e-15, -0.25)], ["-", "0", "0", f"{MINUS}0.2500"]),
         ([number_text(value) for value in (2e-5, 1234.4, 123456.0)], ["2.00·10⁻⁵", "1234", "1.23·10⁵"]),
-        ([number_text(value) for value in (0, 1, 493)], ["0", "1", "493"]),
-        (number_format.subscript(1, 2), "₁₂"),
+        ([number_text(value) for value in (0, 1, 493)], ["0", "1", "493"]), (number_format.subscript(1, 2), "₁₂"),
         (number_format.subscript(9, 10), "₉₋₁₀"),
         (number_format.decades(-6, 0, 3), [(0.0, "10⁰"), (-2.0, "10⁻²"), (-4.0, "10⁻⁴"), (-6.0, "10⁻⁶")]),
         (ticks(-0.2, 1.0, 4), [(0.0, "0.0"), (0.5, "0.5"), (1.0, "1.0")]),
@@ -348,7 +343,7 @@ def test_steps_are_round(span, most):
         ([_speed(slow) for slow in (1, 4)], ["real time", "slow motion 1/4"]),
         ([_speed(slow) for slow in (0.7, 0.01)], [f"quick motion {TIMES}1.429", f"quick motion {TIMES}100"]),
     ],
-)
+)  # fmt: skip
 def test_numbers(found, expected):
     assert found == expected
 

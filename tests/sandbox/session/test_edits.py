@@ -164,17 +164,13 @@ def test_a_chosen_step_follows_edits_and_a_typed_one_stays():
         (inputs.SetGap(0, 0, np.float64(1e13)), "gap"),
         (inputs.SetGap(0, 0, -1.0), "overlap must be below the length of a bead"),
         (inputs.SetMethod(0, "magic"), "unknown method"),
-        (inputs.SetStep(0, -1.0), "step"),
+        (inputs.SetStep(0, -1.0), "step"), (inputs.SetFriction(0, np.float64(-0.1)), "friction"),
         ([inputs.SetMethod(0, "scipy"), inputs.SetStep(0, 0.1)], "chooses its own steps"),
-        (inputs.SetFriction(0, np.float64(-0.1)), "friction"),
-        (inputs.AddBead(0, 9), "numbered 0 to 5"),
-        ([inputs.RemoveBead(0, 0)] * 4, "at least 2 beads"),
-        (inputs.Place(0, 1, np.float64("nan")), "position"),
-        (inputs.Drag(0, 9, 0.0), "no bead 9"),
-        (inputs.SetMass(3, 0, 1.0), "no lane 3"),
-        (inputs.SetSlow(-1.0), "slow motion must be from"),
+        (inputs.AddBead(0, 9), "numbered 0 to 5"), ([inputs.RemoveBead(0, 0)] * 4, "at least 2 beads"),
+        (inputs.Place(0, 1, np.float64("nan")), "position"), (inputs.Drag(0, 9, 0.0), "no bead 9"),
+        (inputs.SetMass(3, 0, 1.0), "no lane 3"), (inputs.SetSlow(-1.0), "slow motion must be from"),
     ],
-)
+)  # fmt: skip
 def test_a_refusal_names_what_is_wrong_and_changes_nothing(edit, sentence):
     session = opened(frames=20)
     session.scrub_frame(5)
