@@ -17,12 +17,13 @@ import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.adaptive import runner as adaptive
 from softcradle.physics.adaptive.constants import ROUND_OFF, TOLERANCE_PART
-from softcradle.physics.adaptive.runner import DOUBT, sampled, scale_of
+from softcradle.physics.adaptive.runner import DOUBT, sampled
 from softcradle.physics.adaptive.step_records import ERROR_EXPONENT, RADAU
 from softcradle.physics.adaptive.usual_budget import STEPS_A_CONTACT, usual_steps
 from softcradle.physics.chain import Chain, Joint, per_chain
@@ -36,7 +37,6 @@ from softcradle.physics.problem import (
     NO_TIMES,
     Problem,
     Record,
-    continued_switches,
     first_samples,
     with_ends_as_samples,
 )
@@ -81,7 +81,7 @@ def run(problem: Problem) -> Record:
     record = to_its_end(problem)
     if problem.most_steps is None:
         record = confirmed(problem, record)
-    if record.kept is not None and not problem.later:
+    if record.kept is not None:
         began = perf_counter()
         record = sampled(record, problem.sample_times(record.end.time))
         record.seconds += perf_counter() - began
@@ -113,24 +113,19 @@ def confirmed(problem: Problem, record: Record) -> Record:
     """
     if record.growth <= MOST_GROWN or record.warnings:
         return record
-    if record.status == Status.UNDETERMINED:
-        return _as_far_as_determined(problem, record)
-    promised = PROMISED * max(problem.tolerance, LEAST_PROMISED) * scale_of(problem)
-    if record.growth > MOST_TRUSTED or record.velocity_error.max() > promised:
+    # one that is not was carried to its end by several runs from one state: the other one has a state of its own
+    determined = record.status != Status.UNDETERMINED
+    promised = PROMISED * max(problem.tolerance, LEAST_PROMISED) * problem.scale
+    if determined and (record.growth > MOST_TRUSTED or record.velocity_error.max() > promised):
         return _finer(problem, record)
-    coarse = _shaken_run(problem, FINER * problem.tolerance, 0)
-    coarser = to_its_end(replace(coarse, samples=2, later=False, most_steps=2 * record.steps + STEPS_A_CONTACT))
-    apart = np.abs(coarser.velocity - record.velocity)
-    if coarser.warnings or record.steps > ALIKE * coarser.steps or not apart.max() <= 0.5 * promised:
-        return _with_cost_of(_finer(problem, record), coarser)
-    return replace(_with_cost_of(record, coarser), velocity_error=np.maximum(_error_of(apart), record.velocity_error))
-
-
-def _as_far_as_determined(problem: Problem, record: Record) -> Record:
-    """A record that several runs from one state carried to its end, with what a run from a state of its own differs by."""
-    other = to_its_end(replace(_shaken_run(problem, FINER * problem.tolerance, 0), samples=2, budget=record.steps))
+    most = 2 * record.steps + STEPS_A_CONTACT if determined else None
+    coarse = _shaken_run(problem, FINER * problem.tolerance, 0, samples=2, budget=record.steps, most_steps=most)
+    other = to_its_end(coarse)
     apart = np.abs(other.velocity - record.velocity)
-    return replace(_with_cost_of(record, other), velocity_error=np.maximum(record.velocity_error, _error_of(apart)))
+    if determined and (other.warnings or record.steps > ALIKE * other.steps or not apart.max() <= 0.5 * promised):
+        finest = _finer(problem, record)
+        return _beside(finest, other, finest.velocity_error)
+    return _beside(record, other, np.maximum(record.velocity_error, _error_of(apart)))
 
 
 def _finer(problem: Problem, record: Record) -> Record:
@@ -138,35 +133,36 @@ def _finer(problem: Problem, record: Record) -> Record:
 
     The usual budget bounds the steps of each finer run, and those of all runs before another is tried.
     """
-    scale = scale_of(problem)
-    allowed = max(problem.tolerance, LEAST_PROMISED) * scale
-    usual, steps, tolerance = usual_steps(problem, problem.end, scale), record.steps, problem.tolerance
+    allowed = max(problem.tolerance, LEAST_PROMISED) * problem.scale
+    usual, steps, tolerance = usual_steps(problem, problem.end), record.steps, problem.tolerance
     runs, confirming, chance = 0, 0, _agrees_by_chance(record, problem)
     while not record.warnings:
         tolerance, runs = max(tolerance / FINER, ROUND_OFF), runs + 1
         finest = tolerance < 2.0 * ROUND_OFF  # a run as fine as another agrees with it, whatever both are off by
         budget = min(int(FINER * (record.steps + STEPS_A_CONTACT)), usual)
-        finer = to_its_end(replace(_shaken_run(problem, tolerance, runs), budget=budget))
+        finer = to_its_end(_shaken_run(problem, tolerance, runs, budget=budget))
         apart = np.abs(finer.velocity - record.velocity)
         error, agrees = _error_of(apart) + _error_anyway(finer), apart.max() <= allowed
         if finer.status == Status.UNDETERMINED:
-            return replace(_with_cost_of(record, finer), status=Status.UNDETERMINED, velocity_error=error)
+            record.status = Status.UNDETERMINED
+            return _beside(record, finer, error)
         confirming = confirming + 1 if agrees and finer.steps <= ALIKE**2 * steps else 0
         before, chance = chance, _agrees_by_chance(finer, problem)
         if confirming >= (2 if chance or before else 1):
-            return replace(_with_cost_of(record, finer), velocity_error=error)
-        steps, record = finer.steps, replace(_with_cost_of(finer, record), velocity_error=error)
-        if finest or record.steps + finer.steps > usual:
+            return _beside(record, finer, error)
+        steps, record = finer.steps, _beside(finer, record, error)
+        if finest or record.steps + steps > usual:
             if apart.max() > PROMISED * allowed:
-                return replace(record, status=Status.UNDETERMINED, velocity_error=error)
-            # what its budget leaves unconfirmed may be off by more than the difference
-            return record if finest or agrees else replace(record, velocity_error=FINER * error)
+                record.status = Status.UNDETERMINED
+            elif not (finest or agrees):  # what its budget leaves unconfirmed may be off by more than the difference
+                record.velocity_error = FINER * error
+            return record
     return record
 
 
 def _agrees_by_chance(record: Record, problem: Problem) -> bool:
     """Whether a run as fine as the record's may agree with it by chance."""
-    return record.growth > MOST_TRUSTED or float(record.velocity_error.max()) > MOST_STATED * scale_of(problem)
+    return record.growth > MOST_TRUSTED or float(record.velocity_error.max()) > MOST_STATED * problem.scale
 
 
 def _error_of(apart: Array) -> Array:
@@ -183,24 +179,24 @@ def _error_anyway(record: Record) -> Array:
     return np.maximum(record.velocity_error * (min(grown, MOST_GROWN) / grown), record.unseen)
 
 
-def _shaken_run(problem: Problem, tolerance: float, runs: int) -> Problem:
-    """The problem at another tolerance, of a chain that differs by a part of it.
+def _shaken_run(problem: Problem, tolerance: float, runs: int, **other: Any) -> Problem:
+    """The problem at another tolerance, of a chain that differs by a part of it; `other` fields replace its own.
 
     Steps between sharp events are the same at all tolerances, so two runs of one chain are off alike; and so are two that are
     shaken alike: this goes to and fro with the number of `runs` so far.
     """
     chain, state = _shaken(problem.chain, (-1) ** runs * TOLERANCE_PART * tolerance), problem.state.copy()
     state.rate *= _up_and_down(runs * EPSILON, state.rate.size)
-    return replace(problem, tolerance=tolerance, chain=chain, state=state)
+    return replace(problem, tolerance=tolerance, chain=chain, state=state, **other)
 
 
-def _with_cost_of(record: Record, other: Record) -> Record:
-    return replace(
-        record,
-        steps=record.steps + other.steps,
-        evaluations=record.evaluations + other.evaluations,
-        seconds=record.seconds + other.seconds,
-    )
+def _beside(record: Record, other: Record, error: Array) -> Record:
+    """The record with the cost of another run too, beside which it states `error` (n+1,) [m/s]."""
+    record.steps += other.steps
+    record.evaluations += other.evaluations
+    record.seconds += other.seconds
+    record.velocity_error = error
+    return record
 
 
 def _shaken(chain: Chain, part: float) -> Chain:
@@ -228,7 +224,8 @@ def _stronger(contact: Joint, factor: float) -> Joint:
 
 
 def _times(contact: Contact, factor: float) -> Contact:
-    return replace(contact, preload=_scaled(contact.preload, factor), stiffness=_scaled(contact.stiffness, factor))
+    preload, stiffness = _scaled(contact.preload, factor), _scaled(contact.stiffness, factor)
+    return Contact(preload, stiffness, contact.exponent, contact.loss)
 
 
 def _scaled(number: float, factor: float) -> float:
@@ -238,7 +235,9 @@ def _scaled(number: float, factor: float) -> float:
 
 def _up_and_down(part: float, size: int) -> Array:
     """(size,) factors 1 + part, 1 - part, 1 + part, ..."""
-    return np.resize([1.0 + part, 1.0 - part], size)
+    factors = np.full(size, 1.0 + part)
+    factors[1::2] = 1.0 - part
+    return factors
 
 
 # ---- the end of a motion that rattles
@@ -251,7 +250,7 @@ def _finished(problem: Problem, given_up: Record) -> Record:
     step = STEP_PART * default_step(problem.chain, problem.velocity)
     step = max(step, ELAPSED_PART * elapsed)
     with ThreadPoolExecutor(min(len(PARTS), os.cpu_count() or 1)) as threads:
-        ends = list(threads.map(lambda part: _run_on(problem, start, part * step, None, NO_TIMES), PARTS))
+        ends = list(threads.map(lambda part: _run_on(problem, start, part * step, problem.end, NO_TIMES), PARTS))
     velocities = np.array([end.velocity for end in ends])
     error = _error_anyway(given_up) + _error_of(np.ptp(velocities, axis=0) + _rattling(problem.chain, ends[-1].end))
     times, last = problem.sample_times(ends[-1].end.time), ends[-1]
@@ -260,7 +259,8 @@ def _finished(problem: Problem, given_up: Record) -> Record:
         last = replace(_run_on(problem, start, PARTS[-1] * step, last.end.time, late), end=last.end)
     else:
         last = with_ends_as_samples(last, start, late)
-    return _joined(problem, sampled(given_up, early), last, error)
+    record = _in_a_row(problem.chain, [problem.state.time, start.time], [sampled(given_up, early), last])
+    return replace(record, status=Status.UNDETERMINED, warnings=(), velocity_error=error, growth=given_up.growth)
 
 
 def _rattling(chain: Chain, end: State) -> Array:
@@ -276,13 +276,12 @@ def _rattling(chain: Chain, end: State) -> Array:
     return np.maximum(rate[:-1], rate[1:])
 
 
-def _run_on(problem: Problem, start: State, step: float, end: float | None, times: Array) -> Record:
-    """`conserving` from `start` to `end`, or to the end of the problem, in steps that double again and again."""
-    stop = problem.end if end is None else end
+def _run_on(problem: Problem, start: State, step: float, end: float, times: Array) -> Record:
+    """`conserving` from `start` to `end` in steps that double again and again."""
     state, left = start, times
     records: list[Record] = []
     while not records or records[-1].status.gave_up:
-        duration = None if np.isinf(stop) else stop - state.time
+        duration = None if np.isinf(end) else end - state.time
         samples = left if left.size else 2
         part = Problem(
             problem.chain, state.copy(), "conserving", duration, step, samples=samples, most_steps=STEPS_ALIKE
@@ -299,7 +298,7 @@ def _in_a_row(chain: Chain, starts: list[float], records: list[Record]) -> Recor
     """Records of runs that go on from each other, each from its start [s], as one."""
     closed, switches = np.zeros(chain.contacts, dtype=bool), []
     for start, record in zip(starts, records, strict=True):
-        switches += continued_switches(closed, start, record)
+        switches += _continued_switches(closed, start, record)
     samples = Samples(*map(np.concatenate, zip(*(record.samples for record in records), strict=True)))
     contact, time = Switches.of(switches)
     return replace(
@@ -313,15 +312,24 @@ def _in_a_row(chain: Chain, starts: list[float], records: list[Record]) -> Recor
     )
 
 
-def _joined(problem: Problem, first: Record, last: Record, error: Array) -> Record:
-    """Two records, the second of which goes on from the first, as that of a motion not determined."""
-    return replace(
-        _in_a_row(problem.chain, [problem.state.time, first.end.time], [first, last]),
-        status=Status.UNDETERMINED,
-        warnings=(),
-        velocity_error=error,
-        growth=first.growth,
-    )
+def _continued_switches(closed: NDArray[np.bool_], start: float, record: Record) -> list[tuple[int, float]]:
+    """(contact, time) of the switches in the `record` of a run that goes on from `start` [s]; `closed` (n,) is updated.
+
+    A run logs its closed contacts as closing at its start: those that were `closed` before have not switched, and those that
+    were and are not logged have opened.
+    """
+    begun, now = np.zeros(closed.size, dtype=bool), np.zeros(closed.size, dtype=bool)
+    kept = []
+    for contact, time in zip(record.switch_contact.tolist(), record.switch_time.tolist(), strict=True):
+        now[contact] = not now[contact]
+        if time <= start and now[contact] and not begun[contact]:
+            begun[contact] = True
+            if closed[contact]:
+                continue
+        kept.append((contact, time))
+    opened = np.flatnonzero(closed & ~begun)
+    closed[:] = now
+    return [*((int(contact), start) for contact in opened), *kept]
 
 
 # ---- what energy tells
@@ -333,7 +341,7 @@ def _bound_by_energy(problem: Problem, record: Record) -> None:
         return
     most = largest_error(problem.chain, problem.state, record.end)
     record.velocity_error = np.minimum(record.velocity_error, most)
-    if record.status == Status.UNDETERMINED and most.max() <= problem.tolerance * scale_of(problem):
+    if record.status == Status.UNDETERMINED and most.max() <= problem.tolerance * problem.scale:
         record.status = Status.DONE
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager
 from typing import Any
 
 import numpy as np
@@ -34,11 +33,6 @@ ROWS_A_STEP = 4  # of it for each step until a pause, at which it grows
 MOST_LOG = 4_000_000  # rows at the most: 64 MB
 NO_FLAGS = np.zeros(0, dtype=np.int8)
 NO_SEGMENTS = (NO_FLAGS, np.zeros((0, 9)), np.zeros(0, dtype=np.int64))  # of a chain without couplers
-
-
-def kernel_arithmetic() -> AbstractContextManager[object]:
-    """Within it, kernels that run as plain Python warn no more of infinite intermediate results than compiled ones do."""
-    return np.errstate(all="ignore")
 
 
 def chain_records(chain: Chain, state: State) -> tuple[Any, ...]:
@@ -120,7 +114,7 @@ def chain_and_regime(chain: Chain, state: State) -> tuple[tuple[Any, ...], tuple
     law, inverse_mass, push, external, anchor, *others, dissipation = chain_records(chain, state)
     others.append(NO_DISSIPATION)
     if not (chain.dissipative or chain.couplers):
-        regime = (law, inverse_mass, push, NOTHING, NOTHING, NO_FLAGS, NO_FLAGS, *NO_SEGMENTS)
+        regime = (law, inverse_mass, NOTHING, NOTHING, NO_FLAGS, NO_FLAGS, *NO_SEGMENTS)
         return (law, inverse_mass, push, external, anchor, *others), regime
     loss = dissipation.loss if dissipation.loss.any() or chain.couplers else NOTHING
     bed = dissipation.bed if dissipation.bed.any() else NOTHING
@@ -128,7 +122,7 @@ def chain_and_regime(chain: Chain, state: State) -> tuple[tuple[Any, ...], tuple
     joints = NO_SEGMENTS
     if chain.couplers:
         joints, law = _segments(chain), np.zeros((chain.contacts, 6))
-    regime = (law, inverse_mass, push, loss, bed, slide, easing, *joints)
+    regime = (law, inverse_mass, loss, bed, slide, easing, *joints)
     if bed.size and not external.size:
         external = np.zeros(bed.size)
     return (law.copy(), inverse_mass.copy(), push, external, anchor, *others), regime

@@ -20,6 +20,7 @@ from types import FunctionType
 from typing import Any, TypeVar
 from zlib import crc32
 
+import numpy as np
 from softcradle.physics.numerics.float_bits import COMPILED, INSTALLED
 from softcradle.physics.numerics.kernel_cache import cache_folder, drop_unused, target
 
@@ -80,18 +81,18 @@ class KernelTiers:
         if not self.in_memory:
             self.compile_behind()
             if self.spent + work <= PLAIN_WORK:
-                return plain(kernel)
+                return quiet(kernel)
             tell_once(FIRST)
             self.wait()
             self._loaded = True
-        return kernel
+        return kernel if COMPILED else quiet(kernel)
 
     def of_frame(self, kernel: Kernel) -> Kernel:
         """The tier of `kernel` for a frame of live use, which waits for nothing: machine code is loaded on a thread."""
         if self._first:
             self.load()
         if self.in_memory:
-            return kernel
+            return kernel if COMPILED else quiet(kernel)
         if self._loader is None and monotonic() - self._looked > LOOKING:
             self._looked = monotonic()
             if self.on_disk:
@@ -99,7 +100,7 @@ class KernelTiers:
                 self._loader.start()
             else:
                 self.compile_behind(YIELDING)
-        return plain(kernel)
+        return quiet(kernel)
 
     # ---- machine code
 
@@ -235,6 +236,12 @@ def plain(kernel: Any) -> Any:
     return FunctionType(
         source.__code__, _plain_names(source.__module__), source.__name__, source.__defaults__, source.__closure__
     )
+
+
+@cache
+def quiet(kernel: Any) -> Any:
+    """The same, to be called from outside: it warns no more of infinite intermediate results than machine code does."""
+    return np.errstate(all="ignore")(plain(kernel))
 
 
 _names: dict[str, dict[str, Any]] = {}

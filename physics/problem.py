@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
-from time import perf_counter
-from typing import Generic, Protocol, TypeVar
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
 from softcradle.physics.numerics.records import Samples
+from softcradle.physics.scales import closing_scale
 from softcradle.physics.state import MOVING, State
 from softcradle.physics.status import Status, Warnings
 
 Array = NDArray[np.float64]
-Kept = TypeVar("Kept")
 
 MOST_STEPS = 200_000  # steps of an adaptive method, rejected ones included, before a run gives up
 NO_TIMES = np.zeros(0)
-MOST_CHECKPOINTS = 512  # of a run in Python
 
 
 @dataclass(frozen=True)
@@ -35,7 +33,6 @@ class Problem:
         tolerance: wanted error; 0 for fixed steps.
         samples: number of evenly spaced samples, or their times (T,) [s].
         budget: steps after which an adaptive run rattles more than it determines; None: what its chain and tolerance tell.
-        later: whether the record is to keep the run, for times of samples that are not known yet.
         most_steps: what an adaptive method may take for a frame of live use; None: a whole motion, as long as it takes.
     """
 
@@ -48,12 +45,17 @@ class Problem:
     samples: int | Array = field(default_factory=lambda: NO_TIMES)
     most_steps: int | None = None
     budget: int | None = None
-    later: bool = False
 
     @cached_property
     def velocity(self) -> Array:
         """(n+1,) bead velocities [m/s] at the start."""
         return self.state.velocity(self.chain)
+
+    @cached_property
+    def scale(self) -> float:
+        """The speed [m/s] that the tolerance is relative to: that of the fastest closing there can be, see `closing_scale`."""
+        external = self.state.external(self.chain)
+        return closing_scale(self.chain, self.velocity, self.state.overlap, external, self.duration, self.tolerance)
 
     @property
     def end(self) -> float:
@@ -68,7 +70,7 @@ class Problem:
     @property
     def keeps(self) -> bool:
         """Whether the run has to keep what samples are taken from when it is over."""
-        return self.later or (self.duration is None and not self.ends_alone)
+        return self.duration is None and not self.ends_alone
 
     def sample_times(self, end: float) -> Array:
         """(T,) sample times [s] for a run that ends at `end`."""
@@ -132,31 +134,6 @@ class KeptRun(Protocol):
         """The record `found` of the run with its samples at `times` (T,) [s]."""
 
 
-class CheckpointList(Generic[Kept]):
-    """What a run keeps every few steps; where it is full, every second one goes and the steps between them double.
-
-    Attributes:
-        items: what is kept, in order.
-        due: steps after which the next one is kept.
-    """
-
-    def __init__(self, spacing: int) -> None:
-        """With `spacing` steps between two at first."""
-        self.items: list[Kept] = []
-        self.due = 0
-        self._spacing = spacing
-
-    def offer(self, steps: int, make: Callable[[], Kept]) -> None:
-        """Keep what `make` gives, if it is due after so many `steps` of the run."""
-        if steps < self.due:
-            return
-        if len(self.items) == MOST_CHECKPOINTS:
-            self.items = self.items[::2]
-            self._spacing *= 2
-        self.items.append(make())
-        self.due = steps + self._spacing
-
-
 class Runner(Protocol):
     """What moves chains by the methods of one family; a module with these two functions is one."""
 
@@ -165,26 +142,6 @@ class Runner(Protocol):
 
     def advance(self, problem: Problem, /) -> Status:
         """Move ``problem.state`` on by the duration in place; it stops early with a status that says so."""
-
-
-def continued_switches(closed: NDArray[np.bool_], start: float, record: Record) -> list[tuple[int, float]]:
-    """(contact, time) of the switches in the `record` of a run that goes on from `start` [s]; `closed` (n,) is updated.
-
-    A run logs its closed contacts as closing at its start: those that were `closed` before have not switched, and those that
-    were and are not logged have opened.
-    """
-    begun, now = np.zeros(closed.size, dtype=bool), np.zeros(closed.size, dtype=bool)
-    kept = []
-    for contact, time in zip(record.switch_contact.tolist(), record.switch_time.tolist(), strict=True):
-        now[contact] = not now[contact]
-        if time <= start and now[contact] and not begun[contact]:
-            begun[contact] = True
-            if closed[contact]:
-                continue
-        kept.append((contact, time))
-    opened = np.flatnonzero(closed & ~begun)
-    closed[:] = now
-    return [*((int(contact), start) for contact in opened), *kept]
 
 
 def empty_samples(times: Array, contacts: int) -> Samples:
@@ -198,28 +155,13 @@ def first_samples(samples: Samples, count: int) -> Samples:
     return Samples(*(rows[:count] for rows in samples))
 
 
-Pass = Callable[[Problem, float, Array, bool], Record]
-
-
-def run_to_end(problem: Problem, once: Pass) -> Record:
-    """Run `once(problem, end, sample times, stop)` to the duration; without one, to the end it finds itself.
-
-    Samples between are then taken from what the run kept. Where it kept nothing, a second run takes them.
-    """
-    if problem.duration is not None and not problem.later:
-        return once(problem, problem.end, problem.sample_times(problem.end), False)
-    found = once(problem, problem.end, NO_TIMES, problem.duration is None)
-    if problem.later:
-        return found
+def run_to_end(problem: Problem, once: Callable[[Problem, Array], Record]) -> Record:
+    """Run `once(problem, sample times)`; without a duration, samples between are taken from what the run kept."""
+    if problem.duration is not None:
+        return once(problem, problem.sample_times(problem.end))
+    found = once(problem, NO_TIMES)
     times = problem.sample_times(found.end.time)
-    if problem.ends_alone:
-        return with_ends_as_samples(found, problem.state, times)
-    if found.kept is not None:
-        began = perf_counter()
-        found = found.kept.record(found, times)
-        found.seconds += perf_counter() - began
-        return found
-    return replace(found, samples=once(problem, max(found.end.time, float(times[-1])), times, False).samples)
+    return found.kept.record(found, times) if found.kept else with_ends_as_samples(found, problem.state, times)
 
 
 def with_ends_as_samples(found: Record, start: State, times: Array) -> Record:

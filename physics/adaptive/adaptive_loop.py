@@ -11,7 +11,7 @@ from softcradle.physics.adaptive.constants import FEW_TRIES, NEWTON_PART, ROUND_
 from softcradle.physics.adaptive.corner_action import begin, cross, fly_to_event, open_passed, pass_knot
 from softcradle.physics.adaptive.flight import back_to_opening, nothing_pushes
 from softcradle.physics.adaptive.row_graphs import bead_acceleration, put_drive
-from softcradle.physics.adaptive.sampling import absorb, keep_step
+from softcradle.physics.adaptive.sampling import absorb, accept_step, keep_step
 from softcradle.physics.adaptive.step_control import (
     find_step,
     first_step,
@@ -49,23 +49,11 @@ from softcradle.physics.numerics.records import (
     REJECTED,
     SEPARATED,
     STEP,
-    TOUCHING,
     ChainData,
     Extent,
     Motion,
     SwitchLog,
 )
-
-
-@inlined
-def accept_step(motion, trial):
-    """Make the end of the trial the motion."""
-    for i in range(motion.mode.size):
-        motion.overlap[i], motion.rate[i], motion.force[i] = trial.overlap[2, i], trial.rate[2, i], trial.force[2, i]
-        motion.held[i] = 0
-        if motion.mode[i] == TOUCHING or motion.mode[i] == FROZEN:
-            motion.rate[i] = 0.0
-    motion.anchor[0], motion.anchor[1] = trial.anchor[0], trial.anchor[1]
 
 
 @piece
@@ -136,8 +124,7 @@ def integrate(
         if firm and not acts and nothing_moves(chain, regime, motion):
             if until == end:
                 return (SEPARATED, time) if stop else (DONE, end)
-            if steps.time.size:
-                keep_step(time, until - time, RESTED, chain, regime, motion, steps, counter)
+            keep_step(time, until - time, RESTED, chain, regime, motion, steps, counter)
             time = until
             continue
         if not acts and nothing_pushes(chain, regime, motion, bounds.negligible):
@@ -167,8 +154,7 @@ def integrate(
         control[AT_ONCE] = 0.0
         control[LOCAL_SQUARE] += error * error
         find_openings(h, kind, firm, chain, motion, wanted, trial, look, scratch, log)
-        if steps.time.size:
-            keep_step(time, h, kind, chain, regime, motion, steps, counter)
+        keep_step(time, h, kind, chain, regime, motion, steps, counter)
         absorb(h, chain, regime, motion, trial, scratch.work, motion.taken)
         accept_step(motion, trial)
         before, time = time, time + h if h < until - time else until

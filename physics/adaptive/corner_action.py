@@ -13,15 +13,14 @@ import math
 from softcradle.physics.adaptive.constants import FORCE_PRECISION, MOMENT, ROUND_OFF
 from softcradle.physics.adaptive.flight import drift, next_event
 from softcradle.physics.adaptive.row_graphs import (
+    both_forces,
     drive_overlaps,
     find_segment,
-    force_pressing,
     friction_needed,
     is_at_rest,
     is_coupler,
     is_firm,
     is_gear,
-    kept_stop,
     length_of,
     loss_of,
     most_friction,
@@ -55,15 +54,15 @@ VELOCITY, LOAD, GIVE, LOW, HIGH, ACCELERATION, CARRIED, CANDIDATE = 0, 5, 6, 7, 
 
 
 @inlined
-def moment_of(regime, motion, slow):
+def moment_of(chain, regime, motion, slow):
     """How much later [s] forces are taken: until the largest of them gives a velocity well above `slow` [m/s]."""
     largest = 0.0
     for i in range(motion.mode.size):
         weight = regime.inverse_mass[i] + regime.inverse_mass[i + 1]
         largest = max(largest, weight * max(abs(motion.force[i]), abs(regime.law[i, 0])))
     for j in range(regime.inverse_mass.size):
-        if regime.push.size:
-            largest = max(largest, abs(regime.push[j]) * regime.inverse_mass[j])
+        if chain.push.size:
+            largest = max(largest, abs(chain.push[j]) * regime.inverse_mass[j])
         if regime.bed.size:
             largest = max(largest, regime.bed[j])
     return MOMENT * slow / largest if largest > 0.0 else 0.0
@@ -72,11 +71,8 @@ def moment_of(regime, motion, slow):
 @inlined
 def known_force(i, late, chain, regime, motion):
     """Force of contact i, loaded, `late` [s] after now."""
-    overlap = motion.overlap[i] + late * motion.rate[i]
-    found = force_pressing(chain, regime, i, overlap)
-    if regime.easing.size == 0 or regime.easing[i] == 0:
-        return found
-    return found * (1.0 - loss_of(regime, i)) + kept_stop(regime, i, overlap)
+    pressed, eased = both_forces(chain, regime, i, motion.overlap[i] + late * motion.rate[i])
+    return eased if regime.easing.size and regime.easing[i] != 0 else pressed
 
 
 @inlined
@@ -122,7 +118,7 @@ def load_beads(late, slipping, chain, regime, motion, slow, work):
     if regime.bed.size:
         bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], work[VELOCITY])
     for j in range(regime.inverse_mass.size):
-        load[j] = regime.push[j] if regime.push.size else 0.0
+        load[j] = chain.push[j] if chain.push.size else 0.0
         if knots.push_slope.size:
             load[j] += late * knots.push_slope[j]
         give[j] = 0.0
@@ -228,7 +224,7 @@ def make_effective(chain, regime, motion):
 def decide(slipping, chain, regime, motion, slow, scratch):
     """The branch of every row, forces and the effective chain, from overlaps, rates and slides; at rest is what is slower than
     `slow` [m/s]. Bead `slipping` (-1: none) slides already."""
-    work, late = scratch.work, moment_of(regime, motion, slow)
+    work, late = scratch.work, moment_of(chain, regime, motion, slow)
     undetermined = classify(late, chain, regime, motion, slow, work)
     if load_beads(late, slipping, chain, regime, motion, slow, work) or undetermined:
         n = motion.mode.size
@@ -359,8 +355,7 @@ def fly_to_event(time, end, chain, regime, motion, bounds, scratch, steps, log):
     scratch.control[NEXT] = math.inf
     until, row, side = next_event(time, end, chain, regime, motion, bounds.negligible, scratch.work[0])
     if until < math.inf:
-        if steps.time.size:
-            keep_step(time, until - time, FLOWN, chain, regime, motion, steps, log.counter)
+        keep_step(time, until - time, FLOWN, chain, regime, motion, steps, log.counter)
         drift(until - time, chain, regime, motion, scratch.work[0])
         time = until
     if row >= 0:
@@ -369,15 +364,15 @@ def fly_to_event(time, end, chain, regime, motion, bounds, scratch, steps, log):
 
 
 @piece
-def find_slides(chain, regime, motion, known, velocity):
-    """Which way each bead slides, from the velocities; later only events change it: it is `known` where that is not 0.
+def find_slides(begins, chain, regime, motion, velocity):
+    """Which way each bead slides, from the velocities; after the run `begins` only events change it where it is braked already.
 
     `velocity` (n+1,) is scratch memory.
     """
     if regime.bed.size:
         bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], velocity)
         for j in range(velocity.size):
-            if known[j] == 0.0:
+            if begins or regime.bed[j] == 0.0:
                 regime.slide[j] = 1 if velocity[j] > 0.0 else (-1 if velocity[j] < 0.0 else 0)
 
 
@@ -389,9 +384,7 @@ def begin(time, chain, regime, motion, bounds, scratch, log):
         motion.held[i] = 0
         if regime.segment.size:
             put_segment(i, regime.segment[i], regime, motion)
-    for j in range(regime.bed.size):
-        scratch.work[1, j] = 0.0
-    find_slides(chain, regime, motion, scratch.work[1], scratch.work[0])
+    find_slides(True, chain, regime, motion, scratch.work[0])
     decide(NO_CONTACT, chain, regime, motion, bounds.slow, scratch)
     for i in range(motion.mode.size):
         if motion.mode[i] == LOADED and motion.overlap[i] == 0.0:
@@ -411,11 +404,8 @@ def begin(time, chain, regime, motion, bounds, scratch, log):
 @piece
 def pass_knot(time, chain, regime, motion, bounds, scratch, log):
     """Go on under the forces and brakes after a knot; what is held is resolved anew. Returns what `put_drive` does."""
-    known = scratch.work[1]
-    for j in range(regime.bed.size):
-        known[j] = regime.bed[j]
+    find_slides(False, chain, regime, motion, scratch.work[0])  # by the brakes before the knot
     acts = put_drive(time, chain, regime)
-    find_slides(chain, regime, motion, known, scratch.work[0])
     for i in range(motion.mode.size):
         motion.held[i] = 0
     decide(NO_CONTACT, chain, regime, motion, bounds.slow, scratch)

@@ -134,9 +134,10 @@ def guard_of(row, side, h, chain, regime, motion, trial, slow, work):
 
 @inlined
 def rate_guard(h, sign, v0, a0, v1, a1, slow):
-    """The guard ``sign v`` of a rate or velocity."""
+    """The guard ``sign v`` of a rate or velocity: the cubic through both ends."""
     lift = slow if sign * v0 <= slow else 0.0
-    return hermite_cubic(h, sign * v0 + lift, sign * a0, sign * v1 + lift, sign * a1)
+    y0, y1 = sign * v0 + lift, sign * v1 + lift
+    return elevated(y0, y0 + h * (sign * a0) / 3.0, y1 - h * (sign * a1) / 3.0, y1)
 
 
 @inlined
@@ -252,13 +253,6 @@ def hermite_quintic(h, y0, v0, a0, y1, v1, a1):
 
 
 @inlined
-def hermite_cubic(h, y0, v0, y1, v1):
-    """Bernstein coefficients, of degree 5, of the cubic through values and rates of both ends of a step of length h."""
-    b1, b2 = y0 + h * v0 / 3.0, y1 - h * v1 / 3.0
-    return elevated(y0, b1, b2, y1)
-
-
-@inlined
 def elevated(b0, b1, b2, b3):
     """The coefficients of degree 5 of a cubic."""
     return (
@@ -327,8 +321,6 @@ def safe_move(b):
 @inlined
 def first_root(b):
     """The first part x in [0, 1] at which the quintic with coefficients `b` turns from positive to negative; NONE without."""
-    if min(b[1], b[2], b[3], b[4], b[5]) >= 0.0:
-        return NONE
     left, width = 0.0, 1.0
     b = (max(b[0], 0.0), b[1], b[2], b[3], b[4], b[5])
     for _ in range(MOST_MOVES):

@@ -3,6 +3,9 @@
     d_s = d0 + c_s h w0 + h² sum_k (A²)_sk a_k,   a_k = e - L f(d_k),   s = 1..12
 
 Forces of touching contacts are multipliers: they solve (L f)_i = e_i at every stage, one tridiagonal system.
+For y'' = f(y) the stages of the rates drop out; A and b are the coefficients of the method (Hairer, Norsett & Wanner, Solving
+ODEs I, 2nd ed., II.10).
+
 Only ranges of active contacts take part; between them no contact pushes enough to matter, and overlaps change at their rates.
 """
 
@@ -10,18 +13,11 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 from softcradle.physics.adaptive.constants import GRAZE, KINK, MARGIN, ROUND_OFF
-from softcradle.physics.adaptive.dop853_tableau import (
-    FIFTH,
-    FIFTH_SQUARE,
-    NODES,
-    SQUARE,
-    STAGES,
-    THIRD,
-    THIRD_SQUARE,
-    WEIGHTS,
-    WEIGHTS_SQUARE,
-)
+from softcradle.physics.adaptive.corner_search import halves, hermite_quintic
+from softcradle.physics.adaptive.step_records import STAGES
+from softcradle.physics.numerics.exact_matrices import exact_product
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at
 from softcradle.physics.numerics.law_curve import NODES as OUTPUT_NODES
@@ -35,6 +31,55 @@ from softcradle.physics.numerics.law_curve import (
 )
 from softcradle.physics.numerics.own_contacts import bend_passed
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING, ZERO
+
+# fmt: off
+NODES = np.array([
+    0.0, 0.05260015195876773, 0.0789002279381516, 0.1183503419072274, 0.2816496580927726, 0.3333333333333333, 0.25,
+    0.3076923076923077, 0.6512820512820513, 0.6, 0.8571428571428571, 1.0,
+])
+_TABLEAU = np.zeros((STAGES, STAGES))
+_TABLEAU[1, [0]] = [0.05260015195876773]
+_TABLEAU[2, [0, 1]] = [0.0197250569845379, 0.0591751709536137]
+_TABLEAU[3, [0, 2]] = [0.02958758547680685, 0.08876275643042054]
+_TABLEAU[4, [0, 2, 3]] = [0.2413651341592667, -0.8845494793282861, 0.924834003261792]
+_TABLEAU[5, [0, 3, 4]] = [0.037037037037037035, 0.17082860872947386, 0.12546768756682242]
+_TABLEAU[6, [0, 3, 4, 5]] = [0.037109375, 0.17025221101954405, 0.06021653898045596, -0.017578125]
+_TABLEAU[7, [0, 3, 4, 5, 6]] = [
+    0.03709200011850479, 0.17038392571223998, 0.10726203044637328, -0.015319437748624402, 0.008273789163814023,
+]
+_TABLEAU[8, [0, 3, 4, 5, 6, 7]] = [
+    0.6241109587160757, -3.3608926294469414, -0.868219346841726, 27.59209969944671, 20.154067550477894,
+    -43.48988418106996,
+]
+_TABLEAU[9, [0, 3, 4, 5, 6, 7, 8]] = [
+    0.47766253643826434, -2.4881146199716677, -0.590290826836843, 21.230051448181193, 15.279233632882423,
+    -33.28821096898486, -0.020331201708508627,
+]
+_TABLEAU[10, [0, 3, 4, 5, 6, 7, 8, 9]] = [
+    -0.9371424300859873, 5.186372428844064, 1.0914373489967295, -8.149787010746927, -18.52006565999696,
+    22.739487099350505, 2.4936055526796523, -3.0467644718982196,
+]
+_TABLEAU[11, [0, 3, 4, 5, 6, 7, 8, 9, 10]] = [
+    2.273310147516538, -10.53449546673725, -2.0008720582248625, -17.9589318631188, 27.94888452941996,
+    -2.8589982771350235, -8.87285693353063, 12.360567175794303, 0.6433927460157636,
+]
+WEIGHTS = np.zeros(STAGES)
+WEIGHTS[[0, 5, 6, 7, 8, 9, 10, 11]] = [
+    0.054293734116568765, 4.450312892752409, 1.8915178993145003, -5.801203960010585, 0.3111643669578199,
+    -0.1521609496625161, 0.20136540080403034, 0.04471061572777259,
+]
+THIRD = WEIGHTS.copy()  # error by the embedded formula of order three
+THIRD[[0, 8, 11]] -= [0.2440944881889764, 0.7338466882816118, 0.022058823529411766]
+FIFTH = np.zeros(STAGES)  # error by the embedded formula of order five
+FIFTH[[0, 5, 6, 7, 8, 9, 10, 11]] = [
+    0.01312004499419488, -1.2251564463762044, -0.4957589496572502, 1.6643771824549864, -0.35032884874997366,
+    0.3341791187130175, 0.08192320648511571, -0.022355307863886294,
+]
+# fmt: on
+
+SQUARE = exact_product(_TABLEAU, _TABLEAU)  # from accelerations to stage overlaps
+WEIGHTS_SQUARE = exact_product(WEIGHTS, _TABLEAU)  # and to the overlap at the end
+THIRD_SQUARE, FIFTH_SQUARE = exact_product(THIRD, _TABLEAU), exact_product(FIFTH, _TABLEAU)  # and to its errors
 
 
 @inlined
@@ -50,10 +95,14 @@ def is_active(i, h, inactive, chain, motion):
         motion.overlap[i] < 0.0 or (motion.overlap[i] == 0.0 and rate < 0.0)
     ):  # a coupler that pulls
         return True
+    weight, push = chain.inverse_mass[i] + chain.inverse_mass[i + 1], max(motion.force[i], law[i, 0])
+    if rate > inactive or weight * push * h > inactive:
+        return True
     reach = motion.overlap[i] + max(rate, 0.0) * h
-    end = curve_force(law, chain.own, i, reach) if reach > 0.0 else 0.0
-    push = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * max(motion.force[i], law[i, 0], end)
-    return rate > inactive or push * h > inactive or push * max(reach, 0.0) > inactive * inactive
+    if reach <= 0.0:
+        return False
+    push = weight * max(push, curve_force(law, chain.own, i, reach))
+    return push * h > inactive or push * reach > inactive * inactive
 
 
 @inlined
@@ -206,11 +255,10 @@ def step_of_range(h, first, last, chain, motion, trial, scratch):
             end_overlap[i], end_rate[i] = overlap[i], 0.0
     worst = error_of_range(h, first, last, chain, motion, trial, force)
     accelerate(first, last, h, chain, mode, motion.force, end_overlap, force, stage, upper)
-    for k in range(2):
-        for i in range(first, last):
-            trial.overlap[k, i] = hermite(
-                OUTPUT_NODES[k], h, overlap[i], rate[i], acceleration[0, i], end_overlap[i], end_rate[i], stage[i]
-            )  # fmt: skip
+    for i in range(first, last):
+        path = hermite_quintic(h, overlap[i], rate[i], acceleration[0, i], end_overlap[i], end_rate[i], stage[i])
+        for k in range(2):
+            trial.overlap[k, i] = halves(OUTPUT_NODES[k], path)[0][5]
     return worst
 
 
@@ -280,17 +328,3 @@ def combined(fifth, third):
     """The error of order 8 from those of orders 5 and 3, as in the authors' code."""
     scale = fifth * fifth + 0.01 * third * third
     return fifth * fifth / math.sqrt(scale) if scale != 0.0 else 0.0
-
-
-@piece
-def hermite(x, h, d0, w0, a0, d1, w1, a1):
-    """The quintic with overlaps, rates and accelerations of both ends, at the part x of the step."""
-    jump = d1 - d0 - h * w0 - 0.5 * h * h * a0
-    turn = h * (w1 - w0 - h * a0)
-    bend = h * h * (a1 - a0)
-    c3, c4, c5 = (
-        10.0 * jump - 4.0 * turn + 0.5 * bend,
-        -15.0 * jump + 7.0 * turn - bend,
-        6.0 * jump - 3.0 * turn + 0.5 * bend,
-    )
-    return d0 + x * (h * w0 + x * (0.5 * h * h * a0 + x * (c3 + x * (c4 + x * c5))))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from functools import cached_property
 from typing import Any
 
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 from softcradle.physics.adaptive.sampling import sample_steps
 from softcradle.physics.adaptive.step_records import Steps, empty_scratch, empty_steps, empty_trial
 from softcradle.physics.chain import Chain, per_chain
-from softcradle.physics.kernel_records import chain_and_regime, empty_log, kernel_arithmetic, motion_record
+from softcradle.physics.kernel_records import chain_and_regime, empty_log, motion_record
 from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.numerics.records import KEPT, SAMPLE, SwitchLog
 from softcradle.physics.problem import Problem, Record, empty_samples, first_samples
@@ -19,10 +18,8 @@ from softcradle.physics.problem import Problem, Record, empty_samples, first_sam
 Array = NDArray[np.float64]
 
 MOST_ROWS, MOST_NUMBERS = 256, 2**18  # steps between two samplings, and numbers that these take
-# blocks of steps that a thread keeps for its next runs: fresh memory costs more than what is written to it
-MOST_SPARE = 4
+MOST_SPARE = 4  # blocks of steps that are kept for the next run
 MOST_KEPT = 2**30  # bytes of steps that a run without a duration keeps; a longer one is run again for its samples
-SAMPLE_COST = 1.0  # fixed steps that cost plain Python as much as one sample
 
 
 class KeptSteps:
@@ -35,17 +32,17 @@ class KeptSteps:
         overflows: whether the run had more steps than are kept.
     """
 
-    def __init__(self, problem: Problem, wanted: float, tiers: KernelTiers) -> None:
-        """`wanted` [m/s] bounds the error of a step."""
-        self.problem, self.wanted, self.tiers = problem, wanted, tiers
-        self.ends = problem.ends_alone and not problem.later and problem.duration is None
-        self.known = problem.duration is not None and not problem.later and not self.ends
+    def __init__(self, problem: Problem, wanted: float, tiers: KernelTiers, spare: list[Steps]) -> None:
+        """`wanted` [m/s] bounds the error of a step; `spare` are blocks of steps that runs before have left."""
+        self.problem, self.wanted, self.tiers, self.spare = problem, wanted, tiers, spare
+        self.known = problem.duration is not None
+        self.ends = not (self.known or problem.keeps)
         self.overflows = False
         self._chunks: list[tuple[Steps, int]] = []
         if self.known:
             self._want(problem.sample_times(problem.end))
         needless = self.ends or (self.known and not self.times.size)
-        self.steps = no_steps(problem.chain) if needless else _block(problem.chain)
+        self.steps = no_steps(problem.chain) if needless else self._block()
 
     def _want(self, times: Array) -> None:
         contacts = self.problem.chain.contacts
@@ -63,7 +60,17 @@ class KeptSteps:
             self.overflows = len(self._chunks) * bytes_a_chunk > MOST_KEPT
             if self.overflows:
                 self._chunks.clear()
-            self.steps = no_steps(self.problem.chain) if self.overflows else _block(self.problem.chain)
+            self.steps = no_steps(self.problem.chain) if self.overflows else self._block()
+
+    def _block(self) -> Steps:
+        """Rows for some steps: those of a run before, where they fit."""
+        chain, none = self.problem.chain, no_steps(self.problem.chain)
+        wide = none.values.shape[1], none.flags.shape[1]
+        while self.spare:
+            block = self.spare.pop()
+            if block.time.size and (block.values.shape[1], block.flags.shape[1]) == wide:
+                return block
+        return _steps(chain, min(MOST_ROWS, MOST_NUMBERS // wide[0] + 1))
 
     def _sample(self, steps: Steps, count: int) -> None:
         """Take the samples in `count` steps."""
@@ -72,12 +79,11 @@ class KeptSteps:
         many = int(np.searchsorted(self.times[done:], last))
         if many == 0:
             return
-        work = SAMPLE_COST * many * self.problem.chain.contacts
+        work = float(many * self.problem.chain.contacts)  # a sample costs plain Python as much as a fixed step
         kernel: Any = self.tiers.of(sample_steps, work)
         if kernel is not sample_steps:
             self.tiers.spent += work
-        with kernel_arithmetic():
-            kernel(count, self.wanted, *self._memory, tuple(steps), tuple(self._samples), tuple(self._log))
+        kernel(count, self.wanted, *self._memory, tuple(steps), tuple(self._samples), tuple(self._log))
 
     @cached_property
     def _memory(self) -> Any:
@@ -103,18 +109,8 @@ class KeptSteps:
         overlap[done:], rate[done:], force[done:] = state.overlap + np.outer(left, state.rate), state.rate, state.force
         anchor[done:, 0], anchor[done:, 1] = state.anchor[0] + left * state.anchor[1], state.anchor[1]
         taken[done:] = state.taken
-        _spare.blocks = [self.steps, *(steps for steps, _ in self._chunks)][:MOST_SPARE]
+        self.spare[:] = [self.steps, *(steps for steps, _ in self._chunks)][:MOST_SPARE]
         return found.with_samples(samples)
-
-
-class _Spare(threading.local):
-    """Blocks of steps of the last run of a thread."""
-
-    def __init__(self) -> None:
-        self.blocks: list[Steps] = []
-
-
-_spare = _Spare()
 
 
 def _steps(chain: Chain, rows: int) -> Steps:
@@ -125,14 +121,3 @@ def _steps(chain: Chain, rows: int) -> Steps:
 def no_steps(chain: Chain) -> Steps:
     """Memory of the steps of such a chain where none are kept."""
     return _steps(chain, 0)
-
-
-def _block(chain: Chain) -> Steps:
-    """Rows for some steps: those of the run before, where they fit."""
-    none = no_steps(chain)
-    wide = none.values.shape[1], none.flags.shape[1]
-    while _spare.blocks:
-        block = _spare.blocks.pop()
-        if block.time.size and (block.values.shape[1], block.flags.shape[1]) == wide:
-            return block
-    return _steps(chain, min(MOST_ROWS, MOST_NUMBERS // wide[0] + 1))

@@ -41,9 +41,8 @@ from softcradle.physics.numerics.law_curve import (
     larger,
     move_along,
     pressed_force,
-    put_on_curve,
 )
-from softcradle.physics.numerics.own_contacts import bend_passed
+from softcradle.physics.numerics.own_contacts import bend_passed, number_of
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING, ZERO
 
 TABLEAU = np.array(
@@ -109,7 +108,8 @@ def first_guess(h, chain, motion, trial):
                 growth = min(max(power * log_grown(NODES[k] * times), -most), most)
                 stage_overlap[k, i] = overlap[i] * exp_near(growth)
                 stage_force[k, i] = preload + (force[i] - preload) * exp_near(exponent * growth)
-                put_on_curve(law, own_laws, i, k, stage_overlap, stage_force)
+                if number_of(own_laws, i) >= 0:  # what a power law has guessed
+                    stage_force[k, i] = curve_force(law, own_laws, i, stage_overlap[k, i])
             elif grows:
                 stage_overlap[k, i], stage_force[k, i] = overlap[i], force[i]
             elif overlap[i] == 0.0 and rate[i] == 0.0:

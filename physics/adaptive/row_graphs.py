@@ -99,23 +99,19 @@ def loss_of(regime, i):
 
 
 @inlined
-def kept_stop(regime, i, overlap):
-    """Force of contact i that comes out beside (1 - l) of that as it is pressed in: the stop loses nothing."""
-    return regime.loss[i] * regime.law[i, STOP] * overlap if regime.segment.size else 0.0
-
-
-@inlined
-def force_pressing(chain, regime, i, overlap):
-    """The force of contact i as it is pressed in."""
-    return curve_force(regime.law, chain.own, i, overlap)
+def both_forces(chain, regime, i, overlap):
+    """Force of contact i as it is pressed in, and as it comes out: the stop of a coupler loses nothing."""
+    pressed = curve_force(regime.law, chain.own, i, overlap)
+    stop = regime.loss[i] * regime.law[i, STOP] * overlap if regime.segment.size else 0.0
+    return pressed, (1.0 - loss_of(regime, i)) * pressed + stop
 
 
 @inlined
 def multiplier_bounds(chain, regime, i, overlap):
     """(least, largest) force that contact i may carry while its overlap is held."""
-    full, least = force_pressing(chain, regime, i, overlap), 0.0
-    if overlap != 0.0 or not is_gear(regime, i):
-        least = (1.0 - loss_of(regime, i)) * full + kept_stop(regime, i, overlap)
+    full, least = both_forces(chain, regime, i, overlap)
+    if overlap == 0.0 and is_gear(regime, i):
+        least = 0.0
     return (least, full) if full >= 0.0 else (full, least)
 
 
@@ -136,7 +132,7 @@ def bead_push(chain, regime, j):
     """Acceleration of bead j by what pushes it from outside and by kinetic friction [m/s²]."""
     if chain.inverse_mass[j] == 0.0:
         return 0.0
-    found = regime.push[j] * regime.inverse_mass[j] if regime.push.size else 0.0
+    found = chain.push[j] * regime.inverse_mass[j] if chain.push.size else 0.0
     return found - regime.slide[j] * regime.bed[j] if regime.bed.size else found
 
 
@@ -166,7 +162,7 @@ def drive_overlaps(chain, regime):
 @inlined
 def put_drive(time, chain, regime):
     """Let forces and brakes be those at `time`; returns whether beads that nothing touches move otherwise than in parabolas."""
-    acts = put_values(time, chain.knots, regime.push, regime.bed)
+    acts = put_values(time, chain.knots, chain.push, regime.bed)
     drive_overlaps(chain, regime)
     return acts
 
@@ -183,7 +179,7 @@ def bead_acceleration(j, chain, regime, force, passed):
 @inlined
 def friction_needed(j, chain, regime, force, passed):
     """The friction [N] that bead j needs to stay at rest under the contact forces (n,), `passed` [s] after now."""
-    found = regime.push[j] if regime.push.size else 0.0
+    found = chain.push[j] if chain.push.size else 0.0
     if chain.knots.push_slope.size:
         found += passed * chain.knots.push_slope[j]
     if j > 0:

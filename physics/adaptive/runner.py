@@ -22,6 +22,7 @@ from softcradle.physics.adaptive.step_records import (
     UNSEEN_SQUARE,
     Regime,
     Scratch,
+    Steps,
     Trial,
     empty_scratch,
     empty_trial,
@@ -36,7 +37,6 @@ from softcradle.physics.kernel_records import (
     chain_and_regime,
     empty_log,
     kept_switches,
-    kernel_arithmetic,
     larger_log,
     log_warnings,
     motion_record,
@@ -47,7 +47,7 @@ from softcradle.physics.kernel_tiers import KernelTiers, plain
 from softcradle.physics.numerics.records import EVALUATION, OUT_OF_STEPS, PAUSED, REJECTED, STEP, SWITCH, SwitchLog
 from softcradle.physics.own_law import OwnLaw
 from softcradle.physics.problem import NO_TIMES, Problem, Record, empty_samples, with_ends_as_samples
-from softcradle.physics.scales import ROUND_OFF, closing_scale
+from softcradle.physics.scales import ROUND_OFF
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
 
@@ -72,32 +72,20 @@ class Memory:
     look: Trial
     scratch: Scratch
     log: SwitchLog
+    spare: list[Steps]  # see `KeptSteps`
 
     @classmethod
     def of(cls, contacts: int, log_size: int) -> Memory:
         """Memory for a chain with `contacts`."""
         mode, held = np.zeros((2, contacts), dtype=np.int8)
         trial, look = empty_trial(contacts), empty_trial(contacts)
-        return cls(mode, held, trial, look, empty_scratch(contacts), empty_log(contacts, log_size))
+        return cls(mode, held, trial, look, empty_scratch(contacts), empty_log(contacts, log_size), [])
 
 
 class _LastRun(threading.local):
     """Memory of the last run of a thread, for its next one with as many contacts: fresh memory costs as much as some steps."""
 
-    memory: Memory | None = None
-
-    def take(self, contacts: int) -> Memory | None:
-        """That memory, or None where it does not fit."""
-        memory, self.memory = self.memory, None
-        if memory is None or memory.mode.size != contacts or memory.log.contact.size != FIRST_LOG:
-            return None
-        memory.log.counter[:] = 0
-        memory.log.closed[:] = 0
-        return memory
-
-    def keep(self, memory: Memory) -> None:
-        """Keep the memory, unless it is large."""
-        self.memory = memory if memory.mode.size <= LONGEST_REUSED else None
+    memory: Memory | None = None  # None while it is in use
 
 
 _last_run = _LastRun()
@@ -140,9 +128,7 @@ def advance(problem: Problem) -> Status:
     memory = state.work.get("adaptive")
     if memory is None:
         memory = state.work["adaptive"] = Memory.of(problem.chain.contacts, FRAME_LOG)
-    memory.log.counter[:] = 0
-    memory.log.closed[:] = state.closed
-    status, state.time = _integrate(problem, state, scale_of(problem), memory)
+    status, state.time = _integrate(problem, state, memory)
     _note_switches(state, memory.log)
     return Status(status)
 
@@ -163,12 +149,13 @@ def _note_switches(state: State, log: SwitchLog) -> None:
 def one_run(problem: Problem, log_size: int = FIRST_LOG) -> Record:
     """One run of the kernel, samples still to be taken; again with a larger log of switches where the first was too small."""
     state = problem.state.copy()
-    scale = scale_of(problem)
-    kept = KeptSteps(problem, TOLERANCE_PART * problem.tolerance * scale, kernels_of(problem.chain))
-    memory = _last_run.take(problem.chain.contacts) if log_size == FIRST_LOG else None
-    memory = memory or Memory.of(problem.chain.contacts, log_size)
+    contacts, memory, _last_run.memory = problem.chain.contacts, _last_run.memory, None
+    if memory is None or (memory.mode.size, memory.log.contact.size) != (contacts, log_size):
+        memory = Memory.of(contacts, log_size)
+    wanted = TOLERANCE_PART * problem.tolerance * problem.scale
+    kept = KeptSteps(problem, wanted, kernels_of(problem.chain), memory.spare)
     began = perf_counter()
-    code, state.time = _integrate(problem, state, scale, memory, kept)
+    code, state.time = _integrate(problem, state, memory, kept)
     seconds = perf_counter() - began
     larger = larger_log(memory.log)
     if larger:
@@ -179,24 +166,26 @@ def one_run(problem: Problem, log_size: int = FIRST_LOG) -> Record:
     record = Record(
         problem.chain, empty_samples(NO_TIMES, problem.chain.contacts), contact.copy(), at.copy(), state, int(counter[STEP]),
         int(counter[EVALUATION]), status, _warnings(problem, status, state.time, memory.log), seconds, growth=growth,
-        kept=None if problem.later and kept.overflows else kept,
+        kept=kept,
     )  # fmt: skip
     fastest = max(map(abs, [*problem.velocity.tolist(), *record.velocity.tolist()]))
     error = stated_error(growth, scratch.control[LOCAL_SQUARE], counter[STEP] + problem.chain.contacts, fastest)
     record.velocity_error = np.full(problem.chain.contacts + 1, error)
     record.unseen = DOUBT * growth * math.sqrt(scratch.control[UNSEEN_SQUARE])
-    _last_run.keep(memory)
+    _last_run.memory = memory if contacts <= LONGEST_REUSED else None
     return record
 
 
-def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kept: KeptSteps | None = None) -> Any:
+def _integrate(problem: Problem, state: State, memory: Memory, kept: KeptSteps | None = None) -> Any:
     """Run the kernel on `state`; by the tier at hand where it is live and nothing is `kept`. Returns its status and the time."""
     data, regime = chain_and_regime(problem.chain, state)
-    most, counter, stop = step_budget(problem, state.time, scale), memory.log.counter, problem.duration is None
+    memory.log.counter[:] = 0
+    memory.log.closed[:] = 0 if kept else state.closed
+    most, counter, stop = step_budget(problem, state.time), memory.log.counter, problem.duration is None
     code, time, resumed, end = PAUSED, state.time, False, problem.end
     motion = tuple(motion_record(state, memory.mode, memory.held))
     records: Any = data, regime, motion, tuple(memory.trial), tuple(memory.look), tuple(memory.scratch)
-    tiers, accuracy = kernels_of(problem.chain), (ALLOWED[problem.method], problem.tolerance, scale)
+    tiers, accuracy = kernels_of(problem.chain), (ALLOWED[problem.method], problem.tolerance, problem.scale)
     while code == PAUSED:
         memory.log = with_free_rows(memory.log) if kept else memory.log  # that of a frame stays as long as it is
         most_now = min(PAUSE, memory.log.contact.size // ROWS_A_STEP or PAUSE) if kept else PAUSE
@@ -207,13 +196,12 @@ def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kep
         if kept and not compiled:
             tiers.spent += work
         steps = kept.steps if kept else no_steps(problem.chain)
-        with kernel_arithmetic():
-            code, time = kernel(
-                (time, end, stop, most), (resumed, pause), accuracy, *records, tuple(steps), tuple(memory.log)
-            )
+        code, time = kernel(
+            (time, end, stop, most), (resumed, pause), accuracy, *records, tuple(steps), tuple(memory.log)
+        )
         resumed = True
         if code == OUT_OF_STEPS:
-            allowed = step_budget(problem, time, scale)
+            allowed = step_budget(problem, time)
             if allowed > LONGER * most:
                 code, most = PAUSED, allowed
         require_finite_motion(problem.chain, state)
@@ -221,14 +209,6 @@ def _integrate(problem: Problem, state: State, scale: float, memory: Memory, kep
             kept.take(memory.log)
     plain(count_from_touch)(state.overlap, Regime(*regime))
     return code, time
-
-
-def scale_of(problem: Problem) -> float:
-    """The velocity [m/s] that a tolerance is relative to: that of the fastest closing there can be, see `closing_scale`."""
-    chain, state = problem.chain, problem.state
-    return closing_scale(
-        chain, problem.velocity, state.overlap, state.external(chain), problem.duration, problem.tolerance
-    )
 
 
 def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> Warnings:

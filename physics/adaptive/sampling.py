@@ -21,7 +21,7 @@ from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece, whole
 from softcradle.physics.numerics.law_curve import BEFORE
 from softcradle.physics.numerics.law_kernels import energy
-from softcradle.physics.numerics.records import KEPT, SAMPLE, ChainData, Motion, Samples, SwitchLog
+from softcradle.physics.numerics.records import FROZEN, KEPT, SAMPLE, TOUCHING, ChainData, Motion, Samples, SwitchLog
 from softcradle.physics.numerics.switches import copy_into, copy_motion, row_of
 
 
@@ -38,11 +38,14 @@ def absorb(h, chain, regime, motion, trial, work, taken):
             fall = energy(law[i, 0], law[i, 1], law[i, 2], way + side * motion.overlap[i])
             fall -= energy(law[i, 0], law[i, 1], law[i, 2], way + side * trial.overlap[2, i])
             by_contacts += regime.loss[i] * fall
-    if regime.bed.size:
-        bead_paths(chain, motion, trial, moved)
-        for j in range(moved.size):
-            if regime.bed[j] > 0.0:
-                by_bed += regime.slide[j] * regime.bed[j] / regime.inverse_mass[j] * moved[j]
+    if regime.bed.size or chain.knots.time.size:
+        n = motion.mode.size
+        for i in range(n):
+            work[1, i] = trial.overlap[2, i] - motion.overlap[i]
+        bead_velocities(work[1, :n], chain.anchor_bead, trial.anchor[0] - motion.anchor[0], moved)
+    for j in range(regime.bed.size):
+        if regime.bed[j] > 0.0:
+            by_bed += regime.slide[j] * regime.bed[j] / regime.inverse_mass[j] * moved[j]
     taken[0] += by_contacts
     taken[1] += by_bed
     if chain.knots.time.size:
@@ -52,24 +55,13 @@ def absorb(h, chain, regime, motion, trial, work, taken):
 
 
 @inlined
-def bead_paths(chain, motion, trial, moved):
-    """Ways of the beads (n+1,) from the motion to the end of the trial into `moved`."""
-    before, end = motion.overlap, trial.overlap[2]
-    moved[chain.anchor_bead] = trial.anchor[0] - motion.anchor[0]
-    for j in range(chain.anchor_bead - 1, -1, -1):
-        moved[j] = moved[j + 1] + (end[j] - before[j])
-    for j in range(chain.anchor_bead, before.size):
-        moved[j + 1] = moved[j] - (end[j] - before[j])
-
-
-@inlined
 def changing_work(h, chain, regime, motion, trial, work):
     """(work of forces over time, what brakes absorb beyond their strength at the start) [J] in a step of length `h`.
 
-    With x the way of a bead, a force p + s t gives it (p + s h) x - s times the integral of x, by the quintic through both ends.
+    With x the way of a bead, in the first row of `work`, a force p + s t gives it (p + s h) x - s times the integral of x, by the
+    quintic through both ends.
     """
     moved, v0, v1, knots = work[0], work[1], work[2], chain.knots
-    bead_paths(chain, motion, trial, moved)
     bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], v0)
     bead_velocities(trial.rate[2], chain.anchor_bead, trial.anchor[1], v1)
     given, braked = 0.0, 0.0
@@ -118,11 +110,23 @@ def carry_step(keeps, k, chain, regime, motion, steps):
 
 @inlined
 def keep_step(time, length, kind, chain, regime, motion, steps, counter):
-    """Keep the step or flight from `time` of `length` [s], with the motion at its start."""
-    k = counter[KEPT]
-    counter[KEPT] = k + 1
-    steps.time[k], steps.length[k], steps.kind[k] = time, length, kind
-    carry_step(True, k, chain, regime, motion, steps)
+    """Keep the step or flight from `time` of `length` [s], with the motion at its start, where steps are kept."""
+    if steps.time.size:
+        k = counter[KEPT]
+        counter[KEPT] = k + 1
+        steps.time[k], steps.length[k], steps.kind[k] = time, length, kind
+        carry_step(True, k, chain, regime, motion, steps)
+
+
+@inlined
+def accept_step(motion, trial):
+    """Make the end of the trial the motion."""
+    for i in range(motion.mode.size):
+        motion.overlap[i], motion.rate[i], motion.force[i] = trial.overlap[2, i], trial.rate[2, i], trial.force[2, i]
+        motion.held[i] = 0
+        if motion.mode[i] == TOUCHING or motion.mode[i] == FROZEN:
+            motion.rate[i] = 0.0
+    copy_into(motion.anchor, trial.anchor)
 
 
 @whole
@@ -176,7 +180,6 @@ def move_inside(passed, kind, wanted, chain, regime, motion, trial, scratch, row
     rest = passed - length
     for i in range(motion.mode.size):
         trial.overlap[2, i] += rest * trial.rate[2, i]
-        row.overlap[i], row.rate[i], row.force[i] = trial.overlap[2, i], trial.rate[2, i], trial.force[2, i]
     trial.anchor[0] += rest * trial.anchor[1]
-    copy_into(row.anchor, trial.anchor)
+    accept_step(row, trial)
     absorb(length, chain, regime, motion, trial, scratch.work, row.taken)

@@ -176,13 +176,6 @@ def take_step(h, kind, firm, chain, motion, wanted, trial, scratch, log):
 
 
 @inlined
-def try_step(h, kind, firm, chain, motion, wanted, trial, scratch, log):
-    """One step that may be taken; returns its error as a velocity [m/s], negative where its stages do not converge."""
-    error = take_step(h, kind, firm, chain, motion, wanted, trial, scratch, log)
-    return error if kind == DOP853 or error < 0.0 else embedded_error(h, chain, motion, trial, scratch.work)
-
-
-@inlined
 def opened_early(h, chain, motion, trial, wanted):
     """The part of the step at which a contact opens that still pushes enough to matter; 1 where none does.
 
@@ -219,7 +212,9 @@ def find_step(time, h, kind, alone, most_steps, chain, regime, motion, bounds, t
     row, side, tries, ceiling, looked, least = NO_CONTACT, ZERO, 0, h, 0, ROUND_OFF * h
     firm = regime.bed.size > 0
     while counter[STEP] + counter[REJECTED] < most_steps:
-        error = try_step(h, kind, firm, chain, motion, wanted, trial, scratch, log)
+        error = take_step(h, kind, firm, chain, motion, wanted, trial, scratch, log)
+        if kind == RADAU and error == 0.0:
+            error = embedded_error(h, chain, motion, trial, scratch.work)
         if error < 0.0 or not math.isfinite(error):
             counter[REJECTED] += 1
             row, h = NO_CONTACT, SHRINK * h

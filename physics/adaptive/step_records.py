@@ -80,7 +80,6 @@ class Regime(NamedTuple):
 
     law: Array  # (n, 3), with couplers (n, 6): see `row_graphs`
     inverse_mass: Array  # (n+1,)
-    push: Array  # (n+1,) external force on each bead [N]; (0,) without any
     loss: Array  # (n,) part of its energy that each contact loses; (0,) without any
     bed: Array  # (n+1,) deceleration of a sliding bead [m/s²]; (0,) without friction
     slide: NDArray[np.int8]  # (n+1,) direction in which each bead slides, 0 for one that sticks; (0,) without friction

@@ -20,7 +20,6 @@ from softcradle.physics.numerics.law_curve import (
     acceleration_of,
     curve_depth,
     curve_force,
-    flow_into,
     is_continued,
     pressed_force,
 )
@@ -92,26 +91,26 @@ def find_pressed(chain, regime, motion, slow, since, pressed):
     for i in range(motion.mode.size):
         now = PUSHES if pushes(i, regime, motion) else IS_PUSHED
         found = now if now == PUSHES and since[i] != AT_REST else 0.0
-        if found == 0.0 != before and takes_on(i, i, i - 1, chain, regime, motion, slow, since):
+        if found == 0.0 != before and takes_on(i, i - 1, chain, regime, motion, slow, since):
             found = now
         back |= found != 0.0 == before and i > 0 and motion.mode[i - 1] != OPEN
         pressed[i] = before = found
     if not back:
         return
     for i in range(motion.mode.size - 2, -1, -1):
-        if pressed[i] == 0.0 != pressed[i + 1] and takes_on(i, i + 1, i + 1, chain, regime, motion, slow, since):
+        if pressed[i] == 0.0 != pressed[i + 1] and takes_on(i, i + 1, chain, regime, motion, slow, since):
             pressed[i] = PUSHES if pushes(i, regime, motion) else IS_PUSHED
 
 
 @inlined
-def takes_on(i, bead, neighbour, chain, regime, motion, slow, since):
-    """Whether contact i touches and the `neighbour`, which pushes, pushes the `bead` between them into it."""
+def takes_on(i, neighbour, chain, regime, motion, slow, since):
+    """Whether contact i touches and the `neighbour`, which pushes, pushes the bead between them into it."""
     if side_of(regime, neighbour) < 0.0 or side_of(regime, i) < 0.0:
         return False
     touches = since[i] == AT_REST or (motion.overlap[i] == 0.0 and motion.rate[i] >= -slow)
     if not touches or (motion.mode[i] != LOADED and motion.mode[i] != TOUCHING):
         return False
-    return not is_firm(regime, bead) and drive_at(chain, i, 0.0) >= 0.0
+    return not is_firm(regime, max(i, neighbour)) and drive_at(chain, i, 0.0) >= 0.0
 
 
 @inlined
@@ -157,29 +156,29 @@ def grow_errors(row, side, before, chain, regime, motion, wanted, scale, scratch
         loaded, rate, overlap = motion.mode[i] == LOADED, inward * motion.rate[i], inward * motion.overlap[i]
         if scratch.parting[i] > 0.0 and (not loaded or overlap > 0.0):
             count_parting(i, before, chain, regime, motion, ROUND_OFF * scale, scratch)
-        quiet = abs(rate) <= slowest if loaded else course[i] == 0.0
+        fastest = course[i]
+        quiet = abs(rate) <= slowest if loaded else fastest == 0.0
         if quiet and i != row and scratch.lateness[i] == 0.0:
             continue
-        weight = chain.inverse_mass[i] + chain.inverse_mass[i + 1]
-        own = weight * motion.force[i]
-        others = own - flow_into(i, chain.inverse_mass, motion.force)
-        others = inward * (others + drive_at(chain, i, 0.0))
-        own *= inward
-        turned = abs(rate) > slowest and course[i] * rate < 0.0
-        if loaded and i == row and side == 0:
-            return_to_touch(i, course[i], rate, 0.0, others, chain, scratch.control)
-        elif loaded and turned and rate > 0.0:
-            bend = others - own
-            least = overlap - (0.5 * rate * rate / bend if bend > 0.0 else 0.0)
-            return_to_touch(i, course[i], 0.0, least, others, chain, scratch.control)
-        elif motion.mode[i] == OPEN and course[i] < 0.0:
-            return_to_touch(i, course[i], rate, 0.0, others, chain, scratch.control)
+        turned = abs(rate) > slowest and fastest * rate < 0.0
         if not loaded:
             course[i] = 0.0
         elif abs(rate) > slowest:
             scratch.turns[i] += 1.0 if turned else 0.0
-            if turned or abs(rate) > abs(course[i]):
+            if turned or abs(rate) > abs(fastest):
                 course[i] = rate
+        landed, turns_back = loaded and i == row and side == 0, loaded and turned and rate > 0.0
+        returns = landed or turns_back or (motion.mode[i] == OPEN and fastest < 0.0)
+        if not returns and scratch.lateness[i] == 0.0:
+            continue
+        weight = chain.inverse_mass[i] + chain.inverse_mass[i + 1]
+        own, bend = inward * weight * motion.force[i], inward * acceleration_of(i, chain, motion.force, 0.0)
+        others = own + bend
+        if returns and (landed or not turns_back):
+            return_to_touch(i, fastest, rate, 0.0, others, chain, scratch.control)
+        elif returns:
+            least = overlap - (0.5 * rate * rate / bend if bend > 0.0 else 0.0)
+            return_to_touch(i, fastest, 0.0, least, others, chain, scratch.control)
         if scratch.lateness[i] > 0.0:
             if not is_gear(regime, i):  # the gear pushes beside the stop on which it bounces
                 others -= own - weight * regime.law[i, STOP] * overlap
@@ -198,7 +197,7 @@ def count_parting(i, before, chain, regime, motion, least, scratch):
     pushed = 0.0
     if motion.mode[i] == LOADED:
         own = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * motion.force[i]
-        pushed = side_of(regime, i) * (own - flow_into(i, chain.inverse_mass, motion.force) + drive_at(chain, i, 0.0))
+        pushed = side_of(regime, i) * (own + acceleration_of(i, chain, motion.force, 0.0))
         if pushed <= 0.0:
             return
     square = 8.0 * pushed * scratch.parting[i] * (before - scratch.parted[i])

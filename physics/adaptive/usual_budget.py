@@ -24,31 +24,31 @@ def _finer(tolerance: float) -> float:
     return float(max(USUAL_TOLERANCE / tolerance, 1.0) ** ERROR_EXPONENT[RADAU])
 
 
-def _lasting(problem: Problem, time: float, speed: float) -> int:
-    """More steps of a motion with a duration that has lasted until `time` [s], for contacts that are struck at `speed` [m/s]."""
+def _lasting(problem: Problem, time: float) -> int:
+    """More steps of a motion with a duration that has lasted until `time` [s].
+
+    They are for contacts that are struck at ``problem.scale``: bounces at it never take so many, as long as they go on for
+    MOST_LASTING.
+    """
     if problem.duration is None or time == problem.state.time:
         return 0
-    longest = scales_at(problem.chain, speed)[1].max()
+    longest = scales_at(problem.chain, problem.scale)[1].max()
     steps = STEPS_A_CONTACT_TIME * _finer(problem.tolerance) * (time - problem.state.time) / longest
     return int(min(steps, MOST_LASTING))
 
 
-def usual_steps(problem: Problem, time: float, speed: float) -> int:
-    """The usual budget of a run until `time` [s], after the start and after each knot of its forces anew.
-
-    `speed` [m/s] is that of the fastest closing there can be, see `closing_scale`: bounces at it never take so many, as long as
-    they go on for MOST_LASTING.
-    """
+def usual_steps(problem: Problem, time: float) -> int:
+    """The usual budget of a run until `time` [s], after the start and after each knot of its forces anew."""
     budget = usual_budget(problem.chain.contacts, problem.tolerance) * (1 + len(problem.chain.knots))
-    return budget + _lasting(problem, time, speed)
+    return budget + _lasting(problem, time)
 
 
-def step_budget(problem: Problem, time: float, speed: float) -> int:
+def step_budget(problem: Problem, time: float) -> int:
     """Steps by `time` [s], rejected ones included, above which a motion rattles more than it determines; or what is allowed."""
     if problem.most_steps is not None:
         return problem.most_steps
     if ALLOWED[problem.method] == DOP853:  # alone it follows the oscillations of soft contacts, however many
-        return MOST_STEPS + _lasting(problem, time, speed)
+        return MOST_STEPS + _lasting(problem, time)
     if problem.budget is not None:
         return problem.budget
-    return usual_steps(problem, time, speed)
+    return usual_steps(problem, time)

@@ -29,7 +29,7 @@ from softcradle.physics.contact import stored_energy
 from softcradle.physics.ensemble_runs import in_threads, parts, threads_of
 from softcradle.physics.fixed_step import runner as fixed_step
 from softcradle.physics.fixed_step.step_loop import march
-from softcradle.physics.kernel_records import NO_FLAGS, kernel_arithmetic
+from softcradle.physics.kernel_records import NO_FLAGS
 from softcradle.physics.kernel_tiers import KernelTiers, entry_of, plain
 from softcradle.physics.methods import Family, Method, find_method, refusal_of
 from softcradle.physics.numerics.records import COUNTERS, DONE, EVALUATION, NO_JOINTS, NO_KNOTS, SEPARATED, STEP
@@ -304,8 +304,7 @@ def _mover(
     entry = entry_of(of_one, plain(arguments_of)(int(chains[0]), *common())) if chains.size else None
 
     def move(which: Which) -> None:
-        with kernel_arithmetic():
-            kernel(entry, which, *common(), *found)
+        kernel(entry, which, *common(), *found)
 
     return move
 

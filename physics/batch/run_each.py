@@ -116,7 +116,7 @@ def integrate_arguments(c, accuracy, stop, most_steps, batch_fields, motion_fiel
         Dissipation(none, none),
     )  # fmt: skip
     regime = (
-        batch.law[c], batch.inverse_mass[c], none, loss, bed, slide if braked else slide[:0],
+        batch.law[c], batch.inverse_mass[c], loss, bed, slide if braked else slide[:0],
         easing if lossy else easing[:0], easing[:0], law[:0], contact[:0],
     )  # fmt: skip
     motion = moving.overlap[c], moving.rate[c], moving.anchor[c], moving.force[c], taken, mode, held

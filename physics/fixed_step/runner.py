@@ -33,7 +33,6 @@ from softcradle.physics.kernel_records import (
     chain_records,
     empty_log,
     kept_switches,
-    kernel_arithmetic,
     larger_log,
     log_warnings,
     motion_record,
@@ -107,7 +106,7 @@ def run(problem: Problem) -> Record:
 
 def advance(problem: Problem) -> Status:
     """Move ``problem.state`` on by the duration in place; the scratch memory stays with the state."""
-    state, end = problem.state, problem.end
+    state = problem.state
     scratch = state.work.get("fixed_step")
     if scratch is None or scratch.method != problem.method:
         scratch = state.work["fixed_step"] = Scratch.of(problem.method, problem.chain.contacts, NO_TIMES, FRAME_LOG)
@@ -115,31 +114,29 @@ def advance(problem: Problem) -> Status:
     log.counter[:] = 0
     log.closed[:] = state.closed
     kernel = _kernels(problem.chain).of_frame(march)
-    status, state.time = _march_chain(kernel, MOST_FIXED_STEPS, problem, state, end, False, scratch)
+    status, state.time = _march_chain(kernel, MOST_FIXED_STEPS, problem, state, scratch)
     state.note_switches(*kept_switches(log), int(log.counter[SWITCH]))
     return Status(status)
 
 
-def _pass(
-    problem: Problem, end: float, times: Array, stop: bool, log_size: int | None = None, plain: bool = True
-) -> Record:
+def _pass(problem: Problem, times: Array, log_size: int = FIRST_LOG, plain: bool = True) -> Record:
     """One run of the kernel; again with a larger log of switches where the first was too small.
 
     Plain Python tries a run without an end for some steps, if `plain`; machine code begins it anew.
     """
     state = problem.state.copy()
-    kernel, most = _kernel_and_steps(problem, end - state.time, plain)
-    scratch = Scratch.of(problem.method, problem.chain.contacts, times, log_size or FIRST_LOG, problem.keeps)
+    kernel, most = _kernel_and_steps(problem, plain)
+    scratch = Scratch.of(problem.method, problem.chain.contacts, times, log_size, problem.keeps)
     began = perf_counter()
-    status, state.time = _march_chain(kernel, most, problem, state, end, stop, scratch)
+    status, state.time = _march_chain(kernel, most, problem, state, scratch)
     seconds = perf_counter() - began
     if kernel is not march:
         _kernels(problem.chain).spent += float(scratch.log.counter[STEP] * problem.chain.contacts)
     if most < (problem.most_steps or MOST_FIXED_STEPS) and Status(status).gave_up:
-        return _pass(problem, end, times, stop, log_size, plain=False)
+        return _pass(problem, times, log_size, plain=False)
     larger = larger_log(scratch.log)
     if larger:
-        return _pass(problem, end, times, stop, larger, plain)
+        return _pass(problem, times, larger, plain)
     counter = scratch.log.counter
     samples = first_samples(scratch.samples, int(counter[SAMPLE]))  # fewer than wanted where the run gave up
     return Record(
@@ -171,8 +168,10 @@ class _KeptRun:
         most = problem.most_steps or MOST_FIXED_STEPS
         kept, pause = tuple(scratch.checkpoints), scratch.pause
         pause.counts[AT], pause.counts[BEGUN], pause.counts[NEXT] = _steps_at_once(problem), 0, 0
+        began = perf_counter()
         while not _call(kernel, most, problem, state, scratch, (kept, none, tuple(pause))):
             pass  # signals are heard here
+        found.seconds += perf_counter() - began
         return found.with_samples(first_samples(scratch.samples, int(scratch.log.counter[SAMPLE])))
 
 
@@ -181,24 +180,22 @@ def _kernels(chain: Chain) -> KernelTiers:
     return TIERS["fixed-step-own-laws" if chain.own_laws else "fixed-step"]
 
 
-def _kernel_and_steps(problem: Problem, duration: float, plain: bool) -> tuple[Any, int]:
-    """The tier of the kernel for a run of `duration` [s], and the steps that it may take."""
+def _kernel_and_steps(problem: Problem, plain: bool) -> tuple[Any, int]:
+    """The tier of the kernel for a run, and the steps that it may take."""
     chain, most = problem.chain, problem.most_steps or MOST_FIXED_STEPS
     if _kernels(chain).in_memory:
         return march, most
-    ends = np.isfinite(duration)
-    steps = duration / problem.step + 1.0 if ends else PLAIN_STEPS / chain.contacts
+    ends = problem.duration is not None
+    steps = (problem.duration or 0.0) / problem.step + 1.0 if ends else PLAIN_STEPS / chain.contacts
     if not plain:
         steps = np.inf
     kernel = _kernels(chain).of(march, steps * chain.contacts)
     return kernel, most if kernel is march or ends else min(most, int(steps))
 
 
-def _march_chain(
-    kernel: Any, most: int, problem: Problem, state: State, end: float, stop: bool, scratch: Scratch
-) -> tuple[int, float]:
+def _march_chain(kernel: Any, most: int, problem: Problem, state: State, scratch: Scratch) -> tuple[int, float]:
     """Run a tier of `march` on `state` for `most` steps. Returns its status and the time reached."""
-    span, counts = (state.time, end, stop, most), scratch.pause.counts
+    span, counts = (state.time, problem.end, problem.duration is None, most), scratch.pause.counts
     code, time, counts[BEGUN] = PAUSED, state.time, 0
     while code == PAUSED:
         counts[AT] = scratch.log.counter[STEP] + _steps_at_once(problem)
@@ -217,11 +214,8 @@ def _call(
     """Call a tier of a kernel on `state` with its `span`, or most steps, and its `checkpoints`."""
     chain = problem.chain
     records = motion_record(state), tuple(scratch.spare), tuple(scratch.samples), tuple(scratch.log), *checkpoints
-    with kernel_arithmetic():
-        found = kernel(
-            (*kind_of(problem.method), problem.step), span, chain_records(chain, state), *records,
-            (scratch.beads, scratch.work),
-        )  # fmt: skip
+    task = (*kind_of(problem.method), problem.step), span, chain_records(chain, state)
+    found = kernel(*task, *records, (scratch.beads, scratch.work))
     require_finite_motion(chain, state)
     return found
 
@@ -246,9 +240,7 @@ def _call_kernels(contact: Contact | OwnLaw) -> None:
     state = State.at_start(chain, [1.0, 0.0, 0.0])
     run(Problem(chain, state, "verlet", 1e-3, 1e-3))
     run(Problem(chain, state, "conserving", 1e-3, 1e-3))
-    found = run(Problem(chain, state, "conserving", 1e-3, 1e-3, later=True))
-    if found.kept is not None:
-        found.kept.record(found, np.array([5e-4]))
+    run(Problem(chain, state, "conserving", None, 1e-3, samples=3))
 
 
 TIERS = {

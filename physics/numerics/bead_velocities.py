@@ -1,4 +1,4 @@
-"""Velocities of the beads from overlap rates and the anchor, and whether all beads rest."""
+"""Velocities or ways of the beads from those of overlaps and the anchor, and whether all beads rest."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from softcradle.physics.numerics.law_kernels import EPSILON
 
 @jit
 def bead_velocities(rate, anchor_bead, anchor_velocity, velocity):
-    """Rebuild the velocities (n+1,) of the beads; one that is no more than the round-off of its sum is 0."""
+    """Rebuild the velocities (n+1,) of the beads, or their ways; one that is no more than the round-off of its sum is 0."""
     velocity[anchor_bead] = anchor_velocity
     terms = abs(anchor_velocity)
     for j in range(anchor_bead - 1, -1, -1):

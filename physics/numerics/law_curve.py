@@ -157,26 +157,11 @@ def curve_depth(law, own, i, energy):
 
 
 @inlined
-def put_on_curve(law, own, i, k, stage_overlap, stage_force):
-    """Make the force of a stage that a power law has guessed that of its overlap, where the law is another."""
-    if own is not None and own.number[i] >= 0:
-        stage_force[k, i] = curve_force(law, own, i, stage_overlap[k, i])
-
-
-@inlined
 def local_exponent(law, own, i, overlap, force):
     """d f'/(f - F) of contact i at an overlap > 0: the exponent of a power law."""
     if own is not None and force != law[i, 0] and by_table(own, i, overlap):
         return overlap * own_slope(own, own.number[i], overlap) / (force - law[i, 0])
     return law[i, 2]
-
-
-@inlined
-def short_of_zero(law, own, i, overlap, moved):
-    """Where a move in d ends: a law of one's own may be flat behind a steep beginning, and a Newton that passes d = 0 swings."""
-    if own is not None and own.number[i] >= 0 and moved * overlap < 0.0 and is_continued(law, i):
-        return 0.0
-    return moved
 
 
 @jit
@@ -227,14 +212,15 @@ def move_along(law, own, i, weight, overlap, force, by_overlap, by_force):
                     return reach, preload + rest / weight
     towards_zero = (by_overlap < 0.0) == (overlap > 0.0) and (overlap > 0.0 or continued)
     if exponent < 1.0 and (overlap == 0.0 or by_overlap == 0.0 or towards_zero):  # by_overlap 0: the curve is vertical
-        excess = force + by_force - preload
         if excess > 0.0 or (continued and excess < 0.0):
             reach = curve_overlap(law, own, i, abs(excess), 1.0)
             return (reach if excess > 0.0 else -reach), preload + excess
         if not continued and excess <= 0.0:
             return min(overlap + by_overlap, -SMALLEST), 0.0
         return 0.0, preload
-    moved = short_of_zero(law, own, i, overlap, overlap + by_overlap)
+    moved = overlap + by_overlap
+    if number_of(own, i) >= 0 and moved * overlap < 0.0 and continued:
+        moved = 0.0  # a law of one's own may be flat behind a steep beginning, and a Newton that passes d = 0 swings
     return moved, curve_force(law, own, i, moved)
 
 

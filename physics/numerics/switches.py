@@ -24,18 +24,13 @@ def log_switch(log, i, now, time):
 
 
 @inlined
-def any_switched(motion, closed):
-    """Whether a contact has left the state that its flag in `closed` (n,) says."""
-    switched = False
-    for i in range(closed.size):
-        switched |= is_closed(motion.overlap[i], motion.force[i]) != (closed[i] != 0)
-    return switched
-
-
-@inlined
 def has_stopped(chain, motion, closed):
-    """Whether a run of steps ends: a contact has left the state in `closed`, or all beads of a chain with dissipation rest."""
-    return any_switched(motion, closed) or (chain.dissipation.loss.size > 0 and at_rest(motion))
+    """Whether a run of steps ends: a contact has left the state that its flag in `closed` (n,) says, or all beads of a chain
+    with dissipation rest."""
+    stopped = chain.dissipation.loss.size > 0 and at_rest(motion)
+    for i in range(closed.size):
+        stopped |= is_closed(motion.overlap[i], motion.force[i]) != (closed[i] != 0)
+    return stopped
 
 
 @inlined

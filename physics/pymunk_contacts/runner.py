@@ -10,7 +10,7 @@ brakes the bodies after every step of the Space, to rest at most.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -22,7 +22,7 @@ from softcradle.physics.kernel_tiers import plain
 from softcradle.physics.numerics.knots import put_mean
 from softcradle.physics.numerics.meeting import meets_again
 from softcradle.physics.numerics.records import ChainData, Motion
-from softcradle.physics.problem import CheckpointList, Problem, Record, empty_samples, run_to_end
+from softcradle.physics.problem import Problem, Record, empty_samples, run_to_end
 from softcradle.physics.pymunk_contacts.contact_constraint import SoftContact
 from softcradle.physics.scales import contact_scales, speed_scale
 from softcradle.physics.state import MOVING, State, Switches
@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 
 MOST_SPACE_STEPS = 20_000_000  # some minutes
 MOST_REACH = 2.0**90  # [m] of the anchors; only motions that steps too long have blown up go beyond
-FIRST_SPACING = 4  # steps between two checkpoints at first
+FIRST_SPACING, MOST_CHECKPOINTS = 4, 512  # steps between two of them at first, and how many there are
 GRID_TOLERANCE = 1e-9  # of a step: a time this near to the grid is on the grid
 
 
@@ -169,34 +169,33 @@ def run(problem: Problem) -> Record:
     return run_to_end(problem, _pass)
 
 
-def _pass(problem: Problem, end: float, times: Array, stop: bool) -> Record:
-    """One run to `end`, or with `stop` until no contact can close again."""
-    kept: CheckpointList[State] | None = CheckpointList(FIRST_SPACING) if problem.keeps else None
-    return _Run(problem, times, kept).until(end, stop=stop).record()
+def _pass(problem: Problem, times: Array) -> Record:
+    """One run to its end."""
+    return _Run(problem, times, _Checkpoints() if problem.keeps else None).until(problem.end).result()
 
 
-@dataclass
-class _KeptRun:
-    """A run that kept states on its way."""
+class _Checkpoints:
+    """States on the way of a run; where they are too many, every second one goes, and the steps between them double."""
 
-    problem: Problem
-    states: list[State]
+    def __init__(self) -> None:
+        self.states: list[State] = []
+        self.due, self._spacing = 0, FIRST_SPACING
 
-    def record(self, found: Record, times: Array) -> Record:
-        """The record `found` of the run with its samples at `times`, which may lie beyond its end."""
-        run = _Run(self.problem, times)
-        edges = np.searchsorted(times, [*(state.time for state in self.states[1:]), math.inf])
-        for state, first, last in zip(self.states, [0, *edges], edges, strict=False):
-            if first < last:
-                run.begin(state)
-                run.until(float(times[last - 1]), stop=False)
-        return replace(found, samples=run.samples, kept=None)
+    def offer(self, steps: int, state: State) -> None:
+        """Keep the state, if one is due after so many `steps`."""
+        if steps < self.due:
+            return
+        if len(self.states) == MOST_CHECKPOINTS:
+            self.states = self.states[::2]
+            self._spacing *= 2
+        self.states.append(state.copy())
+        self.due = steps + self._spacing
 
 
 class _Run:
     """One run of a Row: steps, samples, contact switches and the end, as the fixed-step kernels book them."""
 
-    def __init__(self, problem: Problem, times: Array, kept: CheckpointList[State] | None = None) -> None:
+    def __init__(self, problem: Problem, times: Array, kept: _Checkpoints | None = None) -> None:
         self.problem, self.h, self.times, self.kept = problem, problem.step, times, kept
         self.most_steps = problem.most_steps or MOST_SPACE_STEPS
         self.row = Row(problem.chain, problem.state, self.h)
@@ -214,19 +213,19 @@ class _Run:
         self.closed = [False] * self.problem.chain.contacts
         self.note_switches(0.0)
 
-    def until(self, end: float, stop: bool) -> _Run:
-        """Go to `end`, or with `stop` until no contact can close again."""
+    def until(self, end: float) -> _Run:
+        """Go to `end`; where that is infinite, until no contact can close again."""
         self.take_samples()
         while self.state.time < end - self.h * GRID_TOLERANCE:
             if self.kept:
-                self.kept.offer(self.steps, self.state.copy)
+                self.kept.offer(self.steps, self.state)
             if self.steps - self.flown >= self.most_steps:
                 sentence = f"pymunk gave up after {self.most_steps} steps: take a larger step"
                 self.status = Status.OUT_OF_STEPS
                 self.warnings = (CodedWarning(WarningCode.GAVE_UP, sentence, {"steps": self.most_steps}),)
                 break
             flight = self.flight_time()
-            if stop and (
+            if math.isinf(end) and (
                 math.isinf(flight)
                 or (self.steps and not self.changes() and not self.state.velocity(self.problem.chain).any())
             ):
@@ -295,12 +294,22 @@ class _Run:
                 getattr(self.samples, name)[self.sampled] = getattr(sample, name)
             self.sampled += 1
 
-    def record(self) -> Record:
+    def result(self) -> Record:
         """What `simulate` wants to know."""
         return Record(
             self.problem.chain, self.samples, *Switches.of(self.switches), self.state, self.steps, self.evaluations,
-            self.status, self.warnings, kept=_KeptRun(self.problem, self.kept.items) if self.kept else None,
+            self.status, self.warnings, kept=self if self.kept else None,
         )  # fmt: skip
+
+    def record(self, found: Record, times: Array) -> Record:
+        """The record `found` of the run with its samples at `times`, which may lie beyond its end."""
+        run, states = _Run(self.problem, times), self.kept.states if self.kept else []
+        edges = np.searchsorted(times, [*(state.time for state in states[1:]), math.inf])
+        for state, first, last in zip(states, [0, *edges], edges, strict=False):
+            if first < last:
+                run.begin(state)
+                run.until(float(times[last - 1]))
+        return replace(found, samples=run.samples, kept=None)
 
 
 def _switches(before: list[bool], now: list[bool], state: State, last_step: float) -> list[tuple[int, float]]:

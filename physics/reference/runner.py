@@ -7,7 +7,7 @@ the located root of the first margin that reaches 0, and the next begins there w
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -297,27 +297,13 @@ def run(problem: Problem) -> Record:
     solved = _Run(problem, problem.duration)
     solved.begin()
     solved.until(problem.end)
-    found = Record(
-        problem.chain, empty_samples(NO_TIMES, problem.chain.contacts), *Switches.of(solved.switches),
-        solved.end(), solved.steps, solved.system.evaluations, solved.status, solved.warnings, kept=_KeptSolution(solved),
-    )  # fmt: skip
-    return found if problem.later else _KeptSolution(solved).record(found, problem.sample_times(solved.time))
-
-
-@dataclass
-class _KeptSolution:
-    """A run whose segments know the motion at every time."""
-
-    solved: _Run
-
-    @QUIET
-    def record(self, found: Record, times: Array) -> Record:
-        """The record `found` of the run with its samples at `times`; where they lie beyond its end, it goes on to them."""
-        solved = self.solved
-        if times.size and times[-1] > solved.time and not solved.warnings:
-            solved.until(float(times[-1]))
-            found = replace(found, end=solved.end(), steps=solved.steps, evaluations=solved.system.evaluations)
-        return replace(found, samples=found.samples._replace(**solved.samples(times)), kept=None)
+    times, switches = problem.sample_times(solved.time), Switches.of(solved.switches)
+    status, warnings = solved.status, solved.warnings
+    if times.size and times[-1] > solved.time and not warnings:  # samples beyond the end of the motion
+        solved.until(float(times[-1]))
+    samples = empty_samples(NO_TIMES, problem.chain.contacts)._replace(**solved.samples(times))
+    end, steps, evaluations = solved.end(), solved.steps, solved.system.evaluations
+    return Record(problem.chain, samples, *switches, end, steps, evaluations, status, warnings)
 
 
 @QUIET

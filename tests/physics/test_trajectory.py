@@ -150,7 +150,7 @@ ROWS = ("overlap", "velocity", "anchor", "absorbed_by_contacts", "absorbed_by_be
 def test_a_run_to_its_end_has_the_samples_of_one_with_this_duration(name, method, rows, monkeypatch):
     if rows:
         monkeypatch.setattr(step_loop, "MOST_ROWS", rows)
-        monkeypatch.setattr("softcradle.physics.problem.MOST_CHECKPOINTS", rows)
+        monkeypatch.setattr("softcradle.physics.pymunk_contacts.runner.MOST_CHECKPOINTS", rows)
     chain, velocity = ENDED[name]
     found = simulate_quietly(chain, velocity, method=method, samples=37)
     known = simulate_quietly(chain, velocity, found.time[-1], method=method, samples=37)
@@ -169,7 +169,7 @@ def test_samples_cost_no_second_run(module, method, monkeypatch):
     counted = Mock(wraps=module._pass)
     monkeypatch.setattr(module, "_pass", counted)
     assert len(simulate_quietly(chain, velocity, method=method, samples=50).time) == 50
-    assert [call.args[1] for call in counted.call_args_list] == [np.inf]
+    assert counted.call_count == 1
 
 
 @pytest.mark.parametrize("name", ADAPTIVE)
@@ -190,7 +190,7 @@ def test_samples_cost_no_second_run_of_an_adaptive_method(name, monkeypatch):
 def test_samples_do_not_tell_in_what_blocks_steps_were_kept_or_run_again(name, limit, rows, allowed, monkeypatch):
     whole = simulate_quietly(*ENDED[name], samples=23)
     monkeypatch.setattr(kept_steps, limit, rows)
-    monkeypatch.setattr(kept_steps, "_spare", kept_steps._Spare())
+    monkeypatch.setattr(runner, "_last_run", runner._LastRun())
     found = simulate_quietly(*ENDED[name], samples=23)
     for row in ("time", *ROWS):
         np.testing.assert_allclose(getattr(found, row), getattr(whole, row), rtol=0.0, atol=allowed)

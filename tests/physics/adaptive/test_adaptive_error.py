@@ -220,7 +220,7 @@ def test_runs_that_confirm_a_motion_take_a_bounded_number_of_steps(n, exponent, 
     chain = one_on(n, power_law(1.0, exponent))
     found = solve(chain, struck(chain), samples=2, tolerance=tolerance)
     problem = Problem(chain, State.at_start(chain, struck(chain)), "accurate", None, 0.0, tolerance, 2)
-    assert found.steps < 3 * usual_budget.usual_steps(problem, problem.end, 1.0)
+    assert found.steps < 3 * usual_budget.usual_steps(problem, problem.end)
     finer = solve(chain, struck(chain), samples=2, tolerance=tolerance / 30.0)
     apart = np.abs(finer.final_velocity - found.final_velocity)
     assert (apart <= found.velocity_error + finer.velocity_error).all()

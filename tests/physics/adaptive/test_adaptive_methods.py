@@ -119,7 +119,7 @@ def test_cost_is_that_of_the_promise(chain, duration, tolerance, steps, evaluati
     found = run(chain, struck(chain), duration, tolerance=tolerance)
     for rows in (*left.trial, *left.look, *left.scratch, left.mode, left.held, left.log.closed, left.log.counter):
         rows.fill(7 if rows.dtype.kind == "i" else math.nan)
-    runner._last_run.keep(left)
+    runner._last_run.memory = left
     again = run(chain, struck(chain), duration, tolerance=tolerance)
     assert (again.rate.tolist(), again.contact_intervals) == (found.rate.tolist(), found.contact_intervals)
     assert again.steps == found.steps < steps

@@ -34,7 +34,7 @@ def run(code: str, folder: Path = ROOT, **environment: str) -> str:
 
 def test_the_key_follows_every_source_that_kernels_import_and_names_the_folder(monkeypatch, tmp_path):
     names = {path.relative_to(PHYSICS).as_posix() for path in kernel_sources()}
-    assert {"numerics/law_kernels.py", "adaptive/dop853_tableau.py", "pymunk_contacts/compiled_law.py"} <= names
+    assert {"numerics/law_kernels.py", "adaptive/dop853.py", "pymunk_contacts/compiled_law.py"} <= names
     assert not names & {"chain.py", "simulation.py", "adaptive/runner.py", "reference/runner.py"}
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     assert cache_folder() == tmp_path / "kernels" / digest_of(kernel_sources())

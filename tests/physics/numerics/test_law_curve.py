@@ -180,14 +180,6 @@ def test_a_contact_beside_a_law_of_ones_own_keeps_its_row():
     assert law_curve.curve_force(row, own, 0, 0.3) == 9.0
     assert law_curve.curve_depth(row, own, 0, 4.5) == 0.5
     assert law_curve.local_exponent(row, own, 0, 0.3, 9.0) == 1.0
-    gear, own_gear = with_its_table((1.0, 2.0, 1.0))  # whose force goes on beyond d = 0
-    gear[0, 0] = 1.0
-    assert [law_curve.short_of_zero(gear, own_gear, i, 0.3, -0.1) for i in (0, 1)] == [-0.1, 0.0]
-    assert law_curve.short_of_zero(gear, own_gear, 1, 0.3, 0.1) == 0.1
-    force = np.full((1, 2), -1.0)
-    law_curve.put_on_curve(row, own, 0, 0, np.array([[0.25, 0.25]]), force)
-    law_curve.put_on_curve(row, own, 1, 0, np.array([[0.25, 0.25]]), force)
-    assert force.tolist() == [[-1.0, pytest.approx(1.0)]]
 
 
 @pytest.mark.parametrize("push", [Contact(1.0, 2.0, 1.5), Contact(0.0, 2.0, 1.0), Contact(3.0, 0.5, 2.0)], ids=str)
