@@ -32,33 +32,25 @@ if TYPE_CHECKING:
     from softcradle.physics.trajectory import Trajectory as Trajectory
     from softcradle.physics.warm_up import warm as warm
 
-_HOME = {
-    "Contact": "contact",
-    "power_law": "contact",
-    "draft_gear": "contact",
-    "hertz": "contact",
-    "hooke": "contact",
-    "step_force": "contact",
-    "Coupler": "coupler",
-    "OwnLaw": "own_law",
-    "Chain": "chain",
-    "one_on": "chain",
-    "cluster_on_cluster": "chain",
-    "TimedForce": "timed_force",
-    "State": "state",
-    "simulate": "simulation",
-    "ensemble": "ensemble_runs",
-    "ChainBatch": "batch.chain_batch",
-    "ensemble_ends": "batch.ends",
-    "EnsembleEnds": "batch.ends",
-    "advance": "simulation",
-    "Trajectory": "trajectory",
-    "METHODS": "methods",
-    "stable_step": "advice.stability_limits",
-    "warm": "warm_up",
-    "SoftContact": "pymunk_contacts.contact_constraint",
-    "SoftChain": "pymunk_contacts.soft_chain",
+_NAMES = {
+    "contact": "Contact power_law draft_gear hertz hooke step_force",
+    "coupler": "Coupler",
+    "own_law": "OwnLaw",
+    "chain": "Chain one_on cluster_on_cluster",
+    "timed_force": "TimedForce",
+    "state": "State",
+    "simulation": "simulate advance",
+    "ensemble_runs": "ensemble",
+    "batch.chain_batch": "ChainBatch",
+    "batch.ends": "ensemble_ends EnsembleEnds",
+    "trajectory": "Trajectory",
+    "methods": "METHODS",
+    "advice.stability_limits": "stable_step",
+    "warm_up": "warm",
+    "pymunk_contacts.contact_constraint": "SoftContact",
+    "pymunk_contacts.soft_chain": "SoftChain",
 }
+_HOME = {name: module for module, names in _NAMES.items() for name in names.split()}
 
 __all__ = list(_HOME)
 

@@ -7,11 +7,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, wraps
 from itertools import pairwise
-from typing import Any, NamedTuple, SupportsFloat, TypeVar, cast
+from typing import Any, SupportsFloat, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from softcradle.physics import notebook_views
 from softcradle.physics.checked_input import (
     LARGEST,
     SMALLEST,
@@ -23,6 +22,7 @@ from softcradle.physics.checked_input import (
 )
 from softcradle.physics.contact import Contact, stored_energy
 from softcradle.physics.coupler import Coupler
+from softcradle.physics.notebook_views import Shown
 from softcradle.physics.own_law import Law, OwnLaw, is_law
 from softcradle.physics.timed_force import TimedForce, checked_forces, summed
 
@@ -38,15 +38,8 @@ MOST_BEADS = 10_000_000  # of a cluster: a typing error must not fill the memory
 GRAVITY = 9.80665  # [m/s²], the standard value: bed friction is proportional to it
 
 
-class Parameters(NamedTuple):
-    """Laws and masses of a chain as the contiguous arrays that kernels take."""
-
-    law: Array  # (n, 3): preload, stiffness, exponent of each contact
-    inverse_mass: Array  # (n+1,) [1/kg]; 0 for a wall
-
-
 @dataclass(frozen=True, repr=False)
-class Chain:
+class Chain(Shown):
     """A chain: n+1 masses on a line and n contacts between neighbours, Eq. (3).
 
     Parameters
@@ -119,9 +112,6 @@ class Chain:
         parts += [f"brakes={_shortened(self.brakes)}"] if self.brakes else []
         return f"Chain({', '.join(parts)})"
 
-    def _repr_html_(self) -> str:
-        return notebook_views.html_of(self)
-
     @cached_property
     def _derived(self) -> dict[str, object]:
         """What functions marked :func:`per_chain` have found, by their names."""
@@ -177,10 +167,10 @@ class Chain:
         return tuple(contact for contact in self.contact if isinstance(contact, Contact))
 
     @property
-    def parameters(self) -> Parameters:
-        """Laws and masses as read-only arrays. ValueError where a contact has a law of its own."""
+    def power_law_rows(self) -> Array:
+        """The `law_rows` of a chain of preloaded power laws. ValueError for another, as of `power_laws`."""
         assert self.power_laws
-        return Parameters(self.law_rows, self.inverse_mass)
+        return self.law_rows
 
     @cached_property
     def law_rows(self) -> Array:

@@ -54,32 +54,41 @@ class InlinePage:
         Path(path).write_text(self.text, encoding="utf-8")
 
 
-def figure_of(shown: object) -> Figure:
-    """The figure of a Trajectory or a Scene."""
-    with needed_for("plot()", "figures"):
-        return _module("figure_view").figure_of(shown)
+class Shown:
+    """What a notebook shows as a table, with a picture where something moves and matplotlib is installed."""
+
+    def _repr_html_(self) -> str:
+        return _module("views").html_of(self)
 
 
-def film_of(shown: object, slow: float | None, size: tuple[int, int]) -> InlineFilm:
-    """The film of a Trajectory or a Scene."""
-    with needed_for("film()", "film"):
-        return _module("views").film_of(shown, slow, size)
+class Moving(Shown):
+    """A Trajectory or a Scene: what can be plotted and played."""
 
+    def plot(self) -> Figure:
+        """Velocities and forces over time, of each lane of a scene, in the style of the paper's figures. Extra [figures]."""
+        with needed_for("plot()", "figures"):
+            return _module("figure_view").figure_of(self)
 
-def write_page(shown: object, path: str | PathLike[str], slow: float | None) -> None:
-    """Write the page of a Trajectory or a Scene."""
-    _module("views").write_page_of(shown, path, slow)
+    def film(self, slow: float | None = None, size: tuple[int, int] = (800, 450)) -> InlineFilm:
+        """A film that a notebook plays: `slow` seconds for one of motion, else as the scene says, or six in all. Extra [film]."""
+        with needed_for("film()", "film"):
+            return _module("views").film_of(self, slow, size)
+
+    def to_page(self, path: str | PathLike[str], slow: float | None = None) -> None:
+        """Write an HTML page that plays it, `slow` seconds for one of motion, else as the scene says, or six in all.
+
+        Raises
+        ------
+        UserError
+            It cannot be written, or the motion is too long for a page.
+        """
+        _module("views").write_page_of(self, path, slow)
 
 
 def live_of(shown: object, slow: float | None) -> InlinePage:
     """The page of a Scene, which a notebook shows in a cell."""
     text: str = _module("views").page_text(shown, slow)
     return InlinePage(text)
-
-
-def html_of(shown: object) -> str:
-    """The table of a Trajectory, a Scene or a Chain, with a picture where matplotlib is installed."""
-    return _module("views").html_of(shown)
 
 
 def _module(name: str) -> Any:

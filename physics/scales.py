@@ -26,12 +26,6 @@ LEAST_DEPTH, MOST_DEPTH = 1e-60, 1e25
 DEFAULT_STEPS_A_CONTACT, DEFAULT_STEPS_A_STOP = 1000, 100
 
 
-def closing_speed(velocity: ArrayLike) -> float:
-    """Largest speed [m/s] at which any two beads approach or part; 1 where nothing moves, so that scales stay finite."""
-    speeds = np.asarray(velocity, dtype=np.float64)
-    return float(speeds.max() - speeds.min()) or 1.0
-
-
 def _approach(values: Sequence[float]) -> float:
     """Largest of ``values[j] - values[k]`` for beads j to the left of k; 0 where none is positive."""
     found, ahead = 0.0, -math.inf

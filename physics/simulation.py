@@ -340,15 +340,10 @@ def _trajectory(problem: Problem, record: Record) -> Trajectory:
 def _intervals(contacts: int, record: Record) -> tuple[tuple[Interval, ...], ...]:
     """Pair the switches of each contact into (closed, opened); inf for one that never opens."""
     found: list[list[Interval]] = [[] for _ in range(contacts)]
-    closed_at: list[float | None] = [None] * contacts
     for contact, time in zip(record.switch_contact.tolist(), record.switch_time.tolist(), strict=True):
-        closed = closed_at[contact]
-        if closed is None:
-            closed_at[contact] = time
+        own = found[contact]
+        if own and own[-1][1] == math.inf:
+            own[-1] = own[-1][0], time
         else:
-            found[contact].append((closed, time))
-            closed_at[contact] = None
-    for contact, closed in enumerate(closed_at):
-        if closed is not None:
-            found[contact].append((closed, math.inf))
-    return tuple(tuple(intervals) for intervals in found)
+            own.append((time, math.inf))
+    return tuple(map(tuple, found))

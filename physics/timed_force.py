@@ -69,13 +69,7 @@ class TimedForce:
 
     def at(self, time: ArrayLike) -> Array:
         """The force [N] at `time` [s], any shape; at a jump the value after it."""
-        times = np.asarray(time, dtype=np.float64)
-        inside = np.interp(times, self.time, self.force)
-        # np.interp takes the value before a jump where the jump is at the asked time itself
-        after = np.searchsorted(self.time, times, side="right") - 1
-        on_point = (after >= 0) & (np.asarray(self.time)[np.maximum(after, 0)] == times)
-        found: Array = np.where(on_point, np.asarray(self.force)[np.maximum(after, 0)], inside)
-        return np.where(times < self.time[0], 0.0, found)
+        return np.asarray(np.interp(np.asarray(time), self.time, self.force, left=0.0))
 
     def impulse(self, end: ArrayLike) -> Array:
         """The momentum [N s] that it has given to each of its beads by the time `end` [s], any shape."""

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics import notebook_views, trajectory_file
+from softcradle.physics import trajectory_file
 from softcradle.physics.chain import Chain
+from softcradle.physics.notebook_views import Moving
 from softcradle.physics.state import from_anchor
 from softcradle.physics.status import Status, Warnings
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
-    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 Interval = tuple[float, float]
@@ -50,7 +50,7 @@ def work_of_walls(chain: Chain, velocity: Array, momentum: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Trajectory:
+class Trajectory(Moving):
     """Samples of a motion, when each contact closed and opened, and what it cost.
 
     An error is stated for `final_velocity`, and from it for positions, `position_error`. Velocities at samples and times of
@@ -180,11 +180,6 @@ class Trajectory:
         energy = self.kinetic_energy + self.contact_energy - self.driven - self.by_walls
         return energy + self.absorbed_by_contacts + self.absorbed_by_bed
 
-    @property
-    def work(self) -> Array:
-        """(T,) another name of `driven`."""
-        return self.driven
-
     @cached_property
     def driven(self) -> Array:
         """(T,) work [J] of the drive and forces over time on the beads since t = 0, walls left out."""
@@ -244,24 +239,6 @@ class Trajectory:
         """The samples as a pandas DataFrame with the columns of :meth:`to_csv`, time as the index. Extra [notebook]."""
         return trajectory_file.data_frame(self._columns(), self._attributes())
 
-    def plot(self) -> Figure:
-        """Velocities and forces over time, in the style of the paper's figures. Extra [figures]."""
-        return notebook_views.figure_of(self)
-
-    def film(self, slow: float | None = None, size: tuple[int, int] = (800, 450)) -> notebook_views.InlineFilm:
-        """A film of the samples, which a notebook plays: `slow` seconds for one of motion, else six in all. Extra [film]."""
-        return notebook_views.film_of(self, slow, size)
-
-    def to_page(self, path: trajectory_file.Path, slow: float | None = None) -> None:
-        """Write an HTML page that plays the samples, `slow` seconds for one of motion, else six in all.
-
-        Raises
-        ------
-        UserError
-            It cannot be written, or the motion is too long for a page.
-        """
-        notebook_views.write_page(self, path, slow)
-
     def __repr__(self) -> str:
         end = "gave up" if self.status.gave_up else self.status.name.lower()
         how = f"step {self.step:.3g} s" if self.step else f"tolerance {self.tolerance:.3g}"
@@ -271,9 +248,6 @@ class Trajectory:
             else "no samples"
         )
         return f"Trajectory of {self.chain.contacts + 1} beads, {times}, by {self.method} ({how}), {end}"
-
-    def _repr_html_(self) -> str:
-        return notebook_views.html_of(self)
 
     def _attributes(self) -> dict[str, str | float]:
         return {

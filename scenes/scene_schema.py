@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from os import PathLike
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, Strict, field_validator, model_validator
 from softcradle.physics import notebook_views
@@ -25,9 +24,6 @@ from softcradle.scenes.toml_table import (
 )
 
 from softcradle import physics
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 MOST_BEADS = 100_000  # of a lane: a typing error must not fill the memory
 Count = Annotated[int, Strict(), Field(ge=1, le=MOST_BEADS)]
@@ -170,7 +166,7 @@ class View(Table):
     labels: Annotated[bool, Strict()] = True
 
 
-class Scene(Table):
+class Scene(notebook_views.Moving, Table):
     """A scene: what moves, from which start, by which method, and how it is shown.
 
     Attributes
@@ -273,21 +269,6 @@ class Scene(Table):
         return f"Scene({self.title!r}, {lanes})"
 
     __str__ = __repr__
-
-    def _repr_html_(self) -> str:
-        return notebook_views.html_of(self)
-
-    def plot(self) -> Figure:
-        """Velocities and forces of each lane over time, in the style of the paper's figures. Extra [figures]."""
-        return notebook_views.figure_of(self)
-
-    def film(self, slow: float | None = None, size: tuple[int, int] = (800, 450)) -> notebook_views.InlineFilm:
-        """The film, which a notebook plays: `slow` seconds for one of motion, None as the scene says. Extra [film]."""
-        return notebook_views.film_of(self, slow, size)
-
-    def to_page(self, path: str | PathLike[str], slow: float | None = None) -> None:
-        """Write an HTML page in which the scene lives, `slow` seconds for one of motion, None as the scene says."""
-        notebook_views.write_page(self, path, slow)
 
     def live(self, slow: float | None = None) -> notebook_views.InlinePage:
         """The page in which the scene lives, in a cell of a notebook."""

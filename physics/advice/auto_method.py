@@ -99,7 +99,7 @@ def nearly_yields(chain: Chain, velocity: ArrayLike) -> bool:
     The struck contact s pushes with at most ``sqrt(F_s**2 + K_s mu v**2)``, and contact i inside a cluster passes on the share
     r_i of it (:func:`softcradle.physics.chain.mass_shares`). It yields above the speed at which this equals F_i.
     """
-    preload, stiffness, _ = chain.parameters.law.T
+    preload, stiffness, _ = chain.law_rows.T
     speed = -np.diff(np.asarray(velocity, dtype=np.float64))
     struck = int(np.argmax(speed))
     if chain.walls or preload[struck] == 0.0 or stiffness[struck] == 0.0 or speed[struck] <= 0.0:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -95,17 +94,9 @@ def _bounds_of(law: OwnLaw, weight: float, speed: float, small: float, depth: fl
     longest = math.log2(depth / speed)
     if impulse(longest) <= 0.0:
         return stiff, math.inf
-    return stiff, float(2.0 ** _zero_of(impulse, longest - MOST_HALVINGS, longest))
+    from scipy.optimize import brentq
 
-
-def _zero_of(rising: Callable[[float], float], low: float, high: float) -> float:
-    """Where a function that does not fall passes 0, between `low` and `high`, to the last digit: by halving."""
-    while low < (middle := 0.5 * (low + high)) < high:
-        if rising(middle) < 0.0:
-            low = middle
-        else:
-            high = middle
-    return high
+    return stiff, float(2.0 ** brentq(impulse, longest - MOST_HALVINGS, longest))
 
 
 def explicit_warnings(problem: Problem, record: Record) -> Warnings:

@@ -48,7 +48,7 @@ def loads(chain: Chain, struck: int = 0) -> Array:
     >>> loads(one_on(4, power_law(1.0, 0.1)))
     array([1.  , 0.75, 0.5 , 0.25])
     """
-    preload, stiffness, _ = chain.parameters.law.T
+    preload, stiffness, _ = chain.power_law_rows.T
     strength = preload + stiffness
     return mass_shares(chain.mass, struck) * strength[struck] / strength
 
@@ -58,7 +58,7 @@ def response_times(trajectory: Trajectory) -> Array:
 
     The paper's tau_(i,i+1) before Eq. (10), with masses. 0 for a contact that never loads, inf for a step force.
     """
-    _, stiffness, exponent = trajectory.chain.parameters.law.T
+    _, stiffness, exponent = trajectory.chain.power_law_rows.T
     deepest = np.maximum(trajectory.overlap.max(axis=0), 0.0)
     with np.errstate(divide="ignore"):
         slope = exponent * stiffness * deepest ** (exponent - 1.0)

@@ -361,7 +361,7 @@ def _default_steps(batch: ChainBatch, velocity: Array, times: Array) -> Array:
 
 
 def _speed(velocity: Array) -> Array:
-    """(C,) the closing speeds [m/s] as of `closing_speed`."""
+    """(C,) the largest speeds [m/s] at which any two beads approach or part; 1 where nothing moves."""
     speed: Array = np.ptp(velocity, axis=1)
     return np.where(speed == 0.0, 1.0, speed)
 

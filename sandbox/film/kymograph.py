@@ -8,7 +8,6 @@ from time import perf_counter
 import numpy as np
 import pygame
 from numpy.typing import NDArray
-from softcradle.physics.scales import closing_speed
 from softcradle.sandbox.draw import scales_of
 from softcradle.sandbox.draw.bodies import CYLINDER_LENGTH, is_gear
 from softcradle.sandbox.draw.lane_drawing import TALLEST_BEAD, LaneDrawing
@@ -133,7 +132,7 @@ def filmed_scene(scene: Scene, end: float) -> Scene:
     view = {"magnify": 1.0}
     after = AFTER * end if scene.view.after is None else scene.view.after
     if scene.duration is None and not end + after:
-        after = view["after"] = scene.view.length / max(closing_speed(lane.velocity) for lane in scene.lanes)
+        after = view["after"] = scene.view.length / max(float(np.ptp(lane.velocity)) or 1.0 for lane in scene.lanes)
     if in_si(scene):
         view["after"] = max(after, SHORTEST_TIME - end)
     return scene.model_copy(update={"view": scene.view.model_copy(update=view)})

@@ -143,7 +143,7 @@ def test_the_work_of_a_drive_is_the_energy_and_the_push_of_a_state_adds_to_it(me
     step = fineness(method.name, 1e-4)
     found = simulate(DRIVEN, REST, 2.0, method=method.name, **step)
     energy = found.kinetic_energy + found.contact_energy
-    np.testing.assert_allclose(energy, found.work, atol=1e-3 * energy.max())
+    np.testing.assert_allclose(energy, found.driven, atol=1e-3 * energy.max())
     for drive in (0.0, 0.5):
         chain = Chain(DRIVEN.mass, DRIVEN.contact, drive=[drive, 0.0, 0.0, 0.0])
         state = State.at_start(chain, REST)

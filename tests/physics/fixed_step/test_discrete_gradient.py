@@ -34,7 +34,7 @@ def test_energy_and_momentum_in_every_scene(name, step):
     for lane in scenes.load(name).lanes:
         chain, velocity = lane.chain(), lane.velocity
         found = simulate(chain, velocity, duration, "conserving", step, samples=101)  # a warning is an error
-        assert np.ptp(found.ledger) < 1e-11 * max(found.ledger[0], np.abs(found.work).max())
+        assert np.ptp(found.ledger) < 1e-11 * max(found.ledger[0], np.abs(found.driven).max())
         assert np.isnan(found.velocity_error).all()
         assert np.isnan(found.position_error).all()
         if chain.walls == 0 and not chain.on_bed:
