@@ -88,7 +88,7 @@ def measure_steps(contacts: int, rounds: int = ROUNDS) -> dict[str, float]:
 
 def _bytes(chain: Chain, state: State) -> float:
     """Bytes a contact in the arrays that a step reads or writes: law, masses, state, work arrays."""
-    arrays = _arrays((*chain.parameters, state.overlap, state.rate, state.force, state.work))
+    arrays = _arrays((chain.law_rows, chain.inverse_mass, state.overlap, state.rate, state.force, state.work))
     return sum(array.nbytes for array in arrays) / chain.contacts
 
 

@@ -60,8 +60,6 @@ def _given_speed(chain: Chain) -> float:
 @per_chain
 def _sprung_speed(chain: Chain) -> float:
     """Largest speed [m/s] that contacts pressed at the start can give."""
-    if min(chain.gap) >= 0.0:
-        return 0.0
     return _released_speed(chain, -np.asarray(chain.gap, dtype=np.float64))
 
 

@@ -347,6 +347,6 @@ def _diffrax(case: ChartCase, ratio: float, tolerance: float, _start: Start, sam
     start, times = start_state(case), output_times(case, sample_times)
     absolute = absolute_tolerances(case, ratio, tolerance)
     began = perf_counter()
-    states, steps = _tsit5()(start, times, tuple(case.chain.parameters), tolerance, absolute)
+    states, steps = _tsit5()(start, times, (case.chain.power_law_rows, case.chain.inverse_mass), tolerance, absolute)
     states = np.asarray(states)
     return solution_of(case, states, sample_times, perf_counter() - began, TSIT5_STAGES * float(steps))

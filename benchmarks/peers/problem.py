@@ -40,7 +40,7 @@ def output_times(case: ChartCase, sample_times: Array) -> Array:
 
 def parameter_array(case: ChartCase, counter: Array) -> Array:
     """(2 + 3n + n+1 + n+1,) number of contacts, address of `counter` (1,), laws, inverse masses, drive: one array for C."""
-    law, inverse_mass = case.chain.parameters
+    law, inverse_mass = case.chain.power_law_rows, case.chain.inverse_mass
     drive = np.zeros(inverse_mass.size) if case.chain.drive_force is None else case.chain.drive_force
     return np.concatenate(([case.chain.contacts, counter.ctypes.data], law.ravel(), inverse_mass, drive * inverse_mass))
 

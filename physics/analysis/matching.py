@@ -20,7 +20,6 @@ search begins with contacts of every V/v_c, or of every alpha, that hold two rig
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -32,8 +31,7 @@ from softcradle.physics.analysis.closed_forms import rigid_masses, rigid_stroke,
 from softcradle.physics.analysis.collision import struck_contact
 from softcradle.physics.chain import Chain, mass_shares
 from softcradle.physics.contact import Contact, draft_gear, power_law
-from softcradle.physics.simulation import simulate
-from softcradle.physics.trajectory import Trajectory
+from softcradle.physics.simulation import solve
 
 Array = NDArray[np.float64]
 Family = Literal["power_law", "draft_gear"]
@@ -49,8 +47,6 @@ AT_END = 1e-3  # of a logarithm: a number this near to an end of its range count
 SIMPLEX_SIZES = (0.3, 0.1, 0.03)  # of the logarithms: the search begins again with each until nothing changes
 MOST_COLLISIONS = 150  # of one descent; two numbers need about 60
 DESCENTS = {"force": 1, "outcome": 3}  # from the nearest starts, by distance: the outcome has several valleys
-
-DISTANCES: tuple[Distance, ...] = ("force", "outcome")
 TOLERANCE = 1e-6  # of the collisions: far below any distance; very soft chains need thousands of steps for less
 FAR = 1e3  # distance of a contact whose collision cannot be simulated
 # times of samples, in contact times: dense at both ends, where forces jump, and short of the ends themselves, where the force
@@ -111,8 +107,8 @@ def match(
     1.0
     """
     given = only_contact(chain)
-    if distance not in DISTANCES:
-        raise ValueError(f"unknown distance {distance!r}; there are {', '.join(DISTANCES)}")
+    if distance not in DESCENTS:
+        raise ValueError(f"unknown distance {distance!r}; there are {', '.join(DESCENTS)}")
     speeds = np.asarray(velocity, dtype=np.float64)
     struck = struck_contact(speeds)
     sought: Family = family or ("power_law" if given.preload > 0.0 else "draft_gear")
@@ -142,7 +138,8 @@ def _search(
     def objective(logarithms: Array) -> float:
         nonlocal evaluations
         evaluations += 1
-        return apart(_contact(family, np.exp(np.clip(logarithms, low, high)), depth))
+        found = apart(_contact(family, np.exp(np.clip(logarithms, low, high)), depth))
+        return found if math.isfinite(found) else FAR
 
     places = [np.clip(np.log(_numbers(start, family, depth)), low, high) for start in starts]
     order = np.argsort([objective(place) for place in places], kind="stable")
@@ -163,7 +160,7 @@ def _descend(objective: Callable[[Array], float], place: Array, low: Array, high
             method="Nelder-Mead",
             bounds=list(zip(low, high, strict=True)),
             options={
-                "initial_simplex": _simplex(place, size, low, high),
+                "initial_simplex": place + size * np.eye(3, 2, -1),  # turned inwards where it lies outside the range
                 "xatol": LOGARITHM_TOLERANCE,
                 "fatol": 1e-9,
                 "maxfev": MOST_COLLISIONS,
@@ -174,14 +171,6 @@ def _descend(objective: Callable[[Array], float], place: Array, low: Array, high
         if unchanged:
             break
     return place, least
-
-
-def _simplex(place: Array, size: float, low: Array, high: Array) -> Array:
-    """(3, 2) corners of a simplex about `place`, turned inwards where they would lie outside the range."""
-    corners = np.tile(place, (3, 1))
-    for k in range(2):
-        corners[k + 1, k] += size if place[k] + size <= high[k] else -size
-    return np.clip(corners, low, high)
 
 
 def only_contact(chain: Chain) -> Contact:
@@ -233,12 +222,6 @@ def _ranges(family: Family, guess: Contact, depth: float) -> Array:
     return np.array([[force * factor for factor in FORCES], second])
 
 
-def _solved(chain: Chain, velocity: Array, duration: float | None, samples: int | Array) -> Trajectory:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # a contact whose run fails gets the distance FAR
-        return simulate(chain, velocity, duration, "accurate", None, samples, TOLERANCE)
-
-
 def _with(chain: Chain, contact: Contact) -> Chain:
     return replace(chain, contact=(contact,) * chain.contacts)
 
@@ -249,20 +232,14 @@ def force_distance(chain: Chain, velocity: Array, struck: int) -> Callable[[Cont
     def curve(contact: Contact) -> tuple[Array, Array]:
         """Force of the struck contact from its first touch to its last opening, and the times since that touch."""
         candidate = _with(chain, contact)
-        spans = _solved(candidate, velocity, None, 2).contact_intervals[struck]
+        spans = solve(candidate, velocity, samples=2, tolerance=TOLERANCE).contact_intervals[struck]
         touched, opened = spans[0][0], spans[-1][1]
         time = touched + (opened - touched) * GRADED
-        return time - touched, _solved(candidate, velocity, opened, time).force[:, struck]
+        return time - touched, solve(candidate, velocity, opened, samples=time, tolerance=TOLERANCE).force[:, struck]
 
-    time, force = curve(chain.power_laws[0])
-    whole = np.trapezoid(force**2, time)
-
-    def apart(contact: Contact) -> float:
-        other_time, other = curve(contact)
-        found = math.sqrt(squared_difference(time, force, other_time, other) / whole)
-        return found if math.isfinite(found) else FAR
-
-    return apart
+    given = curve(chain.power_laws[0])
+    whole = np.trapezoid(given[1] ** 2, given[0])
+    return lambda contact: math.sqrt(squared_difference(*given, *curve(contact)) / whole)
 
 
 def squared_difference(time: Array, curve: Array, other_time: Array, other: Array) -> float:
@@ -287,17 +264,15 @@ def outcome_distance(chain: Chain, velocity: Array, struck: int) -> Callable[[Co
     closing = float(velocity[struck] - velocity[struck + 1])
 
     def outcome(contact: Contact) -> tuple[Array, float]:
-        found = _solved(_with(chain, contact), velocity, None, 2)
+        found = solve(_with(chain, contact), velocity, samples=2, tolerance=TOLERANCE)
         closed = sum(opened - touched for touched, opened in found.contact_intervals[struck])
         return found.final_velocity / closing, math.log(closed)
 
     speeds, logarithm = outcome(chain.power_laws[0])
 
     def apart(contact: Contact) -> float:
-        other_speeds, other_logarithm = outcome(contact)
-        off = float(np.mean((other_speeds - speeds) ** 2)) + (other_logarithm - logarithm) ** 2
-        found = math.sqrt(off)
-        return found if math.isfinite(found) else FAR
+        others, other = outcome(contact)
+        return math.sqrt(float(np.mean((others - speeds) ** 2)) + (other - logarithm) ** 2)
 
     return apart
 

@@ -58,7 +58,8 @@ class Reduction:
                 "mode coupling needs steady forces and free beads: no forces over time, no loss, no bed and no brakes"
             )
         struck = _struck(chain, checked_velocity(chain, velocity))
-        found = cls(chain, _modes(chain, struck), struck)
+        ends = (0, 1) if struck is None else (max(struck - 1, 0), min(struck + 2, chain.contacts))
+        found = cls(chain, tuple(range(*ends)), struck)
         for i in set(range(chain.contacts)) - {struck}:
             if chain.power_laws[i].preload > 0.0 or chain.power_laws[i].stiffness == 0.0:
                 raise ValueError(f"mode coupling needs power laws inside a cluster, contact {i} has a preload")
@@ -116,13 +117,11 @@ class Reduction:
     @cached_property
     def profile(self) -> tuple[Array, Array]:
         """(n,) C and r of Eq. (A1), ``overlap = C * mode**r``: the depth law of the cluster."""
-        exponent = np.array([c.exponent for c in self.chain.power_laws])
-        stiffness = np.array([c.stiffness for c in self.chain.power_laws])
+        _, stiffness, exponent = self.chain.power_law_rows.T
         carrier = self.carrier + self.modes[0]
         with np.errstate(divide="ignore", invalid="ignore"):
             factor = (self.share * stiffness[carrier] / stiffness) ** (1.0 / exponent)
-        is_mode = np.isin(np.arange(exponent.size), self.modes)
-        return np.where(is_mode, 1.0, factor), np.where(is_mode, 1.0, exponent[carrier] / exponent)
+        return factor, exponent[carrier] / exponent
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,9 +240,3 @@ def _struck(chain: Chain, velocity: Array) -> int | None:
     if closing.size != 1 or velocity[closing[0]] < velocity[closing[0] + 1]:
         raise ValueError("mode coupling needs one cluster that strikes another, or a drive on the first bead of one")
     return int(closing[0])
-
-
-def _modes(chain: Chain, struck: int | None) -> tuple[int, ...]:
-    if struck is None:
-        return (0,)
-    return tuple(i for i in (struck - 1, struck, struck + 1) if 0 <= i < chain.contacts)

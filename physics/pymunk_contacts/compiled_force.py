@@ -11,7 +11,7 @@ from functools import cache
 from typing import Any
 
 import pymunk
-from softcradle.physics.pymunk_contacts.compiled_law import LAW_SLOT, push_address
+from softcradle.physics.pymunk_contacts.compiled_law import LAW_SLOT, compiled_push
 
 # preload, stiffness, exponent, touching distance, overlap or NaN: it follows from the distance, 1 if the contact was closed,
 # and the address of pymunk's call of the Python callback
@@ -44,7 +44,7 @@ def _callback() -> tuple[Any, str]:
         from pymunk._chipmunk_cffi import ffi
 
         _check_layout(ffi)
-        function = ffi.cast("cpDampedSpringForceFunc", push_address())
+        function = ffi.cast("cpDampedSpringForceFunc", compiled_push().address)
         _check_call(ffi, function)
     except Exception as error:  # a private interface and a compiler may fail in any way
         return None, f"{type(error).__name__}: {error}"

@@ -46,21 +46,12 @@ def push(spring, distance):
     return force(law[0], law[1], law[2], overlap)
 
 
-@cache
-def push_address():
-    """Address of :func:`push` in machine code, compiled once and kept on disk with the other kernels.
+@cache  # machine code lives as long as the object that made it
+def compiled_push():
+    """:func:`push` in machine code, with its ``address``; compiled once and kept on disk with the other kernels.
 
     Raises ImportError without numba, RuntimeError where NUMBA_DISABLE_JIT switches it off.
     """
     from numba import types
 
-    signature = types.float64(types.CPointer(types.CPointer(types.float64)), types.float64)
-    return _keep(c_function(push, signature))
-
-
-_kept: list[object] = []  # compiled code lives as long as the object that made it
-
-
-def _keep(compiled):
-    _kept.append(compiled)
-    return compiled.address
+    return c_function(push, types.float64(types.CPointer(types.CPointer(types.float64)), types.float64))

@@ -6,6 +6,7 @@ import math
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, SupportsFloat
 from weakref import WeakKeyDictionary
 
@@ -17,10 +18,16 @@ from softcradle.physics.checked_input import magnitude, number_array, require_ki
 from softcradle.physics.contact import Contact
 from softcradle.physics.coupler import Coupler
 from softcradle.physics.kernel_tiers import plain
-from softcradle.physics.numerics.elementary import power
+from softcradle.physics.numerics import law_kernels
 from softcradle.physics.own_law import Law, OwnLaw, is_law
 from softcradle.physics.pymunk_contacts import compiled_force as compiled
-from softcradle.physics.pymunk_contacts.post_step import call_after_step, raise_after_step, require_finite, space_of
+from softcradle.physics.pymunk_contacts.post_step import (
+    call_after_step,
+    raise_after_step,
+    require_finite,
+    settled,
+    space_of,
+)
 
 Pair = tuple[float, float]
 LawLike = Law | Callable[[float], SupportsFloat]
@@ -255,23 +262,9 @@ class SoftContact(pymunk.DampedSpring):
         """True where the force is compiled code, False where it is a Python callback."""
         return self._compiled_law is not None and self.force_func is SoftContact.contact_force
 
-    @property
-    def stiffness(self) -> float:
-        """Always 0: the force is the contact's."""
-        return 0.0
-
-    @stiffness.setter
-    def stiffness(self, stiffness: float) -> None:
-        raise AttributeError("a SoftContact has no stiffness of its own: set its contact")
-
-    @property
-    def damping(self) -> float:
-        """Always 0: a damper would pull bodies that are apart."""
-        return 0.0
-
-    @damping.setter
-    def damping(self, damping: float) -> None:
-        raise AttributeError("a SoftContact has no damping: a damper would pull bodies that are apart")
+    # C's own stiffness holds the address of the law
+    stiffness = settled(lambda _: 0.0, "a SoftContact has no stiffness of its own: set its contact")
+    damping = settled(lambda _: 0.0, "a SoftContact has no damping: a damper would pull bodies that are apart")
 
     def _moves_apart(self) -> bool:
         return (self.rate if math.isnan(self._known_rate) else self._known_rate) < 0.0
@@ -353,12 +346,4 @@ def _scalar_law(contact: LawLike) -> Callable[[float], float]:
         )
     if not isinstance(contact, Contact):
         return (lambda d: float(contact.force(d))) if isinstance(contact, Law) else (lambda d: float(contact(d)))
-    preload, stiffness, exponent = contact.preload, contact.stiffness, contact.exponent
-    if stiffness == 0.0:
-        return lambda overlap: preload
-    if exponent == 1.0:
-        return lambda overlap: preload + stiffness * overlap
-    if exponent == 1.5:
-        return lambda overlap: preload + stiffness * (overlap * math.sqrt(overlap))
-    plain_power = plain(power)
-    return lambda overlap: preload + stiffness * plain_power(overlap, exponent)
+    return partial(plain(law_kernels.force), contact.preload, contact.stiffness, contact.exponent)

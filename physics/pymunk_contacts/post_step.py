@@ -4,19 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from typing import Any
 from weakref import WeakKeyDictionary, ref
 
 import pymunk
 
-
-@dataclass
-class _Pending:
-    tasks: list[Callable[[], None]] = field(default_factory=list)
-    errors: list[BaseException] = field(default_factory=list)
-
-
-_pending: WeakKeyDictionary[pymunk.Space, _Pending] = WeakKeyDictionary()
+_pending: WeakKeyDictionary[pymunk.Space, list[Callable[[], None]]] = WeakKeyDictionary()
 _spaces: WeakKeyDictionary[pymunk.Constraint, Callable[[], pymunk.Space | None]] = WeakKeyDictionary()
 
 
@@ -33,12 +26,18 @@ def space_of(constraint: pymunk.Constraint) -> pymunk.Space:
 
 def call_after_step(constraint: pymunk.Constraint, task: Callable[[], None]) -> None:
     """Call `task` at the end of the step under way."""
-    _of(constraint).tasks.append(task)
+    space = space_of(constraint)
+    space.add_post_step_callback(_finish, _finish)
+    _pending.setdefault(space, []).append(task)
 
 
 def raise_after_step(constraint: pymunk.Constraint, error: BaseException) -> None:
     """Raise `error` at the end of the step under way: pymunk prints errors in its callbacks and goes on."""
-    _of(constraint).errors.append(error)
+
+    def fail() -> None:
+        raise error
+
+    call_after_step(constraint, fail)
 
 
 def require_finite(body: pymunk.Body, what: str) -> None:
@@ -49,21 +48,24 @@ def require_finite(body: pymunk.Body, what: str) -> None:
             raise ValueError(f"{what} has the {name} {value}: give it, and its neighbours, finite numbers")
 
 
-def _of(constraint: pymunk.Constraint) -> _Pending:
-    space = space_of(constraint)
-    space.add_post_step_callback(_finish, _finish)
-    return _pending.setdefault(space, _Pending())
+def settled(value: Callable[[Any], object], why: str) -> property:
+    """A property of a spring that nobody sets: who tries is told `why`."""
+
+    def refuse(spring: object, given: object) -> None:
+        raise AttributeError(why)
+
+    return property(value, refuse, doc=why)
 
 
 def _finish(space: pymunk.Space, key: object) -> None:
     """Do the pending tasks and raise the first error. After an error pymunk calls this once more, with nothing pending."""
-    pending = _pending.pop(space, _Pending())
-    for task in pending.tasks:
+    errors: list[BaseException] = []
+    for task in _pending.pop(space, []):
         try:
             task()
-        except Exception as error:  # errors of the step itself are before those of its tasks
-            pending.errors.append(error)
-    if pending.errors:
-        if len(pending.errors) > 1:
-            pending.errors[0].add_note(f"{len(pending.errors) - 1} more callbacks failed in the same step")
-        raise pending.errors[0]
+        except BaseException as error:  # KeyboardInterrupt too: the other tasks are still done
+            errors.append(error)
+    if errors:
+        if len(errors) > 1:
+            errors[0].add_note(f"{len(errors) - 1} more callbacks failed in the same step")
+        raise errors[0]

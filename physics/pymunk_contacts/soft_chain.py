@@ -17,7 +17,13 @@ from softcradle.physics.contact import Contact, power_law
 from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.numerics.contact_solve import BEAD_ROWS
 from softcradle.physics.numerics.records import NO_JOINTS, NOTHING
-from softcradle.physics.pymunk_contacts.post_step import call_after_step, raise_after_step, require_finite, space_of
+from softcradle.physics.pymunk_contacts.post_step import (
+    call_after_step,
+    raise_after_step,
+    require_finite,
+    settled,
+    space_of,
+)
 from softcradle.physics.pymunk_contacts.soft_chain_step import (
     CHAIN_ROWS,
     begin_chain_step,
@@ -356,11 +362,8 @@ class SoftChain:
 
 def _of_the_chain(name: str) -> property:
     """A property of a spring that a link of a chain has, but nobody sets."""
-
-    def refuse(link: _Link, value: object) -> None:
-        raise AttributeError(f"a link of a SoftChain takes no {name}: its force is the chain's; set chain.contacts")
-
-    return property(getattr(pymunk.DampedSpring, name).fget, refuse)
+    why = f"a link of a SoftChain takes no {name}: its force is the chain's; set chain.contacts"
+    return settled(getattr(pymunk.DampedSpring, name).fget, why)
 
 
 class _Link(pymunk.DampedSpring):

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics import Trajectory
 from softcradle.physics.advice.unusual_numbers import unusual_warnings
-from softcradle.physics.analysis.collision import CollisionMeasures, ContactMeasures
+from softcradle.physics.analysis.collision import CollisionMeasures, ContactMeasures, collide, measured, struck_contact
+from softcradle.physics.analysis.measures import cluster_beads, rigidity
 from softcradle.physics.methods import find_method
 from softcradle.physics.simulation import solve
 from softcradle.physics.status import Status, Warnings
@@ -46,10 +47,6 @@ class Run:
     @cached_property
     def struck(self) -> int:
         """The contact that is struck."""
-        from softcradle.physics.analysis.collision import (
-            struck_contact,
-        )  # takes SciPy with it, which many sweeps need not
-
         return struck_contact(self.start.velocity)
 
     @cached_property
@@ -75,8 +72,6 @@ class Run:
     @cached_property
     def collision(self) -> CollisionMeasures:
         """All measures of the collision, of a run with fine samples."""
-        from softcradle.physics.analysis.collision import collide, measured, struck_contact
-
         struck_contact(self.start.velocity)  # without a collision every measure of it fails before two runs, not after
         found = collide(self.start.chain, self.start.velocity, run=solve, **self.start.settings)
         self.sampled = found
@@ -94,8 +89,6 @@ class Run:
 
     def spread(self, run: Trajectory | None) -> float:
         """The rigidity of the struck cluster at the end of `run`; nan where that is unknown."""
-        from softcradle.physics.analysis.measures import cluster_beads, rigidity
-
         beads = cluster_beads(self.start.chain, slice(self.struck + 1, None))
         known = run is not None and not run.status.gave_up and beads.size > 0
         return float(rigidity(run.final_velocity[beads])) if run is not None and known else math.nan

@@ -19,7 +19,7 @@ def test_a_wall_is_a_bead_of_infinite_mass_and_the_anchor():
     chain = Chain([1, 5, math.inf, 7], LAW)
     assert chain.walls == 1
     assert chain.anchor == 2
-    assert chain.parameters.inverse_mass[2] == 0.0
+    assert chain.inverse_mass[2] == 0.0
     assert Chain([1, 5, 3], LAW).anchor == 1
 
 
@@ -29,7 +29,7 @@ def test_a_chain_cannot_be_changed():
         with pytest.raises(FrozenInstanceError):
             setattr(part, name, 1.0)
     with pytest.raises(ValueError, match="read-only"):
-        chain.parameters.law[0, 0] = 1.0
+        chain.law_rows[0, 0] = 1.0
 
 
 def test_every_start_is_one_of_its_own_with_the_gaps_of_the_chain():

@@ -115,7 +115,7 @@ def test_tolerances(method, truth):
     if not swings:  # a soft contact beside others swings about its force
         # (T, n) force error [N] for an error of 1 m/s in the rate: sqrt(mu df/dd), unbounded where an exponent < 1 opens; the
         # slope is that at the overlap, or at its error where that is larger
-        _, stiffness, exponent = truth.chain.parameters.law.T
+        _, stiffness, exponent = truth.chain.power_law_rows.T
         overlap = np.maximum(np.abs(truth.overlap), bound * truth.largest_overlap)
         slopes = exponent * stiffness * overlap ** (exponent - 1.0)
         stiff = truth.peak_force.max() + np.sqrt(slopes / truth.chain.inverse_reduced_mass) * speed

@@ -162,7 +162,7 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "a match of beads that are driven": (lambda: match(Chain([1, 1], LAW, 0.0, [1.0, 0.0]), [1, 0]), "no drive"),
     "a match between walls": (lambda: match(Chain([math.inf, 1, math.inf], LAW, 0.5), [0, 1, 0]), "second wall"),
     "no end of a train that pulls": (lambda: simulate(TRAIN, [1, 0], method="conserving"), "never comes apart: give a duration"),
-    "couplers as power laws": (lambda: TRAIN.parameters, "contact 0-1 is a coupler: this takes"),
+    "couplers as power laws": (lambda: TRAIN.power_law_rows, "contact 0-1 is a coupler: this takes"),
     "a coupler for a body": (lambda: SoftContact(*BODIES[:2], (0, 0), (0, 0), 1, TRAIN.contact[0]), "a coupler pulls"),
     "loss by yoshida4": (lambda: simulate(one_on(1, GEAR), [1, 0], method="yoshida4"), NO_BACK),
     "a frame of friction by yoshida4": (lambda: advance(RUBS, State.at_start(RUBS, [1, 0]), 0.1, "yoshida4"), NO_BACK),
@@ -212,7 +212,7 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "own law: a Coupler": (lambda: OwnLaw(Coupler(LAW)), "a chain takes .* as it is"),
     "own law: a class": (lambda: OwnLaw(Spring), "must be a function or have a method force"),
     "own law: no energy": (lambda: OwnLaw(lambda d: d, 3.0), "the energy of a law must be a function"),
-    "own law: power laws": (lambda: one_on(4, Spring()).parameters, "contact 0-1 has a law of its own, 'Spring'"),
+    "own law: power laws": (lambda: one_on(4, Spring()).power_law_rows, "contact 0-1 has a law of its own, 'Spring'"),
 }  # fmt: skip
 
 

@@ -3,6 +3,7 @@
 from functools import lru_cache
 
 import numpy as np
+from scipy.optimize import minimize
 from softcradle.physics import Chain, Contact, draft_gear, one_on
 from softcradle.physics.analysis.closed_forms import critical_speed, rigid_collision
 from softcradle.physics.analysis.matching import GRADED, match, squared_difference
@@ -34,8 +35,6 @@ def distance_of_power_law(case: Parameters, solver: MethodFineness) -> float:
 
 def fitted_exponent(case: Parameters, solver: MethodFineness) -> float:
     """Exponent of the power law whose force curve in the collision is nearest to that of the gear, by that solver."""
-    from scipy.optimize import minimize
-
     chain = one_on(3, draft_gear(1.0, 1.0))
     velocity = start(chain, speed=case["V/v_c"] * critical_speed(chain.power_laws[0], chain.mass, 1))
     curve, near = _force_curve(chain, velocity, solver), _nearest(chain, velocity)

@@ -6,6 +6,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
+from softcradle.physics.analysis.closed_forms import rigid_collision
 from softcradle.physics.analysis.measures import rigidity
 from softcradle.physics.simulation import solve
 from softcradle.physics.status import WarningCode
@@ -55,10 +56,6 @@ def _solved(n: int, alpha: float) -> tuple[Array, float]:
 
 def rigid_outcome(n: int) -> tuple[float, float]:
     """Velocities of striker and cluster after the collision if the cluster were one rigid body."""
-    from softcradle.physics.analysis.closed_forms import (
-        rigid_collision,  # imports SciPy, which listing the figures does not need
-    )
-
     striker, target = rigid_collision(np.ones(n + 1), 1)[:2]
     return float(striker), float(target)
 
