@@ -16,13 +16,13 @@ from collections.abc import Callable
 from functools import cache, cached_property
 from pathlib import Path
 from time import monotonic, sleep, time
-from types import FunctionType
 from typing import Any, TypeVar
 from zlib import crc32
 
 import numpy as np
 from softcradle.physics.numerics.float_bits import COMPILED, INSTALLED
 from softcradle.physics.numerics.kernel_cache import cache_folder, drop_unused, target
+from softcradle.physics.numerics.plain_kernels import plain
 
 Kernel = TypeVar("Kernel", bound=Callable[..., Any])
 
@@ -228,31 +228,9 @@ class _Detached(subprocess.Popen[bytes]):
 
 
 @cache
-def plain(kernel: Any) -> Any:
-    """The source of `kernel` as a function of plain Python, which calls only such functions."""
-    source = getattr(kernel, "py_func", None)
-    if source is None:
-        return kernel
-    return FunctionType(
-        source.__code__, _plain_names(source.__module__), source.__name__, source.__defaults__, source.__closure__
-    )
-
-
-@cache
 def quiet(kernel: Any) -> Any:
-    """The same, to be called from outside: it warns no more of infinite intermediate results than machine code does."""
+    """The kernel as plain Python, to be called from outside: it warns no more of infinite results than machine code does."""
     return np.errstate(all="ignore")(plain(kernel))
-
-
-_names: dict[str, dict[str, Any]] = {}
-
-
-def _plain_names(module: str) -> dict[str, Any]:
-    """The names of a module with plain functions for its kernels."""
-    if module not in _names:
-        found = _names[module] = dict(vars(sys.modules[module]))
-        found.update({name: plain(value) for name, value in list(found.items()) if hasattr(value, "py_func")})
-    return _names[module]
 
 
 # ---- machine code

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.chain import Chain, per_chain
 from softcradle.physics.checked_input import SMALLEST
 from softcradle.physics.coupler import Coupler
-from softcradle.physics.numerics.array_powers import powers
+from softcradle.physics.numerics.plain_kernels import powers
 from softcradle.physics.state import State
 
 Array = NDArray[np.float64]

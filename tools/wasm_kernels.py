@@ -51,11 +51,10 @@ def march({names}):
     )
     samples = none, none_2, none_2, none_2, none_2, none_2
     log = view(log_contact, (rows,)), view(log_time, (rows,)), view(closed, (n,)), view(counter, (COUNTERS,))
-    kept = none, none_2, none_2, none_2, none_2, none_2, view(plan, (3,))
     pause = view(plan, (3,))[1:], none  # that step of `plan` that never comes, and 0: not begun
     status, time = step_loop.march(
-        (step_loop.DISCRETE_GRADIENT, none, none, h), (start, end, False, int64(most_steps)), chain, motion, motion, samples,
-        log, kept, pause, (view(beads, (BEAD_ROWS, n + 1)), view(work, (WORK_ROWS, n))),
+        (none, none, h), (start, end, False, int64(most_steps)), chain, motion, samples, log, (samples, view(plan, (3,))),
+        pause, (view(beads, (BEAD_ROWS, n + 1)), view(work, (WORK_ROWS, n))),
     )
     reached[0] = time
     return status

@@ -43,7 +43,8 @@ from softcradle.physics.kernel_records import (
     require_finite_motion,
     with_free_rows,
 )
-from softcradle.physics.kernel_tiers import KernelTiers, plain
+from softcradle.physics.kernel_tiers import KernelTiers
+from softcradle.physics.numerics.plain_kernels import plain
 from softcradle.physics.numerics.records import EVALUATION, OUT_OF_STEPS, PAUSED, REJECTED, STEP, SWITCH, SwitchLog
 from softcradle.physics.own_law import OwnLaw
 from softcradle.physics.problem import NO_TIMES, Problem, Record, empty_samples, with_ends_as_samples

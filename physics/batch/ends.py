@@ -30,8 +30,9 @@ from softcradle.physics.ensemble_runs import in_threads, parts, threads_of
 from softcradle.physics.fixed_step import runner as fixed_step
 from softcradle.physics.fixed_step.step_loop import march
 from softcradle.physics.kernel_records import NO_FLAGS
-from softcradle.physics.kernel_tiers import KernelTiers, entry_of, plain
+from softcradle.physics.kernel_tiers import KernelTiers, entry_of
 from softcradle.physics.methods import Family, Method, find_method, refusal_of
+from softcradle.physics.numerics.plain_kernels import plain
 from softcradle.physics.numerics.records import COUNTERS, DONE, EVALUATION, NO_JOINTS, NO_KNOTS, SEPARATED, STEP
 from softcradle.physics.scales import (
     DEFAULT_STEPS_A_CONTACT,
@@ -235,12 +236,10 @@ class _Run:
 def _of_march(method: str, run: _Run) -> tuple[Any, ...]:
     """What all chains have in common for `march_each`, with memory of its own: methods of fixed steps."""
     scratch = fixed_step.Scratch.of(method, run.moving.overlap.shape[1])
-    memory = (
-        tuple(scratch.spare), tuple(scratch.samples), (scratch.log.contact, scratch.log.time), tuple(scratch.checkpoints),
-        tuple(scratch.pause), np.zeros(4), (scratch.beads, scratch.work),
-    )  # fmt: skip
+    kept, columns = (tuple(scratch.checkpoints), scratch.plan), (scratch.log.contact, scratch.log.time)
+    memory = (tuple(scratch.samples), columns, kept, tuple(scratch.pause), np.zeros(4), (scratch.beads, scratch.work))
     return (
-        fixed_step.kind_of(method), run.stop, fixed_step.MOST_FIXED_STEPS, tuple(run.data), tuple(run.moving), memory,
+        fixed_step.DRIFTS_AND_KICKS[method], run.stop, fixed_step.MOST_FIXED_STEPS, tuple(run.data), tuple(run.moving), memory,
         (NO_FLAGS, NO_JOINTS, NO_KNOTS),
     )  # fmt: skip
 

@@ -50,13 +50,12 @@ class BatchMotion(NamedTuple):
 def march_arguments(c, stepper, stop, most_steps, batch_fields, motion_fields, memory, nothing):
     """What `march` is called with for chain c.
 
-    `stepper` is (kind, drifts, kicks); `memory` holds the fields of a second Motion and of Samples, columns of the log, the
-    fields of Checkpoints and Pause, energies taken, and the memory of steps; `nothing` flags, Joints and Knots without rows.
+    `stepper` is (drifts, kicks); `memory` holds the fields of Samples, columns of the log, checkpoints, the fields of a Pause,
+    energies taken, and the memory of steps; `nothing` flags, Joints and Knots without rows.
     """
     batch, moving = BatchData(*batch_fields), BatchMotion(*motion_fields)
-    spare_fields, sample_fields, switches, checkpoint_fields, pause_fields, taken, of_steps = memory
-    flags, joints, knots = nothing
-    kind, drifts, kicks = stepper
+    sample_fields, switches, checkpoints, pause_fields, taken, of_steps = memory
+    (flags, joints, knots), (drifts, kicks) = nothing, stepper
     loss, bed = batch.loss[c], batch.bed[c]
     none, braked = bed[:0], batch.braked[c]
     dissipation = Dissipation(loss if batch.lossy[c] or braked else loss[:0], bed if braked else none)
@@ -64,8 +63,8 @@ def march_arguments(c, stepper, stop, most_steps, batch_fields, motion_fields, m
     motion = moving.overlap[c], moving.rate[c], moving.anchor[c], moving.force[c], taken, flags, flags
     log = switches[0], switches[1], moving.closed[c], moving.counter[c]
     return (
-        (kind, drifts, kicks, batch.step[c]), (0.0, batch.end[c], stop, most_steps), chain, motion, spare_fields, sample_fields,
-        log, checkpoint_fields, pause_fields, of_steps,
+        (drifts, kicks, batch.step[c]), (0.0, batch.end[c], stop, most_steps), chain, motion, sample_fields, log, checkpoints,
+        pause_fields, of_steps,
     )  # fmt: skip
 
 

@@ -49,11 +49,9 @@ ROUND_OFF_LEFT = 1e-12  # of a step: a rest this short after cuts is round-off
 
 
 @inlined
-def velocity_after(h, j, beads, bed):
-    """Velocity of bead j at the end of the step."""
-    if math.isnan(beads[FRICTION, j]):
-        return 0.0
-    return beads[FREE_VELOCITY, j] + h * beads[FRICTION, j] if bed.size else beads[FREE_VELOCITY, j]
+def velocity_after(h, j, beads):
+    """Velocity of bead j, on a bed, at the end of the step."""
+    return 0.0 if math.isnan(beads[FRICTION, j]) else beads[FREE_VELOCITY, j] + h * beads[FRICTION, j]
 
 
 @inlined
@@ -103,7 +101,7 @@ def absorb(h, chain, motion, beads, work):
             motion.taken[0] += motion.force[i] * (end[i] - overlap[i]) + fall
     for j in range(bed.size):
         if bed[j] > 0.0:
-            before, ended = beads[START_VELOCITY, j], velocity_after(h, j, beads, bed)
+            before, ended = beads[START_VELOCITY, j], velocity_after(h, j, beads)
             sticks = math.isnan(beads[FRICTION, j])
             braked = beads[FREE_VELOCITY, j] / h if sticks else -beads[FRICTION, j]
             motion.taken[1] += 0.5 * h * braked * (before + ended) / chain.inverse_mass[j]
@@ -134,7 +132,7 @@ def rate_after(h, i, chain, motion, left, right, beads, work):
             return 0.0
         if bed.size:
             if math.isnan(beads[FRICTION, i]) or math.isnan(beads[FRICTION, i + 1]):
-                return velocity_after(h, i, beads, bed) - velocity_after(h, i + 1, beads, bed)
+                return velocity_after(h, i, beads) - velocity_after(h, i + 1, beads)
             slide = beads[FRICTION, i] - beads[FRICTION, i + 1]
     if max(abs(start), abs(end)) < h * h * work[DIAGONAL, i] * motion.force[i]:
         return 2.0 * (end - start) / h - rate
@@ -145,10 +143,9 @@ def rate_after(h, i, chain, motion, left, right, beads, work):
 def move(h, chain, motion, beads, work):
     """Put the end of the step into the motion."""
     n, overlap, rate, anchor, bead = motion.rate.size, motion.overlap, motion.rate, motion.anchor, chain.anchor_bead
-    bed = chain.dissipation.bed
-    by_velocity = bed.size > 0
+    by_velocity = chain.dissipation.bed.size > 0
     if by_velocity:
-        ended = velocity_after(h, bead, beads, bed)
+        ended = velocity_after(h, bead, beads)
         anchor[0] += 0.5 * h * (anchor[1] + ended)
         anchor[1] = ended
     else:

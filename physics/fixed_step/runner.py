@@ -16,13 +16,10 @@ from softcradle.physics.fixed_step.explicit_steps import EULER, VERLET, YOSHIDA4
 from softcradle.physics.fixed_step.step_loop import (
     AT,
     BEGUN,
-    DISCRETE_GRADIENT,
+    NEVER,
     NEXT,
     SPACING,
-    SPLITTING,
-    Checkpoints,
     Pause,
-    empty_checkpoints,
     march,
     no_pause,
     sample_between,
@@ -47,7 +44,6 @@ from softcradle.physics.numerics.records import (
     STEP,
     SWITCH,
     UNCONVERGED,
-    Motion,
     Samples,
     SwitchLog,
 )
@@ -58,11 +54,15 @@ from softcradle.physics.status import CodedWarning, Status, WarningCode, Warning
 
 Array = NDArray[np.float64]
 
+# none of a discrete gradient
 DRIFTS_AND_KICKS = {"euler": EULER, "verlet": VERLET, "yoshida4": YOSHIDA4, "conserving": (NO_TIMES, NO_TIMES)}
 MOST_FIXED_STEPS = 100_000_000  # of a run; one that needs more has a step that does not fit its motion
 
 # Steps of a contact between two looks at signals, which Python hears between two calls of a kernel: some 0.1 s.
 PAUSE = 2_000_000
+MOST_ROWS, MOST_NUMBERS = 1024, 2**22  # checkpoints of a run, and numbers that they take: 32 MB
+# steps between two at first; to leave the loop of steps after each one would cost a short chain half of a run
+FIRST_SPACING = 4
 PLAIN_STEPS = 20_000  # of a run without a duration, times its contacts: how far plain Python tries, in about a second
 
 
@@ -70,13 +70,12 @@ PLAIN_STEPS = 20_000  # of a run without a duration, times its contacts: how far
 class Scratch:
     """Memory of the kernels beside the state: made once for a run, or once for all frames of live use."""
 
-    method: str
-    spare: Motion
     beads: Array
     work: Array
     samples: Samples
     log: SwitchLog
-    checkpoints: Checkpoints
+    checkpoints: Samples
+    plan: NDArray[np.int64]
     pause: Pause
 
     @classmethod
@@ -84,18 +83,12 @@ class Scratch:
         cls, method: str, contacts: int, times: Array = NO_TIMES, log_size: int = 0, checkpoints: bool = False
     ) -> Scratch:
         """Memory for a chain with `contacts`; sample rows at `times`, and rows of `checkpoints` where samples come later."""
-        none = np.empty(0, dtype=np.int8)
-        spare = Motion(np.empty(contacts), np.empty(contacts), np.empty(2), np.empty(contacts), np.empty(4), none, none)
-        rows = WORK_ROWS if method == "conserving" else 0
-        samples = empty_samples(times, contacts)
-        beads, work = np.zeros((BEAD_ROWS, contacts + 1)), np.empty((rows, contacts))
-        kept = empty_checkpoints(contacts, checkpoints)
-        return cls(method, spare, beads, work, samples, empty_log(contacts, log_size), kept, no_pause())
-
-
-def kind_of(method: str) -> tuple[int, Array, Array]:
-    """The kind of its steps, drifts and kicks."""
-    return DISCRETE_GRADIENT if method == "conserving" else SPLITTING, *DRIFTS_AND_KICKS[method]
+        solver_rows = WORK_ROWS if method == "conserving" else 0
+        rows = min(MOST_ROWS, max(2, MOST_NUMBERS // (3 * contacts))) if checkpoints else 0
+        plan = np.array([0, 0 if checkpoints else NEVER, FIRST_SPACING])
+        beads, work = np.zeros((BEAD_ROWS, contacts + 1)), np.empty((solver_rows, contacts))
+        samples, kept = empty_samples(times, contacts), empty_samples(np.empty(rows), contacts)
+        return cls(beads, work, samples, empty_log(contacts, log_size), kept, plan, no_pause())
 
 
 def run(problem: Problem) -> Record:
@@ -107,9 +100,9 @@ def run(problem: Problem) -> Record:
 def advance(problem: Problem) -> Status:
     """Move ``problem.state`` on by the duration in place; the scratch memory stays with the state."""
     state = problem.state
-    scratch = state.work.get("fixed_step")
-    if scratch is None or scratch.method != problem.method:
-        scratch = state.work["fixed_step"] = Scratch.of(problem.method, problem.chain.contacts, NO_TIMES, FRAME_LOG)
+    scratch = state.work.get(problem.method)
+    if scratch is None:
+        scratch = state.work[problem.method] = Scratch.of(problem.method, problem.chain.contacts, NO_TIMES, FRAME_LOG)
     log = scratch.log
     log.counter[:] = 0
     log.closed[:] = state.closed
@@ -159,17 +152,15 @@ class _KeptRun:
         scratch.samples = empty_samples(times, chain.contacts)
         scratch.log = empty_log(chain.contacts, 0)
         state, late = problem.state.copy(), max(float(times[-1]) - found.end.time, 0.0) if times.size else 0.0
-        again = min(found.steps, times.size * int(scratch.checkpoints.plan[SPACING])) + late / problem.step
+        again = min(found.steps, times.size * int(scratch.plan[SPACING])) + late / problem.step
         work = again * chain.contacts
         kernel = _kernels(chain).of(sample_between, work)
         if kernel is not sample_between:
             _kernels(chain).spent += work
-        none = tuple(empty_checkpoints(chain.contacts, False))
-        most = problem.most_steps or MOST_FIXED_STEPS
-        kept, pause = tuple(scratch.checkpoints), scratch.pause
-        pause.counts[AT], pause.counts[BEGUN], pause.counts[NEXT] = _steps_at_once(problem), 0, 0
+        most, counts = problem.most_steps or MOST_FIXED_STEPS, scratch.pause.counts
+        counts[AT], counts[BEGUN], counts[NEXT] = _steps_at_once(problem), 0, 0
         began = perf_counter()
-        while not _call(kernel, most, problem, state, scratch, (kept, none, tuple(pause))):
+        while not _call(kernel, most, problem, state, scratch):
             pass  # signals are heard here
         found.seconds += perf_counter() - began
         return found.with_samples(first_samples(scratch.samples, int(scratch.log.counter[SAMPLE])))
@@ -182,15 +173,10 @@ def _kernels(chain: Chain) -> KernelTiers:
 
 def _kernel_and_steps(problem: Problem, plain: bool) -> tuple[Any, int]:
     """The tier of the kernel for a run, and the steps that it may take."""
-    chain, most = problem.chain, problem.most_steps or MOST_FIXED_STEPS
-    if _kernels(chain).in_memory:
-        return march, most
-    ends = problem.duration is not None
-    steps = (problem.duration or 0.0) / problem.step + 1.0 if ends else PLAIN_STEPS / chain.contacts
-    if not plain:
-        steps = np.inf
-    kernel = _kernels(chain).of(march, steps * chain.contacts)
-    return kernel, most if kernel is march or ends else min(most, int(steps))
+    chain, duration, most = problem.chain, problem.duration, problem.most_steps or MOST_FIXED_STEPS
+    steps = PLAIN_STEPS / chain.contacts if duration is None else duration / problem.step + 1.0
+    kernel = _kernels(chain).of(march, steps * chain.contacts if plain else np.inf)
+    return kernel, most if kernel is march or duration is not None else min(most, int(steps))
 
 
 def _march_chain(kernel: Any, most: int, problem: Problem, state: State, scratch: Scratch) -> tuple[int, float]:
@@ -199,7 +185,7 @@ def _march_chain(kernel: Any, most: int, problem: Problem, state: State, scratch
     code, time, counts[BEGUN] = PAUSED, state.time, 0
     while code == PAUSED:
         counts[AT] = scratch.log.counter[STEP] + _steps_at_once(problem)
-        code, time = _call(kernel, span, problem, state, scratch, (tuple(scratch.checkpoints), tuple(scratch.pause)))
+        code, time = _call(kernel, span, problem, state, scratch)
     return code, time
 
 
@@ -208,13 +194,11 @@ def _steps_at_once(problem: Problem) -> int:
     return max(1, PAUSE // problem.chain.contacts)
 
 
-def _call(
-    kernel: Any, span: Any, problem: Problem, state: State, scratch: Scratch, checkpoints: tuple[Any, ...]
-) -> Any:
-    """Call a tier of a kernel on `state` with its `span`, or most steps, and its `checkpoints`."""
-    chain = problem.chain
-    records = motion_record(state), tuple(scratch.spare), tuple(scratch.samples), tuple(scratch.log), *checkpoints
-    task = (*kind_of(problem.method), problem.step), span, chain_records(chain, state)
+def _call(kernel: Any, span: Any, problem: Problem, state: State, scratch: Scratch) -> Any:
+    """Call a tier of a kernel on `state` with its `span`, or most steps."""
+    chain, kept = problem.chain, (tuple(scratch.checkpoints), scratch.plan)
+    records = motion_record(state), tuple(scratch.samples), tuple(scratch.log), kept, tuple(scratch.pause)
+    task = (*DRIFTS_AND_KICKS[problem.method], problem.step), span, chain_records(chain, state)
     found = kernel(*task, *records, (scratch.beads, scratch.work))
     require_finite_motion(chain, state)
     return found

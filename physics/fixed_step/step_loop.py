@@ -37,12 +37,9 @@ from softcradle.physics.numerics.records import (
     Samples,
     SwitchLog,
 )
-from softcradle.physics.numerics.switches import copy_motion, has_stopped, is_closed, log_switch, row_of, take_sample
+from softcradle.physics.numerics.switches import copy_motion, has_stopped, is_closed, log_switch, row_of, take_no_pull
 
 Array = NDArray[np.float64]
-
-# kinds of step
-SPLITTING, DISCRETE_GRADIENT = 0, 1
 
 STANDSTILL = 1e-14  # of the fastest rate at the start: a slower one is round-off and closes nothing
 RUNNING = -1  # in place of a status: there are steps to take
@@ -67,31 +64,6 @@ NEXT = 7  # for samples: the checkpoint to go on from
 # entries of its numbers
 STILL, RATES, OVERLAPS = 0, 1, 3  # rates up to which nothing closes; exact sums at the start, two numbers each
 
-MOST_ROWS, MOST_NUMBERS = 1024, 2**22  # checkpoints of a run, and numbers that they take: 32 MB
-# steps between two at first; to leave the loop of steps after each one would cost a short chain half of a run
-FIRST_SPACING = 4
-
-
-class Stepper(NamedTuple):
-    """What a step is."""
-
-    kind: int  # SPLITTING or DISCRETE_GRADIENT
-    drifts: Array  # of splitting: parts of a step, see `explicit_steps`; (0,) for a discrete gradient
-    kicks: Array
-    step: float  # [s]
-
-
-class Checkpoints(NamedTuple):
-    """Rows of a motion as of Samples, and the plan: how many there are and when the next is due."""
-
-    time: Array  # (R,) [s]
-    overlap: Array  # (R, n)
-    rate: Array  # (R, n)
-    anchor: Array  # (R, 2)
-    force: Array  # (R, n)
-    taken: Array  # (R, 4)
-    plan: NDArray[np.int64]  # (3,)
-
 
 class Pause(NamedTuple):
     """When a run hands back, and what it needs to go on."""
@@ -107,22 +79,11 @@ def no_pause() -> Pause:
     return Pause(counts, np.zeros(5))
 
 
-def empty_checkpoints(contacts: int, kept: bool) -> Checkpoints:
-    """Rows for a chain with `contacts`; none where no checkpoints are `kept`."""
-    rows = min(MOST_ROWS, max(2, MOST_NUMBERS // (3 * contacts))) if kept else 0
-    wide, narrow = (rows, contacts), (rows, 2)
-    plan = np.array([0, 0 if kept else NEVER, FIRST_SPACING])
-    return Checkpoints(
-        np.empty(rows), np.empty(wide), np.empty(wide), np.empty(narrow), np.empty(wide), np.empty((rows, 4)), plan
-    )
-
-
 @inlined
-def keep_checkpoint(time, motion, kept, counter):
-    """Keep the motion at `time`; where there is no row left, first leave every second one out."""
-    plan, rows = kept.plan, kept.time.size
-    if plan[COUNT] == rows:
-        left = (rows + 1) // 2
+def keep_checkpoint(time, motion, kept, plan, counter):
+    """Keep the motion at `time` in a row of `kept`; where there is none left, first leave every second one out."""
+    if plan[COUNT] == kept.time.size:
+        left = (kept.time.size + 1) // 2
         for k in range(1, left):
             kept.time[k] = kept.time[2 * k]
             copy_motion(row_of(kept, k, motion), row_of(kept, 2 * k, motion))
@@ -178,15 +139,6 @@ def fly(steps, h, motion):
     for i in range(motion.overlap.size):
         motion.overlap[i] += steps * h * motion.rate[i]
     motion.anchor[0] += steps * h * motion.anchor[1]
-
-
-@inlined
-def seems_over(looks, closed, look, still, pushed, chain, motion, counter):
-    """Whether no contact pushes beads apart any more, and the step at which to look closer next, if it `looks`."""
-    over = closed == 0 and not pushed
-    if looks and not pushed and counter[STEP] >= look:
-        return pushes_no_more(chain, motion, still), 2 * counter[STEP]
-    return over, look
 
 
 @inlined
@@ -254,25 +206,24 @@ def largest(values):
 
 @jit
 def march(
-    stepper_fields, extent_fields, chain_fields, motion_fields, spare_fields, sample_fields, log_fields, checkpoint_fields,
-    pause_fields, memory,
-):  # fmt: skip
+    stepper, extent_fields, chain_fields, motion_fields, sample_fields, log_fields, checkpoints, pause_fields, memory
+):
     """Step over an Extent; the motion is moved in place. Where the pause wants it, the status is PAUSED, and a call with the same
     arguments goes on.
 
-    Records come as plain tuples of their fields; `spare` is a second Motion for samples, `memory` scratch memory of the steps:
-    (BEAD_ROWS, n+1) and (WORK_ROWS, n). Returns the status and the time reached.
+    Records come as plain tuples of their fields. `stepper` is what a step is: its drifts and kicks as of `explicit_steps`, none
+    of a discrete gradient, and its length [s]. `checkpoints` are Samples and the plan, which tells how many of these rows are
+    kept and when the next is due; `memory` scratch memory of the steps: (BEAD_ROWS, n+1) and (WORK_ROWS, n). Returns the status
+    and the time reached.
     """
-    kind, drifts, kicks, h = Stepper(*stepper_fields)
+    (drifts, kicks, h), (beads, work), (kept_fields, plan) = stepper, memory, checkpoints
     start, end, stop, most_steps = Extent(*extent_fields)
-    beads, work = memory
     chain, samples, log = ChainData(*chain_fields), Samples(*sample_fields), SwitchLog(*log_fields)
-    motion, spare, kept = Motion(*motion_fields), Motion(*spare_fields), Checkpoints(*checkpoint_fields)
-    pause = Pause(*pause_fields)
+    motion, kept, pause = Motion(*motion_fields), Samples(*kept_fields), Pause(*pause_fields)
     counter, wanted = log.counter, samples.time
     brakes = chain.dissipation.bed
     bed = brakes.size > 0
-    between_walls = kind == DISCRETE_GRADIENT and chain.inverse_mass[0] == 0.0 and chain.inverse_mass[-1] == 0.0
+    between_walls = kicks.size == 0 and chain.inverse_mass[0] == 0.0 and chain.inverse_mass[-1] == 0.0
     if pause.counts[BEGUN] != 0:
         counts, numbers = pause.counts, pause.numbers
         still, left, rests = numbers[STILL], counts[LEFT], counts[RESTS] != 0
@@ -297,21 +248,23 @@ def march(
         sampling = (
             left == 0 and counter[SAMPLE] < wanted.size and wanted[counter[SAMPLE]] < time + h * (1.0 - GRID_TOLERANCE)
         )
-        most, length, last = ONE, 0.0, False
-        if sampling:
-            copy_motion(spare, motion)
+        moved, most, length, last = motion, ONE, 0.0, False
+        if sampling:  # a row of samples is a motion: it is moved by what moves that of the run
+            moved = row_of(samples, counter[SAMPLE], motion)
+            copy_motion(moved, motion)
             length = wanted[counter[SAMPLE]] - time
         elif left > 0:
             most, length = left, h
         else:
-            if kept.time.size > 0 and time <= end - h * GRID_TOLERANCE and counter[STEP] >= kept.plan[DUE]:
-                keep_checkpoint(time, motion, kept, counter)
+            if kept.time.size > 0 and time <= end - h * GRID_TOLERANCE and counter[STEP] >= plan[DUE]:
+                keep_checkpoint(time, motion, kept, plan, counter)
             until = end if counter[SAMPLE] == wanted.size else min(end, wanted[counter[SAMPLE]])
-            over, look = seems_over(stop and not bed, closed, look, still, pushed, chain, motion, counter)
+            over = free = closed == 0 and not pushed
+            if stop and not bed and not pushed and counter[STEP] >= look:
+                over, look = pushes_no_more(chain, motion, still), 2 * counter[STEP]
             over = (
                 stop and not changing and (rests or (over and not meets_again(chain, brakes, motion, still, beads[0])))
             )
-            free = closed == 0 and not pushed
             status, most, length, last = look_ahead(
                 time, end, until, h, most_steps + flown, over, free, rests, still, chain, motion, counter
             )
@@ -322,20 +275,20 @@ def march(
             if status != RUNNING:
                 return status, end if status == DONE else time
             if not last:
-                most = min(most, kept.plan[DUE] - counter[STEP])
+                most = min(most, plan[DUE] - counter[STEP])
             rests = bed and not changing and at_rest(motion)
         whole, left, taken = most, ZERO, ZERO
         if not (sampling or last):
             most = min(most, max(pause.counts[AT] - counter[STEP], ONE))
         if not sampling or length > h * GRID_TOLERANCE:
-            moved = spare if sampling else motion
-            if kind == DISCRETE_GRADIENT:
+            if kicks.size == 0:
                 taken = gradient_steps(most, time, length, chain, moved, log.closed, beads, work, counter)
             else:
                 taken = split_steps(most, time, length, drifts, kicks, chain, moved, log.closed, beads)
                 counter[EVALUATION] += taken * kicks.size
         if sampling:
-            take_sample(samples, log, spare)
+            take_no_pull(moved)
+            counter[SAMPLE] += 1
             continue
         counter[STEP] += taken
         if taken == most and most < whole and not has_stopped(chain, motion, log.closed):
@@ -353,17 +306,16 @@ def march(
 
 @jit
 def sample_between(
-    stepper_fields, most_steps, chain_fields, motion_fields, spare_fields, sample_fields, log_fields, checkpoint_fields,
-    no_checkpoints, pause_fields, memory,
-):  # fmt: skip
+    stepper, most_steps, chain_fields, motion_fields, sample_fields, log_fields, checkpoints, pause_fields, memory
+):
     """Fill the samples of a run by going on from the last of its checkpoints before each.
 
     Returns whether all are filled; a call with the same arguments goes on after a pause between two checkpoints.
     """
-    kept, motion, counter = Checkpoints(*checkpoint_fields), Motion(*motion_fields), SwitchLog(*log_fields).counter
-    wanted, count = Samples(*sample_fields).time, kept.plan[COUNT]
-    pause, made, h = Pause(*pause_fields), ZERO, Stepper(*stepper_fields).step
-    budget, pause.counts[AT] = pause.counts[AT], NEVER
+    (kept_fields, plan), h = checkpoints, stepper[2]
+    kept, motion, counter = Samples(*kept_fields), Motion(*motion_fields), SwitchLog(*log_fields).counter
+    wanted, count, pause, made = Samples(*sample_fields).time, plan[COUNT], Pause(*pause_fields), ZERO
+    budget, pause.counts[AT], plan[DUE] = pause.counts[AT], NEVER, NEVER
     for k in range(pause.counts[NEXT], count):
         begun, until = kept.time[k], kept.time[k + 1] if k + 1 < count else math.inf
         last = counter[SAMPLE]
@@ -375,8 +327,8 @@ def sample_between(
         counter[STEP] = 0
         end = begun + h * math.floor((wanted[last - 1] - begun) / h + GRID_TOLERANCE)
         march(
-            stepper_fields, (begun, end, NO, most_steps), chain_fields, motion_fields, spare_fields, sample_fields,
-            log_fields, no_checkpoints, pause_fields, memory,
+            stepper, (begun, end, NO, most_steps), chain_fields, motion_fields, sample_fields, log_fields, checkpoints,
+            pause_fields, memory,
         )  # fmt: skip
         made += counter[STEP]
         if made >= budget:

@@ -162,15 +162,16 @@ def solve_contact(h, i, chain, motion, work):
     law, loss, start_power = chain.law, chain.dissipation.loss, work[START_POWER, i]
     weight, start, rate = 0.5 * h * h * work[DIAGONAL, i], motion.overlap[i], motion.rate[i]
     s, guess, ahead = work[UNKNOWN, i], work[END, i], 0.5 * h * rate
+    least, full = work[LEAST_AT_HOLD, i], work[FORCE_AT_HOLD, i]
     if is_joint(chain.joints, i):
-        moved, force, slope = joint_resolvent(chain.joints, i, start, ahead, weight, s)
+        moved, force, slope = joint_resolvent(chain.joints, i, start, ahead, least, full, weight, s)
         end = start + moved
     else:
         lossy, past = loses(loss[i], start, rate), s - ahead
         holds = lossy and start + ahead > 0.0  # there is an overlap at which it stands still at the end of the step
-        presses = not lossy or (holds and past > weight * work[FORCE_AT_HOLD, i])
+        presses = not lossy or (holds and past > weight * full)
         kept, begin = 1.0 if presses else 1.0 - loss[i], start if lossy else 0.0
-        if holds and not presses and past >= weight * work[LEAST_AT_HOLD, i]:
+        if holds and not presses and past >= weight * least:
             end, force, slope = start + ahead, past / weight, 1.0 / weight
         else:
             end, force, slope = resolvent(

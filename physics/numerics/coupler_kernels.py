@@ -77,14 +77,12 @@ def joint_mean_force(joints, i, start, moved, up):
 
 
 @inlined
-def joint_resolvent(joints, i, start, ahead, weight, s):
+def joint_resolvent(joints, i, start, ahead, low_force, high_force, weight, s):
     """The one (x, g) of coupler i with x + weight g = s, and dg/ds: x the way of its overlap, g the mean force over it.
 
-    `ahead` is the way at whose end it stands still. There the way up and the way down meet, and at x = 0 a preload may begin: at
-    both g may be anything between.
+    `ahead` is the way at whose end it stands still, `low_force` and `high_force` g there on the way down and up. There the two
+    meet, and at x = 0 a preload may begin: at both g may be anything between.
     """
-    low_force, _ = joint_mean_force(joints, i, start, ahead, False)
-    high_force, _ = joint_mean_force(joints, i, start, ahead, True)
     if ahead + weight * low_force <= s <= ahead + weight * high_force and high_force > low_force:
         return ahead, (s - ahead) / weight, 1.0 / weight
     up = s > ahead + weight * high_force
@@ -124,11 +122,7 @@ def joint_search(joints, i, start, up, low, high, weight, s):
     """x in (low, high) by Newton's method, bracketed: x + weight g(x) - s rises by at least 1 for each 1 of x."""
     x = min(max(s, low), high)
     if not (low < x < high):
-        x = (
-            low + 1.0
-            if high == math.inf and math.isfinite(low)
-            else (high - 1.0 if low == -math.inf else 0.5 * (low + high))
-        )
+        x = low + 1.0 if high == math.inf else (high - 1.0 if low == -math.inf else 0.5 * (low + high))
     g, slope = 0.0, 0.0
     for _ in range(2 * MOST_SCALAR):
         g, slope = joint_mean_force(joints, i, start, x, up)
@@ -161,7 +155,7 @@ def settle_joint_forces(joints, motion):
         for i in range(motion.overlap.size):
             overlap, present = motion.overlap[i], motion.force[i]
             pulls, pushes = overlap < joints.pulls_below[i], overlap > 0.0
-            between = not pulls and not pushes and overlap < 0.0 and overlap > joints.pulls_below[i]
+            between = joints.pulls_below[i] < overlap < 0.0
             if is_joint(joints, i) and (
                 (between and present != 0.0) or (pulls and present >= 0.0) or (pushes and present < 0.0)
             ):

@@ -46,9 +46,8 @@ def add_row(part, k, knots, push, bed):
     if part != 0.0:
         for j in range(push.size):
             push[j] += part * knots.push[k, j]
-        if knots.brake.shape[1] > 0:
-            for j in range(bed.size):
-                bed[j] += part * knots.brake[k, j]
+        for j in range(min(bed.size, knots.brake.shape[1])):
+            bed[j] += part * knots.brake[k, j]
 
 
 @inlined
@@ -56,9 +55,8 @@ def put_steady(knots, push, bed):
     """Put what does not change into `push` (n+1,) [N] and `bed` (n+1,) [m/s²]."""
     for j in range(push.size):
         push[j] = knots.drive[j]
-    if knots.brake.shape[1] > 0:
-        for j in range(bed.size):
-            bed[j] = knots.friction[j]
+    for j in range(min(bed.size, knots.brake.shape[1])):
+        bed[j] = knots.friction[j]
 
 
 @jit
@@ -102,10 +100,9 @@ def put_values(time, knots, push, bed):
     for j in range(push.size):
         knots.push_slope[j] = (knots.push[after, j] - knots.push[before, j]) / length if k > 0 else 0.0
         acts |= knots.push_slope[j] != 0.0 or push[j] != knots.drive[j]
-    if knots.brake.shape[1] > 0:
-        for j in range(bed.size):
-            knots.brake_slope[j] = (knots.brake[after, j] - knots.brake[before, j]) / length if k > 0 else 0.0
-            acts |= knots.brake_slope[j] != 0.0
+    for j in range(min(bed.size, knots.brake.shape[1])):
+        knots.brake_slope[j] = (knots.brake[after, j] - knots.brake[before, j]) / length if k > 0 else 0.0
+        acts |= knots.brake_slope[j] != 0.0
     return acts
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from softcradle.physics.numerics.elementary import power
 from softcradle.physics.numerics.jit import inlined, jit, piece
 from softcradle.physics.numerics.knots import drive_at
-from softcradle.physics.numerics.own_contacts import number_of, own_force, own_inverse, own_slope
+from softcradle.physics.numerics.own_contacts import number_of, own_inverse, own_slope, table_value
 
 ROOT6 = math.sqrt(6.0)
 NODES = np.array([(4.0 - ROOT6) / 10.0, (4.0 + ROOT6) / 10.0, 1.0])  # of Radau IIA with three stages
@@ -89,7 +89,7 @@ def by_table(own, i, overlap):
 def pressed_force(law, own, i, overlap):
     """Force of contact i at an overlap > 0."""
     if own is not None and by_table(own, i, overlap):
-        return own_force(own, own.number[i], overlap)
+        return table_value(own, own.force, own.number[i], overlap)
     return law[i, 0] + law[i, 1] * power(overlap, law[i, 2])
 
 
@@ -168,16 +168,15 @@ def local_exponent(law, own, i, overlap, force):
 def own_signed_force(law, own, i, overlap):
     """`signed_force` of a law of one's own at overlaps other than 0."""
     if overlap > 0.0:
-        return own_force(own, own.number[i], overlap)
+        return table_value(own, own.force, own.number[i], overlap)
     if not is_continued(law, i):
         return 0.0
-    return 2.0 * law[i, 0] - own_force(own, own.number[i], -overlap)
+    return 2.0 * law[i, 0] - table_value(own, own.force, own.number[i], -overlap)
 
 
 @inlined
-def short_growth(x, exponent):
+def short_growth(x, a):
     """(1 + x)**a - 1 for abs(x) < SHORT_MOVE."""
-    a = exponent
     return a * x * (1.0 + (a - 1.0) * x * (1.0 / 2.0 + (a - 2.0) * x * (1.0 / 6.0 + (a - 3.0) * x * (1.0 / 24.0))))
 
 

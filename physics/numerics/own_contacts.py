@@ -142,22 +142,10 @@ def number_of(own, i):
 
 
 @inlined
-def own_force(own, number, overlap):
-    """Force of law `number` at an overlap > 0."""
-    return table_value(own, own.force, number, overlap)
-
-
-@inlined
-def own_energy(own, number, overlap):
-    """Energy of law `number` at an overlap > 0."""
-    return table_value(own, own.energy, number, overlap)
-
-
-@inlined
 def force_at(law, own, i, overlap):
     """Force of contact i at `overlap`, 0 where it is open."""
     if own is not None and own.number[i] >= 0:
-        return own_force(own, own.number[i], overlap) if overlap > 0.0 else 0.0
+        return table_value(own, own.force, own.number[i], overlap) if overlap > 0.0 else 0.0
     return power_force(law[i, 0], law[i, 1], law[i, 2], overlap)
 
 
@@ -167,14 +155,14 @@ def own_mean_force(own, number, start, overlap):
     distance = overlap - start
     if start > 0.0 and abs(distance) < SAME * start:
         middle = 0.5 * (start + overlap)
-        return own_force(own, number, middle), 0.5 * own_slope(own, number, middle)
-    end = own_energy(own, number, overlap)
-    begin = own_energy(own, number, start) if start > 0.0 else 0.0
+        return table_value(own, own.force, number, middle), 0.5 * own_slope(own, number, middle)
+    end = table_value(own, own.energy, number, overlap)
+    begin = table_value(own, own.energy, number, start) if start > 0.0 else 0.0
     mean = (end - begin) / distance
     if start > 0.0 and abs(distance) < NEAR * start:
         smooth = 0.0
         for q in range(NODES.size):
-            smooth += WEIGHTS[q] * own_force(own, number, start + distance * NODES[q])
+            smooth += WEIGHTS[q] * table_value(own, own.force, number, start + distance * NODES[q])
         if abs(smooth - mean) * abs(distance) <= DOUBT * max(begin, end):
             mean = smooth
-    return mean, max((own_force(own, number, overlap) - mean) / distance, 0.0)
+    return mean, max((table_value(own, own.force, number, overlap) - mean) / distance, 0.0)

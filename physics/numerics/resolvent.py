@@ -12,7 +12,7 @@ import math
 from softcradle.physics.numerics.elementary import exp, expm1, log1p, power
 from softcradle.physics.numerics.jit import inlined
 from softcradle.physics.numerics.law_kernels import EPSILON, MOST_SCALAR
-from softcradle.physics.numerics.own_contacts import own_energy, own_mean_force
+from softcradle.physics.numerics.own_contacts import own_mean_force, table_value
 
 SMALLEST = 1e-280  # overlaps and energies below are zero: what is computed from them would be denormal
 
@@ -62,7 +62,7 @@ def mean_of_law(own, number, preload, stiffness, exponent, start, start_power, o
 def mean_on_opening(own, number, preload, stiffness, exponent, start, start_power):
     """Mean force from an overlap `start` > 0 to 0."""
     if own is not None and number >= 0:
-        return own_energy(own, number, start) / start
+        return table_value(own, own.energy, number, start) / start
     return preload + stiffness * start_power / (1.0 + exponent)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from softcradle.physics.numerics.bead_velocities import at_rest
 from softcradle.physics.numerics.jit import inlined
-from softcradle.physics.numerics.records import SAMPLE, SWITCH, Motion
+from softcradle.physics.numerics.records import SWITCH, Motion
 
 
 @inlined
@@ -52,16 +52,13 @@ def copy_motion(target, source):
 
 @inlined
 def row_of(rows, k, motion):
-    """Row k of Samples or Checkpoints as a Motion, with the modes of `motion`."""
+    """Row k of Samples as a Motion, with the modes of `motion`."""
     return Motion(rows.overlap[k], rows.rate[k], rows.anchor[k], rows.force[k], rows.taken[k], motion.mode, motion.held)
 
 
 @inlined
-def take_sample(samples, log, motion):
-    """Copy `motion` into the next sample row; an open contact does not push, whatever its mean force in the last step was."""
-    k = log.counter[SAMPLE]
-    copy_motion(row_of(samples, k, motion), motion)
+def take_no_pull(motion):
+    """An open contact does not push, whatever its mean force in the last step was."""
     for i in range(motion.force.size):
         if motion.overlap[i] < 0.0:
-            samples.force[k, i] = min(motion.force[i], 0.0)
-    log.counter[SAMPLE] += 1
+            motion.force[i] = min(motion.force[i], 0.0)

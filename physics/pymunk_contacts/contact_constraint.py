@@ -17,8 +17,8 @@ from softcradle.physics.chain import Chain
 from softcradle.physics.checked_input import magnitude, number_array, require_kind, shown
 from softcradle.physics.contact import Contact
 from softcradle.physics.coupler import Coupler
-from softcradle.physics.kernel_tiers import plain
 from softcradle.physics.numerics import law_kernels
+from softcradle.physics.numerics.plain_kernels import plain
 from softcradle.physics.own_law import Law, OwnLaw, is_law
 from softcradle.physics.pymunk_contacts import compiled_force as compiled
 from softcradle.physics.pymunk_contacts.post_step import (

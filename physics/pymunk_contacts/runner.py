@@ -18,9 +18,9 @@ import pymunk
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
 from softcradle.physics.kernel_records import chain_records, knots_of, motion_record
-from softcradle.physics.kernel_tiers import plain
 from softcradle.physics.numerics.knots import put_mean
 from softcradle.physics.numerics.meeting import meets_again
+from softcradle.physics.numerics.plain_kernels import plain
 from softcradle.physics.numerics.records import ChainData, Motion
 from softcradle.physics.problem import Problem, Record, empty_samples, run_to_end
 from softcradle.physics.pymunk_contacts.contact_constraint import SoftContact

@@ -9,9 +9,9 @@ from softcradle.physics import Chain, one_on, simulate
 from softcradle.physics.analysis.closed_forms import one_on_one
 from softcradle.physics.chain import GRAVITY
 from softcradle.physics.contact import draft_gear, hertz, power_law, step_force
-from softcradle.physics.kernel_tiers import plain
 from softcradle.physics.methods import METHODS, find_method
 from softcradle.physics.numerics.meeting import slides_into
+from softcradle.physics.numerics.plain_kernels import plain
 from softcradle.physics.simulation import solve
 
 from benchmarks.scan import families

@@ -9,9 +9,10 @@ import pytest
 from softcradle.physics import State, advance, hertz, kernel_tiers, one_on, power_law, simulate, warm
 from softcradle.physics.adaptive import runner as adaptive
 from softcradle.physics.fixed_step.runner import TIERS
-from softcradle.physics.kernel_tiers import FIRST, KernelTiers, plain
+from softcradle.physics.kernel_tiers import FIRST, KernelTiers
 from softcradle.physics.numerics import kernel_cache
 from softcradle.physics.numerics.float_bits import COMPILED
+from softcradle.physics.numerics.plain_kernels import plain
 from softcradle.physics.pymunk_contacts import soft_chain
 
 from tests.helpers.motions import CASES, LONG_ROW, digits_of, runs

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from softcradle.physics import Contact, kernel_records
 from softcradle.physics.contact import hertz, hooke, power_law, step_force
-from softcradle.physics.kernel_tiers import plain
-from softcradle.physics.numerics.own_contacts import OwnLaws, own_energy, own_force, own_inverse, own_slope
+from softcradle.physics.numerics.own_contacts import OwnLaws, own_inverse, own_slope, table_value
+from softcradle.physics.numerics.plain_kernels import plain
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.notebook.views import html_of
 
@@ -157,8 +157,10 @@ def test_the_table_of_a_law_is_the_law_at_random_overlaps_of_all_sizes(force, en
     assert (np.diff(table.edge) > 0.0).all()
     own = OwnLaws(np.zeros(1, dtype=np.int64), *kernel_records._tables((law,)))
     for overlap in overlaps[overlaps > 1e-8][:50]:
-        assert own_inverse(own, own.force, 0, plain(own_force)(own, 0, overlap)) == pytest.approx(overlap, rel=1e-9)
-        assert own_inverse(own, own.energy, 0, plain(own_energy)(own, 0, overlap)) == pytest.approx(overlap, rel=1e-9)
+        for rows in (own.force, own.energy):
+            assert own_inverse(own, rows, 0, plain(table_value)(own, rows, 0, overlap)) == pytest.approx(
+                overlap, rel=1e-9
+            )
         digits = 1e-10 * force(overlap) / overlap  # that a difference of forces has
         assert own_slope(own, 0, overlap) == pytest.approx(law.slope(overlap), rel=1e-5, abs=digits)
     assert own_inverse(own, own.force, 0, 1e300) == math.inf

@@ -13,7 +13,7 @@ from softcradle.physics import Chain, State, advance, draft_gear, hooke, one_on,
 from softcradle.physics.adaptive import kept_steps, runner
 from softcradle.physics.contact import hertz
 from softcradle.physics.fixed_step import runner as fixed_step
-from softcradle.physics.fixed_step import step_loop
+from softcradle.physics.problem import Problem
 from softcradle.physics.pymunk_contacts import runner as pymunk_contacts
 
 from tests.helpers.motions import CASES, runs
@@ -149,7 +149,7 @@ ROWS = ("overlap", "velocity", "anchor", "absorbed_by_contacts", "absorbed_by_be
 @pytest.mark.parametrize(("name", "method"), SAMPLED)
 def test_a_run_to_its_end_has_the_samples_of_one_with_this_duration(name, method, rows, monkeypatch):
     if rows:
-        monkeypatch.setattr(step_loop, "MOST_ROWS", rows)
+        monkeypatch.setattr(fixed_step, "MOST_ROWS", rows)
         monkeypatch.setattr("softcradle.physics.pymunk_contacts.runner.MOST_CHECKPOINTS", rows)
     chain, velocity = ENDED[name]
     found = simulate_quietly(chain, velocity, method=method, samples=37)
@@ -170,6 +170,10 @@ def test_samples_cost_no_second_run(module, method, monkeypatch):
     monkeypatch.setattr(module, "_pass", counted)
     assert len(simulate_quietly(chain, velocity, method=method, samples=50).time) == 50
     assert counted.call_count == 1
+    record = module.run(Problem(chain, State.at_start(chain, velocity), method, None, 0.01, samples=50))
+    assert (record.seconds == 0.0) == (
+        method == "pymunk"
+    )  # `simulate` has the clock; it told the time of samples alone
 
 
 @pytest.mark.parametrize("name", ADAPTIVE)

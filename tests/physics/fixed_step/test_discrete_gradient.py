@@ -12,9 +12,9 @@ from softcradle.physics.analysis.closed_forms import critical_speed, rigid_strok
 from softcradle.physics.contact import Contact, power_law, step_force
 from softcradle.physics.fixed_step import runner
 from softcradle.physics.kernel_records import NO_FLAGS
-from softcradle.physics.kernel_tiers import plain
 from softcradle.physics.numerics.contact_solve import BEAD_ROWS, DIAGONAL, END, FREE, SOLVER_ROWS, solve_contacts
 from softcradle.physics.numerics.law_kernels import energy
+from softcradle.physics.numerics.plain_kernels import plain
 from softcradle.physics.numerics.records import NOTHING, ChainData, Motion
 from softcradle.physics.numerics.resolvent import resolvent
 from softcradle.physics.problem import Problem

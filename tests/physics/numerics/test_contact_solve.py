@@ -94,7 +94,8 @@ def test_the_resolvent_solves_its_equation_whichever_way_it_goes(joints, start):
     for _ in range(200):
         weight, ahead = 10.0 ** draw.uniform(-3, 1), draw.choice([0.0, 0.2, -0.2]) * draw.random()
         s = draw.choice([-1.0, 1.0]) * 10.0 ** draw.uniform(-3, 1)
-        moved, force, slope = joint_resolvent(joints, 0, start, ahead, weight, s)
+        ends = (joint_mean_force(joints, 0, start, ahead, up)[0] for up in (False, True))
+        moved, force, slope = joint_resolvent(joints, 0, start, ahead, *ends, weight, s)
         assert moved + weight * force == pytest.approx(s, rel=1e-9, abs=1e-12)
         least, _ = joint_mean_force(joints, 0, start, moved, False)
         most, _ = joint_mean_force(joints, 0, start, moved, True)

@@ -5,11 +5,10 @@ from decimal import Decimal, localcontext
 
 import numpy as np
 import pytest
-from softcradle.physics.kernel_tiers import plain
 from softcradle.physics.numerics import elementary
-from softcradle.physics.numerics.array_powers import FEW, powers
 from softcradle.physics.numerics.exact_matrices import exact_inverse, exact_product
 from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.plain_kernels import FEW, plain, powers
 
 from tests.helpers.own_process import python
 from tools import elementary_tables
