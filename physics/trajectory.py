@@ -198,7 +198,7 @@ class Trajectory(Moving):
 
     @cached_property
     def by_walls(self) -> Array:
-        """(T,) work [J] of moving walls on the beads since the first sample, see :func:`work_of_walls`."""
+        """(T,) work [J] of moving walls on the beads since the first sample, see ``work_of_walls``."""
         return work_of_walls(self.chain, self.velocity, self.momentum - self.impulse)
 
     @cached_property
