@@ -338,7 +338,7 @@ def clusters_in_words(velocities: Sequence[float], walls: Sequence[bool], scale:
     clusters: list[list[int]] = []
     still = scale * (SLOW if brief else STILL)
     for bead, velocity in enumerate(velocities):
-        if walls[bead] and abs(velocity) < still:
+        if walls[bead] and abs(velocity) <= still:
             continue
         beside = bool(clusters) and clusters[-1][-1] == bead - 1 and not (walls[bead] or walls[bead - 1])
         if beside and _alike(velocity, velocities[clusters[-1][0]], scale, still):
@@ -353,12 +353,12 @@ def clusters_in_words(velocities: Sequence[float], walls: Sequence[bool], scale:
 def _alike(one: float, other: float, scale: float, still: float) -> bool:
     """Whether two beads stay together: slow ones may differ by less than fast ones, for what they have gone tells them apart."""
     faster = max(abs(one), abs(other))
-    return abs(one - other) < ALIKE * min(scale, 2.0 * faster) or faster < still
+    return abs(one - other) < ALIKE * min(scale, 2.0 * faster) or faster <= still
 
 
 def _cluster(cluster: list[int], velocities: Sequence[float], walls: Sequence[bool], scale: float, brief: bool) -> str:
     mean = math.fsum(velocities[bead] for bead in cluster) / len(cluster)
-    one, still = len(cluster) == 1, abs(mean) < scale * (SLOW if brief else STILL)
+    one, still = len(cluster) == 1, abs(mean) <= scale * (SLOW if brief else STILL)
     between = N_("{first} and {last}") if len(cluster) == 2 else N_("{first} to {last}")
     beads = str(cluster[0]) if one else _(between, first=cluster[0], last=cluster[-1])
     if walls[cluster[0]]:

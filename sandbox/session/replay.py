@@ -7,7 +7,7 @@ from itertools import groupby
 from time import perf_counter
 
 from softcradle.sandbox.languages import _, ngettext
-from softcradle.sandbox.session.inputs import Input
+from softcradle.sandbox.session.inputs import Drag, Input
 from softcradle.sandbox.session.recording import Path, Recording, hash_of, load_recording
 from softcradle.sandbox.session.session import Session
 from softcradle.scenes import Scene
@@ -111,7 +111,11 @@ class Replay:
         """Apply the inputs of the frame shown; they are in the file already, so none is an unsaved edit."""
         for item in self._inputs.get(self.session.frame, ()):
             try:
-                self.session.apply(item)
+                self.session.apply(
+                    item, gesture=isinstance(item, Drag)
+                )  # pictures of one pull are one step, as they were
+                if not isinstance(item, Drag):
+                    self.session.end_gesture()
             except ValueError:  # it was accepted when it was recorded
                 self._diverge(self.session.frame)
         self.session.undo_stack.mark_saved()

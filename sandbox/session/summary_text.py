@@ -35,7 +35,8 @@ def _clusters(session: Session, lane: int, brief: bool = False) -> str:
 
 def _lane(session: Session, lane: int) -> str:
     sentences = [_contacts(session, lane), _clusters(session, lane)]
-    worst = next((item for item in session.findings(lane) if item.level == "bad"), None)
+    found = (item for item in session.findings(lane) if item.first <= session.frame)
+    worst = next((item for item in found if item.level == "bad"), None)
     if worst is not None:
         text = _("Do not trust it: {cause} from {time} on.", cause=worst.cause, time=seconds_in_words(worst.begin))
         sentences.append(text)

@@ -149,8 +149,8 @@ class App:
     def show(self, page: Page) -> None:
         """Bring `page` on screen."""
         if page is not self.page:
-            self.page.close()
             self.messages.leave_page()
+            self.page.close()
         self.dialog = self.focus.place = None
         self.page = page
         clear_cached_surfaces()

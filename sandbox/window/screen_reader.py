@@ -8,9 +8,11 @@ from typing import Any, NamedTuple
 
 import pygame
 from pygame_gui.core import UIElement
-from softcradle.sandbox.window.dialog import Dialog
+from softcradle.sandbox.languages import _
+from softcradle.sandbox.window.dialog import Dialog, EntryDialog, Menu
+from softcradle.sandbox.window.keys import binding_of
 from softcradle.sandbox.window.page import Host
-from softcradle.sandbox.window.widgets import Slider, TextEntry
+from softcradle.sandbox.window.widgets import Slider, TextBox, TextEntry
 
 ROOT, STATUS, CONTROL = 1, 2, 3  # numbers of the nodes: the window, what is said, the control that has the focus
 
@@ -27,8 +29,12 @@ def spoken_by(window: Host) -> Spoken:
     dialog, visible = window.dialog, window.messages.visible
     if isinstance(dialog, Dialog) and dialog.open:
         focused = list(dialog.choices)[dialog.focus] if dialog.focus >= 0 else ""
+        if isinstance(dialog, EntryDialog) and dialog.entry.is_focused:
+            focused = control_name(dialog.entry)
         return Spoken(f"{dialog.title}. {dialog.note}", focused)
     status = visible[-1].text if visible else ""
+    if isinstance(dialog, Menu) and dialog.open:
+        return Spoken(status, _(binding_of(dialog.names[dialog.focus]).text))
     return Spoken(status, control_name(window.focus.control))
 
 
@@ -38,7 +44,7 @@ def control_name(control: UIElement | None) -> str:
         return ""
     if isinstance(control, Slider):
         return f"{control.name} {100.0 * control.get_current_value():.0f} %".strip()
-    if isinstance(control, TextEntry):
+    if isinstance(control, TextEntry | TextBox):
         return f"{control.name} {control.get_text()}".strip()
     text = getattr(control, "text", "") or getattr(control, "selected_option", ("",))[0]
     return str(text or getattr(control, "tool_tip_text", "") or "")

@@ -362,6 +362,10 @@ class GalleryPage(Page):
             self.host.manager.set_focus_set({self.entry})
             self.entry.select_range = [0, len(self.entry.get_text())]
 
+    def let_go(self) -> None:
+        """Let go of the bar."""
+        self.grid.dragged = False
+
     def build(self) -> None:
         """Make the line for the search, and find the places of the cards for the host's size and unit."""
         unit, width = self.host.unit, self.host.size[0]

@@ -164,6 +164,12 @@ class SceneClock:
             running.step()
         else:
             self.session.step_frames(by)
+            self._show_failure()
+
+    def _show_failure(self) -> None:
+        """Say why the session has stopped by itself, if it has."""
+        if self.session.failure:
+            self.host.messages.show(self.session.failure, warning=True)
 
     def restart(self) -> None:
         """Back to the start, with all edits where the scene is no replay; plays on if it was playing."""
@@ -181,6 +187,8 @@ class SceneClock:
         """Let time pass."""
         running, moving = self._running, self.activity() != "paused"
         frames = 0
+        if self.replay is None and self.may_edit():
+            self.controls.apply_slow()
         if running is None:
             frames = self.session.tick(seconds)
         elif self.session.scrubbed:
@@ -188,6 +196,8 @@ class SceneClock:
         else:
             frames = running.tick(seconds * self.session.slow / self.controls.wanted)
             if running.done:
+                self.session.pacer.restart()
                 self.host.messages.show(running.sentence, warning=running.diverged is not None)
         if moving:
+            self._show_failure()
             self.end.update(frames, running)

@@ -106,7 +106,6 @@ class SceneEditor:
             if isinstance(item, SetMethod) and not self._method_is_loaded(item.method):
                 text = _("method {method} is still being prepared: try again in some seconds", method=item.method)
                 self.host.messages.show(text)
-                self.refused += 1
                 return False
         try:
             self.session.apply_all(items, gesture, anew)

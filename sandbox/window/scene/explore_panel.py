@@ -13,7 +13,7 @@ from softcradle.physics.contact import Contact
 from softcradle.sandbox.draw.number_format import MINUS, fixed
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import paragraphs, width, write
-from softcradle.sandbox.languages import N_, _
+from softcradle.sandbox.languages import N_, _, label_words
 from softcradle.sandbox.session.contact_conversion import at_the_same_depth, has_soft_contacts
 from softcradle.sandbox.session.editable_numbers import MOST_SPEED, Parameter
 from softcradle.sandbox.session.history_slices import history_slices
@@ -118,13 +118,17 @@ class ExplorePanel(Inspector):
         return self._begin_anew(self._with_alpha(value), gesture)
 
     def _with_speed(self, speed: float) -> list[Input]:
-        """Another speed of the first lane: all velocities are multiplied alike, those of the scene where that lane rests."""
+        """Another speed of the first lane: all velocities are multiplied alike, those of the scene where that lane rests.
+
+        A speed > 0 is in the direction of the scene.
+        """
         rows = [lane.start.velocity(lane.chain).tolist() for lane in self._newest]
         if not any(rows[0]):
             rows = [lane.velocity[: len(row)] for lane, row in zip(self.session.scene.lanes, rows, strict=True)]
         if not any(rows[0]):
             rows[0] = [1.0]
-        most = max(rows[0], key=abs)
+        against = max(self.session.scene.lanes[0].velocity, key=abs) < 0.0
+        most = max(rows[0], key=abs) * (-1.0 if against else 1.0)
         moving = [(k, bead, v / most) for k, row in enumerate(rows) for bead, v in enumerate(row)]
         return [SetVelocity(k, bead, speed * part) for k, bead, part in moving if abs(part) > ROUND_OFF]
 
@@ -228,14 +232,15 @@ class OutcomeCard:
         if self.host.explore:
             self.board.single = FORCES
         history = self.session.history
-        parts = list(history_slices(history, 0, history.first, history.last))
-        peaks = [float(np.abs(part.force).max()) for part in parts]
-        part = parts[int(np.argmax(peaks))]
+        lanes = range(len(self.session.lanes))
+        parts = [(k, part) for k in lanes for part in history_slices(history, k, history.first, history.last)]
+        lane, part = max(parts, key=lambda found: float(np.abs(found[1].force).max()))
         row = int(np.argmax(np.abs(part.force).max(axis=1)))
         self.session.scrub_frame(part.first + row)
         forces = [fixed(force, 2) for force in part.force[row][:MOST_FORCES].tolist()]
         more = " …" if part.chain.contacts > MOST_FORCES else ""
-        self._show(_(WHY, forces=", ".join(forces) + more), {})
+        text, label = _(WHY, forces=", ".join(forces) + more), label_words(self.session.label(lane))
+        self._show(_("{label}: {words}", label=label, words=text) if len(lanes) > 1 and label else text, {})
 
     def _show(self, text: str, choices: dict[str, Callable[[], None]]) -> None:
         self.text, self._choices, self._frame = text, {**choices, _("Close"): self.hide}, self.session.frame

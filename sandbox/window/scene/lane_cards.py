@@ -9,6 +9,7 @@ import pygame
 import pygame_gui
 from pygame_gui.elements import UIButton, UIDropDownMenu
 from softcradle.physics import METHODS
+from softcradle.physics.methods import refusal_of
 from softcradle.sandbox.draw.number_format import fixed, scientific, time_unit
 from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.draw.text import shortened, write
@@ -102,9 +103,11 @@ class LaneCards:
         return AUTO if setup.automatic else setup.method
 
     def next_method(self) -> str:
-        """The entry after that of the first lane."""
-        names = [AUTO, *SUMMARIES]
-        return names[(names.index(self.method(0)) + 1) % len(names)]
+        """The entry after that of the first lane, of those that carry all chains."""
+        names, chains = [AUTO, *SUMMARIES], [lane.chain for lane in self.session.lanes]
+        k = names.index(self.method(0)) + 1
+        carrying = (n for n in names[k:] + names[:k] if n == AUTO or not any(refusal_of(n, chain) for chain in chains))
+        return next(carrying)
 
     def handle(self, event: pygame.Event) -> SetMethod | None:
         """The input that a chosen entry means."""

@@ -224,11 +224,11 @@ class ScenePage(Page):
 
     def handle(self, event: pygame.Event) -> bool:
         """Take events of the widgets first, then those of the mouse."""
-        if event.type in (pygame.MOUSEBUTTONUP, pygame.KEYDOWN):
+        if event.type == pygame.KEYDOWN:
             self.session.end_gesture()
         chosen = self.cards.handle(event)
         if chosen is not None:
-            self.editor.apply(chosen)
+            self.editor.refused += not self.editor.apply(chosen)
             return True
         if self.time_controls.handle(event) or any(panel.handle(event) for panel in self.panels):
             return True
@@ -262,9 +262,9 @@ class ScenePage(Page):
         if not self.editor.preparing:
             return
         self.editor.check_kernels()
+        if self.host.warmup.problem:
+            self.host.messages.show(self.host.warmup.problem, warning=True)
         if not self.editor.preparing:
-            if self.host.warmup.problem:
-                self.host.messages.show(self.host.warmup.problem, warning=True)
             self.view.look_ahead()
             self.view.follow()
 
@@ -311,8 +311,9 @@ class ScenePage(Page):
         self.film.record(surface, seconds)
 
     def let_go(self) -> None:
-        """Let go of the bead that is held, and of the view."""
-        self.pointer.panned = None
+        """Let go of all that is dragged: a slider, the time line, the ruler, the view, a bead that is held."""
+        self.session.end_gesture()
+        self.timeline.dragged, self.tools.ruler.dragged, self.pointer.panned = False, None, None
         if self.pointer.pressed is not None:
             self.pointer.release()
 

@@ -87,9 +87,6 @@ class Ruler:
         if event.type == pygame.MOUSEMOTION and self.dragged is not None:
             self.ends[self.dragged] = self.view.metres_at(event.pos)
             return True
-        if event.type == pygame.MOUSEBUTTONUP and self.dragged is not None:
-            self.dragged = None
-            return True
         return False
 
     def paint(self, surface: pygame.Surface) -> None:

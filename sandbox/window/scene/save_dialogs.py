@@ -128,7 +128,6 @@ class WindowFilm:
         """Add the finished picture to the film, if one is due after `seconds` more."""
         if self.film is None:
             return
-        self.seconds += seconds
         self._due = min(self._due + seconds * FRAME_RATE, MOST_DUE)
         if self._due < 1.0:
             return
@@ -137,6 +136,7 @@ class WindowFilm:
             frame = self.film.free_surface()
             _copy_whole(surface, frame)
             self.film.add(frame)
+            self.seconds += 1.0 / FRAME_RATE
         except (UserError, OSError, ValueError, pygame.error) as error:
             self.host.messages.show(_("the film stopped: {error}", error=error_words(error)), warning=True)
             self.end()
@@ -177,8 +177,14 @@ class Saving(NamedTuple):
 def session_savings(messages: Messages, session: Session) -> dict[str, Saving]:
     """The files that come from a session."""
 
-    def reporting(write: Callable[[Path], object]) -> Callable[[Path], None]:
-        return lambda path: report(messages, partial(write, path), _("saved {path}", path=shown_path(path)))
+    def reporting(
+        write: Callable[[Path], object], files: Callable[[Path], list[Path]] = lambda path: [path]
+    ) -> Callable[[Path], None]:
+        def reported(path: Path) -> None:
+            names = _(" and ").join(map(shown_path, files(path)))
+            report(messages, partial(write, path), _("saved {path}", path=names))
+
+        return reported
 
     return {
         "save_scene": Saving(
@@ -202,7 +208,7 @@ def session_savings(messages: Messages, session: Session) -> dict[str, Saving]:
             N_(".csv (a table) or .npz (everything); a file a lane"),
             ".csv",
             (".csv", ".npz"),
-            reporting(session.export),
+            reporting(session.export, session.export_paths),
             session.export_paths,
         ),
         "share_page": Saving(

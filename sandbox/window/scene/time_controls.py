@@ -81,9 +81,6 @@ class Timeline:
         if event.type == pygame.MOUSEMOTION and self.dragged:
             self.session.scrub_frame(self.frame(event.pos[0]))
             return True
-        if event.type == pygame.MOUSEBUTTONUP and self.dragged:
-            self.dragged = False
-            return True
         return False
 
     def make_room(self) -> None:

@@ -9,7 +9,16 @@ from softcradle.physics import power_law, simulate
 from softcradle.sandbox.languages import use_language
 from softcradle.sandbox.scene_runs import run_scene
 from softcradle.sandbox.session import Session
-from softcradle.sandbox.session.inputs import RemoveBead, SetContact, SetDrive, SetMass, SetMethod, SetSlow, SetVelocity
+from softcradle.sandbox.session.inputs import (
+    RemoveBead,
+    SetContact,
+    SetDrive,
+    SetMass,
+    SetMethod,
+    SetSlow,
+    SetStep,
+    SetVelocity,
+)
 from softcradle.sandbox.session.lane_setup import DURATION, FRAME_RATE
 from softcradle.sandbox.session.ledger import energy_error
 from softcradle.sandbox.session.snapshots import snapshot_table
@@ -190,3 +199,16 @@ def test_between_walls_that_move_alike_no_error_is_booked_as_their_work(method, 
     session = Session(Scene(title="moving box", lanes=(lane,), duration=5.0, method=method, step=0.01))
     session.step_frames(400)
     assert least <= energy_error(session.lanes[0].ledger) < most
+
+
+def test_beads_at_rest_go_nowhere_and_no_fault_is_told_before_it_comes():
+    assert clusters_in_words([0.0, 0.0], [False] * 2, 0.0) == "Beads 0 and 1 stand still."
+    session = opened("draft-gear-one-on-three")
+    for edit in (SetMethod(None, "euler"), SetStep(None, 0.01)):
+        session.apply(edit)
+    session.step_frames(400)
+    fault = next(item for item in session.findings(0) if item.level == "bad")
+    session.scrub_frame(fault.first - 1)
+    assert "Do not trust it" not in summary_text(session)
+    session.scrub_frame(fault.first)
+    assert "Do not trust it" in summary_text(session)

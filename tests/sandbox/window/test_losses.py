@@ -11,7 +11,8 @@ import pygame
 import pytest
 from softcradle.physics import power_law
 from softcradle.sandbox.draw.text import width
-from softcradle.sandbox.session.inputs import SetContact, SetMass
+from softcradle.sandbox.session.inputs import Drag, Drop, SetContact, SetMass
+from softcradle.sandbox.session.replay import Replay
 from softcradle.sandbox.session.snapshots import NOTHING_HELD
 from softcradle.sandbox.window.gallery.page import GalleryPage
 from softcradle.sandbox.window.settings import settings_path
@@ -240,6 +241,7 @@ def test_a_film_keeps_all_of_a_window_that_is_resized(driver: Driver, tmp_path: 
     with av.open(str(tmp_path / "mine.mp4")) as film:
         pictures = [frame.to_ndarray(format="rgb24") for frame in film.decode(video=0)]
     assert 15 <= len(pictures) <= 25  # every other one
+    assert driver.page.film.seconds == pytest.approx(len(pictures) / 30)
     corners = [picture[-20:, -20:] for picture in pictures]
     assert np.abs(corners[0].astype(int) - corners[-1]).mean() < 20  # the foot of the page is in both
 
@@ -393,3 +395,25 @@ def test_a_name_that_no_file_can_have_is_refused_in_a_sentence(driver: Driver) -
             driver.frames()
             assert driver.messages
             assert driver.page is page
+
+
+def test_a_film_that_leaving_the_page_ends_and_files_of_two_rows_are_told_of(tmp_path: Path) -> None:
+    driver = Driver("steel-and-soft")
+    driver.run(30)
+    driver.page.dialogs.save("export", "motion.csv")
+    assert "motion-1.csv and " in driver.messages[-1]
+    driver.page.dialogs.save("film", "mine.mp4")
+    driver.frames(20)
+    driver.key(pygame.K_ESCAPE)
+    assert any("mine.mp4" in text for text in driver.messages)
+
+
+def test_a_pull_is_one_step_of_its_replay_too(driver: Driver, tmp_path: Path) -> None:
+    for k in range(20):
+        driver.session.apply(Drag(0, 2, 0.1 * k), gesture=True)
+        driver.session.step_frames(1)
+    driver.session.apply(Drop())
+    driver.session.save_recording(tmp_path / "pulled.npz")
+    replay = Replay.load(tmp_path / "pulled.npz")
+    assert replay.run()
+    assert len(replay.session.undo_stack.done) == 1

@@ -10,11 +10,13 @@ from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.session.editable_numbers import variants
 from softcradle.sandbox.session.inputs import AddBead, RemoveBead, SetContact, SetMass, SetMethod, SetStep, SetVelocity
 from softcradle.sandbox.session.lane_setup import setup_of
+from softcradle.sandbox.session.live_lane import BlownUpError
 from softcradle.sandbox.session.snapshots import NOTHING_HELD
 from softcradle.sandbox.user_error import GaveUpError
 from softcradle.sandbox.window.plots.scales import MOST_AT_ONCE, motions_ahead
 from softcradle.sandbox.window.scene.editor import Pick
 from softcradle.sandbox.window.scene.inspector import COUNT, SweepBoard
+from softcradle.sandbox.window.scene.lane_cards import SUMMARIES
 
 from softcradle import scenes
 from tests.helpers.sessions import opened
@@ -300,3 +302,22 @@ def test_a_run_ahead_that_takes_long_does_not_hold_up_the_window(driver):
     driver.page.show_scene(scene.model_copy(update={"step": 2e-6}))
     assert driver.page.view.follower.pending
     driver.until(lambda: not driver.page.view.follower.pending)
+
+
+def test_a_method_that_does_not_carry_the_chain_is_left_out_by_the_key_and_by_the_menu_once_refused() -> None:
+    driver, walked = Driver("experiment-one-on-three"), []  # on a bed
+    for _ in range(len(SUMMARIES)):
+        driver.key(pygame.K_m, SHIFT)
+        walked.append(driver.page.cards.method(0))
+    assert walked == [name for name in SUMMARIES if name != "yoshida4"] + ["auto"]
+    driver.choose(driver.page.cards.menus[0], "yoshida4")
+    driver.frames(3)
+    assert driver.page.cards.menus[0].selected_option[0] == "auto"
+
+
+def test_a_method_that_blows_up_says_so(driver: Driver, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(driver.session.lanes[0], "advance", Mock(side_effect=BlownUpError("euler has blown up")))
+    for key in (pygame.K_PERIOD, pygame.K_SPACE):
+        driver.app.messages.leave_page()
+        driver.key(key)
+        assert "euler has blown up" in driver.messages

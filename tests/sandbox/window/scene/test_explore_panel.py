@@ -9,6 +9,7 @@ from softcradle.sandbox.session.contact_conversion import impact_energy
 from softcradle.sandbox.session.history_slices import last_slice
 from softcradle.sandbox.window.scene.editor import Pick
 
+from softcradle import scenes
 from tests.helpers.drawn_text import drawn_texts
 from tests.helpers.windows import Driver
 
@@ -225,3 +226,33 @@ def test_the_card_goes_to_the_greatest_force_and_to_steel_balls(driver: Driver) 
     driver.click(card.buttons["Now with steel balls"].rect.center)
     assert driver.session.label(1) == "steel balls"
     assert driver.session.playing
+
+
+def test_each_drag_of_a_slider_is_a_step_of_its_own_and_nothing_is_dragged_once_the_button_is_up(
+    explorer: Driver,
+) -> None:
+    for share in (0.2, 0.6, 0.9):
+        slider = explorer.page.explore.controls["alpha"].slider
+        explorer.pull(
+            slider.sliding_button.rect.center, (slider.rect.left + share * slider.rect.width, slider.rect.centery)
+        )
+        explorer.play(20)
+    assert len(explorer.session.undo_stack.done) == 3
+    line = explorer.page.timeline
+    explorer.drag((line.x(15), line.rect.centery), (line.x(5), line.rect.centery))
+    explorer.key(pygame.K_w)  # a dialog lies over the time line
+    explorer.release(line.rect.center)
+    assert not line.dragged
+
+
+def test_a_blow_from_the_right_stays_one_at_another_speed_and_the_stronger_row_tells_of_forces(tmp_path) -> None:
+    scene = scenes.load("one-on-four")
+    weak = scene.lanes[0].model_copy(update={"velocity": (0.0, 0.0, 0.0, 0.0, -0.1), "label": "weak"})
+    strong = weak.model_copy(update={"velocity": (0.0, 0.0, 0.0, 0.0, -1.0), "label": "strong"})
+    (tmp_path / "two.toml").write_text(scene.model_copy(update={"lanes": (weak, strong)}).to_toml(), encoding="utf-8")
+    driver = Driver(str(tmp_path / "two.toml"), lab=False)
+    driver.enter("speed", "0.2")
+    assert [lane.velocity[-1] for lane in driver.session.lanes] == pytest.approx([-0.2, -2.0])
+    driver.session.step_frames(600)
+    driver.page.outcome.show_forces()
+    assert driver.page.outcome.text.startswith("strong: At the greatest force")
