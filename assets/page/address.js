@@ -113,7 +113,7 @@ function specOf(data, lane, experiment, own) {
   spec.velocity = spec.velocity.map((v) => v * experiment.speed / own.speed);
   if (experiment.friction !== own.friction) spec.friction = experiment.friction;
   if (experiment.loss !== own.loss) spec.loss = Array(n).fill(experiment.loss);
-  spec.speed = data.speed * experiment.speed / own.speed;
+  spec.speed = (given.velocity.some(Boolean) ? given.speed : data.speed) * experiment.speed / own.speed; // that of a row at rest is that of the page
   return spec;
 }
 

@@ -97,7 +97,7 @@ class Live {
     this.due += Math.min(seconds, LONGEST) * FRAME_RATE;
     const count = Math.round(this.due), started = performance.now();
     this.due -= count;
-    for (let k = 0; k < count && (k === 0 || performance.now() - started < BUDGET); k++) this.next();
+    for (let k = 0; k < count && !this.over && (k === 0 || performance.now() - started < BUDGET); k++) this.next();
   }
 
   next() {

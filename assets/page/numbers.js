@@ -20,10 +20,9 @@ function scientific(value, digits = 1) {
 }
 
 function factorText(value) {
-  if (value >= 0.01 && value < 1) return `×${plain(value, 2)}`;
-  if (value >= 1 && value < 1e5) return `×${Math.round(value)}`;
-  const [mantissa, power] = value.toExponential(0).split("e");
-  return `×${mantissa === "1" ? "" : `${mantissa}·`}10${raised(String(Number(power)))}`;
+  if (value >= 0.01 && value < 100) return `×${plain(value, 3)}`;
+  if (value >= 100 && value < 1e5) return `×${Math.round(value)}`;
+  return `×${scientific(value, 0).replace(/^1·/, "")}`;
 }
 
 // `value` with so many digits and no zeros at its end.

@@ -86,11 +86,11 @@ class Page {
 
   lookOf(spec, lane) {
     const { data, experiment, own, source } = this, given = data.lanes[lane], n = spec.gap.length;
-    const same = given && experiment.law === own.law && (lane > 0 || !differs(data, experiment, own, "alpha"));
     const whole = given && given.spec.mass.length === spec.mass.length;
+    const same = whole && experiment.law === own.law && (lane > 0 || !differs(data, experiment, own, "alpha"));
     const gear = (i) => spec.law[3 * i] > 0 && spec.law[3 * i + 1] > 0;
     return { mass: spec.mass, contacts: n, label: same ? this.texts.labels[lane] : lawName(spec.law), massLabels: whole ? given.massLabels : [],
-      gears: Array.from({ length: n }, (_, i) => (given && same && whole ? given.gears[i] : gear(i))), pulls: Boolean(whole && given.pulls),
+      gears: Array.from({ length: n }, (_, i) => (same ? given.gears[i] : gear(i))), pulls: Boolean(whole && given.pulls),
       solid: whole && given.solid ? given.solid : Array.from({ length: n }, () => [null, null]),
       marks: hasMarks(spec, data.length),
       dissipative: source.live ? spec.friction > 0 || spec.loss.some((loss) => loss > 0) : given.dissipative,
@@ -167,7 +167,7 @@ class Page {
     if (part("words").textContent !== text) part("words").textContent = text;
     part("words").classList.toggle("ended", ended);
     if (source.live) {
-      const { rows } = source, error = Math.max(...rows.map((row) => row.energyError())), parts = [say("energy", { value: plain(rows[0].energy(), 4) })];
+      const { rows } = source, error = Math.max(...rows.map((row) => row.energyError())), parts = [say("energy", { value: plain(rows.reduce((sum, row) => sum + row.energy(), 0), 4) })];
       if (rows.every((row) => row.balanced)) parts.push(say("right", { error: error < 1e-17 ? "10⁻¹⁶" : scientific(error, 0) }));
       if (source.touched) parts.push(say("given", { value: plain(rows.reduce((sum, row) => sum + row.given, 0), 3) }));
       part("energy").textContent = parts.join(" · ");
@@ -345,7 +345,7 @@ const SLIDERS = {
   alpha: { to: (value, [low, high]) => Math.log(value / low) / Math.log(high / low), from: (share, [low, high]) => low * (high / low) ** share,
     text: alphaText },
   strikers: { ...whole, text: String }, targets: { ...whole, text: String },
-  speed: { ...linear, text: (value) => `${plain(value, 2)} m/s` },
+  speed: { ...linear, text: (value) => `${plain(value, 3)} m/s` },
   friction: { ...linear, text: (value) => plain(value, 2) }, loss: { ...linear, text: (value) => `${Math.round(100 * value)} %` },
 };
 

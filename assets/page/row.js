@@ -62,6 +62,9 @@ class Row {
     kernel.law.set(spec.law);
     kernel.loss.set(spec.loss);
     kernel.bed.set(mass.map((m) => (m > 0 ? spec.friction * GRAVITY : 0)));
+    for (let i = 0; i < kernel.n; i++) {
+      if (kernel.overlap[i] > 0) kernel.force[i] = this.lawForce(i) * (kernel.rate[i] < 0 ? 1 - spec.loss[i] : 1);
+    }
   }
 
   // What changes energy without a force over a way, as another law of loaded contacts, is booked as given.
@@ -165,7 +168,7 @@ class Row {
     const { n, overlap, rate, force } = this.kernel, least = AT_REST * this.spec.speed;
     if (this.still > 1) return true;
     if (this.spec.drive || (this.spec.friction > 0 && !this.balanced)) return false; // a wall that moves reaches what the bed has stopped
-    for (let i = 0; i < n; i++) if (force[i] > 0 || overlap[i] > 0 || (rate[i] > least && overlap[i] < 0)) return false;
+    for (let i = 0; i < n; i++) if (force[i] > 0 || overlap[i] > 0 || rate[i] > least) return false;
     return true;
   }
 

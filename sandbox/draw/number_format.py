@@ -52,16 +52,11 @@ def prefixed(value: float) -> str:
 
 def factor(value: float) -> str:
     """A magnification with a times sign before it, as in "x 0.5", "x 20", "x 5·10⁶"."""
-    if 0.01 <= value < 1.0:
-        return localized(f"{TIMES}{value:.2g}")
-    if 1.0 <= value < 100000.0:
+    if 0.01 <= value < 100.0:
+        return localized(f"{TIMES}{value:.3g}")
+    if 100.0 <= value < 100000.0:
         return f"{TIMES}{value:,.0f}".replace(",", "\N{NARROW NO-BREAK SPACE}")
-    mantissa, exponent = f"{value:.0e}".split("e")
-    return (
-        f"{TIMES}{power_of_ten(int(exponent))}"
-        if mantissa == "1"
-        else f"{TIMES}{mantissa}·{power_of_ten(int(exponent))}"
-    )
+    return f"{TIMES}{scientific(value, 0).removeprefix('1·')}"
 
 
 def round_step(span: float, most: int) -> float:

@@ -115,6 +115,7 @@ class _Workers:
             segment.done.wait()
             self._check()
             yield from segment.packets
+        self._check()  # a worker that fails ends its segment, which may have been written before anybody looked
 
     def stop(self) -> None:
         """End the threads."""

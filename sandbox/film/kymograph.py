@@ -269,7 +269,7 @@ def _time_bar(
 
 
 def _length(length: float) -> str:
-    return f"{100.0 * length:.3g} cm" if 0.01 <= length < 1.0 else f"{scientific(length, 0)} m"
+    return f"{100.0 * length:.3g} cm" if 0.01 <= length < 1.0 else f"{scientific(length, 2)} m"
 
 
 def _time(time: float) -> str:

@@ -12,9 +12,8 @@ from softcradle.sandbox.console import ProgressShown
 from softcradle.sandbox.draw import Picture
 from softcradle.sandbox.film.encoder import open_film
 from softcradle.sandbox.film.formats import check
-from softcradle.sandbox.film.scene_motion import Frames, first_force, scene_motions, strongest_row
+from softcradle.sandbox.film.scene_motion import Frames, checked_slow, first_force, scene_motions, strongest_row
 from softcradle.sandbox.motion import Motion
-from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
 
 READING_TIME = 0.22  # seconds of film for a word of the scene's text
@@ -82,9 +81,7 @@ def render_scene(
     output = os.fspath(output)
     codec = check(output, size, fps, pixel_format)
     rate = fps or (codec.frame_rate if codec else FOLDER_RATE)
-    slow = scene.view.slow if slow is None else slow
-    if not (math.isfinite(slow) and slow > 0.0):
-        raise UserError(f"slow motion must be a number > 0, not {slow:g}")
+    slow = scene.view.slow if slow is None else checked_slow(slow)
     single = codec is None and output.lower().endswith(".png")
     with (
         open_film(output, size, rate, pixel_format) as film,

@@ -142,10 +142,22 @@ def _solved(
 ) -> list[Trajectory]:
     usual = SHOWN if scene.step is None else None  # of a step alone the scene says by which method
     found = run_scene(scene, most, method=method or scene.method or usual, step=step, **settings)
-    for trajectory in found:
-        if trajectory.status.gave_up:
-            raise GaveUpError(f"a film needs the whole motion: {'; '.join(map(str, trajectory.warnings))}")
+    require_whole("a film", found)
     return found
+
+
+def require_whole(what: str, trajectories: Sequence[Trajectory]) -> None:
+    """Raise GaveUpError where a method gave up before the end of the motion."""
+    for trajectory in trajectories:
+        if trajectory.status.gave_up:
+            raise GaveUpError(f"{what} needs the whole motion: {'; '.join(map(str, trajectory.warnings))}")
+
+
+def checked_slow(slow: float) -> float:
+    """Seconds for one of motion. Raises UserError."""
+    if not (math.isfinite(slow) and slow > 0.0):
+        raise UserError(f"slow motion must be a number > 0, not {slow:g}")
+    return slow
 
 
 def _row_times(scene: Scene, end: float, rate: float, frames: Frames | None) -> Array:

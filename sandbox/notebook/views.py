@@ -93,12 +93,12 @@ def _write_film(trajectory: Trajectory, path: Path, slow: float | None, size: tu
     """Write the samples of the trajectory, each for as long as it is the nearest one."""
     from softcradle.sandbox.draw import Picture, motion_of
     from softcradle.sandbox.film.encoder import open_film
-    from softcradle.sandbox.film.scene_motion import require_finite
+    from softcradle.sandbox.film.scene_motion import checked_slow, require_finite
 
     motion = motion_of(trajectory)
     require_finite([motion])
     span = float(trajectory.time[-1] - trajectory.time[0])
-    slow = slow or usual_slow(trajectory)
+    slow = usual_slow(trajectory) if slow is None else checked_slow(slow)
     times = trajectory.time[0] + np.arange(int(span * slow * FILM_RATE) + 1) / (slow * FILM_RATE)
     between = 0.5 * (trajectory.time[1:] + trajectory.time[:-1])
     picture = Picture(scene_of(trajectory, slow), [motion], size, slow=slow)

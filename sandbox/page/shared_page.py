@@ -13,7 +13,7 @@ import numpy as np
 from softcradle.physics import Trajectory
 from softcradle.physics.scales import default_step
 from softcradle.sandbox.files import output_file
-from softcradle.sandbox.film.scene_motion import quiet_end
+from softcradle.sandbox.film.scene_motion import checked_slow, quiet_end, require_whole
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.page.data import can_be_computed, page_data
 from softcradle.sandbox.page.document import document, footer, heading, keys, numbers, paragraph, player, question
@@ -75,7 +75,7 @@ def render_page(scene: Scene, output: str | os.PathLike[str], slow: float | None
 def scene_text(scene: Scene, slow: float | None = None, **settings: Any) -> tuple[str, bool]:
     """The page of :func:`render_page` as text, and whether it computes its motion. Raises UserError likewise."""
     if slow is not None:
-        scene = scene.model_copy(update={"view": scene.view.model_copy(update={"slow": slow})})
+        scene = scene.model_copy(update={"view": scene.view.model_copy(update={"slow": checked_slow(slow)})})
     if can_be_computed(scene) and all(value is None for value in settings.values()):
         return _computed_text(scene), True
     return _recorded_text(scene, _recorded(scene, **settings)), False
@@ -83,6 +83,7 @@ def scene_text(scene: Scene, slow: float | None = None, **settings: Any) -> tupl
 
 def _recorded(scene: Scene, **settings: Any) -> list[Trajectory]:
     trajectories = recorded(scene, **settings)
+    require_whole("a page", trajectories)
     for sentence in dict.fromkeys(str(warning) for found in trajectories for warning in found.warnings):
         warnings.warn(sentence, RuntimeWarning, stacklevel=3)
     return trajectories

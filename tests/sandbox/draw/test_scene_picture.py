@@ -331,7 +331,7 @@ def test_steps_are_round(span, most):
     [
         (scientific(0.41), "0.41"), (scientific(7.8e-4), "7.8·10⁻⁴"), (scientific(-1.25e7), "\N{MINUS SIGN}1.2·10⁷"),
         (scientific(0.0), "0"), (factor(20000.0), "\N{MULTIPLICATION SIGN}20\N{NARROW NO-BREAK SPACE}000"),
-        (factor(2e6), "\N{MULTIPLICATION SIGN}2·10⁶"), (fixed(-0.001, 2), "0.00"),
+        (factor(1.5), "\N{MULTIPLICATION SIGN}1.5"), (factor(2e6), "\N{MULTIPLICATION SIGN}2·10⁶"), (fixed(-0.001, 2), "0.00"),
         ([number_text(value) for value in (None, 0.0, 1e-15, -0.25)], ["-", "0", "0", f"{MINUS}0.2500"]),
         ([number_text(value) for value in (2e-5, 1234.4, 123456.0)], ["2.00·10⁻⁵", "1234", "1.23·10⁵"]),
         ([number_text(value) for value in (0, 1, 493)], ["0", "1", "493"]), (number_format.subscript(1, 2), "₁₂"),

@@ -298,7 +298,7 @@ def test_no_key_takes_a_wall(browser, tmp_path, mass, chosen):
 def test_what_a_hand_gives_is_told_of_all_rows_and_apart_from_the_drive(pages, browser, tmp_path):
     browser.visit(pages("steel-and-soft").output, "")
     browser.run("page.pause(), page.go(0.9), page.chosen = {lane: 1, bead: 3}, page.throwChosen(1), page.pause()")
-    assert browser.run(LEDGER).endswith(" · 0.5 J by hand")
+    assert re.fullmatch(r"Energy 1(\.5)? J .* · 0\.5 J by hand", browser.run(LEDGER))  # of both rows
     visit_row(browser, tmp_path, duration=5.0, velocity=[0, 0, 0], gap=[0.5, 0], drive=[1, 0, 0])
     browser.run("page.go(0.5), page.chosen = {lane: 0, bead: 2}, page.throwChosen(1), page.pause()")
     thrown = browser.run("0.5 * page.specs[0].speed ** 2")
@@ -357,6 +357,17 @@ def test_the_slider_tells_the_alpha_that_acts(pages, browser):
     assert "other numbers" in browser.run(text)
     browser.visit(pages(SCENE).output, "#pace=4&with=steel")
     assert "as one body" in browser.run(text)
+
+
+def test_a_row_that_touches_has_not_ended_and_what_is_edited_at_rest_is_shown_at_once(live, pages, browser):
+    assert not live.run("page.source.apart")  # the beads just touch, and the first one comes
+    live.run("page.pause(), page.go(1.5), page.show(false)")
+    forces = "[page.source.rows[0].kernel.force[3], page.source.rows[0].lawForce(3)]"
+    before, _ = live.run(forces)
+    live.run(SET.format("alpha", "0.9", "input"))
+    assert live.run(forces) == [pytest.approx(live.run(forces)[1])] * 2 != [before] * 2
+    browser.visit(pages("one-on-ten").output, "#n=5")
+    assert "1/n" not in browser.run("page.looks[0].label")
 
 
 def test_another_law_for_the_row_and_steel_balls_beside_it(live):
