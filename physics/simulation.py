@@ -107,8 +107,9 @@ def solve(
     problem = _problem(chain, velocity, duration, chosen, step, samples, tolerance)
     if most_steps is not None:
         problem = replace(problem, most_steps=most_steps)
+    runner = runner_of(method)  # which may take the import of a library
     began = perf_counter()
-    record = runner_of(method).run(problem)
+    record = runner.run(problem)
     record.seconds = record.seconds or perf_counter() - began
     record.warnings += unusual_warnings(chain, velocity, problem.tolerance)
     if not chosen.set_valued:

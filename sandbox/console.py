@@ -40,7 +40,13 @@ def console(*, error: bool = False) -> Console:
     """A console that prints text without markup, because labels come from users and may hold brackets."""
     from rich.console import Console
 
-    found = Console(markup=False, emoji=False, highlight=False, stderr=error)
+    class Told(Console):
+        """A closed pipe is told as any other print tells it: `main` makes an exit code of that."""
+
+        def on_broken_pipe(self) -> None:
+            raise  # noqa: PLE0704 - it is called where the error is handled
+
+    found = Told(markup=False, emoji=False, highlight=False, stderr=error)
     if not found.is_terminal:
         found.width = WIDTH_OF_A_PIPE
     return found

@@ -38,7 +38,7 @@ def parse(text: str, file: str = "scene") -> Scene:
     """The scene that the TOML `text` describes; errors call it `file`. Raises SceneError."""
     try:
         table = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (ValueError, RecursionError) as error:  # of TOML, of digits or of brackets by the thousand
         raise SceneError([f"{file}: not valid TOML: {str(error)[:1].lower()}{str(error)[1:]}"]) from None
     try:
         return Scene.model_validate(table)

@@ -62,7 +62,7 @@ def _number(text: str) -> Any:
     """A number as TOML reads it; a fraction and anything else as text, which the table of the law then judges."""
     try:
         value = tomllib.loads(f"x = {text}")["x"]
-    except tomllib.TOMLDecodeError:
+    except (ValueError, RecursionError):
         return text
     return float(value) if isinstance(value, int) and not isinstance(value, bool) else value
 

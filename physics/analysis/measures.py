@@ -210,7 +210,7 @@ def spread_variable(n: int, alpha: float) -> float:
 def chain_spread_variable(chain: Chain, struck: int) -> float | None:
     """The `spread_variable` of one bead on others that just touch, all alike, without preload or loss; None for other chains."""
     law, n = common_law(chain), chain.contacts
-    if law is None or law.preload or law.loss or n < 2 or struck not in (0, n - 1) or len(set(chain.mass)) > 1:
+    if law is None or law.preload or law.loss or n < 2 or struck != 0 or len(set(chain.mass)) > 1:
         return None
     if not meets_freely(chain, struck):
         return None

@@ -200,7 +200,7 @@ def _change_of_velocity(beads: Any, path: str, after: Sequence[tuple[list[str], 
 
 def _change_of_list(item: tuple[Any, ...], places: Sequence[tuple[list[str], str]], check: bool) -> Change:
     for (key, *_), path in places:
-        if key != EVERY and not (key.isdigit() and int(key) < len(item)):
+        if key != EVERY and not (key.isdecimal() and int(key) < len(item)):
             raise SceneError([f"{path}: {key!r} must be a number from 0 to {len(item) - 1}, or * for all"])
     changes = [
         change_of(part, [(keys[1:], path) for keys, path in places if keys[0] == EVERY or int(keys[0]) == k], check)
@@ -210,4 +210,4 @@ def _change_of_list(item: tuple[Any, ...], places: Sequence[tuple[list[str], str
 
 
 def _is_place(key: str) -> bool:
-    return key.isdigit() or key == EVERY
+    return key.isdecimal() or key == EVERY

@@ -155,10 +155,10 @@ def load_study(path: str) -> SweepStudy:
         raise StudyError(f"cannot read {path}: {reason(error)}") from None
     except UnicodeDecodeError:
         raise StudyError(f"{path}: not a text file in UTF-8") from None
-    except tomllib.TOMLDecodeError as error:
-        raise StudyError(f"{path}: not valid TOML: {str(error)[:1].lower()}{str(error)[1:]}") from None
     except ValidationError as error:
         raise StudyError(str(scene_error(path, error)).replace("the scene: key", "the study: key")) from None
+    except (ValueError, RecursionError) as error:  # of TOML, of digits or of brackets by the thousand
+        raise StudyError(f"{path}: not valid TOML: {str(error)[:1].lower()}{str(error)[1:]}") from None
     try:
         study = SweepStudy(found.title, _scene(found, Path(path).parent), found.points(), found.measures)
         sweep_work(study.scene, study.points, study.measures)

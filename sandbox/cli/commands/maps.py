@@ -45,7 +45,9 @@ def main(args: argparse.Namespace) -> int:
 
 def _points(text: str) -> tuple[int, int]:
     columns, _, rows = text.partition("x")
-    if not all(number.isdigit() and 2 <= int(number) <= MOST_POINTS for number in (columns, rows)):
+    if not all(
+        number.isdecimal() and len(number) < 9 and 2 <= int(number) <= MOST_POINTS for number in (columns, rows)
+    ):
         limits = f"two whole numbers from 2 to {MOST_POINTS}, such as {COLUMNS}x{ROWS}"
         raise UserError(f"--points must be {limits}, not {text!r}")
     return int(columns), int(rows)

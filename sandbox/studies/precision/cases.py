@@ -158,6 +158,8 @@ class CaseDefinition:
         velocity = np.eye(1, chain.contacts + 1)[0] if self.velocity is None else self.velocity
         finest = solve(chain, velocity, self.duration, "radau", samples=2, tolerance=TRUTH_TOLERANCE)
         end = float(finest.time[-1])
+        if not end:
+            raise ValueError("nothing collides: there is nothing to measure")
         duration = end if self.duration is None and _acts_from_outside(chain) else self.duration
         truth, uncertainty, source = self._truth(chain, velocity, duration, finest.final_velocity, by_reference)
         return ChartCase(self.name, self.label, chain, velocity, duration, end, truth, uncertainty, source, self.aims)
