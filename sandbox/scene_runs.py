@@ -34,12 +34,13 @@ def run_scene(scene: Scene, most: int | None = None, **overrides: Any) -> list[T
     Raises:
         UserError: settings that the method does not take.
     """
+    from softcradle.physics import METHODS
+
     settings = scene.settings(**overrides)
-    found = [_run_lane(lane, settings, most) for lane in scene.lanes]
-    fixed = any(trajectory.tolerance == 0.0 and not trajectory.choice for trajectory in found)
-    if overrides.get("tolerance") is not None and fixed:
-        raise UserError(f"method {found[0].method!r} takes a step, not a tolerance")
-    return found
+    method = settings.get("method")
+    if overrides.get("tolerance") is not None and any(one.name == method and not one.adaptive for one in METHODS):
+        raise UserError(f"method {method!r} takes a step, not a tolerance")
+    return [_run_lane(lane, settings, most) for lane in scene.lanes]
 
 
 def _run_lane(lane: Lane, settings: dict[str, Any], most: int | None) -> Trajectory:

@@ -313,10 +313,13 @@ class CompileNotes(logging.Handler):
 
 @contextmanager
 def compilation_shown() -> Iterator[None]:
-    """Show what is compiled while the block runs, unless quiet."""
+    """Show warnings while the block runs, and, unless quiet, what is compiled."""
     logger, notes = logging.getLogger("softcradle"), CompileNotes(sys.stderr)
     level, passed_on = logger.level, logger.propagate
-    logger.addHandler(logging.NullHandler() if is_quiet() else notes)
+    if is_quiet():
+        notes.setLevel(logging.WARNING)
+        notes.addFilter(lambda record: record.module != "kernel_tiers")  # to wait for kernels is progress
+    logger.addHandler(notes)
     logger.setLevel(logging.INFO)
     logger.propagate = False
     try:

@@ -111,7 +111,7 @@ def test_a_command_hears_it_while_its_modules_are_loaded(tmp_path):
     assert process.returncode == 130
 
 
-@pytest.mark.parametrize("executor", [[], ["--threads"]])
+@pytest.mark.parametrize("executor", [["-q"], ["--threads"]])
 def test_a_sweep_keeps_its_points_and_says_so(executor, tmp_path):
     (tmp_path / "study.toml").write_text(STUDY.replace("step = 1e-7", "step = 1e-3"))
     process = begin("-m", "softcradle", "sweep", "study.toml", "--chunk", "0.1", *executor, folder=tmp_path)
