@@ -209,6 +209,7 @@ class Plot(Axes):
 
     marked = True  # whether curves have markers at the cursor
     timed = True  # whether its horizontal axis is the time that all plots share
+    at_values = True  # whether each curve stands at its own values, so that measured ones can be laid beside it
 
     def __init__(
         self, rect: pygame.Rect, unit: float, content: PlotContent, history: History, lane: int, span: TimeSpan

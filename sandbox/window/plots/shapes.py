@@ -66,6 +66,8 @@ class KymographPlot(Plot):
 class StackedPlot(Plot):
     """Energies piled up: the kinetic energy of each bead, and above them what the contacts store."""
 
+    at_values = False
+
     marked = False
 
     def draw_columns(self, first: int, last: int) -> pygame.Surface:
@@ -102,6 +104,8 @@ SCALE = 7.0  # design pixels, the width of the scale
 
 class StripPlot(Plot):
     """A strip of shades for each curve, one below the other."""
+
+    at_values = False
 
     marked = False
 

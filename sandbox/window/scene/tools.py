@@ -83,7 +83,7 @@ class DataTool:
     def _plot(self, kind: str, point: tuple[int, int] = (-1, -1)) -> tuple[tuple[str, int], Plot]:
         """The kind and lane of the plot at `point`, else of that kind, which is shown for it."""
         under = self.board.plot_at(point)
-        if under is not None and under.timed:
+        if under is not None and under.timed and under.at_values:
             return self.board.keys[self.board.plots.index(under)], under
         self.view.show_plot(kind)
         if not self.board.plots:

@@ -210,6 +210,12 @@ def test_a_table_that_is_dropped_lies_over_the_velocities(played: Driver, tmp_pa
     assert (np.ptp(ring, axis=2) > 40).any()  # in the colour of the bead
     played.key(pygame.K_x)
     assert not played.page.board.overlays
+    played.key(pygame.K_5)
+    strip = played.page.board.plots[-1]  # whose rows are no heights of values
+    played.move(strip.area.center)
+    played.drop_file(tmp_path / "track.csv")
+    assert [kind for kind, _ in played.page.board.overlays] == ["velocities"]
+    played.key(pygame.K_x)
     (tmp_path / "many.csv").write_text("t,a,b,c,d,e,f\n0,1,1,1,1,1,1\n1,1,1,1,1,1,1\n")
     played.drop_file(tmp_path / "many.csv")
     assert "has 6 columns after the time, and the plot has 5 curves" in played.messages[-1]
