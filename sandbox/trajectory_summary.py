@@ -44,7 +44,8 @@ class ContactSummary:
         closed, opened: times at which it closed first and opened last [s]; None: never.
         times: how often it closed.
         still_closed: whether it is closed at the end.
-        largest_overlap, largest_force: [m], [N]; of the samples. None where the motion did not stay finite.
+        largest_overlap, largest_force: [m], [N]; of the samples. None where the motion did not stay finite, and of a contact
+            that closed and opened between two samples.
         largest_pull: [N]; 0 but for couplers, None likewise.
     """
 
@@ -221,20 +222,20 @@ def _known(number: float) -> float | None:
 
 
 def _contacts(trajectory: Trajectory) -> tuple[ContactSummary, ...]:
-    overlaps = np.maximum(trajectory.overlap, 0.0).max(axis=0)
-    forces = np.maximum(trajectory.force, 0.0).max(axis=0)
-    pulls = np.maximum(-trajectory.force, 0.0).max(axis=0)
-    return tuple(
-        ContactSummary(
-            closed=intervals[0][0] if intervals else None,
-            opened=max((opened for _, opened in intervals if math.isfinite(opened)), default=None),
-            times=len(intervals),
-            still_closed=bool(intervals) and math.isinf(intervals[-1][1]),
-            largest_overlap=_known(overlap),
-            largest_force=_known(force),
-            largest_pull=_known(pull),
-        )
-        for intervals, overlap, force, pull in zip(trajectory.contact_intervals, overlaps, forces, pulls, strict=True)
+    largest = [np.maximum(rows, 0.0).max(axis=0) for rows in (trajectory.overlap, trajectory.force, -trajectory.force)]
+    return tuple(map(_contact, trajectory.contact_intervals, *largest))
+
+
+def _contact(intervals: Sequence[tuple[float, float]], overlap: float, force: float, pull: float) -> ContactSummary:
+    unseen = bool(intervals) and overlap == force == pull == 0.0
+    return ContactSummary(
+        closed=intervals[0][0] if intervals else None,
+        opened=max((opened for _, opened in intervals if math.isfinite(opened)), default=None),
+        times=len(intervals),
+        still_closed=bool(intervals) and math.isinf(intervals[-1][1]),
+        largest_overlap=None if unseen else _known(overlap),
+        largest_force=None if unseen else _known(force),
+        largest_pull=None if unseen else _known(pull),
     )
 
 

@@ -23,7 +23,7 @@ from softcradle.sandbox.session.lane_setup import DURATION, FRAME_RATE
 from softcradle.sandbox.session.ledger import energy_error
 from softcradle.sandbox.session.snapshots import snapshot_table
 from softcradle.sandbox.session.summary_text import summary_text
-from softcradle.sandbox.trajectory_summary import clusters_in_words, describe, first_hit_in_words
+from softcradle.sandbox.trajectory_summary import clusters_in_words, describe, first_hit_in_words, summarise
 from softcradle.scenes import Lane, Scene
 
 from softcradle import scenes
@@ -203,6 +203,8 @@ def test_between_walls_that_move_alike_no_error_is_booked_as_their_work(method, 
 
 def test_beads_at_rest_go_nowhere_and_no_fault_is_told_before_it_comes():
     assert clusters_in_words([0.0, 0.0], [False] * 2, 0.0) == "Beads 0 and 1 stand still."
+    ends = simulate(scenes.load("one-on-four").lanes[0].chain(), [1, 0, 0, 0, 0], samples=2)
+    assert {contact.largest_force for contact in summarise("", ends).contacts} == {None}  # between two samples, not 0
     session = opened("draft-gear-one-on-three")
     for edit in (SetMethod(None, "euler"), SetStep(None, 0.01)):
         session.apply(edit)
