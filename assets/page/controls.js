@@ -53,7 +53,7 @@ function beadKey(page, lane, event) {
   }
   if (event.key === "Escape" || (event.key === "Enter" && source.hand)) page.release();
   else if (event.key === "Enter") page.grab(lane, page.chosen.bead, null);
-  part("said").textContent = say("chosen", { bead: page.chosen.bead, speed: fixed(source.values(lane).velocity[page.chosen.bead], 2) });
+  part("said").textContent = say("chosen", { bead: page.chosen.bead, speed: speedText(source.values(lane).velocity[page.chosen.bead], page.specs[lane].speed) });
   if (!page.playing) page.show(false);
 }
 
