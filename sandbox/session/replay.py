@@ -111,9 +111,8 @@ class Replay:
         """Apply the inputs of the frame shown; they are in the file already, so none is an unsaved edit."""
         for item in self._inputs.get(self.session.frame, ()):
             try:
-                self.session.apply(
-                    item, gesture=isinstance(item, Drag)
-                )  # pictures of one pull are one step, as they were
+                # pictures of one pull are one step, as they were
+                self.session.apply(item, gesture=isinstance(item, Drag))
                 if not isinstance(item, Drag):
                     self.session.end_gesture()
             except ValueError:  # it was accepted when it was recorded
