@@ -2,9 +2,9 @@
 
     d_s = d0 + c_s h w0 + h² sum_k (A²)_sk a_k,   a_k = e - L f(d_k),   s = 1..12
 
-Forces of touching contacts are multipliers: they solve (L f)_i = e_i at every stage, one tridiagonal system.
 For y'' = f(y) the stages of the rates drop out; A and b are the coefficients of the method (Hairer, Norsett & Wanner, Solving
-ODEs I, 2nd ed., II.10).
+ODEs I, 2nd ed., II.10). Forces of touching contacts are multipliers: they solve (L f)_i = e_i at every stage, one tridiagonal
+system.
 
 Only ranges of active contacts take part; between them no contact pushes enough to matter, and overlaps change at their rates.
 """

@@ -108,7 +108,7 @@ def first_guess(h, chain, motion, trial):
                 growth = min(max(power * log_grown(NODES[k] * times), -most), most)
                 stage_overlap[k, i] = overlap[i] * exp_near(growth)
                 stage_force[k, i] = preload + (force[i] - preload) * exp_near(exponent * growth)
-                if number_of(own_laws, i) >= 0:  # what a power law has guessed
+                if number_of(own_laws, i) >= 0:  # the guess was that of a power law
                     stage_force[k, i] = curve_force(law, own_laws, i, stage_overlap[k, i])
             elif grows:
                 stage_overlap[k, i], stage_force[k, i] = overlap[i], force[i]

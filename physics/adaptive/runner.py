@@ -165,13 +165,13 @@ def one_run(problem: Problem, log_size: int = FIRST_LOG) -> Record:
     growth = float(error_growth(scratch.control[GROWTH], scratch.grown, scratch.turns))
     contact, at = kept_switches(memory.log)
     record = Record(
-        problem.chain, empty_samples(NO_TIMES, problem.chain.contacts), contact.copy(), at.copy(), state, int(counter[STEP]),
+        problem.chain, empty_samples(NO_TIMES, contacts), contact.copy(), at.copy(), state, int(counter[STEP]),
         int(counter[EVALUATION]), status, _warnings(problem, status, state.time, memory.log), seconds, growth=growth,
         kept=kept,
     )  # fmt: skip
     fastest = max(map(abs, [*problem.velocity.tolist(), *record.velocity.tolist()]))
-    error = stated_error(growth, scratch.control[LOCAL_SQUARE], counter[STEP] + problem.chain.contacts, fastest)
-    record.velocity_error = np.full(problem.chain.contacts + 1, error)
+    error = stated_error(growth, scratch.control[LOCAL_SQUARE], counter[STEP] + contacts, fastest)
+    record.velocity_error = np.full(contacts + 1, error)
     record.unseen = DOUBT * growth * math.sqrt(scratch.control[UNSEEN_SQUARE])
     _last_run.memory = memory if contacts <= LONGEST_REUSED else None
     return record

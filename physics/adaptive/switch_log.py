@@ -167,16 +167,16 @@ def grow_errors(row, side, before, chain, regime, motion, wanted, scale, scratch
             scratch.turns[i] += 1.0 if turned else 0.0
             if turned or abs(rate) > abs(fastest):
                 course[i] = rate
-        landed, turns_back = loaded and i == row and side == 0, loaded and turned and rate > 0.0
-        returns = landed or turns_back or (motion.mode[i] == OPEN and fastest < 0.0)
-        if not returns and scratch.lateness[i] == 0.0:
+        returns = (loaded and i == row and side == 0) or (motion.mode[i] == OPEN and fastest < 0.0)
+        turns_back = loaded and turned and rate > 0.0 and not returns
+        if not (returns or turns_back or scratch.lateness[i] > 0.0):
             continue
         weight = chain.inverse_mass[i] + chain.inverse_mass[i + 1]
         own, bend = inward * weight * motion.force[i], inward * acceleration_of(i, chain, motion.force, 0.0)
         others = own + bend
-        if returns and (landed or not turns_back):
+        if returns:
             return_to_touch(i, fastest, rate, 0.0, others, chain, scratch.control)
-        elif returns:
+        elif turns_back:
             least = overlap - (0.5 * rate * rate / bend if bend > 0.0 else 0.0)
             return_to_touch(i, fastest, 0.0, least, others, chain, scratch.control)
         if scratch.lateness[i] > 0.0:

@@ -176,23 +176,13 @@ class Saving(NamedTuple):
 
 def session_savings(messages: Messages, session: Session) -> dict[str, Saving]:
     """The files that come from a session."""
-
-    def reporting(
-        write: Callable[[Path], object], files: Callable[[Path], list[Path]] = lambda path: [path]
-    ) -> Callable[[Path], None]:
-        def reported(path: Path) -> None:
-            names = _(" and ").join(map(shown_path, files(path)))
-            report(messages, partial(write, path), _("saved {path}", path=names))
-
-        return reported
-
-    return {
+    savings = {
         "save_scene": Saving(
             N_("Save the scene"),
             N_("a .toml file with all edits, to be opened here, rendered or run"),
             "-edited.toml",
             (".toml",),
-            reporting(session.save_scene),
+            session.save_scene,
             reopened=True,
         ),
         "save_session": Saving(
@@ -200,7 +190,7 @@ def session_savings(messages: Messages, session: Session) -> dict[str, Saving]:
             N_("an .npz file: drop it here to replay the session"),
             "-session.npz",
             (".npz",),
-            reporting(session.save_recording),
+            session.save_recording,
             reopened=True,
         ),
         "export": Saving(
@@ -208,7 +198,7 @@ def session_savings(messages: Messages, session: Session) -> dict[str, Saving]:
             N_(".csv (a table) or .npz (everything); a file a lane"),
             ".csv",
             (".csv", ".npz"),
-            reporting(session.export, session.export_paths),
+            session.export,
             session.export_paths,
         ),
         "share_page": Saving(
@@ -216,16 +206,23 @@ def session_savings(messages: Messages, session: Session) -> dict[str, Saving]:
             N_("an .html file: any browser plays what was recorded, no network needed"),
             ".html",
             (".html", ".htm"),
-            reporting(partial(share_page, session)),
+            partial(share_page, session),
         ),
         "live_page": Saving(
             N_("Share as a page"),
             N_("an .html file in which the beads live: thrown in any browser, no network needed"),
             ".html",
             (".html", ".htm"),
-            reporting(partial(share_page, session, live=True)),
+            partial(share_page, session, live=True),
         ),
     }
+    return {name: saving._replace(write=partial(_write_and_tell, messages, saving)) for name, saving in savings.items()}
+
+
+def _write_and_tell(messages: Messages, saving: Saving, path: Path) -> None:
+    """Write the files of a kind, and say which."""
+    names = _(" and ").join(map(shown_path, saving.files(path)))
+    report(messages, partial(saving.write, path), _("saved {path}", path=names))
 
 
 class SaveDialogs:
