@@ -63,7 +63,7 @@ class Motion:
     @cached_property
     def kinetic(self) -> Array:
         """(T, n+1) kinetic energy of each bead [J]; 0 for a wall."""
-        return 0.5 * self._mass * self.velocity**2
+        return 0.5 * self.chain.finite_mass * self.velocity**2
 
     @cached_property
     def stored(self) -> Array:
@@ -74,7 +74,7 @@ class Motion:
     @cached_property
     def momentum(self) -> Array:
         """(T, n+1) momentum of each bead [N s]; 0 for a wall."""
-        return self._mass * self.velocity
+        return self.chain.finite_mass * self.velocity
 
     @cached_property
     def energy(self) -> Array:
@@ -111,13 +111,8 @@ class Motion:
         """(T,) what the drive, which acts from t = 0 on, has given the beads along `path` (T, n+1): work, or impulse."""
         if self.chain.drive_force is None:
             return np.zeros(len(self.time))
-        start, way = np.searchsorted(self.time, 0.0), np.where(self._mass > 0.0, path, 0.0)
+        start, way = np.searchsorted(self.time, 0.0), np.where(self.chain.finite_mass > 0.0, path, 0.0)
         return np.where(self.time > 0.0, (way - way[start]) @ self.chain.drive_force, 0.0)
-
-    @cached_property
-    def _mass(self) -> Array:
-        mass = np.array(self.chain.mass)
-        return np.where(np.isfinite(mass), mass, 0.0)
 
 
 def _worst_so_far(value: Array, unit: float) -> Array:

@@ -195,10 +195,6 @@ class Session:
             if not self._compute_frame():
                 break
 
-    def scrub(self, time: float) -> None:
-        """Pause and show the frame of the history nearest to `time` [s]."""
-        self.scrub_frame(self.history.frame_at(time))
-
     def scrub_frame(self, frame: int) -> None:
         """Pause and show `frame`; IndexError where it is not in the history."""
         self.pause()

@@ -29,14 +29,13 @@ from softcradle.sandbox.window.keys import paint_help
 from softcradle.sandbox.window.messages import Messages
 from softcradle.sandbox.window.page import Derived, Page
 from softcradle.sandbox.window.screen_reader import ScreenReader, spoken_by
-from softcradle.sandbox.window.settings import Settings, system_language
+from softcradle.sandbox.window.settings import SCALES, Settings, system_language
 from softcradle.sandbox.window.theme import collect_garbage
 from softcradle.sandbox.window.unsaved_scene import UnsavedFile, left_over
 from softcradle.scenes import SceneError, load, names, parse
 
 STANDARD_INPUT = "-"
 DESIGN = (1280, 720)  # pixels of a window whose unit is 1
-SCALES = (0.7, 0.8, 0.9, 1.0, 1.15, 1.3, 1.5, 1.75, 2.0)
 # Design pixels into which every page fits, with all controls and with few: a larger scale is cut to what fits.
 LEAST, LEAST_EXPLORED = (850, 500), (640, 400)
 FRAMES_A_SECOND = 60

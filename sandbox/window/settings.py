@@ -14,7 +14,7 @@ from softcradle.sandbox.languages import ENGLISH, LANGUAGES, VARIABLES, language
 
 FILE = "window.json"
 MOST_RECENT = 6  # files that are remembered
-LEAST_SCALE, MOST_SCALE = 0.7, 2.0
+SCALES = (0.7, 0.8, 0.9, 1.0, 1.15, 1.3, 1.5, 1.75, 2.0)  # that keys take
 
 
 def settings_path() -> Path:
@@ -55,7 +55,7 @@ class Settings:
             known = {one.name: table[one.name] for one in fields(cls) if one.name in table}
             loaded = cls(**known)
             loaded.recent = [str(path) for path in loaded.recent][:MOST_RECENT]
-            loaded.scale = min(max(float(loaded.scale), LEAST_SCALE), MOST_SCALE)
+            loaded.scale = min(max(float(loaded.scale), SCALES[0]), SCALES[-1])
             loaded.explore = bool(loaded.explore)
             loaded.plots = None if loaded.plots is None else [str(name) for name in loaded.plots]
         except (OSError, ValueError, TypeError):

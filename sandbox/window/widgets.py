@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import pygame
+from pygame_gui.core import UIElement
 from pygame_gui.elements import UIButton, UIHorizontalSlider, UITextEntryBox, UITextEntryLine
 from softcradle.sandbox.draw.number_format import MINUS
 from softcradle.sandbox.draw.palette import Colour, tones
@@ -68,8 +69,8 @@ class Slider(UIHorizontalSlider):
 REPEAT = 350, 45  # milliseconds until a key that is held repeats, and between its repeats
 
 
-class TextEntry(UITextEntryLine):
-    """A line to type in; its `name` is for screen readers."""
+class _Typed(UIElement):
+    """What is typed in; its `name` is for screen readers."""
 
     name = ""
 
@@ -79,15 +80,12 @@ class TextEntry(UITextEntryLine):
         pygame.key.set_repeat(*REPEAT)
 
 
-class TextBox(UITextEntryBox):
-    """Lines to type in, likewise."""
+class TextEntry(_Typed, UITextEntryLine):
+    """A line to type in."""
 
-    name = ""
 
-    def unfocus(self) -> None:
-        """Leave it."""
-        super().unfocus()
-        pygame.key.set_repeat(*REPEAT)
+class TextBox(_Typed, UITextEntryBox):
+    """Lines to type in."""
 
 
 Point = tuple[float, float]

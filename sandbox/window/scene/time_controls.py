@@ -16,7 +16,7 @@ from softcradle.sandbox.session.contact_events import ContactEvents
 from softcradle.sandbox.session.frame_pacing import FramePacer
 from softcradle.sandbox.session.inputs import SetSlow
 from softcradle.sandbox.session.lane_setup import FRAME_RATE
-from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.session.session import FASTEST, Session
 from softcradle.sandbox.window.keys import hint
 from softcradle.sandbox.window.page import Derived, Host
 from softcradle.sandbox.window.page_geometry import MARGIN
@@ -164,8 +164,7 @@ class Timeline:
         write(surface, text, place, 13 * self.unit, tones.background, align=(0.5, 1))
 
 
-SLOWEST = 1000.0  # wall seconds for one second of the model
-FASTEST = 0.01  # wall seconds for one second of the model
+SLOWEST = 1000.0  # wall seconds for one second of the model, by keys and the slider
 # by keys
 SLOW_MOTIONS = FASTEST, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, SLOWEST
 BUTTONS = ("first", "back", "play_pause", "forward", "last", "restart", "fit")

@@ -30,7 +30,7 @@ def test_memory_is_bounded_and_the_oldest_is_dropped():
     assert 0.5 * bound < session.history.memory < bound + session.history.blocks[-1].memory
     assert session.history.first > 0
     assert session.span[0] > 0.0
-    session.scrub(0.0)
+    session.scrub_frame(session.history.frame_at(0.0))
     assert session.frame == session.history.first
     with pytest.raises(IndexError, match="not in the history"):
         session.history.snapshot(session.history.first - 1)
@@ -55,7 +55,7 @@ def test_the_frame_nearest_to_a_time_is_shown(edited):
     times = np.concatenate([block.time[: block.used] for block in edited.history.blocks])
     wanted = np.concatenate((np.linspace(-0.01, times[-1] + 0.01, 200), times[BLOCK_ROWS - 3 : BLOCK_ROWS + 3] + 1e-9))
     for time in wanted:
-        edited.scrub(time)
+        edited.scrub_frame(edited.history.frame_at(time))
         assert abs(edited.time - time) == np.abs(times - time).min()
     edited.scrub_frame(edited.history.last)
 
