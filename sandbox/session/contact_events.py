@@ -60,15 +60,16 @@ def contact_events(history: History, after: int = -1) -> ContactEvents:
 def _of(block: Block, before: Block | None) -> ContactEvents:
     lanes = range(len(block.lanes))
     return block.found(
-        ("events", before is None), lambda: _joined([_lane_events(block, before, lane) for lane in lanes])
+        ("events", before is None),
+        lambda: _joined([*block.replaced, *(_lane_events(block, before, lane) for lane in lanes)]),
     )
 
 
 def _lane_events(block: Block, before: Block | None, lane: int) -> ContactEvents:
-    """Events of one lane in the rows of a block; in its first where the block before it has the same contacts."""
+    """Events of one lane in the rows of a block; in its first too where the block before it has the same beads."""
     rows, first = block.lanes[lane], 1
     columns = [array[: block.used] for array in (rows.overlap, rows.force, rows.rate)]
-    if before is not None and before.widths[lane] == block.widths[lane]:
+    if before is not None and before.widths[lane] == block.widths[lane] and not block.replaced:
         earlier, k, first = before.lanes[lane], before.used - 1, 0
         last_row = [array[k : k + 1] for array in (earlier.overlap, earlier.force, earlier.rate)]
         columns = [np.concatenate(pair) for pair in zip(last_row, columns, strict=True)]

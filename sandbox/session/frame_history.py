@@ -56,6 +56,7 @@ class Block:
         revision: grows when rows are taken out: what was made from them is stale.
         setups: (first row, Setup), ascending.
         switches: of the frames in which contacts switched, by row: those of each lane.
+        replaced: contact events of its first frame, before an edit changed the number of beads.
     """
 
     first: int
@@ -67,6 +68,7 @@ class Block:
     revision: int = 0
     setups: list[tuple[int, Setup]] = field(default_factory=list)
     switches: dict[int, tuple[Switches, ...]] = field(default_factory=dict)
+    replaced: tuple[Any, ...] = ()
     _found: dict[Hashable, tuple[tuple[int, int], Any]] = field(default_factory=dict, repr=False)
 
     def found(self, what: Hashable, find: Callable[[], Found]) -> Found:
@@ -134,7 +136,7 @@ class Block:
         lanes, setups = [lane.cut(rows) for lane in self.lanes], [item for item in self.setups if item[0] < rows]
         switches = {row: lanes for row, lanes in self.switches.items() if row < rows}
         columns = self.time[:rows].copy(), self.held[:rows].copy()
-        return Block(self.first, self.widths, *columns, lanes, rows, setups=setups, switches=switches)
+        return Block(self.first, self.widths, *columns, lanes, rows, 0, setups, switches, self.replaced)
 
 
 class History:
@@ -209,17 +211,19 @@ class History:
             self._add_block(self.last + 1, snapshot)
         self.blocks[-1].add(snapshot)
 
-    def replace_last(self, snapshot: Snapshot) -> None:
-        """Put `snapshot` in place of the newest frame: an edit."""
+    def replace_last(self, snapshot: Snapshot, events: Callable[[], Any]) -> None:
+        """Put `snapshot` in place of the newest frame: an edit. Its contact `events` stay those of its beads before."""
         self.edits += 1
         frame, block = self.last, self.blocks[-1]
+        replaced = () if block.widths == _widths(snapshot) else (events(),)
         block.drop_last()
-        if block.widths != _widths(snapshot):
+        if replaced:
             if block.used:
                 self._seal()
             else:
                 self.blocks.pop()
             self._add_block(frame, snapshot)
+            self.blocks[-1].replaced = replaced
         self.blocks[-1].add(snapshot)
 
     def _seal(self) -> None:

@@ -27,11 +27,12 @@ class FramePacer:
     def run(self, wall_seconds: float, frame: Callable[[], bool], rate: float = FRAME_RATE) -> int:
         """Call `frame` for every frame due in `wall_seconds` that fits the budget, the first always; returns how many ran.
 
-        There are `rate` frames in a wall second. A `frame` that returns False is the last.
+        There are `rate` frames in a wall second. A `frame` that returns False did not run, and none is due any more.
         """
         wanted = min(max(wall_seconds, 0.0), LONGEST_TICK) * rate
         self.due += wanted
         count = done = round(self.due)
+        self.due -= count
         began = now = self.clock()
         for k in range(count):
             if k > 0 and now - began + (now - began) / k > self.budget:
@@ -43,7 +44,6 @@ class FramePacer:
                 self.due, count, done = 0.0, k, k
                 break
         dropped = count - done
-        self.due -= count
         self._average(wall_seconds, wanted, dropped, 1e3 * (now - began) / done if done else None)
         return done
 

@@ -89,7 +89,7 @@ class Replay:
         return self.diverged is None
 
     def step(self) -> bool:
-        """Run the next frame, if there is one; whether there are more."""
+        """Run the next frame, if there is one; whether there was."""
         if self.done:
             return False
         session = self.session
@@ -101,7 +101,7 @@ class Replay:
             self._diverge(self.frame)
         self._complete = self.frame >= self.recording.last or bool(session.failure)
         self._apply_inputs()
-        return not self.done
+        return True
 
     def _diverge(self, frame: int) -> None:
         if self.diverged is None:

@@ -247,7 +247,7 @@ class Session:
         self.setup, self.lanes, self.held = present
         for item in items:
             self.recording.add_input(item)
-        self.history.replace_last(self.snapshot())
+        self.history.replace_last(self.snapshot(), lambda: contact_events(self.history, self.frame - 1))
 
     def drag(self, lane: int, bead: int, position: float) -> None:
         """Drag a bead to the pointer: by a spring while the model runs, by placing it while paused."""

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import hertz, simulate
-from softcradle.sandbox.session import inputs
+from softcradle.sandbox.session import frame_history, inputs
 from softcradle.sandbox.session.contact_events import contact_events
 from softcradle.sandbox.session.frame_history import BLOCK_ROWS
 from softcradle.sandbox.session.history_slices import history_slices, last_slice, slice_at
@@ -140,6 +140,25 @@ def test_a_contact_that_an_edit_opens_does_so_at_its_frame():
     session.apply(inputs.Place(0, 0, -0.5))
     assert len(session.contact_events().time) == before + 1
     assert [column[-1] for column in session.contact_events()] == [session.time, 300, 0, 0, False, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("rows", [BLOCK_ROWS, 1], ids=["inside a block", "at its beginning"])
+def test_an_impact_stays_where_beads_come_and_go_at_its_frame_and_is_undone_with_it(rows, monkeypatch):
+    monkeypatch.setattr(frame_history, "BLOCK_ROWS", rows)
+    session = opened()
+    while not session.contact_events().time.size:
+        session.step_frames(1)
+    before = session.contact_events()
+    for edit in (inputs.AddBead(0, 3), inputs.RemoveBead(0, 0), inputs.AddBead(0, 1)):
+        session.apply(edit)
+        np.testing.assert_array_equal(session.contact_events(), before)
+    session.step_frames(3)
+    session.scrub_frame(session.frame - 4)
+    session.apply(inputs.SetSlow(2.0))
+    assert not session.contact_events().time.size
+    for _ in range(3):
+        session.undo()
+    np.testing.assert_array_equal(session.contact_events(), before)
 
 
 def test_contact_events_read_all_along_are_those_found_at_the_end():

@@ -9,6 +9,7 @@ from softcradle.physics import power_law, simulate
 from softcradle.sandbox.languages import use_language
 from softcradle.sandbox.scene_runs import run_scene
 from softcradle.sandbox.session import Session
+from softcradle.sandbox.session.frame_pacing import FramePacer
 from softcradle.sandbox.session.inputs import (
     RemoveBead,
     SetContact,
@@ -132,6 +133,21 @@ def test_uneven_pictures_lose_no_time_and_give_an_impact_once():
     session.pause()
     assert session.tick(PICTURE) == 0
     assert session.impacts == ()
+
+
+def test_the_last_frame_of_a_replay_is_of_its_tick_and_what_was_due_after_a_last_one_is_not_made_up_for(tmp_path):
+    session = opened()
+    while not session.contact_events().time.size:
+        session.step_frames(1)
+    replay = check_replay(session, tmp_path / "session.npz")
+    replay.restart()
+    replay.playing = True
+    while not replay.done:
+        replay.tick(4 * PICTURE)
+    assert [hit.contact for hit in replay.session.impacts] == [0]
+    left, pacer = iter([True, True, False]), FramePacer(clock=lambda: 0.0)
+    assert pacer.run(4 * PICTURE, lambda: next(left)) == 2
+    assert pacer.run(PICTURE, lambda: True) == 2
 
 
 @pytest.mark.parametrize("scene", ["train-solid", "train-shunting", "train-starting"])
