@@ -183,20 +183,18 @@ class App:
     def toggle_theme(self) -> None:
         """Draw everything in the other theme, now and after the next start."""
         names = list(THEMES)
-        self.settings.theme = names[(names.index(self.settings.theme) + 1) % len(names)]
-        self.settings.save()
+        self.settings.keep(theme=names[(names.index(self.settings.theme) + 1) % len(names)])
         use_theme(self.settings.theme)
 
     def toggle_level(self) -> None:
         """Go from few controls to all of them, or back, now and after the next start."""
-        self.explore = self.settings.explore = not self.explore
-        self.settings.save()
+        self.explore = not self.explore
+        self.settings.keep(explore=self.explore)
 
     def next_language(self) -> None:
         """Take the next language, now and after the next start."""
         codes = list(LANGUAGES)
-        self.settings.language = codes[(codes.index(language()) + 1) % len(codes)]
-        self.settings.save()
+        self.settings.keep(language=codes[(codes.index(language()) + 1) % len(codes)])
         use_language(self.settings.language)
         self.messages.show(LANGUAGES[language()].name, subject="language")
 
@@ -287,8 +285,8 @@ class App:
     def rescale(self, by: int) -> None:
         """Take the next larger or smaller scale; 0 is the normal one."""
         place = min(range(len(SCALES)), key=lambda k: abs(SCALES[k] - self.scale))
-        self.scale = self.settings.scale = SCALES[min(max(place + by, 0), len(SCALES) - 1)] if by else 1.0
-        self.settings.save()
+        self.scale = SCALES[min(max(place + by, 0), len(SCALES) - 1)] if by else 1.0
+        self.settings.keep(scale=self.scale)
         text, shown = N_("scale {percent:.0f} %"), self._unit() / self._usual_unit
         if shown < self.scale - 0.005:
             text = N_("scale {percent:.0f} %: there is no room for more in this window")

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import os
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
+from typing import Any
 
 import pygame
 from softcradle.physics.atomic_files import output_file
@@ -64,13 +65,14 @@ class Settings:
         loaded.language = loaded.language if loaded.language in LANGUAGES else cls.language
         return loaded
 
-    def save(self) -> None:
-        """Write them; a folder that cannot be written to keeps none."""
-        path = settings_path()
+    def keep(self, **changed: Any) -> None:
+        """Change some and write these, the others as other windows left them; a folder that cannot be written to keeps none."""
+        vars(self).update(changed)
+        path, kept = settings_path(), asdict(replace(Settings.load(), **changed))
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             with output_file(path) as temporary:
-                temporary.write_text(json.dumps(asdict(self), indent=1), encoding="utf-8")
+                temporary.write_text(json.dumps(kept, indent=1), encoding="utf-8")
         except OSError:
             return
 
@@ -82,8 +84,8 @@ class Settings:
         except (OSError, RuntimeError, ValueError):  # a scene as text is longer than any path
             return
         if whole:
-            self.recent = [whole, *(other for other in self.recent if other != whole)][:MOST_RECENT]
-            self.save()
+            files = dict.fromkeys([whole, *Settings.load().recent, *self.recent])
+            self.keep(recent=[*files][:MOST_RECENT])
 
 
 def system_language() -> str:

@@ -216,8 +216,7 @@ class ViewKeys:
             return
         self.board.toggle(name)
         if not self.board.single:
-            self.host.settings.plots = self.board.chosen
-            self.host.settings.save()
+            self.host.settings.keep(plots=self.board.chosen)
         self.host.follow()
         self.view.say_if_plots_have_no_room()
 

@@ -240,6 +240,17 @@ def test_settings_that_cannot_be_read_are_the_usual_ones(text: str) -> None:
     assert Settings.load() == Settings()
 
 
+def test_a_window_keeps_what_it_has_changed_and_leaves_what_others_have(tmp_path):
+    files = [tmp_path / name for name in ("one.toml", "other.toml")]
+    windows = Settings.load(), Settings.load()
+    windows[0].keep(theme="dark")
+    for file, window in zip(files, windows, strict=True):
+        file.touch()
+        window.remember(file)
+    assert Settings.load() == Settings(theme="dark", recent=[str(file.resolve()) for file in reversed(files)])
+    assert [window.theme for window in windows] == ["dark", "light"]
+
+
 def test_the_open_dialog_offers_the_files_of_before(driver: Driver, tmp_path):
     for k in range(MOST_RECENT + 2):
         driver.page.dialogs.save("save_scene", f"mine-{k}.toml")
