@@ -173,11 +173,16 @@ class HangingModel:
         self._fresh = False  # whether the pointer has done work since the last frame
         self._pointer: tuple[pymunk.Space, pymunk.Body, Any] | None = None
 
+    @property
+    def pulled(self) -> bool:
+        """Whether the pointer pulls a ball."""
+        return self._pointer is not None
+
     def copy(self) -> HangingModel:
         """The same motion, which goes on by itself to the last digit; no pointer holds it."""
         made = copy(self)
         made.cradles, made._pointer = tuple(cradle.copy() for cradle in self.cradles), None
-        made._fresh = self._fresh or self._pointer is not None
+        made._fresh = self._fresh or self.pulled
         for cradle in made.cradles:
             cradle.space.remove(*(joint for joint in cradle.space.constraints if isinstance(joint, pymunk.PivotJoint)))
         return made
@@ -186,7 +191,7 @@ class HangingModel:
         """Move both by a frame; True, for there is always another."""
         self.time += FRAME
         for cradle in self.cradles:
-            cradle.advance(round(self.rate * FRAME), self._fresh or self._pointer is not None)
+            cradle.advance(round(self.rate * FRAME), self._fresh or self.pulled)
         self._fresh = False
         return True
 

@@ -163,8 +163,6 @@ class HangingPage(Page):
             return self._choose(event)
         if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
             self.held, self.pointer = self._ball_at(event.pos), event.pos
-            if self.held is not None:
-                self._remember()
             return self.held is not None
         if event.type == pygame.MOUSEMOTION and self.held is not None:
             self.pointer, self.playing = event.pos, True
@@ -199,6 +197,8 @@ class HangingPage(Page):
     def update(self, seconds: float) -> None:
         """Let time pass."""
         if self.held is not None and self.playing:
+            if not self.model.pulled:
+                self._remember()
             self.model.hold(*self.held, to_model(self.pictures[self.held[0]], self.pointer))
         if self.playing:
             self.pacer.run(seconds, self.model.advance, 1.0 / (FRAME * self.time_controls.slow))

@@ -43,6 +43,8 @@ def test_the_hanging_page_numbers_balls_as_beads_and_is_driven_by_mouse_menus_an
     driver.release(ball)
     driver.key(pygame.K_MINUS)
     assert page.time_controls.slow == 2.0
+    driver.key(pygame.K_F7)  # a menu of which nothing is here
+    assert driver.app.dialog is None
     driver.key(pygame.K_PERIOD)
     assert not page.playing
     driver.key(pygame.K_r)
@@ -97,6 +99,7 @@ def test_throws_choices_and_restarts_are_undone_to_the_last_digit():
     before, expected = state(page.model), page.model.copy()
     advance(expected, 0.5)
     ball = to_screen(page.pictures[0], page.model.cradles[0].places()[4])
+    driver.click(ball)  # which moves nothing: no step
     driver.pull(ball, (ball[0] + 60, ball[1] - 40), steps=5)
     driver.frames(20)
     driver.key(pygame.K_SPACE)
