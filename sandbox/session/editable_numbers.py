@@ -233,7 +233,8 @@ def parameters(session: Session, lane: int, kind: str, index: int) -> list[Param
     """The editable numbers that a bead or contact, as `kind` says, has."""
     owner, found = Owner(session, lane, index), []
     for number in NUMBERS:
-        value = number.values(owner.live)[index] if number.owner == kind else math.nan
+        values = number.values(owner.live)[index:] if number.owner == kind else ()
+        value = next(iter(values), math.nan)
         if not math.isnan(value):
             low, high = number.ends(owner, value)
             edit = partial(number.edit, owner)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
+from softcradle.physics.chain import Chain
 from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.session.lane_setup import FRAME_RATE
 from softcradle.sandbox.session.live_lane import LiveLane
@@ -20,19 +21,25 @@ LEAST_FRAMES = FRAME_RATE // 2  # that are shown after the last contact has open
 MOST_FRAMES = 5 * FRAME_RATE  # likewise, where beads part slowly
 
 
-def is_over(lane: LiveLane) -> bool:
-    """Whether no contact of the lane can close any more: all are open, and no beads approach each other.
+def is_endless(chain: Chain) -> bool:
+    """Whether contacts may close for ever: beads whose couplers pull, for one, never part for good."""
+    return chain.driven or chain.walls > 1 or chain.pulls
 
-    Beads whose couplers pull never part for good.
-    """
+
+def is_over(lane: LiveLane) -> bool:
+    """Whether no contact of the lane can close any more: all are open, and no beads approach each other; on a bed all rest."""
     chain, state = lane.chain, lane.state
-    if chain.driven or chain.on_bed or chain.walls > 1 or chain.pulls:
+    if is_endless(chain):
         return False
+    if chain.on_bed:
+        return not lane.velocity.any()
     return bool((state.overlap < 0.0).all() and (state.force <= 0.0).all() and (state.rate <= 0.0).all())
 
 
 class EndOfMotion:
     """Pauses a session once at the end of its motion, and calls `ended`. A replay ends where it was recorded to.
+
+    A motion without an end goes on, and has reached its end at the duration of the scene.
 
     Attributes:
         enabled: whether it does.
@@ -52,13 +59,14 @@ class EndOfMotion:
 
     def update(self, frames: int, replay: Replay | None) -> None:
         """After a tick of so many frames in which the clock ran, of a `replay` or not."""
-        session = self.session
+        session, replayed = self.session, replay is not None and replay.done
         if not all(map(is_over, session.lanes)) or session.held.lane >= 0.0:
-            self._frames, self.reached = 0, False
+            lasted = session.time >= session.setup.lanes[0].duration or replayed
+            self._frames, self.reached = 0, lasted and any(is_endless(lane.chain) for lane in session.lanes)
             return
         self._frames += frames
         shown = self._frames >= LEAST_FRAMES and (self._apart or self._frames >= MOST_FRAMES)
-        if not self.reached and (shown or (replay is not None and replay.done)):
+        if not self.reached and (shown or replayed):
             self.reached = True
             if self.enabled and replay is None:
                 session.pause()

@@ -42,12 +42,7 @@ class ExplorePanel(Inspector):
 
     Arguments:
         health: of the lanes, as it was last read.
-
-    Attributes:
-        reset_view: shows the part of the line that was shown first.
     """
-
-    reset_view: Callable[[], None]
 
     def __init__(self, host: Host, session: Session, editor: SceneEditor, health: Callable[[], list[Health]]) -> None:
         super().__init__(host, session, editor)
@@ -154,14 +149,6 @@ class ExplorePanel(Inspector):
     def _newest(self) -> tuple[LaneSetup, ...]:
         """The lanes with all edits, later ones than the frame shown too."""
         return self.session.history.newest_setup.lanes
-
-    def _begin_anew(self, items: list[Input], gesture: bool = False) -> bool:
-        """Go back to the start, with all edits and these: an input at an earlier frame would drop later ones."""
-        moved = self.session.frame != 0 or self.session.scrubbed
-        taken = self.editor.apply_all(items, gesture, anew=True)
-        if taken and moved:
-            self.reset_view()
-        return taken
 
     def backdrop(self, surface: pygame.Surface) -> None:
         """Draw the names and the text of the scene."""

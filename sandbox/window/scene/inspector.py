@@ -22,7 +22,7 @@ from softcradle.sandbox.languages import N_, NP_, _, error_words, pgettext, scen
 from softcradle.sandbox.quantities import VELOCITY
 from softcradle.sandbox.session.contact_conversion import kind_of
 from softcradle.sandbox.session.editable_numbers import Parameter, Variant, parameters, variants
-from softcradle.sandbox.session.inputs import SetContact, SetKind, SetMass
+from softcradle.sandbox.session.inputs import Input, SetContact, SetKind, SetMass
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.dialog import Overlay, paint_box
 from softcradle.sandbox.window.keys import hint
@@ -54,7 +54,7 @@ def swept_values(parameter: Parameter) -> list[float]:
 
 
 class SweepBoard(Overlay):
-    """Small multiples over the page; a click on one takes its value, Esc takes none.
+    """Small multiples over the page, of runs from the start; a click on one begins it, Esc takes none.
 
     Attributes:
         found: the variants; None until they are computed.
@@ -69,10 +69,11 @@ class SweepBoard(Overlay):
         self.parameter, self.take = parameter, take
         self.found: list[Variant] | None = None
         self._panels: list[Panel] = []
-        self.present = parameter.value
         self.places: list[pygame.Rect] = []
         super().__init__(host)
-        scene = session.shown_scene()
+        scene = session.to_scene()
+        begun = parameters(Session(scene), pick.lane, pick.kind, pick.index)
+        self.present = next((one.value for one in begun if one.key == parameter.key), parameter.value)
         job = partial(variants, scene, pick.lane, swept_values(parameter), parameter.edit, motions_ahead)
         host.warmup.submit(self._take_variants, job)
 
@@ -149,7 +150,7 @@ class SweepBoard(Overlay):
         """Draw the dimmed page, the box and its plots."""
         unit = self.host.unit
         paint_box(surface, self.box, unit)
-        title = _("Velocities (m/s) for nine values: {name}. A click takes one.", name=_(self.parameter.name))
+        title = _("Velocities (m/s) for nine values: {name}. A click begins with one.", name=_(self.parameter.name))
         room = self.button.rect.left - self.box.left - 2 * MARGIN * unit
         place = (self.box.left + MARGIN * unit, self.box.top + 13 * unit)
         write(surface, shortened(title, 16 * unit, room, bold=True), place, 16 * unit, tones.foreground, bold=True)
@@ -220,7 +221,10 @@ class Inspector:
         pick: the bead or contact that the widgets belong to: the selection, a frame later.
         controls: the widgets of its parameters, by key.
         buttons: its other widgets.
+        reset_view: shows the part of the line that was shown first.
     """
+
+    reset_view: Callable[[], None]
 
     def __init__(self, host: Host, session: Session, editor: SceneEditor) -> None:
         self.host, self.session, self.editor = host, session, editor
@@ -293,13 +297,14 @@ class Inspector:
         if present in KIND_NAMES:
             buttons[list(KIND_NAMES).index(present)].select()
 
-    def _knobs(self, pick: Pick) -> list[list[Knob]]:
+    def _knobs(self, pick: Pick) -> list[list[Knob | None]]:
         """Rows of buttons below the parameters."""
         lane = self.session.lanes[pick.lane]
         if pick.kind == "contact":
             lock = _("lock piston") if lane.setup.locked[pick.index] is None else _("unlock piston")
             alike = (_("all alike"), self._copy_to_all, _("give this law to every contact of the lane"))
-            return [[(lock, self.editor.lock, hint("lock")), alike]]
+            plain = isinstance(lane.chain.contact[pick.index], Contact)
+            return [[(lock, self.editor.lock, hint("lock")), alike if plain else None]]
         add = (_("add bead"), self.editor.add_bead, hint("add_bead"))
         remove = (_("remove bead"), self.editor.remove_bead, hint("remove_bead"))
         wall = _("free it") if math.isinf(lane.chain.mass[pick.index]) else _("make it a wall")
@@ -348,12 +353,20 @@ class Inspector:
         parameter = next((one for one in found if one.key == wanted), found[0])
 
         def take(value: float) -> None:
-            self.editor.apply(parameter.edit(value))
+            self._begin_anew([parameter.edit(value)])
 
         try:
             self.host.put_over(SweepBoard(self.host, self.session, self.pick, parameter, take))
         except ValueError as error:
             self.host.messages.show(_("this cannot be swept: {error}", error=error_words(error)), warning=True)
+
+    def _begin_anew(self, items: list[Input], gesture: bool = False) -> bool:
+        """Go back to the start, with all edits and these: an input at an earlier frame would drop later ones."""
+        moved = self.session.frame != 0 or self.session.scrubbed
+        taken = self.editor.apply_all(items, gesture, anew=True)
+        if taken and moved:
+            self.reset_view()
+        return taken
 
     def handle(self, event: pygame.Event) -> bool:
         """Sliders and typed numbers."""

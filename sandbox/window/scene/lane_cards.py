@@ -37,7 +37,7 @@ class LaneCards:
     Attributes:
         rects: their rectangles; none where they make room for the selection.
         menus: their menus of methods.
-        verdicts: their buttons that say what was wrong in the whole run, and go there.
+        verdicts: their buttons that say what was wrong in the frames kept, and go there.
         checks: of their velocities.
         health: what was last read of each lane.
         tight: whether there is not room for both cards and inspector.
@@ -86,10 +86,8 @@ class LaneCards:
         unit, rect = self.host.unit, self.rects[lane]
         high, margin = round(24 * unit), round(6 * unit)
         place = pygame.Rect(rect.left + margin, rect.bottom - high - margin // 2, rect.width - 2 * margin, high)
-        show = partial(self.show_fault, lane)
-        return UIButton(
-            place, "", self.host.manager, object_id="#flat", tool_tip_text=_("of the whole run"), command=show
-        )
+        show, tip = partial(self.show_fault, lane), _("of all frames that are kept")
+        return UIButton(place, "", self.host.manager, object_id="#flat", tool_tip_text=tip, command=show)
 
     def show_fault(self, lane: int) -> None:
         """Scrub to where the worst fault of the run begins."""
@@ -128,7 +126,7 @@ class LaneCards:
             text = shortened(whole, 13 * self.host.unit, self.rects[lane].width - 24 * self.host.unit)
             if button.text != text:
                 button.set_text(text)
-                button.tool_tip_text = _("of the whole run") if text == whole else whole
+                button.tool_tip_text = _("of all frames that are kept") if text == whole else whole
 
     def _check_velocities(self) -> None:
         """Let an accurate run follow each lane, on the thread behind the window."""
@@ -140,9 +138,11 @@ class LaneCards:
 
     def _verdict_text(self, lane: int) -> str:
         worst = _worst(self.session.findings(lane))
-        if worst is None:
+        if worst is None and self.session.history.first == 0:
             return _("whole run: no fault")
         size, name = time_unit(max(self.session.span[1], 1e-9))
+        if worst is None:
+            return _("no fault since {time} {unit}", time=fixed(self.session.span[0] / size, 2), unit=name)
         first, last = (fixed(time / size, 2) for time in (worst.begin, worst.end))
         return _("{cause}, {first} to {last} {unit}", cause=worst.cause, first=first, last=last, unit=name)
 

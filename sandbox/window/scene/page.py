@@ -65,7 +65,6 @@ class ScenePage(Page):
         self.panels = (self.inspector, self.explore)
         self.outcome = OutcomeCard(host, session, self.board, partial(host.act, "compare_balls"))
         self.view = SceneView(host, session, self.editor, self.board, self.panels, self.outcome, self._answered)
-        self.explore.reset_view = self.view.reset_camera
         self.timeline = Timeline(session)
         self.clock = SceneClock(host, session, self.editor, self.view, self.timeline, replay, self.outcome.show_outcome)
         clock = self.clock
@@ -83,6 +82,7 @@ class ScenePage(Page):
         self.lessons = LessonRunner(host, session, self.clock)
         for panel in self.panels:
             panel.question = lambda: self.lessons.question
+            panel.reset_view = self.view.reset_camera
         self._kernels = Derived(self._moved_of, self.editor.check_kernels)
         self._edits = Derived(lambda: session.setup.chains, self.view.follower.notice)
         self._words = Derived(lambda: session.scene, self.lessons.begin)
@@ -133,7 +133,9 @@ class ScenePage(Page):
             title, text, question, *names = found.values()
             lanes = [lane.model_copy(update={"label": name}) for lane, name in zip(scene.lanes, names, strict=True)]
             words = {"title": title or scene.title, "text": text, "question": question, "lanes": tuple(lanes)}
-            self.session.set_words(scene.model_copy(update=words))
+            told = scene.model_copy(update=words)
+            if told != scene:
+                self.session.set_words(told)
 
         note = _(
             "They are in the scene file, in the film and on the page; a question is asked before the text is shown."

@@ -69,11 +69,11 @@ class Toolbar:
         self.actions = {name: partial(self.show_menu, name) for name in MENUS}
 
     def show_menu(self, name: str) -> None:
-        """Show a menu below its button: what the page or the window has of it."""
+        """Show what the page or the window has of a menu, below its button, or below that of the tools where it has none."""
         known = {**self.host.actions, **self.host.page.actions}
-        if name in self.buttons:
-            names = [one for one in MENUS[name] if one in known]
-            self.host.put_over(Menu(self.host, self.buttons[name].rect.bottomright, names, self.ticked()))
+        if names := [one for one in MENUS[name] if one in known]:
+            button = self.buttons.get(name, self.buttons["tools"])
+            self.host.put_over(Menu(self.host, button.rect.bottomright, names, self.ticked()))
 
     def build(self, rect: pygame.Rect, actions: Mapping[str, Callable[[], None]], leave: Callable[[], None]) -> None:
         """Make the buttons."""

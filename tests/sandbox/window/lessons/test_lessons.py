@@ -94,6 +94,26 @@ def test_the_text_of_a_scene_is_read_after_its_question_and_not_said_of_an_edite
     assert "You have changed this scene" in driver.said()
 
 
+@pytest.mark.parametrize(
+    ("last", "more"),
+    [("duration = 0.5", "drive = [1.0, 0, 0]"), ('text = "They go."', "friction = 0.3")],
+    ids=["goes on", "rests"],
+)
+def test_a_question_is_answered_where_no_motion_parts_the_beads_for_good(tmp_path, last, more) -> None:
+    lane = f'[[lanes]]\nvelocity = [1.0, 0, 0]\ncontact = {{law = "power_law", f0 = 9.0, alpha = 0.1}}\n{more}'
+    file = tmp_path / "asked.toml"
+    file.write_text(f'title = "T"\nquestion = "Who goes?"\n{last}\n{lane}')
+    driver = Driver(str(file))
+    driver.key(pygame.K_q)
+    driver.type("all")
+    driver.key(pygame.K_RETURN)
+    driver.until(lambda: driver.app.dialog.open, most=2000)
+    assert driver.app.dialog.note.startswith("You predicted: all")
+    assert driver.session.playing == ("drive" in more)
+    lane = driver.session.lanes[0]
+    assert driver.session.time == pytest.approx(0.5, abs=0.02) if lane.chain.driven else not lane.velocity.any()
+
+
 def test_words_and_a_question_of_ones_own_are_in_the_scene_the_window_the_film_and_the_page(driver, tmp_path) -> None:
     driver.click(driver.bead(1))
     driver.key(pygame.K_a)
@@ -132,6 +152,10 @@ def test_words_and_a_question_of_ones_own_are_in_the_scene_the_window_the_film_a
 
 
 def test_a_text_is_typed_in_several_lines_and_kept_as_one(driver: Driver) -> None:
+    driver.key(pygame.K_F4)
+    driver.key(pygame.K_RETURN)
+    assert not driver.page.unsaved  # nothing was typed
+    assert not driver.page.toolbar.buttons["undo"].is_enabled
     driver.key(pygame.K_F4)
     box = driver.app.dialog.entries["text"]
     assert len(box.text_box_layout.layout_rows) > 2

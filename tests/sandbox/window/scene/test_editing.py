@@ -3,6 +3,7 @@
 from dataclasses import replace
 from unittest.mock import Mock
 
+import numpy as np
 import pygame
 import pytest
 from softcradle.physics import one_on, power_law, simulate
@@ -110,8 +111,9 @@ def test_the_kind_of_a_contact_says_what_its_law_is() -> None:
         if law:
             driver.session.apply(SetContact(0, 1, law))
         driver.select("contact", 1)
-        assert driver.page.inspector.buttons
-        assert [button.text for button in driver.page.inspector.buttons if button.is_selected] == expected
+        buttons = driver.page.inspector.buttons
+        assert [button.text for button in buttons if button.is_selected] == expected
+        assert ("all alike" in [button.text for button in buttons]) == bool(law)  # a coupler is given to none
 
 
 def test_the_menu_switches_the_method_while_running_and_follows_keys_undo_and_redo(driver: Driver) -> None:
@@ -144,6 +146,18 @@ def test_the_badge_is_red_when_the_method_is_past_its_limit_and_goes_to_the_faul
     driver.click(button.rect.center)
     assert driver.session.scrubbed
     assert driver.session.frame == driver.session.findings(0)[0].first
+
+
+def test_no_fault_is_said_of_the_frames_that_are_kept_alone() -> None:
+    driver = Driver("one-on-four")
+    driver.session.history.bound = 0
+    said = [driver.page.cards.verdicts[0].text]
+    for _ in range(2):
+        driver.session.step_frames(600)
+        driver.frames(20)
+        said.append(driver.page.cards.verdicts[0].text)
+    assert said[:2] == ["whole run: no fault"] * 2
+    assert said[2] == f"no fault since {driver.session.span[0]:.2f} s"
 
 
 def test_no_badge_advises_the_method_that_failed() -> None:
@@ -189,6 +203,25 @@ def test_nine_values_have_the_motions_that_they_make_and_one_is_taken_by_key_or_
     swept()
     driver.key(pygame.K_ESCAPE)
     assert not driver.app.dialog.open
+
+
+@pytest.mark.parametrize(("kind", "key"), [("bead", "velocity"), ("contact", "gap"), ("bead", "mass")])
+def test_one_of_nine_values_gives_the_motion_that_is_shown_in_the_middle_of_another(driver: Driver, kind, key) -> None:
+    driver.session.step_frames(300)
+    before = driver.session.time, driver.session.setup
+    driver.select(kind, 1)
+    driver.page.inspector.sweep(key)
+    board = driver.app.dialog
+    driver.until(lambda: board.found is not None)
+    assert board.present == {"velocity": 0.0, "gap": 0.0, "mass": 1.0}[key]  # with which this motion began
+    driver.click(board.places[6].center)
+    assert driver.session.frame == 0
+    shown = board.found[6].motion
+    driver.session.step_frames(400)
+    velocity = [np.interp(driver.session.time, shown.time, one) for one in shown.velocity.T]
+    assert driver.session.lanes[0].velocity == pytest.approx(velocity, abs=5e-3)
+    driver.key(pygame.K_z, CTRL)
+    assert (driver.session.time, driver.session.setup) == before
 
 
 def test_a_value_whose_motion_is_given_up_is_one_of_nine_and_says_why() -> None:
