@@ -188,7 +188,7 @@ class HangingModel:
         return made
 
     def advance(self) -> bool:
-        """Move both by a frame; True, for there is always another."""
+        """Move both by a frame; True, for it always can."""
         self.time += FRAME
         for cradle in self.cradles:
             cradle.advance(round(self.rate * FRAME), self._fresh or self.pulled)

@@ -54,7 +54,7 @@ class EndOfMotion:
     def toggle(self) -> None:
         """Pause at the end, or go on."""
         self.enabled = not self.enabled
-        on, off = _("the clock pauses when all contacts are open for good"), _("the clock does not pause")
+        on, off = _("the clock pauses once no contact can close any more"), _("the clock does not pause")
         self.host.messages.show(on if self.enabled else off)
 
     def update(self, frames: int, replay: Replay | None) -> None:
