@@ -151,7 +151,7 @@ async function start() {
   let source = null, why = "recorded";
   useLanguage(knownLanguage(addressLanguage(location.hash) ?? navigator.language));
   if (code) {
-    try { source = new Live(data, await kernels(code.textContent)); } catch { why = data.lanes[0].recorded ? "refused" : "refused too"; }
+    try { source = new Live(data, await kernels(code.textContent)); } catch { why = "refused"; }
   }
   if (!source) part("notice").textContent = say(part("notice").dataset.say = why);
   part("notice").hidden = source !== null;

@@ -3,7 +3,7 @@
 const MOST_STEPS = 100000; // of one call
 const NEVER = 0x40000000; // high word of a count that is never reached: no checkpoint is due
 const DONE = 0; // status of a run that got to its end
-const STEP_COUNTER = 2, COUNTER_WORDS = 2; // counters are of 64 bits, of which the low word is read
+const COUNTER_WORDS = 2; // counters are of 64 bits
 
 class Kernel {
   /**
@@ -70,8 +70,6 @@ class Kernel {
     this.time = this.reached[0];
     return this.result[0] === DONE;
   }
-
-  get steps() { return this.counter[STEP_COUNTER]; }
 
   // Positions or velocities (n+1) from differences of neighbours and the anchor's value, into `found`.
   rebuilt(differences, value, found) {

@@ -15,7 +15,7 @@ class Live {
   /** @param {any} data @param {WebAssembly.Module} module */
   constructor(data, module) {
     this.data = data;
-    this.instances = [0, 1, 2].map(() => new WebAssembly.Instance(module));
+    this.instances = [0, 1].map(() => new WebAssembly.Instance(module));
     /** @type {true} */ this.live = true;
     /** @type {Row[]} */ this.rows = [];
     this.hand = null;
@@ -50,9 +50,6 @@ class Live {
     this.frameTime = 1 / (FRAME_RATE * this.slow);
     this.steps = Math.max(...this.rows.map((row) => row.stepsOf(this.frameTime)));
   }
-
-  // Steps anew after an edit of the laws.
-  settle() { this.setPace(this.pace); }
 
   get time() { return this.rows[0].kernel.time; }
 
@@ -172,7 +169,7 @@ class Live {
     edit();
     this.touched = true;
     this.apartFor = 0;
-    this.settle();
+    this.setPace(this.pace); // in the steps of the laws that hold now
   }
 
   values(lane) { return this.rows[lane].read(this.nows[lane]); }

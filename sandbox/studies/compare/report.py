@@ -15,7 +15,7 @@ from softcradle.physics.analysis.matching import Match
 from softcradle.physics.analysis.measures import LEAST_OVERLAP, energy_inside, first_touch
 from softcradle.sandbox.files import readable_json
 from softcradle.sandbox.film.formats import check
-from softcradle.sandbox.film.scene_film import RenderReport, render_scene
+from softcradle.sandbox.film.scene_film import render_scene
 from softcradle.sandbox.page.document import footer, note, table
 from softcradle.sandbox.page.played_motion import PlayedMotion, result_notes
 from softcradle.sandbox.page.shared_page import recorded_page
@@ -253,12 +253,6 @@ class ComparisonReport:
         view = scene.view.model_copy(update={"slow": self._slow_motion(scene)})
         return html_page(self.comparison.title, scene.model_copy(update={"view": view}), self.results, self.notes())
 
-    def write_film(self, path: Path) -> RenderReport:
-        """Write the film, or for a picture's name the frame of the greatest force."""
-        scene, settings = self._scene(), self.settings
-        size, slow = settings.pixels(self.comparison), self._slow_motion(scene)
-        return render_scene(scene, path, size, slow=slow, method=settings.method, step=settings.step)
-
     def write(self, path: Path) -> None:
         """Write the kind of file that the name of `path` tells."""
         if path.suffix == ".json":
@@ -266,7 +260,9 @@ class ComparisonReport:
         elif path.suffix == ".html":
             path.write_text(self.html(), encoding="utf-8")
         else:
-            self.write_film(path)
+            scene, film = self._scene(), self.settings
+            size, slow = film.pixels(self.comparison), self._slow_motion(scene)
+            render_scene(scene, path, size, slow=slow, method=film.method, step=film.step)
 
     def _scene(self) -> Scene:
         return self.comparison.as_scene(end_time(self.results))
