@@ -19,7 +19,7 @@ from softcradle.sandbox.draw.text import shortened, width, write
 from softcradle.sandbox.film.encoder import open_film
 from softcradle.sandbox.film.formats import check, pixels_of
 from softcradle.sandbox.film.scene_film import RenderReport
-from softcradle.sandbox.film.scene_motion import AFTER, LEAD, Frames, motion_end, scene_motions
+from softcradle.sandbox.film.scene_motion import Frames, after_time, motion_end, scene_motions, shown_span
 from softcradle.sandbox.motion import Motion
 from softcradle.scenes import Scene
 
@@ -114,8 +114,7 @@ def in_si(scene: Scene) -> bool:
 
 def camera_rate(scene: Scene, end: float, width: int) -> float:
     """Frames for a second of motion that ends at `end` [s]: in SI units the paper's, or a part or multiple that fits `width`."""
-    after = scene.view.after if scene.view.after is not None else AFTER * end
-    span = end if scene.duration is not None else end + after + LEAD * end
+    span = sum(shown_span(scene, end))
     if not in_si(scene):
         return width / span
     frames = CAMERA_RATE * span
@@ -130,7 +129,7 @@ def filmed_scene(scene: Scene, end: float) -> Scene:
     Beads that never touch have no end: they are shown for as long as the fastest takes to go a bead's length from the others.
     """
     view = {"magnify": 1.0}
-    after = AFTER * end if scene.view.after is None else scene.view.after
+    after = after_time(scene, end)
     if scene.duration is None and not end + after:
         after = view["after"] = scene.view.length / max(float(np.ptp(lane.velocity)) or 1.0 for lane in scene.lanes)
     if in_si(scene):

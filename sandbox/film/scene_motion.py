@@ -162,14 +162,19 @@ def checked_slow(slow: float) -> float:
 
 def _row_times(scene: Scene, end: float, rate: float, frames: Frames | None) -> Array:
     """Times of all rows [s]; 0, the start, is one of them."""
-    lead = lead_time([(lane.chain(), np.array(lane.velocity)) for lane in scene.lanes], end)
-    until = end + after_time(scene, end)
+    lead, until = shown_span(scene, end)
     if frames is None and (lead + until) * rate > MOST_ROWS:
         rate = MOST_ROWS / (lead + until)
     if frames is not None and (count := (lead + until) * rate / frames.rows) > MOST_FRAMES:
         raise UserError(f"the {frames.of} would have {count:.0f} frames, more than {MOST_FRAMES}: {frames.remedy}")
     first, last = -math.floor(lead * rate), math.ceil(until * rate)
     return np.arange(first, max(last, first + 1) + 1) / rate
+
+
+def shown_span(scene: Scene, end: float) -> tuple[float, float]:
+    """How long [s] `scene`, whose motion ends at `end`, is shown before its start, and from there on."""
+    lead = lead_time([(lane.chain(), np.array(lane.velocity)) for lane in scene.lanes], end)
+    return lead, end + after_time(scene, end)
 
 
 def lead_time(starts: Sequence[tuple[Chain, Array]], end: float) -> float:
