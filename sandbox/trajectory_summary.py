@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from softcradle.sandbox.languages import N_, _, localized, ngettext
+from softcradle.sandbox.draw.number_format import plain
+from softcradle.sandbox.languages import N_, _, ngettext
 from softcradle.sandbox.quantities import FORCE, MASS, OVERLAP, TIME, VELOCITY
 
 if TYPE_CHECKING:
@@ -384,7 +385,7 @@ def _cluster(cluster: list[int], velocities: Sequence[float], walls: Sequence[bo
             if one
             else N_("Beads {beads} go together to the left at {speed}.")
         )
-    speed = localized(f"{abs(mean):.2g}\u00a0m/s") if brief else speed_in_words(abs(mean))
+    speed = f"{plain(abs(mean), 2)}\u00a0m/s" if brief else speed_in_words(abs(mean))
     return _(text, beads=beads, speed=speed)
 
 
@@ -406,4 +407,4 @@ def _counted(value: float) -> int:
 
 def number_in_words(value: float) -> str:
     """Three digits, as people say them."""
-    return localized(f"{value:.3g}")
+    return plain(value)

@@ -89,7 +89,7 @@ class Page {
     const whole = given && given.spec.mass.length === spec.mass.length;
     const same = whole && experiment.law === own.law && (lane > 0 || !differs(data, experiment, own, "alpha"));
     const gear = (i) => spec.law[3 * i] > 0 && spec.law[3 * i + 1] > 0;
-    return { mass: spec.mass, contacts: n, label: same ? this.texts.labels[lane] : lawName(spec.law), massLabels: whole ? given.massLabels : [],
+    return { mass: spec.mass, contacts: n, label: same ? this.texts.labels[lane] : lawName(spec.law), massLabels: massLabels(spec.mass),
       gears: Array.from({ length: n }, (_, i) => (same ? given.gears[i] : gear(i))), pulls: Boolean(whole && given.pulls),
       solid: whole && given.solid ? given.solid : Array.from({ length: n }, () => [null, null]),
       marks: hasMarks(spec, data.length),

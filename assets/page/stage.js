@@ -6,8 +6,16 @@ const VISIBLE_FORCE = 0.01; // of the force axis: lower bars have neither a numb
 const PULL_RIM = 2.5; // pixels of the rim of the hollow bar of a force that pulls
 const FORCE_MARGIN = 1.12; // upper end of the force axis over the greatest force
 const LEAST_GAP = 1e-9; // of a bead's length: neighbours that are nearer touch
+const EQUAL_MASSES = 1.02; // ratio of masses up to which beads look alike and no masses are written
+const HEAVY = 1e4; // kg: masses from here on are written in tonnes
 const BARS_HEIGHT = 46; // of one row of energy and momentum
 const LEAST_WIDTH = 200; // also while the page has none, as when it is hidden
+
+// A label for each bead where masses differ visibly, else none.
+function massLabels(mass) {
+  const finite = mass.filter((m) => m !== null), greatest = Math.max(...finite), [size, unit] = greatest < HEAVY ? [1, "kg"] : [1e3, "t"];
+  return greatest > EQUAL_MASSES * Math.min(...finite) ? mass.map((m) => (m === null ? say("wall") : `${plain(m / size, 3)} ${unit}`)) : [];
+}
 
 class Stage {
   /** @param {HTMLCanvasElement} canvas */
@@ -160,8 +168,7 @@ function ruler(pen, view, data) {
 function bodies(pen, view, data, edges, faces) {
   const { motion, size, ground, colours, theme } = view, last = motion.contacts - 1;
   const isGear = (k) => motion.gears[Math.min(k, last)];
-  const masses = motion.mass.filter((mass) => mass !== null), greatest = Math.max(...masses);
-  const differ = greatest > 1.02 * Math.min(...masses);
+  const greatest = Math.max(...motion.mass), differ = motion.massLabels.length > 0;
   edges.forEach((x, k) => {
     if (!isGear(k) || motion.mass[k] === null) return;
     const end = k < faces.length ? Math.min(faces[k], edges[k + 1]) : x + size;

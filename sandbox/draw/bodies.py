@@ -6,7 +6,8 @@ from collections.abc import Iterable, Sequence
 
 from softcradle.physics import Chain, Contact, Coupler
 from softcradle.physics.chain import Joint
-from softcradle.sandbox.languages import _, localized
+from softcradle.sandbox.draw.number_format import plain
+from softcradle.sandbox.languages import _
 
 CYLINDER_LENGTH = 0.80  # of a draft gear's length; the rest is its piston
 CYLINDER_HEIGHT = 0.66  # of a draft gear's length
@@ -40,7 +41,7 @@ def mass_labels(chain: Chain) -> tuple[str, ...]:
     if max(finite) <= EQUAL_MASSES * min(finite):
         return ()
     unit, size = ("t", 1e3) if max(finite) >= HEAVY else ("kg", 1.0)
-    return tuple(localized(f"{mass / size:.3g} {unit}") if math.isfinite(mass) else _("wall") for mass in chain.mass)
+    return tuple(f"{plain(mass / size)} {unit}" if math.isfinite(mass) else _("wall") for mass in chain.mass)
 
 
 ALIKE = 1e-6  # of the greatest difference of velocities: neighbours that differ by less go together

@@ -41,19 +41,26 @@ def scientific(value: float, digits: int = 1) -> str:
     return localized(f"{mantissa.replace('-', MINUS)}·{power_of_ten(int(exponent))}")
 
 
+def plain(value: float, digits: int = 3) -> str:
+    """`value` to so many digits, as people write it: 1500, 0.25; a tiny or huge one with a power of ten."""
+    if value and not 1e-4 <= abs(value) < 1e15:
+        return scientific(value, digits - 1)
+    return localized(f"{float(f'{value:.{digits}g}'):.15g}".replace("-", MINUS))
+
+
 PREFIXES = {1e9: "G", 1e6: "M", 1e3: "k"}
 
 
-def prefixed(value: float) -> str:
-    """`value` to three digits with the prefix of a unit: 1.25 M for 1250000."""
+def prefixed(value: float, digits: int = 3) -> str:
+    """`value` to so many digits with the prefix of a unit: 1.25 M for 1250000."""
     size, prefix = next(((s, p) for s, p in PREFIXES.items() if abs(value) >= 0.9995 * s), (1.0, ""))
-    return localized(f"{value / size:.3g} {prefix}".strip().replace("-", MINUS))
+    return f"{plain(value / size, digits)} {prefix}".strip()
 
 
 def factor(value: float) -> str:
     """A magnification with a times sign before it, as in "x 0.5", "x 20", "x 5·10⁶"."""
     if 0.01 <= value < 100.0:
-        return localized(f"{TIMES}{value:.3g}")
+        return f"{TIMES}{plain(value)}"
     if 100.0 <= value < 100000.0:
         return f"{TIMES}{value:,.0f}".replace(",", "\N{NARROW NO-BREAK SPACE}")
     return f"{TIMES}{scientific(value, 0).removeprefix('1·')}"
@@ -76,8 +83,14 @@ def ticks(low: float, high: float, most: int) -> list[tuple[float, str]]:
     step = round_step(high - low, most)
     decimals = max(0, -math.floor(math.log10(step) + 1e-9))
     first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
-    large = max(abs(low), abs(high)) >= LARGEST_PLAIN
-    return [(k * step, prefixed(k * step) if large else fixed(k * step, decimals)) for k in range(first, last + 1)]
+    largest = max(abs(low), abs(high))
+    digits = max(
+        3, 1 + math.floor(math.log10(largest)) - math.floor(math.log10(step) + 1e-9)
+    )  # neighbours differ in the last
+    large = largest >= LARGEST_PLAIN
+    return [
+        (k * step, prefixed(k * step, digits) if large else fixed(k * step, decimals)) for k in range(first, last + 1)
+    ]
 
 
 def decades(low: int, high: int, most: int) -> list[tuple[float, str]]:

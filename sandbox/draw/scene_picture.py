@@ -11,11 +11,11 @@ from softcradle.sandbox.draw.curve_panels import Panel
 from softcradle.sandbox.draw.energy_bars import EnergyBars
 from softcradle.sandbox.draw.lane_drawing import KEY, LaneDrawing
 from softcradle.sandbox.draw.magnified_insets import MagnifiedInsets
-from softcradle.sandbox.draw.number_format import TIMES, fixed, subscript, time_unit
+from softcradle.sandbox.draw.number_format import TIMES, fixed, plain, subscript, time_unit
 from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.draw.text import shortened, wrapped, write
-from softcradle.sandbox.languages import _, localized, scene_words
+from softcradle.sandbox.languages import _, scene_words
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.quantities import FORCE, OVERLAP, VELOCITY
 from softcradle.scenes import Scene
@@ -154,7 +154,7 @@ class Picture:
             part for part in (self.scene.question or scene_words(self.scene.source), self.motions[0].method) if part
         )
         write(surface, shortened(line, 14 * unit, room), (header.left, line_y), 14 * unit, tones.muted)
-        write(surface, _speed(self.slow), (header.right, line_y), 14 * unit, tones.muted, align=(1, 0))
+        write(surface, speed_text(self.slow), (header.right, line_y), 14 * unit, tones.muted, align=(1, 0))
         for lane in self.lanes:
             lane.backdrop(surface)
 
@@ -231,12 +231,13 @@ def _curves(motion: Motion) -> tuple[Array, Array, Array]:
     return motion.velocity, motion.force, motion.overlap
 
 
-def _speed(slow: float) -> str:
+def speed_text(slow: float) -> str:
+    """How fast a motion is shown, in `slow` seconds for one of it."""
     if abs(slow - 1.0) < 1e-9:
         return _("real time")
     if slow > 1.0:
-        return _("slow motion 1/{times:.4g}", times=slow)
-    return _("quick motion {times}", times=localized(f"{TIMES}{1.0 / slow:.4g}"))
+        return _("slow motion 1/{times}", times=plain(slow, 4))
+    return _("quick motion {times}", times=TIMES + plain(1.0 / slow, 4))
 
 
 def _peaks(motion: Motion) -> tuple[Array, Array, Array]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from softcradle.sandbox.draw import scales_of
 from softcradle.sandbox.draw.bodies import CYLINDER_LENGTH, is_gear
 from softcradle.sandbox.draw.lane_drawing import TALLEST_BEAD, LaneDrawing
-from softcradle.sandbox.draw.number_format import round_down, scientific
+from softcradle.sandbox.draw.number_format import plain, round_down, scientific
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.draw.supersampling import fill_rectangle
@@ -189,7 +189,7 @@ def paint(surface: pygame.Surface, scene: Scene, motions: Sequence[Motion], rate
         tones.foreground,
         bold=True,
     )
-    text = f"a line of pixels of each frame, {rate:.5g} frames a second · white: the trajectory · {motions[0].method}"
+    text = f"a line of pixels of each frame, {plain(rate, 5)} frames a second · white: the trajectory · {motions[0].method}"
     write(surface, shortened(text, 14 * unit, room), (left, 51 * unit), 14 * unit, tones.muted)
     each = (high - (HEADER + FOOTER) * unit) / len(motions)
     width = _width(wide, unit)
@@ -268,8 +268,8 @@ def _time_bar(
 
 
 def _length(length: float) -> str:
-    return f"{100.0 * length:.3g} cm" if 0.01 <= length < 1.0 else f"{scientific(length, 2)} m"
+    return f"{plain(100.0 * length)} cm" if 0.01 <= length < 1.0 else f"{scientific(length, 2)} m"
 
 
 def _time(time: float) -> str:
-    return f"{1000.0 * time:.3g} ms" if time < 0.5 else f"{time:.3g} s"
+    return f"{plain(1000.0 * time)} ms" if time < 0.5 else f"{plain(time)} s"

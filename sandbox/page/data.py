@@ -14,7 +14,7 @@ from softcradle.physics.numerics.contact_solve import BEAD_ROWS
 from softcradle.physics.numerics.records import COUNTERS
 from softcradle.physics.scales import greatest_speed, speed_scale
 from softcradle.sandbox.draw import Scales
-from softcradle.sandbox.draw.bodies import EQUAL_MASSES, body_height, cluster_ends, is_gear, mass_labels, solid_force
+from softcradle.sandbox.draw.bodies import EQUAL_MASSES, body_height, cluster_ends, is_gear, solid_force
 from softcradle.sandbox.draw.palette import LIGHT, OKABE_ITO
 from softcradle.sandbox.languages import label_words, scene_words
 from softcradle.sandbox.languages.translation import LANGUAGES, language, use_language
@@ -71,7 +71,6 @@ def _lane(played: PlayedMotion, number: int) -> dict[str, Any]:
     ends = cluster_ends(trajectory.overlap[0].tolist(), velocity.tolist(), played.scene.view.length)
     return {
         "spec": _spec(chain, velocity.tolist(), played.scene.duration),
-        "massLabels": mass_labels(chain),
         "gears": [is_gear(contact) for contact in chain.contact],
         "pulls": chain.pulls,
         "solid": [[_finite(solid_force(joint, sign)) for sign in (1.0, -1.0)] for joint in chain.contact],

@@ -10,6 +10,7 @@ import pygame_gui
 from pygame_gui.elements import UIButton
 from softcradle.sandbox.draw.number_format import fixed, time_unit
 from softcradle.sandbox.draw.palette import bead_colours, mix, tones
+from softcradle.sandbox.draw.scene_picture import speed_text
 from softcradle.sandbox.draw.text import shortened, write
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.session.contact_events import ContactEvents
@@ -300,12 +301,3 @@ def late_note(pacer: FramePacer) -> str:
     if pacer.clock_ratio >= LATE:
         return ""
     return _("late: clock at {percent:.0f} %", percent=100 * pacer.clock_ratio)
-
-
-def speed_text(slow: float) -> str:
-    """How fast the clock is, for `slow` wall seconds for one of the model."""
-    if abs(slow - 1.0) < 0.005:
-        return _("real time")
-    if slow > 1.0:
-        return _("slow motion 1/{times:.4g}", times=slow)
-    return _("{times:.3g} times as fast", times=1.0 / slow)

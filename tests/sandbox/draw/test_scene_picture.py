@@ -11,11 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from softcradle.sandbox.draw import Picture, draw, number_format, scales_of
 from softcradle.sandbox.draw.axes import LINE
-from softcradle.sandbox.draw.bodies import cluster_ends, has_marks, rigid_forces
+from softcradle.sandbox.draw.bodies import cluster_ends, has_marks, mass_labels, rigid_forces
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.number_format import MINUS, TIMES, factor, fixed, number_text, scientific, spread, ticks
 from softcradle.sandbox.draw.palette import BEAD_COLOURS, bead_colours, tones
-from softcradle.sandbox.draw.scene_picture import _speed
+from softcradle.sandbox.draw.scene_picture import speed_text
 from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, left_edges
 from softcradle.sandbox.draw.surfaces import cached_surfaces, clear_cached_surfaces
 from softcradle.sandbox.draw.text import shortened, width, wrapped
@@ -24,6 +24,7 @@ from softcradle.sandbox.film.scene_motion import scene_motions, strongest_row
 from softcradle.scenes import Lane, Scene
 from softcradle.scenes.catalogue import parse
 
+from softcradle import hertz, one_on
 from tests.helpers.drawn_text import drawn_texts, film_texts
 
 SIZE = (960, 540)
@@ -340,8 +341,10 @@ def test_steps_are_round(span, most):
         (ticks(-0.2, 1.0, 4), [(0.0, "0.0"), (0.5, "0.5"), (1.0, "1.0")]),
         ([text for _, text in ticks(0.0, 1.4e6, 3)], ["0", "500 k", "1 M"]),
         ([text for _, text in ticks(-2e4, 2e4, 4)], [f"{MINUS}20 k", f"{MINUS}10 k", "0", "10 k", "20 k"]),
-        ([_speed(slow) for slow in (1, 4)], ["real time", "slow motion 1/4"]),
-        ([_speed(slow) for slow in (0.7, 0.01)], [f"quick motion {TIMES}1.429", f"quick motion {TIMES}100"]),
+        ([text for _, text in ticks(12345.1, 12345.2, 2)], ["12.3451 k", "12.34515 k", "12.3452 k"]),
+        ([speed_text(slow) for slow in (1, 4, 1e4)], ["real time", "slow motion 1/4", "slow motion 1/10000"]),
+        ([speed_text(slow) for slow in (0.7, 1e-5)], [f"quick motion {TIMES}1.429", f"quick motion {TIMES}100000"]),
+        (mass_labels(one_on(3, hertz(1.0), [1500.0, 0.25, 2e-5, math.inf])), ("1500 kg", "0.25 kg", "2.00·10⁻⁵ kg", "wall")),
     ],
 )  # fmt: skip
 def test_numbers(found, expected):

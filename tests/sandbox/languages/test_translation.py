@@ -8,8 +8,9 @@ import pytest
 from softcradle.physics import Chain, Contact, power_law
 from softcradle.sandbox import languages
 from softcradle.sandbox.draw.number_format import MINUS, TIMES, factor, fixed, number_text, prefixed, scientific, ticks
+from softcradle.sandbox.draw.scene_picture import speed_text
 from softcradle.sandbox.draw.text import font
-from softcradle.sandbox.languages import LANGUAGES, _, refusal_words, translation, use_language
+from softcradle.sandbox.languages import LANGUAGES, refusal_words, translation, use_language
 from softcradle.sandbox.languages.translation import catalogue_path
 from softcradle.sandbox.session.export import EDITED
 from softcradle.sandbox.trajectory_summary import seconds_in_words
@@ -27,7 +28,8 @@ def test_numbers_have_the_decimal_mark_of_the_language():
     assert number_text(12345.678) == "1,23·10⁴"
     assert [text for _value, text in ticks(0.0, 1.0, 2)] == ["0,0", "0,5", "1,0"]
     assert languages.localized("0.1") == "0,1"
-    assert _("slow motion 1/{times:.4g}", times=2.5) == "Zeitlupe 1/2,5"
+    assert speed_text(2.5) == "Zeitlupe 1/2,5"
+    assert seconds_in_words(1500.0) == "1500 Sekunden"
     with languages.english():
         assert fixed(1.5, 1) == "1.5"
     assert fixed(1.5, 1) == "1,5"

@@ -593,6 +593,7 @@ def test_it_speaks_the_language_of_its_reader(pages, browser, code, title):
     browser.run(SET.format("language", "fr", "change"))
     assert browser.run("document.documentElement.lang") == "fr"
     assert browser.run("document.getElementById('toggle').title") == "Lecture"
+    assert browser.run("massLabels([1500, 0.25, null])") == ["1500 kg", "0,25 kg", "mur"]
     around = "[...document.querySelectorAll('.source, details:last-of-type summary, footer')].map((e) => e.textContent)"
     for word, text in zip(("éqs.", "en fichier", "fait avec softcradle"), browser.run(around), strict=True):
         assert word in text
