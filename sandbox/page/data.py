@@ -14,7 +14,7 @@ from softcradle.physics.numerics.contact_solve import BEAD_ROWS
 from softcradle.physics.numerics.records import COUNTERS
 from softcradle.physics.scales import greatest_speed, speed_scale
 from softcradle.sandbox.draw import Scales
-from softcradle.sandbox.draw.bodies import EQUAL_MASSES, body_height, cluster_ends, is_gear, solid_force
+from softcradle.sandbox.draw.bodies import EQUAL_MASSES, cluster_ends, is_gear, solid_force
 from softcradle.sandbox.draw.palette import LIGHT, OKABE_ITO
 from softcradle.sandbox.languages import label_words, scene_words
 from softcradle.sandbox.languages.translation import LANGUAGES, language, use_language
@@ -49,7 +49,6 @@ def page_data(played: PlayedMotion, computed: bool) -> dict[str, Any]:
         "unit": {"size": size, "name": name},
         "forceUnit": {"size": newtons, "name": force_name},
         "length": scene.view.length,
-        "height": body_height(found.chain for found in played.trajectories),
         "numbered": scene.view.labels,
         "magnify": scene.view.magnify,
         "duration": scene.duration,

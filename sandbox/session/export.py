@@ -38,8 +38,8 @@ MOST_BYTES = 2**20  # of a scene's text: more is no scene
 
 def lane_label(label: str, before: Chain, now: Chain) -> str:
     """The label of a lane that was `label` with the chain `before`."""
-    if set(now.contact) != set(before.contact):
-        return contacts_text(now.contact)
+    if (words := contacts_text(now.contact)) != contacts_text(before.contact):
+        return words
     return label if _differ_by_gaps(before, now) or not label or label.endswith(EDITED) else label + EDITED
 
 
@@ -50,12 +50,9 @@ def _differ_by_gaps(before: Chain, now: Chain) -> bool:
 
 def contacts_text(contacts: tuple[Joint, ...]) -> str:
     """What contacts are, in some words: alpha = 1/50, draft gear, steps of contacts that differ."""
-    laws = list(dict.fromkeys(contacts))
-    if len(laws) == 1:
-        return _law_text(laws[0])
-    kinds = {kind_of(law) for law in laws}
-    if len(laws) == 2 or kinds == {"power"}:
-        return " and ".join(map(_law_text, laws[:2])) + (" ..." if len(laws) > 2 else "")
+    laws, kinds = list(dict.fromkeys(map(_law_text, contacts))), set(map(kind_of, contacts))
+    if len(laws) <= 2 or kinds == {"power"}:
+        return " and ".join(laws[:2]) + (" ..." if len(laws) > 2 else "")
     return "mixed contacts"
 
 

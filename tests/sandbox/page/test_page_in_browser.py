@@ -389,6 +389,23 @@ def test_another_law_for_the_row_and_steel_balls_beside_it(live):
         assert error(live) < 1e-13
 
 
+@pytest.mark.parametrize(
+    ("name", "fragment", "kind"),
+    [
+        ("hertz-cradle", "#n=2&with=steel", "steel balls, K = "),
+        ("draft-gear-one-on-three", "#n=2&with=gear", "draft gears, K = "),
+        ("draft-gear-one-on-three", "#with=steel", ""),
+    ],
+)
+def test_rows_beside_each_other_have_names_of_their_own_and_room_for_balls(pages, browser, name, fragment, kind):
+    browser.visit(pages(name).output, fragment)
+    rooms = "page.stages.map(({view}) => (view.ground - view.base) / view.size)"
+    labels, rooms = browser.run(f"[page.looks.map(({{label}}) => label), {rooms}]")
+    assert labels[0] != labels[1]
+    assert all(label.startswith(kind) for label in labels)
+    assert min(rooms) > (0.66 if "gears" in kind else 1.0)  # of the tallest bodies, below the axis of forces
+
+
 def test_winding_back_and_on_within_the_last_minute_gives_the_same_motion_to_the_bit(live):
     state = "[page.source.count, page.source.values(0), page.source.time]"
     run_to_the_end(live)

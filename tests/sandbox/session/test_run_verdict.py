@@ -127,6 +127,10 @@ def test_the_label_says_what_the_contacts_are_now():
     laws = [inputs.SetContact(0, k, law) for k, law in enumerate((hertz(12.0), Contact(0.1, 0.3, 0.7)))]
     mixed = opened("beads-against-gear", *laws, inputs.Lock(1, 0))
     assert [mixed.label(lane) for lane in (0, 1)] == ["mixed contacts", "Hertz, alpha = 3/2 and draft gear"]
+    stiffer = opened(
+        "steel-and-soft", inputs.SetContact(0, None, hertz(12.0)), inputs.SetContact(1, 0, power_law(2.0, 0.1))
+    )
+    assert [stiffer.label(lane) for lane in (0, 1)] == ["steel balls, edited", "soft beads, alpha = 1/10, edited"]
 
 
 def test_velocities_are_checked_by_an_accurate_run_from_where_the_motion_was_touched():
