@@ -36,13 +36,14 @@ function groupWords(group, velocity, mass, speed) {
 
 const speedText = (v, speed) => fixed(v, Math.max(0, 2 - Math.floor(Math.log10(speed) + 1e-9)));
 
-// The velocities of two rigid bodies after they have met, where two clusters of touching beads, each with one velocity, are left alone.
-function rigidWords(spec, { dissipative, driven, pulls }, length) {
+// The velocities of two rigid bodies after they have met, where two clusters of touching beads, each with one velocity, are left alone
+// and do not come nearer by their present `velocity`.
+function rigidWords(spec, { dissipative, driven, pulls }, length, velocity) {
   const meeting = spec.velocity.findIndex((v, k) => v > (spec.velocity[k + 1] ?? v));
   const before = spec.velocity.slice(0, meeting + 1), after = spec.velocity.slice(meeting + 1);
   if (meeting < 0 || spec.mass.includes(null) || before.some((v) => v !== before[0]) || after.some((v) => v !== after[0])) return "";
   if (spec.gap.some((wide, k) => (k === meeting ? -wide : Math.abs(wide)) > LEAST_GAP * length)) return ""; // three, or pressed at the start
-  if (dissipative || driven || pulls) return "";
+  if (dissipative || driven || pulls || velocity[meeting] - velocity[meeting + 1] > STANDS * spec.speed) return "";
   const sum = (masses) => masses.reduce((total, mass) => total + mass, 0);
   const left = sum(spec.mass.slice(0, meeting + 1)), right = sum(spec.mass.slice(meeting + 1));
   const centre = (left * before[0] + right * after[0]) / (left + right), reflected = (w) => speedText(2 * centre - w, spec.speed);

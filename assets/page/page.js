@@ -165,7 +165,7 @@ class Page {
     part("time").setAttribute("aria-valuetext", clock);
     const ended = source.apart && (source.over || source.open) && !source.hand;
     const said = nows.map((now, lane) => {
-      const name = looks.length > 1 && looks[lane].label ? `${looks[lane].label}: ` : "", rigid = lane || source.touched ? "" : ` ${rigidWords(specs[lane], looks[lane], data.length)}`;
+      const name = looks.length > 1 && looks[lane].label ? `${looks[lane].label}: ` : "", rigid = lane || source.touched ? "" : ` ${rigidWords(specs[lane], looks[lane], data.length, now.velocity)}`;
       return name + whatHappened(now.velocity, specs[lane].mass, specs[lane].speed) + rigid;
     });
     const text = ended ? said.join("\n") : source.live ? say("hint") : "";

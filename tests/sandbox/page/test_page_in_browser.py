@@ -156,10 +156,10 @@ def test_it_plays_to_the_same_end_at_every_pace_tells_it_in_words_and_begins_aga
         assert browser.run(f"[{SAID}, page.source.last]") == [ENDED, pytest.approx(last, abs=0.01)]
 
 
-def visit_row(browser, folder, duration=None, fragment="", **lane):
-    """Open the page of a row, whose contacts are soft unless told."""
+def visit_row(browser, folder, duration=None, fragment="", method=None, **lane):
+    """Open the page of a row, whose contacts are soft unless told; recorded by a `method`, if there is one."""
     scene = Scene(title="a row", lanes=(Lane(**{"contact": SOFT} | lane),), duration=duration)
-    browser.visit(render_page(scene, folder / "page.html").output, fragment)
+    browser.visit(render_page(scene, folder / "page.html", method=method).output, fragment)
     browser.run("page.pause()")
 
 
@@ -214,7 +214,10 @@ def test_a_row_that_friction_holds_while_it_is_pressed_has_come_to_its_end(pages
     assert browser.run("for (let k = 0; k < 3000 && !page.source.over; k++) page.source.next(); page.source.over")
 
 
-@pytest.mark.parametrize(("row", "rigid"), [({}, True), ({"gap": [0.5, 0.3, 0.3]}, False), (PUSHED, False)])
+@pytest.mark.parametrize(
+    ("row", "rigid"),
+    [({}, True), ({"gap": [0.5, 0.3, 0.3]}, False), (PUSHED, False), ({"duration": 0.4, "method": "radau"}, False)],
+)
 def test_what_rigid_bodies_would_do_is_told_where_two_of_them_would_meet_alone(browser, tmp_path, row, rigid):
     visit_row(browser, tmp_path, **({"velocity": [1, 0, 0, 0], "gap": [0.5, 0, 0]} | row))
     run_to_the_end(browser)
