@@ -7,6 +7,7 @@ const REMEMBERED = 3600; // kept states, a minute of them
 const FRAMES_KEPT = 2; // frames from one kept state to the next
 const LOOK_AHEAD = 60; // seconds of the wall that a run is followed before it is played
 const MOST_LOOKED = 1.5e6; // contacts times steps for that: half a second on a slow machine
+const MOST_AT_ONCE = 1e5, FRAMES_AT_ONCE = 3600; // the same for a picture on the way to another moment, and frames
 const TAIL = 1.5; // seconds of the wall after the rows have come apart or to rest
 const LINGER = 6; // the same where the end was not known
 const BEFORE_HIT = 0.25; // of the time from the first hit to the end: the longest flight that is played before it
@@ -67,10 +68,12 @@ class Live {
     this.rows.forEach((row, lane) => row.frame(this.frameTime, this.steps, this.slow, hand && hand.lane === lane ? hand : null));
   }
 
+  // Frames that take so many steps of contacts.
+  framesOf(work) { return Math.ceil(work / (this.steps * this.rows.reduce((sum, row) => sum + row.kernel.n, 0))); }
+
   // Follow the run to its end, if patience lasts, for its axes and its length; rows are moved, and begin again afterwards.
   lookAhead() {
-    const { rows, nows } = this, work = this.steps * rows.reduce((sum, row) => sum + row.kernel.n, 0);
-    const most = Math.min(LOOK_AHEAD * FRAME_RATE, Math.ceil(MOST_LOOKED / work)), { duration } = this.data;
+    const { rows, nows } = this, most = Math.min(LOOK_AHEAD * FRAME_RATE, this.framesOf(MOST_LOOKED)), { duration } = this.data;
     const scales = startScales(this.data, rows), limit = duration ? Math.ceil(duration / this.frameTime) : Infinity;
     let apart = 0, k = 0;
     this.hit = -1;
@@ -129,16 +132,14 @@ class Live {
     this.branch += 1;
   }
 
-  // Show another moment: one that is kept, or computed on the way to it.
+  // Show another moment: one that is kept, or computed on the way to it, a part at a time. Whether it is there.
   go(time) {
-    if (time > this.timeOf(this.count - 1)) {
-      this.restore(this.count - 1);
-      const end = Math.min(time, this.last);
-      while (this.time < end - 0.5 * this.frameTime) this.next();
-      this.keep();
-      return;
-    }
-    this.restore(this.numberAt(time));
+    if (time <= this.timeOf(this.count - 1)) { this.restore(this.numberAt(time)); return true; }
+    this.restore(this.count - 1);
+    const end = Math.min(time, this.last) - 0.5 * this.frameTime, most = Math.min(FRAMES_AT_ONCE, this.framesOf(MOST_AT_ONCE));
+    for (let k = 0; k < most && this.time < end; k++) this.next();
+    this.keep();
+    return this.time >= end;
   }
 
   // The number of the last kept state that is not after `time`, or the first one.

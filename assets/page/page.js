@@ -16,6 +16,7 @@ class Page {
     /** @type {Experiment} */ this.own = data.own && { ...data.own, shown: [...data.own.shown] };
     this.limits = source.live ? limitsOf(data, this.own) : {};
     this.playing = false;
+    /** @type {number|null} */ this.goal = null; // the moment to which pictures go as fast as they can
     this.textsAt = 0;
     this.firstWindow = 0;
     /** @type {{lane: number, bead: number}|null} */ this.chosen = null;
@@ -181,6 +182,7 @@ class Page {
   }
 
   play() {
+    this.goal = null;
     if (this.playing) return;
     if (this.source.over) this.restart();
     this.playing = true;
@@ -211,8 +213,12 @@ class Page {
   }
 
   picture(now) {
-    this.source.advance((now - (this.last ?? now)) / 1000);
-    if (this.last) this.spare(now - this.last);
+    if (this.goal !== null) {
+      if (this.source.go(this.goal)) { this.pause(); return; }
+    } else {
+      this.source.advance((now - (this.last ?? now)) / 1000);
+      if (this.last) this.spare(now - this.last);
+    }
     this.last = now;
     this.follow();
     const texts = now - this.textsAt > 1000 / TEXT_RATE;
@@ -232,10 +238,12 @@ class Page {
     if (this.most !== most) this.dress();
   }
 
+  // Show another moment; one that is far is gone to picture by picture, until somebody plays or pauses.
   go(time) {
     if (this.playing) this.pause();
-    this.source.go(time);
+    const there = this.source.go(time);
     this.show(true);
+    if (!there) { this.play(); this.goal = time; }
   }
 
   step(direction) {

@@ -38,6 +38,7 @@ class Recorded {
   go(time) {
     if (time < this.time) this.branch += 1;
     this.time = Math.min(Math.max(time, this.begun), this.last);
+    return true;
   }
 
   step(direction) { this.go(this.time + direction * (this.last - this.begun) / SHOWN_RATE); }

@@ -121,6 +121,7 @@ def pictures(browser, count):
 
 def run_to_the_end(browser):
     browser.run("page.pause(), page.go(page.source.last)")
+    browser.until("!page.playing")
 
 
 def test_the_browser_reports_mistakes(process, tmp_path):
@@ -168,6 +169,10 @@ def test_a_run_too_long_to_be_followed_goes_on_to_its_end(browser, tmp_path, row
     row = {"contact": {"law": "hertz", "stiffness": 1e6}, "velocity": [1, *99 * [0]], "gap": 99 * [0.1]} | row
     visit_row(browser, tmp_path, **row)
     followed = browser.run("page.source.rows[0].begin(), page.source.lookAhead(), page.source.time")
+    stopped = (
+        "page.go(page.source.last), [page.playing, page.toggle(), page.playing, page.source.time < page.source.last]"
+    )
+    assert browser.run(stopped) == [True, None, False, True]  # on its way, picture by picture
     run_to_the_end(browser)
     if "duration" in row:
         assert followed < browser.run("page.source.time") == pytest.approx(6.0, abs=0.01)
