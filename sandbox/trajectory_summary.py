@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from softcradle.sandbox.draw.number_format import plain
 from softcradle.sandbox.languages import N_, _, ngettext
-from softcradle.sandbox.quantities import FORCE, MASS, OVERLAP, TIME, VELOCITY
 
 if TYPE_CHECKING:
     from softcradle.physics import Chain, Trajectory
@@ -119,17 +118,17 @@ class ResultTable:
 
 def bead_table(summary: Summary) -> ResultTable:
     """A row a bead."""
-    last = f"velocity when it gave up [{VELOCITY.unit}]" if summary.gave_up else f"final {VELOCITY.label}"
+    last = _("velocity when it gave up [m/s]") if summary.gave_up else _("final velocity [m/s]")
     rows = (
         (
             str(i),
-            "wall" if bead.mass is None else f"{bead.mass:g}",
+            _("wall") if bead.mass is None else f"{bead.mass:g}",
             _speed(bead.start_velocity),
             _speed(bead.final_velocity),
         )
         for i, bead in enumerate(summary.beads)
     )
-    return ResultTable(("bead", MASS.label, f"velocity at start [{VELOCITY.unit}]", last), tuple(rows))
+    return ResultTable((_("bead"), _("mass [kg]"), _("velocity at start [m/s]"), last), tuple(rows))
 
 
 def contact_table(summary: Summary) -> ResultTable:
@@ -138,13 +137,13 @@ def contact_table(summary: Summary) -> ResultTable:
     size, prefix = unit_prefix(
         max((size or 0.0 for item in summary.contacts for size in (item.largest_force, item.largest_pull)), default=0.0)
     )
-    closed, opened, force = f"closed [{TIME.unit}]", f"opened [{TIME.unit}]", f"{prefix}{FORCE.unit}"
-    titles = "contact", closed, opened, "times", f"largest {OVERLAP.label}", f"largest force [{force}]"
+    titles = _("contact"), _("closed [s]"), _("opened [s]"), _("times"), _("largest overlap [m]")
+    forces = _("largest force [{unit}]", unit=f"{prefix}N"), *[_("largest pull [{unit}]", unit=f"{prefix}N")] * pulls
     rows = (
         (
             f"{i}-{i + 1}",
             _time(contact.closed),
-            "still closed" if contact.still_closed else _time(contact.opened),
+            _("still closed") if contact.still_closed else _time(contact.opened),
             str(contact.times),
             "-" if contact.largest_overlap is None else f"{contact.largest_overlap:.4g}",
             in_unit(contact.largest_force, size),
@@ -152,7 +151,7 @@ def contact_table(summary: Summary) -> ResultTable:
         )
         for i, contact in enumerate(summary.contacts)
     )
-    return ResultTable((*titles, *[f"largest pull [{force}]"] * pulls), tuple(rows))
+    return ResultTable((*titles, *forces), tuple(rows))
 
 
 def unit_prefix(largest: float) -> tuple[float, str]:
@@ -175,7 +174,7 @@ def _speed(velocity: float | None) -> str:
 
 def _time(time: float | None) -> str:
     if time is None:
-        return "never"
+        return _("never")
     return f"{time:.6f}" if time == 0.0 or 1e-3 <= time < 1e6 else f"{time:.6g}"
 
 

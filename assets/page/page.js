@@ -317,6 +317,7 @@ class Page {
       element.setAttribute("aria-label", say(element.dataset.name));
       element.title = say(element.dataset.name);
     }
+    for (const tables of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("#numbers > [lang]"))) tables.hidden = tables.lang !== this.language;
     part("language").value = this.language;
     for (const option of part("pace").options) option.textContent = paceText(Number(option.value));
   }

@@ -1,6 +1,7 @@
 """Translation by gettext: messages in the language in use, with plural forms and with its form of numbers; refusals.
 
-English is in use until :func:`use_language` is called, which only the window does: commands, files and pages stay English.
+English is in use until :func:`use_language` is called, which only the window does: commands and files stay English,
+and a page has every language.
 """
 
 from __future__ import annotations
@@ -9,11 +10,11 @@ import io
 import os
 import re
 import string
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from softcradle.sandbox.user_error import GaveUpError
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
 DOMAIN = "softcradle"
 ENGLISH = "en"
+Said = TypeVar("Said")
 VARIABLES = ("LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG")  # the first one that is set counts, as for gettext
 
 
@@ -66,6 +68,18 @@ def english() -> Iterator[None]:
         yield
     finally:
         use_language(code)
+
+
+def in_every_language(say: Callable[[], Said]) -> dict[str, Said]:
+    """What `say` says in each of LANGUAGES, by its code."""
+    before, found = language(), {}
+    try:
+        for code in LANGUAGES:
+            use_language(code)
+            found[code] = say()
+    finally:
+        use_language(before)
+    return found
 
 
 def catalogue_path(code: str) -> Path:

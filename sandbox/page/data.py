@@ -16,8 +16,7 @@ from softcradle.physics.scales import greatest_speed, speed_scale
 from softcradle.sandbox.draw import Scales
 from softcradle.sandbox.draw.bodies import EQUAL_MASSES, cluster_ends, is_gear, solid_force
 from softcradle.sandbox.draw.palette import LIGHT, OKABE_ITO
-from softcradle.sandbox.languages import label_words, scene_words
-from softcradle.sandbox.languages.translation import LANGUAGES, language, use_language
+from softcradle.sandbox.languages import in_every_language, label_words, scene_words
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.page.played_motion import PlayedMotion
 from softcradle.sandbox.user_error import UserError
@@ -144,16 +143,13 @@ def _strikers(chain: Chain, lane: Lane) -> int:
 
 def _texts(played: PlayedMotion) -> dict[str, dict[str, Any]]:
     """Title, source, text and labels in every language that the page speaks."""
-    scene, before, found = played.scene, language(), {}
-    try:
-        for code in LANGUAGES:
-            use_language(code)
-            labels = [label_words(label) for label in played.labels]
-            words = {key: scene_words(getattr(scene, key)) for key in ("title", "source", "text")}
-            found[code] = words | {"labels": labels}
-    finally:
-        use_language(before)
-    return {code: texts for code, texts in found.items() if code == "en" or texts != found["en"]}
+
+    def texts() -> dict[str, Any]:
+        words = {key: scene_words(getattr(played.scene, key)) for key in ("title", "source", "text")}
+        return words | {"labels": list(map(label_words, played.labels))}
+
+    found = in_every_language(texts)
+    return {code: said for code, said in found.items() if code == "en" or said != found["en"]}
 
 
 def _finite(value: float) -> float | None:

@@ -10,7 +10,7 @@ from typing import Any
 
 from softcradle.physics.version import version
 from softcradle.sandbox.files import resource
-from softcradle.sandbox.languages.translation import LANGUAGES
+from softcradle.sandbox.languages.translation import ENGLISH, LANGUAGES
 
 SCRIPTS = (
     "words", "numbers", "bodies", "loupes", "stage", "chart", "kernel", "row", "live", "recorded", "address",
@@ -98,6 +98,11 @@ def table(titles: Sequence[str], rows: Sequence[Sequence[str]], caption: str, hi
     )
 
 
+def spoken(language: str, part: str) -> str:
+    """A `part` in one language, which the script shows to those who read it."""
+    return f'<div lang="{language}"{"" if language == ENGLISH else " hidden"}>{part}</div>'
+
+
 def footer() -> str:
     """The last line of the page, with the version."""
     return f'<footer><span data-say="made">made with</span> softcradle {escape(version())}</footer>'
@@ -137,7 +142,7 @@ def player(uniform: bool, alone: bool, moving: bool) -> str:
 
 
 def numbers(tables: str) -> str:
-    """The values now, as tables that the script fills, and the recorded `tables` below them."""
+    """The values now, as tables that the script fills, and the recorded `tables` below them, in every language."""
     return (
         '<details id="numbers"><summary data-say="in numbers">In numbers</summary>'
         '<div id="tables" class="scroll" tabindex="0" role="region" data-name="in numbers" aria-label="In numbers"></div>'

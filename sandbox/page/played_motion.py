@@ -10,6 +10,7 @@ from softcradle.physics.status import Status
 from softcradle.sandbox.draw import Scales, motion_of, scales_of
 from softcradle.sandbox.draw.number_format import force_unit, scientific, time_unit
 from softcradle.sandbox.film.scene_motion import after_time, lead_time, require_finite
+from softcradle.sandbox.languages import N_, _, label_words, localized, ngettext
 from softcradle.sandbox.motion import Motion
 from softcradle.sandbox.page.document import note, table
 from softcradle.sandbox.trajectory_summary import bead_table, contact_table, summarise
@@ -107,9 +108,10 @@ def result_tables(played: PlayedMotion) -> str:
         summary = summarise(played.labels[lane], trajectory)
         beads, contacts = bead_table(summary), contact_table(summary)
         laws = map(contact_text, trajectory.chain.contact)
-        rows = [(*row, law) for row, law in zip(contacts.rows, laws, strict=True)]
-        parts.append(table(beads.titles, beads.rows, _named(played, lane, "Velocities")))
-        parts.append(table((*contacts.titles, "law"), rows, _named(played, lane, "Contacts")))
+        rows = [(*map(localized, row), law) for row, law in zip(contacts.rows, laws, strict=True)]
+        speeds = [tuple(map(localized, row)) for row in beads.rows]
+        parts.append(table(beads.titles, speeds, _named(played, lane, _("Velocities"))))
+        parts.append(table((*contacts.titles, _("law")), rows, _named(played, lane, _("Contacts"))))
     return "".join(parts)
 
 
@@ -124,21 +126,26 @@ def result_notes(played: PlayedMotion) -> str:
 
 def _named(played: PlayedMotion, lane: int, text: str) -> str:
     """`text` behind the label of the lane, where there are several."""
-    label = played.labels[lane]
-    return f"{label}: {text[0].lower()}{text[1:]}" if label and len(played.labels) > 1 else text
+    label = label_words(played.labels[lane])
+    return f"{label}: {text}" if label and len(played.labels) > 1 else text
 
 
 def recorded_sentence(trajectory: Trajectory) -> str:
     """By which method a motion was recorded, and with which errors."""
     summary = summarise("", trajectory)
-    fineness = f"step {scientific(summary.step)} s" if summary.step else f"tolerance {summary.tolerance:g}"
+    if summary.step:
+        fineness = _("step {step} s", step=scientific(summary.step))
+    else:
+        fineness = _("tolerance {tolerance:g}", tolerance=summary.tolerance)
     errors = [
-        f"{name} error {scientific(value) if value > 1e-17 else '0'}"
-        for name, value in (("energy", summary.energy_error), ("momentum", summary.momentum_error))
+        _(text, error=scientific(value) if value > 1e-17 else "0")
+        for text, value in (
+            (N_("velocities at the end to {error} m/s"), summary.velocity_error),
+            (N_("energy error {error}"), summary.energy_error),
+            (N_("momentum error {error}"), summary.momentum_error),
+        )
         if value is not None
     ]
-    if summary.velocity_error is not None:
-        errors.insert(0, f"velocities at the end to {scientific(summary.velocity_error)} m/s")
-    cost = [f"{summary.steps} steps"] if summary.steps else []
+    cost = [ngettext("{n} step", "{n} steps", summary.steps)] if summary.steps else []
     said = f"; {', '.join(errors + cost)}" if errors or cost else ""
-    return f"Recorded motion, computed by {summary.method}, {fineness}{said}"
+    return _("Recorded motion, computed by {method}, {fineness}", method=summary.method, fineness=fineness) + said

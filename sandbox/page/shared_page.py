@@ -14,9 +14,20 @@ from softcradle.physics import Trajectory
 from softcradle.physics.scales import default_step
 from softcradle.sandbox.files import output_file
 from softcradle.sandbox.film.scene_motion import checked_slow, quiet_end, require_whole
+from softcradle.sandbox.languages import in_every_language
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.page.data import can_be_computed, page_data
-from softcradle.sandbox.page.document import document, footer, heading, keys, numbers, paragraph, player, question
+from softcradle.sandbox.page.document import (
+    document,
+    footer,
+    heading,
+    keys,
+    numbers,
+    paragraph,
+    player,
+    question,
+    spoken,
+)
 from softcradle.sandbox.page.played_motion import PlayedMotion, played_motion, result_notes, result_tables
 from softcradle.sandbox.scene_runs import SHOWN, run_scene
 from softcradle.sandbox.user_error import UserError
@@ -91,8 +102,9 @@ def _recorded(scene: Scene, **settings: Any) -> list[Trajectory]:
 
 def _recorded_text(scene: Scene, trajectories: Sequence[Trajectory]) -> str:
     played = played_motion(scene, trajectories)
-    tables = result_notes(played) + result_tables(played)
-    return recorded_page(played, [_scene_file(played), footer()], tables=tables)
+    tables = in_every_language(lambda: result_notes(played) + result_tables(played))
+    parts = [_scene_file(played), footer()]
+    return recorded_page(played, parts, tables="".join(map(spoken, tables, tables.values())))
 
 
 def _computed_text(scene: Scene) -> str:

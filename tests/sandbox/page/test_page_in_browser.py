@@ -572,6 +572,10 @@ def test_a_recorded_page_reads_and_writes_what_can_be_chosen_in_it_and_promises_
     assert "cannot be changed here" in browser.run(NOTICE)
     browser.run(SET.format("language", "de", "change"))
     assert "nicht ändern" in browser.run(NOTICE)
+    (tables,) = browser.run(
+        "[...document.querySelectorAll('#numbers > [lang]:not([hidden])')].map((one) => one.textContent)"
+    )
+    assert all(word in tables for word in ("Aufgezeichnete Bewegung", "größte Kraft [MN]", "noch geschlossen", "2,"))
     browser.visit(pages(SCENE).output, "")
     assert all("hrow" in str(browser.run(said)) for said in promised)
 
