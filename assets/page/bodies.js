@@ -1,6 +1,7 @@
 // Bodies on a canvas: beads, draft gears, walls, arrows. Lengths are CSS pixels.
 
 const CYLINDER_LENGTH = 0.8, CYLINDER_HEIGHT = 0.66, PLATE_LENGTH = 0.055; // of a draft gear's length
+const WALL_HEIGHT = 1.2; // of a bead's length
 
 // `colour` (#rrggbb) with `share` (0 to 1) of `other` in it.
 function mixed(colour, other, share) {
@@ -53,7 +54,7 @@ function piston(pen, end, ground, size, theme) {
 }
 
 function wall(pen, left, ground, size, theme) {
-  const tall = 1.2 * size;
+  const tall = WALL_HEIGHT * size;
   pen.save();
   pen.beginPath();
   pen.rect(left, ground - tall, size, tall);

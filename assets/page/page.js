@@ -71,7 +71,8 @@ class Page {
   build() {
     const { specs, experiment } = this, lanes = part("lanes"), charts = part("charts");
     this.looks = specs.map((spec, lane) => this.lookOf(spec, lane));
-    this.data.height = this.looks.every(({ gears }) => gears.every(Boolean)) ? CYLINDER_HEIGHT : 1; // of the tallest body, in lengths of a bead
+    const gears = this.looks.every((look) => look.gears.every(Boolean)), walls = specs.some(({ mass }) => mass.includes(null));
+    this.data.height = walls ? WALL_HEIGHT : gears ? CYLINDER_HEIGHT : 1; // of the tallest body, in lengths of a bead
     const names = specs.map(({ law }) => lawName(law)), [one, other] = specs;
     if (specs.length > this.data.lanes.length && names[0] === names[1] && String(one.law) !== String(other.law)) {
       this.looks.forEach((look, lane) => { look.label += `, K = ${scientific(specs[lane].law[1], 2)}`; }); // which tells them apart

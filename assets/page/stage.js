@@ -115,7 +115,8 @@ function leftEdges(now, view, data) {
 // room are left out, and bars end below all.
 function captionPlaces(pen, motion, data, room, width, forces) {
   const words = (text, weight = 400, size = 12.5) => { pen.font = `${weight} ${size}px ${FONT}`; return pen.measureText(text).width; };
-  const stops = motion.solid.flat().some((force) => force !== null), found = [], rooms = [room, width - 24 - words(scaleText(data))];
+  const stops = motion.solid.flat().some((force) => force !== null), half = words(scaleText(data)) / 2;
+  const found = [], rooms = [room, width - 24 - 2 * half];
   let { label } = motion, x = 8, line = 0;
   while (label?.length > 1 && words(label, 600, 15) > room - 8) label = `${label.replace(/.…?$/, "")}…`;
   if (label) x += words(label, 600, 15);
@@ -127,7 +128,7 @@ function captionPlaces(pen, motion, data, room, width, forces) {
     found.push({ text, x, y: 20 + 19 * line, mark });
     x += wide;
   }
-  return { label, found, bottom: found.at(-1)?.y > 20 ? 40 : 22 };
+  return { label, found, bottom: found.at(-1)?.y > 20 ? 40 : 22, scale: { x: width - 12 - half, y: 39, half } };
 }
 
 function backdrop(pen, view, data) {
@@ -179,7 +180,7 @@ function bodies(pen, view, data, edges, faces) {
     else if (isGear(k)) cylinder(pen, x, ground, size, colours[k], theme);
     else bead(pen, x, ground, size, colours[k], differ ? 0.92 * Math.sqrt(motion.mass[k] / greatest) : 0, theme);
   });
-  const digits = (data.height < 1 ? 0.31 : 0.36) * data.height * size;
+  const digits = (data.height < 1 ? 0.31 * CYLINDER_HEIGHT : 0.36) * size;
   if (!data.numbered || digits < 8) return;
   edges.forEach((x, k) => {
     if (motion.mass[k] === null) return;
@@ -235,7 +236,7 @@ function forceBars(pen, view, data, now) {
     }
     if (Math.abs(force) > visible && size >= 28) numbers.push({ text: fixed(force / unit, decimals), x, y: above - 5, force: Math.abs(force) });
   });
-  const taken = []; // the greatest first; a number that would lie on another is left out
+  const taken = [view.captions.scale]; // the greatest first; a number that would lie on another text is left out
   pen.font = `600 ${high}px ${FONT}`;
   for (const { text, x, y } of numbers.sort((a, b) => b.force - a.force)) {
     const half = pen.measureText(text).width / 2 + 1;

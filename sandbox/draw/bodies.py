@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from softcradle.physics import Chain, Contact, Coupler
 from softcradle.physics.chain import Joint
@@ -11,6 +11,7 @@ from softcradle.sandbox.languages import _
 
 CYLINDER_LENGTH = 0.80  # of a draft gear's length; the rest is its piston
 CYLINDER_HEIGHT = 0.66  # of a draft gear's length
+WALL_HEIGHT = 1.2  # of a bead's length
 HEAVY = 1e4  # [kg] masses from here on are written in tonnes
 EQUAL_MASSES = 1.02  # ratio of masses up to which beads look alike and no masses are written
 
@@ -29,8 +30,10 @@ def solid_force(joint: Joint, force: float) -> float:
     return math.inf if gear is None else gear.force(joint.travel)
 
 
-def body_height(chains: Iterable[Chain]) -> float:
+def body_height(chains: Sequence[Chain]) -> float:
     """Height of the tallest body in lengths of a bead; that of all lanes, so that they have one scale."""
+    if any(chain.walls for chain in chains):
+        return WALL_HEIGHT
     all_gears = all(is_gear(contact) for chain in chains for contact in chain.contact)
     return CYLINDER_HEIGHT if all_gears else 1.0
 

@@ -12,6 +12,7 @@ from softcradle.sandbox.draw.bodies import (
     CYLINDER_HEIGHT,
     CYLINDER_LENGTH,
     EQUAL_MASSES,
+    WALL_HEIGHT,
     body_height,
     cluster_ends,
     has_marks,
@@ -123,10 +124,10 @@ class LaneDrawing:
         self.contact_colours = palette[1:]  # of the bead on the right, which the contact pushes
         self.colours = tuple(tones.muted if math.isinf(m) else c for m, c in zip(self.chain.mass, palette, strict=True))
         low, high = scales.window
-        height = body_height(lane.chain() for lane in scene.lanes)
+        height = body_height([lane.chain() for lane in scene.lanes])
         self.scale = min(rect.width / (high - low), _tallest(rect, unit) / (height * self.length))  # pixels a metre
         self.bead = self.length * self.scale  # pixels
-        self.number_size = (0.31 if height < 1.0 else 0.36) * height * self.bead
+        self.number_size = (0.31 * CYLINDER_HEIGHT if height < 1.0 else 0.36) * self.bead
         self.ground = rect.bottom - GROUND * unit
         self.bar_base = self.ground - max(height * self.bead, 12 * unit) - BAR_LIFT * unit
         self.bar_room = max(self.bar_base - rect.top - (KEY + FORCE_LABEL) * unit, 0.0)  # pixels of the highest bar
@@ -237,7 +238,7 @@ class LaneDrawing:
     def _body(self, surface: pygame.Surface, bead: int, x: float) -> None:
         size = self.bead
         if math.isinf(self.chain.mass[bead]):
-            blit_sprite(surface, wall_sprite(size, 1.2 * size), x, self.ground - 1.2 * size)
+            blit_sprite(surface, wall_sprite(size, WALL_HEIGHT * size), x, self.ground - WALL_HEIGHT * size)
         elif self._is_gear(bead):
             image = cylinder_sprite(size, size, self.colours[bead])
             blit_sprite(surface, image, x, self.ground - CYLINDER_HEIGHT * size)
@@ -248,7 +249,7 @@ class LaneDrawing:
     def body_shape(self, bead: int, x: float) -> tuple[pygame.Rect, float]:
         """The rectangle around a body whose left edge is at pixel `x`, and the radius of its corners."""
         wall = math.isinf(self.chain.mass[bead])
-        height = self.bead * (1.2 if wall else CYLINDER_HEIGHT if self._is_gear(bead) else 1.0)
+        height = self.bead * (WALL_HEIGHT if wall else CYLINDER_HEIGHT if self._is_gear(bead) else 1.0)
         rect = pygame.Rect(round(x), round(self.ground - height), round(self.bead), round(height))
         round_body = not wall and not self._is_gear(bead)
         return rect, 0.5 * self.bead if round_body else 0.08 * self.bead

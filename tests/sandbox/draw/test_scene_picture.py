@@ -205,6 +205,10 @@ def test_any_chain_and_any_size(text, size):
         assert 0.02 < (~near(frame, tones.background)).mean() < 0.9
         assert near(frame[0, 0], tones.background)
     assert (frames[0] != frames[-1]).any()
+    for drawing in (lane.drawing for lane in picture.lanes):  # bars stand above the tallest body
+        assert (
+            min(drawing.body_shape(bead, 0.0)[0].top for bead in range(len(drawing.chain.mass))) >= drawing.bar_base - 1
+        )
 
 
 def test_camera_moves_the_beads_and_nothing_else():

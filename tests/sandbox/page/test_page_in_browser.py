@@ -699,6 +699,15 @@ def test_no_text_of_the_drawing_covers_another_or_leaves_it(pages, browser, name
         assert [text for text in words if text[1] < -1 or text[3] > room + 1] == []
 
 
+def test_beside_a_wall_forces_stand_above_it_and_cover_no_words(browser, tmp_path):
+    visit_row(browser, tmp_path, 8.0, mass=[1, 1, 1, inf], velocity=[1, 0, 0, 0], gap=[0.5, 0, 0.3])
+    browser.device(1100, 900)
+    texts = browser.run(f"{SPY}, page.go(3.6), texts.length = 0, page.dress(), texts")
+    (scale,) = [text for text in texts if text[0] == "drawn to scale"]
+    assert [text[0] for text in texts if text is not scale and covering(text, scale)] == []
+    assert browser.run("(({ground, base, size}) => (ground - base) / size)(page.stages[0].view)") > 1.2
+
+
 @pytest.mark.parametrize("name", scenes.names())
 def test_every_scene_plays_to_its_end_without_an_error(pages, browser, name):
     browser.visit(pages(name).output, "")
