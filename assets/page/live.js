@@ -7,7 +7,7 @@ const REMEMBERED = 3600; // kept states, a minute of them
 const FRAMES_KEPT = 2; // frames from one kept state to the next
 const LOOK_AHEAD = 60; // seconds of the wall that a run is followed before it is played
 const MOST_LOOKED = 1.5e6; // contacts times steps for that: half a second on a slow machine
-const MOST_AT_ONCE = 1e5, FRAMES_AT_ONCE = 3600; // the same for a picture on the way to another moment, and frames
+const MOST_AT_ONCE = 3e5, FRAMES_AT_ONCE = 3600; // the same for a picture on the way to another moment, and frames
 const TAIL = 1.5; // seconds of the wall after the rows have come apart or to rest
 const LINGER = 6; // the same where the end was not known
 const BEFORE_HIT = 0.25; // of the time from the first hit to the end: the longest flight that is played before it
