@@ -1,6 +1,9 @@
 // The stage: the beads of one lane on the ground, a force bar over each contact, loupes below, bars of energy and momentum.
 
-const TALLEST_BEAD = 0.4; // of the height of the drawing
+const TALLEST_BEAD = 0.4, LEAST_BEAD = 0.22; // of the height of the drawing: a bead, and what is left to it where bars need room
+const CAPTION = 22, CAPTIONS = 40; // height of one line of captions, and of two
+const BAR_NUMBER = 20, BAR_LIFT = 8; // from captions to the highest bar, and from the tallest body to the axis of the bars
+const LEAST_BAR = 18; // of the highest bar, for which beads give way
 const GROUND = 30; // from the ground line to the lower edge of the drawing
 const VISIBLE_FORCE = 0.01; // of the force axis: lower bars have neither a number nor a line for rigid clusters
 const PULL_RIM = 2.5; // pixels of the rim of the hollow bar of a force that pulls
@@ -34,19 +37,21 @@ class Stage {
   fit(motion, data, theme, { tall, shown, force }) {
     const { canvas } = this, { density } = theme, width = Math.max(canvas.parentElement.clientWidth, LEAST_WIDTH);
     const narrow = width < 640, [low, high] = data.scales.window;
-    const scale = Math.min(width / (high - low), TALLEST_BEAD * tall / (data.height * data.length)), size = data.length * scale;
+    const room = Math.max(tall - CAPTIONS - BAR_NUMBER - LEAST_BAR - BAR_LIFT - GROUND, LEAST_BEAD * tall);
+    const tallest = Math.min(TALLEST_BEAD * tall, room), scale = Math.min(width / (high - low), tallest / (data.height * data.length));
+    const size = data.length * scale;
     const loupeFit = shown.includes("loupes") ? loupeRow(motion, width) : { height: 0, count: 0 };
     const balance = shown.includes("balance") ? (narrow ? 2 : 1) * BARS_HEIGHT : 0, height = tall + loupeFit.height + balance;
     canvas.width = this.layer.canvas.width = Math.round(width * density);
     canvas.height = this.layer.canvas.height = Math.round(height * density);
     canvas.style.height = `${height}px`;
     const colours = motion.mass.map((mass, k) => (mass === null ? theme.muted : theme.bead(k)));
-    const ground = tall - GROUND, base = ground - Math.max(data.height * size, 12) - 8, forces = shown.includes("forces");
+    const ground = tall - GROUND, base = ground - Math.max(data.height * size, 12) - BAR_LIFT, forces = shown.includes("forces");
     const captions = captionPlaces(this.pen, motion, data, width - 24 - rulerLength(data, width, scale) * scale, width, forces);
     this.data = data;
     this.view = { motion, theme, width, tall, scale, size, colours, ground, base, narrow, loupeFit, density, captions, forces, force, balance,
       contactColours: motion.mass.slice(1).map((_, k) => theme.bead(k + 1)),
-      barRoom: base - captions.bottom - 20, origin: width / 2 - scale * (low + high) / 2 };
+      barRoom: base - captions.bottom - BAR_NUMBER, origin: width / 2 - scale * (low + high) / 2 };
     this.layer.setTransform(density, 0, 0, density, 0, 0);
     backdrop(this.layer, this.view, data);
     if (balance) balanceFrames(this.layer, this.view, tall + loupeFit.height);
@@ -128,7 +133,7 @@ function captionPlaces(pen, motion, data, room, width, forces) {
     found.push({ text, x, y: 20 + 19 * line, mark });
     x += wide;
   }
-  return { label, found, bottom: found.at(-1)?.y > 20 ? 40 : 22, scale: { x: width - 12 - half, y: 39, half } };
+  return { label, found, bottom: found.at(-1)?.y > 20 ? CAPTIONS : CAPTION, scale: { x: width - 12 - half, y: 39, half } };
 }
 
 function backdrop(pen, view, data) {

@@ -641,6 +641,8 @@ def test_every_word_is_there_in_every_language(live):
 @pytest.mark.parametrize("width", [320, 390, 768, 1280, 2560])
 def test_it_fits(pages, browser, width, fragment):
     browser.device(width, 844)
+    browser.visit(pages("draft-gear-two-on-two").output, "#with=steel&lang=de")
+    assert browser.run("page.stages.every(({view}) => view.barRoom > 17)")  # of forces, between words and beads
     browser.visit(pages(SCENE).output, fragment)
     assert browser.run(FITS)
     assert browser.run("document.getElementById('toggle').getBoundingClientRect().bottom") <= 844  # Play is in sight
