@@ -92,11 +92,11 @@ function rounded(pen, x, y, wide, tall, radius) {
   pen.fill();
 }
 
-// One line of text; `align` is "left", "center" or "right".
-function write(pen, text, x, y, size, colour, align = "left", bold = false) {
+// One line of text; `align` is "left", "center" or "right". Where it is wider than `room`, its letters are narrower.
+function write(pen, text, x, y, size, colour, align = "left", bold = false, room = undefined) {
   pen.font = `${bold ? 600 : 400} ${size}px ${FONT}`;
   pen.textAlign = align;
   pen.fillStyle = colour;
-  pen.fillText(text, x, y);
+  pen.fillText(text, x, y, room);
 }
 const FONT = 'Inter, system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';

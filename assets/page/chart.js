@@ -72,7 +72,7 @@ class Chart {
       const y = Math.round(this.down(value * unit));
       pen.fillStyle = value === 0 ? theme.strong : theme.line;
       pen.fillRect(CHART_LEFT, y, this.right - CHART_LEFT, 1);
-      write(pen, text, CHART_LEFT - 6, y + 4, 12, theme.muted, "right");
+      write(pen, text, CHART_LEFT - 6, y + 4, 12, theme.muted, "right", false, CHART_LEFT - 8);
     }
     for (const { value, text } of this.end > this.begin ? ticksOf(this.begin / data.unit.size, this.end / data.unit.size, 5) : []) {
       write(pen, text, this.across(value * data.unit.size), this.foot + 17, 12, theme.muted, "center");
@@ -136,14 +136,4 @@ class Chart {
 function padded([low, high]) {
   const room = 0.08 * (high - low);
   return [low < 0 ? low - room : low, high + room];
-}
-
-// Round values between `low` and `high`, about `most` of them.
-function ticksOf(low, high, most) {
-  const rough = (high - low) / most, power = 10 ** Math.floor(Math.log10(rough));
-  const step = [1, 2, 5, 10].map((k) => k * power).find((k) => k >= rough * (1 - 1e-9)) ?? 10 * power;
-  const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9)), found = [];
-  const last = Math.floor(high / step + 1e-9);
-  for (let k = Math.ceil(low / step - 1e-9); k <= last; k++) found.push({ value: k * step, text: fixed(k * step, decimals) });
-  return found;
 }

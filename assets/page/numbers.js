@@ -40,10 +40,15 @@ function roundDown(value) {
   return [10, 5, 2, 1, 0.5].map((k) => k * power).find((round) => round <= value * (1 + 1e-9));
 }
 
-// A few round values from 0 to `high`.
-function roundValues(high, most) {
-  const power = 10 ** Math.floor(Math.log10(high / most));
-  const step = [1, 2, 5, 10, 20].map((k) => k * power).find((k) => high <= k * most * (1 + 1e-9));
-  const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
-  return Array.from({ length: Math.floor(high / step + 1e-9) + 1 }, (_, k) => ({ value: k * step, text: fixed(k * step, decimals) }));
+// Round values between `low` and `high`, at most `most` steps of them, with labels that differ; tiny and huge ones with powers of ten.
+function ticksOf(low, high, most) {
+  const rough = (high - low) / most, power = 10 ** Math.floor(Math.log10(rough));
+  const step = [1, 2, 5, 10].map((k) => k * power).find((k) => k >= rough * (1 - 1e-9)) ?? 10 * power;
+  const place = Math.floor(Math.log10(step) + 1e-9), last = Math.floor(high / step + 1e-9), found = [];
+  const plainly = place >= -4 && place < 4, digits = (value) => Math.floor(Math.log10(Math.abs(value)) + 1e-9) - place;
+  for (let k = Math.ceil(low / step - 1e-9); k <= last; k++) {
+    const value = k * step;
+    found.push({ value, text: plainly ? fixed(value, Math.max(0, -place)) : scientific(value, digits(value)) });
+  }
+  return found;
 }

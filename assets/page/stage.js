@@ -141,7 +141,7 @@ function backdrop(pen, view, data) {
   pen.fillStyle = theme.card;
   rounded(pen, 0, 0, width, view.tall, 8);
   const unit = data.forceUnit, most = Math.max(1, Math.min(4, Math.floor(view.barRoom / 26)));
-  for (const { value, text } of view.forces ? roundValues(view.force / FORCE_MARGIN / unit.size, most) : []) {
+  for (const { value, text } of view.forces ? ticksOf(0, view.force / FORCE_MARGIN / unit.size, most) : []) {
     const y = barTop(view, data, value * unit.size);
     pen.fillStyle = theme.line;
     pen.fillRect(0, Math.round(y), width, 1);
@@ -221,7 +221,7 @@ function forceBars(pen, view, data, now) {
   const { motion, size, theme } = view, visible = VISIBLE_FORCE * view.force;
   const wide = Math.min(Math.max(0.26 * size, 3), 30), unit = data.forceUnit.size;
   const decimals = Math.max(0, 2 - Math.floor(Math.log10(view.force / unit))), rigid = rigidForces(motion.mass, now, data.length);
-  const high = size < 40 ? 11 : 13, numbers = [];
+  const high = size < 40 ? 11 : 13, numbers = [], text = (value) => (decimals > 4 ? scientific(value) : fixed(value, decimals));
   now.contacts.forEach((x, k) => {
     const force = now.force[k], top = barTop(view, data, Math.abs(force)), expected = rigid[k];
     pen.fillStyle = view.contactColours[k];
@@ -239,7 +239,7 @@ function forceBars(pen, view, data, now) {
       pen.fillRect(x - reach, line - 0.75, 2 * reach, 1.5);
       if (line > top - 20) above = Math.min(top, line); // a number stands above a line that would strike it through
     }
-    if (Math.abs(force) > visible && size >= 28) numbers.push({ text: fixed(force / unit, decimals), x, y: above - 5, force: Math.abs(force) });
+    if (Math.abs(force) > visible && size >= 28) numbers.push({ text: text(force / unit), x, y: above - 5, force: Math.abs(force) });
   });
   const taken = [view.captions.scale]; // the greatest first; a number that would lie on another text is left out
   pen.font = `600 ${high}px ${FONT}`;

@@ -21,7 +21,16 @@ from softcradle.sandbox.draw.bodies import (
     rigid_forces,
     solid_force,
 )
-from softcradle.sandbox.draw.number_format import LARGEST_PLAIN, factor, fixed, prefixed, round_down, scientific, ticks
+from softcradle.sandbox.draw.number_format import (
+    LARGEST_PLAIN,
+    MOST_DECIMALS,
+    factor,
+    fixed,
+    prefixed,
+    round_down,
+    scientific,
+    ticks,
+)
 from softcradle.sandbox.draw.palette import bead_colours, mix, text_on, tones
 from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, Scales, left_edges
 from softcradle.sandbox.draw.supersampling import blit_sprite, draw_arrow, fill_rectangle
@@ -281,7 +290,6 @@ class LaneDrawing:
         """A bar for each contact; across it a line where it would end if each cluster were rigid, Eq. (5)."""
         unit, visible = self.unit, VISIBLE_FORCE * self.scales.force
         wide = min(max(0.26 * self.bead, 3 * unit), 30 * unit)
-        decimals = max(0, 2 - math.floor(math.log10(self.scales.force)))
         rigid = rigid_forces(self.chain.mass, self.ends, overlaps, forces, self.length)
         for i, (x, force, expected) in enumerate(zip(contacts, forces, rigid, strict=True)):
             self._bar(surface, i, x - wide / 2, wide, force)
@@ -289,7 +297,7 @@ class LaneDrawing:
                 reach = wide / 2 + 5 * unit
                 line = (x - reach, self._bar_top(expected) - 0.75 * unit, 2 * reach, 1.5 * unit)
                 fill_rectangle(surface, tones.foreground, line)
-        self._force_labels(surface, contacts, forces, rigid, decimals)
+        self._force_labels(surface, contacts, forces, rigid)
 
     def _bar(self, surface: pygame.Surface, contact: int, left: float, wide: float, force: float) -> None:
         """The bar of a force: filled where it pushes, hollow where it pulls, dark from where the gear is solid."""
@@ -303,20 +311,27 @@ class LaneDrawing:
             fill_rectangle(surface, tones.foreground, (left, top, wide, self._bar_top(solid) - top))
 
     def _force_labels(
-        self, surface: pygame.Surface, contacts: list[float], forces: list[float], rigid: list[float], decimals: int
+        self, surface: pygame.Surface, contacts: list[float], forces: list[float], rigid: list[float]
     ) -> None:
         """The forces above their bars, the greatest first; those that would lie on another or on the heading are left out."""
         size, visible, taken = 13 * self.unit, VISIBLE_FORCE * self.scales.force, list(self.heading)
         for i in sorted(range(len(forces)), key=lambda i: -abs(forces[i])):
             if abs(forces[i]) <= visible:
                 return
-            text = fixed(forces[i], decimals) if self.scales.force < LARGEST_PLAIN else prefixed(forces[i])
+            text = self._force_text(forces[i])
             wide, foot = width(text, size, bold=True) + 4 * self.unit, self._label_foot(forces[i], rigid[i])
             place = pygame.Rect(round(contacts[i] - wide / 2), round(foot - size), round(wide), round(size))
             if self.rect.left <= contacts[i] <= self.rect.right and place.collidelist(taken) < 0:
                 taken.append(place)
                 place.left = min(max(place.left, self.rect.left), self.rect.right - place.width)
                 write(surface, text, (place.centerx, foot), size, bold=True, align=(0.5, 1))
+
+    def _force_text(self, force: float) -> str:
+        """The force above a bar, with the digits that the greatest needs."""
+        decimals = max(0, 2 - math.floor(math.log10(self.scales.force)))
+        if self.scales.force >= LARGEST_PLAIN:
+            return prefixed(force)
+        return scientific(force) if decimals > MOST_DECIMALS else fixed(force, decimals)
 
     def _label_foot(self, force: float, rigid: float) -> float:
         """Pixel of the foot of a force's label: above its bar, and above the mark of rigid clusters where that is near."""

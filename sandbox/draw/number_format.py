@@ -8,6 +8,7 @@ from softcradle.sandbox.languages import localized
 MINUS, TIMES = "\N{MINUS SIGN}", "\N{MULTIPLICATION SIGN}"
 FORCE_UNITS = ((1e6, "MN"), (1e3, "kN"), (1.0, "N"), (1e-3, "mN"), (1e-6, "µN"))
 ROUND_OFF = 1e-12  # smaller results are shown as 0
+MOST_DECIMALS = 4  # of a number on an axis; smaller ones have a power of ten
 LARGEST_PLAIN = 1e4  # greater numbers are written with the prefix of a unit
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _SUBSCRIPTS = str.maketrans("-0123456789", "₋₀₁₂₃₄₅₆₇₈₉")
@@ -79,18 +80,20 @@ def round_down(value: float) -> float:
 
 
 def ticks(low: float, high: float, most: int) -> list[tuple[float, str]]:
-    """At most `most` + 1 round values inside [low, high] with their labels; large ones have the prefix of a unit."""
-    step = round_step(high - low, most)
-    decimals = max(0, -math.floor(math.log10(step) + 1e-9))
-    first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
-    largest = max(abs(low), abs(high))
-    digits = max(
-        3, 1 + math.floor(math.log10(largest)) - math.floor(math.log10(step) + 1e-9)
-    )  # neighbours differ in the last
-    large = largest >= LARGEST_PLAIN
-    return [
-        (k * step, prefixed(k * step, digits) if large else fixed(k * step, decimals)) for k in range(first, last + 1)
-    ]
+    """At most `most` + 1 round values inside [low, high] with labels that differ.
+
+    Large ones have the prefix of a unit, tiny ones a power of ten.
+    """
+    step, large = round_step(high - low, most), max(abs(low), abs(high)) >= LARGEST_PLAIN
+    place = math.floor(math.log10(step) + 1e-9)  # of the digit in which neighbours differ
+
+    def text(value: float) -> str:
+        digits = math.floor(math.log10(abs(value) or 1.0) + 1e-9) - place
+        if large:
+            return prefixed(value, max(3, 1 + digits))
+        return scientific(value, digits) if place < -MOST_DECIMALS else fixed(value, max(0, -place))
+
+    return [(k * step, text(k * step)) for k in range(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1)]
 
 
 def decades(low: int, high: int, most: int) -> list[tuple[float, str]]:

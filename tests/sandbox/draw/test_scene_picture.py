@@ -346,6 +346,7 @@ def test_steps_are_round(span, most):
         ([text for _, text in ticks(0.0, 1.4e6, 3)], ["0", "500 k", "1 M"]),
         ([text for _, text in ticks(-2e4, 2e4, 4)], [f"{MINUS}20 k", f"{MINUS}10 k", "0", "10 k", "20 k"]),
         ([text for _, text in ticks(12345.1, 12345.2, 2)], ["12.3451 k", "12.34515 k", "12.3452 k"]),
+        ([text for _, text in ticks(-5e-7, 1.5e-6, 4)], [f"{MINUS}5·10⁻⁷", "0", "5·10⁻⁷", "1.0·10⁻⁶", "1.5·10⁻⁶"]),
         ([speed_text(slow) for slow in (1, 4, 1e4)], ["real time", "slow motion 1/4", "slow motion 1/10000"]),
         ([speed_text(slow) for slow in (0.7, 1e-5)], [f"quick motion {TIMES}1.429", f"quick motion {TIMES}100000"]),
         (mass_labels(one_on(3, hertz(1.0), [1500.0, 0.25, 2e-5, math.inf])), ("1500 kg", "0.25 kg", "2.00·10⁻⁵ kg", "wall")),

@@ -52,11 +52,11 @@ SPY = """(() => {
   const pen = CanvasRenderingContext2D.prototype, text = pen.fillText, box = pen.fillRect;
   const staged = (found) => page.stages.some(({pen, layer}) => found === pen || found === layer);
   window.texts = []; window.rules = [];
-  pen.fillText = function (words, x, y) {
+  pen.fillText = function (words, x, y, room) {
     const wide = this.measureText(words).width, left = {center: wide / 2, right: wide}[this.textAlign] || 0;
     const high = parseFloat(this.font.match(/([\\d.]+)px/)[1]);
     if (staged(this)) texts.push([words, x - left, y - 0.72 * high, x - left + wide, y]);
-    text.call(this, words, x, y);
+    text.call(this, words, x, y, room);
   };
   pen.fillRect = function (x, y, wide, high) {
     if (staged(this) && high === 1.5) rules.push(['', x, y, x + wide, y + high]);
@@ -622,6 +622,9 @@ def test_it_speaks_the_language_of_its_reader(pages, browser, code, title):
     browser.run(SET.format("language", "fr", "change"))
     assert browser.run("document.documentElement.lang") == "fr"
     assert browser.run("document.getElementById('toggle').title") == "Lecture"
+    axis = "ticksOf(-5e-7, 1.5e-6, 4).concat(ticksOf(0, 2e5, 2)).map(({text}) => text)"
+    expected = [f"{MINUS}5·10⁻⁷", "0", "5·10⁻⁷", "1,0·10⁻⁶", "1,5·10⁻⁶", "0", "1·10⁵", "2·10⁵"]
+    assert browser.run(axis) == expected
     assert browser.run("massLabels([1500, 0.25, null])") == ["1500 kg", "0,25 kg", "mur"]
     around = "[...document.querySelectorAll('.source, details:last-of-type summary, footer')].map((e) => e.textContent)"
     for word, text in zip(("éqs.", "en fichier", "fait avec softcradle"), browser.run(around), strict=True):
