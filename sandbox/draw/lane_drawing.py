@@ -273,8 +273,8 @@ class LaneDrawing:
         blit_sprite(surface, number_sprite(str(bead), size, text_on(self.colours[bead])), middle - half, y - half)
 
     def _is_gear(self, bead: int) -> bool:
-        """Whether the bead pushes to its right with a piston; the last one is drawn like its neighbour."""
-        return is_gear(self.chain.contact[min(bead, self.chain.contacts - 1)])
+        """Whether the bead, no wall, pushes to its right with a piston; the last one is drawn like its neighbour."""
+        return math.isfinite(self.chain.mass[bead]) and is_gear(self.chain.contact[min(bead, self.chain.contacts - 1)])
 
     def _core(self, bead: int) -> float:
         """Radius of the bead's core (0 to 1): its area is the share of the greatest mass. 0 where all masses are equal."""

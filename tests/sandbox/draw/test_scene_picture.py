@@ -121,6 +121,16 @@ def test_a_lane_without_room_for_bars_is_drawn(height):
     assert (max(bars) > 0) == (drawing.bar_room > 0.0)
 
 
+def test_a_wall_has_no_piston():
+    contact = '{law = "draft_gear", stiffness = 1.0, precompression = 0.2}'
+    lane = f"mass = [inf, 1.0]\nvelocity = [0.0, -1.0]\ngap = 0.5\ncontact = {contact}"
+    _, motions, picture = pictured(f'title = "Wall"\nduration = 2.0\nview = {{magnify = 1.0}}\n[[lanes]]\n{lane}')
+    row, drawing = strongest_row(motions), picture.lanes[0].drawing
+    assert motions[0].overlap[row, 0] > 0.6  # of a bead's length
+    beside = painted(picture, row)[: round(drawing.ground) - 5, : round(drawing.left() - 3)]
+    assert (beside[round(drawing.bar_base) + 5 :, drawing.rect.left :] == tones.lane_background).all()
+
+
 def test_piston_moves_in_by_the_magnified_overlap():
     _, motions, picture = pictured(GEAR)
     drawing = picture.lanes[0].drawing
