@@ -122,7 +122,7 @@ def bead_table(summary: Summary) -> ResultTable:
     rows = (
         (
             str(i),
-            _("wall") if bead.mass is None else f"{bead.mass:g}",
+            _("wall") if bead.mass is None else plain(bead.mass, 6),
             _speed(bead.start_velocity),
             _speed(bead.final_velocity),
         )

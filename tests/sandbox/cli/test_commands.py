@@ -21,7 +21,7 @@ from softcradle.sandbox import console
 from softcradle.sandbox.cli.commands.run import print_report
 from softcradle.sandbox.cli.main import COMMANDS, main
 from softcradle.sandbox.scene_runs import run_scene
-from softcradle.sandbox.trajectory_summary import contact_table, summarise
+from softcradle.sandbox.trajectory_summary import bead_table, contact_table, summarise
 
 from softcradle import scenes
 from tests.helpers.own_process import python
@@ -143,6 +143,8 @@ def test_errors_are_relative_to_the_start():
     assert (first.closed, first.opened, first.times, first.still_closed) == (0.1, 0.2, 2, True)
     assert (second.closed, second.opened, second.times, second.still_closed) == (None, None, 0, False)
     assert [row[2] for row in contact_table(summary).rows[:2]] == ["still closed", "never"]
+    heavy = summarise("", simulate(Chain([1.2e6, math.inf], hertz(1.0)), [1.0, 0.0], duration=0.1))
+    assert [row[1] for row in bead_table(heavy).rows] == ["1200000", "wall"]
 
 
 @pytest.mark.parametrize("velocity", [[0.5, 0.0, -0.3], [0.0, 0.0, -0.3]], ids=["moving", "at rest"])
