@@ -26,6 +26,7 @@ Array = NDArray[np.float64]
 TWO_WALLS = "a chain with two walls may never come apart: give a duration"
 PUSHED_ON_A_BED = "beads on a bed may never come apart from a wall that moves: give a duration"
 DRIVEN = "a driven chain may never come apart: give a duration"
+PULLED = "a chain whose couplers pull never comes apart: give a duration"
 LEAST_TOLERANCE = 1e-16  # nothing finer can be told from round-off
 LEAST_TIME = 1e-100  # [s] of a sample: overlaps then are products of such times, and far earlier ones underflow
 MOST_SAMPLED = 100_000_000  # samples times beads: about 3 GB; a typing error must not fill the memory
@@ -243,6 +244,17 @@ def checked_tolerance(tolerance: float) -> float:
     return found
 
 
+def endless(chain: Chain, velocity: ArrayLike) -> str:
+    """Why a run of the chain may have no end of its own; empty where it has one."""
+    if chain.walls > 1:
+        return TWO_WALLS
+    if chain.lasts:
+        return DRIVEN
+    if chain.walls and pushes_on_a_bed(chain.mass, chain.on_bed, velocity):
+        return PUSHED_ON_A_BED
+    return PULLED if chain.pulls else ""
+
+
 def pushes_on_a_bed(mass: ArrayLike, on_bed: ArrayLike, velocity: ArrayLike) -> NDArray[np.bool_]:
     """(...) whether a wall moves towards beads of `mass` (..., n+1) that rub on a bed: these may stay at it for ever."""
     walls, speeds = np.isinf(np.asarray(mass)), np.asarray(velocity)
@@ -272,10 +284,8 @@ def _problem(
     state = State.at_start(chain, velocity)
     _require_carried(method.name, chain)
     if duration is None:
-        _require(chain.walls < 2, TWO_WALLS)
-        _require(not chain.lasts, DRIVEN)
-        _require(not (chain.walls and pushes_on_a_bed(chain.mass, chain.on_bed, velocity)), PUSHED_ON_A_BED)
-        _require(not chain.pulls, "a chain whose couplers pull never comes apart: give a duration")
+        reason = endless(chain, velocity)
+        _require(not reason, reason)
     else:
         duration = magnitude("duration", duration, zero=True)
     require_computable(chain, velocity, duration)

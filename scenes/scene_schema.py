@@ -9,6 +9,7 @@ from softcradle.physics import notebook_views
 from softcradle.physics.checked_input import magnitude
 from softcradle.physics.methods import AUTO, refusal_of
 from softcradle.physics.scales import require_computable
+from softcradle.physics.simulation import checked_tolerance, endless
 from softcradle.physics.state import checked_velocity
 from softcradle.scenes.contact_table import ContactTable
 from softcradle.scenes.toml_table import (
@@ -225,19 +226,14 @@ class Scene(notebook_views.Moving, Table):
             if (given := getattr(self, key)) is not None:
                 magnitude(key, given)
         if self.tolerance is not None:
-            from softcradle.physics.simulation import checked_tolerance  # no list of scenes waits for it
-
             checked_tolerance(self.tolerance)
-        if self.duration is None and any(lane.chain().walls > 1 for lane in self.lanes):
-            raise problem("two walls may keep beads between them for ever: the scene needs a duration")
-        if self.duration is None and any(lane.chain().lasts for lane in self.lanes):
-            raise problem("a drive may keep beads together for ever: the scene needs a duration")
-        if self.duration is None and any(lane.chain().pulls for lane in self.lanes):
-            raise problem("couplers that pull keep beads together for ever: the scene needs a duration")
-        adaptive = {AUTO, *(method.name for method in physics.METHODS if method.adaptive)}
-        reasons = [refusal_of(self.method, lane.chain()) for lane in self.lanes if self.method is not None]
+        chains = [lane.chain() for lane in self.lanes]
+        reasons = [refusal_of(self.method, chain) for chain in chains if self.method is not None]
+        if self.duration is None:
+            reasons += [endless(chain, lane.velocity) for chain, lane in zip(chains, self.lanes, strict=True)]
         if any(reasons):
             raise problem(next(filter(None, reasons)))
+        adaptive = {AUTO, *(method.name for method in physics.METHODS if method.adaptive)}
         if self.step is not None and self.method in adaptive:
             raise problem(f"method {self.method!r} chooses its own steps: give a tolerance instead of a step")
         return self

@@ -16,6 +16,7 @@ from softcradle.physics.chain import Chain, Joint
 from softcradle.physics.contact import Contact, is_closed
 from softcradle.physics.coupler import Coupler
 from softcradle.physics.own_law import OwnLaw
+from softcradle.physics.simulation import endless
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, WarningCode
 from softcradle.physics.trajectory import Interval, Trajectory
@@ -90,7 +91,7 @@ def _scene_of(scene: Scene, setup: Setup, labels: Sequence[str]) -> Scene:
     changed |= words_for(scene, lanes)
     changed["view"] = {**changed["view"], "slow": setup.slow}
     changed |= _method(scene, setup)
-    if scene.duration is None and any(one.chain.walls > 1 or one.chain.lasts for one in setup.lanes):
+    if scene.duration is None and any(endless(lane.chain(), lane.velocity) for lane in lanes):
         changed["duration"] = DURATION
     return Scene.model_validate(changed)
 

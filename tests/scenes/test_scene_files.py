@@ -241,7 +241,7 @@ def test_a_scene_file_gives_couplers_and_their_tables_give_them_back():
         ('push = {law = "preloaded",', 'push = {law = "preloded",', "did you mean 'preloaded'"),
         ('law = "coupler"', 'law = "cupler"', "did you mean 'coupler'"),
         ('method = "conserving"', 'method = "pymunk"', "not couplers: take 'accurate', 'conserving' or 'scipy'"),
-        ("duration = 1.0\n", "", "needs a duration"),
+        ("duration = 1.0\n", "", "never comes apart: give a duration"),
     ],
 )
 def test_what_is_wrong_with_a_coupler_is_said(old, new, sentence):

@@ -14,6 +14,7 @@ from softcradle.sandbox.session.inputs import (
     RemoveBead,
     SetContact,
     SetDrive,
+    SetFriction,
     SetMass,
     SetMethod,
     SetSlow,
@@ -95,6 +96,9 @@ def test_a_restart_and_a_saved_scene_have_the_edits_of_the_beads_and_of_the_star
     assert len(session.lanes[0].chain.mass) == len(opened(tmp_path / "saved.toml").lanes[0].chain.mass) == 4
     session.apply_all([SetMass(0, 0, math.inf), SetMass(0, 3, math.inf)])
     assert scenes.parse(session.to_scene().to_toml()).duration == DURATION, "between two walls it has no end of its own"
+    session.undo()
+    session.apply_all([SetMass(0, 0, math.inf), SetFriction(0, 0.1)])
+    assert session.to_scene().duration == DURATION, "on a bed before a piston it has none either"
 
 
 @pytest.mark.parametrize("slow", [1.0, 2.0, 100.0])
