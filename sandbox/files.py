@@ -34,7 +34,7 @@ def _user_errors(opened: AbstractContextManager[Path], path: Name) -> Iterator[P
 
 @contextmanager
 def filled_folder(path: Name) -> Iterator[Path]:
-    """The folder of that name, made where it does not exist, and removed again where an error leaves it empty (UserError)."""
+    """The folder of that name, made where it does not exist, and removed again where it is left empty (UserError)."""
     is_new = not os.path.exists(path)
     folder = Path(path)
     try:
@@ -44,11 +44,10 @@ def filled_folder(path: Name) -> Iterator[Path]:
         raise UserError(f"cannot write to {path}: {told}") from None
     try:
         yield folder
-    except BaseException:
+    finally:
         if is_new:
             with suppress(OSError):  # of a folder that something was written to
                 folder.rmdir()
-        raise
 
 
 def readable_json(content: object) -> str:

@@ -96,10 +96,8 @@ def _axis_coordinates(points: Points) -> dict[str, Any]:
     return found
 
 
-def checked_output(output: str | Path | None) -> Path | None:
-    """The path of the output, or what it is a link to. Raises StudyError where nothing can be written there."""
-    if output is None:
-        return None
+def checked_output(output: str | Path, points: Points) -> Path:
+    """The path of the output, or what it is a link to. Raises StudyError where the points cannot be written there."""
     path = followed(Path(output))
     if path.suffix not in ENGINES:
         raise StudyError(f"the output of a sweep must end in {' or '.join(ENGINES)}, not {str(path)!r}")
@@ -113,16 +111,12 @@ def checked_output(output: str | Path | None) -> Path | None:
             import zarr  # noqa: F401
         else:
             import h5netcdf  # noqa: F401
-    return path
-
-
-def check_written(points: Points) -> None:
-    """Refuse parameters that no file takes. Raises StudyError."""
     for axis in points.axes:
         kinds = kinds_of(axis.values) - {type(None)}
         if axis.array.dtype == object and not (kinds <= {str} or kinds <= {int, float}):
             told = ", ".join(sorted(kind.__name__ for kind in kinds))
             raise StudyError(f"{axis.path}: an output takes values that are all numbers or all texts, not {told}")
+    return path
 
 
 def write_dataset(found: xr.Dataset, path: Path) -> None:

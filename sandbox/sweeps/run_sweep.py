@@ -12,11 +12,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from softcradle.physics.atomic_files import followed
 from softcradle.physics.extras import needed_for
 from softcradle.physics.source_digest import digest_of
 from softcradle.sandbox.sweeps.dataset import (
-    check_written,
     checked_output,
     dataset_of,
     lost_points,
@@ -131,9 +129,7 @@ def sweep(
         import xarray  # noqa: F401  # before the work, not after it
     points = over if isinstance(over, Points) else grid(over)
     work = sweep_work(what, points, measures)
-    path, study = checked_output(output), study_text(work, title, units)
-    if path is not None:
-        check_written(points)
+    path, study = None if output is None else checked_output(output, points), study_text(work, title, units)
     if path is not None and path.exists() and not (fresh or begun_afresh(partial_folder(path), study)):
         LOGGER.info("%s is complete: nothing to compute", path)
         return opened_dataset(path, study)
@@ -169,7 +165,8 @@ def sweep_status(
 
     See `sweep`; nothing is computed. Raises StudyError.
     """
-    points, path = over if isinstance(over, Points) else grid(over), followed(Path(output))
+    points = over if isinstance(over, Points) else grid(over)
+    path = checked_output(output, points)
     study, folder, count = study_text(sweep_work(what, points, measures), title), partial_folder(path), points.count
     if path.exists() and not begun_afresh(folder, study):
         with opened_dataset(path, study) as found:

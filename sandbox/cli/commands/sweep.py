@@ -51,12 +51,17 @@ def main(args: argparse.Namespace) -> int:
         raise UserError("a study file is missing (softcradle sweep STUDY.toml; --measures lists what it can measure)")
     if args.threads and args.scheduler:
         raise UserError("--threads is for this machine, --scheduler for another: give one of them")
+    from softcradle.sandbox.files import filled_folder
     from softcradle.sandbox.sweeps.study_file import load_study
 
     study = load_study(args.study)
     output = Path(args.output or DEFAULT_FOLDER / f"{Path(args.study).stem}.zarr")
-    if not args.status:
-        return _compute(args, study, output)
+    with nullcontext() if args.output else filled_folder(DEFAULT_FOLDER):
+        return _tell_status(study, output) if args.status else _compute(args, study, output)
+
+
+def _tell_status(study: SweepStudy, output: Path) -> int:
+    """Say how far the study is; the exit code says whether points are lost."""
     from softcradle.sandbox.sweeps.run_sweep import sweep_status
 
     lost, sentence = sweep_status(study.scene, study.points, study.measures, output, study.title)
@@ -66,12 +71,10 @@ def main(args: argparse.Namespace) -> int:
 
 def _compute(args: argparse.Namespace, study: SweepStudy, output: Path) -> int:
     """Compute the study and say what was found; the exit code says whether points are lost."""
-    from softcradle.sandbox.files import filled_folder
     from softcradle.sandbox.sweeps.dataset import lost_points
     from softcradle.sandbox.sweeps.run_sweep import sweep
 
-    folder = nullcontext() if args.output else filled_folder(DEFAULT_FOLDER)
-    with folder, ProgressShown("points") as progress:
+    with ProgressShown("points") as progress:
         found = sweep(
             study.scene,
             study.points,
@@ -88,7 +91,7 @@ def _compute(args: argparse.Namespace, study: SweepStudy, output: Path) -> int:
     _print_summary(found)
     lost = lost_points(found)
     found.close()
-    note(f"written: {output}")
+    note(f"complete, {study.points.count} points are in {output}")
     return POINTS_LOST if lost else 0
 
 

@@ -100,6 +100,7 @@ REFUSED = [
     ("chart train-braking --ours --error overlaps -o chart.svg", "no contact yields"),
     ("chart -o chart.txt", "chart writes .png, .pdf, .svg"),
     ("sweep", "a study file is missing"),
+    (f"sweep {STUDY} --status -o nowhere/found.nc", "there is no folder "),
     ("sweep nowhere.toml", "cannot read nowhere.toml: no such file"),
     (f"sweep {STUDY} --threads --scheduler tcp://127.0.0.1:1", "give one of them"),
     (f"sweep {STUDY} --workers 0", "must be a whole number from 1"),

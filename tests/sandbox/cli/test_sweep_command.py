@@ -48,7 +48,7 @@ def swept(tmp_path, softcradle):
     return run
 
 
-def test_a_study_is_computed_once_and_says_how_far_it_is(tmp_path, swept, monkeypatch):
+def test_a_study_is_computed_once_and_says_how_far_it_is(tmp_path, swept, monkeypatch, softcradle, refused):
     output = tmp_path / "found.nc"
     assert swept("--status").out == "two speeds: not begun, none of 2 points is computed\n"
     monkeypatch.setattr(run_sweep, "write_dataset", Mock(side_effect=KeyboardInterrupt))
@@ -60,11 +60,15 @@ def test_a_study_is_computed_once_and_says_how_far_it_is(tmp_path, swept, monkey
     assert "two speeds: 2 speed" in printed
     assert "final_velocity [m/s]" in printed
     assert swept("--status").out == f"two speeds: complete, 2 points are in {output}\n"
+    monkeypatch.chdir(tmp_path)
+    assert "not begun" in softcradle("sweep", "study.toml", "--status").out
+    assert "must end in .zarr or .nc" in refused("sweep", "study.toml", "--status", "-o", ".")
     with xr.open_dataset(output, engine="h5netcdf") as found:
         assert found["final_velocity"].dims == ("speed", "bead")
         assert found["final_velocity"].sum("bead").values == pytest.approx(found["speed"].values)
     changed_at = output.stat().st_mtime_ns
-    swept()
+    told = f"complete, 2 points are in {output}\n"
+    assert swept().out == printed + told
     assert output.stat().st_mtime_ns == changed_at
     assert sorted(path.name for path in tmp_path.iterdir()) == ["found.nc", "study.toml"]
     other = changed(VALUES, "values = [0.5, 2]")
