@@ -152,3 +152,9 @@ def open_with_desktop(path: Path) -> None:
 def add_open(parser: argparse.ArgumentParser) -> None:
     """Add the option that opens what was written."""
     parser.add_argument("--open", action="store_true", help="open the file with the desktop's program for it")
+
+
+def check_open(wanted: bool, output: object) -> None:
+    """Refuse to open what is written where there is no `output`. Raises UserError."""
+    if wanted and not output:
+        raise UserError("--open opens the file that is written: give one with -o, too")

@@ -6,7 +6,7 @@ import argparse
 from contextlib import nullcontext
 from typing import TYPE_CHECKING
 
-from softcradle.sandbox.cli.arguments import add_open, picture_folder
+from softcradle.sandbox.cli.arguments import add_open, check_open, picture_folder
 from softcradle.sandbox.console import ProgressShown, console, print_json, print_rows
 from softcradle.sandbox.user_error import named
 
@@ -41,6 +41,7 @@ def main(args: argparse.Namespace) -> int:
         )
         return 0
     output = args.output or ("out/claims" if args.names and not args.json else None)
+    check_open(args.open, output)
     with picture_folder(output, KEPT) if output else nullcontext((None, None, None)) as (folder, kept, written):
         with output_file(args.markdown) if args.markdown else nullcontext() as table:
             with ProgressShown("cases") as progress:

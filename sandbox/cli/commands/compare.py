@@ -7,6 +7,7 @@ from softcradle.sandbox.cli.arguments import (
     WrittenFiles,
     add_method,
     add_open,
+    check_open,
     opened_outputs,
     picture_size,
     positive_number,
@@ -55,6 +56,7 @@ def main(args: argparse.Namespace) -> int:
     if args.match:
         side_to_match(comparison)
     wanted = args.output or ([] if args.json else [DEFAULT_OUTPUT])
+    check_open(args.open, wanted)
     paths, found = list(map(Path, wanted)), None
     written = WrittenFiles(paths)
     settings = FilmSettings(args.size, args.slow, args.method, args.step)

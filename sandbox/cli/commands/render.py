@@ -20,6 +20,8 @@ from softcradle.sandbox.user_error import UserError
 if TYPE_CHECKING:
     from softcradle.scenes import Scene
 
+SIZE = (1280, 720)  # pixels
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_scene(parser)
@@ -28,9 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="film .mp4 .gif .webp .avif, one picture .png, FOLDER/ for one picture a frame, .kymograph.png for "
         "the beads over time: a line of pixels of each frame of a camera, or .html for a page in which the beads live",
     )  # fmt: skip
-    parser.add_argument(
-        "--size", type=picture_size, default=(1280, 720), metavar="WxH", help="pixels (default: 1280x720)"
-    )
+    parser.add_argument("--size", type=picture_size, metavar="WxH", help="pixels (default: {}x{})".format(*SIZE))
     parser.add_argument(
         "--fps",
         type=positive_number,
@@ -57,7 +57,7 @@ def main(args: argparse.Namespace) -> int:
     report = render_scene(
         scene,
         args.output,
-        size=args.size,
+        size=args.size or SIZE,
         fps=args.fps,
         slow=args.slow,
         method=args.method,
@@ -75,15 +75,15 @@ def _kymograph(scene: Scene, args: argparse.Namespace, written: WrittenFiles) ->
             raise UserError(f"a kymograph is one picture: --{option.replace('_', '-')} is for films")
     from softcradle.sandbox.film.kymograph import render_kymograph
 
-    report = render_kymograph(scene, args.output, args.size, fps=args.fps, method=args.method, step=args.step)
+    report = render_kymograph(scene, args.output, args.size or SIZE, fps=args.fps, method=args.method, step=args.step)
     written.report([report.output], f", {report.frames} camera frames, in {report.seconds:.1f} s", args.open)
     return 0
 
 
 def _page(scene: Scene, args: argparse.Namespace, written: WrittenFiles) -> int:
-    for option in ("fps", "pixel_format"):
+    for option in ("size", "fps", "pixel_format"):
         if getattr(args, option) is not None:
-            raise UserError(f"a page has no frames: --{option.replace('_', '-')} is for films")
+            raise UserError(f"a page has no frames: --{option.replace('_', '-')} is for films and pictures")
     from softcradle.sandbox.cli.commands.page import write_scene_page
 
     write_scene_page(scene, args.output, written, args.open, slow=args.slow, method=args.method, step=args.step)

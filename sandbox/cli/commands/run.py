@@ -13,6 +13,7 @@ from softcradle.sandbox.cli.arguments import (
     add_method,
     add_open,
     add_scene,
+    check_open,
     opened_outputs,
     positive_number,
     whole_number,
@@ -58,6 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Compute the lanes, write their trajectories and print the results."""
+    check_open(args.open, args.output)
     scene = load_scene(args.scene)
     outputs = [path for wanted in args.output for path in _outputs(wanted, len(scene.lanes))]
     if len({path.absolute() for path in outputs}) < len(outputs):

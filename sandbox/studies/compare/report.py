@@ -194,7 +194,8 @@ FILM_MARGIN = 96  # [pixels] above and below all rows
 FILM_ROW = 300  # [pixels] height of one side
 LONGEST_FILM = 20.0  # [s] where no slow motion is given
 FILM_SUFFIXES = (".mp4", ".gif", ".webp", ".avif")
-SUFFIXES = (".html", ".json", *FILM_SUFFIXES)
+PLAYED_SUFFIXES = (".html", *FILM_SUFFIXES)
+SUFFIXES = (".json", *PLAYED_SUFFIXES)
 
 
 @dataclass(frozen=True)
@@ -219,12 +220,15 @@ class FilmSettings:
 
 
 def check_outputs(paths: Sequence[Path], comparison: Comparison, settings: FilmSettings) -> None:
-    """Raise a UserError for an unknown kind of file, an impossible size, or a file that is given twice."""
+    """Raise a UserError for an unknown kind of file, settings that none of them takes, or a file that is given twice."""
     for path in paths:
         if path.suffix not in SUFFIXES:
             raise UserError(f"cannot write {path}: the name must end in {', '.join(SUFFIXES)}")
-        if path.suffix != ".json":
-            check(path if path.suffix in FILM_SUFFIXES else "film.mp4", settings.pixels(comparison), None)
+        if path.suffix in FILM_SUFFIXES:
+            check(path, settings.pixels(comparison), None)
+    for option, given, suffixes in (("size", settings.size, FILM_SUFFIXES), ("slow", settings.slow, PLAYED_SUFFIXES)):
+        if given is not None and not any(path.suffix in suffixes for path in paths):
+            raise UserError(f"--{option} is for {', '.join(suffixes)}: give one of them with -o")
     if len({os.path.abspath(path) for path in paths}) < len(paths):
         raise UserError("the same file is given twice with -o")
 

@@ -48,7 +48,7 @@ def test_one_scene_with_contacts_comes_first_equal_contacts_once_and_another_met
 def test_the_nearest_contact_is_one_more_side(compared, tmp_path):
     path = tmp_path / "x.html"
     arguments = ["draft-gear-two-on-two", "--match", "--contact", "hertz(1e6)", "-o", str(path)]
-    content = compared(*arguments, "--size", "480x270")
+    content = compared(*arguments)
     names = [side["name"] for side in content["sides"]]
     assert names[:2] == ["draft_gear(770, 0.0177)", "hertz(1e+06)"]
     assert names[2] == f"nearest: {short_text(content['match']['contact'])}"  # no raw digits in the film
