@@ -9,15 +9,16 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.checked_input import shown, whole_number
+from softcradle.physics.checked_input import LARGEST, SMALLEST, shown, whole_number
 from softcradle.sandbox.user_error import StudyError
 
 Array = NDArray[np.float64]
 Scale = Literal["linear", "log", "whole"]
 Design = Literal["grid", "list", "sobol", "latin_hypercube"]
 
-MOST_POINTS = 2**53  # whole numbers up to here are exact as floats
-MOST_SAMPLED = 2**24  # numbers of samples, which exist as a whole alone: 128 MB in every process
+MOST_POINTS = 2**30  # of which a Dataset holds 8 GB for every number
+MOST_SAMPLED = 2**24  # numbers of samples, or of one parameter, which exist as a whole alone: 128 MB in every process
+MOST_WHOLE = 2**53  # whole numbers up to here are exact as floats
 SOBOL_BITS = 30  # of the sequence, so that 2**30 points differ
 
 
@@ -175,6 +176,10 @@ def _valued(axes: Mapping[str, Any] | Sequence[Axis]) -> tuple[Axis, ...]:
     for axis in axes:
         if not axis.values:
             raise StudyError(f"{axis.path} needs at least one value")
+        if any(isinstance(value, int) and abs(value) > MOST_WHOLE for value in axis.values):
+            raise StudyError(
+                f"{axis.path}: whole numbers must be from -{MOST_WHOLE} to {MOST_WHOLE}, not {shown(axis.values)}"
+            )
     return _named(axes)
 
 
@@ -199,12 +204,15 @@ def check_bounds(axis: Axis) -> None:
     path, low, high = axis.path, axis.low, axis.high
     if axis.scale not in get_args(Scale):
         raise StudyError(f"{path}: scale must be one of {', '.join(get_args(Scale))}, not {axis.scale!r}")
-    if not (math.isfinite(low) and math.isfinite(high) and low < high):
-        raise StudyError(f"{path} must lie between two numbers, the smaller one first, not {low!r} and {high!r}")
-    if axis.scale == "log" and low <= 0.0:
-        raise StudyError(f"{path}: bounds on a log scale must be greater than 0, not {low!r}")
-    if axis.scale == "whole" and not (float(low).is_integer() and float(high).is_integer()):
-        raise StudyError(f"{path}: bounds of whole numbers must be whole, not {low!r} and {high!r}")
+    told = f"not {shown(low)} and {shown(high)}"
+    if not -LARGEST <= low < high <= LARGEST:
+        raise StudyError(f"{path} must lie between two numbers of at most {LARGEST:g}, the smaller one first, {told}")
+    if axis.scale == "log" and low < SMALLEST:
+        raise StudyError(f"{path}: bounds on a log scale must be at least {SMALLEST:g}, {told}")
+    if axis.scale == "whole" and not all(
+        float(bound).is_integer() and abs(bound) <= MOST_WHOLE for bound in (low, high)
+    ):
+        raise StudyError(f"{path}: bounds of whole numbers must be whole and at most {MOST_WHOLE}, {told}")
 
 
 def _from_bounds(path: str, bounds: Any) -> Axis:

@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, Strict, ValidationError, model_validator
 from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.sweeps.sample_points import (
+    MOST_SAMPLED,
     Axis,
     Design,
     Points,
@@ -67,14 +68,15 @@ class ParameterSpan(Table):
             return Axis(path, self.values, name=self.name)
         low, high = self.between
         check_bounds(Axis(path, low=low, high=high, scale=self.scale))
-        if self.scale == "whole":
-            values = tuple(range(int(low), int(high) + 1))
-        elif self.count is None:
+        count = int(high) - int(low) + 1 if self.scale == "whole" else self.count
+        if count is None:
             raise StudyError(f"{path}: count is missing: how many values between {low:g} and {high:g}")
-        else:
-            spread = np.geomspace if self.scale == "log" else np.linspace
-            values = tuple(spread(low, high, self.count).tolist())
-        return Axis(path, values, name=self.name)
+        if count > MOST_SAMPLED:
+            raise StudyError(f"{path} has at most {MOST_SAMPLED} values, not {count}")
+        if self.scale == "whole":
+            return Axis(path, tuple(range(int(low), int(high) + 1)), name=self.name)
+        spread = np.geomspace if self.scale == "log" else np.linspace
+        return Axis(path, tuple(spread(low, high, count).tolist()), name=self.name)
 
     def sampled(self, path: str) -> Axis:
         """The Axis of samples."""

@@ -105,6 +105,13 @@ def test_samples_of_a_file_and_the_example(tmp_path):
         (GOOD + SOBOL, "needs one of the tables grid, list, sobol, latin_hypercube, not 2"),
         (changed(VALUES, "between = [1, 0.5]"), r"study.toml: lanes.0.velocity.0 must lie .* 1 and 0.5"),
         (changed(VALUES, "between = [0.5, 1]"), "count is missing"),
+        (changed(VALUES, f"between = [0, 1], count = {10**15}"), r"velocity.0 has at most 16777216 values, not 10+"),
+        (changed(VALUES, 'between = [1, 1e15], scale = "whole"'), r"velocity.0 has at most 16777216 values, not 10+"),
+        (changed(VALUES, f"between = [1, {10**400}], count = 2"), r"two numbers of at most 1e\+30, .*, not 1 and 10+"),
+        (
+            changed(VALUES, f"values = [1, {10**23}]"),
+            "whole numbers must be from -9007199254740992 to 9007199254740992",
+        ),
         (changed(VALUES, 'between = [2, 20], scale = "whole", count = 4'), r"velocity.0.*: .* leave out count"),
         (changed(VALUES, f'{VALUES}, scale = "log"'), r"velocity.0.*: scale is allowed .*, not beside values"),
         (changed(VALUES, "values = []"), r"needs either values = \[...\] or between"),
