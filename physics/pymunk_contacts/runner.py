@@ -95,7 +95,12 @@ class Row:
         speeds = [body.velocity.x for body in self.bodies]
         rates = [a - b for a, b in pairwise(speeds)]
         self._take([d + step * w for d, w in zip(self.overlaps, rates, strict=True)], rates)
-        self.space.step(step)
+        try:
+            self.space.step(step)
+        except ValueError:  # a force of a motion that has blown up is no number any more: nothing of it is
+            self._take([math.nan] * len(rates), [math.nan] * len(rates))
+            for body in self.bodies:
+                body.velocity = math.nan, 0.0
         if self.chain.dissipative:
             self._absorb(before, speeds, step)
         if self.chain.timed:

@@ -67,7 +67,9 @@ def test_a_time_that_has_no_digits_below_a_step_ends():
     assert found.final_velocity == pytest.approx([0.0, 1.0], abs=1e-3)
 
 
-@pytest.mark.parametrize("contact", [hooke(1e9), power_law(1e6, 2.0)], ids=["hooke", "power law"])
+@pytest.mark.parametrize(
+    "contact", [hooke(1e9), power_law(1e6, 2.0), power_law(1e6, 2.0, loss=0.1)], ids=["hooke", "power law", "loss"]
+)
 def test_live_frames_go_on(contact):
     chain = Chain([1.0, 1.0, 1.0], contact, drive=[1.0, 0.0, -1.0])
     state = State.at_start(chain, [1.0, 0.0, 0.0])
