@@ -151,6 +151,11 @@ class Coupler:
         """Force [N] at `overlap` [m], any shape, while its gears are pressed in; negative where it pulls."""
         return _summed(overlap, [part.side * part.contact.force(_own(part, overlap)) for part in self.parts])
 
+    def released(self, overlap: ArrayLike) -> Numbers:
+        """The same while its gears are let go."""
+        kept = [(part, part.side * (1.0 - part.contact.loss)) for part in self.parts]
+        return _summed(overlap, [share * part.contact.force(_own(part, overlap)) for part, share in kept])
+
     @overload
     def energy(self, overlap: float) -> float: ...
     @overload

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.analysis.closed_forms import common_law, meets_freely
-from softcradle.physics.chain import Chain, mass_shares
+from softcradle.physics.chain import Chain, Joint, mass_shares
 from softcradle.physics.coupler import Coupler
 from softcradle.physics.trajectory import Trajectory
 
@@ -171,6 +171,19 @@ def first_touch(trajectory: Trajectory, struck: int) -> float:
     return spans[0][0] if spans else float(trajectory.time[-1])
 
 
+def loaded_samples(trajectory: Trajectory) -> NDArray[np.bool_]:
+    """(T, n) whether each contact is pressed in, a coupler into the gear that pushes or into the one that pulls."""
+    way = trajectory.overlap.copy()
+    for i, coupler in trajectory.chain.couplers:
+        way[:, i] = np.maximum(way[:, i], coupler.pulls_below - way[:, i])
+    return way > LEAST_OVERLAP * max(float(way.max()), 0.0)
+
+
+def can_touch(joint: Joint) -> bool:
+    """Whether the joint holds forces without being pressed in, by a preload of the gear that pushes or of the one that pulls."""
+    return joint.preload > 0.0 or bool(isinstance(joint, Coupler) and joint.pull and joint.pull.preload)
+
+
 def dwell(trajectory: Trajectory, struck: int) -> Array:
     """(n, 3) for how long each contact was open, touching and loaded [s], from the first touch of `struck` to the end.
 
@@ -178,18 +191,12 @@ def dwell(trajectory: Trajectory, struck: int) -> Array:
     within a sample.
     """
     time, end = trajectory.time, float(trajectory.time[-1])
-    begin = first_touch(trajectory, struck)
-    way = trajectory.overlap.copy()  # into the gear that pushes, or into the one that pulls
-    for i, coupler in trajectory.chain.couplers:
-        way[:, i] = np.maximum(way[:, i], coupler.pulls_below - way[:, i])
-    deepest = max(float(way.max()), 0.0)
-    rows = []
+    begin, loaded_at, rows = first_touch(trajectory, struck), loaded_samples(trajectory), []
     for k, spans in enumerate(trajectory.contact_intervals):
         closed = sum(max(min(last, end) - max(first, begin), 0.0) for first, last in spans)
         loaded = closed
-        joint = trajectory.chain.contact[k]
-        if joint.preload > 0.0 or (isinstance(joint, Coupler) and joint.pull and joint.pull.preload):
-            pressed = (way[:, k] > LEAST_OVERLAP * deepest) & (time >= begin)
+        if can_touch(trajectory.chain.contact[k]):
+            pressed = loaded_at[:, k] & (time >= begin)
             loaded = min(closed, float(np.diff(time)[pressed[1:] | pressed[:-1]].sum()))
         rows.append((end - begin - closed, closed - loaded, loaded))
     return np.array(rows)

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.analysis.collision import ContactMeasures
 from softcradle.physics.analysis.matching import Match
-from softcradle.physics.analysis.measures import LEAST_OVERLAP, energy_inside, first_touch
+from softcradle.physics.analysis.measures import can_touch, energy_inside, first_touch, loaded_samples
+from softcradle.physics.coupler import Coupler
 from softcradle.sandbox.files import readable_json
 from softcradle.sandbox.film.formats import check
 from softcradle.sandbox.film.scene_film import render_scene
@@ -107,9 +108,10 @@ def _law_chart(results: Sequence[SideResult]) -> str:
     for k, result in enumerate(results):
         law = result.trajectory.chain.contact[result.measures.struck]
         force = np.asarray(law.force(overlap))
+        released = law.released(overlap) if isinstance(law, Coupler) else (1.0 - law.loss) * force
         curves.append(Curve(result.side.name, overlap, force, f"s{k}"))
-        if law.loss:
-            curves.append(Curve(f"{result.side.name}, unloading", overlap, (1.0 - law.loss) * force, f"s{k}"))
+        if np.any(released < force):
+            curves.append(Curve(f"{result.side.name}, unloading", overlap, np.asarray(released), f"s{k}"))
     axes = ChartAxes((0.0, deepest), axis_range([curve.y for curve in curves]), OVERLAP.title, FORCE.title)
     return line_chart("Law of the struck contact", curves, axes)
 
@@ -127,8 +129,8 @@ def _states(result: SideResult, contact: int, axis: TimeAxis) -> list[tuple[str,
     """(state, begin, end) in the unit of the axis: open, closed after each, and loaded, which is drawn over touching."""
     trajectory, unit = result.trajectory, axis.unit
     found, opened_last = list[tuple[str, float, float]](), axis.begin
-    loaded = trajectory.overlap[:, contact] > LEAST_OVERLAP * float(trajectory.overlap.max())
-    plain = trajectory.chain.contact[contact].preload == 0.0
+    loaded = loaded_samples(trajectory)[:, contact]
+    plain = not can_touch(trajectory.chain.contact[contact])
     for begin, opened in trajectory.contact_intervals[contact]:
         end = opened if math.isfinite(opened) else axis.end
         # contacts at rest side by side do not count as touching before the collision begins

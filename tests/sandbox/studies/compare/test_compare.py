@@ -158,6 +158,35 @@ def test_where_no_side_touches_there_is_no_chart_of_the_law(tmp_path, compared):
     assert "Law of the struck contact" not in text
 
 
+PULLED = """
+title = "pulled"
+duration = 4.0
+[[lanes]]
+mass = [2.0, 1.0, 1.0]
+velocity = [1.0, 0.0, 0.0]
+gap = 0.1
+[lanes.contact]
+law = "coupler"
+slack = 0.2
+push = {law = "draft_gear", stiffness = 10.0, precompression = 0.1, loss = 0.1}
+pull = {law = "draft_gear", stiffness = 10.0, precompression = 0.1, loss = 0.5}
+"""
+
+
+def test_charts_of_couplers_show_the_states_and_the_loss_that_tables_have(tmp_path):
+    """Pulled contacts were shown as touching, and pushing ones let go with the loss of the gear that pulls."""
+    (tmp_path / "pulled.toml").write_text(PULLED)
+    comparison = comparison_of([str(tmp_path / "pulled.toml")], ["hooke(10)"])
+    results = solve_sides(comparison)
+    text = ComparisonReport(comparison, results).html()
+    for k in range(2):
+        bars = re.findall(rf"<title>{k}-{k + 1} loaded (\S+) to (\S+) s</title>", text)
+        loaded = sum(result.measures.contacts[k].loaded for result in results)
+        assert sum(float(end) - float(begin) for begin, end in bars) == pytest.approx(loaded, abs=0.02)
+    law = results[0].trajectory.chain.contact[0]
+    assert [law.released(d) for d in (1.0, -1.0)] == pytest.approx([0.9 * law.force(1.0), 0.5 * law.force(-1.0)])
+
+
 def test_the_film_is_by_the_method_and_magnification_on_which_all_scenes_agree(tmp_path):
     path = tmp_path / "own.toml"
     path.write_text(APART.format(settings='method = "euler"\nstep = 0.01\nview = {magnify = 50.0}'))
