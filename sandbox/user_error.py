@@ -9,6 +9,7 @@ Named = TypeVar("Named")
 MISTAKE = 2  # what the user asked for cannot be done
 GAVE_UP = 3  # a run gave up before its end: what was printed and written is not the whole motion
 POINTS_LOST = 4  # a sweep is done, but at some of its points every process died
+HUNG_UP = 129  # the terminal was closed
 INTERRUPTED = 130
 CLOSED_PIPE = 141
 TERMINATED = 143

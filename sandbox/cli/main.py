@@ -23,6 +23,7 @@ from softcradle.sandbox.console import is_quiet, set_quiet
 from softcradle.sandbox.user_error import (
     CLOSED_PIPE,
     GAVE_UP,
+    HUNG_UP,
     INTERRUPTED,
     MISTAKE,
     TERMINATED,
@@ -161,11 +162,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line `arguments` (None: those of the process) and return the exit code.
 
     It is 0; 1 where `verify` finds a number that is not met; 2 for a user's mistake; 3 where a run gave up before its end; 4
-    where a sweep lost points; 130 when interrupted; 141 where a reader has closed the pipe; 143 when terminated.
+    where a sweep lost points; 130 when interrupted; 141 where a reader has closed the pipe; 129 or 143 when terminated.
     """
     if arguments is None:
         # A terminated command ends like an interrupted one: half-written files are removed.
-        signal.signal(signal.SIGTERM, lambda *_: sys.exit(TERMINATED))
+        for number in (getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)):
+            if signal.getsignal(number) != signal.SIG_IGN:  # as under nohup
+                signal.signal(number, lambda number, _: sys.exit(128 + number))
         use_plain_characters()
     try:
         return _flushed(list(sys.argv[1:] if arguments is None else arguments))
@@ -176,7 +179,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("softcradle: interrupted", file=sys.stderr)
         return INTERRUPTED
     except SystemExit as error:
-        if error.code == TERMINATED:
+        if error.code in (TERMINATED, HUNG_UP):
             print("softcradle: terminated", file=sys.stderr)
         raise
     except BrokenPipeError:  # the reader of the output has closed it, as in `softcradle scenes | head -1`

@@ -105,6 +105,15 @@ def test_a_command_hears_it_while_kernels_are_compiled(command, number, word, tm
         os.kill(int(lock.read_text().split()[0]), signal.SIGKILL)
 
 
+@pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGTERM])
+def test_a_command_that_is_ended_leaves_no_part_of_a_file(number, tmp_path):
+    words = ["run", "one-on-four", "--method", "euler", "--step", "1e-8", "-o", "out.npz"]
+    process = begin("-m", "softcradle", *words, folder=tmp_path)
+    until(lambda: list(tmp_path.iterdir()), process)
+    assert told(process, number) == ["softcradle: terminated"]
+    assert (process.returncode, list(tmp_path.iterdir())) == (128 + number, [])
+
+
 def test_a_command_hears_it_while_its_modules_are_loaded(tmp_path):
     process = begin("-c", LOADING, folder=tmp_path)
     assert process.communicate(timeout=ANSWER) == ("", "softcradle: interrupted\n")
