@@ -58,6 +58,11 @@ def require_kind(what: str, value: object, kind: type) -> None:
         raise ValueError(f"{what} must be {article} {kind.__name__}, not {shown(value)}")
 
 
+def finite_or_none(value: Any) -> float | None:
+    """`value` as a float, None where it is no finite number."""
+    return float(value) if math.isfinite(value) else None
+
+
 def shown(value: Any) -> str:
     """`value` as it stands in a sentence: numbers without the type that NumPy adds, long texts cut."""
     plain = value.item() if isinstance(value, np.generic) else value

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from softcradle.physics.checked_input import finite_or_none
 from softcradle.sandbox.draw.number_format import plain
 from softcradle.sandbox.languages import N_, _, ngettext
 
@@ -190,12 +191,12 @@ def summarise(label: str, trajectory: Trajectory) -> Summary:
         beads=_beads(trajectory),
         contacts=_contacts(trajectory),
         end=float(trajectory.time[-1]),
-        velocity_error=_known(trajectory.velocity_error.max()),
+        velocity_error=finite_or_none(trajectory.velocity_error.max()),
         energy_error=_ratio(change.max(), scale),
         energy_error_at_end=_ratio(change[-1], scale),
         momentum_error=_momentum_error(trajectory),
-        absorbed_by_contacts=_known(trajectory.absorbed_by_contacts[-1]),
-        absorbed_by_bed=_known(trajectory.absorbed_by_bed[-1]),
+        absorbed_by_contacts=finite_or_none(trajectory.absorbed_by_contacts[-1]),
+        absorbed_by_bed=finite_or_none(trajectory.absorbed_by_bed[-1]),
         method=trajectory.method,
         step=trajectory.step,
         tolerance=trajectory.tolerance,
@@ -210,15 +211,11 @@ def summarise(label: str, trajectory: Trajectory) -> Summary:
 
 
 def _beads(trajectory: Trajectory) -> tuple[BeadSummary, ...]:
-    masses = [mass if math.isfinite(mass) else None for mass in trajectory.chain.mass]
-    final, known = map(_known, trajectory.final_velocity), trajectory.time[0] == 0.0
+    masses = [finite_or_none(mass) for mass in trajectory.chain.mass]
+    final, known = map(finite_or_none, trajectory.final_velocity), trajectory.time[0] == 0.0
     start = trajectory.velocity[0].tolist() if known else [None] * len(masses)
-    errors = map(_known, trajectory.velocity_error)
+    errors = map(finite_or_none, trajectory.velocity_error)
     return tuple(BeadSummary(*numbers) for numbers in zip(masses, start, final, errors, strict=True))
-
-
-def _known(number: float) -> float | None:
-    return float(number) if math.isfinite(number) else None
 
 
 def _contacts(trajectory: Trajectory) -> tuple[ContactSummary, ...]:
@@ -233,9 +230,9 @@ def _contact(intervals: Sequence[tuple[float, float]], overlap: float, force: fl
         opened=max((opened for _, opened in intervals if math.isfinite(opened)), default=None),
         times=len(intervals),
         still_closed=bool(intervals) and math.isinf(intervals[-1][1]),
-        largest_overlap=None if unseen else _known(overlap),
-        largest_force=None if unseen else _known(force),
-        largest_pull=None if unseen else _known(pull),
+        largest_overlap=None if unseen else finite_or_none(overlap),
+        largest_force=None if unseen else finite_or_none(force),
+        largest_pull=None if unseen else finite_or_none(pull),
     )
 
 
@@ -254,7 +251,7 @@ def _is_driven(trajectory: Trajectory) -> bool:
 
 
 def _ratio(part: float, scale: float) -> float | None:
-    return _known(part / scale) if scale else None
+    return finite_or_none(part / scale) if scale else None
 
 
 def describe(label: str, trajectory: Trajectory) -> str:

@@ -30,6 +30,7 @@ from softcradle.physics.analysis.measures import (
 )
 from softcradle.physics.analysis.ringing import ringing
 from softcradle.physics.chain import Chain, accelerated_mass
+from softcradle.physics.checked_input import finite_or_none
 from softcradle.physics.methods import refusal_of
 from softcradle.physics.simulation import simulate
 from softcradle.physics.trajectory import Trajectory
@@ -249,12 +250,14 @@ def measured(trajectory: Trajectory) -> CollisionMeasures:
         else _rigidity(trajectory.chain, targets, interpolated(trajectory, trajectory.velocity, opened)),
         rigidity=_rigidity(trajectory.chain, targets, trajectory.final_velocity),
         restitution=None if opened is None else restitution(trajectory, struck, intervals[0][0], opened),
-        energy_inside_at_detachment=None if opened is None else _finite(interpolated(trajectory, inside, opened)),
-        energy_inside=_finite(inside[-1]),
+        energy_inside_at_detachment=None
+        if opened is None
+        else finite_or_none(interpolated(trajectory, inside, opened)),
+        energy_inside=finite_or_none(inside[-1]),
         momentum_deficit=deficits[0],
         energy_deficit=deficits[1],
-        absorbed_by_contacts=_finite(trajectory.absorbed_by_contacts[-1] / whole),
-        absorbed_by_bed=_finite(trajectory.absorbed_by_bed[-1] / whole),
+        absorbed_by_contacts=finite_or_none(trajectory.absorbed_by_contacts[-1] / whole),
+        absorbed_by_bed=finite_or_none(trajectory.absorbed_by_bed[-1] / whole),
         peak_force=own.peak_force,
         peak_acceleration=own.peak_acceleration,
         momentum=own.momentum,
@@ -275,13 +278,13 @@ def _contact_measures(trajectory: Trajectory, struck: int) -> list[ContactMeasur
     return [
         ContactMeasures(
             peak_force=float(peak[k]),
-            accelerated_mass=_finite(accelerated[k]),
+            accelerated_mass=finite_or_none(accelerated[k]),
             peak_acceleration=float(peak[k] / accelerated[k]) if math.isfinite(accelerated[k]) else None,
             momentum=float(passed[k]),
             open=float(times[k, 0]),
             touching=float(times[k, 1]),
             loaded=float(times[k, 2]),
-            transmitted=_finite(passed[k] / incident[k]) if incident[k] > 0.0 else None,
+            transmitted=finite_or_none(passed[k] / incident[k]) if incident[k] > 0.0 else None,
             turns=heard[k].turns,
             ringing_period=heard[k].period,
             ringing_amplitude=heard[k].amplitude,
@@ -302,8 +305,4 @@ def _deficits(trajectory: Trajectory, touched: float, opened: float) -> tuple[fl
 
 def _rigidity(chain: Chain, side: slice, velocity: Array) -> float | None:
     beads = cluster_beads(chain, side)
-    return _finite(rigidity(velocity[beads])) if beads.size else None
-
-
-def _finite(value: Array | float) -> float | None:
-    return float(value) if math.isfinite(value) else None
+    return finite_or_none(rigidity(velocity[beads])) if beads.size else None

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics import Chain
+from softcradle.physics.checked_input import finite_or_none
 from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
 from softcradle.physics.numerics.contact_solve import BEAD_ROWS
 from softcradle.physics.numerics.records import COUNTERS
@@ -71,7 +72,7 @@ def _lane(played: PlayedMotion, number: int) -> dict[str, Any]:
         "spec": _spec(chain, velocity.tolist(), played.scene.duration),
         "gears": [is_gear(contact) for contact in chain.contact],
         "pulls": chain.pulls,
-        "solid": [[_finite(solid_force(joint, sign)) for sign in (1.0, -1.0)] for joint in chain.contact],
+        "solid": [[finite_or_none(solid_force(joint, sign)) for sign in (1.0, -1.0)] for joint in chain.contact],
         "ends": ends,
         "dissipative": chain.dissipative,
         "driven": chain.driven or bool(trajectory.given.any()),  # by a hand too
@@ -81,16 +82,16 @@ def _lane(played: PlayedMotion, number: int) -> dict[str, Any]:
 def _closed(played: PlayedMotion, number: int) -> list[list[list[float | None]]]:
     """When each contact of a lane is closed [s]: begin and end, None for an end that was not seen."""
     intervals = played.trajectories[number].contact_intervals
-    return [[[begin, _finite(end)] for begin, end in spans] for spans in intervals]
+    return [[[begin, finite_or_none(end)] for begin, end in spans] for spans in intervals]
 
 
 def _spec(chain: Chain, velocity: list[float], duration: float | None) -> dict[str, Any]:
     """What a row starts from."""
     return {
-        "mass": [_finite(mass) for mass in chain.mass],
+        "mass": [finite_or_none(mass) for mass in chain.mass],
         "gap": list(chain.gap),
         "velocity": velocity,
-        "law": [_finite(value) for value in np.nan_to_num(chain.law_rows, nan=math.inf).ravel().tolist()],
+        "law": [finite_or_none(value) for value in np.nan_to_num(chain.law_rows, nan=math.inf).ravel().tolist()],
         "loss": [0.0 if chain.own_laws else float(loss) for loss in chain.loss],
         "friction": chain.friction,
         "drive": None if chain.drive is None else list(chain.drive),
@@ -150,10 +151,6 @@ def _texts(played: PlayedMotion) -> dict[str, dict[str, Any]]:
 
     found = in_every_language(texts)
     return {code: said for code, said in found.items() if code == "en" or said != found["en"]}
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 def _hex(colour: tuple[int, int, int]) -> str:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from rich.console import Console
 from rich.text import Text
+from softcradle.physics.checked_input import finite_or_none
 from softcradle.sandbox.console import print_table, table
 from softcradle.sandbox.studies.claims.claim import Case, CaseOutcome, JudgedClaim, Verdict, case_text
 from softcradle.sandbox.studies.data_table import Table
@@ -174,7 +175,7 @@ def as_json(study: JudgedClaim) -> dict[str, Any]:
         "name": study.name, "statement": study.statement, "place": study.place, "quantity": study.quantity,
         "variable": study.variable, "how": study.how, "range": study.range_text, "remark": study.remark,
         "verdict": str(study.verdict), "verdict text": study.verdict_text, "limit": study.limit, "by the bar": study.bar_text,
-        "measured": study.measured_text, "own case": _case_json(study.own_case), "reference": _finite(study.reference),
+        "measured": study.measured_text, "own case": _case_json(study.own_case), "reference": finite_or_none(study.reference),
         "counter-example": None if counter is None else _case_json(counter),
         "cases": [_case_json(case) for case in study.cases], "seconds": study.seconds,
     }  # fmt: skip
@@ -182,14 +183,10 @@ def as_json(study: JudgedClaim) -> dict[str, Any]:
 
 def _case_json(case: Case) -> dict[str, Any]:
     return {
-        "parameters": dict(case.parameters), "variable": case.variable, "value": _finite(case.value),
-        "error": _finite(case.error), "allowed": case.allowed, "side": str(case.side), "reason": case.reason,
+        "parameters": dict(case.parameters), "variable": case.variable, "value": finite_or_none(case.value),
+        "error": finite_or_none(case.error), "allowed": case.allowed, "side": str(case.side), "reason": case.reason,
         "text": case_text(case),
     }  # fmt: skip
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 def write_studies(studies: Sequence[JudgedClaim], folder: Path) -> list[Path]:

@@ -11,6 +11,7 @@ import numpy as np
 from rich.console import Console
 from softcradle.physics import Trajectory
 from softcradle.physics.analysis.collision import CollisionMeasures, ContactMeasures, collide, measured
+from softcradle.physics.checked_input import finite_or_none
 from softcradle.physics.trajectory_file import versions
 from softcradle.sandbox.console import print_rows
 from softcradle.sandbox.draw.number_format import number_text, subscript
@@ -72,7 +73,7 @@ def _side_as_json(result: SideResult) -> dict[str, Any]:
     return {
         "name": result.side.name,
         "contact": result.contact,
-        "masses": [mass if math.isfinite(mass) else None for mass in trajectory.chain.mass],
+        "masses": [finite_or_none(mass) for mass in trajectory.chain.mass],
         "start_velocity": list(result.side.lane.velocity),
         "measures": asdict(result.measures),
         "method": trajectory.method,

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from softcradle.physics.checked_input import finite_or_none
 from softcradle.physics.methods import AUTO
 from softcradle.sandbox.studies.data_table import write_rows
 from softcradle.sandbox.studies.precision.cases import ERROR_LEVELS, ChartCase
@@ -160,11 +161,7 @@ def write_csv(measured: Sequence[MeasuredCase], path: Path) -> None:
     header = ("case", "method", "ours", "setting", "tolerance or steps", error, "seconds", "evaluations")
     rows = [
         (found.case.name, one.solver.name, int(one.solver.ours), one.solver.setting, point.fineness,
-         _finite(point.error), point.seconds, _finite(point.evaluations))
+         finite_or_none(point.error), point.seconds, finite_or_none(point.evaluations))
         for found in measured for one in found.series for point in one.points
     ]  # fmt: skip
     write_rows(path, header, rows)
-
-
-def _finite(value: float) -> float | str:
-    return value if math.isfinite(value) else ""
