@@ -98,10 +98,12 @@ def figure_path(name: str, command: str) -> Path:
 def opened_outputs(paths: Sequence[Path]) -> Iterator[list[Path]]:
     """Temporary files that become `paths` at the end; opened before the runs, so that an unwritable place is refused at once.
 
-    Of folders the one is made in which commands write that are not told where.
+    Of folders the one is made in which commands write that are not told where. UserError for a file that is given twice.
     """
     from softcradle.sandbox.files import filled_folder, output_file
 
+    if len({os.path.realpath(path) for path in paths}) < len(paths):
+        raise UserError("the same file is given twice with -o")
     with ExitStack() as stack:
         if any(path.parent == DEFAULT_FOLDER for path in paths):
             stack.enter_context(filled_folder(DEFAULT_FOLDER))

@@ -47,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--duration",
         type=positive_number,
         metavar="SECONDS",
-        help="time to run (default: until no contact can close again)",
+        help="time to run (default: the scene's, or until no contact can close again)",
     )
     parser.add_argument(
         "--samples", type=whole_number(2, MOST_SAMPLES), default=1001, help="number of samples to write (default: 1001)"
@@ -62,8 +62,6 @@ def main(args: argparse.Namespace) -> int:
     check_open(args.open, args.output)
     scene = load_scene(args.scene)
     outputs = [path for wanted in args.output for path in _outputs(wanted, len(scene.lanes))]
-    if len({path.absolute() for path in outputs}) < len(outputs):
-        raise UserError("the same file is given twice with -o")
     written = WrittenFiles(outputs)
     settings = {name: getattr(args, name) for name in ("method", "step", "tolerance", "duration", "samples")}
     with opened_outputs(outputs) as temporary:

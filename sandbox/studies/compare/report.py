@@ -1,7 +1,6 @@
 """The files of a comparison: a page with player, charts and tables, a film, or the numbers; each whole or not at all."""
 
 import math
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from html import escape
@@ -222,7 +221,7 @@ class FilmSettings:
 
 
 def check_outputs(paths: Sequence[Path], comparison: Comparison, settings: FilmSettings) -> None:
-    """Raise a UserError for an unknown kind of file, settings that none of them takes, or a file that is given twice."""
+    """Raise a UserError for an unknown kind of file, or settings that none of them takes."""
     for path in paths:
         if path.suffix not in SUFFIXES:
             raise UserError(f"cannot write {path}: the name must end in {', '.join(SUFFIXES)}")
@@ -231,8 +230,6 @@ def check_outputs(paths: Sequence[Path], comparison: Comparison, settings: FilmS
     for option, given, suffixes in (("size", settings.size, FILM_SUFFIXES), ("slow", settings.slow, PLAYED_SUFFIXES)):
         if given is not None and not any(path.suffix in suffixes for path in paths):
             raise UserError(f"--{option} is for {', '.join(suffixes)}: give one of them with -o")
-    if len({os.path.abspath(path) for path in paths}) < len(paths):
-        raise UserError("the same file is given twice with -o")
 
 
 @dataclass(frozen=True)
