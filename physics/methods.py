@@ -152,6 +152,16 @@ def refusal_of(method: str, chain: Chain) -> str:
     return ""
 
 
+def refusal_of_fineness(method: str, step: object, tolerance: object) -> str:
+    """Why `method`, a name that there is or "auto", does not take the step or tolerance that is not None; empty where it does."""
+    fixed = any(one.name == method and not one.adaptive for one in METHODS)
+    if fixed and tolerance is not None:
+        return f"method {method!r} takes a step, not a tolerance"
+    if not fixed and step is not None:
+        return f"method {method!r} chooses its own steps: give a tolerance, the wanted error, instead of a step"
+    return ""
+
+
 def find_method(name: str, others: Sequence[str] = (AUTO,)) -> Method:
     """The Method called `name`; ValueError with the nearest name and all names there are, with `others` that the caller takes."""
     if not isinstance(name, str):

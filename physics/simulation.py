@@ -14,7 +14,7 @@ from softcradle.physics.advice.stability_limits import coarse_warnings, explicit
 from softcradle.physics.advice.unusual_numbers import unusual_warnings
 from softcradle.physics.chain import Chain, bead_forces
 from softcradle.physics.checked_input import magnitude, number_array, require_kind, shown, whole_number
-from softcradle.physics.methods import AUTO, Family, Method, find_method, refusal_of
+from softcradle.physics.methods import AUTO, Family, Method, find_method, refusal_of, refusal_of_fineness
 from softcradle.physics.problem import MOST_STEPS, Problem, Record, Runner
 from softcradle.physics.scales import default_step, require_computable
 from softcradle.physics.state import NO_SWITCHES, State
@@ -134,7 +134,7 @@ def _solve_by_choice(
 
     require_kind("chain", chain, Chain)
     _require_carried(AUTO, chain)
-    _require(step is None, "method 'auto' chooses its own steps: give a tolerance, the wanted error, instead of a step")
+    _require_takes(AUTO, step)
     _problem(chain, velocity, duration, find_method("accurate"), None, samples, error)  # refuses what is out of range
     choice = choose(chain, velocity, duration, error)
     found = solve(chain, velocity, duration, choice.method, choice.step or None, samples, choice.tolerance or error)
@@ -236,6 +236,11 @@ def _require_carried(method: str, chain: Chain) -> None:
     _require(not reason, reason)
 
 
+def _require_takes(method: str, step: float | None) -> None:
+    reason = refusal_of_fineness(method, step, None)
+    _require(not reason, reason)
+
+
 def checked_tolerance(tolerance: float) -> float:
     """The tolerance as a float that a method can hold. Raises ValueError."""
     found = magnitude("tolerance", tolerance)
@@ -265,9 +270,7 @@ def pushes_on_a_bed(mass: ArrayLike, on_bed: ArrayLike, velocity: ArrayLike) -> 
 def _step(chain: Chain, state: State, method: Method, step: float | None, duration: float | None = None) -> float:
     if step is not None:
         length = magnitude("step", step)
-        _require(
-            not method.adaptive, f"method {method.name!r} chooses its own steps: give a tolerance instead of a step"
-        )
+        _require_takes(method.name, length)
         return length
     return 0.0 if method.adaptive else default_step(chain, state.velocity(chain), duration)
 

@@ -34,12 +34,12 @@ def run_scene(scene: Scene, most: int | None = None, **overrides: Any) -> list[T
     Raises:
         UserError: settings that the method does not take.
     """
-    from softcradle.physics import METHODS
+    from softcradle.physics.methods import refusal_of_fineness
 
     settings = scene.settings(**overrides)
-    method = settings.get("method")
-    if overrides.get("tolerance") is not None and any(one.name == method and not one.adaptive for one in METHODS):
-        raise UserError(f"method {method!r} takes a step, not a tolerance")
+    reason = refusal_of_fineness(settings.get("method", ""), None, overrides.get("tolerance"))
+    if reason:
+        raise UserError(reason)
     return [_run_lane(lane, settings, most) for lane in scene.lanes]
 
 

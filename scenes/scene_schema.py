@@ -7,7 +7,7 @@ from typing import Annotated, Any, Self
 from pydantic import BeforeValidator, Field, Strict, field_validator, model_validator
 from softcradle.physics import notebook_views
 from softcradle.physics.checked_input import magnitude
-from softcradle.physics.methods import AUTO, refusal_of
+from softcradle.physics.methods import AUTO, refusal_of, refusal_of_fineness
 from softcradle.physics.scales import require_computable
 from softcradle.physics.simulation import checked_tolerance, endless
 from softcradle.physics.state import checked_velocity
@@ -189,7 +189,7 @@ class Scene(notebook_views.Moving, Table):
     step : float or None
         Step of a fixed-step method [s].
     tolerance : float or None
-        Tolerance of an adaptive method.
+        Tolerance of an adaptive method; beside a method of fixed steps there is none.
     view : View
         How it is shown.
     """
@@ -228,14 +228,14 @@ class Scene(notebook_views.Moving, Table):
         if self.tolerance is not None:
             checked_tolerance(self.tolerance)
         chains = [lane.chain() for lane in self.lanes]
-        reasons = [refusal_of(self.method, chain) for chain in chains if self.method is not None]
+        reasons = []
+        if self.method is not None:
+            reasons = [refusal_of(self.method, chain) for chain in chains]
+            reasons.append(refusal_of_fineness(self.method, self.step, self.tolerance))
         if self.duration is None:
             reasons += [endless(chain, lane.velocity) for chain, lane in zip(chains, self.lanes, strict=True)]
         if any(reasons):
             raise problem(next(filter(None, reasons)))
-        adaptive = {AUTO, *(method.name for method in physics.METHODS if method.adaptive)}
-        if self.step is not None and self.method in adaptive:
-            raise problem(f"method {self.method!r} chooses its own steps: give a tolerance instead of a step")
         return self
 
     def settings(self, **overrides: Any) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from pydantic import ValidationError
 from softcradle.physics.chain import Chain, Joint
 from softcradle.physics.contact import Contact, is_closed
 from softcradle.physics.coupler import Coupler
+from softcradle.physics.methods import refusal_of_fineness
 from softcradle.physics.own_law import OwnLaw
 from softcradle.physics.simulation import endless
 from softcradle.physics.state import State
@@ -147,14 +148,18 @@ def _velocity(old: Lane, chain: Chain, start: State) -> tuple[float, ...]:
 
 
 def _method(scene: Scene, setup: Setup) -> dict[str, Any]:
-    """Method and step, each where all lanes share it, else the scene's own; None for what is chosen automatically."""
+    """Method and step, each where all lanes share it, else the scene's own; None for what is chosen automatically.
+
+    A tolerance stays where the method takes it.
+    """
     method, *others = (None if lane.automatic else lane.method for lane in setup.lanes)
     if any(other != method for other in others):
         return {}
     step, *further = (lane.step if lane.step_given else None for lane in setup.lanes)
     if any(other != step for other in further):
         step = scene.step if method == scene.method else None
-    return {"method": method, "step": step}
+    tolerance = None if method and refusal_of_fineness(method, None, scene.tolerance) else scene.tolerance
+    return {"method": method, "step": step, "tolerance": tolerance}
 
 
 def trajectory_of(part: HistorySlice, lane: int, events: ContactEvents, kept: int) -> Trajectory:

@@ -151,12 +151,16 @@ def lanes(draw: st.DrawFn) -> Lane:
     return Lane.model_validate(table)
 
 
+FINENESS = st.fixed_dictionaries(
+    {"step": st.none() | POSITIVE, "tolerance": st.none() | POSITIVE}
+) | st.fixed_dictionaries(
+    {"step": st.none() | POSITIVE, "method": st.sampled_from([method.name for method in FIXED_STEP])}
+)
 SCENES = st.builds(
-    Scene,
+    lambda fineness, **rest: Scene(**fineness, **rest),
     title=st.text(min_size=1).filter(str.strip), text=st.text(), source=st.text(),
     lanes=st.lists(lanes(), min_size=1, max_size=3).map(tuple),
-    duration=st.none() | POSITIVE, method=st.none() | st.sampled_from([method.name for method in FIXED_STEP]),
-    step=st.none() | POSITIVE, tolerance=st.none() | POSITIVE,
+    duration=st.none() | POSITIVE, fineness=FINENESS,
     view=st.builds(
         View, slow=POSITIVE, length=POSITIVE, magnify=st.none() | st.floats(1.0, 1e9),
         after=st.none() | NOT_NEGATIVE, labels=st.booleans(),

@@ -43,6 +43,7 @@ BAD_FILES = {
     "duration of no step": ("duration = 5e-324\n" + GOOD, r"bad\.toml: duration must be from 1e-30 to 1e\+30"),
     "tolerance below round-off": ("tolerance = 1e-20\n" + GOOD, r"bad\.toml: tolerance must be at least 1e-"),
     "a million million beads": (changed("mass = [1.0, 1.0, 1.0]", "beads = 1000000000000"), r"less than or equal to"),
+    "a tolerance for fixed steps": ('method = "verlet"\ntolerance = 1e-4\n' + GOOD, "'verlet' takes a step, not a tolerance"),
     "loss negative": (changed("alpha = 0.1", "alpha = 0.1, loss = -1"), r"contact\.loss must be greater than"),
     "friction negative": (GOOD + "friction = -1", r"lanes\[0\]\.friction must be greater than or equal to 0"),
     "a piston on a bed": (changed("mass = [1.0", "mass = [inf") + "friction = 0.1", "from a wall that moves: give a duration"),

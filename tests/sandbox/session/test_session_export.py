@@ -24,11 +24,12 @@ from softcradle.scenes import parse
 
 from tests.helpers.sessions import check_replay, opened, pull
 
+ROW = 'title = "T"\n[[lanes]]\nvelocity = [0.8, 0.3, 0.1, 0.0]\ncontact = {law = "hooke", stiffness = 1.0}'
+
 
 def test_velocities_are_written_as_they_were_given():
     """They are rebuilt from their differences, which ends in other digits: a scene is not edited by that."""
-    row = 'title = "T"\n[[lanes]]\nvelocity = [0.8, 0.3, 0.1, 0.0]\ncontact = {law = "hooke", stiffness = 1.0}'
-    session = Session(parse(row))
+    session = Session(parse(ROW))
     assert not session.edited
     assert session.to_scene() == session.scene
     for item in (inputs.SetVelocity(0, 1, 0.7), inputs.AddBead(0, 4), inputs.RemoveBead(0, 0)):
@@ -36,7 +37,7 @@ def test_velocities_are_written_as_they_were_given():
     assert session.to_scene().lanes[0].velocity == (0.7, 0.1, 0.0, 0.0)
     session.apply(inputs.SetVelocity(0, 1, 1e-9 / 3.0))
     assert session.to_scene().lanes[0].velocity[1] == pytest.approx(1e-9 / 3.0, abs=1e-16)
-    session = Session(parse(row))
+    session = Session(parse(ROW))
     for velocity in (0.7, 0.3):
         session.apply(inputs.SetVelocity(0, 1, velocity))
     assert not session.edited
@@ -52,6 +53,10 @@ def test_words_of_ones_own_stay_those_of_an_edited_scene():
 def test_the_method_that_rows_share_is_written_though_their_steps_differ():
     scene = opened("beads-against-gear", inputs.SetMethod(None, "verlet"), inputs.SetStep(1, 1e-4)).to_scene()
     assert (scene.method, scene.step) == ("verlet", None)
+    rough = Session(parse('tolerance = 1e-4\nmethod = "radau"\n' + ROW))
+    assert rough.to_scene().tolerance == 1e-4
+    rough.apply(inputs.SetMethod(None, "verlet"))
+    assert rough.to_scene().tolerance is None
 
 
 def test_what_no_scene_file_can_say_is_refused_in_a_sentence(tmp_path):

@@ -286,20 +286,20 @@ def test_a_full_disk_loses_nothing_and_no_other_study_goes_on(tmp_path, monkeypa
     assert list(tmp_path.iterdir()) == [output]
 
 
-def test_a_scene_gives_what_simulate_and_the_table_of_its_collision_give():
-    over = {
-        "lanes.0.contact.alpha": [0.5, 1.5],
-        "lanes.0.beads.1": [2, 3],
-        "method": ["accurate", "auto", "conserving"],
-    }
+@pytest.mark.parametrize(
+    ("methods", "fineness"), [(["accurate", "auto"], {"tolerance": 1e-3}), (["conserving"], {"step": 1e-3})]
+)
+def test_a_scene_gives_what_simulate_and_the_table_of_its_collision_give(methods, fineness):
+    over = {"lanes.0.contact.alpha": [0.5, 1.5], "lanes.0.beads.1": [2, 3], "method": methods}
+    (name, value), *_ = fineness.items()
     measures = ["final_velocity", "rigidity", "contact_time", "peak_force", "contact_peak_force"]
-    found = sweep("one-on-four", over | {"tolerance": [1e-3]}, measures, executor="here").squeeze("tolerance")
+    found = sweep("one-on-four", over | {name: [value]}, measures, executor="here").squeeze(name)
     assert found["final_velocity"].dims == (*over, "bead")
     assert found["final_velocity"].attrs["units"] == "m/s"
     for alpha, n, method in product(*over.values()):
         point = found.sel(dict(zip(over, (alpha, n, method), strict=True)))
         chain = Chain([1.0] * (n + 1), power_law(1.0, alpha), [1.0] + [0.0] * (n - 1))
-        start, fine = (chain, [1] + [0] * n), {"method": method, "tolerance": 1e-3}
+        start, fine = (chain, [1] + [0] * n), {"method": method, **fineness}
         run, collision = simulate(*start, **fine, samples=2), measured(collide(*start, **fine))
         np.testing.assert_array_equal(point["final_velocity"][: n + 1], run.final_velocity)
         ((closed, opened),) = run.contact_intervals[0]
