@@ -219,14 +219,16 @@ def dask(work: Work, scheduler: str | Client) -> Workplace:
 
 def _connected(address: str) -> Any:
     import distributed
+    from distributed.comm.addressing import resolve_address
 
     for name in ("distributed", "distributed.client", "tornado.application", "asyncio"):
         logging.getLogger(name).setLevel(logging.CRITICAL + 1)  # what happens is said in our own sentences
     try:
+        resolve_address(address)  # what is no address would be refused by a Client that is half made, and ends late
         return distributed.Client(address, timeout=CONNECT, set_as_default=False)
     except (OSError, TimeoutError):
         raise StudyError(f"no Dask scheduler answers at {address!r}") from None
-    except (ValueError, ImportError, RuntimeError) as error:
+    except (TypeError, ValueError, ImportError, RuntimeError) as error:
         told = str(error).partition("\n")[0]
         raise StudyError(f"no Dask scheduler at {address!r}: {told}") from None
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Annotated, Any, Self, get_args
 
 import numpy as np
-from pydantic import BeforeValidator, Field, Strict, ValidationError, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Strict, Tag, ValidationError, model_validator
 from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.sweeps.sample_points import (
     MOST_SAMPLED,
@@ -27,11 +27,26 @@ from softcradle.sandbox.sweeps.work import sweep_work
 from softcradle.sandbox.user_error import StudyError, UserError, reason
 from softcradle.scenes import Scene
 from softcradle.scenes.scene_errors import SceneError, scene_error
-from softcradle.scenes.toml_table import Number, Table, problem
+from softcradle.scenes.toml_table import FRACTION, Number, Table, problem
 
 DESIGNS = get_args(Design)
 Whole = Annotated[int, Strict()]
-Value = Annotated[Whole | Number | str, Field(union_mode="left_to_right")]  # a fraction such as "1/14" is a number
+
+
+def _kind(value: Any) -> str:
+    """The tag of a value in a study, in brackets, see `OneOrMany`; a fraction such as "1/14" is a number."""
+    text = isinstance(value, str) and not FRACTION.fullmatch(value)
+    return "(text)" if text else "(whole)" if isinstance(value, int) else "(number)"
+
+
+Value = Annotated[
+    Annotated[Whole, Tag("(whole)")] | Annotated[Number, Tag("(number)")] | Annotated[str, Tag("(text)")],
+    Discriminator(_kind),
+]
+Bound = Annotated[
+    Annotated[Whole, Tag("(whole)")] | Annotated[Number, Tag("(number)")],
+    Discriminator(lambda value: "(whole)" if isinstance(value, int) else "(number)"),
+]
 
 
 class ParameterSpan(Table):
@@ -46,7 +61,7 @@ class ParameterSpan(Table):
     """
 
     values: tuple[Value, ...] = ()
-    between: tuple[Number | Whole, Number | Whole] | None = None
+    between: tuple[Bound, Bound] | None = None
     count: Annotated[int, Strict(), Field(ge=2)] | None = None
     scale: Scale = "linear"
     name: str = ""

@@ -96,4 +96,7 @@ def test_no_scheduler_is_told_at_once(tmp_path, monkeypatch):
         address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
         with pytest.raises(StudyError, match=f"no Dask scheduler answers at '{address}'"):
             sweep(logged, POINTS, output=tmp_path / "x.zarr", scheduler=address)
+    monkeypatch.setattr("distributed.Client", None)  # which would end half a minute later, with a traceback
+    with pytest.raises(StudyError, match="no Dask scheduler at 'nonsense': missing port number"):
+        sweep(logged, POINTS, output=tmp_path / "x.zarr", scheduler="nonsense")
     assert list(tmp_path.iterdir()) == []
