@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from softcradle.physics.checked_input import finite_or_none
+from softcradle.physics.checked_input import LARGEST, finite_or_none
 from softcradle.sandbox.draw.number_format import plain
 from softcradle.sandbox.languages import N_, _, ngettext
 
@@ -256,7 +256,8 @@ def _ratio(part: float, scale: float) -> float | None:
 
 def describe(label: str, trajectory: Trajectory) -> str:
     """Some sentences about a whole motion; of one that did not stay finite only that."""
-    if not all(np.isfinite(numbers).all() for numbers in (trajectory.velocity, trajectory.overlap, trajectory.force)):
+    motion = trajectory.velocity, trajectory.final_velocity, trajectory.overlap, trajectory.force
+    if not all((np.abs(numbers) <= LARGEST).all() for numbers in motion):
         sentence = _("The motion by {method} did not stay finite: choose a smaller step.", method=trajectory.method)
         return f"{label}: {sentence}" if label else sentence
     speeds = trajectory.velocity[0]

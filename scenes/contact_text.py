@@ -50,7 +50,7 @@ def _numbers(text: str, law: str, arguments: str) -> dict[str, Any]:
     for position, word in enumerate(words):
         key, equals, number = (part.strip() for part in word.rpartition("="))
         if not equals and position >= len(names):
-            raise SceneError([f"contact {text!r}: {law} has {len(names)} numbers, {', '.join(names)}, and loss=..."])
+            raise SceneError([f"contact {text!r}: the numbers of {law} are {', '.join(names)}, and loss=..."])
         name = key if equals else names[position]
         if name in found or name == "law":
             raise SceneError([f"contact {text!r}: {name} is given twice"])

@@ -46,7 +46,7 @@ class Row:
     def __init__(self, chain: Chain, state: State, step: float) -> None:
         velocity = state.velocity(chain)
         depth = float(contact_scales(chain, velocity)[0].max())
-        reach = _power_of_two(8.0 * max(depth, step * speed_scale(chain, velocity)))
+        reach = min(_power_of_two(8.0 * max(depth, step * speed_scale(chain, velocity))), MOST_REACH)
         self.chain = chain
         self.space = pymunk.Space()
         self.space.iterations = 1  # soft contacts are forces: there is nothing to iterate

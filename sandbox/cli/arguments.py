@@ -18,14 +18,16 @@ DEFAULT_FOLDER = Path("out")  # of what commands write that are not told where
 
 
 def positive_number(text: str) -> float:
-    """A finite number > 0; it may be a fraction such as 1/60."""
+    """A number > 0 that can be computed with; it may be a fraction such as 1/60."""
+    from softcradle.physics.checked_input import LARGEST, SMALLEST
+
     numerator, slash, denominator = text.partition("/")
     try:
         value = float(numerator) / float(denominator) if slash else float(text)
     except (ValueError, ZeroDivisionError):
         value = math.nan
-    if not (math.isfinite(value) and value > 0.0):
-        raise argparse.ArgumentTypeError(f"must be a number > 0, not {text!r}")
+    if not SMALLEST <= value <= LARGEST:
+        raise argparse.ArgumentTypeError(f"must be a number from {SMALLEST:g} to {LARGEST:g}, not {text!r}")
     return value
 
 

@@ -211,7 +211,9 @@ def _run(arguments: list[str]) -> int:
     if wanted is not None:
         module = _module(wanted)
         module.add_arguments(parsers[wanted])
-    args = parser.parse_args(arguments)
+    args, unknown = parser.parse_known_args(arguments)
+    if unknown:
+        parsers.get(wanted or "", parser).error(f"unrecognized arguments: {' '.join(unknown)}")
     if module is None:
         parser.print_help()
         return 0

@@ -166,7 +166,9 @@ def _row_times(scene: Scene, end: float, rate: float, frames: Frames | None) -> 
     if frames is None and (lead + until) * rate > MOST_ROWS:
         rate = MOST_ROWS / (lead + until)
     if frames is not None and (count := (lead + until) * rate / frames.rows) > MOST_FRAMES:
-        raise UserError(f"the {frames.of} would have {count:.0f} frames, more than {MOST_FRAMES}: {frames.remedy}")
+        raise UserError(
+            f"the {frames.of} would have {math.ceil(count):.6g} frames, more than {MOST_FRAMES}: {frames.remedy}"
+        )
     first, last = -math.floor(lead * rate), math.ceil(until * rate)
     return np.arange(first, max(last, first + 1) + 1) / rate
 

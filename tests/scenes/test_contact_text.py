@@ -28,7 +28,7 @@ def test_names_numbers_and_fractions():
         ("power_law(1, soft)", "alpha must be a number, not 'soft'"),
         ("power_law(1, inf)", "alpha must be a finite number, not inf"), ("power_law(1, 1/0)", "must not divide by zero"),
         ("power_law(1, f0=2)", "f0 is given twice"), ("power_law(1, beta=2)", "unknown key 'beta'"),
-        ("hertz(1, loss=1)", "loss must be less than 1"), ("hertz(1, 2)", "hertz has 1 numbers, stiffness, and loss=..."),
+        ("hertz(1, loss=1)", "loss must be less than 1"), ("hertz(1, 2)", "the numbers of hertz are stiffness, and loss=..."),
         ("draft_gear(true, 1)", "stiffness must be a number, not True"),
     ],
 )  # fmt: skip

@@ -12,6 +12,7 @@ import warnings
 from dataclasses import replace
 from functools import partial
 
+import numpy as np
 import pytest
 from rich.console import Console
 from softcradle.physics import Chain, Trajectory, hertz, simulate
@@ -21,7 +22,7 @@ from softcradle.sandbox import console
 from softcradle.sandbox.cli.commands.run import print_report
 from softcradle.sandbox.cli.main import COMMANDS, main
 from softcradle.sandbox.scene_runs import run_scene
-from softcradle.sandbox.trajectory_summary import bead_table, contact_table, summarise
+from softcradle.sandbox.trajectory_summary import bead_table, contact_table, describe, summarise
 
 from softcradle import scenes
 from tests.helpers.own_process import python
@@ -136,6 +137,8 @@ def test_errors_are_relative_to_the_start():
         found, rate=found.rate * [[1.0], [0.5]], anchor=found.anchor * [[1.0, 1.0], [1.0, 0.5]],
         contact_intervals=(((0.1, 0.2), (0.9, math.inf)), (), (), ()),
     )  # fmt: skip
+    fast = replace(found, final_velocity=1e308 * np.ones(5))  # of which there is no mean
+    assert describe("", fast) == "The motion by accurate did not stay finite: choose a smaller step."
     summary = summarise("lane", slowed)
     errors = summary.energy_error, summary.energy_error_at_end, summary.momentum_error
     assert errors == pytest.approx((0.75, 0.75, 0.5))
