@@ -169,6 +169,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for number in (getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)):
             if signal.getsignal(number) != signal.SIG_IGN:  # as under nohup
                 signal.signal(number, lambda number, _: sys.exit(128 + number))
+        open_closed_streams()
         use_plain_characters()
     try:
         return _flushed(list(sys.argv[1:] if arguments is None else arguments))
@@ -193,12 +194,13 @@ def _flushed(arguments: list[str]) -> int:
         try:
             return _run(arguments)
         finally:
-            flush_output()
+            sys.stdout.flush()
     except BrokenPipeError:
         raise
     except OSError as error:  # what files refuse is a UserError
         discard_output()
-        raise UserError(f"cannot write to {error.filename or 'standard output'}: {reason(error)}") from None
+        unnamed = "the current folder" if isinstance(error, FileNotFoundError) else "standard output"
+        raise UserError(f"cannot write to {error.filename or unnamed}: {reason(error)}") from None
 
 
 def _run(arguments: list[str]) -> int:
@@ -260,6 +262,13 @@ def _module(name: str) -> CommandModule:
     raise UserError(f"there is no command {name!r}; {hint}")
 
 
+def open_closed_streams() -> None:
+    """Let streams that the caller has closed lead nowhere: Python has none for them, and a file would get their number."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115 - for as long as it runs
+
+
 def use_plain_characters() -> None:
     """Let both streams write plain characters in place of those that their encoding lacks."""
     codecs.register_error("softcradle-plain", _plain)
@@ -281,12 +290,6 @@ def _plain_character(character: str) -> str:
     name = unicodedata.name(character, "")
     greek = name.rpartition(" ")[2].lower() if name.startswith("GREEK") else "?"
     return PLAIN.get(character) or decomposed or greek
-
-
-def flush_output() -> None:
-    """Write what is still in the memory of standard output. Raises OSError where it cannot be written."""
-    if sys.stdout is not None:  # as it is where the caller has closed it
-        sys.stdout.flush()
 
 
 def discard_output() -> None:

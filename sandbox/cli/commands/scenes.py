@@ -40,7 +40,7 @@ def main(args: argparse.Namespace) -> int:
 
 def _print_file(text: str) -> None:
     """Print the text of a file: in UTF-8, in which files are read, unless it is for a terminal."""
-    if sys.stdout is None or sys.stdout.isatty() or not hasattr(sys.stdout, "buffer"):
+    if sys.stdout.isatty() or not hasattr(sys.stdout, "buffer"):
         print(text, end="")
         return
     sys.stdout.flush()

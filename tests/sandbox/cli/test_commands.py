@@ -26,6 +26,7 @@ from softcradle.sandbox.trajectory_summary import bead_table, contact_table, des
 
 from softcradle import scenes
 from tests.helpers.own_process import python
+from tests.helpers.paths import ROOT
 
 FINAL = [-0.56758562, 0.17392147, 0.45407871, 0.46978361, 0.46980183]
 
@@ -258,6 +259,26 @@ def test_a_full_disk_behind_standard_output(arguments):
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert done.stderr == "softcradle: cannot write to standard output: no space left on device\n"
     assert done.returncode == 2
+
+
+@pytest.mark.skipif(os.name != "posix", reason="other shells close no streams")
+@pytest.mark.parametrize(
+    ("line", "code", "told"),
+    [
+        ("$0 -m softcradle check mixed <&- >&- 2>&-", 0, ""),
+        ("$0 -m softcradle check nope 2>&-", 2, ""),
+        (
+            "mkdir x; cd x; rmdir ../x; $0 -m softcradle run mixed",
+            2,
+            "cannot write to the current folder: no such file",
+        ),
+    ],
+)
+def test_streams_may_be_closed_and_a_folder_that_is_gone_is_told(line, code, told, tmp_path):
+    """Without standard error a command ended before it began."""
+    words, environment = ["bash", "-c", line, sys.executable], os.environ | {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert (done.returncode, told in done.stderr) == (code, True)
 
 
 @pytest.mark.parametrize(("scene", "lacks"), [("mixed", "display"), ("x.toml", "file x.toml"), ("x.npz", "file x.npz")])
