@@ -133,8 +133,8 @@ def _solve_by_choice(
     from softcradle.physics.advice.auto_method import choose
 
     require_kind("chain", chain, Chain)
-    _require_carried(AUTO, chain)
-    _require_takes(AUTO, step)
+    _refuse(refusal_of(AUTO, chain))
+    _refuse(refusal_of_fineness(AUTO, step, None))
     _problem(chain, velocity, duration, find_method("accurate"), None, samples, error)  # refuses what is out of range
     choice = choose(chain, velocity, duration, error)
     found = solve(chain, velocity, duration, choice.method, choice.step or None, samples, choice.tolerance or error)
@@ -173,7 +173,7 @@ def move(
     )
     _require(method != AUTO, "advance takes the name of a method; 'auto' is for simulate, which knows the whole motion")
     chosen = find_method(method)
-    _require_carried(method, chain)
+    _refuse(refusal_of(method, chain))
     if state.push is not None:
         state.push = bead_forces("push", state.push, chain.contacts + 1)
     duration = magnitude("duration", duration, zero=True)
@@ -231,14 +231,9 @@ def _require(condition: bool | np.bool_, sentence: str) -> None:
         raise ValueError(sentence)
 
 
-def _require_carried(method: str, chain: Chain) -> None:
-    reason = refusal_of(method, chain)
-    _require(not reason, reason)
-
-
-def _require_takes(method: str, step: float | None) -> None:
-    reason = refusal_of_fineness(method, step, None)
-    _require(not reason, reason)
+def _refuse(reason: str) -> None:
+    if reason:
+        raise ValueError(reason)
 
 
 def checked_tolerance(tolerance: float) -> float:
@@ -270,7 +265,7 @@ def pushes_on_a_bed(mass: ArrayLike, on_bed: ArrayLike, velocity: ArrayLike) -> 
 def _step(chain: Chain, state: State, method: Method, step: float | None, duration: float | None = None) -> float:
     if step is not None:
         length = magnitude("step", step)
-        _require_takes(method.name, length)
+        _refuse(refusal_of_fineness(method.name, step, None))
         return length
     return 0.0 if method.adaptive else default_step(chain, state.velocity(chain), duration)
 
@@ -285,10 +280,9 @@ def _problem(
     tolerance: float,
 ) -> Problem:
     state = State.at_start(chain, velocity)
-    _require_carried(method.name, chain)
+    _refuse(refusal_of(method.name, chain))
     if duration is None:
-        reason = endless(chain, velocity)
-        _require(not reason, reason)
+        _refuse(endless(chain, velocity))
     else:
         duration = magnitude("duration", duration, zero=True)
     require_computable(chain, velocity, duration)
