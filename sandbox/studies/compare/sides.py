@@ -69,11 +69,12 @@ def comparison_of(names: Sequence[str], contacts: Sequence[str], fewest: int = 2
         UserError: no such scene or contact, less than `fewest` or too many sides, or one in which nothing collides.
     """
     scenes = [load_scene(name) for name in names]
-    sides = [side for name, scene in zip(names, scenes, strict=True) for side in _lane_sides(name, scene, len(scenes))]
+    told = [name.encode(errors="replace").decode() for name in names]  # what is no UTF-8 is in no report
+    sides = [side for name, scene in zip(told, scenes, strict=True) for side in _lane_sides(name, scene, len(scenes))]
     if contacts:
         if len(scenes) != 1:
             raise UserError(f"--contact changes one scene, but {len(scenes)} are given: {', '.join(names)}")
-        sides = _contact_sides(names[0], scenes[0], contacts)
+        sides = _contact_sides(scenes[0], contacts)
     comparison = Comparison(_title(scenes, sides, bool(contacts)), _distinct_names(sides))
     _check(comparison, fewest)
     return comparison
@@ -102,7 +103,7 @@ def _lane_sides(name: str, scene: Scene, scenes: int) -> list[Side]:
     return [Side(f"{prefix}{lane.label or k}", lane, scene) for k, lane in enumerate(scene.lanes, 1)]
 
 
-def _contact_sides(name: str, scene: Scene, contacts: Sequence[str]) -> list[Side]:
+def _contact_sides(scene: Scene, contacts: Sequence[str]) -> list[Side]:
     """Each lane as it is, then with each of the contacts; equal ones are shown once."""
     try:
         laws = [contact_from(text) for text in contacts]
