@@ -161,6 +161,9 @@ class _Run:
             slope, (0.0, (end - start) / scale), self.y, STIFF if stiff else SMOOTH, events=margin,
             rtol=system.relative, atol=system.absolute, dense_output=True, **({"jac": jacobian} if stiff else {}),
         )  # fmt: skip
+        if found.t.size == 1:  # not one step: there is no solution to be read
+            self._give_up(Status.FAILED, f"scipy failed at t = {start:.6g} s: {found.message}")
+            return
         self.steps += found.t.size - 1
         elapsed, met = float(found.t[-1]), found.status == 1
         earlier = self._passed(found.sol, found.t)

@@ -4,10 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, Coupler, OwnLaw, cluster_on_cluster, one_on, simulate
+from softcradle.physics import Chain, Coupler, OwnLaw, TimedForce, cluster_on_cluster, one_on, simulate
 from softcradle.physics.contact import draft_gear, hertz, hooke, power_law, step_force
 from softcradle.physics.methods import refusal_of
 from softcradle.physics.reference.laws import Laws
+from softcradle.physics.status import Status
 
 from benchmarks.scan.families import motion
 from tests.helpers.relations import KERNELS, NAMES, PROMISE, assert_momentum, ledger_error, simulate_quietly
@@ -69,6 +70,14 @@ def test_running_out_is_a_value(limit, most, sentence, monkeypatch):
         found = simulate(cluster_on_cluster(2, 3, hertz(1.0)), [1, 1, 0, 0, 0], method="scipy")
     assert len(found.warnings) == 1
     assert found.velocity.sum(axis=1) == pytest.approx(2.0, abs=1e-9)
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_a_motion_of_which_not_one_step_can_be_taken_is_a_value():
+    coupler = Coupler(draft_gear(1e3, 1e-3), draft_gear(1e29, 0.0), 1e29, 2.0, 1e-3)
+    contacts, brake = [hooke(1.0, loss=0.999999), hooke(1e30), coupler], TimedForce(1, 0.0, 1e30)
+    found = simulate(Chain([1.0, 0.5, 2.0, 1.0], contacts, brakes=[brake]), [1, 5, 0, 1], 1.0, "scipy")
+    assert (found.status, "scipy failed at t = " in str(found.warnings[0])) == (Status.FAILED, True)
 
 
 @pytest.mark.parametrize("method", NAMES)
