@@ -150,12 +150,12 @@ def _finer(problem: Problem, record: Record) -> Record:
         before, chance = chance, _agrees_by_chance(finer, problem)
         if confirming >= (2 if chance or before else 1):
             return _beside(record, finer, error)
-        steps, record = finer.steps, _beside(finer, record, error)
+        alone, steps, record = finer.velocity_error, finer.steps, _beside(finer, record, error)
         if finest or record.steps + steps > usual:
             if apart.max() > PROMISED * allowed:
                 record.status = Status.UNDETERMINED
-            elif not (finest or agrees):  # what its budget leaves unconfirmed may be off by more than the difference
-                record.velocity_error = FINER * error
+            elif not finest:  # what its budget leaves unconfirmed may be off by more than the difference, which chance makes small
+                record.velocity_error = np.maximum(error if agrees else FINER * error, alone if chance else 0.0)
             return record
     return record
 

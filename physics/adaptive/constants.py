@@ -13,8 +13,10 @@ ROUND_OFF = 1e-13  # of the largest of its kind: less than this of a force, an a
 # no correction of a force is larger at the end of Newton's iteration: of the largest force in the step; of a soft contact without
 # preload of its own largest, or of this part of the largest of all
 FORCE_PRECISION = 1e-3
-# of its impulse: what the nodes of a step miss of a force that begins or ends in it like (t - t_o)**a, a > 1
-KINK = 0.01
+# of its impulse, what dop853 misses at the most of a force like |t - t_o|**a, a > 1: one that begins with the step; one that ends
+# in its first half, in its second; about the part x of the time until it ends, over x**15
+BEGINS, ENDS, NEARS = 2e-4, (0.25, 0.01), 1e-4
+KINK = 0.01  # and of one whose law has a bend, or that all but ends, in the step; with radau, of one that ends
 GRAZE = 0.1  # of the larger overlap at the ends of a step: a contact with less between is all but open there
 RATIO = 3.0  # the error of a contact is its fine error times this times fine over coarse error, 1 at the most
 
@@ -23,6 +25,7 @@ MOMENT = 10.0
 
 # Lengths of steps
 SAFETY = 0.9  # of a length that something allows: what is tried
+PAST = 0.75  # of a step that goes past the end of a force: where that is to be
 SHRINK = 0.25  # of a step whose stages do not converge: the next try
 LEAST_PART = 0.1  # of a step rejected: the next try is no shorter; of a step whose polynomial is coarse near its start: its start
 MOST_GROWTH = 8.0  # of a step over the one before

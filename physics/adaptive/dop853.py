@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from softcradle.physics.adaptive.constants import GRAZE, KINK, MARGIN, ROUND_OFF
+from softcradle.physics.adaptive.constants import BEGINS, ENDS, GRAZE, KINK, MARGIN, ROUND_OFF
 from softcradle.physics.adaptive.corner_search import halves, hermite_quintic
 from softcradle.physics.adaptive.step_records import STAGES
 from softcradle.physics.numerics.exact_matrices import exact_product
@@ -283,14 +283,17 @@ def error_of_range(h, first, last, chain, motion, trial, force):
     rough, worst = False, 0.0
     for i in range(first, last):
         if mode[i] == LOADED and law[i, 2] != 1.0:
-            opens = end_overlap[i] < 0.0 < overlap[i]
-            grazes = nearly_opens(h, overlap[i], motion.rate[i], end_overlap[i], trial.rate[2, i])
-            if opens or grazes or overlap[i] <= 0.0 < force[i]:
+            d0, d1, w0, w1 = overlap[i], end_overlap[i], motion.rate[i], trial.rate[2, i]
+            opens, grazes = d1 < 0.0 < d0, nearly_opens(h, d0, w0, d1, w1)
+            if opens or grazes or d0 <= 0.0 < force[i]:
                 if law[i, 2] < 1.0:
                     rough = True
                 else:
-                    push = curve_force(law, chain.own, i, overlap[i] if opens else end_overlap[i])
-                    worst = larger(worst, KINK * h * (inverse_mass[i] + inverse_mass[i + 1]) * push)
+                    part = KINK if grazes else BEGINS
+                    if opens:
+                        part = ENDS[0] if 4.0 * (d0 + d1) < h * (w1 - w0) else ENDS[1]  # by the cubic in the middle
+                    push = curve_force(law, chain.own, i, d0 if opens else d1)
+                    worst = larger(worst, part * h * (inverse_mass[i] + inverse_mass[i + 1]) * push)
     for i in range(first, last):
         if mode[i] == LOADED:
             push = bend_passed(chain.own, i, overlap[i], end_overlap[i])

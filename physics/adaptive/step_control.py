@@ -9,7 +9,9 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.adaptive.constants import (
+    BEGINS,
     COST_RATIO,
+    ENDS,
     FEW_TRIES,
     FIRST_PART,
     FURTHER_GROWTH,
@@ -17,7 +19,9 @@ from softcradle.physics.adaptive.constants import (
     LEAST_PART,
     MOST_GROWTH,
     MOST_TRIES,
+    NEARS,
     NEWTON_PART,
+    PAST,
     ROUND_OFF,
     SAFETY,
     SHRINK,
@@ -43,7 +47,7 @@ from softcradle.physics.adaptive.step_records import (
 )
 from softcradle.physics.numerics.elementary import log, power
 from softcradle.physics.numerics.jit import inlined, piece
-from softcradle.physics.numerics.law_curve import curve_slope, is_continued
+from softcradle.physics.numerics.law_curve import acceleration_of, curve_slope, is_continued
 from softcradle.physics.numerics.records import EVALUATION, LOADED, NO_CONTACT, OPEN, REJECTED, STEP, ZERO
 
 
@@ -56,12 +60,16 @@ def restart_control(control, h):
 
 @piece
 def onset_step(chain, i, speed, wanted):
-    """First step after contact i closes at `speed`: its impulse L K (v h)**a h / (1+a) is the error; inf if smooth."""
+    """First step after contact i closes at `speed`; inf if smooth.
+
+    The error is its impulse L K (v h)**a h / (1+a), or what dop853 misses of that where a > 1.
+    """
     exponent, stiffness = chain.law[i, 2], chain.law[i, 1]
     if exponent == 1.0 or stiffness == 0.0 or speed <= 0.0:
         return math.inf
     weight = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * stiffness * power(speed, exponent)
-    return power((1.0 + exponent) * wanted / weight, 1.0 / (1.0 + exponent))
+    impulse = (1.0 + exponent) * wanted if exponent < 1.0 else 0.5 / BEGINS * wanted
+    return power(impulse / weight, 1.0 / (1.0 + exponent))
 
 
 @piece
@@ -113,6 +121,39 @@ def before_opening(left, push, wanted):
 
 
 @inlined
+def next_end(chain, motion):
+    """(time, push) until the next contact with a > 1 opens, by the parabola of its overlap (inf: none does), and how it
+    accelerates its beads now [m/s²]."""
+    left, push = math.inf, 0.0
+    for i in range(motion.mode.size):
+        overlap, rate = motion.overlap[i], motion.rate[i]
+        if (
+            motion.mode[i] == LOADED
+            and rate < 0.0 < overlap
+            and chain.law[i, 2] > 1.0
+            and not is_continued(chain.law, i)
+        ):
+            square = rate * rate - 2.0 * overlap * acceleration_of(i, chain, motion.force, 0.0)
+            time = 2.0 * overlap / (math.sqrt(square) - rate) if square > 0.0 else math.inf
+            if time < left:
+                left, push = time, (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * motion.force[i]
+    return left, push
+
+
+@inlined
+def limited_by_end(left, push, h, wanted):
+    """The length of a step, `h` at the most, that a force like (t_o - t)**a, a > 1, allows which ends in the time `left`.
+
+    It goes past the end where what is missed of the force is an error that holds, else as near to it as such errors allow.
+    """
+    if left >= h or (ENDS[0] if 2.0 * left < h else ENDS[1]) * push * h <= wanted:
+        return h
+    if 2.0 * ENDS[1] * push * left <= PAST * wanted:
+        return left / PAST
+    return left * min(SAFETY, power(wanted / (NEARS * push * left), 1.0 / 15.0))
+
+
+@inlined
 def propose_step(control, rest, allowed, chain, motion, wanted):
     """(kind, h, near): the kind of the next step, its length, `rest` at the most, and whether a near opening limits it.
 
@@ -132,6 +173,10 @@ def propose_step(control, rest, allowed, chain, motion, wanted):
         kind, h = DOP853, min(reach, control[NEXT], rest)
     if left < h:
         return kind, SAFETY * left if alone else before_opening(left, push, wanted), not alone
+    end, push = next_end(chain, motion)
+    limited = limited_by_end(end, push, h, wanted)
+    if limited < h:
+        return kind, limited, True
     if kind == DOP853 and h == reach:
         control[RADAU_NEXT] *= FURTHER_GROWTH
     return kind, h, False

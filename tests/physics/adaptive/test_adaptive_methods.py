@@ -7,7 +7,11 @@ import numpy as np
 import pytest
 from softcradle.physics import Chain, Contact, State, advance, draft_gear, hertz, hooke, one_on, power_law, step_force
 from softcradle.physics.adaptive import runner
+from softcradle.physics.adaptive.constants import BEGINS, ENDS, NEARS, SAFETY
+from softcradle.physics.adaptive.dop853 import NODES, WEIGHTS
+from softcradle.physics.adaptive.step_control import limited_by_end
 from softcradle.physics.analysis.closed_forms import critical_speed, rigid_collision, rigid_stroke
+from softcradle.physics.numerics.plain_kernels import plain
 from softcradle.physics.simulation import solve
 
 from benchmarks.scan.families import motion
@@ -124,6 +128,36 @@ def test_cost_is_that_of_the_promise(chain, duration, tolerance, steps, evaluati
     assert (again.rate.tolist(), again.contact_intervals) == (found.rate.tolist(), found.contact_intervals)
     assert again.steps == found.steps < steps
     assert again.evaluations == found.evaluations < evaluations
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_what_dop853_misses_of_a_force_that_begins_or_ends_in_a_step(seed):
+    """Against the integral of (1 - t / part)**a, and of t**a, over the step."""
+    draw = np.random.default_rng(seed)
+    for exponent, part in zip(1.0 + draw.uniform(0.001, 2.0, 50), draw.uniform(0.01, 1.0, 50), strict=True):
+        ends, begins = np.maximum(1.0 - NODES / part, 0.0) ** exponent, NODES**exponent
+        assert abs(WEIGHTS @ ends - part / (exponent + 1.0)) <= ENDS[0 if part < 0.5 else 1]
+        assert abs(WEIGHTS @ begins - 1.0 / (exponent + 1.0)) <= BEGINS
+        nears, left = (1.0 - part * NODES) ** exponent, (1.0 - part) ** (exponent + 1.0)
+        missed = part * (WEIGHTS @ nears) - (1.0 - left) / (exponent + 1.0)
+        assert part < 0.5 or abs(missed) <= 2.0 * NEARS * part**15
+
+
+@pytest.mark.parametrize("push", 10.0 ** np.arange(-9.0, 3.0))
+def test_a_step_goes_past_the_end_of_a_force_only_where_that_is_no_error(push):
+    limited, wanted = plain(limited_by_end), 1e-9
+    for left in np.linspace(0.02, 1.2, 60):
+        h = limited(left, push, 1.0, wanted)
+        assert 0.1 * min(left, 1.0) < h <= 1.0
+        assert h <= SAFETY * left or left >= 1.0 or ENDS[0 if h > 2.0 * left else 1] * push * h <= wanted
+
+
+@pytest.mark.parametrize(("exponent", "tolerance"), [*product((1.2, 1.5, 2.3), (1e-7, 1e-9))])
+def test_few_tries_of_a_step_are_in_vain_where_contacts_close_and_open(exponent, tolerance):
+    draw = np.random.default_rng(5)
+    chain = Chain(draw.uniform(0.5, 2.0, 21), power_law(100.0, exponent), gap=0.02)
+    found = run(chain, struck(chain), tolerance=tolerance)
+    assert found.evaluations < 15 * 1.3 * found.steps  # 1.4 to 1.5 where nothing tells of an opening to come
 
 
 @pytest.mark.parametrize("method", KERNELS)
