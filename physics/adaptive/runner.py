@@ -74,6 +74,7 @@ class Memory:
     scratch: Scratch
     log: SwitchLog
     spare: list[Steps]  # see `KeptSteps`
+    waited: float = 0.0  # seconds for kernels, in the last run
 
     @classmethod
     def of(cls, contacts: int, log_size: int) -> Memory:
@@ -157,7 +158,7 @@ def one_run(problem: Problem, log_size: int = FIRST_LOG) -> Record:
     kept = KeptSteps(problem, wanted, kernels_of(problem.chain), memory.spare)
     began = perf_counter()
     code, state.time = _integrate(problem, state, memory, kept)
-    seconds = perf_counter() - began
+    seconds = perf_counter() - began - memory.waited
     larger = larger_log(memory.log)
     if larger:
         return one_run(problem, larger)
@@ -182,6 +183,7 @@ def _integrate(problem: Problem, state: State, memory: Memory, kept: KeptSteps |
     data, regime = chain_and_regime(problem.chain, state)
     memory.log.counter[:] = 0
     memory.log.closed[:] = 0 if kept else state.closed
+    memory.waited = 0.0
     most, counter, stop = step_budget(problem, state.time), memory.log.counter, problem.duration is None
     code, time, resumed, end = PAUSED, state.time, False, problem.end
     motion = tuple(motion_record(state, memory.mode, memory.held))
@@ -191,7 +193,9 @@ def _integrate(problem: Problem, state: State, memory: Memory, kept: KeptSteps |
         memory.log = with_free_rows(memory.log) if kept else memory.log  # that of a frame stays as long as it is
         most_now = min(PAUSE, memory.log.contact.size // ROWS_A_STEP or PAUSE) if kept else PAUSE
         work = PLAIN_COST * PLAIN_PAUSE * problem.chain.contacts
+        asked = perf_counter()
         kernel: Any = tiers.of(integrate, work) if kept else tiers.of_frame(integrate)
+        memory.waited += perf_counter() - asked
         compiled = kernel is integrate
         pause = int(counter[STEP] + counter[REJECTED]) + (most_now if compiled else min(most_now, PLAIN_PAUSE))
         if kept and not compiled:

@@ -176,6 +176,15 @@ def test_samples_cost_no_second_run(module, method, monkeypatch):
     )  # `simulate` has the clock; it told the time of samples alone
 
 
+def test_a_run_that_waits_for_kernels_does_not_count_that_as_its_cost(monkeypatch):
+    clock, kernels = [0.0], runner.kernels_of(CRADLE)
+    kernels.load_made()
+    monkeypatch.setattr(runner, "perf_counter", lambda: clock[0])
+    monkeypatch.setattr(kernels, "of", lambda kernel, work=0.0: clock.append(clock.pop() + 60.0) or kernel)
+    assert runner.one_run(Problem(CRADLE, State.at_start(CRADLE, START), "accurate", 3.0, 0.0, 1e-6)).seconds == 0.0
+    assert clock[0] > 0.0
+
+
 @pytest.mark.parametrize("name", ADAPTIVE)
 def test_samples_cost_no_second_run_of_an_adaptive_method(name, monkeypatch):
     kernels, counted, begun = runner.kernels_of(ENDED[name][0]), Mock(wraps=runner.integrate), []
