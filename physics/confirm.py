@@ -154,7 +154,7 @@ def _finer(problem: Problem, record: Record) -> Record:
         if finest or record.steps + steps > usual:
             if apart.max() > PROMISED * allowed:
                 record.status = Status.UNDETERMINED
-            elif not finest:  # what its budget leaves unconfirmed may be off by more than the difference, which chance makes small
+            elif not finest:  # unconfirmed: it may be off by more than a difference that is small by chance
                 record.velocity_error = np.maximum(error if agrees else FINER * error, alone if chance else 0.0)
             return record
     return record

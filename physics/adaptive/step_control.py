@@ -62,13 +62,15 @@ def restart_control(control, h):
 def onset_step(chain, i, speed, wanted):
     """First step after contact i closes at `speed`; inf if smooth.
 
-    The error is its impulse L K (v h)**a h / (1+a), or what dop853 misses of that where a > 1.
+    The error is its impulse L K (v h)**a h / (1+a); where a > 1 what dop853 misses of it, and half of the speed at the most.
     """
     exponent, stiffness = chain.law[i, 2], chain.law[i, 1]
     if exponent == 1.0 or stiffness == 0.0 or speed <= 0.0:
         return math.inf
     weight = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * stiffness * power(speed, exponent)
-    impulse = (1.0 + exponent) * wanted if exponent < 1.0 else 0.5 / BEGINS * wanted
+    impulse = (1.0 + exponent) * wanted
+    if exponent > 1.0:
+        impulse = max(impulse, min(0.5 / BEGINS * wanted, 0.5 * (1.0 + exponent) * speed))
     return power(impulse / weight, 1.0 / (1.0 + exponent))
 
 

@@ -131,7 +131,7 @@ def test_a_finer_run_that_follows_more_confirms_nothing(other_runs) -> None:
     assert not found.warnings
 
 
-OTHERS = [(7, 0, []), (30, 0, [1e-5]), (2000, 0, [1e-7, 1e-8]), (100, 9e-6, [1e-5]), (100, 1.1e-5, [1e-7])]
+OTHERS = [(7, 0, []), (20, 0, [1e-5]), (2000, 0, [1e-7, 1e-8]), (100, 9e-6, [1e-5]), (100, 1.1e-5, [1e-7])]
 
 
 @pytest.mark.parametrize(("growth", "stated", "taken"), OTHERS)
@@ -174,7 +174,7 @@ def test_what_finer_runs_are_off_by_alike_is_stated_in_full(other_runs) -> None:
 @pytest.mark.parametrize("apart", [4e-6, 6e-6])
 def test_a_coarser_run_that_ends_elsewhere_confirms_nothing(apart: float, other_runs) -> None:
     """It ends within five tolerances where the record is within the ten that are promised; else finer runs decide."""
-    first = grown(to_its_end(hit()), 30.0)
+    first = grown(to_its_end(hit()), 20.0)
     tolerances = other_runs(first, apart=lambda run: apart * (run == 1))
     found = confirmed(hit(), first)
     assert tolerances == pytest.approx([1e-5] if apart < 5e-6 else [1e-5, 1e-7])

@@ -199,10 +199,12 @@ COLLIDE_FOR_LONG = [(60, 1e-2, 1e-6, "accurate"), (80, 1e-6, 1e-6, "accurate"), 
 @pytest.mark.parametrize(("n", "unequal", "tolerance", "method"), WAVES + COLLIDE_FOR_LONG)
 def test_a_wave_through_a_row_keeps_energy_momentum_and_the_order_of_its_beads(n, unequal, tolerance, method):
     """Contacts behind it move less than the tolerance can tell: a run once went on for them to 1e20 s. Of unequal ones beads that
-    part at 1e-8 m/s meet again after 1e6 s, and pressed far in: energy grew to 250 times what there was."""
+    part at 1e-8 m/s meet again after 1e6 s, and pressed far in: energy grew to 250 times what there was. A first step longer than
+    such a contact lasts took millions."""
     chain = one_on(n, [hertz(1.0 + unequal * (-1.0) ** i) for i in range(n)])
     found = run(chain, struck(chain), method=method, tolerance=tolerance, samples=2)
     assert not found.warnings
+    assert found.steps < 10_000
     assert unequal or n < found.time[-1] < 1.5 * n
     assert abs((found.final_velocity**2).sum() - 1.0) < 10.0 * tolerance
     assert abs(found.final_velocity.sum() - 1.0) < EPSILON * n * n  # each velocity is a sum of up to n rates
@@ -283,7 +285,7 @@ def test_beads_that_touch_at_rest_close_as_soon_as_a_neighbour_does(method, fami
 def test_a_soft_contact_opens_inside_a_step_when_fine_runs_say():
     for seed, contact in ((11, 4), (59, 2)):  # the quintic through the step has more than one root
         one = motion("mixed", seed)
-        found, fine = (solve(one.chain, one.velocity, one.duration, samples=2, tolerance=t) for t in (1e-8, 1e-11))
+        found, fine = (solve(one.chain, one.velocity, one.duration, samples=2, tolerance=t) for t in (1e-8, 1e-9))
         assert found.contact_intervals[contact][-1] == pytest.approx(fine.contact_intervals[contact][-1], rel=3e-8)
 
 
