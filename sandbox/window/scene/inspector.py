@@ -270,7 +270,7 @@ class Inspector:
             return
         unit = self.host.unit
         y = self.rect.top + 31 * unit
-        if self.pick.kind == "contact":
+        if self._law() is not None:
             self._make_kinds(self.pick, y)
             y += 31 * unit
         for parameter in self._parameters():
@@ -286,6 +286,13 @@ class Inspector:
         """The parameters that there are controls for."""
         return [] if self.pick is None else parameters(self.session, self.pick.lane, self.pick.kind, self.pick.index)
 
+    def _law(self) -> Contact | None:
+        """The law of the contact selected, if edits can turn it into another: a coupler and a law of one's own keep theirs."""
+        if self.pick is None or self.pick.kind != "contact":
+            return None
+        law = self.session.lanes[self.pick.lane].chain.contact[self.pick.index]
+        return law if isinstance(law, Contact) else None
+
     def _make_kinds(self, pick: Pick, y: float) -> None:
         """Three buttons: a power law below 1, a draft gear, and a power law from 1 on, which is stiff where it was another."""
         present, tip = kind_of(self.session.lanes[pick.lane].chain.contact[pick.index]), _("law of this contact")
@@ -297,14 +304,13 @@ class Inspector:
         if present in KIND_NAMES:
             buttons[list(KIND_NAMES).index(present)].select()
 
-    def _knobs(self, pick: Pick) -> list[list[Knob | None]]:
+    def _knobs(self, pick: Pick) -> list[list[Knob]]:
         """Rows of buttons below the parameters."""
         lane = self.session.lanes[pick.lane]
         if pick.kind == "contact":
             lock = _("lock piston") if lane.setup.locked[pick.index] is None else _("unlock piston")
             alike = (_("all alike"), self._copy_to_all, _("give this law to every contact of the lane"))
-            plain = isinstance(lane.chain.contact[pick.index], Contact)
-            return [[(lock, self.editor.lock, hint("lock")), alike if plain else None]]
+            return [[(lock, self.editor.lock, hint("lock")), alike]] if self._law() else []
         add = (_("add bead"), self.editor.add_bead, hint("add_bead"))
         remove = (_("remove bead"), self.editor.remove_bead, hint("remove_bead"))
         wall = _("free it") if math.isinf(lane.chain.mass[pick.index]) else _("make it a wall")
@@ -335,10 +341,9 @@ class Inspector:
             self.editor.apply(SetMass(self.pick.lane, self.pick.index, mass))
 
     def _copy_to_all(self) -> None:
-        if self.pick is not None:
-            law = self.session.lanes[self.pick.lane].chain.contact[self.pick.index]
-            if isinstance(law, Contact):
-                self.editor.apply(SetContact(self.pick.lane, None, law))
+        law = self._law()
+        if self.pick is not None and law is not None:
+            self.editor.apply(SetContact(self.pick.lane, None, law))
 
     def sweep(self, key: str = "") -> None:
         """Show nine values of a parameter side by side: the one with that key, else the one changed last, else the first."""
