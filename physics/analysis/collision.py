@@ -19,7 +19,6 @@ from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.analysis.closed_forms import speed_ratio
 from softcradle.physics.analysis.measures import (
     chain_spread_variable,
-    cluster_beads,
     dwell,
     energy_inside,
     impulses,
@@ -27,6 +26,7 @@ from softcradle.physics.analysis.measures import (
     penetration_depth,
     restitution,
     rigidity,
+    target_beads,
 )
 from softcradle.physics.analysis.ringing import ringing
 from softcradle.physics.chain import Chain, accelerated_mass
@@ -232,7 +232,7 @@ def measured(trajectory: Trajectory) -> CollisionMeasures:
     struck = struck_contact(trajectory.velocity[0])
     intervals = trajectory.contact_intervals[struck]
     opened = intervals[-1][1] if intervals and math.isfinite(intervals[-1][1]) else None
-    targets = slice(struck + 1, None)
+    targets = target_beads(trajectory.chain, struck)
     inside = energy_inside(trajectory, struck)
     deficits = _deficits(trajectory, intervals[0][0], opened) if opened is not None else (None, None)
     whole = float(trajectory.kinetic_energy[0] + trajectory.contact_energy[0]) or math.nan
@@ -247,8 +247,8 @@ def measured(trajectory: Trajectory) -> CollisionMeasures:
         contact_time=None if opened is None else sum(end - start for start, end in intervals),
         rigidity_at_detachment=None
         if opened is None
-        else _rigidity(trajectory.chain, targets, interpolated(trajectory, trajectory.velocity, opened)),
-        rigidity=_rigidity(trajectory.chain, targets, trajectory.final_velocity),
+        else _rigidity(interpolated(trajectory, trajectory.velocity, opened)[targets]),
+        rigidity=_rigidity(trajectory.final_velocity[targets]),
         restitution=None if opened is None else restitution(trajectory, struck, intervals[0][0], opened),
         energy_inside_at_detachment=None
         if opened is None
@@ -303,6 +303,5 @@ def _deficits(trajectory: Trajectory, touched: float, opened: float) -> tuple[fl
     return found[0], found[1]
 
 
-def _rigidity(chain: Chain, side: slice, velocity: Array) -> float | None:
-    beads = cluster_beads(chain, side)
-    return finite_or_none(rigidity(velocity[beads])) if beads.size else None
+def _rigidity(velocity: Array) -> float | None:
+    return finite_or_none(rigidity(velocity)) if velocity.size else None

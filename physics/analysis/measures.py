@@ -119,7 +119,7 @@ def restitution(trajectory: Trajectory, struck: int, touch: float, detachment: f
 def energy_inside(trajectory: Trajectory, struck: int) -> Array:
     """(T,) energy inside the target cluster as a share of all energy at the start; nan where that is 0."""
     chain = trajectory.chain
-    beads = cluster_beads(chain, slice(struck + 1, None))
+    beads = target_beads(chain, struck)
     mass, velocity = np.array(chain.mass)[beads], trajectory.velocity[:, beads]
     own = velocity - (velocity @ mass / mass.sum())[:, None] if beads.size else velocity
     stored = chain.stored_energy(trajectory.overlap)[:, struck + 1 :].sum(axis=1)
@@ -219,9 +219,7 @@ def chain_spread_variable(chain: Chain, struck: int) -> float | None:
     law, n = common_law(chain), chain.contacts
     if law is None or law.preload or law.loss or n < 2 or struck != 0 or len(set(chain.mass)) > 1:
         return None
-    if not meets_freely(chain, struck):
-        return None
-    return spread_variable(n, law.exponent)
+    return spread_variable(n, law.exponent) if meets_freely(chain, struck) else None
 
 
 def penetration_depth(trajectory: Trajectory, struck: int = 0) -> float:
@@ -241,10 +239,9 @@ def penetration_depth(trajectory: Trajectory, struck: int = 0) -> float:
     return -1.0 / slope if slope < 0.0 else 0.0
 
 
-def cluster_beads(chain: Chain, side: slice) -> NDArray[np.int_]:
-    """Indices of the beads of a side, walls left out."""
-    numbers = np.arange(len(chain.mass))[side]
-    return numbers[np.isfinite(np.array(chain.mass)[side])]
+def target_beads(chain: Chain, struck: int) -> NDArray[np.int_]:
+    """Indices of the beads behind the contact `struck`, walls left out."""
+    return struck + 1 + np.flatnonzero(np.isfinite(chain.mass[struck + 1 :]))
 
 
 def _side_velocity(chain: Chain, side: slice, velocity: Array) -> float:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from softcradle.physics import Trajectory
 from softcradle.physics.advice.unusual_numbers import unusual_warnings
 from softcradle.physics.analysis.collision import CollisionMeasures, ContactMeasures, collide, measured, struck_contact
-from softcradle.physics.analysis.measures import cluster_beads, rigidity
+from softcradle.physics.analysis.measures import rigidity, target_beads
 from softcradle.physics.methods import find_method
 from softcradle.physics.simulation import solve
 from softcradle.physics.status import Status, Warnings
@@ -89,7 +89,7 @@ class Run:
 
     def spread(self, run: Trajectory | None) -> float:
         """The rigidity of the struck cluster at the end of `run`; nan where that is unknown."""
-        beads = cluster_beads(self.start.chain, slice(self.struck + 1, None))
+        beads = target_beads(self.start.chain, self.struck)
         known = run is not None and not run.status.gave_up and beads.size > 0
         return float(rigidity(run.final_velocity[beads])) if run is not None and known else math.nan
 
