@@ -71,8 +71,8 @@ class System:
         external = state.external(chain)
         self.steady = np.zeros(self.n + 1) if external is None else external
         self.bed = chain.finite_mass * GRAVITY * chain.friction
-        self.difference = np.eye(self.n, self.n + 1) - np.eye(self.n, self.n + 1, 1)
-        contacts = laws.side[:, None] * self.difference[laws.joint]
+        difference = np.eye(self.n, self.n + 1) - np.eye(self.n, self.n + 1, 1)
+        contacts = laws.side[:, None] * difference[laws.joint]
         self.rows = np.vstack((contacts, np.eye(self.n + 1))) if chain.on_bed else contacts
         self.coupling = self.rows * chain.inverse_mass @ self.rows.T
         self.response = np.where(self.coupling.diagonal() > 0.0, self.coupling.diagonal(), 1.0)
@@ -91,8 +91,7 @@ class System:
 
     def start(self, state: State) -> Array:
         """The state vector of `state`."""
-        laws = self.laws
-        overlap = laws.side * (state.overlap[laws.joint] - laws.origin)
+        overlap = self.laws.side * (state.overlap[self.laws.joint] - self.laws.origin)
         return np.concatenate((overlap, state.rate, state.anchor))
 
     def velocity(self, y: Array) -> Array:
@@ -227,8 +226,7 @@ class Phase:
 
     def noise(self, force: Array) -> Array:
         """(..., p) round-off of the multipliers among the `force` (..., p) of all rows."""
-        found: Array = ROUND_OFF * (np.abs(force) @ np.abs(self.system.coupling)) / self.system.response
-        return found
+        return ROUND_OFF * (np.abs(force) @ np.abs(self.system.coupling)) / self.system.response
 
     def carries(self, time: Any, y: Array) -> Which:
         """(..., m) whether each contact pushes: beyond the least overlaps, or with more than the round-off of multipliers."""
