@@ -159,7 +159,7 @@ class Trajectory(Moving):
     def kinetic_energy(self) -> Array:
         """(T,) kinetic energy [J] of the beads, walls left out."""
         with np.errstate(over="ignore"):  # of a motion that has blown up it is inf
-            return 0.5 * self.velocity[:, self._bead] ** 2 @ self._mass
+            return 0.5 * self.velocity[:, self._bead] ** 2 @ self.chain.finite_mass[self._bead]
 
     @cached_property
     def contact_energy(self) -> Array:
@@ -169,7 +169,7 @@ class Trajectory(Moving):
     @cached_property
     def momentum(self) -> Array:
         """(T,) momentum [N s] of the beads, walls left out."""
-        return self.velocity[:, self._bead] @ self._mass
+        return self.velocity[:, self._bead] @ self.chain.finite_mass[self._bead]
 
     @property
     def ledger(self) -> Array:
@@ -204,10 +204,6 @@ class Trajectory(Moving):
     @cached_property
     def _bead(self) -> NDArray[np.bool_]:
         return np.isfinite(self.chain.mass)
-
-    @cached_property
-    def _mass(self) -> Array:
-        return np.array(self.chain.mass)[self._bead]
 
     def save(self, path: trajectory_file.Path) -> None:
         """Write everything, the chain and the versions included, to an .npz file that :meth:`load` reads back."""
