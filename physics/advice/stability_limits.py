@@ -10,7 +10,7 @@ from softcradle.physics.chain import Chain
 from softcradle.physics.checked_input import magnitude, require_kind
 from softcradle.physics.own_law import OwnLaw
 from softcradle.physics.problem import Problem, Record
-from softcradle.physics.scales import as_it_pulls, contact_scales, scales_at, speed_scale
+from softcradle.physics.scales import as_it_pulls, scales_at, shortest_contact, speed_scale
 from softcradle.physics.state import checked_velocity
 from softcradle.physics.status import CodedWarning, WarningCode, Warnings
 
@@ -138,8 +138,8 @@ def returning_warnings(problem: Problem, record: Record) -> Warnings:
 
 def coarse_warnings(problem: Problem) -> Warnings:
     """A warning where the step of a method that is always stable is too long to resolve the shortest contact."""
-    velocity = problem.velocity
-    limit = float(contact_scales(problem.chain, velocity, problem.duration)[1].min()) / LEAST_STEPS
+    speed = speed_scale(problem.chain, problem.velocity, problem.duration)
+    limit = shortest_contact(problem.chain, speed) / LEAST_STEPS
     if problem.step <= limit:
         return ()
     sentence = (
