@@ -33,13 +33,7 @@ from softcradle.physics.coupler import Coupler
 from softcradle.physics.fixed_step import runner as fixed_step
 from softcradle.physics.kernel_records import law_rows
 from softcradle.physics.numerics.records import Samples
-from softcradle.physics.problem import (
-    NO_TIMES,
-    Problem,
-    Record,
-    first_samples,
-    with_ends_as_samples,
-)
+from softcradle.physics.problem import NO_TIMES, Problem, Record, first_samples, with_ends_as_samples
 from softcradle.physics.scales import default_step, is_possible, largest_error
 from softcradle.physics.state import State, Switches, energies
 from softcradle.physics.status import CodedWarning, Status, WarningCode

@@ -105,9 +105,7 @@ class Contact:
         >>> Contact.by_contact_time(0.05, mass=0.5, speed=1.0, exponent=1.0).stiffness  # 0.5 (pi / 0.05)**2
         1973.92088021787...
         """
-        time, mu, v = (
-            magnitude(name, value) for name, value in (("duration", duration), ("mass", mass), ("speed", speed))
-        )
+        time, mu, v = magnitude("duration", duration), magnitude("mass", mass), magnitude("speed", speed)
         unit = cls(0.0, 1.0, exponent, loss)
         power = 1.0 + unit.exponent
         way = math.sqrt(math.pi) * math.gamma(1.0 / power) / (power * math.gamma(1.0 / power + 0.5))  # B(1/p, 1/2) / p
@@ -164,8 +162,7 @@ def stored_energy(
     pressed = np.maximum(np.asarray(overlap, dtype=np.float64), 0.0)
     more = 1.0 + exponent
     with np.errstate(over="ignore", invalid="ignore"):  # of a motion that has blown up it is inf, or nan
-        stored: NDArray[np.float64] = preload * pressed + stiffness * power(pressed, more) / more
-    return stored
+        return preload * pressed + stiffness * power(pressed, more) / more
 
 
 def is_closed(overlap: ArrayLike, force: ArrayLike) -> NDArray[np.bool_]:

@@ -7,11 +7,8 @@ from collections.abc import Iterable
 from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.methods import METHODS, Family, Method, find_method
 
-SOFT_CHAIN, ENSEMBLE_ENDS, OWN_LAW = OTHERS = (
-    "SoftChain",
-    "ensemble_ends",
-    "OwnLaw",
-)  # what else has kernels, by its name in Python
+# what else has kernels, by its name in Python
+SOFT_CHAIN, ENSEMBLE_ENDS, OWN_LAW = OTHERS = "SoftChain", "ensemble_ends", "OwnLaw"
 
 
 def warm(methods: Iterable[str] | str | None = None) -> None:

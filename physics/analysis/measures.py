@@ -92,8 +92,7 @@ def rigidity(velocity: ArrayLike) -> Array:
     """
     speeds = np.asarray(velocity, dtype=np.float64)
     with np.errstate(divide="ignore", invalid="ignore"):
-        spread: Array = np.ptp(speeds, axis=-1) / np.abs(speeds.mean(axis=-1))
-    return spread
+        return np.ptp(speeds, axis=-1) / np.abs(speeds.mean(axis=-1))
 
 
 def interpolated(trajectory: Trajectory, values: Array, time: float) -> Array:

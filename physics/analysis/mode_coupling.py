@@ -88,10 +88,9 @@ class Reduction:
         return Chain(masses, [chain.power_laws[i] for i in self.modes], [chain.gap[i] for i in self.modes], drive)
 
     @cached_property
-    def carrier(self) -> NDArray[np.int64]:
+    def carrier(self) -> NDArray[np.int_]:
         """(n,) for each contact of the whole chain, the contact of the reduced one whose force it passes on."""
-        found = np.arange(self.chain.contacts).clip(self.modes[0], self.modes[-1]) - self.modes[0]
-        return np.asarray(found, dtype=np.int64)
+        return np.arange(self.chain.contacts).clip(self.modes[0], self.modes[-1]) - self.modes[0]
 
     @cached_property
     def share(self) -> Array:

@@ -46,14 +46,7 @@ from softcradle.physics.scales import (
     struck_depth,
     velocity_room,
 )
-from softcradle.physics.simulation import (
-    DRIVEN,
-    PUSHED_ON_A_BED,
-    TWO_WALLS,
-    checked_tolerance,
-    pushes_on_a_bed,
-    solve,
-)
+from softcradle.physics.simulation import DRIVEN, PUSHED_ON_A_BED, TWO_WALLS, checked_tolerance, pushes_on_a_bed, solve
 from softcradle.physics.state import from_anchor
 
 Array = NDArray[np.float64]
@@ -165,10 +158,8 @@ def ensemble_ends(
 
     def alone(k: int) -> None:
         """Run one chain by itself."""
-        limit, own_step = (
-            None if np.isinf(durations[k]) else float(durations[k]),
-            None if steps is None else float(steps[k]),
-        )
+        limit = None if np.isinf(durations[k]) else float(durations[k])
+        own_step = None if steps is None else float(steps[k])
         found = solve(batch.chain(k), speeds[k], limit, method, own_step, samples=2, tolerance=float(tolerance))
         ends.final_velocity[k], ends.velocity_error[k] = found.final_velocity, found.velocity_error
         ends.time[k], ends.status[k] = found.time[-1], found.status
