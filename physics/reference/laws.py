@@ -44,21 +44,16 @@ class Laws:
             [(law.stiffness, law.exponent) if isinstance(law, Contact) else (np.nan, np.nan) for law in laws]
         ).T
         self.own = [(law, np.flatnonzero([law == one for one in laws])) for law in chain.own_laws]
-        self.depth = self._depth(0.5 * speed**2 / chain.inverse_reduced_mass[self.joint])
+        energy, power = 0.5 * speed**2 / chain.inverse_reduced_mass[self.joint], 1.0 + self.exponent
+        with np.errstate(divide="ignore"):  # the smaller of both one-term solutions
+            self.depth = np.minimum(energy / self.preload, (power * energy / self.stiffness) ** (1.0 / power))
+        for law, at in self.own:
+            self.depth[at] = [law.depth(value) for value in energy[at].tolist()]
         by_power = (self.stiffness * (self.exponent < 1.0) > 0.0).any()
         deep = [(law, float(self.depth[i])) for law, at in self.own for i in at]
         self.stiff = bool(by_power) or any(
             law.slope(SHALLOW**2 * d) > GROWS * law.slope(SHALLOW * d) for law, d in deep
         )
-
-    def _depth(self, energy: Array) -> Array:
-        """(m,) overlaps [m] at which the contacts store about `energy` (m,): the smaller of both one-term solutions."""
-        power = 1.0 + self.exponent
-        with np.errstate(divide="ignore"):
-            found: Array = np.minimum(energy / self.preload, (power * energy / self.stiffness) ** (1.0 / power))
-        for law, at in self.own:
-            found[at] = [law.depth(value) for value in energy[at].tolist()]
-        return found
 
     def force(self, overlap: Array) -> Array:
         """(..., m) forces [N] of loaded contacts at overlaps (..., m); no finite ones beyond the reach of a law."""
