@@ -21,7 +21,6 @@ from softcradle.physics.numerics.records import (
     Knots,
     SwitchLog,
 )
-from softcradle.physics.own_law import OwnLaw
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, WarningCode, Warnings
 
@@ -68,20 +67,15 @@ def own_laws(chain: Chain) -> OwnLaws | None:
     """The record of the laws of one's own as they are for this chain; None for a chain without."""
     if not chain.own_laws:
         return None
-    numbers = np.full(chain.contacts, -1, dtype=np.int64)
+    numbers, tables = np.full(chain.contacts, -1, dtype=np.int64), [law.table for law in chain.own_laws]
     for i, law in chain.own_contacts:
         numbers[i] = chain.own_laws.index(law)
-    return OwnLaws(numbers, *_tables(chain.own_laws))
-
-
-def _tables(laws: tuple[OwnLaw, ...]) -> tuple[Any, ...]:
-    """The tables of `laws` as the fields of OwnLaws."""
-    tables = [law.table for law in laws]
-    return (
+    return OwnLaws(
+        numbers,
         np.cumsum([0, *(len(table.force) for table in tables)]),
         np.concatenate([table.edge[:-1] for table in tables]),
         np.array([table.edge[-1] for table in tables]),
-        np.array([(law.digits_from, law.onset[1] * law.digits_from ** law.onset[2]) for law in laws]),
+        np.array([(law.digits_from, law.onset[1] * law.digits_from ** law.onset[2]) for law in chain.own_laws]),
         np.concatenate([table.force for table in tables]),
         np.concatenate([table.energy for table in tables]),
         np.cumsum([0, *(len(table.bend) for table in tables)]),

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from softcradle.physics import Contact, kernel_records
 from softcradle.physics.contact import hertz, hooke, power_law, step_force
-from softcradle.physics.numerics.own_contacts import OwnLaws, own_inverse, own_slope, table_value
+from softcradle.physics.numerics.own_contacts import own_inverse, own_slope, table_value
 from softcradle.physics.numerics.plain_kernels import plain
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.notebook.views import html_of
@@ -155,7 +155,7 @@ def test_the_table_of_a_law_is_the_law_at_random_overlaps_of_all_sizes(force, en
     few = [1e-3, 0.05, 0.1, 0.11, 0.3, 0.99]
     assert law.energy(few) == pytest.approx([energy(d) for d in few], rel=2e-14)
     assert (np.diff(table.edge) > 0.0).all()
-    own = OwnLaws(np.zeros(1, dtype=np.int64), *kernel_records._tables((law,)))
+    own = kernel_records.own_laws(Chain([1.0, 1.0], law))
     for overlap in overlaps[overlaps > 1e-8][:50]:
         for rows in (own.force, own.energy):
             assert own_inverse(own, rows, 0, plain(table_value)(own, rows, 0, overlap)) == pytest.approx(
