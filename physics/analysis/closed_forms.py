@@ -129,14 +129,9 @@ def meets_freely(chain: Chain, struck: int) -> bool:
 def speed_ratio(chain: Chain, struck: int, speed: float) -> float | None:
     """V/v_c of draft gears, all alike, whose contact `struck` closes at `speed` [m/s]; None where there is no critical speed."""
     gear = common_law(chain)
-    if (
-        gear is None
-        or chain.walls
-        or not meets_freely(chain, struck)
-        or gear.exponent != 1.0
-        or gear.preload == 0.0
-        or gear.stiffness == 0.0
-    ):
+    if gear is None or gear.exponent != 1.0 or gear.preload == 0.0 or gear.stiffness == 0.0:
+        return None
+    if chain.walls or not meets_freely(chain, struck):
         return None
     critical = critical_speed(gear, chain.mass, struck + 1)
     return speed / critical if math.isfinite(critical) else None
