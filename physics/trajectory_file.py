@@ -87,7 +87,9 @@ def load_motion(path: Path, make: Callable[..., T]) -> T:
         ValueError: it is no trajectory of softcradle, or one of a later version.
     """
     try:
-        arrays, plain = _read(path)
+        with open(path, "rb") as opened, np.load(opened, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+        plain = json.loads(str(arrays.pop("metadata")))
         found = plain["format"]
         if found in range(1, FORMAT + 1):
             return make(**_fields(arrays, plain))
@@ -147,13 +149,6 @@ def _warnings(stored: list[Any]) -> Warnings:
 def _interval_rows(intervals: Intervals) -> Array:
     rows = [(i, *interval) for i, spans in enumerate(intervals) for interval in spans]
     return np.array(rows, dtype=np.float64).reshape(-1, 3)
-
-
-def _read(path: Path) -> tuple[dict[str, Array], dict[str, Any]]:
-    """Arrays and metadata of an .npz file."""
-    with open(path, "rb") as opened, np.load(opened, allow_pickle=False) as file:
-        contents = {name: file[name] for name in file.files}
-    return contents, json.loads(str(contents.pop("metadata")))
 
 
 def _chain_table(chain: Chain) -> dict[str, Any]:
