@@ -10,6 +10,7 @@ from time import perf_counter
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from softcradle.physics.advice.auto_method import choose
 from softcradle.physics.advice.stability_limits import coarse_warnings, explicit_warnings, returning_warnings
 from softcradle.physics.advice.unusual_numbers import unusual_warnings
 from softcradle.physics.chain import Chain, bead_forces
@@ -103,7 +104,14 @@ def solve(
     After `most_steps` the method gives up, and its end is not confirmed; None: as many as it takes.
     """
     if method == AUTO:
-        return _solve_by_choice(chain, velocity, duration, step, samples, tolerance)
+        require_kind("chain", chain, Chain)
+        _refuse(refusal_of(AUTO, chain))
+        _refuse(refusal_of_fineness(AUTO, step, None))
+        # refuses what is out of range
+        _problem(chain, velocity, duration, find_method("accurate"), None, samples, tolerance)
+        auto = choose(chain, velocity, duration, tolerance)
+        found = solve(chain, velocity, duration, auto.method, auto.step or None, samples, auto.tolerance or tolerance)
+        return replace(found, choice=auto.reason)
     chosen = find_method(method)
     problem = _problem(chain, velocity, duration, chosen, step, samples, tolerance)
     if most_steps is not None:
@@ -120,25 +128,6 @@ def solve(
     if problem.step and not any(warning.code is WarningCode.CHATTER for warning in record.warnings):
         record.warnings += returning_warnings(problem, record)
     return _trajectory(problem, record)
-
-
-def _solve_by_choice(
-    chain: Chain,
-    velocity: ArrayLike,
-    duration: float | None,
-    step: float | None,
-    samples: int | ArrayLike,
-    error: float,
-) -> Trajectory:
-    from softcradle.physics.advice.auto_method import choose
-
-    require_kind("chain", chain, Chain)
-    _refuse(refusal_of(AUTO, chain))
-    _refuse(refusal_of_fineness(AUTO, step, None))
-    _problem(chain, velocity, duration, find_method("accurate"), None, samples, error)  # refuses what is out of range
-    choice = choose(chain, velocity, duration, error)
-    found = solve(chain, velocity, duration, choice.method, choice.step or None, samples, choice.tolerance or error)
-    return replace(found, choice=choice.reason)
 
 
 def advance(
