@@ -122,13 +122,23 @@ def before_opening(left, push, wanted):
     return left * (0.9 if push > 1e3 * wanted else 0.99 if push > 10.0 * wanted else 0.999)
 
 
+@piece
+def limited_by_end(left, push, h, wanted):
+    """The length of a step, `h` at the most, that a force like (t_o - t)**a, a > 1, allows which ends in the time `left`.
+
+    It goes past the end where what is missed of the force is an error that holds, else as near to it as such errors allow.
+    """
+    missed = ENDS[0] if 2.0 * left < h else ENDS[1] if left < h else NEARS
+    if SAFETY * left >= h or missed * push * h <= wanted:
+        return h
+    if 2.0 * ENDS[1] * push * left <= PAST * wanted:
+        return left / PAST
+    return left * min(SAFETY, power(wanted / (NEARS * push * left), 1.0 / 15.0))
+
+
 @inlined
 def limited_by_ends(h, chain, motion, wanted):
-    """The length of a step, `h` at the most, that the next openings of contacts with a > 1 allow, by the parabolas of overlaps.
-
-    It goes past the end of a force like (t_o - t)**a where what is missed of this is an error that holds, else as near to it as
-    such errors allow.
-    """
+    """The length of a step of dop853, `h` at the most, that the next openings of contacts with a > 1 allow, by parabolas."""
     for i in range(motion.mode.size):
         overlap, rate = motion.overlap[i], motion.rate[i]
         closed = motion.mode[i] == LOADED and chain.law[i, 2] > 1.0 and not is_continued(chain.law, i)
@@ -136,10 +146,7 @@ def limited_by_ends(h, chain, motion, wanted):
             square = rate * rate - 2.0 * overlap * acceleration_of(i, chain, motion.force, 0.0)
             left = 2.0 * overlap / (math.sqrt(square) - rate) if square > 0.0 else math.inf
             push = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * motion.force[i]
-            missed = ENDS[0] if 2.0 * left < h else ENDS[1] if left < h else NEARS
-            if SAFETY * left < h and missed * push * h > wanted:
-                past = 2.0 * ENDS[1] * push * left <= PAST * wanted
-                h = left / PAST if past else left * min(SAFETY, power(wanted / (NEARS * push * left), 1.0 / 15.0))
+            h = limited_by_end(left, push, h, wanted)
     return h
 
 
@@ -163,11 +170,12 @@ def propose_step(control, rest, allowed, chain, motion, wanted):
         kind, h = DOP853, min(reach, control[NEXT], rest)
     if left < h:
         return kind, SAFETY * left if alone else before_opening(left, push, wanted), not alone
-    limited = limited_by_ends(h, chain, motion, wanted)
-    if limited < h:
-        return kind, limited, True
-    if kind == DOP853 and h == reach:
-        control[RADAU_NEXT] *= FURTHER_GROWTH
+    if kind == DOP853:
+        limited = limited_by_ends(h, chain, motion, wanted)
+        if limited < h:
+            return kind, limited, True
+        if h == reach:
+            control[RADAU_NEXT] *= FURTHER_GROWTH
     return kind, h, False
 
 
