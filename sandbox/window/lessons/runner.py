@@ -150,7 +150,8 @@ class LessonRunner:
 
     def _tell(self, words: str, more: Choices | None = None) -> None:
         """Say what was predicted, and who goes where."""
-        text = _("You predicted: {words} Measured: {outcome}", words=words, outcome=outcome_text(self.session))
+        said = words if words.endswith((".", "!", "?")) else f"{words}."
+        text = _("You predicted: {words} Measured: {outcome}", words=said, outcome=outcome_text(self.session))
         self.host.choose(_("What happened"), text, {_("Close"): lambda: None, **(more or {})})
 
     def _answer(self, predicted: int) -> None:
@@ -161,7 +162,7 @@ class LessonRunner:
         self._next += 1
         more: Choices = {_("Next question"): self.ask} if self._next < len(self.own) else {}
         if answer is None or self._edited:
-            self._tell(f"{_(lesson.choices[predicted])}.", more)
+            self._tell(_(lesson.choices[predicted]), more)
             return
         title = _("As you predicted") if answer == predicted else _("Not as you predicted")
         note = _("Measured: {answer}. {why}", answer=_(lesson.choices[answer]), why=_(lesson.why[answer]))

@@ -108,7 +108,7 @@ def test_a_question_is_answered_where_no_motion_parts_the_beads_for_good(tmp_pat
     driver.type("all")
     driver.key(pygame.K_RETURN)
     driver.until(lambda: driver.app.dialog.open, most=2000)
-    assert driver.app.dialog.note.startswith("You predicted: all")
+    assert driver.app.dialog.note.startswith("You predicted: all. Measured: ")
     assert driver.session.playing == ("drive" in more)
     lane = driver.session.lanes[0]
     assert driver.session.time == pytest.approx(0.5, abs=0.02) if lane.chain.driven else not lane.velocity.any()
@@ -146,7 +146,7 @@ def test_words_and_a_question_of_ones_own_are_in_the_scene_the_window_the_film_a
     driver.type("all")
     driver.key(pygame.K_RETURN)
     driver.until(lambda: driver.app.dialog.open)
-    assert driver.app.dialog.note.startswith("You predicted: all")
+    assert driver.app.dialog.note.startswith("You predicted: all. Measured: ")
     driver.key(pygame.K_ESCAPE)
     assert "They all go." in driver.said()
 
