@@ -1,8 +1,9 @@
 """`softcradle maps`: where a struck cluster moves like a rigid body, over softness or speed, and size."""
 
 import argparse
+from contextlib import suppress
 
-from softcradle.sandbox.cli.arguments import add_open, picture_folder
+from softcradle.sandbox.cli.arguments import add_open, picture_folder, picture_size
 from softcradle.sandbox.console import ProgressShown
 from softcradle.sandbox.user_error import UserError, named
 
@@ -44,10 +45,9 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _points(text: str) -> tuple[int, int]:
-    columns, _, rows = text.partition("x")
-    if not all(
-        number.isdecimal() and len(number) < 9 and 2 <= int(number) <= MOST_POINTS for number in (columns, rows)
-    ):
-        limits = f"two whole numbers from 2 to {MOST_POINTS}, such as {COLUMNS}x{ROWS}"
-        raise UserError(f"--points must be {limits}, not {text!r}")
-    return int(columns), int(rows)
+    with suppress(argparse.ArgumentTypeError):
+        columns, rows = picture_size(text)
+        if min(columns, rows) >= 2 and max(columns, rows) <= MOST_POINTS:
+            return columns, rows
+    limits = f"two whole numbers from 2 to {MOST_POINTS}, such as {COLUMNS}x{ROWS}"
+    raise UserError(f"--points must be {limits}, not {text!r}")
