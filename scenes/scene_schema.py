@@ -27,6 +27,7 @@ from softcradle.scenes.toml_table import (
 from softcradle import physics
 
 MOST_BEADS = 100_000  # of a lane: a typing error must not fill the memory
+MOST_SLOW = 1e20  # seconds of film for one of motion, and of motion for one of film: frames are times that a run takes
 Count = Annotated[int, Strict(), Field(ge=1, le=MOST_BEADS)]
 Text = Annotated[str, BeforeValidator(lambda text: " ".join(text.split()) if isinstance(text, str) else text)]
 
@@ -108,8 +109,8 @@ class Lane(Table):
     @model_validator(mode="after")
     def _check_lengths(self) -> Self:
         count = self._count()
-        if count < 2:
-            raise problem(f"a chain needs at least 2 beads, not {count}")
+        if not 2 <= count <= MOST_BEADS:
+            raise problem(f"a chain needs from 2 to {MOST_BEADS} beads, not {count}")
         expected = {"mass": count, "contact": count - 1, "velocity": count, "gap": count - 1, "drive": count}
         for key, length in expected.items():
             given = getattr(self, key)
@@ -166,6 +167,14 @@ class View(Table):
     after: NotNegative | None = None
     labels: Annotated[bool, Strict()] = True
 
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        for key in ("length", "magnify", "after"):
+            magnitude(key, getattr(self, key) or 1.0)
+        if not 1.0 / MOST_SLOW <= self.slow <= MOST_SLOW:
+            raise problem(f"slow must be from {1.0 / MOST_SLOW:g} to {MOST_SLOW:g}, not {self.slow:g}")
+        return self
+
 
 class Scene(notebook_views.Moving, Table):
     """A scene: what moves, from which start, by which method, and how it is shown.
@@ -185,7 +194,8 @@ class Scene(notebook_views.Moving, Table):
     duration : float or None
         Duration [s]; None: until every contact is open and none can close again.
     method : str or None
-        Method of `simulate`; None is its default, as for the next two, or `conserving` where a step is given.
+        Method of `simulate`; None is its default, as for the next two, or `conserving` where a step is given or the default
+        refuses a lane.
     step : float or None
         Step of a fixed-step method [s].
     tolerance : float or None
@@ -242,7 +252,8 @@ class Scene(notebook_views.Moving, Table):
         """Keyword arguments for `physics.simulate`: those of the scene, replaced by all `overrides` that are not None.
 
         Another method is not given the scene's step and tolerance, which were chosen for the scene's method; the tolerance of a
-        scene that names none is for any. A step without a method is one of `conserving`, as in the window.
+        scene that names none is for any. A step without a method is one of `conserving`, as in the window, which also takes what
+        `accurate` does not.
         """
         settings: dict[str, Any] = {"duration": self.duration}
         if overrides.get("method") in (None, self.method):
@@ -250,7 +261,9 @@ class Scene(notebook_views.Moving, Table):
         elif self.method is None:
             settings["tolerance"] = self.tolerance
         settings |= {key: value for key, value in overrides.items() if value is not None}
-        if settings.get("step") is not None and settings.get("method") is None:
+        if settings.get("method") is None and (
+            settings.get("step") is not None or any(refusal_of("accurate", lane.chain()) for lane in self.lanes)
+        ):
             settings["method"] = "conserving"
         return {key: value for key, value in settings.items() if value is not None}
 

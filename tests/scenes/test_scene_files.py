@@ -10,9 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from softcradle.physics import Chain, Contact, Coupler, hooke, power_law, simulate
 from softcradle.physics.analysis.closed_forms import rigid_stroke
+from softcradle.physics.simulation import MOST_SAMPLED
 from softcradle.scenes import Lane, Scene, SceneError, View
 from softcradle.scenes.contact_kinds import KINDS
 from softcradle.scenes.contact_table import table_of
+from softcradle.scenes.scene_schema import MOST_BEADS
 
 from softcradle import scenes
 from tests.helpers.relations import FIXED_STEP, simulate_quietly
@@ -118,6 +120,9 @@ def test_overrides_replace_what_the_scene_says():
     stepped = scenes.load("one-on-four").model_copy(update={"step": 0.01})  # the window takes `conserving` for it
     assert stepped.settings() == {"method": "conserving", "step": 0.01}
     assert stepped.settings(method="accurate") == {"method": "accurate"}
+    pulling = scenes.parse(TRAIN.replace('method = "conserving"', "").replace("exponent = 1.7", "exponent = 0.7"))
+    assert pulling.settings() == {"duration": 1.0, "method": "conserving"}  # `accurate` refuses it
+    assert MOST_SAMPLED >= 1001 * MOST_BEADS  # a lane is not refused the samples that `run` takes
 
 
 POSITIVE = st.floats(min_value=1e-6, max_value=1e6)
