@@ -1,6 +1,7 @@
 """The catalogue of scenes, and scenes by name or by the path of a file."""
 
 import difflib
+import errno
 import os
 import tomllib
 from pathlib import Path
@@ -10,6 +11,7 @@ from softcradle.scenes.scene_errors import SceneError, scene_error
 from softcradle.scenes.scene_schema import Scene
 
 CATALOGUE = Path(__file__).parent / "catalogue"
+MOST_TEXT = 2**26  # characters of a file: the longest lane has some millions
 
 
 def names() -> tuple[str, ...]:
@@ -54,7 +56,7 @@ def _read(wanted: str) -> tuple[str, str]:
     if not wanted.endswith(".toml") and Path(wanted).name == wanted and not os.path.isfile(wanted):
         raise SceneError([_unknown(wanted)])
     try:
-        return Path(wanted).read_text(encoding="utf-8-sig"), wanted
+        return text_in(wanted), wanted
     except FileNotFoundError:
         raise SceneError([f"there is no file {wanted}"]) from None
     except UnicodeDecodeError:
@@ -63,6 +65,15 @@ def _read(wanted: str) -> tuple[str, str]:
         raise SceneError([f"cannot read {wanted}: {(error.strerror or str(error)).lower()}"]) from None
     except ValueError:  # a name that no file can have
         raise SceneError([f"there is no file {wanted!r}"]) from None
+
+
+def text_in(path: str) -> str:
+    """The text of a file, which may be a pipe or have no end. Raises OSError, and ValueError where it is no text in UTF-8."""
+    with open(path, encoding="utf-8-sig") as file:
+        text = file.read(MOST_TEXT)
+    if len(text) == MOST_TEXT:
+        raise OSError(errno.EFBIG, os.strerror(errno.EFBIG))
+    return text
 
 
 def _unknown(wanted: str) -> str:

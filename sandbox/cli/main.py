@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import codecs
 import difflib
+import io
 import logging
 import os
 import signal
@@ -170,6 +171,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             if signal.getsignal(number) != signal.SIG_IGN:  # as under nohup
                 signal.signal(number, lambda number, _: sys.exit(128 + number))
         open_closed_streams()
+        sys.stderr = Told(cast(io.TextIOWrapper, sys.stderr))
         use_plain_characters()
     try:
         return _flushed(list(sys.argv[1:] if arguments is None else arguments))
@@ -184,7 +186,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print("softcradle: terminated", file=sys.stderr)
         raise
     except BrokenPipeError:  # the reader of the output has closed it, as in `softcradle scenes | head -1`
-        discard_output()
+        discard(sys.stdout)
         return CLOSED_PIPE
 
 
@@ -198,7 +200,7 @@ def _flushed(arguments: list[str]) -> int:
     except BrokenPipeError:
         raise
     except OSError as error:  # what files refuse is a UserError
-        discard_output()
+        discard(sys.stdout)
         unnamed = "the current folder" if isinstance(error, FileNotFoundError) else "standard output"
         raise UserError(f"cannot write to {error.filename or unnamed}: {reason(error)}") from None
 
@@ -269,6 +271,32 @@ def open_closed_streams() -> None:
             setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115 - for as long as it runs
 
 
+class Told(io.TextIOWrapper):
+    """Standard error; on a full disk or a closed pipe behind it, exit codes alone tell."""
+
+    def __init__(self, stream: io.TextIOWrapper) -> None:
+        super().__init__(stream.buffer, stream.encoding, stream.errors, line_buffering=True)
+        self._stream = stream  # which would close what it is written to
+
+    def write(self, text: str) -> int:
+        """Write, as files do."""
+        with self._or_nowhere():
+            super().write(text)
+        return len(text)
+
+    def flush(self) -> None:
+        """Flush, as files do."""
+        with self._or_nowhere():
+            super().flush()
+
+    @contextmanager
+    def _or_nowhere(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError:
+            discard(self)
+
+
 def use_plain_characters() -> None:
     """Let both streams write plain characters in place of those that their encoding lacks."""
     codecs.register_error("softcradle-plain", _plain)
@@ -292,9 +320,9 @@ def _plain_character(character: str) -> str:
     return PLAIN.get(character) or decomposed or greek
 
 
-def discard_output() -> None:
-    """Send what standard output still holds to nowhere: Python would try to write it once more at its end."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+def discard(stream: TextIO) -> None:
+    """Send what the stream still holds to nowhere: Python would try to write it once more at its end."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 class CompileNotes(logging.Handler):

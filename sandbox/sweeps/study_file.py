@@ -26,6 +26,7 @@ from softcradle.sandbox.sweeps.scene_points import changed
 from softcradle.sandbox.sweeps.work import sweep_work
 from softcradle.sandbox.user_error import StudyError, UserError, reason
 from softcradle.scenes import Scene
+from softcradle.scenes.catalogue import text_in
 from softcradle.scenes.scene_errors import SceneError, scene_error
 from softcradle.scenes.toml_table import FRACTION, Number, Table, problem
 
@@ -166,7 +167,7 @@ class SweepStudy:
 def load_study(path: str) -> SweepStudy:
     """The study in a file. Raises StudyError with what is wrong with it."""
     try:
-        table = tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
+        table = tomllib.loads(text_in(path))
         found = StudyFile.model_validate(table)
     except OSError as error:
         raise StudyError(f"cannot read {path}: {reason(error)}") from None

@@ -267,6 +267,10 @@ def test_a_full_disk_behind_standard_output(arguments):
     [
         ("$0 -m softcradle check mixed <&- >&- 2>&-", 0, ""),
         ("$0 -m softcradle check nope 2>&-", 2, ""),
+        ("$0 -m softcradle run nope 2>/dev/full", 2, ""),
+        ("$0 -m softcradle run mixed --method euler --step 0.1 --json 2>/dev/full", 0, ""),  # warns
+        ("set -o pipefail; { sleep 3; $0 -m softcradle run nope; } 2>&1 | true", 2, ""),
+        ("$0 -m softcradle check /dev/zero", 2, "cannot read /dev/zero: file too large"),
         (
             "mkdir x; cd x; rmdir ../x; $0 -m softcradle run mixed",
             2,
