@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from softcradle.physics.checked_input import LARGEST, finite_or_none
-from softcradle.sandbox.draw.number_format import plain
+from softcradle.sandbox.draw.number_format import fixed, plain, signed
 from softcradle.sandbox.languages import N_, _, ngettext
 
 if TYPE_CHECKING:
@@ -123,13 +123,18 @@ def bead_table(summary: Summary) -> ResultTable:
     rows = (
         (
             str(i),
-            _("wall") if bead.mass is None else plain(bead.mass, 6),
+            mass_text(bead.mass),
             _speed(bead.start_velocity),
             _speed(bead.final_velocity),
         )
         for i, bead in enumerate(summary.beads)
     )
     return ResultTable((_("bead"), _("mass [kg]"), _("velocity at start [m/s]"), last), tuple(rows))
+
+
+def mass_text(mass: float | None) -> str:
+    """A mass [kg] in a table; None and inf are walls."""
+    return _("wall") if mass is None or mass == math.inf else plain(mass, 6)
 
 
 def contact_table(summary: Summary) -> ResultTable:
@@ -146,7 +151,7 @@ def contact_table(summary: Summary) -> ResultTable:
             _time(contact.closed),
             _("still closed") if contact.still_closed else _time(contact.opened),
             str(contact.times),
-            "-" if contact.largest_overlap is None else f"{contact.largest_overlap:.4g}",
+            "-" if contact.largest_overlap is None else signed(f"{contact.largest_overlap:.4g}"),
             in_unit(contact.largest_force, size),
             *[in_unit(contact.largest_pull, size)] * pulls,
         )
@@ -162,7 +167,7 @@ def unit_prefix(largest: float) -> tuple[float, str]:
 
 def in_unit(value: float | None, size: float) -> str:
     """Six digits of `value` in a unit of this `size`; a dash where it is not known."""
-    return "-" if value is None else f"{value / size:.6g}"
+    return "-" if value is None else signed(f"{value / size:.6g}")
 
 
 def _speed(velocity: float | None) -> str:
@@ -170,13 +175,13 @@ def _speed(velocity: float | None) -> str:
     if velocity is None:
         return "-"
     fits = velocity == 0.0 or 1e-4 <= abs(velocity) < 1e6
-    return f"{velocity:.8f}" if fits else f"{velocity:.8g}"
+    return fixed(velocity, 8) if fits else signed(f"{velocity:.8g}")
 
 
 def _time(time: float | None) -> str:
     if time is None:
         return _("never")
-    return f"{time:.6f}" if time == 0.0 or 1e-3 <= time < 1e6 else f"{time:.6g}"
+    return signed(f"{time:.6f}" if time == 0.0 or 1e-3 <= time < 1e6 else f"{time:.6g}")
 
 
 @np.errstate(over="ignore", invalid="ignore")  # what did not stay finite is None, and `trajectory.warnings` say why

@@ -24,12 +24,17 @@ def subscript(*numbers: int) -> str:
     return ("-" if max(numbers) > 9 else "").join(map(str, numbers)).translate(_SUBSCRIPTS)
 
 
+def signed(number: str) -> str:
+    """A number as text with a true minus sign and the decimal mark of the language in use."""
+    return localized(number.replace("-", MINUS))
+
+
 def fixed(value: float, decimals: int) -> str:
     """`value` with `decimals`, a true minus sign, and no minus before zero."""
     text = f"{value:.{decimals}f}"
     if float(text) == 0.0:
         text = text.lstrip("-")
-    return localized(text.replace("-", MINUS))
+    return signed(text)
 
 
 def scientific(value: float, digits: int = 1) -> str:
@@ -39,14 +44,14 @@ def scientific(value: float, digits: int = 1) -> str:
     if 0.01 <= abs(value) < 1000.0:
         return fixed(value, max(0, digits + 1 - math.floor(math.log10(abs(value))) - 1))
     mantissa, exponent = f"{value:.{digits}e}".split("e")
-    return localized(f"{mantissa.replace('-', MINUS)}·{power_of_ten(int(exponent))}")
+    return f"{signed(mantissa)}·{power_of_ten(int(exponent))}"
 
 
 def plain(value: float, digits: int = 3) -> str:
     """`value` to so many digits, as people write it: 1500, 0.25; a tiny or huge one with a power of ten."""
     if value and not 1e-4 <= abs(value) < 1e15:
         return scientific(value, digits - 1)
-    return localized(f"{float(f'{value:.{digits}g}'):.15g}".replace("-", MINUS))
+    return signed(f"{float(f'{value:.{digits}g}'):.15g}")
 
 
 PREFIXES = {1e9: "G", 1e6: "M", 1e3: "k"}

@@ -58,8 +58,16 @@ def _trajectory_table(trajectory: Trajectory) -> str:
 
 
 def _chain_table(chain: Chain) -> str:
+    from softcradle.sandbox.draw.number_format import plain
+    from softcradle.sandbox.trajectory_summary import mass_text
+
     rows = [
-        (f"{i}-{i + 1}", f"{chain.mass[i]:g}, {chain.mass[i + 1]:g}", contact_text(contact), f"{chain.gap[i]:g}")
+        (
+            f"{i}-{i + 1}",
+            ", ".join(map(mass_text, chain.mass[i : i + 2])),
+            contact_text(contact),
+            plain(chain.gap[i], 6),
+        )
         for i, contact in enumerate(chain.contact)
     ]
     return _table(("contact", "masses [kg]", "law", "gap [m]"), rows)

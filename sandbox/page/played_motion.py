@@ -10,7 +10,7 @@ from softcradle.physics.status import Status
 from softcradle.sandbox.draw import Scales, motion_of, scales_of
 from softcradle.sandbox.draw.number_format import force_unit, scientific, time_unit
 from softcradle.sandbox.film.scene_motion import after_time, lead_time, require_finite
-from softcradle.sandbox.languages import N_, _, label_words, localized, ngettext
+from softcradle.sandbox.languages import N_, _, label_words, ngettext
 from softcradle.sandbox.motion import Motion
 from softcradle.sandbox.page.document import note, table
 from softcradle.sandbox.trajectory_summary import bead_table, contact_table, summarise
@@ -108,9 +108,8 @@ def result_tables(played: PlayedMotion) -> str:
         summary = summarise(played.labels[lane], trajectory)
         beads, contacts = bead_table(summary), contact_table(summary)
         laws = map(contact_text, trajectory.chain.contact)
-        rows = [(*map(localized, row), law) for row, law in zip(contacts.rows, laws, strict=True)]
-        speeds = [tuple(map(localized, row)) for row in beads.rows]
-        parts.append(table(beads.titles, speeds, _named(played, lane, _("Velocities"))))
+        rows = [(*row, law) for row, law in zip(contacts.rows, laws, strict=True)]
+        parts.append(table(beads.titles, beads.rows, _named(played, lane, _("Velocities"))))
         parts.append(table((*contacts.titles, _("law")), rows, _named(played, lane, _("Contacts"))))
     return "".join(parts)
 

@@ -21,6 +21,7 @@ from softcradle.physics.methods import METHODS, known_methods
 from softcradle.sandbox import console
 from softcradle.sandbox.cli.commands.run import print_report
 from softcradle.sandbox.cli.main import COMMANDS, main
+from softcradle.sandbox.draw.number_format import fixed
 from softcradle.sandbox.scene_runs import run_scene
 from softcradle.sandbox.trajectory_summary import bead_table, contact_table, describe, summarise
 
@@ -200,7 +201,7 @@ def test_a_run_that_did_not_stay_finite_is_told_in_every_form(tmp_path, softcrad
 def test_no_number_of_a_run_is_lost(width, monkeypatch):
     scene = scenes.load("one-on-four")
     summary = summarise("lane", run_scene(scene, method="verlet", step=1e-2)[0])
-    numbers = [f"{bead.final_velocity:.8f}" for bead in summary.beads]
+    numbers = [fixed(bead.final_velocity, 8) for bead in summary.beads]
     numbers += [f"{contact.largest_force:.6g}" for contact in summary.contacts]
     for terminal in (True, False):
         output = Console(file=io.StringIO(), width=width, force_terminal=terminal, color_system=None, markup=False)

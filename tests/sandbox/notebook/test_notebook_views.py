@@ -8,6 +8,7 @@ import av
 import numpy as np
 import pandas as pd
 import pytest
+from softcradle.sandbox.draw.number_format import MINUS
 from softcradle.sandbox.notebook.views import play
 from softcradle.sandbox.user_error import UserError
 
@@ -30,6 +31,7 @@ def test_texts_are_short_and_chains_and_scenes_are_tables(found):
     assert "friction=0.1" in mixed
     assert len(repr(one_on(1000, hertz(1), np.linspace(1, 2, 1001)))) < 200
     assert "power_law(1, 0.1)" in CHAIN._repr_html_()
+    assert "<td>wall, 2</td>" in Chain([np.inf, 2], hertz(1))._repr_html_()
     shown = scenes.load("one-on-four").model_copy(update={"title": "<b>"})._repr_html_()
     assert "&lt;b&gt;" in shown
     assert "alpha = 1/10" in shown
@@ -82,7 +84,7 @@ def test_a_page_plays_the_samples(found, tmp_path):
     late = simulate(CHAIN, [1, 0, 0, 0, 0], samples=np.linspace(1, 3, 51))  # which do not tell how it began
     late.to_page(tmp_path / "late.html")
     assert 'data-say="file"' not in (tmp_path / "late.html").read_text(encoding="utf-8")
-    assert "<td>0</td><td>1</td><td>-</td><td>-0.56" in late._repr_html_()
+    assert f"<td>0</td><td>1</td><td>-</td><td>{MINUS}0.56" in late._repr_html_()
 
 
 def test_a_scene_lives_in_a_cell_and_in_a_file(tmp_path):
