@@ -21,7 +21,7 @@ from softcradle.sandbox.window.gallery import thumbnails
 from softcradle.sandbox.window.gallery.page import GalleryPage
 from softcradle.sandbox.window.plots.scales import motions_ahead
 from softcradle.sandbox.window.scene.editor import Pick
-from softcradle.sandbox.window.scene.inspector import SweepBoard
+from softcradle.sandbox.window.scene.inspector import COUNT, SweepBoard
 from softcradle.sandbox.window.scene.page import ScenePage
 
 from softcradle import scenes
@@ -145,7 +145,7 @@ def _save_sweep(app: App, folder: Path) -> None:
     assert isinstance(page, ScenePage)
     page.inspector.sweep("exponent")
     board = app.dialog
-    while isinstance(board, SweepBoard) and board.found is None:
+    while isinstance(board, SweepBoard) and len(board.found) < COUNT:
         run_frames(app, 1)
     run_frames(app, 2)
     save(app, folder, "sweep")

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from softcradle.physics.chain import Joint
 from softcradle.physics.contact import Contact
+from softcradle.physics.coupler import Coupler
 from softcradle.physics.scales import scales_at
 from softcradle.sandbox.languages import N_, NP_, error_words
 from softcradle.sandbox.motion import Motion
@@ -116,6 +117,12 @@ def _stiffness_ends(owner: Owner, present: float) -> Ends:
     return min(low, present), max(high, present)
 
 
+def _gap_ends(owner: Owner, _: float) -> Ends:
+    """Up to where beads are far apart, or a coupler that pulls is solid."""
+    law, most = owner.live.chain.contact[owner.index], MOST_GAP * owner.session.scene.view.length
+    return 0.0, law.slack + min(law.travel, most) if isinstance(law, Coupler) and law.pull else most
+
+
 def _of_law(field: str, has: Callable[[Contact], bool]) -> Callable[[LiveLane], list[float]]:
     def values(live: LiveLane) -> list[float]:
         return [
@@ -192,7 +199,7 @@ NUMBERS = (
     EditableNumber(
         "gap", CONTACT, N_("gap to the next bead"), "m", OVERLAP.column,
         lambda live: (0.0 - live.state.overlap).tolist(),
-        lambda at, _: (0.0, MOST_GAP * at.session.scene.view.length), lambda at, value: SetGap(at.lane, at.index, value),
+        _gap_ends, lambda at, value: SetGap(at.lane, at.index, value),
     ),
 )  # fmt: skip
 
@@ -251,20 +258,13 @@ class Variant:
     problem: str = ""
 
 
-def variants(
-    scene: Scene,
-    lane: int,
-    values: Sequence[float],
-    edit: Callable[[float], Input],
-    motions: Callable[[Scene], list[Motion]],
-) -> list[Variant]:
-    """The scene with each of the `values`, set by `edit` at its start; `motions` computes those of all lanes of a scene."""
-    found = []
-    for value in values:
-        session = Session(scene)
-        try:
-            session.apply(edit(value))
-            found.append(Variant(value, motions(session.to_scene())[lane]))
-        except (UserError, ValueError, RuntimeError, ArithmeticError) as error:
-            found.append(Variant(value, None, error_words(error)))
-    return found
+def variant_of(
+    scene: Scene, lane: int, value: float, edit: Callable[[float], Input], motions: Callable[[Scene], list[Motion]]
+) -> Variant:
+    """The scene with the `value`, set by `edit` at its start; `motions` computes those of all lanes of a scene."""
+    session = Session(scene)
+    try:
+        session.apply(edit(value))
+        return Variant(value, motions(session.to_scene())[lane])
+    except (UserError, ValueError, RuntimeError, ArithmeticError) as error:
+        return Variant(value, None, error_words(error))

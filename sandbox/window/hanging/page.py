@@ -98,9 +98,10 @@ class HangingPage(Page):
         self.done = [*self.done, self.model.copy()][-MOST_STEPS:]
 
     def restart(self) -> None:
-        """Begin anew."""
-        self._remember()
-        self.model.restart()
+        """Begin anew, where something has moved."""
+        if self.model.time:
+            self._remember()
+            self.model.restart()
 
     def undo(self) -> None:
         """Go back to before the last throw, choice or restart."""

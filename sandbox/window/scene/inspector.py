@@ -21,7 +21,7 @@ from softcradle.sandbox.draw.text import shortened, wrapped, write
 from softcradle.sandbox.languages import N_, NP_, _, error_words, pgettext, scene_words
 from softcradle.sandbox.quantities import VELOCITY
 from softcradle.sandbox.session.contact_conversion import kind_of
-from softcradle.sandbox.session.editable_numbers import Parameter, Variant, parameters, variants
+from softcradle.sandbox.session.editable_numbers import Parameter, Variant, parameters, variant_of
 from softcradle.sandbox.session.inputs import Input, SetContact, SetKind, SetMass
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.dialog import Overlay, paint_box
@@ -40,6 +40,7 @@ from softcradle.sandbox.window.widgets import (
     stack,
     write_wrapped,
 )
+from softcradle.scenes import Scene
 
 COLUMNS, ROWS = 3, 3
 COUNT = COLUMNS * ROWS
@@ -57,7 +58,8 @@ class SweepBoard(Overlay):
     """Small multiples over the page, of runs from the start; a click on one begins it, Esc takes none.
 
     Attributes:
-        found: the variants; None until they are computed.
+        values: of all variants.
+        found: the variants that are computed, in the order of their values.
     """
 
     choice_count = COUNT
@@ -66,24 +68,26 @@ class SweepBoard(Overlay):
     def __init__(
         self, host: Host, session: Session, pick: Pick, parameter: Parameter, take: Callable[[float], object]
     ) -> None:
-        self.parameter, self.take = parameter, take
-        self.found: list[Variant] | None = None
+        self.parameter, self.take, self.values = parameter, take, swept_values(parameter)
+        self.found: list[Variant] = []
         self._panels: list[Panel] = []
         self.places: list[pygame.Rect] = []
         super().__init__(host)
         scene = session.to_scene()
         begun = parameters(Session(scene), pick.lane, pick.kind, pick.index)
         self.present = next((one.value for one in begun if one.key == parameter.key), parameter.value)
-        job = partial(variants, scene, pick.lane, swept_values(parameter), parameter.edit, motions_ahead)
-        host.warmup.submit(self._take_variants, job)
+        self.focus = int(np.abs(np.array(self.values) - self.present).argmin())
+        for value in self.values:
+            host.warmup.submit(self._take_variant, partial(self._compute, scene, pick.lane, value))
 
-    def _take_variants(self, found: object) -> None:
-        if isinstance(found, list):
-            self.found = found
-            values = np.array([variant.value for variant in found])
-            self.focus = int(np.abs(values - self.present).argmin())
+    def _compute(self, scene: Scene, lane: int, value: float) -> Variant | None:
+        return variant_of(scene, lane, value, self.parameter.edit, motions_ahead) if self.open else None
+
+    def _take_variant(self, found: object) -> None:
+        if isinstance(found, Variant):
+            self.found.append(found)
             self._make_panels()
-        else:
+        elif self.open:
             self.close()
             self.host.messages.show(_("this cannot be swept: {error}", error=error_words(found)), warning=True)
 
@@ -104,7 +108,7 @@ class SweepBoard(Overlay):
 
     def _make_panels(self) -> None:
         """Axes of velocity for all variants alike, so that they can be compared; each lasts as long as its motion."""
-        motions = [variant.motion for variant in self.found or () if variant.motion is not None]
+        motions = [variant.motion for variant in self.found if variant.motion is not None]
         self._panels = []
         if not motions:
             return
@@ -113,7 +117,7 @@ class SweepBoard(Overlay):
         room = 0.06 * (high - low) or 1.0
         colours = bead_colours(max(motion.velocity.shape[1] for motion in motions))
         names = [VELOCITY.symbol + subscript(k) for k in range(len(colours))]
-        for variant, place in zip(self.found or (), self.places, strict=True):
+        for variant, place in zip(self.found, self.places, strict=False):
             motion = variant.motion or motions[0]
             time = float(motion.time[0]), float(motion.time[-1])
             title = f"{_(self.parameter.name)} = {number_text(variant.value)} {self.parameter.unit}".strip()
@@ -131,20 +135,19 @@ class SweepBoard(Overlay):
             if not self.box.collidepoint(event.pos):
                 self.close()
             for k, place in enumerate(self.places):
-                if self.found is not None and place.collidepoint(event.pos):
+                if place.collidepoint(event.pos):
                     self._choose(k)
         return super().handle(event)
 
     def take_choice(self) -> None:
-        """Take the variant in focus, once there are some."""
-        if self.found is not None:
-            self._choose(self.focus)
+        """Take the variant in focus."""
+        self._choose(self.focus)
 
     def _choose(self, k: int) -> None:
-        """Close the board and take the value of variant `k`."""
-        self.close()
-        if self.found is not None:
-            self.take(self.found[k].value)
+        """Close the board and take the value of variant `k`, once that is computed."""
+        if k < len(self.found):
+            self.close()
+            self.take(self.values[k])
 
     def paint(self, surface: pygame.Surface) -> None:
         """Draw the dimmed page, the box and its plots."""
@@ -154,12 +157,11 @@ class SweepBoard(Overlay):
         room = self.button.rect.left - self.box.left - 2 * MARGIN * unit
         place = (self.box.left + MARGIN * unit, self.box.top + 13 * unit)
         write(surface, shortened(title, 16 * unit, room, bold=True), place, 16 * unit, tones.foreground, bold=True)
-        if self.found is None:
-            write(surface, _("computing ..."), self.box.center, 16 * unit, tones.muted, align=(0.5, 0.5))
-        for variant, panel in zip(self.found or (), self._panels, strict=False):
+        for place in self.places[len(self.found) :]:
+            write(surface, _("computing ..."), place.center, 16 * unit, tones.muted, align=(0.5, 0.5))
+        for variant, panel in zip(self.found, self._panels, strict=False):
             self._paint_variant(surface, variant, panel)
-        if self.found is not None:
-            pygame.draw.rect(surface, tones.accent, self.places[self.focus], max(2, round(2 * unit)), border_radius=5)
+        pygame.draw.rect(surface, tones.accent, self.places[self.focus], max(2, round(2 * unit)), border_radius=5)
         super().paint(surface)
 
     def _paint_variant(self, surface: pygame.Surface, variant: Variant, panel: Panel) -> None:

@@ -13,7 +13,7 @@ from softcradle.sandbox.session.editable_numbers import NUMBERS, parameters
 from softcradle.sandbox.session.run_verdict import PASSED
 from softcradle.sandbox.session.undo import MOST_STEPS
 from softcradle.sandbox.session.values_table import SET_COLUMNS, values_table
-from softcradle.scenes import parse
+from softcradle.scenes import load, parse
 
 from tests.helpers.sessions import check_replay, opened, picture, pull
 
@@ -36,6 +36,12 @@ def test_a_new_mass_or_velocity_of_one_bead_changes_no_other(bead):
     velocity[bead] = 3.25
     assert session.lanes[0].velocity == pytest.approx(velocity, abs=1e-15)
     assert (session.lanes[0].state.overlap == overlap).all()
+
+
+def test_gaps_go_until_a_coupler_that_pulls_is_solid():
+    """The slider, and a sweep of nine values, went up to two lengths of a wagon, by which the stop pulled."""
+    ends = [parameters(Session(load(name)), 0, "contact", 2)[-1].high for name in ("train-starting", "train-cut")]
+    assert ends == pytest.approx([0.04 + 0.166, 2.0 * 14.0])
 
 
 def test_placement_pushes_neighbours_along_and_lets_no_bead_through():
