@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from softcradle.physics.chain import Chain
+from softcradle.physics.simulation import endless
 from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.session.lane_setup import FRAME_RATE
 from softcradle.sandbox.session.live_lane import LiveLane
@@ -21,15 +21,15 @@ LEAST_FRAMES = FRAME_RATE // 2  # that are shown after the last contact has open
 MOST_FRAMES = 5 * FRAME_RATE  # likewise, where beads part slowly
 
 
-def is_endless(chain: Chain) -> bool:
-    """Whether contacts may close for ever: beads whose couplers pull, for one, never part for good."""
-    return chain.driven or chain.walls > 1 or chain.pulls
+def is_endless(lane: LiveLane) -> bool:
+    """Whether contacts may close for ever, by the rule of runs without a duration."""
+    return bool(endless(lane.chain, lane.velocity))
 
 
 def is_over(lane: LiveLane) -> bool:
     """Whether no contact of the lane can close any more: all are open, and no beads approach each other; on a bed all rest."""
     chain, state = lane.chain, lane.state
-    if is_endless(chain):
+    if is_endless(lane) or state.time < max(chain.knots, default=0.0):
         return False
     if chain.on_bed:
         return not lane.velocity.any()
@@ -62,7 +62,7 @@ class EndOfMotion:
         session, replayed = self.session, replay is not None and replay.done
         if not all(map(is_over, session.lanes)) or session.held.lane >= 0.0:
             lasted = session.time >= session.setup.lanes[0].duration or replayed
-            self._frames, self.reached = 0, lasted and any(is_endless(lane.chain) for lane in session.lanes)
+            self._frames, self.reached = 0, lasted and any(map(is_endless, session.lanes))
             return
         self._frames += frames
         shown = self._frames >= LEAST_FRAMES and (self._apart or self._frames >= MOST_FRAMES)

@@ -111,6 +111,15 @@ def test_a_motion_is_not_over_while_couplers_may_pull() -> None:
     assert not is_over(session.lanes[0])
 
 
+def test_a_motion_is_over_when_its_last_force_has_ended_and_beads_are_apart() -> None:
+    force = {"beads": 0, "time": [0.5, 1.0, 1.0], "force": [-1.0, -1.0, 0.0]}
+    lane = {"velocity": [0.0, 1.0], "contact": {"law": "hertz", "stiffness": 1.0}, "forces": [force]}
+    session = Session(Scene.model_validate({"title": "Apart", "lanes": [lane]}))
+    for frames, over in ((59, False), (62, True)):
+        session.step_frames(frames)
+        assert is_over(session.lanes[0]) == over
+
+
 def test_a_replay_clicks_as_the_run_did(driver: Driver, tmp_path) -> None:
     live, replayed = Mock(), Mock()
     driver.key(pygame.K_n)
