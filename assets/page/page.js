@@ -140,13 +140,18 @@ class Page {
     if (texts) this.tell(nows);
   }
 
-  // Axes grow with what nobody has foreseen, the ground to four times its length.
+  // Axes grow with what nobody has foreseen, the ground to four times its length; then it follows beads that it has room for.
   widen(nows) {
     const { scales } = this.source, { window: [low, high] } = scales;
     this.firstWindow ||= high - low;
     let grown = false;
     nows.forEach((now, lane) => { grown = widened(scales, lane, this.looks[lane].mass.map((m) => m ?? 0), now, this.data.length, 0.15) || grown; });
-    if (scales.window[1] - scales.window[0] > 4 * this.firstWindow) scales.window = [low, high];
+    if (scales.window[1] - scales.window[0] > 4 * this.firstWindow) {
+      const left = Math.min(...nows.map(({ position }) => position[0]));
+      const right = Math.max(...nows.map(({ position }) => position[position.length - 1] + position.length * this.data.length));
+      const move = right - left < high - low && (left < low || right > high) ? (left + right - low - high) / 2 : 0;
+      scales.window = [low + move, high + move];
+    }
     return grown && (scales.window[0] !== low || scales.window[1] !== high || this.outgrown(scales));
   }
 

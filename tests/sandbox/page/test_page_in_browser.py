@@ -184,6 +184,16 @@ def test_a_run_too_long_to_be_followed_goes_on_to_its_end(browser, tmp_path, row
         assert not browser.run("page.source.over")
 
 
+def test_the_ground_follows_a_row_that_is_driven_for_very_long(browser, tmp_path):
+    """It is looked ahead for 60 s, and the ground was at most four times as long as the way of these."""
+    visit_row(browser, tmp_path, 200.0, velocity=[0, 0], drive=[1, 1])
+    run_to_the_end(browser)
+    seen = "page.stages.every(({edges, view}) => edges[0] >= 0 && edges.at(-1) + view.size <= view.width)"
+    assert browser.run("page.source.values(0).position[0]") == pytest.approx(0.5 * 200.0**2, rel=1e-3)
+    assert browser.run(seen)
+    assert browser.run(f"page.go(page.source.begun), {seen}")
+
+
 @pytest.mark.parametrize(
     ("row", "last"),
     [
