@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from softcradle.physics import Chain, Trajectory
+from softcradle.physics import Trajectory
 from softcradle.sandbox.draw import longest_lead, motion_of
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.scene_runs import SHOWN, run_scene
@@ -175,15 +175,10 @@ def _row_times(scene: Scene, end: float, rate: float, frames: Frames | None) -> 
 
 def shown_span(scene: Scene, end: float) -> tuple[float, float]:
     """How long [s] `scene`, whose motion ends at `end`, is shown before its start, and from there on."""
-    lead = lead_time([(lane.chain(), np.array(lane.velocity)) for lane in scene.lanes], end)
+    starts = [(lane.chain(), np.array(lane.velocity)) for lane in scene.lanes]
+    apart = any(any(chain.gap) for chain, _ in starts)
+    lead = 0.0 if apart else min(LEAD * end, *(longest_lead(chain, velocity) for chain, velocity in starts))
     return lead, end + after_time(scene, end)
-
-
-def lead_time(starts: Sequence[tuple[Chain, Array]], end: float) -> float:
-    """Free flight [s] that is shown before motions with these `starts`, chains and velocities, which end at `end` [s]."""
-    if any(any(chain.gap) for chain, _ in starts):
-        return 0.0
-    return min(LEAD * end, *(longest_lead(chain, velocity) for chain, velocity in starts))
 
 
 def after_time(scene: Scene, end: float) -> float:

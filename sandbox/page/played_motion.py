@@ -9,7 +9,7 @@ from softcradle.physics import Trajectory
 from softcradle.physics.status import Status
 from softcradle.sandbox.draw import Scales, motion_of, scales_of
 from softcradle.sandbox.draw.number_format import force_unit, scientific, time_unit
-from softcradle.sandbox.film.scene_motion import after_time, lead_time, require_finite
+from softcradle.sandbox.film.scene_motion import require_finite, shown_span
 from softcradle.sandbox.languages import N_, _, label_words, ngettext
 from softcradle.sandbox.motion import Motion
 from softcradle.sandbox.page.document import note, table
@@ -31,7 +31,7 @@ class PlayedMotion:
     @cached_property
     def motions(self) -> list[Motion]:
         """The motion of every lane, with free flight before a start at t = 0 and after its end."""
-        motions = _drawable(self.trajectories, _shown_end(self.scene, self.trajectories))
+        motions = _drawable(self.scene, self.trajectories)
         require_finite(motions)
         return motions
 
@@ -56,21 +56,16 @@ def played_motion(scene: Scene, trajectories: Sequence[Trajectory]) -> PlayedMot
     return PlayedMotion(scene, tuple(trajectories), tuple(lane.label for lane in scene.lanes))
 
 
-def _shown_end(scene: Scene, trajectories: Sequence[Trajectory]) -> float:
-    """Until when a motion is shown [s]: with some free flight where all its lanes have come apart."""
+def _drawable(scene: Scene, trajectories: Sequence[Trajectory]) -> list[Motion]:
+    """Motions with one begin: the latest, where an edit has let the record of a lane begin anew; with the flight of films
+    before a start at t = 0, and after where all lanes have come apart."""
     end = max(float(found.time[-1]) for found in trajectories)
-    apart = all(found.status is Status.SEPARATED for found in trajectories)
-    return end + after_time(scene, end) if apart else end
-
-
-def _drawable(trajectories: Sequence[Trajectory], end: float) -> list[Motion]:
-    """Motions with one begin: the latest, where an edit has let the record of a lane begin anew."""
-    lead = 0.0
-    if all(found.time[0] == 0.0 for found in trajectories):
-        starts = [(found.chain, found.velocity[0]) for found in trajectories]
-        lead = lead_time(starts, max(float(found.time[-1]) for found in trajectories))
-    before = np.array([-lead, -JUST_BEFORE * lead]) if lead > 0.0 else None
-    motions = [_continued(motion_of(found, before), found.status, end) for found in trajectories]
+    lead, until = shown_span(scene, end)
+    early = lead > 0.0 and all(found.time[0] == 0.0 for found in trajectories)
+    before = np.array([-lead, -JUST_BEFORE * lead]) if early else None
+    if not all(found.status is Status.SEPARATED for found in trajectories):
+        until = end
+    motions = [_continued(motion_of(found, before), found.status, until) for found in trajectories]
     begin = max(float(motion.time[0]) for motion in motions)
     return [_since(begin, motion) for motion in motions]
 
