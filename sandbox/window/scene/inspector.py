@@ -157,8 +157,8 @@ class SweepBoard(Overlay):
         room = self.button.rect.left - self.box.left - 2 * MARGIN * unit
         place = (self.box.left + MARGIN * unit, self.box.top + 13 * unit)
         write(surface, shortened(title, 16 * unit, room, bold=True), place, 16 * unit, tones.foreground, bold=True)
-        for place in self.places[len(self.found) :]:
-            write(surface, _("computing ..."), place.center, 16 * unit, tones.muted, align=(0.5, 0.5))
+        for waiting in self.places[len(self.found) :]:
+            write(surface, _("computing ..."), waiting.center, 16 * unit, tones.muted, align=(0.5, 0.5))
         for variant, panel in zip(self.found, self._panels, strict=False):
             self._paint_variant(surface, variant, panel)
         pygame.draw.rect(surface, tones.accent, self.places[self.focus], max(2, round(2 * unit)), border_radius=5)
