@@ -15,6 +15,7 @@ from softcradle.sandbox.console import note
 from softcradle.sandbox.user_error import UserError
 
 DEFAULT_FOLDER = Path("out")  # of what commands write that are not told where
+LISTED = "--list computes nothing: {option} is for what is computed"
 
 
 def positive_number(text: str) -> float:
@@ -156,6 +157,13 @@ def open_with_desktop(path: Path) -> None:
 def add_open(parser: argparse.ArgumentParser) -> None:
     """Add the option that opens what was written."""
     parser.add_argument("--open", action="store_true", help="open the file with the desktop's program for it")
+
+
+def refuse_options(args: argparse.Namespace, sentence: str, *names: str) -> None:
+    """Refuse those options that are given, in the `sentence` with {option} for it. Raises UserError."""
+    for name in names:
+        if getattr(args, name) not in (None, False):
+            raise UserError(sentence.format(option=f"--{name.replace('_', '-')}"))
 
 
 def check_open(wanted: bool, output: object) -> None:

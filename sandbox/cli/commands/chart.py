@@ -8,7 +8,7 @@ from functools import partial
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-from softcradle.sandbox.cli.arguments import WrittenFiles, add_open, figure_path, opened_outputs
+from softcradle.sandbox.cli.arguments import LISTED, WrittenFiles, add_open, figure_path, opened_outputs, refuse_options
 from softcradle.sandbox.console import ProgressShown, console, print_rows
 from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.user_error import UserError
@@ -49,6 +49,7 @@ def main(args: argparse.Namespace) -> int:
     from softcradle.sandbox.studies.precision.table import write_csv
 
     if args.list:
+        refuse_options(args, LISTED, "csv", "ours", "open")
         print_rows(("case", "what collides"), [(one.name, one.label) for one in CASE_DEFINITIONS])
         return 0
     path, peers = figure_path(args.output, "chart"), None if args.ours else _peers()

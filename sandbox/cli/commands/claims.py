@@ -6,7 +6,7 @@ import argparse
 from contextlib import nullcontext
 from typing import TYPE_CHECKING
 
-from softcradle.sandbox.cli.arguments import add_open, check_open, picture_folder
+from softcradle.sandbox.cli.arguments import LISTED, add_open, check_open, picture_folder, refuse_options
 from softcradle.sandbox.console import ProgressShown, console, print_json, print_rows
 from softcradle.sandbox.user_error import named
 
@@ -36,6 +36,7 @@ def main(args: argparse.Namespace) -> int:
 
     claims = named("claim", args.names, {claim.name: claim for claim in CLAIMS})
     if args.list:
+        refuse_options(args, LISTED, "output", "json", "markdown", "open")
         print_rows(
             ("claim", "place in the paper", "statement"), [(one.name, one.place, one.statement) for one in claims]
         )

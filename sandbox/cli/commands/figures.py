@@ -2,7 +2,7 @@
 
 import argparse
 
-from softcradle.sandbox.cli.arguments import add_open, open_with_desktop, picture_folder
+from softcradle.sandbox.cli.arguments import LISTED, add_open, open_with_desktop, picture_folder, refuse_options
 from softcradle.sandbox.console import ProgressShown, print_rows
 
 KEPT = "figures"  # name of the file in the folder of the output that keeps tables until all figures are drawn
@@ -23,6 +23,7 @@ def main(args: argparse.Namespace) -> int:
 
     figures = figures_named(args.names)
     if args.list:
+        refuse_options(args, LISTED, "open")
         rows = [(figure.name, figure.place, figure.caption) for figure in figures]
         print_rows(("name", "place in the paper", "what it shows"), rows)
         return 0

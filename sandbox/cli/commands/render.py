@@ -13,9 +13,9 @@ from softcradle.sandbox.cli.arguments import (
     add_scene,
     picture_size,
     positive_number,
+    refuse_options,
 )
 from softcradle.sandbox.scene_runs import load_scene
-from softcradle.sandbox.user_error import UserError
 
 if TYPE_CHECKING:
     from softcradle.scenes import Scene
@@ -70,9 +70,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _kymograph(scene: Scene, args: argparse.Namespace, written: WrittenFiles) -> int:
-    for option in ("slow", "pixel_format"):
-        if getattr(args, option) is not None:
-            raise UserError(f"a kymograph is one picture: --{option.replace('_', '-')} is for films")
+    refuse_options(args, "a kymograph is one picture: {option} is for films", "slow", "pixel_format")
     from softcradle.sandbox.film.kymograph import render_kymograph
 
     report = render_kymograph(scene, args.output, args.size or SIZE, fps=args.fps, method=args.method, step=args.step)
@@ -81,9 +79,7 @@ def _kymograph(scene: Scene, args: argparse.Namespace, written: WrittenFiles) ->
 
 
 def _page(scene: Scene, args: argparse.Namespace, written: WrittenFiles) -> int:
-    for option in ("size", "fps", "pixel_format"):
-        if getattr(args, option) is not None:
-            raise UserError(f"a page has no frames: --{option.replace('_', '-')} is for films and pictures")
+    refuse_options(args, "a page has no frames: {option} is for films and pictures", "size", "fps", "pixel_format")
     from softcradle.sandbox.cli.commands.page import write_scene_page
 
     write_scene_page(scene, args.output, written, args.open, slow=args.slow, method=args.method, step=args.step)

@@ -7,7 +7,7 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from softcradle.sandbox.cli.arguments import DEFAULT_FOLDER, positive_number, whole_number
+from softcradle.sandbox.cli.arguments import DEFAULT_FOLDER, positive_number, refuse_options, whole_number
 from softcradle.sandbox.console import ProgressShown, console, note, print_rows
 from softcradle.sandbox.user_error import POINTS_LOST, UserError
 
@@ -49,8 +49,10 @@ def main(args: argparse.Namespace) -> int:
         return 0
     if args.study is None:
         raise UserError("a study file is missing (softcradle sweep STUDY.toml; --measures lists what it can measure)")
-    if args.threads and args.scheduler:
-        raise UserError("--threads is for this machine, --scheduler for another: give one of them")
+    if args.scheduler:
+        refuse_options(args, "{option} is for this machine, --scheduler for another", "threads", "workers")
+    if args.status:
+        refuse_options(args, "--status computes nothing: {option} does", "fresh", "threads", "scheduler", "workers")
     from softcradle.sandbox.files import filled_folder
     from softcradle.sandbox.sweeps.study_file import load_study
 
