@@ -279,22 +279,12 @@ class Told(io.TextIOWrapper):
         self._stream = stream  # which would close what it is written to
 
     def write(self, text: str) -> int:
-        """Write, as files do."""
-        with self._or_nowhere():
-            super().write(text)
-        return len(text)
-
-    def flush(self) -> None:
-        """Flush, as files do."""
-        with self._or_nowhere():
-            super().flush()
-
-    @contextmanager
-    def _or_nowhere(self) -> Iterator[None]:
+        """Write, as files do; lines are flushed here."""
         try:
-            yield
+            return super().write(text)
         except OSError:
             discard(self)
+            return len(text)
 
 
 def use_plain_characters() -> None:
