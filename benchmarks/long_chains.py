@@ -1,4 +1,8 @@
-"""Long chains by `accurate`: a collision with a thousand beads, and a pulse in a Hertz chain of which it crosses a part."""
+"""Long chains by `accurate`: a collision with a thousand beads, a pulse that crosses a part of a Hertz chain, random rows.
+
+In a row of equal beads with exponents above 1 a wave leaves those behind it with all but one velocity: what a run makes of the
+differences is its noise, which must not become a motion of its own. Other rows rattle on their own behind a wave.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +12,14 @@ from typing import NamedTuple
 
 import numpy as np
 from softcradle.physics import Chain, hertz, one_on, power_law, simulate
+from softcradle.physics.simulation import solve
 
 from benchmarks.reports import Report, at_most
 
 SPEED = 0.8405  # of the pulse: contacts a second, for beads of 1 kg, 1 N/m**1.5 and a hit at 1 m/s
 BEADS = 100_000  # of the Hertz chain
+ROWS, SEED = 100, 5  # random rows
+FINER = 1e-2  # of the tolerance: that of the run which an error is measured by
 
 
 class LongRun(NamedTuple):
@@ -26,7 +33,7 @@ class LongRun(NamedTuple):
 
 
 def runs() -> list[LongRun]:
-    """At finer tolerances the longest one checks itself by a finer run, for which contacts behind the pulse rattle."""
+    """The runs."""
     deep, pulse = one_on(1000, power_law(1.0, 0.1)), one_on(BEADS, hertz(1.0))
     return [
         LongRun("one on 1000, alpha 1/10, at 1e-6", deep, None, 1e-6, 1.0),
@@ -51,8 +58,47 @@ def measure() -> dict[str, dict[str, float]]:
     return found
 
 
+def random_rows(count: int = ROWS, seed: int = SEED) -> Iterator[dict[str, float]]:
+    """One on 60 to 1500 equal beads with exponents from 1.1 to 3: what each run took and found."""
+    draw = np.random.default_rng(seed)
+    for _ in range(count):
+        beads, tolerance = int(60.0 * 25.0 ** draw.random()), float(10.0 ** draw.uniform(-8.0, -4.0))
+        exponent = float(draw.uniform(1.1, 3.0))
+        chain, velocity = one_on(beads, power_law(100.0, exponent)), np.eye(1, beads + 1)[0]
+        began = process_time()
+        motion = solve(chain, velocity, tolerance=tolerance, samples=2)
+        seconds = process_time() - began
+        finer = solve(chain, velocity, tolerance=FINER * tolerance, samples=2)
+        error = float(np.abs(motion.final_velocity - finer.final_velocity).max())
+        yield {
+            "beads": beads,
+            "exponent": exponent,
+            "tolerance": tolerance,
+            "seconds": seconds,
+            "stated": float(motion.velocity_error.max()),
+            "error": error,
+            "closings": sum(map(len, motion.contact_intervals)) / beads,
+        }
+
+
+def _random_report() -> Report:
+    rows = list(random_rows())
+    told = {
+        "processor seconds, most": max(row["seconds"] for row in rows),
+        "stated error over tolerance, median": float(np.median([row["stated"] / row["tolerance"] for row in rows])),
+        "stated error over tolerance, most": max(row["stated"] / row["tolerance"] for row in rows),
+        "error over stated error, most": max(row["error"] / row["stated"] for row in rows),
+        "times that a contact closes, most on the average of a row": max(row["closings"] for row in rows),
+    }
+    note = f"seed {SEED}; errors by runs at {FINER:g} of the tolerance"
+    return Report(
+        f"{ROWS} random long rows", ["", ""], [[name, f"{value:.3g}"] for name, value in told.items()], [note], rows
+    )
+
+
 def reports() -> Iterator[Report]:
-    """Seconds beside their aims."""
+    """Seconds beside their aims, and random rows."""
+    yield _random_report()
     found = measure()
     rows = [
         [name, at_most(one["seconds"], one["aim"]), f"{one['steps']:.0f}", f"{one['error']:.1e}"]

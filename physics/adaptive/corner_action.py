@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.adaptive.constants import FORCE_PRECISION, MOMENT, ROUND_OFF
+from softcradle.physics.adaptive.constants import FORCE_PRECISION, MOMENT, ROUND_OFF, TOLERANCE_PART
+from softcradle.physics.adaptive.corner_search import closes_inactive
 from softcradle.physics.adaptive.flight import drift, next_event
 from softcradle.physics.adaptive.row_graphs import (
     both_forces,
@@ -45,7 +46,7 @@ from softcradle.physics.adaptive.switch_log import log_switches
 from softcradle.physics.adaptive.yield_or_slip import balance
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece
-from softcradle.physics.numerics.law_curve import acceleration_of, is_continued
+from softcradle.physics.numerics.law_curve import acceleration_of, is_continued, is_smooth
 from softcradle.physics.numerics.records import FROZEN, LOADED, NO_CONTACT, OPEN, TOUCHING
 
 # rows (n+1,) of the work array: velocities of beads; known forces on them and the static friction of those at rest; bounds of the
@@ -317,20 +318,27 @@ def stop_rate(i, chain, motion):
 
 
 @inlined
-def open_passed(row, time, chain, regime, motion, slow, scratch):
-    """Open the contacts that the step to `time` has carried past d = 0; returns True where there are any."""
-    any_passed = False
+def open_passed(row, time, chain, regime, motion, bounds, scratch):
+    """Open the contacts that the step to `time` has carried past d = 0; returns True where there are any.
+
+    What closes inactive stays at d = 0: beyond it, where nothing pushes it back yet, it would gain energy.
+    """
+    any_passed, inactive = False, TOLERANCE_PART * bounds.wanted
     for i in range(motion.mode.size):
         inward = side_of(regime, i) * motion.overlap[i]
         if inward == 0.0 or (inward < 0.0) == (motion.mode[i] == OPEN) or i == row:
             continue
-        if motion.mode[i] == OPEN:  # its event could not be met
-            motion.mode[i] = LOADED
+        if motion.mode[i] == OPEN:
+            rate = motion.rate[i]
+            if is_smooth(chain.law, i) and closes_inactive(chain, i, inactive, rate, rate, inward):
+                motion.overlap[i] = 0.0
+            else:  # its event could not be met
+                motion.mode[i] = LOADED
         elif motion.mode[i] == LOADED and not is_continued(chain.law, i):
             any_passed = True
             motion.force[i] = 0.0
             bend = acceleration_of(i, chain, motion.force, 0.0)
-            if abs(motion.rate[i]) > slow or bend < 0.0:
+            if abs(motion.rate[i]) > bounds.slow or bend < 0.0:
                 motion.mode[i] = OPEN
             else:  # pushed from both sides, or not at all, and too slow to count: it stays at 0
                 if bend == 0.0 and scratch.parting[i] == 0.0:

@@ -33,7 +33,7 @@ from softcradle.physics.adaptive.row_graphs import (
 )
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined
-from softcradle.physics.numerics.law_curve import NODES, acceleration_of, curve_force, is_continued
+from softcradle.physics.numerics.law_curve import NODES, acceleration_of, curve_force, is_continued, is_smooth
 from softcradle.physics.numerics.records import LOADED, NO_CONTACT, OPEN, TOUCHING, ZERO
 
 BEFORE, AFTER = 5, 6  # rows (n+1,) of the work array: velocities of the beads at both ends of a step
@@ -46,8 +46,10 @@ def closes_inactive(chain, i, inactive, rate, end_rate, end_overlap):
     `inactive` [m/s] is the velocity that does not count.
     """
     law, inverse_mass = chain.law, chain.inverse_mass
-    if law[i, 0] > 0.0 or max(rate, end_rate) > inactive or end_overlap <= 0.0:
+    if law[i, 0] > 0.0 or max(rate, end_rate) > inactive:
         return False
+    if end_overlap <= 0.0:
+        return is_smooth(law, i)
     push = (inverse_mass[i] + inverse_mass[i + 1]) * curve_force(law, chain.own, i, end_overlap)
     return push * end_overlap <= inactive * inactive
 

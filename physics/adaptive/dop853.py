@@ -26,6 +26,7 @@ from softcradle.physics.numerics.law_curve import (
     care,
     curve_force,
     curve_slope,
+    is_smooth,
     larger,
     pressed_force,
 )
@@ -192,9 +193,12 @@ def dop853_step(h, inactive, firm, chain, motion, trial, scratch):
     touching, worst = False, 0.0
     for i in range(n):
         force[i] = 0.0
-        trial.overlap[2, i], trial.rate[2, i] = overlap[i] + h * rate[i], rate[i]
+        way = h * rate[i]
+        if rate[i] <= inactive and is_smooth(chain.law, i):  # it stays at d = 0, see `open_passed`
+            way = min(way, max(-overlap[i], 0.0))
+        trial.overlap[2, i], trial.rate[2, i] = overlap[i] + way, rate[i]
         for k in range(2):
-            trial.overlap[k, i] = overlap[i] + OUTPUT_NODES[k] * h * rate[i]
+            trial.overlap[k, i] = overlap[i] + OUTPUT_NODES[k] * way
         touching |= mode[i] == TOUCHING
     for s in range(STAGES):
         of_anchor[s] = anchor_acceleration(chain, force, h * NODES[s])

@@ -47,7 +47,7 @@ from softcradle.physics.adaptive.step_records import (
 )
 from softcradle.physics.numerics.elementary import log, power
 from softcradle.physics.numerics.jit import inlined, piece
-from softcradle.physics.numerics.law_curve import acceleration_of, curve_slope, is_continued
+from softcradle.physics.numerics.law_curve import acceleration_of, curve_slope, is_continued, is_smooth
 from softcradle.physics.numerics.records import EVALUATION, LOADED, NO_CONTACT, OPEN, REJECTED, STEP, ZERO
 
 
@@ -141,8 +141,7 @@ def limited_by_ends(h, chain, motion, wanted):
     """The length of a step of dop853, `h` at the most, that the next openings of contacts with a > 1 allow, by parabolas."""
     for i in range(motion.mode.size):
         overlap, rate = motion.overlap[i], motion.rate[i]
-        closed = motion.mode[i] == LOADED and chain.law[i, 2] > 1.0 and not is_continued(chain.law, i)
-        if closed and rate < 0.0 < overlap:
+        if motion.mode[i] == LOADED and is_smooth(chain.law, i) and rate < 0.0 < overlap:
             square = rate * rate - 2.0 * overlap * acceleration_of(i, chain, motion.force, 0.0)
             left = 2.0 * overlap / (math.sqrt(square) - rate) if square > 0.0 else math.inf
             push = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * motion.force[i]

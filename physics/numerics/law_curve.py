@@ -100,6 +100,12 @@ def is_continued(law, i):
 
 
 @inlined
+def is_smooth(law, i):
+    """True where the force begins with no slope: a loaded contact then opens within a step, not at a corner."""
+    return law[i, 2] > 1.0 and not is_continued(law, i)
+
+
+@inlined
 def curve_force(law, own, i, overlap):
     """Force of contact i, LOADED, at any overlap; see `signed_force`, and `segment_force` of a coupler."""
     if own is not None and overlap != 0.0 and by_table(own, i, overlap):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from softcradle.physics import Chain, Contact, State, advance, draft_gear, hertz, hooke, one_on, power_law, step_force
 from softcradle.physics.adaptive import runner
-from softcradle.physics.adaptive.constants import BEGINS, ENDS, NEARS, SAFETY
+from softcradle.physics.adaptive.constants import BEGINS, ENDS, NEARS, SAFETY, TOLERANCE_PART
 from softcradle.physics.adaptive.dop853 import NODES, WEIGHTS
 from softcradle.physics.adaptive.step_control import limited_by_ends
 from softcradle.physics.analysis.closed_forms import critical_speed, rigid_collision, rigid_stroke
@@ -107,6 +107,27 @@ def test_a_thousand_contacts(law):
     assert momentum(found.chain, found.final_velocity) == pytest.approx(1.0, abs=1e-5)
     if not law.preload:  # a rigid train feels its end at once; a wave has not come that far
         assert found.final_velocity[:5] == pytest.approx(short.final_velocity[:5], abs=1e-4)
+
+
+@pytest.mark.parametrize(("n", "exponent", "tolerance"), [(684, 1.2, 3e-5), (772, 1.2, 7.9e-8)])
+def test_beads_that_a_wave_has_passed_do_not_rattle(n, exponent, tolerance):
+    """They differ in velocity by the noise of the run alone: each contact closes once, and few steps are taken."""
+    chain = one_on(n, power_law(100.0, exponent))
+    found = run(chain, struck(chain), samples=2, tolerance=tolerance)
+    assert {len(spans) for spans in found.contact_intervals} == {1}
+    assert found.steps < 6 * n
+    assert found.velocity_error.max() < 20.0 * tolerance
+
+
+@pytest.mark.parametrize("method", KERNELS)
+@pytest.mark.parametrize("part", [0.2, 0.5, 0.9])
+def test_what_closes_too_slowly_to_count_gains_no_energy(method, part):
+    """Beads that are apart by next to nothing, beside a collision that lasts: a rate below the bound stays below itself."""
+    tolerance = 1e-6
+    rate = part * TOLERANCE_PART**2 * tolerance
+    chain = Chain([1.0] * 4, [hertz(1e-4), hertz(1.0), hertz(1e4)], [0.0, 1e6, 1e-9])
+    found = run(chain, [1.0, 0.0, 0.0, -rate], 60.0, method, tolerance=tolerance, samples=20)
+    assert np.abs(found.rate[:, 2]).max() <= 1.001 * rate
 
 
 COSTS = {  # chain, duration, tolerance, and steps and evaluations: twice what is measured

@@ -231,6 +231,7 @@ def test_a_closing_that_does_not_count():
     assert not closes_inactive(data, 0, 1e-3, 2e-3, 1e-9, 1e-8)
     assert not closes_inactive(data, 0, 1e-3, 1e-9, 2e-3, 1e-8)
     assert not closes_inactive(data, 0, 1e-3, 1e-9, 1e-9, 0.0)
+    assert closes_inactive(at_wall(hertz(2.0), 1e-3, -1e-5, OPEN, 0.0).data, 0, 1.0, 1e-9, 1e-9, 0.0)
     assert not closes_inactive(at_wall(GEAR, 1e-3, -1e-5, OPEN, 0.0).data, 0, 1.0, 1e-9, 1e-9, 1e-8)
 
 
