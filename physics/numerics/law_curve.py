@@ -23,6 +23,7 @@ ROOT6 = math.sqrt(6.0)
 NODES = np.array([(4.0 - ROOT6) / 10.0, (4.0 + ROOT6) / 10.0, 1.0])  # of Radau IIA with three stages
 MOST_CARE = 1e4  # largest weight of the error of a soft contact that oscillates many times
 SMALLEST = 1e-290  # an overlap below is zero: the contact then is vertical, whatever its law
+LOST = 1e-6  # of a preload: in a smaller difference of a force from it round-off would be seen
 SHORT_MOVE = (
     5e-4  # of an overlap: over so short a way four terms of the binomial series are a power law to the last digit
 )
@@ -50,7 +51,10 @@ def slope_at(preload, stiffness, exponent, overlap, force):
         return math.inf if exponent < 1.0 else 0.0
     if overlap < 0.0 and preload == 0.0:
         return 0.0
-    return exponent * (force - preload) / overlap
+    own = force - preload
+    if abs(own) < LOST * preload:
+        own = math.copysign(stiffness * power(abs(overlap), exponent), overlap)
+    return exponent * own / overlap
 
 
 @inlined
