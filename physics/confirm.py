@@ -113,7 +113,10 @@ def confirmed(problem: Problem, record: Record) -> Record:
     if determined and (record.growth > MOST_TRUSTED or record.velocity_error.max() > promised):
         return _finer(problem, record)
     most = 2 * record.steps + STEPS_A_CONTACT if determined else None
-    coarse = _shaken_run(problem, FINER * problem.tolerance, 0, samples=2, budget=record.steps, most_steps=most)
+    budget = min(
+        record.steps, usual_steps(problem, problem.end)
+    )  # steps of `conserving` are no measure: it skips flights
+    coarse = _shaken_run(problem, FINER * problem.tolerance, 0, samples=2, budget=budget, most_steps=most)
     other = to_its_end(coarse)
     apart = np.abs(other.velocity - record.velocity)
     if determined and (other.warnings or record.steps > ALIKE * other.steps or not apart.max() <= 0.5 * promised):
@@ -276,6 +279,8 @@ def _run_on(problem: Problem, start: State, step: float, end: float, times: Arra
     records: list[Record] = []
     while not records or records[-1].status.gave_up:
         duration = None if np.isinf(end) else end - state.time
+        if duration is not None and state.time + duration < end:  # the last sample is at the end
+            duration = float(np.nextafter(duration, np.inf))
         samples = left if left.size else 2
         part = Problem(
             problem.chain, state.copy(), "conserving", duration, step, samples=samples, most_steps=STEPS_ALIKE

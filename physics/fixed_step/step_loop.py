@@ -45,6 +45,7 @@ STANDSTILL = 1e-14  # of the fastest rate at the start: a slower one is round-of
 RUNNING = -1  # in place of a status: there are steps to take
 FLOWN = -2  # in place of a status: it looks ahead once more
 
+ROUND_OFF = 2.0**-52  # of a time
 GRID_TOLERANCE = 1e-9  # of a step: what is this near to the grid is on it
 FIRST_LOOK = 256  # steps after which a run looks if closed contacts still push; then twice as many, and so on
 NEVER = 2**62  # steps: more than any run takes, those of flights included, so that their number stays one of 64 bits
@@ -134,6 +135,12 @@ def keep_wall_distance(elapsed, motion, rates, overlaps):
 
 
 @inlined
+def is_before(sample, time, h):
+    """Whether the time of a sample, or of the end of a run, is before the end of the step from `time` on."""
+    return sample - time < h * (1.0 - GRID_TOLERANCE)
+
+
+@inlined
 def fly(steps, h, motion):
     """Take whole steps of free flight at once."""
     for i in range(motion.overlap.size):
@@ -169,7 +176,7 @@ def look_ahead(time, end, until, h, most_steps, over, free, rests, still, chain,
             return FLOWN, np.int64(whole), h, False
         # A contact may close and open within one step, where no flag tells of it.
         ahead = min(ahead, flight + h)
-    if end - time < h * (1.0 - GRID_TOLERANCE):
+    if is_before(end, time, h):
         return RUNNING, ONE, end - time, True
     return RUNNING, np.int64(min(max(1.0, ahead / h), MOST_AT_ONCE, most_steps - counter[STEP])), h, False
 
@@ -245,9 +252,7 @@ def march(
         if left == 0 and counter[STEP] >= pause.counts[AT]:
             keep_pause(pause, ZERO, look, flown, closed, rests, still, rates, overlaps)
             return PAUSED, time
-        sampling = (
-            left == 0 and counter[SAMPLE] < wanted.size and wanted[counter[SAMPLE]] < time + h * (1.0 - GRID_TOLERANCE)
-        )
+        sampling = left == 0 and counter[SAMPLE] < wanted.size and is_before(wanted[counter[SAMPLE]], time, h)
         moved, most, length, last = motion, ONE, 0.0, False
         if sampling:  # a row of samples is a motion: it is moved by what moves that of the run
             moved = row_of(samples, counter[SAMPLE], motion)
@@ -326,6 +331,10 @@ def sample_between(
         copy_motion(motion, row_of(kept, k, motion))
         counter[STEP] = 0
         end = begun + h * math.floor((wanted[last - 1] - begun) / h + GRID_TOLERANCE)
+        if (
+            ROUND_OFF * end > GRID_TOLERANCE * h
+        ):  # the grid is known to less than that: one more step passes the last sample
+            end += h
         march(
             stepper, (begun, end, NO, most_steps), chain_fields, motion_fields, sample_fields, log_fields, checkpoints,
             pause_fields, memory,

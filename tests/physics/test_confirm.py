@@ -223,3 +223,18 @@ def test_the_end_of_a_motion_that_rattles_is_stated_no_finer_than_it_is_determin
     apart = np.abs(found[0].final_velocity - found[1].final_velocity)
     assert (apart < found[0].velocity_error).all()
     assert found[0].warnings
+
+
+@pytest.mark.parametrize("method", ["accurate", "conserving"])
+@pytest.mark.parametrize("seed", [0, 4, 6])
+def test_the_last_sample_is_at_the_end_however_late_that_is(seed: int, method: str) -> None:
+    """Gaps of fifteen decades: flights so long that a step is next to the round-off of the time, and steps too many to count."""
+    gap = 10.0 ** np.random.default_rng(seed).uniform(-12.0, 3.0, 40)
+    chain = Chain(np.ones(41), step_force(10.0), gap)
+    found = simulate_quietly(chain, struck(chain), method=method, tolerance=1e-4, samples=11)
+    assert found.time.size == 11
+    ends = [end for spans in found.contact_intervals for span in spans for end in span if math.isfinite(end)]
+    assert found.time[-1] >= max(ends)
+    assert (
+        np.abs(found.velocity[-1] - found.final_velocity).max() <= np.nan_to_num(found.velocity_error, nan=1e-9).max()
+    )

@@ -130,6 +130,16 @@ def test_what_closes_too_slowly_to_count_gains_no_energy(method, part):
     assert np.abs(found.rate[:, 2]).max() <= 1.001 * rate
 
 
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("method", KERNELS)
+def test_rows_of_preloaded_soft_laws_are_not_given_up(method, seed):
+    """Of contacts that open together the last is at an overlap whose force is that of its preload to the last digit."""
+    draw = np.random.default_rng(seed)
+    chain = Chain(np.ones(6), Contact(draw.uniform(0.05, 2.0), 10.0 ** draw.uniform(1.0, 4.0), draw.uniform(0.6, 0.95)))
+    start = 3e-3 * np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+    assert run(chain, start, method=method, samples=2, tolerance=1e-8).velocity_error.max() < 3e-10
+
+
 COSTS = {  # chain, duration, tolerance, and steps and evaluations: twice what is measured
     "soft": (one_on(4, power_law(1.0, 0.1)), None, 1e-6, 200, 2500),
     "deep": (one_on(10, power_law(1.0, 1 / 30)), None, 1e-6, 250, 4200),

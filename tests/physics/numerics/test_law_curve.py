@@ -36,6 +36,9 @@ def test_the_curve_its_continuation_and_its_slope(law):
         rise = signed_force(*law, overlap + nudge) - signed_force(*law, overlap - nudge)
         found = slope_at(*law, overlap, signed_force(*law, overlap))
         assert found == pytest.approx(rise / (2.0 * nudge), rel=1e-6, abs=1e-12)
+    for overlap in (1e-6, 1e-12, 1e-33, 1e-200):  # where the force is the preload to round-off, too
+        slope = exponent * stiffness * overlap ** (exponent - 1.0)
+        assert slope_at(*law, overlap, signed_force(*law, overlap)) == pytest.approx(slope, rel=1e-8)
     at_zero = stiffness if exponent == 1.0 else math.inf if exponent < 1.0 else 0.0
     assert slope_at(*law, 0.0, preload) == slope_at(*law, 0.5 * SMALLEST, preload) == at_zero
 
