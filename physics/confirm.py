@@ -133,6 +133,7 @@ def _finer(problem: Problem, record: Record) -> Record:
     allowed = max(problem.tolerance, LEAST_PROMISED) * problem.scale
     usual, steps, tolerance = usual_steps(problem, problem.end), record.steps, problem.tolerance
     runs, confirming, chance = 0, 0, _agrees_by_chance(record, problem)
+    alone, surprised = record.velocity_error, False
     while not record.warnings:
         tolerance, runs = max(tolerance / FINER, ROUND_OFF), runs + 1
         finest = tolerance < 2.0 * ROUND_OFF  # a run as fine as another agrees with it, whatever both are off by
@@ -144,7 +145,8 @@ def _finer(problem: Problem, record: Record) -> Record:
             record.status = Status.UNDETERMINED
             return _beside(record, finer, error)
         confirming = confirming + 1 if agrees and finer.steps <= ALIKE**2 * steps else 0
-        before, chance = chance, _agrees_by_chance(finer, problem)
+        surprised = surprised or not (agrees or apart.max() <= alone.max())  # errors grow by more than it knows of
+        before, chance = chance, surprised or _agrees_by_chance(finer, problem)
         if confirming >= (2 if chance or before else 1):
             return _beside(record, finer, error)
         alone, steps, record = finer.velocity_error, finer.steps, _beside(finer, record, error)
