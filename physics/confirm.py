@@ -113,9 +113,8 @@ def confirmed(problem: Problem, record: Record) -> Record:
     if determined and (record.growth > MOST_TRUSTED or record.velocity_error.max() > promised):
         return _finer(problem, record)
     most = 2 * record.steps + STEPS_A_CONTACT if determined else None
-    budget = min(
-        record.steps, usual_steps(problem, problem.end)
-    )  # steps of `conserving` are no measure: it skips flights
+    # steps of `conserving` are no measure of what another run may take: it counts those of flights that it skips
+    budget = min(record.steps, usual_steps(problem, problem.end))
     coarse = _shaken_run(problem, FINER * problem.tolerance, 0, samples=2, budget=budget, most_steps=most)
     other = to_its_end(coarse)
     apart = np.abs(other.velocity - record.velocity)

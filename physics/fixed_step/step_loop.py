@@ -331,9 +331,7 @@ def sample_between(
         copy_motion(motion, row_of(kept, k, motion))
         counter[STEP] = 0
         end = begun + h * math.floor((wanted[last - 1] - begun) / h + GRID_TOLERANCE)
-        if (
-            ROUND_OFF * end > GRID_TOLERANCE * h
-        ):  # the grid is known to less than that: one more step passes the last sample
+        if ROUND_OFF * end > GRID_TOLERANCE * h:  # no time is known as well as that: one more step passes the sample
             end += h
         march(
             stepper, (begun, end, NO, most_steps), chain_fields, motion_fields, sample_fields, log_fields, checkpoints,
