@@ -144,7 +144,7 @@ def _finer(problem: Problem, record: Record) -> Record:
             record.status = Status.UNDETERMINED
             return _beside(record, finer, error)
         confirming = confirming + 1 if agrees and finer.steps <= ALIKE**2 * steps else 0
-        surprised = surprised or not (agrees or apart.max() <= alone.max())  # errors grow by more than it knows of
+        surprised = surprised or (not agrees and apart.max() > alone.max())  # errors grow by more than it knows of
         before, chance = chance, surprised or _agrees_by_chance(finer, problem)
         if confirming >= (2 if chance or before else 1):
             return _beside(record, finer, error)

@@ -19,6 +19,7 @@ from softcradle.physics.numerics.bead_velocities import at_rest
 from softcradle.physics.numerics.coupler_kernels import crossed_overlap, settle_joint_forces
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.knots import put_mean
+from softcradle.physics.numerics.law_kernels import EPSILON
 from softcradle.physics.numerics.meeting import flight_time, meets_again, pushes_no_more
 from softcradle.physics.numerics.records import (
     DONE,
@@ -45,7 +46,6 @@ STANDSTILL = 1e-14  # of the fastest rate at the start: a slower one is round-of
 RUNNING = -1  # in place of a status: there are steps to take
 FLOWN = -2  # in place of a status: it looks ahead once more
 
-ROUND_OFF = 2.0**-52  # of a time
 GRID_TOLERANCE = 1e-9  # of a step: what is this near to the grid is on it
 FIRST_LOOK = 256  # steps after which a run looks if closed contacts still push; then twice as many, and so on
 NEVER = 2**62  # steps: more than any run takes, those of flights included, so that their number stays one of 64 bits
@@ -331,7 +331,7 @@ def sample_between(
         copy_motion(motion, row_of(kept, k, motion))
         counter[STEP] = 0
         end = begun + h * math.floor((wanted[last - 1] - begun) / h + GRID_TOLERANCE)
-        if ROUND_OFF * end > GRID_TOLERANCE * h:  # no time is known as well as that: one more step passes the sample
+        if EPSILON * end > GRID_TOLERANCE * h:  # no time is known as well as that: one more step passes the sample
             end += h
         march(
             stepper, (begun, end, NO, most_steps), chain_fields, motion_fields, sample_fields, log_fields, checkpoints,

@@ -171,7 +171,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             if signal.getsignal(number) != signal.SIG_IGN:  # as under nohup
                 signal.signal(number, lambda number, _: sys.exit(128 + number))
         open_closed_streams()
-        sys.stderr = Told(cast(io.TextIOWrapper, sys.stderr))
+        sys.stderr = ErrorOutput(cast(io.TextIOWrapper, sys.stderr))
         use_plain_characters()
     try:
         return _flushed(list(sys.argv[1:] if arguments is None else arguments))
@@ -271,7 +271,7 @@ def open_closed_streams() -> None:
             setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115 - for as long as it runs
 
 
-class Told(io.TextIOWrapper):
+class ErrorOutput(io.TextIOWrapper):
     """Standard error; on a full disk or a closed pipe behind it, exit codes alone tell."""
 
     def __init__(self, stream: io.TextIOWrapper) -> None:
