@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import cached_property, wraps
+from dataclasses import dataclass, fields
+from functools import update_wrapper
 from itertools import pairwise
-from typing import Any, SupportsFloat, TypeVar, cast
+from typing import Any, Generic, SupportsFloat, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -36,6 +36,31 @@ Laws = OneLaw | Sequence[OneLaw]  # one for all contacts, or one for each
 MOST_SHOWN = 4  # different values in the text of a chain
 MOST_BEADS = 10_000_000  # of a cluster: a typing error must not fill the memory
 GRAVITY = 9.80665  # [m/s²], the standard value: bed friction is proportional to it
+
+
+class per_chain(Generic[T]):  # noqa: N801 - it is written as a decorator
+    """What `compute` finds of a chain alone, found once for each: an attribute of Chain, or a function of one.
+
+    It is kept in the chain's own `__dict__`, where Python finds an attribute before it asks here again.
+    """
+
+    def __init__(self, compute: Callable[[Chain], T]) -> None:
+        update_wrapper(self, compute)
+        self.compute, self.name = compute, f"{compute.__module__}.{compute.__qualname__}"
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+
+    def __get__(self, chain: Chain | None, owner: type) -> T:
+        if chain is None:  # asked of the class, as documentation does
+            return cast("T", self)
+        found = chain.__dict__[self.name] = self.compute(chain)
+        return found
+
+    def __call__(self, chain: Chain) -> T:
+        """What is found of `chain`."""
+        known = chain.__dict__
+        return known[self.name] if self.name in known else self.__get__(chain, Chain)
 
 
 @dataclass(frozen=True, repr=False)
@@ -112,47 +137,46 @@ class Chain(Shown):
         parts += [f"brakes={_shortened(self.brakes)}"] if self.brakes else []
         return f"Chain({', '.join(parts)})"
 
-    @cached_property
-    def _derived(self) -> dict[str, object]:
-        """What functions marked :func:`per_chain` have found, by their names."""
-        return {}
+    def __getstate__(self) -> dict[str, Any]:
+        """What copies and pickles take along: they find the rest anew."""
+        return {item.name: getattr(self, item.name) for item in fields(self)}
 
-    @property
+    @per_chain
     def contacts(self) -> int:
         """Number n of contacts; there are n+1 beads."""
         return len(self.contact)
 
-    @cached_property
+    @per_chain
     def walls(self) -> int:
         """Number of beads of infinite mass."""
         return self.mass.count(math.inf)
 
-    @cached_property
+    @per_chain
     def anchor(self) -> int:
         """Index of the heaviest bead (a wall if there is one): the bead whose position and velocity are in the State."""
         return self.mass.index(max(self.mass))
 
-    @cached_property
+    @per_chain
     def own_laws(self) -> tuple[OwnLaw, ...]:
         """The different laws of one's own among the contacts, in order; empty where all are preloaded power laws."""
         return tuple(dict.fromkeys(law for _, law in self.own_contacts))
 
-    @cached_property
+    @per_chain
     def own_contacts(self) -> tuple[tuple[int, OwnLaw], ...]:
         """The contacts with a law of their own: which, and the law."""
         return tuple((i, contact) for i, contact in enumerate(self.contact) if isinstance(contact, OwnLaw))
 
-    @cached_property
+    @per_chain
     def couplers(self) -> tuple[tuple[int, Coupler], ...]:
         """The contacts that are couplers: which, and the coupler."""
         return tuple((i, contact) for i, contact in enumerate(self.contact) if isinstance(contact, Coupler))
 
-    @cached_property
+    @per_chain
     def pulls(self) -> bool:
         """Whether a coupler pulls."""
         return any(coupler.pull is not None for _, coupler in self.couplers)
 
-    @cached_property
+    @per_chain
     def power_laws(self) -> tuple[Contact, ...]:
         """The contacts, if all are preloaded power laws.
 
@@ -172,7 +196,7 @@ class Chain(Shown):
         assert self.power_laws
         return self.law_rows
 
-    @cached_property
+    @per_chain
     def law_rows(self) -> Array:
         """(n, 3) preload, stiffness, exponent of each contact, read-only; the last two are nan for a law of one's own.
 
@@ -182,12 +206,12 @@ class Chain(Shown):
         rows = [(c.preload, getattr(c, "stiffness", math.nan), getattr(c, "exponent", math.nan)) for c in laws]
         return _read_only(np.array(rows))
 
-    @cached_property
+    @per_chain
     def inverse_mass(self) -> Array:
         """(n+1,) [1/kg], read-only; 0 for a wall."""
         return _read_only(1.0 / np.array(self.mass))
 
-    @cached_property
+    @per_chain
     def finite_mass(self) -> Array:
         """(n+1,) [kg], read-only; 0 for a wall, which has no kinetic energy that counts."""
         return _read_only(np.array([mass if mass < math.inf else 0.0 for mass in self.mass]))
@@ -196,7 +220,7 @@ class Chain(Shown):
         """(..., n) energy [J] in each contact at overlaps (..., n) [m], see :meth:`Contact.energy`; `power` as there."""
         apart = np.asarray(overlap) <= 0.0
         if not self.couplers and apart.all():  # as at the start and the end of most motions
-            return np.zeros(np.broadcast_shapes(apart.shape, (self.contacts,)))
+            return apart * np.zeros(self.contacts)
         preload, stiffness, exponent = self.law_rows.T
         if self.own_laws:  # whose energy follows
             exponent = np.where(np.isnan(exponent), 1.0, exponent)
@@ -207,17 +231,17 @@ class Chain(Shown):
             found[..., i] = coupler.stored_energy(np.asarray(overlap)[..., i], power)
         return found
 
-    @cached_property
+    @per_chain
     def inverse_reduced_mass(self) -> Array:
         """(n,) 1/m_i + 1/m_(i+1) of the two beads of each contact [1/kg]: the diagonal of L = B M^-1 B^T."""
         return _read_only(self.inverse_mass[:-1] + self.inverse_mass[1:])
 
-    @cached_property
+    @per_chain
     def loss(self) -> Array:
         """(n,) loss of each contact."""
         return _read_only(np.array([contact.loss for contact in self.contact]))
 
-    @cached_property
+    @per_chain
     def bed(self) -> Array:
         """(n+1,) deceleration [m/s²] of a bead that slides, by the bed and by brakes, which count with the most that they
         reach; 0 for a wall; empty without friction and brakes."""
@@ -231,7 +255,7 @@ class Chain(Shown):
         """Whether beads are braked as they slide, by friction of the bed or by brakes of their own."""
         return self.friction > 0.0 or bool(self.brakes)
 
-    @cached_property
+    @per_chain
     def dissipative(self) -> bool:
         """Whether beads are braked or a contact has loss."""
         return self.on_bed or any(contact.loss for contact in self.contact)
@@ -246,12 +270,12 @@ class Chain(Shown):
         """Whether a force from outside goes on for ever."""
         return self.drive is not None or any(item.lasts for item in self.forces)
 
-    @cached_property
+    @per_chain
     def timed(self) -> bool:
         """Whether anything from outside changes with time."""
         return bool(self.forces) or not all(brake.steady for brake in self.brakes)
 
-    @cached_property
+    @per_chain
     def knots(self) -> tuple[float, ...]:
         """Times [s] at which a force or a brake over time bends or jumps, ascending."""
         return tuple(sorted({time for item in (*self.forces, *self.brakes) for time in item.time}))
@@ -262,7 +286,7 @@ class Chain(Shown):
         none = np.zeros(np.shape(time))
         return sum((item.impulse(time) * finite[list(item.beads)].sum() for item in self.forces), none)
 
-    @cached_property
+    @per_chain
     def knot_rows(self) -> tuple[Array, Array, Array]:
         """Times (K,) [s] of the knots, a jump twice, and there forces (K, n+1) [N] and decelerations by brakes (K, n+1) [m/s²].
 
@@ -280,7 +304,7 @@ class Chain(Shown):
         ]
         return np.array(times), rows[0], rows[1] * self.inverse_mass if self.brakes else np.zeros((len(times), 0))
 
-    @cached_property
+    @per_chain
     def drives(self) -> tuple[Array, ...]:
         """The external forces (n+1,) [N] on the beads at all times between which they are linear; () without any."""
         steady = np.zeros(self.contacts + 1) if self.drive is None else np.array(self.drive)
@@ -288,24 +312,10 @@ class Chain(Shown):
             return () if self.drive is None else (steady,)
         return (steady, *(steady + self.knot_rows[1]))
 
-    @cached_property
+    @per_chain
     def drive_force(self) -> Array | None:
         """(n+1,) the drive as a read-only array [N]; None for a chain that is not driven."""
         return None if self.drive is None else _read_only(np.array(self.drive))
-
-
-def per_chain(compute: Callable[[Chain], T]) -> Callable[[Chain], T]:
-    """The function `compute` of a chain alone, computed once for each chain: runs of one chain by the thousand share it."""
-    name = f"{compute.__module__}.{compute.__qualname__}"
-
-    @wraps(compute)
-    def found(chain: Chain) -> T:
-        known = chain._derived
-        if name not in known:
-            known[name] = compute(chain)
-        return cast("T", known[name])
-
-    return found
 
 
 def _read_only(values: Array) -> Array:
@@ -334,7 +344,7 @@ def _checked_masses(mass: ArrayLike) -> tuple[float, ...]:
 
 
 def _checked_contacts(contact: Laws, n: int) -> tuple[Joint, ...]:
-    one = isinstance(contact, Contact | Coupler) or is_law(contact)
+    one = isinstance(contact, Joint) or is_law(contact)
     if not (one or isinstance(contact, Sequence)) or isinstance(contact, str):
         raise ValueError(
             f"contact must be a Contact or a list of them, such as power_law(1.0, 0.1); not {shown(contact)}"
@@ -347,9 +357,9 @@ def _checked_contacts(contact: Laws, n: int) -> tuple[Joint, ...]:
 
 def _contact(item: object) -> Joint:
     """A contact or a coupler as it is, a law of one's own as an OwnLaw."""
-    if isinstance(item, OwnLaw | Coupler):
+    if isinstance(item, Joint):
         return item
-    if not isinstance(item, Contact) and is_law(item):
+    if is_law(item):
         return OwnLaw(cast("Law", item))
     require_kind("every contact", item, Contact)
     return cast("Contact", item)
@@ -391,7 +401,7 @@ def cluster_on_cluster(m: int, n: int, contact: Laws, mass: ArrayLike = 1.0) -> 
     masses = number_array("mass", mass)
     if masses.shape not in ((), (m + n,)):
         raise ValueError(f"{m} on {n} needs one mass for all or {m + n} masses, not {shown(mass)}")
-    return Chain(masses if masses.ndim else np.full(m + n, masses), contact)
+    return Chain(masses if masses.ndim else masses.repeat(m + n), contact)
 
 
 def accelerated_mass(mass: ArrayLike, struck: int) -> Array:
