@@ -124,8 +124,8 @@ def largest_error(chain: Chain, start: State, end: State) -> Array:
 
 def is_possible(chain: Chain, start: State, error: float) -> bool:
     """Whether the velocity of every bead can be off by `error` [m/s], as the fastest pair alone tells: cheap, and mostly so."""
-    pair = float((start.rate**2 / chain.inverse_reduced_mass).max())
-    return error <= math.sqrt(pair) * _least_share(chain)
+    pairs = zip(start.rate.tolist(), chain.inverse_reduced_mass.tolist(), strict=True)
+    return error <= math.sqrt(max(rate * rate / weight for rate, weight in pairs)) * _least_share(chain)
 
 
 @per_chain
@@ -160,7 +160,7 @@ def velocity_room(
 
 def _released_speed(chain: Chain, overlap: Array) -> float:
     """Largest speed [m/s] at which a contact that is pressed in to `overlap` drives its two beads apart; 0 without."""
-    if not (overlap > 0.0).any():
+    if not max(overlap.tolist()) > 0.0:
         return 0.0
     return float(np.sqrt(2.0 * chain.stored_energy(overlap, powers) * chain.inverse_reduced_mass).max())
 
@@ -267,30 +267,17 @@ def step_at(chain: Chain, speed: float) -> float:
     return min(shortest, speed / strongest / DEFAULT_STEPS_A_STOP) if strongest else shortest
 
 
-def speed_to_depth(law: Sequence[float], weight: float, depth: float) -> float:
-    """Speed [m/s] at which a contact that is struck alone is pressed in to `depth` [m]: the inverse of :func:`contact_scales`.
-
-    `law` is its preload, stiffness and exponent, `weight` its inverse reduced mass [1/kg].
-    """
-    preload, stiffness, exponent = law
-    power = 1.0 + exponent
-    return math.sqrt(2.0 * weight * max(preload * depth, stiffness * depth**power / power))
-
-
-@per_chain
-def laws_and_weights(chain: Chain) -> set[tuple[tuple[float, ...], float]]:
-    """The different pairs of preload, stiffness and exponent and inverse reduced mass [1/kg] among the contacts of a chain."""
-    return set(zip(map(tuple, chain.law_rows.tolist()), chain.inverse_reduced_mass.tolist(), strict=True))
-
-
 @per_chain
 def _computable_speeds(chain: Chain) -> tuple[float, float]:
-    """Scales of speed [m/s] between which every contact is pressed to depths that are computed; none with laws of one's own."""
+    """Scales of speed [m/s] between which every contact is pressed to depths that are computed; none with laws of one's own.
+
+    To a depth d below 1 m a contact stores no more than the greater of its preload and stiffness times d, to MOST_DEPTH no less.
+    """
     if chain.own_laws:
         return math.inf, 0.0
-    kinds = laws_and_weights(chain)
-    least, most = ([speed_to_depth(*kind, depth) for kind in kinds] for depth in (LEAST_DEPTH, MOST_DEPTH))
-    return max(SMALLEST, *least), min(most)
+    strength, weight = np.maximum(*chain.law_rows.T[:2]).tolist(), chain.inverse_reduced_mass.tolist()
+    least = math.sqrt(2.0 * max(weight) * max(strength) * LEAST_DEPTH)
+    return max(SMALLEST, least), math.sqrt(2.0 * min(weight) * min(strength) * MOST_DEPTH)
 
 
 def require_computable(chain: Chain, velocity: ArrayLike, duration: float | None = None) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 from softcradle.physics.chain import Chain, per_chain
-from softcradle.physics.scales import NO_APPROACH, contact_scales, laws_and_weights, speed_to_depth
+from softcradle.physics.scales import NO_APPROACH, contact_scales
 from softcradle.physics.status import CodedWarning, WarningCode, Warnings
 
 LARGEST_TOLERANCE = 0.1  # of the closing speed: beyond, velocities are not determined
@@ -57,9 +57,9 @@ def _is_gear(law: Sequence[float]) -> bool:
 @per_chain
 def _usual_speed_of_gears(chain: Chain) -> float:
     """Closing speed [m/s] from which on every gear yields by a usual share of its precompression; 0 without gears."""
-    gears = [(law, weight) for law, weight in laws_and_weights(chain) if _is_gear(law)]
-    speeds = [speed_to_depth(law, weight, LEAST_YIELD * law[0] / law[1]) for law, weight in gears]
-    return max(speeds, default=0.0) * (1.0 + NO_APPROACH)
+    contacts = zip(*chain.law_rows.T.tolist(), chain.inverse_reduced_mass.tolist(), strict=True)
+    squares = (2.0 * LEAST_YIELD * one[0] ** 2 / one[1] * one[3] for one in contacts if _is_gear(one))
+    return math.sqrt(max(squares, default=0.0)) * (1.0 + NO_APPROACH)
 
 
 def _of_friction(friction: float) -> Warnings:
