@@ -150,6 +150,9 @@ def empty_samples(times: Array, contacts: int) -> Samples:
     return Samples(times, np.zeros(wide), np.zeros(wide), np.zeros((count, 2)), np.zeros(wide), np.zeros((count, 4)))
 
 
+NO_SAMPLES = empty_samples(NO_TIMES, 0)  # where they are still to be taken
+
+
 def first_samples(samples: Samples, count: int) -> Samples:
     """The first `count` of the samples."""
     return Samples(*(rows[:count] for rows in samples))

@@ -33,7 +33,6 @@ LEAST_TIME = 1e-100  # [s] of a sample: overlaps then are products of such times
 MOST_SAMPLED = 100_100_000  # samples times beads, 1001 of the longest lane: about 3 GB; more would fill the memory
 FALLBACK_METHOD = "conserving"  # finishes a frame that an adaptive method could not
 FALLBACK_STEPS = 100  # steps in which it does
-NO_FORCES = np.zeros((0, 2))  # work and impulse where nothing acts over time
 
 
 def simulate(
@@ -310,6 +309,8 @@ def _samples(samples: int | ArrayLike, duration: float | None, chain: Chain, gra
 
 def _trajectory(problem: Problem, record: Record) -> Trajectory:
     time, overlap, rate, anchor, force, taken = record.samples
+    if problem.chain.timed:
+        taken[:, 3] = problem.chain.impulse(time)
     return Trajectory(
         chain=problem.chain,
         time=time,
@@ -330,7 +331,7 @@ def _trajectory(problem: Problem, record: Record) -> Trajectory:
         velocity_error=record.velocity_error,
         absorbed_by_contacts=taken[:, 0],
         absorbed_by_bed=taken[:, 1],
-        given=np.column_stack((taken[:, 2], problem.chain.impulse(time))) if problem.chain.timed else NO_FORCES,
+        given=taken[:, 2:],
     )
 
 

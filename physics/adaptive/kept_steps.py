@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.adaptive.sampling import sample_steps
 from softcradle.physics.adaptive.step_records import Steps, empty_scratch, empty_steps, empty_trial
-from softcradle.physics.chain import Chain, per_chain
+from softcradle.physics.chain import Chain
 from softcradle.physics.kernel_records import chain_and_regime, empty_log, motion_record
 from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.numerics.records import KEPT, SAMPLE, SwitchLog
@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 MOST_ROWS, MOST_NUMBERS = 256, 2**18  # steps between two samplings, and numbers that these take
 MOST_SPARE = 4  # blocks of steps that are kept for the next run
 MOST_KEPT = 2**30  # bytes of steps that a run without a duration keeps; a longer one is run again for its samples
+NO_STEPS = empty_steps(0, 0, False)  # where none are kept
 
 
 class KeptSteps:
@@ -42,7 +43,7 @@ class KeptSteps:
         if self.known:
             self._want(problem.sample_times(problem.end))
         needless = self.ends or (self.known and not self.times.size)
-        self.steps = no_steps(problem.chain) if needless else self._block()
+        self.steps = NO_STEPS if needless else self._block()
 
     def _want(self, times: Array) -> None:
         contacts = self.problem.chain.contacts
@@ -60,11 +61,11 @@ class KeptSteps:
             self.overflows = len(self._chunks) * bytes_a_chunk > MOST_KEPT
             if self.overflows:
                 self._chunks.clear()
-            self.steps = no_steps(self.problem.chain) if self.overflows else self._block()
+            self.steps = NO_STEPS if self.overflows else self._block()
 
     def _block(self) -> Steps:
         """Rows for some steps: those of a run before, where they fit."""
-        chain, none = self.problem.chain, no_steps(self.problem.chain)
+        chain, none = self.problem.chain, _steps(self.problem.chain, 0)
         wide = none.values.shape[1], none.flags.shape[1]
         while self.spare:
             block = self.spare.pop()
@@ -115,9 +116,3 @@ class KeptSteps:
 
 def _steps(chain: Chain, rows: int) -> Steps:
     return empty_steps(rows, chain.contacts, chain.dissipative or bool(chain.couplers))
-
-
-@per_chain
-def no_steps(chain: Chain) -> Steps:
-    """Memory of the steps of such a chain where none are kept."""
-    return _steps(chain, 0)

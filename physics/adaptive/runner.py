@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.adaptive.adaptive_loop import integrate
 from softcradle.physics.adaptive.constants import TOLERANCE_PART
-from softcradle.physics.adaptive.kept_steps import KeptSteps, no_steps
+from softcradle.physics.adaptive.kept_steps import NO_STEPS, KeptSteps
 from softcradle.physics.adaptive.sampling import count_from_touch
 from softcradle.physics.adaptive.step_records import (
     ALLOWED,
@@ -47,7 +47,7 @@ from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.numerics.plain_kernels import plain
 from softcradle.physics.numerics.records import EVALUATION, OUT_OF_STEPS, PAUSED, REJECTED, STEP, SWITCH, SwitchLog
 from softcradle.physics.own_law import OwnLaw
-from softcradle.physics.problem import NO_TIMES, Problem, Record, empty_samples, with_ends_as_samples
+from softcradle.physics.problem import NO_SAMPLES, Problem, Record, with_ends_as_samples
 from softcradle.physics.scales import ROUND_OFF
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
@@ -166,7 +166,7 @@ def one_run(problem: Problem, log_size: int = FIRST_LOG) -> Record:
     growth = float(error_growth(scratch.control[GROWTH], scratch.grown, scratch.turns))
     contact, at = kept_switches(memory.log)
     record = Record(
-        problem.chain, empty_samples(NO_TIMES, contacts), contact.copy(), at.copy(), state, int(counter[STEP]),
+        problem.chain, NO_SAMPLES, contact.copy(), at.copy(), state, int(counter[STEP]),
         int(counter[EVALUATION]), status, _warnings(problem, status, state.time, memory.log), seconds, growth=growth,
         kept=kept,
     )  # fmt: skip
@@ -200,7 +200,7 @@ def _integrate(problem: Problem, state: State, memory: Memory, kept: KeptSteps |
         pause = int(counter[STEP] + counter[REJECTED]) + (most_now if compiled else min(most_now, PLAIN_PAUSE))
         if kept and not compiled:
             tiers.spent += work
-        steps = kept.steps if kept else no_steps(problem.chain)
+        steps = kept.steps if kept else NO_STEPS
         code, time = kernel(
             (time, end, stop, most), (resumed, pause), accuracy, *records, tuple(steps), tuple(memory.log)
         )
