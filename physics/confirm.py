@@ -337,7 +337,7 @@ def _continued_switches(closed: NDArray[np.bool_], start: float, record: Record)
 
 def _bound_by_energy(problem: Problem, record: Record) -> None:
     """State no error that energy and momentum do not allow; a motion that these determine is determined."""
-    if is_possible(problem.chain, problem.state, float(record.velocity_error.max())):
+    if is_possible(problem.chain, problem.state, max(record.velocity_error.tolist())):
         return
     most = largest_error(problem.chain, problem.state, record.end)
     record.velocity_error = np.minimum(record.velocity_error, most)

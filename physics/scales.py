@@ -12,7 +12,7 @@ from softcradle.physics.chain import Chain, per_chain
 from softcradle.physics.checked_input import SMALLEST
 from softcradle.physics.coupler import Coupler
 from softcradle.physics.numerics.plain_kernels import powers
-from softcradle.physics.state import State
+from softcradle.physics.state import State, start_of
 
 Array = NDArray[np.float64]
 
@@ -44,7 +44,7 @@ def greatest_speed(chain: Chain, velocity: ArrayLike, duration: float | None = N
     """Largest of the closing speed and what contacts pressed at the start and the drive, within `duration`, can give [m/s]."""
     speeds = np.asarray(velocity, dtype=np.float64).tolist()
     found = max(speeds) - min(speeds)
-    if chain.drives:
+    if chain.driven:
         given = _given_speed(chain)
         found = max(found, given if duration is None else min(given, found + duration * _pull(chain)))
     return max(found, _sprung_speed(chain))
@@ -53,14 +53,14 @@ def greatest_speed(chain: Chain, velocity: ArrayLike, duration: float | None = N
 @per_chain
 def _given_speed(chain: Chain) -> float:
     """Largest speed [m/s] that the drive can give, from the start on."""
-    overlap = -np.asarray(chain.gap, dtype=np.float64)
+    overlap = start_of(chain)[0]
     return max(max(_driven_speed(chain, force), _fall_speed(chain, force, overlap)) for force in chain.drives)
 
 
 @per_chain
 def _sprung_speed(chain: Chain) -> float:
     """Largest speed [m/s] that contacts pressed at the start can give."""
-    return _released_speed(chain, -np.asarray(chain.gap, dtype=np.float64))
+    return _released_speed(chain, start_of(chain)[0])
 
 
 @per_chain
@@ -263,7 +263,7 @@ def default_step(chain: Chain, velocity: ArrayLike, duration: float | None = Non
 def step_at(chain: Chain, speed: float) -> float:
     """The `default_step` [s] at the closing speed `speed` [m/s]."""
     shortest = shortest_contact(chain, speed) / DEFAULT_STEPS_A_CONTACT
-    strongest = float(chain.bed.max(initial=0.0))
+    strongest = max(chain.bed.tolist(), default=0.0)
     return min(shortest, speed / strongest / DEFAULT_STEPS_A_STOP) if strongest else shortest
 
 
@@ -275,7 +275,8 @@ def _computable_speeds(chain: Chain) -> tuple[float, float]:
     """
     if chain.own_laws:
         return math.inf, 0.0
-    strength, weight = np.maximum(*chain.law_rows.T[:2]).tolist(), chain.inverse_reduced_mass.tolist()
+    strength = list(map(max, *chain.law_rows.T[:2].tolist()))
+    weight = chain.inverse_reduced_mass.tolist()
     least = math.sqrt(2.0 * max(weight) * max(strength) * LEAST_DEPTH)
     return max(SMALLEST, least), math.sqrt(2.0 * min(weight) * min(strength) * MOST_DEPTH)
 

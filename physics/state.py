@@ -84,7 +84,7 @@ class State:
         """The start of a scene: bead 0 at position 0, the chain's gaps between neighbours, `velocity` (n+1,) [m/s]."""
         require_kind("chain", chain, Chain)
         speeds = checked_velocity(chain, velocity)
-        overlap, place, force = _start(chain)
+        overlap, place, force = start_of(chain)
         anchor = np.array([place, speeds[chain.anchor]])
         return cls(0.0, overlap.copy(), speeds[:-1] - speeds[1:], anchor, force.copy())
 
@@ -143,7 +143,7 @@ class State:
 
 
 @per_chain
-def _start(chain: Chain) -> tuple[Array, float, Array]:
+def start_of(chain: Chain) -> tuple[Array, float, Array]:
     """Overlaps (n,) [m] at the start, the position [m] of the anchor bead, and contact forces (n,) [N]."""
     force = np.zeros(chain.contacts)
     if not any(chain.gap) and not chain.couplers:
@@ -185,4 +185,4 @@ def checked_velocity(chain: Chain, velocity: ArrayLike) -> Array:
         raise ValueError("every velocity must be finite")
     if fastest > LARGEST:
         raise ValueError(f"every velocity must be at most {LARGEST:g} m/s, not {fastest:g}: choose other units")
-    return speeds.copy()
+    return speeds

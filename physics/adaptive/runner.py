@@ -162,18 +162,18 @@ def one_run(problem: Problem, log_size: int = FIRST_LOG) -> Record:
     larger = larger_log(memory.log)
     if larger:
         return one_run(problem, larger)
-    counter, status, scratch = memory.log.counter, Status(code), memory.scratch
-    growth = float(error_growth(scratch.control[GROWTH], scratch.grown, scratch.turns))
+    counter, control, status = memory.log.counter.tolist(), memory.scratch.control.tolist(), Status(code)
+    growth = float(error_growth(control[GROWTH], memory.scratch.grown, memory.scratch.turns))
     contact, at = kept_switches(memory.log)
     record = Record(
-        problem.chain, NO_SAMPLES, contact.copy(), at.copy(), state, int(counter[STEP]),
-        int(counter[EVALUATION]), status, _warnings(problem, status, state.time, memory.log), seconds, growth=growth,
+        problem.chain, NO_SAMPLES, contact.copy(), at.copy(), state, counter[STEP],
+        counter[EVALUATION], status, _warnings(problem, status, state.time, memory.log), seconds, growth=growth,
         kept=kept,
     )  # fmt: skip
     fastest = max(map(abs, [*problem.velocity.tolist(), *record.velocity.tolist()]))
-    error = stated_error(growth, scratch.control[LOCAL_SQUARE], counter[STEP] + contacts, fastest)
+    error = stated_error(growth, control[LOCAL_SQUARE], counter[STEP] + contacts, fastest)
     record.velocity_error = np.full(contacts + 1, error)
-    record.unseen = DOUBT * growth * math.sqrt(scratch.control[UNSEEN_SQUARE])
+    record.unseen = DOUBT * growth * math.sqrt(control[UNSEEN_SQUARE])
     _last_run.memory = memory if contacts <= LONGEST_REUSED else None
     return record
 
