@@ -346,13 +346,13 @@ def _bound_by_energy(problem: Problem, record: Record) -> None:
 
 
 def _ledger(problem: Problem, record: Record) -> tuple[float, float]:
-    """The energy [J] of a chain at the start, and by how much it is off in the end, 0 where work is done on it."""
+    """The energy [J] of a chain at the start, and by how much it is off in the end; both 0 where work is done on it."""
     chain, start, end = problem.chain, problem.state, record.end
-    moving = np.array((problem.velocity, record.velocity)), np.array((start.overlap, end.overlap))
-    before, after = energies(chain, *moving).tolist()
     wall_moves = chain.walls > 0 and bool((np.isinf(chain.mass) & (problem.velocity != 0.0)).any())
     if wall_moves or chain.forces or start.external(chain) is not None:
-        return before, 0.0
+        return 0.0, 0.0
+    moving = np.array((problem.velocity, record.velocity)), np.array((start.overlap, end.overlap))
+    before, after = energies(chain, *moving).tolist()
     absorbed = float((end.absorbed - start.absorbed).sum()) if chain.dissipative else 0.0
     return before, abs(after + absorbed - before)
 
