@@ -10,7 +10,6 @@ brakes the bodies after every step of the Space, to rest at most.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -22,7 +21,7 @@ from softcradle.physics.numerics.knots import put_mean
 from softcradle.physics.numerics.meeting import meets_again
 from softcradle.physics.numerics.plain_kernels import plain
 from softcradle.physics.numerics.records import ChainData, Motion
-from softcradle.physics.problem import Problem, Record, empty_samples, run_to_end
+from softcradle.physics.problem import Problem, Record, empty_samples, first_samples, run_to_end
 from softcradle.physics.pymunk_contacts.contact_constraint import SoftContact
 from softcradle.physics.scales import contact_scales, speed_scale
 from softcradle.physics.state import MOVING, State, Switches
@@ -32,7 +31,6 @@ Array = NDArray[np.float64]
 
 MOST_SPACE_STEPS = 20_000_000  # some minutes
 MOST_REACH = 2.0**90  # [m] of the anchors; only motions that steps too long have blown up go beyond
-FIRST_SPACING, MOST_CHECKPOINTS = 4, 512  # steps between two of them at first, and how many there are
 GRID_TOLERANCE = 1e-9  # of a step: a time this near to the grid is on the grid
 
 
@@ -176,54 +174,30 @@ def run(problem: Problem) -> Record:
 
 def _pass(problem: Problem, times: Array) -> Record:
     """One run to its end."""
-    return _Run(problem, times, _Checkpoints() if problem.keeps else None).until(problem.end).result()
-
-
-class _Checkpoints:
-    """States on the way of a run; where they are too many, every second one goes, and the steps between them double."""
-
-    def __init__(self) -> None:
-        self.states: list[State] = []
-        self.due, self._spacing = 0, FIRST_SPACING
-
-    def offer(self, steps: int, state: State) -> None:
-        """Keep the state, if one is due after so many `steps`."""
-        if steps < self.due:
-            return
-        if len(self.states) == MOST_CHECKPOINTS:
-            self.states = self.states[::2]
-            self._spacing *= 2
-        self.states.append(state.copy())
-        self.due = steps + self._spacing
+    return _Run(problem, times).until(problem.end).result()
 
 
 class _Run:
     """One run of a Row: steps, samples, contact switches and the end, as the fixed-step kernels book them."""
 
-    def __init__(self, problem: Problem, times: Array, kept: _Checkpoints | None = None) -> None:
-        self.problem, self.h, self.times, self.kept = problem, problem.step, times, kept
+    def __init__(self, problem: Problem, times: Array) -> None:
+        self.problem, self.h, self.times = problem, problem.step, times
         self.most_steps = problem.most_steps or MOST_SPACE_STEPS
         self.row = Row(problem.chain, problem.state, self.h)
         self.samples = empty_samples(times, problem.chain.contacts)
-        self.evaluations = self.sampled = 0
+        self.steps = self.flown = self.evaluations = self.sampled = 0
         self.switches: list[tuple[int, float]] = []
         self.status = Status.DONE
         self.warnings: Warnings = ()
-        self.begin(problem.state)
-
-    def begin(self, state: State) -> None:
-        """Begin, or go on, with `state`; steps are counted from there."""
-        self.start, self.state, self.steps, self.flown = state.time, state.copy(), 0, 0
+        self.state = problem.state.copy()
         self.row.write(self.state)
-        self.closed = [False] * self.problem.chain.contacts
+        self.closed = [False] * problem.chain.contacts
         self.note_switches(0.0)
 
     def until(self, end: float) -> _Run:
         """Go to `end`; where that is infinite, until no contact can close again."""
         self.take_samples()
         while self.state.time < end - self.h * GRID_TOLERANCE:
-            if self.kept:
-                self.kept.offer(self.steps, self.state)
             if self.steps - self.flown >= self.most_steps:
                 sentence = f"pymunk gave up after {self.most_steps} steps: take a larger step"
                 self.status = Status.OUT_OF_STEPS
@@ -271,15 +245,14 @@ class _Run:
             self.flown += flown
         else:
             length = h if end - state.time >= h * (1.0 - GRID_TOLERANCE) else end - state.time
-            due = self.kept.due if self.kept else math.inf
             # A contact may close and open within one step, where no flag tells of it: the run looks up after its flight.
             ahead = min(goal - state.time, flight + h) if flight > 0.0 else goal - state.time
-            most = max(1.0, min(ahead / h, min(self.most_steps + self.flown, due) - self.steps))
+            most = max(1.0, min(ahead / h, self.most_steps + self.flown - self.steps))
             taken = self.row.steps(int(most), state.time, length)
             self.steps += taken
             self.evaluations += taken
         self.row.read(state)
-        state.time = min(end, self.start + self.steps * h)
+        state.time = min(end, self.problem.state.time + self.steps * h)
         self.note_switches(self.h)
 
     def note_switches(self, last_step: float) -> None:
@@ -300,21 +273,16 @@ class _Run:
             self.sampled += 1
 
     def result(self) -> Record:
-        """What `simulate` wants to know."""
+        """What `simulate` wants to know; fewer samples than wanted where the run gave up."""
+        samples = first_samples(self.samples, self.sampled)
         return Record(
-            self.problem.chain, self.samples, *Switches.of(self.switches), self.state, self.steps, self.evaluations,
-            self.status, self.warnings, kept=self if self.kept else None,
+            self.problem.chain, samples, *Switches.of(self.switches), self.state, self.steps, self.evaluations, self.status,
+            self.warnings, kept=self if self.problem.keeps else None,
         )  # fmt: skip
 
     def record(self, found: Record, times: Array) -> Record:
-        """The record `found` of the run with its samples at `times`, which may lie beyond its end."""
-        run, states = _Run(self.problem, times), self.kept.states if self.kept else []
-        edges = np.searchsorted(times, [*(state.time for state in states[1:]), math.inf])
-        for state, first, last in zip(states, [0, *edges], edges, strict=False):
-            if first < last:
-                run.begin(state)
-                run.until(float(times[last - 1]))
-        return replace(found, samples=run.samples, kept=None)
+        """The record `found` of the run with its samples at `times`, which may lie beyond its end: by another run."""
+        return found.with_samples(_Run(self.problem, times).until(float(times[-1])).result().samples)
 
 
 def _switches(before: list[bool], now: list[bool], state: State, last_step: float) -> list[tuple[int, float]]:
