@@ -241,21 +241,16 @@ class _Run:
                 forces[inside] = segment.phase.force(times[inside], states[inside])
                 for k in inside:
                     states[k, :m] = segment.phase.shown_overlap(states[k, :m], forces[k, :m])
-        return {"time": times, **self._joint_rows(states, forces), "taken": self.taken_at(times)}
-
-    def _joint_rows(self, states: Array, forces: Array) -> dict[str, Array]:
-        m = self.system.m
-        first = np.unique(self.system.laws.joint, return_index=True)[1]  # the pushing part tells of the joint
+        first = np.unique(system.laws.joint, return_index=True)[1]  # the pushing part tells of the joint
         return {
-            "overlap": states[..., first], "rate": states[..., m:-2], "anchor": states[..., -2:],
-            "force": self.system.on_joints(forces),
+            "time": times, "overlap": states[:, first], "rate": states[:, m:-2], "anchor": states[:, -2:],
+            "force": system.on_joints(forces), "taken": self.taken_at(times),
         }  # fmt: skip
 
     def end(self) -> State:
         """Where the run is."""
-        rows = self._joint_rows(self.y.copy(), self.phase.force(self.time, self.y))
-        moving = rows["overlap"], rows["rate"], rows["anchor"], rows["force"]
-        return State(self.time, *moving, taken=self.taken_at(np.array([self.time]))[0])
+        rows = self.samples(np.array([self.time]))
+        return State(self.time, **{name: rows[name][0] for name in MOVING})
 
     def taken_at(self, times: Array) -> Array:
         """(T, 4) energy that contacts and bed have absorbed and work of forces over time [J] up to `times`, as of State."""
