@@ -87,8 +87,7 @@ class Moving(Shown):
 
 def live_of(shown: object, slow: float | None) -> InlinePage:
     """The page of a Scene, which a notebook shows in a cell."""
-    text: str = _module("views").page_text(shown, slow)
-    return InlinePage(text)
+    return InlinePage(import_module("softcradle.sandbox.page").scene_text(shown, slow)[0])
 
 
 def _module(name: str) -> Any:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, Strict, field_validator, model_validator
@@ -11,7 +13,7 @@ from softcradle.physics.methods import AUTO, refusal_of, refusal_of_fineness
 from softcradle.physics.scales import require_computable
 from softcradle.physics.simulation import checked_tolerance, endless
 from softcradle.physics.state import checked_velocity
-from softcradle.scenes.contact_table import ContactTable
+from softcradle.scenes.contact_table import ContactTable, table_of
 from softcradle.scenes.toml_table import (
     AtLeastOne,
     Mass,
@@ -130,6 +132,15 @@ class Lane(Table):
         if self.beads is not None:
             return self.beads
         return len(self.mass) if isinstance(self.mass, tuple) else len(self.velocity)
+
+    @classmethod
+    def of(cls, chain: physics.Chain, velocity: Sequence[float], label: str = "") -> Self:
+        """The lane of a chain and its start; no file can say a law of one's own."""
+        laws = [table_of(contact) for contact in chain.contact if not isinstance(contact, physics.OwnLaw)]
+        table = {name: getattr(chain, name) for name in ("mass", "gap", "drive", "friction")}
+        table |= {name: tuple(map(asdict, getattr(chain, name))) for name in ("forces", "brakes")}
+        contact = laws[0] if all(law == laws[0] for law in laws) else laws
+        return cls.model_validate({**table, "label": label, "contact": contact, "velocity": tuple(velocity)})
 
     def chain(self) -> physics.Chain:
         """The chain of this lane."""

@@ -6,7 +6,7 @@ What draws is imported where it is called: a table needs neither pygame nor an e
 import base64
 import tempfile
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict
+from dataclasses import replace
 from html import escape
 from os import PathLike
 from pathlib import Path
@@ -16,12 +16,10 @@ from softcradle.physics import Chain, OwnLaw, Trajectory, hooke
 from softcradle.physics.extras import needed_for
 from softcradle.physics.notebook_views import InlineFilm
 from softcradle.scenes import Lane, Scene, View, load
-from softcradle.scenes.contact_table import law_of, table_of
 from softcradle.scenes.contact_text import contact_text
-from softcradle.scenes.scene_schema import ForceTable
 
 MOST_ROWS = 12  # beads or contacts of a table; of more, the first and the last are shown
-UNDRAWN = law_of(hooke(1.0))  # stands in the scene for a law of one's own, which no scene can name and no picture shows
+UNDRAWN = hooke(1.0)  # stands in the scene for a law of one's own, which no scene can name and no picture shows
 LENGTH = 6.0  # [s] of a film or page where no slow motion is given
 FILM_RATE = 30.0  # frames a second
 
@@ -127,13 +125,6 @@ def write_page_of(shown: Trajectory | Scene, path: str | PathLike[str], slow: fl
         write_page(shown, scene_of(shown, slow or usual_slow(shown)), path)
 
 
-def page_text(scene: Scene, slow: float | None) -> str:
-    """The page of a scene as text."""
-    from softcradle.sandbox.page import scene_text
-
-    return scene_text(scene, slow)[0]
-
-
 def usual_slow(trajectory: Trajectory) -> float:
     """The slow motion [s of a film for one of motion] with which the trajectory is LENGTH long."""
     span = float(trajectory.time[-1] - trajectory.time[0])
@@ -143,16 +134,8 @@ def usual_slow(trajectory: Trajectory) -> float:
 def scene_of(trajectory: Trajectory, slow: float) -> Scene:
     """The scene of the trajectory's chain, played `slow` seconds for one of motion: pictures take title and view from it."""
     chain = trajectory.chain
-    lane = Lane(
-        mass=chain.mass,
-        contact=tuple(UNDRAWN if isinstance(contact, OwnLaw) else table_of(contact) for contact in chain.contact),
-        velocity=tuple(trajectory.velocity[0].tolist()),
-        gap=chain.gap,
-        drive=chain.drive,
-        friction=chain.friction,
-        forces=tuple(ForceTable(**asdict(item)) for item in chain.forces),
-        brakes=tuple(ForceTable(**asdict(item)) for item in chain.brakes),
-    )
+    drawn = tuple(UNDRAWN if isinstance(contact, OwnLaw) else contact for contact in chain.contact)
+    lane = Lane.of(replace(chain, contact=drawn), trajectory.velocity[0].tolist())
     title = f"{chain.contacts + 1} beads, by {trajectory.method}"
     return Scene(title=title, lanes=(lane,), duration=float(trajectory.time[-1]) or None, view=View(slow=slow))
 

@@ -5,7 +5,7 @@ import binascii
 import math
 import zlib
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from typing import Any
@@ -16,7 +16,6 @@ from softcradle.physics.chain import Chain, Joint
 from softcradle.physics.contact import Contact, is_closed
 from softcradle.physics.coupler import Coupler
 from softcradle.physics.methods import refusal_of_fineness
-from softcradle.physics.own_law import OwnLaw
 from softcradle.physics.simulation import endless
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, WarningCode
@@ -28,7 +27,6 @@ from softcradle.sandbox.session.history_slices import HistorySlice
 from softcradle.sandbox.session.lane_setup import DURATION, LaneSetup, Setup
 from softcradle.sandbox.session.ledger import BY_BED, BY_CONTACTS, IMPULSE_GIVEN, WORK_GIVEN
 from softcradle.scenes import Lane, Scene, load, names, parse
-from softcradle.scenes.contact_table import table_of
 from softcradle.scenes.scene_errors import scene_error
 
 EDITED = ", edited"  # after the label of a lane that was edited in all but its contacts
@@ -117,21 +115,7 @@ def _lane(old: Lane, new: LaneSetup, label: str) -> Lane:
     before = old.chain()
     if _differ_by_gaps(before, chain) and (before.gap, old.velocity) == (gap, velocity):
         return old
-    laws = [table_of(contact) for contact in chain.contact if not isinstance(contact, OwnLaw)]
-    alike = all(law == laws[0] for law in laws)
-    return Lane.model_validate(
-        {
-            "label": label,
-            "mass": chain.mass,
-            "contact": laws[0] if alike else laws,
-            "velocity": velocity,
-            "gap": gap,
-            "drive": chain.drive,
-            "friction": chain.friction,
-            "forces": tuple(map(asdict, chain.forces)),
-            "brakes": tuple(map(asdict, chain.brakes)),
-        }
-    )
+    return Lane.of(replace(chain, gap=gap), velocity, label)
 
 
 def _velocity(old: Lane, chain: Chain, start: State) -> tuple[float, ...]:
