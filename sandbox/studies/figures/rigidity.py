@@ -9,7 +9,7 @@ import numpy as np
 from softcradle.physics.analysis.closed_forms import rigid_collision
 from softcradle.physics.analysis.measures import rigidity
 from softcradle.physics.simulation import solve
-from softcradle.physics.status import WarningCode
+from softcradle.physics.trajectory import Trajectory
 from softcradle.sandbox.studies.data_table import Array, Table, long_table, rows_where
 from softcradle.sandbox.studies.paper import TOLERANCE, full_one_on, opening_time, soft_chain, start
 from softcradle.sandbox.studies.plot_style import (
@@ -41,17 +41,14 @@ FINE_TOLERANCE = 1e-11  # the smallest spreads shown are below the error of a ru
 
 def outcome(n: int, alpha: float) -> Array:
     """(n+1,) velocities after the collision; nan where the run gave up."""
-    return _solved(n, alpha)[0]
+    found = _solved(n, alpha)
+    return np.full(n + 1, np.nan) if found.status.gave_up else found.final_velocity
 
 
 @lru_cache(maxsize=2048)
-def _solved(n: int, alpha: float) -> tuple[Array, float]:
-    """Velocities after the collision, and by how much finer runs disagree where the motion is sensitive, else 0."""
+def _solved(n: int, alpha: float) -> Trajectory:
     chain = soft_chain(n, alpha)
-    found = solve(chain, start(chain), samples=2, tolerance=FINE_TOLERANCE)
-    apart = [warning.numbers.get("apart", 0.0) for warning in found.warnings if warning.code is WarningCode.SENSITIVE]
-    velocity = np.full(n + 1, np.nan) if found.status.gave_up else found.final_velocity
-    return velocity, max(apart, default=0.0)
+    return solve(chain, start(chain), samples=2, tolerance=FINE_TOLERANCE)
 
 
 def rigid_outcome(n: int) -> tuple[float, float]:
@@ -61,15 +58,13 @@ def rigid_outcome(n: int) -> tuple[float, float]:
 
 
 def spreads() -> Table:
-    """n, alpha, velocities of the striker, of the first and the last target, and the spread of all targets."""
+    """n, alpha, velocities of striker, first and last target, the spread of all targets, and the error of the velocities."""
     rows = []
     for n in SPREAD_SIZES:
         for alpha in SPREAD_ALPHAS:
-            velocity = outcome(n, alpha)
-            rows.append(
-                (n, alpha, velocity[0], velocity[1], velocity[-1], float(rigidity(velocity[1:])), _solved(n, alpha)[1])
-            )
-    return long_table(("n", "alpha", "v striker", "v first", "v last", "spread", "finer runs apart"), rows)
+            velocity, error = outcome(n, alpha), _solved(n, alpha).velocity_error.max()
+            rows.append((n, alpha, velocity[0], velocity[1], velocity[-1], rigidity(velocity[1:]), error))
+    return long_table(("n", "alpha", "v striker", "v first", "v last", "spread", "velocity error"), rows)
 
 
 def draw_spreads(table: Table) -> Figure:
