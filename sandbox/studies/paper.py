@@ -224,25 +224,15 @@ def _pass_on(found: Sequence[CodedWarning]) -> None:
         warnings.warn(str(warning), RuntimeWarning, stacklevel=3)
 
 
-def full_one_on(
-    n: int, alpha: float, duration: float | None = None, samples: Samples = SAMPLES, tolerance: float = TOLERANCE
-) -> Trajectory:
-    """The motion of one on `n`, homogeneous, by the full equations."""
+def soft_start(n: int, alpha: float) -> tuple[Chain, tuple[float, ...]]:
+    """The homogeneous chain, and the velocities with which its striker hits the others."""
     chain = soft_chain(n, alpha)
-    return full_motion(chain, start(chain), duration, samples, tolerance)
-
-
-def model_one_on(
-    n: int, alpha: float, duration: float | None = None, samples: Samples = SAMPLES, tolerance: float = TOLERANCE
-) -> ModeCoupling:
-    """The motion of one on `n`, homogeneous, by the mode-coupling model."""
-    chain = soft_chain(n, alpha)
-    return model_motion(chain, start(chain), duration, samples, tolerance)
+    return chain, start(chain)
 
 
 def opening_time(n: int, alpha: float, contact: int = 0) -> float:
     """Time [s] at which `contact` of one on `n` opens for the first time."""
-    return full_one_on(n, alpha, samples=2).contact_intervals[contact][0][1]
+    return full_motion(*soft_start(n, alpha), samples=2).contact_intervals[contact][0][1]
 
 
 def first_opening(found: Trajectory, contact: int = 0) -> float:

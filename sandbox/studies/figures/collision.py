@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from softcradle.physics.analysis.measures import response_times
 from softcradle.physics.analysis.ringing import ringing
 from softcradle.sandbox.studies.data_table import Table, long_table
-from softcradle.sandbox.studies.paper import ALPHA, N, full_one_on, merged_times, model_one_on, opening_time
+from softcradle.sandbox.studies.paper import ALPHA, N, full_motion, merged_times, model_motion, opening_time, soft_start
 from softcradle.sandbox.studies.plot_style import (
     BLACK,
     BLUE,
@@ -41,7 +41,7 @@ VELOCITIES_UNTIL = 3.0  # units of time, of Figs. 1c and 1d
 
 def positions() -> Table:
     """t and the positions x0 ... x4, bead i starting at height i; before the collision the striker flies freely."""
-    found = full_one_on(N, ALPHA, POSITIONS_UNTIL)
+    found = full_motion(*soft_start(N, ALPHA), POSITIONS_UNTIL)
     before = np.linspace(POSITIONS_FROM, 0.0, 100, endpoint=False)
     time = np.concatenate((before, found.time))
     position = np.concatenate((before[:, None] * found.velocity[0], found.position)) + np.arange(N + 1.0)
@@ -50,7 +50,7 @@ def positions() -> Table:
 
 def velocities(alpha: float) -> Table:
     """t and the velocities v0 ... v4 for that exponent, from the first touch on."""
-    found = full_one_on(N, alpha, VELOCITIES_UNTIL)
+    found = full_motion(*soft_start(N, alpha), VELOCITIES_UNTIL)
     return {"t": found.time, **{f"v{i}": found.velocity[:, i] for i in range(N + 1)}}
 
 
@@ -94,12 +94,12 @@ def _while_struck(alpha: float) -> tuple[float, float]:
 def history() -> Table:
     """t, f12, and the branch (n-1)/n f01; below them, a row an exponent: 1/alpha, turns, period and that of the branch."""
     end, alpha = _while_struck(SHOWN)
-    found = full_one_on(SIZE, alpha, end, 4001, 1e-10)
+    found = full_motion(*soft_start(SIZE, alpha), end, 4001, 1e-10)
     branch = (SIZE - 1.0) / SIZE * found.force[:, 0]
     rows: list[tuple[ArrayLike, ...]] = [(found.time, found.force[:, 1], branch, np.nan, np.nan, np.nan, np.nan)]
     for inverse in INVERSE:
         end, alpha = _while_struck(1.0 / inverse)
-        found = full_one_on(SIZE, alpha, end, SAMPLES, 1e-10)
+        found = full_motion(*soft_start(SIZE, alpha), end, SAMPLES, 1e-10)
         heard = ringing(found.time, found.force[:, 1])
         local = 2.0 * math.pi * float(response_times(found)[1])
         rows.append((np.nan, np.nan, np.nan, inverse, heard.turns, heard.period or np.nan, local))
@@ -135,7 +135,7 @@ ACCURACY_BAND = {"color": "0.93", "zorder": 0}  # grey band of Fig. 2c: discrepa
 
 def modes() -> Table:
     """Fig. 2a: t, Phi, psi until psi is back at zero and a little beyond."""
-    found = model_one_on(N, ALPHA, UNTIL)
+    found = model_motion(*soft_start(N, ALPHA), UNTIL)
     assert found.phi is not None
     assert found.psi is not None
     return {"t": found.time, "Phi": found.phi, "psi": found.psi}
@@ -143,7 +143,7 @@ def modes() -> Table:
 
 def forces() -> Table:
     """Fig. 2b: t, all four forces of the model and of the full equations."""
-    full, model = full_one_on(N, ALPHA, UNTIL), model_one_on(N, ALPHA, UNTIL)
+    full, model = full_motion(*soft_start(N, ALPHA), UNTIL), model_motion(*soft_start(N, ALPHA), UNTIL)
     return {"t": full.time, **_force_columns("full", full.force), **_force_columns("model", model.trajectory.force)}
 
 
@@ -155,8 +155,8 @@ def discrepancies() -> Table:
     end = opening_time(N, ALPHA)
     edge = np.logspace(-8.0, -2.0, 121) * end
     times = merged_times(edge, end - edge, np.linspace(0.01, 0.99, 491) * end)
-    full = full_one_on(N, ALPHA, None, times)
-    model = model_one_on(N, ALPHA, None, times).trajectory
+    full = full_motion(*soft_start(N, ALPHA), None, times)
+    model = model_motion(*soft_start(N, ALPHA), None, times).trajectory
     relative = (full.force[:, :2] - model.force[:, :2]) / full.force[:, :2]
     return {"t": full.time, "f01": relative[:, 0], "f12": relative[:, 1], "time to separation": end - full.time}
 
@@ -164,8 +164,8 @@ def discrepancies() -> Table:
 def rise() -> Table:
     """Fig. 2d: t from 1e-16 to 1, all four forces of the model and of the full equations."""
     times = tuple(np.logspace(np.log10(FIRST_TIME), 0.0, 321).tolist())
-    full = full_one_on(N, ALPHA, 1.0, times, RISE_TOLERANCE)
-    model = model_one_on(N, ALPHA, 1.0, times, RISE_TOLERANCE)
+    full = full_motion(*soft_start(N, ALPHA), 1.0, times, RISE_TOLERANCE)
+    model = model_motion(*soft_start(N, ALPHA), 1.0, times, RISE_TOLERANCE)
     return {"t": full.time, **_force_columns("full", full.force), **_force_columns("model", model.trajectory.force)}
 
 

@@ -11,7 +11,7 @@ from softcradle.physics.analysis.measures import rigidity
 from softcradle.physics.simulation import solve
 from softcradle.physics.trajectory import Trajectory
 from softcradle.sandbox.studies.data_table import Array, Table, long_table, rows_where
-from softcradle.sandbox.studies.paper import TOLERANCE, full_one_on, opening_time, soft_chain, start
+from softcradle.sandbox.studies.paper import full_motion, opening_time, soft_start
 from softcradle.sandbox.studies.plot_style import (
     BLUE,
     COLOUR_CYCLE,
@@ -47,8 +47,7 @@ def outcome(n: int, alpha: float) -> Array:
 
 @lru_cache(maxsize=2048)
 def _solved(n: int, alpha: float) -> Trajectory:
-    chain = soft_chain(n, alpha)
-    return solve(chain, start(chain), samples=2, tolerance=FINE_TOLERANCE)
+    return solve(*soft_start(n, alpha), samples=2, tolerance=FINE_TOLERANCE)
 
 
 def rigid_outcome(n: int) -> tuple[float, float]:
@@ -134,15 +133,13 @@ FRACTIONS = np.concatenate(
 )
 
 
-def discrepancy(
-    n: int, alpha: float, fractions: Array = FRACTIONS, tolerance: float = TOLERANCE
-) -> tuple[Array, Array]:
+def discrepancy(n: int, alpha: float) -> tuple[Array, Array]:
     """(T,) times and (T, n-2) values of ``[(n-1)/(n-i)]**(1/alpha) * d_i / d_1 - 1``, i = 2 ... n-1.
 
-    At `fractions` (T,) of the time for which the striker is in contact; nan once the first inner contact is open.
+    At FRACTIONS of the time for which the striker is in contact; nan once the first inner contact is open.
     """
-    times = fractions * opening_time(n, alpha)
-    found = full_one_on(n, alpha, None, tuple(times.tolist()), tolerance)
+    times = FRACTIONS * opening_time(n, alpha)
+    found = full_motion(*soft_start(n, alpha), None, tuple(times.tolist()))
     depth = np.arange(2, n)
     scaled = ((n - 1) / (n - depth)) ** (1.0 / alpha) * found.overlap[:, 2:]
     first = found.overlap[:, 1:2]
