@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from softcradle.physics import Chain, Trajectory
@@ -46,33 +47,49 @@ class Scales:
     momentum: Span
 
 
+class Reached(NamedTuple):
+    """How far motions go, for scales that have room for them; the energy is that of bars, what was absorbed among it."""
+
+    velocity: Span
+    force: float
+    pull: float
+    energy: float
+    momentum: Span
+
+
+def reached(motions: Sequence[Motion]) -> Reached:
+    """What all `motions` reach."""
+    momenta = [motion.momentum for motion in motions]
+    low = min(float(np.minimum(p, 0.0).sum(axis=1).min()) for p in momenta)
+    high = max(float(np.maximum(p, 0.0).sum(axis=1).max()) for p in momenta)
+    return Reached(
+        velocity=(min(float(m.velocity.min()) for m in motions), max(float(m.velocity.max()) for m in motions)),
+        force=max(float(np.abs(m.force).max()) for m in motions),
+        pull=min(float(m.force.min()) for m in motions),
+        energy=max(float((m.energy + m.absorbed if m.absorbed.size else m.energy).max()) for m in motions),
+        momentum=(low, high),
+    )
+
+
 def scales_of(scene: Scene, motions: Sequence[Motion]) -> Scales:
     """Scales into which all `motions` fit, one for each lane of `scene`."""
     deepest = tuple(tuple(np.maximum(motion.overlap.max(axis=0), 0.0).tolist()) for motion in motions)
     magnify = scene.view.magnify or _magnify(max(map(max, deepest)), scene.view.length)
-    speeds = np.concatenate([motion.velocity.ravel() for motion in motions])
-    momenta = [motion.momentum for motion in motions]
-    low = min(float(np.minimum(p, 0.0).sum(axis=1).min()) for p in momenta)
-    high = max(float(np.maximum(p, 0.0).sum(axis=1).max()) for p in momenta)
     begin, end = min(float(m.time[0]) for m in motions), max(float(m.time[-1]) for m in motions)
+    most = reached(motions)
+    low, high = most.momentum
     return Scales(
         time=(begin, end if end > begin else begin + 1.0),
         window=_window(scene, motions, magnify),
-        velocity=_padded(min(0.0, float(speeds.min())), max(0.0, float(speeds.max()))),
-        force=FORCE_MARGIN * max(float(np.abs(m.force).max()) for m in motions) or 1.0,
-        pull=FORCE_MARGIN * min(0.0, *(float(m.force.min()) for m in motions)),
+        velocity=axis_range([motion.velocity for motion in motions]),
+        force=FORCE_MARGIN * most.force or 1.0,
+        pull=FORCE_MARGIN * min(0.0, most.pull),
         decades=_decades(deepest),
         magnify=magnify,
         deepest=deepest,
-        energy=max(map(_largest_energy, motions)) or 1.0,
+        energy=most.energy or 1.0,
         momentum=(low, high if high > low else 1.0),
     )
-
-
-def _largest_energy(motion: Motion) -> float:
-    """The largest energy [J] that a bar shows: of beads and contacts, and what contacts and bed have absorbed."""
-    energy = motion.kinetic.sum(axis=1) + motion.stored
-    return float((energy + motion.absorbed if motion.absorbed.size else energy).max())
 
 
 def left_edges(position: Array, overlap: Array, length: float, magnify: float) -> Array:
@@ -96,11 +113,13 @@ def _window(scene: Scene, motions: Sequence[Motion], magnify: float) -> Span:
     return low - 0.25 * length, high + 0.25 * length
 
 
-def _padded(low: float, high: float) -> Span:
+def axis_range(values: Sequence[Array]) -> Span:
+    """The range of all `values` and of 0, and some room beyond the values."""
+    low, high = min(0.0, *(float(v.min()) for v in values)), max(0.0, *(float(v.max()) for v in values))
     if low == high:
         return low - 1.0, high + 1.0
-    margin = 0.06 * (high - low)
-    return (low - margin if low < 0.0 else low), high + margin
+    room = 0.06 * (high - low)
+    return (low - room if low < 0.0 else low), high + room
 
 
 def _decades(deepest: tuple[tuple[float, ...], ...]) -> tuple[int, int]:

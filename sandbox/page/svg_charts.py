@@ -53,15 +53,6 @@ class ChartAxes:
         return HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * (value - self.y[0]) / (self.y[1] - self.y[0])
 
 
-def axis_range(values: Sequence[Array]) -> Range:
-    """The range of all `values` and of 0, and some room beyond the values."""
-    low, high = min(0.0, *(float(v.min()) for v in values)), max(0.0, *(float(v.max()) for v in values))
-    if low == high:
-        return low - 1.0, high + 1.0
-    room = 0.06 * (high - low)
-    return (low - room if low < 0.0 else low), high + room
-
-
 def line_chart(title: str, curves: Sequence[Curve], axes: ChartAxes) -> str:
     """A figure with the curves, a grid, and a legend where there is more than one."""
     lines = [

@@ -13,13 +13,14 @@ from softcradle.physics.analysis.collision import ContactMeasures
 from softcradle.physics.analysis.matching import Match
 from softcradle.physics.analysis.measures import can_touch, energy_inside, first_touch, loaded_samples
 from softcradle.physics.coupler import Coupler
+from softcradle.sandbox.draw.shared_scales import axis_range
 from softcradle.sandbox.files import readable_json
 from softcradle.sandbox.film.formats import check
 from softcradle.sandbox.film.scene_film import render_scene
 from softcradle.sandbox.page.document import footer, note, table
 from softcradle.sandbox.page.played_motion import PlayedMotion, result_notes
 from softcradle.sandbox.page.shared_page import recorded_page
-from softcradle.sandbox.page.svg_charts import ChartAxes, Curve, Range, axis_range, bar_chart, chart_row, line_chart
+from softcradle.sandbox.page.svg_charts import ChartAxes, Curve, Range, bar_chart, chart_row, line_chart
 from softcradle.sandbox.quantities import FORCE, OVERLAP, TIME
 from softcradle.sandbox.studies.compare.results import (
     SideResult,

@@ -11,7 +11,7 @@ import numpy as np
 from softcradle.physics.methods import AUTO, Family, find_method
 from softcradle.physics.scales import scales_at
 from softcradle.sandbox.draw.number_format import round_step
-from softcradle.sandbox.draw.shared_scales import Scales, scales_of
+from softcradle.sandbox.draw.shared_scales import Scales, reached, scales_of
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.scene_runs import SHOWN
 from softcradle.sandbox.session.history_slices import history_slices
@@ -99,28 +99,19 @@ class LiveScales:
 
     def fit(self, motions: Sequence[Motion]) -> None:
         """Grow so that a motion of each lane fits in."""
-        self._velocities(motions)
-        self._forces(motions)
+        found, now = reached(motions), self.scales
+        (least, most), (low, high) = found.velocity, now.velocity
+        (falls, rises), (left, right) = found.momentum, now.momentum
+        slack = SLACK * (right - left)
+        self.scales = replace(
+            now,
+            velocity=(_rounded(least) if least < low else low, _rounded(most) if most > high else high),
+            force=_rounded(found.force) if found.force > now.force else now.force,
+            pull=_rounded(found.pull) if found.pull < now.pull else now.pull,
+            energy=_rounded(found.energy) if found.energy > (1.0 + SLACK) * now.energy else now.energy,
+            momentum=(GROWTH * falls if falls < left - slack else left, GROWTH * rises if rises > right + slack else right),
+        )  # fmt: skip
         self._overlaps(motions)
-        self._energies(motions)
-        self._momenta(motions)
-
-    def _velocities(self, motions: Sequence[Motion]) -> None:
-        low, high = self.scales.velocity
-        least = min(float(motion.velocity.min()) for motion in motions)
-        most = max(float(motion.velocity.max()) for motion in motions)
-        if least < low or most > high:
-            low = _rounded(least) if least < low else low
-            high = _rounded(most) if most > high else high
-            self.scales = replace(self.scales, velocity=(low, high))
-
-    def _forces(self, motions: Sequence[Motion]) -> None:
-        most = max(float(np.abs(motion.force).max()) for motion in motions)
-        if most > self.scales.force:
-            self.scales = replace(self.scales, force=_rounded(most))
-        least = min(float(motion.force.min()) for motion in motions)
-        if least < self.scales.pull:
-            self.scales = replace(self.scales, pull=_rounded(least))
 
     def _overlaps(self, motions: Sequence[Motion]) -> None:
         pairs = [(m.overlap.max(axis=0), np.array(d)) for m, d in zip(motions, self.scales.deepest, strict=True)]
@@ -133,20 +124,6 @@ class LiveScales:
         higher = max(high, math.ceil(math.log10(max(float(depths.max()) for depths in grown))))
         deepest = tuple(tuple(depths.tolist()) for depths in grown)
         self.scales = replace(self.scales, deepest=deepest, decades=(low, higher))
-
-    def _energies(self, motions: Sequence[Motion]) -> None:
-        energy = max(float(motion.energy.max()) for motion in motions)
-        if energy > (1.0 + SLACK) * self.scales.energy:
-            self.scales = replace(self.scales, energy=_rounded(energy))
-
-    def _momenta(self, motions: Sequence[Motion]) -> None:
-        low, high = self.scales.momentum
-        least = min(float(np.minimum(motion.momentum, 0.0).sum(axis=1).min()) for motion in motions)
-        most = max(float(np.maximum(motion.momentum, 0.0).sum(axis=1).max()) for motion in motions)
-        slack = SLACK * (high - low)
-        if least < low - slack or most > high + slack:
-            low, high = min(low, GROWTH * least), GROWTH * most if most > high + slack else high
-            self.scales = replace(self.scales, momentum=(low, high))
 
 
 def _rounded(value: float) -> float:

@@ -8,11 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from softcradle.physics.state import from_anchor
+from softcradle.sandbox.draw.shared_scales import axis_range
 from softcradle.sandbox.page import render_page, scene_text, write_page
 from softcradle.sandbox.page.data import LINE_ERROR, SAME_DEPTH, needed_rows, packed_lanes
 from softcradle.sandbox.page.played_motion import played_motion, recorded_sentence
 from softcradle.sandbox.page.shared_page import recorded
-from softcradle.sandbox.page.svg_charts import ChartAxes, Curve, axis_range, line_chart
+from softcradle.sandbox.page.svg_charts import ChartAxes, Curve, line_chart
 from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.session import inputs
 from softcradle.sandbox.user_error import UserError

@@ -1,5 +1,6 @@
 """The live plots: curves, cursor, energies, kymograph, two lanes; signals that are chosen, and data of one's own over plots."""
 
+from dataclasses import replace
 from unittest.mock import Mock
 
 import numpy as np
@@ -13,7 +14,7 @@ from softcradle.sandbox.window.plots import kinds
 from softcradle.sandbox.window.plots.curves import ScrollingSurface, TimeSpan
 from softcradle.sandbox.window.plots.data_overlay import PictureOverlay, edges_of
 from softcradle.sandbox.window.plots.kinds import PLOT_KINDS, PlotSetting, Signal, pair_of, signal_of
-from softcradle.sandbox.window.plots.scales import estimated_scales
+from softcradle.sandbox.window.plots.scales import LiveScales, estimated_scales
 from softcradle.sandbox.window.plots.shapes import StackedPlot, StripPlot
 
 from softcradle import scenes
@@ -171,6 +172,15 @@ def test_no_difference_of_two_lanes_is_cut_by_its_axis():
         axis = PLOT_KINDS["difference"].content(PlotSetting(scales, lane, 4, 1.0, True)).axis
         assert axis.low <= low - high
         assert axis.high >= high - low
+
+
+def test_the_energy_bar_has_room_for_what_was_absorbed():
+    session = opened("experiment-one-on-three")
+    scales = LiveScales(session)
+    scales.take(estimated_scales(session.scene, session))
+    absorbed = 10.0 * scales.scales.energy
+    scales.fit([replace(session.lanes[0].motion, absorbed=np.array([absorbed]))])
+    assert scales.scales.energy > absorbed
 
 
 def test_space_time_has_a_scale_of_its_shades(driver):
