@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics import Chain
 from softcradle.physics.state import from_anchor
-from softcradle.physics.trajectory import work_of_walls
 
 Array = NDArray[np.float64]
 
@@ -32,7 +31,7 @@ class Motion:
         overlap, rate, force: (T, n) [m], [m/s] and [N].
         anchor: (T, 2) position [m] and velocity [m/s] of bead ``chain.anchor``.
         absorbed: (T,) energy [J] that contacts with loss and the bed have absorbed; empty for a chain without either.
-        given: (T, 2) work [J] and impulse [N s] of forces over time, pointer and edits; empty where there were none.
+        balance: (T, 2) energy [J] and momentum [N s] that must not change, of a motion that is over: its errors are their change.
         method: how it was made, for a label.
     """
 
@@ -43,7 +42,7 @@ class Motion:
     anchor: Array
     force: Array
     absorbed: Array = field(default_factory=lambda: np.zeros(0))
-    given: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    balance: Array = field(default_factory=lambda: np.zeros((0, 2)))
     method: str = ""
 
     @cached_property
@@ -84,35 +83,13 @@ class Motion:
 
     @cached_property
     def energy_error(self) -> Array:
-        """(T,) greatest relative change of the energy so far; nan where it is not known.
-
-        What was absorbed and the work of a drive, of what is `given` and of moving walls are no change.
-        """
-        by_walls = work_of_walls(self.chain, self.velocity, self._own_momentum)
-        energy = self.energy - self._given(self.position) - by_walls
-        if self.given.size:
-            energy = energy - self.given[:, 0]
-        if self.absorbed.size:
-            energy = energy + self.absorbed
-        return _worst_so_far(energy, self.kinetic.sum(axis=1).max())
+        """(T,) greatest change of the energy so far, relative to the greatest kinetic energy; nan where it is not known."""
+        return _worst_so_far(self.balance[:, 0], self.kinetic.sum(axis=1).max())
 
     @cached_property
     def momentum_error(self) -> Array:
         """(T,) greatest change of the momentum so far, relative to the sum of the beads' momenta without sign."""
-        return _worst_so_far(self._own_momentum, np.abs(self.momentum).sum(axis=1).max())
-
-    @cached_property
-    def _own_momentum(self) -> Array:
-        """(T,) momentum of the beads [N s] without what the drive and what is `given` have brought."""
-        momentum: Array = self.momentum.sum(axis=1) - self._given(self.time[:, None])
-        return momentum - self.given[:, 1] if self.given.size else momentum
-
-    def _given(self, path: Array) -> Array:
-        """(T,) what the drive, which acts from t = 0 on, has given the beads along `path` (T, n+1): work, or impulse."""
-        if self.chain.drive_force is None:
-            return np.zeros(len(self.time))
-        start, way = np.searchsorted(self.time, 0.0), np.where(self.chain.finite_mass > 0.0, path, 0.0)
-        return np.where(self.time > 0.0, (way - way[start]) @ self.chain.drive_force, 0.0)
+        return _worst_so_far(self.balance[:, 1], np.abs(self.momentum).sum(axis=1).max())
 
 
 def _worst_so_far(value: Array, unit: float) -> Array:

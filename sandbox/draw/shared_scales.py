@@ -131,6 +131,7 @@ def _decades(deepest: tuple[tuple[float, ...], ...]) -> tuple[int, int]:
     return max(math.floor(math.log10(min(depths))) - 1, high - MOST_DECADES), high
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what did not stay finite is refused where it is shown
 def motion_of(trajectory: Trajectory, lead: Array | None = None) -> Motion:
     """The motion in `trajectory`, with free flight before it at the times `lead` < 0 (see :func:`longest_lead`)."""
     times = np.empty(0) if lead is None else lead - trajectory.time[0]
@@ -138,6 +139,7 @@ def motion_of(trajectory: Trajectory, lead: Array | None = None) -> Motion:
     start = trajectory.anchor[0]
     anchor = np.column_stack((start[0] + times * start[1], np.full(len(times), start[1])))
     absorbed = trajectory.absorbed_by_contacts + trajectory.absorbed_by_bed
+    balance = np.column_stack((trajectory.ledger, trajectory.momentum - trajectory.impulse))
     return Motion(
         chain=trajectory.chain,
         time=np.concatenate((times, trajectory.time)),
@@ -146,9 +148,7 @@ def motion_of(trajectory: Trajectory, lead: Array | None = None) -> Motion:
         anchor=np.concatenate((anchor, trajectory.anchor)),
         force=np.concatenate((open_contacts, trajectory.force)),
         absorbed=np.concatenate((np.zeros(len(times)), absorbed)) if trajectory.chain.dissipative else np.zeros(0),
-        given=np.concatenate((np.zeros((len(times), 2)), trajectory.given))
-        if trajectory.given.any()
-        else np.zeros((0, 2)),
+        balance=np.concatenate((np.tile(balance[0], (len(times), 1)), balance)),
         method=f"{trajectory.method}, step {scientific(trajectory.step)} s" if trajectory.step else trajectory.method,
     )
 

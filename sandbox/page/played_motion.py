@@ -73,7 +73,7 @@ def _drawable(scene: Scene, trajectories: Sequence[Trajectory]) -> list[Motion]:
 def _since(begin: float, motion: Motion) -> Motion:
     """`motion` from its last row that is not after `begin`."""
     rows = slice(int(np.searchsorted(motion.time, begin, side="right")) - 1, None)
-    names = ("time", "overlap", "rate", "anchor", "force", "absorbed", "given")
+    names = ("time", "overlap", "rate", "anchor", "force", "absorbed", "balance")
     return replace(motion, **{name: getattr(motion, name)[rows] for name in names})
 
 
@@ -91,7 +91,7 @@ def _continued(motion: Motion, status: Status, end: float) -> Motion:
         anchor=np.vstack((motion.anchor, (position + span * velocity, velocity))),
         force=np.vstack((motion.force, np.zeros(motion.chain.contacts))),
         absorbed=np.append(motion.absorbed, motion.absorbed[-1:]),
-        given=np.concatenate((motion.given, motion.given[-1:])),
+        balance=np.concatenate((motion.balance, motion.balance[-1:])),
         method=motion.method,
     )
 
