@@ -13,7 +13,7 @@ from statistics import median
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any
 
-from softcradle.sandbox.draw import Picture
+from softcradle.sandbox.draw.scene_picture import Picture
 from softcradle.sandbox.film.encoder import open_film
 from softcradle.sandbox.film.scene_film import Shot, render_scene, shot_list
 from softcradle.sandbox.film.scene_motion import scene_motions

@@ -8,12 +8,11 @@ from time import perf_counter
 import numpy as np
 import pygame
 from numpy.typing import NDArray
-from softcradle.sandbox.draw import scales_of
 from softcradle.sandbox.draw.bodies import CYLINDER_LENGTH, is_gear
 from softcradle.sandbox.draw.lane_drawing import TALLEST_BEAD, LaneDrawing
 from softcradle.sandbox.draw.number_format import plain, round_down, scientific
 from softcradle.sandbox.draw.palette import tones
-from softcradle.sandbox.draw.shared_scales import Scales
+from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.draw.supersampling import fill_rectangle
 from softcradle.sandbox.draw.text import shortened, width, write
 from softcradle.sandbox.film.encoder import open_film

@@ -9,7 +9,7 @@ from time import perf_counter
 
 import pygame
 from softcradle.sandbox.console import ProgressShown
-from softcradle.sandbox.draw import Picture
+from softcradle.sandbox.draw.scene_picture import Picture
 from softcradle.sandbox.film.encoder import open_film
 from softcradle.sandbox.film.formats import check
 from softcradle.sandbox.film.scene_motion import Frames, checked_slow, first_force, scene_motions, strongest_row

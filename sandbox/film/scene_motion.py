@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from softcradle.physics import Trajectory
-from softcradle.sandbox.draw import longest_lead, motion_of
+from softcradle.sandbox.draw.shared_scales import longest_lead, motion_of
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.scene_runs import SHOWN, run_scene
 from softcradle.sandbox.user_error import GaveUpError, UserError

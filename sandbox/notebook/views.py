@@ -97,7 +97,8 @@ def film_of(shown: Trajectory | Scene, slow: float | None, size: tuple[int, int]
 
 def _write_film(trajectory: Trajectory, path: Path, slow: float | None, size: tuple[int, int]) -> None:
     """Write the samples of the trajectory, each for as long as it is the nearest one."""
-    from softcradle.sandbox.draw import Picture, motion_of
+    from softcradle.sandbox.draw.scene_picture import Picture
+    from softcradle.sandbox.draw.shared_scales import motion_of
     from softcradle.sandbox.film.encoder import open_film
     from softcradle.sandbox.film.scene_motion import checked_slow, require_finite
 

@@ -14,9 +14,9 @@ from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
 from softcradle.physics.numerics.contact_solve import BEAD_ROWS
 from softcradle.physics.numerics.records import COUNTERS
 from softcradle.physics.scales import greatest_speed, speed_scale
-from softcradle.sandbox.draw import Scales
 from softcradle.sandbox.draw.bodies import EQUAL_MASSES, cluster_ends, is_gear, solid_force
 from softcradle.sandbox.draw.palette import LIGHT, OKABE_ITO
+from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.languages import in_every_language, label_words, scene_words
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.page.played_motion import PlayedMotion

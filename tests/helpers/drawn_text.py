@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 import pygame
 import pytest
-from softcradle.sandbox.draw import Picture, text
+from softcradle.sandbox.draw import text
 from softcradle.sandbox.draw.palette import luminance
+from softcradle.sandbox.draw.scene_picture import Picture
 from softcradle.sandbox.motion import Motion
 from softcradle.scenes import Scene
 

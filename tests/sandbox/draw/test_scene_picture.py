@@ -9,14 +9,14 @@ import pygame
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from softcradle.sandbox.draw import Picture, draw, number_format, scales_of
+from softcradle.sandbox.draw import number_format
 from softcradle.sandbox.draw.axes import LINE
 from softcradle.sandbox.draw.bodies import cluster_ends, has_marks, mass_labels, rigid_forces
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.number_format import MINUS, TIMES, factor, fixed, number_text, scientific, spread, ticks
 from softcradle.sandbox.draw.palette import BEAD_COLOURS, bead_colours, tones
-from softcradle.sandbox.draw.scene_picture import speed_text
-from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, left_edges
+from softcradle.sandbox.draw.scene_picture import Picture, speed_text
+from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, left_edges, scales_of
 from softcradle.sandbox.draw.surfaces import cached_surfaces, clear_cached_surfaces
 from softcradle.sandbox.draw.text import shortened, width, wrapped
 from softcradle.sandbox.film.formats import pixels_of
@@ -80,7 +80,7 @@ def test_drawing_changes_nothing_and_depends_on_the_row_alone():
     middle, row = len(motions[0].time) // 2, len(motions[0].time) // 3
     first = painted(picture, middle)
     surface = pygame.Surface(SIZE, 0, 32)
-    draw(surface, scene, motions, middle)
+    Picture(scene, motions, SIZE).paint(surface, middle)
     assert (pixels_of(surface)[..., 2::-1] == first).all()
     other, text = painted(picture, row, text_opacity=0.5), painted(picture, middle, text_opacity=1.0)
     assert (painted(picture, middle) == first).all()

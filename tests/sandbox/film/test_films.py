@@ -10,7 +10,8 @@ import pygame
 import pytest
 from PIL import Image, ImageSequence
 from softcradle.physics.simulation import solve
-from softcradle.sandbox.draw import Picture, longest_lead
+from softcradle.sandbox.draw.scene_picture import Picture
+from softcradle.sandbox.draw.shared_scales import longest_lead
 from softcradle.sandbox.film import encoder, formats, scene_film, scene_motion
 from softcradle.sandbox.film.encoder import open_film, segment_lengths
 from softcradle.sandbox.film.formats import pixels_of

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from PIL import Image
-from softcradle.sandbox.draw import scales_of
 from softcradle.sandbox.draw.palette import tones
+from softcradle.sandbox.draw.shared_scales import scales_of
 from softcradle.sandbox.film import kymograph
 from softcradle.sandbox.film.kymograph import CAMERA_RATE, SlitCamera, filmed_scene, instants, render_kymograph
 from softcradle.sandbox.film.scene_motion import motion_end, scene_motions

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from softcradle.sandbox.session import Session
 from softcradle.sandbox.session.inputs import Input, SetMethod, SetStep
+from softcradle.sandbox.session.session import Session
 
 from softcradle import scenes
 from tests.helpers.sessions import INPUTS, check_invariants, check_replay, fitted, opened, picture, read_all

@@ -6,9 +6,10 @@ from functools import partial
 import numpy as np
 import pytest
 from softcradle.physics import Contact, hertz, power_law, simulate
-from softcradle.sandbox.session import Session, inputs
+from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.lane_setup import ERROR
 from softcradle.sandbox.session.run_verdict import LEVELS, MOST_CHATTER, PASSED
+from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.summary_text import summary_text
 from softcradle.sandbox.session.velocity_check import VelocityCheck
 

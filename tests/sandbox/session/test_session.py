@@ -8,7 +8,6 @@ import pytest
 from softcradle.physics import power_law, simulate
 from softcradle.sandbox.languages import use_language
 from softcradle.sandbox.scene_runs import run_scene
-from softcradle.sandbox.session import Session
 from softcradle.sandbox.session.frame_pacing import FramePacer
 from softcradle.sandbox.session.inputs import (
     RemoveBead,
@@ -23,6 +22,7 @@ from softcradle.sandbox.session.inputs import (
 )
 from softcradle.sandbox.session.lane_setup import DURATION, FRAME_RATE
 from softcradle.sandbox.session.ledger import energy_error
+from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.snapshots import snapshot_table
 from softcradle.sandbox.session.summary_text import summary_text
 from softcradle.sandbox.trajectory_summary import clusters_in_words, describe, first_hit_in_words, summarise

@@ -12,10 +12,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from softcradle.physics import Contact, Trajectory
-from softcradle.sandbox.draw import motion_of
-from softcradle.sandbox.session import Replay, Session, inputs, recording
+from softcradle.sandbox.draw.shared_scales import motion_of
+from softcradle.sandbox.session import inputs, recording
 from softcradle.sandbox.session.history_slices import last_slice
 from softcradle.sandbox.session.measured_data import load_measured
+from softcradle.sandbox.session.replay import Replay
+from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.values_table import values_csv, values_table
 from softcradle.sandbox.trajectory_summary import describe, summarise
 from softcradle.sandbox.user_error import UserError
