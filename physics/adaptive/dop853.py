@@ -108,7 +108,10 @@ def is_active(i, h, inactive, chain, motion):
 
 @inlined
 def next_range(after, h, inactive, chain, motion):
-    """The next range [first, last) of active contacts from contact `after` on, with a margin; (n, n) where there is none."""
+    """The next range [first, last) of active contacts from contact `after` on, with a margin; (n, n) where there is none.
+
+    The margin ends with the first open contact, which passes nothing on.
+    """
     n = motion.mode.size
     if chain.external.size:
         return after, n
@@ -123,7 +126,12 @@ def next_range(after, h, inactive, chain, motion):
             break
         if is_active(i, h, inactive, chain, motion):
             last = i + 1
-    return max(first - MARGIN, after), min(last + MARGIN, n)
+    start, end = max(first - MARGIN, after), min(last + MARGIN, n)
+    while first > start and motion.mode[first] != OPEN:
+        first -= 1
+    while last < end and motion.mode[last - 1] != OPEN:
+        last += 1
+    return first, last
 
 
 @inlined
