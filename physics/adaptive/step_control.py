@@ -204,7 +204,7 @@ def update_control(control, h, kind, error, near, landing, rejected, wanted):
         control[NEXT] = min(control[NEXT], max(h, SAFETY * SAFETY * rejected))
 
 
-@inlined
+@piece
 def take_step(h, kind, firm, chain, motion, wanted, trial, scratch, log):
     """One step into `trial`; returns -1 where its stages do not converge, else the error of dop853. `firm`: beads may stick."""
     log.counter[EVALUATION] += TRY_EVALUATIONS[kind]
