@@ -16,6 +16,7 @@ from __future__ import annotations
 import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from sys import float_info
 from time import perf_counter
 from typing import Any
 
@@ -39,7 +40,6 @@ from softcradle.physics.state import State, Switches, energies
 from softcradle.physics.status import CodedWarning, Status, WarningCode
 
 Array = NDArray[np.float64]
-EPSILON = float(np.finfo(np.float64).eps)
 
 # What a run promises, and when another one has to confirm it
 PROMISED = 10.0  # tolerances: errors up to these are promised
@@ -184,7 +184,7 @@ def _shaken_run(problem: Problem, tolerance: float, runs: int, **other: Any) -> 
     shaken alike: this goes to and fro with the number of `runs` so far.
     """
     chain, state = _shaken(problem.chain, (-1) ** runs * TOLERANCE_PART * tolerance), problem.state.copy()
-    state.rate *= _up_and_down(runs * EPSILON, state.rate.size)
+    state.rate *= _up_and_down(runs * float_info.epsilon, state.rate.size)
     return replace(problem, tolerance=tolerance, chain=chain, state=state, **other)
 
 
@@ -207,8 +207,8 @@ def _shaken(chain: Chain, part: float) -> Chain:
         factors = _up_and_down(part, chain.contacts).tolist()
         return replace(chain, contact=tuple(map(_stronger, chain.contact, factors)))
     mass = np.array(chain.mass) * _up_and_down(part, len(chain.mass))
-    np.clip(mass, SMALLEST, (1.0 - 4.0 * EPSILON) * LARGEST, out=mass, where=np.isfinite(mass))
-    mass[chain.anchor] = (1.0 + EPSILON) * mass.max()
+    np.clip(mass, SMALLEST, (1.0 - 4.0 * float_info.epsilon) * LARGEST, out=mass, where=np.isfinite(mass))
+    mass[chain.anchor] = (1.0 + float_info.epsilon) * mass.max()
     return replace(chain, mass=tuple(mass.tolist()))
 
 

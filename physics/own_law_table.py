@@ -31,7 +31,7 @@ MOST_FORCE = 1e280  # [N] sums of larger ones overflow
 NO_WIDTH = 1e-6  # of its end: a piece narrower than this is around a bend
 DIGITS = 1e-9  # relative error of a piece whose force has digits
 BENT = 1e-5  # of force or slope: two pieces that differ by more where they meet do so at a bend
-ROUND_OFF = 2.0**-53  # of half a piece
+NARROWEST = 2.0**-53  # of half a piece
 NOISE = 0.25  # of the error of a piece: where both halves have more, the force has no more digits
 
 POINTS: Array = -np.cos(np.pi * np.arange(DEGREE + 1) / DEGREE)  # of a piece, on [-1, 1]
@@ -75,7 +75,7 @@ class LawTable(NamedTuple):
         if piece == len(coefficients):
             return math.inf if self.edge[-1] >= 2.0**MOST_POWER else float(self.edge[-1])
         row, low, high = coefficients[piece, ::-1].tolist(), -1.0, 1.0
-        while high - low > ROUND_OFF:
+        while high - low > NARROWEST:
             middle, found = 0.5 * (low + high), 0.0
             for number in row:
                 found = found * middle + number

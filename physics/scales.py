@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 NO_APPROACH = 1e-13  # of the fastest bead: beads that close slower do not close
 # of the largest difference of velocities: the least scale
 LEAST_SCALE = 1e-10
-ROUND_OFF = 16.0 * float(np.finfo(np.float64).eps)  # of that, now or by what forces give: no error is less
+SPEED_ROUND_OFF = 16.0 * float(np.finfo(np.float64).eps)  # of that, now or by what forces give: no error is less
 # [m] of contacts that are computed: with powers of them, floats end not far beyond
 LEAST_DEPTH, MOST_DEPTH = 1e-60, 1e25
 # of a default step: in the shortest contact time; at the least, in the time in which bed friction stops a bead
@@ -105,7 +105,7 @@ def closing_scale(
             found = float(np.abs(acceleration).max()) * duration
     if not found and high == low:
         return 1.0
-    return max(found, LEAST_SCALE * apart, ROUND_OFF / tolerance * apart)
+    return max(found, LEAST_SCALE * apart, SPEED_ROUND_OFF / tolerance * apart)
 
 
 def largest_error(chain: Chain, start: State, end: State) -> Array:

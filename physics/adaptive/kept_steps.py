@@ -101,12 +101,12 @@ class KeptSteps:
             self._want(times)
             for steps, count in self._chunks:
                 self._sample(steps, count)
-        state, done, rows = found.end, int(self._log.counter[SAMPLE]), times.size
+        state, done, rows = found.end, int(self._log.counter[SAMPLE]), self.times.size
         if found.status.gave_up:
-            rows = max(done, int(np.searchsorted(times, state.time, side="right")))
+            rows = max(done, int(np.searchsorted(self.times, state.time, side="right")))
         samples = first_samples(self._samples, rows)
         _, overlap, rate, anchor, force, taken = samples
-        left = times[done:rows] - state.time
+        left = self.times[done:rows] - state.time
         overlap[done:], rate[done:], force[done:] = state.overlap + np.outer(left, state.rate), state.rate, state.force
         anchor[done:, 0], anchor[done:, 1] = state.anchor[0] + left * state.anchor[1], state.anchor[1]
         taken[done:] = state.taken

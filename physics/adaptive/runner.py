@@ -48,7 +48,7 @@ from softcradle.physics.numerics.plain_kernels import plain
 from softcradle.physics.numerics.records import EVALUATION, OUT_OF_STEPS, PAUSED, REJECTED, STEP, SWITCH, SwitchLog
 from softcradle.physics.own_law import OwnLaw
 from softcradle.physics.problem import NO_SAMPLES, Problem, Record, with_ends_as_samples
-from softcradle.physics.scales import ROUND_OFF
+from softcradle.physics.scales import SPEED_ROUND_OFF
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
 
@@ -120,7 +120,7 @@ def error_growth(before: Any, grown: Array, turns: Array) -> Any:
 
 def stated_error(growth: Any, local_square: Any, roundings: Any, fastest: Any) -> Any:
     """What a run states [m/s]: its local errors, and as many of round-off at the speed of the `fastest` bead, grown since."""
-    rounding = ROUND_OFF * fastest
+    rounding = SPEED_ROUND_OFF * fastest
     return DOUBT * growth * np.sqrt(local_square + roundings * (rounding * rounding))
 
 

@@ -41,7 +41,7 @@ from softcradle.physics.scales import (
     LEAST_SCALE,
     MOST_DEPTH,
     NO_APPROACH,
-    ROUND_OFF,
+    SPEED_ROUND_OFF,
     require_computable,
     struck_depth,
     velocity_room,
@@ -254,7 +254,7 @@ class _Accuracy:
         approach = np.maximum((ahead - np.minimum.accumulate(velocity[:, ::-1], axis=1)[:, -2::-1]).max(axis=1), 0.0)
         approach[approach <= NO_APPROACH * np.abs(velocity).max(axis=1)] = 0.0
         spread = np.ptp(velocity, axis=1)
-        scale = np.maximum(approach, max(LEAST_SCALE, ROUND_OFF / tolerance) * spread)
+        scale = np.maximum(approach, max(LEAST_SCALE, SPEED_ROUND_OFF / tolerance) * spread)
         scale[scale == 0.0] = np.where(spread == 0.0, 1.0, spread)[scale == 0.0]
         first = FIRST_STEPS + usual_budget.STEPS_A_CONTACT * batch.contacts
         budget = min(first, usual_budget.usual_budget(batch.contacts, tolerance))

@@ -46,7 +46,7 @@ RELATIVE_SMOOTH = 1e-4  # local error of a step in parts of the wanted error, so
 RELATIVE_STIFF = 1e-3  # the same with stiff contacts, whose steps are damped
 FINEST = 3e-14  # smallest relative tolerance that double precision allows
 SLACK = 1e-12  # of its largest: a multiplier further than this outside of its bounds ends the phase
-ROUND_OFF = 1e-15  # of the forces that a multiplier balances: it is known no better
+BALANCE_ROUND_OFF = 1e-15  # of the forces that a multiplier balances: it is known no better
 SINGULAR = 1e-13  # of the largest eigenvalue: motions that multipliers share below it are one
 TINY = float(np.finfo(np.float64).tiny)
 SETTLED = 8.0  # times the energy at which bounces with loss would go on for ever, each by what the one before was late
@@ -226,7 +226,7 @@ class Phase:
 
     def noise(self, force: Array) -> Array:
         """(..., p) round-off of the multipliers among the `force` (..., p) of all rows."""
-        return ROUND_OFF * (np.abs(force) @ np.abs(self.system.coupling)) / self.system.response
+        return BALANCE_ROUND_OFF * (np.abs(force) @ np.abs(self.system.coupling)) / self.system.response
 
     def carries(self, time: Any, y: Array) -> Which:
         """(..., m) whether each contact pushes: beyond the least overlaps, or with more than the round-off of multipliers."""
@@ -356,7 +356,9 @@ def _moving(rests: Phase, time: float, y: Array, resting: Which) -> NDArray[np.i
         matrix = (root * system.rows[at] / size[:, None]).T
         moved = matrix.any(axis=1)
         scale = float(balanced[moved].max()) or 1.0
-        room = 0.5 * ROUND_OFF * (np.abs(matrix).T @ balanced) / scale + TINY  # a multiplier at its bound stays one
+        room = (
+            0.5 * BALANCE_ROUND_OFF * (np.abs(matrix).T @ balanced) / scale + TINY
+        )  # a multiplier at its bound stays one
         bounds = low[at] * size / scale - room, high[at] * size / scale + room
         found = lsq_linear(matrix[moved], free[moved] / scale, bounds, "bvls", tol=1e-15, max_iter=10 * at.size)
         chosen[at] = found.active_mask

@@ -15,6 +15,7 @@ from softcradle.physics.contact import hertz
 from softcradle.physics.fixed_step import runner as fixed_step
 from softcradle.physics.problem import Problem
 from softcradle.physics.pymunk_contacts import runner as pymunk_contacts
+from softcradle.physics.simulation import solve
 
 from tests.helpers.motions import CASES, runs
 from tests.helpers.relations import FIXED_STEP, LIVE, NAMES, fineness, simulate_quietly, struck
@@ -89,6 +90,16 @@ def test_what_takes_no_time_is_the_start(method):
     advance(CRADLE, state, 0.0, method, **fineness(method, 1e-3))
     assert state.velocity(CRADLE).tolist() == START
     assert state.time == 0.0
+
+
+@pytest.mark.parametrize("duration", [None, 4.0])
+@pytest.mark.parametrize("name", sorted({*NAMES} - {"scipy"}))  # which repeats the last state, and says so
+def test_a_run_that_gives_up_has_samples_as_far_as_it_got(name, duration):
+    found = solve(CRADLE, START, duration, name, samples=50, most_steps=30)
+    assert found.status.gave_up
+    assert found.time[-1] < 4.0
+    rows = np.column_stack((found.overlap, found.anchor))
+    assert len(np.unique(rows, axis=0)) == len(rows), "no state is repeated"
 
 
 def test_a_gap_is_flown_through_freely(method):
