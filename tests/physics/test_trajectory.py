@@ -141,15 +141,14 @@ def test_any_step_duration_and_samples_go_together(method, duration, step, parts
     assert ended.velocity[-1] == pytest.approx(found.final_velocity, abs=1e-12)
 
 
-# Samples of a run to its end are taken from what it kept: the same motion as with a known duration, and no second run.
+# Samples of a run to its end are those of the same motion with a known duration; all but pymunk take them from what they kept.
 ENDED = {name: (case.chain, case.velocity) for name, case in CASES.items() if case.duration is None}
 ENDED["over at once"] = Chain([1.0, 1.0, 1.0], hooke(1.0), gap=0.1), [-1.0, 0.0, 0.0]
 ADAPTIVE = [name for name, _ in runs([name for name in CASES if name in ENDED], ("accurate",))]
 for name, chain in (("gears in a row", one_on(10, draft_gear(1.0, 0.1))), ("spheres in a row", one_on(20, hertz(1.0)))):
     ENDED[name] = chain, struck(chain)
     ADAPTIVE.append(name)
-# of steps of a run and of one that is known to end there; a Space goes on from positions rounded anew, and bounces make that grow
-APART = {"pymunk": 1e-9, "accurate": 5e-9, "scipy": 1.5e-8}
+APART = {"accurate": 5e-9, "scipy": 1.5e-8}  # of steps of a run and of one that is known to end there
 SAMPLED = [*runs([name for name in CASES if name in ENDED], [one.name for one in FIXED_STEP])]
 SAMPLED += [*(("over at once", one.name) for one in FIXED_STEP), *((name, "accurate") for name in ADAPTIVE)]
 SAMPLED += [pytest.param("gears on straws", "scipy", marks=pytest.mark.slow), ("a push that ends", "scipy")]
@@ -161,7 +160,6 @@ ROWS = ("overlap", "velocity", "anchor", "absorbed_by_contacts", "absorbed_by_be
 def test_a_run_to_its_end_has_the_samples_of_one_with_this_duration(name, method, rows, monkeypatch):
     if rows:
         monkeypatch.setattr(fixed_step, "MOST_ROWS", rows)
-        monkeypatch.setattr("softcradle.physics.pymunk_contacts.runner.MOST_CHECKPOINTS", rows)
     chain, velocity = ENDED[name]
     found = simulate_quietly(chain, velocity, method=method, samples=37)
     known = simulate_quietly(chain, velocity, found.time[-1], method=method, samples=37)
@@ -173,18 +171,21 @@ def test_a_run_to_its_end_has_the_samples_of_one_with_this_duration(name, method
         assert found.force[:-1] == pytest.approx(known.force[:-1], rel=1e-6, abs=1e-6)
 
 
-@pytest.mark.parametrize(("module", "method"), [(fixed_step, "verlet"), (pymunk_contacts, "pymunk")])
-def test_samples_cost_no_second_run(module, method, monkeypatch):
+def test_samples_cost_no_second_run(monkeypatch):
     chain, velocity = ENDED["gears on straws"]
-    simulate_quietly(chain, velocity, method=method, samples=50)  # the first of a process loads kernels too
-    counted = Mock(wraps=module._pass)
-    monkeypatch.setattr(module, "_pass", counted)
-    assert len(simulate_quietly(chain, velocity, method=method, samples=50).time) == 50
+    simulate_quietly(chain, velocity, method="verlet", samples=50)  # the first of a process loads kernels too
+    counted = Mock(wraps=fixed_step._pass)
+    monkeypatch.setattr(fixed_step, "_pass", counted)
+    assert len(simulate_quietly(chain, velocity, method="verlet", samples=50).time) == 50
     assert counted.call_count == 1
+
+
+@pytest.mark.parametrize(("module", "method"), [(fixed_step, "verlet"), (pymunk_contacts, "pymunk")])
+def test_the_clock_of_a_run_counts_its_samples_too(module, method):
+    chain, velocity = ENDED["gears on straws"]
     record = module.run(Problem(chain, State.at_start(chain, velocity), method, None, 0.01, samples=50))
-    assert (record.seconds == 0.0) == (
-        method == "pymunk"
-    )  # `simulate` has the clock; it told the time of samples alone
+    # of pymunk `simulate` has the clock, which told the time of samples alone
+    assert (record.seconds == 0.0) == (method == "pymunk")
 
 
 def test_a_run_that_waits_for_kernels_does_not_count_that_as_its_cost(monkeypatch):
