@@ -6,8 +6,8 @@
 A step is one solve of `contact_solve`; a contact that touches (d0 = d1 = 0, 0 <= g <= preload) is one branch of its resolvent.
 Where a bead turns round or stops in a step, or a contact with loss turns from pressing in to coming out, the step is cut there in
 two: friction then acts on either side of the event as it should, and the order stays 2. What contacts and bed absorb is the
-work of their mean forces, so energy closes to round-off at any step. What bounces within a step lose is taken after it, see
-`touching`.
+work of their mean forces, so energy closes to round-off at any step. What bounces within a step lose, to contacts and to the bed,
+is taken after it, see `touching` and `settle_rubbing`.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from softcradle.physics.numerics.contact_solve import (
     FRICTION,
     HOLD,
     LEAST_AT_HOLD,
+    SLOPE,
     SOLVER_ROWS,
     START_VELOCITY,
     loses,
@@ -36,7 +37,7 @@ from softcradle.physics.numerics.law_kernels import energy
 from softcradle.physics.numerics.records import EVALUATION, UNCONVERGED
 from softcradle.physics.numerics.resolvent import SMALLEST
 from softcradle.physics.numerics.switches import copy_into, has_stopped
-from softcradle.physics.numerics.touching import TOUCHES, settle_touching
+from softcradle.physics.numerics.touching import TOUCHES, put_impulse, settle_touching
 
 FIRST_FORCE = SOLVER_ROWS  # row (n,) of scratch memory beside those of the solver: forces before a step that may be cut
 WORK_ROWS = SOLVER_ROWS + 1
@@ -44,6 +45,8 @@ WORK_ROWS = SOLVER_ROWS + 1
 SMALLEST_PART = 2.0**-10
 MOST_CUTS = 4  # of one step at events
 NEAR_END = 0.02  # of a step: an event this near to its ends needs no cut
+# of the slope that one which touches has in a step, and of the way at its rate: a contact as steep that moves no further bounces
+RIGID, RETURNED = 0.99, 0.01
 ROUND_OFF_MOVED = 1e-14  # of an overlap: one that a step moves by less tells nothing of its rate
 ROUND_OFF_LEFT = 1e-12  # of a step: a rest this short after cuts is round-off
 
@@ -65,6 +68,13 @@ def is_held(i, motion, work):
 
 
 @inlined
+def returns(h, i, moved, rate, work):
+    """Whether contact i, which the step has `moved`, has bounced within it: it is where it was, as fast the other way."""
+    rigid = 0.5 * h * h * work[DIAGONAL, i] * work[SLOPE, i] >= RIGID
+    return rigid and rate != 0.0 and abs(moved) <= RETURNED * h * abs(rate)
+
+
+@inlined
 def first_event(h, chain, motion, beads, work):
     """Part of the step after which the first bead turns or contact with loss reverses, 1 where none does; an estimate."""
     first = 1.0
@@ -82,7 +92,10 @@ def first_event(h, chain, motion, beads, work):
         before = beads[START_VELOCITY, j]
         if bed[j] > 0.0 and before != 0.0:
             free = beads[FREE_VELOCITY, j] - math.copysign(h * bed[j], before)
-            if (free < 0.0) == (before > 0.0):
+            turns = (free < 0.0) == (before > 0.0)
+            for i in range(max(j - 1, 0), min(j + 1, rate.size)):
+                turns = turns and not returns(h, i, work[END, i] - overlap[i], rate[i], work)
+            if turns:
                 first = min(first, before / (before - free))
     return first
 
@@ -163,12 +176,36 @@ def move(h, chain, motion, beads, work):
 
 
 @inlined
+def settle_rubbing(h, given, chain, motion, beads, work):
+    """Take what friction takes of bounces within the step; by the velocity at its end it takes nothing of them.
+
+    Under a steady load velocities go evenly from one end of a bounce to the other, which tells how far its beads go.
+    """
+    bed, rate = chain.dissipation.bed, motion.rate
+    for i in range(rate.size):
+        weight, lost = given[i] + given[i + 1], 0.0
+        if weight > 0.0 and returns(h, i, motion.overlap[i] - work[FREE, i], rate[i], work):
+            for j in range(i, i + 2):
+                swing = given[j] * abs(rate[i]) / weight
+                centre = velocity_after(h, j, beads) - math.copysign(swing, rate[i] if j == i else -rate[i])
+                if abs(centre) < swing:
+                    lost += 0.5 * h * bed[j] * (centre * centre + swing * swing) / (swing * given[j])
+            impulse = min(lost / abs(rate[i]), abs(rate[i]) / weight)
+            motion.taken[1] += impulse * (abs(rate[i]) - 0.5 * weight * impulse)
+            put_impulse(i, math.copysign(impulse, rate[i]), weight, given, chain, motion)
+
+
+@inlined
 def settle(h, chain, motion, beads, work):
-    """Take what bounces have lost where a step went from a touch, in row FREE, to that touch; a bead that sticks stays so."""
-    given, weight = beads[FREE_VELOCITY], work[DIAGONAL]
+    """Take what the bed and contacts take of bounces where a step, from overlaps in row FREE on, came back to them; a bead that
+    sticks stays so.
+    """
+    given, weight = beads[START_VELOCITY], work[DIAGONAL]
     for j in range(given.size):
         sticks = chain.dissipation.bed.size > 0 and math.isnan(beads[FRICTION, j])
         given[j] = 0.0 if sticks else chain.inverse_mass[j]
+    if chain.dissipation.bed.size:
+        settle_rubbing(h, given, chain, motion, beads, work)
     for i in range(weight.size):
         weight[i] = given[i] + given[i + 1]
     settle_touching(h, work[FREE], weight, given, chain, motion, motion.taken)

@@ -35,13 +35,28 @@ def rate_left(h, rate, load, full, least, weight):
 
 
 @jit
+def put_impulse(i, impulse, weight, coupling, chain, motion):
+    """Push the beads of contact i apart by an impulse, which changes its rate by `weight`, others by `coupling` as below."""
+    rate, anchor = motion.rate, motion.anchor
+    rate[i] -= impulse * weight
+    if i > 0:
+        rate[i - 1] += coupling[i] * impulse
+    if i < rate.size - 1:
+        rate[i + 1] += coupling[i + 1] * impulse
+    if anchor.size and chain.anchor_bead == i:
+        anchor[1] -= coupling[i] * impulse
+    elif anchor.size and chain.anchor_bead == i + 1:
+        anchor[1] += coupling[i + 1] * impulse
+
+
+@jit
 def settle_touching(h, before, weight, coupling, chain, motion, absorbed):
     """Take what bounces have lost where a step went from a touch, overlaps `before` (n,), to that touch, into `absorbed`.
 
     An impulse between its beads changes the rate of a contact by `weight` (n,), that of the one before by `coupling` (n+1,)
     at its index, that of the one after by the next.
     """
-    overlap, rate, force, anchor = motion.overlap, motion.rate, motion.force, motion.anchor
+    overlap, rate, force = motion.overlap, motion.rate, motion.force
     for i in range(rate.size):
         joint = is_joint(chain.joints, i)
         stays = before[i] == overlap[i] and force[i] != 0.0 and (joint or overlap[i] == 0.0)
@@ -60,12 +75,4 @@ def settle_touching(h, before, weight, coupling, chain, motion, absorbed):
         impulse = (rate[i] - ended) / weight[i]
         absorbed[0] += 0.5 * impulse * (rate[i] + ended)
         force[i] += impulse / h
-        rate[i] = ended
-        if i > 0:
-            rate[i - 1] += coupling[i] * impulse
-        if i < rate.size - 1:
-            rate[i + 1] += coupling[i + 1] * impulse
-        if anchor.size and chain.anchor_bead == i:
-            anchor[1] -= coupling[i] * impulse
-        elif anchor.size and chain.anchor_bead == i + 1:
-            anchor[1] += coupling[i + 1] * impulse
+        put_impulse(i, impulse, weight[i], coupling, chain, motion)

@@ -142,6 +142,24 @@ def test_what_rubs_and_loses_comes_to_its_end(method, seed):
     assert ledger_error(found) < 1e-5
 
 
+@pytest.mark.parametrize("law", [step_force(1e3), power_law(1e4, 0.045)])
+@pytest.mark.parametrize("step", [0.003, 0.015])
+def test_bounces_within_steps_lose_to_the_bed(law, step):
+    """A force presses a bead on a wall: where it far exceeds mu m g the velocity at the wall falls by mu g/2, evenly, to 0."""
+    chain = Chain([1.0, math.inf], law, drive=[100.0, 0.0], friction=1.0 / GRAVITY)
+    found = simulate(chain, [0.05, 0.0], 0.15, "conserving", step, samples=11)
+    assert np.abs(found.velocity).max(axis=1) == pytest.approx(np.maximum(0.05 - 0.5 * found.time, 0.0), abs=3e-4)
+    assert ledger_error(found) < 1e-11
+
+
+def test_a_light_bead_that_a_steady_force_presses_comes_to_its_end():
+    """Its last bounces are far shorter than any step: it went on for ever."""
+    chain = Chain([1.0, 0.0013, 1.0], [power_law(8165.0, 0.045), step_force(0.2435)], friction=0.1)
+    found = simulate_quietly(chain, [1.0, 0.0, 0.0], samples=2)
+    assert found.final_velocity.tolist() == [0.0, 0.0, 0.0]
+    assert found.time[-1] < 10.0
+
+
 @pytest.mark.parametrize("seed", [784, 819])
 def test_contacts_between_beads_that_stick_beside_a_stiff_one_keep_no_run_from_its_end(seed):
     """A step of the fallback made no numbers of them, and then went on for ever: found by the scan."""
