@@ -10,7 +10,7 @@ import math
 from softcradle.physics.adaptive.constants import FEW_TRIES, NEWTON_PART, ROUND_OFF, TOLERANCE_PART
 from softcradle.physics.adaptive.corner_action import begin, cross, fly_to_event, open_passed, pass_knot
 from softcradle.physics.adaptive.flight import back_to_opening, nothing_pushes
-from softcradle.physics.adaptive.row_graphs import bead_acceleration, put_drive
+from softcradle.physics.adaptive.row_graphs import friction_needed, most_friction, put_drive
 from softcradle.physics.adaptive.sampling import absorb, accept_step, keep_step
 from softcradle.physics.adaptive.step_control import (
     find_step,
@@ -35,9 +35,9 @@ from softcradle.physics.adaptive.step_records import (
     Trial,
 )
 from softcradle.physics.adaptive.switch_log import end_within_bounces, find_openings, grow_errors, log_switches
+from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece, whole
 from softcradle.physics.numerics.knots import BESIDE, next_knot
-from softcradle.physics.numerics.law_curve import acceleration_of
 from softcradle.physics.numerics.meeting import meets_again
 from softcradle.physics.numerics.records import (
     DONE,
@@ -57,22 +57,42 @@ from softcradle.physics.numerics.records import (
 
 
 @piece
-def nothing_moves(chain, regime, motion):
-    """True where no bead moves and forces balance on each."""
-    anchor, strongest = chain.anchor_bead, 0.0
-    for j in range(regime.bed.size):
-        strongest = max(strongest, regime.bed[j])
-    if (
-        motion.anchor[1] != 0.0
-        or abs(bead_acceleration(anchor, chain, regime, motion.force, 0.0)) > ROUND_OFF * strongest
-    ):
-        return False
-    for i in range(motion.mode.size):
-        push = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * max(abs(motion.force[i]), abs(chain.law[i, 0]))
-        rest = ROUND_OFF * max(push, abs(chain.external[i]) if chain.external.size else 0.0)
-        if motion.rate[i] != 0.0 or abs(acceleration_of(i, chain, motion.force, 0.0)) > rest:
+def nothing_moves(least, chain, regime, motion, velocity):
+    """True where no bead is faster than `least` [m/s], and friction holds each, or forces balance on it where no bed brakes it.
+
+    A bead that still creeps as a soft contact damps it would do so for ever, for it never turns. `velocity` (n+1,) is scratch.
+    """
+    for i in range(motion.rate.size):
+        if abs(motion.rate[i]) > 2.0 * least:
+            return False
+    bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], velocity)
+    for j in range(velocity.size):
+        held = ROUND_OFF * largest_force(j, chain, motion)
+        if regime.bed[j] > 0.0:
+            held += most_friction(j, chain, regime, 0.0)
+        pushed = regime.inverse_mass[j] > 0.0 and abs(friction_needed(j, chain, regime, motion.force, 0.0)) > held
+        if pushed or abs(velocity[j]) > (least if regime.bed[j] > 0.0 else 0.0):
             return False
     return True
+
+
+@inlined
+def largest_force(j, chain, motion):
+    """The largest of the forces on bead j."""
+    found = abs(chain.push[j]) if chain.push.size else 0.0
+    for i in range(max(j - 1, 0), min(j + 1, motion.force.size)):
+        found = max(found, abs(motion.force[i]), abs(chain.law[i, 0]))
+    return found
+
+
+@inlined
+def put_to_rest(regime, motion):
+    """Take all velocities: friction holds all beads."""
+    for i in range(motion.rate.size):
+        motion.rate[i] = 0.0
+    for j in range(regime.slide.size):
+        regime.slide[j] = 0
+    motion.anchor[1] = 0.0
 
 
 @inlined
@@ -121,7 +141,8 @@ def integrate(
             return OUT_OF_STEPS, time
         if spent >= budget or (steps.time.size > 0 and counter[KEPT] == steps.time.size):
             return PAUSED, time
-        if firm and not acts and nothing_moves(chain, regime, motion):
+        if firm and not acts and nothing_moves(ROUND_OFF * scale, chain, regime, motion, scratch.work[0]):
+            put_to_rest(regime, motion)
             if until == end:
                 return (SEPARATED, time) if stop else (DONE, end)
             keep_step(time, until - time, RESTED, chain, regime, motion, steps, counter)
