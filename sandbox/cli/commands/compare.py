@@ -52,7 +52,7 @@ def main(args: argparse.Namespace) -> int:
     from softcradle.sandbox.studies.compare.results import print_tables, solve_sides
     from softcradle.sandbox.studies.compare.sides import add_match, comparison_of, side_to_match
 
-    comparison = comparison_of(args.scenes, args.contact, fewest=1 if args.match else 2)
+    comparison = comparison_of(args.scenes, args.contact, added=1 if args.match else 0)
     if args.match:
         side_to_match(comparison)
     wanted = args.output or ([] if args.json else [DEFAULT_OUTPUT])

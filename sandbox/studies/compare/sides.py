@@ -13,7 +13,7 @@ from softcradle.scenes import Lane, Scene, SceneError, View
 from softcradle.scenes.contact_table import Law, law_of
 from softcradle.scenes.contact_text import contact_from, contact_text
 
-MOST_SIDES = 6  # as many rows as a film can show
+MOST_SIDES = 6  # as many colours as the charts of the page have
 
 
 @dataclass(frozen=True)
@@ -62,11 +62,13 @@ class Comparison:
         )
 
 
-def comparison_of(names: Sequence[str], contacts: Sequence[str], fewest: int = 2) -> Comparison:
+def comparison_of(names: Sequence[str], contacts: Sequence[str], added: int = 0) -> Comparison:
     """The comparison of the scenes called `names`, or of one scene as it is and with each of `contacts` everywhere.
 
+    So many sides are to be `added` to it.
+
     Raises:
-        UserError: no such scene or contact, less than `fewest` or too many sides, or one in which nothing collides.
+        UserError: no such scene or contact, too few or too many sides, or one in which nothing collides.
     """
     scenes = [load_scene(name) for name in names]
     told = [name.encode(errors="replace").decode() for name in names]  # what is no UTF-8 is in no report
@@ -76,14 +78,14 @@ def comparison_of(names: Sequence[str], contacts: Sequence[str], fewest: int = 2
             raise UserError(f"--contact changes one scene, but {len(scenes)} are given: {', '.join(names)}")
         sides = _contact_sides(scenes[0], contacts)
     comparison = Comparison(_title(scenes, sides, bool(contacts)), _distinct_names(sides))
-    _check(comparison, fewest)
+    _check(comparison, added)
     return comparison
 
 
-def _check(comparison: Comparison, fewest: int) -> None:
-    """Raise a UserError for less than `fewest` sides, for too many, and for one in which nothing collides."""
-    count = len(comparison.sides)
-    if count < fewest:
+def _check(comparison: Comparison, added: int) -> None:
+    """Raise a UserError for too few or too many sides with those that are `added`, and for one in which nothing collides."""
+    count = len(comparison.sides) + added
+    if count < 2:
         name = comparison.sides[0].name
         raise UserError(f"{name} alone has nothing to be compared with: name another scene, or --contact LAW(...)")
     if count > MOST_SIDES:

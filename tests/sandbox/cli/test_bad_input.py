@@ -136,6 +136,7 @@ REFUSED = [
     ("compare mixed --match -o x.json", "mixed: matching needs a chain whose contacts are all alike"),
     ("compare galilean --match", "--match needs one scene with one lane"),
     ("compare" + (MOST_SIDES + 1) * " one-on-four", f"at most {MOST_SIDES}"),
+    ("compare --match force" + MOST_SIDES * " one-on-four", f"at most {MOST_SIDES}"),
 ]
 
 
