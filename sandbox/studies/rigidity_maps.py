@@ -138,7 +138,7 @@ def draw_map(scanned: RigidityMap, table: Table) -> Figure:
         reasons = _reasons(table["status"].reshape(shape), np.isnan(values))
         axes.set_xlabel(AXIS_LABELS[scanned.abscissa] + (f"    (hatched: {reasons})" if reasons else ""))
     row[0].set_ylabel("targets $n$")
-    bar = figure.colorbar(mesh, ax=row, extend="min", pad=0.01, aspect=30)
+    bar = figure.colorbar(mesh, ax=row, extend="both", pad=0.01, aspect=30)
     bar.set_label(f"velocity spread of the targets / their mean\n(white: below {100.0 * SMALLEST_SHOWN:g} %)")
     return figure
 

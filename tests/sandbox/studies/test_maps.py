@@ -98,6 +98,7 @@ def test_white_cells_mean_spreads_below_a_thousandth_alone(tables, name):
     table |= {column: np.where(unknown, np.nan, table[column]) for column in COLUMNS}
     with styled():
         figure = draw_map(scanned, table)
+    assert figure.axes[1].collections[0].colorbar.extend == "both"  # greater spreads than it shows have its last colour
     for axes, column in zip(figure.axes, COLUMNS, strict=False):
         cells, spreads = axes.collections[0], table[column].reshape(len(scanned.sizes), -1)
         assert (spreads < 1e-3).any()
