@@ -314,7 +314,7 @@ def _overlap() -> float:
 
 
 def _width() -> float:
-    """That of a squared cosine's fourth power in velocity, from the second moment of the force along the chain."""
+    """That of a cosine to the fourth power, Nesterenko's velocities, from the second moment of those along the chain."""
     found = _struck(1)
     k = int(np.argmax(found.overlap[:, LAST]))
     velocity: NDArray[np.float64] = np.maximum(found.velocity[k, FIRST:], 0.0)
