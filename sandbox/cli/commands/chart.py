@@ -43,17 +43,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(args: argparse.Namespace) -> int:
     """Measure the cases, draw the chart and print the table of each case."""
     from softcradle.sandbox.studies.plot_style import save_figure, styled
-    from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS
     from softcradle.sandbox.studies.precision.chart import draw_chart
     from softcradle.sandbox.studies.precision.measurement import machine_stamp
     from softcradle.sandbox.studies.precision.table import write_csv
 
+    definitions = _definitions(args.scenes)
     if args.list:
         refuse_options(args, LISTED, "csv", "ours", "open")
-        print_rows(("case", "what collides"), [(one.name, one.label) for one in CASE_DEFINITIONS])
+        print_rows(("case", "what collides"), [(one.name, one.label) for one in definitions])
         return 0
     path, peers = figure_path(args.output, "chart"), None if args.ours else _peers()
-    definitions = _definitions(args.scenes)
     paths = [path, *[path.with_suffix(".csv")] * args.csv]
     written = WrittenFiles(paths)
     with opened_outputs(paths) as (picture, *numbers), styled():

@@ -116,6 +116,7 @@ REFUSED = [
     ("claims --list --json", "--list computes nothing: --json"),
     ("figures --list --open", "--list computes nothing: --open"),
     ("chart --list --csv", "--list computes nothing: --csv"),
+    ("chart --list no-such", "there is no scene 'no-such'"),
     (f"sweep {STUDY} --workers 0", "must be a whole number from 1"),
     ("compare one-on-four", "has nothing to be compared with"),
     ("compare one-on-four no-such", "there is no scene 'no-such'"),
