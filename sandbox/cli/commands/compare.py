@@ -52,19 +52,19 @@ def main(args: argparse.Namespace) -> int:
     from softcradle.sandbox.studies.compare.results import print_tables, solve_sides
     from softcradle.sandbox.studies.compare.sides import add_match, comparison_of, side_to_match
 
-    comparison = comparison_of(args.scenes, args.contact, added=1 if args.match else 0)
+    comparison = comparison_of(args.scenes, args.contact, args.method, args.step, added=1 if args.match else 0)
     if args.match:
         side_to_match(comparison)
     wanted = args.output or ([] if args.json else [DEFAULT_OUTPUT])
     check_open(args.open, wanted)
     paths, found = list(map(Path, wanted)), None
     written = WrittenFiles(paths)
-    settings = FilmSettings(args.size, args.slow, args.method, args.step)
+    settings = FilmSettings(args.size, args.slow)
     check_outputs(paths, comparison, settings)
     with opened_outputs(paths) as places:
         if args.match:
             comparison, found = add_match(comparison, args.match)
-        report = ComparisonReport(comparison, solve_sides(comparison, args.method, args.step), settings, found)
+        report = ComparisonReport(comparison, solve_sides(comparison), settings, found)
         for path in places:
             report.write(path)
     if args.json:

@@ -207,13 +207,10 @@ class FilmSettings:
     Attributes:
         size: [pixels]; None fits the number of sides.
         slow: seconds of film for one of motion; None takes the scenes' own, shortened to LONGEST_FILM.
-        method, step: of the simulation; None takes the scenes' own where all agree, else `conserving`.
     """
 
     size: tuple[int, int] | None = None
     slow: float | None = None
-    method: str | None = None
-    step: float | None = None
 
     def pixels(self, comparison: Comparison) -> tuple[int, int]:
         """Size of the film: a row a side."""
@@ -264,9 +261,8 @@ class ComparisonReport:
         elif path.suffix == ".html":
             path.write_text(self.html(), encoding="utf-8")
         else:
-            scene, film = self._scene(), self.settings
-            size, slow = film.pixels(self.comparison), self._slow_motion(scene)
-            render_scene(scene, path, size, slow=slow, method=film.method, step=film.step)
+            scene = self._scene()
+            render_scene(scene, path, self.settings.pixels(self.comparison), slow=self._slow_motion(scene))
 
     def _scene(self) -> Scene:
         return self.comparison.as_scene(end_time(self.results))

@@ -36,21 +36,20 @@ class SideResult:
         return ", ".join(found) if len(found) <= 4 else f"{found[0]}, ... {found[-1]}"
 
 
-def solve_sides(comparison: Comparison, method: str | None = None, step: float | None = None) -> list[SideResult]:
+def solve_sides(comparison: Comparison) -> list[SideResult]:
     """Simulate and measure every side.
 
     Raises:
         UserError: a method or step that a side cannot take.
     """
-    return [_solve_side(side, method, step) for side in comparison.sides]
+    return [_solve_side(side) for side in comparison.sides]
 
 
-def _solve_side(side: Side, method: str | None, step: float | None) -> SideResult:
-    settings = side.scene.settings(method=method, step=step)
+def _solve_side(side: Side) -> SideResult:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # the report shows trajectory.warnings, which are the same
         try:
-            trajectory = collide(side.lane.chain(), side.lane.velocity, **settings)
+            trajectory = collide(side.lane.chain(), side.lane.velocity, **side.scene.settings())
         except ValueError as error:
             raise UserError(f"{side.name}: {error}") from None
     if not np.isfinite(trajectory.position).all():

@@ -5,14 +5,18 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
+from pydantic import ValidationError
 from softcradle.physics.analysis.collision import struck_contact
 from softcradle.physics.analysis.matching import ALPHAS, NEAR, Distance, Match, match, only_contact
+from softcradle.physics.methods import refusal_of_fineness
 from softcradle.sandbox.scene_runs import load_scene
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Lane, Scene, SceneError, View
 from softcradle.scenes.contact_table import Law, law_of
 from softcradle.scenes.contact_text import contact_from, contact_text
+from softcradle.scenes.scene_errors import scene_error
 
+FINENESS = ("method", "step", "tolerance")  # of a scene
 MOST_SIDES = 6  # as many colours as the charts of the page have
 
 
@@ -35,7 +39,7 @@ class Comparison:
     def as_scene(self, end: float) -> Scene:
         """All sides as the lanes of one scene, which lasts until `end` [s] if any side's scene has a duration.
 
-        It has the method with its step or tolerance, and the magnification, on which the scenes of all sides agree.
+        It has the method, the step or tolerance, and the magnification on which the scenes of all sides agree.
         """
         lanes = tuple(side.lane.model_copy(update={"label": side.name}) for side in self.sides)
         views = [side.scene.view for side in self.sides]
@@ -46,8 +50,7 @@ class Comparison:
             after=None if any(view.after is None for view in views) else max(view.after or 0.0 for view in views),
             labels=all(view.labels for view in views),
         )
-        ways = {(side.scene.method, side.scene.step, side.scene.tolerance) for side in self.sides}
-        method, step, tolerance = ways.pop() if len(ways) == 1 else (None, None, None)
+        ways = {name: {getattr(side.scene, name) for side in self.sides} for name in FINENESS}
         timed = any(side.scene.duration is not None for side in self.sides)
         sources = dict.fromkeys(side.scene.source for side in self.sides if side.scene.source)
         return Scene(
@@ -55,22 +58,22 @@ class Comparison:
             source=" · ".join(sources),
             lanes=lanes,
             duration=end if timed else None,
-            method=method,
-            step=step,
-            tolerance=tolerance,
+            **{name: found.pop() for name, found in ways.items() if len(found) == 1},
             view=view,
         )
 
 
-def comparison_of(names: Sequence[str], contacts: Sequence[str], added: int = 0) -> Comparison:
+def comparison_of(
+    names: Sequence[str], contacts: Sequence[str], method: str | None = None, step: float | None = None, added: int = 0
+) -> Comparison:
     """The comparison of the scenes called `names`, or of one scene as it is and with each of `contacts` everywhere.
 
-    So many sides are to be `added` to it.
+    All are moved by that method and step, None takes the scene's own; so many sides are to be `added`.
 
     Raises:
         UserError: no such scene or contact, too few or too many sides, or one in which nothing collides.
     """
-    scenes = [load_scene(name) for name in names]
+    scenes = [_moved_by(load_scene(name), method, step) for name in names]
     told = [name.encode(errors="replace").decode() for name in names]  # what is no UTF-8 is in no report
     sides = [side for name, scene in zip(told, scenes, strict=True) for side in _lane_sides(name, scene, len(scenes))]
     if contacts:
@@ -82,8 +85,16 @@ def comparison_of(names: Sequence[str], contacts: Sequence[str], added: int = 0)
     return comparison
 
 
+def _moved_by(scene: Scene, method: str | None, step: float | None) -> Scene:
+    """The scene with that method and step, and with its own tolerance where the method takes one."""
+    settings = scene.settings(method=method, step=step)
+    if refusal_of_fineness(settings.get("method", ""), None, scene.tolerance):
+        settings["tolerance"] = None
+    return scene.model_copy(update={name: settings.get(name) for name in FINENESS})
+
+
 def _check(comparison: Comparison, added: int) -> None:
-    """Raise a UserError for too few or too many sides with those that are `added`, and for one in which nothing collides."""
+    """Raise a UserError for too few or too many sides with the `added` ones, a lane that cannot be, and no collision in one."""
     count = len(comparison.sides) + added
     if count < 2:
         name = comparison.sides[0].name
@@ -92,7 +103,10 @@ def _check(comparison: Comparison, added: int) -> None:
         raise UserError(f"at most {MOST_SIDES} can be compared side by side, not {count}")
     for side in comparison.sides:
         try:
+            Lane.model_validate(side.lane)  # its law may be another than in its file
             struck_contact(side.lane.velocity)
+        except ValidationError as error:
+            raise UserError(str(scene_error(side.name, error))) from None
         except ValueError as error:
             raise UserError(f"{side.name}: {error}") from None
 

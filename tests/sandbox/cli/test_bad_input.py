@@ -122,6 +122,10 @@ REFUSED = [
     ("compare one-on-four no-such", "there is no scene 'no-such'"),
     ("compare one-on-four two-on-two --contact hertz(1)", "--contact changes one scene, but 2 are given"),
     ("compare one-on-four --contact hertz(-1)", "stiffness must be greater than 0"),
+    (
+        "compare prestressed --contact power_law(1e-3,1/100)",
+        "power_law(0.001, 0.01): contact 0-1 would be pressed by about",
+    ),
     ("compare one-on-four two-on-two -o x.pdf", "the name must end in .json, .html, .mp4"),
     ("compare one-on-four two-on-two -o no/such/folder/x.html", "no/such/folder"),
     ("compare one-on-four two-on-two -o x.json -o x.json", "given twice"),
