@@ -39,7 +39,7 @@ CHUNK = 50  # chains that a process takes at once
 
 @dataclass(frozen=True)
 class Found:
-    """One run: its chain, and by how much momentum and energy are off, relative to the largest there were."""
+    """One run: its chain, and by how much momentum (None on a bed or at walls) and energy are off, relative to the largest."""
 
     family: str
     seed: int
@@ -47,7 +47,7 @@ class Found:
     steps: int
     unconverged: bool
     gave_up: bool
-    momentum: float
+    momentum: float | None
     energy: float
 
 
@@ -66,12 +66,12 @@ def run(number: int) -> Found:
     force = np.abs(chain.drive_force).sum() if chain.drive else 0.0
     worked = force * np.abs(found.position).max(axis=1)  # the ledger tells work by positions, to round-off of this
     free = not chain.friction and not chain.walls
-    moved = found.velocity @ mass - found.impulse if free else np.zeros(1)
+    moved = found.velocity @ mass - found.impulse
     most = float(np.abs(found.velocity * mass).sum(axis=1).max()) or 1.0
     largest = float((found.kinetic_energy + found.contact_energy + worked).max()) or 1.0
     return Found(
         family, number, coarser, found.steps, WarningCode.UNCONVERGED in codes, found.status.gave_up,
-        float(np.ptp(moved)) / most, float(np.ptp(found.ledger)) / largest,
+        float(np.ptp(moved)) / most if free else None, float(np.ptp(found.ledger)) / largest,
     )  # fmt: skip
 
 
@@ -81,9 +81,8 @@ def report(found: Sequence[Found]) -> Report:
     for family in (*dict.fromkeys(FAMILIES), "all"):
         mine = [one for one in found if family in (one.family, "all")]
         bad = [one.seed for one in mine if one.unconverged or one.gave_up]
-        worst = (
-            [f"{max(getattr(one, name) for one in mine):.1e}" for name in ("momentum", "energy")] if mine else ["", ""]
-        )
+        told = [[getattr(one, name) for one in mine] for name in ("momentum", "energy")]
+        worst = [f"{max(values):.1e}" if (values := [x for x in column if x is not None]) else "-" for column in told]
         steps = sum(one.steps for one in mine)
         rows.append(
             [
@@ -190,6 +189,8 @@ def main(arguments: list[str]) -> int:
     )
     parser.add_argument("--lossy", action="store_true", help="errors where friction or loss takes energy")
     args = parser.parse_args(arguments)
+    if args.lossy and not args.errors:
+        parser.error("--lossy is for --errors")
     numbers = range(args.first, args.first + args.count)
     with ProcessPoolExecutor(args.jobs) as processes:
         if args.errors:

@@ -138,7 +138,7 @@ def silent(seeds: Sequence[int]) -> tuple[int, list[tuple[int, float]]]:
 
 def main(arguments: list[str] | None = None) -> int:
     """Print the table and the scan; 1 where energy grew in silence."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks soft-contacts", description=__doc__.split(":")[2])
+    parser = argparse.ArgumentParser(prog="python -m benchmarks soft-contacts", description=__doc__.splitlines()[0])
     parser.add_argument("--runs", type=int, default=600, help="of the scan; default: %(default)s")
     args = parser.parse_args(arguments)
     print(Report("Five balls at 60 frames a second", COLUMNS, table()).markdown())

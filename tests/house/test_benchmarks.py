@@ -93,6 +93,13 @@ def test_the_command_writes_what_it_shows(tmp_path, monkeypatch, capsys):
     assert "nonsense" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("name", command.COMMANDS)
+def test_the_help_of_a_command_says_what_it_does(name, capsys):
+    with pytest.raises(SystemExit, match="0"):
+        command.main([name, "--help"])
+    assert f"``python -m benchmarks {name}" in " ".join(capsys.readouterr().out.split())
+
+
 def benchmarks_over_time():
     for stem in ("first_use", "films", "solves", "steps"):
         module = importlib.import_module(f"benchmarks.over_time.{stem}")
