@@ -16,7 +16,7 @@ ALPHA = 0.1
 FRAME = 1.0 / 60.0  # [s] step of the live simulation
 COLLISION_TIME = 0.8  # [s] less than half the contact time of one on many
 OVERLAP = 0.01  # [m] of all contacts that are loaded alike
-CONTACT_STEPS = 400_000  # contacts times steps in a round
+CONTACT_STEPS = 400_000  # contacts times steps in a round, at most
 
 
 class StepCase(NamedTuple):
@@ -100,5 +100,5 @@ def reports() -> Iterator[Report]:
         for row in found
     ]
     columns = ["method", "step [s]", "contacts", "state", "ns a contact and step (aim)"]
-    note = f"alpha = 1/10; least of {ROUNDS} rounds of about {CONTACT_STEPS} contact steps"
+    note = f"alpha = 1/10; least of {ROUNDS} rounds of at most {CONTACT_STEPS} contact steps"
     yield Report("Cost of a step", columns, rows, [note], found)
