@@ -162,7 +162,8 @@ class CollisionMeasures:
     penetration_depth: float | None = _measure(
         "penetration depth",
         "",
-        "contacts over which the overlap falls by a factor e inside the target cluster: n alpha at most",
+        "contacts over which the overlap falls by a factor e inside the target cluster: n alpha at most for beads alike that "
+        "just touch",
     )
     contacts: tuple[ContactMeasures, ...] = ()
 

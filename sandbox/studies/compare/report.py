@@ -79,7 +79,7 @@ def overlays(results: Sequence[SideResult], axis: TimeAxis) -> str:
     return chart_row(
         [
             _overlay("Force of the struck contact", results, forces, axis, FORCE.title),
-            _overlay("Energy inside the target cluster", results, inside, axis, "share of all energy"),
+            _overlay("Energy inside the target cluster", results, inside, axis, "share of the energy at the start"),
             _law_chart(results),
         ]
     )

@@ -119,7 +119,7 @@ TOLERANCE = 1e-6
 
 
 def nearest() -> Table:
-    """n, alpha, the nearest V/v_c, and the root mean square of the velocities' differences over the striker's."""
+    """n, alpha, the nearest V/v_c, and by how much velocities differ, root mean square over the striker's; nan beyond RATIOS."""
     rows = []
     for n in SIZES:
         gears = _gear_outcomes(n)
@@ -128,7 +128,7 @@ def nearest() -> Table:
         soft = np.array([one.final_velocity if not one.status.gave_up else np.full(n + 1, np.nan) for one in found])
         apart = np.sqrt(((soft[:, None, :] - gears[None, :, :]) ** 2).mean(axis=2))
         best = np.argmin(np.where(np.isnan(apart), np.inf, apart), axis=1)
-        distance = apart[np.arange(len(chains)), best]
+        distance = np.where(best < len(RATIOS) - 1, apart[np.arange(len(chains)), best], np.nan)
         rows.append((n, np.array(ALPHAS), np.where(np.isnan(distance), np.nan, RATIOS[best]), distance))
     return long_table(("n", "alpha", "V over v_c", "apart"), rows)
 

@@ -42,7 +42,7 @@ def history() -> Table:
 
 
 def draw_history(table: Table) -> Figure:
-    """A panel for each scene with a curve for each coupling, from the struck end upwards, all to one scale."""
+    """A panel for each scene with a curve for each coupling, from the left upwards, all to one scale."""
     figure, panels = new_figure(PAGE_WIDTH, 4.2, columns=2)
     for axes, title in zip(panels, SCENES, strict=True):
         _draw_couplings(axes, table["t"], [table[name] for name in table if name.startswith(f"{title}: force")])

@@ -101,6 +101,7 @@ def test_page_closes_its_tags_loads_nothing_and_has_every_number(page):
         for value in result.measures.final_velocity:
             assert number_text(value) in text
         assert number_text(result.measures.restitution) in text
+    assert "share of all energy" not in text  # of that at the start, to which a drive may add
     bars = re.findall(r"<title>0-1 (open|touching) (\S+) to (\S+) ms</title>", text)[:3]
     assert [state for state, *_ in bars] == ["open", "touching", "open"]
     assert bars[0][2] == bars[1][1]
