@@ -95,7 +95,7 @@ CLAIMS = (
         cases=grid(**{"V/v_c": (0.1, 0.2, 0.35, 0.5, 0.7, 0.9, 1.2, 2.0, 4.0)}), own={"V/v_c": 0.5},
         variable="V/v_c", order=lambda case: case["V/v_c"], allowed=0.1,
         how="one on three; nearest by the curves of the striker's force; << 1 is read as at most 0.1",
-        remark="it grows with the stroke over the precompression, and is 1, that of the bare spring, for the fastest strikers",
+        remark="it grows with the stroke over the precompression, and tends to 1, that of the bare spring, for fast strikers",
         second=MethodFineness(KEEPING, 1e-3), refer=False,
     ),
     Claim(
