@@ -36,11 +36,11 @@ def unknown(kind: str, word: str, known: Iterable[str]) -> UserError:
 
 
 def named(kind: str, wanted: Sequence[str], known: Mapping[str, Named]) -> list[Named]:
-    """Those of the `known` that are wanted by name, all for none. Raises UserError."""
+    """Those of the `known` that are wanted by name, each once, all for none. Raises UserError."""
     wrong = next((name for name in wanted if name not in known), None)
     if wrong is not None:
         raise unknown(kind, wrong, known)
-    return [known[name] for name in wanted] if wanted else list(known.values())
+    return [known[name] for name in dict.fromkeys(wanted)] if wanted else list(known.values())
 
 
 def reason(error: OSError) -> str:

@@ -99,7 +99,7 @@ def compute_tables(
     With `kept`, tables that a run before has computed are not computed again, see `map_points`.
     """
     names = [figure.name for figure in figures]
-    order = sorted(dict.fromkeys(names), key=lambda name: name not in LONGEST)
+    order = sorted(names, key=lambda name: name not in LONGEST)
     alike = not set(LONGEST) & set(order)
     rows = map_points(table_columns, listed({"figure": order}), kept, progress, workers, alike=alike)
     for name in names:

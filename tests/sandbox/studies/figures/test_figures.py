@@ -55,7 +55,7 @@ def test_the_command_lists_all_and_does_not_compute_again_what_is_kept(tables, t
     listed = " ".join(softcradle("figures", "--list").out.split())  # long captions go on in the next line
     assert all(figure.caption in listed for figure in FIGURES)
     stop = Mock(side_effect=[None, KeyboardInterrupt])
-    wanted, folder = figures_named(["2a", "exchange"]), tmp_path / "new" / "folder"
+    wanted, folder = figures_named(["2a", "exchange", "2a"]), tmp_path / "new" / "folder"
     expected = [[*tables(figure.name).items()] for figure in wanted]  # before one can no longer be computed
     with filled_folder(folder), pytest.raises(KeyboardInterrupt):
         list(compute_tables(wanted, folder / KEPT, stop, 1))
