@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.methods import find_method
 from softcradle.physics.scales import shortest_contact
+from softcradle.physics.trajectory import work_of_walls
 from softcradle.sandbox.languages import N_, _, language, localized
 from softcradle.sandbox.motion import BAD, BAD_ERROR, FAIR, FAIR_ERROR, GOOD, LEVELS, Array, level_of
 from softcradle.sandbox.session.frame_history import Block, History
 from softcradle.sandbox.session.frame_pacing import FramePacer
 from softcradle.sandbox.session.history_slices import HistorySlice, history_slices
-from softcradle.sandbox.session.lane_setup import LaneSetup
 from softcradle.sandbox.session.ledger import SWITCHES, energy_error, momentum_error
 
 __all__ = ["BAD", "FAIR", "GOOD", "LEVELS"]  # those of every motion, which badges show
@@ -41,6 +41,7 @@ CHATTERING = N_(
     "{method} is past its limit; take conserving"
 )
 PASSED = N_("beads passed through each other")
+COARSE = N_("steps were too long for the contacts")
 
 
 class Criterion(NamedTuple):
@@ -50,18 +51,18 @@ class Criterion(NamedTuple):
         level: 'fair' or 'bad'.
         holds: (T,) at which frames of a slice it does.
         sentence: why, at the last of them, and what to do about it.
-        cause: in few words, for the findings of a run; empty for what is of no moment in particular.
+        cause: in few words, for the findings of a run.
     """
 
     level: str
     holds: NDArray[np.bool_]
     sentence: str
-    cause: str = ""
+    cause: str
 
 
-def criteria(part: HistorySlice, chatter: Array, steps: float, length: float) -> list[Criterion]:
-    """What may be wrong in one slice, the gravest first; `length` [m] is that of a bead, `steps` to the shortest contact."""
-    setup, method = part.setup, part.setup.method
+def criteria(part: HistorySlice, chatter: Array, length: float) -> list[Criterion]:
+    """What may be wrong in one slice, the gravest first; `length` [m] is that of a bead."""
+    setup, method, steps = part.setup, part.setup.method, _steps_a_contact(part)
     found = _off(part, "energy", np.atleast_1d(energy_error(part.ledger)))
     found += _off(part, "momentum", np.atleast_1d(momentum_error(part.ledger)))
     level, text = (FAIR, BOUNCING) if find_method(method).set_valued else (BAD, CHATTERING)
@@ -77,8 +78,8 @@ def criteria(part: HistorySlice, chatter: Array, steps: float, length: float) ->
     )
     always = np.ones(len(part.time), dtype=bool)
     found += [
-        Criterion(BAD, always & (steps < COARSE_STEPS), arbitrary),
-        Criterion(FAIR, always & (steps < FINE_STEPS), rough),
+        Criterion(BAD, always & (steps < COARSE_STEPS), arbitrary, _(COARSE)),
+        Criterion(FAIR, always & (steps < FINE_STEPS), rough, _(COARSE)),
         _passing(part, length),
     ]
     return sorted(found, key=lambda item: -LEVELS.index(item.level))
@@ -125,9 +126,8 @@ def _chatter(part: HistorySlice, before: Sequence[HistorySlice] = ()) -> Array:
     return chatter
 
 
-def _steps_a_contact(setup: LaneSetup, frame_time: float) -> float:
-    step = setup.step_for(frame_time)
-    return shortest_contact(setup.chain, setup.scale) / step if step else math.inf
+def _steps_a_contact(part: HistorySlice) -> float:
+    return shortest_contact(part.chain, part.setup.scale) / part.step if part.step else math.inf
 
 
 def _percent(value: float) -> str:
@@ -178,8 +178,6 @@ class Health:
 
 def health_of(
     slices: Sequence[HistorySlice],
-    setup: LaneSetup,
-    frame_time: float,
     pacer: FramePacer,
     warning: str = "",
     length: float = math.inf,
@@ -190,12 +188,11 @@ def health_of(
     `warning` is that of its method; `length` [m] that of a bead: a deeper overlap means that it has passed its neighbour;
     `velocity_error` that of an accurate run behind, where it is known.
     """
-    *before, last = slices
-    part = replace(last, setup=setup)
-    ledger, walls, chain = part.ledger[-1], part.velocity[-1][np.isinf(setup.chain.mass)], setup.chain
-    unknown = walls.size and (np.ptp(walls) > 0.0 or (chain.on_bed and walls.any()))
-    chatter, steps = _chatter(part, before), _steps_a_contact(setup, frame_time)
-    found = [(item.level, item.sentence) for item in criteria(part, chatter, steps, length) if item.holds[-1]]
+    *before, part = slices
+    ledger, chain = part.ledger[-1], part.chain
+    unknown = np.isnan(work_of_walls(chain, part.velocity[-1:], np.zeros(1))[0])
+    chatter = _chatter(part, before)
+    found = [(item.level, item.sentence) for item in criteria(part, chatter, length) if item.holds[-1]]
     if warning:
         found.append((BAD, warning))
     if velocity_error is not None and (off := level_of(velocity_error, FAIR_VELOCITY, BAD_VELOCITY)) != GOOD:
@@ -204,13 +201,13 @@ def health_of(
     if pacer.clock_ratio < ON_TIME:
         late = N_("{share} of the set speed: a frame takes too long")
         found.append((FAIR, _(late, share=_percent(pacer.clock_ratio))))
-    found.append((GOOD, _("{method} holds its errors", method=setup.method)))
+    found.append((GOOD, _("{method} holds its errors", method=part.setup.method)))
     level, sentence = max(found, key=lambda item: LEVELS.index(item[0]))
     return Health(
         energy_error=None if unknown else float(energy_error(ledger)),
-        momentum_error=None if walls.size or chain.on_bed else float(momentum_error(ledger)),
+        momentum_error=None if chain.walls or chain.on_bed else float(momentum_error(ledger)),
         chatter=float(chatter[-1]),
-        steps_a_contact=steps,
+        steps_a_contact=_steps_a_contact(part),
         milliseconds=pacer.milliseconds,
         level=level,
         sentence=sentence,
@@ -252,14 +249,8 @@ def run_findings(history: History, lane: int, length: float) -> list[Finding]:
 def _found_in(history: History, block: Block, lane: int, length: float) -> list[Finding]:
     slices = list(history_slices(history, lane, block.first - WINDOW, block.first + block.used - 1))
     parts = [(k, part) for k, part in enumerate(slices) if part.first + len(part.time) > block.first]
-    each = [item for k, part in parts for item in findings_of(part, slices[:k], length)]
-    return [item for item in each if item.last >= block.first]
-
-
-def findings_of(part: HistorySlice, before: Sequence[HistorySlice], length: float) -> list[Finding]:
-    """What was wrong in one slice."""
-    found = criteria(part, _chatter(part, before), math.inf, length)
-    return [item for one in found if one.cause and one.holds.any() for item in _spells(part, one)]
+    found = [(part, one) for k, part in parts for one in criteria(part, _chatter(part, slices[:k]), length)]
+    return [item for part, one in found for item in _spells(part, one) if item.last >= block.first]
 
 
 def _spells(part: HistorySlice, found: Criterion) -> list[Finding]:

@@ -372,8 +372,7 @@ class Session:
     def health(self, lane: int, velocity_error: float | None = None) -> Health:
         """The health of a lane at the frame shown, with the error that a VelocityCheck has found."""
         slices, live, length = self.history_slices(lane, WINDOW), self.lanes[lane], self.scene.view.length
-        frame_time, pacer = self.setup.frame_time, self.pacer
-        return health_of(slices, live.setup, frame_time, pacer, live.warning, length, velocity_error)
+        return health_of(slices, self.pacer, live.warning, length, velocity_error)
 
     def findings(self, lane: int) -> list[Finding]:
         """What was wrong with a lane in the whole run, in order of time."""

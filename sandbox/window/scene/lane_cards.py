@@ -225,18 +225,17 @@ def _worst(found: list[Finding]) -> Finding | None:
 
 def _numbers(state: Health) -> list[tuple[str, str]]:
     """Names and values of the badge."""
-    velocity = _("not known") if state.velocity_error is None else _error(state.velocity_error)
     chatter = fixed(state.chatter, 1) if state.chatter < 1e4 else scientific(state.chatter)
     return [
-        (_("velocity error"), velocity),
-        (_("energy error"), _error(state.energy_error)),
-        (_("momentum error"), _error(state.momentum_error)),
+        (_("velocity error"), _error(state.velocity_error, _("not known"))),
+        (_("energy error"), _error(state.energy_error, _("not known"))),
+        (_("momentum error"), _error(state.momentum_error, _("wall or bed takes it"))),
         (_("chatter"), chatter),
         (_("physics a frame"), f"{fixed(state.milliseconds, 2)} ms"),
     ]
 
 
-def _error(error: float | None) -> str:
+def _error(error: float | None, none: str) -> str:
     if error is None:
-        return _("wall or bed takes it")
+        return none
     return scientific(error) if error >= 1e-17 else "0"

@@ -8,7 +8,7 @@ import pytest
 from softcradle.physics import Contact, hertz, power_law, simulate
 from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.lane_setup import ERROR
-from softcradle.sandbox.session.run_verdict import LEVELS, MOST_CHATTER, PASSED
+from softcradle.sandbox.session.run_verdict import COARSE, LEVELS, MOST_CHATTER, PASSED
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.summary_text import summary_text
 from softcradle.sandbox.session.velocity_check import VelocityCheck
@@ -64,6 +64,7 @@ def test_a_step_that_is_too_large_is_bad_and_one_longer_than_a_contact_makes_vel
     arbitrary = fast.health(0)
     assert arbitrary.steps_a_contact < 1.0
     assert (arbitrary.level, "arbitrary" in arbitrary.sentence) == ("bad", True)
+    assert [(item.cause, item.level) for item in fast.findings(0)] == [(COARSE, "bad")]
     for edit in (inputs.SetContact(0, None, hertz(1e7)), inputs.SetMethod(0, "euler"), inputs.SetStep(0, 0.05)):
         fast.apply(edit)
     unstable = worst_of(fast, 240)

@@ -21,7 +21,6 @@ from softcradle.sandbox.session.inputs import (
     SetVelocity,
 )
 from softcradle.sandbox.session.lane_setup import DURATION, FRAME_RATE
-from softcradle.sandbox.session.ledger import energy_error
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.snapshots import snapshot_table
 from softcradle.sandbox.session.summary_text import summary_text
@@ -213,12 +212,12 @@ def test_the_bead_that_hits_is_the_one_that_approached(name):
 
 @pytest.mark.parametrize(("method", "least", "most"), [("euler", 1e-6, 1e-3), ("conserving", 0.0, 1e-12)])
 def test_between_walls_that_move_alike_no_error_is_booked_as_their_work(method, least, most):
-    """The velocity of the second is a sum over the row: alike to round-off, which hid every error."""
+    """The velocity of the second is a sum over the row: alike to round-off, which hid every error, and then that it is known."""
     row = {"mass": [math.inf, 1, 1, 1, math.inf], "velocity": [0.1, 1, 0.3, 0.7, 0.1], "gap": [0.1, 0.2, 0.1, 0.3]}
     lane = Lane(**row, contact={"law": "hertz", "stiffness": 30.0})
     session = Session(Scene(title="moving box", lanes=(lane,), duration=5.0, method=method, step=0.01))
     session.step_frames(400)
-    assert least <= energy_error(session.lanes[0].ledger) < most
+    assert least <= session.health(0).energy_error < most
 
 
 def test_beads_at_rest_go_nowhere_and_no_fault_is_told_before_it_comes():
