@@ -21,16 +21,7 @@ from softcradle.sandbox.draw.bodies import (
     rigid_forces,
     solid_force,
 )
-from softcradle.sandbox.draw.number_format import (
-    LARGEST_PLAIN,
-    MOST_DECIMALS,
-    factor,
-    fixed,
-    prefixed,
-    round_down,
-    scientific,
-    ticks,
-)
+from softcradle.sandbox.draw.number_format import beside, factor, round_down, scientific, ticks
 from softcradle.sandbox.draw.palette import bead_colours, mix, text_on, tones
 from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, Scales, left_edges
 from softcradle.sandbox.draw.supersampling import blit_sprite, draw_arrow, fill_rectangle
@@ -318,20 +309,13 @@ class LaneDrawing:
         for i in sorted(range(len(forces)), key=lambda i: -abs(forces[i])):
             if abs(forces[i]) <= visible:
                 return
-            text = self._force_text(forces[i])
+            text = beside(forces[i], self.scales.force)
             wide, foot = width(text, size, bold=True) + 4 * self.unit, self._label_foot(forces[i], rigid[i])
             place = pygame.Rect(round(contacts[i] - wide / 2), round(foot - size), round(wide), round(size))
             if self.rect.left <= contacts[i] <= self.rect.right and place.collidelist(taken) < 0:
                 taken.append(place)
                 place.left = min(max(place.left, self.rect.left), self.rect.right - place.width)
                 write(surface, text, (place.centerx, foot), size, bold=True, align=(0.5, 1))
-
-    def _force_text(self, force: float) -> str:
-        """The force above a bar, with the digits that the greatest needs."""
-        decimals = max(0, 2 - math.floor(math.log10(self.scales.force)))
-        if self.scales.force >= LARGEST_PLAIN:
-            return prefixed(force)
-        return scientific(force) if decimals > MOST_DECIMALS else fixed(force, decimals)
 
     def _label_foot(self, force: float, rigid: float) -> float:
         """Pixel of the foot of a force's label: above its bar, and above the mark of rigid clusters where that is near."""

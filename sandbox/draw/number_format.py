@@ -10,6 +10,7 @@ FORCE_UNITS = ((1e6, "MN"), (1e3, "kN"), (1.0, "N"), (1e-3, "mN"), (1e-6, "µN")
 ROUND_OFF = 1e-12  # smaller results are shown as 0
 MOST_DECIMALS = 4  # of a number on an axis; smaller ones have a power of ten
 LARGEST_PLAIN = 1e4  # greater numbers are written with the prefix of a unit
+LARGEST_PREFIXED = 1e13  # greater ones have a power of ten: no prefix here makes them short
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _SUBSCRIPTS = str.maketrans("-0123456789", "₋₀₁₂₃₄₅₆₇₈₉")
 
@@ -58,9 +59,19 @@ PREFIXES = {1e9: "G", 1e6: "M", 1e3: "k"}
 
 
 def prefixed(value: float, digits: int = 3) -> str:
-    """`value` to so many digits with the prefix of a unit: 1.25 M for 1250000."""
+    """`value` to so many digits with the prefix of a unit: 1.25 M for 1250000; beyond all prefixes a power of ten."""
+    if abs(value) >= LARGEST_PREFIXED:
+        return scientific(value, digits - 1)
     size, prefix = next(((s, p) for s, p in PREFIXES.items() if abs(value) >= 0.9995 * s), (1.0, ""))
     return f"{plain(value / size, digits)} {prefix}".strip()
+
+
+def beside(value: float, greatest: float) -> str:
+    """`value` with the digits that the `greatest` of its kind needs: 0.24 beside 1.08, 60 k beside 240 k."""
+    decimals = max(0, 2 - math.floor(math.log10(greatest)))
+    if greatest >= LARGEST_PLAIN:
+        return prefixed(value)
+    return scientific(value) if decimals > MOST_DECIMALS else fixed(value, decimals)
 
 
 def factor(value: float) -> str:

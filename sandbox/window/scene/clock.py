@@ -16,6 +16,7 @@ from softcradle.sandbox.window.scene.editor import PREPARING, SceneEditor
 from softcradle.sandbox.window.scene.time_controls import SceneTimeControls, Timeline, late_note
 from softcradle.sandbox.window.scene.view import SceneView
 
+AT_REST = 1e-9  # of the closing speed: slower rates are round-off, as on pages
 APART = 2.0  # lengths of a bead: a gap in every lane is that wide when it ends
 LEAST_FRAMES = FRAME_RATE // 2  # that are shown after the last contact has opened
 MOST_FRAMES = 5 * FRAME_RATE  # likewise, where beads part slowly
@@ -33,7 +34,7 @@ def is_over(lane: LiveLane) -> bool:
         return False
     if chain.on_bed:
         return not lane.velocity.any()
-    return bool((state.overlap < 0.0).all() and (state.force <= 0.0).all() and (state.rate <= 0.0).all())
+    return not state.closed.any() and bool((state.rate <= AT_REST * lane.setup.speed).all())
 
 
 class EndOfMotion:

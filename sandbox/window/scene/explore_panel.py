@@ -10,13 +10,14 @@ import numpy as np
 import pygame
 from pygame_gui.elements import UIButton
 from softcradle.physics.contact import Contact
-from softcradle.sandbox.draw.number_format import MINUS, fixed
+from softcradle.sandbox.draw.bodies import cluster_ends, has_marks
+from softcradle.sandbox.draw.number_format import MINUS, beside
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import paragraphs, width, write
 from softcradle.sandbox.languages import N_, _, label_words
 from softcradle.sandbox.session.contact_conversion import at_the_same_depth, has_soft_contacts
 from softcradle.sandbox.session.editable_numbers import MOST_SPEED, Parameter
-from softcradle.sandbox.session.history_slices import history_slices
+from softcradle.sandbox.session.history_slices import HistorySlice, history_slices
 from softcradle.sandbox.session.inputs import AddBead, Input, RemoveBead, SetContact, SetVelocity
 from softcradle.sandbox.session.lane_setup import LaneSetup
 from softcradle.sandbox.session.run_verdict import GOOD, LEVELS, Health
@@ -185,10 +186,8 @@ SIZE, SMALL = 16.0, 13.0  # design pixels of the text, and where two lanes would
 LOW = 560.0  # design pixels of a window in which they would
 MOST_LINES = 4
 MOST_FORCES = 6  # that are named one by one
-WHY = N_(
-    "At the greatest force the contacts push with {forces} N. The marks say what each would carry if the row were one rigid "
-    "body: the mass beyond it."
-)
+WHY = N_("At the greatest force the contacts push with {forces} N.")
+MARKS = N_("The marks say what each would carry if the row were one rigid body: the mass beyond it.")
 
 
 class OutcomeCard:
@@ -208,7 +207,8 @@ class OutcomeCard:
 
     def show_outcome(self) -> None:
         """Say what happened, and offer the forces and the same blow among other balls."""
-        choices: dict[str, Callable[[], None]] = {_("Why? The forces"): self.show_forces}
+        pushed = self._strongest()[1].force.any()
+        choices: dict[str, Callable[[], None]] = {_("Why? The forces"): self.show_forces} if pushed else {}
         if len(self.session.lanes) == 1:
             soft = has_soft_contacts(self.session.lanes[0].chain)
             choices[_("Now with steel balls") if soft else _("Now with soft beads")] = self.steel
@@ -218,16 +218,26 @@ class OutcomeCard:
         """Go back to the moment of the greatest force, a push or a pull, and say what the bars and marks mean there."""
         if self.host.explore:
             self.board.single = FORCES
+        lane, part = self._strongest()
+        sizes = np.abs(part.force).max(axis=1)
+        row = int(np.argmax(sizes))
+        self.session.scrub_frame(part.first + row)
+        forces = [beside(force, float(sizes[row])) for force in part.force[row][:MOST_FORCES].tolist()]
+        more = " …" if part.chain.contacts > MOST_FORCES else ""
+        text, label = _(WHY, forces=", ".join(forces) + more), label_words(self.session.label(lane))
+        overlap, velocity = self.session.approach(lane)
+        if has_marks(cluster_ends(overlap.tolist(), velocity.tolist(), self.session.scene.view.length)):
+            text = f"{text} {_(MARKS)}"
+        self._show(
+            _("{label}: {words}", label=label, words=text) if len(self.session.lanes) > 1 and label else text, {}
+        )
+
+    def _strongest(self) -> tuple[int, HistorySlice]:
+        """The lane of the greatest force that a frame shows, and the part of its history."""
         history = self.session.history
         lanes = range(len(self.session.lanes))
         parts = [(k, part) for k in lanes for part in history_slices(history, k, history.first, history.last)]
-        lane, part = max(parts, key=lambda found: float(np.abs(found[1].force).max()))
-        row = int(np.argmax(np.abs(part.force).max(axis=1)))
-        self.session.scrub_frame(part.first + row)
-        forces = [fixed(force, 2) for force in part.force[row][:MOST_FORCES].tolist()]
-        more = " …" if part.chain.contacts > MOST_FORCES else ""
-        text, label = _(WHY, forces=", ".join(forces) + more), label_words(self.session.label(lane))
-        self._show(_("{label}: {words}", label=label, words=text) if len(lanes) > 1 and label else text, {})
+        return max(parts, key=lambda found: float(np.abs(found[1].force).max()))
 
     def _show(self, text: str, choices: dict[str, Callable[[], None]]) -> None:
         self.text, self._choices, self._frame = text, {**choices, _("Close"): self.hide}, self.session.frame

@@ -34,8 +34,7 @@ ZOOM = 1.25  # factor of one step
 MARGIN = 0.04  # of the width beyond the outermost beads, after it has framed them
 SPARE = 1.4  # of the width that would do, so that beads that go on do not leave again at once
 NO_ROOM = N_("there is no room for plots: make the window larger, or the scale smaller")
-NARROWEST = 1e-4  # m
-WIDEST = 1e9  # m
+NARROWEST, WIDEST = 1e-4, 1e9  # lengths of a bead
 
 
 @dataclass
@@ -52,9 +51,9 @@ class Camera:
         low, high = scales.window
         return cls(0.5 * (low + high), high - low)
 
-    def zoom(self, steps: float) -> None:
-        """Zoom in by `steps`, out if negative."""
-        self.width = min(max(self.width * ZOOM**-steps, NARROWEST), WIDEST)
+    def zoom(self, steps: float, length: float) -> None:
+        """Zoom in by `steps`, out if negative, as far as there is anything to see of beads that are `length` [m] long."""
+        self.width = min(max(self.width * ZOOM**-steps, NARROWEST * length), WIDEST * length)
         self.automatic = False
 
     def pan(self, distance: float) -> None:
@@ -223,7 +222,7 @@ class SceneView:
         """Zoom in by `steps`, out if negative, about `point`."""
         place = None if point is None else self.metres_at(point)
         self.camera.width = max(self.camera.width, self._visible())  # beads have a greatest size
-        self.camera.zoom(steps)
+        self.camera.zoom(steps, self.session.scene.view.length)
         self.follow()
         if point is not None and place is not None:
             self.camera.centre += place - self.metres_at(point)

@@ -355,6 +355,7 @@ def test_steps_are_round(span, most):
         (number_format.decades(-6, 0, 3), [(0.0, "10⁰"), (-2.0, "10⁻²"), (-4.0, "10⁻⁴"), (-6.0, "10⁻⁶")]),
         (ticks(-0.2, 1.0, 4), [(0.0, "0.0"), (0.5, "0.5"), (1.0, "1.0")]),
         ([text for _, text in ticks(0.0, 1.4e6, 3)], ["0", "500 k", "1 M"]),
+        ([text for _, text in ticks(0.0, 1e15, 2)], ["0", "5.00·10¹⁴", "1.00·10¹⁵"]),
         ([text for _, text in ticks(-2e4, 2e4, 4)], [f"{MINUS}20 k", f"{MINUS}10 k", "0", "10 k", "20 k"]),
         ([text for _, text in ticks(12345.1, 12345.2, 2)], ["12.3451 k", "12.34515 k", "12.3452 k"]),
         ([text for _, text in ticks(-5e-7, 1.5e-6, 4)], [f"{MINUS}5·10⁻⁷", "0", "5·10⁻⁷", "1.0·10⁻⁶", "1.5·10⁻⁶"]),

@@ -1,5 +1,6 @@
 """The first level of the window with few controls, the same blow among steel balls, and the card at the end of a motion."""
 
+import re
 from dataclasses import replace
 
 import pygame
@@ -9,6 +10,7 @@ from softcradle.sandbox.session.contact_conversion import impact_energy
 from softcradle.sandbox.session.history_slices import last_slice
 from softcradle.sandbox.window.plots.kinds import PLOT_KINDS
 from softcradle.sandbox.window.scene.editor import Pick
+from softcradle.scenes import Scene
 
 from softcradle import scenes
 from tests.helpers.drawn_text import drawn_texts
@@ -208,6 +210,26 @@ def test_the_greatest_force_of_a_train_that_starts_is_a_pull() -> None:
     driver.page.outcome.show_forces()
     force = last_slice(driver.session.history, 0, driver.session.history.last).force
     assert driver.session.lanes[0].state.force.min() == force.min() < -1e5
+    assert re.search(r"push with .*\d k … N\.", driver.page.outcome.text)
+
+
+def test_forces_are_told_where_a_frame_shows_some_with_their_digits_and_without_marks_that_are_not_there(
+    tmp_path,
+) -> None:
+    for stiffness, push, told in ((3e7, 1e-6, r"push with \d\.\d·10⁻⁵, \S+ N\.$"), (1e9, 1.0, "")):
+        lane = {
+            "velocity": [push, 0.0, 0.0],
+            "contact": {"law": "hertz", "stiffness": stiffness},
+            "gap": 2e-3 * push,
+        }
+        scene = Scene.model_validate({"title": "Small or quick", "lanes": [lane], "view": {"length": push}})
+        (tmp_path / "small.toml").write_text(scene.to_toml(), encoding="utf-8")
+        driver = Driver(str(tmp_path / "small.toml"), lab=False)
+        driver.play_to_the_end()
+        assert ("Why? The forces" in driver.page.outcome.buttons) == bool(told)
+        if told:
+            driver.page.outcome.show_forces()
+            assert re.search(told, driver.page.outcome.text)
 
 
 def test_the_card_goes_to_the_greatest_force_and_to_steel_balls(driver: Driver) -> None:

@@ -118,6 +118,12 @@ def test_a_motion_is_over_when_its_last_force_has_ended_and_beads_are_apart() ->
     for frames, over in ((59, False), (62, True)):
         session.step_frames(frames)
         assert is_over(session.lanes[0]) == over
+    stiff = {"law": "hertz", "stiffness": 1e6}  # two rest in the end, but for round-off
+    for velocity, gap, frames in (([-1.0, 0.0, 0.0], 0.0, 0), ([1.0, 0.0, 0.0], 0.1, 60)):
+        lane = {"velocity": velocity, "contact": stiff, "gap": gap}
+        session = Session(Scene.model_validate({"title": "Two rest", "lanes": [lane]}))
+        session.step_frames(frames)
+        assert is_over(session.lanes[0])
 
 
 def test_a_replay_clicks_as_the_run_did(driver: Driver, tmp_path) -> None:
@@ -171,6 +177,12 @@ def test_wheel_and_drag_take_the_view_an_arrow_counts_beads_outside_and_fit_keep
         driver.frames(30)
         assert in_sight(driver)  # by itself
     assert driver.session.time > 4.0
+    lane = {"velocity": [1e-6, 0.0], "contact": {"law": "hertz", "stiffness": 1.0}}
+    small = Scene.model_validate({"title": "Micrometres", "lanes": [lane], "view": {"length": 1e-6}})
+    driver.page.show_scene(small)
+    before = driver.page.view.lanes[0].drawing.bead
+    driver.key(pygame.K_UP)
+    assert driver.page.view.lanes[0].drawing.bead >= before
 
 
 def test_marks_of_rigid_clusters_are_of_the_beads_that_there_are(driver: Driver) -> None:
