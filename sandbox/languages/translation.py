@@ -178,11 +178,17 @@ def scene_words(text: str) -> str:
 
 
 def label_words(label: str) -> str:
-    """The label of a lane; one made by an edit part by part."""
-    found = scene_words(label)
-    if found == label and AND in label:
-        return gettext(AND).join(map(label_words, label.split(AND)))
-    return localized(found) if re.fullmatch(r"(Hooke, |Hertz, )?alpha = [\d.]+", found) else found
+    """The label of a lane; that of several contacts, which an edit has made, part by part."""
+    parts = [_law_words(part) for part in label.split(AND)]
+    return scene_words(label) if None in parts else gettext(AND).join(filter(None, parts))
+
+
+def _law_words(text: str) -> str | None:
+    """What a contact is called, None where `text` is no name of one."""
+    found = scene_words(text)
+    if re.fullmatch(r"(Hooke, |Hertz, )?alpha = [\d./]+[^\d.]*", found):
+        return localized(found)
+    return found if found != text else None
 
 
 # Physics and scenes know no language and fill their sentences themselves: here they are told by their words.

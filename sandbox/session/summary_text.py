@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import partial
+from itertools import takewhile
 
 from softcradle.physics.contact import is_closed
 from softcradle.sandbox.languages import _, label_words, ngettext
@@ -44,10 +45,12 @@ def _lane(session: Session, lane: int) -> str:
 
 
 def _contacts(session: Session, lane: int) -> str:
-    """The first hit, and how many contacts are closed."""
-    events = session.contact_events()
-    own = events.select((events.lane == lane) & (events.frame <= session.frame))
-    live = session.lanes[lane]
+    """The first hit since there are as many beads, whose numbers are those of now, and how many contacts are closed."""
+    events, live = session.contact_events(), session.lanes[lane]
+    slices = reversed(session.history_slices(lane, session.frame + 1))
+    alike = takewhile(lambda part: part.chain.contacts == live.chain.contacts, slices)
+    begun = events.frame > min(part.first for part in alike)
+    own = events.select((events.lane == lane) & begun & (events.frame <= session.frame))
     state = live.state
     closed = int(is_closed(state.overlap, state.force).sum())
     closings = own.select(own.closed)

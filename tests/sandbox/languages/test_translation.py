@@ -59,7 +59,8 @@ def test_words_of_scenes_and_labels():
     assert languages.label_words("draft gear" + EDITED) == "amortisseur d'attelage, modifié"
     assert languages.label_words("draft gear and Hooke, alpha = 1") == "amortisseur d'attelage et Hooke, alpha = 1"
     assert languages.label_words("alpha = 0.123") == "alpha = 0,123"
-    assert languages.label_words("version 1.2 and a half") == "version 1.2 et a half"
+    assert languages.label_words("alpha = 1/10 and alpha = 0.12 ...") == "alpha = 1/10 et alpha = 0,12 …"
+    assert languages.label_words("version 1.2 and a half") == "version 1.2 and a half"  # a person's own
 
 
 SECONDS = {

@@ -184,6 +184,16 @@ def test_a_collision_is_told_in_words():
     assert f"Der letzte Kontakt öffnete sich nach {last.replace('.', ',')} Sekunden." in summary_text(session)
 
 
+def test_what_is_told_is_of_the_beads_that_there_are():
+    """The numbers of those before are of others now, or of none."""
+    session = opened("one-on-four", SetVelocity(0, 0, 0.0), SetVelocity(0, 4, -1.0), frames=300)
+    assert "Bead 3 hit bead 4" in summary_text(session)
+    session.apply(RemoveBead(0, 4))
+    assert "hit" not in summary_text(session)
+    session.step_frames(-1)
+    assert "Bead 3 hit bead 4" in summary_text(session)
+
+
 def test_a_wall_has_a_name_of_its_own_where_it_moves_or_is_hit():
     walls = [True, False, False, True]
     told = clusters_in_words([0.0, -1.0, -1.0, 2.0], walls, 1.0, brief=True)
