@@ -185,7 +185,7 @@ def _unused(value: float) -> Input:
 SIZE, SMALL = 16.0, 13.0  # design pixels of the text, and where two lanes would become too low beside it
 LOW = 560.0  # design pixels of a window in which they would
 MOST_LINES = 4
-MOST_FORCES = 6  # that are named one by one
+MOST_FORCES = 6  # that are named one by one, the greatest among them
 WHY = N_("At the greatest force the contacts push with {forces} N.")
 MARKS = N_("The marks say what each would carry if the row were one rigid body: the mass beyond it.")
 
@@ -219,12 +219,13 @@ class OutcomeCard:
         if self.host.explore:
             self.board.single = FORCES
         lane, part = self._strongest()
-        sizes = np.abs(part.force).max(axis=1)
-        row = int(np.argmax(sizes))
+        row, greatest = divmod(int(np.abs(part.force).argmax()), part.chain.contacts)
         self.session.scrub_frame(part.first + row)
-        forces = [beside(force, float(sizes[row])) for force in part.force[row][:MOST_FORCES].tolist()]
-        more = " …" if part.chain.contacts > MOST_FORCES else ""
-        text, label = _(WHY, forces=", ".join(forces) + more), label_words(self.session.label(lane))
+        first = max(0, min(greatest - MOST_FORCES // 2, part.chain.contacts - MOST_FORCES))
+        last, size = first + MOST_FORCES, abs(float(part.force[row, greatest]))
+        forces = ", ".join(beside(force, size) for force in part.force[row, first:last].tolist())
+        forces = f"{'… ' if first else ''}{forces}{' …' if last < part.chain.contacts else ''}"
+        text, label = _(WHY, forces=forces), label_words(self.session.label(lane))
         overlap, velocity = self.session.approach(lane)
         if has_marks(cluster_ends(overlap.tolist(), velocity.tolist(), self.session.scene.view.length)):
             text = f"{text} {_(MARKS)}"

@@ -8,6 +8,7 @@ import pytest
 from softcradle.physics import power_law
 from softcradle.sandbox.session.contact_conversion import impact_energy
 from softcradle.sandbox.session.history_slices import last_slice
+from softcradle.sandbox.session.inputs import SetVelocity
 from softcradle.sandbox.window.plots.kinds import PLOT_KINDS
 from softcradle.sandbox.window.scene.editor import Pick
 from softcradle.scenes import Scene
@@ -211,6 +212,12 @@ def test_the_greatest_force_of_a_train_that_starts_is_a_pull() -> None:
     force = last_slice(driver.session.history, 0, driver.session.history.last).force
     assert driver.session.lanes[0].state.force.min() == force.min() < -1e5
     assert re.search(r"push with .*\d k … N\.", driver.page.outcome.text)
+    driver.page.show_scene(scenes.load("one-on-ten"))
+    driver.session.apply(SetVelocity(0, None, 0.0))
+    driver.session.apply(SetVelocity(0, 10, -1.0))
+    driver.session.step_frames(600)
+    driver.page.outcome.show_forces()
+    assert f" {driver.session.lanes[0].state.force[-1]:.3f} N." in driver.page.outcome.text  # of the last contact
 
 
 def test_forces_are_told_where_a_frame_shows_some_with_their_digits_and_without_marks_that_are_not_there(
