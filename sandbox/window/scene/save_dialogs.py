@@ -67,7 +67,7 @@ def _shortened(text: str) -> str:
 def shown_path(path: Path) -> str:
     """The path with its full folder, the home folder as ~."""
     full = path.resolve()
-    home = Path.home()
+    home = os.path.expanduser("~")  # which stays so where there is none
     return f"~/{full.relative_to(home)}" if full.is_relative_to(home) else str(full)
 
 

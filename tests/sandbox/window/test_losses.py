@@ -328,7 +328,7 @@ def test_a_session_is_saved_and_replayed_with_the_same_digits_and_can_be_paused(
     assert driver.page.clock.note() == (f"replay left at frame {driver.session.frame} of {last}", False)
 
 
-def test_the_history_is_exported_and_a_screenshot_written(driver: Driver, tmp_path) -> None:
+def test_the_history_is_exported_and_a_screenshot_written(driver: Driver, tmp_path, monkeypatch) -> None:
     driver.run(60)
     driver.page.dialogs.save("export", "motion.csv")
     assert len((tmp_path / "motion.csv").read_text().splitlines()) > 60
@@ -339,6 +339,9 @@ def test_the_history_is_exported_and_a_screenshot_written(driver: Driver, tmp_pa
     assert driver.app.settings.recent == [str(tmp_path / "session.npz")]
     driver.key(pygame.K_p)
     assert pygame.image.load(str(tmp_path / "one-bead-on-four.png")).get_size() == (1280, 720)
+    monkeypatch.setattr(os.path, "expanduser", lambda path: path)  # as for a user without a home folder
+    driver.key(pygame.K_p)
+    assert driver.messages[-1] == f"saved {tmp_path / 'one-bead-on-four-2.png'}"
 
 
 @pytest.mark.parametrize(("action", "frames"), [("share_page", 0), ("share_page", 60), ("live_page", 60)])
