@@ -1,7 +1,7 @@
 """The ledger of a lane: its energy and momentum, and what the pointer, a drive, walls and edits have put in.
 
-What is put in is booked; an error is what neither the start nor a booking explains: E - booked, relative to the
-largest energy so far. What contacts with loss and the bed absorb is booked as taken out, so it is no error.
+What is put in is booked; an error is what neither the start, or that of another method, nor a booking explains: E - booked,
+relative to the largest energy so far. What contacts with loss and the bed absorb is booked as taken out, so it is no error.
 Columns: KINETIC, STORED [J], MOMENTUM [N s], ENERGY_BOOKED, MOMENTUM_BOOKED, ENERGY_SCALE, MOMENTUM_SCALE, SWITCHES,
 BY_CONTACTS, BY_BED [J] (absorbed since the lane began), WORK_GIVEN [J], IMPULSE_GIVEN [N s] (of the pointer, of forces over
 time and of edits since then: what is neither the drive's nor a wall's).
@@ -27,9 +27,13 @@ def new_ledger(chain: Chain, state: State) -> Array:
     """The ledger (12,) of a lane that begins now: its energy and momentum are booked."""
     ledger = np.zeros(LEDGER_COLUMNS)
     measure(chain, state, ledger)
-    ledger[ENERGY_BOOKED] = ledger[KINETIC] + ledger[STORED]
-    ledger[MOMENTUM_BOOKED] = ledger[MOMENTUM]
+    book_all(ledger)
     return ledger
+
+
+def book_all(ledger: Array) -> None:
+    """Book energy and momentum as they are: errors begin here."""
+    ledger[ENERGY_BOOKED], ledger[MOMENTUM_BOOKED] = ledger[KINETIC] + ledger[STORED], ledger[MOMENTUM]
 
 
 def measure(chain: Chain, state: State, ledger: Array) -> None:

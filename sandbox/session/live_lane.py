@@ -20,6 +20,7 @@ from softcradle.sandbox.session.ledger import (
     BY_CONTACTS,
     SWITCHES,
     External,
+    book_all,
     book_edit,
     book_frame,
     measure,
@@ -100,6 +101,8 @@ class LiveLane:
         ledger = self.ledger.copy()
         measure(setup.chain, state, ledger)
         book_edit(self.ledger, ledger, self._by_drive(state) if setup.chain is self.chain else 0.0)
+        if setup.method != self.setup.method:  # which is not off by what the one before was
+            book_all(ledger)
         if at_start:
             start = state.copy()
         else:

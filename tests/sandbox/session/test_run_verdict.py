@@ -69,6 +69,10 @@ def test_a_step_that_is_too_large_is_bad_and_one_longer_than_a_contact_makes_vel
         fast.apply(edit)
     unstable = worst_of(fast, 240)
     assert (unstable.level, "smaller step" in unstable.sentence) == ("bad", True)
+    assert fast.health(0).energy_error > 0.01
+    fast.apply(inputs.SetMethod(0, "accurate"))
+    assert fast.health(0).energy_error == 0.0  # it is not off by what euler was
+    assert "euler lost energy" in [item.cause for item in fast.findings(0)]
 
 
 def test_a_method_that_blows_up_is_stopped_and_reported():
