@@ -62,7 +62,8 @@ class Criterion(NamedTuple):
 
 def criteria(part: HistorySlice, chatter: Array, length: float) -> list[Criterion]:
     """What may be wrong in one slice, the gravest first; `length` [m] is that of a bead."""
-    setup, method, steps = part.setup, part.setup.method, _steps_a_contact(part)
+    setup, method = part.setup, part.setup.method
+    steps = shortest_contact(part.chain, setup.scale) / part.step if part.step else math.inf
     found = _off(part, "energy", np.atleast_1d(energy_error(part.ledger)))
     found += _off(part, "momentum", np.atleast_1d(momentum_error(part.ledger)))
     level, text = (FAIR, BOUNCING) if find_method(method).set_valued else (BAD, CHATTERING)
@@ -126,10 +127,6 @@ def _chatter(part: HistorySlice, before: Sequence[HistorySlice] = ()) -> Array:
     return chatter
 
 
-def _steps_a_contact(part: HistorySlice) -> float:
-    return shortest_contact(part.chain, part.setup.scale) / part.step if part.step else math.inf
-
-
 def _percent(value: float) -> str:
     return localized(f"{100.0 * value:.2g} %")
 
@@ -159,7 +156,6 @@ class Health:
         momentum_error: likewise; None where a wall or a bed takes momentum.
         chatter: contact switches over the last second of wall time, relative to the most that is plausible; above 1 a
             method only seems to hold contacts closed.
-        steps_a_contact: steps to the shortest contact at the scene's speed; inf for adaptive methods.
         velocity_error: of an accurate run behind, relative to the closing speed; None where it is not known.
         milliseconds: wall time of physics a frame, all lanes together.
         level: 'good', 'fair' or 'bad'.
@@ -169,7 +165,6 @@ class Health:
     energy_error: float | None
     momentum_error: float | None
     chatter: float
-    steps_a_contact: float
     milliseconds: float
     level: str
     sentence: str
@@ -207,7 +202,6 @@ def health_of(
         energy_error=None if unknown else float(energy_error(ledger)),
         momentum_error=None if chain.walls or chain.on_bed else float(momentum_error(ledger)),
         chatter=float(chatter[-1]),
-        steps_a_contact=_steps_a_contact(part),
         milliseconds=pacer.milliseconds,
         level=level,
         sentence=sentence,

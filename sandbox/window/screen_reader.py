@@ -69,11 +69,6 @@ class ScreenReader:
         except (ImportError, AttributeError, OSError, RuntimeError, pygame.error):
             self._adapter = None  # none is installed, or this system has none
 
-    @property
-    def active(self) -> bool:
-        """Whether there is an adapter."""
-        return self._adapter is not None
-
     def tell(self, spoken: Spoken) -> None:
         """Say what is new."""
         if spoken == self.spoken:

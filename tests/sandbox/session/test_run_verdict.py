@@ -62,8 +62,7 @@ def test_every_method_can_be_switched_to_while_it_runs(method):
 def test_a_step_that_is_too_large_is_bad_and_one_longer_than_a_contact_makes_velocities_arbitrary():
     fast = opened("hertz-cradle", inputs.SetSlow(1.0), inputs.SetContact(0, None, hertz(1e9)), inputs.SetStep(0, 1.0))
     arbitrary = fast.health(0)
-    assert arbitrary.steps_a_contact < 1.0
-    assert (arbitrary.level, "arbitrary" in arbitrary.sentence) == ("bad", True)
+    assert (arbitrary.level, arbitrary.sentence[:8], "arbitrary" in arbitrary.sentence) == ("bad", "0.05 ste", True)
     assert [(item.cause, item.level) for item in fast.findings(0)] == [(COARSE, "bad")]
     for edit in (inputs.SetContact(0, None, hertz(1e7)), inputs.SetMethod(0, "euler"), inputs.SetStep(0, 0.05)):
         fast.apply(edit)

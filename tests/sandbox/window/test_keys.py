@@ -192,7 +192,6 @@ def test_messages_dialogs_and_controls_are_said_once(driver: Driver, monkeypatch
 @patch.dict("sys.modules", accesskit=None)
 def test_without_accesskit_nothing_is_told():
     reader = ScreenReader("softcradle")
-    assert not reader.active
     reader.tell(Spoken("a", "b"))
     reader.take_focus(True)
     assert reader.spoken == Spoken("a", "b")
