@@ -135,15 +135,16 @@ class ExplorePanel(Inspector):
         return [SetContact(0, i, at_the_same_depth(lane.chain, i, alpha, lane.speed)) for i in contacts]
 
     def change_beads(self, by: int) -> None:
-        """Add a bead at the right end of every lane, or take the last one away."""
+        """Add a bead at the right end of every lane, or take the last one away; a wall there stays the end."""
         last = min(lane.chain.contacts for lane in self._newest)
         if not 2 <= last + 1 + by <= MOST_BEADS:
             self.host.messages.show(_("from 2 to {most} beads can be chosen here", most=MOST_BEADS))
             return
         items: list[Input] = []
         for k, lane in enumerate(self._newest):
-            end = lane.chain.contacts
-            items.append(AddBead(k, end + 1, lane.chain.mass[end]) if by > 0 else RemoveBead(k, end))
+            mass = lane.chain.mass
+            end = len(mass) - 1 - math.isinf(mass[-1])
+            items.append(AddBead(k, end + 1, mass[end]) if by > 0 else RemoveBead(k, end))
         self._begin_anew(items)
 
     @property

@@ -1,14 +1,16 @@
 """The first level of the window with few controls, the same blow among steel balls, and the card at the end of a motion."""
 
+import math
 import re
 from dataclasses import replace
 
 import pygame
 import pytest
 from softcradle.physics import power_law
+from softcradle.sandbox.draw.number_format import MINUS
 from softcradle.sandbox.session.contact_conversion import impact_energy
 from softcradle.sandbox.session.history_slices import last_slice
-from softcradle.sandbox.session.inputs import SetVelocity
+from softcradle.sandbox.session.inputs import SetMass, SetVelocity
 from softcradle.sandbox.window.plots.kinds import PLOT_KINDS
 from softcradle.sandbox.window.scene.editor import Pick
 from softcradle.scenes import Scene
@@ -106,6 +108,13 @@ def test_an_action_on_two_rows_is_one_undo_step_and_every_row_moves_again_after_
         assert [lane.locked[0] is not None for lane in lanes] == [locked] * 2
         undo()
     assert not undo()
+
+
+def test_beads_come_and_go_before_a_wall_at_the_end(explorer: Driver) -> None:
+    explorer.session.apply(SetMass(0, 4, math.inf))
+    for text, walls in (("+", [False] * 5 + [True]), (MINUS, [False] * 4 + [True])):
+        press(explorer, text)
+        assert [math.isinf(mass) for mass in explorer.session.lanes[0].chain.mass] == walls
 
 
 def test_the_same_blow_among_steel_balls_plays_below_is_told_and_left_for_one_row(explorer: Driver) -> None:
