@@ -99,7 +99,9 @@ class PlotBoard:
 
     def available(self) -> list[str]:
         """Names of the kinds that this session can show."""
-        return [name for name, kind in PLOT_KINDS.items() if len(self.session.lanes) == 2 or not kind.two_lanes]
+        counts = [lane.chain.contacts for lane in self.session.lanes]
+        comparable = len(counts) == 2 and counts[0] == counts[1]
+        return [name for name, kind in PLOT_KINDS.items() if comparable or not kind.two_lanes]
 
     @property
     def shown(self) -> list[str]:

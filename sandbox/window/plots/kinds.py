@@ -142,7 +142,7 @@ class PlotKind:
         content: what it shows: title, axis, curves.
         plot: the class that draws it.
         shown: whether a page opens with it.
-        two_lanes: whether it compares two lanes, and only exists beside two.
+        two_lanes: whether it compares two lanes, and only exists beside two of as many beads.
     """
 
     name: str

@@ -212,7 +212,7 @@ class ViewKeys:
     def toggle_plot(self, name: str) -> None:
         """Show or hide one kind of plot."""
         if name not in self.board.available():
-            self.host.messages.show(_("the {name} needs two lanes", name=pgettext("button", name)))
+            self.host.messages.show(_("the {name} needs two lanes of as many beads", name=pgettext("button", name)))
             return
         self.board.toggle(name)
         if not self.board.single:

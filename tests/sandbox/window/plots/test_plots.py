@@ -97,6 +97,10 @@ def test_two_lanes_share_the_clock_and_show_their_difference() -> None:
     difference = board.plots[board.keys.index(("difference", 0))]
     assert np.allclose(difference.values_at(driver.session.frame), second.velocity - first.velocity)
     assert difference.span is board.plots[0].span
+    driver.session.apply(RemoveBead(1, 0))
+    assert "difference" not in board.shown  # of rows that cannot be compared
+    driver.session.undo()
+    assert "difference" in board.shown
     driver.key(PLOT_KINDS["difference"].key)
     assert "difference" not in board.shown
     assert not driver.messages
