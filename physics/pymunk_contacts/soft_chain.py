@@ -73,10 +73,10 @@ class SoftChain:
     kinetic energy (``m v**2 / 2``; pymunk's own leaves out the half) and `energy` add up to a constant.
 
     Bodies push through their centres of gravity, along the line between neighbours, in a bent row too. Gravity, forces
-    and strings (pin joints, taut slide joints) to kinematic and static bodies are known before the contacts are solved. Other
-    joints are expected to go on as in the last two steps, so one that stops a body within a step takes energy. A body that is
-    moved or given another velocity between steps continues from there. Copy and pickle of the Space include the chain, which `of`
-    finds; `state` and `restore` roll back a chain alone. A body belongs to one SoftChain.
+    and strings (pin joints, taut slide joints, without a limit of force) to kinematic and static bodies are known before the
+    contacts are solved. Other joints are expected to go on as in the last two steps, so one that stops a body within a step
+    takes energy. A body that is moved or given another velocity between steps continues from there. Copy and pickle of the
+    Space include the chain, which `of` finds; `state` and `restore` roll back a chain alone. A body belongs to one SoftChain.
 
     Joints have errors of their own: in 60 s at steps of 1/240 s a pendulum on a PinJoint, released at 0.5 rad, loses 5.5 % of
     its energy in plain pymunk, and a cradle of five on such joints and a SoftChain 4.1 %.

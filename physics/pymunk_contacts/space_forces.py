@@ -49,7 +49,7 @@ class SpaceForces:
         )
         for i, body in enumerate(bodies):
             if inverse_mass[i]:
-                for direction, speed in _strings(body, position[i]):
+                for direction, speed in _strings(space, body, position[i]):
                     _hold(found.expected[i], found.mobility[i], direction, speed)
         return found
 
@@ -60,13 +60,14 @@ def centres(bodies: tuple[pymunk.Body, ...]) -> tuple[Array, Array]:
     return position, np.array([body.velocity for body in bodies])
 
 
-def _strings(body: pymunk.Body, centre: Array) -> Iterator[tuple[Array, float]]:
+def _strings(space: pymunk.Space, body: pymunk.Body, centre: Array) -> Iterator[tuple[Array, float]]:
     """The direction of each string from the centre of a body to a kinematic or static one, and the speed [m/s] along it.
 
-    Pin joints are strings, and slide joints that are taut.
+    Pin joints are strings, and slide joints that are taut, where their force has no limit.
     """
     for joint in body.constraints:
-        if isinstance(joint, (pymunk.PinJoint, pymunk.SlideJoint)):
+        holds = joint in space.constraints and joint.max_force == np.inf
+        if holds and isinstance(joint, (pymunk.PinJoint, pymunk.SlideJoint)):
             other, anchor = (joint.b, joint.anchor_b) if joint.a is body else (joint.a, joint.anchor_a)
             end = other.local_to_world(anchor)
             line = centre - np.array(end)

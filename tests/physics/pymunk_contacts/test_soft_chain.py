@@ -189,6 +189,17 @@ def test_a_body_tied_along_the_row_is_a_wall(law):
     assert np.isfinite(chain.forces).all()
 
 
+@pytest.mark.parametrize("cut", [True, False])
+def test_a_string_that_is_cut_or_has_no_force_holds_nothing(cut):
+    space, bodies, chain = chain_row(hertz(1e4))
+    string = pymunk.PinJoint(space.static_body, bodies[2], (5.0, 0.0), (0.0, 0.0))
+    space.add(string)
+    if cut:
+        space.remove(string)
+    string.max_force = math.inf if cut else 0.0
+    assert_energy_stays(space, bodies, chain)
+
+
 @pytest.mark.parametrize("law", [hertz(1e4), power_law(50.0, 0.1), draft_gear(1e4, 0.02)], ids=str)
 def test_collisions_with_elastic_walls_add_no_energy(law):
     """A blow of the wall is over with its step: the chain does not expect another one in the next."""
