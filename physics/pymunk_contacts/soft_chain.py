@@ -340,6 +340,12 @@ class SoftChain:
                 )
         if self._step:
             return
+        for i, body in pushed.items():
+            centre = self._links[i].anchor_a if i < len(self._links) else self._links[i - 1].anchor_b
+            if (body.center_of_gravity - centre).length > 1e-9 * self._touching.max():  # contacts would turn the body
+                raise RuntimeError(
+                    f"the centre of gravity of body {i} has moved since its SoftChain was made: give it its shapes before"
+                )
         links = {link for body in pushed.values() for link in body.constraints if isinstance(link, _Link)}
         others = links - {*self._links}
         if others and not others.isdisjoint(space.constraints):

@@ -370,6 +370,16 @@ def test_a_centre_of_gravity_that_is_not_the_origin():
     assert all(body.angular_velocity == 0.0 for body in bodies)
 
 
+@pytest.mark.parametrize("i", [0, 4])
+def test_shapes_that_move_a_centre_of_gravity_after_the_chain_was_made_are_named(i):
+    space, bodies, _ = chain_row(LAW)
+    circle = pymunk.Circle(bodies[i], 0.5, (0.1, 0.0))
+    circle.mass = 1.0
+    space.add(circle)
+    with pytest.raises(RuntimeError, match=f"of gravity of body {i} has moved since its SoftChain was made"):
+        space.step(STEP)
+
+
 def test_what_goes_wrong_in_the_solver_reaches_the_caller_once(monkeypatch):
     space, bodies, _ = chain_row(hertz(1e4), gap=0.01)
     monkeypatch.setattr(soft_chain, "solve_chain_step", Mock(py_func=None, side_effect=FloatingPointError("no forces")))
