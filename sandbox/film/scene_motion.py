@@ -13,6 +13,7 @@ from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.scene_runs import SHOWN, run_scene
 from softcradle.sandbox.user_error import GaveUpError, UserError
 from softcradle.scenes import Scene
+from softcradle.scenes.scene_schema import MOST_SLOW
 
 PATIENCE = 100.0  # times what has been seen so far: a longer pause is the end of what a film shows
 
@@ -154,9 +155,9 @@ def require_whole(what: str, trajectories: Sequence[Trajectory]) -> None:
 
 
 def checked_slow(slow: float) -> float:
-    """Seconds for one of motion. Raises UserError."""
-    if not (math.isfinite(slow) and slow > 0.0):
-        raise UserError(f"slow motion must be a number > 0, not {slow:g}")
+    """Seconds for one of motion, as a scene may have them. Raises UserError."""
+    if not 1.0 / MOST_SLOW <= slow <= MOST_SLOW:
+        raise UserError(f"slow motion must be from {1.0 / MOST_SLOW:g} to {MOST_SLOW:g}, not {slow:g}")
     return slow
 
 

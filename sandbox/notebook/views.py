@@ -100,15 +100,15 @@ def _write_film(trajectory: Trajectory, path: Path, slow: float | None, size: tu
     from softcradle.sandbox.draw.scene_picture import Picture
     from softcradle.sandbox.draw.shared_scales import motion_of
     from softcradle.sandbox.film.encoder import open_film
-    from softcradle.sandbox.film.scene_motion import checked_slow, require_finite
+    from softcradle.sandbox.film.scene_motion import require_finite
 
     motion = motion_of(trajectory)
     require_finite([motion])
-    span = float(trajectory.time[-1] - trajectory.time[0])
-    slow = usual_slow(trajectory) if slow is None else checked_slow(slow)
-    times = trajectory.time[0] + np.arange(int(span * slow * FILM_RATE) + 1) / (slow * FILM_RATE)
+    scene, span = scene_of(trajectory, slow), float(trajectory.time[-1] - trajectory.time[0])
+    rate = scene.view.slow * FILM_RATE
+    times = trajectory.time[0] + np.arange(int(span * rate) + 1) / rate
     between = 0.5 * (trajectory.time[1:] + trajectory.time[:-1])
-    picture = Picture(scene_of(trajectory, slow), [motion], size, slow=slow)
+    picture = Picture(scene, [motion], size, slow=scene.view.slow)
     with open_film(path, size, FILM_RATE) as film:
         for row in np.searchsorted(between, times):
             surface = film.free_surface()
@@ -123,22 +123,26 @@ def write_page_of(shown: Trajectory | Scene, path: str | PathLike[str], slow: fl
     if isinstance(shown, Scene):
         render_page(shown, path, slow)
     else:
-        write_page(shown, scene_of(shown, slow or usual_slow(shown)), path)
+        write_page(shown, scene_of(shown, slow), path)
 
 
-def usual_slow(trajectory: Trajectory) -> float:
-    """The slow motion [s of a film for one of motion] with which the trajectory is LENGTH long."""
-    span = float(trajectory.time[-1] - trajectory.time[0])
-    return LENGTH / span if span > 0.0 else 1.0
+def scene_of(trajectory: Trajectory, slow: float | None) -> Scene:
+    """The scene of the trajectory's chain, played `slow` seconds for one of motion, None: so that it is LENGTH long; pictures
+    take title and view from it.
+    """
+    from softcradle.sandbox.film.scene_motion import checked_slow
 
-
-def scene_of(trajectory: Trajectory, slow: float) -> Scene:
-    """The scene of the trajectory's chain, played `slow` seconds for one of motion: pictures take title and view from it."""
-    chain = trajectory.chain
+    chain, span = trajectory.chain, float(trajectory.time[-1] - trajectory.time[0])
+    usual = LENGTH / span if span > 0.0 else 1.0
     drawn = tuple(UNDRAWN if isinstance(contact, OwnLaw) else contact for contact in chain.contact)
     lane = Lane.of(replace(chain, contact=drawn), trajectory.velocity[0].tolist())
     title = f"{chain.contacts + 1} beads, by {trajectory.method}"
-    return Scene(title=title, lanes=(lane,), duration=float(trajectory.time[-1]) or None, view=View(slow=slow))
+    return Scene(
+        title=title,
+        lanes=(lane,),
+        duration=float(trajectory.time[-1]) or None,
+        view=View(slow=checked_slow(usual if slow is None else slow)),
+    )
 
 
 def play(scene: Scene | str, size: tuple[int, int] = (1280, 720)) -> list[Trajectory]:

@@ -81,6 +81,8 @@ def test_a_page_plays_the_samples(found, tmp_path):
     assert "5 beads, by conserving" in text
     assert "power_law(1, 0.1)" in text
     assert 'data-say="file"' in text
+    with pytest.raises(UserError, match="slow motion must be from 1e-20"):  # as of a film
+        found.to_page(tmp_path / "page.html", slow=0.0)
     late = simulate(CHAIN, [1, 0, 0, 0, 0], samples=np.linspace(1, 3, 51))  # which do not tell how it began
     late.to_page(tmp_path / "late.html")
     assert 'data-say="file"' not in (tmp_path / "late.html").read_text(encoding="utf-8")
