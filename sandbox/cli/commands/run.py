@@ -50,7 +50,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="time to run (default: the scene's, or until no contact can close again)",
     )
     parser.add_argument(
-        "--samples", type=whole_number(2, MOST_SAMPLES), default=1001, help="number of samples to write (default: 1001)"
+        "--samples",
+        type=whole_number(2, MOST_SAMPLES),
+        default=1001,
+        help="number of samples to write, of which the tables have their largest overlaps and forces (default: 1001)",
     )
     printed = parser.add_mutually_exclusive_group()
     printed.add_argument("--json", action="store_true", help="print the results as JSON instead of tables")

@@ -116,6 +116,7 @@ REFUSED = [
     (f"sweep {STUDY} --status --fresh", "--status computes nothing: --fresh does"),
     ("claims --list --json", "--list computes nothing: --json"),
     ("figures --list --open", "--list computes nothing: --open"),
+    ("chart --list one-on-for", "did you mean"),
     ("chart --list --csv", "--list computes nothing: --csv"),
     ("chart --list no-such", "there is no scene 'no-such'"),
     (f"sweep {STUDY} --workers 0", "must be a whole number from 1"),
