@@ -84,7 +84,8 @@ function fillTables(page, nows) {
     const { mass, velocity } = page.specs[lane], caption = document.createElement("h3");
     caption.textContent = page.looks[lane].label;
     const digits = Math.max(2, 3 - Math.floor(Math.log10(Math.max(...page.source.scales.velocity.map(Math.abs)))));
-    const beads = mass.map((m, k) => [String(k), m === null ? say("wall") : plain(m, 4), fixed(velocity[k], digits), fixed(now.velocity[k], digits)]);
+    const before = (k) => (page.data.lanes[lane]?.late ? "-" : fixed(velocity[k], digits));
+    const beads = mass.map((m, k) => [String(k), m === null ? say("wall") : plain(m, 4), before(k), fixed(now.velocity[k], digits)]);
     const contacts = Array.from(now.force, (force, k) => [`${k}-${k + 1}`, say(now.state[k]), plain(force, 4), now.overlap[k] > 0 ? scientific(now.overlap[k], 3) : "0"]);
     return [caption, rows([say("bead"), say("mass"), say("before"), say("now")], beads),
       rows([say("contact"), say("state"), say("force now"), say("overlap now")], contacts)];

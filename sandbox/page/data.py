@@ -75,6 +75,7 @@ def _lane(played: PlayedMotion, number: int) -> dict[str, Any]:
         "solid": [[finite_or_none(solid_force(joint, sign)) for sign in (1.0, -1.0)] for joint in chain.contact],
         "ends": ends,
         "dissipative": chain.dissipative,
+        "late": bool(trajectory.time[0] > 0.0),  # how it began is not known
         "driven": chain.driven or bool(trajectory.given.any()),  # by a hand too
     }
 

@@ -617,6 +617,11 @@ def test_a_recorded_motion_is_shown_as_it_was(browser, tmp_path, own):
     run_to_the_end(browser)
     assert browser.run(SAID).startswith("Beads 0 to 2 nearly stand still. " if own else ENDED)
     assert browser.run("page.looks[0].marks")
+    for samples, start in ([0.0, 2.0], "1.000"), ([1.0, 2.0], "-"):  # which do not tell how it began
+        simulate(chain, scene.lanes[0].velocity, samples=samples).to_page(tmp_path / "page.html")
+        browser.visit(tmp_path / "page.html", "#show=nothing")
+        browser.run("part('numbers').open = true, page.show(true)")
+        assert browser.run("[...document.querySelectorAll('#tables td')].map((one) => one.textContent)[2]") == start
 
 
 @pytest.mark.parametrize(
