@@ -139,7 +139,11 @@ def kernel(name: str) -> tuple[Any, Any]:
 
 
 def leave_out() -> None:
-    """Let no contact be a coupler and no force change with time: a page has none, and they are a seventh of the file."""
+    """Let no contact be a coupler, no force change with time, no step be explicit and no run pause or keep what is on its way.
+
+    A page has none of these, and they are three tenths of the file.
+    """
+    from softcradle.physics.fixed_step import explicit_steps, step_loop
     from softcradle.physics.numerics import coupler_kernels, knots
     from softcradle.physics.numerics.jit import inlined
 
@@ -148,6 +152,7 @@ def leave_out() -> None:
         return False
 
     left_out = coupler_kernels.is_joint, coupler_kernels.settle_joint_forces, knots.put_mean, knots.add_half_work
+    left_out += explicit_steps.split_steps, step_loop.keep_pause, step_loop.keep_checkpoint
     for module in [module for name, module in sys.modules.items() if name.startswith("softcradle.physics")]:
         for name, value in list(vars(module).items()):
             if any(value is each for each in left_out):
