@@ -86,7 +86,8 @@ THIRD_SQUARE, FIFTH_SQUARE = exact_product(THIRD, _TABLEAU), exact_product(FIFTH
 @inlined
 def is_active(i, h, inactive, chain, motion):
     """False for a contact that closes no faster than `inactive` [m/s], and neither now nor at the end of a step at this rate
-    holds more energy or changes velocities by more. A contact that touches passes on at once what pushes it: it is active."""
+    holds more energy or changes velocities by more. One with preload that pushes is active, however short the step to its opening
+    is: left out, it would stand still. A contact that touches passes on at once what pushes it: it is active."""
     if motion.mode[i] == OPEN:
         return False
     if motion.mode[i] == TOUCHING:
@@ -97,7 +98,7 @@ def is_active(i, h, inactive, chain, motion):
     ):  # a coupler that pulls
         return True
     weight, push = chain.inverse_mass[i] + chain.inverse_mass[i + 1], max(motion.force[i], law[i, 0])
-    if rate > inactive or weight * push * h > inactive:
+    if rate > inactive or weight * push * h > inactive or law[i, 0] > 0.0:
         return True
     reach = motion.overlap[i] + max(rate, 0.0) * h
     if reach <= 0.0:
