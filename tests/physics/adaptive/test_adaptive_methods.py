@@ -8,7 +8,7 @@ import pytest
 from softcradle.physics import Chain, Contact, State, advance, draft_gear, hertz, hooke, one_on, power_law, step_force
 from softcradle.physics.adaptive import runner
 from softcradle.physics.adaptive.constants import BEGINS, ENDS, NEARS, SAFETY, TOLERANCE_PART
-from softcradle.physics.adaptive.dop853 import NODES, WEIGHTS
+from softcradle.physics.adaptive.dop853 import NODES, WEIGHTS, is_active
 from softcradle.physics.adaptive.step_control import limited_by_ends
 from softcradle.physics.analysis.closed_forms import critical_speed, rigid_collision, rigid_stroke
 from softcradle.physics.numerics.plain_kernels import plain
@@ -186,6 +186,15 @@ def test_a_step_goes_past_the_end_of_a_force_only_where_that_is_no_error(stiffne
         for left, force in zip((soon, late), motion.force, strict=True):
             part = ENDS[0] if h > 2.0 * left else ENDS[1] if h > left else NEARS
             assert h <= 1.001 * SAFETY * left or part * 2.0 / mass * force * h <= 1.001 * wanted
+
+
+@pytest.mark.parametrize("law", [draft_gear(1.0, 0.1), step_force(1.0)])
+def test_a_preloaded_contact_takes_part_in_a_step_that_ends_as_it_opens(law):
+    """Left out of so short a step it would stand still, and so would the run: a coupler took 75 000 steps in place."""
+    data, motion = pressed(Chain([1.0, 1.0], law), [0.0, 0.0], [1e-17])
+    assert plain(is_active)(0, 1e-12, 1e-9, data, motion)
+    data, motion = pressed(Chain([1.0, 1.0], hertz(1.0)), [0.0, 0.0], [1e-17])
+    assert not plain(is_active)(0, 1e-12, 1e-9, data, motion)
 
 
 @pytest.mark.parametrize(("exponent", "tolerance"), [*product((1.2, 1.5, 2.3), (1e-7, 1e-9))])
