@@ -90,15 +90,15 @@ def is_active(i, h, inactive, chain, motion):
     is: left out, it would stand still. A contact that touches passes on at once what pushes it: it is active."""
     if motion.mode[i] == OPEN:
         return False
-    if motion.mode[i] == TOUCHING:
-        return True
     law, rate = chain.law, motion.rate[i]
+    if motion.mode[i] == TOUCHING or law[i, 0] > 0.0:
+        return True
     if law.shape[1] > 3 and (
         motion.overlap[i] < 0.0 or (motion.overlap[i] == 0.0 and rate < 0.0)
     ):  # a coupler that pulls
         return True
-    weight, push = chain.inverse_mass[i] + chain.inverse_mass[i + 1], max(motion.force[i], law[i, 0])
-    if rate > inactive or weight * push * h > inactive or law[i, 0] > 0.0:
+    weight, push = chain.inverse_mass[i] + chain.inverse_mass[i + 1], max(motion.force[i], 0.0)
+    if rate > inactive or weight * push * h > inactive:
         return True
     reach = motion.overlap[i] + max(rate, 0.0) * h
     if reach <= 0.0:

@@ -57,8 +57,9 @@ def _is_gear(law: Sequence[float]) -> bool:
 @per_chain
 def _usual_speed_of_gears(chain: Chain) -> float:
     """Closing speed [m/s] from which on every gear yields by a usual share of its precompression; 0 without gears."""
-    contacts = zip(*chain.law_rows.T.tolist(), chain.inverse_reduced_mass.tolist(), strict=True)
-    squares = (2.0 * LEAST_YIELD * one[0] ** 2 / one[1] * one[3] for one in contacts if _is_gear(one))
+    contacts = zip(chain.law_rows.tolist(), chain.inverse_reduced_mass.tolist(), strict=True)
+    # squares of speeds that store preload times depth
+    squares = [2.0 * weight * law[0] * (LEAST_YIELD * law[0] / law[1]) for law, weight in contacts if _is_gear(law)]
     return math.sqrt(max(squares, default=0.0)) * (1.0 + NO_APPROACH)
 
 

@@ -66,8 +66,9 @@ def _strings(space: pymunk.Space, body: pymunk.Body, centre: Array) -> Iterator[
     Pin joints are strings, and slide joints that are taut, where their force has no limit.
     """
     for joint in body.constraints:
-        holds = joint in space.constraints and joint.max_force == np.inf
-        if holds and isinstance(joint, (pymunk.PinJoint, pymunk.SlideJoint)):
+        if not isinstance(joint, (pymunk.PinJoint, pymunk.SlideJoint)):
+            continue
+        if joint.max_force == np.inf and joint in space.constraints:
             other, anchor = (joint.b, joint.anchor_b) if joint.a is body else (joint.a, joint.anchor_a)
             end = other.local_to_world(anchor)
             line = centre - np.array(end)

@@ -356,9 +356,8 @@ def _moving(rests: Phase, time: float, y: Array, resting: Which) -> NDArray[np.i
         matrix = (root * system.rows[at] / size[:, None]).T
         moved = matrix.any(axis=1)
         scale = float(balanced[moved].max()) or 1.0
-        room = (
-            0.5 * BALANCE_ROUND_OFF * (np.abs(matrix).T @ balanced) / scale + TINY
-        )  # a multiplier at its bound stays one
+        # a multiplier at its bound stays one
+        room = 0.5 * BALANCE_ROUND_OFF * (np.abs(matrix).T @ balanced) / scale + TINY
         bounds = low[at] * size / scale - room, high[at] * size / scale + room
         found = lsq_linear(matrix[moved], free[moved] / scale, bounds, "bvls", tol=1e-15, max_iter=10 * at.size)
         chosen[at] = found.active_mask
