@@ -60,7 +60,8 @@ from softcradle.physics.numerics.records import (
 def nothing_moves(least, chain, regime, motion, velocity):
     """True where no bead is faster than `least` [m/s], and friction holds each, or forces balance on it where no bed brakes it.
 
-    A bead that still creeps as a soft contact damps it would do so for ever, for it never turns. `velocity` (n+1,) is scratch.
+    A bead that creeps as a soft contact damps it would do so for ever, for it never turns; and one that sticks beside it has
+    a velocity within the precision of the stages. `velocity` (n+1,) is scratch.
     """
     for i in range(motion.rate.size):
         if abs(motion.rate[i]) > 2.0 * least:
@@ -141,7 +142,7 @@ def integrate(
             return OUT_OF_STEPS, time
         if spent >= budget or (steps.time.size > 0 and counter[KEPT] == steps.time.size):
             return PAUSED, time
-        if firm and not acts and nothing_moves(ROUND_OFF * scale, chain, regime, motion, scratch.work[0]):
+        if firm and not acts and nothing_moves(bounds.negligible, chain, regime, motion, scratch.work[0]):
             put_to_rest(regime, motion)
             if until == end:
                 return (SEPARATED, time) if stop else (DONE, end)

@@ -163,6 +163,21 @@ def test_a_light_bead_that_a_steady_force_presses_comes_to_its_end(method, mass)
     assert ledger_error(found) < 1e-5
 
 
+@pytest.mark.parametrize("seed", [2, 9, 27, 39])
+@pytest.mark.parametrize("method", ["accurate", "radau"])
+def test_beads_that_stick_beside_one_that_creeps_do_not_move(method, seed):
+    """Their velocities were the precision of the stages: for 1e8 s, in which the gears between them gave energy."""
+    draw = np.random.default_rng(seed)
+    mass = [1.0, 10.0 ** draw.uniform(-3.0, -0.5), 10.0 ** draw.uniform(-0.3, 0.3)]
+    soft = power_law(10.0 ** draw.uniform(2.0, 4.5), draw.uniform(0.03, 0.3))
+    gear = draft_gear(draw.uniform(0.1, 0.5), 0.2)
+    found = simulate_quietly(
+        Chain(mass, [soft, gear], friction=draw.uniform(0.03, 0.3)), [1.0, 0.0, 0.0], method=method
+    )
+    assert found.time[-1] < 100.0
+    assert ledger_error(found) < 1e-5
+
+
 @pytest.mark.parametrize("seed", [784, 819])
 def test_contacts_between_beads_that_stick_beside_a_stiff_one_keep_no_run_from_its_end(seed):
     """A step of the fallback made no numbers of them, and then went on for ever: found by the scan."""
