@@ -1,8 +1,9 @@
-"""The description of the package: the README without pictures and links into the repository, which an index does not have."""
+"""Metadata of the package: a description without links into the repository, and the addresses of a release."""
 
 from __future__ import annotations
 
 import re
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -10,15 +11,25 @@ from hatchling.metadata.plugin.interface import MetadataHookInterface
 
 
 class Description(MetadataHookInterface):
-    """Hatchling calls it for every wheel and source archive."""
+    """Hook that hatchling calls for every wheel and source archive."""
 
     def update(self, metadata: dict[str, Any]) -> None:
-        """Set the description."""
+        """Set the description and the addresses."""
         readme = Path(self.root, "README.md").read_text(encoding="utf-8")
         metadata["readme"] = {"content-type": "text/markdown", "text": without_files(readme)}
+        pyproject = tomllib.loads(Path(self.root, "pyproject.toml").read_text(encoding="utf-8"))
+        metadata["urls"] = addresses(pyproject["tool"]["softcradle"]["release"])
+
+
+def addresses(release: dict[str, str]) -> dict[str, str]:
+    """Return the links of the package on an index, from the addresses that are known."""
+    links = {"Documentation": release["site"], "Repository": release["repository"]}
+    if release["doi"]:
+        links["DOI"] = f"https://doi.org/{release['doi']}"
+    return {name: address for name, address in links.items() if address}
 
 
 def without_files(text: str) -> str:
-    """`text` in Markdown without pictures that are files; of links to files their words."""
+    """Return the Markdown `text` without pictures from files, and with the words of links to files only."""
     pictures = re.sub(r"^!\[[^\]]*\]\((?!https?:)[^)]*\)\n\n?", "", text, flags=re.MULTILINE)
     return re.sub(r"(?<!!)\[([^\]]*)\]\((?!https?:|#)[^)]*\)", r"\1", pictures)

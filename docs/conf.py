@@ -1,9 +1,10 @@
-"""The documentation, made by Sphinx; tables and the page that plays are made by softcradle itself, before the rest is read."""
+"""Configuration of Sphinx. softcradle writes tables and scene pages before Sphinx reads the sources."""
 
 from __future__ import annotations
 
 import re
 import sys
+import tomllib
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -17,7 +18,10 @@ from written_by_softcradle import write_all
 
 project = "softcradle"
 author = "The softcradle authors"
-copyright = f"{author}, MIT licence"
+copyright = (
+    f"{author}, MIT licence. After K. Sekimoto et al., A mechanism of macroscopic rigid-body behavior through evanescent "
+    "mode, arXiv:1807.04600"
+)
 version = release = installed_version()
 
 extensions = [
@@ -25,6 +29,7 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.viewcode",
     "numpydoc",
+    "sphinx_copybutton",
     "sphinx_gallery.gen_gallery",
 ]
 exclude_patterns = ["_made", "measured", "gallery/*.ipynb", "gallery/*.py"]  # parts of other pages, downloads
@@ -36,6 +41,11 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # docstrings say what arguments mean, with shape and unit
 numpydoc_show_class_members = False  # autodoc lists those that docs/api.md names
 
+copybutton_prompt_text = r">>> |\.\.\. |\$ "  # a copied example contains the input only
+copybutton_prompt_is_regexp = True
+
+pyproject = tomllib.loads((Path(__file__).parent.parent / "pyproject.toml").read_text(encoding="utf-8"))
+html_baseurl = pyproject["tool"]["softcradle"]["release"]["site"]  # empty until the site has an address
 html_theme = "furo"
 html_title = f"softcradle {version}"
 html_static_path = ["static", "_made/static"]

@@ -1,4 +1,4 @@
-"""What softcradle writes for its documentation: lists of methods, scenes and commands, measured tables, pages of scenes."""
+"""Parts of the documentation that softcradle writes: lists of methods, scenes and commands, measured tables, scene pages."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ import argparse
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import fields
+from html import escape
 from pathlib import Path
+from shutil import copyfile
 
 import numpy as np
 from softcradle.physics.analysis.collision import CollisionMeasures, ContactMeasures
@@ -16,22 +18,25 @@ from softcradle.sandbox.draw.number_format import scientific
 from softcradle.sandbox.page import render_page
 from softcradle.sandbox.page.data import can_be_computed
 from softcradle.sandbox.studies.verify import verified
+from softcradle.sandbox.window import gallery
 from softcradle.scenes.contact_kinds import KINDS
 
 from softcradle import METHODS, one_on, power_law, scenes
 
 STEPS_A_CONTACT = (8, 64, 512)  # of fixed-step methods in the measured table
 ROUND_OFF = 1e-8  # below it a number of order 1 is its error alone
+GALLERY_PICTURES = Path(gallery.__file__).parent / "pictures" / "light"  # made by `make screenshots`
 CONTACT_TIME = 1.8  # s, that the striker of one on four touches at alpha = 1/10
 
 
 def write_all(folder: Path) -> None:
-    """Write every part into `folder`; parts that have not changed keep their time, so that little is read anew."""
+    """Write every part into `folder`. Unchanged parts keep their time stamp, so Sphinx reads few files again."""
     folder.mkdir(exist_ok=True)
     (folder / "static").mkdir(exist_ok=True)
     parts = {
         "methods": methods(),
         "scenes": catalogue(),
+        "experiments": experiments(),
         "laws": laws(),
         "errors": errors(),
         "commands": commands(),
@@ -46,6 +51,10 @@ def write_all(folder: Path) -> None:
     live.mkdir(exist_ok=True)
     for scene in scenes.names():
         render_page(scenes.load(scene), live / f"{scene}.html")
+    pictures = folder / "static" / "pictures"
+    pictures.mkdir(exist_ok=True)
+    for picture in GALLERY_PICTURES.glob("*.png"):
+        copyfile(picture, pictures / picture.name)
 
 
 def table(titles: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
@@ -86,6 +95,18 @@ def catalogue() -> Iterator[str]:
 def _live(name: str) -> str:
     """The name of a scene as a link to its page."""
     return f'<a href="_static/live/{name}.html"><code>{name}</code></a>'
+
+
+def experiments() -> Iterator[str]:
+    """Yield the gallery of all scenes: picture, title and first sentence of each, as HTML."""
+    yield '<div class="experiments">'
+    for name in scenes.names():
+        scene = scenes.load(name)
+        first = scene.text.replace("\n", " ").split(". ")[0].strip().rstrip(".")
+        kind = "live" if can_be_computed(scene) else "recorded"
+        yield f'<a href="_static/live/{name}.html"><img src="_static/pictures/{name}.png" alt="" loading="lazy">'
+        yield f"<strong>{escape(scene.title)}</strong> <small>{kind}</small><span>{escape(first)}.</span></a>"
+    yield "</div>"
 
 
 def laws() -> Iterator[str]:

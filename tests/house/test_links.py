@@ -48,8 +48,9 @@ def test_a_dead_link_is_found():
     assert dead_links(page, "[x](../README.md) [y](https://example.org) {doc}`architecture`") == []
 
 
-def test_paths_of_the_architecture_page_exist():
-    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+@pytest.mark.parametrize("page", ["architecture.md", "glossary.md"])
+def test_paths_of_a_page_about_the_source_exist(page):
+    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
     paths = set(re.findall(r"`([\w.]+(?:/[\w.]*)+)`", text))
     assert sorted(path for path in paths if not (ROOT / path).exists()) == []
     named = re.findall(r"`(\w+)`\s+(?:in\s+|\()`([\w./]+)`", text)
@@ -58,7 +59,17 @@ def test_paths_of_the_architecture_page_exist():
     assert [name for name, source in sources if not re.search(definition.format(name), source, re.MULTILINE)] == []
 
 
-TOOLS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]
+PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+TOOLS = PYPROJECT["tool"]
+
+
+def test_citation_names_the_version_of_the_package():
+    version = PYPROJECT["project"]["version"]
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert re.search(rf"^version: {re.escape(version)}$", citation, re.MULTILINE)
+    assert f"version = {{{version}}}" in (ROOT / "docs" / "cite.md").read_text(encoding="utf-8")
+
+
 TYPED = ROOT / TOOLS["mypy"]["mypy_path"]
 made = pytest.mark.skipif(not (TYPED / "softcradle" / "physics").is_dir(), reason="set up without make")
 

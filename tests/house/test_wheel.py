@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from hatch_build import addresses
 from tests.helpers.own_process import python
 from tests.helpers.paths import LAYERS, ROOT
 
@@ -42,6 +43,17 @@ for name in names:
     if not name.endswith(("_peer", ".__main__")):
         print(importlib.import_module(name).__file__)
 """
+
+
+def test_addresses_that_are_not_known_are_left_out():
+    unknown = {"repository": "", "site": "", "doi": ""}
+    assert addresses(unknown) == {}
+    known = addresses({"repository": "https://example.org/r", "site": "https://example.org", "doi": "10.1/2"})
+    assert known == {
+        "Documentation": "https://example.org",
+        "Repository": "https://example.org/r",
+        "DOI": "https://doi.org/10.1/2",
+    }
 
 
 @dataclass(frozen=True)
