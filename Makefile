@@ -59,6 +59,7 @@ check: .venv/.installed
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/python -m tools.plain_language
 	cd .venv/typed && ../bin/lint-imports --config ../../pyproject.toml --no-cache --no-logo
 	$(BIN)/python -m pytest -q -n 0 -p no:cacheprovider tests/house/test_links.py
 	@if command -v npm > /dev/null; then $(MAKE) --no-print-directory scripts; else \
