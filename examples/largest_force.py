@@ -1,19 +1,18 @@
-"""A row of one's own: a contact that yields no more than a largest force, as a crush zone does, and gives all of it back."""
+"""A user-defined graph: the force of a contact grows to a largest value, as in a crush zone, and it loses no energy."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import ArrayLike
-from softcradle.physics.coupler import Segment, gear_segment
+from softcradle.physics.coupler import gear_segment
+from softcradle.physics.segments import Segment
 
 from softcradle import Chain, Coupler, draft_gear, simulate
 
 
 @dataclass(frozen=True)
 class LargestForce(Coupler):
-    """A linear gear ``push`` whose force stays at `most` [N] from there on: one more segment, whose stop takes its stiffness."""
+    """A linear gear ``push`` whose force stays at `most` [N]: on a second segment its stop cancels the stiffness."""
 
     most: float = 0.0
 
@@ -27,11 +26,6 @@ class LargestForce(Coupler):
         """The gear, and beyond it a force that does not grow."""
         law, way = self.push, self.yields_at
         return [gear_segment(law, 1.0, 0.0, length=way), gear_segment(law, 1.0, way, way, -law.stiffness)]
-
-    def energy(self, overlap: ArrayLike) -> np.ndarray:
-        """Energy stored [J]."""
-        way = np.minimum(overlap, self.yields_at)
-        return self.push.energy(way) + self.most * (np.maximum(overlap, self.yields_at) - self.yields_at)
 
 
 if __name__ == "__main__":

@@ -15,15 +15,15 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple, cast, overload
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.checked_input import magnitude, require_kind
-from softcradle.physics.contact import Contact, Numbers, hooke, stored_energy
+from softcradle.physics.contact import Contact, Numbers, hooke
+from softcradle.physics.segments import Segment, graph_energy, graph_force
 
 Array = NDArray[np.float64]
-Segment = tuple[float, ...]
 
 
 class Part(NamedTuple):
@@ -79,6 +79,14 @@ class Coupler:
     travel: float = math.inf
     stop: float = 0.0
 
+    def __init_subclass__(cls) -> None:
+        """Raise TypeError if a class overrides `parts`, which adaptive methods do not read, and not `segments`."""
+        super().__init_subclass__()
+        if cls.parts is not Coupler.parts and cls.segments is Coupler.segments:
+            raise TypeError(
+                f"class {cls.__name__} overrides parts of Coupler: override segments, which define the graph"
+            )
+
     def __post_init__(self) -> None:
         require_kind("coupler push", self.push, Contact)
         if self.pull is not None:
@@ -106,13 +114,14 @@ class Coupler:
 
     @property
     def segments(self) -> list[Segment]:
-        """The pieces of its graph for adaptive methods, from left to right: solid and pulling first, solid and pushing last.
-
-        Each is (side, origin, preload, stiffness, exponent, way of the gear before it, stop, loss, length), see
-        `softcradle.physics.adaptive.row_graphs`.
-        """
+        """The pieces of its graph from left to right: solid and pulling first, solid and pushing last."""
         pulls = self._gear(self.pull, -1.0, -self.slack)[::-1] if self.pull else []
         return pulls + self._gear(self.push, 1.0, 0.0)
+
+    @property
+    def by_segments(self) -> bool:
+        """Whether its class defines `segments` and not `parts`: only adaptive methods follow such a graph."""
+        return type(self).segments is not Coupler.segments
 
     def _gear(self, law: Contact, side: float, origin: float) -> list[Segment]:
         """The segments of a gear from its origin outward: as it is pressed in, and solid."""
@@ -148,13 +157,12 @@ class Coupler:
     def force(self, overlap: ArrayLike) -> Array: ...
 
     def force(self, overlap: ArrayLike) -> Numbers:
-        """Force [N] at `overlap` [m], any shape, while its gears are pressed in; negative where it pulls."""
-        return _summed(overlap, [part.side * part.contact.force(_own(part, overlap)) for part in self.parts])
+        """Force [N] at `overlap` [m], any shape, on loading; negative if it pulls."""
+        return _like(overlap, graph_force(self.segments, overlap))
 
     def released(self, overlap: ArrayLike) -> Numbers:
-        """The same while its gears are let go."""
-        kept = [(part, part.side * (1.0 - part.contact.loss)) for part in self.parts]
-        return _summed(overlap, [share * part.contact.force(_own(part, overlap)) for part, share in kept])
+        """Force [N] at `overlap` [m], any shape, on unloading."""
+        return _like(overlap, graph_force(self.segments, overlap, unloading=True))
 
     @overload
     def energy(self, overlap: float) -> float: ...
@@ -166,25 +174,17 @@ class Coupler:
         return self.stored_energy(overlap)
 
     def stored_energy(self, overlap: ArrayLike, power: Callable[..., Any] = np.power) -> Numbers:
-        """The same; `power` as of :func:`softcradle.physics.contact.stored_energy`."""
-        laws = [(law.preload, law.stiffness, law.exponent) for law, _, _ in self.parts]
-        both = zip(laws, self.parts, strict=True)
-        return _summed(overlap, [stored_energy(*law, _own(part, overlap), power) for law, part in both])
+        """Energy stored [J]; `power` as of :func:`softcradle.physics.contact.stored_energy`."""
+        return _like(overlap, graph_energy(self.segments, overlap, power))
 
 
 def gear_segment(
     law: Contact, side: float, origin: float, before: float = 0.0, stop: float = 0.0, length: float = math.inf
 ) -> Segment:
-    """A piece of a graph, ``f = side (F + K (x + before)**a + stop x)`` with ``x = side (d - origin)``, up to a length."""
-    return side, origin, law.preload, law.stiffness, law.exponent, before, stop, law.loss, length
+    """Return the segment of a gear with this `law`, on which it goes on from the displacement `before`, beside a `stop`."""
+    return Segment(side, origin, law.preload, law.stiffness, law.exponent, law.loss, length, before, stop)
 
 
-def _own(part: Part, overlap: ArrayLike) -> Array:
-    """The overlap of a part at `overlap` of its coupler."""
-    return part.side * (np.asarray(overlap, dtype=np.float64) - part.origin)
-
-
-def _summed(overlap: ArrayLike, parts: list[Array]) -> Numbers:
-    """The sum over all parts; 0.0 in place of -0.0, and a float for one overlap."""
-    found = cast("Array", sum(parts) + 0.0)
+def _like(overlap: ArrayLike, found: Array) -> Numbers:
+    """Return `found` as an array, or as a float if `overlap` was a number."""
     return float(found) if np.ndim(overlap) == 0 else found

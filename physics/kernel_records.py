@@ -128,8 +128,21 @@ def _segments(chain: Chain) -> tuple[Any, ...]:
     first, segment = np.zeros(chain.contacts + 1, dtype=np.int64), np.zeros(chain.contacts, dtype=np.int8)
     for i, contact in enumerate(chain.contact):
         if isinstance(contact, Coupler):
-            rows += contact.segments
-            segment[i] = sum(side < 0.0 for side, *_ in contact.segments)
+            rows += [
+                (
+                    one.side,
+                    one.origin,
+                    one.preload,
+                    one.stiffness,
+                    one.exponent,
+                    one.before,
+                    one.stop,
+                    one.loss,
+                    one.length,
+                )
+                for one in contact.segments
+            ]
+            segment[i] = sum(one.side < 0.0 for one in contact.segments)
         else:
             rows.append((1.0, 0.0, *law_rows(chain)[i].tolist(), 0.0, 0.0, float(chain.loss[i]), np.inf))
         first[i + 1] = len(rows)

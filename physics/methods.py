@@ -138,6 +138,12 @@ def refusal_of(method: str, chain: Chain) -> str:
             f"method {method!r} takes contacts that only push, with one law from overlap 0 on, not couplers: "
             "take 'accurate', 'conserving' or 'scipy'"
         )
+    special = next((type(one).__name__ for _, one in chain.couplers if one.by_segments), "")
+    if special and found and found.family is not Family.ADAPTIVE:
+        return (
+            f"method {method!r} does not read the segments by which {special} defines its graph: take 'accurate', 'radau' or "
+            "'dop853'"
+        )
     events = found is None or found.family is Family.ADAPTIVE
     if events and not all(coupler.smooth for _, coupler in chain.couplers):
         return (

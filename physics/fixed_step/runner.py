@@ -36,6 +36,7 @@ from softcradle.physics.kernel_records import (
     require_finite_motion,
 )
 from softcradle.physics.kernel_tiers import KernelTiers
+from softcradle.physics.methods import refusal_of
 from softcradle.physics.numerics.contact_solve import BEAD_ROWS
 from softcradle.physics.numerics.records import (
     EVALUATION,
@@ -197,6 +198,9 @@ def _steps_at_once(problem: Problem) -> int:
 def _call(kernel: Any, span: Any, problem: Problem, state: State, scratch: Scratch) -> Any:
     """Call a tier of a kernel on `state` with its `span`, or most steps."""
     chain, kept = problem.chain, (tuple(scratch.checkpoints), scratch.plan)
+    unread = refusal_of(problem.method, chain)  # if another method hands over to this one
+    if unread:
+        raise ValueError(unread)
     records = motion_record(state), tuple(scratch.samples), tuple(scratch.log), kept, tuple(scratch.pause)
     task = (*DRIFTS_AND_KICKS[problem.method], problem.step), span, chain_records(chain, state)
     found = kernel(*task, *records, (scratch.beads, scratch.work))

@@ -5,7 +5,19 @@ from itertools import pairwise, product
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, Contact, State, advance, draft_gear, hertz, hooke, one_on, power_law, step_force
+from softcradle.physics import (
+    Chain,
+    Contact,
+    Coupler,
+    State,
+    advance,
+    draft_gear,
+    hertz,
+    hooke,
+    one_on,
+    power_law,
+    step_force,
+)
 from softcradle.physics.adaptive import runner
 from softcradle.physics.adaptive.constants import BEGINS, ENDS, NEARS, SAFETY, TOLERANCE_PART
 from softcradle.physics.adaptive.dop853 import NODES, WEIGHTS, is_active
@@ -215,14 +227,27 @@ def test_a_contact_with_a_largest_force_against_its_closed_form(method):
     swing, begin = math.sqrt(stiffness), preload / stiffness
     first = (math.atan2(swing * (way + begin), at_yield) - math.atan2(swing * begin, speed)) / swing
     turn = first + at_yield / most
-    found = run(Chain([1.0, math.inf], crush), [speed, 0.0], 2.5 * turn, method, tolerance=1e-10, samples=[turn])
-    assert found.overlap[0, 0] == pytest.approx(way + at_yield**2 / 2.0 / most, abs=1e-8)
-    assert found.force[0, 0] == pytest.approx(most, abs=1e-12)
-    assert found.velocity[0, 0] == pytest.approx(0.0, abs=1e-8)
+    times = np.linspace(0.0, 2.5 * turn, 201)[:-1]
+    found = run(Chain([1.0, math.inf], crush), [speed, 0.0], 2.5 * turn, method, tolerance=1e-10, samples=times)
+    at_turn = 80  # times[80] is the time of the largest overlap
+    assert found.overlap[at_turn, 0] == pytest.approx(way + at_yield**2 / 2.0 / most, abs=1e-8)
+    assert found.force[at_turn, 0] == pytest.approx(most, abs=1e-12)
+    assert found.velocity[at_turn, 0] == pytest.approx(0.0, abs=1e-8)
+    np.testing.assert_allclose(found.force[1:, 0], crush.force(found.overlap[1:, 0]), atol=1e-9)
     assert found.final_velocity[0] == pytest.approx(-speed, abs=1e-8)
     ((closed, opened),) = found.contact_intervals[0]
     assert (closed, opened) == (0.0, pytest.approx(2.0 * turn, abs=1e-8))
-    assert found.ledger == pytest.approx(found.ledger[0], abs=1e-8)
+    np.testing.assert_allclose(found.ledger, found.ledger[0], atol=1e-8)
+    assert np.ptp(crush.energy(found.overlap[:, 0])) > 0.5  # the ledger has potential energy to account for
+
+
+def test_a_method_that_does_not_read_segments_is_refused():
+    crush = LargestForce(draft_gear(2.0, 0.1), most=1.0)
+    for method in ("euler", "verlet", "conserving", "scipy"):
+        with pytest.raises(ValueError, match="does not read the segments by which LargestForce defines its graph"):
+            run(Chain([1.0, 1.0], crush), [2.0, 0.0], 4.0, method)
+    with pytest.raises(TypeError, match="overrides parts of Coupler: override segments"):
+        type("Wrong", (Coupler,), {"parts": property(lambda self: ())})
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-7, 1e-10])
