@@ -405,7 +405,7 @@ def cluster_on_cluster(m: int, n: int, contact: Laws, mass: ArrayLike = 1.0) -> 
 
 
 def accelerated_mass(mass: ArrayLike, struck: int) -> Array:
-    """(n,) mass [kg] that each contact accelerates, seen from the contact `struck`: all beads beyond it, Eq. (5).
+    """Return the (n,) mass [kg] that each contact accelerates: all beads beyond it, seen from contact `struck`, Eq. (5).
 
     The contact `struck` itself accelerates the beads to its right.
     """
@@ -415,9 +415,9 @@ def accelerated_mass(mass: ArrayLike, struck: int) -> Array:
 
 
 def mass_shares(mass: ArrayLike, struck: int) -> Array:
-    """(n,) force of each contact as a part of that of `struck` while both sides move as rigid bodies, Eq. (5).
+    """Return the (n,) contact forces relative to contact `struck` if both sides move as rigid bodies, Eq. (5).
 
-    A contact with a wall beyond it passes on all of the force: its share is 1.
+    A contact with a wall beyond it transmits all of the force, so its share is 1.
 
     >>> mass_shares([1.0, 1.0, 1.0, 1.0, 1.0], 0)
     array([1.  , 0.75, 0.5 , 0.25])

@@ -1,1 +1,1 @@
-"""What a motion means: measures of a collision, closed forms, the mode-coupling model, matched contacts."""
+"""Analysis of a motion: measures of a collision, closed forms, the mode-coupling model, matching of contact laws."""

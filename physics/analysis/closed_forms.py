@@ -1,4 +1,4 @@
-"""Closed forms: one contact, rigid clusters, a very long linear chain. Methods are tested by them."""
+"""Closed forms for one contact, rigid clusters, and a very long linear chain. Tests compare the methods with them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 
 class Stroke(NamedTuple):
-    """One contact from closing to opening: largest overlap [m], contact time [s], peak force [N]."""
+    """Closing and opening of one contact: largest overlap [m], contact time [s], peak force [N]."""
 
     largest_overlap: float
     contact_time: float
@@ -23,14 +23,14 @@ class Stroke(NamedTuple):
 
 
 def one_on_one(contact: Contact, reduced_mass: float, closing_speed: float) -> Stroke:
-    """Two bodies that meet through one contact, ``mu d'' = -f(d)``, from energy and quadrature.
+    """Solve ``mu d'' = -f(d)`` for two bodies that collide through one contact, from energy and quadrature.
 
-    power law, p = 1 + a   d_max = (p mu v^2 / (2 K))^(1/p),   T = (2 d_max / v) B(1/p, 1/2) / p
-    preloaded spring       d + D = D cos wt + (v/w) sin wt,   w^2 = K / mu,   D = F / K,   T = (2/w) atan(v / (w D))
-    step force             d_max = mu v^2 / (2 F),   T = 2 mu v / F
+    power law, p = 1 + a   d_max = (p mu v^2 / (2 K))^(1/p),   T = (2 d_max / v) B(1/p, 1/2) / p preloaded spring
+    d + D = D cos wt + (v/w) sin wt,   w^2 = K / mu,   D = F / K,   T = (2/w) atan(v / (w D)) step force
+    d_max = mu v^2 / (2 F),   T = 2 mu v / F
 
-    The integral of dy / sqrt(1 - y^p) from 0 to 1 is B(1/p, 1/2) / p. With a loss l the contact pushes with 1 - l of its force
-    on the way out, which takes 1 / sqrt(1 - l) times as long as the way in.
+    The integral of dy / sqrt(1 - y^p) from 0 to 1 is B(1/p, 1/2) / p. A contact with loss l unloads with 1 - l of its
+    force, which takes 1 / sqrt(1 - l) times as long as loading.
 
     Arguments:
         contact: its law; with a preload, exponent 1 or stiffness 0.
@@ -38,7 +38,7 @@ def one_on_one(contact: Contact, reduced_mass: float, closing_speed: float) -> S
         closing_speed: v > 0 [m/s].
 
     Raises:
-        ValueError: a preload with an exponent other than 1.
+        ValueError: if the contact has a preload and an exponent other than 1.
     """
     preload, stiffness, exponent = contact.preload, contact.stiffness, contact.exponent
     energy, ways = 0.5 * reduced_mass * closing_speed**2, 1.0 + 1.0 / math.sqrt(1.0 - contact.loss)
@@ -58,15 +58,16 @@ def one_on_one(contact: Contact, reduced_mass: float, closing_speed: float) -> S
 
 
 def rigid_masses(mass: ArrayLike, strikers: int) -> tuple[float, float]:
-    """Total masses [kg] of the first `strikers` beads and of the rest."""
+    """Return the total masses [kg] of the first `strikers` beads and of the others."""
     masses = np.asarray(mass, dtype=np.float64)
     return float(masses[:strikers].sum()), float(masses[strikers:].sum())
 
 
 def rigid_collision(mass: ArrayLike, strikers: int, speed: float = 1.0) -> Array:
-    """(N,) velocities after the first `strikers` beads struck the rest, each side one rigid body, elastically.
+    """Return the (N,) velocities after an elastic collision of two rigid bodies: the first `strikers` beads and the
+    others.
 
-    The limit alpha -> 0 of the power law, Eq. (2): ``(1-n)/(1+n)`` and ``2/(n+1)`` for one on n equal beads.
+    This is the limit alpha -> 0 of the power law, Eq. (2): ``(1-n)/(1+n)`` and ``2/(n+1)`` for one on n equal beads.
     """
     first, second = rigid_masses(mass, strikers)
     count = np.asarray(mass).size
@@ -75,34 +76,36 @@ def rigid_collision(mass: ArrayLike, strikers: int, speed: float = 1.0) -> Array
 
 
 def rigid_stroke(contact: Contact, mass: ArrayLike, strikers: int, speed: float = 1.0) -> Stroke:
-    """The struck contact while each side stays one rigid body: :func:`one_on_one` with the reduced mass of the two sides.
+    """Return the stroke of the struck contact if each side is one rigid body: :func:`one_on_one` with their reduced
+    mass.
 
-    Exact for the step force, contact time ``2n/(n+1) m v / f0`` for one on n, and for draft gears below
-    the critical speed. A side may have a wall in it.
+    Exact for the step force, with contact time ``2n/(n+1) m v / f0`` for one on n, and for draft gears below the
+    critical speed. A side may contain a wall.
     """
     first, second = rigid_masses(mass, strikers)
     return one_on_one(contact, 1.0 / (1.0 / first + 1.0 / second), speed)
 
 
 def long_linear_chain(mass: float = 1.0, stiffness: float = 1.0) -> tuple[float, float]:
-    """Striker of very many linear beads: its final velocity as a part of its velocity before, and contact time [s].
+    """Return the final velocity (as a fraction of the initial one) and the contact time [s] of a striker of very many
+    linear beads.
 
-    ``v0(t) = J1(2wt) / (wt)``, w^2 = k/m; the force ``~ J2(2wt) / t`` first vanishes at 2wt = j_(2,1), where
-    J1(x) / (x/2) = J0(x): J0(j_(2,1)) = -0.1322795 after 2.56781 sqrt(m/k).
+    ``v0(t) = J1(2wt) / (wt)``, w^2 = k/m. The force ``~ J2(2wt) / t`` first vanishes at 2wt = j_(2,1), where J1(x) /
+    (x/2) = J0(x). So the fraction is J0(j_(2,1)) = -0.1322795, after 2.56781 sqrt(m/k).
     """
     zero = float(special.jn_zeros(2, 1)[0])
     return float(special.j0(zero)), 0.5 * zero * math.sqrt(mass / stiffness)
 
 
 def critical_speed(gear: Contact, mass: ArrayLike, strikers: int) -> float:
-    """Largest speed [m/s] at which no contact but the struck one yields, so that both clusters stay exactly rigid.
+    """Return the largest speed [m/s] at which only the struck contact yields, so that both clusters stay exactly rigid.
 
-    While contact i inside a cluster only touches, it carries the share r_i of the struck contact's force f, Eq. (5), and the
-    peak of f is ``sqrt(F^2 + K mu v^2)``. With r the largest share, the first contact reaches F at
-    ``v_c = w D sqrt(1/r^2 - 1)``, w^2 = K (1/M1 + 1/M2), D = F / K. Infinite for one on one.
+    A contact i inside a cluster that only touches carries the share r_i of the force f of the struck contact, Eq. (5).
+    The peak of f is ``sqrt(F^2 + K mu v^2)``. With the largest share r, the first contact reaches F at ``v_c = w D
+    sqrt(1/r^2 - 1)``, w^2 = K (1/M1 + 1/M2), D = F / K. The result is infinite for one on one.
 
     Raises:
-        ValueError: the contact is no preloaded spring (exponent 1, stiffness > 0).
+        ValueError: if the contact is not a preloaded spring (exponent 1, stiffness > 0).
     """
     if gear.exponent != 1.0 or gear.stiffness == 0.0:
         raise ValueError("a critical speed needs draft gears: exponent 1, stiffness > 0")
@@ -115,19 +118,23 @@ def critical_speed(gear: Contact, mass: ArrayLike, strikers: int) -> float:
 
 
 def common_law(chain: Chain) -> Contact | None:
-    """The contact law of a chain whose contacts are all alike; None where they differ, or are couplers or laws of one's own."""
+    """Return the contact law of a chain with equal contacts; None for different contacts, couplers and user-defined
+    laws.
+    """
     law = chain.contact[0]
     return law if isinstance(law, Contact) and all(contact == law for contact in chain.contact) else None
 
 
 def meets_freely(chain: Chain, struck: int) -> bool:
-    """Whether clusters that just touch inside meet at contact `struck`, and nothing acts on them from outside."""
+    """Return True if two clusters that just touch inside collide at contact `struck` without any external force."""
     inside = chain.gap[:struck] + chain.gap[struck + 1 :]
     return chain.gap[struck] >= 0.0 and not (any(inside) or chain.driven or chain.on_bed)
 
 
 def speed_ratio(chain: Chain, struck: int, speed: float) -> float | None:
-    """V/v_c of draft gears, all alike, whose contact `struck` closes at `speed` [m/s]; None where there is no critical speed."""
+    """Return V/v_c of equal draft gears whose contact `struck` closes at `speed` [m/s]; None if there is no critical
+    speed.
+    """
     gear = common_law(chain)
     if gear is None or gear.exponent != 1.0 or gear.preload == 0.0 or gear.stiffness == 0.0:
         return None

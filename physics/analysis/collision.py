@@ -1,10 +1,11 @@
-"""Measures of a collision: rigidity of the struck cluster, restitution, energy left inside, and what each contact did.
+"""Measures of a collision: rigidity of the struck cluster, restitution, energy left inside, and a table of the
+contacts.
 
-Title, unit and meaning of every number are metadata of its field.
+The metadata of each field contain its title, unit and meaning.
 
-The beads before the struck contact are the strikers, those behind it the target cluster. *Detachment* is the last
+The beads before the struck contact are the strikers, the beads behind it the target cluster. *Detachment* is the last
 opening of the struck contact: "the detachment of the hitting particle", after which "the finite overlaps ... cause the
-velocity divergence among the cluster particles". Walls belong to a side, but not to its cluster.
+velocity divergence among the cluster particles". A wall belongs to a side, but not to its cluster.
 """
 
 from __future__ import annotations
@@ -37,19 +38,19 @@ from softcradle.physics.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
-WITHIN_CONTACT = 31  # samples of a contact at least, by which its greatest force is right to a part in a thousand
+WITHIN_CONTACT = 31  # Least number of samples in each contact. With 31, the largest force is accurate to 0.1 %.
 
 
 def _measure(title: str, unit: str, meaning: str, dissipative: bool = False) -> Any:
-    """A field of a table of measures: its title, unit and meaning, and whether it is of use for dissipative chains alone."""
+    """Return a field of a table of measures, with its title, unit and meaning; `dissipative` measures need dissipation."""
     return field(metadata={"title": title, "unit": unit, "meaning": meaning, "dissipative": dissipative})
 
 
 @dataclass(frozen=True)
 class ContactMeasures:
-    """What one contact did; ``fields`` gives title, unit and meaning of every number as metadata.
+    """Measures of one contact; ``fields`` gives title, unit and meaning of each number as metadata.
 
-    A mass that includes a wall is None, and so is the force per mass.
+    A mass that includes a wall is None, and so is its force per mass.
     """
 
     peak_force: float = _measure("peak force", "N", "greatest force")
@@ -86,14 +87,14 @@ class ContactMeasures:
 
 @dataclass(frozen=True)
 class CollisionMeasures:
-    """Measures of one collision; ``fields`` gives title, unit and meaning of every number as metadata.
+    """Measures of one collision; ``fields`` gives title, unit and meaning of each number as metadata.
 
-    A number is None where it does not exist: over a mean of 0, without detachment, or for a side that is a wall alone.
+    A number is None if it does not exist: a ratio with a mean of 0, without detachment, or if one side is only a wall.
 
     Attributes:
         struck: index of the contact where strikers meet targets.
         final_velocity: of every bead.
-        contacts: one a contact, from left to right.
+        contacts: measures of each contact, from left to right.
     """
 
     struck: int
@@ -169,10 +170,10 @@ class CollisionMeasures:
 
 
 def struck_contact(velocity: ArrayLike) -> int:
-    """The contact across which neighbours approach each other fastest at the start, from `velocity` (n+1,) [m/s].
+    """Return the contact whose beads approach each other fastest at the start, from `velocity` (n+1,) [m/s].
 
     Raises:
-        ValueError: none approach each other.
+        ValueError: if no neighbours approach each other.
 
     >>> struck_contact([1.0, 1.0, 0.0, 0.0])
     1
@@ -193,11 +194,11 @@ def collide(
     samples: int = 2001,
     run: Callable[..., Trajectory] = simulate,
 ) -> Trajectory:
-    """`simulate` with the samples that :func:`measured` needs: even ones, more while contacts are closed, and switches; contacts
-    that are closed for a short time have some of their own.
+    """Run `simulate` with the samples that :func:`measured` needs: uniform ones, more while contacts are closed, and
+    switches.
 
-    `method` None is "accurate" where that carries the chain, else "conserving". `run` is `simulate`, or `solve` in threads,
-    for which Python's warnings are not.
+    Contacts that are closed for a short time get additional samples. `method` None is "accurate" if it carries the
+    chain, else "conserving". Pass `solve` as `run` in threads, because Python's warnings are not thread-safe.
     """
     if method is None:
         method = "conserving" if refusal_of("accurate", chain) else "accurate"
@@ -212,7 +213,9 @@ def collide(
 
 
 def _inside_short(spans: Array, end: float, samples: int) -> Array:
-    """Times within those of `spans` (K, 2) [s] that even samples up to the `end` miss; together about as many as `samples`."""
+    """Return times inside those `spans` (K, 2) [s] that uniform samples up to `end` miss; together about `samples` of
+    them.
+    """
     last = np.minimum(spans[:, 1], end)
     length = last - spans[:, 0]
     short = (length > 0.0) & (length < WITHIN_CONTACT * end / samples)
@@ -223,12 +226,12 @@ def _inside_short(spans: Array, end: float, samples: int) -> Array:
 
 
 def measured(trajectory: Trajectory) -> CollisionMeasures:
-    """The measures of a collision; values at detachment are interpolated between samples (see :func:`collide`).
+    """Return the measures of a collision. Values at detachment are interpolated between samples (see :func:`collide`).
 
     Raises
     ------
     ValueError
-        No two neighbours approach each other at the start.
+        If no two neighbours approach each other at the start.
     """
     struck = struck_contact(trajectory.velocity[0])
     intervals = trajectory.contact_intervals[struck]
@@ -296,7 +299,7 @@ def _contact_measures(trajectory: Trajectory, struck: int) -> list[ContactMeasur
 
 
 def _deficits(trajectory: Trajectory, touched: float, opened: float) -> tuple[float | None, float | None]:
-    """Shares of momentum and of kinetic energy at `touched` that are missing at `opened` [s]."""
+    """Return the shares of momentum and of kinetic energy at `touched` that are missing at `opened` [s]."""
     found = []
     for values in (trajectory.momentum, trajectory.kinetic_energy):
         before, after = (float(interpolated(trajectory, values, time)) for time in (touched, opened))

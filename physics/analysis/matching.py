@@ -1,17 +1,18 @@
-"""Matching: the power law nearest to a given draft gear in one collision, and the draft gear nearest to a power law.
+"""Matching of contact laws: the power law nearest to a given draft gear in one collision, and the other way round.
 
-"The above form of f(delta) resembles the power-law form, f0 delta^alpha, with alpha << 1" (Appendix C): how nearly, and
-with which f0 and alpha, depends on the collision, and on the distance of two contacts that is made small:
+"The above form of f(delta) resembles the power-law form, f0 delta^alpha, with alpha << 1" (Appendix C). How closely,
+and with which f0 and alpha, depends on the collision and on the distance that is minimised:
 
     force     sqrt(integral (f - g)^2 dt / integral f^2 dt) over the force of the struck contact, from the first touch
               until both collisions are over
     outcome   sqrt(mean ((v_i - w_i) / V)^2 + ln(T / S)^2) over the final velocities of all beads, V the closing speed
               at the start, and the contact times T, S of the struck contact
 
-f, v, T belong to the given contact, g, w, S to the other; all contacts of the chain are replaced. Where both clusters move as
-rigid bodies the outcome is nearly the same for all small alpha; the force is not. A draft gear below its critical speed moves
-the clusters as rigid bodies, whatever its numbers: there the outcome is flat, and a search that starts there stays. So the
-search begins with contacts of every V/v_c, or of every alpha, that hold two rigid bodies together for a given time T:
+f, v, T belong to the given contact, g, w, S to the other one. All contacts of the chain are replaced. If both clusters
+move as rigid bodies, the outcome is nearly the same for all small alpha, but the force is not. Below its critical speed
+a draft gear moves the clusters as rigid bodies for any parameters, so the outcome is flat and a search that starts
+there does not move. Therefore the search starts from contacts of every V/v_c, or of every alpha, that keep two rigid
+bodies in contact for a given time T:
 
     draft gear   T = (2/w) atan(x), x = V/(w D) = (V/v_c) sqrt(1/r^2 - 1)
     power law    Contact.by_contact_time
@@ -37,39 +38,51 @@ Array = NDArray[np.float64]
 Family = Literal["power_law", "draft_gear"]
 Distance = Literal["force", "outcome"]
 
-NEAR = 0.1  # largest distance that counts as near: forces that differ by 10 %
-ALPHAS = (1.0 / 50.0, 3.0)  # range of the exponents that are searched
-# range of the precompressions that are searched, in largest overlaps of the given contact
+NEAR = 0.1  # Largest distance that counts as near: force curves that differ by 10 %.
+ALPHAS = (1.0 / 50.0, 3.0)  # Range of the exponents to search.
+# Range of the precompressions to search, as a multiple of the largest overlap of the given contact.
 PRECOMPRESSIONS = 1e-4, 1e4
-FORCES = (1e-3, 1e3)  # range of the forces that are searched, in that of the first guess
-LOGARITHM_TOLERANCE = 1e-5  # of the logarithms of the two numbers, at which the search ends
-AT_END = 1e-3  # of a logarithm: a number this near to an end of its range counts as lying there
-SIMPLEX_SIZES = (0.3, 0.1, 0.03)  # of the logarithms: the search begins again with each until nothing changes
-MOST_COLLISIONS = 150  # of one descent; two numbers need about 60
-DESCENTS = {"force": 1, "outcome": 3}  # from the nearest starts, by distance: the outcome has several valleys
-TOLERANCE = 1e-6  # of the collisions: far below any distance; very soft chains need thousands of steps for less
-FAR = 1e3  # distance of a contact whose collision cannot be simulated
-# times of samples, in contact times: dense at both ends, where forces jump, and short of the ends themselves, where the force
-# has two values
+FORCES = (1e-3, 1e3)  # Range of the forces to search, as a multiple of the first guess.
+LOGARITHM_TOLERANCE = 1e-5  # Step of the logarithms of both parameters at which the search ends.
+AT_END = 1e-3  # A logarithm this close to an end of its range counts as lying at it.
+# Sizes of the simplex in the logarithms. The search restarts with each until nothing changes.
+SIMPLEX_SIZES = (0.3, 0.1, 0.03)
+MOST_COLLISIONS = 150  # Most collisions of one descent. Two parameters need about 60.
+# Number of descents from the nearest starts. The outcome has several valleys, the force has one.
+DESCENTS = {"force": 1, "outcome": 3}
+# Tolerance of the collisions, far below any distance. Very soft chains need thousands of steps for a smaller one.
+TOLERANCE = 1e-6
+FAR = 1e3  # Distance of a contact whose collision cannot be simulated.
+# Sample times as fractions of the contact time: dense at both ends, where forces jump, but not at the ends themselves,
+# where the force has two values.
 GRADED = np.clip(0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 801)), 1e-9, 1.0 - 1e-9)
 
-RATIOS = tuple(np.geomspace(0.3, 30.0, 33).tolist())  # V/v_c of the gears that a search begins with
-EXPONENTS = tuple(np.geomspace(0.025, 2.5, 17).tolist())  # of the power laws that it begins with
+RATIOS = tuple(np.geomspace(0.3, 30.0, 33).tolist())  # V/v_c of the gears from which a search starts.
+EXPONENTS = tuple(np.geomspace(0.025, 2.5, 17).tolist())  # Exponents of the power laws from which a search starts.
 
 
 @dataclass(frozen=True)
 class Match:
-    """The nearest contact of a family, and how near it comes.
+    """Nearest contact of a family, and its distance.
 
-    Attributes:
-        given, contact: the contact that was given, and the nearest of the other family.
-        distance: name of the distance that was made small.
-        residual: the least distance found; 0.1 for force curves that differ by 10 % in the root mean square.
-        near: whether the residual is at most NEAR.
-        outcome: how far final velocities and contact time are apart, whatever the distance was; equal forces do not mean them.
-        speed_ratio: V/v_c of the draft gear, given or found: below 1 the clusters stay exactly rigid; None without one.
-        ends: names of the numbers that lie at an end of the range searched: beyond it there may be a nearer contact.
-        evaluations: collisions computed.
+    Attributes
+    ----------
+    given, contact : Contact
+        The given contact, and the nearest contact of the other family.
+    distance : str
+        Name of the distance that was minimised.
+    residual : float
+        Smallest distance found; 0.1 for force curves that differ by 10 % in the root mean square.
+    near : bool
+        True if the residual is at most 0.1.
+    outcome : float
+        Difference of final velocities and contact time, for any `distance`. Equal forces do not imply equal outcomes.
+    speed_ratio : float or None
+        V/v_c of the draft gear, given or found. Below 1 the clusters stay exactly rigid.
+    ends : tuple of str
+        Parameters at an end of the range that was searched. A nearer contact may lie beyond it.
+    evaluations : int
+        Number of collisions computed.
     """
 
     given: Contact
@@ -90,17 +103,30 @@ def match(
     family: Family | None = None,
     start: Contact | None = None,
 ) -> Match:
-    """The contact of `family` that comes nearest to the one of `chain` in the collision that `velocity` begins.
+    """Find the contact of `family` nearest to the contact of `chain`, in the collision that `velocity` starts.
 
-    Arguments:
-        chain: all its contacts alike, a power law (preload 0) or a draft gear (exponent 1).
-        velocity: (n+1,) start velocities [m/s].
-        distance: "force" or "outcome".
-        family: "power_law" or "draft_gear"; None takes the other one.
-        start: contact at which the search begins; None takes the one with the same force at half and at full depth.
+    Parameters
+    ----------
+    chain : Chain
+        All its contacts are equal, a power law (preload 0) or a draft gear (exponent 1).
+    velocity : array_like
+        (n+1,) initial velocities [m/s].
+    distance : {"force", "outcome"}
+        Distance to minimise.
+    family : {"power_law", "draft_gear"}, optional
+        Family to search. None takes the family that the given contact does not belong to.
+    start : Contact, optional
+        First contact of the search. None takes the contact with the same force at half and at full depth.
 
-    Raises:
-        ValueError: contacts of several kinds, or of neither family; nothing collides; a drive or two walls.
+    Returns
+    -------
+    Match
+        The nearest contact and its distance.
+
+    Raises
+    ------
+    ValueError
+        If the contacts differ or belong to neither family, if nothing collides, or with a drive or two walls.
 
     >>> from softcradle import hooke, one_on
     >>> match(one_on(1, hooke(4.0)), [1.0, 0.0], family="power_law").contact.exponent.__round__(4)
@@ -128,9 +154,10 @@ def match(
 def _search(
     family: Family, starts: Sequence[Contact], depth: float, apart: Callable[[Contact], float], descents: int
 ) -> tuple[Contact, float, tuple[str, ...], int]:
-    """The nearest contact, its distance, its numbers that lie at an end of their range, and the number of collisions.
+    """Return the nearest contact, its distance, its parameters at an end of their range, and the number of collisions.
 
-    The distance of all `starts` first, then Nelder and Mead from the nearest ones, in the logarithms of the two numbers.
+    Compute the distance of all `starts` first. Then run Nelder-Mead from the nearest ones, in the logarithms of both
+    parameters.
     """
     low, high = np.log(_ranges(family, starts[0], depth)).T
     evaluations = 0
@@ -151,7 +178,7 @@ def _search(
 
 
 def _descend(objective: Callable[[Array], float], place: Array, low: Array, high: Array) -> tuple[Array, float]:
-    """The least value near `place`, by Nelder and Mead, begun again until nothing changes; and where it is."""
+    """Return the minimum near `place` and its place, by Nelder-Mead, restarted until nothing changes."""
     least = math.inf
     for size in SIMPLEX_SIZES:
         found = optimize.minimize(
@@ -160,7 +187,7 @@ def _descend(objective: Callable[[Array], float], place: Array, low: Array, high
             method="Nelder-Mead",
             bounds=list(zip(low, high, strict=True)),
             options={
-                "initial_simplex": place + size * np.eye(3, 2, -1),  # turned inwards where it lies outside the range
+                "initial_simplex": place + size * np.eye(3, 2, -1),  # reversed at the upper end of the range
                 "xatol": LOGARITHM_TOLERANCE,
                 "fatol": 1e-9,
                 "maxfev": MOST_COLLISIONS,
@@ -174,7 +201,7 @@ def _descend(objective: Callable[[Array], float], place: Array, low: Array, high
 
 
 def only_contact(chain: Chain) -> Contact:
-    """The contact that all of `chain` have in common, if it can be matched; ValueError as in :func:`match`."""
+    """Return the common contact of `chain` if it can be matched; raise ValueError as in :func:`match`."""
     given = chain.power_laws[0]
     if any(contact != given for contact in chain.power_laws):
         raise ValueError("matching needs a chain whose contacts are all alike")
@@ -188,7 +215,7 @@ def only_contact(chain: Chain) -> Contact:
 
 
 def _first_guess(given: Contact, family: Family, depth: float) -> Contact:
-    """The contact of `family` with the force of `given` at half of `depth` and at all of it."""
+    """Return the contact of `family` with the force of `given` at half and at all of `depth`."""
     half, full = (float(given.force(part * depth)) for part in (0.5, 1.0))
     if family == "power_law":
         alpha = min(max(math.log2(full / half), 2.0 * ALPHAS[0]), ALPHAS[1])
@@ -198,17 +225,17 @@ def _first_guess(given: Contact, family: Family, depth: float) -> Contact:
 
 
 def _numbers(contact: Contact, family: Family, depth: float) -> tuple[float, float]:
-    """The two numbers of the search: the force at half of `depth`, and alpha or the precompression.
+    """Return the two search parameters: the force at half of `depth`, and alpha or the precompression.
 
-    The force there hardly depends on the second number. With f0 or the stiffness in its place the minimum would lie in a
-    narrow valley.
+    This force hardly depends on the second parameter. With f0 or the stiffness, the minimum would lie in a narrow
+    valley.
     """
     force = float(contact.force(0.5 * depth))
     return force, contact.exponent if family == "power_law" else contact.preload / contact.stiffness
 
 
 def _contact(family: Family, numbers: Array, depth: float) -> Contact:
-    """The contact with these :func:`_numbers`."""
+    """Return the contact with these :func:`_numbers`."""
     force, second = numbers.tolist()
     if family == "power_law":
         return power_law(force / (0.5 * depth) ** second, second)
@@ -216,7 +243,7 @@ def _contact(family: Family, numbers: Array, depth: float) -> Contact:
 
 
 def _ranges(family: Family, guess: Contact, depth: float) -> Array:
-    """(2, 2) least and greatest of the two :func:`_numbers`."""
+    """Return the (2, 2) lower and upper limits of the two :func:`_numbers`."""
     force = float(guess.force(0.5 * depth))
     second = ALPHAS if family == "power_law" else tuple(depth * factor for factor in PRECOMPRESSIONS)
     return np.array([[force * factor for factor in FORCES], second])
@@ -227,10 +254,12 @@ def _with(chain: Chain, contact: Contact) -> Chain:
 
 
 def force_distance(chain: Chain, velocity: Array, struck: int) -> Callable[[Contact], float]:
-    """A function of a contact: how far the collision with it is from that of `chain`, by the force of contact `struck`."""
+    """Return the function that maps a contact to the distance of its collision, by the force of contact `struck`."""
 
     def curve(contact: Contact) -> tuple[Array, Array]:
-        """Force of the struck contact from its first touch to its last opening, and the times since that touch."""
+        """Return the force of the struck contact from its first touch to its last opening, and the times since that
+        touch.
+        """
         candidate = _with(chain, contact)
         spans = solve(candidate, velocity, samples=2, tolerance=TOLERANCE).contact_intervals[struck]
         touched, opened = spans[0][0], spans[-1][1]
@@ -243,7 +272,7 @@ def force_distance(chain: Chain, velocity: Array, struck: int) -> Callable[[Cont
 
 
 def squared_difference(time: Array, curve: Array, other_time: Array, other: Array) -> float:
-    """Integral of (f - g)^2 of two curves over times (T,), (S,) from 0 on; each curve is 0 after its last time.
+    """Integrate (f - g)^2 of two curves over times (T,), (S,) from 0 on; each curve is 0 after its last time.
 
     >>> one = np.ones(2)
     >>> squared_difference(np.array([0.0, 2.0]), one, np.array([0.0, 3.0]), 2.0 * one)
@@ -260,7 +289,7 @@ def squared_difference(time: Array, curve: Array, other_time: Array, other: Arra
 
 
 def outcome_distance(chain: Chain, velocity: Array, struck: int) -> Callable[[Contact], float]:
-    """A function of a contact: how far the collision with it is from that of `chain`, by final velocities and contact time."""
+    """Return the function that maps a contact to the distance of its collision, by final velocities and contact time."""
     closing = float(velocity[struck] - velocity[struck + 1])
 
     def outcome(contact: Contact) -> tuple[Array, float]:
@@ -278,7 +307,9 @@ def outcome_distance(chain: Chain, velocity: Array, struck: int) -> Callable[[Co
 
 
 def gears_of_all_speeds(chain: Chain, struck: int, speed: float, time: float) -> list[Contact]:
-    """A draft gear for every V/v_c of RATIOS that holds two rigid bodies together for `time` [s]; none for one on one."""
+    """Return a draft gear for every V/v_c of RATIOS with contact time `time` [s] between rigid bodies; empty for one on
+    one.
+    """
     first, second = rigid_masses(chain.mass, struck + 1)
     carried = float(np.delete(mass_shares(chain.mass, struck), struck).max(initial=0.0))
     if not 0.0 < carried < 1.0:
@@ -292,7 +323,7 @@ def gears_of_all_speeds(chain: Chain, struck: int, speed: float, time: float) ->
 
 
 def laws_of_all_exponents(chain: Chain, struck: int, speed: float, time: float) -> list[Contact]:
-    """A power law for every exponent of EXPONENTS that holds two rigid bodies together for `time` [s]."""
+    """Return a power law for every exponent of EXPONENTS with contact time `time` [s] between rigid bodies."""
     first, second = rigid_masses(chain.mass, struck + 1)
     reduced = 1.0 / (1.0 / first + 1.0 / second)
     return [Contact.by_contact_time(time, reduced, speed, exponent) for exponent in EXPONENTS]

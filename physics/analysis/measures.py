@@ -13,12 +13,12 @@ from softcradle.physics.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
-# of the deepest overlap: a contact with preload and less overlap counts as touching, not as loaded
+# Fraction of the largest overlap. A contact with preload and a smaller overlap counts as touching, not as loaded.
 LEAST_OVERLAP = 1e-9
 
 
 def depth_law(n: int, alpha: float) -> Array:
-    """(n-1,) overlaps inside a homogeneous cluster of `n` beads as parts of the first, Eq. (7), i = 1 ... n-1.
+    """Return the (n-1,) overlaps inside a homogeneous cluster of `n` beads relative to the first one, Eq. (7).
 
     >>> depth_law(4, 1 / 10).round(4)
     array([1.    , 0.0173, 0.    ])
@@ -28,7 +28,7 @@ def depth_law(n: int, alpha: float) -> Array:
 
 
 def depth_bound(n: int, alpha: float) -> Array:
-    """(n-1,) the paper's bound ``exp(-(i-1)/(n alpha))`` on :func:`depth_law`.
+    """Return the paper's (n-1,) bound ``exp(-(i-1)/(n alpha))`` of :func:`depth_law`.
 
     >>> bool((depth_law(7, 0.05) <= depth_bound(7, 0.05)).all())
     True
@@ -37,12 +37,12 @@ def depth_bound(n: int, alpha: float) -> Array:
 
 
 def loads(chain: Chain, struck: int = 0) -> Array:
-    """(n,) the force that each contact has to pass on, as a part of its own at overlap 1; 1 at the contact `struck`.
+    """Return the (n,) force that each contact must transmit, relative to its force at overlap 1; 1 at contact `struck`.
 
     If the clusters move as rigid bodies and the struck contact pushes with its force at overlap 1, a contact inside
-    passes on the part of it that accelerates the masses beyond, Eq. (5). For small exponents a contact can pass on no
-    more than about its force at overlap 1, so clusters are rigid-like only if all loads are below 1; how small the
-    exponents must be follows from ``load**(1/exponent)``, the overlap. For n equal beads the greatest load is (n-1)/n.
+    transmits the part that accelerates the masses beyond it, Eq. (5). With small exponents a contact transmits at most
+    about its force at overlap 1, so clusters are rigid-like only if all loads are below 1. How small the exponents must
+    be follows from ``load**(1/exponent)``, the overlap. For n equal beads the largest inner load is (n-1)/n.
 
     >>> from softcradle import one_on, power_law
     >>> loads(one_on(4, power_law(1.0, 0.1)))
@@ -54,9 +54,10 @@ def loads(chain: Chain, struck: int = 0) -> Array:
 
 
 def response_times(trajectory: Trajectory) -> Array:
-    """(n,) response time of each contact [s] where it is pressed most: ``1 / sqrt(L_ii df/dd)``, L_ii = 1/m + 1/m'.
+    """Return the (n,) response times [s] at the largest overlaps: ``1 / sqrt(L_ii df/dd)``, L_ii = 1/m + 1/m'.
 
-    The paper's tau_(i,i+1) before Eq. (10), with masses. 0 for a contact that never loads, inf for a step force.
+    These are tau_(i,i+1) before Eq. (10), with masses. The value is 0 for a contact that never loads, and infinite for
+    a step force.
     """
     _, stiffness, exponent = trajectory.chain.power_law_rows.T
     deepest = np.maximum(trajectory.overlap.max(axis=0), 0.0)
@@ -67,12 +68,14 @@ def response_times(trajectory: Trajectory) -> Array:
 
 
 def time_scale_separation(trajectory: Trajectory, struck: int = 0) -> Array:
-    """(n,) the validity measure of Eq. (10), (tau_i / tau_dur)**2: mode coupling needs it far below 1.
+    """Return the (n,) validity measure (tau_i / tau_dur)**2 of Eq. (10); mode coupling needs it far below 1.
 
-    tau_dur is the time for which the contact `struck` is first closed.
+    tau_dur is the duration of the first contact of `struck`.
 
-    Raises:
-        ValueError: that contact does not close and open again.
+    Raises
+    ------
+    ValueError
+        If that contact does not close and open again.
     """
     intervals = trajectory.contact_intervals[struck]
     if not intervals or not np.isfinite(intervals[0][1]):
@@ -82,10 +85,11 @@ def time_scale_separation(trajectory: Trajectory, struck: int = 0) -> Array:
 
 
 def rigidity(velocity: ArrayLike) -> Array:
-    """(...) how far from rigid a cluster moves: its beads' (..., n) largest less smallest velocity over their mean.
+    """Return the spread of velocities of a cluster, (..., n) [m/s]: largest minus smallest velocity, divided by the
+    mean.
 
-    0 for a rigid body; inf or nan where the mean is 0. It "vanishes in the limit alpha -> +0", Figs. 1(c), (d), and is
-    the ordinate of Fig. 3 of the letter that the paper cites.
+    It is 0 for a rigid body, and infinite or NaN if the mean is 0. It "vanishes in the limit alpha -> +0", Figs. 1(c),
+    (d), and is the ordinate of Fig. 3 of the letter that the paper cites.
 
     >>> float(rigidity([0.5, 0.4, 0.3]).round(3))
     0.5
@@ -96,7 +100,7 @@ def rigidity(velocity: ArrayLike) -> Array:
 
 
 def interpolated(trajectory: Trajectory, values: Array, time: float) -> Array:
-    """(...) the row of `values` (T, ...) at `time` [s], linearly interpolated between samples."""
+    """Interpolate `values` (T, ...) linearly at `time` [s]."""
     right = min(max(int(np.searchsorted(trajectory.time, time)), 1), len(trajectory.time) - 1)
     before, after = trajectory.time[right - 1], trajectory.time[right]
     share = 0.0 if after == before else min(max((time - before) / (after - before), 0.0), 1.0)
@@ -104,9 +108,10 @@ def interpolated(trajectory: Trajectory, values: Array, time: float) -> Array:
 
 
 def restitution(trajectory: Trajectory, struck: int, touch: float, detachment: float) -> float | None:
-    """Speed of parting at `detachment` over speed of approach at the `touch` [s]; None where the sides do not approach.
+    """Return the ratio of the speed of separation at `detachment` to the speed of approach at `touch` [s].
 
-    After the detachment only bed friction and walls change the velocities of the centres of mass.
+    It is None if the sides do not approach. After the detachment only bed friction and walls change the velocities of
+    the centres of mass.
     """
     chain, sides = trajectory.chain, (slice(None, struck + 1), slice(struck + 1, None))
     rows = (interpolated(trajectory, trajectory.velocity, time) for time in (touch, detachment))
@@ -116,7 +121,7 @@ def restitution(trajectory: Trajectory, struck: int, touch: float, detachment: f
 
 
 def energy_inside(trajectory: Trajectory, struck: int) -> Array:
-    """(T,) energy inside the target cluster as a share of all energy at the start; nan where that is 0."""
+    """Return the (T,) energy inside the target cluster as a share of the initial energy; NaN if that is 0."""
     chain = trajectory.chain
     beads = target_beads(chain, struck)
     mass, velocity = np.array(chain.mass)[beads], trajectory.velocity[:, beads]
@@ -127,10 +132,11 @@ def energy_inside(trajectory: Trajectory, struck: int) -> Array:
 
 
 def impulses(trajectory: Trajectory, struck: int) -> Array:
-    """(n,) momentum that each contact passed to the right from the first sample to the last [N s], by the balance of one side.
+    """Return the (n,) momentum [N s] that each contact passed to the right between the first and the last sample.
 
-    Between two walls, and with bed friction, there is no such balance: there the force is integrated over the samples from
-    the first touch of the contact `struck` on, because the forces between beads that friction holds are not determined.
+    It follows from the momentum balance of one side. Between two walls, and with bed friction, this balance is not
+    known. Then the force is integrated over the samples from the first touch of contact `struck` on, because forces
+    between beads at rest on the bed are not determined.
     """
     chain, time = trajectory.chain, trajectory.time
     if chain.on_bed:
@@ -140,7 +146,7 @@ def impulses(trajectory: Trajectory, struck: int) -> Array:
     for item in chain.forces:
         drive[list(item.beads)] += np.diff(item.impulse(time[[0, -1]]))
     with np.errstate(invalid="ignore"):
-        gained = mass * (trajectory.velocity[-1] - trajectory.velocity[0]) - drive  # nan for walls
+        gained = mass * (trajectory.velocity[-1] - trajectory.velocity[0]) - drive  # NaN for walls
     right, left = np.cumsum(gained[::-1])[::-1][1:], -np.cumsum(gained)[:-1]
     known: Array = np.where(np.isfinite(right), right, left)
     if np.isfinite(known).all():
@@ -149,14 +155,16 @@ def impulses(trajectory: Trajectory, struck: int) -> Array:
 
 
 def _integrated_force(trajectory: Trajectory, struck: int) -> Array:
-    """(n,) integral of the force of each contact [N s] over the samples from the first touch of the contact `struck` on.
+    """Return the (n,) integrals of the contact forces [N s] over the samples from the first touch of contact `struck`
+    on.
 
-    Between two samples of which one is open, a force that jumps at the switch must not count with its mean.
+    If a contact is open at one of two neighbouring samples, the force may jump between them, so its mean does not
+    count.
     """
     time, force = trajectory.time, trajectory.force
     middle, mean = 0.5 * (time[1:] + time[:-1]), 0.5 * (force[1:] + force[:-1])
     for k, spans in enumerate(trajectory.contact_intervals):
-        if not isinstance(trajectory.chain.contact[k], Coupler):  # which may push before its switch is told
+        if not isinstance(trajectory.chain.contact[k], Coupler):  # a coupler may push before its switch is logged
             switches = np.array(spans).ravel()
             mean[:, k] = np.where(np.isin(time[1:], switches[1::2]), force[:-1, k], mean[:, k])
             mean[np.searchsorted(switches, middle) % 2 == 0, k] = 0.0
@@ -165,13 +173,13 @@ def _integrated_force(trajectory: Trajectory, struck: int) -> Array:
 
 
 def first_touch(trajectory: Trajectory, struck: int) -> float:
-    """Time at which the contact `struck` first closes [s]; the end where it never does."""
+    """Return the time [s] at which contact `struck` first closes, or the end of the run."""
     spans = trajectory.contact_intervals[struck]
     return spans[0][0] if spans else float(trajectory.time[-1])
 
 
 def loaded_samples(trajectory: Trajectory) -> NDArray[np.bool_]:
-    """(T, n) whether each contact is pressed in, a coupler into the gear that pushes or into the one that pulls."""
+    """Return (T, n) True if a contact is pressed, or if one of the gears of a coupler is."""
     way = trajectory.overlap.copy()
     for i, coupler in trajectory.chain.couplers:
         way[:, i] = np.maximum(way[:, i], coupler.pulls_below - way[:, i])
@@ -179,15 +187,16 @@ def loaded_samples(trajectory: Trajectory) -> NDArray[np.bool_]:
 
 
 def can_touch(joint: Joint) -> bool:
-    """Whether the joint holds forces without being pressed in, by a preload of the gear that pushes or of the one that pulls."""
+    """Return True if the contact or coupler can carry a force without moving, because one of its gears has a preload."""
     return joint.preload > 0.0 or bool(isinstance(joint, Coupler) and joint.pull and joint.pull.preload)
 
 
 def dwell(trajectory: Trajectory, struck: int) -> Array:
-    """(n, 3) for how long each contact was open, touching and loaded [s], from the first touch of `struck` to the end.
+    """Return the (n, 3) times [s] that each contact was open, touching and loaded, from the first touch of `struck` to
+    the end.
 
-    A coupler that is pulled is closed too. Closings and openings are exact; the change between touching and loaded is known to
-    within a sample.
+    A coupler that pulls counts as closed. Closings and openings are exact; the change between touching and loaded is
+    known to within a sample.
     """
     time, end = trajectory.time, float(trajectory.time[-1])
     begin, loaded_at, rows = first_touch(trajectory, struck), loaded_samples(trajectory), []
@@ -202,10 +211,10 @@ def dwell(trajectory: Trajectory, struck: int) -> Array:
 
 
 def spread_variable(n: int, alpha: float) -> float:
-    """``(n+1) exp(-1/(2 n alpha))``: one on `n` with different n and alpha has the same velocity spread where this is equal.
+    """Return ``(n+1) exp(-1/(2 n alpha))``; cases of one on `n` with equal values have the same velocity spread.
 
-    The first inner overlap stores ``psi ~ exp(-1/(n alpha))`` of length at a force near 1, which after the detachment drives
-    its beads apart by about ``sqrt(psi)``; the velocity of a rigid cluster is 2/(n+1).
+    The first inner overlap stores ``psi ~ exp(-1/(n alpha))`` at a force near 1. After the detachment this energy
+    drives its beads apart by about ``sqrt(psi)``. The velocity of a rigid cluster is 2/(n+1).
 
     >>> round(spread_variable(4, 0.1), 3)
     1.433
@@ -214,7 +223,9 @@ def spread_variable(n: int, alpha: float) -> float:
 
 
 def chain_spread_variable(chain: Chain, struck: int) -> float | None:
-    """The `spread_variable` of one bead on others that just touch, all alike, without preload or loss; None for other chains."""
+    """Return the `spread_variable` of a chain of one striker and equal targets without preload or loss; None for other
+    chains.
+    """
     law, n = common_law(chain), chain.contacts
     if law is None or law.preload or law.loss or n < 2 or struck != 0 or len(set(chain.mass)) > 1:
         return None
@@ -222,10 +233,12 @@ def chain_spread_variable(chain: Chain, struck: int) -> float | None:
 
 
 def penetration_depth(trajectory: Trajectory, struck: int = 0) -> float:
-    """Contacts over which the overlap falls by a factor e, at the moment when the first contact inside is pressed most.
+    """Return the number of contacts over which the overlap falls by a factor e, at the largest overlap of the first
+    inner contact.
 
-    From the straight line through the logarithms of the overlaps behind the contact `struck`; the paper's bound on Eq. (7)
-    has n alpha. 0 where no second contact inside is pressed, or where they are pressed no less further inside.
+    The value comes from a straight line through the logarithms of the overlaps behind contact `struck`. The paper's
+    bound on Eq. (7) is n alpha. The value is 0 if no second inner contact is pressed, or if the overlaps do not
+    decrease inwards.
     """
     inner = trajectory.overlap[:, struck + 1 :]
     if inner.shape[1] < 2:
@@ -239,12 +252,12 @@ def penetration_depth(trajectory: Trajectory, struck: int = 0) -> float:
 
 
 def target_beads(chain: Chain, struck: int) -> NDArray[np.int_]:
-    """Indices of the beads behind the contact `struck`, walls left out."""
+    """Return the indices of the beads behind contact `struck`, without walls."""
     return struck + 1 + np.flatnonzero(np.isfinite(chain.mass[struck + 1 :]))
 
 
 def _side_velocity(chain: Chain, side: slice, velocity: Array) -> float:
-    """Velocity of a side's centre of mass [m/s]: that of its wall, if it has one."""
+    """Return the velocity [m/s] of the centre of mass of a side, or of its wall."""
     mass, speeds = np.array(chain.mass)[side], velocity[side]
     walls = np.isinf(mass)
     return float(speeds[walls][0] if walls.any() else speeds @ mass / mass.sum())

@@ -1,17 +1,17 @@
-"""Mode coupling, Sec. III and Appendix A: the collective modes of a collision, and every overlap from them.
+"""Mode coupling, Sec. III and Appendix A: the collective modes of a collision, and every overlap computed from them.
 
-A cluster that moves as one body shares out the momentum that flows in: the force behind bead i is that at the head of
-the cluster times the mass behind it, Eq. (5). All overlaps of a cluster therefore follow from its first one, Eqs. (7)
-and (A1), and what is left to solve are the overlap Phi between the clusters and the first overlap of each, psi and
+A cluster that moves as one body distributes the incoming momentum: the force behind bead i is the force at the head of
+the cluster times the mass fraction behind it, Eq. (5). So all overlaps of a cluster follow from its first one, Eqs. (7)
+and (A1). The remaining unknowns are the overlap Phi between the clusters and the first overlap of each, psi and
 psi-bar. With M = m2 + ... + mn, Eqs. (8), (A3) read
 
     Phi'' = -(1/m0 + 1/m1) f01(Phi) + (1/m1) f12(psi)
     psi'' =  (1/m1) f01(Phi) - (1/m1 + 1/M) f12(psi)
 
-which is Newton's equation (3) of the three-bead chain m0, m1, M with the contacts f01 and f12: the cluster behind its
-first bead lumped into one. So the reduced chain is a Chain like any other and is simulated as such; cluster on cluster
-it has four beads, a cluster that is pushed by a steady force two. It conserves the energy
-``H = q'.L^-1.q'/2 + E01(Phi) + E12(psi)``, q = (Phi, psi), because L is symmetric.
+This is Newton's equation (3) of the three-bead chain m0, m1, M with the contacts f01 and f12: the cluster behind its
+first bead is lumped into one bead. So the reduced chain is an ordinary Chain. For a cluster on a cluster it has four
+beads, and for a cluster with a steady external force two. It conserves the energy ``H = q'.L^-1.q'/2 + E01(Phi) +
+E12(psi)``, q = (Phi, psi), because L is symmetric.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Reduction:
-    """The contacts of a chain that are modes, and the chain of these alone, Eqs. (A1), (A3).
+    """Modes of a chain, and the reduced chain of these modes, Eqs. (A1), (A3).
 
     Attributes:
         chain: the whole chain.
-        modes: indices of the contacts that are modes, neighbours all: psi-bar (if any), Phi (if any), psi (if any).
-        struck: index of Phi's contact, or None for a driven cluster, which nothing strikes.
+        modes: indices of the neighbouring contacts that are modes: psi-bar (if any), Phi (if any), psi (if any).
+        struck: index of the contact of Phi, or None for a driven cluster without a striker.
     """
 
     chain: Chain
@@ -47,11 +47,11 @@ class Reduction:
 
     @classmethod
     def of(cls, chain: Chain, velocity: ArrayLike) -> Reduction:
-        """The modes of two clusters that meet, or of one that is driven at an end.
+        """Return the reduction of two colliding clusters, or of one cluster that is driven at an end.
 
         Raises:
-            ValueError: the start is neither, an overlap inside a cluster has no power law to be found by, or its beads are not
-                free.
+            ValueError: if the start is neither, if a contact inside a cluster is not a power law, or if its beads are
+                not free.
         """
         if chain.timed or chain.dissipative:
             raise ValueError(
@@ -68,20 +68,20 @@ class Reduction:
                     f"mode coupling needs clusters that just touch, contact {i} has a gap of {chain.gap[i]:g}"
                 )
         lumped = [j for lump in found.lumps if lump.stop - lump.start > 1 for j in range(lump.start, lump.stop)]
-        for j in lumped:  # Eq. (5) shares out by mass what comes in at the head
+        for j in lumped:  # Eq. (5) distributes the force at the head by mass
             if math.isinf(chain.mass[j]) or (chain.drive is not None and chain.drive[j] != 0.0):
                 raise ValueError(f"mode coupling needs free beads inside a cluster, bead {j} is a wall or driven")
         return found
 
     @cached_property
     def lumps(self) -> tuple[slice, ...]:
-        """The beads of the whole chain that are lumped into each bead of the reduced one."""
+        """Beads of the whole chain that form each bead of the reduced chain."""
         edges = (0, *(i + 1 for i in self.modes), self.chain.contacts + 1)
         return tuple(slice(a, b) for a, b in pairwise(edges))
 
     @cached_property
     def reduced(self) -> Chain:
-        """The chain of the modes: lumped masses, the contacts that are modes, the drive of beads that are not lumped."""
+        """Chain of the modes: lumped masses, the contacts that are modes, and the drive of beads that are not lumped."""
         chain = self.chain
         drive = None if chain.drive is None else [sum(chain.drive[lump]) for lump in self.lumps]
         masses = [sum(chain.mass[lump]) for lump in self.lumps]
@@ -89,20 +89,21 @@ class Reduction:
 
     @cached_property
     def carrier(self) -> NDArray[np.int_]:
-        """(n,) for each contact of the whole chain, the contact of the reduced one whose force it passes on."""
+        """(n,) index of the reduced contact whose force each contact of the whole chain transmits."""
         return np.arange(self.chain.contacts).clip(self.modes[0], self.modes[-1]) - self.modes[0]
 
     @cached_property
     def share(self) -> Array:
-        """(n,) force of each contact as a part of its carrier's, Eq. (5); 1 for the modes themselves."""
+        """(n,) force of each contact relative to its carrier, Eq. (5); 1 for the modes."""
         first, last = self.modes[0], self.modes[-1]
         before, beyond = mass_shares(self.chain.mass, first), mass_shares(self.chain.mass, last)
         return np.concatenate((before[:first], np.ones(last - first), beyond[last:]))
 
     def overlaps(self, overlap: Array, rate: Array) -> tuple[Array, Array]:
-        """(T, n) overlaps and rates of the whole chain from (T, r) of the reduced one, Eqs. (7), (A1).
+        """Return (T, n) overlaps and rates of the whole chain from (T, r) overlaps and rates of the reduced one, Eqs.
+        (7), (A1).
 
-        While its mode is open a cluster carries no force: its overlaps are 0.
+        If its mode is open, a cluster carries no force, and its overlaps are 0.
         """
         modes, rates = overlap[:, self.carrier], rate[:, self.carrier]
         is_mode = np.isin(np.arange(self.chain.contacts), self.modes)
@@ -115,7 +116,7 @@ class Reduction:
 
     @cached_property
     def profile(self) -> tuple[Array, Array]:
-        """(n,) C and r of Eq. (A1), ``overlap = C * mode**r``: the depth law of the cluster."""
+        """(n,) C and r of the depth law ``overlap = C * mode**r``, Eq. (A1)."""
         _, stiffness, exponent = self.chain.power_law_rows.T
         carrier = self.carrier + self.modes[0]
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -125,13 +126,17 @@ class Reduction:
 
 @dataclass(frozen=True, eq=False)
 class ModeCoupling:
-    """A solution of the mode-coupling equations.
+    """Solution of the mode-coupling equations.
 
-    Attributes:
-        reduction: which contacts are modes.
-        reduced: Trajectory of the chain of the modes.
-        trajectory: the whole chain as Eqs. (5), (7), (A1) have it: overlaps, rates and forces from the modes. Its beads
-            follow from its overlaps, so inside a cluster their momentum adds up only as well as the model holds.
+    Attributes
+    ----------
+    reduction : Reduction
+        Contacts that are modes.
+    reduced : Trajectory
+        Motion of the reduced chain.
+    trajectory : Trajectory
+        The whole chain by Eqs. (5), (7), (A1): overlaps, rates and forces from the modes. Its beads follow from its
+            overlaps, so the momentum inside a cluster is only as accurate as the model.
     """
 
     reduction: Reduction
@@ -173,7 +178,9 @@ class ModeCoupling:
         return bead[:, :-1] - bead[:, 1:]
 
     def returns(self, contact: int) -> float:
-        """Time [s] at which the mode of that `contact` of the whole chain first returns to zero; inf if never."""
+        """Return the time [s] at which the mode of `contact` of the whole chain first returns to zero; infinite if
+        never.
+        """
         intervals = self.reduced.contact_intervals[self.reduction.modes.index(contact)]
         return intervals[0][1] if intervals else float("inf")
 
@@ -191,14 +198,35 @@ def mode_coupling(
     samples: int | ArrayLike = 201,
     tolerance: float = 1e-8,
 ) -> ModeCoupling:
-    """Solve the mode-coupling equations (8), (A3) of `chain` and give all its overlaps and forces.
+    """Solve the mode-coupling equations (8), (A3) of `chain` and compute all its overlaps and forces from the modes.
 
-    Arguments as in :func:`simulate`; the start is one cluster that strikes another, or one at rest with a drive
-    on its first bead. Without a duration until every mode has returned to zero.
+    Parameters
+    ----------
+    chain : Chain
+        One cluster that strikes another, or one cluster with a drive on its first bead.
+    velocity : array_like
+        (n+1,) initial velocities [m/s].
+    duration : float, optional
+        Duration [s]. Without it, the run ends when every mode has returned to zero.
+    method : str, optional
+        As in `simulate`.
+    step : float, optional
+        As in `simulate` [s].
+    samples : int or array_like, optional
+        As in `simulate`.
+    tolerance : float, optional
+        As in `simulate`.
 
-    Raises:
-        ValueError: any other start, contacts without power law inside a cluster, walls or driven beads there but for its head,
-            loss, a bed, forces over time, or what `simulate` refuses.
+    Returns
+    -------
+    ModeCoupling
+        The modes, and the motion of the whole chain that follows from them.
+
+    Raises
+    ------
+    ValueError
+        If the start is neither of these, if a cluster contains a contact without power law, a wall or a driven bead
+            other than its first one, or with loss, a bed or forces over time; also as in `simulate`.
 
     >>> from softcradle import one_on, power_law
     >>> found = mode_coupling(one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0])
@@ -227,12 +255,12 @@ def _whole(reduction: Reduction, reduced: Trajectory) -> Trajectory:
         final_velocity=final,
         contact_intervals=tuple(reduced.contact_intervals[i] for i in reduction.carrier),
         method=f"mode coupling, {reduced.method}",
-        velocity_error=np.full(final.size, np.nan),  # that of the method says nothing of the model
+        velocity_error=np.full(final.size, np.nan),  # the error estimate of the method does not contain the model error
     )
 
 
 def _struck(chain: Chain, velocity: Array) -> int | None:
-    """Index of the one contact that closes at the start; None where nothing moves and the first bead is driven."""
+    """Return the index of the one contact that closes at the start; None if nothing moves and the first bead is driven."""
     closing = np.flatnonzero(np.diff(velocity))
     if closing.size == 0 and chain.drive is not None and not any(chain.drive[1:]):
         return None

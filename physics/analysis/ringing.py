@@ -1,7 +1,9 @@
-"""Ringing of a contact: how its overlap or force oscillates about a slow branch: turning points, period, amplitude, decay.
+"""Ringing of a contact: oscillation of its overlap or force about a slow branch (turning points, period, amplitude,
+decay).
 
-Inside a struck cluster a contact follows the force that it has to pass on, its quasi-static branch, Eq. (5). About it the
-contact oscillates at the local frequency ``sqrt((1/m + 1/m') df/dd)``, whose inverse is the response time before Eq. (10).
+Inside a struck cluster a contact follows the force that it must transmit, its quasi-static branch, Eq. (5). It
+oscillates about this branch at the local frequency ``sqrt((1/m + 1/m') df/dd)``, whose inverse is the response time
+before Eq. (10).
 """
 
 from __future__ import annotations
@@ -14,19 +16,20 @@ from softcradle.physics.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
-LEAST_SWING = 1e-9  # of the range of a curve: a swing smaller than this is none
-FEWEST_TURNS = 4  # turning points that an oscillation on top of one rise and one fall has at least
+LEAST_SWING = 1e-9  # Smallest swing that counts, as a fraction of the range of a curve.
+FEWEST_TURNS = 4  # Fewest turning points of an oscillation on top of one rise and one fall.
 
 
 @dataclass(frozen=True)
 class Ringing:
-    """An oscillation on top of a curve that rises and falls once.
+    """Oscillation on top of a curve that rises and falls once.
 
     Attributes:
-        turns: turning points of the curve; 1 where nothing oscillates.
-        period: mean time between every other turning point [s]; None below 4 turning points.
-        amplitude: largest distance of a turning point from the mean of its neighbours, halved, in units of the curve.
-        decay: rate at which the logarithm of that distance falls [1/s]; negative where it grows.
+        turns: number of turning points of the curve; 1 without oscillation.
+        period: mean time between every other turning point [s]; None with fewer than 4 turning points.
+        amplitude: half of the largest distance of a turning point from the mean of its neighbours, in units of the
+            curve.
+        decay: rate at which the logarithm of that distance falls [1/s]; negative if it grows.
     """
 
     turns: int
@@ -36,9 +39,10 @@ class Ringing:
 
 
 def turning_points(curve: ArrayLike, swing: float | None = None) -> NDArray[np.int_]:
-    """Indices of the samples at which `curve` (T,) turns; less than `swing`, or LEAST_SWING of its range, is none.
+    """Return the indices of the samples at which `curve` (T,) turns by at least `swing`, by default LEAST_SWING of its
+    range.
 
-    Where a curve may be constant, what it is determined to has to be given: all of its range is round-off.
+    Pass `swing` if the curve may be constant, because its range is then only round-off.
 
     >>> turning_points([0.0, 1.0, 0.5, 2.0, 0.0]).tolist()
     [1, 2, 3]
@@ -60,7 +64,8 @@ def turning_points(curve: ArrayLike, swing: float | None = None) -> NDArray[np.i
 
 
 def ringing(time: ArrayLike, curve: ArrayLike) -> Ringing:
-    """The oscillation of `curve` (T,) sampled at `time` (T,) [s]; samples must be several times denser than its period.
+    """Analyse the oscillation of `curve` (T,) sampled at `time` (T,) [s]; samples must be several times denser than its
+    period.
 
     >>> t = np.linspace(0.0, 1.0, 2001)
     >>> found = ringing(t, np.sin(np.pi * t) + 0.1 * np.sin(2.0 * np.pi * t / 0.05))
@@ -79,9 +84,9 @@ def ringing(time: ArrayLike, curve: ArrayLike) -> Ringing:
 
 
 def returns(trajectory: Trajectory, contact: int) -> tuple[Array, Array]:
-    """Times [s] at which the overlap of `contact` turns from falling to rising, and the overlaps [m] there.
+    """Return the times [s] at which the overlap of `contact` turns from falling to rising, and the overlaps [m] there.
 
-    Between two samples the overlap is a parabola, by its rates: samples must be dense against the period.
+    Between two samples the overlap is a parabola through its rates, so samples must be dense compared with the period.
     """
     rate, overlap, time = trajectory.rate[:, contact], trajectory.overlap[:, contact], trajectory.time
     rows = np.flatnonzero((rate[1:-1] < 0.0) & (rate[2:] >= 0.0)) + 1
