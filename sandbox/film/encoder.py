@@ -1,8 +1,8 @@
-"""Films: frames are encoded while the next ones are drawn, long films in segments side by side; pictures are written at once.
+"""Encoder of films. Frames are encoded while the next ones are drawn; long films are encoded in parallel segments.
 
-A segment is encoded by one thread with an encoder of its own, and joined to the others without re-encoding. An encoder with
-several threads of its own waits for the slowest of them at every frame; encoders of different segments wait for nobody. Where a
-film is cut depends on the number of its frames alone, not on the machine.
+One thread with its own encoder encodes each segment, and the segments are joined without re-encoding. (An encoder with
+several threads waits for the slowest of them at every frame.) The number of frames decides where a film is cut,
+so the result does not depend on the machine.
 """
 
 from __future__ import annotations
@@ -24,21 +24,22 @@ from softcradle.sandbox.draw.surfaces import write_png
 from softcradle.sandbox.files import output_file, output_folder
 from softcradle.sandbox.film.formats import Codec, FrameMaker, Palette, check
 
-Packet = Any  # of PyAV, whose versions differ in the arguments of this type
-Paint = Callable[[pygame.Surface, Any], None]  # draws one of the pictures
-Tell = Callable[[int], None]  # hears of how many more frames are done
+Packet = Any  # a packet of PyAV; versions differ in the arguments of this type
+Paint = Callable[[pygame.Surface, Any], None]  # draws one picture on a surface
+Tell = Callable[[int], None]  # called with the number of new frames
 
-# About; a segment begins with a frame that refers to no other, 30 times as long as the others: a tenth of a film of such
-# segments. They are even in number, because two cores are the fewest that matter.
+# Approximate number of frames in a segment. A segment starts with a key frame, which is 30 times as long as the others:
+# a tenth of a film in such segments. The number of segments is even, because two is the smallest number of cores that
+# matters.
 SEGMENT_FRAMES = 180
-SHORTEST_SEGMENT = 30  # frames; a film that has no two such segments is one
-MOST_WORKERS = 8  # one drawing thread feeds no more
-BUFFERS = 3  # frames that are drawn but not yet encoded; more would hide no further delay
+SHORTEST_SEGMENT = 30  # Fewest frames of a segment. A film without two such segments is one segment.
+MOST_WORKERS = 8  # Most encoding threads. One drawing thread cannot feed more.
+BUFFERS = 3  # Frames that are drawn but not yet encoded. More would not reduce the waiting time.
 
 
 @dataclass
 class _Segment:
-    """Frames from `first` on, `count` of them: `drawn` so far, and their packets when all are encoded."""
+    """Segment of `count` frames from frame `first` on: `drawn` frames so far, and the packets after encoding."""
 
     first: int
     count: int
@@ -48,7 +49,7 @@ class _Segment:
 
 
 def segment_lengths(frames: int) -> list[int]:
-    """The lengths of the segments of a film, which differ by at most one frame."""
+    """Return the lengths of the segments of a film, which differ by at most one frame."""
     count = 2 * max(1, round(frames / (2 * SEGMENT_FRAMES))) if frames >= 2 * SHORTEST_SEGMENT else 1
     return [frames // count + (k < frames % count) for k in range(count)]
 
@@ -56,9 +57,10 @@ def segment_lengths(frames: int) -> list[int]:
 def encoded_segments(
     codec: Codec, size: tuple[int, int], rate: Fraction, pictures: Sequence[Any], paint: Paint, tell: Tell
 ) -> Iterator[Packet]:
-    """Draw `pictures` by `paint` in this thread, encode them in others, and yield the packets of the film in order.
+    """Draw `pictures` with `paint` in this thread, encode them in others, and yield the packets of the film in order.
 
-    A picture that equals the one before it is neither drawn nor converted again. `tell` hears of how many more are drawn.
+    A picture that equals its predecessor is neither drawn nor converted again. `tell` is called with the number of
+    newly drawn frames.
     """
     segments, first = [], 0
     for count in segment_lengths(len(pictures)):
@@ -72,7 +74,7 @@ def encoded_segments(
 
 
 class _Workers:
-    """Threads that encode; a surface goes from the drawing thread to one of them and back."""
+    """Threads that encode. A surface goes from the drawing thread to one of them and back."""
 
     def __init__(self, codec: Codec, size: tuple[int, int], rate: Fraction, count: int) -> None:
         self._codec, self._size, self._rate = codec, size, rate
@@ -90,7 +92,7 @@ class _Workers:
             thread.start()
 
     def run(self, segments: Sequence[_Segment], pictures: Sequence[Any], paint: Paint, tell: Tell) -> Iterator[Packet]:
-        """Each worker has one segment after another, and gets its next frame whenever it has a free surface."""
+        """Give each worker one segment after another, and its next frame as soon as it has a free surface."""
         waiting, held = list(segments), dict[int, _Segment]()
         unwritten, left = list(segments), sum(segment.count for segment in segments)
         while left:
@@ -115,7 +117,7 @@ class _Workers:
             segment.done.wait()
             self._check()
             yield from segment.packets
-        self._check()  # a worker that fails ends its segment, which may have been written before anybody looked
+        self._check()  # a worker that failed ended its segment, which may have been written before this check
 
     def stop(self) -> None:
         """End the threads."""
@@ -129,7 +131,9 @@ class _Workers:
             raise self._error
 
     def _run(self, worker: int) -> None:
-        """Encode until None comes. After an error, the drawing thread is let go on, so as not to block, and meets the error."""
+        """Encode until None arrives. After an error, release the drawing thread so that it does not block and meets the
+        error.
+        """
         encoder: _SegmentEncoder | None = None
         while (item := self._full[worker].get()) is not None:
             segment, surface = item
@@ -145,12 +149,12 @@ class _Workers:
 
 
 def _repeats(pictures: Sequence[Any]) -> int:
-    """How many of `pictures` after the first are equal to it, one after the other."""
+    """Return the number of `pictures` that equal the first one without interruption."""
     return next((k for k, picture in enumerate(pictures[1:]) if picture != pictures[0]), len(pictures) - 1)
 
 
 class _SegmentEncoder:
-    """The encoder of one segment."""
+    """Encoder of one segment."""
 
     def __init__(self, codec: Codec, size: tuple[int, int], rate: Fraction, segment: _Segment) -> None:
         self.segment, self._codec, self._added = segment, codec, 0
@@ -159,7 +163,7 @@ class _SegmentEncoder:
         self._frame: av.VideoFrame | None = None
 
     def add(self, surface: pygame.Surface | None) -> None:
-        """Encode one more frame, None: the last one again; after the last frame all that the encoder has held back."""
+        """Encode one more frame (None repeats the last one); after the last frame, flush the encoder."""
         frame = self._frame if surface is None else self._frame_of(surface)
         assert frame is not None
         self._frame = frame
@@ -178,23 +182,23 @@ class _SegmentEncoder:
 
 
 class Film:
-    """A film being written: a frame is drawn on a :meth:`free_surface`, which is then added."""
+    """Film that is being written. Draw each frame on a :meth:`free_surface` and add it."""
 
     def take_colours(self, sample: pygame.Surface) -> None:
-        """Take the colours of a GIF from `sample`; without it they are those of the first frame."""
+        """Choose the colours of a GIF from `sample`; by default they come from the first frame."""
 
     def free_surface(self) -> pygame.Surface:
-        """A surface for the next frame, with any content; it is waited for until one is free."""
+        """Return a surface with arbitrary content for the next frame; wait until one is free."""
         raise NotImplementedError
 
     def add(self, surface: pygame.Surface) -> None:
-        """Add a finished frame. Its surface must not be drawn on any more."""
+        """Add a finished frame. Do not draw on its surface afterwards."""
         raise NotImplementedError
 
     def paint_frames(self, pictures: Sequence[Any], paint: Paint, tell: Tell = lambda _: None) -> None:
-        """Add a frame for each of `pictures`, drawn by `paint`, in the order in which they are written soonest.
+        """Draw a frame for each of `pictures` with `paint`, in the order in which they are written soonest, and add it.
 
-        A picture that equals the one before it need not be drawn. `tell` hears of how many more frames there are.
+        A picture that equals its predecessor need not be drawn. `tell` is called with the number of new frames.
         """
         for picture in pictures:
             surface = self.free_surface()
@@ -228,7 +232,7 @@ def open_film(
 
 
 class _Pictures(Film):
-    """One PNG file, or a folder of numbered ones."""
+    """One PNG file, or a folder of numbered PNG files."""
 
     def __init__(self, path: Path, size: tuple[int, int]) -> None:
         self._path, self._surface, self._count = path, pygame.Surface(size, 0, 32), 0
@@ -243,7 +247,9 @@ class _Pictures(Film):
 
 
 class _Encoder(Film):
-    """A film by PyAV. Its thread owns the container; surfaces circulate between this thread and the drawing one."""
+    """Film written by PyAV. Its thread owns the container; surfaces circulate between this thread and the drawing
+    thread.
+    """
 
     def __init__(self, path: Path, codec: Codec, size: tuple[int, int], frame_rate: float) -> None:
         self._codec = codec
@@ -295,7 +301,9 @@ class _Encoder(Film):
             self._container.mux(packet)
 
     def _run(self) -> None:
-        """Encode until None comes. After an error, the drawing thread gets surfaces, so as not to block, and then the error."""
+        """Encode until None arrives. After an error, return surfaces so that the drawing thread does not block, then
+        the error.
+        """
         try:
             with self._container:
                 while (surface := self._full.get()) is not None:

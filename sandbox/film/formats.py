@@ -1,4 +1,4 @@
-"""The formats of films: which file is encoded how and what its codec cannot do, and how a surface becomes a frame."""
+"""Formats of films: the codec and its limits for each file suffix, and the conversion of a surface into a frame."""
 
 import os
 from dataclasses import dataclass, replace
@@ -15,35 +15,35 @@ from PIL import Image
 from softcradle.sandbox.user_error import UserError
 
 PIXEL_FORMATS = ("yuv420p", "yuv444p")
-SMALLEST = (160, 90)  # pixels
-LARGEST = (7680, 4320)  # pixels
-LOWEST_RATE = 1.0  # frames a second
-HIGHEST_RATE = 240.0  # frames a second
+SMALLEST = (160, 90)  # smallest size [pixels]
+LARGEST = (7680, 4320)  # largest size [pixels]
+LOWEST_RATE = 1.0  # fewest frames per second
+HIGHEST_RATE = 240.0  # most frames per second
 
 # FFmpeg's numbers of colour spaces and of the range of values.
 BT709 = 1
 BT601 = 6
 LIMITED = 1
-GLOBAL_HEADER = 1 << 22  # FFmpeg's flag: what all frames need stands once in the file
+GLOBAL_HEADER = 1 << 22  # FFmpeg's flag: data for all frames are stored once in the file
 
-os.environ.setdefault("SVT_LOG", "1")  # errors only: the AVIF encoder would write its settings to standard error
+os.environ.setdefault("SVT_LOG", "1")  # errors only; the AVIF encoder would print its settings to standard error
 Pixels = NDArray[np.uint8]
 
 
 @dataclass(frozen=True)
 class Codec:
-    """How a kind of film is written.
+    """Codec of one kind of film.
 
     Attributes:
-        suffix: of the file.
+        suffix: suffix of the file.
         name, container: FFmpeg's names of the encoder and of the file format.
         pixel_format: FFmpeg's name of the pixel format.
-        frame_rate: frames a second where none are given.
-        highest_rate: most frames a second that the kind can show.
-        even: whether width and height must be even.
-        matrix: ITU709, or ITU601 where the kind supports no other.
+        frame_rate: default frames per second.
+        highest_rate: most frames per second that the format can show.
+        even: True if width and height must be even.
+        matrix: ITU709, or ITU601 if the format supports no other.
         options, container_options: settings of the encoder and of the file format.
-        segmented: whether segments of a film can be encoded side by side and joined.
+        segmented: True if segments of a film can be encoded in parallel and joined.
     """
 
     suffix: str
@@ -60,18 +60,18 @@ class Codec:
 
     @property
     def indexed(self) -> bool:
-        """Whether a frame has numbers of 256 colours in place of colours."""
+        """True if a frame contains indices into 256 colours."""
         return self.pixel_format == "pal8"
 
     def tag(self, context: Any) -> None:
-        """Write into the file what its colours mean; players would otherwise guess, and shift them."""
+        """Write the colour space into the file; otherwise players guess it and shift the colours."""
         if not self.indexed:
             number = BT709 if self.matrix == "ITU709" else BT601
             context.color_range, context.colorspace = LIMITED, number
             context.color_primaries, context.color_trc = BT709, BT709
 
     def context(self, size: tuple[int, int], rate: Fraction) -> Any:
-        """An encoder of one thread; what it writes can be joined with what another such encoder does."""
+        """Return an encoder with one thread. Its output can be joined with the output of another such encoder."""
         context: Any = av.CodecContext.create(self.name, "w")
         context.width, context.height, context.pix_fmt = *size, self.pixel_format
         context.framerate, context.time_base, context.options = rate, 1 / rate, dict(self.options)
@@ -81,7 +81,7 @@ class Codec:
         return context
 
 
-REPEAT = (("loop", "0"),)  # of the file format: the film repeats without end
+REPEAT = (("loop", "0"),)  # option of the file format: repeat the film without end
 CODECS: tuple[Codec, ...] = (
     Codec(
         ".mp4",
@@ -94,7 +94,7 @@ CODECS: tuple[Codec, ...] = (
         container_options=(("movflags", "+faststart"),),
         segmented=True,
     ),
-    # A GIF counts in hundredths of a second, and viewers slow frames down that last less than two of them.
+    # A GIF counts in hundredths of a second, and viewers slow down frames that are shorter than two of them.
     Codec(".gif", "gif", "gif", "pal8", frame_rate=25.0, highest_rate=50.0, container_options=REPEAT),
     Codec(
         ".webp",
@@ -112,7 +112,7 @@ CODECS: tuple[Codec, ...] = (
 def check(
     output: Path | str, size: tuple[int, int], frame_rate: float | None, pixel_format: str | None = None
 ) -> Codec | None:
-    """The codec for `output`, None for pictures. Raises UserError where `output` could not be written so."""
+    """Return the codec for `output`, or None for pictures. Raise UserError if `output` cannot be written."""
     if not all(least <= side <= most for side, least, most in zip(size, SMALLEST, LARGEST, strict=True)):
         limits = f"{SMALLEST[0]}x{SMALLEST[1]} to {LARGEST[0]}x{LARGEST[1]}"
         raise UserError(f"size {size[0]}x{size[1]} is out of range: allowed are {limits}")
@@ -158,14 +158,14 @@ def _require(codec: Codec) -> None:
     try:
         av.codec.Codec(codec.name, "w")
         av.format.ContainerFormat(codec.container, "w")
-    except ValueError:  # of which FFmpeg's unknown codec and PyAV's unknown format are kinds
+    except ValueError:  # includes FFmpeg's error for an unknown codec and PyAV's for an unknown format
         raise UserError(
             f"cannot write {codec.suffix}: this PyAV was built without {codec.name}; choose another kind of film"
         ) from None
 
 
 class Palette:
-    """256 colours for a GIF, as Pillow chooses them for `sample`: by the range of colours, then nearer to their means."""
+    """256 colours of a GIF, chosen by Pillow for `sample`: first the range of colours, then their means."""
 
     def __init__(self, sample: pygame.Surface) -> None:
         coverage = Image.Quantize.MAXCOVERAGE  # median cut would grey the background and shift every line
@@ -176,9 +176,9 @@ class Palette:
         self._table = table
 
     def frame(self, surface: pygame.Surface) -> av.VideoFrame:
-        """`surface` in these colours; without dithering, so that still parts are the same in all frames."""
+        """Return `surface` in these colours, without dithering, so that still parts are equal in all frames."""
         numbers = np.array(_image_of(surface).quantize(palette=self._colours, dither=Image.Dither.NONE))
-        picture: Any = (numbers, self._table)  # PyAV documents this pair; its types do not have it
+        picture: Any = (numbers, self._table)  # PyAV documents this pair, but its types lack it
         return av.VideoFrame.from_ndarray(picture, format="pal8")
 
 
@@ -187,20 +187,22 @@ def _image_of(surface: pygame.Surface) -> Image.Image:
 
 
 class FrameMaker:
-    """Turns surfaces into frames for a codec; a copy, so that a surface can be drawn on again. One for each thread."""
+    """Converter of surfaces into frames of a codec. It copies, so a surface can be reused. Each thread needs its own."""
 
     def __init__(self, codec: Codec) -> None:
         self._codec, self._reformatter = codec, VideoReformatter()
 
     def __call__(self, surface: pygame.Surface) -> av.VideoFrame:
-        """The surface as a frame."""
+        """Return the surface as a frame."""
         frame = av.VideoFrame.from_numpy_buffer(pixels_of(surface), format="bgra")
         settings: Any = {"dst_colorspace": self._codec.matrix, "dst_color_range": "MPEG", "threads": 1}
         return self._reformatter.reformat(frame, format=self._codec.pixel_format, **settings)
 
 
 def pixels_of(surface: pygame.Surface) -> Pixels:
-    """The pixels of a 32-bit surface, not copied: (height, width, 4), blue, green, red, unused. They lock the surface."""
+    """Return the pixels of a 32-bit surface without a copy: (height, width, 4), blue, green, red, unused. They lock the
+    surface.
+    """
     width, height = surface.get_size()
-    view: Any = surface.get_view("0")  # a buffer, which pygame's types do not state
+    view: Any = surface.get_view("0")  # a buffer; pygame's types lack this
     return np.frombuffer(view, np.uint8).reshape(height, width, 4)

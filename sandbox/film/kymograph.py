@@ -1,4 +1,4 @@
-"""A kymograph of each lane on one time axis, with scale bars and the trajectory as a fine line on the markers."""
+"""Kymograph of each lane on one time axis, with scale bars and the trajectory as a fine line on the markers."""
 
 import math
 from collections.abc import Sequence
@@ -26,21 +26,21 @@ Pixels = NDArray[np.uint8]
 Array = NDArray[np.float64]
 
 BLACK = (0, 0, 0)
-MARKER_WIDTH = 0.09  # of a bead's length
+MARKER_WIDTH = 0.09  # as a fraction of a bead's length
 NARROWEST_MARKER = 5.0  # pixels
-MARKER_HALF_HEIGHT = 0.06  # of a bead's length
-LINE_HEIGHT = 0.16  # of the line of pixels above the ground, in lengths of a bead
+MARKER_HALF_HEIGHT = 0.06  # as a fraction of a bead's length
+LINE_HEIGHT = 0.16  # height of the line of pixels above the ground, as a fraction of a bead's length
 SURROUNDINGS = 90.0  # pixels of a frame above and below the beads
 
 
 class SlitCamera:
-    """A camera that films lane `number` of `scene` from the side.
+    """Camera that films lane `number` of `scene` from the side.
 
     Arguments:
         scene: the Scene.
-        number: of the lane.
-        scales: the scales of all lanes, which must not magnify overlaps; their window is what the camera shows.
-        width: of a frame [pixels].
+        number: index of the lane.
+        scales: scales of all lanes, without magnified overlaps; their window is the field of view.
+        width: width of a frame [pixels].
     """
 
     def __init__(self, scene: Scene, number: int, scales: Scales, width: int) -> None:
@@ -58,15 +58,15 @@ class SlitCamera:
             for i in range(len(chain.mass))
         ]
         self.middle = scene.view.length * (np.array(middle) + np.arange(len(middle)))
-        self.marked = np.isfinite(chain.mass)  # a wall has no marker
+        self.marked = np.isfinite(chain.mass)  # a wall does not have a marker
 
     def markers(self, motion: Motion, rows: int | slice = slice(None)) -> Array:
-        """(..., beads) the middles of the markers in `rows` of the motion: pixels from the left of a frame."""
+        """Return the (..., beads) centres of the markers in `rows` of the motion [pixels from the left of a frame]."""
         places: Array = self.drawing.left() + self.drawing.scale * (motion.position[rows] + self.middle)
         return places[..., self.marked]
 
     def shoot(self, motion: Motion, row: int) -> pygame.Surface:
-        """The frame of row `row` of `motion`; the next call draws on the same surface."""
+        """Return the frame of row `row` of `motion`. The next call reuses the surface."""
         self.frame.blit(self.background, (0, 0))
         self.drawing.paint(self.frame, motion, row, self.drawing.left())
         half = MARKER_HALF_HEIGHT * self.drawing.bead
@@ -76,43 +76,45 @@ class SlitCamera:
         return self.frame
 
     def line(self, motion: Motion, row: int) -> Pixels:
-        """(width, 3) the line of pixels of that frame through the markers: red, green, blue."""
+        """Return the (width, 3) line of pixels of that frame through the markers: red, green, blue."""
         cut: Pixels = pixels_of(self.shoot(motion, row))[self.line_y, :, 2::-1].copy()
         return cut
 
 
 def stacked(camera: SlitCamera, motion: Motion) -> Pixels:
-    """(T, width, 3) the lines of all frames, which are the kymograph; time along the first axis."""
+    """Return the kymograph: the (T, width, 3) lines of all frames, with time along the first axis."""
     return np.stack([camera.line(motion, row) for row in range(len(motion.time))])
 
 
-CAMERA_RATE = 2052.0  # frames a second of the paper's camera
+CAMERA_RATE = 2052.0  # frames per second of the paper's camera
 CAMERA_FRAMES = Frames(of="kymograph", remedy="choose fewer frames a second (--fps)")
-FEWEST_FRAMES = 120  # of a kymograph; of a shorter motion more frames a second are taken
+FEWEST_FRAMES = 120  # fewest frames of a kymograph; a shorter motion gets more frames per second
 
 # Design pixels around the lanes.
 MARGIN = 28.0  # left and right
 HEADER = 80.0
-FOOTER = 58.0  # with the bar of time
-SIDE = 92.0  # with the bars of length
+FOOTER = 58.0  # contains the time bar
+SIDE = 92.0  # contains the length bars
 LABEL = 24.0  # above a lane with a name
 LANE_GAP = 14.0  # below each lane
 
 TIME_BAR = 0.1  # s, as in the paper
-SHORTEST_TIME = 0.35  # s that a kymograph in SI units shows, so that the paper's bar has room
+SHORTEST_TIME = 0.35  # shortest time [s] of a kymograph in SI units, so that the paper's bar fits
 DOT = 5  # pixels of a dotted line
-MARK = 13.0  # design pixels of the name beside it
+MARK = 13.0  # design pixels of the name
 WHITE = (255, 255, 255)
 
 
 def in_si(scene: Scene) -> bool:
-    """Whether the scene is in SI units: it gives length and mass of its beads, which are 1 otherwise."""
+    """Return True if the scene is in SI units, that is, if it sets length and mass of its beads."""
     massive = all("mass" in lane.model_fields_set for lane in scene.lanes)
     return massive and "length" in scene.view.model_fields_set
 
 
 def camera_rate(scene: Scene, end: float, width: int) -> float:
-    """Frames for a second of motion that ends at `end` [s]: in SI units the paper's, or a part or multiple that fits `width`."""
+    """Return the frames per second of motion that ends at `end` [s]: in SI units the paper's, or a fraction or multiple
+    that fits `width`.
+    """
     span = sum(shown_span(scene, end))
     if not in_si(scene):
         return width / span
@@ -123,9 +125,11 @@ def camera_rate(scene: Scene, end: float, width: int) -> float:
 
 
 def filmed_scene(scene: Scene, end: float) -> Scene:
-    """The scene with overlaps to scale and, in SI units, enough time after its `end` [s] for the paper's bar.
+    """Return the scene with overlaps to scale and, in SI units, with enough time after its `end` [s] for the paper's
+    bar.
 
-    Beads that never touch have no end: they are shown for as long as the fastest takes to go a bead's length from the others.
+    The motion of beads that never touch does not end. They are shown until the fastest has moved a bead's length away
+    from the others.
     """
     view = {"magnify": 1.0}
     after = after_time(scene, end)
@@ -145,18 +149,18 @@ def render_kymograph(
     method: str | None = None,
     step: float | None = None,
 ) -> RenderReport:
-    """Write a kymograph of `scene` to `output`, complete or not at all.
+    """Write a kymograph of `scene` to `output`, completely or not at all.
 
     Arguments:
         scene: the Scene.
-        output: a .png.
+        output: a .png file.
         size: (width, height) of the picture [pixels].
-        fps: frames of the camera for a second of motion; None: 2052 as in the paper where the scene is in SI units,
-            else as many as there are columns of pixels.
+        fps: camera frames per second of motion; None: 2052 as in the paper if the scene is in SI units, otherwise one
+            for each column of pixels.
         method, step: as for a film.
 
     Raises:
-        UserError: it cannot be written or simulated.
+        UserError: if the kymograph cannot be written or the scene cannot be simulated.
     """
     start = perf_counter()
     check(output, size, None)
@@ -175,7 +179,7 @@ def render_kymograph(
 
 
 def paint(surface: pygame.Surface, scene: Scene, motions: Sequence[Motion], rate: float, unit: float) -> None:
-    """Draw everything on `surface`; the `motions` have `rate` rows a second, one for each camera frame."""
+    """Draw everything on `surface`. The `motions` have `rate` rows per second, one for each camera frame."""
     surface.fill(tones.background)
     wide, high = surface.get_size()
     left, scales = round(MARGIN * unit), scales_of(scene, motions)
@@ -205,14 +209,16 @@ def paint(surface: pygame.Surface, scene: Scene, motions: Sequence[Motion], rate
 
 
 def _width(wide: int, unit: float) -> int:
-    """Columns of pixels of the kymographs in a picture `wide` pixels wide."""
+    """Return the columns of pixels of the kymographs in a picture of `wide` pixels."""
     return round(wide - (2 * MARGIN + SIDE) * unit)
 
 
 def instants(motion: Motion) -> list[tuple[str, int]]:
-    """Name and row of what is marked: the release of strikers that begin apart, as the paper marks it, and the first touch."""
+    """Return name and row of the marked moments: the release of strikers that start apart, as in the paper, and the
+    first touch.
+    """
     found = []
-    # motions that begin in touch have a lead before t = 0, or none where they never touch or something acts on them
+    # motions that start in touch have a lead before t = 0; without one they never touch, or an external force acts
     if motion.time[0] == 0.0 and (motion.overlap[0] < 0.0).any() and not (motion.force[0] > 0.0).any():
         found.append(("release", 0))
     pushing = np.flatnonzero((motion.force > 0.0).any(axis=1))
@@ -222,7 +228,7 @@ def instants(motion: Motion) -> list[tuple[str, int]]:
 
 
 def _mark(surface: pygame.Surface, place: pygame.Rect, x: int, words: str, down: float, unit: float) -> None:
-    """A dotted line across `place` with its name beside it, `down` pixels below the upper end."""
+    """Draw a dotted line across `place` and its name, `down` pixels below the upper end."""
     for y in range(place.top, place.bottom, 2 * DOT):
         surface.fill(tones.foreground, (x, y, 1, min(DOT, place.bottom - y)))
     size = MARK * unit
@@ -231,12 +237,14 @@ def _mark(surface: pygame.Surface, place: pygame.Rect, x: int, words: str, down:
 
 
 def _lane(surface: pygame.Surface, place: pygame.Rect, camera: SlitCamera, motion: Motion, unit: float) -> None:
-    """The stacked lines, stretched over `place`, positions upwards; dotted lines at release and first touch."""
+    """Draw the stacked lines, stretched over `place` with positions upwards, and dotted lines at release and first
+    touch.
+    """
     lines: Pixels = stacked(camera, motion)
     frame_of = np.arange(place.width) * len(lines) // place.width
     surface.blit(pygame.surfarray.make_surface(lines[frame_of][:, ::-1]), place.topleft)
     column = place.width / len(lines)
-    for k, (words, row) in enumerate(instants(motion)):  # one below the other: they may be near
+    for k, (words, row) in enumerate(instants(motion)):  # one below the other, because they may be close together
         x = round(place.left + column * row)
         _mark(surface, place, x, words, (6.0 + 1.8 * MARK * k) * unit, unit)
     xs = place.left + column * (np.arange(len(lines)) + 0.5)
@@ -245,7 +253,7 @@ def _lane(surface: pygame.Surface, place: pygame.Rect, camera: SlitCamera, motio
 
 
 def _length_bar(surface: pygame.Surface, place: pygame.Rect, scene: Scene, camera: SlitCamera, unit: float) -> None:
-    """A bar on the right, as long as a bead."""
+    """Draw a bar on the right, as long as a bead."""
     length = scene.view.length
     x, tall = place.right + 16 * unit, length * camera.drawing.scale
     fill_rectangle(surface, tones.foreground, (x, place.bottom - tall, 4 * unit, tall))
@@ -257,7 +265,9 @@ def _length_bar(surface: pygame.Surface, place: pygame.Rect, scene: Scene, camer
 def _time_bar(
     surface: pygame.Surface, scene: Scene, motion: Motion, axis: tuple[float, float], high: int, unit: float
 ) -> None:
-    """A bar below: the paper's 100 ms where they fit, else a round time; `axis` is the left end and pixels a second."""
+    """Draw the time bar: the paper's 100 ms if they fit, otherwise a round time. `axis` is the left end and pixels per
+    second.
+    """
     left, pixels = axis
     span = float(motion.time[-1] - motion.time[0])
     time = TIME_BAR if in_si(scene) and 0.02 * span < TIME_BAR < 0.9 * span else round_down(0.25 * span)

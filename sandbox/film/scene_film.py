@@ -1,4 +1,4 @@
-"""A scene as a film: its motion is computed, every frame is drawn, and a thread of the film encodes the frames."""
+"""Film of a scene: compute the motion, draw every frame, and encode the frames in a thread of the film."""
 
 import math
 import os
@@ -16,24 +16,24 @@ from softcradle.sandbox.film.scene_motion import Frames, checked_slow, first_for
 from softcradle.sandbox.motion import Motion
 from softcradle.scenes import Scene
 
-READING_TIME = 0.22  # seconds of film for a word of the scene's text
-LONGEST_READING_TIME = 5.0  # seconds of film for the scene's text
-LEAST_ROWS = 50.0  # rows of the motion for a second of film: curves are drawn of rows, also where frames are fewer
+READING_TIME = 0.22  # seconds of film for each word of the scene's text
+LONGEST_READING_TIME = 5.0  # longest time of the scene's text in seconds of film
+LEAST_ROWS = 50.0  # fewest rows of the motion per second of film, so that curves stay smooth at low frame rates
 FADE_TIME = 0.5  # seconds of film in which the text appears
-LAST_FRAME_TIME = 1.2  # seconds of film for which the last frame stays, before the text
-MOST_BEFORE_HIT = 0.2  # of a film, without the time of its text: a longer flight to the first force is left out
-FOLDER_RATE = 60.0  # frames a second of a folder of pictures, where none are given
+LAST_FRAME_TIME = 1.2  # seconds of film that show the last frame before the text
+MOST_BEFORE_HIT = 0.2  # fraction of a film without its text; a longer flight before the first force is cut
+FOLDER_RATE = 60.0  # default frames per second of a folder of pictures
 
 
 @dataclass(frozen=True)
 class RenderReport:
-    """What was written, and what it cost.
+    """Result and cost of a render.
 
     Attributes:
-        output: where it is.
-        frames: their number.
-        duration: of the film [s]; 0 for a single picture.
-        seconds: wall time of everything.
+        output: the file or folder.
+        frames: number of frames.
+        duration: duration of the film [s]; 0 for a single picture.
+        seconds: total wall time.
         simulated: wall time until the motion was computed [s].
         first_frame: wall time until the first frame was drawn [s].
         clock: time of the first frame [s].
@@ -60,22 +60,22 @@ def render_scene(
     pixel_format: str | None = None,
     progress: bool = True,
 ) -> RenderReport:
-    """Write `scene` as a film to `output`, complete or not at all.
+    """Write `scene` as a film to `output`, completely or not at all.
 
     Arguments:
         scene: the Scene.
-        output: .mp4, .gif, .webp or .avif; .png: one picture, of the moment of the greatest force; a folder (ends in
-            /): numbered PNG files.
+        output: .mp4, .gif, .webp or .avif; .png for one picture at the largest force; a folder (ends in /) for numbered
+            PNG files.
         size: (width, height) [pixels].
-        fps: frames a second; None: 60 for mp4 and folders, 25 for GIF, 30 for WebP and AVIF.
-        slow: seconds of film for one of motion; None takes the scene's.
-        method, step: for the simulation; None takes the scene's, else `conserving`: its steps, a thousandth of the shortest
-            contact, are finer than a pixel.
+        fps: frames per second; None: 60 for mp4 and folders, 25 for GIF, 30 for WebP and AVIF.
+        slow: seconds of film for each second of motion; None takes the scene's.
+        method, step: of the simulation; None takes the scene's, else `conserving`, whose steps (a thousandth of the
+            shortest contact) are finer than a pixel.
         pixel_format: yuv420p or yuv444p, for mp4.
-        progress: show a bar with the time left.
+        progress: show a bar with the remaining time.
 
     Raises:
-        UserError: it cannot be written or simulated; nothing is left behind.
+        UserError: if the film cannot be written or the scene cannot be simulated; nothing is left behind.
     """
     start = perf_counter()
     output = os.fspath(output)
@@ -116,14 +116,14 @@ class Shot:
 
 
 def film_shots(scene: Scene, motions: Sequence[Motion], rate: float, rows_a_frame: int = 1) -> list[Shot]:
-    """The frames of a film of `motions` at `rate` frames a second."""
+    """Return the frames of a film of `motions` at `rate` frames per second."""
     return shot_list(scene, len(motions[0].time), rate, rows_a_frame, first_force(motions))
 
 
 def shot_list(scene: Scene, rows: int, rate: float, rows_a_frame: int = 1, hit: int = 0) -> list[Shot]:
-    """The frames: the motion, the last row for a moment, then the same while the scene's text can be read.
+    """Return the frames: the motion, the last row for a moment, and the last row again while the scene's text is shown.
 
-    `hit` is the row of the first force; of what comes before it, MOST_BEFORE_HIT of the film are shown.
+    `hit` is the row of the first force. At most MOST_BEFORE_HIT of the film shows the time before it.
     """
     reading = round(min(READING_TIME * len(scene.text.split()), LONGEST_READING_TIME) * rate)
     fade, still = max(1, round(FADE_TIME * rate)), round(LAST_FRAME_TIME * rate)

@@ -1,4 +1,4 @@
-"""The motion of a scene for a film: a row for each frame, the same times for all lanes, free flight before and after."""
+"""Motion of a scene for a film: one row for each frame, the same times for all lanes, free flight before and after."""
 
 import math
 import warnings
@@ -15,14 +15,14 @@ from softcradle.sandbox.user_error import GaveUpError, UserError
 from softcradle.scenes import Scene
 from softcradle.scenes.scene_schema import MOST_SLOW
 
-PATIENCE = 100.0  # times what has been seen so far: a longer pause is the end of what a film shows
+PATIENCE = 100.0  # Longest pause that a film shows, in multiples of the time seen so far.
 
 
 def quiet_end(trajectories: Sequence[Trajectory]) -> tuple[float, str]:
-    """When `trajectories`, the lanes of a scene, are over [s], and a sentence where more would follow after a long pause.
+    """Return the end [s] of `trajectories`, the lanes of a scene, and a sentence if more follows after a long pause.
 
-    What has been seen so far lasts from the start to the last opening, the flight over all gaps at the closing speed included:
-    beads that are far apart have all the time that they need.
+    The time seen so far lasts from the start to the last opening and includes the flight over all gaps at the closing
+    speed, so beads that are far apart have enough time.
     """
     end = max(float(found.time[-1]) for found in trajectories)
     spans = sorted(span for found in trajectories for spans in found.contact_intervals for span in spans)
@@ -40,25 +40,25 @@ def quiet_end(trajectories: Sequence[Trajectory]) -> tuple[float, str]:
 
 
 def _flight_time(found: Trajectory) -> float:
-    """Time [s] in which the closing speed of the start crosses all gaps of a chain."""
+    """Return the time [s] in which the initial closing speed crosses all gaps of a chain."""
     gaps = float(np.maximum(found.chain.gap, 0.0).sum())
     return gaps / (float(np.ptp(found.velocity[0])) or 1.0)
 
 
-LEAD = 0.25  # free flight before the start of a scene that begins in touch, as a share of its motion
-AFTER = 0.35  # free flight after the end of a scene that does not say how much, as a share of its motion
-MOST_FRAMES = 100_000  # beyond that, slow motion or the rate was probably mistyped
-MOST_ROWS = 100_000  # of a motion for one picture: enough for the moment and for its curves
+LEAD = 0.25  # free flight before the start of a scene that begins in touch, as a fraction of its motion
+AFTER = 0.35  # default free flight after the end of a scene, as a fraction of its motion
+MOST_FRAMES = 100_000  # with more frames, slow motion or rate is probably a typing error
+MOST_ROWS = 100_000  # most rows of a motion for one picture: enough for the moment and for its curves
 
 
 @dataclass(frozen=True)
 class Frames:
-    """What is made of a motion, of which every frame is drawn.
+    """Use of a motion that is drawn frame by frame.
 
     Attributes:
-        rows: of the motion for each frame.
+        rows: rows of the motion for each frame.
         of: its name.
-        remedy: what is to be chosen where there would be too many frames.
+        remedy: advice for the user if there would be too many frames.
     """
 
     rows: int = 1
@@ -74,18 +74,18 @@ def scene_motions(
     end: float | None = None,
     frames: Frames | None = None,
 ) -> list[Motion]:
-    """The motion of each lane of `scene`; what may be wrong with it is a RuntimeWarning.
+    """Return the motion of each lane of `scene`. Warnings of a run are RuntimeWarnings.
 
     Arguments:
         scene: the Scene.
-        rows_per_second: rows for a second of motion.
+        rows_per_second: rows for each second of motion.
         method, step: None takes the scene's, else `conserving` with its default step.
-        end: when the last lane is over [s], where :func:`motion_end` has found it already.
-        frames: what the rows are for; None: one picture, or scales, for which a long motion has fewer rows a second.
+        end: end of the last lane [s], if :func:`motion_end` has computed it already.
+        frames: use of the rows; None: one picture, or scales, so a long motion has fewer rows per second.
 
     Raises:
-        UserError: the method or the step does not suit the scene, or there would be too many frames.
-        GaveUpError: the method gave up before the end of the motion.
+        UserError: if the method or step does not suit the scene, or if there would be too many frames.
+        GaveUpError: if the method gave up before the end of the motion.
     """
     motions, sentences = scene_motions_quietly(scene, rows_per_second, method, step, end, frames=frames)
     for sentence in sentences:
@@ -102,9 +102,9 @@ def scene_motions_quietly(
     most: int | None = None,
     frames: Frames | None = None,
 ) -> tuple[list[Motion], tuple[str, ...]]:
-    """As :func:`scene_motions`, with the warnings as sentences: Python's warnings must not be used in threads.
+    """Like :func:`scene_motions`, but return the warnings as sentences, because Python's warnings are not thread-safe.
 
-    A lane that takes more than `most` steps times contacts has given up.
+    A lane that takes more than `most` steps times contacts counts as given up.
     """
     said = ""
     if end is None:
@@ -119,9 +119,10 @@ def scene_motions_quietly(
 
 
 def motion_end(scene: Scene, method: str | None = None, step: float | None = None) -> float:
-    """When the last lane of `scene` is over [s], or its duration; a RuntimeWarning where a pause too long to show follows.
+    """Return the end [s] of the last lane of `scene`, or its duration; warn if more follows after a pause too long to
+    show.
 
-    Raises UserError as :func:`scene_motions`.
+    Raise UserError like :func:`scene_motions`.
     """
     end, said = _end_and_sentence(scene, method, step)
     if said:
@@ -132,7 +133,7 @@ def motion_end(scene: Scene, method: str | None = None, step: float | None = Non
 def _end_and_sentence(
     scene: Scene, method: str | None, step: float | None, most: int | None = None
 ) -> tuple[float, str]:
-    """When the last lane is over [s], or its duration, and a sentence where more would follow after a long pause."""
+    """Return the end [s] of the last lane, or its duration, and a sentence if more follows after a long pause."""
     if scene.duration is not None:
         return scene.duration, ""
     return quiet_end(_solved(scene, method, step, most, samples=2))
@@ -141,28 +142,28 @@ def _end_and_sentence(
 def _solved(
     scene: Scene, method: str | None, step: float | None, most: int | None, **settings: Any
 ) -> list[Trajectory]:
-    usual = SHOWN if scene.step is None else None  # of a step alone the scene says by which method
+    usual = SHOWN if scene.step is None else None  # with a step and no method, the scene decides the method
     found = run_scene(scene, most, method=method or scene.method or usual, step=step, **settings)
     require_whole("a film", found)
     return found
 
 
 def require_whole(what: str, trajectories: Sequence[Trajectory]) -> None:
-    """Raise GaveUpError where a method gave up before the end of the motion."""
+    """Raise GaveUpError if a method gave up before the end of the motion."""
     for trajectory in trajectories:
         if trajectory.status.gave_up:
             raise GaveUpError(f"{what} needs the whole motion: {'; '.join(map(str, trajectory.warnings))}")
 
 
 def checked_slow(slow: float) -> float:
-    """Seconds for one of motion, as a scene may have them. Raises UserError."""
+    """Return the seconds of film for each second of motion, within the limits of a scene. Raise UserError."""
     if not 1.0 / MOST_SLOW <= slow <= MOST_SLOW:
         raise UserError(f"slow motion must be from {1.0 / MOST_SLOW:g} to {MOST_SLOW:g}, not {slow:g}")
     return slow
 
 
 def _row_times(scene: Scene, end: float, rate: float, frames: Frames | None) -> Array:
-    """Times of all rows [s]; 0, the start, is one of them."""
+    """Return the times of all rows [s]; the start, 0, is one of them."""
     lead, until = shown_span(scene, end)
     if frames is None and (lead + until) * rate > MOST_ROWS:
         rate = MOST_ROWS / (lead + until)
@@ -175,7 +176,7 @@ def _row_times(scene: Scene, end: float, rate: float, frames: Frames | None) -> 
 
 
 def shown_span(scene: Scene, end: float) -> tuple[float, float]:
-    """How long [s] `scene`, whose motion ends at `end`, is shown before its start, and from there on."""
+    """Return how long [s] `scene`, whose motion ends at `end`, is shown before its start and from there on."""
     starts = [(lane.chain(), np.array(lane.velocity)) for lane in scene.lanes]
     apart = any(any(chain.gap) for chain, _ in starts)
     lead = 0.0 if apart else min(LEAD * end, *(longest_lead(chain, velocity) for chain, velocity in starts))
@@ -183,23 +184,23 @@ def shown_span(scene: Scene, end: float) -> tuple[float, float]:
 
 
 def after_time(scene: Scene, end: float) -> float:
-    """Free flight [s] that is shown after the last contact has opened at `end` [s]."""
+    """Return the free flight [s] to show after the last contact has opened at `end` [s]."""
     if scene.duration is not None:
         return 0.0
     return AFTER * end if scene.view.after is None else scene.view.after
 
 
 def require_finite(motions: Sequence[Motion]) -> None:
-    """Raise a UserError where a motion is not finite: no picture could show it."""
+    """Raise a UserError if a motion is not finite, because a picture cannot show it."""
     if not all(np.isfinite(motion.position).all() and np.isfinite(motion.force).all() for motion in motions):
         raise UserError(f"the motion by {motions[0].method} did not stay finite: choose a smaller step")
 
 
 def first_force(motions: Sequence[Motion]) -> int:
-    """The first row with a contact force in any lane, a push or a pull; 0 where there is none."""
+    """Return the first row with a contact force (push or pull) in any lane, or 0."""
     return int(np.argmax(np.any([(motion.force != 0.0).any(axis=1) for motion in motions], axis=0)))
 
 
 def strongest_row(motions: Sequence[Motion]) -> int:
-    """The row with the greatest contact force of all lanes, a push or a pull: the moment for a single picture."""
+    """Return the row with the largest contact force (push or pull) of all lanes: the moment for a single picture."""
     return int(np.argmax(np.max([np.abs(motion.force).max(axis=1) for motion in motions], axis=0)))

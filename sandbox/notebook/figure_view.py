@@ -14,11 +14,11 @@ from softcradle.scenes import Scene
 
 DOTS_AN_INCH = 110
 SCENE_SAMPLES = 601
-MOST_LABELS = 8  # curves that are named; of more, the first and the last are
+MOST_LABELS = 8  # most curves with labels; with more curves, only the first and the last have one
 
 
 class ShownFigure(Figure):
-    """A Figure that a notebook shows without any setting of matplotlib."""
+    """Figure that a notebook displays without any setting of matplotlib."""
 
     def _repr_png_(self) -> bytes:
         encoded = BytesIO()
@@ -28,7 +28,7 @@ class ShownFigure(Figure):
 
 
 def figure_of(shown: Trajectory | Scene) -> ShownFigure:
-    """Velocities above, forces below; a column for each lane of a scene."""
+    """Draw velocities above and forces below, with a column for each lane of a scene."""
     if isinstance(shown, Trajectory):
         columns = [("", shown)]
     else:
@@ -44,12 +44,12 @@ def figure_of(shown: Trajectory | Scene) -> ShownFigure:
         grid[0, 0].set_ylabel(VELOCITY.label)
         grid[1, 0].set_ylabel(FORCE.label)
         if not any((trajectory.force < 0.0).any() for _, trajectory in columns):
-            grid[1, 0].set_ylim(bottom=0.0)  # of all lanes, which share the axis: when all of them are drawn
+            grid[1, 0].set_ylim(bottom=0.0)  # the lanes share this axis, so set it after all of them are drawn
     return figure
 
 
 def new_shown_figure(height: float = 2.6) -> tuple[ShownFigure, Axes]:
-    """A figure of the same look for plots of one's own, and its axes."""
+    """Return a figure in the same style for user plots, and its axes."""
     with styled():
         figure = ShownFigure(figsize=(1.4 * COLUMN_WIDTH, height), layout="constrained")
         FigureCanvasAgg(figure)
@@ -77,7 +77,7 @@ def _draw(velocities: Axes, forces: Axes, trajectory: Trajectory) -> None:
 
 
 def _colour(bead: int, beads: int) -> str:
-    """The figures' colours of striker and struck bead; the others from dark to light grey."""
+    """Return the figures' colours of striker and struck bead, and dark to light grey for the others."""
     if bead < 2:
         return bead_colour(bead)
     return str(float(np.interp(bead, (2, max(beads - 1, 3)), (0.0, 0.65))))

@@ -1,6 +1,6 @@
-"""Views of a notebook without matplotlib: tables in HTML, films, pages to share, and `play`, the window opened from one.
+"""Notebook views without matplotlib: tables in HTML, films, web pages, and `play`, which opens the window.
 
-What draws is imported where it is called: a table needs neither pygame nor an encoder.
+Modules that draw are imported in the functions, because a table needs neither pygame nor an encoder.
 """
 
 import base64
@@ -18,14 +18,14 @@ from softcradle.physics.notebook_views import InlineFilm
 from softcradle.scenes import Lane, Scene, View, load
 from softcradle.scenes.contact_text import contact_text
 
-MOST_ROWS = 12  # beads or contacts of a table; of more, the first and the last are shown
-UNDRAWN = hooke(1.0)  # stands in the scene for a law of one's own, which no scene can name and no picture shows
-LENGTH = 6.0  # [s] of a film or page where no slow motion is given
-FILM_RATE = 30.0  # frames a second
+MOST_ROWS = 12  # most beads or contacts in a table; with more, only the first and the last are listed
+UNDRAWN = hooke(1.0)  # placeholder for a user-defined law, which a scene cannot contain and a picture does not show
+LENGTH = 6.0  # default duration of a film or page [s]
+FILM_RATE = 30.0  # frames per second
 
 
 def html_of(shown: Trajectory | Scene | Chain) -> str:
-    """The table, below a picture where matplotlib is installed and something moves."""
+    """Return the table, below a picture if matplotlib is installed and something moves."""
     if isinstance(shown, Chain):
         return f"<p>{escape(repr(shown))}</p>{_chain_table(shown)}"
     if isinstance(shown, Scene):
@@ -36,7 +36,7 @@ def html_of(shown: Trajectory | Scene | Chain) -> str:
 
 
 def _picture(trajectory: Trajectory) -> str:
-    """The trajectory's figure; empty without matplotlib."""
+    """Return the trajectory's figure, or an empty text without matplotlib."""
     try:
         from softcradle.sandbox.notebook.figure_view import figure_of
     except ModuleNotFoundError:
@@ -83,7 +83,7 @@ def _row(kind: str, cells: Iterable[object]) -> str:
 
 
 def film_of(shown: Trajectory | Scene, slow: float | None, size: tuple[int, int]) -> InlineFilm:
-    """The film as bytes; `slow` is seconds of film for one of motion."""
+    """Return the film as bytes; `slow` is seconds of film for each second of motion."""
     from softcradle.sandbox.film.scene_film import render_scene
 
     with tempfile.TemporaryDirectory(prefix="softcradle-") as folder:
@@ -117,7 +117,7 @@ def _write_film(trajectory: Trajectory, path: Path, slow: float | None, size: tu
 
 
 def write_page_of(shown: Trajectory | Scene, path: str | PathLike[str], slow: float | None) -> None:
-    """Write the page; `slow` is seconds for one of motion, None the scene's or the usual slow motion."""
+    """Write the page; `slow` is seconds for each second of motion, None for the scene's or the default slow motion."""
     from softcradle.sandbox.page import render_page, write_page
 
     if isinstance(shown, Scene):
@@ -127,8 +127,9 @@ def write_page_of(shown: Trajectory | Scene, path: str | PathLike[str], slow: fl
 
 
 def scene_of(trajectory: Trajectory, slow: float | None) -> Scene:
-    """The scene of the trajectory's chain, played `slow` seconds for one of motion, None: so that it is LENGTH long; pictures
-    take title and view from it.
+    """Return the scene of the trajectory's chain; pictures take title and view from it.
+
+    It plays `slow` seconds for each second of motion, or LENGTH seconds in total if `slow` is None.
     """
     from softcradle.sandbox.film.scene_motion import checked_slow
 
