@@ -15,13 +15,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, overload
+from functools import wraps
+from inspect import signature
+from typing import Any, ParamSpec, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.checked_input import magnitude, real_number
 
 Numbers = NDArray[np.float64] | float
+P = ParamSpec("P")
 
 LEAST_EXPONENT = 1e-6  # below, the force at any overlap is that of step_force to all digits that methods hold
 MOST_EXPONENT = 10.0  # methods were tried up to here; from 16 on, hardly pressed contacts never open again to a float
@@ -182,27 +185,50 @@ def _like(argument: ArrayLike, result: NDArray[np.float64]) -> Numbers:
     return float(result) if np.ndim(argument) == 0 else result
 
 
+def explained(make: Callable[P, Contact]) -> Callable[P, Contact]:
+    """Return the constructor `make` with a TypeError for unknown keywords that lists the arguments it takes."""
+
+    @wraps(make)
+    def checked(*args: P.args, **keywords: P.kwargs) -> Contact:
+        try:
+            return make(*args, **keywords)
+        except TypeError:
+            taken = list(signature(make).parameters)
+            unknown = [name for name in keywords if name not in taken]
+            if not unknown:
+                raise
+        hint = ": `loss` is the part of the stored energy that the contact absorbs, 1 - e**2 for a restitution e"
+        raise TypeError(f"{make.__name__} takes {', '.join(taken[:-1])} and {taken[-1]}, not {unknown[0]}{hint}")
+
+    return checked
+
+
+@explained
 def power_law(f0: float, alpha: float, loss: float = 0.0) -> Contact:
     """Bead that pushes with ``f0 * overlap**alpha``, Eq. (2): f0 > 0 [N / m**alpha], alpha > 0."""
     return Contact(0.0, f0, alpha, loss)
 
 
+@explained
 def draft_gear(stiffness: float, precompression: float, loss: float = 0.0) -> Contact:
     """Spring behind a piston, Eq. (C1): `stiffness` k > 0 [N/m], `precompression` Delta_0 >= 0 [m]; preload k Delta_0."""
     spring = magnitude("draft gear stiffness", stiffness)
     return Contact(spring * magnitude("draft gear precompression", precompression, zero=True), spring, 1.0, loss)
 
 
+@explained
 def hertz(stiffness: float, loss: float = 0.0) -> Contact:
     """Two elastic spheres: ``stiffness * overlap**1.5``, stiffness [N / m**1.5]; the usual Newton's cradle."""
     return Contact(0.0, stiffness, 1.5, loss)
 
 
+@explained
 def hooke(stiffness: float, loss: float = 0.0) -> Contact:
     """One-sided linear spring: ``stiffness * overlap``, stiffness [N/m]; the interface of Appendix A (iii)."""
     return Contact(0.0, stiffness, 1.0, loss)
 
 
+@explained
 def step_force(f0: float, loss: float = 0.0) -> Contact:
     """The limit alpha -> 0 of :func:`power_law`: f0 [N] at any overlap, anything in [0, f0] while just touching."""
     return Contact(f0, 0.0, 1.0, loss)

@@ -1,13 +1,14 @@
 """A contact law of one's own: any Python function of the overlap, or an object with `force` and, if it likes, `energy`.
 
 overlap d <= 0   f = 0            (at d = 0 anything up to the limit of the law there, its preload)
-overlap d > 0    f = force(d)     >= 0, not falling with d; finite as far as the contact is pressed
+overlap d > 0    f = force(d)     >= 0, finite as far as the contact is pressed; if it falls with d, a run warns
 
 Where the law has no `energy`, it is integrated from the force once.
 """
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections.abc import Callable
 from contextlib import suppress
@@ -27,6 +28,7 @@ Array = NDArray[np.float64]
 LEAST_OVERLAP = 2.0**-900  # [m] below 1e-270: the force there is the preload of the law
 PROBES = 33  # overlaps at which a law is looked at before a run, evenly spaced, and as many by powers
 PROBED_DECADES = 12  # below the depth that is expected
+FALL_WIDTH = 1e-6  # relative precision of the overlap from which a force falls, which a warning reports
 RISE = 1e-9  # of the largest force: a fall by more than that is none of round-off
 TRUE_ENERGY = 1e-6  # relative: what the energy of a law may differ from the integral of its force
 OWN_DIGITS = 1e-9  # relative: a force that its table does not give so well has no digits of its own
@@ -76,7 +78,8 @@ class OwnLaw:
     Raises
     ------
     ValueError
-        `law` is neither an object with a force nor a function, or a Contact or Coupler, whose loss or pull a force has not.
+        `law` is neither an object with a force nor a function, its force takes other arguments than one overlap, or it is a
+        Contact or Coupler, whose loss or pull a force has not.
 
     Examples
     --------
@@ -101,6 +104,9 @@ class OwnLaw:
         found = getattr(law, "energy", None) if energy is None else energy
         if found is not None and not callable(found):
             raise ValueError(f"the energy of a law must be a function of the overlap, not {shown(found)}")
+        _require_one_argument("force", law.force if isinstance(law, Law) else law)
+        if found is not None:
+            _require_one_argument("energy", found)
         object.__setattr__(self, "law", law)
         object.__setattr__(self, "energy_of", found)
 
@@ -291,11 +297,20 @@ class OwnLaw:
             )
 
     def falls(self, depth: float) -> float:
-        """An overlap [m] up to `depth` beyond which the force is less than before it; 0 where it never falls."""
+        """Return the overlap [m] from which the force first falls, searched up to `depth`; 0 if it never falls."""
         overlaps = self.probes(depth)
         forces = self._force(overlaps)
         down = np.flatnonzero(np.diff(forces) < -RISE * forces.max())
-        return float(overlaps[down[0]]) if down.size else 0.0
+        if not down.size:
+            return 0.0
+        # The largest force of the interval around the first fall: each pass narrows it by a factor of PROBES / 2.
+        low, high = float(overlaps[max(down[0] - 1, 0)]), float(overlaps[down[0] + 1])
+        while high - low > FALL_WIDTH * high:
+            overlaps = np.linspace(low, high, PROBES)
+            forces = self._force(overlaps)
+            last = PROBES - 1 - int(np.argmax(forces[::-1]))
+            low, high = float(overlaps[max(last - 1, 0)]), float(overlaps[min(last + 1, PROBES - 1)])
+        return 0.5 * (low + high)
 
     @staticmethod
     def probes(depth: float) -> Array:
@@ -309,6 +324,21 @@ def is_law(value: object) -> bool:
     if isinstance(value, type):
         return False
     return callable(getattr(value, "force", None)) or callable(value)
+
+
+def _require_one_argument(what: str, function: Callable[[float], SupportsFloat]) -> None:
+    """Raise ValueError if `function`, the force or energy of a law, does not take exactly one argument, the overlap."""
+    try:
+        taken = inspect.signature(function)
+    except (TypeError, ValueError):  # some functions written in C have none
+        return
+    try:
+        taken.bind(0.0)
+    except TypeError:
+        raise ValueError(
+            f"the {what} of a contact law must be a function of one number, the overlap; "
+            f"{getattr(function, '__name__', 'it')} takes {taken}"
+        ) from None
 
 
 def _number(function: Callable[[float], SupportsFloat], overlap: float) -> float:

@@ -89,3 +89,16 @@ def test_a_contact_of_a_contact_time(exponent, loss):
     contact = Contact.by_contact_time(0.05, mass=0.7, speed=3.0, exponent=exponent, loss=loss)
     assert one_on_one(contact, 0.7, 3.0).contact_time == pytest.approx(0.05, rel=1e-13)
     assert (contact.preload, contact.exponent, contact.loss) == (0.0, exponent, loss)
+
+
+@pytest.mark.parametrize(
+    ("make", "sentence"),
+    [
+        (lambda: hooke(1.0, damping=5.0), "hooke takes stiffness and loss, not damping: `loss` is the part"),
+        (lambda: draft_gear(1.0, 0.1, restitution=0.5), "takes stiffness, precompression and loss, not restitution"),
+        (lambda: hooke(1.0, 0.1, 0.2), "takes from 1 to 2 positional arguments but 3 were given"),
+    ],
+)
+def test_an_unknown_keyword_lists_those_that_there_are(make, sentence):
+    with pytest.raises(TypeError, match=sentence):
+        make()

@@ -210,6 +210,38 @@ def test_a_force_that_falls_is_told():
         assert any("falls from an overlap of" in warning.sentence for warning in found.warnings) is falls
 
 
+@pytest.mark.parametrize("at", [0.3, 0.5, 1.0, 2.0])
+def test_the_overlap_from_which_a_force_falls_is_located(at):
+    """A probe up to 12 % before the fall was reported as its place."""
+    chain = Chain([15.0, math.inf], OwnLaw(lambda d: d if d < at else 0.5 * at))
+    warning = next(w for w in solve(chain, [2.0, 0.0]).warnings if "falls from an overlap of" in w.sentence)
+    assert warning.numbers["overlap"] == pytest.approx(at, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("force", "at"),
+    [
+        (lambda d: d * math.exp(-(d**2)), math.sqrt(0.5)),  # a smooth maximum
+        (lambda d: min(d, 0.4) if d < 0.7 else 0.1, 0.7),  # a plateau before the fall
+        (lambda d: d if d < 0.2 else d - 0.15, 0.2),  # the force recovers and exceeds the maximum
+    ],
+)
+def test_smooth_maxima_and_plateaus_are_located(force, at):
+    assert OwnLaw(force).falls(1.5) == pytest.approx(at, rel=1e-3)
+
+
+@pytest.mark.parametrize("law", [lambda d, w: 100.0 * d + 5.0 * w, lambda: 1.0], ids=["rate", "none"])
+def test_a_law_of_other_arguments_is_refused(law):
+    with pytest.raises(ValueError, match="must be a function of one number, the overlap"):
+        Chain([1.0, math.inf], law)
+
+
+def test_an_energy_of_other_arguments_is_refused():
+    with pytest.raises(ValueError, match="energy of a contact law must be a function of one number"):
+        OwnLaw(lambda d: d, lambda d, w: d * w)
+    assert OwnLaw(lambda d, stiffness=2.0: stiffness * d).force(1.0) == 2.0  # a default is not an argument
+
+
 def test_results_show_themselves(tmp_path):
     found = solve(Chain([1.0] * 3, Toda(3.0)), START[:3], method="verlet", step=0.05)
     assert repr(found.chain) == "Chain(mass=3 x 1.0, contact=2 x OwnLaw(Toda))"

@@ -141,6 +141,11 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "a time before the start": (lambda: TimedForce(0, [-1.0], 1.0), "times"),
     "three forces at two times": (lambda: TimedForce(0, [0.0, 1.0], [1.0, 2.0, 3.0]), "2 forces"),
     "a force that is no number": (lambda: TimedForce(0, 0.0, math.nan), "number"),
+    "a force on a wall": (
+        lambda: Chain([1, math.inf], LAW, forces=TimedForce([0, 1], 0.0, 1.0)),
+        "forces act on bead 1, but it is a wall",
+    ),
+    "a brake on a wall": (lambda: Chain([math.inf, 1], LAW, brakes=TimedForce(0, 0.0, 1.0)), "brakes act on bead 0"),
     "a force on a bead too many": (lambda: Chain([1, 1], LAW, forces=TimedForce(4, 0.0, 1.0)), "forces act on bead 4"),
     "a brake that drives": (lambda: Chain([1, 1], LAW, brakes=TimedForce(0, 0.0, -1.0)), "brake must be >= 0"),
     "a number for forces": (lambda: Chain([1, 1], LAW, forces=3.0), "TimedForce"),
