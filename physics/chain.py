@@ -125,8 +125,8 @@ class Chain(Shown):
         driven = None if drive is None else bead_forces("drive", drive, n + 1)
         object.__setattr__(self, "drive", None if driven is None or not driven.any() else tuple(driven.tolist()))
         object.__setattr__(self, "friction", magnitude("friction", friction, zero=True))
-        object.__setattr__(self, "forces", checked_forces("forces", forces, n + 1))
-        object.__setattr__(self, "brakes", checked_forces("brakes", brakes, n + 1, brakes=True))
+        object.__setattr__(self, "forces", checked_forces("forces", forces, masses))
+        object.__setattr__(self, "brakes", checked_forces("brakes", brakes, masses, brakes=True))
 
     def __repr__(self) -> str:
         parts = [f"mass={_shortened(self.mass)}", f"contact={_shortened(self.contact)}"]
@@ -281,10 +281,9 @@ class Chain(Shown):
         return tuple(sorted({time for item in (*self.forces, *self.brakes) for time in item.time}))
 
     def impulse(self, time: ArrayLike) -> Any:
-        """The momentum [N s] that forces over time have given to the beads, walls left out, by `time` [s], any shape."""
-        finite = np.isfinite(self.mass)
+        """Return the momentum [N s] that forces over time have given to the beads by `time` [s], any shape."""
         none = np.zeros(np.shape(time))
-        return sum((item.impulse(time) * finite[list(item.beads)].sum() for item in self.forces), none)
+        return sum((item.impulse(time) * len(item.beads) for item in self.forces), none)
 
     @per_chain
     def knot_rows(self) -> tuple[Array, Array, Array]:
@@ -298,19 +297,16 @@ class Chain(Shown):
         just_before = [
             math.nextafter(a, -math.inf) if a in jumps and a == b else a for a, b in pairwise((*times, math.nan))
         ]
-        rows = [
-            np.array([summed(items, time, beads) for time in just_before]).reshape(len(times), beads)
-            for items in (self.forces, self.brakes)
-        ]
+        rows = [summed(items, np.array(just_before), beads) for items in (self.forces, self.brakes)]
         return np.array(times), rows[0], rows[1] * self.inverse_mass if self.brakes else np.zeros((len(times), 0))
 
     @per_chain
-    def drives(self) -> tuple[Array, ...]:
-        """The external forces (n+1,) [N] on the beads at all times between which they are linear; () without any."""
-        steady = np.zeros(self.contacts + 1) if self.drive is None else np.array(self.drive)
+    def drives(self) -> Array:
+        """(K, n+1) external forces [N] on the beads at all times between which they are linear; no rows without any."""
+        steady = np.zeros((1, self.contacts + 1)) if self.drive is None else np.array([self.drive])
         if not self.forces:
-            return () if self.drive is None else (steady,)
-        return (steady, *(steady + self.knot_rows[1]))
+            return steady[: self.drive is not None]
+        return np.concatenate([steady, steady + self.knot_rows[1]])
 
     @per_chain
     def drive_force(self) -> Array | None:

@@ -53,8 +53,7 @@ def greatest_speed(chain: Chain, velocity: ArrayLike, duration: float | None = N
 @per_chain
 def _given_speed(chain: Chain) -> float:
     """Largest speed [m/s] that the drive can give, from the start on."""
-    overlap = start_of(chain)[0]
-    return max(max(_driven_speed(chain, force), _fall_speed(chain, force, overlap)) for force in chain.drives)
+    return max(_driven_speed(chain, chain.drives), _fall_speed(chain, chain.drives, start_of(chain)[0]))
 
 
 @per_chain
@@ -66,7 +65,7 @@ def _sprung_speed(chain: Chain) -> float:
 @per_chain
 def _pull(chain: Chain) -> float:
     """Largest difference of the accelerations [m/s²] that the drive gives to beads, at any time."""
-    return max(float(np.ptp(force * chain.inverse_mass)) for force in chain.drives)
+    return float(np.ptp(chain.drives * chain.inverse_mass, axis=1).max())
 
 
 def closing_scale(
@@ -96,7 +95,8 @@ def closing_scale(
         apart += until * _pull(chain)
     if external is not None:
         acceleration = external * chain.inverse_mass
-        given = max(_driven_speed(chain, external), math.hypot(approach, _fall_speed(chain, external, overlap)))
+        pushes = external[None]
+        given = max(_driven_speed(chain, pushes), math.hypot(approach, _fall_speed(chain, pushes, overlap)))
         if duration is not None:
             given = min(given, approach + _approach(acceleration.tolist()) * duration)
             apart += float(np.ptp(acceleration)) * duration
@@ -165,16 +165,18 @@ def _released_speed(chain: Chain, overlap: Array) -> float:
     return float(np.sqrt(2.0 * chain.stored_energy(overlap, powers) * chain.inverse_reduced_mass).max())
 
 
-def _fall_speed(chain: Chain, force: Array, overlap: Array) -> float:
-    """Largest speed [m/s] at which beads that `force` (n+1,) [N] drives into each other, from rest, meet beyond all gaps."""
+def _fall_speed(chain: Chain, forces: Array, overlap: Array) -> float:
+    """Return the largest speed [m/s] at which beads meet beyond all gaps, from rest, by one of the `forces` (K, n+1) [N]."""
     gaps = float(-np.minimum(overlap, 0.0).sum())
-    return math.sqrt(2.0 * _approach((force * chain.inverse_mass).tolist()) * gaps)
+    if gaps == 0.0:
+        return 0.0
+    return math.sqrt(2.0 * max(map(_approach, (forces * chain.inverse_mass).tolist())) * gaps)
 
 
-def _driven_speed(chain: Chain, force: Array) -> float:
-    """Largest speed [m/s] that a contact reaches under the part of the drive `force` (n+1,) [N] that it passes on."""
+def _driven_speed(chain: Chain, forces: Array) -> float:
+    """Return the largest speed [m/s] that a contact reaches under the part of one of `forces` (K, n+1) [N] that it passes on."""
     preload, stiffness, exponent = chain.law_rows.T
-    force = np.maximum(_passed_on(chain, force) - preload, 0.0)
+    force = np.maximum(_passed_on(chain, forces) - preload, 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
         depth = powers((1.0 + exponent) * force / stiffness, 1.0 / exponent)
     for i, law in chain.own_contacts:
@@ -184,26 +186,29 @@ def _driven_speed(chain: Chain, force: Array) -> float:
     return float(np.max(speed, where=np.isfinite(speed), initial=0.0))
 
 
-def _passed_on(chain: Chain, drive: Array) -> Array:
-    """(n,) the greatest force [N] of each contact while rigid beads are driven from rest, over all gaps between them.
+def _passed_on(chain: Chain, drives: Array) -> Array:
+    """Return the largest force (n,) [N] of each contact between rigid beads, from rest, by one of the `drives` (K, n+1) [N].
 
-    Beads that are driven into each other go on as one body, others go away: runs of beads are joined while the left one
-    accelerates faster. What joins later presses all the harder.
+    Beads that are driven into each other go on as one body over all gaps: runs of beads are joined while the left one
+    accelerates faster.
     """
-    runs: list[tuple[int, float, float]] = []  # beads, drive [N] and mass [kg] of each
-    for push, inertia in zip(drive.tolist(), chain.mass, strict=True):
-        count, whole, total = 1, push, inertia
-        while runs and runs[-1][1] / runs[-1][2] > whole / total:
-            more, other, beside = runs.pop()
-            count, whole, total = count + more, whole + other, total + beside
-        runs.append((count, whole, total))
-    counts = np.array([count for count, _, _ in runs])
-    acceleration = np.repeat([whole / total for _, whole, total in runs], counts)
-    left = drive - chain.finite_mass * acceleration  # what contacts have to take from each bead
-    unheld = np.add.reduceat(left, np.cumsum(counts) - counts)  # of each run: its wall holds it
-    passed: Array = np.cumsum(left - np.where(np.isinf(chain.mass), np.repeat(unheld, counts), 0.0))[:-1]
-    passed[passed <= NO_APPROACH * np.abs(drive).sum()] = 0.0
-    return passed
+    walls, greatest = np.isinf(chain.mass), np.zeros(chain.contacts)
+    for drive in drives:
+        runs: list[tuple[int, float, float]] = []  # beads, drive [N] and mass [kg] of each
+        for push, inertia in zip(drive.tolist(), chain.mass, strict=True):
+            count, whole, total = 1, push, inertia
+            while runs and runs[-1][1] / runs[-1][2] > whole / total:
+                more, other, beside = runs.pop()
+                count, whole, total = count + more, whole + other, total + beside
+            runs.append((count, whole, total))
+        counts = np.array([count for count, _, _ in runs])
+        acceleration = np.repeat([whole / total for _, whole, total in runs], counts)
+        left = drive - chain.finite_mass * acceleration  # what contacts have to take from each bead
+        if walls.any():  # which hold the run that they are in
+            left -= np.where(walls, np.repeat(np.add.reduceat(left, np.cumsum(counts) - counts), counts), 0.0)
+        passed = np.cumsum(left)[:-1]
+        greatest = np.maximum(greatest, np.where(passed > NO_APPROACH * np.abs(drive).sum(), passed, 0.0))
+    return greatest
 
 
 def contact_scales(chain: Chain, velocity: ArrayLike, duration: float | None = None) -> tuple[Array, Array]:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -69,12 +71,17 @@ class TimedForce:
 
     def at(self, time: ArrayLike) -> Array:
         """The force [N] at `time` [s], any shape; at a jump the value after it."""
-        return np.asarray(np.interp(np.asarray(time), self.time, self.force, left=0.0))
+        return np.asarray(np.interp(np.asarray(time), *self._points[:2], left=0.0))
+
+    @cached_property
+    def _points(self) -> tuple[Array, Array, Array]:
+        """Times [s], forces [N] and the momentum [N s] given until each time, as arrays (K,)."""
+        time, force = np.array(self.time), np.array(self.force)
+        return time, force, np.append(0.0, np.cumsum(0.5 * np.diff(time) * (force[1:] + force[:-1])))
 
     def impulse(self, end: ArrayLike) -> Array:
         """The momentum [N s] that it has given to each of its beads by the time `end` [s], any shape."""
-        ends, time, force = np.asarray(end, dtype=np.float64), np.array(self.time), np.array(self.force)
-        given = np.append(0.0, np.cumsum(0.5 * np.diff(time) * (force[1:] + force[:-1])))
+        ends, (time, force, given) = np.asarray(end, dtype=np.float64), self._points
         last = np.maximum(np.searchsorted(time, ends, side="right") - 1, 0)
         found: Array = given[last] + 0.5 * (ends - time[last]) * (force[last] + self.at(ends))
         return np.where(ends < time[0], 0.0, found)
@@ -88,8 +95,12 @@ def _checked_beads(beads: int | Sequence[int]) -> tuple[int, ...]:
     return indices
 
 
-def checked_forces(what: str, forces: object, beads: int, brakes: bool = False) -> tuple[TimedForce, ...]:
-    """`forces` as a tuple of TimedForce on a chain of so many beads; brakes are nowhere negative. ValueError: refused."""
+def checked_forces(what: str, forces: object, mass: Sequence[float], brakes: bool = False) -> tuple[TimedForce, ...]:
+    """Return `forces` as a tuple of TimedForce on beads of `mass` [kg]; brakes are nowhere negative.
+
+    Raises ValueError if an entry is not a TimedForce, or acts on a wall or on a bead that does not exist.
+    """
+    beads = len(mass)
     given = (forces,) if isinstance(forces, TimedForce) else forces
     if isinstance(given, str) or not isinstance(given, Sequence):
         raise ValueError(f"{what} must be a TimedForce or a list of them, not {shown(forces)}")
@@ -97,6 +108,9 @@ def checked_forces(what: str, forces: object, beads: int, brakes: bool = False) 
         require_kind(f"every entry of {what}", item, TimedForce)
         if max(item.beads) >= beads:
             raise ValueError(f"{what} act on bead {max(item.beads)}, but there are only beads 0 to {beads - 1}")
+        walls = [bead for bead in item.beads if mass[bead] == math.inf]
+        if walls:
+            raise ValueError(f"{what} act on bead {walls[0]}, but it is a wall (infinite mass), which no force moves")
         if brakes and min(item.force) < 0.0:
             raise ValueError(
                 f"every brake must be >= 0 at all times, not {min(item.force):g}: it acts against the motion"
@@ -104,11 +118,11 @@ def checked_forces(what: str, forces: object, beads: int, brakes: bool = False) 
     return tuple(given)
 
 
-def summed(forces: Sequence[TimedForce], time: float, beads: int) -> Array:
-    """(beads,) sum of `forces` at `time` [N]."""
-    total = np.zeros(beads)
+def summed(forces: Sequence[TimedForce], time: ArrayLike, beads: int) -> Array:
+    """Return the sum (..., beads) of `forces` at `time` (...) [N]."""
+    total = np.zeros((*np.shape(time), beads))
     for item in forces:
-        total[list(item.beads)] += item.at(time)
+        total[..., list(item.beads)] += item.at(time)[..., None]
     return total
 
 

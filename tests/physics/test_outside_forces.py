@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from softcradle.physics import METHODS, Chain, State, TimedForce, advance, one_on, simulate
+from softcradle.physics import METHODS, Chain, State, TimedForce, advance, one_on, scales, simulate
 from softcradle.physics.adaptive.adaptive_loop import integrate
 from softcradle.physics.contact import Contact, draft_gear, hooke, power_law
 from softcradle.physics.fixed_step.step_loop import march
@@ -234,3 +234,17 @@ def test_the_contrast_scenes_begin_at_rest_under_their_press(name):
     found = simulate(chain, [0.0] * (chain.contacts + 1), 1.0, "conserving")
     assert found.overlap[0, 1:].min() > 0.0
     np.testing.assert_allclose(found.velocity, 0.0, atol=1e-9)
+
+
+def test_a_force_of_many_points_is_evaluated_once(monkeypatch):
+    """Each point of a force evaluated the whole force, and the speed that it can give: 5000 points took seconds."""
+    points, speeds = [], []
+    at, driven = TimedForce.at, scales._driven_speed
+    monkeypatch.setattr(TimedForce, "at", lambda self, time: points.append(np.size(time)) or at(self, time))
+    monkeypatch.setattr(scales, "_driven_speed", lambda chain, forces: speeds.append(1) or driven(chain, forces))
+    time = np.linspace(0.0, 0.5, 1000)
+    chain = Chain([math.inf, 1.0], hooke(1e6), gap=1e-3, forces=TimedForce(1, time, -600.0 * np.sin(120.0 * time)))
+    scales.speed_scale(chain, [0.0, 0.0])
+    scales.closing_scale(chain, np.zeros(2), np.zeros(1), None, 0.5)
+    assert points == [time.size + 1]  # the jump at the first point is two
+    assert len(speeds) == 1
