@@ -3,12 +3,12 @@
 import difflib
 import errno
 import os
-import tomllib
 from pathlib import Path
 
 from pydantic import ValidationError
 from softcradle.scenes.scene_errors import SceneError, scene_error
 from softcradle.scenes.scene_schema import Scene
+from softcradle.scenes.toml_mistakes import MOST_SHOWN, read_toml
 
 CATALOGUE = Path(__file__).parent / "catalogue"
 MOST_TEXT = 2**26  # characters of a file: the longest lane has some millions
@@ -23,7 +23,7 @@ def load(name_or_path: str | Path) -> Scene:
     """The scene of the catalogue by that name, or the scene in the file at that path.
 
     Raises:
-        SceneError: there is no such scene or file, or the file is not a scene; one sentence for each problem.
+        SceneError: the scene or file does not exist, or the file is not a scene; one sentence for each problem.
 
     >>> load("one-on-four").lanes[0].velocity
     (1.0, 0.0, 0.0, 0.0, 0.0)
@@ -37,15 +37,18 @@ def text_of(name_or_path: str | Path) -> str:
 
 
 def parse(text: str, file: str = "scene") -> Scene:
-    """The scene that the TOML `text` describes; errors call it `file`. Raises SceneError."""
-    try:
-        table = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # of TOML, of digits or of brackets by the thousand
-        raise SceneError([f"{file}: not valid TOML: {str(error)[:1].lower()}{str(error)[1:]}"]) from None
-    try:
-        return Scene.model_validate(table)
-    except ValidationError as error:
-        raise scene_error(file, error) from None
+    """Return the scene that the TOML `text` describes. Raise SceneError with every problem; these call it `file`."""
+    table, mistakes = read_toml(text)
+    problems = [f"{file}: {mistake}" for mistake in mistakes]
+    scene = None
+    if table is not None:
+        try:
+            scene = Scene.model_validate(table)
+        except ValidationError as error:
+            problems += scene_error(file, error).problems
+    if scene is None or problems:
+        raise SceneError(problems)
+    return scene
 
 
 def _read(wanted: str) -> tuple[str, str]:
@@ -59,8 +62,8 @@ def _read(wanted: str) -> tuple[str, str]:
         return text_in(wanted), wanted
     except FileNotFoundError:
         raise SceneError([f"there is no file {wanted}"]) from None
-    except UnicodeDecodeError:
-        raise SceneError([f"{wanted}: not a text file in UTF-8"]) from None
+    except UnicodeDecodeError as error:
+        raise SceneError([f"{wanted}: not a text file in UTF-8: {_encoding_hint(error)}"]) from None
     except OSError as error:
         raise SceneError([f"cannot read {wanted}: {(error.strerror or str(error)).lower()}"]) from None
     except ValueError:  # a name that no file can have
@@ -68,12 +71,25 @@ def _read(wanted: str) -> tuple[str, str]:
 
 
 def text_in(path: str) -> str:
-    """The text of a file, which may be a pipe or have no end. Raises OSError, and ValueError where it is no text in UTF-8."""
+    """Return the text of a file, which can be a pipe. Raise OSError, and ValueError if it is not text in UTF-8."""
     with open(path, encoding="utf-8-sig") as file:
         text = file.read(MOST_TEXT)
     if len(text) == MOST_TEXT:
         raise OSError(errno.EFBIG, os.strerror(errno.EFBIG))
     return text
+
+
+def _encoding_hint(error: UnicodeDecodeError) -> str:
+    """Return what to do about a file in another encoding, with the line if it is one of 8 bits a character."""
+    data = bytes(error.object)
+    remedy = "save it as UTF-8"
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return f"{remedy} (it seems to be UTF-16, which Windows calls Unicode)"
+    if b"\0" in data:
+        return f"{remedy} (it does not seem to be text)"
+    line = data.count(b"\n", 0, error.start)
+    shown = data.split(b"\n")[line].decode("cp1252", "replace").strip()[:MOST_SHOWN]
+    return f"{remedy} (line {line + 1}: {shown})"
 
 
 def _unknown(wanted: str) -> str:

@@ -2,24 +2,35 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 from collections.abc import Callable, Mapping
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, NoReturn, Self
 
-from pydantic import BeforeValidator, SerializeAsAny, create_model, model_validator
+from pydantic import BeforeValidator, SerializeAsAny, ValidationError, create_model, model_validator
 from softcradle.scenes.contact_kinds import KIND_BY_NAME, KINDS, ContactKind
-from softcradle.scenes.toml_table import Loss, NotNegative, Positive, Table, problem, suggestion
+from softcradle.scenes.other_names import SAME_LAWS
+from softcradle.scenes.toml_table import (
+    Loss,
+    NotNegative,
+    Positive,
+    Table,
+    details_again,
+    problem,
+    sentence_details,
+    suggestion,
+)
 
 from softcradle import physics
 
 
 class AnyLaw(Table):
-    """What is between two beads, by the name of its law."""
+    """A contact between two beads, by the name of its law."""
 
     law: str
 
     def contact(self) -> physics.Contact | physics.Coupler:
-        """What the table describes, for a Chain."""
+        """Return the contact that the table describes, for a Chain."""
         raise NotImplementedError
 
 
@@ -53,7 +64,7 @@ def read_law(table: Any) -> Law:
 
 
 def _read(table: Any, laws: list[str]) -> AnyLaw:
-    """What a table describes, of the `laws` that are allowed there."""
+    """Return the contact that a table describes, one of the `laws` that are allowed there."""
     if isinstance(table, AnyLaw):
         return table
     if not isinstance(table, Mapping):
@@ -64,9 +75,25 @@ def _read(table: Any, laws: list[str]) -> AnyLaw:
     if law == COUPLER and COUPLER in laws:
         return CouplerTable.model_validate(table)
     if not isinstance(law, str) or law not in KIND_BY_NAME:
-        raise problem(f"unknown law {law!r}{suggestion(str(law), laws)}")
+        _raise_unknown_law(law, table, laws)
     name = KIND_BY_NAME[law].law
     return MODELS[name].model_validate({**table, "law": name})
+
+
+def _raise_unknown_law(law: Any, table: Mapping[str, Any], laws: list[str]) -> NoReturn:
+    """Raise the problem of an unknown law, and the problems of its numbers if the law that was meant is known."""
+    meant = SAME_LAWS.get(str(law).lower()) or next(iter(difflib.get_close_matches(str(law), laws, n=1)), "")
+    known = str(law).lower() in SAME_LAWS
+    sentence = (
+        f"unknown law {law!r}: it is called {meant!r}" if known else f"unknown law {law!r}{suggestion(str(law), laws)}"
+    )
+    found = [sentence_details(sentence, table)]
+    try:
+        if meant:
+            _read({**table, "law": meant}, laws)
+    except ValidationError as error:
+        found += [details_again(detail) for detail in error.errors(include_url=False)]
+    raise ValidationError.from_exception_data("contact", found)
 
 
 class CouplerTable(AnyLaw):

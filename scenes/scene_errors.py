@@ -1,4 +1,4 @@
-"""What is wrong with a scene file, one sentence for each problem: file, key, what is allowed, and the value there is."""
+"""Problems of a scene file, one sentence for each: file, key, what is allowed, and the value."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-# pydantic's types of errors in words of TOML, where its own sentences use words of Python
+# pydantic's types of errors in words of TOML; its own sentences use words of Python
 DEMANDS = {
     "float_type": "must be a number",
     "int_type": "must be a whole number",
@@ -20,7 +20,7 @@ DEMANDS = {
 
 
 class SceneError(ValueError):
-    """There is no such scene, or its file is not one. `problems` holds a sentence for each problem; the message is the first."""
+    """A scene that does not exist or a wrong scene file. `problems` has a sentence for each problem; the message is the first."""
 
     def __init__(self, problems: Sequence[str]) -> None:
         super().__init__(problems[0])
@@ -42,7 +42,11 @@ def _sentence(detail: ErrorDetails) -> str:
         parent, _, key = place.rpartition(".")
         return f"{parent or 'the scene'}: key {key!r} is missing"
     if detail["type"] in ("scene", "value_error"):
-        return f"{place}{': ' if place else ''}{message.removeprefix('Value error, ')}"
+        sentence = message.removeprefix("Value error, ")
+        parent, _, key = place.rpartition(".")
+        if sentence.startswith(f"{key} must be "):  # the sentence names the key itself
+            place = parent
+        return f"{place}{': ' if place else ''}{sentence}"
     demand = DEMANDS.get(detail["type"]) or message.replace("Input should", "must").replace("String should", "must")
     return f"{place} {demand}, not {_shown(detail['input'])}"
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import Annotated, Any, Self
 
-from pydantic import BeforeValidator, Field, Strict, field_validator, model_validator
+from pydantic import BeforeValidator, Field, Strict, ValidationInfo, field_validator, model_validator
 from softcradle.physics import notebook_views
 from softcradle.physics.checked_input import magnitude
 from softcradle.physics.methods import AUTO, refusal_of, refusal_of_fineness
@@ -22,13 +22,16 @@ from softcradle.scenes.toml_table import (
     OneOrMany,
     Positive,
     Table,
+    is_number,
     problem,
+    raise_problems,
     suggestion,
 )
 
 from softcradle import physics
 
-MOST_BEADS = 100_000  # of a lane: a typing error must not fill the memory
+# Largest number of beads of a lane: a typing error must not fill the memory.
+MOST_BEADS = 100_000
 MOST_SLOW = 1e20  # seconds of film for one of motion, and of motion for one of film: frames are times that a run takes
 Count = Annotated[int, Strict(), Field(ge=1, le=MOST_BEADS)]
 Text = Annotated[str, BeforeValidator(lambda text: " ".join(text.split()) if isinstance(text, str) else text)]
@@ -59,9 +62,25 @@ class ForceTable(Table):
         return physics.TimedForce(self.beads, self.time, self.force)
 
 
+def is_count(value: Any) -> bool:
+    """Return True if `value` is a possible number of beads."""
+    return type(value) is int and 1 <= value <= MOST_BEADS
+
+
+def count_of(lane: Mapping[str, Any]) -> int | None:
+    """Return the number of beads of a lane, from `beads` or else from the length of a list, or None if neither is right."""
+    beads, mass, velocity = (lane.get(key) for key in ("beads", "mass", "velocity"))
+    if isinstance(beads, list | tuple):
+        return sum(beads) if len(beads) == 2 and all(map(is_count, beads)) else None
+    if beads is not None:
+        return beads if is_count(beads) else None
+    lists = [given for given in (mass, velocity) if isinstance(given, list | tuple)]
+    return len(lists[0]) if lists else None
+
+
 def strikers_at(speed: Any, clusters: Any) -> tuple[Any, ...]:
-    """The velocities of `clusters`, strikers before targets at rest; none where these are no counts, as `beads` then says."""
-    if not all(isinstance(count, int) and 1 <= count <= MOST_BEADS for count in clusters):
+    """Return the velocities of `clusters`: strikers before targets at rest. Return () if these are not counts."""
+    if not all(map(is_count, clusters)):
         return ()
     strikers, targets = clusters
     return (speed,) * strikers + (0.0,) * targets
@@ -97,41 +116,58 @@ class Lane(Table):
     forces: tuple[ForceTable, ...] = ()
     brakes: tuple[ForceTable, ...] = ()
 
-    @model_validator(mode="before")
     @classmethod
-    def _spread_velocity(cls, value: Any) -> Any:
-        """Replace one velocity for all strikers by a list, in which the targets rest."""
-        if not isinstance(value, dict) or isinstance(value.get("velocity", ()), list | tuple):
-            return value
-        clusters = value.get("beads")
-        if not (isinstance(clusters, list | tuple) and len(clusters) == 2):
-            raise problem("one velocity for all strikers needs beads = [strikers, targets]; else give a list of them")
-        return {**value, "velocity": strikers_at(value["velocity"], clusters)}
+    def keys_elsewhere(cls) -> Mapping[str, str]:
+        """Return the keys of the scene and of its view."""
+        above = dict.fromkeys(set(Scene.model_fields) - set(cls.model_fields), "above the first [[lanes]]")
+        return dict.fromkeys(View.model_fields, "below [view]") | above
 
-    @model_validator(mode="after")
-    def _check_lengths(self) -> Self:
-        count = self._count()
+    @classmethod
+    def mistakes(cls, table: dict[str, Any]) -> Iterator[str]:
+        """Yield unknown keys, and lists whose lengths do not fit; give one velocity to all strikers."""
+        yield from super().mistakes(table)
+        beads, velocity = table.get("beads"), table.get("velocity")
+        if isinstance(beads, list | tuple):
+            if len(beads) != 2:
+                yield f"beads must be a number or [strikers, targets], not {list(beads)}"
+            elif not isinstance(velocity, list | tuple) and is_number(velocity):
+                table["velocity"] = strikers_at(velocity, beads)
+        if table.get("approach") is not None and (
+            not isinstance(beads, list | tuple) or isinstance(table.get("gap"), list | tuple)
+        ):
+            yield "approach needs beads = [strikers, targets] and no list of gaps"
+        count = count_of(table)
+        if count is None:
+            return
         if not 2 <= count <= MOST_BEADS:
-            raise problem(f"a chain needs from 2 to {MOST_BEADS} beads, not {count}")
+            yield f"a chain needs from 2 to {MOST_BEADS} beads, not {count}"
+            return
         expected = {"mass": count, "contact": count - 1, "velocity": count, "gap": count - 1, "drive": count}
         for key, length in expected.items():
-            given = getattr(self, key)
-            if isinstance(given, tuple) and len(given) != length:
-                raise problem(f"{key} is a list of {len(given)}, but {count} beads need {length}")
-        if self.approach is not None and (not isinstance(self.beads, tuple) or isinstance(self.gap, tuple)):
-            raise problem("approach needs beads = [strikers, targets] and no list of gaps")
+            given = table.get(key)
+            if isinstance(given, list | tuple) and len(given) != length:
+                comma = "; decimals are written with a point" if len(given) == 2 * length else ""
+                yield f"{key} is a list of {len(given)}, but {count} beads need {length}{comma}"
+
+    @field_validator("velocity", mode="before")
+    @classmethod
+    def _require_list(cls, value: Any) -> Any:
+        if isinstance(value, list | tuple):
+            return value
+        if not is_number(value):
+            raise problem(f"velocity must be a number or a list of numbers, not {value!r}")
+        raise problem("one velocity for all strikers needs beads = [strikers, targets]; else give a list of them")
+
+    @model_validator(mode="after")
+    def _check_motion(self) -> Self:
         require_computable(self.chain(), checked_velocity(self.chain(), self.velocity))
         return self
 
     def _count(self) -> int:
-        """Number of beads, from `beads` or else from the length of a list."""
-        if isinstance(self.beads, tuple):
-            if len(self.beads) != 2:
-                raise problem(f"beads must be a number or [strikers, targets], not {list(self.beads)}")
-            return sum(self.beads)
-        if self.beads is not None:
-            return self.beads
-        return len(self.mass) if isinstance(self.mass, tuple) else len(self.velocity)
+        """Return the number of beads."""
+        count = count_of({"beads": self.beads, "mass": self.mass, "velocity": self.velocity})
+        assert count is not None  # a checked lane has one
+        return count
 
     @classmethod
     def of(cls, chain: physics.Chain, velocity: Sequence[float], label: str = "") -> Self:
@@ -178,13 +214,18 @@ class View(Table):
     after: NotNegative | None = None
     labels: Annotated[bool, Strict()] = True
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        for key in ("length", "magnify", "after"):
-            magnitude(key, getattr(self, key) or 1.0)
-        if not 1.0 / MOST_SLOW <= self.slow <= MOST_SLOW:
-            raise problem(f"slow must be from {1.0 / MOST_SLOW:g} to {MOST_SLOW:g}, not {self.slow:g}")
-        return self
+    @field_validator("length", "magnify", "after")
+    @classmethod
+    def _check_size(cls, number: float | None, info: ValidationInfo) -> float | None:
+        magnitude(info.field_name or "", number or 1.0)
+        return number
+
+    @field_validator("slow")
+    @classmethod
+    def _check_slow(cls, slow: float) -> float:
+        if not 1.0 / MOST_SLOW <= slow <= MOST_SLOW:
+            raise problem(f"slow must be from {1.0 / MOST_SLOW:g} to {MOST_SLOW:g}, not {slow:g}")
+        return slow
 
 
 class Scene(notebook_views.Moving, Table):
@@ -226,6 +267,20 @@ class Scene(notebook_views.Moving, Table):
     tolerance: Positive | None = None
     view: View = View()
 
+    @classmethod
+    def keys_elsewhere(cls) -> Mapping[str, str]:
+        """Return the keys of lanes and of the view."""
+        lane = dict.fromkeys(set(Lane.model_fields) - {"label"}, "to a lane, below [[lanes]]")
+        return lane | dict.fromkeys(View.model_fields, "below [view]")
+
+    @classmethod
+    def mistakes(cls, table: dict[str, Any]) -> Iterator[str]:
+        """Yield unknown keys, and a lane in single brackets, which is then read as one lane."""
+        yield from super().mistakes(table)
+        if isinstance(table.get("lanes"), Mapping):
+            table["lanes"] = [table["lanes"]]
+            yield "write [[lanes]] in double brackets, also for a single lane"
+
     @field_validator("lanes")
     @classmethod
     def _check_lanes(cls, lanes: tuple[Lane, ...]) -> tuple[Lane, ...]:
@@ -241,13 +296,18 @@ class Scene(notebook_views.Moving, Table):
             raise problem(f"unknown method {name!r}{suggestion(name, known)}")
         return name
 
+    @field_validator("duration", "step", "tolerance")
+    @classmethod
+    def _check_size(cls, number: float | None, info: ValidationInfo) -> float | None:
+        if number is not None and info.field_name is not None:
+            if info.field_name == "tolerance":
+                checked_tolerance(number)
+            else:
+                magnitude(info.field_name, number)
+        return number
+
     @model_validator(mode="after")
     def _check_settings(self) -> Self:
-        for key in ("duration", "step"):
-            if (given := getattr(self, key)) is not None:
-                magnitude(key, given)
-        if self.tolerance is not None:
-            checked_tolerance(self.tolerance)
         chains = [lane.chain() for lane in self.lanes]
         reasons = []
         if self.method is not None:
@@ -255,8 +315,7 @@ class Scene(notebook_views.Moving, Table):
             reasons.append(refusal_of_fineness(self.method, self.step, self.tolerance))
         if self.duration is None:
             reasons += [endless(chain, lane.velocity) for chain, lane in zip(chains, self.lanes, strict=True)]
-        if any(reasons):
-            raise problem(next(filter(None, reasons)))
+        raise_problems("Scene", filter(None, reasons), self)
         return self
 
     def settings(self, **overrides: Any) -> dict[str, Any]:

@@ -1,10 +1,10 @@
-"""The base of all tables in a scene file, which refuses unknown keys, and its types of numbers, fractions such as "1/14" too."""
+"""The base of all tables in a scene file, and its types of numbers, including fractions such as "1/14"."""
 
 import difflib
 import math
 import re
-from collections.abc import Iterable, Mapping
-from typing import Annotated, Any, TypeVar
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Annotated, Any, Self, TypeVar
 
 from pydantic import (
     BaseModel,
@@ -12,42 +12,111 @@ from pydantic import (
     ConfigDict,
     Discriminator,
     Field,
+    ModelWrapValidatorHandler,
     Strict,
     Tag,
+    ValidationError,
     ValidationInfo,
     model_validator,
 )
-from pydantic_core import PydanticCustomError
+from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
+from softcradle.scenes.other_names import remedy_of
 
 Item = TypeVar("Item")
 FRACTION = re.compile(r"\s*(\d{1,9})\s*/\s*(\d{1,9})\s*")
 
 
 class Table(BaseModel):
-    """An immutable table of a scene file. An unknown key is refused with the keys that are allowed."""
+    """An immutable table of a scene file. Every problem in it is reported, not only the first."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, validate_default=False)
 
-    @model_validator(mode="before")
     @classmethod
-    def _refuse_unknown_keys(cls, value: Any) -> Any:
-        if isinstance(value, Mapping):
-            for key in value:
-                if key not in cls.model_fields:
-                    raise problem(f"unknown key {key!r}{suggestion(str(key), cls.model_fields)}")
-        return value
+    def mistakes(cls, table: dict[str, Any]) -> Iterator[str]:
+        """Yield a sentence for each mistake that can be seen before the values are checked, and remove it from `table`.
+
+        A misspelt key gets the name that was probably meant, so that its value is checked as well.
+        """
+        for key in list(table):
+            if key not in cls.model_fields:
+                sentence, meant = unknown_key(key, table, cls.model_fields, cls.keys_elsewhere())
+                value = table.pop(key)
+                if meant is not None:
+                    table.setdefault(meant, value)
+                yield sentence
+
+    @classmethod
+    def keys_elsewhere(cls) -> Mapping[str, str]:
+        """Return the keys that belong to another table of the file, each with the place of that table."""
+        return {}
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _report_all(cls, value: Any, check: ModelWrapValidatorHandler[Self]) -> Self:
+        if not isinstance(value, Mapping):
+            return check(value)
+        table = dict(value)
+        found = [sentence_details(sentence, value) for sentence in cls.mistakes(table)]
+        try:
+            checked = check(table)
+        except ValidationError as error:
+            found += [details_again(detail) for detail in error.errors(include_url=False)]
+        if found:
+            raise ValidationError.from_exception_data(cls.__name__, found)
+        return checked
+
+
+def sentence_details(sentence: str, value: Any) -> InitErrorDetails:
+    """Return a problem for pydantic's list of them."""
+    return InitErrorDetails(type=problem(sentence), loc=(), input=value)
+
+
+def details_again(detail: ErrorDetails) -> InitErrorDetails:
+    """Return a problem that pydantic reported, in the form in which it can be raised again."""
+    kind: str | PydanticCustomError = detail["type"]
+    if kind == "scene":
+        kind = problem(detail["msg"])
+    return InitErrorDetails(type=kind, loc=detail["loc"], input=detail["input"], ctx=detail.get("ctx", {}))
+
+
+def raise_problems(title: str, sentences: Iterable[str], value: Any) -> None:
+    """Raise a ValidationError with each different sentence. Do nothing if there are no sentences."""
+    found = [sentence_details(sentence, value) for sentence in dict.fromkeys(sentences)]
+    if found:
+        raise ValidationError.from_exception_data(title, found)
+
+
+def unknown_key(
+    key: str, table: Mapping[str, Any], allowed: Iterable[str], elsewhere: Mapping[str, str]
+) -> tuple[str, str | None]:
+    """Return the sentence for a key that the table does not have, and the key that was probably meant."""
+    if key in elsewhere:
+        return f"key {key!r} belongs {elsewhere[key]}", None
+    words = list(allowed)
+    remedy = remedy_of(key, table, words)
+    if remedy is not None:
+        return f"unknown key {key!r}: {remedy.sentence}", remedy.meant
+    near = difflib.get_close_matches(key, words, n=1)
+    return f"unknown key {key!r}{suggestion(key, words)}", near[0] if near and near[0] not in table else None
 
 
 def problem(sentence: str) -> PydanticCustomError:
-    """A refusal; `sentence` is completed by the place in the file."""
+    """Return a validation error; the place in the file is put before `sentence`."""
     return PydanticCustomError("scene", "{sentence}", {"sentence": sentence})
 
 
 def suggestion(word: str, allowed: Iterable[str]) -> str:
-    """The end of a refusal of `word`: the allowed word nearest to it, then all allowed words."""
+    """Return the end of a sentence on an unknown `word`: the allowed word nearest to it, then all allowed words."""
     words = list(allowed)
     near = difflib.get_close_matches(word, words, n=1)
     return (f" (did you mean {near[0]!r}?)" if near else "") + f"; allowed: {', '.join(words)}"
+
+
+def is_number(value: Any) -> bool:
+    """Return True if `value` is a number or a fraction such as "1/14"."""
+    if isinstance(value, str):
+        return FRACTION.fullmatch(value) is not None
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _fraction(value: Any) -> Any:
@@ -60,7 +129,7 @@ def _fraction(value: Any) -> Any:
 
 
 def _wall(value: Any, info: ValidationInfo) -> Any:
-    """JSON has no infinity: there null is the mass of a wall."""
+    """Return infinity, the mass of a wall, for null in JSON, which cannot write infinity."""
     return math.inf if value is None and info.mode == "json" else value
 
 

@@ -201,7 +201,7 @@ REFUSALS = (
     N_("{what} must be from {least} to {most}, not {given}: choose other units"),
     N_("two walls side by side: a contact between them could never be solved"),
     N_("there is no file {path}"),
-    N_("{path}: not a text file in UTF-8"),
+    N_("{path}: not a text file in UTF-8: save it as UTF-8 ({detail})"),
     N_("cannot read {path}: {error}"),
     N_(
         "there is no scene {name}; did you mean {near}? (softcradle scenes lists them; a file of your own ends in .toml)"

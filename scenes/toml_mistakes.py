@@ -1,0 +1,247 @@
+"""Common mistakes in the syntax of a TOML file: the line, what to change, and a repaired text in which to look for more.
+
+A repair is only used if the parser then gets further, so a hint never contradicts the parser.
+
+Tests: tests/scenes/test_file_mistakes.py
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Callable, Iterator
+from itertools import islice
+from typing import Any, NamedTuple
+
+# Syntax errors reported for one file. A file with more is not a scene file.
+MOST_ERRORS = 20
+# Characters of a line shown in a message.
+MOST_SHOWN = 60
+# Lines searched upwards for the bracket that a value leaves open.
+MOST_LINES_UP = 50
+
+POSITION = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
+STRING = re.compile(r'"(?:\\.|[^"\\])*"|\'[^\']*\'|#.*')
+TYPOGRAPHIC = dict.fromkeys("“”„‟«»", '"') | dict.fromkeys("\u2018\u2019\u201a\u201b", "'")
+NUMBER = r"[-+]?\d[\d_]*(?:\.\d+)?(?:[eE][-+]?\d+)?"
+# End of a value in a line: another value, a closing bracket, a comment or the end.
+END = r"(?=\s*(?:[,}\]#]|$))"
+BRACKETS = {"[": "]", "{": "}"}
+
+
+class Repair(NamedTuple):
+    """A changed line and what was wrong with it."""
+
+    line: str
+    hint: str
+
+
+def read_toml(text: str) -> tuple[dict[str, Any] | None, list[str]]:
+    """Return the table in `text` and a sentence for each syntax error.
+
+    The table is that of the repaired text, or None if an error could not be repaired.
+    """
+    problems: list[str] = []
+    while len(problems) < MOST_ERRORS:
+        error = _syntax_error(text)
+        if isinstance(error, dict):
+            return error, problems
+        lines = text.split("\n")
+        twice = re.fullmatch(r"Cannot declare \('(\w+)',\) twice", error.words)
+        if twice:
+            problems.append(_sentence(f"write [[{twice[1]}]] in double brackets, once for each", lines, error.line))
+            double = re.sub(rf"(?m)^\s*\[\s*{twice[1]}\s*\]", f"[[{twice[1]}]]", text)
+            if double == text:
+                break
+            text = double
+            continue
+        repaired = next(_working_repairs(lines, error), None)
+        if repaired is None:
+            problems.append(_sentence(error.plain_hint(), lines, error.line, error.column))
+            break
+        at, repair = repaired
+        problems.append(_sentence(repair.hint, lines, at))
+        lines[at] = repair.line
+        text = "\n".join(lines)
+    return None, problems
+
+
+class SyntaxProblem(NamedTuple):
+    """The first error that the parser meets: its words, and where it is, both counted from 0."""
+
+    words: str
+    line: int
+    column: int
+
+    def plain_hint(self) -> str:
+        """Return the words of the parser, or a clearer hint if there is one."""
+        if self.words.startswith("Unclosed"):
+            return f"a closing {'}' if 'inline table' in self.words else ']'} is missing in this line or above it"
+        if self.words == "Cannot overwrite a value":
+            return "a key is given twice in the same table"
+        return self.words[:1].lower() + self.words[1:]
+
+
+def _syntax_error(text: str) -> dict[str, Any] | SyntaxProblem:
+    """Return the table in `text`, or the first error in it."""
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        return SyntaxProblem("too many nested brackets", 0, 0)
+    except ValueError as error:
+        words = str(error)
+    lines = text.split("\n")
+    found = POSITION.search(words)
+    if found is None:
+        return SyntaxProblem(words, 0, 0)
+    if found[1] is None:
+        return SyntaxProblem(words[: found.start()], len(lines) - 1, len(lines[-1]))
+    return SyntaxProblem(words[: found.start()], int(found[1]) - 1, int(found[2]) - 1)
+
+
+def _sentence(hint: str, lines: list[str], line: int, column: int | None = None) -> str:
+    """Return the hint with the line that it belongs to."""
+    shown = lines[line].strip()
+    shown = shown if len(shown) <= MOST_SHOWN else shown[: MOST_SHOWN - 3] + "..."
+    place = f"line {line + 1}" if column is None else f"line {line + 1}, column {column + 1}"
+    return f"not valid TOML: {hint} ({place}{': ' if shown else ''}{shown})"
+
+
+def _working_repairs(lines: list[str], error: SyntaxProblem) -> Iterator[tuple[int, Repair]]:
+    """Yield repairs, with the number of their line, after which the parser gets further."""
+    for at, repair in _possible_repairs(lines, error):
+        changed = [*lines[:at], repair.line, *lines[at + 1 :]]
+        left = _syntax_error("\n".join(changed))
+        longer = len(repair.line) - len(lines[at]) if at == error.line else 0
+        if isinstance(left, dict) or (left.line, left.column) > (error.line, error.column + longer):
+            yield at, repair
+
+
+def _possible_repairs(lines: list[str], error: SyntaxProblem) -> Iterator[tuple[int, Repair]]:
+    """Yield possible repairs of the line with the error, then of lines above it that leave a bracket open."""
+    for repairs in REPAIRS:
+        for repair in repairs(lines[error.line]):
+            if repair.line != lines[error.line]:
+                yield error.line, repair
+    above = range(error.line, max(-1, error.line - MOST_LINES_UP), -1)
+    for at in islice((at for at in above if _open_brackets(lines[at])), 1):
+        closing = "".join(BRACKETS[bracket] for bracket in reversed(_open_brackets(lines[at])))
+        yield at, Repair(_before_comment(lines[at], closing), f"a closing {closing} is missing")
+    if error.words == "Cannot overwrite a value":
+        yield error.line, Repair("#" + lines[error.line], "this key is given twice in the same table")
+
+
+def _masked(line: str) -> str:
+    """Return the line with a placeholder of the same length for each character of text in quotes and of comments."""
+    return STRING.sub(lambda found: found[0][0] + "_" * (len(found[0]) - 2) + found[0][-1], line)
+
+
+def _edited(line: str, pattern: str, change: Callable[[re.Match[str]], str]) -> tuple[str, re.Match[str] | None]:
+    """Return the line with each match outside of quotes replaced, and the first match."""
+    found = list(re.finditer(pattern, _masked(line)))
+    for match in reversed(found):
+        line = line[: match.start()] + change(match) + line[match.end() :]
+    return line, found[0] if found else None
+
+
+def _before_comment(line: str, end: str) -> str:
+    """Return the line with `end` after its last value."""
+    comment = re.search(r"\s*(?:#.*)?$", _masked(line))
+    at = len(line) if comment is None else comment.start()
+    return line[:at] + end + line[at:]
+
+
+def _open_brackets(line: str) -> list[str]:
+    """Return the brackets that the line opens and does not close."""
+    left: list[str] = []
+    for sign in re.sub("#.*", "", _masked(line)):
+        if sign in BRACKETS:
+            left.append(sign)
+        elif left and sign == BRACKETS[left[-1]]:
+            left.pop()
+    return left
+
+
+def _typographic_quotes(line: str) -> Iterator[Repair]:
+    changed, found = _edited(line, "[" + "".join(TYPOGRAPHIC) + "]", lambda match: TYPOGRAPHIC[match[0]])
+    if found:
+        yield Repair(changed, 'use straight quotes " instead of typographic ones')
+
+
+def _colon(line: str) -> Iterator[Repair]:
+    changed, found = _edited(line, r"^(\s*[\w-]+)\s*:\s*", lambda match: f"{match[1]} = ")
+    if found:
+        yield Repair(changed, "write key = value, with an equals sign")
+
+
+def _capital_bool(line: str) -> Iterator[Repair]:
+    changed, found = _edited(line, rf"(=\s*)(True|False){END}", lambda match: match[1] + match[2].lower())
+    if found:
+        yield Repair(changed, f"write {found[2].lower()} in small letters")
+
+
+def _decimal_comma(line: str) -> Iterator[Repair]:
+    changed, found = _edited(
+        line, rf"(=\s*[-+]?\d+),(\d+(?:[eE][-+]?\d+)?)\b{END}", lambda match: f"{match[1]}.{match[2]}"
+    )
+    if found:
+        yield Repair(changed, f"write {found[1].lstrip('= ')}.{found[2]}, with a decimal point")
+
+
+def _fraction(line: str) -> Iterator[Repair]:
+    changed, found = _edited(line, rf"([=,\[]\s*)(\d+\s*/\s*\d+){END}", lambda match: f'{match[1]}"{match[2]}"')
+    if found:
+        yield Repair(changed, f'put a fraction in quotes: "{found[2]}"')
+
+
+def _unit(line: str) -> Iterator[Repair]:
+    pattern = rf"([=,\[]\s*{NUMBER})\s*([^\W\d_]|%)[\w/*^.²³⁻¹·%-]*(?:\s[\w/*^²³⁻¹·]+)*{END}"
+    changed, found = _edited(line, pattern, lambda match: match[1])
+    if found:
+        number = found[1].lstrip("=,[ ")
+        unit = found[0][len(found[1]) :].strip()
+        yield Repair(changed, f"write the number without the unit {unit!r} (all numbers are in kg, m, s, N): {number}")
+
+
+def _missing_comma(line: str) -> Iterator[Repair]:
+    pattern = r"""(?<=[\d\w"'\]}])\s+(?=[-+]?[\w"'\[{])"""
+    changed, found = _edited(line, pattern, lambda match: ", ")
+    if found and re.search(r"[\[{]", _masked(line)):
+        yield Repair(changed, "put a comma between two values")
+
+
+def _text_without_quotes(line: str) -> Iterator[Repair]:
+    whole = re.fullmatch(r"(\s*[\w.-]+\s*=\s*)([^\s\"'\[{#][^\"#]*?)(\s*(?:#.*)?)", line)
+    if whole:
+        yield Repair(f'{whole[1]}"{whole[2]}"{whole[3]}', f'put text in quotes: "{whole[2]}"')
+    pattern = rf"([=,\[]\s*)([^\W\d][^\"',=\[\]{{}}#]*?){END}"
+    changed, found = _edited(line, pattern, lambda match: f'{match[1]}"{match[2]}"')
+    if found:
+        yield Repair(changed, f'put text in quotes: "{found[2]}"')
+
+
+def _missing_quote(line: str) -> Iterator[Repair]:
+    hint = "a quote is missing"
+    rest = re.sub(r'"(?:\\.|[^"\\])*"', lambda found: "_" * len(found[0]), line)
+    at = rest.rfind('"')
+    if at < 0:
+        return
+    for end in re.finditer(r"\s*(?=[,}\]#]|$)", line[at:]):  # a closing quote
+        yield Repair(line[: at + end.start()] + '"' + line[at + end.start() :], hint)
+    start = re.search(r"[=,\[]\s*(?=[^=,\[\"]*$)", line[:at])
+    if start:  # an opening quote
+        yield Repair(line[: start.end()] + '"' + line[start.end() :], hint)
+
+
+# The order matters: a special mistake comes before the general one that would also repair its line.
+REPAIRS = (
+    _typographic_quotes,
+    _colon,
+    _capital_bool,
+    _decimal_comma,
+    _fraction,
+    _unit,
+    _missing_comma,
+    _missing_quote,
+    _text_without_quotes,
+)
