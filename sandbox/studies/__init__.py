@@ -1,1 +1,1 @@
-"""Studies: claims, figures, comparisons, maps, the work-precision chart, maps of failure, the experiment."""
+"""Studies: claims, figures, comparisons, maps, the work-precision chart, limits of the methods, the experiment."""

@@ -1,4 +1,4 @@
-"""A table of numbers by columns: what a figure draws, and what its .csv file holds."""
+"""Table of numbers by columns: the data of a figure and of its .csv file."""
 
 import csv
 from collections.abc import Iterable, Sequence
@@ -17,11 +17,11 @@ def write_rows(path: Path, header: Sequence[str], rows: Iterable[Sequence[object
 
 
 Array = NDArray[np.float64]
-Table = dict[str, Array]  # name of a column: its values (T,)
+Table = dict[str, Array]  # column name: its values (T,)
 
 
 def long_table(columns: Sequence[str], blocks: Sequence[Sequence[ArrayLike]]) -> Table:
-    """A table from blocks of rows: each block holds a value or an array for every column, broadcast together."""
+    """Return a table from blocks of rows; each block contains a value or an array for every column, broadcast together."""
     arrays = [
         np.column_stack(np.broadcast_arrays(*[np.atleast_1d(np.asarray(value, dtype=np.float64)) for value in block]))
         for block in blocks
@@ -31,7 +31,7 @@ def long_table(columns: Sequence[str], blocks: Sequence[Sequence[ArrayLike]]) ->
 
 
 def rows_where(table: Table, **values: float) -> Table:
-    """The rows of `table` in which the named columns have these values."""
+    """Return the rows of `table` in which the named columns have these values."""
     rows = np.ones(len(next(iter(table.values()))), dtype=bool)
     for name, value in values.items():
         rows &= np.isclose(table[name], value, rtol=1e-12, atol=0.0)
@@ -39,5 +39,5 @@ def rows_where(table: Table, **values: float) -> Table:
 
 
 def write_table(table: Table, path: Path) -> None:
-    """Write `table` to `path`: a header of column names, then a row a sample; numbers read back equal."""
+    """Write `table` to `path`: a header with the column names, then a row for each sample. Numbers read back equal."""
     write_rows(path, tuple(table), zip(*(column.tolist() for column in table.values()), strict=True))

@@ -1,22 +1,22 @@
-"""The paper's experiment (App. C): one on three and two on two on a bed of straws, and what friction explains of it.
+"""The paper's experiment (App. C): one on three and two on two on a bed of straws, and how much friction explains.
 
 The paper states masses, spring, precompression, and "relative deficits in the momentum and energy upon collision" of
-5-10 % and 10-20 %. It does not state the launch speed, nor over which time the deficits were taken. Here they are taken
-from the first touch to the last opening.
+5-10 % and 10-20 %. It states neither the launch speed nor the time over which the deficits were taken. Here they are
+taken from the first touch to the last opening.
 
-The text bounds the speed. A target cluster that leaves as one body needs less than the critical speed (1.01 m/s at one
-on three). A kymograph with bars of 100 ms and 12 cm shows slopes well below that of its bars' diagonal, 1.2 m/s. Its
-marker still moves some 100 ms later, on a bed that costs 5-10 % a collision. So the speed is 0.25 to 1 m/s, and 0.5 m/s
-where one number is needed.
+The text limits the speed. A target cluster that leaves as one body needs less than the critical speed (1.01 m/s for one
+on three). A kymograph with bars of 100 ms and 12 cm shows slopes well below the diagonal of its bars, 1.2 m/s. Its
+marker still moves 100 ms later, on a bed that costs 5-10 % in each collision. So the speed is 0.25 to 1 m/s, and 0.5
+m/s if one number is needed.
 
-With pistons of their own mass, energy is lost and no momentum. A particle's piston, which the spring presses against the
-cylinder's head, is hit by the neighbour and goes with it at once; when the spring has pushed the two apart, the head
-stops it. For one on three each catch costs about the part m_p/(m + m_p) of the energy. The mass of the piston, 20 g, is ours;
-the paper gives that of the whole particle.
+If the pistons have mass, energy is lost but momentum is not. The spring presses a particle's piston against the
+cylinder's head. The neighbour hits the piston, which moves with it at once; when the spring has pushed the two apart,
+the head stops the piston. For one on three, each catch costs about the fraction m_p/(m + m_p) of the energy. The piston
+mass of 20 g is our assumption; the paper gives the mass of the whole particle.
 
-Deficits are fitted as the paper does, "by analysing the trajectory": a straight line through each bead's positions, at the
-camera's frames, over a window that ends at the first touch, and over one that begins at the detachment. Its length is ours, and
-stated.
+Deficits are fitted as in the paper, "by analysing the trajectory": straight lines through each bead's positions at the
+camera's frames, over a window that ends at the first touch, and over one that begins at the detachment. The length of
+the window is our choice, and is reported.
 """
 
 from collections.abc import Callable, Sequence
@@ -35,14 +35,14 @@ from softcradle.sandbox.sweeps.run_sweep import Progress, map_points
 MASS = (0.3945, 0.3980, 0.3967, 0.3938)  # [kg]
 STIFFNESS = 770.0  # [N/m]
 PRECOMPRESSION = 0.0177  # [m]
-STRIKERS = {"one on three": 1, "two on two": 2}  # by experiment
-SPEEDS = (0.25, 0.5, 0.75, 1.0)  # [m/s] launch speeds that the text allows
+STRIKERS = {"one on three": 1, "two on two": 2}  # strikers of each experiment
+SPEEDS = (0.25, 0.5, 0.75, 1.0)  # launch speeds that the text allows [m/s]
 MOMENTUM_DEFICIT = (0.05, 0.10)  # as stated
 ENERGY_DEFICIT = (0.10, 0.20)  # as stated
 LARGEST_FRICTION = 1.0  # upper end of the search for the coefficient
-PISTON = 0.020  # [kg], ours
-FRAMES = 2052.0  # [1/s] of the camera, as stated
-WINDOWS = (0.01, 0.02, 0.04, 0.08)  # [s] over which a line is fitted
+PISTON = 0.020  # [kg], our assumption
+FRAMES = 2052.0  # frames per second of the camera, as stated
+WINDOWS = (0.01, 0.02, 0.04, 0.08)  # lengths of the fitted line [s]
 STIFFNESS_ERROR = 5.0  # [N/m]: half a unit of the last digit of 7.7e2
 PRECOMPRESSION_ERROR = 5e-5  # [m]: half a unit of the last digit of 1.77e-2
 MASS_ERROR = 5e-5  # [kg]: half a unit of the last digit
@@ -50,7 +50,7 @@ MASS_ERROR = 5e-5  # [kg]: half a unit of the last digit
 
 @dataclass(frozen=True)
 class Deficits:
-    """Parts of momentum and energy that a collision has lost, and its time [s] from first touch to last opening."""
+    """Shares of momentum and energy that a collision has lost, and its time [s] from first touch to last opening."""
 
     momentum: float
     energy: float
@@ -59,7 +59,7 @@ class Deficits:
 
 @dataclass(frozen=True)
 class Fit:
-    """Friction of the bed, fitted at a launch speed [m/s], and the deficits that it gives with gears without loss."""
+    """Friction of the bed, fitted at a launch speed [m/s], and the deficits that result with gears without loss."""
 
     experiment: str
     speed: float
@@ -69,7 +69,7 @@ class Fit:
 
 @cache
 def deficits(strikers: int, speed: float, friction: float, loss: float = 0.0, method: str = KEEPING) -> Deficits:
-    """Deficits when `strikers` at `speed` [m/s] collide with the rest, which just touch, on a bed with friction."""
+    """Return the deficits if `strikers` at `speed` [m/s] hit the others, which just touch, on a bed with friction."""
     chain = Chain(MASS, draft_gear(STIFFNESS, PRECOMPRESSION, loss), friction=friction)
     velocity = [speed] * strikers + [0.0] * (len(MASS) - strikers)
     whole = simulate(chain, velocity, method=method, samples=2)
@@ -80,7 +80,7 @@ def deficits(strikers: int, speed: float, friction: float, loss: float = 0.0, me
 
 
 def friction_for(momentum: float, strikers: int, speed: float) -> float:
-    """Coefficient of friction at which the collision loses the part `momentum`, with gears without loss."""
+    """Return the friction coefficient at which the collision loses the share `momentum`, with gears without loss."""
     from scipy.optimize import brentq  # not needed to list the claims
 
     return float(
@@ -89,13 +89,15 @@ def friction_for(momentum: float, strikers: int, speed: float) -> float:
 
 
 def fit_friction(speed: float) -> list[Fit]:
-    """Friction alone: one coefficient for both experiments, in the middle of what their momentum deficits allow."""
+    """Fit friction only: one coefficient for both experiments, in the middle of the range that their momentum deficits
+    allow.
+    """
     friction = friction_with_error(speed).value
     return [Fit(name, speed, friction, deficits(k, speed, friction)) for name, k in STRIKERS.items()]
 
 
 class Apparatus(NamedTuple):
-    """What is known with an error: stiffness [N/m], precompression [m], friction of the bed."""
+    """Quantities known with an error: stiffness [N/m], precompression [m], friction of the bed."""
 
     stiffness: float
     precompression: float
@@ -111,7 +113,7 @@ class Measured(NamedTuple):
 
 @dataclass(frozen=True)
 class FittedDeficits:
-    """Parts of momentum and energy that are missing in lines fitted over a window [s]; 0 takes the moments themselves."""
+    """Missing shares of momentum and energy in lines fitted over a window [s]; 0 uses the moments themselves."""
 
     experiment: str
     speed: float
@@ -122,7 +124,7 @@ class FittedDeficits:
 
 @cache
 def piston_deficits(strikers: int, speed: float, setup: Apparatus, piston: float, window: float) -> tuple[float, float]:
-    """Deficits of momentum and energy when `strikers` at `speed` [m/s] meet the rest, on a bed, with pistons."""
+    """Return the deficits of momentum and energy if `strikers` at `speed` [m/s] hit the others, on a bed, with pistons."""
     mass, struck = np.array(MASS), strikers - 1
     gear = draft_gear(setup.stiffness, setup.precompression)
     velocity = np.where(np.arange(mass.size) < strikers, speed, 0.0)
@@ -141,14 +143,16 @@ def piston_deficits(strikers: int, speed: float, setup: Apparatus, piston: float
 
 
 def _fitted(chain: Chain, velocity: np.ndarray, window: float) -> np.ndarray:
-    """(n+1,) slopes of the lines through the positions at the camera's frames, from now on for `window` [s]."""
+    """Return the (n+1,) slopes of the lines through the positions at the camera's frames over the next `window` [s]."""
     times = np.arange(0.0, window, 1.0 / FRAMES)
     position = simulate(chain, velocity, window, KEEPING, samples=times).position
     return np.asarray(np.polyfit(times, position, 1)[0])
 
 
 def with_error(quantity: Callable[[Apparatus], float], friction: Measured) -> Measured:
-    """A quantity at the stated numbers, its error from those of stiffness, precompression and friction, independent."""
+    """Return a quantity at the stated values, with its error from independent errors of stiffness, precompression and
+    friction.
+    """
     middle = Apparatus(STIFFNESS, PRECOMPRESSION, friction.value)
     errors = Apparatus(STIFFNESS_ERROR, PRECOMPRESSION_ERROR, friction.error)
     value, squares = quantity(middle), 0.0
@@ -164,7 +168,7 @@ def with_error(quantity: Callable[[Apparatus], float], friction: Measured) -> Me
 def fitted_deficits(
     experiment: str, strikers: int, speed: float, friction: Measured, piston: float = PISTON, window: float = 0.0
 ) -> FittedDeficits:
-    """Both deficits with their errors."""
+    """Return both deficits with their errors."""
     momentum, energy = (
         with_error(lambda setup, k=k: piston_deficits(strikers, speed, setup, piston, window)[k], friction)  # type: ignore[misc]
         for k in (0, 1)
@@ -173,7 +177,7 @@ def fitted_deficits(
 
 
 def critical_speed_with_error(strikers: int) -> Measured:
-    """Critical speed [m/s] of the measured masses; the error has those of the masses as well."""
+    """Return the critical speed [m/s] of the measured masses; its error includes their errors."""
 
     def at(setup: Apparatus, mass: tuple[float, ...] = MASS) -> float:
         return critical_speed(draft_gear(setup.stiffness, setup.precompression), mass, strikers)
@@ -187,19 +191,21 @@ def critical_speed_with_error(strikers: int) -> Measured:
 
 
 def friction_with_error(speed: float) -> Measured:
-    """Friction of the bed that gives both experiments their momentum deficits at that speed: middle and half of the range."""
+    """Return the bed friction that gives both experiments their momentum deficits at that speed: middle and half of the
+    range.
+    """
     lows, highs = ([friction_for(part, k, speed) for k in STRIKERS.values()] for part in MOMENTUM_DEFICIT)
     low, high = max(lows), min(highs)
     return Measured(0.5 * (low + high), 0.5 * (high - low))
 
 
-PISTON_CASES = [(name, window) for name in STRIKERS for window in (0.0, *WINDOWS)]  # at the moments themselves first
+PISTON_CASES = [(name, window) for name in STRIKERS for window in (0.0, *WINDOWS)]  # first at the moments themselves
 
 
 def compute_experiment(
     speeds: Sequence[float] = SPEEDS, progress: Progress | None = None, workers: int | None = None
 ) -> tuple[list[Fit], list[FittedDeficits]]:
-    """Fits of the friction of the bed alone, and the deficits with pistons, of both experiments at these speeds [m/s]."""
+    """Fit the friction of the bed, and compute the deficits with pistons, for both experiments at these speeds [m/s]."""
     found = map_points(speed_numbers, grid({"speed": list(speeds)}), None, progress, workers)
     fits, pistons = list[Fit](), list[FittedDeficits]()
     for speed, numbers in zip(speeds, found, strict=True):
@@ -211,7 +217,9 @@ def compute_experiment(
 
 
 def speed_numbers(speed: float) -> dict[str, list[list[float]]]:
-    """The numbers of one launch speed, a row an experiment and with pistons a row each of its windows, too."""
+    """Return the numbers of one launch speed: a row for each experiment and, with pistons, a row for each of its
+    windows.
+    """
     friction = friction_with_error(speed)
     fits = [[fit.friction, *astuple(fit.deficits)] for fit in fit_friction(speed)]
     pistons = [fitted_deficits(name, STRIKERS[name], speed, friction, window=window) for name, window in PISTON_CASES]

@@ -1,6 +1,6 @@
-"""Scans of the rigidity of one on n: over (alpha, n) for the power law, over (speed, n) for the draft gear. Unit masses.
+"""Maps of the rigidity of one on n: over (alpha, n) for the power law, over (speed, n) for the draft gear. Unit masses.
 
-Its figure: rigidity in decades by colour, cluster sizes as rows, contours and a line where behaviour changes.
+Figure: rigidity in decades by colour, cluster sizes as rows, contours, and a line at the change of behaviour.
 """
 
 from __future__ import annotations
@@ -28,20 +28,21 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 ALPHAS = (1.0 / 100.0, 1.0)  # range of exponents
-SPEEDS = (0.5, 20.0)  # range of speeds of the striker, over the critical speed
-FEWEST_TARGETS = 2  # one target alone is always rigid
-GEAR = draft_gear(1.0, 1.0)  # stiffness and precompression are the units, so that the speed alone is left to vary
-TOLERANCE = 1e-5  # a map is read to a percent; finer runs resolve every closing of chains that chatter, to no effect
+SPEEDS = (0.5, 20.0)  # range of speeds of the striker, relative to the critical speed
+FEWEST_TARGETS = 2  # a single target is always rigid
+GEAR = draft_gear(1.0, 1.0)  # stiffness and precompression are the units, so only the speed varies
+# A map is read to a percent. Finer runs would resolve every closing of chattering chains without effect.
+TOLERANCE = 1e-5
 
 
 @dataclass(frozen=True)
 class RigidityMap:
-    """The points of a map.
+    """Points of a map.
 
     Attributes:
-        name: of its files, and in CHAINS of what it moves.
-        title: above its panels.
-        abscissa: name of what varies along the abscissa.
+        name: name of its files, and in CHAINS of its chain.
+        title: title above its panels.
+        abscissa: name of the parameter along the abscissa.
         values: (X,) abscissae.
         sizes: (Y,) numbers n of targets.
     """
@@ -54,7 +55,7 @@ class RigidityMap:
 
 
 def rigidity_maps(columns: int, rows: int) -> tuple[RigidityMap, RigidityMap]:
-    """The two maps at `columns` abscissae and the `rows` cluster sizes from 2 on."""
+    """Return the two maps with `columns` abscissae and the `rows` cluster sizes from 2 on."""
     sizes = range(FEWEST_TARGETS, FEWEST_TARGETS + rows)
     alphas, speeds = np.geomspace(*ALPHAS, columns), np.geomspace(*SPEEDS, columns)
     return (
@@ -81,10 +82,11 @@ CHAINS = {
 def compute_map(
     scanned: RigidityMap, kept: Path | None = None, progress: Progress | None = None, workers: int | None = None
 ) -> Table:
-    """A row a point: abscissa, n, rigidity when the striker leaves for good and at the end (nan where unknown), status, warned.
+    """Compute a row for each point: abscissa, n, rigidity at detachment and at the end (NaN if unknown), status,
+    warned.
 
-    The status is that of the run (softcradle.physics.status.Status): from 2 on it gave up, and its end is unknown. With `kept`,
-    points that a run before has computed are not computed again, see `map_points`.
+    The status is the status of the run (softcradle.physics.status.Status); from 2 on the run gave up and its end is
+    unknown. With `kept`, points of an earlier run are not computed again, see `map_points`.
     """
     points = grid({"n": list(scanned.sizes), "abscissa": scanned.values.tolist()})
     rows = map_points(partial(point_numbers, scanned.name, TOLERANCE), points, kept, progress, workers)
@@ -96,7 +98,7 @@ def compute_map(
 
 
 def point_numbers(name: str, tolerance: float, abscissa: float, n: int) -> dict[str, float]:
-    """One point of the map of that name."""
+    """Compute one point of the map with that name."""
     chain, speed = CHAINS[name](abscissa, n)
     run = Run(LaneStart(chain, [speed, *[0.0] * n], {"tolerance": tolerance}))
     found = {"rigidity_at_detachment": run.spread(run.detached), "rigidity_at_the_end": run.spread(run.motion)}
@@ -107,13 +109,13 @@ def point_numbers(name: str, tolerance: float, abscissa: float, n: int) -> dict[
 
 
 def _severity(status: Status) -> tuple[bool, int]:
-    """Order of statuses in which those of runs that gave up, the reasons of hatched cells, come last."""
+    """Return a sort key of statuses in which runs that gave up (hatched cells) come last."""
     return status.gave_up, status
 
 
 COLUMNS = ("rigidity at detachment", "rigidity at the end")
 TITLES = ("(a) when the striker leaves", "(b) at the end")
-SMALLEST_SHOWN = 100.0 * TOLERANCE  # smaller spreads cannot be told from 0 at the tolerance of the runs
+SMALLEST_SHOWN = 100.0 * TOLERANCE  # smaller spreads cannot be distinguished from 0 at the tolerance of the runs
 LARGEST_SHOWN = 10.0  # larger spreads have the same colour
 HATCH: dict[str, Any] = {
     "hatch": "/////",
@@ -121,13 +123,14 @@ HATCH: dict[str, Any] = {
     "edgecolor": "black",
     "linewidth": 0.0,
 }  # cells whose run gave up
-REASONS = {Status.OUT_OF_STEPS: "took too many steps", Status.FAILED: "could not go on"}  # of runs that gave up
-CONTOURS = {"alpha": (1e-1, 1.0), "speed / critical speed": (1.0,)}  # rigidities whose contours are smooth, by abscissa
-AXIS_LABELS = {"alpha": r"$\alpha$", "speed / critical speed": "speed / critical speed"}  # by abscissa
+REASONS = {Status.OUT_OF_STEPS: "took too many steps", Status.FAILED: "could not go on"}  # reasons of runs that gave up
+# rigidities with smooth contours, for each abscissa
+CONTOURS = {"alpha": (1e-1, 1.0), "speed / critical speed": (1.0,)}
+AXIS_LABELS = {"alpha": r"$\alpha$", "speed / critical speed": "speed / critical speed"}  # for each abscissa
 
 
 def draw_map(scanned: RigidityMap, table: Table) -> Figure:
-    """Rigidity at detachment and at the end side by side, on one scale of colours."""
+    """Draw the rigidity at detachment and at the end side by side, with one scale of colours."""
     figure, row = new_figure(PAGE_WIDTH, 3.1, 1, 2, sharex=True, sharey=True)
     shape = len(scanned.sizes), len(scanned.values)
     mesh: Any = None
@@ -169,7 +172,7 @@ def _draw_panel(axes: Axes, scanned: RigidityMap, values: Array) -> Any:
 
 
 def _hatch(axes: Axes, scanned: RigidityMap, unknown: NDArray[np.bool_]) -> None:
-    """Hatch the cells of runs that gave up, so that they are neither rigid nor not."""
+    """Hatch the cells of runs that gave up, so that they look neither rigid nor soft."""
     from matplotlib.patches import Rectangle
 
     edges = _edges(np.log(scanned.values))
@@ -179,13 +182,13 @@ def _hatch(axes: Axes, scanned: RigidityMap, unknown: NDArray[np.bool_]) -> None
 
 
 def _reasons(status: Array, unknown: NDArray[np.bool_]) -> str:
-    """Why the runs of the hatched cells gave up, and how many for each reason."""
+    """Return why the runs of the hatched cells gave up, and how many for each reason."""
     counts = {reason: int((unknown & (status == code)).sum()) for code, reason in REASONS.items()}
     return ", ".join(f"{count} {reason}" for reason, count in counts.items() if count)
 
 
 def _edges(logarithms: Array) -> Array:
-    """(X+1,) borders of the cells around values that are given by their (X,) evenly spaced logarithms."""
+    """Return the (X+1,) borders of the cells around values with these (X,) uniform logarithms."""
     half = 0.5 * (logarithms[1] - logarithms[0])
     edges: Array = np.exp(np.append(logarithms - half, logarithms[-1] + half))
     return edges
@@ -202,7 +205,7 @@ def _draw_contours(axes: Axes, scanned: RigidityMap, values: Array) -> None:
     )  # fmt: skip
     rows = [
         scanned.sizes[len(scanned.sizes) // part] for part in (4, 2)
-    ]  # of the labels, so that no two lines are near
+    ]  # spreads the labels, so that no two lines are close
     levels = zip(reversed(lines.allsegs), rows, strict=False)
     places = [place for segments, row in levels for place in _nearest(segments, row)]
     labels = axes.clabel(
@@ -213,7 +216,9 @@ def _draw_contours(axes: Axes, scanned: RigidityMap, values: Array) -> None:
 
 
 def _nearest(segments: Sequence[Array], row: float) -> list[Array]:
-    """The point of the longest of the `segments` (K, 2) of a contour that is nearest to a row; none without a segment."""
+    """Return the point nearest to a row on the longest of the `segments` (K, 2) of a contour; an empty list without a
+    segment.
+    """
     longest = max(segments, key=len, default=np.empty((0, 2)))
     return [longest[int(np.argmin(np.abs(longest[:, 1] - row)))]] if len(longest) else []
 
@@ -226,7 +231,7 @@ def _draw_guide(
     alignment: Literal["left", "right"],
     rotation: float = 0.0,
 ) -> None:
-    """A dashed line through `values` (Y,) at all sizes, with a text beside its top."""
+    """Draw a dashed line through `values` (Y,) at all sizes, with a text near its top."""
     rows = np.array(sizes, dtype=np.float64)
     ends = np.concatenate(([rows[0] - 0.5], rows, [rows[-1] + 0.5]))
     line = np.interp(ends, rows, values)

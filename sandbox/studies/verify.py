@@ -1,4 +1,4 @@
-"""The numbers known from outside: what a row is, the list of all, and their check."""
+"""Comparison with numbers known from other sources: the form of a row, the list of all rows, and their check."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -26,19 +26,19 @@ from softcradle.physics.analysis.closed_forms import critical_speed, long_linear
 from softcradle.physics.chain import GRAVITY
 from softcradle.sandbox.studies.paper import crest
 
-ALLOWED = 1e-7  # of the runs of this file, whose tolerance is a hundredth of it
+ALLOWED = 1e-7  # Allowed difference of the runs of this file. Their tolerance is a hundredth of it.
 
 
 @dataclass(frozen=True)
 class KnownNumber:
-    """A number that is known from outside.
+    """A number known from another source.
 
     Attributes:
-        name: what it is, with its unit.
+        name: description with unit.
         value: the number.
-        source: where it is known from.
-        find: what computes it by softcradle.
-        allowed: largest difference: of the last digit given, or of the tolerance; relative to `value` unless that is 0.
+        source: origin of the number.
+        find: function that computes it with softcradle.
+        allowed: largest difference (the last digit given, or the tolerance), relative to `value` unless that is 0.
     """
 
     name: str
@@ -50,7 +50,7 @@ class KnownNumber:
 
 @dataclass(frozen=True)
 class Checked:
-    """A known number, what softcradle found, and the difference: relative, or absolute where the number is 0."""
+    """A known number, the result of softcradle, and the difference (relative, or absolute if the number is 0)."""
 
     known: KnownNumber
     found: float
@@ -58,7 +58,7 @@ class Checked:
 
     @property
     def agrees(self) -> bool:
-        """Whether the difference is within what is allowed."""
+        """Return True if the difference is within the allowed one."""
         return self.error <= self.known.allowed
 
 
@@ -71,7 +71,7 @@ def check(known: KnownNumber) -> Checked:
 Array = NDArray[np.float64]
 TOLERANCE = 1e-9
 QUADRUPLE = "Taylor series of order 26 to 36 in quadruple precision"
-GEAR = draft_gear(770.0, 0.0177)  # the paper's, with its mass
+GEAR = draft_gear(770.0, 0.0177)  # the paper's gear, with its mass
 GEAR_MASS = 0.396
 TAPER = 0.95
 FINAL = {  # velocity of the striker after a collision at 1 m/s, unit masses and strengths
@@ -84,7 +84,9 @@ FINAL = {  # velocity of the striker after a collision at 1 m/s, unit masses and
 
 
 def _closed_forms() -> Iterator[KnownNumber]:
-    """Velocities of the striker and of the last of two on two; contact times, critical speeds; loss, and balls with gaps."""
+    """Yield velocities of the striker and of the last of two on two, contact times, critical speeds, loss, and balls
+    with gaps.
+    """
     for (n, exponent), value in FINAL.items():
         name = f"velocity of the striker, one on {n}, alpha {exponent:.3g} [m/s]"
         yield KnownNumber(name, value, QUADRUPLE, partial(_final, one_on(n, power_law(1.0, exponent)), 0))
@@ -106,7 +108,7 @@ def _closed_forms() -> Iterator[KnownNumber]:
         yield KnownNumber(name, known, source, partial(_measured_critical_speed, n), 1e-4)
     yield KnownNumber("restitution at loss 0.36", 0.8, "sqrt(1 - loss)", _restitution)
     yield KnownNumber("way of a bead on a bed, friction 0.3 [m]", 1.0 / (0.6 * GRAVITY), "v**2 / (2 mu g)", _way)
-    tapered = tuple(TAPER ** (3 * k) for k in range(10))  # each diameter 0.95 of the one before
+    tapered = tuple(TAPER ** (3 * k) for k in range(10))  # each diameter is 0.95 of the previous one
     passed = math.prod(2.0 * m / (m + after) for m, after in pairwise(tapered))
     known_from = "elastic collisions of two balls, 2 m / (m + M) each"
     for name, known, mass in (
@@ -118,12 +120,12 @@ def _closed_forms() -> Iterator[KnownNumber]:
 
 
 def _end(chain: Chain, start: ArrayLike, duration: float | None = None) -> Trajectory:
-    """The run from `start`, of which the end alone is kept."""
+    """Run from `start` and keep only the final state."""
     return simulate(chain, np.asarray(start), duration, samples=2, tolerance=TOLERANCE)
 
 
 def _final(chain: Chain, bead: int, strikers: int = 1) -> float:
-    """Velocity of a bead after the first ones, at 1 m/s, have struck the rest."""
+    """Return the velocity of a bead after the first ones, at 1 m/s, have hit the others."""
     return float(_end(chain, [1.0] * strikers + [0.0] * (chain.contacts + 1 - strikers)).final_velocity[bead])
 
 
@@ -133,7 +135,7 @@ def _contact_time(law: Contact) -> float:
 
 
 def _measured_critical_speed(n: int) -> float:
-    """Speed at which an inner gear first yields while the struck one is pressed in, by halving."""
+    """Return the speed at which an inner gear first yields, by bisection."""
     chain = one_on(n, GEAR, GEAR_MASS)
     low, high = 0.1, 3.0
     while high - low > 1e-5 * high:
@@ -153,7 +155,7 @@ def _way() -> float:
     return float(_end(chain, [1.0, 0.0], 1.0).position[-1, 0])
 
 
-RESTITUTION = 0.8  # with gaps the striker then follows, while it is thrown back by balls that touch
+RESTITUTION = 0.8  # with gaps the striker then follows, while touching balls throw it back
 BALLS = ("striker", "middle", "last")
 
 
@@ -176,18 +178,20 @@ def _three_balls() -> Iterator[KnownNumber]:
 
 
 def magic_mass(n: int) -> float:
-    """Mass of a ball that passes all momentum of a ball of mass 1 on to another of mass 1, in n - 1 collisions; n is odd.
+    """Return the mass of a ball that transfers all momentum from a ball of mass 1 to another, in n - 1 collisions; n is
+    odd.
 
-    In coordinates of equal inertia the two gaps are the sides of a wedge of angle pi / n, whose cosine is 1 / (1 + mass).
+    In coordinates of equal inertia the two gaps are the sides of a wedge of angle pi / n, whose cosine is 1 / (1 +
+    mass).
     """
     return 1.0 / math.cos(math.pi / n) - 1.0
 
 
 def touching_springs() -> tuple[float, float, float]:
-    """Velocities after one at 1 m/s has hit two, on unit masses and springs: modes of frequency 1 and sqrt(3), then of sqrt(2).
+    """Return the velocities after one at 1 m/s has hit two, for unit masses and springs.
 
-    The overlaps are ``(sin t +- sin(sqrt(3) t) / sqrt(3)) / 2``: the first contact opens first, the energy left in the
-    second then drives its two balls apart.
+    The modes have frequencies 1 and sqrt(3), then sqrt(2). The overlaps are ``(sin t +- sin(sqrt(3) t) / sqrt(3)) /
+    2``. The first contact opens first, and the energy left in the second drives its two balls apart.
     """
     root3 = math.sqrt(3.0)
     opened = brentq(lambda t: math.sin(t) + math.sin(root3 * t) / root3, math.pi / root3, math.pi, xtol=1e-15)
@@ -199,7 +203,7 @@ def touching_springs() -> tuple[float, float, float]:
 
 
 def with_gaps(restitution: float) -> tuple[float, float, float]:
-    """Velocities of equal balls after one at 1 m/s has hit two with gaps: pairs collide while a ball is faster than the next."""
+    """Return the velocities of equal balls after one at 1 m/s has hit two with gaps: pairs collide until none approach."""
     velocity = [1.0, 0.0, 0.0]
     while faster := [i for i in (0, 1) if velocity[i] > velocity[i + 1]]:
         i = faster[0]
@@ -209,7 +213,7 @@ def with_gaps(restitution: float) -> tuple[float, float, float]:
 
 
 def _collisions(chain: Chain) -> float:
-    """How often contacts close after bead 0, at 1 m/s, has struck the rest."""
+    """Return how often contacts close after bead 0, at 1 m/s, has hit the others."""
     return float(sum(map(len, _end(chain, [1.0] + [0.0] * chain.contacts).contact_intervals)))
 
 
@@ -241,7 +245,7 @@ def _mirrored() -> float:
 
 
 def _rescaled() -> float:
-    """Lengths, times and masses in other units: forces as M L / T**2."""
+    """Compute with other units of length, time and mass; forces scale as M L / T**2."""
     length, time, mass = 1e-3, 1e-4, 7.0
     force = mass * length / time**2
     laws = [Contact(c.preload * force, c.stiffness * force / length**c.exponent, c.exponent) for c in ROW_LAWS]
@@ -251,17 +255,18 @@ def _rescaled() -> float:
 
 
 def _reversed() -> float:
-    """The collision run back from its end: the beads at the places where they were, with velocities turned about."""
+    """Run the collision backwards from its end: the same positions with reversed velocities."""
     forward = _end(Chain(ROW_MASS, hertz(5.0)), ROW_START)
     back = Chain(ROW_MASS, hertz(5.0), gap=-forward.overlap[-1])
     return _apart(-_end(back, -forward.final_velocity).final_velocity, np.array(ROW_START))
 
 
 LENGTH = 60  # beads behind the striker
-FIRST, LAST = 20, 45  # contacts between which the pulse has its shape
+FIRST, LAST = 20, 45  # contacts between which the pulse has its final shape
 DEPTH = 500  # beads of a column
-WEAK = 1e-4  # [m/s] of its uppermost bead, small beside its velocity of sound
-SAMPLES = 1201  # of a run: a top of the overlap, through three of them, is found to a few 1e-6
+WEAK = 1e-4  # [m/s] of its uppermost bead, small compared with its velocity of sound
+# Samples of a run. The largest overlap, from a parabola through three of them, is accurate to a few 1e-6.
+SAMPLES = 1201
 SOURCE = "long chains of unit spheres, K = 1, struck by one at 1 m/s"
 
 
@@ -286,13 +291,13 @@ def _struck(strikers: int) -> Trajectory:
 
 
 def _weighted() -> float:
-    """Slope of the logarithm of the peak velocity of each bead over that of its depth, in the lower half of a column.
+    """Return the slope of the logarithm of each bead's peak velocity against its depth, in the lower half of a column.
 
     Unit masses under unit gravity on unit contacts: contact i carries i + 1, so its overlap is that to the power 2/3.
     """
     carried = np.arange(1.0, DEPTH + 1.0)
     chain = Chain([1.0] * DEPTH + [math.inf], hertz(1.0), gap=-(carried ** (2.0 / 3.0)), drive=[1.0] * DEPTH + [0.0])
-    passed = 0.97 * float((1.0 / np.sqrt(1.5 * carried ** (1.0 / 3.0))).sum())  # before it comes back from the ground
+    passed = 0.97 * float((1.0 / np.sqrt(1.5 * carried ** (1.0 / 3.0))).sum())  # before it returns from the ground
     velocity = [WEAK] + [0.0] * DEPTH
     found = simulate(chain, velocity, passed, "verlet", 0.03, samples=round(passed / 0.1))
     peak, lower = found.velocity.max(axis=0), slice(DEPTH // 2, round(0.85 * DEPTH))
@@ -300,7 +305,7 @@ def _weighted() -> float:
 
 
 def _peak(found: Trajectory, contact: int) -> tuple[float, float]:
-    """Time and overlap of the crest of a contact."""
+    """Return time and overlap of the largest overlap of a contact."""
     return crest(found.time, found.overlap[:, contact])
 
 
@@ -314,7 +319,9 @@ def _overlap() -> float:
 
 
 def _width() -> float:
-    """That of a cosine to the fourth power, Nesterenko's velocities, from the second moment of those along the chain."""
+    """Return the width of the pulse, from the second moment of velocities along the chain, as if they were cos**4
+    (Nesterenko).
+    """
     found = _struck(1)
     k = int(np.argmax(found.overlap[:, LAST]))
     velocity: NDArray[np.float64] = np.maximum(found.velocity[k, FIRST:], 0.0)
@@ -329,7 +336,7 @@ _COSINE_SPREAD = float(np.sqrt((np.cos(np.pi * _X) ** 4 * _X**2).sum() / (np.cos
 
 
 def _pulses(strikers: int) -> float:
-    """Maxima of the force in a contact far from the strikers, of at least a twentieth of the largest."""
+    """Return the number of force maxima above a twentieth of the largest, in a contact far from the strikers."""
     force = _struck(strikers).force[:, LENGTH // 2 + strikers]
     inner = force[1:-1]
     tops = (inner > force[:-2]) & (inner >= force[2:]) & (inner > 0.05 * force.max())
@@ -337,12 +344,12 @@ def _pulses(strikers: int) -> float:
 
 
 def known_numbers() -> list[KnownNumber]:
-    """Every row, in the order of the table."""
+    """Return every row, in the order of the table."""
     return [*_closed_forms(), *_three_balls(), *_pulse_numbers(), *_symmetries()]
 
 
 def verified(report: Callable[[Checked], None] = lambda _: None) -> list[Checked]:
-    """Every row computed; `report` is called after each."""
+    """Compute every row; call `report` after each."""
     found = []
     for known in known_numbers():
         found.append(check(known))

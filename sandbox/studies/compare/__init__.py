@@ -1,1 +1,1 @@
-"""Comparison: the same collision in several chains, in one film and in numbers side by side: sides, results, report."""
+"""Comparison of the same collision in several chains, in one film and in numbers: sides, results, report."""

@@ -1,4 +1,6 @@
-"""The files of a comparison: a page with player, charts and tables, a film, or the numbers; each whole or not at all."""
+"""Files of a comparison: a page with player, charts and tables, a film, or the numbers. Each is written completely or
+not at all.
+"""
 
 import math
 from collections.abc import Sequence
@@ -37,11 +39,11 @@ from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
 
 Array = NDArray[np.float64]
-LAW_POINTS = 400  # points on the curve of a contact law
+LAW_POINTS = 400  # points of the curve of a contact law
 
 
 class TimeAxis:
-    """The time axis of all charts of a page, that of its player, in a unit that fits it."""
+    """Time axis of all charts of a page and of its player, in a suitable unit."""
 
     def __init__(self, played: PlayedMotion) -> None:
         self.begin, self.end = played.scales.time
@@ -49,31 +51,37 @@ class TimeAxis:
         self.label = f"{TIME.name} ({self.unit_name})"
 
     def axes(self, values: Range, label: str) -> ChartAxes:
-        """The axes of `values` over time."""
+        """Return the axes of `values` over time."""
         return ChartAxes((self.begin / self.unit, self.end / self.unit), values, self.label, label)
 
     def times(self, result: SideResult) -> Array:
-        """(T+2,) sample times, then the end of the motion and of the axis, in the unit; see :func:`_extended`."""
+        """Return the (T+2,) sample times, then the end of the motion and of the axis, in the unit; see
+        :func:`_extended`.
+        """
         time = result.trajectory.time
         extended: Array = np.concatenate((time, [time[-1], max(self.end, float(time[-1]))])) / self.unit
         return extended
 
 
 def _extended(values: Array, last: Array | float) -> Array:
-    """(T+2, ...) `values` (T, ...) and then twice the `last` ones, which hold from the end of the motion on."""
+    """Return the (T+2, ...) `values` (T, ...) followed by the `last` ones twice, which hold after the end of the
+    motion.
+    """
     extended: Array = np.concatenate((values, np.broadcast_to(last, (2, *values.shape[1:]))))
     return extended
 
 
 def _forces(result: SideResult) -> Array:
-    """(T+2, n) contact forces; 0 after the motion for contacts that are open at its end."""
+    """Return the (T+2, n) contact forces; after the motion they are 0 for contacts that are open at its end."""
     found = result.trajectory
     closed = [bool(spans) and math.isinf(spans[-1][1]) for spans in found.contact_intervals]
     return _extended(found.force, np.where(closed, found.force[-1], 0.0))
 
 
 def overlays(results: Sequence[SideResult], axis: TimeAxis) -> str:
-    """Force of the struck contact, energy inside the target cluster, and contact laws: a curve a side in each."""
+    """Return charts of the force of the struck contact, the energy inside the target cluster, and the contact laws, for
+    all sides.
+    """
     forces = [_forces(result)[:, result.measures.struck] for result in results]
     inside = [_energy_inside(result) for result in results]
     return chart_row(
@@ -99,7 +107,11 @@ def _energy_inside(result: SideResult) -> Array:
 
 
 def _law_chart(results: Sequence[SideResult]) -> str:
-    """The law of the struck contact up to the greatest overlap on any side, with the jump at overlap 0; empty without one."""
+    """Return a chart of the law of the struck contact up to the largest overlap on any side, with the jump at overlap
+    0.
+
+    It is empty without such a law.
+    """
     deepest = max(float(r.trajectory.overlap[:, r.measures.struck].max()) for r in results)
     if deepest <= 0.0:
         return ""
@@ -117,7 +129,7 @@ def _law_chart(results: Sequence[SideResult]) -> str:
 
 
 def contact_bars(results: Sequence[SideResult], axis: TimeAxis) -> str:
-    """A chart a side: when each contact is open, touching and loaded."""
+    """Return a chart for each side: when each contact is open, touching and loaded."""
     charts = []
     for result in results:
         rows = [(f"{k}-{k + 1}", _states(result, k, axis)) for k in range(result.trajectory.chain.contacts)]
@@ -126,14 +138,14 @@ def contact_bars(results: Sequence[SideResult], axis: TimeAxis) -> str:
 
 
 def _states(result: SideResult, contact: int, axis: TimeAxis) -> list[tuple[str, float, float]]:
-    """(state, begin, end) in the unit of the axis: open, closed after each, and loaded, which is drawn over touching."""
+    """Return (state, begin, end) in the unit of the axis: open, closed, and loaded, which is drawn over touching."""
     trajectory, unit = result.trajectory, axis.unit
     found, opened_last = list[tuple[str, float, float]](), axis.begin
     loaded = loaded_samples(trajectory)[:, contact]
     plain = not can_touch(trajectory.chain.contact[contact])
     for begin, opened in trajectory.contact_intervals[contact]:
         end = opened if math.isfinite(opened) else axis.end
-        # contacts at rest side by side do not count as touching before the collision begins
+        # contacts between beads at rest do not count as touching before the collision begins
         closed = begin if plain else max(begin, first_touch(trajectory, result.measures.struck))
         if closed < end:
             found += [("open", opened_last / unit, closed / unit)] if opened_last < closed else []
@@ -145,7 +157,7 @@ def _states(result: SideResult, contact: int, axis: TimeAxis) -> list[tuple[str,
 
 
 def _intervals(time: Array, loaded: NDArray[np.bool_], begin: float, end: float) -> list[tuple[float, float]]:
-    """Intervals between `begin` and `end` in which `loaded` (T,) holds, longer by a sample at both ends."""
+    """Return the intervals between `begin` and `end` in which `loaded` (T,) is true, extended by a sample at both ends."""
     inside = loaded & (time >= begin) & (time <= end)
     edges = np.flatnonzero(np.diff(np.concatenate(([0], inside.astype(int), [0]))))
     last = len(time) - 1
@@ -156,7 +168,7 @@ def _intervals(time: Array, loaded: NDArray[np.bool_], begin: float, end: float)
 
 
 def html_page(title: str, scene: Scene, results: Sequence[SideResult], notes: Sequence[str] = ()) -> str:
-    """The whole page as text; `scene` has a lane for each of `results`, `notes` are sentences that stand below the numbers."""
+    """Return the page as text. `scene` has a lane for each of `results`; `notes` are sentences below the numbers."""
     names = [result.side.name for result in results]
     played = PlayedMotion(scene, tuple(result.trajectory for result in results), tuple(names))
     axis, measures, speeds = TimeAxis(played), collision_table(results), velocity_table(results)
@@ -177,7 +189,7 @@ def html_page(title: str, scene: Scene, results: Sequence[SideResult], notes: Se
 
 
 def _meanings(tables: Sequence[ResultTable], contacts: Sequence[ResultTable]) -> str:
-    """What each name means that stands in front of a row of `tables`, or above a column of those of `contacts`."""
+    """Return the meaning of each row of `tables` and of each column of `contacts`."""
     above = {title for found in contacts for title in found.titles}
     columns = [(title_of(one), one.metadata["meaning"]) for one in fields(ContactMeasures) if title_of(one) in above]
     meanings: dict[str, str] = {}
@@ -194,7 +206,7 @@ FILM_WIDTH = 1280  # [pixels]
 FILM_LEAST_HEIGHT = 720  # [pixels]
 FILM_MARGIN = 96  # [pixels] above and below all rows
 FILM_ROW = 300  # [pixels] height of one side
-LONGEST_FILM = 20.0  # [s] where no slow motion is given
+LONGEST_FILM = 20.0  # longest film [s] without a given slow motion
 FILM_SUFFIXES = (".mp4", ".gif", ".webp", ".avif")
 PLAYED_SUFFIXES = (".html", *FILM_SUFFIXES)
 SUFFIXES = (".json", *PLAYED_SUFFIXES)
@@ -202,24 +214,24 @@ SUFFIXES = (".json", *PLAYED_SUFFIXES)
 
 @dataclass(frozen=True)
 class FilmSettings:
-    """Settings of the film as a user gives them.
+    """Settings of the film as given by the user.
 
     Attributes:
         size: [pixels]; None fits the number of sides.
-        slow: seconds of film for one of motion; None takes the scenes' own, shortened to LONGEST_FILM.
+        slow: seconds of film for each second of motion; None uses the scenes' values, limited to LONGEST_FILM.
     """
 
     size: tuple[int, int] | None = None
     slow: float | None = None
 
     def pixels(self, comparison: Comparison) -> tuple[int, int]:
-        """Size of the film: a row a side."""
+        """Return the size of the film, with a row for each side."""
         height = max(FILM_LEAST_HEIGHT, FILM_MARGIN + FILM_ROW * len(comparison.sides))
         return self.size or (FILM_WIDTH, height)
 
 
 def check_outputs(paths: Sequence[Path], comparison: Comparison, settings: FilmSettings) -> None:
-    """Raise a UserError for an unknown kind of file, or settings that none of them takes."""
+    """Raise a UserError for an unknown kind of file, or for settings that none of the files uses."""
     for path in paths:
         if path.suffix not in SUFFIXES:
             raise UserError(f"cannot write {path}: the name must end in {', '.join(SUFFIXES)}")
@@ -240,22 +252,22 @@ class ComparisonReport:
     match: Match | None = None
 
     def notes(self) -> list[str]:
-        """Sentences that stand below the numbers."""
+        """Return the sentences below the numbers."""
         return [] if self.match is None else [match_sentence(self.match)]
 
     def as_json(self) -> dict[str, Any]:
-        """Everything as plain numbers, lists and texts."""
+        """Return everything as plain numbers, lists and texts."""
         content = results_as_json(self.comparison, self.results)
         return content if self.match is None else content | {"match": match_as_json(self.match)}
 
     def html(self) -> str:
-        """The page as text."""
+        """Return the page as text."""
         scene = self._scene()
         view = scene.view.model_copy(update={"slow": self._slow_motion(scene)})
         return html_page(self.comparison.title, scene.model_copy(update={"view": view}), self.results, self.notes())
 
     def write(self, path: Path) -> None:
-        """Write the kind of file that the name of `path` tells."""
+        """Write the kind of file that the suffix of `path` selects."""
         if path.suffix == ".json":
             path.write_text(readable_json(self.as_json()) + "\n", encoding="utf-8")
         elif path.suffix == ".html":
@@ -268,5 +280,5 @@ class ComparisonReport:
         return self.comparison.as_scene(end_time(self.results))
 
     def _slow_motion(self, scene: Scene) -> float:
-        """Seconds of film for one of motion."""
+        """Return the seconds of film for each second of motion."""
         return self.settings.slow or min(scene.view.slow, LONGEST_FILM / end_time(self.results))

@@ -1,4 +1,4 @@
-"""The results of a comparison: the trajectory of each side, its measures, and their tables for terminal and page."""
+"""Results of a comparison: the trajectory of each side, its measures, and tables for terminal and page."""
 
 import math
 import warnings
@@ -23,7 +23,7 @@ from softcradle.scenes.contact_text import contact_text
 
 @dataclass(frozen=True)
 class SideResult:
-    """One side: its trajectory and its measures."""
+    """Trajectory and measures of one side."""
 
     side: Side
     trajectory: Trajectory
@@ -31,7 +31,7 @@ class SideResult:
 
     @property
     def contact(self) -> str:
-        """Its contacts in a line of text; equal neighbours are named once."""
+        """Contacts of the side in a line of text; equal neighbours are named once."""
         found = [text for text, _ in groupby(map(contact_text, self.trajectory.chain.contact))]
         return ", ".join(found) if len(found) <= 4 else f"{found[0]}, ... {found[-1]}"
 
@@ -40,7 +40,7 @@ def solve_sides(comparison: Comparison) -> list[SideResult]:
     """Simulate and measure every side.
 
     Raises:
-        UserError: a method or step that a side cannot take.
+        UserError: if a side does not accept the method or step.
     """
     return [_solve_side(side) for side in comparison.sides]
 
@@ -58,12 +58,12 @@ def _solve_side(side: Side) -> SideResult:
 
 
 def end_time(results: Sequence[SideResult]) -> float:
-    """Time [s] at which the longest motion ends."""
+    """Return the time [s] at which the longest motion ends."""
     return max(float(result.trajectory.time[-1]) for result in results)
 
 
 def results_as_json(comparison: Comparison, results: Sequence[SideResult]) -> dict[str, Any]:
-    """Everything as plain numbers, lists and texts."""
+    """Return everything as plain numbers, lists and texts."""
     return {"title": comparison.title, "sides": [_side_as_json(result) for result in results], "versions": versions()}
 
 
@@ -84,17 +84,18 @@ def _side_as_json(result: SideResult) -> dict[str, Any]:
     }
 
 
-SHORTEST_TIME = 1e-6  # of the whole time: shorter times in a state are errors of the switch times, and shown as 0
+# As a fraction of the whole time. Shorter times in a state are errors of the switch times, and shown as 0.
+SHORTEST_TIME = 1e-6
 
 
 def _table(results: Sequence[SideResult], rows: Sequence[tuple[str, str, Sequence[str]]]) -> ResultTable:
-    """A column a side, from rows of title, meaning and values."""
+    """Return a table with a column for each side, from rows of title, meaning and values."""
     titles = ("", *(result.side.name for result in results))
     return ResultTable(titles, tuple((title, *values) for title, _, values in rows), tuple(hint for _, hint, _ in rows))
 
 
 def collision_table(results: Sequence[SideResult]) -> ResultTable:
-    """A row a measure of the whole collision."""
+    """Return a table with a row for each measure of the whole collision."""
     rows = []
     for field in fields(CollisionMeasures):
         if "title" not in field.metadata or field.name == "final_velocity":
@@ -108,7 +109,7 @@ def collision_table(results: Sequence[SideResult]) -> ResultTable:
 
 
 def velocity_table(results: Sequence[SideResult]) -> ResultTable:
-    """A row a bead: its final velocity; a last one for how well these are known, where a method tells."""
+    """Return a table of the final velocity of each bead, and their error if a method reports it."""
     final = [result.measures.final_velocity for result in results]
     rows = []
     for bead in range(max(map(len, final))):
@@ -122,7 +123,7 @@ def velocity_table(results: Sequence[SideResult]) -> ResultTable:
 
 
 def contact_table(result: SideResult) -> ResultTable:
-    """A row a contact of one side; what none of them has is left out."""
+    """Return a table with a row for each contact of one side, without empty columns."""
     rows, shortest, contacts = [], SHORTEST_TIME * float(result.trajectory.time[-1]), result.measures.contacts
     found = [
         field for field in fields(ContactMeasures) if any(getattr(one, field.name) is not None for one in contacts)
@@ -136,13 +137,13 @@ def contact_table(result: SideResult) -> ResultTable:
 
 
 def title_of(field: Field[Any]) -> str:
-    """The name of a measure, with its unit."""
+    """Return the name of a measure, with its unit."""
     title, unit = field.metadata["title"], field.metadata["unit"]
     return f"{title} ({unit})" if unit else str(title)
 
 
 def print_tables(output: Console, title: str, results: Sequence[SideResult]) -> None:
-    """The comparison on the terminal; contacts as columns where these are fewer than measures, the narrower of the two."""
+    """Print the comparison on the terminal; contacts are columns if there are fewer of them than measures."""
     output.print(title, style="bold")
     speeds, measures = velocity_table(results), collision_table(results)
     print_rows([name.replace("(", "\n(") for name in speeds.titles], speeds.rows + measures.rows, True, output)

@@ -1,4 +1,6 @@
-"""The sides of a comparison: lanes of scenes, one scene with several contacts, the nearest contact; refused before any run."""
+"""Sides of a comparison: lanes of scenes, one scene with several contacts, the nearest contact. Validated before any
+run.
+"""
 
 import re
 from collections.abc import Sequence
@@ -16,13 +18,13 @@ from softcradle.scenes.contact_table import Law, law_of
 from softcradle.scenes.contact_text import contact_from, contact_text
 from softcradle.scenes.scene_errors import scene_error
 
-FINENESS = ("method", "step", "tolerance")  # of a scene
-MOST_SIDES = 6  # as many colours as the charts of the page have
+FINENESS = ("method", "step", "tolerance")  # keys of a scene
+MOST_SIDES = 6  # the charts of the page have this many colours
 
 
 @dataclass(frozen=True)
 class Side:
-    """One chain of a comparison: its name, its lane, and the scene whose settings hold for it."""
+    """One chain of a comparison: its name, its lane, and the scene that provides its settings."""
 
     name: str
     lane: Lane
@@ -31,15 +33,15 @@ class Side:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Two sides or more, and their common title."""
+    """Two or more sides, and their common title."""
 
     title: str
     sides: tuple[Side, ...]
 
     def as_scene(self, end: float) -> Scene:
-        """All sides as the lanes of one scene, which lasts until `end` [s] if any side's scene has a duration.
+        """Return all sides as lanes of one scene, which lasts until `end` [s] if any side's scene has a duration.
 
-        It has the method, the step or tolerance, and the magnification on which the scenes of all sides agree.
+        Its method, step or tolerance, and magnification are set if the scenes of all sides agree.
         """
         lanes = tuple(side.lane.model_copy(update={"label": side.name}) for side in self.sides)
         views = [side.scene.view for side in self.sides]
@@ -66,15 +68,17 @@ class Comparison:
 def comparison_of(
     names: Sequence[str], contacts: Sequence[str], method: str | None = None, step: float | None = None, added: int = 0
 ) -> Comparison:
-    """The comparison of the scenes called `names`, or of one scene as it is and with each of `contacts` everywhere.
+    """Return the comparison of the scenes `names`, or of one scene as it is and with each of `contacts` in all its
+    places.
 
-    All are moved by that method and step, None takes the scene's own; so many sides are to be `added`.
+    All sides use `method` and `step`; None uses the scene's. `added` is the number of sides to be added later.
 
     Raises:
-        UserError: no such scene or contact, too few or too many sides, or one in which nothing collides.
+        UserError: for an unknown scene or contact, too few or too many sides, or a side in which nothing collides.
     """
     scenes = [_moved_by(load_scene(name), method, step) for name in names]
-    told = [name.encode(errors="replace").decode() for name in names]  # what is no UTF-8 is in no report
+    # a report cannot contain characters outside UTF-8
+    told = [name.encode(errors="replace").decode() for name in names]
     sides = [side for name, scene in zip(told, scenes, strict=True) for side in _lane_sides(name, scene, len(scenes))]
     if contacts:
         if len(scenes) != 1:
@@ -86,7 +90,7 @@ def comparison_of(
 
 
 def _moved_by(scene: Scene, method: str | None, step: float | None) -> Scene:
-    """The scene with that method and step, and with its own tolerance where the method takes one."""
+    """Return the scene with that method and step, and with its own tolerance if the method takes one."""
     settings = scene.settings(method=method, step=step)
     if refusal_of_fineness(settings.get("method", ""), None, scene.tolerance):
         settings["tolerance"] = None
@@ -94,7 +98,7 @@ def _moved_by(scene: Scene, method: str | None, step: float | None) -> Scene:
 
 
 def _check(comparison: Comparison, added: int) -> None:
-    """Raise a UserError for too few or too many sides with the `added` ones, a lane that cannot be, and no collision in one."""
+    """Raise a UserError for too few or too many sides including the `added` ones, an invalid lane, or no collision."""
     count = len(comparison.sides) + added
     if count < 2:
         name = comparison.sides[0].name
@@ -103,7 +107,7 @@ def _check(comparison: Comparison, added: int) -> None:
         raise UserError(f"at most {MOST_SIDES} can be compared side by side, not {count}")
     for side in comparison.sides:
         try:
-            Lane.model_validate(side.lane)  # its law may be another than in its file
+            Lane.model_validate(side.lane)  # its law may differ from the law in its file
             struck_contact(side.lane.velocity)
         except ValidationError as error:
             raise UserError(str(scene_error(side.name, error))) from None
@@ -112,7 +116,7 @@ def _check(comparison: Comparison, added: int) -> None:
 
 
 def _lane_sides(name: str, scene: Scene, scenes: int) -> list[Side]:
-    """The lanes of a scene as they are; `scenes` is the number of scenes compared."""
+    """Return the lanes of a scene as they are; `scenes` is the number of scenes compared."""
     if len(scene.lanes) == 1:
         return [Side(name, scene.lanes[0], scene)]
     prefix = f"{name}: " if scenes > 1 else ""
@@ -120,7 +124,7 @@ def _lane_sides(name: str, scene: Scene, scenes: int) -> list[Side]:
 
 
 def _contact_sides(scene: Scene, contacts: Sequence[str]) -> list[Side]:
-    """Each lane as it is, then with each of the contacts; equal ones are shown once."""
+    """Return each lane as it is, then with each of the contacts, without duplicates."""
     try:
         laws = [contact_from(text) for text in contacts]
     except SceneError as error:
@@ -138,7 +142,7 @@ def _contact_sides(scene: Scene, contacts: Sequence[str]) -> list[Side]:
 
 
 def with_contact(side: Side, law: Law) -> Side:
-    """The side with `law` in every contact."""
+    """Return the side with `law` in every contact."""
     return Side(contact_text(law), side.lane.model_copy(update={"contact": law}), side.scene)
 
 
@@ -150,7 +154,7 @@ def _title(scenes: Sequence[Scene], sides: Sequence[Side], variants: bool) -> st
 
 
 def _distinct_names(sides: Sequence[Side]) -> tuple[Side, ...]:
-    """The sides; the second of a name is called "name (2)", and so on."""
+    """Return the sides with distinct names; the second side of a name is called "name (2)", and so on."""
     names: dict[str, int] = {}
     found = []
     for side in sides:
@@ -159,14 +163,14 @@ def _distinct_names(sides: Sequence[Side]) -> tuple[Side, ...]:
     return tuple(found)
 
 
-DIFFERENCES = {  # by distance: what differs, and by how much
+DIFFERENCES = {  # for each distance: the quantity that differs, and by how much
     "force": "forces of the struck contact differ by {} in the root mean square",
     "outcome": "final velocities over the closing speed and the logarithm of the contact time differ by {} together",
 }
 
 
 def side_to_match(comparison: Comparison) -> Side:
-    """The side whose contact is to be matched: the first; UserError where it cannot be matched."""
+    """Return the first side, whose contact is to be matched; raise UserError if it cannot be matched."""
     side = comparison.sides[0]
     if len(side.scene.lanes) > 1 or len({other.scene.title for other in comparison.sides}) > 1:
         raise UserError("--match needs one scene with one lane")
@@ -178,7 +182,7 @@ def side_to_match(comparison: Comparison) -> Side:
 
 
 def add_match(comparison: Comparison, distance: Distance) -> tuple[Comparison, Match]:
-    """The comparison with the nearest contact as its last side, and the match."""
+    """Return the comparison with the nearest contact as its last side, and the match."""
     side = side_to_match(comparison)
     found = match(side.lane.chain(), side.lane.velocity, distance)
     law: Law = law_of(found.contact)
@@ -190,7 +194,7 @@ def add_match(comparison: Comparison, distance: Distance) -> tuple[Comparison, M
 
 
 def short_text(text: str) -> str:
-    """The text of a contact with three digits a number, as labels have it; JSON has them all.
+    """Return the text of a contact with three digits for each number, for labels; JSON has all digits.
 
     >>> short_text("draft_gear(0.668973, 0.985412)")
     'draft_gear(0.669, 0.985)'
@@ -199,7 +203,7 @@ def short_text(text: str) -> str:
 
 
 def match_sentence(found: Match) -> str:
-    """Which contact is nearest, by how much it differs, and whether that is near."""
+    """Return a sentence with the nearest contact, its difference, and whether that is near."""
     difference = DIFFERENCES[found.distance].format(f"{100.0 * found.residual:.2g} %")
     kind, contact, given = _family(found), contact_text(found.contact), contact_text(found.given)
     if found.near:
@@ -217,13 +221,13 @@ def match_sentence(found: Match) -> str:
 
 
 def _speed_sentence(ratio: float) -> str:
-    """On which side of its critical speed the draft gear is struck, and how far from it."""
+    """Return a sentence about the impact speed of the draft gear relative to its critical speed."""
     below = ": the clusters stay exactly rigid" if ratio <= 1.0 else ""
     return f"The draft gear is struck at {ratio:.3g} times its critical speed{below}."
 
 
 def match_as_json(found: Match) -> dict[str, Any]:
-    """The match as plain numbers and texts."""
+    """Return the match as plain numbers and texts."""
     return asdict(found) | {
         "ends": list(found.ends),
         "sentence": match_sentence(found),

@@ -1,6 +1,7 @@
-"""Work against precision: cases with known outcomes, our methods and other integrators, and the time each needs for an error.
+"""Work-precision chart: cases with known results, our methods and other integrators, and the time that each needs for
+an error.
 
-cases           ->  the collisions, each with its true outcome
-measurement     ->  our methods under one call, which other integrators share (benchmarks/peers); error and time of every setting
-table, chart    ->  what the points say, as rows and as a picture
+cases           ->  the collisions, each with its true result measurement     ->  our methods and, through the same
+interface, other integrators (benchmarks/peers): error and time of every setting table, chart    ->  the points as rows
+and as a picture
 """

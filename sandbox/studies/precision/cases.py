@@ -1,4 +1,4 @@
-"""The collisions of the work-precision chart, each with its true outcome; any scene can be one."""
+"""Collisions of the work-precision chart, each with its true result. Any scene can be a case."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -13,20 +13,22 @@ from softcradle.scenes import Scene
 
 Array = NDArray[np.float64]
 
-ERROR_LEVELS = (1e-3, 1e-6, 1e-9)  # errors of final velocities, over the closing speed, at which methods are compared
-REFERENCE_TOLERANCE = 1e-12  # of method scipy, whose outcome is the truth where it gets there
-REFERENCE_STEPS = 100_000  # of it, half a minute, before it gives up
-TRUTH_TOLERANCE = 1e-12  # of radau, whose outcome is the truth where none is known better
-CHECK_TOLERANCE = 3e-12  # of accurate, whose distance from the truth is its uncertainty
-PEER_MARGIN = 1.001  # peers cannot see the end of a collision: they run this much longer than it lasts
+# errors of final velocities, relative to the closing speed, at which methods are compared
+ERROR_LEVELS = (1e-3, 1e-6, 1e-9)
+REFERENCE_TOLERANCE = 1e-12  # Tolerance of the method scipy, whose result is the truth if it reaches the end.
+REFERENCE_STEPS = 100_000  # Most steps of the method scipy, half a minute.
+TRUTH_TOLERANCE = 1e-12  # Tolerance of radau, whose result is the truth if nothing better is known.
+CHECK_TOLERANCE = 3e-12  # Tolerance of accurate, whose difference from the truth is its uncertainty.
+PEER_MARGIN = 1.001  # Other integrators cannot detect the end of a collision, so they run this much longer.
 SAMPLE_COUNT = 64  # times during the first closing of the struck contact at which forces and overlaps are compared
 
-# final velocities of one on 4, alpha = 1/10, by Taylor series in quadruple precision: see tests/helpers/data/README.md
+# Final velocities of one on 4, alpha = 1/10, by Taylor series in quadruple precision; see tests/helpers/data/README.md.
 ONE_ON_FOUR = (
     -0.56758562476547303918, 0.17392146672861098151, 0.4540787148354326006, 0.46978361268000769326,
     0.4698018305214217638,
 )  # fmt: skip
-# of one on 10, alpha = 1/30, where SciPy gives up, by collocation in extended precision: `reference_end` of benchmarks/scan
+# Final velocities of one on 10, alpha = 1/30, which SciPy cannot solve, by collocation in extended precision:
+# `reference_end` of benchmarks/scan.
 ONE_ON_TEN = (
     -0.7832546035595891, -0.06730576344112452, 0.1695828240424023, 0.2067366104888179, 0.21042330395979278,
     0.21063308123078361, 0.21063690197294313, 0.21063691127543868, 0.21063691134291795, 0.2106369113437304,
@@ -46,16 +48,17 @@ class Start:
 
 @dataclass(frozen=True)
 class ChartCase:
-    """One collision with its true outcome.
+    """One collision with its true result.
 
     Attributes:
-        name, label, chain, velocity: what collides; the name for files and commands, the label for people.
-        duration: None until the collision is over, else [s]; given where something acts from outside, which goes on acting.
-        end: when it is over [s].
+        name, label, chain, velocity: the collision; the name is for files and commands, the label for people.
+        duration: None until the collision is over, else [s]; set if an external force acts, which goes on acting.
+        end: end of the collision [s].
         truth: (n+1,) final velocities [m/s].
-        uncertainty: distance of two ways to the truth, over the closing speed; 0 where it is known better.
-        source: where the truth is from.
-        aims: times that `accurate` should take [ms], by error level.
+        uncertainty: difference of two independent results, relative to the closing speed; 0 if the truth is known
+            better.
+        source: source of the truth.
+        aims: goals for the time of `accurate` [ms], by error level.
     """
 
     name: str
@@ -71,7 +74,7 @@ class ChartCase:
 
     @property
     def run_duration(self) -> float:
-        """Duration of a run that cannot see the end of the collision [s]."""
+        """Duration [s] of a run that cannot detect the end of the collision."""
         return self.end * PEER_MARGIN if self.duration is None else self.duration
 
     @cached_property
@@ -80,25 +83,25 @@ class ChartCase:
         return float(np.ptp(self.velocity)) or 1.0
 
     def error(self, velocity: Array) -> float:
-        """Largest error of any final velocity, over the closing speed; inf for what is no number."""
+        """Return the largest error of any final velocity, relative to the closing speed; infinite for NaN."""
         error = float(np.abs(velocity - self.truth).max() / self.closing_speed)
         return error if np.isfinite(error) else np.inf
 
     @cached_property
     def sampled_truth(self) -> Trajectory:
-        """The motion at `sample_times`, by `radau` at its finest."""
+        """Motion at `sample_times`, computed with `radau` at its smallest tolerance."""
         return self._solve_by_radau(TRUTH_TOLERANCE, self.sample_times)
 
     @property
     def yielding(self) -> NDArray[np.bool_]:
-        """(SAMPLE_COUNT, n) whether the contact is pressed in or pulled out at the time."""
+        """(SAMPLE_COUNT, n) True if the contact is pressed in or pulled out at that time."""
         overlap = self.sampled_truth.overlap
         found: NDArray[np.bool_] = (overlap > 0.0) | (overlap < 0.0) & (self.sampled_truth.force < 0.0)
         return found
 
     @cached_property
     def sample_times(self) -> Array:
-        """(SAMPLE_COUNT,) times [s]: midpoints of equal parts of the first closing of the contact that is struck first."""
+        """(SAMPLE_COUNT,) times [s]: midpoints of equal parts of the first closing of the first contact to be hit."""
         found = self._solve_by_radau(1e-8, 2).contact_intervals
         closings = [intervals[0] for intervals in found if intervals]
         first = min((closed for closed, _ in closings), default=0.0)
@@ -111,10 +114,10 @@ class ChartCase:
         return solve(self.chain, self.velocity, self.run_duration, "radau", None, samples, tolerance)
 
     def starts(self, lead_times: Sequence[float]) -> list[Start]:
-        """The case begun each of `lead_times` [s] earlier, which ends the same.
+        """Return the case with its start moved earlier by each of `lead_times` [s]; all end the same.
 
-        The case itself alone, where there is no free flight: something acts from outside, or contacts would have pushed or
-        pulled earlier.
+        Return only the case itself without free flight, that is, if an external force acts or if contacts would have
+        pushed or pulled earlier.
         """
         rate, gap = -np.diff(self.velocity), np.array(self.chain.gap)
         gaps = gap + np.outer(lead_times, rate)
@@ -135,9 +138,9 @@ class CaseDefinition:
 
     Attributes:
         name, label: as in ChartCase.
-        make_chain: gives the chain.
+        make_chain: returns the chain.
         duration: as in ChartCase.
-        truth: gives (n+1,) final velocities where these are known better than computed here; `source` says from where.
+        truth: returns (n+1,) final velocities if they are known better than computed here; `source` is their source.
         velocity: None: bead 0 strikes at unit speed.
         aims: as in ChartCase.
     """
@@ -148,12 +151,12 @@ class CaseDefinition:
     duration: float | None = None
     truth: Callable[[], Array] | None = None
     source: str = ""
-    uncertainty: float = 0.0  # of that truth [m/s]
+    uncertainty: float = 0.0  # error of the truth [m/s]
     velocity: Array | None = None
     aims: dict[float, float] = field(default_factory=dict)
 
     def solve(self, by_reference: bool = True) -> ChartCase:
-        """The case, with its truth computed or looked up; not `by_reference`, two of our methods have to do."""
+        """Return the case with its truth, computed or looked up; without `by_reference`, two of our methods provide it."""
         chain = self.make_chain()
         velocity = np.eye(1, chain.contacts + 1)[0] if self.velocity is None else self.velocity
         finest = solve(chain, velocity, self.duration, "radau", samples=2, tolerance=TRUTH_TOLERANCE)
@@ -167,7 +170,9 @@ class CaseDefinition:
     def _truth(
         self, chain: Chain, velocity: Array, duration: float | None, finest: Array, by_reference: bool
     ) -> tuple[Array, float, str]:
-        """The truth, its uncertainty over the closing speed, and its source; `finest` is that of the finest run by radau."""
+        """Return the truth, its uncertainty relative to the closing speed, and its source; `finest` is the finest run
+        of radau.
+        """
         if self.truth is not None:
             return self.truth(), self.uncertainty, self.source
         speed = np.ptp(velocity) or 1.0
@@ -184,12 +189,12 @@ class CaseDefinition:
 
 
 def _acts_from_outside(chain: Chain) -> bool:
-    """Whether a drive, a force, a brake or a bed acts on beads, in free flight too."""
+    """Return True if a drive, a force, a brake or a bed acts on beads, also in free flight."""
     return chain.driven or chain.on_bed
 
 
 def definitions_of(scene: Scene) -> list[CaseDefinition]:
-    """One definition for each lane of `scene`."""
+    """Return one definition for each lane of `scene`."""
     if len(scene.lanes) == 1:
         labels = [scene.title]
     else:
@@ -201,7 +206,7 @@ def definitions_of(scene: Scene) -> list[CaseDefinition]:
 
 
 def _draft_gears(ratio: float) -> Chain:
-    """One on ten draft gears whose precompression is such that unit speed is `ratio` times the critical speed."""
+    """Return one on ten draft gears with a precompression such that unit speed is `ratio` times the critical speed."""
     critical = critical_speed(draft_gear(1.0, 1.0), np.ones(11), 1)  # proportional to the precompression
     return one_on(10, draft_gear(1.0, 1.0 / (ratio * critical)))
 

@@ -1,4 +1,4 @@
-"""Measurement: error and time of each solver from coarse to fine, until it is exact enough or its time is used up."""
+"""Measurement of error and time of each solver from coarse to fine, until it is accurate enough or its time is used up."""
 
 import math
 import os
@@ -21,22 +21,22 @@ from softcradle.sandbox.studies.precision.cases import ChartCase, Start
 
 Array = NDArray[np.float64]
 
-NO_SAMPLES = np.zeros(0)  # sample times of a run whose final velocities alone are compared
-FEWEST_STEPS = 30  # of the coarsest run of a fixed-step method
-MOST_STEPS = 8e6  # of the finest
-START_PHASES = 4  # lead times, evenly over one step, over which the error of a fixed step is averaged
+NO_SAMPLES = np.zeros(0)  # sample times of a run whose final velocities only are compared
+FEWEST_STEPS = 30  # steps of the coarsest run of a fixed-step method
+MOST_STEPS = 8e6  # steps of the finest run
+START_PHASES = 4  # lead times, uniform over one step, over which the error of a fixed-step run is averaged
 PACKAGES = ("softcradle", "numba", "numpy", "scipy", "pymunk")
 
 
 @dataclass(frozen=True)
 class Solution:
-    """What a run gives.
+    """Result of a run.
 
     Attributes:
-        velocity: (n+1,) final velocities [m/s], or None where the run gave up.
-        seconds: wall time of the solver alone.
-        evaluations: of all contact forces; nan where they are not counted.
-        overlap, force: (T, n) at the sample times [m], [N]; None where there are none.
+        velocity: (n+1,) final velocities [m/s], or None if the run gave up.
+        seconds: wall time of the solver only.
+        evaluations: of all contact forces; NaN if they are not counted.
+        overlap, force: (T, n) at the sample times [m], [N]; None without samples.
     """
 
     velocity: Array | None
@@ -51,15 +51,15 @@ RunFunction = Callable[[float, Start, Array], Solution]  # fineness, start, samp
 
 @dataclass(frozen=True)
 class Solver:
-    """One way to solve a case, over one series of finenesses.
+    """A solver with one series of settings.
 
     Attributes:
-        name: of its curve, which has all settings of that name.
-        setting: what distinguishes this series from others of the same name.
+        name: name of its curve, which contains all settings of that name.
+        setting: distinguishes this series from others of the same name.
         finenesses: tolerances or numbers of steps, coarse to fine.
         run: solves the case.
         ours: True for the methods of `simulate`.
-        steps: True where a fineness is a number of steps.
+        steps: True if the settings are numbers of steps.
     """
 
     name: str
@@ -70,9 +70,10 @@ class Solver:
     steps: bool = False
 
     def starts(self, case: ChartCase, fineness: float) -> list[Start]:
-        """The starts over which the error is averaged.
+        """Return the starts over which the error is averaged.
 
-        The error of a fixed step depends on where in a step the first touch lies; an adaptive run locates the touch.
+        The error of a fixed-step run depends on the place of the first touch within a step; an adaptive run locates the
+        touch.
         """
         if not self.steps:
             return [Start(case.chain, case.velocity)]
@@ -81,17 +82,17 @@ class Solver:
 
 
 def tolerances(finest: float = 1e-12) -> list[float]:
-    """Half decades from 1e-2 down to `finest`."""
+    """Return half decades from 1e-2 down to `finest`."""
     return [float(10.0 ** (-0.5 * k)) for k in range(4, round(-2.0 * np.log10(finest)) + 1)]
 
 
 def step_counts() -> list[float]:
-    """Numbers of steps by factors of 2."""
+    """Return numbers of steps by factors of 2."""
     return [FEWEST_STEPS * 2.0**k for k in range(1 + int(np.log2(MOST_STEPS / FEWEST_STEPS)))]
 
 
 def our_solvers(case: ChartCase) -> list[Solver]:
-    """Every method that can take the case, adaptive ones over tolerances, others over numbers of steps; and `auto`."""
+    """Return every method that can solve the case: adaptive ones by tolerance, others by number of steps, and `auto`."""
     auto = Solver(AUTO, "", tolerances(1e-11)[2:], partial(_run_adaptive, case, AUTO), ours=True)
     return [*(_solver(case, method) for method in METHODS if not refusal_of(method.name, case.chain)), auto]
 
@@ -108,7 +109,7 @@ def _run_adaptive(case: ChartCase, method: str, tolerance: float, start: Start, 
 
 
 def _run_fixed(case: ChartCase, method: str, steps: float, start: Start, sample_times: Array) -> Solution:
-    # to the known end, as the peers: a run that chatters may never end by itself
+    # to the known end, like other integrators, because a chattering run may never end by itself
     duration = case.run_duration + start.early
     return _solution(start, duration, method, sample_times, step=case.run_duration / steps)
 
@@ -122,24 +123,26 @@ def _solution(start: Start, duration: float | None, method: str, sample_times: A
 
 
 SMALLEST_ERROR = 3e-11  # a series ends after two settings with smaller errors
-REPEATS = 7  # runs of a setting, whose median time counts
+REPEATS = 7  # runs of a setting; their median time counts
 SHORT_RUN = 0.01  # [s] longer runs are repeated fewer times
 
-# The next finer setting is expected to take as much longer as the last one did, within these factors.
+# The expected time of the next finer setting grows like the last one did, within these factors.
 LEAST_GROWTH = 1.3
 MOST_GROWTH = 2.5
 
-SLOWEST_FIRST_RUN = 4.0  # over the time limit of a run: a solver that is slower at its coarsest setting runs just once
+# Multiple of the time limit of a run. A solver that is slower at its coarsest setting runs just once.
+SLOWEST_FIRST_RUN = 4.0
 
 
 @dataclass(frozen=True)
 class TimeLimits:
-    """How long a measurement may take.
+    """Time limits of a measurement.
 
     Attributes:
-        run: no run is begun that is expected to take longer [s].
+        run: a run that is expected to take longer is not started [s].
         series: all runs of a series together [s].
-        case: all series of a case together [s], without loading and compiling; each series has its share of what is left.
+        case: all series of a case together [s], without loading and compiling; each series has its share of the
+            remaining time.
     """
 
     run: float = 0.25
@@ -155,7 +158,7 @@ class ChartPoint:
         solver, fineness: the setting.
         error: root mean square over the start phases.
         seconds: median wall time of a run.
-        evaluations: mean number of evaluations of all contact forces; nan where they are not counted.
+        evaluations: mean number of evaluations of all contact forces; NaN if they are not counted.
     """
 
     solver: Solver
@@ -167,7 +170,7 @@ class ChartPoint:
 
 @dataclass(frozen=True)
 class Series:
-    """The points of one solver, coarse to fine, and whether a time limit ended them."""
+    """Points of one solver, coarse to fine, and whether a time limit ended them."""
 
     solver: Solver
     points: list[ChartPoint]
@@ -175,9 +178,11 @@ class Series:
 
 
 def error_of(case: ChartCase, quantity: str, solution: Solution) -> float:
-    """Error of a solution: of final velocities the largest; of forces and overlaps the root mean square over the samples.
+    """Return the error of a solution: the largest of the final velocities, or the root mean square of forces or
+    overlaps.
 
-    Forces are relative to the largest force or pull, overlaps to the overlap itself (App. B), at most 1, where contacts yield.
+    Forces are relative to the largest force, overlaps to the overlap itself (App. B) and at most 1, while contacts
+    yield.
     """
     if solution.velocity is None:
         return math.inf
@@ -203,13 +208,13 @@ def measure_case(
     limits: TimeLimits = TimeLimits(),
     announce: Callable[[str], None] = lambda _: None,
 ) -> list[Series]:
-    """Every series; `announce` is called with the name of each solver before it is measured."""
+    """Measure every series; call `announce` with the name of each solver before."""
     found, spent = [], 0.0
     for k, solver in enumerate(solvers):
         announce(solver.name)
         share = (limits.case - spent) / (len(solvers) - k)
         with _silenced():
-            first = _first_point(case, solver, quantity)  # compiles, where there is something to compile
+            first = _first_point(case, solver, quantity)  # compiles if necessary
             began = perf_counter()
             if first.seconds > SLOWEST_FIRST_RUN * limits.run:
                 found.append(Series(solver, [first], out_of_time=True))
@@ -223,7 +228,9 @@ def measure_case(
 def measure_series(
     case: ChartCase, solver: Solver, quantity: str = "velocities", limits: TimeLimits = TimeLimits()
 ) -> Series:
-    """Points of a series from coarse to fine; its first run should not be the solver's first, which may compile."""
+    """Return the points of a series from coarse to fine. Its first run should not be the solver's first one, which may
+    compile.
+    """
     points: list[ChartPoint] = []
     began = perf_counter()
     for fineness in solver.finenesses:
@@ -237,7 +244,7 @@ def measure_series(
 
 
 def _growth(points: Sequence[ChartPoint]) -> float:
-    """Expected time of the next finer setting over that of the last one."""
+    """Return the expected time of the next finer setting relative to the last one."""
     last = points[-1].seconds / points[-2].seconds if len(points) > 1 else LEAST_GROWTH
     return min(max(last, LEAST_GROWTH), MOST_GROWTH)
 
@@ -256,14 +263,14 @@ def _point(case: ChartCase, solver: Solver, fineness: float, quantity: str) -> C
 
 
 def _first_point(case: ChartCase, solver: Solver, quantity: str) -> ChartPoint:
-    """One run at the coarsest setting."""
+    """Run once at the coarsest setting."""
     fineness = solver.finenesses[0]
     solution = _run(solver, fineness, solver.starts(case, fineness)[0], _sample_times(case, quantity))
     return ChartPoint(solver, fineness, error_of(case, quantity, solution), solution.seconds, solution.evaluations)
 
 
 def _run(solver: Solver, fineness: float, start: Start, sample_times: Array) -> Solution:
-    """A run. A peer that raises has given up; a method of ours that raises has a bug."""
+    """Run. Another integrator that raises has given up; a method of ours that raises has a bug."""
     began = perf_counter()
     try:
         return solver.run(fineness, start, sample_times)
@@ -279,7 +286,7 @@ def _sample_times(case: ChartCase, quantity: str) -> Array:
 
 @contextmanager
 def _silenced() -> Iterator[None]:
-    """Output of compiled code is not shown: some peers print a line for every step that they reject."""
+    """Suppress the output of compiled code, because some integrators print a line for every rejected step."""
     copies = [os.dup(1), os.dup(2)]
     with open(os.devnull, "w", encoding="utf-8") as null:
         os.dup2(null.fileno(), 1)
@@ -293,7 +300,7 @@ def _silenced() -> Iterator[None]:
 
 
 def machine_stamp(packages: Sequence[str] = ()) -> str:
-    """Processor and cores, system, Python and the versions of PACKAGES and `packages` as far as they are installed."""
+    """Return processor and cores, system, Python and the installed versions of PACKAGES and `packages`."""
     found = [f"{name} {installed}" for name in (*PACKAGES, *packages) if (installed := _version(name))]
     cores = os.cpu_count() or 1
     hardware = f"{processor()}, {cores} core{'s' * (cores > 1)}"
@@ -301,7 +308,7 @@ def machine_stamp(packages: Sequence[str] = ()) -> str:
 
 
 def processor() -> str:
-    """Name of the processor; on Linux that of /proc/cpuinfo, for Python knows the architecture alone there."""
+    """Return the name of the processor; on Linux from /proc/cpuinfo, because Python knows only the architecture there."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:

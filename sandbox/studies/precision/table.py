@@ -1,4 +1,4 @@
-"""The measurements as rows: the least time to each error level for people, every point for files."""
+"""Measurements as rows: the shortest time to each error level for people, every point for files."""
 
 import math
 from collections.abc import Sequence
@@ -12,13 +12,13 @@ from softcradle.sandbox.studies.data_table import write_rows
 from softcradle.sandbox.studies.precision.cases import ERROR_LEVELS, ChartCase
 from softcradle.sandbox.studies.precision.measurement import ChartPoint, Series
 
-LARGEST_ERROR = 1.0  # an error of the closing speed itself is not shown
+LARGEST_ERROR = 1.0  # larger errors (of the closing speed itself) are not shown
 LARGEST_ORDER_ERROR = 0.1  # points with larger errors do not count for the order
-ORDER_MARGIN = 10.0  # nor do points whose error is less than this times the uncertainty of the truth
+ORDER_MARGIN = 10.0  # points with errors below this multiple of the uncertainty of the truth do not count either
 
 
 def series_by_name(series: Sequence[Series]) -> dict[str, list[Series]]:
-    """The series of each name, which make one curve; names in order of appearance."""
+    """Return the series of each name, which form one curve; names in order of appearance."""
     found: dict[str, list[Series]] = {}
     for one in series:
         found.setdefault(one.solver.name, []).append(one)
@@ -26,7 +26,7 @@ def series_by_name(series: Sequence[Series]) -> dict[str, list[Series]]:
 
 
 def frontier(series: Sequence[Series], cost: str = "seconds") -> list[ChartPoint]:
-    """The points such that no other is both cheaper (by `cost`) and more exact; the most expensive and exact last."""
+    """Return the points that no other point beats in both cost and error; the most expensive and accurate one is last."""
     points = [point for one in series for point in one.points if math.isfinite(getattr(point, cost))]
     best: list[ChartPoint] = []
     for point in sorted(points, key=lambda point: (getattr(point, cost), point.error)):
@@ -36,7 +36,9 @@ def frontier(series: Sequence[Series], cost: str = "seconds") -> list[ChartPoint
 
 
 def fastest(series: Sequence[Series], error: float) -> ChartPoint | None:
-    """The fastest point that reaches `error` as its next finer one does: errors that are small by chance do not count."""
+    """Return the fastest point that reaches `error` together with its next finer one, because an error may be small by
+    chance.
+    """
     reaching = [
         point
         for one in series
@@ -47,12 +49,12 @@ def fastest(series: Sequence[Series], error: float) -> ChartPoint | None:
 
 
 def most_exact(series: Sequence[Series]) -> Series:
-    """The series that has the point with the smallest error."""
+    """Return the series that contains the point with the smallest error."""
     return min(series, key=lambda one: min((point.error for point in one.points), default=math.inf))
 
 
 def fitted_order(series: Series, uncertainty: float) -> float | None:
-    """Order p of error ~ fineness**p, in the step or in the tolerance; None for fewer than 3 points that count."""
+    """Return the order p of error ~ fineness**p, in the step or tolerance; None for fewer than 3 valid points."""
     points = [point for point in series.points if ORDER_MARGIN * uncertainty < point.error < LARGEST_ORDER_ERROR]
     if len(points) < 3:
         return None
@@ -62,7 +64,7 @@ def fitted_order(series: Series, uncertainty: float) -> float | None:
 
 @dataclass(frozen=True)
 class MeasuredCase:
-    """A case with all its series; the quantity whose error they have."""
+    """A case with all its series, and the quantity whose error they contain."""
 
     case: ChartCase
     series: list[Series]
@@ -75,8 +77,8 @@ class CurveRow:
 
     Attributes:
         name, ours: as in Solver.
-        fastest: the fastest point for each error level, None where there is none.
-        out_of_time: whether a time limit ended its most exact series.
+        fastest: the fastest point for each error level, or None.
+        out_of_time: True if a time limit ended its most accurate series.
     """
 
     name: str
@@ -85,13 +87,13 @@ class CurveRow:
     out_of_time: bool
 
     def seconds(self, level: int) -> float:
-        """Time to the error level of that index; inf where it is not reached."""
+        """Return the time to the error level of that index; infinite if it is not reached."""
         point = self.fastest[level]
         return math.inf if point is None else point.seconds
 
 
 def curve_rows(measured: MeasuredCase) -> list[CurveRow]:
-    """A row for each name."""
+    """Return a row for each name."""
     return [
         CurveRow(
             name,
@@ -104,13 +106,15 @@ def curve_rows(measured: MeasuredCase) -> list[CurveRow]:
 
 
 def fastest_row(rows: Sequence[CurveRow], ours: bool, level: int) -> CurveRow | None:
-    """The fastest row to an error level among the methods of `simulate`, or among the peers."""
+    """Return the fastest row to an error level among the methods of `simulate`, or among other integrators."""
     reaching = [row for row in rows if row.ours == ours and row.fastest[level] is not None]
     return min(reaching, key=lambda row: row.seconds(level), default=None)
 
 
 def ratio(rows: Sequence[CurveRow], level: int) -> float | None:
-    """Time of the fastest peer over that of our fastest method; inf if no peer reaches the error, None if none of ours."""
+    """Return the time of the fastest other integrator over our fastest; infinite if only ours reaches the error, None
+    if ours does not.
+    """
     mine, peer = fastest_row(rows, True, level), fastest_row(rows, False, level)
     if mine is None:
         return None
@@ -118,7 +122,9 @@ def ratio(rows: Sequence[CurveRow], level: int) -> float | None:
 
 
 def ratio_sentence(rows: Sequence[CurveRow]) -> str:
-    """Who is fastest to each error level, and the ratios of the times; who of ours where no peer was measured."""
+    """Return a sentence with the fastest solver for each error level and the time ratios; ours only without other
+    integrators.
+    """
     parts, alone = [], all(row.ours for row in rows)
     for level, error in enumerate(ERROR_LEVELS):
         mine, peer = fastest_row(rows, True, level), fastest_row(rows, False, level)
@@ -132,7 +138,7 @@ def ratio_sentence(rows: Sequence[CurveRow]) -> str:
 
 
 def auto_sentence(rows: Sequence[CurveRow]) -> str:
-    """Time of `auto` over that of the fastest of our methods, to each error level; "" where `auto` was not measured."""
+    """Return a sentence with the time of `auto` over our fastest method for each error level; empty without `auto`."""
     auto = next((row for row in rows if row.name == AUTO), None)
     if auto is None:
         return ""
@@ -148,7 +154,7 @@ def auto_sentence(rows: Sequence[CurveRow]) -> str:
 
 
 def setting_text(point: ChartPoint | None) -> str:
-    """The setting of a point."""
+    """Return the setting of a point."""
     if point is None:
         return "-"
     fineness = f"{point.fineness:.0f} steps" if point.solver.steps else f"{point.fineness:.0e}"
@@ -156,7 +162,7 @@ def setting_text(point: ChartPoint | None) -> str:
 
 
 def write_csv(measured: Sequence[MeasuredCase], path: Path) -> None:
-    """Every point of every series; no number where a run gave up or evaluations are not counted."""
+    """Write every point of every series; a field is empty if a run gave up or evaluations are not counted."""
     error = f"error of {measured[0].quantity}"
     header = ("case", "method", "ours", "setting", "tolerance or steps", error, "seconds", "evaluations")
     rows = [
