@@ -1,4 +1,4 @@
-"""The style of all figures and charts: column widths of a journal, a serif font that matches the formulas, the palette."""
+"""Style of all figures and charts: column widths of a journal, a serif font that matches the formulas, the palette."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-COLUMN_WIDTH = 86.0 / 25.4  # [inches] width of one column of the journal, 86 mm
-PAGE_WIDTH = 178.0 / 25.4  # [inches] width of its page, 178 mm, for figures with several panels
+COLUMN_WIDTH = 86.0 / 25.4  # [inches] width of a journal column, 86 mm
+PAGE_WIDTH = 178.0 / 25.4  # [inches] width of a journal page, 178 mm, for figures with several panels
 
 # Okabe and Ito's palette, which is safe for colour-blind readers. As in the paper, blue and orange are the first two
 # beads and forces, and red is psi.
@@ -31,7 +31,7 @@ GREY = "#6b6b6b"
 BLACK = "#000000"
 COLOUR_CYCLE = (BLUE, ORANGE, GREEN, PURPLE, SKY, RED, GREY, BLACK)
 
-# The mode-coupling model is drawn dashed, thick and pale, below the thin solid line of the full equations.
+# The mode-coupling model is a dashed, thick and pale line below the thin solid line of the full equations.
 MODEL_LINE: dict[str, Any] = {"linestyle": (0, (4, 2)), "linewidth": 2.2, "alpha": 0.5}
 
 SETTINGS: dict[str, Any] = {
@@ -46,8 +46,8 @@ SETTINGS: dict[str, Any] = {
     "ytick.direction": "in",
     "xtick.top": True,
     "ytick.right": True,
-    "xtick.major.pad": 5.0,  # points: the labels in the lower left corner do not meet
-    "xtick.labelsize": 8.6,  # their exponents are then above 6 points, the least that a journal prints
+    "xtick.major.pad": 5.0,  # points; keeps the labels in the lower left corner apart
+    "xtick.labelsize": 8.6,  # their exponents then have more than 6 points, the minimum for print
     "ytick.labelsize": 8.6,
     "xtick.major.width": 0.6,
     "ytick.major.width": 0.6,
@@ -64,13 +64,13 @@ SETTINGS: dict[str, Any] = {
 
 
 def require_matplotlib() -> None:
-    """Raise ModuleNotFoundError where the figures' library is missing, before anything is computed for a figure."""
+    """Raise ModuleNotFoundError if matplotlib is missing, before any computation for a figure."""
     import matplotlib  # noqa: F401
 
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """Everything drawn inside has these settings."""
+    """Apply these settings to everything drawn inside the block."""
     import matplotlib as mpl
 
     with mpl.rc_context(SETTINGS):  # type: ignore[arg-type]
@@ -85,7 +85,9 @@ def new_figure(
     titles: Sequence[str] = (),
     **options: Any,
 ) -> tuple[Figure, Any]:
-    """A figure of that size [inches] without a window, and its axes: an array of them for several, with those `titles`."""
+    """Return a figure of that size [inches] without a window, and its axes; several axes are an array with those
+    `titles`.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -103,17 +105,17 @@ def inner_label(axes: Axes, text: str, x: float = 0.03, y: float = 0.95, **optio
 
 
 def panel_title(axes: Axes, text: str) -> None:
-    """Name a panel above its upper left corner."""
+    """Write a title above the upper left corner of a panel."""
     axes.set_title(text, loc="left", pad=4.0)
 
 
 def zero_line(axes: Axes) -> None:
-    """A thin line at 0."""
+    """Draw a thin line at 0."""
     axes.axhline(0.0, color=GREY, linewidth=0.5, zorder=0)
 
 
 def curve_label(axes: Axes, x: float, y: float, text: str, colour: str) -> None:
-    """Name a curve to the right of its point (x, y), instead of a legend."""
+    """Label a curve to the right of its point (x, y), instead of a legend."""
     axes.annotate(
         text, (x, y), xytext=(3, 0), textcoords="offset points", color=colour, ha="left", va="center", fontsize=8.6
     )
@@ -127,14 +129,14 @@ def label_above(
 
 
 def model_legend(axes: Axes, columns: int = 2, **options: Any) -> None:
-    """A legend that tells the mode-coupling model from the full equations, beside the curves that have a label."""
+    """Add a legend for the mode-coupling model and the full equations, and for the curves that have a label."""
     axes.plot([], [], color=GREY, label="mode coupling", **MODEL_LINE)
     axes.plot([], [], color=GREY, linewidth=0.8, label="full")
     axes.legend(**{"loc": "upper right", "ncols": columns, "handlelength": 2.2} | options)
 
 
 def bead_colour(bead: int, strikers: int = 1) -> str:
-    """Strikers are blue, the bead that they hit is orange, all others are black."""
+    """Return blue for strikers, orange for the bead that they hit, black for all others."""
     return BLUE if bead < strikers else ORANGE if bead == strikers else BLACK
 
 
@@ -142,12 +144,12 @@ SUFFIXES = (".png", ".pdf", ".csv")
 
 
 def save_figure(figure: Figure, path: Path, dpi: float | None = None) -> None:
-    """Write `figure` in the format of the name `path`; the same figure makes the same file.
+    """Write `figure` in the format of the suffix of `path`; the same figure gives the same file.
 
-    It is drawn in memory first: on a full disk the writer of .pdf would raise the error of a library of its own.
+    It is drawn in memory first, because on a full disk the writer of .pdf would raise a library-specific error.
 
     Raises:
-        OSError: it cannot be written.
+        OSError: if the file cannot be written.
     """
     metadata = {"CreationDate": None} if path.suffix == ".pdf" else {"Date": None} if path.suffix == ".svg" else None
     drawn = BytesIO()
@@ -156,7 +158,7 @@ def save_figure(figure: Figure, path: Path, dpi: float | None = None) -> None:
 
 
 def write_picture(picture: Figure, table: Table, stem: Path) -> list[Path]:
-    """Write `picture` to `stem`.png and .pdf and its numbers to .csv; return the paths (UserError where that fails)."""
+    """Write `picture` to `stem`.png and .pdf and its numbers to .csv; return the paths. Raise UserError on failure."""
     png, pdf, numbers = paths = [stem.with_name(stem.name + suffix) for suffix in SUFFIXES]
     with output_file(png) as temporary:
         save_figure(picture, temporary)

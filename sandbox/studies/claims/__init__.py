@@ -1,1 +1,1 @@
-"""What the paper states, measured: one function a statement, and a verdict that follows from its numbers."""
+"""Measurement of the paper's statements: one function for each statement, and a verdict that follows from its numbers."""

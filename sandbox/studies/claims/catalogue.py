@@ -1,4 +1,4 @@
-"""The list of all claims, in the order of the paper, and their measurement as a sweep over all of their cases."""
+"""List of all claims, in the order of the paper, and their measurement as a sweep over all cases."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -22,23 +22,23 @@ CLAIMS: tuple[Claim, ...] = (
     *experiment.CLAIMS,
 )
 
-LONGEST = ("waves-diverge", "cradle-perturbed", "rigid-like", "second-mode")  # a tenth of all each: measured first,
-# so that in the end no core waits long for another
-# in place of the number of a case: the paper's own by the reference, which takes long and comes first
+# a tenth of the total time each, so they are measured first
+LONGEST = ("waves-diverge", "cradle-perturbed", "rigid-like", "second-mode")
+# Number of the paper's own case by the reference, which takes long and is therefore measured first.
 REFERENCE_CASE = -1
 
 
 def claim_named(name: str) -> Claim:
-    """The claim of that name; KeyError where there is none."""
+    """Return the claim of that name; raise KeyError if it does not exist."""
     return {claim.name: claim for claim in CLAIMS}[name]
 
 
 def measure_claims(
     names: Sequence[str] = (), progress: Progress | None = None, workers: int | None = None, kept: Path | None = None
 ) -> list[JudgedClaim]:
-    """The studies of the claims of those names, all for none, in the order of the list; a point of the sweep is a case.
+    """Measure the claims `names` (all if empty), in the order of the list; a point of the sweep is a case.
 
-    With `kept`, cases that a run before has measured are not measured again, see `map_points`.
+    With `kept`, cases of an earlier run are not measured again, see `map_points`.
     """
     wanted = [claim for claim in CLAIMS if not names or claim.name in names]
     rows = [
@@ -52,7 +52,7 @@ def measure_claims(
 
 
 def measured_case(claim: str, case: int) -> Outcome:
-    """One case of the claim of that name, with the processor time [s] that it took."""
+    """Measure one case of a claim, and the processor time [s] that it took."""
     measured, began = claim_named(claim), process_time()
     if case == REFERENCE_CASE:
         return Outcome({"value": measured.reference(), "seconds": process_time() - began})
@@ -61,7 +61,7 @@ def measured_case(claim: str, case: int) -> Outcome:
 
 
 def _study(claim: Claim, found: Sequence[Mapping[str, Any]]) -> JudgedClaim:
-    """The study of a claim from the points of all its cases."""
+    """Return the study of a claim from the points of all its cases."""
     reference, rows = (float(found[0]["value"]), found[1:]) if claim.refer else (math.nan, found)
     cases = [
         claim.measured(each, float(row["value"]), float(row["error"]), row.get("reason", ""))

@@ -1,4 +1,4 @@
-"""A claim of the paper as something to measure; its study: cases measured by two methods, with error bars, and the verdict."""
+"""Claim of the paper as a measurement; its study: cases measured by two methods, with error bars, and the verdict."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -13,16 +13,16 @@ from softcradle.sandbox.studies.paper import MEASURING, REFERENCE, SECOND, Metho
 
 
 class Verdict(StrEnum):
-    """What the cases of a study say about the claim."""
+    """Verdict on a claim, from the cases of its study."""
 
-    HOLDS = "holds"  # in every case that is determined
+    HOLDS = "holds"  # in every determined case
     WITHIN = "holds within"  # in the paper's own case, up to a limit
     BEYOND = "fails beyond"  # not in the paper's own case, which lies beyond the limit
-    UNDETERMINED = "not determined"  # in the paper's own case the error bar crosses what the claim allows
+    UNDETERMINED = "not determined"  # in the paper's own case, the error bar crosses the allowed value
 
 
 class CaseOutcome(StrEnum):
-    """On which side of what the claim allows a case lies, error bar and all."""
+    """Position of a case, with its error bar, relative to the allowed value."""
 
     HOLDS = "holds"
     FAILS = "fails"
@@ -34,12 +34,12 @@ class Case:
     """A measured case.
 
     Attributes:
-        parameters: what was varied, by name.
-        variable: the number by which the cases of the study are ordered.
-        value: the measured quantity; nan where nothing could be measured.
-        error: largest difference of `value` from what a second method finds.
-        allowed: the claim holds where the quantity is at most this.
-        reason: why nothing could be measured, or empty.
+        parameters: varied parameters by name.
+        variable: number by which the cases of the study are sorted.
+        value: measured quantity; NaN if it could not be measured.
+        error: largest difference of `value` from the result of a second method.
+        allowed: the claim holds if the quantity is at most this.
+        reason: why the quantity could not be measured, or empty.
     """
 
     parameters: Mapping[str, float]
@@ -51,7 +51,7 @@ class Case:
 
     @property
     def side(self) -> CaseOutcome:
-        """Where the value lies; a value whose error bar crosses `allowed` is on neither side."""
+        """Position of the value; undetermined if its error bar crosses `allowed`."""
         if not math.isfinite(self.value) or not math.isfinite(self.error):
             return CaseOutcome.UNDETERMINED
         if self.value + self.error <= self.allowed:
@@ -61,16 +61,16 @@ class Case:
 
 @dataclass(frozen=True)
 class Statement:
-    """What the paper says, and what is measured of it.
+    """Statement of the paper, and the quantity that tests it.
 
     Attributes:
-        name: what `softcradle claims` takes.
-        statement: what the paper says.
-        place: where it says so.
-        quantity: what the value of a case is.
-        variable: name of the number by which cases are ordered; the claim is expected to hold where it is small.
+        name: argument of `softcradle claims`.
+        statement: statement of the paper.
+        place: its place in the paper.
+        quantity: description of the value of a case.
+        variable: name of the number by which cases are sorted; the claim is expected to hold if it is small.
         how: how it was measured, with ranges and seeds.
-        remark: what explains the result.
+        remark: explanation of the result.
         own: parameters of the paper's own case.
     """
 
@@ -86,13 +86,13 @@ class Statement:
 
 @dataclass(frozen=True)
 class JudgedClaim(Statement):
-    """A claim, the cases it was tried at, and what follows.
+    """A claim with its measured cases and the verdict.
 
     Attributes:
         cases: in ascending order of the variable.
-        chosen: whether what is allowed is our reading of the statement, and no number or sign that it names.
-        reference: value of the paper's own case by the independent reference; nan where it was not asked.
-        seconds: processor time [s] that its measurement took.
+        chosen: True if the allowed value is our reading of the statement, not a number or sign that it names.
+        reference: value of the paper's own case by the independent reference; NaN if it was not requested.
+        seconds: processor time [s] of the measurement.
     """
 
     cases: Sequence[Case]
@@ -104,21 +104,23 @@ class JudgedClaim(Statement):
         object.__setattr__(self, "cases", tuple(sorted(self.cases, key=lambda case: case.variable)))
 
     def on(self, side: CaseOutcome) -> list[Case]:
-        """The cases on that side."""
+        """Return the cases at that position."""
         return [case for case in self.cases if case.side is side]
 
     @cached_property
     def own_case(self) -> Case:
-        """The case whose parameters are nearest to the paper's own."""
+        """Case whose parameters are nearest to the paper's own."""
         return min(self.cases, key=self.distance)
 
     def distance(self, case: Case) -> float:
-        """How far `case` is from the paper's own: the sum of the absolute logarithms of the ratios of parameters."""
+        """Return the distance of `case` from the paper's own: the sum of the absolute logarithms of the ratios of
+        parameters.
+        """
         return sum(_apart(case.parameters[name], value) for name, value in self.own.items())
 
     @cached_property
     def limit(self) -> float | None:
-        """Largest value of the variable up to which no case fails and one holds; None where the first ones do not."""
+        """Largest value of the variable up to which no case fails and one holds; None if the first cases do not hold."""
         last = None
         for variable, sides in self._sides:
             if CaseOutcome.FAILS in sides:
@@ -128,15 +130,16 @@ class JudgedClaim(Statement):
 
     @cached_property
     def _sides(self) -> list[tuple[float, set[CaseOutcome]]]:
-        """The values of the variable, and the sides of the cases at each."""
+        """Return the values of the variable, and the positions of the cases at each."""
         groups = groupby(self.cases, key=lambda case: case.variable)
         return [(variable, {case.side for case in group}) for variable, group in groups]
 
     @cached_property
     def range_of_own(self) -> tuple[float, float]:
-        """Values of the variable about the paper's own between which some cases hold and none fails; inf where none fails beyond.
+        """Return the range of the variable around the paper's own value in which some cases hold and none fails; inf if
+        none fails beyond.
 
-        Empty, (nan, nan), where a case fails at the paper's own.
+        It is empty, (nan, nan), if a case fails at the paper's own value.
         """
         own = self.own_case.variable
         failing = [variable for variable, sides in self._sides if CaseOutcome.FAILS in sides]
@@ -153,7 +156,7 @@ class JudgedClaim(Statement):
 
     @cached_property
     def verdict(self) -> Verdict:
-        """What the cases say; see Verdict."""
+        """Verdict that follows from the cases; see Verdict."""
         own = self.own_case.side
         if own is CaseOutcome.UNDETERMINED:
             return Verdict.UNDETERMINED
@@ -163,7 +166,7 @@ class JudgedClaim(Statement):
 
     @property
     def verdict_text(self) -> str:
-        """The verdict with its limit, and how many cases are not determined."""
+        """Verdict with its limit, and the number of undetermined cases."""
         unknown = len(self.on(CaseOutcome.UNDETERMINED))
         rest = (
             f"; {unknown} of {len(self.cases)} not determined"
@@ -184,7 +187,7 @@ class JudgedClaim(Statement):
         )
 
     def _within(self) -> str:
-        """The range about the paper's own case in which no case fails, or how many cases hold."""
+        """Return the range around the paper's own case in which no case fails, or how many cases hold."""
         low, high = self.range_of_own
         bounds = [f">= {low:.3g}"] * math.isfinite(low) + [f"<= {high:.3g}"] * math.isfinite(high)
         if low == high or not bounds:
@@ -192,7 +195,7 @@ class JudgedClaim(Statement):
         return f"{self.variable} {' and '.join(bounds)}"
 
     def _fails_throughout(self, holding: int) -> str:
-        """The verdict where the claim fails in the paper's own case and has no range in which it holds."""
+        """Return the verdict if the claim fails in the paper's own case and does not hold in any range."""
         first = self.cases[0].variable
         return f"fails beyond {self.variable} = {first:.3g}, the least tried" + (
             f"; holds in {holding} of {len(self.cases)}" if holding else ""
@@ -200,16 +203,16 @@ class JudgedClaim(Statement):
 
     @cached_property
     def counter_example(self) -> Case | None:
-        """The failing case nearest to the paper's own; None where none fails."""
+        """Failing case nearest to the paper's own; None if none fails."""
         return min(self.on(CaseOutcome.FAILS), key=self.distance, default=None)
 
     @property
     def bar_text(self) -> str:
-        """How the verdict moves with what is allowed, where that is our choice: from which bar on it is which."""
+        """How the verdict depends on the allowed value, if that is our choice: the bar from which each verdict follows."""
         own = self.own_case
         if not self.chosen or own.side is CaseOutcome.UNDETERMINED:
             return ""
-        lowest = [case.value - case.error for case in self.cases]  # of each: a case fails where less is allowed
+        lowest = [case.value - case.error for case in self.cases]  # a case fails if the allowed value is lower
         most = max(value for value in lowest if math.isfinite(value))
         low, high = own.value - own.error, own.value + own.error
         within = f", holds within from {high:.3g}" if high < most else ""
@@ -217,14 +220,14 @@ class JudgedClaim(Statement):
 
     @property
     def range_text(self) -> str:
-        """The range of every parameter."""
+        """Range of every parameter."""
         names = self.cases[0].parameters
         spans = {name: sorted({case.parameters[name] for case in self.cases}) for name in names}
         return ", ".join(f"{name} = {_span(values)}" for name, values in spans.items())
 
     @property
     def measured_text(self) -> str:
-        """What was found, in sentences: the paper's own case, how many cases hold, the nearest counter-example."""
+        """Result in sentences: the paper's own case, how many cases hold, the nearest counter-example."""
         own = self.own_case
         parts = [f"{self.quantity}: {case_text(own)}; at most {own.allowed:.3g} allowed"]
         counts = [f"{len(self.on(side))} {side}" for side in CaseOutcome if self.on(side)]
@@ -236,7 +239,7 @@ class JudgedClaim(Statement):
 
 
 def case_text(case: Case) -> str:
-    """The value of a case with its error bar, and its parameters."""
+    """Return the value of a case with its error bar, and its parameters."""
     where = ", ".join(f"{name} = {value:.4g}" for name, value in case.parameters.items())
     if case.reason:
         return f"nothing at {where} ({case.reason})"
@@ -258,17 +261,17 @@ CaseMeasure = Callable[[Parameters, MethodFineness], float]
 
 @dataclass(frozen=True, kw_only=True)
 class Claim(Statement):
-    """A statement, and how to find out.
+    """A statement with the functions that measure it.
 
     Attributes:
-        measure: the quantity at the parameters of a case, by a MethodFineness.
+        measure: computes the quantity at the parameters of a case with a MethodFineness.
         cases: parameters of all cases.
-        order: the variable of a case, from its parameters.
-        allowed: the claim holds where the quantity is at most this.
+        order: computes the variable of a case from its parameters.
+        allowed: the claim holds if the quantity is at most this.
         chosen: as in JudgedClaim.
-        first: the method that measures.
-        second: the method that error bars come from.
-        refer: whether the independent reference measures the paper's own case, too.
+        first: method of the measurement.
+        second: method of the error bars.
+        refer: True if the independent reference also measures the paper's own case.
     """
 
     remark: str = ""
@@ -282,13 +285,13 @@ class Claim(Statement):
     chosen: bool = True
 
     def study_of(self, cases: Sequence[Case], reference: float = math.nan, seconds: float = 0.0) -> JudgedClaim:
-        """The study of cases that are measured; the reference's value widens the error bar of the paper's own."""
+        """Return the study of measured cases; the reference's value widens the error bar of the paper's own case."""
         stated = {field.name: getattr(self, field.name) for field in fields(Statement)}
         study = JudgedClaim(**stated, cases=cases, chosen=self.chosen, reference=reference, seconds=seconds)
         return _with_reference(study) if self.refer else study
 
     def reference(self) -> float:
-        """The value of the paper's own case by the independent reference; nan where that is not asked."""
+        """Return the value of the paper's own case by the independent reference; NaN if it is not requested."""
         if not self.refer:
             return math.nan
         blank = [self.measured(each) for each in self.cases]
@@ -297,18 +300,18 @@ class Claim(Statement):
     def measured(
         self, parameters: Parameters, value: float = math.nan, error: float = math.nan, reason: str = ""
     ) -> Case:
-        """The case of these parameters with what was measured of it."""
+        """Return the case of these parameters with its measurement."""
         return Case(dict(parameters), self.order(parameters), value, error, self.allowed, reason)
 
     def case(self, parameters: Parameters) -> Case:
-        """The quantity at `parameters` and its error bar."""
+        """Measure the quantity at `parameters` and its error bar."""
         value, reason = self.value(parameters, self.first)
         other, _ = self.value(parameters, self.second) if not reason else (math.nan, reason)
         reason = reason or ("" if math.isfinite(other) else "the second method found nothing")
         return self.measured(parameters, value, abs(value - other), reason)
 
     def value(self, parameters: Parameters, solver: MethodFineness) -> tuple[float, str]:
-        """The quantity by that method, and why there is none (nan) or empty."""
+        """Measure the quantity with that method; if it is NaN, the text is the reason."""
         try:
             value = float(self.measure(parameters, solver))
         except NotSolvedError as error:
@@ -317,13 +320,13 @@ class Claim(Statement):
 
 
 def _with_reference(study: JudgedClaim) -> JudgedClaim:
-    """`study` with the reference's value in the error bar of the paper's own case."""
+    """Return `study` with the reference's value included in the error bar of the paper's own case."""
     own = study.own_case
     error = max(own.error, abs(own.value - study.reference)) if math.isfinite(study.reference) else own.error
     return replace(study, cases=[replace(case, error=error) if case is own else case for case in study.cases])
 
 
 def grid(**values: ArrayLike) -> list[Parameters]:
-    """Parameters of all combinations of the named values, several or one of each."""
+    """Return the parameters of all combinations of the named values (one or several for each name)."""
     columns = [np.atleast_1d(column).tolist() for column in values.values()]
     return [dict(zip(values, map(float, case), strict=True)) for case in product(*columns)]

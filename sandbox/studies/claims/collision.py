@@ -1,4 +1,4 @@
-"""Claims on one collision: Secs. I and IV, Figs. 1b to 1d."""
+"""Claims about one collision: Secs. I and IV, Figs. 1b to 1d."""
 
 import math
 
@@ -19,19 +19,24 @@ from softcradle.sandbox.studies.paper import (
     start,
 )
 
-STEP_OF_INVERSE = 0.25  # between neighbouring 1/alpha where a curve of the spread is followed
-WINDOW_STEP = 0.5  # between those of a window
-WINDOW = 4.0  # of 1/alpha, over which the largest spread is taken: several times the distance of two peaks
+STEP_OF_INVERSE = 0.25  # between neighbouring 1/alpha of a curve of the spread
+WINDOW_STEP = 0.5  # between neighbouring 1/alpha of a window
+# width of a window of 1/alpha in which the largest spread is taken: several times the distance of two peaks
+WINDOW = 4.0
 
 
 def rise_of_spread(case: Parameters, solver: MethodFineness) -> float:
-    """Logarithm of the ratio of the spreads at 1/alpha and a step before: above 0 where it rises as alpha falls."""
+    """Return the logarithm of the ratio of the spreads at 1/alpha and a step before: above 0 if it rises as alpha
+    falls.
+    """
     before = {**case, "1/alpha": case["1/alpha"] - STEP_OF_INVERSE}
     return math.log(spread(case, solver) / spread(before, solver))
 
 
 def envelope_ratio(case: Parameters, solver: MethodFineness) -> float:
-    """Largest spread of the window of 1/alpha that begins here over that of the window before."""
+    """Return the largest spread of the window of 1/alpha that begins here, divided by the largest of the previous
+    window.
+    """
     inverse = np.arange(0.0, WINDOW, WINDOW_STEP)
     largest = [
         max(spread({**case, "1/alpha": float(begin + part)}, solver) for part in inverse)
@@ -41,13 +46,13 @@ def envelope_ratio(case: Parameters, solver: MethodFineness) -> float:
 
 
 def others_over_first(case: Parameters, solver: MethodFineness) -> float:
-    """Spread of the targets behind the first one over the distance of the first one from their mean."""
+    """Return the spread of the targets behind the first one, divided by the distance of the first one from their mean."""
     velocity = outcome(case, solver)[1:]
     return float(np.ptp(velocity[1:]) / abs(velocity[1:].mean() - velocity[0]))
 
 
 def turns_after_detachment(case: Parameters, solver: MethodFineness) -> float:
-    """Most turning points of the velocity of any target between the detachment of the striker and the end."""
+    """Return the most turning points of any target velocity between the detachment of the striker and the end."""
     chain = chain_of(case)
     whole = solver.motion(chain, start(chain))
     detached, end = first_opening(whole), float(whole.time[-1])

@@ -1,4 +1,4 @@
-"""Claims on a cluster that a steady force drives: Sec. V, and the period of the inner contact in Sec. IV (ii)."""
+"""Claims about a cluster with a steady external force: Sec. V, and the period of the inner contact in Sec. IV (ii)."""
 
 import math
 
@@ -21,20 +21,21 @@ from softcradle.sandbox.studies.paper import (
 
 RETURNS = 5
 SAMPLES_A_PERIOD = 400
-ABOUT = np.linspace(-1.0, 1.0, 41)  # samples about a return, in units of the distance of those before
-CLOSER = 4  # times: in the end they are 1e-8 of a period apart, and psi is least within 1e-15
+ABOUT = np.linspace(-1.0, 1.0, 41)  # samples around a return, in units of the distance of the previous ones
+# Number of refinements. At the end the samples are 1e-8 of a period apart, and the minimum of psi is known to 1e-15.
+CLOSER = 4
 
 
 def driven(case: Parameters) -> Chain:
-    """n unit beads that just touch, a unit force on the first."""
+    """Return n unit beads that just touch, with a unit force on the first one."""
     return driven_chain(round(case["n"]), 1.0 / case["1/alpha"])
 
 
 def driven_returns(case: Parameters, solver: MethodFineness) -> tuple[list[float], list[float], float]:
-    """Times of the returns of psi, at which it is least, psi there, and its maximum.
+    """Return the times of the minima of psi (its returns), psi at them, and its maximum.
 
-    Each is located among samples that lie closer and closer about it: where the contact opens psi has a corner in its second
-    derivative, and no curve through samples on both sides of one is psi.
+    Each minimum is located among samples that become denser around it. The second derivative of psi jumps at the
+    opening of the contact, so no smooth curve through samples on both sides represents psi.
     """
     chain, n = driven(case), round(case["n"])
     end = (RETURNS + 0.9) * driven_period(n, 1.0 / case["1/alpha"])
@@ -52,13 +53,13 @@ def driven_returns(case: Parameters, solver: MethodFineness) -> tuple[list[float
 
 
 def psi_at_return(case: Parameters, solver: MethodFineness) -> float:
-    """psi at that return, over its largest value."""
+    """Return psi at that return, divided by its largest value."""
     _, least, largest = driven_returns(case, solver)
     return abs(least[round(case["return"]) - 1]) / largest
 
 
 def rate_of_inner_period(case: Parameters, solver: MethodFineness) -> float:
-    """Distance of the rate of sqrt(alpha) times the driven mode's period from -1/2."""
+    """Return the distance of the rate of sqrt(alpha) times the period of the driven mode from -1/2."""
     low, high = (driven_returns(k, solver)[0][-1] / RETURNS / math.sqrt(k["1/alpha"]) for k in (case, later(case)))
     return abs(local_rate(case, low, high) + 0.5)
 

@@ -1,4 +1,4 @@
-"""Claims on the experiment of App. C: draft gears with the measured masses, and their likeness to soft power laws."""
+"""Claims about the experiment of App. C: draft gears with the measured masses, and their similarity to soft power laws."""
 
 from functools import lru_cache
 
@@ -13,11 +13,13 @@ from softcradle.sandbox.studies.experiment import MASS, PRECOMPRESSION, STIFFNES
 from softcradle.sandbox.studies.paper import MethodFineness, Parameters, first_opening, start
 
 GEAR = draft_gear(STIFFNESS, PRECOMPRESSION)
-SPEEDS = (0.3, 0.6, 0.9, 0.97, 0.99, 1.01, 1.03, 1.1, 1.3, 1.7, 2.5, 4.0)  # over the critical speed
+SPEEDS = (0.3, 0.6, 0.9, 0.97, 0.99, 1.01, 1.03, 1.1, 1.3, 1.7, 2.5, 4.0)  # relative to the critical speed
 
 
 def distance_from_rigid(case: Parameters, solver: MethodFineness) -> float:
-    """Largest difference of a final velocity from that of two rigid bodies, over the striker's."""
+    """Return the largest difference of a final velocity from the collision of two rigid bodies, divided by the
+    striker's velocity.
+    """
     strikers, chain = round(case["strikers"]), Chain(MASS, GEAR)
     speed = case["V/v_c"] * critical_speed(GEAR, MASS, strikers)
     found = solver.motion(chain, start(chain, strikers, speed)).final_velocity / speed
@@ -25,7 +27,7 @@ def distance_from_rigid(case: Parameters, solver: MethodFineness) -> float:
 
 
 def distance_of_power_law(case: Parameters, solver: MethodFineness) -> float:
-    """Distance of the force curves of the gear and of the power law nearest to it, by that solver."""
+    """Return the distance of the force curves of the gear and of the nearest power law, with that solver."""
     chain = one_on(3, draft_gear(1.0, 1.0))
     velocity = start(chain, speed=case["V/v_c"] * critical_speed(chain.power_laws[0], chain.mass, 1))
     curves = [_force_curve(one, velocity, solver) for one in (chain, one_on(3, _nearest(chain, velocity)))]
@@ -34,7 +36,7 @@ def distance_of_power_law(case: Parameters, solver: MethodFineness) -> float:
 
 
 def fitted_exponent(case: Parameters, solver: MethodFineness) -> float:
-    """Exponent of the power law whose force curve in the collision is nearest to that of the gear, by that solver."""
+    """Return the exponent of the power law whose force curve is nearest to the curve of the gear, with that solver."""
     chain = one_on(3, draft_gear(1.0, 1.0))
     velocity = start(chain, speed=case["V/v_c"] * critical_speed(chain.power_laws[0], chain.mass, 1))
     curve, near = _force_curve(chain, velocity, solver), _nearest(chain, velocity)
@@ -53,14 +55,14 @@ def _nearest(chain: Chain, velocity: tuple[float, ...]) -> Contact:
 
 
 def _force_curve(chain: Chain, velocity: tuple[float, ...], solver: MethodFineness) -> tuple[np.ndarray, np.ndarray]:
-    """Times and forces of the struck contact until it opens."""
+    """Return times and forces of the struck contact until it opens."""
     end = first_opening(solver.motion(chain, velocity))
     times = end * GRADED
     return times, solver.motion(chain, velocity, end, tuple(times.tolist())).force[:, 0]
 
 
 def energy_for_momentum(case: Parameters, solver: MethodFineness) -> float:
-    """Energy deficit below 10 % of a bed that costs the stated momentum: 0.1 less the deficit."""
+    """Return how far the energy deficit of a bed with the stated momentum loss is below 10 %: 0.1 minus the deficit."""
     strikers, speed = round(case["strikers"]), case["V"]
     friction = friction_for(case["momentum"], strikers, speed)
     return 0.1 - deficits(strikers, speed, friction, method=solver.method).energy

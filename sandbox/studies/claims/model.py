@@ -1,4 +1,4 @@
-"""Claims on the mode-coupling model against the full equations: Secs. III and IV, Fig. 2, App. A."""
+"""Claims about the mode-coupling model compared with the full equations: Secs. III and IV, Fig. 2, App. A."""
 
 import numpy as np
 from softcradle.physics import Chain, cluster_on_cluster, one_on, power_law
@@ -23,19 +23,22 @@ from softcradle.sandbox.studies.paper import (
     while_struck,
 )
 
-# of the time until a force ends
+# fractions of the time until a force ends
 EDGES = 1e-6, 1e-4, 0.01, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.97, 0.98, 0.99, 0.995, 1.0
 SAMPLES_A_BIN = 60
 RANDOM_CHAINS = 24
 SEED = 20211105
-RISE_DECADES = tuple(range(-16, 0))  # powers of ten of the times that Fig. 2d shows
-AT_THE_TOUCH = MethodFineness(TOLD, tolerance=1e-14)  # small against the overlaps of all contacts at 1e-16
-RISE_END = 1.0  # unit of time: the end of Fig. 2d, and of the run of which the slopes are
-SLOPES = 8  # in a decade of time: a step of a force by a part of a percent is one of ten percent of its slope
+RISE_DECADES = tuple(range(-16, 0))  # powers of ten of the times in Fig. 2d
+AT_THE_TOUCH = MethodFineness(TOLD, tolerance=1e-14)  # small compared with the overlaps of all contacts at 1e-16
+RISE_END = 1.0  # unit of time: the end of Fig. 2d and of the run for the slopes
+# Slopes in a decade of time. A step of a force by a fraction of a percent would be ten percent of its slope.
+SLOPES = 8
 
 
 def discrepancy(case: Parameters, solver: MethodFineness) -> float:
-    """Largest relative discrepancy of a force, full less model over full, in a part of the time for which it acts."""
+    """Return the largest relative discrepancy of a force, (full - model) / full, in a fraction of the time for which it
+    acts.
+    """
     chain, contact = chain_of(case), round(case["contact"])
     end = first_opening(solver.motion(chain, start(chain)), contact)
     upper = case["until"]
@@ -46,30 +49,32 @@ def discrepancy(case: Parameters, solver: MethodFineness) -> float:
 
 
 def delay_of_phi(case: Parameters, solver: MethodFineness) -> float:
-    """Time at which Phi returns to zero less that at which psi does: below 0 where Phi is first."""
+    """Return the time at which Phi returns to zero minus the time at which psi does: below 0 if Phi is first."""
     chain = chain_of(case)
     found = solver.model(chain, start(chain))
     return found.returns(0) - found.returns(1)
 
 
 def turns_of_inner_force(case: Parameters, solver: MethodFineness) -> float:
-    """Turning points of f12 while both of the first two contacts are closed."""
+    """Return the turning points of f12 while the first two contacts are closed."""
     force = while_struck(case, solver, 20001).force[:, 1]
     return float(turning_points(force, SWING).size)
 
 
 def rising_power(contact: int, alpha: float) -> float:
-    """Power of t of the force of `contact` at first: alpha for f01, and alpha (2 + p) where that of the contact before is p.
+    """Return the initial power of t of the force of `contact`: alpha for f01, and alpha (2 + p) after a contact with
+    power p.
 
-    A contact is pressed by the force before it, twice integrated over time: f12 ~ t**(alpha (2 + alpha)).
+    The overlap of a contact is the force of the previous one, integrated twice over time: f12 ~ t**(alpha (2 + alpha)).
     """
     return alpha if contact == 0 else alpha * (2.0 + rising_power(contact - 1, alpha))
 
 
 def slope_error(case: Parameters, solver: MethodFineness) -> float:
-    """Largest distance of the logarithmic slope of a force, between t and 10 t, from the stated power of t, as a part of that.
+    """Return the largest relative distance of the logarithmic slope of a force, between t and 10 t, from the stated
+    power of t.
 
-    By the full equations from the touch on, as Fig. 2d shows them. A fixed step is small in units of t, in which the same
+    The full equations start at the touch, as in Fig. 2d. A fixed step must be small in units of t, in which the same
     motion runs from 1 to 10 with strengths of t**(1 + alpha).
     """
     alpha, contact = 1.0 / case["1/alpha"], round(case["contact"])
@@ -84,7 +89,7 @@ def slope_error(case: Parameters, solver: MethodFineness) -> float:
 
 
 def consistency(case: Parameters, solver: MethodFineness) -> float:
-    """Largest left side of Eq. (9) at i = 2 in a part of the time until psi is back at zero."""
+    """Return the largest left side of Eq. (9) at i = 2 in a fraction of the time until psi is back at zero."""
     chain = chain_of(case)
     end = solver.model(chain, start(chain)).returns(1)
     upper = case["until"]
@@ -94,7 +99,9 @@ def consistency(case: Parameters, solver: MethodFineness) -> float:
 
 
 def random_chain(case: Parameters) -> Chain:
-    """Masses and strengths between 1/2 and 2, exponents of 1/40 to 1/20, by the seed of the case; 0 is homogeneous."""
+    """Return a chain with masses and strengths in 1/2 to 2 and exponents in 1/40 to 1/20, by the seed of the case; 0 is
+    homogeneous.
+    """
     n = round(case["n"])
     if not case["seed"]:
         return one_on(n, power_law(1.0, 1.0 / 30.0))
@@ -104,7 +111,9 @@ def random_chain(case: Parameters) -> Chain:
 
 
 def force_error(chain: Chain, solver: MethodFineness, strikers: int = 1) -> float:
-    """Largest |full - model| over the peak of the full force, all contacts, in the middle 80 % of the struck contact's time."""
+    """Return the largest |full - model| divided by the peak of the full force, in the middle 80 % of the struck
+    contact's time.
+    """
     struck, velocity = strikers - 1, start(chain, strikers)
     end = first_opening(solver.motion(chain, velocity), struck)
     times = tuple((end * np.linspace(0.1, 0.9, 161)).tolist())
@@ -114,7 +123,7 @@ def force_error(chain: Chain, solver: MethodFineness, strikers: int = 1) -> floa
 
 
 def clusters(case: Parameters) -> Chain:
-    """m on n, homogeneous."""
+    """Return a homogeneous chain of m on n."""
     return cluster_on_cluster(round(case["m"]), round(case["n"]), power_law(1.0, 1.0 / case["1/alpha"]))
 
 

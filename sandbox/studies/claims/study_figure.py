@@ -1,4 +1,4 @@
-"""The picture of a study: every case with its error bar over the variable, what the claim allows, the nearest counter-example."""
+"""Picture of a study: every case with its error bar over the variable, the allowed value, the nearest counter-example."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ if TYPE_CHECKING:
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
-LOG_SPAN = 30.0  # ratio of the largest to the smallest positive number from which on an axis is logarithmic
+LOG_SPAN = 30.0  # An axis with at least this ratio of the largest to the smallest positive number is logarithmic.
 SIDE_STYLES: dict[CaseOutcome, dict[str, Any]] = {
     CaseOutcome.HOLDS: {"color": BLUE, "marker": "o"},
     CaseOutcome.FAILS: {"color": RED, "marker": "s"},
     CaseOutcome.UNDETERMINED: {"color": GREY, "marker": "x"},
 }
-FEW_DECADES = 100.0  # the greatest value over the least
+FEW_DECADES = 100.0  # ratio of the largest to the smallest value
 MOST_TITLE = 60  # characters of a line above the picture, which has the width of a column
 
 
 def study_table(study: JudgedClaim) -> Table:
-    """A row a case: parameters, variable, value, error, what is allowed, and 1 where it holds, -1 where it fails, else 0."""
+    """Return a row for each case: parameters, variable, value, error, allowed value, and 1 (holds), -1 (fails) or 0."""
     table: Table = {
         name: np.array([case.parameters[name] for case in study.cases]) for name in study.cases[0].parameters
     }
@@ -43,7 +43,7 @@ def study_table(study: JudgedClaim) -> Table:
 
 
 def draw_study(study: JudgedClaim) -> Figure:
-    """All cases; a column of the journal wide."""
+    """Draw all cases in the width of a journal column."""
     figure, axes = new_figure(height=2.9)
     _set_scales(axes, study)
     for side in CaseOutcome:
@@ -76,7 +76,7 @@ def _draw_cases(axes: Axes, cases: list[Case], side: CaseOutcome) -> None:
 
 
 def _ring(axes: Axes, case: Case, label: str, colour: str) -> None:
-    """A ring about a case that has a value."""
+    """Draw a ring around a case that has a value."""
     if math.isfinite(case.value):
         axes.plot(
             [case.variable], [case.value], "o", markersize=9.0, markerfacecolor="none", color=colour, linestyle="none",
@@ -96,7 +96,7 @@ def _set_scales(axes: Axes, study: JudgedClaim) -> None:
 
 
 def _label_decades(axis: Axis, values: np.ndarray) -> None:
-    """Name the decades; where there are few, 1, 2 and 5 of each."""
+    """Label the decades; if there are few, also 2 and 5 of each."""
     from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
     if values.max() < FEW_DECADES * values.min():
@@ -119,7 +119,7 @@ COLOURS = {Verdict.HOLDS: "green", Verdict.WITHIN: "yellow", Verdict.BEYOND: "re
 
 
 def print_studies(output: Console, studies: Sequence[JudgedClaim]) -> None:
-    """A row a claim, and how often each verdict was reached."""
+    """Print a row for each claim, and the count of each verdict."""
     grid = table("claim", "statement and place", "what we measure", "range", "verdict")
     grid.show_lines, grid.expand = True, True
     for column, share in zip(grid.columns, (2, 5, 9, 4, 3), strict=True):
@@ -134,7 +134,7 @@ def print_studies(output: Console, studies: Sequence[JudgedClaim]) -> None:
 
 
 def print_study(output: Console, study: JudgedClaim) -> None:
-    """One claim: statement, verdict, how it was measured, and all cases."""
+    """Print one claim: statement, verdict, how it was measured, and all cases."""
     output.print(f"{study.name}: {study.statement} ({study.place})", style="bold")
     output.print(study.verdict_text, style=COLOURS[study.verdict])
     output.print(f"Measured: {study.measured_text}.")
@@ -151,7 +151,7 @@ def print_study(output: Console, study: JudgedClaim) -> None:
 
 
 def markdown(studies: Sequence[JudgedClaim]) -> Iterator[str]:
-    """Lines of a table in Markdown: a row a claim, in the order of the paper."""
+    """Yield the lines of a table in Markdown: a row for each claim, in the order of the paper."""
     yield "| claim | what the paper states | verdict | what was found |"
     yield "|---|---|---|---|"
     for study in studies:
@@ -160,7 +160,7 @@ def markdown(studies: Sequence[JudgedClaim]) -> Iterator[str]:
 
 
 def _cell(text: str) -> str:
-    """Text that is no mark-up: powers, products, bars and comparisons stay as they are."""
+    """Escape text so that powers, products, bars and comparisons are not read as mark-up."""
     if text.startswith("`"):
         return text
     for sign in "\\|*_<>$[]":
@@ -169,7 +169,7 @@ def _cell(text: str) -> str:
 
 
 def as_json(study: JudgedClaim) -> dict[str, Any]:
-    """A study as JSON: numbers that do not exist are null."""
+    """Return a study as JSON; numbers that do not exist are null."""
     counter = study.counter_example
     return {
         "name": study.name, "statement": study.statement, "place": study.place, "quantity": study.quantity,
@@ -190,7 +190,7 @@ def _case_json(case: Case) -> dict[str, Any]:
 
 
 def write_studies(studies: Sequence[JudgedClaim], folder: Path) -> list[Path]:
-    """The picture of each study as .png, .pdf and .csv; the paths."""
+    """Write the picture of each study as .png, .pdf and .csv; return the paths."""
     paths: list[Path] = []
     with styled():
         for study in studies:

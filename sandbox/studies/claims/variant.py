@@ -1,4 +1,4 @@
-"""Claims on variants of the set-up: heterogeneous chains, a Hooke interface, prestress and waves. Sec. V, App. A."""
+"""Claims about variants of the set-up: heterogeneous chains, a Hooke interface, prestress and waves. Sec. V, App. A."""
 
 import math
 
@@ -29,18 +29,18 @@ from softcradle.sandbox.studies.paper import (
 SEED = 20100324
 CHAINS = 100
 TARGETS = 6
-CRADLES = 30  # random chains of a width
-SIDE_BY_SIDE = 12  # of these, those that are soft and usual
+CRADLES = 30  # random chains of each width
+SIDE_BY_SIDE = 12  # how many of them are computed as soft and as usual chains
 HERTZ = 1.5
 WIDTH = 2.0  # masses and strengths lie between 1/WIDTH and WIDTH
 INVERSE = (30.0, 50.0)  # range of 1/alpha in a random chain
 WAVE_BEADS = 60
-SPRING_TIME = 6.0  # three times that for which the striker pushes
-NUDGE = 1e-4  # speed of the bead that starts a wave under prestress, as a part of what would open a contact
+SPRING_TIME = 6.0  # three times the time for which the striker pushes
+NUDGE = 1e-4  # speed of the bead that starts a wave under prestress, relative to the speed that would open a contact
 
 
 def random_chain(case: Parameters) -> Chain:
-    """One on TARGETS with random masses, strengths and exponents by the seed of the case; 0 is homogeneous."""
+    """Return one on TARGETS with random masses, strengths and exponents by the seed of the case; 0 is homogeneous."""
     random = np.random.default_rng([SEED, round(case["seed"])])
     width = WIDTH if case["seed"] else 1.0
     mass, strength = random_beads(random, TARGETS, width)
@@ -48,13 +48,15 @@ def random_chain(case: Parameters) -> Chain:
 
 
 def weighted_spread(case: Parameters, solver: MethodFineness) -> float:
-    """See `spread_by_mass`."""
+    """Return `spread_by_mass` of the case."""
     chain = random_chain(case)
     return spread_by_mass(np.array(chain.mass)[1:], solver.motion(chain, start(chain)).final_velocity[1:])
 
 
 def momentum_of_last(case: Parameters, solver: MethodFineness) -> float:
-    """Part of the momentum that the last bead of the usual cradle takes, in the mean over random chains of that width."""
+    """Return the mean share of the momentum that the last bead of the usual cradle takes, over random chains of that
+    width.
+    """
     taken = []
     for seed in range(CRADLES):
         mass, strength = random_beads(np.random.default_rng([SEED, seed]), TARGETS, case["width"])
@@ -64,9 +66,11 @@ def momentum_of_last(case: Parameters, solver: MethodFineness) -> float:
 
 
 def misplaced(width: float, exponent: float, solver: MethodFineness) -> float:
-    """Part of the momentum that ends elsewhere than without disorder, in the mean over random chains of that width.
+    """Return the mean share of the momentum that ends elsewhere than without disorder, over random chains of that
+    width.
 
-    Soft beads are to share it as one rigid body, those of the usual cradle (exponent above 1) to leave it all to the last.
+    Without disorder, soft beads share it as one rigid body, and in the usual cradle (exponent above 1) the last bead
+    takes all of it.
     """
     parts = []
     for seed in range(SIDE_BY_SIDE):
@@ -79,7 +83,9 @@ def misplaced(width: float, exponent: float, solver: MethodFineness) -> float:
 
 
 def contrast(case: Parameters, solver: MethodFineness) -> float:
-    """What disorder misplaces of the momentum in soft chains, over what it misplaces in the usual cradle of the same beads."""
+    """Return the misplaced momentum in soft chains, divided by the misplaced momentum in usual cradles of the same
+    beads.
+    """
     soft, usual = (
         misplaced(case["width"], exponent, solver) - misplaced(1.0, exponent, solver)
         for exponent in (1.0 / case["1/alpha"], HERTZ)
@@ -88,13 +94,13 @@ def contrast(case: Parameters, solver: MethodFineness) -> float:
 
 
 def interface_load(case: Parameters) -> float:
-    """Force that the first inner contact has to pass on if the cluster is rigid, in units of its f0."""
+    """Return the force that the first inner contact must transmit if the cluster is rigid, in units of its f0."""
     n = case["n"]
     return (n - 1.0) / n * case["V"] * math.sqrt(case["k"] * n / (n + 1.0))
 
 
 def interface_spread(case: Parameters, solver: MethodFineness) -> float:
-    """Spread of the targets behind a truncated Hooke spring, over their mean."""
+    """Return the spread of the targets behind a truncated Hooke spring, divided by their mean."""
     n = round(case["n"])
     chain = one_on(n, (hooke(case["k"]), *(power_law(1.0, 1.0 / case["1/alpha"]),) * (n - 1)))
     velocity = solver.motion(chain, start(chain, speed=case["V"])).final_velocity[1:]
@@ -102,24 +108,25 @@ def interface_spread(case: Parameters, solver: MethodFineness) -> float:
 
 
 def last_bead(case: Parameters, solver: MethodFineness) -> float:
-    """How much of the striker's velocity the last bead of the usual cradle does not take."""
+    """Return the share of the striker's velocity that the last bead of the usual cradle does not take."""
     n = round(case["n"])
     chain = one_on(n, hertz(1.0))
     return 1.0 - float(solver.motion(chain, start(chain)).final_velocity[-1])
 
 
 def pressed_chain(beads: int, alpha: float, prestress: float) -> Chain:
-    """A row of unit beads whose ends are pressed together by a steady force, at rest under it."""
+    """Return a row of unit beads whose ends are pressed together by a steady force, at rest under it."""
     law = power_law(1.0, alpha)
     drive = [prestress, *[0.0] * (beads - 2), -prestress]
     return Chain([1.0] * beads, law, [-float(law.overlap(prestress))] * (beads - 1), drive)
 
 
 def wave_speed(case: Parameters, solver: MethodFineness) -> float:
-    """Beads a unit of time at which a small pulse runs along a row under prestress, between its 15th and 45th contact.
+    """Return the speed (beads per unit of time) of a small pulse along a row under prestress, between contacts 15 and
+    45.
 
-    In another prestress lengths and times have other units, and all else is the same. Samples at even times, up to a power
-    of two, do not move with these units, so that arrivals are measured and no identity.
+    Another prestress only changes the units of length and time. Uniform sample times, up to a power of two, do not
+    scale with these units, so the arrival times are a measurement and not an identity.
     """
     alpha, prestress = 1.0 / case["1/alpha"], case["prestress"]
     chain = pressed_chain(WAVE_BEADS, alpha, prestress)
@@ -133,23 +140,27 @@ def wave_speed(case: Parameters, solver: MethodFineness) -> float:
 
 
 def _linear_speed(alpha: float, prestress: float) -> float:
-    """``sqrt(f'(d) / m)`` at the prestress: prestress**((alpha-1)/(2 alpha)) sqrt(alpha)."""
+    """Return ``sqrt(f'(d) / m)`` at the prestress: prestress**((alpha-1)/(2 alpha)) sqrt(alpha)."""
     return math.sqrt(alpha) * prestress ** ((alpha - 1.0) / (2.0 * alpha))
 
 
 def fall_with_prestress(case: Parameters, solver: MethodFineness) -> float:
-    """Logarithm of the ratio of the wave speeds at this prestress and at a tenth less: below 0 where less is faster."""
+    """Return the logarithm of the ratio of the wave speeds at this prestress and at a tenth less: below 0 if less is
+    faster.
+    """
     less = {**case, "prestress": 0.9 * case["prestress"]}
     return math.log(wave_speed(case, solver) / wave_speed(less, solver))
 
 
 def sprung_cluster(case: Parameters) -> Chain:
-    """One on n, whose targets are held together by springs of stiffness k under a prestress that they never lose."""
+    """Return one on n, whose targets are joined by springs of stiffness k under a prestress that they never lose."""
     return pressed_cluster(round(case["n"]), hooke(case["k"]), SPRING_PRESTRESS)
 
 
 def vibration(case: Parameters, solver: MethodFineness) -> float:
-    """Root mean square of the targets' velocities about their mean after the striker has left, as a part of that mean."""
+    """Return the root mean square deviation of the targets' velocities after the striker has left, relative to their
+    mean.
+    """
     chain = sprung_cluster(case)
     found = solver.motion(chain, start(chain), SPRING_TIME, 4001)
     velocity = found.velocity[found.time > first_opening(found), 1:]
@@ -157,7 +168,7 @@ def vibration(case: Parameters, solver: MethodFineness) -> float:
 
 
 def few_passages(case: Parameters, solver: MethodFineness) -> float:
-    """3 over the turning points of the force in the last spring while the striker pushes."""
+    """Return 3 divided by the turning points of the force in the last spring while the striker pushes."""
     chain = sprung_cluster(case)
     found = solver.motion(chain, start(chain), SPRING_TIME, 4001)
     force = found.force[found.time < first_opening(found), -1]
@@ -165,9 +176,11 @@ def few_passages(case: Parameters, solver: MethodFineness) -> float:
 
 
 def echo(case: Parameters, solver: MethodFineness) -> float:
-    """Change of the first bead's velocity, over its start, when the pulse may be back from the free end of a row of springs.
+    """Return the change of the first bead's velocity, relative to its start, when the pulse may be back from the free
+    end of the springs.
 
-    The springs push with a unit of stiffness, so that the pulse runs a bead a unit of time, and pull with `pull` of it.
+    The springs push with unit stiffness, so that the pulse moves one bead in a unit of time, and pull with `pull` times
+    that.
     """
     beads = round(case["beads"])
     spring = Coupler(hooke(1.0), pull=hooke(case["pull"])) if case["pull"] else hooke(1.0)
@@ -178,7 +191,7 @@ def echo(case: Parameters, solver: MethodFineness) -> float:
 
 
 def few_turns(case: Parameters, solver: MethodFineness) -> float:
-    """3 over the turning points of the force in the middle of a cluster under prestress that is struck."""
+    """Return 3 divided by the turning points of the force in the middle of a struck cluster under prestress."""
     alpha, prestress = 1.0 / case["1/alpha"], case["prestress"]
     chain = pressed_cluster(N, power_law(1.0, alpha), prestress)
     period = 2.0 * math.pi / math.sqrt(2.0 * _linear_speed(alpha, prestress) ** 2)

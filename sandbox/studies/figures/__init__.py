@@ -1,1 +1,1 @@
-"""The paper's figures and those of the data that it does not show: a module a topic, with its table and its drawing."""
+"""Figures of the paper, and of data that it mentions without showing: a module for each topic, with table and drawing."""

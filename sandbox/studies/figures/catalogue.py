@@ -1,4 +1,4 @@
-"""The list of all figures, in the order of the paper: name, place, caption, and the functions that compute and draw."""
+"""List of all figures, in the order of the paper: name, place, caption, and the functions that compute and draw."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class FigureEntry:
-    """An entry of the list.
+    """Entry of the list.
 
     Attributes:
-        name: what `softcradle figures` takes, and the name of the files.
+        name: argument of `softcradle figures`, and name of the files.
         place: in the paper.
-        caption: what is to be seen.
-        table: computes the numbers, a column a quantity.
+        caption: description of the figure.
+        table: computes the numbers, with a column for each quantity.
         draw: draws those numbers; call it inside `plot_style.styled`.
     """
 
@@ -80,11 +80,11 @@ FIGURES: tuple[FigureEntry, ...] = (
 
 
 def figures_named(names: Sequence[str]) -> list[FigureEntry]:
-    """The figures of those names, all for none. Raises UserError."""
+    """Return the figures `names`, or all if empty. Raise UserError."""
     return named("figure", names, {figure.name: figure for figure in FIGURES})
 
 
-# Seconds to minutes each: computed first, so that in the end no core waits long for another.
+# Figures that take seconds to minutes each. They are computed first so that no core waits at the end.
 LONGEST = ("collapse", "softness", "spread", "B")
 
 
@@ -94,9 +94,9 @@ def compute_tables(
     progress: Progress | None = None,
     workers: int | None = None,
 ) -> Iterator[Table]:
-    """The tables of those figures in their order; a point of the sweep is a figure.
+    """Compute the tables of those figures in their order; a point of the sweep is a figure.
 
-    With `kept`, tables that a run before has computed are not computed again, see `map_points`.
+    With `kept`, tables of an earlier run are not computed again, see `map_points`.
     """
     names = [figure.name for figure in figures]
     order = sorted(names, key=lambda name: name not in LONGEST)
@@ -107,19 +107,21 @@ def compute_tables(
 
 
 def table_columns(figure: str) -> Table:
-    """The table of the figure of that name, whose name stands before those of its columns."""
+    """Compute the table of the figure of that name; its name precedes the names of the columns."""
     (found,) = figures_named([figure])
     return {f"{figure}: {column}": values for column, values in found.table().items()}
 
 
 def _table_in(row: Mapping[str, Any], figure: str) -> Table:
-    """The table of a figure from its point."""
+    """Return the table of a figure from its point."""
     own = f"{figure}: "
     return {name.removeprefix(own): values for name, values in row.items() if name.startswith(own)}
 
 
 def write_figure(figure: FigureEntry, folder: Path, table: Table | None = None) -> list[Path]:
-    """Write `figure` into `folder` as .png, .pdf and .csv; return the paths (UserError). Without its `table` that is computed."""
+    """Write `figure` into `folder` as .png, .pdf and .csv; return the paths. Compute `table` if it is None. Raise
+    UserError.
+    """
     table = figure.table() if table is None else table
     with styled():
         return write_picture(figure.draw(table), table, folder / f"figure-{figure.name}")

@@ -1,4 +1,6 @@
-"""Figs. 1 and 2, one on four: positions and velocities, the mode-coupling model beside them, ringing of the inner contact."""
+"""Figs. 1 and 2, one on four: positions and velocities, comparison with the mode-coupling model, ringing of the inner
+contact.
+"""
 
 from __future__ import annotations
 
@@ -34,13 +36,15 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-POSITIONS_FROM = -1.0  # units of time, of Fig. 1b; the striker arrives at 0
+POSITIONS_FROM = -1.0  # units of time, start of Fig. 1b; the striker arrives at 0
 POSITIONS_UNTIL = 4.0
-VELOCITIES_UNTIL = 3.0  # units of time, of Figs. 1c and 1d
+VELOCITIES_UNTIL = 3.0  # units of time, end of Figs. 1c and 1d
 
 
 def positions() -> Table:
-    """t and the positions x0 ... x4, bead i starting at height i; before the collision the striker flies freely."""
+    """Compute t and the positions x0 ... x4; bead i starts at height i, and the striker flies freely before the
+    collision.
+    """
     found = full_motion(*soft_start(N, ALPHA), POSITIONS_UNTIL)
     before = np.linspace(POSITIONS_FROM, 0.0, 100, endpoint=False)
     time = np.concatenate((before, found.time))
@@ -49,13 +53,13 @@ def positions() -> Table:
 
 
 def velocities(alpha: float) -> Table:
-    """t and the velocities v0 ... v4 for that exponent, from the first touch on."""
+    """Compute t and the velocities v0 ... v4 for that exponent, from the first touch on."""
     found = full_motion(*soft_start(N, alpha), VELOCITIES_UNTIL)
     return {"t": found.time, **{f"v{i}": found.velocity[:, i] for i in range(N + 1)}}
 
 
 def draw_positions(table: Table) -> Figure:
-    """Fig. 1b."""
+    """Draw Fig. 1b."""
     figure, axes = new_figure(height=2.6)
     axes.axvline(0.0, color=GREY, linewidth=0.5, linestyle=":")
     for i in range(N + 1):
@@ -67,7 +71,7 @@ def draw_positions(table: Table) -> Figure:
 
 
 def draw_velocities(table: Table, alpha: float) -> Figure:
-    """Figs. 1c and 1d."""
+    """Draw Figs. 1c and 1d."""
     figure, axes = new_figure(height=2.5)
     zero_line(axes)
     for i in range(N, -1, -1):
@@ -92,7 +96,9 @@ def _while_struck(alpha: float) -> tuple[float, float]:
 
 
 def history() -> Table:
-    """t, f12, and the branch (n-1)/n f01; below them, a row an exponent: 1/alpha, turns, period and that of the branch."""
+    """Compute t, f12, and the branch (n-1)/n f01; then a row for each exponent: 1/alpha, turns, period and that of the
+    branch.
+    """
     end, alpha = _while_struck(SHOWN)
     found = full_motion(*soft_start(SIZE, alpha), end, 4001, 1e-10)
     branch = (SIZE - 1.0) / SIZE * found.force[:, 0]
@@ -107,7 +113,7 @@ def history() -> Table:
 
 
 def draw_history(table: Table) -> Figure:
-    """(a) f12 less its branch over time, (b) the periods over 1/alpha."""
+    """Draw (a) f12 minus its branch over time, (b) the periods over 1/alpha."""
     titles = rf"(a)  $n={SIZE}$, $\alpha=1/{1 / SHOWN:.0f}$", f"(b)  $n={SIZE}$"
     figure, (left, right) = new_figure(PAGE_WIDTH, 2.5, 1, 2, titles)
     shown = np.isfinite(table["t"]) & (table["t"] > 0.1) & (table["t"] < 1.35)
@@ -126,15 +132,16 @@ def draw_history(table: Table) -> Figure:
 
 UNTIL = 2.5  # units of time, the end of Figs. 2a and 2b: psi is back at zero at 2.1
 FIRST_TIME = 1e-16  # units of time, the left end of Fig. 2d
-RISE_TOLERANCE = 1e-12  # logarithmic axes show all overlaps: at 1e-8 the deepest forces have a step of 0.8 %
+RISE_TOLERANCE = 1e-12  # logarithmic axes show all overlaps; with 1e-8 the deepest forces have a step of 0.8 %
 FORCE_COLOURS = (BLUE, ORANGE, GREEN, PURPLE)
 FORCE_SYMBOLS = tuple(f"$f_{{{i},{i + 1}}}$" for i in range(N))
-LABEL_FACTORS = (1.35, 1.0, 0.87, 1.0)  # a label of Fig. 2d stands at its force times this, so that none overlap
-ACCURACY_BAND = {"color": "0.93", "zorder": 0}  # grey band of Fig. 2c: discrepancies that the paper states, below 1e-3
+# positions of the labels of Fig. 2d relative to the forces, so that they do not overlap
+LABEL_FACTORS = (1.35, 1.0, 0.87, 1.0)
+ACCURACY_BAND = {"color": "0.93", "zorder": 0}  # grey band of Fig. 2c: discrepancies below 1e-3, as the paper states
 
 
 def modes() -> Table:
-    """Fig. 2a: t, Phi, psi until psi is back at zero and a little beyond."""
+    """Compute Fig. 2a: t, Phi, psi until shortly after psi is back at zero."""
     found = model_motion(*soft_start(N, ALPHA), UNTIL)
     assert found.phi is not None
     assert found.psi is not None
@@ -142,13 +149,13 @@ def modes() -> Table:
 
 
 def forces() -> Table:
-    """Fig. 2b: t, all four forces of the model and of the full equations."""
+    """Compute Fig. 2b: t, all four forces of the model and of the full equations."""
     full, model = full_motion(*soft_start(N, ALPHA), UNTIL), model_motion(*soft_start(N, ALPHA), UNTIL)
     return {"t": full.time, **_force_columns("full", full.force), **_force_columns("model", model.trajectory.force)}
 
 
 def discrepancies() -> Table:
-    """Fig. 2c: t, and (full - model) / full for f01 and f12 while the striker is in contact.
+    """Compute Fig. 2c: t, and (full - model) / full for f01 and f12 while the striker is in contact.
 
     The sample times are dense at both ends, where the discrepancies change most.
     """
@@ -162,7 +169,7 @@ def discrepancies() -> Table:
 
 
 def rise() -> Table:
-    """Fig. 2d: t from 1e-16 to 1, all four forces of the model and of the full equations."""
+    """Compute Fig. 2d: t from 1e-16 to 1, all four forces of the model and of the full equations."""
     times = tuple(np.logspace(np.log10(FIRST_TIME), 0.0, 321).tolist())
     full = full_motion(*soft_start(N, ALPHA), 1.0, times, RISE_TOLERANCE)
     model = model_motion(*soft_start(N, ALPHA), 1.0, times, RISE_TOLERANCE)
@@ -174,7 +181,7 @@ def _force_columns(kind: str, force: np.ndarray) -> Table:
 
 
 def draw_modes(table: Table) -> Figure:
-    """Fig. 2a."""
+    """Draw Fig. 2a."""
     figure, axes = new_figure()
     zero_line(axes)
     for name, colour, symbol in (("Phi", BLUE, r"$\Phi$"), ("psi", RED, r"$\psi$")):
@@ -187,7 +194,7 @@ def draw_modes(table: Table) -> Figure:
 
 
 def draw_forces(table: Table) -> Figure:
-    """Fig. 2b."""
+    """Draw Fig. 2b."""
     figure, axes = new_figure(height=2.7)
     for i, colour in enumerate(FORCE_COLOURS):
         axes.plot(table["t"], table[f"f{i}{i + 1} model"], color=colour, **MODEL_LINE)
@@ -201,7 +208,7 @@ def draw_forces(table: Table) -> Figure:
 
 
 def draw_discrepancies(table: Table) -> Figure:
-    """Fig. 2c, and beside it the end of the contact, against the time that is left until the striker separates."""
+    """Draw Fig. 2c, and the end of the contact over the remaining time until the striker separates."""
     titles = "(a)  while the striker pushes", "(b)  at the end"
     figure, (axes, end) = new_figure(PAGE_WIDTH * 0.72, 2.5, 1, 2, titles, width_ratios=(3, 2))
     axes.axhspan(-1.0, 1.0, **ACCURACY_BAND)
@@ -219,7 +226,7 @@ def draw_discrepancies(table: Table) -> Figure:
 
 
 def draw_rise(table: Table) -> Figure:
-    """Fig. 2d."""
+    """Draw Fig. 2d."""
     figure, axes = new_figure(height=2.8)
     for i, colour in enumerate(FORCE_COLOURS):
         full = table[f"f{i}{i + 1} full"]
@@ -235,7 +242,7 @@ def draw_rise(table: Table) -> Figure:
 
 
 def _draw_power(axes: Axes, table: Table, name: str, power: float, text: str) -> None:
-    """The expected initial power of t, dotted, a little above the force `name`."""
+    """Draw the expected initial power of t, dotted, slightly above the force `name`."""
     time = table["t"][table["t"] < 1e-6]
     line = 1.5 * table[name][0] * (time / time[0]) ** power
     axes.loglog(time, line, color=GREY, linewidth=0.7, linestyle=":")

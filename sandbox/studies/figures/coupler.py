@@ -1,4 +1,4 @@
-"""Couplers and gears, App. C: solid stops, a train that moves off, and which gear does what a power law does."""
+"""Couplers and gears, App. C: solid stops, a train that moves off, and the gear equivalent to a power law."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SOLID, STARTING = "train-solid", "train-starting"  # scenes
-SPEEDS = (0.5, 1.0, 1.5, 2.0, 2.25, 2.5, 2.75, 3.0, 3.5, 4.0)  # [m/s] of the blow
+SPEEDS = (0.5, 1.0, 1.5, 2.0, 2.25, 2.5, 2.75, 3.0, 3.5, 4.0)  # impact speeds [m/s]
 DURATION = 0.6  # [s] in which the first coupling has its largest force
-STEP = 1e-4  # [s] of a blow of 0.1 s
+STEP = 1e-4  # [s], for an impact of 0.1 s
 SAMPLES = 6001
-STIFF_HALF = 3e8  # [N/m] of a wagon between its halves, 2 E A / L of the sill of the stop: ours
+STIFF_HALF = 3e8  # [N/m] stiffness between the halves of a wagon, 2 E A / L of its sill; our assumption
 TRAINS = {"gear without an end": RED, "solid stop, rigid wagons": BLUE, "solid stop, elastic wagons": ORANGE}
 KILO = 1e3
 
 
 def in_halves(chain: Chain, stiffness: float) -> Chain:
-    """Each wagon as two halves that a spring [N/m] holds together: its first mode of length."""
+    """Return the chain with each wagon as two halves joined by a spring [N/m]: its first longitudinal mode."""
     link = Coupler(hooke(stiffness), pull=hooke(stiffness))
     contacts = [link]
     for contact in chain.contact:
@@ -47,7 +47,9 @@ def in_halves(chain: Chain, stiffness: float) -> Chain:
 
 
 def stops() -> Table:
-    """A row for each train of TRAINS (0 to 2) and speed [m/s]: largest force [kN] and travel [mm] of the first coupling."""
+    """Compute a row for each train of TRAINS (0 to 2) and speed [m/s]: largest force [kN] and travel [mm] of the first
+    coupling.
+    """
     from softcradle import scenes
 
     lane = scenes.load(SOLID).lanes[0]
@@ -65,7 +67,7 @@ def stops() -> Table:
 
 
 def draw_stops(table: Table) -> Figure:
-    """The largest force over the speed of the blow, a curve for each train; dotted, the speed at which the gear is full."""
+    """Draw the largest force over the impact speed, a curve for each train; dotted: the speed of full travel."""
     figure, axes = new_figure()
     for number, (name, colour) in enumerate(TRAINS.items()):
         rows = rows_where(table, train=number)
@@ -81,14 +83,14 @@ def draw_stops(table: Table) -> Figure:
 
 
 def _full_travel() -> float:
-    """[mm] of the couplings of the scene."""
+    """Return the full travel [mm] of the couplings of the scene."""
     from softcradle import scenes
 
     return scenes.load(SOLID).lanes[0].chain().couplers[0][1].travel * KILO
 
 
 def starting() -> Table:
-    """t [s], and for each wagon of the train that moves off its velocity [m/s], the locomotive first."""
+    """Compute t [s] and the velocity [m/s] of each wagon of the train that moves off, the locomotive first."""
     from softcradle import scenes
 
     scene = scenes.load(STARTING)
@@ -99,7 +101,7 @@ def starting() -> Table:
 
 
 def draw_starting(table: Table) -> Figure:
-    """Velocity of each wagon over time; the locomotive takes one after another with it."""
+    """Draw the velocity of each wagon over time; the locomotive sets them in motion one after another."""
     from matplotlib import colormaps
 
     figure, axes = new_figure()
@@ -114,12 +116,14 @@ def draw_starting(table: Table) -> Figure:
 
 SIZES = (2, 3, 4, 6, 8)
 ALPHAS = tuple(np.geomspace(1.0 / 20.0, 1.0, 40).tolist())
-RATIOS = np.concatenate(([0.9], np.geomspace(1.0, 40.0, 240)))  # V/v_c; below 1 all are alike
+RATIOS = np.concatenate(([0.9], np.geomspace(1.0, 40.0, 240)))  # V/v_c; below 1 all outcomes are equal
 TOLERANCE = 1e-6
 
 
 def nearest() -> Table:
-    """n, alpha, the nearest V/v_c, and by how much velocities differ, root mean square over the striker's; nan beyond RATIOS."""
+    """Compute n, alpha, the nearest V/v_c, and the root mean square difference of velocities relative to the striker's;
+    NaN beyond RATIOS.
+    """
     rows = []
     for n in SIZES:
         gears = _gear_outcomes(n)
@@ -134,7 +138,7 @@ def nearest() -> Table:
 
 
 def _gear_outcomes(n: int) -> Array:
-    """(R, n+1) final velocities of gears at RATIOS, over the striker's."""
+    """Return the (R, n+1) final velocities of gears at RATIOS, relative to the striker's."""
     chain = one_on(n, draft_gear(1.0, 1.0))
     speeds = RATIOS * critical_speed(chain.power_laws[0], chain.mass, 1)
     found = ensemble([chain] * len(speeds), [[speed] + [0.0] * n for speed in speeds], tolerance=TOLERANCE)
@@ -142,7 +146,7 @@ def _gear_outcomes(n: int) -> Array:
 
 
 def draw_nearest(table: Table) -> Figure:
-    """(a) the nearest V/v_c over alpha, (b) how near it comes."""
+    """Draw (a) the nearest V/v_c over alpha, (b) the difference."""
     figure, (left, right) = new_figure(PAGE_WIDTH, 2.6, 1, 2, ("(a)", "(b)"))
     for n, colour in zip(SIZES, COLOUR_CYCLE, strict=False):
         points = rows_where(table, n=n)

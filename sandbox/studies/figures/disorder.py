@@ -1,6 +1,7 @@
-"""Not shown in the paper: random chains. Soft clusters stay rigid-like as long as every contact is strong enough.
+"""Random chains (data not shown in the paper). Soft clusters stay rigid-like as long as every contact is strong enough.
 
-`softcradle.physics.analysis.measures.loads` says how strong; the pulse of the usual cradle breaks up in any case.
+`softcradle.physics.analysis.measures.loads` computes the required strength. The pulse of the usual cradle always breaks
+up.
 """
 
 from __future__ import annotations
@@ -19,21 +20,21 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 TARGETS = 6
-CHAINS = 40  # random chains of each kind, besides the homogeneous one
+CHAINS = 40  # random chains of each kind, in addition to the homogeneous one
 SEED = 20100324
-WIDTH = 2.0  # masses and strengths lie between 1/WIDTH and WIDTH, evenly in their logarithm
+WIDTH = 2.0  # masses and strengths lie between 1/WIDTH and WIDTH, uniform in their logarithm
 SOFT = 0.0  # value of the column "kind" for soft chains
 CRADLE = 1.0  # value of the column "kind" for the usual cradle
 SOFT_EXPONENTS = (1.0 / 50.0, 1.0 / 30.0)  # range of the exponents in a soft chain
 CRADLE_EXPONENT = 1.5  # Hertz
 
-# Step of the conserving method [s]. Contacts deep inside a random soft chain chatter for long: adaptive methods resolve
-# every closing, which changes nothing that is shown.
+# Step of the conserving method [s]. Contacts deep inside a random soft chain chatter for a long time. Adaptive methods
+# would resolve every closing, without any visible effect.
 STEP = 2e-4
 
 
 def chains(kind: float) -> list[Chain]:
-    """The homogeneous chain first, then the random ones; both kinds get the same masses and strengths."""
+    """Return the homogeneous chain, then the random ones; both kinds have the same masses and strengths."""
     random = np.random.default_rng(SEED)
     found = [_chain(kind, np.ones(TARGETS + 1), np.ones(TARGETS), np.full(TARGETS, 0.5))]
     for _ in range(CHAINS):
@@ -48,7 +49,9 @@ def _chain(kind: float, masses: Array, strengths: Array, place: Array) -> Chain:
 
 
 def outcomes() -> Table:
-    """A row a bead: its velocity over that of a rigid target of the same masses; chain 0 is the homogeneous one."""
+    """Compute a row for each bead: its velocity relative to a rigid target of the same masses; chain 0 is the
+    homogeneous one.
+    """
     rows = []
     for kind in (SOFT, CRADLE):
         for k, chain in enumerate(chains(kind)):
@@ -62,20 +65,22 @@ def outcomes() -> Table:
 
 
 def spread(table: Table, kind: float, chain: int) -> float:
-    """The spread of the targets of a chain, by mass."""
+    """Return the mass-weighted spread of the targets of a chain."""
     beads = rows_where(table, kind=kind, chain=chain)
     return spread_by_mass(beads["mass"][1:], beads["v"][1:])
 
 
 def loads_and_spreads(table: Table, kind: float) -> tuple[Array, Array]:
-    """Per chain the greatest load of an inner contact, and the spread of the targets."""
+    """Return for each chain the largest load of an inner contact, and the spread of the targets."""
     numbers = range(CHAINS + 1)
     load = np.array([rows_where(table, kind=kind, chain=k)["load"][0] for k in numbers])
     return load, np.array([spread(table, kind, k) for k in numbers])
 
 
 def draw_outcomes(table: Table) -> Figure:
-    """Velocities of all targets in both kinds of chain; between them the spread of the soft ones against their load."""
+    """Draw the velocities of all targets in both kinds of chain, and between them the spread of the soft ones over
+    their load.
+    """
     titles = r"(a)  $\alpha_{i,i+1}$ from 1/50 to 1/30", "(b)  the chains of (a)", r"(c)  $\alpha=3/2$, usual cradle"
     figure, (left, middle, right) = new_figure(PAGE_WIDTH, 2.6, 1, 3, titles)
     _draw_velocities(left, table, SOFT)
@@ -92,7 +97,7 @@ def draw_outcomes(table: Table) -> Figure:
 
 
 def _draw_velocities(axes: Axes, table: Table, kind: float) -> None:
-    """One curve a chain: the homogeneous one in red on top, soft chains with an overloaded contact in orange."""
+    """Draw one curve for each chain: the homogeneous one red on top, soft chains with an overloaded contact orange."""
     for k in range(CHAINS, -1, -1):
         beads = rows_where(table, kind=kind, chain=k)
         overloaded = kind == SOFT and beads["load"][0] >= 1.0

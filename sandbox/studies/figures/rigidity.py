@@ -1,4 +1,4 @@
-"""How rigid a struck cluster is (Fig. 3 of the letter that the paper cites), where that ends, and how well Eq. (7) holds."""
+"""Rigidity of a struck cluster (Fig. 3 of the letter that the paper cites), its limits, and the accuracy of Eq. (7)."""
 
 from __future__ import annotations
 
@@ -30,17 +30,17 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SPREAD_ALPHAS = tuple((1.0 / np.arange(24.0, 2.95, -0.1)).tolist())  # of the figure of the spread, which jags
-SPREAD_SIZES = (2, 3, 4)  # its cluster sizes
-# Exponents of one on four, from rigid-like to the usual cradle: where curves jag, in steps of 0.1 of 1/alpha.
+SPREAD_ALPHAS = tuple((1.0 / np.arange(24.0, 2.95, -0.1)).tolist())  # exponents of the spread, whose curve is jagged
+SPREAD_SIZES = (2, 3, 4)  # cluster sizes of the spread
+# Exponents of one on four, from rigid-like to the usual cradle. Jagged parts have steps of 0.1 in 1/alpha.
 LOSS_ALPHAS = (*(1.0 / np.arange(30.0, 4.0, -0.1).round(1)).tolist(), *np.geomspace(0.25, 2.0, 41).tolist())
 LONG_SIZES = (4, 10, 30)  # clusters for which LONG_ALPHA is below, at and above 1/n
 LONG_ALPHA = 1.0 / 10.0
-FINE_TOLERANCE = 1e-11  # the smallest spreads shown are below the error of a run at the usual tolerance
+FINE_TOLERANCE = 1e-11  # the smallest visible spreads are below the error of a run at the usual tolerance
 
 
 def outcome(n: int, alpha: float) -> Array:
-    """(n+1,) velocities after the collision; nan where the run gave up."""
+    """Return the (n+1,) velocities after the collision; NaN if the run gave up."""
     found = _solved(n, alpha)
     return np.full(n + 1, np.nan) if found.status.gave_up else found.final_velocity
 
@@ -51,13 +51,15 @@ def _solved(n: int, alpha: float) -> Trajectory:
 
 
 def rigid_outcome(n: int) -> tuple[float, float]:
-    """Velocities of striker and cluster after the collision if the cluster were one rigid body."""
+    """Return the velocities of striker and cluster after the collision if the cluster were one rigid body."""
     striker, target = rigid_collision(np.ones(n + 1), 1)[:2]
     return float(striker), float(target)
 
 
 def spreads() -> Table:
-    """n, alpha, velocities of striker, first and last target, the spread of all targets, and the error of the velocities."""
+    """Compute n, alpha, velocities of striker, first and last target, the spread of all targets, and the velocity
+    error.
+    """
     rows = []
     for n in SPREAD_SIZES:
         for alpha in SPREAD_ALPHAS:
@@ -67,7 +69,7 @@ def spreads() -> Table:
 
 
 def draw_spreads(table: Table) -> Figure:
-    """Velocities for two targets, and the spread for two to four."""
+    """Draw velocities for two targets, and the spread for two to four."""
     figure, (left, right) = new_figure(PAGE_WIDTH, 2.6, 1, 2, ("(a)  $n=2$", "(b)"))
     pair = rows_where(table, n=2)
     for bead, name in enumerate(("v striker", "v first", "v last")):
@@ -85,7 +87,7 @@ def draw_spreads(table: Table) -> Figure:
 
 
 def losses() -> Table:
-    """The end of rigid-like behaviour: a row a bead, its velocity as a part of that of a rigid cluster."""
+    """Compute the end of rigid-like behaviour: a row for each bead, its velocity relative to a rigid cluster."""
     cases = dict.fromkeys([(4, alpha) for alpha in LOSS_ALPHAS] + [(n, LONG_ALPHA) for n in LONG_SIZES])
     rows = [
         (n, alpha, np.arange(n + 1), outcome(n, alpha), outcome(n, alpha) / rigid_outcome(n)[1]) for n, alpha in cases
@@ -94,7 +96,7 @@ def losses() -> Table:
 
 
 def draw_losses(table: Table) -> Figure:
-    """Left: one on four, all velocities against the exponent. Right: long clusters at one small exponent."""
+    """Draw on the left one on four, all velocities over the exponent; on the right long clusters at one small exponent."""
     figure, (left, right) = new_figure(PAGE_WIDTH, 2.7, 1, 2, ("(a)  $n=4$", r"(b)  $\alpha=1/10$"))
     _draw_exponents(left, rows_where(table, n=4))
     for n, colour in zip(LONG_SIZES, (BLUE, ORANGE, RED), strict=True):
@@ -122,21 +124,22 @@ def _draw_exponents(axes: Axes, table: Table) -> None:
 
 ALPHAS = (1.0 / 7.0, 1.0 / 10.0, 1.0 / 14.0)  # a column of panels each
 SIZES = (5, 4, 3)  # a row of panels each
-CURVE_COLOURS = {2: BLUE, 3: ORANGE, 4: GREEN}  # by depth i
-CURVE_WIDTHS = {2: 2.6, 3: 1.7, 4: 0.8}  # by depth i: deeper ones are thinner, so that all are seen where they coincide
+CURVE_COLOURS = {2: BLUE, 3: ORANGE, 4: GREEN}  # for each depth i
+# for each depth i: deeper curves are thinner, so that coinciding curves are visible
+CURVE_WIDTHS = {2: 2.6, 3: 1.7, 4: 0.8}
 
 INSET_LIFT = 0.08  # distance of two curves in the inset
 
-# Sample times as fractions of the time for which the striker is in contact, dense at both ends.
+# Sample times as fractions of the striker's contact, dense at both ends.
 FRACTIONS = np.concatenate(
     (np.linspace(0.001, 0.01, 40), np.linspace(0.01, 0.99, 400)[1:-1], np.linspace(0.99, 0.999, 40))
 )
 
 
 def discrepancy(n: int, alpha: float) -> tuple[Array, Array]:
-    """(T,) times and (T, n-2) values of ``[(n-1)/(n-i)]**(1/alpha) * d_i / d_1 - 1``, i = 2 ... n-1.
+    """Return (T,) times and (T, n-2) values of ``[(n-1)/(n-i)]**(1/alpha) * d_i / d_1 - 1``, i = 2 ... n-1.
 
-    At FRACTIONS of the time for which the striker is in contact; nan once the first inner contact is open.
+    The times are FRACTIONS of the striker's contact; values are NaN after the first inner contact has opened.
     """
     times = FRACTIONS * opening_time(n, alpha)
     found = full_motion(*soft_start(n, alpha), None, tuple(times.tolist()))
@@ -147,7 +150,7 @@ def discrepancy(n: int, alpha: float) -> tuple[Array, Array]:
 
 
 def panels() -> Table:
-    """All nine panels, a row a curve and a time."""
+    """Compute all nine panels, a row for each curve and time."""
     rows = []
     for n in SIZES:
         for alpha in ALPHAS:
@@ -157,7 +160,7 @@ def panels() -> Table:
 
 
 def draw_panels(table: Table) -> Figure:
-    """Nine panels; an inset in that of five beads at 1/10 shows its curves, which coincide, shifted apart."""
+    """Draw nine panels; an inset in the panel of five beads at 1/10 shows its coinciding curves shifted apart."""
     figure, grid = new_figure(PAGE_WIDTH, 5.2, 3, 3, sharex=True)
     for row, n in zip(grid, SIZES, strict=True):
         for axes, alpha in zip(row, ALPHAS, strict=True):

@@ -1,4 +1,4 @@
-"""The limit alpha -> 0, Sec. IV: what vanishes and what stays; spreads over n alpha, and their collapse on one curve."""
+"""Limit alpha -> 0, Sec. IV: quantities that vanish or stay; spreads over n alpha, and their collapse on one curve."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ ALPHAS = tuple(1.0 / k for k in (5, 7, 10, 14, 20, 30, 50, 70, 100, 140, 200))
 
 
 def scalings() -> Table:
-    """n, alpha, max psi, contact time of the striker, response time of the inner contact at max psi."""
+    """Compute n, alpha, max psi, contact time of the striker, response time of the inner contact at max psi."""
     rows = []
     for n in SIZES:
         for alpha in ALPHAS:
             chain = soft_chain(n, alpha)
-            # what may be sensitive is the end, where beads chatter: it is not read
+            # only the end may be sensitive, because beads chatter there, and it is not used
             contact_time = solve(chain, start(chain), samples=2).contact_intervals[0][0][1]
             found = solve(chain, start(chain), contact_time, samples=SAMPLES)
             rows.append((n, alpha, found.overlap[:, 1].max(), contact_time, response_times(found)[1]))
@@ -48,17 +48,21 @@ def scalings() -> Table:
 
 
 def stated_duration(n: int, alpha: float) -> float:
-    """``exp(-1/(2 n alpha)) / sqrt(alpha)``, as Sec. IV (ii) has it: our contact time stays, the inner response vanishes so."""
+    """Return ``exp(-1/(2 n alpha)) / sqrt(alpha)``, Sec. IV (ii). The inner response time vanishes like this; our
+    contact time does not.
+    """
     return math.exp(-0.5 / (n * alpha)) / math.sqrt(alpha)
 
 
 def contact_time_limit(n: int) -> float:
-    """``2n/(n+1)``: a unit force stops and returns the reduced mass n/(n+1)."""
+    """Return ``2n/(n+1)``: a unit force stops and returns the reduced mass n/(n+1)."""
     return 2.0 * n / (n + 1.0)
 
 
 def draw_scalings(table: Table) -> Figure:
-    """(a) max psi, (b) the two times; solid and dashed lines are limits for alpha -> 0, dotted ones what Sec. IV states."""
+    """Draw (a) max psi, (b) the two times; solid and dashed lines are limits for alpha -> 0, dotted lines the statement
+    of Sec. IV.
+    """
     figure, (left, right) = new_figure(PAGE_WIDTH, 2.9, 1, 2, ("(a)", "(b)"))
     _draw_psi(left, table)
     _draw_times(right, table)
@@ -96,13 +100,14 @@ def _draw_times(axes: Axes, table: Table) -> None:
 
 
 COLLAPSE_SIZES = (3, 4, 6, 10, 18, 32)
-PRODUCTS = tuple(np.geomspace(0.15, 1.0, 93).tolist())  # of n and alpha: steps of 2 %, since small spreads jag
+# values of n alpha in steps of 2 %, because small spreads are jagged
+PRODUCTS = tuple(np.geomspace(0.15, 1.0, 93).tolist())
 THRESHOLD = 0.5  # spread at which a cluster is no longer rigid-like
-TOLERANCE = 1e-5  # far below what is shown; chains that chatter give up at finer ones
+TOLERANCE = 1e-5  # far below the visible differences; chattering chains give up at smaller tolerances
 
 
 def spreads() -> Table:
-    """n, n alpha, the scaling variable, the spread (nan where a run gave up)."""
+    """Compute n, n alpha, the scaling variable, the spread (NaN if a run gave up)."""
     rows = []
     for n in COLLAPSE_SIZES:
         chains = [soft_chain(n, product / n) for product in PRODUCTS]
@@ -114,7 +119,9 @@ def spreads() -> Table:
 
 
 def threshold(table: Table, n: int, column: str) -> float:
-    """Value of a column at which the spread of `n` targets passes THRESHOLD for the last time, between two samples; or nan."""
+    """Return the value of a column at which the spread of `n` targets last crosses THRESHOLD, between two samples; or
+    NaN.
+    """
     points = rows_where(table, n=n)
     known = np.isfinite(points["spread"])
     place, logarithm = np.log(points[column][known]), np.log(points["spread"][known] / THRESHOLD)
@@ -127,12 +134,12 @@ def threshold(table: Table, n: int, column: str) -> float:
 
 
 def threshold_law(n: Array, variable: float) -> Array:
-    """n alpha at which the scaling variable has that value: ``1 / (2 ln((n+1) / variable))``."""
+    """Return n alpha at which the scaling variable has that value: ``1 / (2 ln((n+1) / variable))``."""
     return np.asarray(0.5 / np.log((n + 1.0) / variable))
 
 
 def draw_spreads(table: Table) -> Figure:
-    """(a) the spread over n alpha, (b) over the scaling variable, (c) the threshold over n."""
+    """Draw (a) the spread over n alpha, (b) over the scaling variable, (c) the threshold over n."""
     from matplotlib.ticker import NullFormatter
 
     figure, (left, middle, right) = new_figure(PAGE_WIDTH, 2.5, 1, 3)

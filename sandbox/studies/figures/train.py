@@ -1,4 +1,4 @@
-"""In-train forces: of every coupling over time in the train scenes, and their envelope over the speed of the blow."""
+"""In-train forces: of every coupling over time in the train scenes, and their envelope over the impact speed."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SCENES = {"one on ten": "train-shunting", "five on ten": "train-cut"}  # title of a panel: its scene
+SCENES = {"one on ten": "train-shunting", "five on ten": "train-cut"}  # panel title: scene
 DURATION = 2.8  # [s]
 SAMPLES = 1401
-PEAK_SAMPLES = 2801  # of the scan: the solid stop is short
-STEP = 2e-4  # [s] of the scan: a thousandth of a blow
+PEAK_SAMPLES = 2801  # samples of the scan, many because the solid stop is short
+STEP = 2e-4  # [s] step of the scan: a thousandth of an impact
 KILO = 1e3
-SPEEDS = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0)  # [m/s] of the blow; shunting is done at up to 2 or 3
-SOLID = "train-solid"  # the scene whose couplings, with a stop at full travel, the envelopes take
+SPEEDS = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0)  # impact speeds [m/s]; shunting is done at up to 2 or 3
+SOLID = "train-solid"  # the envelopes use the couplings of this scene, with a stop at full travel
 
 
 def history() -> Table:
-    """t [s], and for each scene the force in every coupling [kN] and what gears and bed have absorbed [kJ]."""
-    from softcradle import scenes  # imports pydantic, which listing the figures does not need
+    """Compute t [s], and for each scene the force in every coupling [kN] and the energy absorbed by gears and bed [kJ]."""
+    from softcradle import scenes  # imports pydantic, which the list of figures does not need
 
     table: Table = {}
     for title, name in SCENES.items():
@@ -42,7 +42,7 @@ def history() -> Table:
 
 
 def draw_history(table: Table) -> Figure:
-    """A panel for each scene with a curve for each coupling, from the left upwards, all to one scale."""
+    """Draw a panel for each scene with a curve for each coupling, stacked from the left upwards, with one scale."""
     figure, panels = new_figure(PAGE_WIDTH, 4.2, columns=2)
     for axes, title in zip(panels, SCENES, strict=True):
         _draw_couplings(axes, table["t"], [table[name] for name in table if name.startswith(f"{title}: force")])
@@ -52,7 +52,7 @@ def draw_history(table: Table) -> Figure:
 
 
 def envelopes() -> Table:
-    """A row for each scene (0, 1), speed [m/s] and coupling: its largest force [kN] and travel [mm]."""
+    """Compute a row for each scene (0, 1), speed [m/s] and coupling: its largest force [kN] and travel [mm]."""
     from softcradle import scenes
 
     rows, coupler = [], scenes.load(SOLID).lanes[0].chain().couplers[0][1]
@@ -68,7 +68,9 @@ def envelopes() -> Table:
 
 
 def draw_envelopes(table: Table) -> Figure:
-    """A panel for each scene: the largest force along the train, a curve for each speed, open where the gears are solid."""
+    """Draw a panel for each scene: the largest force along the train, a curve for each speed, hollow if the gears are
+    solid.
+    """
     from matplotlib import colormaps
     from matplotlib.ticker import MaxNLocator
 
@@ -94,13 +96,13 @@ def draw_envelopes(table: Table) -> Figure:
 
 
 def _draw_couplings(axes: Axes, time: Array, forces: list[Array]) -> None:
-    """Forces [kN], a meganewton high as the distance of two curves."""
+    """Draw forces [kN]; the distance of two curves is a meganewton."""
     for i, force in enumerate(forces, 1):
         axes.fill_between(time, i, i + force / KILO, color=BLUE, alpha=0.25, linewidth=0.0)
         axes.plot(time, i + force / KILO, color=BLUE, linewidth=0.8)
         axes.annotate(
             f"{force.max():.0f} kN", (1.01, i), xycoords=("axes fraction", "data"), va="bottom", fontsize=6.5
-        )  # beside the axes, where no curve passes
+        )  # outside the axes, so that no curve crosses it
     axes.set_xlabel(TIME.label)
     axes.set_xlim(time[0], time[-1])
     axes.set_ylim(0.6, len(forces) + 2.0)

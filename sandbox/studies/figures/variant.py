@@ -25,23 +25,23 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 INTERFACE_CHAIN = one_on(N, (hooke(1.0), *(power_law(1.0, ALPHA),) * (N - 1)))
-STRIKERS = 3  # of cluster on cluster
+STRIKERS = 3  # strikers of cluster on cluster
 TARGETS = 5
 CLUSTERS_CHAIN = cluster_on_cluster(STRIKERS, TARGETS, power_law(1.0, SOFTER_ALPHA))
 
 
 def interface() -> Table:
-    """One on four with a linear spring between striker and target."""
+    """Compute one on four with a linear spring between striker and target."""
     return _forces_and_velocities(INTERFACE_CHAIN, 1, 3.2)
 
 
 def clusters() -> Table:
-    """Three on five: two evanescent modes."""
+    """Compute three on five: two evanescent modes."""
     return _forces_and_velocities(CLUSTERS_CHAIN, STRIKERS, 4.6)
 
 
 def _forces_and_velocities(chain: Chain, strikers: int, until: float) -> Table:
-    """t, the forces of the full equations and of the model, and the velocities."""
+    """Compute t, the forces of the full equations and of the model, and the velocities."""
     full = full_motion(chain, start(chain, strikers), until)
     model = model_motion(chain, start(chain, strikers), until).trajectory
     table = {"t": full.time}
@@ -51,7 +51,7 @@ def _forces_and_velocities(chain: Chain, strikers: int, until: float) -> Table:
 
 
 def exchange() -> Table:
-    """One on four, and four on one as seen by an observer who moves with the strikers, from right to left."""
+    """Compute one on four, and four on one as seen by an observer who moves with the strikers, from right to left."""
     one_on_four, four_on_one = soft_chain(N, ALPHA), cluster_on_cluster(N, 1, power_law(1.0, ALPHA))
     usual = full_motion(one_on_four, start(one_on_four), 3.0)
     exchanged = full_motion(four_on_one, start(four_on_one, N), 3.0)
@@ -62,19 +62,19 @@ def exchange() -> Table:
 
 
 def draw_interface(table: Table) -> Figure:
-    """Forces and velocities with the Hooke interface."""
+    """Draw forces and velocities with the Hooke interface."""
     return _draw_forces_and_velocities(table, 1, N, r"(a)  $\alpha_{0,1}=1$, inner $\alpha=1/10$", 2.6, 1.3)
 
 
 def draw_clusters(table: Table) -> Figure:
-    """Forces and velocities of three on five."""
+    """Draw forces and velocities of three on five."""
     return _draw_forces_and_velocities(table, STRIKERS, TARGETS, r"(a)  3 on 5, $\alpha=1/14$", 2.8, 1.45)
 
 
 def _draw_forces_and_velocities(
     table: Table, strikers: int, targets: int, title: str, height: float, most: float
 ) -> Figure:
-    """Forces up to `most` on the left, velocities on the right."""
+    """Draw forces up to `most` on the left, velocities on the right."""
     figure, (left, right) = new_figure(PAGE_WIDTH, height, 1, 2, (title, "(b)"))
     _draw_forces(left, table, strikers + targets - 1, strikers - 1)
     left.set_ylim(0.0, most)
@@ -84,7 +84,7 @@ def _draw_forces_and_velocities(
 
 
 def draw_exchange(table: Table) -> Figure:
-    """Left: four on one as it is. Right: seen from the strikers and mirrored, on top of one on four."""
+    """Draw on the left four on one as it is; on the right seen from the strikers and mirrored, on top of one on four."""
     titles = "(a)  four on one", "(b)  mirrored, seen by the strikers"
     figure, (left, right) = new_figure(PAGE_WIDTH, 2.6, 1, 2, titles, sharey=True)
     zero_line(left)

@@ -1,9 +1,8 @@
-"""Alternatives to the evanescent mode: springs that also pull, contacts under prestress, the pulse of the usual cradle; and the
-evanescent mode that a steady force on a cluster excites.
+"""Alternatives to the evanescent mode: springs that also pull, contacts under prestress, the pulse of the usual cradle.
 
-The contact law only pushes. Linear contacts under a prestress that they never lose act, about their rest, like springs
-that push and pull. The prestress is a steady force on both ends, so the ends are free; the scenes stiff-springs and
-prestressed show the same.
+Also the evanescent mode that a steady force on a cluster excites. The contact law only pushes. Linear contacts under a
+prestress that they never lose act, about their rest, like springs that push and pull. The prestress is a steady force
+on both ends, so the ends are free. The scenes stiff-springs and prestressed show the same.
 """
 
 from __future__ import annotations
@@ -51,7 +50,7 @@ if TYPE_CHECKING:
 
 SPRING = hooke(400.0)
 SOFT = power_law(1.0, ALPHA)
-SOFT_PRESTRESS = 0.75  # force; the soft contacts stay closed all along
+SOFT_PRESTRESS = 0.75  # force; the soft contacts stay closed all the time
 STEP = 1e-4  # units of time
 SAMPLES = 1000
 PULSE_TARGETS = 30
@@ -60,14 +59,14 @@ PULSE_UNTIL = 40.0  # units of time
 
 @dataclass(frozen=True)
 class StruckCluster:
-    """A cluster that is struck, with its contacts and prestress.
+    """A struck cluster with its contacts and prestress.
 
     Attributes:
-        title: of its panel.
+        title: title of its panel.
         inner: its contacts.
-        prestress: the force that presses it together at rest.
+        prestress: force that presses it together at rest.
         until: end of the run.
-        speed: of the striker.
+        speed: speed of the striker.
     """
 
     title: str
@@ -80,20 +79,22 @@ class StruckCluster:
 STRUCK_CLUSTERS = {
     "soft": StruckCluster("(a) inner $\\alpha=1/10$, evanescent", SOFT, 0.0, 3.0, 1.0),
     "springs": StruckCluster("(b) stiff springs", SPRING, SPRING_PRESTRESS, 3.0, 1.0),
-    # struck so slowly that no contact opens
+    # hit so slowly that no contact opens
     "prestressed": StruckCluster("(c) inner $\\alpha=1/10$, prestressed", SOFT, SOFT_PRESTRESS, 24.0, 0.1),
 }
 
 
 def roads() -> Table:
-    """Evanescent cluster, stiff springs, and a soft cluster under prestress, side by side."""
+    """Compute the evanescent cluster, stiff springs, and a soft cluster under prestress, side by side."""
     return {
         f"{key} {name}": column for name, cluster in STRUCK_CLUSTERS.items() for key, column in _motion(cluster).items()
     }
 
 
 def _motion(cluster: StruckCluster) -> Table:
-    """t, velocities over the striker's, and the inner forces less the prestress, from rest under the prestress."""
+    """Compute t, velocities relative to the striker's, and inner forces minus the prestress, from rest under the
+    prestress.
+    """
     chain, speed = pressed_cluster(N, cluster.inner, cluster.prestress), cluster.speed
     state = State.at_start(chain, speed * np.array(start(chain)))
     rows = []
@@ -106,14 +107,14 @@ def _motion(cluster: StruckCluster) -> Table:
 
 
 def pulse() -> Table:
-    """t and the velocities of one Hertz bead on thirty."""
+    """Compute t and the velocities of one Hertz bead on thirty."""
     chain = one_on(PULSE_TARGETS, hertz(1.0))
     found = full_motion(chain, start(chain), PULSE_UNTIL)
     return {"t": found.time, **{f"v{i}": found.velocity[:, i] for i in range(PULSE_TARGETS + 1)}}
 
 
 def draw_roads(table: Table) -> Figure:
-    """Velocities of the targets in the upper row, forces of the inner contacts in the lower one."""
+    """Draw velocities of the targets in the upper row, forces of the inner contacts in the lower one."""
     figure, grid = new_figure(PAGE_WIDTH, 3.8, 2, 3, sharex="col")
     for (upper, lower), name in zip(grid.T, STRUCK_CLUSTERS, strict=True):
         for i, colour in zip(range(N, 0, -1), (PURPLE, GREEN, BLACK, ORANGE), strict=True):
@@ -136,7 +137,7 @@ def draw_roads(table: Table) -> Figure:
 
 
 def draw_pulse(table: Table) -> Figure:
-    """Velocities of all beads, each lifted by its number: one pulse of unchanging shape, and the last bead leaves."""
+    """Draw velocities of all beads, each shifted by its number: one pulse of constant shape, and the last bead leaves."""
     figure, axes = new_figure(height=3.2)
     for i in range(0, PULSE_TARGETS + 1, 2):
         axes.plot(table["t"], table[f"v{i}"] * 3.0 + i, color=BLUE if i == 0 else BLACK, linewidth=0.8)
@@ -155,7 +156,7 @@ STEPS_PER_SAMPLE = 20
 
 
 def history() -> Table:
-    """t, psi of the full equations and of the model, and the velocities against that of the centre of mass."""
+    """Compute t, psi of the full equations and of the model, and the velocities relative to the centre of mass."""
     chain, end = driven_chain(SHOWN_BEADS, ALPHA), PERIODS * driven_period(SHOWN_BEADS, ALPHA)
     arguments = chain, (0.0,) * SHOWN_BEADS, end, PERIODS * SAMPLES_PER_PERIOD + 1
     step = end / (PERIODS * SAMPLES_PER_PERIOD * STEPS_PER_SAMPLE)
@@ -167,9 +168,10 @@ def history() -> Table:
 
 
 def measured(n: int, alpha: float) -> tuple[float, float, float]:
-    """Period and amplitude of psi in the full equations, and how far it is from zero at its fifth return.
+    """Return period and amplitude of psi in the full equations, and its relative distance from zero at its fifth
+    return.
 
-    The period is a fifth of the time of that return, an event of the full motion; the last number is a part of the amplitude.
+    The period is a fifth of the time of that return, which is an event of the full motion.
     """
     chain = driven_chain(n, alpha)
     end, count = (PERIODS + 0.5) * driven_period(n, alpha), (PERIODS + 1) * SAMPLES_PER_PERIOD
@@ -180,7 +182,7 @@ def measured(n: int, alpha: float) -> tuple[float, float, float]:
 
 
 def scan() -> Table:
-    """Period and amplitude against n and alpha, full and model."""
+    """Compute period and amplitude over n and alpha, full and model."""
     rows = [
         (n, alpha, *measured(n, alpha), driven_period(n, alpha), driven_amplitude(n, alpha))
         for n in SIZES
@@ -191,7 +193,7 @@ def scan() -> Table:
 
 
 def draw_history(table: Table) -> Figure:
-    """The periodic mode on top of the uniform acceleration."""
+    """Draw the periodic mode on top of the uniform acceleration."""
     figure, (upper, lower) = new_figure(height=3.6, rows=2, sharex=True)
     upper.plot(table["t"], table["psi model"], color=RED, **MODEL_LINE)
     upper.plot(table["t"], table["psi full"], color=RED, linewidth=0.9)
@@ -207,7 +209,7 @@ def draw_history(table: Table) -> Figure:
 
 
 def draw_scan(table: Table) -> Figure:
-    """Period and amplitude against 1/alpha; lines are the closed forms."""
+    """Draw period and amplitude over 1/alpha; lines are the closed forms."""
     figure, (left, right) = new_figure(PAGE_WIDTH, 2.6, 1, 2, ("(a)", "(b)"))
     alphas = np.geomspace(1.0 / 22.0, 1.0 / 4.5, 60)
     for n, colour in zip(SIZES, (BLUE, ORANGE, GREEN), strict=True):

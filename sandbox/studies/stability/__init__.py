@@ -1,1 +1,1 @@
-"""Scans of failure: over contact law and step, where each method fails, how, and with or without a warning."""
+"""Scans over contact law and step: for which of them each method fails, how, and with or without a warning."""

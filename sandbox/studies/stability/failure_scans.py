@@ -1,4 +1,6 @@
-"""The scans: one on n beads over exponent, number and preload, by every step or tolerance; how each run fails, and in sum."""
+"""Scans of one on n beads over exponent, number and preload, at every step or tolerance: how each run fails, and
+summaries.
+"""
 
 import math
 from collections import Counter
@@ -22,16 +24,17 @@ from softcradle.sandbox.sweeps.run_sweep import Progress, map_points
 Array = NDArray[np.float64]
 
 ALPHA = 1 / 10  # exponent of the scan over the number of targets
-TARGETS = 4  # of the scans over exponent and preload
+TARGETS = 4  # targets of the scans over exponent and preload
 STEPS = tuple(float(step) for step in np.geomspace(3e-4, 0.3, 13))  # [s]
 TOLERANCES = tuple(float(10.0**-k) for k in np.linspace(8.0, 1.0, 8))
-REFERENCE_TOLERANCE = 1e-10  # of the motion that all runs are compared with
-DURATION_FACTOR = 2.0  # a run lasts so many times as long as the reference motion: chatter may never end
-LONGEST_REFERENCE = 100.0  # [s] cap of that motion's duration, for chains whose last contact opens very late
+REFERENCE_TOLERANCE = 1e-10  # tolerance of the reference motion
+DURATION_FACTOR = 2.0  # Duration of a run as a multiple of the reference motion, because chattering may never end.
+LONGEST_REFERENCE = 100.0  # [s] longest reference motion, for chains whose last contact opens very late
 SAMPLES = 101
-SKIPPED_METHODS = ("pymunk", "scipy")  # the digits of euler, and the slow reference: thousands of its runs take hours
-ADAPTIVE_ERROR_FACTOR = 3.0  # the error that an adaptive method is allowed, over its tolerance
-HARMLESS_SWITCHES = 2  # a run whose contacts switch more often than they should, by more than this, chatters
+# pymunk has the same results as euler, and thousands of runs of the slow reference take hours
+SKIPPED_METHODS = ("pymunk", "scipy")
+ADAPTIVE_ERROR_FACTOR = 3.0  # allowed error of an adaptive method, as a multiple of its tolerance
+HARMLESS_SWITCHES = 2  # a run with more excess switches than this chatters
 
 
 class Failure(StrEnum):
@@ -44,11 +47,11 @@ class Failure(StrEnum):
 
 @dataclass(frozen=True)
 class Scan:
-    """What is varied beside the step or tolerance.
+    """Parameter that is varied in addition to the step or tolerance.
 
     Attributes:
         name, label: for files, and for the axis.
-        values: ascending.
+        values: in ascending order.
         chain: makes the chain for a value.
     """
 
@@ -59,7 +62,9 @@ class Scan:
 
 
 def _preloaded_chain(ratio: float) -> Chain:
-    """Draft gears whose preload is `ratio` of the force at the greatest overlap of a bead alone; the stiffness is 1."""
+    """Return draft gears whose preload is `ratio` times the force at the largest overlap of a single bead; the
+    stiffness is 1.
+    """
     return one_on(TARGETS, Contact(ratio, 1.0, 1.0))
 
 
@@ -80,14 +85,14 @@ class ScanRun:
     """One run of a scan.
 
     Attributes:
-        scan, value, method, fineness: what was run; the fineness is a step [s] or a tolerance.
-        energy: largest distance of the energy from that at the start, relative to it, over the samples.
+        scan, value, method, fineness: settings of the run; the fineness is a step [s] or a tolerance.
+        energy: largest relative deviation of the energy from its initial value, over the samples.
         final_energy: the same at the end.
-        spread: root mean square error of the target velocities, over the closing speed.
-        switches: how often contacts closed or opened beyond what they should, over all.
-        warned: whether the trajectory carries a warning.
+        spread: root mean square error of the target velocities, relative to the closing speed.
+        switches: closings and openings of contacts in excess of the true number.
+        warned: True if the trajectory contains a warning.
         limit: `stable_step` of the chain [s].
-        allowed: the largest `spread` that is no failure.
+        allowed: largest `spread` that is not a failure.
     """
 
     scan: str
@@ -104,7 +109,7 @@ class ScanRun:
 
     @property
     def failure(self) -> Failure | None:
-        """How the run fails; None where the velocities are as they should be."""
+        """How the run fails; None if the velocities are correct."""
         if self.spread <= self.allowed:
             return None
         if not self.final_energy <= 1.0:
@@ -113,17 +118,17 @@ class ScanRun:
 
 
 def scanned_methods() -> list[Method]:
-    """The methods that are scanned."""
+    """Return the methods of the scan."""
     return [method for method in METHODS if method.name not in SKIPPED_METHODS]
 
 
 def finenesses(method: Method) -> tuple[float, ...]:
-    """The steps [s] or tolerances at which a method is run."""
+    """Return the steps [s] or tolerances at which a method is run."""
     return TOLERANCES if method.adaptive else STEPS
 
 
 def scan_run(scan: Scan, value: float, method: Method, fineness: float) -> ScanRun:
-    """One run, compared with the reference motion."""
+    """Run once and compare with the reference motion."""
     chain = scan.chain(value)
     velocity, reference = _reference(chain)
     chosen: dict[str, Any] = {"tolerance": fineness} if method.adaptive else {"step": fineness}
@@ -147,7 +152,7 @@ def scan_run(scan: Scan, value: float, method: Method, fineness: float) -> ScanR
 
 
 def swept_runs(scans: Sequence[Scan], progress: Progress | None = None, workers: int | None = None) -> list[ScanRun]:
-    """Every run of the scans by every method; processes compute them where that pays."""
+    """Run all scans with every method, in worker processes if that is faster."""
     order = [method.name for method in scanned_methods()]
     found = []
     for scan in scans:
@@ -168,7 +173,7 @@ def swept_runs(scans: Sequence[Scan], progress: Progress | None = None, workers:
 
 
 def scan_numbers(name: str, value: float, method: str, fineness: float) -> dict[str, float]:
-    """What one run of the scan of that name tells, in numbers."""
+    """Return the results of one run of the scan of that name as numbers."""
     scan = next(scan for scan in SCANS if scan.name == name)
     run = asdict(scan_run(scan, value, find_method(method), fineness))
     return {key: float(number) for key, number in run.items() if key not in ("scan", "value", "method", "fineness")}
@@ -176,7 +181,7 @@ def scan_numbers(name: str, value: float, method: str, fineness: float) -> dict[
 
 @lru_cache(maxsize=64)
 def _reference(chain: Chain) -> tuple[Array, Trajectory]:
-    """Start velocities and the accurate motion, some time beyond its end."""
+    """Return initial velocities and the accurate motion, until some time after its end."""
     velocity = np.eye(1, chain.contacts + 1)[0]
     end = float(solve(chain, velocity, tolerance=1e-6, samples=SAMPLES).time[-1])
     duration = DURATION_FACTOR * min(end, LONGEST_REFERENCE)
@@ -184,7 +189,7 @@ def _reference(chain: Chain) -> tuple[Array, Trajectory]:
 
 
 def _switches(trajectory: Trajectory) -> int:
-    """How often contacts have closed or opened."""
+    """Return how often contacts have closed or opened."""
     ends = [opened for intervals in trajectory.contact_intervals for _, opened in intervals]
     return 2 * len(ends) - sum(math.isinf(opened) for opened in ends)
 
@@ -195,15 +200,15 @@ def _nan_as_inf(value: float) -> float:
 
 @dataclass(frozen=True)
 class FailureSummary:
-    """All runs of one scan by one method.
+    """Summary of all runs of one scan with one method.
 
     Attributes:
-        scan, method: which.
-        runs: their number.
-        failed: how many have a larger error than allowed.
-        kinds: how those fail, with counts, the most frequent first.
-        finest: the failed run of the smallest step or tolerance, or None.
-        below_limit: number of failed runs with a smaller step than `stable_step` gives.
+        scan, method: names.
+        runs: number of runs.
+        failed: number of runs with a larger error than allowed.
+        kinds: kinds of failure with counts, the most frequent first.
+        finest: failed run with the smallest step or tolerance, or None.
+        below_limit: number of failed runs with a step below `stable_step`.
         silent: number of failed runs without a warning.
     """
 
@@ -218,7 +223,7 @@ class FailureSummary:
 
 
 def summarise_failures(runs: Sequence[ScanRun]) -> list[FailureSummary]:
-    """One summary for each scan and method, in order of appearance."""
+    """Return one summary for each scan and method, in order of appearance."""
     groups: dict[tuple[str, str], list[ScanRun]] = {}
     for run in runs:
         groups.setdefault((run.scan, run.method), []).append(run)
@@ -240,6 +245,6 @@ def _summary(scan: str, method: str, runs: Sequence[ScanRun]) -> FailureSummary:
 
 
 def write_csv(runs: Sequence[ScanRun], path: Path) -> None:
-    """A row a run, its failure last."""
+    """Write a row for each run, with its failure last."""
     header = (*(field.name for field in fields(ScanRun)), "failure")
     write_rows(path, header, ((*astuple(run), run.failure or "") for run in runs))

@@ -1,7 +1,7 @@
-"""A cradle of pymunk's own rigid contacts, elasticity 1: it neither conserves energy nor behaves like soft beads.
+"""Cradle with pymunk's own rigid contacts, elasticity 1: it neither conserves energy nor behaves like soft beads.
 
-Measured with pymunk 7.3: the energy depends on the step, and is lost rather than gained. However small the step, a
-strike by one ball makes the last ball alone leave, which is the limit of no soft contacts that touch.
+Measured with pymunk 7.3: the energy depends on the step, and is lost rather than gained. For any step, if one ball
+hits, only the last ball leaves. Touching soft contacts do not have this limit.
 """
 
 import math
@@ -14,15 +14,15 @@ Array = NDArray[np.float64]
 
 BALLS = 5
 RADIUS = 20.0  # [pixels], pymunk's usual unit
-LENGTH = 150.0  # [pixels] of the pendulums
+LENGTH = 150.0  # [pixels] length of the pendulums
 GRAVITY = 981.0  # [pixels/s^2]
-ANGLE = math.radians(60.0)  # of the first pendulum at the start
+ANGLE = math.radians(60.0)  # initial angle of the first pendulum
 DURATION = 20.0  # [s]
 STEPS = (1 / 60, 1 / 600, 1 / 6000)  # [s]
 
 
 def remaining_energy(step: float) -> float:
-    """Energy of the cradle after DURATION, as part of that at the start, above the balls at rest."""
+    """Return the energy of the cradle after DURATION relative to the start, above the balls at rest."""
     space, balls = _pendulums()
     before = _energy(balls)
     for _ in range(round(DURATION / step)):
@@ -31,7 +31,7 @@ def remaining_energy(step: float) -> float:
 
 
 def strike(step: float) -> Array:
-    """(5,) final velocities of a free ball at unit speed and of the four, just touching, that it strikes."""
+    """Return the (5,) final velocities of a free ball at unit speed and of the four touching balls that it hits."""
     space = pymunk.Space()
     balls = [_ball(space, (2.0 * RADIUS * k, 0.0)) for k in range(BALLS)]
     balls[0].position = (-1.0, 0.0)

@@ -1,4 +1,7 @@
-"""Maps of the scans, a column a method: the overview has a row a scan and a colour a failure, the details three quantities."""
+"""Maps of the scans with a column for each method. The overview has a row for each scan and a colour for each failure.
+
+The details show three quantities.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-COLOURS = ("#e4eef3", "#f2c14e", "#d1495b", "#4a1d4f")  # holds, error, chatter, blow-up: told apart in grey too
+# holds, error, chatter, blow-up: distinguishable in grey as well
+COLOURS = ("#e4eef3", "#f2c14e", "#d1495b", "#4a1d4f")
 MEANINGS = (
     "holds its error",
     "error: off, without chatter",
@@ -36,16 +40,16 @@ PANEL = 1.55, 1.75  # [inches] of a map of the overview with its axes
 MARGIN = 1.05  # [inches] below, for the legend
 DETAIL = 2.15, 1.65  # [inches] of a map of the details with its axes
 
-Marker = Callable[["Axes", "ScanRun", int, int], None]  # marks a failed run at its place across and up
+Marker = Callable[["Axes", "ScanRun", int, int], None]  # marks a failed run at its position across and up
 
 
 class MappedNumber(NamedTuple):
-    """What a map shows.
+    """Quantity of a map.
 
     Attributes:
         low, high: range of colours.
-        level: the number that a run is coloured by; nan leaves the cell white.
-        label: beside the scale of colours.
+        level: value that determines the colour of a run; NaN leaves the cell white.
+        label: label of the colour bar.
     """
 
     low: float
@@ -70,7 +74,7 @@ QUANTITIES = (
 
 
 def draw_overview(runs: Sequence[ScanRun], scans: Sequence[Scan] = SCANS) -> Figure:
-    """Ways to fail, and what a reader needs to know; call it inside `plot_style.styled`."""
+    """Draw the kinds of failure with a legend; call it inside `plot_style.styled`."""
     from matplotlib.colors import ListedColormap
 
     mapped = _mapped(runs)
@@ -88,7 +92,7 @@ def draw_overview(runs: Sequence[ScanRun], scans: Sequence[Scan] = SCANS) -> Fig
 
 
 def draw_details(runs: Sequence[ScanRun], scans: Sequence[Scan] = SCANS) -> Figure:
-    """Energy, velocities and switches; call it inside `plot_style.styled`."""
+    """Draw energy, velocities and switches; call it inside `plot_style.styled`."""
     mapped = _mapped(runs)
     rows = [(scan, quantity) for scan in scans for quantity in QUANTITIES]
     size = DETAIL[0] * len(mapped) + 1.2, DETAIL[1] * len(rows)
@@ -125,7 +129,9 @@ def _draw_map(
     axes: Axes, scan: Scan, method: Method, runs: Sequence[ScanRun], quantity: MappedNumber, colours: Any, mark: Marker,
     line_colour: str, ticks: tuple[int, float],
 ) -> Any:  # fmt: skip
-    """One map with the failed runs marked and the line of `stable_step`; ticks: every how many values, and their size."""
+    """Draw one map with marks on failed runs and the line of `stable_step`; ticks: their spacing in values, and their
+    size.
+    """
     fine, values = finenesses(method), scan.values
     grid = np.full((len(fine), len(values)), np.nan)
     limits = {}
@@ -149,20 +155,20 @@ def _draw_map(
 
 
 def _dot(axes: Axes, run: ScanRun, across: int, up: int) -> None:
-    """A dot where there was no warning."""
+    """Draw a dot on a failed run without a warning."""
     if not run.warned:
         axes.plot(across, up, "o", color="white", markeredgecolor=BLACK, markersize=3.0, markeredgewidth=0.6)
 
 
 def _letter(axes: Axes, run: ScanRun, across: int, up: int) -> None:
-    """The first letter of the failure, red where there was no warning."""
+    """Draw the first letter of the failure, red if there was no warning."""
     colour = "white" if run.warned else RED
     letter = str(run.failure)[0]
     axes.text(across, up, letter, fontsize=4.5, ha="center", va="center", color=colour, fontweight="bold")
 
 
 def _explain(figure: Figure, height: float) -> None:
-    """The meaning of colours, line and dots, below the maps."""
+    """Write the meaning of colours, line and dots below the maps."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
