@@ -11,30 +11,39 @@ import pygame
 from softcradle.sandbox.draw.number_format import MINUS
 from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.languages import _
+from softcradle.sandbox.measured_table import FORCE, POSITION, VELOCITY, MeasuredTable
 from softcradle.sandbox.motion import Array
-from softcradle.sandbox.session.measured_data import MeasuredData
 from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window.plots.curves import Plot
+from softcradle.sandbox.window.plots.kinds import FORCES, KYMOGRAPH, VELOCITIES
 
 TABLES = (".csv", ".tsv", ".txt")
 PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".webp")
+# The measured quantity that each kind of plot shows. A table with several is laid over the first of these plots.
+MEASURED_KINDS = {VELOCITIES: VELOCITY, KYMOGRAPH: POSITION, FORCES: FORCE}
 RING = 3.6  # design pixels, the radius of a ring
 PICTURE_OPACITY = 150  # of 255
 
 
 @dataclass(frozen=True, eq=False)
 class NumbersOverlay:
-    """Measured numbers; column k belongs to curve k."""
+    """Measured numbers: times (T,) in s and values (T, k) in SI units; column k belongs to curve k."""
 
-    data: MeasuredData
+    time: Array
+    values: Array
+
+    @classmethod
+    def of(cls, table: MeasuredTable, quantity: str) -> NumbersOverlay:
+        """Return the overlay of all columns of one quantity."""
+        return cls(table.time, np.column_stack([column.values for column in table.along_row(quantity)]))
 
     def paint(self, surface: pygame.Surface, plot: Plot) -> None:
         """Draw a ring for each number that the axes show."""
         area, unit = plot.area, plot.unit
         surface.set_clip(area)
-        across = np.array([plot.span.x(time) for time in self.data.time.tolist()]) + area.left
-        for k in range(min(self.data.values.shape[1], len(plot.content.colours))):
-            values = self.data.values[:, k]
+        across = np.array([plot.span.x(time) for time in self.time.tolist()]) + area.left
+        for k in range(min(self.values.shape[1], len(plot.content.colours))):
+            values = self.values[:, k]
             shown = np.isfinite(values) & (across >= area.left) & (across <= area.right)
             down = area.top + plot.y(plot.axis.on(values[shown]))
             colour = mix(plot.content.colours[k], tones.foreground, 0.35)
@@ -48,8 +57,8 @@ class NumbersOverlay:
         found: list[Array] = []
         for _count, parts in groupby(samples, key=lambda part: part[1].shape[1]):  # of beads, which may come and go
             time, values = map(np.concatenate, zip(*parts, strict=True))
-            inside = (self.data.time >= time[0]) & (self.data.time <= time[-1])
-            at, measured = self.data.time[inside], self.data.values[inside]
+            inside = (self.time >= time[0]) & (self.time <= time[-1])
+            at, measured = self.time[inside], self.values[inside]
             pairs = zip(measured.T, values.T, strict=False)
             found.extend(column - np.interp(at, time, computed) for column, computed in pairs)
         joined = np.concatenate(found) if found else np.zeros(0)

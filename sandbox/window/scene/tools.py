@@ -11,10 +11,10 @@ import numpy as np
 import pygame
 from softcradle.sandbox.draw.number_format import scientific
 from softcradle.sandbox.languages import N_, _, error_words, label_words, localized, ngettext, pgettext
+from softcradle.sandbox.measured_table import MeasuredTable, read_table
 from softcradle.sandbox.session.contact_conversion import has_soft_contacts, steel_ball
 from softcradle.sandbox.session.export import shared_text, words_for
 from softcradle.sandbox.session.inputs import SetContact, SetKind, SetMethod
-from softcradle.sandbox.session.measured_data import load_measured
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.summary_text import summary_text
 from softcradle.sandbox.session.values_table import values_csv
@@ -23,6 +23,7 @@ from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.plots.board import PlotBoard
 from softcradle.sandbox.window.plots.curves import Plot
 from softcradle.sandbox.window.plots.data_overlay import (
+    MEASURED_KINDS,
     PICTURES,
     TABLES,
     NumbersOverlay,
@@ -30,7 +31,7 @@ from softcradle.sandbox.window.plots.data_overlay import (
     edges_of,
     load_picture,
 )
-from softcradle.sandbox.window.plots.kinds import KEY, KYMOGRAPH, OWN, PLOT_KINDS, VELOCITIES, pair_of
+from softcradle.sandbox.window.plots.kinds import KEY, KYMOGRAPH, OWN, PLOT_KINDS, pair_of
 from softcradle.sandbox.window.scene.editor import SceneEditor
 from softcradle.sandbox.window.scene.lane_cards import LaneCards
 from softcradle.sandbox.window.scene.pointer_tool import Ruler, Stopwatch
@@ -54,7 +55,7 @@ class DataTool:
             self.host.messages.show(_("measured data removed"))
             return
         note = _(
-            "a table ({endings}: time in s, then a column a curve) or a picture of a kymograph",
+            "a table ({endings}: a line of names, then a time and a column for each curve) or a picture of a kymograph",
             endings=", ".join(TABLES),
         )
         self.host.ask(_("Measured data over a plot"), note, "", self._take_typed)
@@ -81,9 +82,9 @@ class DataTool:
         return True
 
     def _plot(self, kind: str, point: tuple[int, int] = (-1, -1)) -> tuple[tuple[str, int], Plot]:
-        """The kind and lane of the plot at `point`, else of that kind, which is shown for it."""
+        """Return the kind and lane of the plot of that kind at `point`, or else of another, which is shown if necessary."""
         under = self.board.plot_at(point)
-        if under is not None and under.timed and under.at_values:
+        if under is not None and self.board.keys[self.board.plots.index(under)][0] == kind:
             return self.board.keys[self.board.plots.index(under)], under
         self.view.show_plot(kind)
         if not self.board.plots:
@@ -92,12 +93,12 @@ class DataTool:
         return self.board.keys[where], self.board.plots[where]
 
     def _lay_numbers(self, path: Path, point: tuple[int, int]) -> None:
-        data = load_measured(path)
-        key, plot = self._plot(VELOCITIES, point)
+        data = read_table(path)
+        key, plot = self._plot(self._measured_kind(path, data, point), point)
         curves = len(plot.content.colours)
-        if len(data.columns) > curves:
-            raise UserError(_too_many(path, len(data.columns), curves))
-        laid = NumbersOverlay(data)
+        laid = NumbersOverlay.of(data, MEASURED_KINDS[key[0]])
+        if laid.values.shape[1] > curves:
+            raise UserError(_too_many(path, laid.values.shape[1], curves))
         self.board.overlays[key] = [laid]
         text = ngettext(
             "{n} time from {path} over {plot}",
@@ -110,7 +111,24 @@ class DataTool:
         if differences.size:
             difference = scientific(float(np.sqrt(np.mean(differences**2))), 1)
             text += _("; they differ by {difference} (root mean square)", difference=difference)
+        if not all(column.unit for column in data.along_row(MEASURED_KINDS[key[0]])):
+            text += _("; columns without a unit are taken to be in SI units")
         self.host.messages.show(text)
+
+    def _measured_kind(self, path: Path, data: MeasuredTable, point: tuple[int, int]) -> str:
+        """Return the kind of plot for a table: that at `point` if it shows a measured quantity, or else the first that does."""
+        kinds = [kind for kind, quantity in MEASURED_KINDS.items() if data.along_row(quantity)]
+        if not kinds:
+            columns = ", ".join(repr(column.name) for column in data.columns)
+            wrong = _(
+                "{path}: {columns}: no velocity, position or force along the row; name one such as v1 (m/s)",
+                path=path,
+                columns=columns,
+            )
+            raise UserError(wrong)
+        under = self.board.plot_at(point)
+        pointed = "" if under is None else self.board.keys[self.board.plots.index(under)][0]
+        return pointed if pointed in kinds else kinds[0]
 
     def _ask_edges(self, path: Path) -> None:
         picture = load_picture(path)
@@ -142,10 +160,10 @@ class DataTool:
 
 
 def _too_many(path: Path, columns: int, curves: int) -> str:
-    """That a table has more columns than a plot has curves."""
+    """Return the sentence for a table with more columns than the plot has curves."""
     return ngettext(
-        "{path}: has {columns} columns after the time, and the plot has {n} curve",
-        "{path}: has {columns} columns after the time, and the plot has {n} curves",
+        "{path}: has {columns} columns of this quantity, and the plot has {n} curve",
+        "{path}: has {columns} columns of this quantity, and the plot has {n} curves",
         curves,
         path=path,
         columns=columns,

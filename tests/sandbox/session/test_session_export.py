@@ -15,7 +15,6 @@ from softcradle.physics import Contact, Trajectory
 from softcradle.sandbox.draw.shared_scales import motion_of
 from softcradle.sandbox.session import inputs, recording
 from softcradle.sandbox.session.history_slices import last_slice
-from softcradle.sandbox.session.measured_data import load_measured
 from softcradle.sandbox.session.replay import Replay
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.values_table import values_csv, values_table
@@ -166,46 +165,6 @@ def test_beads_that_touch_are_a_length_apart():
     assert Signal("x", 2).values(session.lanes[0].motion, length)[0] == places[2]
     rows = [line.split(",") for line in values_csv(session).splitlines()]
     assert [float(row[3]) for row in rows[2:7]] == places
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "t,v0,v1\n0,1,0\n0.5,0.5,\n1,0,1\n",
-        "\n \nt;v0;v1\n0;1;0\n0,5;0,5;\n1;0;1\n",
-        "t\tv0\tv1\n\n0\t1\t0\n.5\t.5\t\n1\t0\t1\n",
-    ],
-)
-def test_commas_semicolons_and_tabs_part_columns(tmp_path, text):
-    (tmp_path / "track.csv").write_text(text)
-    data = load_measured(tmp_path / "track.csv")
-    assert data.columns == ("v0", "v1")
-    assert data.time.tolist() == [0.0, 0.5, 1.0]
-    assert data.values[:, 0].tolist() == [1.0, 0.5, 0.0]
-    assert np.isnan(data.values[1, 1])
-
-
-@pytest.mark.parametrize(
-    ("text", "sentence"),
-    [
-        ("", "needs a line of names"),
-        ("t,v\n0,1\n", "at least two rows"),
-        ("0,1\n1,2\n2,3\n", "first line must be names"),
-        ("t,v\n\n0,1\n0,2\n", "times must ascend, but 0 s in row 4 follows 0 s"),
-        ("\nt,v\n0,1\n\n1,fast\n", "'v' in row 5 is 'fast', not a finite number"),
-        ("t,v\n0,1\n1,inf\n", "'v' in row 3 is 'inf'"),
-        ("t,v\n0,1\n,2\n", "'t' in row 3 is ''"),
-        ("t,v\n0,1\n1,2,3\n", "row 3 has 3 cells, and 2 names"),
-        ("\udcff", "UTF-8"),
-        ('t,v\n0,"1\n' + "1,2\n" * 50_000, "more than 131072 characters; is a quote"),
-    ],
-)
-def test_what_is_no_table_is_refused_in_a_sentence(tmp_path, text, sentence):
-    (tmp_path / "track.csv").write_text(text, errors="surrogateescape")
-    with pytest.raises(UserError, match=sentence):
-        load_measured(tmp_path / "track.csv")
-    with pytest.raises(UserError, match="cannot read"):
-        load_measured(tmp_path / "none.csv")
 
 
 def metadata_of(path):

@@ -218,8 +218,8 @@ def test_a_table_that_is_dropped_lies_over_the_velocities(played: Driver, tmp_pa
     assert "differ by 0.25 (root mean square)" in played.messages[-1]
     overlay = played.page.board.overlays["velocities", 0][0]
     assert overlay.differences(plot) == pytest.approx(np.full(30 * 5, 0.25))
-    x = round(plot.area.left + plot.span.x(float(overlay.data.time[3])))
-    y = round(plot.area.top + float(plot.y(overlay.data.values[3, 1])))
+    x = round(plot.area.left + plot.span.x(float(overlay.time[3])))
+    y = round(plot.area.top + float(plot.y(overlay.values[3, 1])))
     ring = pygame.surfarray.array3d(played.app.surface)[x - 5 : x + 6, y - 5 : y + 6].astype(int)
     assert (np.ptp(ring, axis=2) > 40).any()  # in the colour of the bead
     played.key(pygame.K_x)
@@ -230,9 +230,22 @@ def test_a_table_that_is_dropped_lies_over_the_velocities(played: Driver, tmp_pa
     played.drop_file(tmp_path / "track.csv")
     assert [kind for kind, _ in played.page.board.overlays] == ["velocities"]
     played.key(pygame.K_x)
-    (tmp_path / "many.csv").write_text("t,a,b,c,d,e,f\n0,1,1,1,1,1,1\n1,1,1,1,1,1,1\n")
+    (tmp_path / "many.csv").write_text("t,v0,v1,v2,v3,v4,v5\n0,1,1,1,1,1,1\n1,1,1,1,1,1,1\n")
     played.drop_file(tmp_path / "many.csv")
-    assert "has 6 columns after the time, and the plot has 5 curves" in played.messages[-1]
+    assert "has 6 columns of this quantity, and the plot has 5 curves" in played.messages[-1]
+    assert not played.page.board.overlays
+
+
+def test_positions_are_not_laid_over_velocities(played: Driver, tmp_path) -> None:
+    (tmp_path / "track.txt").write_text("mass_A\nt\tx\ty\n0,0\t10\t1\n0,5\t11\t1\n")
+    played.move(played.page.board.plots[0].area.center)
+    played.drop_file(tmp_path / "track.txt")
+    assert [kind for kind, _ in played.page.board.overlays] == ["kymograph"]
+    assert "columns without a unit are taken to be in SI units" in played.messages[-1]
+    played.key(pygame.K_x)
+    (tmp_path / "phone.csv").write_text('"Time (s)","Acceleration x (m/s^2)"\n0,1\n1,2\n')
+    played.drop_file(tmp_path / "phone.csv")
+    assert "'Acceleration x': no velocity, position or force along the row" in played.messages[-1]
     assert not played.page.board.overlays
 
 
