@@ -26,7 +26,7 @@ PACKAGES = ("softcradle", "numba", "numpy", "scipy", "pymunk", "CyRK", "numbalso
 BENCHMARKS = {
     name: f"benchmarks.{name.replace('-', '_')}"
     for name in (
-        "steps", "chain-lengths", "many-chains", "long-chains", "added-cost", "work-precision", "tolerances",
+        "steps", "many-chains", "long-chains", "work-precision", "tolerances",
         "callbacks", "render", "window", "sweeps", "cold-start",
     )
 }  # fmt: skip

@@ -12,6 +12,7 @@ from typing import Any
 
 from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS, ERROR_LEVELS, ChartCase
 from softcradle.sandbox.studies.precision.measurement import ChartPoint, Solver, TimeLimits, measure_case, our_solvers
+from softcradle.sandbox.studies.precision.peers import missing_peers, peer_solvers
 from softcradle.sandbox.studies.precision.table import (
     CurveRow,
     MeasuredCase,
@@ -22,7 +23,6 @@ from softcradle.sandbox.studies.precision.table import (
     setting_text,
 )
 
-from benchmarks.peers import missing_peers, peer_solvers
 from benchmarks.reports import Report, at_most
 
 LIMITS = TimeLimits(run=1.0, series=3.0, case=60.0)

@@ -25,9 +25,9 @@ class Stroke(NamedTuple):
 def one_on_one(contact: Contact, reduced_mass: float, closing_speed: float) -> Stroke:
     """Solve ``mu d'' = -f(d)`` for two bodies that collide through one contact, from energy and quadrature.
 
-    power law, p = 1 + a   d_max = (p mu v^2 / (2 K))^(1/p),   T = (2 d_max / v) B(1/p, 1/2) / p preloaded spring
-    d + D = D cos wt + (v/w) sin wt,   w^2 = K / mu,   D = F / K,   T = (2/w) atan(v / (w D)) step force
-    d_max = mu v^2 / (2 F),   T = 2 mu v / F
+    power law, p = 1 + a   d_max = (p mu v^2 / (2 K))^(1/p),   T = (2 d_max / v) B(1/p, 1/2) / p
+    preloaded spring       d + D = D cos wt + (v/w) sin wt,   w^2 = K / mu,   D = F / K,   T = (2/w) atan(v / (w D))
+    step force             d_max = mu v^2 / (2 F),   T = 2 mu v / F
 
     The integral of dy / sqrt(1 - y^p) from 0 to 1 is B(1/p, 1/2) / p. A contact with loss l unloads with 1 - l of its
     force, which takes 1 / sqrt(1 - l) times as long as loading.

@@ -9,25 +9,13 @@ import pytest
 from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS
 
 from benchmarks import __main__ as command
-from benchmarks import added_cost, chain_lengths, many_chains, steps, sweeps, two_versions
+from benchmarks import many_chains, steps, sweeps, two_versions
 from benchmarks.steps import StepCase
 from benchmarks.work_precision import case_report
 from tests.helpers.paths import ROOT
 from tests.helpers.series import SHORT_LIMITS, our_solver
 
 pytestmark = pytest.mark.slow
-
-
-def test_steps_are_compared_with_the_powers_that_they_take():
-    row = next(chain_lengths.length_rows((70,), rounds=2))
-    assert set(row["powers"]) == set(chain_lengths.POWERS)
-    assert min(row["powers"].values()) > 0.0
-    assert row["over_best_power"] * min(row["powers"].values()) == pytest.approx(row["nanoseconds"])
-    assert 57 <= row["bytes"] < 200  # at least law, mass, overlap, rate, force, flag
-    base, exponent, result = np.array([0.01, 0.5]), np.array([0.1, 0.2]), np.empty(2)
-    for function in chain_lengths.POWERS.values():
-        function(base, exponent, result)
-        assert result == pytest.approx(base**exponent, rel=1e-15)
 
 
 def test_the_table_of_a_case_has_the_aims_of_accurate():
@@ -38,14 +26,6 @@ def test_the_table_of_a_case_has_the_aims_of_accurate():
     assert report.rows[0][3] == "- (0.22) missed"
     assert json.loads(json.dumps(report.data))["case"] == case.label
     assert report.data["solvers"][0]["fastest"][1]["error"] <= 1e-6
-
-
-@pytest.mark.parametrize("pair", added_cost.pairs(), ids=lambda pair: pair.name)
-def test_what_is_added_to_a_solve_is_all_that_differs(pair):
-    assert pair.samples > 2 or pair.chain != pair.plain
-    assert pair.chain.mass == pair.plain.mass
-    found = added_cost.measure(pair, rounds=1)
-    assert found["ratio"] == pytest.approx(found["with"] / found["without"])
 
 
 def test_two_versions_are_timed_on_the_same_chains_by_turns(monkeypatch, capsys):

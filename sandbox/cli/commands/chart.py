@@ -102,9 +102,9 @@ def _measured(
 
 
 def _peers() -> ModuleType | None:
-    """Other people's integrators, which a checkout has."""
+    """Return the module of other integrators, which a wheel does not contain, or None."""
     try:
-        from benchmarks import peers
+        from softcradle.sandbox.studies.precision import peers
     except ImportError:
         return None
     return peers

@@ -18,10 +18,10 @@ from softcradle.sandbox.studies.precision import measurement, table
 from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS, TRUTH_TOLERANCE, CaseDefinition, definitions_of
 from softcradle.sandbox.studies.precision.chart import draw_chart
 from softcradle.sandbox.studies.precision.measurement import NO_SAMPLES, Solver, TimeLimits, error_of, measure_series
+from softcradle.sandbox.studies.precision.peers import PEERS, missing_peers, peer_solvers
 from softcradle.sandbox.studies.precision.table import MeasuredCase, curve_rows, fastest, fitted_order, ratio
 from softcradle.scenes import load
 
-from benchmarks.peers import PEERS, missing_peers, peer_solvers
 from tests.helpers.series import SHORT_LIMITS, made_series, our_solver
 from tests.helpers.truth import ELASTIC
 
@@ -165,7 +165,9 @@ needs_numba = pytest.mark.skipif(
 
 @needs_numba
 def test_peers_integrate_unlike_laws_masses_and_drives_too(monkeypatch):
-    monkeypatch.setattr("benchmarks.peers.integrators.TIME_LIMIT", np.inf)  # a second, which is short beside other work
+    monkeypatch.setattr(
+        "softcradle.sandbox.studies.precision.peers.integrators.TIME_LIMIT", np.inf
+    )  # a second, which is short beside other work
     contacts = [power_law(1.0, 0.1), hertz(2.0), power_law(3.0, 1.0)]
     chain = Chain([1, 2, 0.5, np.inf], contacts, 0.0, [0.5, 0, 0.25, 0])
     unlike = CaseDefinition("unlike", "unlike", lambda: chain, 1.0, velocity=np.array([1.0, 0.5, 0.3, 0.0])).solve()
@@ -188,7 +190,9 @@ def test_verlet_by_hand_is_verlet(case):
 @pytest.mark.parametrize("peer", [peer for peer in PEERS if peer.name != "CyRK"], ids=lambda peer: peer.name)
 def test_an_installed_peer_reaches_the_truth(case, peer, monkeypatch):
     pytest.importorskip(peer.package)
-    monkeypatch.setattr("benchmarks.peers.integrators.TIME_LIMIT", np.inf)  # a second, which is short beside other work
+    monkeypatch.setattr(
+        "softcradle.sandbox.studies.precision.peers.integrators.TIME_LIMIT", np.inf
+    )  # a second, which is short beside other work
     solver = next(solver for solver in peer.solvers(case)[::-1] if solver.name != "SciPy Radau")
     fineness = 30000.0 if solver.steps else 1e-12 if solver.name == "CVODE BDF" else 1e-10
     start = case.starts([0.0])[0]
@@ -203,14 +207,14 @@ def test_an_installed_peer_reaches_the_truth(case, peer, monkeypatch):
 @pytest.mark.parametrize("package", ["scipy", "sksundae"])
 def test_a_peer_called_from_python_gives_up_at_its_time_limit(monkeypatch, package):
     pytest.importorskip(package)
-    monkeypatch.setattr("benchmarks.peers.integrators.TIME_LIMIT", 0.02)
+    monkeypatch.setattr("softcradle.sandbox.studies.precision.peers.integrators.TIME_LIMIT", 0.02)
     case = DEFINITIONS["one-on-10"].solve(by_reference=False)
     (peer,) = (peer for peer in PEERS if peer.package == package)
     assert peer.solvers(case)[0].run(1e-8, case.starts([0.0])[0], NO_SAMPLES).velocity is None
 
 
 def test_missing_peers_are_left_out(monkeypatch):
-    monkeypatch.setattr("benchmarks.peers.find_spec", lambda package: None)
+    monkeypatch.setattr("softcradle.sandbox.studies.precision.peers.find_spec", lambda package: None)
     assert missing_peers() == list(PEERS)
     assert peer_solvers(SimpleNamespace(chain=one_on(2, hertz(1.0)))) == []
 

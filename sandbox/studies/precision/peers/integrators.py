@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.studies.precision.cases import ChartCase, Start
 from softcradle.sandbox.studies.precision.measurement import Solution, Solver, step_counts, tolerances
-
-from benchmarks.peers.problem import (
+from softcradle.sandbox.studies.precision.peers.problem import (
     TimeLimitError,
     absolute_tolerances,
     derivatives,

@@ -23,7 +23,7 @@ class Peer(NamedTuple):
 
     def solvers(self, case: ChartCase) -> list[Solver]:
         """Solvers of the case, none where the peer cannot take it."""
-        from benchmarks.peers import integrators  # needs numba
+        from softcradle.sandbox.studies.precision.peers import integrators  # needs numba
 
         found: list[Solver] = getattr(integrators, self.function)(case)
         return found
