@@ -184,7 +184,7 @@ def integrate(
             beside = time if time < until else before + (1.0 - BESIDE) * (time - before)
             acts = put_drive(beside if beside < until else before, chain, regime)
         counter[STEP] += 1
-        if open_passed(row, time, chain, regime, motion, bounds, scratch):
+        if open_passed(row, h, time, chain, regime, motion, trial, bounds, scratch):
             control[LAST] = 0.0
         log_switches(before, time, row, chain, regime, motion, wanted, scratch, log)
         grow_errors(row, side, before, chain, regime, motion, wanted, scale, scratch)

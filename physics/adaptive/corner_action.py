@@ -318,10 +318,21 @@ def stop_rate(i, chain, motion):
 
 
 @inlined
-def open_passed(row, time, chain, regime, motion, bounds, scratch):
-    """Open the contacts that the step to `time` has carried past d = 0; returns True where there are any.
+def is_touch(i, h, motion, trial, slow):
+    """Return True if the overlap of contact i, of either sign, is that of a touch after a step of length `h`.
 
-    What closes inactive stays at d = 0: beyond it, where nothing pushes it back yet, it would gain energy.
+    That is at most what a rate of `slow` [m/s], which counts as none, moves in the step, and the round-off of its overlaps.
+    """
+    depth = max(abs(trial.overlap[0, i]), abs(trial.overlap[1, i]))
+    return abs(motion.overlap[i]) <= slow * h + ROUND_OFF * depth
+
+
+@inlined
+def open_passed(row, h, time, chain, regime, motion, trial, bounds, scratch):
+    """Open the contacts that the step of length `h`, the `trial`, has carried past d = 0; return True if there are any.
+
+    A gap or overlap larger than round-off stays as it is. A force with an exponent above 1 vanishes so smoothly that a step goes
+    far past the opening, and the beads may stop there: on a bed they are then at rest, and apart.
     """
     any_passed, inactive = False, TOLERANCE_PART * bounds.wanted
     for i in range(motion.mode.size):
@@ -329,8 +340,9 @@ def open_passed(row, time, chain, regime, motion, bounds, scratch):
         if inward == 0.0 or (inward < 0.0) == (motion.mode[i] == OPEN) or i == row:
             continue
         if motion.mode[i] == OPEN:
-            rate = motion.rate[i]
-            if is_smooth(chain.law, i) and closes_inactive(chain, i, inactive, rate, rate, inward):
+            rate, touches = motion.rate[i], is_touch(i, h, motion, trial, inactive)
+            # at d > 0, where nothing has pushed it back yet, it would gain energy
+            if touches and is_smooth(chain.law, i) and closes_inactive(chain, i, inactive, rate, rate, inward):
                 motion.overlap[i] = 0.0
             else:  # its event could not be met
                 motion.mode[i] = LOADED
@@ -338,7 +350,8 @@ def open_passed(row, time, chain, regime, motion, bounds, scratch):
             any_passed = True
             motion.force[i] = 0.0
             bend = acceleration_of(i, chain, motion.force, 0.0)
-            if abs(motion.rate[i]) > bounds.slow or bend < 0.0:
+            touches = is_touch(i, h, motion, trial, bounds.slow) and abs(motion.rate[i]) <= bounds.slow
+            if not touches or bend < 0.0:
                 motion.mode[i] = OPEN
             else:  # pushed from both sides, or not at all, and too slow to count: it stays at 0
                 if bend == 0.0 and scratch.parting[i] == 0.0:

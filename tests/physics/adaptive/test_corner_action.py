@@ -7,7 +7,7 @@ from softcradle.physics.adaptive import corner_action
 from softcradle.physics.adaptive.corner_action import cross, decide, ease, open_passed, settle_bead, stop_rate
 from softcradle.physics.adaptive.corner_search import guard_of, stays
 from softcradle.physics.adaptive.row_graphs import ORIGIN, of_segment, put_segment
-from softcradle.physics.adaptive.step_records import WORK_ROWS, Bounds, empty_scratch
+from softcradle.physics.adaptive.step_records import WORK_ROWS, Bounds, empty_scratch, empty_trial
 from softcradle.physics.adaptive.yield_or_slip import balance
 from softcradle.physics.kernel_records import empty_log
 from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
@@ -112,6 +112,8 @@ PASSED = [
     (LOADED, -1e-12, -1e-9, 0.0, OPEN, -1e-12), (LOADED, -1e-12, -1e-14, 0.0, LOADED, 0.0),  # and where none does
     (OPEN, 1e-12, 1e-3, 0.3, LOADED, 1e-12), (OPEN, -1e-12, 1e-3, 0.3, OPEN, -1e-12),  # its event was not met, or is to come
     (OPEN, 1e-14, 0.05 * BOUNDS.wanted, 0.3, OPEN, 0.0),  # it closes too slowly to count
+    (LOADED, -1e-3, 0.0, 0.0, OPEN, -1e-3), (LOADED, -1e-3, 0.0, 0.3, OPEN, -1e-3),  # at rest, but apart
+    (OPEN, 1e-3, 0.0, 0.3, LOADED, 1e-3),
 ]  # fmt: skip
 
 
@@ -121,7 +123,10 @@ def test_contacts_that_a_step_has_carried_past_their_corner(mode, overlap, rate,
     motion = rows.motion
     motion.mode[:], motion.overlap[:], motion.force[:] = LOADED, 0.5, push
     motion.mode[1], motion.overlap[1], motion.rate[1], motion.force[1] = mode, overlap, rate, 0.0
-    assert open_passed(-1, 2.0, rows.chain, rows.regime, motion, BOUNDS, rows.scratch) == (mode == LOADED)
+    trial = empty_trial(3)
+    trial.overlap[2] = motion.overlap
+    passed = open_passed(-1, 1.0, 2.0, rows.chain, rows.regime, motion, trial, BOUNDS, rows.scratch)
+    assert passed == (mode == LOADED)
     assert (motion.mode.tolist(), motion.overlap.tolist()) == ([LOADED, then, LOADED], [0.5, at, 0.5])
     assert motion.rate[1] == (0.0 if then == LOADED and mode == LOADED else rate)
     assert rows.scratch.parting[1] == (-rate if push == at == 0.0 else 0.0)  # what it is off by when it is pushed again
