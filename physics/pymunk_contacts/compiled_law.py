@@ -8,6 +8,8 @@ from functools import cache
 from softcradle.physics.numerics.jit import c_function
 from softcradle.physics.numerics.law_kernels import force
 
+# Part of the touching distance: deeper contacts are checked in Python, because the bodies may pass through each other.
+DEEP = 0.5
 LAW_SLOT = 18  # pointer-sized slot of a Chipmunk spring that holds the address of its law
 
 try:
@@ -33,7 +35,7 @@ def push(spring, distance):
     """Force at `distance`; the law is found through the spring.
 
     It is (preload, stiffness, exponent, touching distance, overlap, was closed, address); an overlap that is not NaN is
-    taken as it is. A contact that closes, and one whose overlap is no number, is left to the function at `address`, where
+    used as it is. A contact that closes, that is deep, or whose overlap is NaN is left to the function at `address`, if
     that is not 0.
     """
     law = spring[LAW_SLOT]
@@ -41,7 +43,7 @@ def push(spring, distance):
     if math.isnan(overlap):
         overlap = law[3] - distance
         was_closed, law[5] = law[5], 1.0 if overlap > 0.0 else 0.0
-        if law[6] != 0.0 and (law[5] > was_closed or math.isnan(overlap)):
+        if law[6] != 0.0 and (law[5] > was_closed or overlap > DEEP * law[3] or math.isnan(overlap)):
             return call_at(int(law[6]), spring, distance)
     return force(law[0], law[1], law[2], overlap)
 

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, SupportsFloat
-from weakref import WeakKeyDictionary
 
 import numpy as np
 import pymunk
@@ -21,6 +18,14 @@ from softcradle.physics.numerics import law_kernels
 from softcradle.physics.numerics.plain_kernels import plain
 from softcradle.physics.own_law import Law, OwnLaw, is_law
 from softcradle.physics.pymunk_contacts import compiled_force as compiled
+from softcradle.physics.pymunk_contacts.blow_watch import (
+    FASTER,
+    kinetic_energy,
+    passing_sentence,
+    warn_after_step,
+    watch_of,
+)
+from softcradle.physics.pymunk_contacts.compiled_law import DEEP
 from softcradle.physics.pymunk_contacts.post_step import (
     call_after_step,
     raise_after_step,
@@ -32,22 +37,22 @@ from softcradle.physics.pymunk_contacts.post_step import (
 Pair = tuple[float, float]
 LawLike = Law | Callable[[float], SupportsFloat]
 
-FASTER = 1.1  # times the speed for which a step was found short enough: it is looked at again
-
 
 class SoftContact(pymunk.DampedSpring):
-    """Two bodies that push each other apart while their anchors are nearer than they can be without pressing.
+    """Contact of two bodies, which pushes them apart while their anchors are nearer than `touching_distance`.
 
     Works like a ``pymunk.DampedSpring`` whose force is that of a :class:`~softcradle.physics.contact.Contact`, and only
     while ``overlap = touching_distance - distance > 0``. The force is evaluated once a step, after the bodies have moved, as
-    in symplectic Euler: use `substeps`, for contacts are short. Where a contact closes in a step that is too long for it, a
-    RuntimeWarning says so, once for each law in a Space. It acts along the line between the anchors, so the overlap must
-    stay smaller than `touching_distance`.
+    in symplectic Euler: use `substeps`, for contacts are short. If a contact closes in a step that is too long for it, there
+    is one RuntimeWarning for each law in a Space. The force acts along the line between the anchors, so the overlap must
+    stay smaller than `touching_distance`. If the bodies pass through each other, a RuntimeWarning gives the stiffness that
+    would hold them.
 
     It replaces the collision between the two bodies' shapes: `collide_bodies` is False unless set to True.
 
-    A Contact with loss pushes with a part of its force while the bodies move apart. Its force depends on their velocities,
-    so it is always a Python callback.
+    A Contact with loss pushes with a part of its force while the bodies move apart, and with anything between that part and
+    the whole while they are at rest: the force that holds them. To find it, the contact expects the other forces on the
+    bodies to stay as they were in the last step. Its force depends on velocities, so it is always a Python callback.
 
     Copy and pickle include it, but not a `force_func` of your own.
 
@@ -99,6 +104,7 @@ class SoftContact(pymunk.DampedSpring):
         "contact",
         "_native",
     ]
+    _pickle_attrs_general = pymunk.Constraint._pickle_attrs_general + ["_was_closed", "_others"]  # noqa: RUF005 - as above
 
     def __init__(
         self,
@@ -123,6 +129,7 @@ class SoftContact(pymunk.DampedSpring):
         self._known_overlap = self._known_rate = math.nan
         self._compiled_law: Any = None
         self._was_closed = False
+        self._others = 0.0  # change of the closing rate by all other forces in the last step, per second [m/s²]
         self._looked_at: tuple[float, ...]  # step [s], and the speed [m/s] and 1/mass [1/kg] at which it was looked at
         self.force_func = SoftContact.contact_force  # type: ignore[assignment]  # its first argument is narrower
         self.contact = contact
@@ -142,12 +149,17 @@ class SoftContact(pymunk.DampedSpring):
             return 0.0
         try:
             _require_in_space(spring, overlap)
+            step = space_of(spring).current_time_step
+            if step < 0.0:  # pymunk's springs then give velocities that are NaN
+                raise ValueError(f"a SoftContact cannot step back in time: dt must be > 0, not {step:g}")
             force = spring._law(overlap)
             if not math.isfinite(force):
                 raise ValueError(f"a law must give a finite force, not {force!r} at an overlap of {overlap:.6g} m")
             if not was_closed or spring._compiled_law is not None:
                 spring._look_at_step(overlap)
-            return (1.0 - spring._loss) * force if spring._loss and spring._moves_apart() else force
+            if overlap > DEEP * spring._touching_distance:
+                spring._look_for_passing()
+            return spring._push_with_loss(force, was_closed) if spring._loss else force
         except BaseException as error:  # KeyboardInterrupt too, which pymunk would only print
             raise_after_step(spring, error)
             return 0.0
@@ -234,13 +246,13 @@ class SoftContact(pymunk.DampedSpring):
         if not math.isnan(self._known_overlap):
             return
         space = space_of(self)
-        watch = _watches.setdefault(space, _Watch())
+        watch = watch_of(space)
         step, rate, yielding = space.current_time_step, self.rate, self._yielding()
         before = overlap - step * rate
         released = 2.0 * yielding * self._stores.energy(before) if before > 1e-9 * overlap else 0.0
         watch.fastest = speed = max(watch.fastest, math.sqrt(rate * rate + released))
         pairs = zip((step, speed, yielding), self._looked_at, strict=True)
-        if all(now <= FASTER * then for now, then in pairs) or repr(self._contact) in watch.warned:
+        if all(now <= FASTER * then for now, then in pairs) or repr(self._contact) in watch.too_long:
             return
         self._looked_at = step, speed, yielding
         try:
@@ -248,14 +260,14 @@ class SoftContact(pymunk.DampedSpring):
         except (ValueError, ArithmeticError):  # a law of its own with no force or energy at some depths says so there
             return
         if step > limit:
-            watch.warned.add(repr(self._contact))
+            watch.too_long.add(repr(self._contact))
             law = getattr(self._stores, "name", self._stores)
             sentence = (
                 f"SoftContact with step {step:.3g} s is past its limit of about {limit:.2g} s at {speed:.3g} m/s: energy may "
                 f"grow; take {math.ceil(step / limit)} steps in its place, contact.substeps(dt, speed), or a SoftChain. The "
                 f"contact: {law}"
             )
-            call_after_step(self, lambda: warnings.warn(sentence, RuntimeWarning, stacklevel=5))
+            warn_after_step(self, sentence)
 
     @property
     def native(self) -> bool:
@@ -266,8 +278,55 @@ class SoftContact(pymunk.DampedSpring):
     stiffness = settled(lambda _: 0.0, "a SoftContact has no stiffness of its own: set its contact")
     damping = settled(lambda _: 0.0, "a SoftContact has no damping: a damper would pull bodies that are apart")
 
-    def _moves_apart(self) -> bool:
-        return (self.rate if math.isnan(self._known_rate) else self._known_rate) < 0.0
+    def _push_with_loss(self, force: float, was_closed: bool) -> float:
+        """Return what a contact with loss pushes with: `force`, what the loss leaves of it, or what keeps the bodies at rest."""
+        least = (1.0 - self._loss) * force
+        if not math.isnan(self._known_rate):
+            return least if self._known_rate < 0.0 else force
+        step, rate, yielding = space_of(self).current_time_step, self.rate, self._yielding()
+        if not was_closed:
+            self._others = 0.0
+        held = (rate / step + self._others) / yielding  # with this force the bodies are at rest at the end of the step
+        push = min(max(held, least), force)
+        alone = rate - step * yielding * push  # the rate after the step, without the other forces
+        call_after_step(self, lambda: setattr(self, "_others", (self.rate - alone) / step))
+        return push
+
+    def _look_for_passing(self) -> None:
+        """Warn at the end of a step in which the bodies have passed through each other, once for each law in a Space."""
+        if not math.isnan(self._known_overlap):
+            return
+        space = space_of(self)
+        ends = self.a.local_to_world(self.anchor_a), self.b.local_to_world(self.anchor_b)
+        now = ends[1] - ends[0]
+        moving = self.b.velocity_at_world_point(ends[1]) - self.a.velocity_at_world_point(ends[0])
+        before = now - space.current_time_step * moving
+        watch, law = watch_of(space), repr(self._contact)
+        if now.dot(before) >= 0.0 or law in watch.passed:
+            return
+        watch.passed.add(law)
+        pressed = max(self._touching_distance - before.length, 0.0)
+        energy = self._energy_around(space) + self._stores.energy(pressed)
+        warn_after_step(
+            self, passing_sentence("two bodies of a SoftContact", self._stores, energy, self._touching_distance)
+        )
+
+    def _energy_around(self, space: pymunk.Space) -> float:
+        """Return the energy [J] of the bodies that soft contacts join to the two, without what this contact stores."""
+        there = set(space.constraints)
+        bodies: dict[pymunk.Body, None] = {}
+        contacts: dict[SoftContact, None] = {}
+        waiting = [self.a, self.b]
+        while waiting:
+            body = waiting.pop()
+            if body in bodies:
+                continue
+            bodies[body] = None
+            if body.body_type == pymunk.Body.DYNAMIC:
+                own = [found for found in body.constraints if isinstance(found, SoftContact) and found in there]
+                contacts.update(dict.fromkeys(own))
+                waiting += [end for found in own for end in (found.a, found.b)]
+        return kinetic_energy(bodies) + math.fsum(contact.energy for contact in contacts if contact is not self)
 
     def _take_overlap(self, overlap: float, rate: float) -> None:
         """Use this overlap [m] and rate [m/s] from now on: the caller, who looks after steps, knows more digits of the one than
@@ -306,22 +365,11 @@ class SoftContact(pymunk.DampedSpring):
         self._was_closed = False
 
 
-@dataclass
-class _Watch:
-    """Of the soft contacts of a Space: the fastest blow [m/s] so far, and the laws of which a step was said to be too long."""
-
-    fastest: float = 0.0
-    warned: set[str] = field(default_factory=set)
-
-
-_watches: WeakKeyDictionary[pymunk.Space, _Watch] = WeakKeyDictionary()
-
-
 def _require_in_space(spring: SoftContact, overlap: float) -> None:
-    """An error where a body that moves has been removed from the Space and its contact has not, or moves by no number."""
+    """Raise an error if a dynamic body of the contact is not in the Space, or if its motion is not finite."""
     for body in (spring.a, spring.b):
         if body.space is None and body.body_type == pymunk.Body.DYNAMIC:
-            raise RuntimeError("a body of a SoftContact is not in the Space: remove its contacts with it")
+            raise RuntimeError("a body of a SoftContact is not in the Space: add it, or remove its contacts with it")
         if math.isnan(overlap):
             require_finite(body, "a body of a SoftContact")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import math
 from collections.abc import Callable
 from typing import Any
@@ -14,13 +15,14 @@ _spaces: WeakKeyDictionary[pymunk.Constraint, Callable[[], pymunk.Space | None]]
 
 
 def space_of(constraint: pymunk.Constraint) -> pymunk.Space:
-    """The Space that steps `constraint`: that of its bodies, or the last one where they have been removed."""
+    """Return the Space that steps `constraint`, also if its bodies were removed from the Space or never added."""
     space = constraint.a.space or constraint.b.space
     if space is None:
         space = _spaces.get(constraint, lambda: None)()
-        assert space is not None, "a constraint was added to a Space, and none of its bodies"
-    else:
-        _spaces[constraint] = ref(space)
+    if space is None:  # pymunk does not keep the Space in its constraints; this search is only for an error
+        spaces = (found for found in gc.get_objects() if isinstance(found, pymunk.Space))
+        space = next(found for found in spaces if constraint in found.constraints)
+    _spaces[constraint] = ref(space)
     return space
 
 
@@ -41,7 +43,7 @@ def raise_after_step(constraint: pymunk.Constraint, error: BaseException) -> Non
 
 
 def require_finite(body: pymunk.Body, what: str) -> None:
-    """Raise ValueError where what moves `body` is no finite number."""
+    """Raise ValueError if the position, velocity or force of `body` is not finite."""
     for name in ("velocity", "position", "angular_velocity", "angle", "force"):
         value = getattr(body, name)
         if not math.isfinite(value if isinstance(value, float) else sum(value)):
@@ -49,7 +51,7 @@ def require_finite(body: pymunk.Body, what: str) -> None:
 
 
 def settled(value: Callable[[Any], object], why: str) -> property:
-    """A property of a spring that nobody sets: who tries is told `why`."""
+    """Return a read-only property of a spring; setting it raises an AttributeError with the text `why`."""
 
     def refuse(spring: object, given: object) -> None:
         raise AttributeError(why)

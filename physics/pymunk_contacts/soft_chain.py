@@ -12,11 +12,21 @@ from typing import Any
 import numpy as np
 import pymunk
 from numpy.typing import ArrayLike, NDArray
-from softcradle.physics.checked_input import number_array, require_kind, shown
+from softcradle.physics.chain import Chain
+from softcradle.physics.checked_input import magnitude, number_array, require_kind, shown
 from softcradle.physics.contact import Contact, power_law
+from softcradle.physics.coupler import Coupler
 from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.numerics.contact_solve import BEAD_ROWS
 from softcradle.physics.numerics.records import NO_JOINTS, NOTHING
+from softcradle.physics.own_law import is_law
+from softcradle.physics.pymunk_contacts.blow_watch import (
+    FASTER,
+    kinetic_energy,
+    passing_sentence,
+    warn_after_step,
+    watch_of,
+)
 from softcradle.physics.pymunk_contacts.post_step import (
     call_after_step,
     raise_after_step,
@@ -32,10 +42,16 @@ from softcradle.physics.pymunk_contacts.soft_chain_step import (
     start_chain_step,
 )
 from softcradle.physics.pymunk_contacts.space_forces import SpaceForces, centres
+from softcradle.physics.scales import scales_at
 
 Array = NDArray[np.float64]
 
 CHAIN_METHODS = ("conserving",)  # values of the argument `method`
+# Error of velocities after a blow, relative to its speed, that is allowed by default: what can be seen in a game.
+VISIBLE_ERROR = 0.05
+# Error of velocities after a blow in steps as long as the shortest contact, relative to its speed. The error falls with the
+# square of the step. `python -m benchmarks soft-chains` scans random rows for it.
+ERROR_AT_CONTACT_TIME = 3.0
 # what moves in a chain
 ROWS = ("_overlap", "_rate", "_lag", "_outside", "_acted", "_force", "_place", "_speed", "_absorbed")
 
@@ -85,9 +101,9 @@ class SoftChain:
     ----------
     bodies : sequence of pymunk.Body
         Bodies in the order of the row, n+1 >= 2 of them; of two neighbours one at least must be dynamic.
-    contacts : Contact or sequence of Contact
+    contact : Contact or sequence of Contact
         One for all or n of them.
-    touching_distances : float or array_like, shape (n,)
+    touching_distance : float or array_like, shape (n,)
         Distance > 0 [m] of the centres of two bodies that just touch: one for all or n.
     method : str, optional
         "conserving", the only one so far.
@@ -108,7 +124,7 @@ class SoftChain:
     >>> for i, ball in enumerate(balls):
     ...     ball.position = i, 0
     >>> balls[0].velocity = 1, 0
-    >>> chain = SoftChain(balls, hertz(100), touching_distances=1)
+    >>> chain = SoftChain(balls, hertz(100), touching_distance=1)
     >>> space.add(*balls, *chain)
     >>> for _ in range(90):
     ...     space.step(1 / 60)
@@ -119,13 +135,14 @@ class SoftChain:
     """
 
     _contacts: tuple[Contact, ...]
+    _checked: tuple[float, float]  # step [s] and speed [m/s] that were found short enough
     _touching: Array
 
     def __init__(
         self,
         bodies: Sequence[pymunk.Body],
-        contacts: Contact | Sequence[Contact],
-        touching_distances: ArrayLike,
+        contact: Contact | Sequence[Contact],
+        touching_distance: ArrayLike,
         method: str = "conserving",
     ) -> None:
         if method not in CHAIN_METHODS:
@@ -150,9 +167,11 @@ class SoftChain:
         self._absorbed = np.zeros(1)
         self._step = 0.0  # of the last step; 0 when there was none
         self._gone: list[int] = []  # contacts that were not in the Space in the last step
+        self._pushed = np.zeros(n, dtype=bool)  # contacts that pushed in the last step
+        self._fastest = 0.0  # speed of the fastest blow so far [m/s]
         self._unread: list[float | None] = [None] * n  # forces of the step under way that pymunk has not read yet
-        self.contacts = contacts
-        self.touching_distances = touching_distances
+        self.contact = contact
+        self.touching_distance = touching_distance
         self._links = tuple(_Link.between(self, i) for i in range(n))
 
     @classmethod
@@ -203,34 +222,80 @@ class SoftChain:
     def __len__(self) -> int:
         return len(self._links)
 
+    def __getitem__(self, index: int) -> pymunk.Constraint:
+        return self._links[index]
+
+    def substeps(self, dt: float, speed: float, error: float = VISIBLE_ERROR) -> int:
+        """Return the number of equal steps to divide `dt` into, so that a blow is resolved.
+
+        Energy and momentum need no substeps. The velocities of single bodies do: with this number they are right to `error`
+        after a blow in which each contact closes once. Errors of successive blows multiply.
+
+        Parameters
+        ----------
+        dt : float
+            Time [s] between two frames, for instance.
+        speed : float
+            Closing speed [m/s] of the fastest blow.
+        error : float, optional
+            Allowed error of velocities, relative to `speed`. The number of substeps grows with its inverse square root.
+
+        Returns
+        -------
+        int
+            Number of substeps, at least 1.
+        """
+        length, closing = magnitude("dt", dt), magnitude("speed", speed)
+        return max(1, math.ceil(length / self._longest_step(closing, magnitude("error", error))))
+
+    def _longest_step(self, speed: float, error: float = VISIBLE_ERROR) -> float:
+        """Return the longest step [s] for a blow at `speed` [m/s]."""
+        for i, body in enumerate(self.bodies):
+            if body.body_type == pymunk.Body.DYNAMIC and not body.mass:
+                raise ValueError(f"body {i} of a SoftChain has no mass yet: give it one, or shapes with density")
+        mass = [body.mass if body.body_type == pymunk.Body.DYNAMIC else math.inf for body in self.bodies]
+        times = scales_at(Chain(mass, list(self._contacts)), speed)[1]
+        times[self._gone] = math.inf
+        return float(times.min()) * math.sqrt(error / ERROR_AT_CONTACT_TIME)
+
     @property
-    def contacts(self) -> tuple[Contact, ...]:
+    def contact(self) -> tuple[Contact, ...]:
         """The n laws; set one for all or n of them: they count from the next step on."""
         return self._contacts
 
-    @contacts.setter
-    def contacts(self, contacts: Contact | Sequence[Contact]) -> None:
+    @contact.setter
+    def contact(self, contact: Contact | Sequence[Contact]) -> None:
         n = len(self.bodies) - 1
-        found = tuple(contacts) if isinstance(contacts, Sequence) else (contacts,) * n
-        if len(found) != n or not all(isinstance(contact, Contact) for contact in found):
+        found = tuple(contact) if isinstance(contact, Sequence) else (contact,) * n
+        for law in found:
+            if isinstance(law, Coupler):
+                raise ValueError(
+                    "a SoftChain takes no Coupler, its contacts only push: take simulate(..., method='conserving'), or a "
+                    "Contact, and pymunk's joints for the pull"
+                )
+            if is_law(law) and not isinstance(law, Contact):
+                raise ValueError(
+                    f"a SoftChain takes Contacts, no other laws such as {shown(law)}: take a SoftContact, with contact.substeps"
+                )
+        if len(found) != n or not all(isinstance(law, Contact) for law in found):
             raise ValueError(
-                f"a SoftChain of {n + 1} bodies needs one Contact for all or {n} of them, not {shown(contacts)}"
+                f"a SoftChain of {n + 1} bodies needs one Contact for all or {n} of them, not {shown(contact)}"
             )
-        self._contacts = found
+        self._contacts, self._checked = found, (0.0, 0.0)
         self._law = np.array([(contact.preload, contact.stiffness, contact.exponent) for contact in found])
         self._loss = np.array([contact.loss for contact in found])
 
     @property
-    def touching_distances(self) -> Array:
+    def touching_distance(self) -> Array:
         """(n,) distances of the centres of two bodies that just touch [m]; set one for all or n: they count at once."""
         return self._touching.copy()
 
-    @touching_distances.setter
-    def touching_distances(self, distances: ArrayLike) -> None:
+    @touching_distance.setter
+    def touching_distance(self, distances: ArrayLike) -> None:
         n = len(self.bodies) - 1
-        found = number_array("touching_distances", distances).copy()
+        found = number_array("touching_distance", distances).copy()
         if found.shape not in ((), (n,)) or not (np.isfinite(found) & (found > 0.0)).all():
-            raise ValueError(f"touching_distances must be one or {n} finite numbers > 0, not {shown(distances)}")
+            raise ValueError(f"touching_distance must be one or {n} finite numbers > 0, not {shown(distances)}")
         if self._step:
             self._overlap += found - self._touching
         self._touching = np.broadcast_to(found, (n,)).copy()
@@ -259,8 +324,7 @@ class SoftChain:
     @property
     def energy(self) -> float:
         """Energy [J] stored in the contacts; contacts with loss give only a part of it back."""
-        pairs = zip(self._contacts, self.overlaps.tolist(), strict=True)
-        return math.fsum(float(contact.energy(overlap)) for contact, overlap in pairs)
+        return self._stored(self.overlaps)
 
     @property
     def absorbed(self) -> float:
@@ -272,6 +336,11 @@ class SoftChain:
         """Centres of gravity [m] at the time of the bodies' velocities, half a step after ``position``."""
         position, velocity = centres(self.bodies)
         return [pymunk.Vec2d(*place) for place in (position + 0.5 * self._step * velocity).tolist()]
+
+    def _stored(self, overlaps: Array) -> float:
+        """Return the energy [J] that the contacts store at these overlaps [m]."""
+        pairs = zip(self._contacts, overlaps.tolist(), strict=True)
+        return math.fsum(float(contact.energy(overlap)) for contact, overlap in pairs)
 
     def _taken_out(self) -> list[int]:
         """The contacts that are in no Space now: of a chain without any in one, no step tells."""
@@ -295,6 +364,10 @@ class SoftChain:
         self._gone = [i for i, other in enumerate(self._links) if other not in there]
         self._require_own_bodies(space)
         step = space.current_time_step
+        if step < 0.0:
+            raise ValueError(
+                f"a SoftChain cannot step back in time: dt must be > 0, not {step:g}; chain.restore goes back to a chain.state"
+            )
         outside = SpaceForces.of(space, self.bodies, step)
         for i in np.flatnonzero(~np.isfinite(outside.position + outside.expected).all(axis=1)).tolist():
             require_finite(self.bodies[i], f"body {i} of a SoftChain")
@@ -304,9 +377,10 @@ class SoftChain:
             _tier(start_chain_step)(step, *bodies, *own, self._force)
         before = self._step or step
         _tier(begin_chain_step)(step, before, *bodies, self._direction, *own)
+        self._look_for_passing(link, step, outside)
         self._acted *= step / before
         self._step = step
-        call_after_step(link, self._end_step)
+        call_after_step(link, lambda: self._end_step(link))
         at_one_place = np.flatnonzero(~self._direction.any(axis=1)).tolist()  # pymunk has no line along which to push
         if apart := [*self._gone, *at_one_place]:  # whatever the bodies do in this step
             fastest = np.abs(outside.velocity).max() + np.abs(outside.expected).max()
@@ -315,22 +389,29 @@ class SoftChain:
         moving = outside.mobility, outside.expected, outside.velocity, self._direction
         contacts = self._lag, self._outside, self._overlap, self._rate, self._force
         loss, memory = self._loss if self._loss.any() else NOTHING, (self._beads, self._work)
+        overlap, rate = self._overlap.copy(), self._rate.copy()
         solved = _tier(solve_chain_step)(step, self._law, NO_JOINTS, loss, self._absorbed, moving, *contacts, memory)
         self._unread = self._force.tolist()
+        self._check_step(link, overlap, rate)
         if not solved:
             warnings.warn(
                 "the contacts of a SoftChain did not converge: take a smaller step", RuntimeWarning, stacklevel=2
             )
 
     def _require_own_bodies(self, space: pymunk.Space) -> None:
-        """RuntimeError where a body has been removed from the Space or no contact can move it, or two SoftChains share it."""
+        """Raise RuntimeError if a body is not in the Space, if no contact can move it, or if two SoftChains share it."""
         pushed = {
             i: body for i, body in enumerate(self.bodies) if not {i - 1, i} <= {-1, len(self._links), *self._gone}
         }
+        moving = [body for body in pushed.values() if body.body_type == pymunk.Body.DYNAMIC]
+        if len(moving) > 1 and all(body.space is not space for body in moving):
+            raise RuntimeError(
+                "the contacts of a SoftChain are in the Space, its bodies are not: space.add(*chain.bodies), without the walls"
+            )
         for i, body in pushed.items():
             if body.space is not space and body.body_type == pymunk.Body.DYNAMIC:
                 raise RuntimeError(
-                    f"body {i} of a SoftChain is not in the Space, a contact of it is: chain.remove_from(space, body)"
+                    f"body {i} of a SoftChain is not in the Space, a contact of it is: add it, or chain.remove_from(space, body)"
                 )
         for i in range(len(self._links)):
             if i not in self._gone and all(body.body_type != pymunk.Body.DYNAMIC for body in self.bodies[i : i + 2]):
@@ -354,8 +435,68 @@ class SoftChain:
                 "row, or join them by a SoftContact"
             )
 
-    def _end_step(self) -> None:
+    def _check_step(self, link: _Link, overlap: Array, rate: Array) -> None:
+        """Warn if the step is too long for a blow that begins in it, from the `overlap` and `rate` before the step."""
+        pushes = self._force > 0.0
+        begins, self._pushed = pushes & ~self._pushed, pushes
+        if not begins.any():
+            return
+        for i in np.flatnonzero(begins).tolist():
+            stored = self._contacts[i].energy(float(overlap[i]))  # of bodies that were set into each other
+            yielding = sum(1.0 / body.mass for body in self.bodies[i : i + 2] if body.body_type == pymunk.Body.DYNAMIC)
+            self._fastest = max(self._fastest, math.sqrt(float(rate[i]) ** 2 + 2.0 * yielding * stored))
+        now = self._step, self._fastest
+        if all(number <= FASTER * then for number, then in zip(now, self._checked, strict=True)):
+            return
+        watch = watch_of(space_of(link))
+        laws = {str(self._contacts[i]) for i in np.flatnonzero(begins).tolist()}
+        if laws <= watch.too_long or not self._fastest:
+            return
+        self._checked = now
+        limit = self._longest_step(self._fastest)
+        if self._step > limit:
+            watch.too_long |= laws
+            warn_after_step(
+                link,
+                f"SoftChain with step {self._step:.3g} s is past its limit of about {limit:.2g} s at {self._fastest:.3g} m/s: "
+                f"energy holds, velocities of single bodies may be wrong; take {math.ceil(self._step / limit)} steps in its "
+                f"place, chain.substeps(dt, speed), or a softer contact. The contact: {', '.join(sorted(laws))}",
+            )
+
+    def _look_for_passing(self, link: _Link, step: float, bodies: SpaceForces) -> None:
+        """Warn if bodies have passed through each other in the drift of this step."""
+        now, moving = np.diff(bodies.position, axis=0), np.diff(bodies.velocity, axis=0)
+        before = now - step * moving
+        passed = np.einsum("ij,ij->i", before, now) < 0.0
+        if passed.any():
+            aside = np.abs(before[:, 0] * now[:, 1] - before[:, 1] * now[:, 0])
+            self._warn_of_passing(link, passed & (aside < self._touching * step * np.hypot(*moving.T)))
+
+    def _warn_of_passing(self, link: _Link, passed: NDArray[np.bool_]) -> None:
+        """Warn, once for each law in a Space, that neighbours have passed through each other: those contacts that `passed`."""
+        passed[self._gone] = False
+        for i in np.flatnonzero(passed).tolist():
+            law, watch = self._contacts[i], watch_of(space_of(link))
+            if str(law) in watch.passed:
+                continue
+            watch.passed.add(str(law))
+            touching = min(
+                float(self._touching[j])
+                for j, contact in enumerate(self._contacts)
+                if contact == law and j not in self._gone
+            )
+            sentence = passing_sentence(
+                f"bodies {i} and {i + 1} of a SoftChain",
+                law,
+                kinetic_energy(self.bodies) + self._stored(self._overlap),
+                touching,
+            )
+            warn_after_step(link, sentence)
+
+    def _end_step(self, link: _Link) -> None:
         self._unread = [None] * len(self._links)
+        if (self._overlap > self._touching).any():
+            self._warn_of_passing(link, self._overlap > self._touching)
         _tier(end_chain_step)(
             self._step, self._touching, *centres(self.bodies), self._place, self._speed, self._direction, self._overlap,
             self._rate, self._lag, self._outside,
@@ -368,7 +509,7 @@ class SoftChain:
 
 def _of_the_chain(name: str) -> property:
     """A property of a spring that a link of a chain has, but nobody sets."""
-    why = f"a link of a SoftChain takes no {name}: its force is the chain's; set chain.contacts"
+    why = f"a link of a SoftChain takes no {name}: its force is the chain's; set chain.contact"
     return settled(getattr(pymunk.DampedSpring, name).fget, why)
 
 

@@ -67,7 +67,7 @@ def soft_chain_steps(loss):
     space, balls, chain = chain_row(power_law(100.0, 1.5, loss), beads=4)
     for k, ball in enumerate(balls):
         ball.position = k, 0.1 * k * k
-    chain.touching_distances = [1.01, 1.04, 1.1]
+    chain.touching_distance = [1.01, 1.04, 1.1]
     run_space(space, 1e-2, 200)
     return [tuple(ball.velocity) for ball in balls]
 

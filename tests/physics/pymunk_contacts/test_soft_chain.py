@@ -260,12 +260,12 @@ def test_a_changing_step():
     assert bodies[4].velocity.x > 0.3
 
 
-def test_contacts_and_touching_distances_changed_live():
+def test_contacts_and_touching_distance_changed_live():
     space, bodies, chain = chain_row(hooke(30.0), speed=0.0)
     run(space, FRAME, 5)
-    chain.touching_distances = [1.1, 1.0, 1.0, 1.0]
+    chain.touching_distance = [1.1, 1.0, 1.0, 1.0]
     assert chain.overlaps == pytest.approx([0.1, 0.0, 0.0, 0.0])
-    chain.contacts = [hooke(60.0), *chain.contacts[1:]]
+    chain.contact = [hooke(60.0), *chain.contact[1:]]
     assert_energy_stays(space, bodies, chain, 0.5 * 60.0 * 0.1**2)
     assert bodies[0].velocity.x < -0.1
 
