@@ -323,6 +323,7 @@ def _trajectory(problem: Problem, record: Record) -> Trajectory:
         method=problem.method,
         step=problem.step,
         tolerance=problem.tolerance,
+        speed_scale=float(problem.scale) if problem.tolerance else 0.0,
         steps=record.steps,
         evaluations=record.evaluations,
         seconds=record.seconds,

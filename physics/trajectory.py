@@ -53,9 +53,9 @@ def work_of_walls(chain: Chain, velocity: Array, momentum: Array) -> Array:
 class Trajectory(Moving):
     """Samples of a motion, when each contact closed and opened, and what it cost.
 
-    An error is stated for `final_velocity`, and from it for positions, `position_error`. Velocities at samples and times of
-    contact have the accuracy of their steps and state none: while contacts push, and where they close slowly, they may be off by
-    more. Runs at two tolerances tell.
+    `velocity_error` is the estimated error of `final_velocity`, and `position_error` that of the positions. Velocities at samples
+    and contact times have no estimate. Their error is that of the steps, and larger while contacts push or if they close slowly;
+    compare runs at two tolerances.
 
     Attributes
     ----------
@@ -85,6 +85,8 @@ class Trajectory(Moving):
         Step of a fixed-step method [s]; 0 for adaptive ones.
     tolerance : float
         Tolerance of an adaptive method; 0 for fixed steps.
+    speed_scale : float
+        Speed [m/s] that `tolerance` is relative to: the largest closing speed that the motion can have. 0 for fixed steps.
     steps : int
         Number of steps taken.
     evaluations : int
@@ -120,6 +122,7 @@ class Trajectory(Moving):
     method: str
     step: float = 0.0
     tolerance: float = 0.0
+    speed_scale: float = 0.0
     steps: int = 0
     evaluations: int = 0
     seconds: float = 0.0
@@ -147,8 +150,12 @@ class Trajectory(Moving):
 
     @property
     def position_error(self) -> Array:
-        """(T,) estimated error [m] of the positions: the largest of `velocity_error` times the time since the start."""
-        return self.velocity_error.max() * self.time
+        """Estimated error [m] of the positions, shape (T,): the time since the start times a velocity error.
+
+        That error is the largest `velocity_error`, but at least the tolerance times `speed_scale`. Beads that have come to rest
+        have hardly any error of velocity left, and still the positions that earlier errors gave them.
+        """
+        return np.maximum(self.velocity_error.max(), self.tolerance * self.speed_scale) * self.time
 
     @cached_property
     def velocity(self) -> Array:

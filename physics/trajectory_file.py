@@ -32,8 +32,9 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-# 1 has neither loss nor friction, 2 neither status nor codes of warnings, 3 no forces over time, 4 no couplers, 5 no own laws
-FORMAT = 6
+# Version of the file format. Format 1 lacks loss and friction, 2 status and codes of warnings, 3 forces over time, 4 couplers,
+# 5 user-defined laws, 6 the speed that the tolerance is relative to.
+FORMAT = 7
 # key of a contact with a law of one's own, and what the names of the arrays of its table begin with
 OWN_LAW = "own_law"
 

@@ -45,3 +45,13 @@ def test_beads_that_part_before_they_stop_stay_apart(
     assert found.position[-1] == pytest.approx(position, abs=tolerance * speed + 1e-8)
     assert found.contact_intervals[0][0] == pytest.approx(times, abs=tolerance * speed + 1e-9)
     assert (np.abs(found.position[-1] - position) <= found.position_error[-1] + 1e-8).all()
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
+def test_the_estimated_error_of_positions_remains_when_the_beads_stop(tolerance):
+    """At rest the velocities have no error left, but the positions keep the errors of the velocities before."""
+    found = simulate(Chain(MASS, LAW, GAP, friction=FRICTION), [0.0, SPEED], 1.0, tolerance=tolerance)
+    exact = simulate(Chain(MASS, LAW, GAP, friction=FRICTION), [0.0, SPEED], 1.0, tolerance=1e-12)
+    assert 0.0 < found.speed_scale < SPEED  # the beads go apart: they close with what the contact has stored
+    assert found.position_error == pytest.approx(tolerance * found.speed_scale * found.time, rel=1e-2)
+    assert np.abs(found.position - exact.position).max() <= found.position_error[-1]
