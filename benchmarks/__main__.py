@@ -1,8 +1,8 @@
 """All measurements in one run: ``make bench``, or ``python -m benchmarks [--json FILE] [NAME ...]``.
 
-``scan``, ``conserving``, ``mutants``, ``soft-contacts``, ``soft-chains`` and ``two-versions`` are commands, each with its
-``--help``: random chains against the reference; steps of conserving; which changes of a kernel the tests notice; SoftContacts;
-SoftChains; two checkouts.
+``scan``, ``conserving``, ``auto``, ``mutants``, ``soft-contacts``, ``soft-chains`` and ``two-versions`` are commands, each with
+its ``--help``: random chains against the reference; steps of conserving; choices of auto; which changes of a kernel the tests
+notice; SoftContacts; SoftChains; two checkouts.
 """
 
 from __future__ import annotations
@@ -35,6 +35,7 @@ COMMANDS = {
     "scan": "benchmarks.scan.command",
     "mutants": "benchmarks.mutants",
     "conserving": "benchmarks.conserving_scan",
+    "auto": "benchmarks.auto_choice",
     "soft-contacts": "benchmarks.soft_contacts",
     "soft-chains": "benchmarks.soft_chains",
     "two-versions": "benchmarks.two_versions",

@@ -257,7 +257,7 @@ def _finished(problem: Problem, given_up: Record) -> Record:
     """The whole record of a motion that the adaptive method gave up at ``given_up.end``; its error is the spread of the runs."""
     start = given_up.end
     elapsed = start.time - problem.state.time
-    step = STEP_PART * default_step(problem.chain, problem.velocity)
+    step = STEP_PART * default_step(problem.chain, problem.velocity, touching=True)
     step = max(step, ELAPSED_PART * elapsed)
     with ThreadPoolExecutor(min(len(PARTS), os.cpu_count() or 1)) as threads:
         ends = list(threads.map(lambda part: _run_on(problem, start, part * step, problem.end, NO_TIMES), PARTS))

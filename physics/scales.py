@@ -243,9 +243,39 @@ def scales_at(chain: Chain, speed: float) -> tuple[Array, Array]:
     return depth, times if pulling is None else np.minimum(times, scales_at(pulling, speed)[1])
 
 
-def shortest_contact(chain: Chain, speed: float) -> float:
-    """Time [s] of the shortest contact of the chain at the closing speed `speed` [m/s]."""
-    return float(scales_at(chain, speed)[1].min())
+def shortest_contact(chain: Chain, speed: float, start: ArrayLike | None = None) -> float:
+    """Return the time [s] of the shortest contact of the chain at the closing speed `speed` [m/s].
+
+    If the velocities (n+1,) [m/s] at the start are given, contacts that stay touching in the whole motion do not count.
+    """
+    times = scales_at(chain, speed)[1]
+    return float((times if start is None else times[~stays_touching(chain, start)]).min())
+
+
+def stays_touching(chain: Chain, velocity: ArrayLike) -> NDArray[np.bool_]:
+    """Return for each contact (n,) if it surely touches all along, from the start of `chain` with velocities (n+1,) [m/s].
+
+    A contact with preload that touches at the start passes on at most the largest force of the contacts that move, unless
+    forces from outside act. So it never yields if its preload is larger than what any of these reach with all the energy.
+    """
+    speeds, stays = np.asarray(velocity, dtype=np.float64), np.zeros(chain.contacts, dtype=np.bool_)
+    walls = np.isinf(chain.mass)
+    if chain.driven or chain.on_bed or chain.couplers or chain.own_laws or np.unique(speeds[walls]).size > 1:
+        return stays
+    mass = chain.finite_mass
+    mean = float(speeds[walls][0]) if walls.any() else float(speeds @ mass / mass.sum())
+    overlap, preload, stiffness, exponent = -np.array(chain.gap), *chain.law_rows.T
+    energy = 0.5 * float(mass @ (speeds - mean) ** 2) + float(chain.stored_energy(overlap, powers).sum())
+    if energy == 0.0:
+        return stays
+    greatest = preload + stiffness * powers(struck_depth(preload, stiffness, exponent, energy), exponent)
+    stays = (overlap == 0.0) & (np.diff(speeds) == 0.0) & (preload > 0.0)
+    while stays.any():
+        held = stays & (preload > greatest[~stays].max(initial=0.0))
+        if (held == stays).all():
+            break
+        stays = held
+    return stays & (not stays.all())
 
 
 @per_chain
@@ -257,17 +287,18 @@ def as_it_pulls(chain: Chain) -> Chain | None:
     return Chain(chain.mass, contacts)
 
 
-def default_step(chain: Chain, velocity: ArrayLike, duration: float | None = None) -> float:
-    """Step [s] of a fixed-step method where none is given: a thousandth of the shortest contact time, within `duration`.
+def default_step(chain: Chain, velocity: ArrayLike, duration: float | None = None, touching: bool = False) -> float:
+    """Return the default step [s] of a fixed-step method: a thousandth of the shortest contact time, within `duration`.
 
-    With bed friction or brakes it is at most a hundredth of the time in which they stop a bead.
+    With bed friction or brakes it is at most a hundredth of the time in which they stop a bead. `touching` is True for a
+    whole motion by a method that keeps a touching contact closed: then contacts that stay touching do not count.
     """
-    return step_at(chain, speed_scale(chain, velocity, duration))
+    return step_at(chain, speed_scale(chain, velocity, duration), velocity if touching else None)
 
 
-def step_at(chain: Chain, speed: float) -> float:
-    """The `default_step` [s] at the closing speed `speed` [m/s]."""
-    shortest = shortest_contact(chain, speed) / DEFAULT_STEPS_A_CONTACT
+def step_at(chain: Chain, speed: float, start: ArrayLike | None = None) -> float:
+    """Return the `default_step` [s] at the closing speed `speed` [m/s]; `start` as in :func:`shortest_contact`."""
+    shortest = shortest_contact(chain, speed, start) / DEFAULT_STEPS_A_CONTACT
     strongest = max(chain.bed.tolist(), default=0.0)
     return min(shortest, speed / strongest / DEFAULT_STEPS_A_STOP) if strongest else shortest
 

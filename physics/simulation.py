@@ -250,12 +250,15 @@ def pushes_on_a_bed(mass: ArrayLike, on_bed: ArrayLike, velocity: ArrayLike) -> 
     return ahead & np.asarray(on_bed)
 
 
-def _step(chain: Chain, state: State, method: Method, step: float | None, duration: float | None = None) -> float:
+def _step(
+    chain: Chain, state: State, method: Method, step: float | None, duration: float | None = None, whole: bool = False
+) -> float:
+    """Return the step [s] of a fixed-step method, 0 of an adaptive one. `whole`: `state` is the start of the chain."""
     if step is not None:
         length = magnitude("step", step)
         _refuse(refusal_of_fineness(method.name, step, None))
         return length
-    return 0.0 if method.adaptive else default_step(chain, state.velocity(chain), duration)
+    return 0.0 if method.adaptive else default_step(chain, state.velocity(chain), duration, whole and method.set_valued)
 
 
 def _problem(
@@ -280,7 +283,7 @@ def _problem(
         state=state,
         method=method.name,
         duration=duration,
-        step=_step(chain, state, method, step, duration),
+        step=_step(chain, state, method, step, duration, whole=True),
         tolerance=tolerance if method.adaptive else 0.0,
         samples=_samples(samples, duration, chain, method.adaptive),
     )

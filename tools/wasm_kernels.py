@@ -152,7 +152,7 @@ def leave_out() -> None:
         return False
 
     left_out = coupler_kernels.is_joint, coupler_kernels.settle_joint_forces, knots.put_mean, knots.add_half_work
-    left_out += explicit_steps.split_steps, step_loop.keep_pause, step_loop.keep_checkpoint
+    left_out += knots.steady_until, explicit_steps.split_steps, step_loop.keep_pause, step_loop.keep_checkpoint
     for module in [module for name, module in sys.modules.items() if name.startswith("softcradle.physics")]:
         for name, value in list(vars(module).items()):
             if any(value is each for each in left_out):

@@ -2,7 +2,8 @@
 
 The same chain and error give the same choice, and so the same digits, on every machine. The window takes the same step.
 
-    error >= 1e-3, one collision of known duration     conserving, 64 steps to the shortest contact at 1e-3, more as 1/sqrt(error)
+    error >= 1e-3, one collision of known duration,    conserving, 64 steps to the shortest contact at 1e-3, more as 1/sqrt(error)
+    and not too many steps of its shortest contact
     contacts with preload only, or near their yield     radau: most contacts touch, and are one linear system to it
     all else                                            accurate
 
@@ -18,10 +19,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 from softcradle.physics.chain import Chain, mass_shares
-from softcradle.physics.scales import shortest_contact, speed_scale
+from softcradle.physics.scales import scales_at, shortest_contact, speed_scale
 
 LIVE_ERROR = 1e-3  # of final velocities: about a pixel of a plot; from it on a collision takes fixed steps
 LIVE_STEPS = 64  # of `conserving` in the shortest contact: they hold LIVE_ERROR, and their error falls as their square
+# of the collision: more steps of `conserving` cost more than adaptive ones (`python -m benchmarks auto`)
+MOST_LIVE_STEPS = 20_000
 FINEST = 1e-13  # tolerance: double precision has no room for a finer one
 NEAR_CRITICAL = 1e-7  # tolerance of radau near a critical speed: longer steps miss a contact that yields for a moment
 LEAST_RATIO = 0.9  # of the speed to a critical speed: below it no contact inside a cluster yields
@@ -53,15 +56,16 @@ def choose(chain: Chain, velocity: ArrayLike, duration: float | None, error: flo
         return _adaptive(
             "radau", min(error, 2.0 * NEAR_CRITICAL), error, "a contact may yield for a moment near this critical speed"
         )
-    if error >= LIVE_ERROR and duration is not None and is_single_collision(chain):
-        step = conserving_step(chain, speed_scale(chain, velocity), error)
-        reason = (
-            f"conserving, step {step:.3g} s, for a wanted error of {error:g}: energy and momentum are exact at any step"
-        )
-        return Choice("conserving", step, 0.0, reason)
+    single = duration is not None and is_single_collision(chain)
+    if error >= LIVE_ERROR and single:
+        speed = speed_scale(chain, velocity)
+        step = conserving_step(chain, speed, error, velocity)
+        if _collision_time(chain, speed, duration) <= MOST_LIVE_STEPS * step:
+            reason = f"conserving, step {step:.3g} s, for a wanted error of {error:g}: energy and momentum are exact at any step"
+            return Choice("conserving", step, 0.0, reason)
     if all(law.preload > 0.0 for law in chain.contact):
         return _adaptive("radau", error, error, "contacts with preload touch, and are one linear system to it")
-    return _adaptive("accurate", error, error, _why_not_fixed(chain, duration, error))
+    return _adaptive("accurate", error, error, _why_not_fixed(single, duration, error))
 
 
 def _adaptive(method: str, tolerance: float, error: float, why: str) -> Choice:
@@ -71,17 +75,27 @@ def _adaptive(method: str, tolerance: float, error: float, why: str) -> Choice:
     )
 
 
-def conserving_step(chain: Chain, speed: float, error: float = LIVE_ERROR) -> float:
-    """Step [s] at which `conserving` is expected to hold `error` in one collision at the closing speed `speed` [m/s]."""
-    return shortest_contact(chain, speed) / LIVE_STEPS * math.sqrt(error / LIVE_ERROR)
+def conserving_step(chain: Chain, speed: float, error: float = LIVE_ERROR, start: ArrayLike | None = None) -> float:
+    """Return the step [s] with which `conserving` should hold `error` in one collision at the closing speed `speed` [m/s].
+
+    `start` as in :func:`softcradle.physics.scales.shortest_contact`.
+    """
+    return shortest_contact(chain, speed, start) / LIVE_STEPS * math.sqrt(error / LIVE_ERROR)
 
 
-def _why_not_fixed(chain: Chain, duration: float | None, error: float) -> str:
-    """Why no fixed step is taken, as the end of a sentence."""
+def _collision_time(chain: Chain, speed: float, duration: float | None) -> float:
+    """Return an estimate of the time [s] in which contacts push, in one collision at the closing speed `speed` [m/s]."""
+    return min(math.inf if duration is None else duration, float(scales_at(chain, speed)[1].sum()))
+
+
+def _why_not_fixed(single: bool, duration: float | None, error: float) -> str:
+    """Return why no fixed step is taken, as the end of a sentence. `single` is True for a single collision."""
     if error < LIVE_ERROR:
         return f"below {LIVE_ERROR:g} its steps are fewer than fixed ones"
     if duration is None:
         return "without a duration fixed steps may never see the end"
+    if single:
+        return "its shortest contact asks for far more fixed steps than the collision for adaptive ones"
     return "gaps, walls, drives and friction make collision after collision, which add up the errors of fixed steps"
 
 

@@ -139,7 +139,7 @@ def returning_warnings(problem: Problem, record: Record) -> Warnings:
 def coarse_warnings(problem: Problem) -> Warnings:
     """A warning where the step of a method that is always stable is too long to resolve the shortest contact."""
     speed = speed_scale(problem.chain, problem.velocity, problem.duration)
-    limit = shortest_contact(problem.chain, speed) / LEAST_STEPS
+    limit = shortest_contact(problem.chain, speed, problem.velocity) / LEAST_STEPS
     if problem.step <= limit:
         return ()
     sentence = (

@@ -102,6 +102,7 @@ def match(
     distance: Distance = "force",
     family: Family | None = None,
     start: Contact | None = None,
+    progress: Callable[[int], None] | None = None,
 ) -> Match:
     """Find the contact of `family` nearest to the contact of `chain`, in the collision that `velocity` starts.
 
@@ -117,6 +118,8 @@ def match(
         Family to search. None takes the family that the given contact does not belong to.
     start : Contact, optional
         First contact of the search. None takes the contact with the same force at half and at full depth.
+    progress : callable, optional
+        Function that is called with the number of collisions computed so far, after each of them.
 
     Returns
     -------
@@ -145,14 +148,19 @@ def match(
     apart = force_distance(chain, speeds, struck) if distance == "force" else by_outcome
     starts_of = laws_of_all_exponents if sought == "power_law" else gears_of_all_speeds
     starts = [guess, *starts_of(chain, struck, closing, time)]
-    place, residual, ends, evaluations = _search(sought, starts, depth, apart, DESCENTS[distance])
+    place, residual, ends, evaluations = _search(sought, starts, depth, apart, DESCENTS[distance], progress)
     gear = given if sought == "power_law" else place
     ratio = speed_ratio(_with(chain, gear), struck, closing)
     return Match(given, place, distance, residual, residual <= NEAR, by_outcome(place), ratio, ends, evaluations)
 
 
 def _search(
-    family: Family, starts: Sequence[Contact], depth: float, apart: Callable[[Contact], float], descents: int
+    family: Family,
+    starts: Sequence[Contact],
+    depth: float,
+    apart: Callable[[Contact], float],
+    descents: int,
+    progress: Callable[[int], None] | None,
 ) -> tuple[Contact, float, tuple[str, ...], int]:
     """Return the nearest contact, its distance, its parameters at an end of their range, and the number of collisions.
 
@@ -166,6 +174,8 @@ def _search(
         nonlocal evaluations
         evaluations += 1
         found = apart(_contact(family, np.exp(np.clip(logarithms, low, high)), depth))
+        if progress is not None:
+            progress(evaluations)
         return found if math.isfinite(found) else FAR
 
     places = [np.clip(np.log(_numbers(start, family, depth)), low, high) for start in starts]

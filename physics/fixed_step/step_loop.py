@@ -18,7 +18,7 @@ from softcradle.physics.fixed_step.explicit_steps import split_steps
 from softcradle.physics.numerics.bead_velocities import at_rest
 from softcradle.physics.numerics.coupler_kernels import crossed_overlap, settle_joint_forces
 from softcradle.physics.numerics.jit import inlined, jit
-from softcradle.physics.numerics.knots import put_mean
+from softcradle.physics.numerics.knots import put_mean, steady_until
 from softcradle.physics.numerics.law_kernels import EPSILON
 from softcradle.physics.numerics.meeting import flight_time, meets_again, pushes_no_more
 from softcradle.physics.numerics.records import (
@@ -149,10 +149,11 @@ def fly(steps, h, motion):
 
 
 @inlined
-def look_ahead(time, end, until, h, most_steps, over, free, rests, still, chain, motion, counter):
-    """How a run goes on from `time`; a flight in which no contact closes is flown at once. `until` is the next sample or the end.
+def look_ahead(time, end, until, steady, h, most_steps, over, free, rests, still, chain, motion, counter):
+    """Return how a run continues from `time`. A flight or rest in which no contact closes and no force changes is one step.
 
-    `over` tells that it is to end where it is, `free` that no force acts, `rests` that all beads rest whatever acts on them.
+    `until` is the next sample or the end, `steady` the time until which forces and brakes do not change. `over` is True if the
+    run ends now, `free` if no force acts, `rests` if all beads rest under the present forces.
     Returns a status, or RUNNING or FLOWN; how many steps to take at the most, or have been flown; their length; and whether they
     end at `end`, off the grid.
     """
@@ -164,6 +165,7 @@ def look_ahead(time, end, until, h, most_steps, over, free, rests, still, chain,
         return OUT_OF_STEPS, ONE, h, True
     ahead = until - time
     if rests or free:
+        ahead = min(ahead, steady - time)
         flight = math.inf if rests else flight_time(chain.joints, motion.overlap, motion.rate, still)
         whole = (
             0.0
@@ -243,12 +245,18 @@ def march(
         settle_joint_forces(chain.joints, motion)
         closed, flown, look = log_switches(start, start, chain.joints, motion, log), ZERO, ONE * FIRST_LOOK
     time, knots = start + counter[STEP] * h, chain.knots
+    calm = (
+        -1.0 if knots.time.size else math.inf
+    )  # until when forces kept their values in the step before; unknown at first
     while True:
-        pushed, changing = chain.push.size > 0, False
+        pushed, steady, waits = chain.push.size > 0, math.inf, False
         if knots.time.size:
             put_mean(time, h, knots, chain.push, brakes)
-            changing = time < knots.time[-1]
-            pushed = changing or largest(chain.push) > 0.0
+            steady, waits = steady_until(time, knots), time < knots.time[-1]
+            pushed = steady < time + h or largest(chain.push) > 0.0
+        changing = steady < time + h  # in the next step
+        rests = rests and not changing and steady == calm  # other forces may end a rest
+        calm = steady
         if left == 0 and counter[STEP] >= pause.counts[AT]:
             keep_pause(pause, ZERO, look, flown, closed, rests, still, rates, overlaps)
             return PAUSED, time
@@ -267,11 +275,9 @@ def march(
             over = free = closed == 0 and not pushed
             if stop and not bed and not pushed and counter[STEP] >= look:
                 over, look = pushes_no_more(chain, motion, still), 2 * counter[STEP]
-            over = (
-                stop and not changing and (rests or (over and not meets_again(chain, brakes, motion, still, beads[0])))
-            )
+            over = stop and not waits and (rests or (over and not meets_again(chain, brakes, motion, still, beads[0])))
             status, most, length, last = look_ahead(
-                time, end, until, h, most_steps + flown, over, free, rests, still, chain, motion, counter
+                time, end, until, steady, h, most_steps + flown, over, free, rests, still, chain, motion, counter
             )
             if status == FLOWN:
                 flown += most

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, jit
 
@@ -38,6 +40,30 @@ def next_knot(time, end, knots):
     """The first knot after `time`, or `end` where that is earlier."""
     k = knots_until(time, knots)
     return min(end, knots.time[k]) if k < knots.time.size else end
+
+
+@inlined
+def rows_differ(k, knots):
+    """Return True if a force or a brake changes from knot k - 1 to knot k."""
+    differ = False
+    for j in range(knots.push.shape[1]):
+        differ |= knots.push[k - 1, j] != knots.push[k, j]
+    for j in range(knots.brake.shape[1]):
+        differ |= knots.brake[k - 1, j] != knots.brake[k, j]
+    return differ
+
+
+@jit
+def steady_until(time, knots):
+    """Return the time until which all forces and brakes keep their values: `time` if they change now, inf after the last knot."""
+    k, count = knots_until(time, knots), knots.time.size
+    if k == 0:  # they are 0 before the first knot
+        return knots.time[0]
+    last = time
+    while k < count and not rows_differ(k, knots):
+        last = knots.time[k]
+        k += 1
+    return last if k < count else math.inf
 
 
 @inlined

@@ -23,6 +23,8 @@ FREE = Chain([2.0, 1.0], hooke(1.0), gap=100.0, forces=PULSE)
 BRAKED = Chain([2.0, 1.0], hooke(1.0), gap=100.0, brakes=TimedForce(0, [1.0, 1.0, 3.0], [0.0, 4.0, 12.0]))
 PUSHING = Chain([1.0] * 4, draft_gear(50.0, 0.1), forces=TimedForce([0, 3], [0.0, 0.4, 0.9, 0.9], [0.0, 9.0, 3.0, 0.0]))
 REST = [0.0] * 4
+PUSH_LATER = TimedForce(0, [3.0, 4.0, 4.0], [5.0, 5.0, 0.0])
+PUSH_MORE = TimedForce(0, [0.0, 3.0, 3.0, 4.0, 4.0], [0.5, 0.5, 5.0, 5.0, 0.0])
 FIRST_ORDER = ("euler", "pymunk")
 
 
@@ -248,3 +250,37 @@ def test_a_force_of_many_points_is_evaluated_once(monkeypatch):
     scales.closing_scale(chain, np.zeros(2), np.zeros(1), None, 0.5)
     assert points == [time.size + 1]  # the jump at the first point is two
     assert len(speeds) == 1
+
+
+@pytest.mark.parametrize("name", ["conserving", "verlet", "euler"])
+@pytest.mark.parametrize(
+    ("chain", "speed", "ends"),
+    [
+        # 5 N for 1 s against 0.980665 N of friction, which then brakes for 2 s
+        (Chain([1.0, 1.0], hooke(100.0), 10.0, friction=0.1, forces=PUSH_LATER), 0.0, 2.058005),
+        # the same force on a bead that flies at 0.5 m/s
+        (Chain([1.0, 1.0], hooke(100.0), 99.0, forces=PUSH_LATER), 0.5, 5.5),
+        # friction holds a bead against 0.5 N, until 5 N at 3 s
+        (Chain([1.0, 1.0], hooke(100.0), 10.0, friction=0.1, forces=PUSH_MORE), 0.0, 2.058005),
+    ],
+    ids=["rest", "flight", "held"],
+)
+def test_a_rest_or_flight_until_the_next_force_is_one_step(name, chain, speed, ends):
+    """Steps were taken all the way to the last point of a force: 7e7 of them in a rest of 1e4 s."""
+    found = simulate(chain, [speed, 0.0], 6.0, method=name, step=1e-3, samples=2)
+    assert found.final_velocity[0] == pytest.approx(ends, abs=1e-5)
+    moving = simulate(chain, [speed, 0.0], 6.0, method=name, step=1e-3, samples=[2.9, 6.0])
+    begun = simulate(chain, [speed, 0.0], 2.9, method=name, step=1e-3, samples=2)
+    assert begun.evaluations < 10 + 9 * (speed == 0.0) * (name == "conserving")
+    assert found.evaluations < 3 * 3000 + 20
+    assert moving.position[0, 0] == pytest.approx(2.9 * speed, abs=1e-12)
+
+
+def test_a_rest_ends_with_each_step_of_a_force():
+    """Two pulses on a bed, both stronger than the friction, with rests before, between and after them."""
+    pulses = TimedForce(0, [10.0, 11.0, 11.0, 50.0, 50.0, 51.0, 51.0], [5.0, 5.0, 0.0, 0.0, -5.0, -5.0, 0.0])
+    chain = Chain([1.0, 1.0], hooke(100.0), 99.0, friction=0.1, forces=pulses)
+    found = simulate(chain, [0.0, 0.0], 99.0, method="conserving", step=1e-3, samples=[9.9, 11.0, 40.0, 51.0, 99.0])
+    assert found.velocity[:, 0] == pytest.approx([0.0, 4.019335, 0.0, -4.019335, 0.0], abs=1e-9)
+    assert found.position[-1, 0] == pytest.approx(0.0, abs=1e-9)
+    assert found.evaluations < 4 * 2 * 5100  # two pulses and the slides after them

@@ -12,7 +12,7 @@ from softcradle.sandbox.cli.arguments import (
     picture_size,
     positive_number,
 )
-from softcradle.sandbox.console import console, print_json
+from softcradle.sandbox.console import ProgressShown, console, print_json
 from softcradle.sandbox.user_error import GAVE_UP
 
 DEFAULT_OUTPUT = "out/compare.html"
@@ -63,7 +63,8 @@ def main(args: argparse.Namespace) -> int:
     check_outputs(paths, comparison, settings)
     with opened_outputs(paths) as places:
         if args.match:
-            comparison, found = add_match(comparison, args.match)
+            with ProgressShown("collisions") as shown:
+                comparison, found = add_match(comparison, args.match, lambda done: shown.tell("collisions", done))
         report = ComparisonReport(comparison, solve_sides(comparison), settings, found)
         for path in places:
             report.write(path)

@@ -3,7 +3,7 @@ run.
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -181,10 +181,12 @@ def side_to_match(comparison: Comparison) -> Side:
     return side
 
 
-def add_match(comparison: Comparison, distance: Distance) -> tuple[Comparison, Match]:
-    """Return the comparison with the nearest contact as its last side, and the match."""
+def add_match(
+    comparison: Comparison, distance: Distance, progress: Callable[[int], None] | None = None
+) -> tuple[Comparison, Match]:
+    """Return the comparison with the nearest contact as its last side, and the match; `progress` as in `match`."""
     side = side_to_match(comparison)
-    found = match(side.lane.chain(), side.lane.velocity, distance)
+    found = match(side.lane.chain(), side.lane.velocity, distance, progress=progress)
     law: Law = law_of(found.contact)
     given = replace(side, name=contact_text(found.given))
     nearest = with_contact(side, law)

@@ -39,6 +39,12 @@ def test_a_draft_gear_finds_itself(share):
     assert found.residual < 1e-3
 
 
+def test_progress_counts_the_collisions():
+    counts: list[int] = []
+    found = match(one_on(1, power_law(1.0, 0.5)), [1.0, 0.0], start=draft_gear(1.0, 0.1), progress=counts.append)
+    assert counts == list(range(1, found.evaluations + 1))
+
+
 def test_a_linear_spring_is_in_both_families():
     chain = one_on(2, hooke(3.0))
     as_power = match(chain, [1, 0, 0], family="power_law")

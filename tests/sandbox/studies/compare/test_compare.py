@@ -8,6 +8,7 @@ from unittest.mock import Mock
 import av
 import numpy as np
 import pytest
+from softcradle.sandbox.console import ProgressShown
 from softcradle.sandbox.draw.number_format import number_text
 from softcradle.sandbox.film.scene_film import MOST_BEFORE_HIT, film_shots
 from softcradle.sandbox.film.scene_motion import first_force, scene_motions_quietly, strongest_row
@@ -61,8 +62,12 @@ def test_the_nearest_contact_is_one_more_side(compared, tmp_path):
     assert content["match"]["sentence"].partition(" in this collision")[0] in path.read_text()
 
 
-def test_where_no_contact_is_near_a_sentence_says_so(compared):
+def test_where_no_contact_is_near_a_sentence_says_so(compared, monkeypatch):
+    shown = []
+    monkeypatch.setattr(ProgressShown, "tell", lambda self, *told: shown.append(told))
     match = compared("hertz-cradle", "--match")["match"]
+    assert shown == [("collisions", done) for done in range(1, len(shown) + 1)]
+    assert len(shown) > 50
     assert not match["near"]
     assert match["ends"] == ["precompression"]
     assert match["sentence"].startswith("No draft gear comes near hertz(")
