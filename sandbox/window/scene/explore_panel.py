@@ -24,7 +24,7 @@ from softcradle.sandbox.session.run_verdict import GOOD, LEVELS, Health
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.summary_text import outcome_text
 from softcradle.sandbox.window.keys import hint
-from softcradle.sandbox.window.page import Host
+from softcradle.sandbox.window.page import Derived, Host
 from softcradle.sandbox.window.plots.board import PlotBoard
 from softcradle.sandbox.window.plots.kinds import FORCES
 from softcradle.sandbox.window.scene.editor import SceneEditor
@@ -192,10 +192,13 @@ MARKS = N_("The marks say what each would carry if the row were one rigid body: 
 
 
 class OutcomeCard:
-    """The card, a dialog where the page has no room for it; it goes as soon as the clock runs or another frame is shown.
+    """The card at the end of a motion. It is hidden as soon as the clock runs or another frame is shown.
+
+    If the page has no room for it, a dialog is shown instead. The card makes and removes its own buttons: the end of a motion,
+    and an edit that hides the card, must not rebuild the widgets that the mouse may be holding.
 
     Attributes:
-        text: what it says; empty where it is not shown.
+        text: the text on the card; empty while it is hidden.
         buttons: by text.
     """
 
@@ -205,6 +208,7 @@ class OutcomeCard:
         self.buttons: dict[str, UIButton] = {}
         self._rect = pygame.Rect(0, 0, 0, 0)
         self._frame, self._choices = -1, dict[str, Callable[[], None]]()
+        self._made = Derived(lambda: (self.text, self._rect), self._remake)
 
     def show_outcome(self) -> None:
         """Say what happened, and offer the forces and the same blow among other balls."""
@@ -267,8 +271,24 @@ class OutcomeCard:
         return paragraphs(self.text, self._size * self.host.unit, room - 28 * self.host.unit)
 
     def build(self, place: pygame.Rect) -> None:
-        """Take a `place` below the beads; without one, ask in a dialog."""
+        """Make the buttons in `place`, on a page whose old widgets are gone."""
         self.buttons, self._rect = {}, place
+        self._make()
+        self._made.note()
+
+    def follow(self, place: pygame.Rect) -> None:
+        """Make the buttons again if the text or the `place` has changed."""
+        self._rect = place
+        self._made.follow()
+
+    def _remake(self) -> None:
+        for button in self.buttons.values():
+            button.kill()
+        self.buttons = {}
+        self._make()
+
+    def _make(self) -> None:
+        place = self._rect
         if self.text and not place.height:
             note, self.text = self.text, ""
             self.host.choose(_("What happened"), note, self._choices)

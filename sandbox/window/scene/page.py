@@ -202,7 +202,7 @@ class ScenePage(Page):
 
     def made_of(self) -> object:
         """Words, places and choices."""
-        places = self.view.panel_shown, self.board.present, self.board.single, self.outcome.text
+        places = self.view.panel_shown, self.board.present, self.board.single
         selected = self.editor.selection is not None
         return self.session.scene, places, self.film.recording, self.editor.refused, self.cards.made_of(selected)
 
@@ -276,6 +276,7 @@ class ScenePage(Page):
         self._kernels.follow()
         self._edits.follow()
         self.view.follow()
+        self.outcome.follow(self.view.places.card)
         self.timeline.follow()
         self.tools.values.arrange()
         for panel in self.panels:

@@ -284,6 +284,41 @@ def test_each_drag_of_a_slider_is_a_step_of_its_own_and_nothing_is_dragged_once_
     assert not line.dragged
 
 
+@pytest.mark.parametrize(("key", "compared"), [("alpha", False), ("speed", False), ("alpha", True)])
+def test_a_slider_is_dragged_all_the_way_after_the_end_of_a_motion(explorer: Driver, key: str, compared: bool) -> None:
+    if compared:
+        explorer.app.act("compare_balls")
+    explorer.play_to_the_end()
+    control = explorer.page.explore.controls[key]
+    before, (x, y) = control.parameter.value, control.slider.sliding_button.rect.center
+    explorer.press((x, y))
+    values = [before]
+    for moved in range(10, 101, 10):  # the card goes at the first pixel; the slider in the hand stays
+        explorer.move((x + moved, y), (1, 0, 0))
+        explorer.frames(1)
+        assert explorer.page.explore.controls[key] is control
+        assert control.slider.sliding_button.rect.centerx == x + moved
+        values.append(control.parameter.value)
+    explorer.release((x + 100, y))
+    assert not explorer.page.outcome.buttons
+    assert sorted(values[1:]) == values[1:]
+    assert len(set(values)) > 6, "the value follows the mouse"
+    assert len(explorer.session.undo_stack.done) == 1
+    assert explorer.session.frame == 0
+
+
+def test_a_slider_stays_in_the_hand_while_the_motion_ends(explorer: Driver) -> None:
+    explorer.run(0)
+    x, y = explorer.page.time_controls.slider.sliding_button.rect.center
+    explorer.press((x, y))
+    explorer.until(lambda: explorer.page.outcome.buttons, most=900)
+    slow = explorer.page.time_controls.slow
+    explorer.move((x + 40, y), (1, 0, 0))
+    explorer.frames(1)
+    assert explorer.page.time_controls.slow > slow
+    explorer.release((x + 40, y))
+
+
 def test_a_blow_from_the_right_stays_one_at_another_speed_and_the_stronger_row_tells_of_forces(tmp_path) -> None:
     scene = scenes.load("one-on-four")
     weak = scene.lanes[0].model_copy(update={"velocity": (0.0, 0.0, 0.0, 0.0, -0.1), "label": "weak"})
