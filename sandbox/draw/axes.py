@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pygame
-from softcradle.sandbox.draw.number_format import decades, spread, ticks
+from softcradle.sandbox.draw.number_format import axis_prefix, decades, spread, ticks, with_prefix
 from softcradle.sandbox.draw.palette import Colour, tones
 from softcradle.sandbox.draw.supersampling import draw_marker
 from softcradle.sandbox.draw.text import shortened, width, write
@@ -15,6 +15,7 @@ from softcradle.sandbox.motion import Array
 TEXT = 13.0  # design pixels of what is written
 LINE = 14.0  # design pixels between labels, and between names
 MARKER_RADIUS = 3.6  # design pixels
+LEADER = 9.0  # design pixels, the width of the line from a curve to its name
 OVERHANG = 40.0  # design pixels by which a title may be longer than the axes: the next axis has its numbers there
 
 
@@ -27,6 +28,7 @@ class VerticalAxis:
         low, high: its ends; exponents of ten where it is logarithmic.
         ticks: (place, label) of each tick.
         logarithmic: whether it shows the logarithm of values.
+        size, prefix: of the unit in which its numbers are written: 1e3, "k" for kN.
     """
 
     title: str
@@ -34,6 +36,8 @@ class VerticalAxis:
     high: float
     ticks: tuple[tuple[float, str], ...]
     logarithmic: bool = False
+    size: float = 1.0
+    prefix: str = ""
 
     def on(self, values: Array) -> Array:
         """Places of `values` on the axis. On a logarithmic axis, values too small for it are one decade below its lower end."""
@@ -56,8 +60,10 @@ def ticks_apart(ticks: Sequence[tuple[float, str]], scale: float, gap: float) ->
 
 
 def linear_axis(title: str, low: float, high: float) -> VerticalAxis:
-    """An axis from `low` to `high` with round ticks."""
-    return VerticalAxis(title, low, high, tuple(ticks(low, high, 5)))
+    """Return an axis from `low` to `high` with round ticks. Large numbers are written in a larger unit, which the title names."""
+    size, prefix = axis_prefix(max(abs(low), abs(high)))
+    marks = tuple((value * size, text) for value, text in ticks(low / size, high / size, 5))
+    return VerticalAxis(with_prefix(title, prefix), low, high, marks, size=size, prefix=prefix)
 
 
 def decade_axis(title: str, low: int, high: int) -> VerticalAxis:
@@ -136,12 +142,18 @@ class Axes:
         names: Sequence[str],
         colours: Sequence[Colour],
     ) -> None:
-        """A marker from the pixel `x` on and a name for each of `heights`, moved apart; where there is no room, none."""
+        """Write a name and a marker at pixel `x` for each of `heights`, moved apart; names without room are left out.
+
+        A line leads from a curve to a name that was moved away from it.
+        """
         unit, written = self.unit, -math.inf
         places = spread(list(heights), LINE * unit, 2.0 * unit, self.area.height - 4.0 * unit)
         for k, y in sorted(enumerate(places), key=lambda pair: pair[1]):
             if y >= written + LINE * unit - 1e-6:
                 written, place = y, (x + 7 * unit, self.area.top + y)
+                if abs(y - heights[k]) > 0.5 * LINE * unit:
+                    curve = x - LEADER * unit, self.area.top + min(max(heights[k], 0.0), self.area.height)
+                    pygame.draw.aaline(surface, colours[k], curve, (x, place[1]))
                 draw_marker(surface, k, (x, place[1]), MARKER_RADIUS * unit, colours[k])
                 write(surface, names[k], place, TEXT * unit, tones.foreground, align=(0, 0.5))
 

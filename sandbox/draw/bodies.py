@@ -91,3 +91,23 @@ def rigid_forces(
             found[i] = left * beyond + right * (1.0 - beyond)
         first = last + 1
     return found
+
+
+def visible_marks(
+    mass: Sequence[float],
+    ends: Sequence[bool],
+    overlap: Sequence[float],
+    force: Sequence[float],
+    length: float,
+    least: float,
+) -> list[float]:
+    """Return the forces of :func:`rigid_forces` (n,) that are marked, and 0 for the other contacts.
+
+    Marks are drawn over contacts that carry more than `least` [N]. A mark over a contact that carries nothing, as behind the wave
+    in a row of steel balls, would look like a missing bar.
+    """
+    rigid = rigid_forces(mass, ends, overlap, force, length)
+    return [
+        expected if expected > least and abs(carried) > least else 0.0
+        for expected, carried in zip(rigid, force, strict=True)
+    ]

@@ -18,10 +18,18 @@ from softcradle.sandbox.draw.bodies import (
     has_marks,
     is_gear,
     mass_labels,
-    rigid_forces,
     solid_force,
+    visible_marks,
 )
-from softcradle.sandbox.draw.number_format import beside, factor, round_down, scientific, ticks
+from softcradle.sandbox.draw.number_format import (
+    axis_prefix,
+    beside,
+    factor,
+    round_down,
+    scientific,
+    ticks,
+    with_prefix,
+)
 from softcradle.sandbox.draw.palette import bead_colours, mix, text_on, tones
 from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, Scales, left_edges
 from softcradle.sandbox.draw.supersampling import blit_sprite, draw_arrow, fill_rectangle
@@ -75,6 +83,8 @@ MASS_LABEL = 12.0  # design pixels, the size of the masses below beads
 SMALLEST_LABELLED = 26.0  # design pixels: shorter beads have no room for texts beside them
 VISIBLE_FORCE = 0.01  # of the force axis: lower bars have neither a number nor a line for rigid clusters
 ARROW_TONE = 0.35  # share of the foreground in the colour of an arrow: it stands out from the ground in both themes
+MARKED = N_("if the row were one solid block")
+LEGEND_MARK = 20.0  # design pixels of a mark and the space behind it, before the words
 PULL_RIM = 2.5  # design pixels: the rim of the hollow bar of a force that pulls
 
 
@@ -132,6 +142,10 @@ class LaneDrawing:
         self.bar_base = self.ground - max(height * self.bead, 12 * unit) - BAR_LIFT * unit
         self.bar_room = max(self.bar_base - rect.top - (KEY + FORCE_LABEL) * unit, 0.0)  # pixels of the highest bar
         self.heading: tuple[pygame.Rect, ...] = ()  # where key, ruler and labels of the axis are, once drawn
+        self._prefix = ""  # of the unit of forces
+        self._legend: tuple[float, float] | None = (
+            None  # where the meaning of the marks is written while there are some
+        )
         self.arrows = "velocity"  # what the arrows show, of ARROWS
         self.take_approach([-gap for gap in self.chain.gap], lane.velocity)
         masses = mass_labels(self.chain) if self.bead >= SMALLEST_LABELLED * unit else ()
@@ -151,11 +165,10 @@ class LaneDrawing:
         """Draw what is the same in every frame: ground, force axis, name, ruler."""
         unit, rect = self.unit, self.rect
         surface.fill(tones.lane_background, rect)
-        labels = []
-        for value, text in ticks(
-            0.0, self.scales.force / FORCE_MARGIN, max(1, min(4, int(self.bar_room / (24 * unit))))
-        ):
-            y = self._bar_top(value)
+        labels, most = [], max(1, min(4, int(self.bar_room / (24 * unit))))
+        size, self._prefix = axis_prefix(self.scales.force)
+        for value, text in ticks(0.0, self.scales.force / FORCE_MARGIN / size, most):
+            y = self._bar_top(value * size)
             surface.fill(tones.grid, (rect.left, round(y), rect.width, 1))
             if y > rect.top + (KEY + FORCE_LABEL + 2) * unit:  # the name of the lane and the key are above
                 place = rect.left + 8 * unit, y - 2 * unit
@@ -175,16 +188,25 @@ class LaneDrawing:
             name = shortened(self.label, 16 * unit, end - x, bold=True)
             x = write(surface, name, (x, y - 3 * unit), 16 * unit, bold=True).right + space
         notes = (
-            (_(FORCE.title), True, 0.0),
-            (_("hollow: pulls"), self.chain.pulls, 0.0),
-            (_("dark: solid"), any(coupler.stop for i, coupler in self.chain.couplers), 0.0),
-            (_("if clusters were rigid"), has_marks(self.ends), 20 * unit),  # behind the mark that it is about
+            (with_prefix(_(FORCE.title), self._prefix), True),
+            (_("hollow: pulls"), self.chain.pulls),
+            (_("dark: solid"), any(coupler.stop for i, coupler in self.chain.couplers)),
         )
-        for words, true, mark in notes:
-            if true and x + mark + width(words, small) < end:
-                fill_rectangle(surface, tones.foreground, (x, y + 7 * unit, 0.7 * mark, 1.5 * unit))
-                x = write(surface, words, (x + mark, y), small, tones.muted).right + space
+        for words, true in notes:
+            if true and x + width(words, small) < end:
+                x = write(surface, words, (x, y), small, tones.muted).right + space
+        wide = LEGEND_MARK * unit + width(_(MARKED), small)
+        self._legend = (x, y) if has_marks(self.ends) and x + wide < end else None
+        x += wide + space if self._legend else 0.0
         return pygame.Rect(rect.left, rect.top, round(x - rect.left), round((KEY - 2) * unit))
+
+    def _paint_legend(self, surface: pygame.Surface) -> None:
+        """Draw a mark and write what it means."""
+        if self._legend is None:
+            return
+        (x, y), unit = self._legend, self.unit
+        fill_rectangle(surface, tones.foreground, (x, y + 7 * unit, 0.7 * LEGEND_MARK * unit, 1.5 * unit))
+        write(surface, _(MARKED), (x + LEGEND_MARK * unit, y), 13 * unit, tones.muted)
 
     def _ruler(self, surface: pygame.Surface) -> tuple[pygame.Rect, pygame.Rect]:
         """The length of the picture, and below it how overlaps are drawn; returns where."""
@@ -278,13 +300,15 @@ class LaneDrawing:
         return self.bar_base - self.bar_room * force / (self.scales.force / FORCE_MARGIN)
 
     def _bars(self, surface: pygame.Surface, contacts: list[float], overlaps: list[float], forces: list[float]) -> None:
-        """A bar for each contact; across it a line where it would end if each cluster were rigid, Eq. (5)."""
+        """Draw a bar for each contact, and across it a line where it would end if each cluster were rigid, Eq. (5)."""
         unit, visible = self.unit, VISIBLE_FORCE * self.scales.force
         wide = min(max(0.26 * self.bead, 3 * unit), 30 * unit)
-        rigid = rigid_forces(self.chain.mass, self.ends, overlaps, forces, self.length)
+        rigid = visible_marks(self.chain.mass, self.ends, overlaps, forces, self.length, visible)
+        if any(rigid):
+            self._paint_legend(surface)
         for i, (x, force, expected) in enumerate(zip(contacts, forces, rigid, strict=True)):
             self._bar(surface, i, x - wide / 2, wide, force)
-            if expected > visible:
+            if expected:
                 reach = wide / 2 + 5 * unit
                 line = (x - reach, self._bar_top(expected) - 0.75 * unit, 2 * reach, 1.5 * unit)
                 fill_rectangle(surface, tones.foreground, line)

@@ -18,10 +18,14 @@ CAP_RADIUS = 1.5  # of the caps, in radii of an inset
 GREATEST_DEPTH = 1.05  # radii of an inset that the greatest overlap fills at most
 SMALLEST_RADIUS = 8.0  # design pixels: smaller insets would show nothing and are left out
 TEXT_ROOM = 100.0  # design pixels for the texts beside an inset
+# Where insets of full size do not all fit: design pixels for shorter texts, and of the radius down to which insets shrink.
+LEAST_TEXT_ROOM, LEAST_RADIUS = 86.0, 20.0
 
 
 class MagnifiedInsets:
     """The insets of one lane, as many neighbouring contacts as there is room for, from the one with the greatest overlap on.
+
+    The last contact of the lane always has one: its overlap, the smallest, is what the insets are for.
 
     Arguments:
         rect: where they are drawn.
@@ -33,16 +37,30 @@ class MagnifiedInsets:
     def __init__(self, rect: pygame.Rect, unit: float, drawing: LaneDrawing, deepest: tuple[float, ...]) -> None:
         self.rect, self.unit, self.drawing = rect, unit, drawing
         self.radius = max(min(0.5 * rect.height - 7 * unit, 38 * unit), 0.0)
-        self.side = 2 * math.ceil(self.radius) + 4
-        pitch = self.side + (TEXT_ROOM + 4) * unit
-        self.shown = _shown(deepest, int(rect.width // pitch)) if self.radius > SMALLEST_RADIUS * unit else range(0)
+        self.text_room = TEXT_ROOM * unit
+        if self._pitch * len(deepest) > rect.width:
+            self.text_room = LEAST_TEXT_ROOM * unit
+            fitting = (rect.width / len(deepest) - self.text_room - 4 * unit - 4) / 2 - 1
+            self.radius = min(self.radius, max(fitting, LEAST_RADIUS * unit))
+        self.side, pitch = self._side, self._pitch
+        self.shown = _shown(deepest, int(rect.width // pitch)) if self.radius > SMALLEST_RADIUS * unit else ()
         self.pitch = min(rect.width / max(1, len(self.shown)), 1.25 * max(pitch, drawing.bead))
         room, largest = GREATEST_DEPTH * self.radius, max(deepest)
         self.magnify = {k: _magnification(room, drawing.scale * (deepest[k] or largest)) for k in self.shown}
 
+    @property
+    def _side(self) -> int:
+        """Pixels of the square around an inset."""
+        return 2 * math.ceil(self.radius) + 4
+
+    @property
+    def _pitch(self) -> float:
+        """Pixels that an inset and its texts need."""
+        return self._side + self.text_room + 4 * self.unit
+
     def centre(self, slot: int) -> tuple[float, float]:
         """Middle of the inset number `slot`, counted from the left."""
-        x = self.rect.centerx + (slot - (len(self.shown) - 1) / 2) * self.pitch - 0.5 * TEXT_ROOM * self.unit
+        x = self.rect.centerx + (slot - (len(self.shown) - 1) / 2) * self.pitch - 0.5 * self.text_room
         return x, self.rect.centery + 2 * self.unit
 
     def backdrop(self, surface: pygame.Surface) -> None:
@@ -55,7 +73,9 @@ class MagnifiedInsets:
             title = _("overlap {name}", name=f"δ{name}")
             fits = width(title, size) <= self.pitch - 2 * self.radius - 10 * self.unit
             write(surface, title if fits else f"δ{name}", (left, y - 30 * self.unit), size, tones.muted)
-            write(surface, _("seen at {times}", times=magnification), (left, y + 9 * self.unit), size, tones.muted)
+            seen = _("seen at {times}", times=magnification)
+            seen = seen if width(seen, size) <= self.text_room else magnification
+            write(surface, seen, (left, y + 9 * self.unit), size, tones.muted)
 
     def paint(self, surface: pygame.Surface, motion: Motion, row: int, contacts: Array) -> None:
         """Draw the insets for row `row` of `motion`; `contacts` (n,) are the contacts in the drawing of the lane [pixels]."""
@@ -119,10 +139,12 @@ class MagnifiedInsets:
             fill_rectangle(inset, tones.foreground, (face - 0.5, middle + (k - 0.5) * 0.1 * r, 1.0, 0.1 * r))
 
 
-def _shown(deepest: tuple[float, ...], room: int) -> range:
-    """The contacts that have one of `room` insets: neighbours, from the one with the greatest overlap on."""
+def _shown(deepest: tuple[float, ...], room: int) -> tuple[int, ...]:
+    """Return the contacts that have one of `room` insets: neighbours from the one with the greatest overlap on, and the last."""
+    last = len(deepest) - 1
     first = max(0, min(deepest.index(max(deepest)), len(deepest) - room))
-    return range(first, min(len(deepest), first + room))
+    shown = tuple(range(first, min(len(deepest), first + room)))
+    return shown if not shown or shown[-1] == last or room < 2 else (*shown[:-1], last)
 
 
 def _magnification(room: float, deepest: float) -> float:

@@ -1,6 +1,7 @@
 """Numbers of axes as text, with the decimal mark of the language in use: ticks, powers of ten, units; labels moved apart."""
 
 import math
+import re
 from collections.abc import Sequence
 
 from softcradle.sandbox.languages import localized
@@ -66,12 +67,31 @@ def prefixed(value: float, digits: int = 3) -> str:
     return f"{plain(value / size, digits)} {prefix}".strip()
 
 
+def axis_prefix(largest: float) -> tuple[float, str]:
+    """Return (size, prefix) of the unit of an axis whose values reach `largest`: (1e3, "k") for 253 000.
+
+    Up to LARGEST_PLAIN, and where no prefix makes the numbers short, the unit has none.
+    """
+    if not LARGEST_PLAIN <= largest < LARGEST_PREFIXED:
+        return 1.0, ""
+    return next((size, prefix) for size, prefix in PREFIXES.items() if largest >= size)
+
+
+def with_prefix(title: str, prefix: str) -> str:
+    """Return the `title` of an axis with `prefix` before its unit: "contact force (kN)"."""
+    return re.sub(r"\((?=[^()]*\)[^()]*$)", f"({prefix}", title) if prefix else title
+
+
 def beside(value: float, greatest: float) -> str:
-    """`value` with the digits that the `greatest` of its kind needs: 0.24 beside 1.08, 60 k beside 240 k."""
-    decimals = max(0, 2 - math.floor(math.log10(greatest)))
-    if greatest >= LARGEST_PLAIN:
-        return prefixed(value)
-    return scientific(value) if decimals > MOST_DECIMALS else fixed(value, decimals)
+    """`value` with the digits that the `greatest` of its kind needs: 0.24 beside 1.08, 60 beside 240.
+
+    It is in the unit of :func:`axis_prefix`, which the axis or the sentence names.
+    """
+    size = axis_prefix(greatest)[0]
+    decimals = max(0, 2 - math.floor(math.log10(greatest / size)))
+    if decimals > MOST_DECIMALS or greatest >= LARGEST_PREFIXED:
+        return scientific(value / size)
+    return fixed(value / size, decimals)
 
 
 def factor(value: float) -> str:

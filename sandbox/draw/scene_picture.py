@@ -237,7 +237,7 @@ def speed_text(slow: float) -> str:
         return _("real time")
     if slow > 1.0:
         return _("slow motion 1/{times}", times=plain(slow, 4))
-    return _("quick motion {times}", times=TIMES + plain(1.0 / slow, 4))
+    return _("fast motion {times}", times=TIMES + plain(1.0 / slow, 4))
 
 
 def _peaks(motion: Motion) -> tuple[Array, Array, Array]:

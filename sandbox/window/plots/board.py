@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pygame
-from softcradle.sandbox.draw.number_format import fixed, scientific
+from softcradle.sandbox.draw.number_format import ROUND_OFF, fixed, scientific
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.draw.supersampling import draw_marker
@@ -24,11 +25,14 @@ MOST_CURVES = 10
 
 
 def paint_readout(surface: pygame.Surface, plot: Plot, point: tuple[int, int], time: float, values: Array) -> None:
-    """Draw a box beside `point` with `time` [s] and the `values` (k,) of `plot` there."""
+    """Draw a box beside `point` with `time` [s] and the `values` (k,) of `plot` there, in the unit of its axis."""
     unit, chosen = plot.unit, _chosen(plot, point, values)
     size, name = plot.span.unit()
     head = f"t = {fixed(time / size, 3)} {name}"
-    lines = [f"{plot.content.names[k]} = {scientific(float(values[k]), 2)}" for k in chosen]
+    shown = values / plot.axis.size
+    if not plot.axis.logarithmic:  # a bead at rest has a velocity of 1e-16 m/s, a sum of rates
+        shown = np.where(abs(values) > ROUND_OFF * max(abs(plot.axis.low), abs(plot.axis.high)), shown, 0.0)
+    lines = [f"{plot.content.names[k]} = {scientific(float(shown[k]), 2)}" for k in chosen]
     wide = max(width(line, 13 * unit) for line in (head, *lines)) + 34 * unit
     box = pygame.Rect(0, 0, round(wide), round((len(lines) + 1) * 16 * unit + 10 * unit))
     box.topleft = (point[0] + 14, point[1] - box.height // 2)
@@ -151,7 +155,8 @@ class PlotBoard:
     def build(
         self, rows: Sequence[Sequence[Key]], rects: Sequence[Sequence[pygame.Rect]], unit: float, scales: Scales
     ) -> None:
-        """Make the plots anew; their curves come back within some frames."""
+        """Make the plots again. They show the old curves at the new scales until these are drawn, within some frames."""
+        before, span = dict(zip(self.keys, self.plots, strict=True)), replace(self.span)
         self.plots = [
             self._plot(name, lane, rect, unit, scales)
             for keys, places in zip(rows, rects, strict=True)
@@ -161,6 +166,9 @@ class PlotBoard:
         self._spanned.forget()  # all of what was played may be more now
         self._spanned.follow()
         self._last = -1
+        for key, plot in zip(self.keys, self.plots, strict=True):
+            if type(before.get(key)) is type(plot):
+                plot.take_over(before[key], span)
 
     def _plot(self, name: str, lane: int, rect: pygame.Rect, unit: float, scales: Scales) -> Plot:
         kind, live, session = PLOT_KINDS[name], self.session.lanes[lane], self.session
@@ -180,11 +188,13 @@ class PlotBoard:
         history, seconds = self.session.history, SECONDS / self.session.slow
         if self.whole:
             seconds = max(seconds, (history.last_time - history.first_time) / LATEST)
+        old = replace(self.span)
         self.span.seconds, self.span.width = seconds, width
         if self.whole or before != (seconds, width):
             left = history.first_time if self.whole else self.session.time - share * seconds
             self.span.left = max(0, round(left / self.span.column))
-            self._invalidate()
+            for plot in self.plots:
+                plot.take_over(plot, old)
 
     @property
     def complete(self) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 import pygame
 from numpy.typing import NDArray
 from softcradle.sandbox.draw.axes import TEXT, Axes, VerticalAxis
-from softcradle.sandbox.draw.number_format import fixed, ticks, time_unit
+from softcradle.sandbox.draw.number_format import fixed, ticks, time_unit, with_prefix
 from softcradle.sandbox.draw.palette import Colour, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS
 from softcradle.sandbox.draw.surfaces import cached_surfaces
@@ -33,12 +33,14 @@ class ScrollingSurface:
         surface: what is drawn.
         left: the column at its left edge.
         low, high: the columns that are drawn: low to high, not included.
+        stale: whether the other columns show the curves at the scales before, until they are drawn.
     """
 
     def __init__(self, background: pygame.Surface, draw: Callable[[int, int], pygame.Surface]) -> None:
         self.background, self.surface, self.draw = background, background.copy(), draw
         self.left = 0
         self.low = self.high = 0
+        self.stale = False
 
     @property
     def width(self) -> int:
@@ -46,8 +48,14 @@ class ScrollingSurface:
         return self.surface.get_width()
 
     def invalidate(self) -> None:
-        """All columns are stale."""
+        """Draw all columns again, on an empty surface."""
         self.low = self.high = 0
+        self.stale = False
+
+    def replace(self, picture: pygame.Surface, left: int) -> None:
+        """Show `picture`, whose left edge is column `left`, until the columns are drawn again: curves do not vanish meanwhile."""
+        self.surface.blit(picture, (0, 0))
+        self.left, self.low, self.high, self.stale = left, 0, 0, True
 
     def invalidate_from(self, column: int) -> None:
         """Columns from `column` on are stale."""
@@ -75,10 +83,13 @@ class ScrollingSurface:
             return 0
         if self.high <= self.low or self.low >= newest or self.high <= oldest:
             self.low = self.high = newest
-            self._clear(0, self.width)
+            self._clear(newest - self.left if self.stale else 0, self.width)
         done = self._draw_newer(newest, oldest, budget) if grown or newest != self.high else 0
         if done < budget and self.low > oldest:
             done += self._draw_older(oldest, budget - done)
+        if self.stale and self.low <= oldest:
+            self.stale = False
+            self._clear(0, oldest - self.left)
         return done
 
     def _draw_newer(self, newest: int, oldest: int, budget: int) -> int:
@@ -167,6 +178,7 @@ THICKNESS = 2.0  # design pixels of a curve
 POINTS_A_COLUMN = 3  # frames of the history that a column of pixels takes, where there are more
 SMOOTH_TURN = 0.97  # cosine of the largest turn of a curve that is drawn without a round joint
 MOST_MARKED = 10  # curves that have a marker at the cursor
+MOST_STRETCHED = 6  # times the size of a plot: curves that would be stretched beyond it are drawn again at once instead
 VEIL_OPACITY = 150  # of 255, over what is later than the cursor
 
 
@@ -261,6 +273,28 @@ class Plot(Axes):
             draw_curves(fine, self.content.colours, across, down, thickness)
         return pygame.transform.smoothscale(fine, (last - first, self.area.height))
 
+    def take_over(self, before: Plot, span: TimeSpan) -> None:
+        """Show the curves of the plot `before`, whose time axis was `span`, at the scales of this one until it is drawn.
+
+        They are stretched to the new axes. Axes that differ in kind, or by too much, leave the plot empty until then.
+        """
+        old, new = before.axis, self.axis
+        known = before.curves.stale or before.curves.high > before.curves.low
+        self.curves.invalidate()
+        if old.logarithmic != new.logarithmic or not self.timed or not known:
+            return
+        area, drawn = self.area, before.curves.surface
+        across = span.column / self.span.column
+        down = (old.high - old.low) / (new.high - new.low) * (area.height - 1) / max(1, before.area.height - 1)
+        size = round(drawn.get_width() * across), round(drawn.get_height() * down)
+        if min(size) < 1 or max(size) > MOST_STRETCHED * max(area.size):
+            return
+        picture = self.curves.background.copy()
+        top = (area.height - 1) * (new.high - old.high) / (new.high - new.low)
+        left = before.curves.left * across - self.span.left
+        picture.blit(pygame.transform.scale(drawn, size), (round(left), round(top)))
+        self.curves.replace(picture, self.span.left)
+
     def update(self, grown: bool, budget: int) -> int:
         """Draw what the history has and the surface lacks; see `ScrollingSurface.update`."""
         column = self.span.column
@@ -275,8 +309,9 @@ class Plot(Axes):
     def backdrop(self, surface: pygame.Surface) -> None:
         """Draw the title and the labels of the vertical axis."""
         title, mark, lane = self.content.title.partition(" · ")
+        title = with_prefix(title, self.axis.prefix)
         size, room = TEXT * self.unit, self.title_room()
-        if width(self.content.title, size) > room:
+        if width(title + mark + lane, size) > room:
             title = title.split(": ")[0]  # what explains it goes, the name of the lane stays, a third at the least
             title = shortened(title, size, room - min(width(mark + lane, size), room / 3))
         self.write_title(surface, title + mark + lane)

@@ -139,7 +139,8 @@ class StripPlot(Plot):
         return self.area.width + RIGHT * self.unit - width(self._darkest(), 13 * self.unit)
 
     def _darkest(self) -> str:
-        return prefixed(self.content.darkest)
+        number, _space, prefix = prefixed(self.content.darkest).partition(" ")
+        return f"{number} {prefix}N"
 
 
 def _shades() -> Array:

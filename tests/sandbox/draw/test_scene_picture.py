@@ -10,10 +10,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from softcradle.sandbox.draw import number_format
-from softcradle.sandbox.draw.axes import LINE
-from softcradle.sandbox.draw.bodies import cluster_ends, has_marks, mass_labels, rigid_forces
+from softcradle.sandbox.draw.axes import LINE, linear_axis
+from softcradle.sandbox.draw.bodies import cluster_ends, has_marks, mass_labels, rigid_forces, visible_marks
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
-from softcradle.sandbox.draw.number_format import MINUS, TIMES, factor, fixed, number_text, scientific, spread, ticks
+from softcradle.sandbox.draw.magnified_insets import MagnifiedInsets
+from softcradle.sandbox.draw.number_format import (
+    MINUS,
+    TIMES,
+    beside,
+    factor,
+    fixed,
+    number_text,
+    scientific,
+    spread,
+    ticks,
+)
 from softcradle.sandbox.draw.palette import BEAD_COLOURS, bead_colours, tones
 from softcradle.sandbox.draw.scene_picture import Picture, speed_text
 from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, left_edges, scales_of
@@ -291,6 +302,44 @@ def test_where_clusters_end_and_which_have_marks():
     assert [has_marks(ends) for ends in ((False, False), (True,), (True, True), (True, False))] == [False] * 3 + [True]
 
 
+def test_a_mark_stands_over_a_contact_that_carries_something_and_its_meaning_beside_a_mark_alone():
+    row = [1.0] * 5, (True, False, False, False), [0.1] * 4
+    assert visible_marks(*row, [4.0, 0.0, 0.0, 0.0], 1.0, 0.1) == [0.0] * 4, "steel: a wave that has not come yet"
+    assert visible_marks(*row, [4.0, 3.0, 0.0, 0.0], 1.0, 0.1) == [0.0, 3.0, 0.0, 0.0]
+    scene, motions, *_ = pictured(SOFT)
+    picture = Picture(scene, motions, SIZE)
+    free, pushed = 0, strongest_row(motions)
+    assert not motions[0].force[free].any()
+    for row, told in ((free, False), (pushed, True)):
+        with drawn_texts(SIZE) as texts:
+            picture.paint(pygame.Surface(SIZE, 0, 32), row)
+        assert ("if the row were one solid block" in [one.text for one in texts]) == told
+
+
+def test_the_last_contact_has_an_inset_however_many_fit():
+    scene, motions, *_ = pictured(SOFT)
+    scales = scales_of(scene, motions)
+    drawing = LaneDrawing(pygame.Rect(0, 0, 600, 200), 1.0, scene, 0, scales)
+    deepest = tuple(10.0**-k for k in range(9))
+    for wide in (300, 500, 800):
+        insets = MagnifiedInsets(pygame.Rect(0, 0, wide, 84), 1.0, drawing, deepest)
+        assert insets.shown[0] == 0
+        assert insets.shown[-1] == 8
+        assert insets.pitch * len(insets.shown) <= wide
+    small = MagnifiedInsets(pygame.Rect(0, 0, 573, 84), 1.0, drawing, deepest[:4])
+    assert list(small.shown) == [0, 1, 2, 3], "they shrink before one is left out"
+
+
+def test_the_title_of_an_axis_names_the_unit_of_its_large_numbers():
+    axis = linear_axis("contact force (N)", -3e5, 2.6e5)
+    assert axis.title == "contact force (kN)"
+    assert [text for _place, text in axis.ticks] == [f"{MINUS}200", "0", "200"]
+    assert axis.ticks[0][0] == -2e5
+    assert linear_axis("energy (J): beads, contacts grey", 0.0, 2e6).title == "energy (MJ): beads, contacts grey"
+    assert linear_axis("contact force (N)", 0.0, 900.0).title == "contact force (N)"
+    assert [beside(force, 2.6e5) for force in (-2.53e5, 0.0)] == [f"{MINUS}253", "0"]
+
+
 def test_errors_are_those_of_the_motion():
     (motion,) = pictured(SOFT)[1]
     assert motion.energy_error[-1] == pytest.approx(np.abs(motion.energy / motion.energy[0] - 1.0).max())
@@ -360,7 +409,7 @@ def test_steps_are_round(span, most):
         ([text for _, text in ticks(12345.1, 12345.2, 2)], ["12.3451 k", "12.34515 k", "12.3452 k"]),
         ([text for _, text in ticks(-5e-7, 1.5e-6, 4)], [f"{MINUS}5·10⁻⁷", "0", "5·10⁻⁷", "1.0·10⁻⁶", "1.5·10⁻⁶"]),
         ([speed_text(slow) for slow in (1, 4, 1e4)], ["real time", "slow motion 1/4", "slow motion 1/10000"]),
-        ([speed_text(slow) for slow in (0.7, 1e-5)], [f"quick motion {TIMES}1.429", f"quick motion {TIMES}100000"]),
+        ([speed_text(slow) for slow in (0.7, 1e-5)], [f"fast motion {TIMES}1.429", f"fast motion {TIMES}100000"]),
         (mass_labels(one_on(3, hertz(1.0), [1500.0, 0.25, 2e-5, math.inf])), ("1500 kg", "0.25 kg", "2.00·10⁻⁵ kg", "wall")),
     ],
 )  # fmt: skip

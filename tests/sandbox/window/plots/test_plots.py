@@ -6,11 +6,13 @@ from unittest.mock import Mock
 import numpy as np
 import pygame
 import pytest
+from softcradle.sandbox.draw.axes import linear_axis
 from softcradle.sandbox.draw.palette import bead_colours
 from softcradle.sandbox.languages import LANGUAGES, label_words, use_language
 from softcradle.sandbox.session.history_slices import slice_at
 from softcradle.sandbox.session.inputs import AddBead, RemoveBead
 from softcradle.sandbox.window.plots import kinds
+from softcradle.sandbox.window.plots.board import paint_readout
 from softcradle.sandbox.window.plots.curves import ScrollingSurface, TimeSpan
 from softcradle.sandbox.window.plots.data_overlay import PictureOverlay, edges_of
 from softcradle.sandbox.window.plots.kinds import PLOT_KINDS, PlotSetting, Signal, pair_of, signal_of
@@ -18,6 +20,7 @@ from softcradle.sandbox.window.plots.scales import LiveScales, estimated_scales
 from softcradle.sandbox.window.plots.shapes import StackedPlot, StripPlot
 
 from softcradle import scenes
+from tests.helpers.drawn_text import drawn_texts
 from tests.helpers.sessions import opened
 from tests.helpers.windows import Driver
 
@@ -305,8 +308,49 @@ def test_signals_are_read_and_what_are_no_signals_or_edges_is_refused():
     assert set(kinds.QUANTITIES) == set("txvpedrfs")
     unknown = "g0 against t", "v3 against t", "v against t", "f2-1 against t", "f0-2, t", "v0-1, t", "t, f-1"
     for text in ("f0", "f0 d0 e0", *unknown):
-        with pytest.raises(ValueError, match=r"two signals|is no signal|numbered 0 to 2"):
+        with pytest.raises(ValueError, match=r"two signals|is unknown|numbered 0 to 2"):
             pair_of(text, 3)
     for text in ("", "1 2 3", "0 1 a b", "1 0 0 1", "0 1 2 2", "0 inf 0 1"):
         with pytest.raises(ValueError, match=r"four numbers|t right"):
             edges_of(text)
+
+
+def test_curves_stay_while_an_axis_changes_and_are_then_drawn_again(driver: Driver) -> None:
+    """With 8 columns a picture, as on a slow machine, a plot of 300 columns takes dozens of pictures."""
+    driver.play(200)
+    board = driver.page.board
+    plot, span, zero = board.plots[0], replace(board.span), driver.session.history
+    assert plot.complete
+
+    def left(one) -> int:
+        """Return how many pixels of a curve are in the older half of what was played."""
+        end = round(one.span.x(zero.last_time) / 2)
+        part = one.curves.surface.subsurface((0, 0, end, one.area.height))
+        return pygame.mask.from_threshold(part, one.content.colours[0], (60, 60, 60, 255)).count()
+
+    high = 1.3 * plot.axis.high
+    content = replace(plot.content, axis=linear_axis("", 1.3 * plot.axis.low, high))
+    taller = type(plot)(plot.rect, plot.unit, content, plot.history, 0, board.span)
+    taller.take_over(plot, span)
+    taller.update(True, 8)
+    assert not taller.complete
+    assert left(taller) > 0.5 * left(plot)
+    for _ in range(100):
+        taller.update(False, 8)
+    assert taller.complete
+    fresh = type(plot)(plot.rect, plot.unit, content, plot.history, 0, board.span)
+    for grown in (True, *[False] * 100):
+        fresh.update(grown, 8)
+    assert pygame.image.tobytes(taller.curves.surface, "RGB") == pygame.image.tobytes(fresh.curves.surface, "RGB")
+    board.span.seconds *= 1.5
+    taller.take_over(taller, span)
+    taller.update(True, 8)
+    assert not taller.complete
+    assert left(taller) > 0
+
+
+def test_a_reading_of_round_off_is_0_and_is_in_the_unit_of_the_axis(driver: Driver) -> None:
+    plot = driver.page.board.plots[0]
+    with drawn_texts(driver.app.size) as texts:
+        paint_readout(driver.app.surface, plot, plot.area.center, 0.0, np.array([1.0, 1.11e-16, 0.0, -1e-15, 0.25]))
+    assert [one.text for one in texts][1:] == ["v₀ = 1.00", "v₁ = 0", "v₂ = 0", "v₃ = 0", "v₄ = 0.250"]
