@@ -14,7 +14,9 @@ SOFT_EXPONENT = 0.1  # of a power law converted from another kind: alpha = 1/10,
 PRELOAD_SHARE = 0.9  # of the energy of an impact that the preload of a converted gear takes up
 HARD_DEPTH = 0.05  # of the depth of a soft contact: a locked piston yields twenty times less
 DEEPEST = 0.2  # of a bead's length: depth of a converted contact; clusters press theirs up to five times as deep
-STEEL_DEPTH = 0.12  # of a bead's length: depth of a steel ball beside soft beads
+# Depth of a steel ball beside soft beads, of a bead's length. It is the depth of the steel balls of the scene hertz-cradle, in
+# which balls of 1 kg and 1 m with hertz(100) meet at 1 m/s: 100 * depth**2.5 / 2.5 = 1/4 J.
+STEEL_DEPTH = 0.00625**0.4
 HALVINGS = 60  # of the bracket of a depth: its last digit
 
 
@@ -68,9 +70,9 @@ def at_the_same_depth(chain: Chain, index: int, alpha: float, speed: float) -> C
 
 
 def steel_ball(chain: Chain, index: int, speed: float, length: float) -> Contact:
-    """Hertz's contact in place of contact `index`: it stops an impact at `speed` [m/s] within STEEL_DEPTH of `length` [m].
+    """Return Hertz's contact in place of contact `index`: it stops an impact at `speed` [m/s] within STEEL_DEPTH of `length` [m].
 
-    Forces are then some times those of soft contacts: both can be seen on one axis.
+    It is much softer than real steel, so that overlaps can be seen, and its forces fit on one axis with those of soft contacts.
     """
     return _hertz(impact_energy(chain, index, speed)[0], STEEL_DEPTH * length)
 

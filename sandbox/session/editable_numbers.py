@@ -28,6 +28,10 @@ MOST_LOSS = 0.95  # of the slider; draft gears absorb 0.8 and more
 MOST_FRICTION = 1.0  # of the slider
 MOST_GAP = 2.0  # of the slider, in lengths of a bead
 EXPONENTS = 0.01, 3.0  # of the slider
+# Exponents at which sliders of an exponent stop: those of the paper, of springs and of Hertz.
+ROUND_EXPONENTS = (1 / 40, 1 / 20, 1 / 14, 1 / 10, 1 / 5, 1 / 2, 1.0, 3 / 2)
+CATCH = 0.012  # of the length of a slider: so near to a round value it stops there
+FEWEST_STOPS = 50  # of a linear slider, from one end to the other
 LEAST = 1e-6  # half the range of a slider whose values are all 0
 
 Ends = tuple[float, float]
@@ -67,6 +71,7 @@ class EditableNumber(NamedTuple):
         ends: of its slider, for the present value; a typed number may be beyond.
         edit: the input that sets it; ValueError where it cannot be.
         logarithmic: whether the slider changes it by factors.
+        stops: values at which the slider stops, besides those of two digits.
     """
 
     key: str
@@ -78,6 +83,7 @@ class EditableNumber(NamedTuple):
     ends: Callable[[Owner, float], Ends]
     edit: Callable[[Owner, float], Input]
     logarithmic: bool = False
+    stops: Sequence[float] = ()
 
 
 def _decades_around(value: float) -> Ends:
@@ -98,8 +104,17 @@ def _velocity_ends(owner: Owner, _: float) -> Ends:
     return -most, most
 
 
+def _of_beads(live: LiveLane, values: Sequence[float]) -> list[float]:
+    """Return `values`, NaN for walls: no force and no friction moves a wall."""
+    return [value if math.isfinite(mass) else math.nan for value, mass in zip(values, live.chain.mass, strict=True)]
+
+
 def _drives(live: LiveLane) -> Sequence[float]:
-    return live.chain.drive or (0.0,) * len(live.chain.mass)
+    return _of_beads(live, live.chain.drive or (0.0,) * len(live.chain.mass))
+
+
+def _frictions(live: LiveLane) -> Sequence[float]:
+    return _of_beads(live, (live.chain.friction,) * len(live.chain.mass))
 
 
 def _drive_ends(owner: Owner, _: float) -> Ends:
@@ -167,7 +182,7 @@ NUMBERS = (
     ),
     EditableNumber(
         "friction", BEAD, N_("friction of the bed"), "", NP_("column", "friction"),
-        lambda live: [live.chain.friction] * len(live.chain.mass),
+        _frictions,
         lambda at, present: (0.0, max(MOST_FRICTION, present)), lambda at, value: SetFriction(at.lane, value),
     ),
     EditableNumber(
@@ -181,11 +196,11 @@ NUMBERS = (
     ),
     EditableNumber(
         "exponent", CONTACT, N_("alpha (exponent)"), "", NP_("column", "alpha"),
-        _of_law("exponent", _is_power), lambda at, _: EXPONENTS, _set_law("exponent"), logarithmic=True,
+        _of_law("exponent", _is_power), lambda at, _: EXPONENTS, _set_law("exponent"), logarithmic=True, stops=ROUND_EXPONENTS,
     ),
     EditableNumber(
         "exponent", CONTACT, N_("exponent (1: spring)"), "", NP_("column", "exponent"),
-        _of_law("exponent", _is_gear), lambda at, _: EXPONENTS, _set_law("exponent"), logarithmic=True,
+        _of_law("exponent", _is_gear), lambda at, _: EXPONENTS, _set_law("exponent"), logarithmic=True, stops=ROUND_EXPONENTS,
     ),
     EditableNumber(
         "preload", CONTACT, N_("preload"), "N", NP_("column", "preload (N)"),
@@ -216,24 +231,41 @@ class Parameter:
     logarithmic: bool
     value: float
     edit: Callable[[float], Input]
+    stops: Sequence[float] = ()
 
     def share(self) -> float:
-        """Place of the value on the slider, from 0 to 1."""
-        if math.isnan(self.value):
+        """Return the place of the value on the slider, from 0 to 1."""
+        return self.share_of(self.value)
+
+    def share_of(self, value: float) -> float:
+        """Return the place of a value on the slider, from 0 to 1."""
+        if math.isnan(value):
             return 0.5
-        if not math.isfinite(self.value):
+        if not math.isfinite(value):
             return 1.0
-        low, high, value = self.low, self.high, self.value
+        low, high = self.low, self.high
         if self.logarithmic:
             low, high, value = (math.log(max(number, 1e-300)) for number in (low, high, value))
         return min(max((value - low) / (high - low), 0.0), 1.0)
 
     def at(self, share: float) -> float:
-        """The number at that place of the slider, to four digits: no slider is finer."""
+        """Return the round number nearest to that place of the slider; at an end, the end."""
         low, high = self.low, self.high
-        value = low * (high / low) ** share if self.logarithmic else low + share * (high - low)
-        span = self.high - self.low
-        return 0.0 if not self.logarithmic and abs(value) < 1e-3 * span else float(f"{value:.4g}")
+        ends = {0.0: low, 1.0: high}
+        stops = ends if share in ends else {self.share_of(stop): stop for stop in self.stops}
+        near = min(stops, key=lambda place: abs(place - share), default=math.inf)
+        if abs(near - share) <= CATCH:
+            return stops[near]
+        if self.logarithmic:
+            return float(f"{low * (high / low) ** share:.2g}")
+        step = _round_step((high - low) / FEWEST_STOPS)
+        return float(f"{round((low + share * (high - low)) / step) * step:.4g}") + 0.0
+
+
+def _round_step(most: float) -> float:
+    """Return the largest of 1, 2, 5 times a power of ten that is at most `most` > 0."""
+    power = 10.0 ** math.floor(math.log10(most))
+    return max(k * power for k in (1.0, 2.0, 5.0) if k * power <= most)
 
 
 def parameters(session: Session, lane: int, kind: str, index: int) -> list[Parameter]:
@@ -245,7 +277,8 @@ def parameters(session: Session, lane: int, kind: str, index: int) -> list[Param
         if not math.isnan(value):
             low, high = number.ends(owner, value)
             edit = partial(number.edit, owner)
-            found.append(Parameter(number.key, number.name, number.unit, low, high, number.logarithmic, value, edit))
+            name, unit, logarithmic = number.name, number.unit, number.logarithmic
+            found.append(Parameter(number.key, name, unit, low, high, logarithmic, value, edit, number.stops))
     return found
 
 
@@ -259,12 +292,16 @@ class Variant:
 
 
 def variant_of(
-    scene: Scene, lane: int, value: float, edit: Callable[[float], Input], motions: Callable[[Scene], list[Motion]]
+    scene: Scene,
+    lane: int,
+    value: float,
+    edits: Callable[[float], Sequence[Input]],
+    motions: Callable[[Scene], list[Motion]],
 ) -> Variant:
-    """The scene with the `value`, set by `edit` at its start; `motions` computes those of all lanes of a scene."""
+    """Return the scene with the `value`, set by `edits` at its start; `motions` computes those of all lanes of a scene."""
     session = Session(scene)
     try:
-        session.apply(edit(value))
+        session.apply_all(edits(value))
         return Variant(value, motions(session.to_scene())[lane])
     except (UserError, ValueError, RuntimeError, ArithmeticError) as error:
         return Variant(value, None, error_words(error))

@@ -196,7 +196,7 @@ def health_of(
     if pacer.clock_ratio < ON_TIME:
         late = N_("{share} of the set speed: a frame takes too long")
         found.append((FAIR, _(late, share=_percent(pacer.clock_ratio))))
-    found.append((GOOD, _("{method} holds its errors", method=part.setup.method)))
+    found.append((GOOD, _("accuracy OK ({method})", method=part.setup.method)))
     level, sentence = max(found, key=lambda item: LEVELS.index(item[0]))
     return Health(
         energy_error=None if unknown else float(energy_error(ledger)),

@@ -226,10 +226,13 @@ class Session:
         """
         self.apply_all([item], gesture)
 
-    def apply_all(self, items: Sequence[inputs.Input], gesture: bool = False, anew: bool = False) -> None:
+    def apply_all(
+        self, items: Sequence[inputs.Input], gesture: bool = False, anew: bool = False, trial: bool = False
+    ) -> None:
         """Do what `items` say in turn, as one undo step. ValueError with a sentence: one is refused, nothing has changed.
 
-        `anew`: after a restart, which is of the same step: an undo brings the motion back as it was.
+        `anew`: after a restart, which is of the same step: an undo brings the motion back as it was. `trial`: the step only tries
+        another number, see :attr:`UndoStack.unsaved_work`.
         """
         if not items:
             return
@@ -239,7 +242,7 @@ class Session:
         for item in items:
             present = accepted(item, present, at_start=anew or self.frame == 0)
         if any(item.undo_name for item in items) and not self.undo_stack.continues(items, gesture):
-            self.undo_stack.add(items, gesture, self._checkpoint())
+            self.undo_stack.add(items, gesture, self._checkpoint(), trial)
         if anew:
             self.pause()
             self.restart()

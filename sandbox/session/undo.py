@@ -39,6 +39,7 @@ class Checkpoint(NamedTuple):
         lanes: those that it changes; empty for words, None among them for all.
         session: as it was.
         memory: bytes that the step before it does not hold too.
+        trial: whether it only tries another number from the start, which is no work that could be lost.
     """
 
     number: int
@@ -48,6 +49,7 @@ class Checkpoint(NamedTuple):
     lanes: frozenset[int | None]
     session: FrozenSession
     memory: int
+    trial: bool = False
 
 
 def target_of(step: Sequence[inputs.Input] | Scene) -> tuple[object, ...]:
@@ -78,13 +80,15 @@ class UndoStack:
         """Whether `items` belong to the last step: to the same gesture."""
         return gesture and self._open and bool(self.done) and self.done[-1].target == target_of(items)
 
-    def add(self, step: Sequence[inputs.Input] | Scene, gesture: bool, present: FrozenSession) -> None:
+    def add(
+        self, step: Sequence[inputs.Input] | Scene, gesture: bool, present: FrozenSession, trial: bool = False
+    ) -> None:
         """Remember the `present` before the inputs of a step, or before the words of a scene."""
         is_edit = isinstance(step, Scene) or not all(isinstance(item, inputs.Drag) for item in step)
         own = _own_memory(present, self.done[-1].session.blocks if self.done else ())
         name = N_("words") if isinstance(step, Scene) else next(item.undo_name for item in step if item.undo_name)
         lanes = frozenset(getattr(item, "lane", None) for item in step) if not isinstance(step, Scene) else frozenset()
-        self.done.append(Checkpoint(next(self._numbers), name, is_edit, target_of(step), lanes, present, own))
+        self.done.append(Checkpoint(next(self._numbers), name, is_edit, target_of(step), lanes, present, own, trial))
         self._memory += own
         self.undone.clear()
         self._open = gesture
@@ -117,6 +121,12 @@ class UndoStack:
     def unsaved(self) -> bool:
         """Whether edits have not been saved."""
         return self._last_edit() != self._saved
+
+    @property
+    def unsaved_work(self) -> bool:
+        """Whether edits have not been saved that are more than trials of other numbers."""
+        only_trials = self._saved == self._dropped == 0 and all(step.trial for step in self.done if step.is_edit)
+        return self.unsaved and not only_trials
 
     @property
     def unsaved_beside_first(self) -> bool:

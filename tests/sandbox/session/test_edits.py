@@ -8,7 +8,7 @@ import pytest
 from softcradle.physics import hertz, power_law, step_force
 from softcradle.sandbox.quantities import OVERLAP
 from softcradle.sandbox.session import inputs
-from softcradle.sandbox.session.contact_conversion import kind_of
+from softcradle.sandbox.session.contact_conversion import kind_of, steel_ball
 from softcradle.sandbox.session.editable_numbers import NUMBERS, parameters
 from softcradle.sandbox.session.run_verdict import PASSED
 from softcradle.sandbox.session.session import Session
@@ -310,3 +310,47 @@ def test_the_memory_of_steps_is_bounded(monkeypatch):
         session.apply(inputs.SetMass(0, 1, 1.0 + k))
     assert sum(step.memory for step in session.undo_stack.done) <= 400_000
     assert session.undo()
+
+
+def test_there_is_one_kind_of_steel():
+    """The balls beside a row of soft beads are those of the scene of Newton's cradle: forces can be compared between them."""
+    cradle, soft = load("hertz-cradle"), load("one-on-four")
+    chain = soft.lanes[0].chain()
+    law = steel_ball(chain, 1, 1.0, soft.view.length)
+    known = cradle.lanes[0].chain().contact[1]
+    assert (law.exponent, law.preload) == (known.exponent, known.preload)
+    assert law.stiffness == pytest.approx(known.stiffness, rel=1e-9)
+
+
+def test_a_wall_has_no_number_that_does_nothing():
+    session = opened("one-on-four")
+    session.apply(inputs.SetMass(0, 4, math.inf))
+    assert [one.key for one in parameters(session, 0, "bead", 4)] == ["velocity"]
+    assert {one.key for one in parameters(session, 0, "bead", 3)} == {"mass", "velocity", "drive", "friction"}
+
+
+def test_sliders_stop_at_round_numbers():
+    session = opened("one-on-four")
+    alpha = next(one for one in parameters(session, 0, "contact", 1) if one.key == "exponent")
+    for value in (1 / 20, 1 / 10, 1 / 2, 1.0, 3 / 2):
+        assert alpha.at(alpha.share_of(value) + 0.01) == value
+    velocity = next(one for one in parameters(session, 0, "bead", 0) if one.key == "velocity")
+    for parameter in (alpha, velocity):
+        assert (parameter.at(0.0), parameter.at(1.0)) == (parameter.low, parameter.high)
+        found = {parameter.at(k / 400) for k in range(401)}
+        digits = [
+            len(f"{value:g}".lstrip("-0.").replace(".", "").rstrip("0")) for value in found - set(parameter.stops)
+        ]
+        assert max(digits) <= 2
+        assert len(found) > 50
+
+
+def test_a_trial_from_the_start_is_no_work_that_could_be_lost(tmp_path):
+    session = opened("one-on-four")
+    session.apply_all([inputs.SetMass(0, 1, 2.0)], anew=True, trial=True)
+    assert session.undo_stack.unsaved
+    assert not session.undo_stack.unsaved_work
+    session.apply(inputs.SetMass(0, 2, 2.0))
+    assert session.undo_stack.unsaved_work
+    session.save_scene(tmp_path / "own.toml")
+    assert not session.undo_stack.unsaved_work
