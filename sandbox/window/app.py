@@ -15,7 +15,7 @@ from types import FrameType
 import pygame
 from softcradle.sandbox.draw.palette import THEMES, use_theme
 from softcradle.sandbox.draw.surfaces import clear_cached_surfaces
-from softcradle.sandbox.languages import ENGLISH, LANGUAGES, N_, _, language, scene_words, use_language
+from softcradle.sandbox.languages import ENGLISH, LANGUAGES, _, language, scene_words, use_language
 from softcradle.sandbox.session.export import is_shared_text, scene_from_text
 from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window import theme
@@ -102,7 +102,7 @@ class App:
         self._build()
         if (found := self._left_over) is not None:
             choices: Choices = {_("Open it"): partial(self._open_unsaved, found), _("Discard it"): found.forget}
-            self.choose(_("An unsaved scene"), _("The window was ended with edits that are not saved."), choices)
+            self.choose(_("An unsaved scene"), _("softcradle closed before your changes were saved."), choices)
 
     def _open_unsaved(self, found: UnsavedFile) -> None:
         """Open the scene that was not saved when the window crashed or was killed; its file is that of this window now."""
@@ -190,6 +190,9 @@ class App:
         """Go from few controls to all of them, or back, now and after the next start."""
         self.explore = not self.explore
         self.settings.keep(explore=self.explore)
+        if self.page is self.gallery:  # whose cards look the same at both levels
+            shown = _("Explore: few controls") if self.explore else _("Lab: all controls")
+            self.messages.show(shown, subject="level")
 
     def next_language(self) -> None:
         """Take the next language, now and after the next start."""
@@ -259,10 +262,10 @@ class App:
             return
         choices: Choices = {
             _("Save ..."): self.page.actions["save_scene"],
-            _("Discard them"): partial(self._discard, go_on),
+            _("Don't save"): partial(self._discard, go_on),
             _("Stay"): lambda: None,
         }
-        self.choose(_("Keep the edits?"), _("This scene has edits that are not saved."), choices)
+        self.choose(_("Save your changes?"), _("This scene has changes that are not saved."), choices)
 
     def _discard(self, go_on: Callable[[], object]) -> None:
         self.unsaved_file.forget()
@@ -287,10 +290,12 @@ class App:
         place = min(range(len(SCALES)), key=lambda k: abs(SCALES[k] - self.scale))
         self.scale = SCALES[min(max(place + by, 0), len(SCALES) - 1)] if by else 1.0
         self.settings.keep(scale=self.scale)
-        text, shown = N_("scale {percent:.0f} %"), self._unit() / self._usual_unit
+        shown = self._unit() / self._usual_unit
         if shown < self.scale - 0.005:
-            text = N_("scale {percent:.0f} %: there is no room for more in this window")
-        self.messages.show(_(text, percent=100 * shown), subject="scale")
+            text = _("scale {percent:.0f} %: there is no room for more in this window", percent=100 * shown)
+            self.messages.hint(text, subject="scale")
+        else:
+            self.messages.show(_("scale {percent:.0f} %", percent=100 * shown), subject="scale")
 
     def run(self) -> None:
         """Frames until the user quits; films and sounds are closed whatever ends the loop."""

@@ -17,6 +17,9 @@ DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY")
 UNSEEN = ("offscreen", "dummy")  # drivers whose windows nobody sees
 
 SMALLEST = (640, 400)  # pixels of a window
+# Room for the title bar of the window and the task bar of the desktop: SDL reports the whole desktop. Pixels, and a share of the
+# height of the desktop, whichever is more: bars of large screens are higher.
+BARS, BARS_SHARE = 72, 0.08
 
 
 def require_display() -> None:
@@ -32,14 +35,26 @@ def require_display() -> None:
         )
 
 
+def usable_size(size: tuple[int, int], desktop: tuple[int, int]) -> tuple[int, int]:
+    """Return the `size` of a window, reduced to what a `desktop` of that size shows of it with title bar and task bar."""
+    width, height = desktop
+    bars = max(BARS, round(BARS_SHARE * height))
+    return max(SMALLEST[0], min(size[0], width)), max(SMALLEST[1], min(size[1], height - bars))
+
+
 def open_display(size: tuple[int, int]) -> pygame.Surface:
-    """A resizable window; of pygame only the display and the fonts are initialised, which is quick."""
+    """Open a resizable window of `size`, or as large as the desktop allows.
+
+    Only the display and the fonts of pygame are initialised, which is quick.
+    """
     os.environ.setdefault("SDL_VIDEO_CENTERED", "1")
     os.environ.setdefault("SDL_MOUSE_FOCUS_CLICKTHROUGH", "1")
     pygame.display.init()
     pygame.font.init()
     pygame.display.set_icon(pygame.image.load(str(resource("icon.png"))))
     pygame.display.set_caption("softcradle")
+    if pygame.display.get_driver() not in UNSEEN:
+        size = usable_size(size, pygame.display.get_desktop_sizes()[0])
     surface = pygame.display.set_mode(size, pygame.RESIZABLE)
     pygame.key.set_repeat(*REPEAT)
     with warnings.catch_warnings(), contextlib.suppress(AttributeError, pygame.error):

@@ -86,37 +86,37 @@ _BINDINGS: tuple[Binding, ...] = (
     Binding("fit", _keys(pygame.K_f), N_("View"), N_("frame all beads")),
     Binding("zoom_in", _keys(pygame.K_UP), N_("View"), N_("zoom in (or wheel)"), repeated=True),
     Binding("zoom_out", _keys(pygame.K_DOWN), N_("View"), N_("zoom out"), repeated=True),
-    Binding("pause_at_end", _keys(pygame.K_e), N_("Time"), N_("pause at the end, or play on")),
+    Binding("pause_at_end", _keys(pygame.K_e), N_("Time"), N_("stop at the end, or go on")),
     Binding("arrows", _keys(pygame.K_v), N_("View"), N_("arrows: velocity, momentum, force")),
-    Binding("lesson", _keys(pygame.K_q), N_("Tools"), N_("a question: predict, then run")),
+    Binding("lesson", _keys(pygame.K_q), N_("Tools"), N_("predict first")),
     Binding("values", _keys(pygame.K_t), N_("Tools"), N_("table of values in place of the plots")),
-    Binding("tell", _keys(pygame.K_w), N_("Tools"), N_("what happened, in words")),
+    Binding("tell", _keys(pygame.K_w), N_("Tools"), N_("describe what happened")),
     Binding("copy_values", _keys(pygame.K_c), N_("Tools"), N_("copy all values as CSV")),
     Binding("copy_scene", _keys((pygame.K_c, CTRL)), N_("Tools"), N_("copy the scene as text, to share it")),
     Binding("paste", _keys((pygame.K_v, CTRL)), N_("Tools"), N_("open a scene that was copied as text")),
-    Binding("compare", _keys((pygame.K_d, CTRL)), N_("Tools"), N_("the scene beside a copy, to compare")),
-    Binding("compare_balls", _keys((pygame.K_d, SHIFT)), N_("Tools"), N_("beside steel balls, or soft beads")),
+    Binding("compare", _keys((pygame.K_d, CTRL)), N_("Tools"), N_("compare with a copy")),
+    Binding("compare_balls", _keys((pygame.K_d, SHIFT)), N_("Tools"), N_("compare with steel (or soft) beads")),
     Binding("alone", _keys((pygame.K_d, CTRL | SHIFT)), N_("Tools"), N_("back to one row")),
     Binding("stopwatch", _keys(pygame.K_k), N_("Tools"), N_("stopwatch: start, stop, put away")),
     Binding("ruler", _keys(pygame.K_u), N_("Tools"), N_("ruler, on or off")),
     Binding("data", _keys(pygame.K_x), N_("Tools"), N_("measured data over a plot, or off")),
     Binding("signals", _keys((pygame.K_8, SHIFT)), N_("Tools"), N_("choose two signals to plot")),
-    Binding("sweep", _keys(pygame.K_y), N_("Tools"), N_("nine values of a slider side by side")),
+    Binding("sweep", _keys(pygame.K_y), N_("Tools"), N_("try nine values at once")),
     Binding("share", _keys(pygame.K_F6), N_("Tools"), N_("the menu of files and sharing")),
     Binding("plots_menu", _keys(pygame.K_F7), N_("Tools"), N_("the menu of plots")),
     Binding("tools", _keys(pygame.K_F10), N_("Tools"), N_("the menu of tools")),
     Binding("method", _keys((pygame.K_m, SHIFT)), N_("View"), N_("next method")),
     Binding("inspector", _keys(pygame.K_i), N_("View"), N_("hide or show the panel on the right")),
     Binding("level", _keys(pygame.K_F3), N_("View"), N_("Explore (few controls) or Lab (all)")),
-    Binding("sound", _keys(pygame.K_n), N_("View"), N_("sound: clicks, tones of forces, off")),
+    Binding("sound", _keys(pygame.K_n), N_("View"), N_("sound: off, clicks, tones")),
     Binding("save_scene", _keys((pygame.K_s, CTRL)), N_("Save"), N_("save the scene as a file")),
-    Binding("words", _keys(pygame.K_F4), N_("Save"), N_("title, text, question and names of lanes")),
-    Binding("save_session", _keys((pygame.K_s, CTRL | SHIFT)), N_("Save"), N_("save the session, to be replayed")),
-    Binding("export", _keys((pygame.K_e, CTRL)), N_("Save"), N_("export the history as .npz or .csv")),
-    Binding("share_page", _keys((pygame.K_h, CTRL)), N_("Save"), N_("share what was played as a page")),
-    Binding("live_page", _keys((pygame.K_h, CTRL | SHIFT)), N_("Save"), N_("share the experiment as a page")),
+    Binding("words", _keys(pygame.K_F4), N_("Save"), N_("title, text and question")),
+    Binding("save_session", _keys((pygame.K_s, CTRL | SHIFT)), N_("Save"), N_("save a recording")),
+    Binding("export", _keys((pygame.K_e, CTRL)), N_("Save"), N_("export data (.npz or .csv)")),
+    Binding("share_page", _keys((pygame.K_h, CTRL)), N_("Save"), N_("web page of this run")),
+    Binding("live_page", _keys((pygame.K_h, CTRL | SHIFT)), N_("Save"), N_("web page to play with")),
     Binding("screenshot", _keys(pygame.K_p, pygame.K_F12), N_("Save"), N_("screenshot")),
-    Binding("film", _keys((pygame.K_r, CTRL)), N_("Save"), N_("begin or end a film of the window")),
+    Binding("film", _keys((pygame.K_r, CTRL)), N_("Save"), N_("record a video, or stop")),
     Binding("open", _keys((pygame.K_o, CTRL)), N_("Save"), N_("open a file (or drop it here)")),
     Binding("search", _keys((pygame.K_f, CTRL)), N_("Window"), N_("search the gallery")),
     Binding("next_control", _keys(pygame.K_TAB), N_("Window"), N_("next control: Enter, arrows"), repeated=True),
@@ -125,8 +125,8 @@ _BINDINGS: tuple[Binding, ...] = (
     Binding("theme", _keys(pygame.K_F9), N_("Window"), N_("dark or light theme")),
     Binding("language", _keys(pygame.K_F8), N_("Window"), N_("language (Sprache, langue)")),
     Binding("fullscreen", _keys(pygame.K_F11), N_("Window"), N_("fullscreen")),
-    Binding("larger", _keys((pygame.K_PLUS, CTRL)), N_("Window"), N_("everything larger"), repeated=True),
-    Binding("smaller", _keys((pygame.K_MINUS, CTRL)), N_("Window"), N_("everything smaller"), repeated=True),
+    Binding("larger", _keys((pygame.K_PLUS, CTRL)), N_("Window"), N_("larger text"), repeated=True),
+    Binding("smaller", _keys((pygame.K_MINUS, CTRL)), N_("Window"), N_("smaller text"), repeated=True),
     Binding("normal", _keys((pygame.K_0, CTRL)), N_("Window"), N_("normal size")),
     Binding("leave", _keys(pygame.K_ESCAPE), N_("Window"), N_("close, deselect, back to the gallery")),
     Binding("quit", _keys((pygame.K_q, CTRL)), N_("Window"), N_("quit")),
@@ -188,8 +188,8 @@ def groups() -> dict[str, list[Binding]]:
 
 
 LINE = 21.0  # design pixels
-KEYS_ROOM = 126.0  # design pixels of the keys
-COLUMN = 362.0  # design pixels
+KEYS_ROOM = 134.0  # design pixels of the keys
+COLUMN = 374.0  # design pixels
 TITLE = 27.0  # design pixels
 MARGIN = 26.0  # design pixels beside a column
 HEAD, FOOT = 58.0, 20.0  # design pixels above the columns and below them
@@ -273,7 +273,7 @@ def _block(
     y += TITLE * unit
     for keys, text in rows:
         _cap(surface, keys, (x, y), unit)
-        write(surface, text, (x + (KEYS_ROOM + 2) * unit, y + 1 * unit), 13 * unit, tones.foreground)
+        write(surface, text, (x + (KEYS_ROOM + 4) * unit, y + 1 * unit), 13 * unit, tones.foreground)
         y += LINE * unit
     return y + 10 * unit
 
@@ -283,7 +283,7 @@ def _cap(surface: pygame.Surface, keys: str, place: tuple[float, float], unit: f
     x, y = place
     for text in keys.split("  "):
         wide = width(text, 13 * unit, bold=True) + 10 * unit
-        if x + wide > place[0] + KEYS_ROOM * unit and x > place[0]:
+        if x + wide > place[0] + (KEYS_ROOM - 6.0) * unit and x > place[0]:
             return  # no room for another key that does the same
         plate = pygame.Rect(round(x), round(y), round(wide), round(18 * unit))
         pygame.draw.rect(surface, tones.lane_background, plate, border_radius=round(4 * unit))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import pygame
-from softcradle.sandbox.draw.palette import tones
+from softcradle.sandbox.draw.palette import Colour, tones
 from softcradle.sandbox.draw.text import shortened, width, wrapped, write
 from softcradle.sandbox.languages import refusal_words
 
@@ -16,14 +16,35 @@ SECONDS_A_WORD = 0.35  # that a message stays
 WARNING_FACTOR = 2.0  # by which a warning stays longer
 
 
+DONE, HINT, WARNING = "done", "hint", "warning"  # kinds of messages
+MARKS = {DONE: "✓", HINT: "i", WARNING: "!"}
+
+
 @dataclass
 class Message:
-    """A sentence, whether it is a warning, the seconds for which it still stays, and what it is about, or ""."""
+    """A sentence on screen.
+
+    Attributes:
+        text: the sentence.
+        kind: DONE after an action, HINT if nothing was done, or WARNING.
+        seconds_left: how long it is still shown [s].
+        subject: what it is about; a newer message on the same subject replaces it. Empty: no subject.
+    """
 
     text: str
-    warning: bool
+    kind: str
     seconds_left: float
     subject: str = ""
+
+    @property
+    def warning(self) -> bool:
+        """Whether it is a warning."""
+        return self.kind == WARNING
+
+    @property
+    def tint(self) -> Colour:
+        """The colour of its border and mark."""
+        return {DONE: tones.good, HINT: tones.muted, WARNING: tones.warning}[self.kind]
 
 
 class Messages:
@@ -34,13 +55,20 @@ class Messages:
         self._places: list[tuple[pygame.Rect, Message]] = []
 
     def show(self, text: str, warning: bool = False, subject: str = "") -> None:
-        """Show `text` in place of one on the same `subject`; a text that is on screen already stays longer."""
+        """Show that something was done, or a warning. It replaces a message on the same `subject`."""
+        self._show(text, WARNING if warning else DONE, subject)
+
+    def hint(self, text: str, subject: str = "") -> None:
+        """Show why nothing was done, or what to do first: no tick stands before it."""
+        self._show(text, HINT, subject)
+
+    def _show(self, text: str, kind: str, subject: str) -> None:
         text = refusal_words(text)
         text = text if len(text) <= LONGEST else f"{text[: LONGEST - 2]} …"
         kept = (one for one in self.visible if one.text != text and (one.subject != subject or not subject))
         self.visible = list(kept)[-(MOST - 1) :]
-        seconds = max(LEAST_SECONDS, SECONDS_A_WORD * len(text.split())) * (WARNING_FACTOR if warning else 1.0)
-        self.visible.append(Message(text, warning, seconds, subject))
+        seconds = max(LEAST_SECONDS, SECONDS_A_WORD * len(text.split())) * (WARNING_FACTOR if kind == WARNING else 1.0)
+        self.visible.append(Message(text, kind, seconds, subject))
 
     def leave_page(self) -> None:
         """Remove what was said about the page that is left, but no warning."""
@@ -78,11 +106,11 @@ class Messages:
 
     def _box(self, surface: pygame.Surface, message: Message, lines: list[str], rect: pygame.Rect, unit: float) -> None:
         """Draw one message."""
-        tint = tones.warning if message.warning else tones.good
+        tint = message.tint
         pygame.draw.rect(surface, tones.background, rect, border_radius=round(6 * unit))
         pygame.draw.rect(surface, tint, rect, max(1, round(1.5 * unit)), border_radius=round(6 * unit))
         x = rect.left + 13 * unit
-        write(surface, "!" if message.warning else "✓", (x, rect.top + 6 * unit), 13 * unit, tint, bold=True)
+        write(surface, MARKS[message.kind], (x, rect.top + 6 * unit), 13 * unit, tint, bold=True)
         for k, line in enumerate(lines):
             write(surface, line, (x + 15 * unit, rect.top + (6 + 18 * k) * unit), 13 * unit, tones.foreground)
         self._places.append((rect, message))

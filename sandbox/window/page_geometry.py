@@ -93,7 +93,7 @@ def fitting(size: tuple[int, int], unit: float, lanes: int, explore: bool, card:
     """How many rows of plots there is room for, others are scrolled to; and the height of the `card`, 0 where it has none."""
     main = size[1] - (TOOLBAR + FOOTER + MARGIN) * unit
     card = card if card <= main - _lanes_height(lanes, LEAST_LANE) * unit else 0
-    low = LANE[True] if explore or card else LEAST_LANE
+    low = LANE[True] if card else LANE[False] if explore else LEAST_LANE
     return max(0, int((main - card - _lanes_height(lanes, low) * unit) / (PLOT_ROW * unit))), card
 
 

@@ -268,7 +268,7 @@ def parameter_control(
     bar = pygame.Rect(left, round(y + 26 * unit), right - left - wide - round(4 * unit), round(12 * unit))
     button = None
     if sweep:
-        tip = _("{name}: nine values side by side", name=_(parameter.name))
+        tip = _("{name}: try nine values at once", name=_(parameter.name))
         top, foot = entry.rect.bottom, round(y + 39 * unit)  # its text is higher than the slider
         place = pygame.Rect(right - wide, top, wide, foot - top)
         button = UIButton(place, "…", manager, object_id="#chip", tool_tip_text=tip, command=sweep)

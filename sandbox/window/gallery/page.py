@@ -354,7 +354,7 @@ class GalleryPage(Page):
         if self.search:
             self.cancel_typing()
         else:
-            self.host.messages.show(_("Ctrl+Q quits"))
+            self.host.messages.hint(_("Ctrl+Q quits"))
 
     def focus_search(self) -> None:
         """Let keys go into the search, in place of what was searched for before."""
@@ -485,7 +485,7 @@ class GalleryPage(Page):
         surface.fill(tones.background, (0, 0, width, round((HEADER - 4) * unit)))
         x, y = MARGIN * unit, 16 * unit
         write(surface, "softcradle", (x, y), 22 * unit, tones.foreground, bold=True)
-        line = _("Beads that only push on each other, softly. Choose a scene, or drop a scene file here.")
+        line = _("A row of soft beads: push the first and see who moves. Choose a scene, or drop a scene file here.")
         room = width - 2 * x - 80 * unit
         write(surface, shortened(line, 16 * unit, room), (x, y + 38 * unit), 16 * unit, tones.muted)
         write(surface, _("F1: help"), (width - x, y + 38 * unit), 16 * unit, tones.muted, align=(1, 0))

@@ -36,8 +36,8 @@ LAWS: dict[str, Contact] = {
     NP_("button", "power law, alpha 1/10"): power_law(60.0, 0.1),
     NP_("button", "draft gear"): draft_gear(1500.0, 0.04),
 }
-GAINED = N_("{percent:.2g} % of the energy was gained: take more steps a second")
-LOST = N_("{percent:.2g} % of the energy was lost; strings lose it too: take more steps a second")
+GAINED = N_("{percent:.2g} % of the energy was gained. Use more steps per second.")
+LOST = N_("{percent:.2g} % of the energy was lost, some of it by the strings. Use more steps per second.")
 Vector = tuple[float, float]
 
 
@@ -123,10 +123,10 @@ class Cradle:
         worst = max(abs(change), risen)
         if self.tangled is not None:
             left, right = self.tangled, self.tangled + 1
-            text = _("balls {left} and {right} have passed each other: begin anew (R)", left=left, right=right)
+            text = _("Balls {left} and {right} passed through each other. Press R to restart.", left=left, right=right)
             return EnergyVerdict(BAD, text, change)
         if worst <= FAIR_CHANGE:
-            return EnergyVerdict(GOOD, _("the energy is kept to {percent:.2g} %", percent=100.0 * worst), change)
+            return EnergyVerdict(GOOD, _("energy error {percent:.2g} %", percent=100.0 * worst), change)
         text = _(GAINED if risen > abs(change) or change > 0.0 else LOST, percent=100.0 * worst)
         return EnergyVerdict(FAIR if worst <= BAD_CHANGE else BAD, text, change)
 

@@ -49,7 +49,7 @@ WIDTH, HEIGHT = 2.3, 1.3  # m of a picture
 MOST_STEPS = 100  # that are undone
 HEAD, FOOT = 29.0, 58.0  # design pixels of the name above a cradle, and of what is said below it
 MENU_ROW = 34.0  # design pixels of a menu in the panel
-MENU = 166.0  # design pixels, the width of a menu
+MENU = 186.0  # design pixels, the width of a menu
 # Of each menu: the field of the model, its name, and the choices.
 MENUS: tuple[tuple[str, str, Sequence[str]], ...] = (
     ("law", N_("contacts"), tuple(LAWS)),
@@ -106,7 +106,7 @@ class HangingPage(Page):
     def undo(self) -> None:
         """Go back to before the last throw, choice or restart."""
         if not self.done:
-            self.host.messages.show(_("nothing to undo"))
+            self.host.messages.hint(_("nothing to undo"))
             return
         self.held, self.playing = None, False
         self.model = self.done.pop()
@@ -240,8 +240,8 @@ class HangingPage(Page):
     def paint_over(self, surface: pygame.Surface) -> None:
         """Draw the clock, and a ring at the pointer while it holds a ball."""
         clock = f"t = {fixed(self.model.time, 2)} s"
-        late = late_note(self.pacer) if self.playing else ""
-        self.time_controls.paint_clock(surface, clock, late or _(self.time_controls.activity()), bool(late))
+        late, warned = late_note(self.pacer) if self.playing else ("", False)
+        self.time_controls.paint_clock(surface, clock, late or _(self.time_controls.activity()), warned)
         if self.held is not None:
             pygame.draw.aacircle(surface, tones.foreground, self.pointer, 5 * self.host.unit, 2)
 

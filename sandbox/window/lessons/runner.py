@@ -118,7 +118,7 @@ class LessonRunner:
             self.host.ask(title, self.session.scene.question, "", self._predict)
         else:
             scenes = ", ".join(dict.fromkeys(scene_words(load(lesson.scene).title) for lesson in lessons()))
-            self.host.messages.show(_("there are lessons about: {scenes}", scenes=scenes))
+            self.host.messages.hint(_("there are lessons about: {scenes}", scenes=scenes))
 
     @property
     def lesson(self) -> Lesson:
@@ -151,7 +151,7 @@ class LessonRunner:
     def _tell(self, words: str, more: Choices | None = None) -> None:
         """Say what was predicted, and who goes where."""
         said = words if words.endswith((".", "!", "?")) else f"{words}."
-        text = _("You predicted: {words} Measured: {outcome}", words=said, outcome=outcome_text(self.session))
+        text = _("You predicted: {words} What happened: {outcome}", words=said, outcome=outcome_text(self.session))
         self.host.choose(_("What happened"), text, {_("Close"): lambda: None, **(more or {})})
 
     def _answer(self, predicted: int) -> None:
@@ -165,5 +165,5 @@ class LessonRunner:
             self._tell(_(lesson.choices[predicted]), more)
             return
         title = _("As you predicted") if answer == predicted else _("Not as you predicted")
-        note = _("Measured: {answer}. {why}", answer=_(lesson.choices[answer]), why=_(lesson.why[answer]))
+        note = _("What happened: {answer}. {why}", answer=_(lesson.choices[answer]), why=_(lesson.why[answer]))
         self.host.choose(title, note, {_("Close"): lambda: None, **more})

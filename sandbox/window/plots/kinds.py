@@ -64,7 +64,7 @@ def signal_of(text: str, beads: int) -> Signal:
     found = re.fullmatch(r"([a-z])_?(\d*)(?:-(\d+))?", text.strip().lower())
     if found is None or found[1] not in QUANTITIES or (found[3] and not _is_contact(*found.groups())):
         known = ", ".join(QUANTITIES)
-        wrong = _("{text!r} is no signal; there are {known}, with a number: v0, f1", text=text.strip(), known=known)
+        wrong = _("{text!r} is unknown. Use {known}, with a number: v0, f1", text=text.strip(), known=known)
         raise ValueError(wrong)
     letter, digits = found[1], found[2]
     owner = QUANTITIES[letter].owner
@@ -237,8 +237,8 @@ PLOT_KINDS: dict[str, PlotKind] = {
         PlotKind(NP_("button", "overlaps"), pygame.K_3, N_("overlaps"), _overlaps, shown=True),
         PlotKind(NP_("button", "energy"), pygame.K_4, N_("energy split"), _energies, StackedPlot),
         PlotKind(NP_("button", "space-time"), pygame.K_5, N_("space-time strip"), _contact_forces_by_row, StripPlot),
-        PlotKind(KYMOGRAPH, pygame.K_7, N_("kymograph of the beads' markers"), _bead_markers, KymographPlot),
-        PlotKind(OWN, pygame.K_8, N_("a signal against another"), _chosen, PhasePlot),
+        PlotKind(KYMOGRAPH, pygame.K_7, N_("space-time picture"), _bead_markers, KymographPlot),
+        PlotKind(OWN, pygame.K_8, N_("x-y plot"), _chosen, PhasePlot),
         PlotKind(
             NP_("button", "difference"),
             pygame.K_6,

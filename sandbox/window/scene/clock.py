@@ -55,7 +55,7 @@ class EndOfMotion:
     def toggle(self) -> None:
         """Pause at the end, or go on."""
         self.enabled = not self.enabled
-        on, off = _("the clock pauses once no contact can close any more"), _("the clock does not pause")
+        on, off = _("the clock stops at the end of the motion"), _("the clock goes on after the end of the motion")
         self.host.messages.show(on if self.enabled else off)
 
     def update(self, frames: int, replay: Replay | None) -> None:
@@ -134,14 +134,14 @@ class SceneClock:
 
     def note(self) -> tuple[str, bool]:
         """What is written below the time, and whether it is a warning."""
-        late = late_note(self.session.pacer) if self.session.playing else ""
-        if late:
-            return late, True
+        late = late_note(self.session.pacer)
+        if self.session.playing and late[0]:
+            return late
         if self.replay is not None:
             return self.replay.sentence, self.replay.diverged is not None
         if self.editor.preparing:
             return _(PREPARING), False
-        return _(N_("looking back") if self.session.scrubbed else self.activity()), False
+        return _(N_("in the past") if self.session.scrubbed else self.activity()), False
 
     def play_pause(self) -> None:
         """Play or pause."""
@@ -151,7 +151,7 @@ class SceneClock:
         elif self.session.playing:
             self.session.pause()
         elif self.editor.preparing:
-            self.host.messages.show(_(PREPARING))
+            self.host.messages.hint(_(PREPARING))
         else:
             self.controls.apply_slow()
             self.session.play()

@@ -60,12 +60,8 @@ class SceneEditor:
             "select_right": partial(self.select_neighbour, 1),
             "add_bead": self.add_bead,
             "remove_bead": self.remove_bead,
-            "undo": partial(
-                self._go, self.session.undo, N_("undone: {edit}, at t = {time:.4g} s"), N_("nothing to undo")
-            ),
-            "redo": partial(
-                self._go, self.session.redo, N_("done again: {edit}, at t = {time:.4g} s"), N_("nothing to redo")
-            ),
+            "undo": partial(self._go, self.session.undo, N_("undid: {edit}"), N_("nothing to undo")),
+            "redo": partial(self._go, self.session.redo, N_("did again: {edit}"), N_("nothing to redo")),
             "lock": self.lock,
             "lock_all": self.lock_all,
             "law": self.convert,
@@ -97,18 +93,21 @@ class SceneEditor:
         """
         return self.apply_all([item], gesture)
 
-    def apply_all(self, items: Sequence[Input], gesture: bool = False, anew: bool = False) -> bool:
-        """Apply inputs as one undo step, or none of them, `anew` after a restart; whether they were accepted."""
+    def apply_all(self, items: Sequence[Input], gesture: bool = False, anew: bool = False, trial: bool = False) -> bool:
+        """Apply inputs as one undo step, or none of them; return whether they were accepted.
+
+        They are applied `anew` after a restart, or as a `trial`, see :meth:`Session.apply_all`.
+        """
         if self.preparing:
-            self.host.messages.show(_(PREPARING))
+            self.host.messages.hint(_(PREPARING))
             return False
         for item in items:
             if isinstance(item, SetMethod) and not self._method_is_loaded(item.method):
                 text = _("method {method} is still being prepared: try again in some seconds", method=item.method)
-                self.host.messages.show(text)
+                self.host.messages.hint(text)
                 return False
         try:
-            self.session.apply_all(items, gesture, anew)
+            self.session.apply_all(items, gesture, anew, trial)
         except ValueError as error:
             self.host.messages.show(str(error), warning=True)
             return False
@@ -126,9 +125,9 @@ class SceneEditor:
         """Undo or redo, and say what."""
         name = step()
         if name:
-            self.host.messages.show(_(done, edit=_(name), time=self.session.time))
+            self.host.messages.show(_(done, edit=_(name)))
         else:
-            self.host.messages.show(_(nothing))
+            self.host.messages.hint(_(nothing))
 
     # ---- edits that have keys
 
@@ -147,7 +146,7 @@ class SceneEditor:
         """Add a bead like the selected one, or like that on the left of the selected contact, to its right."""
         pick = self.selection
         if pick is None:
-            self.host.messages.show(_("select a bead: the new one comes to its right"))
+            self.host.messages.hint(_("select a bead: the new one comes to its right"))
             return
         masses = self.session.lanes[pick.lane].chain.mass
         mass = masses[pick.index]
@@ -158,7 +157,7 @@ class SceneEditor:
         """Remove the selected bead."""
         pick = self.selection
         if pick is None or pick.kind != "bead":
-            self.host.messages.show(_("select the bead to remove"))
+            self.host.messages.hint(_("select the bead to remove"))
             return
         self.apply(RemoveBead(pick.lane, pick.index))
 
@@ -190,7 +189,7 @@ class SceneEditor:
         if pick is not None and pick.kind == "contact":
             return pick
         text = _("select a contact: click between two beads, on its force bar or on its magnified inset")
-        self.host.messages.show(text)
+        self.host.messages.hint(text)
         return None
 
     def convert_all(self) -> None:

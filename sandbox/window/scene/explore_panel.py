@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 import pygame
 from pygame_gui.elements import UIButton
 from softcradle.physics.contact import Contact
-from softcradle.sandbox.draw.bodies import cluster_ends, has_marks
-from softcradle.sandbox.draw.number_format import MINUS, beside
+from softcradle.sandbox.draw.bodies import cluster_ends, has_marks, visible_marks
+from softcradle.sandbox.draw.lane_drawing import VISIBLE_FORCE
+from softcradle.sandbox.draw.number_format import MINUS, axis_prefix, beside
 from softcradle.sandbox.draw.palette import tones
-from softcradle.sandbox.draw.text import paragraphs, width, write
+from softcradle.sandbox.draw.text import paragraphs, shortened, width, write
 from softcradle.sandbox.languages import N_, _, label_words
+from softcradle.sandbox.quantities import BEAD
 from softcradle.sandbox.session.contact_conversion import at_the_same_depth, has_soft_contacts
-from softcradle.sandbox.session.editable_numbers import MOST_SPEED, Parameter
-from softcradle.sandbox.session.history_slices import HistorySlice, history_slices
+from softcradle.sandbox.session.editable_numbers import MOST_SPEED, ROUND_EXPONENTS, Parameter, parameters
+from softcradle.sandbox.session.history_slices import HistorySlice, approach_of, history_slices
 from softcradle.sandbox.session.inputs import AddBead, Input, RemoveBead, SetContact, SetVelocity
 from softcradle.sandbox.session.lane_setup import LaneSetup
 from softcradle.sandbox.session.run_verdict import GOOD, LEVELS, Health
@@ -27,19 +30,25 @@ from softcradle.sandbox.window.keys import hint
 from softcradle.sandbox.window.page import Derived, Host
 from softcradle.sandbox.window.plots.board import PlotBoard
 from softcradle.sandbox.window.plots.kinds import FORCES
-from softcradle.sandbox.window.scene.editor import SceneEditor
-from softcradle.sandbox.window.scene.inspector import ROW, Inspector, paint_about
+from softcradle.sandbox.window.scene.editor import Pick, SceneEditor, pick_title
+from softcradle.sandbox.window.scene.inspector import ROW, Inspector, Knob, about, paint_about
 from softcradle.sandbox.window.widgets import Control, parameter_control, write_wrapped
+from softcradle.scenes import Scene
 
-LEAST_ALPHA, MOST_ALPHA = 1 / 30, 1.5
+LEAST_ALPHA, MOST_ALPHA = 1 / 40, 1.5
+ENDS = 14.0  # design pixels of the words below the ends of the slider of alpha
 MOST_BEADS = 12  # that can be chosen here
+OF_BEAD = ("mass", "velocity")  # keys of the numbers of a selected bead that are offered here
 COMPARE = 44.0  # design pixels of the button that compares
+LEAST_TEXT = 76.0  # design pixels for the title and two lines of the text; with less room a button shows the text
 DOT = 6.0  # design pixels, the radius of the badge
 ROUND_OFF = 1e-12  # of the largest velocity: that of a bead at rest is a sum of rates
 
 
 class ExplorePanel(Inspector):
-    """Three numbers of the scene and one comparison. A change begins the experiment anew, so that runs can be compared.
+    """Three numbers of the scene and one comparison; for a selected bead its mass and velocity.
+
+    A change restarts the experiment, so that runs can be compared.
 
     Arguments:
         health: of the lanes, as it was last read.
@@ -48,24 +57,36 @@ class ExplorePanel(Inspector):
     def __init__(self, host: Host, session: Session, editor: SceneEditor, health: Callable[[], list[Health]]) -> None:
         super().__init__(host, session, editor)
         self.health = health
-        self.actions = {}
 
     def _parameters(self) -> list[Parameter]:
+        pick = self.editor.selection
+        if pick is not None and pick.kind == "bead":
+            return self._bead_parameters(pick)
         lane = self.session.lanes[0]
         start = lane.setup.start.velocity(lane.chain)
         speed, own = float(abs(start).max()), max(map(abs, self.session.scene.lanes[0].velocity))
         found = []
         exponents = [law.exponent for law in self._laws()]
         if exponents:
-            row = N_("alpha of the whole row") if len(self.session.lanes) == 1 else N_("alpha of the upper row")
-            name = row if self._contact is None else N_("alpha of this contact")
+            row = N_("softness (alpha)") if len(self.session.lanes) == 1 else N_("softness, upper row")
+            name = row if self._contact is None else N_("softness of this contact")
             alpha = exponents[self._contact or 0]
             if self._contact is None and len(set(exponents)) > 1:
                 alpha = math.nan
-            found.append(Parameter("alpha", name, "", LEAST_ALPHA, MOST_ALPHA, True, alpha, _unused))
+            ends, stops = (LEAST_ALPHA, MOST_ALPHA), ROUND_EXPONENTS
+            found.append(Parameter("alpha", name, "", *ends, True, alpha, _unused, stops))
         if own > 0.0:
             found.append(Parameter("speed", N_("speed"), "m/s", 0.0, MOST_SPEED * own, False, speed, _unused))
         return found
+
+    def _bead_parameters(self, pick: Pick) -> list[Parameter]:
+        """Return mass and velocity of a bead, at the start: a change restarts the experiment."""
+        found = [one for one in parameters(self.session, pick.lane, BEAD, pick.index) if one.key in OF_BEAD]
+        lane = self._newest[pick.lane]
+        start = lane.start.velocity(lane.chain)
+        if pick.index >= len(start):  # looking back at a frame with more beads
+            return found
+        return [replace(one, value=float(start[pick.index])) if one.key == "velocity" else one for one in found]
 
     @property
     def _contact(self) -> int | None:
@@ -87,7 +108,7 @@ class ExplorePanel(Inspector):
         y = rect.top + 34 * unit
         for parameter in self._parameters():
             self.controls[parameter.key] = parameter_control(self.host, rect, parameter, y)
-            y += 1.15 * ROW * unit
+            y += (1.15 * ROW + (ENDS if parameter.key == "alpha" else 0.0)) * unit
         self._beads_at = y + 15 * unit
         fewer = (MINUS, partial(self.change_beads, -1), _("one bead fewer"))
         more = ("+", partial(self.change_beads, 1), _("one bead more"))
@@ -99,19 +120,35 @@ class ExplorePanel(Inspector):
         elif not chain.couplers:
             text = _("Compare with steel balls") if has_soft_contacts(chain) else _("Compare with soft beads")
             knob = text, partial(self.host.act, "compare_balls"), _("the same blow in a second row below")
-        if knob is not None:
-            self._row(y, [knob], height=COMPARE)
+        knobs: list[Knob] = [] if knob is None else [knob]
+        if rect.bottom - y < (COMPARE + LEAST_TEXT) * unit and (self.session.scene.text or self.question()):
+            knobs.append((_("Text"), self.show_text, _("what this scene is about")))
+        if knobs:
+            self._row(y, knobs, (0.0, 76.0)[-len(knobs) :] if len(knobs) > 1 else (), COMPARE)
             y += COMPARE * unit
         y += min(24 * unit, max(0.0, rect.bottom - y - 22 * unit))  # the title of the text has room below
         self._about = pygame.Rect(rect.left, round(y), rect.width, max(0, round(rect.bottom - y)))
 
+    def show_text(self) -> None:
+        """Show the text of the scene, or the question about it, in a dialog."""
+        title, *parts = about(self.session, self.question())
+        self.host.choose(title, "\n".join(part for part in parts if part), {_("Close"): lambda: None})
+
     def _apply(self, control: Control, value: float, gesture: bool) -> bool:
-        """Begin anew with another number."""
-        if control.parameter.key != "alpha":
-            return self._begin_anew(self._with_speed(value), gesture)
+        """Restart with another number."""
+        return self._begin_anew(self._edits(control.parameter, value), gesture)
+
+    def _edits(self, parameter: Parameter, value: float) -> list[Input]:
+        if parameter.key == "speed":
+            return self._with_speed(value)
+        if parameter.key != "alpha":
+            return super()._edits(parameter, value)
         if not value > 0.0:
             raise ValueError(_("alpha must be a number > 0, not {given!r}", given=value))
-        return self._begin_anew(self._with_alpha(value), gesture)
+        return self._with_alpha(value)
+
+    def _at_start(self, parameter: Parameter, scene: Scene) -> Parameter:
+        return parameter  # its numbers are those of the start
 
     def _with_speed(self, speed: float) -> list[Input]:
         """Another speed of the first lane: all velocities are multiplied alike, those of the scene where that lane rests.
@@ -138,7 +175,7 @@ class ExplorePanel(Inspector):
         """Add a bead at the right end of every lane, or take the last one away; a wall there stays the end."""
         last = min(lane.chain.contacts for lane in self._newest)
         if not 2 <= last + 1 + by <= MOST_BEADS:
-            self.host.messages.show(_("from 2 to {most} beads can be chosen here", most=MOST_BEADS))
+            self.host.messages.hint(_("You can choose 2 to {most} beads here.", most=MOST_BEADS))
             return
         items: list[Input] = []
         for k, lane in enumerate(self._newest):
@@ -157,8 +194,14 @@ class ExplorePanel(Inspector):
         unit, rect = self.host.unit, self.rect
         if rect.width == 0:
             return
-        write(surface, _("Try it"), (rect.left, rect.top + 4 * unit), 16 * unit, tones.foreground, bold=True)
+        title = _("Try it") if self.pick is None else pick_title(self.session, self.pick)
+        title = shortened(title, 16 * unit, rect.width - 3 * DOT * unit, bold=True)
+        write(surface, title, (rect.left, rect.top + 4 * unit), 16 * unit, tones.foreground, bold=True)
         self._names(surface)
+        if (alpha := self.controls.get("alpha")) is not None:
+            y = alpha.slider.rect.bottom + 2 * unit
+            for text, x, side in ((_("soft"), rect.left, 0), (_("like steel"), rect.right, 1)):
+                write(surface, text, (x, y), 13 * unit, tones.muted, align=(side, 0))
         beads = _("beads: {n}", n=self.session.lanes[0].chain.contacts + 1)
         write(surface, beads, (rect.left, self._beads_at), 13 * unit, tones.foreground, align=(0, 0.5))
         self._whole = self._about, paint_about(surface, self._about, unit, self.session, self.question())
@@ -187,8 +230,10 @@ SIZE, SMALL = 16.0, 13.0  # design pixels of the text, and where two lanes would
 LOW = 560.0  # design pixels of a window in which they would
 MOST_LINES = 4
 MOST_FORCES = 6  # that are named one by one, the greatest among them
-WHY = N_("At the greatest force the contacts push with {forces} N.")
-MARKS = N_("The marks say what each would carry if the row were one rigid body: the mass beyond it.")
+WHY = N_("When the push is strongest, the contacts carry {forces} {unit}.")
+MARKS = N_(
+    "The black lines show the forces inside one solid block: each contact only has to move the beads on its other side."
+)
 
 
 class OutcomeCard:
@@ -211,8 +256,8 @@ class OutcomeCard:
         self._made = Derived(lambda: (self.text, self._rect), self._remake)
 
     def show_outcome(self) -> None:
-        """Say what happened, and offer the forces and the same blow among other balls."""
-        pushed = self._strongest()[1].force.any()
+        """Describe what happened, and offer the forces and the same blow among other balls."""
+        pushed = any(part.force.any() for lane in self._rows for part in self._parts(lane))
         choices: dict[str, Callable[[], None]] = {_("Why? The forces"): self.show_forces} if pushed else {}
         if len(self.session.lanes) == 1:
             soft = has_soft_contacts(self.session.lanes[0].chain)
@@ -220,30 +265,50 @@ class OutcomeCard:
         self._show(outcome_text(self.session), choices)
 
     def show_forces(self) -> None:
-        """Go back to the moment of the greatest force, a push or a pull, and say what the bars and marks mean there."""
+        """Show the first row at its greatest force, and explain each row at its own: rows that differ push at different times."""
         if self.host.explore:
             self.board.single = FORCES
-        lane, part = self._strongest()
-        row, greatest = divmod(int(np.abs(part.force).argmax()), part.chain.contacts)
-        self.session.scrub_frame(part.first + row)
-        first = max(0, min(greatest - MOST_FORCES // 2, part.chain.contacts - MOST_FORCES))
-        last, size = first + MOST_FORCES, abs(float(part.force[row, greatest]))
-        forces = ", ".join(beside(force, size) for force in part.force[row, first:last].tolist())
-        forces = f"{'… ' if first else ''}{forces}{' …' if last < part.chain.contacts else ''}"
-        text, label = _(WHY, forces=forces), label_words(self.session.label(lane))
-        overlap, velocity = self.session.approach(lane)
-        if has_marks(cluster_ends(overlap.tolist(), velocity.tolist(), self.session.scene.view.length)):
-            text = f"{text} {_(MARKS)}"
-        self._show(
-            _("{label}: {words}", label=label, words=text) if len(self.session.lanes) > 1 and label else text, {}
-        )
+        self.session.scrub_frame(self._strongest(0)[0])
+        said, marked = [], False
+        for lane in self._rows:
+            text, marks = self._forces(lane)
+            label, marked = label_words(self.session.label(lane)), marked or marks
+            said.append(_("{label}: {words}", label=label, words=text) if len(self._rows) > 1 and label else text)
+        if marked:
+            said[-1] = f"{said[-1]} {_(MARKS)}"
+        self._show("\n".join(said), {})
 
-    def _strongest(self) -> tuple[int, HistorySlice]:
-        """The lane of the greatest force that a frame shows, and the part of its history."""
+    @property
+    def _rows(self) -> range:
+        return range(len(self.session.lanes))
+
+    def _parts(self, lane: int) -> list[HistorySlice]:
         history = self.session.history
-        lanes = range(len(self.session.lanes))
-        parts = [(k, part) for k in lanes for part in history_slices(history, k, history.first, history.last)]
-        return max(parts, key=lambda found: float(np.abs(found[1].force).max()))
+        return list(history_slices(history, lane, history.first, history.last))
+
+    def _strongest(self, lane: int) -> tuple[int, HistorySlice, int]:
+        """Return the frame of the greatest push or pull in a lane, its part of the history, and the row there."""
+        part = max(self._parts(lane), key=lambda one: float(np.abs(one.force).max()))
+        row = int(np.abs(part.force).max(axis=1).argmax())
+        return part.first + row, part, row
+
+    def _forces(self, lane: int) -> tuple[str, bool]:
+        """Return the sentence about the greatest forces of a lane, and whether marks are drawn there."""
+        frame, part, row = self._strongest(lane)
+        forces = part.force[row]
+        greatest = int(np.abs(forces).argmax())
+        first = max(0, min(greatest - MOST_FORCES // 2, part.chain.contacts - MOST_FORCES))
+        last, most = first + MOST_FORCES, abs(float(forces[greatest]))
+        if not most:
+            return _("No contact pushes."), False
+        named = ", ".join(beside(force, most) for force in forces[first:last].tolist())
+        named = f"{'… ' if first else ''}{named}{' …' if last < part.chain.contacts else ''}"
+        overlap, velocity = approach_of(self.session.history, lane, frame) or self.session.approach(lane)
+        length = self.session.scene.view.length
+        ends = cluster_ends(overlap.tolist(), velocity.tolist(), length)
+        chain, least = part.chain, VISIBLE_FORCE * most
+        marks = visible_marks(chain.mass, ends, part.overlap[row].tolist(), forces.tolist(), length, least)
+        return _(WHY, forces=named, unit=f"{axis_prefix(most)[1]}N"), has_marks(ends) and any(marks)
 
     def _show(self, text: str, choices: dict[str, Callable[[], None]]) -> None:
         self.text, self._choices, self._frame = text, {**choices, _("Close"): self.hide}, self.session.frame

@@ -66,22 +66,25 @@ class SweepBoard(Overlay):
     steps: ClassVar[Mapping[int, int]] = STEPS
 
     def __init__(
-        self, host: Host, session: Session, pick: Pick, parameter: Parameter, take: Callable[[float], object]
+        self,
+        host: Host,
+        scene: Scene,
+        lane: int,
+        parameter: Parameter,
+        edits: Callable[[float], Sequence[Input]],
+        take: Callable[[float], object],
     ) -> None:
-        self.parameter, self.take, self.values = parameter, take, swept_values(parameter)
+        self.parameter, self.edits, self.take, self.values = parameter, edits, take, swept_values(parameter)
         self.found: list[Variant] = []
         self._panels: list[Panel] = []
         self.places: list[pygame.Rect] = []
         super().__init__(host)
-        scene = session.to_scene()
-        begun = parameters(Session(scene), pick.lane, pick.kind, pick.index)
-        self.present = next((one.value for one in begun if one.key == parameter.key), parameter.value)
-        self.focus = int(np.abs(np.array(self.values) - self.present).argmin())
+        self.focus = int(np.abs(np.array(self.values) - parameter.value).argmin())
         for value in self.values:
-            host.warmup.submit(self._take_variant, partial(self._compute, scene, pick.lane, value))
+            host.warmup.submit(self._take_variant, partial(self._compute, scene, lane, value))
 
     def _compute(self, scene: Scene, lane: int, value: float) -> Variant | None:
-        return variant_of(scene, lane, value, self.parameter.edit, motions_ahead) if self.open else None
+        return variant_of(scene, lane, value, self.edits, motions_ahead) if self.open else None
 
     def _take_variant(self, found: object) -> None:
         if isinstance(found, Variant):
@@ -153,7 +156,7 @@ class SweepBoard(Overlay):
         """Draw the dimmed page, the box and its plots."""
         unit = self.host.unit
         paint_box(surface, self.box, unit)
-        title = _("Velocities (m/s) for nine values: {name}. A click begins with one.", name=_(self.parameter.name))
+        title = _("Velocities (m/s) for nine values: {name}. Click one to use it.", name=_(self.parameter.name))
         room = self.button.rect.left - self.box.left - 2 * MARGIN * unit
         place = (self.box.left + MARGIN * unit, self.box.top + 13 * unit)
         write(surface, shortened(title, 16 * unit, room, bold=True), place, 16 * unit, tones.foreground, bold=True)
@@ -175,28 +178,41 @@ class SweepBoard(Overlay):
 
 
 TIPS = N_("Click a bead or a contact to change it. Drag a bead and throw it. Space plays and pauses.")
-CHANGED = N_("You have changed this scene: its text was written for other numbers. Play it and see.")
+CHANGED = N_("You changed this scene, so its description no longer fits. Press Play.")
 
 
-PREDICT = N_("Say what you expect (Q), or play and see: then this text says what happens and why.")
+PREDICT = N_("Predict first (Q), or press Play. The explanation comes afterwards.")
+
+
+def about(session: Session, question: str) -> tuple[str, str, str]:
+    """Return a title, the text of the scene and where it is from.
+
+    Before the `question` is answered, it stands in their place; for an edited scene, a note that its text no longer fits.
+    """
+    scene = session.scene
+    if question:
+        return _("What do you predict?"), question, _(PREDICT)
+    if session.edited and (scene.text or scene.source):
+        return _("About this scene"), _(CHANGED), ""
+    text, source = scene_words(scene.text), scene_words(scene.source)
+    return _("About this scene") if text or source else "", text, source
 
 
 def paint_about(surface: pygame.Surface, rect: pygame.Rect, unit: float, session: Session, question: str) -> str:
-    """Write the text of the scene into `rect`; before it is answered its `question`; of an edited scene that it is another.
+    """Write what the scene is about into `rect`, under its title; without room for a line below it, nothing.
 
-    Returns all of it where `rect` has no room for that.
+    Return all of the text if `rect` has no room for it.
     """
-    scene, size = session.scene, 13 * unit
-    changed = session.edited and bool(scene.text or scene.source)
+    size = 13 * unit
     tips = math.ceil(1.4 * size * len(wrapped(_(TIPS), size, rect.width)) + 1) if rect.height > 150 * unit else 0
     low = pygame.Rect(rect.left, rect.bottom - tips, rect.width, tips)
     write_wrapped(surface, _(TIPS), low, size, tones.muted)
-    text = question or (_(CHANGED) if changed else scene_words(scene.text))
-    more = _(PREDICT) if question else "" if changed else scene_words(scene.source)
-    title = _("What do you predict?") if question else _("About this scene") if text or more else ""
-    write(surface, title, (rect.left, rect.top + 4 * unit), 16 * unit, tones.foreground, bold=True)
+    title, text, more = about(session, question)
     place = pygame.Rect(rect.left, round(rect.top + 31 * unit), rect.width, 0)
     place.height = max(0, low.top - place.top - round(8 * unit))
+    if place.height < 1.4 * size:
+        return f"{text} {more}"
+    write(surface, title, (rect.left, rect.top + 4 * unit), 16 * unit, tones.foreground, bold=True)
     whole = fits(text, place, size)
     end = write_wrapped(surface, text, place, size, tones.foreground)
     place.top, place.height = round(end + 8 * unit), max(0, round(low.top - end - 16 * unit))
@@ -239,7 +255,6 @@ class Inspector:
         self._seconds = 0.0  # since the numbers were last read
         self._last = ""  # key of the parameter that was changed last
         self._made = Derived(self._made_of, self._remake)
-        self.actions: dict[str, Callable[[], None]] = {"sweep": self.sweep}
 
     def build(self, rect: pygame.Rect) -> None:
         """Make the widgets in a page that is built anew: the old ones are gone."""
@@ -311,11 +326,11 @@ class Inspector:
         lane = self.session.lanes[pick.lane]
         if pick.kind == "contact":
             lock = _("lock piston") if lane.setup.locked[pick.index] is None else _("unlock piston")
-            alike = (_("all alike"), self._copy_to_all, _("give this law to every contact of the lane"))
+            alike = (_("same for all"), self._copy_to_all, _("give this law to every contact of the lane"))
             return [[(lock, self.editor.lock, hint("lock")), alike]] if self._law() else []
         add = (_("add bead"), self.editor.add_bead, hint("add_bead"))
         remove = (_("remove bead"), self.editor.remove_bead, hint("remove_bead"))
-        wall = _("free it") if math.isinf(lane.chain.mass[pick.index]) else _("make it a wall")
+        wall = _("back into a bead") if math.isinf(lane.chain.mass[pick.index]) else _("turn into a wall")
         return [[add, remove], [(wall, self._toggle_wall, _("a wall has no mass to move: it keeps its velocity"))]]
 
     def _row(
@@ -349,28 +364,39 @@ class Inspector:
 
     def sweep(self, key: str = "") -> None:
         """Show nine values of a parameter side by side: the one with that key, else the one changed last, else the first."""
-        if self.pick is None:
-            self.host.messages.show(_("select a bead or a contact: its sliders can be swept"))
+        found = self._parameters()
+        if not found:
+            self.host.messages.hint(_("Select a bead or a contact to try values of its sliders."))
             return
         if self.editor.preparing:
-            self.host.messages.show(_(PREPARING))
+            self.host.messages.hint(_(PREPARING))
             return
-        found = parameters(self.session, self.pick.lane, self.pick.kind, self.pick.index)
-        wanted = key or self._last
-        parameter = next((one for one in found if one.key == wanted), found[0])
-
-        def take(value: float) -> None:
-            self._begin_anew([parameter.edit(value)])
-
+        wanted, lane = key or self._last, 0 if self.pick is None else self.pick.lane
+        chosen = next((one for one in found if one.key == wanted), found[0])
+        edits = partial(self._edits, chosen)
         try:
-            self.host.put_over(SweepBoard(self.host, self.session, self.pick, parameter, take))
+            scene = self.session.to_scene()
+            parameter = self._at_start(chosen, scene)
+            board = SweepBoard(self.host, scene, lane, parameter, edits, lambda value: self._begin_anew(edits(value)))
+            self.host.put_over(board)
         except ValueError as error:
             self.host.messages.show(_("this cannot be swept: {error}", error=error_words(error)), warning=True)
+
+    def _edits(self, parameter: Parameter, value: float) -> list[Input]:
+        """Return the inputs that set a parameter to `value`."""
+        return [parameter.edit(value)]
+
+    def _at_start(self, parameter: Parameter, scene: Scene) -> Parameter:
+        """Return the parameter with the value that it has at the start of the `scene`."""
+        if self.pick is None:
+            return parameter
+        begun = parameters(Session(scene), self.pick.lane, self.pick.kind, self.pick.index)
+        return next((one for one in begun if one.key == parameter.key), parameter)
 
     def _begin_anew(self, items: list[Input], gesture: bool = False) -> bool:
         """Go back to the start, with all edits and these: an input at an earlier frame would drop later ones."""
         moved = self.session.frame != 0 or self.session.scrubbed
-        taken = self.editor.apply_all(items, gesture, anew=True)
+        taken = self.editor.apply_all(items, gesture, anew=True, trial=self.host.explore)
         if taken and moved:
             self.reset_view()
         return taken
@@ -429,7 +455,7 @@ class Inspector:
 
     def _apply(self, control: Control, value: float, gesture: bool) -> bool:
         """Set a parameter; whether that was accepted. ValueError where it cannot be that number."""
-        return self.editor.apply(control.parameter.edit(value), gesture)
+        return self.editor.apply_all(self._edits(control.parameter, value), gesture)
 
     def update(self, seconds: float) -> None:
         """Follow the numbers, slowly enough to be read."""

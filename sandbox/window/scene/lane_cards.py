@@ -139,7 +139,7 @@ class LaneCards:
     def _verdict_text(self, lane: int) -> str:
         worst = _worst(self.session.findings(lane))
         if worst is None and self.session.history.first == 0:
-            return _("whole run: no fault")
+            return _("whole run OK")
         size, name = time_unit(max(self.session.span[1], 1e-9))
         if worst is None:
             return _("no fault since {time} {unit}", time=fixed(self.session.span[0] / size, 2), unit=name)
@@ -229,9 +229,9 @@ def _numbers(state: Health) -> list[tuple[str, str]]:
     return [
         (_("velocity error"), _error(state.velocity_error, _("not known"))),
         (_("energy error"), _error(state.energy_error, _("not known"))),
-        (_("momentum error"), _error(state.momentum_error, _("wall or bed takes it"))),
+        (_("momentum error"), _error(state.momentum_error, _("not kept (wall or bed)"))),
         (_("chatter"), chatter),
-        (_("physics a frame"), f"{fixed(state.milliseconds, 2)} ms"),
+        (_("time per frame"), f"{fixed(state.milliseconds, 2)} ms"),
     ]
 
 

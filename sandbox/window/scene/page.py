@@ -96,10 +96,15 @@ class ScenePage(Page):
             "help": host.toggle_help,
             "level": host.toggle_level,
             "leave": self.escape,
+            "sweep": self.sweep,
         }
         view_keys = ViewKeys(host, self.editor, self.board, self.view, self.cards)
-        parts = (self.tools, self.inspector, self.clock, view_keys, self.editor, self.dialogs)
+        parts = (self.tools, self.clock, view_keys, self.editor, self.dialogs)
         self.actions: Actions = joined(own, *(part.actions for part in parts))
+
+    def sweep(self) -> None:
+        """Show nine values of a slider of the panel that is shown."""
+        (self.explore if self.host.explore else self.inspector).sweep()
 
     def show_scene(self, scene: Scene, alone: Scene | None = None, then: str | None = None) -> None:
         """Show a scene that was made of the first row of this one in its place, and do the action `then` there.
@@ -111,7 +116,9 @@ class ScenePage(Page):
             session = Session(scene, clock=self.host.clock)
             if self.unsaved:
                 session.undo_stack.lose_what_was_saved()
-            self.host.show(ScenePage(self.host, session, self.leave, alone=alone))
+            page = ScenePage(self.host, session, self.leave, alone=alone)
+            page.lessons.answered = self.lessons.answered  # its question is not asked again
+            self.host.show(page)
             self.host.act(then)
 
         if self.session.undo_stack.unsaved_beside_first or (self._called_unsaved and len(self.session.lanes) > 1):
@@ -159,8 +166,8 @@ class ScenePage(Page):
 
     @property
     def unsaved(self) -> bool:  # type: ignore[override]
-        """Whether there are edits that are not saved."""
-        return self.session.undo_stack.unsaved
+        """Whether there are edits that are not saved, besides trials of other numbers in Explore."""
+        return self.session.undo_stack.unsaved_work
 
     def call_unsaved(self) -> None:
         """Call the scene unsaved, with all its rows: it is in no file of its own."""

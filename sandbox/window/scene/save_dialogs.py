@@ -179,38 +179,38 @@ def session_savings(messages: Messages, session: Session) -> dict[str, Saving]:
     savings = {
         "save_scene": Saving(
             N_("Save the scene"),
-            N_("a .toml file with all edits, to be opened here, rendered or run"),
+            N_("A .toml file with your changes. You can open the file here later."),
             "-edited.toml",
             (".toml",),
             session.save_scene,
             reopened=True,
         ),
         "save_session": Saving(
-            N_("Save the session"),
-            N_("an .npz file: drop it here to replay the session"),
+            N_("Save a recording"),
+            N_("An .npz file. Drop it here to replay the session."),
             "-session.npz",
             (".npz",),
             session.save_recording,
             reopened=True,
         ),
         "export": Saving(
-            N_("Export the history"),
-            N_(".csv (a table) or .npz (everything); a file a lane"),
+            N_("Export data"),
+            N_("A .csv file (table) or .npz file (everything) for each row."),
             ".csv",
             (".csv", ".npz"),
             session.export,
             session.export_paths,
         ),
         "share_page": Saving(
-            N_("Share as a page"),
-            N_("an .html file: any browser plays what was recorded, no network needed"),
+            N_("Web page of this run"),
+            N_("A web page that plays this run. Works offline."),
             ".html",
             (".html", ".htm"),
             partial(share_page, session),
         ),
         "live_page": Saving(
-            N_("Share as a page"),
-            N_("an .html file in which the beads live: thrown in any browser, no network needed"),
+            N_("Web page to play with"),
+            N_("A web page with beads you can throw. Works offline."),
             ".html",
             (".html", ".htm"),
             partial(share_page, session, live=True),
@@ -230,8 +230,8 @@ class SaveDialogs:
 
     def __init__(self, host: Host, film: WindowFilm, savings: dict[str, Saving]) -> None:
         self.host, self.film = host, film
-        note = N_("a .mp4, .gif or .webp file; it records from now on until Stop")
-        self.savings = {**savings, "film": Saving(N_("Film the window"), note, ".mp4", FILM_ENDINGS, film.begin)}
+        note = N_("A .mp4, .gif or .webp file. Records until you press Stop.")
+        self.savings = {**savings, "film": Saving(N_("Record a video"), note, ".mp4", FILM_ENDINGS, film.begin)}
         self.actions: dict[str, Callable[[], None]] = {
             **{name: partial(self.ask, name) for name in self.savings},
             "film": self.toggle_film,
@@ -246,7 +246,7 @@ class SaveDialogs:
         folder = shortened_path(
             shown_path(Path()), 16 * unit, (WIDTH - 2 * MARGIN) * unit
         )  # it has no place to wrap at
-        note = _("{note}, in {folder}", note=_(saving.note), folder=folder)
+        note = _("{note} Folder: {folder}", note=_(saving.note), folder=folder)
         self.host.ask(_(saving.title), note, proposed, partial(self.save, name))
 
     def save(self, name: str, text: str) -> None:

@@ -173,6 +173,7 @@ FEW = ("play_pause", "restart")  # buttons of the first level
 
 MOVING = ("playing", "replaying")  # activities that can be paused
 LATE = 0.95  # clock ratio below which the page shows that the clock is slow
+VERY_LATE = 0.70  # clock ratio below which that is a warning: the motion is seen to be slower
 SLOW_ROOM, GAP = 190.0, 24.0  # design pixels of the slider, and between groups
 CLOCK_ROOM = 240.0  # design pixels of the clock and its note
 MESSAGE_ROOM = 260.0  # design pixels beside the clock, the least for messages; else they lie on the time line
@@ -296,8 +297,8 @@ class SceneTimeControls(TimeControls):
         self.paint_clock(surface, f"t = {self.board.span.clock(self.session.time)}", *self.note())
 
 
-def late_note(pacer: FramePacer) -> str:
-    """How late the clock is; empty where it is on time."""
-    if pacer.clock_ratio >= LATE:
-        return ""
-    return _("late: clock at {percent:.0f} %", percent=100 * pacer.clock_ratio)
+def late_note(pacer: FramePacer) -> tuple[str, bool]:
+    """Return how much slower the clock runs than it says, and whether that is a warning; empty if it is on time."""
+    ratio = pacer.clock_ratio
+    text = "" if ratio >= LATE else _("slower than shown: {percent:.0f} %", percent=100 * ratio)
+    return text, ratio < VERY_LATE

@@ -10,7 +10,16 @@ from pathlib import Path
 import numpy as np
 import pygame
 from softcradle.sandbox.draw.number_format import scientific
-from softcradle.sandbox.languages import N_, _, error_words, label_words, localized, ngettext, pgettext
+from softcradle.sandbox.languages import (
+    N_,
+    _,
+    error_words,
+    label_words,
+    localized,
+    ngettext,
+    pgettext,
+    scene_words,
+)
 from softcradle.sandbox.measured_table import MeasuredTable, read_table
 from softcradle.sandbox.session.contact_conversion import has_soft_contacts, steel_ball
 from softcradle.sandbox.session.export import shared_text, words_for
@@ -193,7 +202,10 @@ def beside_other_balls(session: Session) -> Scene:
     first, second = found.lanes
     second = second.model_copy(update={"label": STEEL if steel else second.label})
     above, below = (label_words(lane.label) for lane in (first, second))
-    text = _("The same blow twice: above {above}, below {below}.", above=above or _("the row as it was"), below=below)
+    said = [_("The same blow twice: above {above}, below {below}.", above=above or _("the row as it was"), below=below)]
+    if steel:
+        said.append(_("Real steel is much harder: these balls are soft enough to show how they touch."))
+    text = " ".join([*said, *([scene_words(scene.text)] if scene.text else [])])
     return found.model_copy(update={"lanes": (first, second), "text": text})
 
 
@@ -230,7 +242,7 @@ class ViewKeys:
     def toggle_plot(self, name: str) -> None:
         """Show or hide one kind of plot."""
         if name not in self.board.available():
-            self.host.messages.show(_("the {name} needs two lanes of as many beads", name=pgettext("button", name)))
+            self.host.messages.hint(_("the {name} needs two lanes of as many beads", name=pgettext("button", name)))
             return
         self.board.toggle(name)
         if not self.board.single:
@@ -346,7 +358,7 @@ class SceneTools:
     def alone(self) -> None:
         """Go back to the first row, with the edits that were made here and what it was called before."""
         if len(self.session.lanes) == 1:
-            self.host.messages.show(_("there is one row"))
+            self.host.messages.hint(_("there is one row"))
             return
         try:
             scene = self.session.to_scene()

@@ -12,7 +12,7 @@ from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.scene_runs import SHOWN as AHEAD
 from softcradle.sandbox.session.live_lane import LiveLane
-from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.session.session import Session, beginning
 from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window.page import Derived, Host
 from softcradle.sandbox.window.page_geometry import Geometry, fitting, geometry, plots_width
@@ -33,6 +33,11 @@ from softcradle.sandbox.window.scene.lane_view import LaneView, SessionLanes
 ZOOM = 1.25  # factor of one step
 MARGIN = 0.04  # of the width beyond the outermost beads, after it has framed them
 SPARE = 1.4  # of the width that would do, so that beads that go on do not leave again at once
+ARROW = 0.36  # of a bead's length, by which the longest arrow of velocity reaches beyond its bead
+OPENING_ROOM = 0.12  # of a bead's length, on each side of the window of a scene: that of scales has no room for arrows
+# Of the row at its start, on each side: the most room that an edited scene opens with. A bead that bounces off a wall flies on
+# for tens of seconds, and a window for all of it would show the row as a dot. Scenes of the catalogue have up to 0.63.
+MOST_ROOM = 0.7
 NO_ROOM = N_("there is no room for plots: make the window larger, or the scale smaller")
 NARROWEST, WIDEST = 1e-4, 1e9  # lengths of a bead
 
@@ -46,9 +51,9 @@ class Camera:
     automatic: bool = True
 
     @classmethod
-    def of(cls, scales: Scales) -> Camera:
-        """The camera that shows the window of the scales."""
-        low, high = scales.window
+    def of(cls, window: tuple[float, float]) -> Camera:
+        """Return the camera that shows a window [m]."""
+        low, high = window
         return cls(0.5 * (low + high), high - low)
 
     def zoom(self, steps: float, length: float) -> None:
@@ -83,9 +88,11 @@ class Camera:
 
 
 def extent(lanes: Sequence[LiveLane], length: float) -> tuple[float, float]:
-    """Left and right end of all beads [m]."""
+    """Return the left and right end of all beads and of their longest arrows [m]."""
     positions = [lane.position for lane in lanes]
-    return min(float(p.min()) for p in positions), max(float(p.max()) + length * len(p) for p in positions)
+    low = min(float(p.min()) for p in positions)
+    high = max(float(p.max()) + length * len(p) for p in positions)
+    return low - ARROW * length, high + ARROW * length
 
 
 class SceneView:
@@ -126,6 +133,13 @@ class SceneView:
         self.follower = EditFollower(host, session, self.scales)
         self.look_ahead()
         self._grown = Derived(lambda: session.history.cuts, self.scales.follow_history)
+        self._framed = Derived(lambda: (self.scales.ahead, session.history.cuts), self._frame_again)
+        self._framed.note()
+        self._undone, self._went, self._seen = (
+            0,
+            False,
+            self.scales.ahead,
+        )  # undone steps, and scales, at the last framing
         self.drawn = Derived(self._drawn_of, self._draw)
         self.backdrop = Derived(self._backdrop_of, self._draw_backdrop)
 
@@ -135,7 +149,7 @@ class SceneView:
         self.scales.take(seen or estimated_scales(self.session.scene, self.session))
         if seen is None:
             self.follower.notice()
-        self.camera = Camera.of(self.scales.scales)
+        self.reset_camera()
         self.motions = [lane.motion for lane in self.session.lanes]
 
     def _scales_ahead(self) -> Scales | None:
@@ -189,7 +203,7 @@ class SceneView:
     def say_if_plots_have_no_room(self) -> None:
         """Say why plots that a person asked for are not there."""
         if self.row_count and not self.rows:
-            self.host.messages.show(_(NO_ROOM))
+            self.host.messages.hint(_(NO_ROOM))
 
     def scroll_plots(self, point: tuple[int, int], by: int) -> bool:
         """Show the rows of plots that are `by` lower, if `point` is on plots that do not all fit."""
@@ -215,8 +229,26 @@ class SceneView:
         self.places = self._geometry()
 
     def reset_camera(self) -> None:
-        """Show the part of the line that was shown first."""
-        self.camera = Camera.of(self.scales.scales)
+        """Frame the row at its start, with room for the motion ahead, as far as that leaves the beads large enough."""
+        length, (left, right) = self.session.scene.view.length, self.scales.scales.window
+        if self.session.edited:
+            low, high = extent(beginning(self.session.history.newest_setup).lanes, length)
+            room = MOST_ROOM * (high - low)
+            left, right = max(left, low - room), min(right, high + room)
+        room = OPENING_ROOM * length
+        self.camera = Camera.of((left - room, right + room))
+
+    def _frame_again(self) -> None:
+        """Frame the row after a restart, an edit of the start, an undo or a redo, unless a person has moved the view.
+
+        After an undo the scales of the run ahead come later, and the row is framed again by these.
+        """
+        session, undone = self.session, len(self.session.undo_stack.undone)
+        went = undone != self._undone or (self._went and self._seen is not self.scales.ahead)
+        begun = session.frame == session.history.first
+        self._undone, self._went, self._seen = undone, went, self.scales.ahead
+        if (begun or went) and self.camera.automatic and not session.playing:
+            self.reset_camera()
 
     def zoom(self, steps: float, point: tuple[int, int] | None = None) -> None:
         """Zoom in by `steps`, out if negative, about `point`."""
@@ -278,6 +310,7 @@ class SceneView:
             self.follower.update(seconds)
         self.motions = [lane.motion for lane in lanes]
         self._follow_collisions()
+        self._framed.follow()
         self.camera.keep_in_sight(lanes, self.session.scene.view.length, self._visible())
         self._grown.follow()
         self.scales.fit(self.motions)

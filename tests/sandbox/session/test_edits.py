@@ -313,7 +313,7 @@ def test_the_memory_of_steps_is_bounded(monkeypatch):
 
 
 def test_there_is_one_kind_of_steel():
-    """The balls beside a row of soft beads are those of the scene of Newton's cradle: forces can be compared between them."""
+    """Compare the balls that are offered next to a row of soft beads with those of the scene of Newton's cradle."""
     cradle, soft = load("hertz-cradle"), load("one-on-four")
     chain = soft.lanes[0].chain()
     law = steel_ball(chain, 1, 1.0, soft.view.length)

@@ -15,7 +15,8 @@ from softcradle.sandbox.draw import text
 from softcradle.sandbox.draw.palette import BEAD_COLOURS, DARK, THEMES, mix, text_on, use_theme
 from softcradle.sandbox.session.export import shared_text
 from softcradle.sandbox.session.inputs import SetMethod
-from softcradle.sandbox.window.display import SMALLEST
+from softcradle.sandbox.window.display import SMALLEST, usable_size
+from softcradle.sandbox.window.messages import DONE, HINT
 from softcradle.sandbox.window.settings import MOST_RECENT, Settings, settings_path
 
 from softcradle import scenes
@@ -278,3 +279,25 @@ def test_no_widget_of_a_selection_that_is_gone_stays_behind_a_dialog(driver: Dri
     driver.app.act("lesson")
     driver.frames(3)
     assert (pygame.surfarray.array3d(driver.app.surface) == at_once).all()
+
+
+@pytest.mark.parametrize(
+    ("desktop", "expected"),
+    [((1024, 600), (1024, 528)), ((1366, 768), (1280, 696)), ((1920, 1080), (1280, 720)), ((320, 240), (640, 400))],
+)
+def test_a_window_is_no_larger_than_a_desktop_shows(desktop: tuple[int, int], expected: tuple[int, int]) -> None:
+    assert usable_size((1280, 720), desktop) == expected
+
+
+def test_a_tick_stands_before_what_was_done_alone(driver: Driver) -> None:
+    driver.key(pygame.K_y)  # nothing is selected
+    driver.key(pygame.K_z, pygame.KMOD_CTRL)
+    assert [one.kind for one in driver.app.messages.visible] == [HINT, HINT]
+    driver.select("bead", 1)
+    driver.key(pygame.K_a)
+    driver.key(pygame.K_z, pygame.KMOD_CTRL)
+    assert driver.app.messages.visible[-1].kind == DONE
+    assert "undid: bead added" in driver.messages
+    driver.app.show_gallery()
+    driver.key(pygame.K_F3)  # whose cards are the same at both levels
+    assert driver.messages[-1] == "Explore: few controls"

@@ -40,13 +40,13 @@ def answered(driver: Driver, choice: int) -> str:
 
 def test_a_lesson_is_predicted_run_and_answered_with_a_reason_and_in_an_edited_scene_in_words(driver: Driver) -> None:
     said = answered(driver, 1)
-    assert said.startswith("Not as you predicted. Measured:")
-    assert "half the force" in said
-    assert answered(driver, 2).startswith("As you predicted. Measured:")
+    assert said.startswith("Not as you predicted. What happened:")
+    assert "half as hard" in said
+    assert answered(driver, 2).startswith("As you predicted. What happened:")
     driver.page.lessons._next = 0
     driver.page.editor.apply(SetContact(0, None, power_law(100.0, 1.0)))
     said = answered(driver, 1)
-    assert said.startswith("What happened. You predicted: the last bead alone. Measured: Bead 0 goes to the left")
+    assert said.startswith("What happened. You predicted: the last bead alone. What happened: Bead 0 goes to the left")
     assert said.endswith(outcome_text(driver.session))
 
 
@@ -54,7 +54,7 @@ def test_a_lesson_whose_choices_are_all_wrong_is_answered_in_words() -> None:
     driver = Driver("locked-pistons")
     driver.select("contact", 1)
     driver.key(pygame.K_l, pygame.KMOD_SHIFT)  # now no row leaves together
-    assert answered(driver, 3).startswith("What happened. You predicted: in both. Measured: ")
+    assert answered(driver, 3).startswith("What happened. You predicted: in both. What happened: ")
 
 
 @pytest.mark.parametrize("whole", [True, False], ids=["asked while it runs", "asked at its end"])
@@ -65,7 +65,7 @@ def test_a_question_over_a_replay_is_answered_by_it(driver: Driver, tmp_path, wh
     driver.page.dialogs.save("save_session", "played")
     driver.drop_file(tmp_path / "played.npz")
     driver.until(lambda: driver.session.frame > 20 if whole else driver.page.replay.done, 900)
-    assert answered(driver, 1).startswith("Not as you predicted. Measured:")
+    assert answered(driver, 1).startswith("Not as you predicted. What happened:")
     driver.until(lambda: driver.page.replay.done, 900)
     assert "agrees" in driver.page.replay.sentence
 
@@ -108,7 +108,7 @@ def test_a_question_is_answered_where_no_motion_parts_the_beads_for_good(tmp_pat
     driver.type("all")
     driver.key(pygame.K_RETURN)
     driver.until(lambda: driver.app.dialog.open, most=2000)
-    assert driver.app.dialog.note.startswith("You predicted: all. Measured: ")
+    assert driver.app.dialog.note.startswith("You predicted: all. What happened: ")
     assert driver.session.playing == ("drive" in more)
     lane = driver.session.lanes[0]
     assert driver.session.time == pytest.approx(0.5, abs=0.02) if lane.chain.driven else not lane.velocity.any()
@@ -146,7 +146,7 @@ def test_words_and_a_question_of_ones_own_are_in_the_scene_the_window_the_film_a
     driver.type("all")
     driver.key(pygame.K_RETURN)
     driver.until(lambda: driver.app.dialog.open)
-    assert driver.app.dialog.note.startswith("You predicted: all. Measured: ")
+    assert driver.app.dialog.note.startswith("You predicted: all. What happened: ")
     driver.key(pygame.K_ESCAPE)
     assert "They all go." in driver.said()
 

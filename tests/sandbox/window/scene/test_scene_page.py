@@ -194,14 +194,16 @@ def test_marks_of_rigid_clusters_are_of_the_beads_that_there_are(driver: Driver)
 
 
 @pytest.mark.parametrize("name", ["train-shunting", "train-braking", "train-cut"])
-def test_force_labels_of_a_train_have_prefixes_and_room(name: str) -> None:
+def test_force_labels_of_a_train_are_in_kilonewtons_and_have_room(name: str) -> None:
     driver, seen = Driver(name), 0
     for _ in range(12):
         driver.session.step_frames(40)
         driver.frames(2)
         lane = driver.page.view.lanes[0]
         texts = [one for one in driver.texts() if lane.drawing.rect.collidepoint(one.rect.center)]
-        forces = [one for one in texts if re.fullmatch(rf"{MINUS}?[\d.]+ [kM]", one.text)]
+        assert any(re.fullmatch(r"contact force \([kM]N\)", one.text) for one in texts)
+        above = [one for one in texts if one.rect.bottom <= lane.drawing.bar_base]
+        forces = [one for one in above if re.fullmatch(rf"{MINUS}?[\d.]+", one.text)]
         seen = max(seen, len(forces))
         assert not [pair for pair in colliding(texts) if {*pair} & {one.text for one in forces}]
     assert seen > 2
@@ -254,7 +256,7 @@ def test_a_selection_has_the_shape_of_its_body() -> None:
 
 def test_a_wall_is_made_of_any_bead_and_freed_again(driver: Driver) -> None:
     driver.click(driver.bead(4))
-    for text, mass in (("make it a wall", math.inf), ("free it", 1.0)):
+    for text, mass in (("turn into a wall", math.inf), ("back into a bead", 1.0)):
         driver.click(next(one for one in driver.page.inspector.buttons if one.text == text).rect.center)
         assert driver.session.lanes[0].chain.mass[4] == mass
 

@@ -80,7 +80,7 @@ def test_a_scene_is_compared_with_a_copy_and_edits_stay_unsaved(driver: Driver) 
     assert driver.session.lanes[0].chain.mass[1] == 1.0
     driver.session.apply(SetMass(0, 2, 3.0))
     driver.key(pygame.K_d, CTRL)  # the first lane of the two
-    driver.click(driver.app.dialog.buttons["Discard them"].rect.center)  # of the second
+    driver.click(driver.app.dialog.buttons["Don't save"].rect.center)  # of the second
     assert "• One bead on four, compared" in [one.text for one in driver.texts()]
     assert [driver.session.label(k) for k in (0, 1)] == ["alpha = 1/10, edited", "alpha = 1/10, edited, the other"]
     assert driver.session.lanes[1].chain.mass == (1.0, 1.0, 3.0, 1.0, 1.0)
@@ -93,7 +93,7 @@ def test_edits_of_a_row_that_would_go_are_asked_for(action: str) -> None:
     page = driver.page
     driver.session.apply(SetMass(1, 1, 7.0))
     driver.app.act(action)
-    assert driver.app.dialog.title == "Keep the edits?"
+    assert driver.app.dialog.title == "Save your changes?"
     driver.key(pygame.K_ESCAPE)  # stay
     assert driver.app.page is page
     assert driver.session.lanes[1].chain.mass[1] == 7.0
