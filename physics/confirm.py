@@ -13,6 +13,7 @@ differ says how well the end is determined.
 
 from __future__ import annotations
 
+import math
 import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -24,7 +25,14 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.adaptive import runner as adaptive
 from softcradle.physics.adaptive.constants import ROUND_OFF, TOLERANCE_PART
-from softcradle.physics.adaptive.runner import DOUBT, sampled
+from softcradle.physics.adaptive.runner import (
+    DOUBT,
+    GUARANTEED,
+    LEAST_GUARANTEED,
+    MOST_GROWN,
+    guaranteed_error,
+    sampled,
+)
 from softcradle.physics.adaptive.step_records import ERROR_EXPONENT, RADAU
 from softcradle.physics.adaptive.usual_budget import STEPS_A_CONTACT, usual_steps
 from softcradle.physics.chain import Chain, Joint, per_chain
@@ -41,13 +49,6 @@ from softcradle.physics.status import CodedWarning, Status, WarningCode
 
 Array = NDArray[np.float64]
 
-# What a run promises, and when another one has to confirm it
-PROMISED = 10.0  # tolerances: errors up to these are promised
-# errors that grow by more have to be confirmed by another run: `mixed` is off by 40 tolerances at 10; that much of a growth no
-# other run tells, for it is the same in both
-MOST_GROWN = 8.0
-# tolerance: nothing finer is promised, for round-off decides; the stated error tells how far it goes
-LEAST_PROMISED = 1e-11
 # Other runs
 FINER = 10.0  # ratio of the tolerances of successive runs
 # Where errors grow by more, or where a run states more than this part of the closing speed, another run may agree with it by
@@ -68,7 +69,13 @@ PARTS = (1.0, 0.83, 0.61, 0.5)  # of the longest step, one for each run; the las
 STEPS_ALIKE = 12_000  # of one of these runs, after which they are twice as long: a long end takes few more
 # The ledger
 SOFTEST = 0.02  # exponent of contacts below which the ledger bounds the error too
+# Steps of a run above which its error is at least what the change of its energy shows. Local errors of many like bounces have one
+# sign and add up to more than the root of the sum of their squares.
+LONG_RUN = 10_000
 MOST_ENERGY = 100.0  # tolerances: a larger relative error of the energy gives a warning
+
+# Statuses of a run whose end is known less well than the tolerance
+UNCERTAIN = (Status.UNDETERMINED, Status.BUDGET_SPENT)
 
 advance = adaptive.advance
 
@@ -85,9 +92,11 @@ def run(problem: Problem) -> Record:
         record.seconds += perf_counter() - began
     before, change = _ledger(problem, record)
     record.velocity_error = record.velocity_error + _unresolved(problem.chain, change)
+    if record.steps > LONG_RUN:
+        record.velocity_error = np.maximum(record.velocity_error, _least_error(problem.chain, before, change))
     _bound_by_energy(problem, record)
-    if record.status == Status.UNDETERMINED:
-        record.warnings += (_undetermined_warning(record.velocity_error),)
+    if record.status in UNCERTAIN:
+        record.warnings += (_uncertain_warning(record),)
     if change > MOST_ENERGY * problem.tolerance * before:
         record.warnings += (_energy_warning(problem, change / before),)
     return record
@@ -120,8 +129,8 @@ def _confirmed(problem: Problem, record: Record) -> Record:
     if record.growth <= MOST_GROWN or record.warnings:
         return record
     # one that is not was carried to its end by several runs from one state: the other one has a state of its own
-    determined = record.status != Status.UNDETERMINED
-    promised = PROMISED * max(problem.tolerance, LEAST_PROMISED) * problem.scale
+    determined = record.status != Status.BUDGET_SPENT
+    promised = guaranteed_error(problem.tolerance, problem.scale)
     if determined and (record.growth > MOST_TRUSTED or record.velocity_error.max() > promised):
         return _finer(problem, record)
     most = 2 * record.steps + STEPS_A_CONTACT if determined else None
@@ -141,7 +150,7 @@ def _finer(problem: Problem, record: Record) -> Record:
 
     The usual budget bounds the steps of each finer run, and those of all runs before another is tried.
     """
-    allowed = max(problem.tolerance, LEAST_PROMISED) * problem.scale
+    allowed = max(problem.tolerance, LEAST_GUARANTEED) * problem.scale
     usual, steps, tolerance = usual_steps(problem, problem.end), record.steps, problem.tolerance
     runs, confirming, chance = 0, 0, _agrees_by_chance(record, problem)
     alone, surprised = record.velocity_error, False
@@ -152,8 +161,8 @@ def _finer(problem: Problem, record: Record) -> Record:
         finer = to_its_end(_shaken_run(problem, tolerance, runs, budget=budget))
         apart = np.abs(finer.velocity - record.velocity)
         error, agrees = _error_of(apart) + _error_anyway(finer), apart.max() <= allowed
-        if finer.status == Status.UNDETERMINED:
-            record.status = Status.UNDETERMINED
+        if finer.status == Status.BUDGET_SPENT:
+            record.status = Status.BUDGET_SPENT
             return _beside(record, finer, error)
         confirming = confirming + 1 if agrees and finer.steps <= ALIKE**2 * steps else 0
         surprised = surprised or (not agrees and apart.max() > alone.max())  # errors grow by more than it knows of
@@ -162,7 +171,7 @@ def _finer(problem: Problem, record: Record) -> Record:
             return _beside(record, finer, error)
         alone, steps, record = finer.velocity_error, finer.steps, _beside(finer, record, error)
         if finest or record.steps + steps > usual:
-            if apart.max() > PROMISED * allowed:
+            if apart.max() > GUARANTEED * allowed:
                 record.status = Status.UNDETERMINED
             elif not finest:  # unconfirmed: it may be off by more than a difference that is small by chance
                 record.velocity_error = np.maximum(error if agrees else FINER * error, alone if chance else 0.0)
@@ -185,7 +194,7 @@ def _error_anyway(record: Record) -> Array:
 
     One that several runs carried to its end states what these differ by, which is of no growth.
     """
-    grown = record.growth if record.status != Status.UNDETERMINED else 1.0
+    grown = record.growth if record.status != Status.BUDGET_SPENT else 1.0
     return np.maximum(record.velocity_error * (min(grown, MOST_GROWN) / grown), record.unseen)
 
 
@@ -270,7 +279,14 @@ def _finished(problem: Problem, given_up: Record) -> Record:
     else:
         last = with_ends_as_samples(last, start, late)
     record = _in_a_row(problem.chain, [problem.state.time, start.time], [sampled(given_up, early), last])
-    return replace(record, status=Status.UNDETERMINED, warnings=(), velocity_error=error, growth=given_up.growth)
+    return replace(
+        record,
+        status=Status.BUDGET_SPENT,
+        warnings=(),
+        velocity_error=error,
+        growth=given_up.growth,
+        carried_from=start.time,
+    )
 
 
 def _rattling(chain: Chain, end: State) -> Array:
@@ -353,7 +369,7 @@ def _bound_by_energy(problem: Problem, record: Record) -> None:
         return
     most = largest_error(problem.chain, problem.state, record.end)
     record.velocity_error = np.minimum(record.velocity_error, most)
-    if record.status == Status.UNDETERMINED and most.max() <= problem.tolerance * problem.scale:
+    if record.status in UNCERTAIN and most.max() <= problem.tolerance * problem.scale:
         record.status = Status.DONE
 
 
@@ -367,6 +383,16 @@ def _ledger(problem: Problem, record: Record) -> tuple[float, float]:
     before, after = energies(chain, *moving).tolist()
     absorbed = float((end.absorbed - start.absorbed).sum()) if chain.dissipative else 0.0
     return before, abs(after + absorbed - before)
+
+
+def _least_error(chain: Chain, energy: float, change: float) -> float:
+    """Return an error [m/s] of the bead velocities that explains the `change` [J] of the `energy` [J].
+
+    Errors up to e change the kinetic energy by e times the sum of m abs(v) at the most, where sqrt(m) abs(v) <= sqrt(2 E).
+    """
+    if not energy > 0.0:
+        return 0.0
+    return DOUBT * change / (math.sqrt(2.0 * energy) * float(np.sqrt(chain.finite_mass).sum()))
 
 
 def _unresolved(chain: Chain, change: float) -> float:
@@ -392,7 +418,16 @@ def _energy_warning(problem: Problem, error: float) -> CodedWarning:
     return CodedWarning(WarningCode.ENERGY, sentence, {"error": error})
 
 
-def _undetermined_warning(error: Array) -> CodedWarning:
-    worst = float(error.max())
-    sentence = f"final velocities are determined to {worst:.1g} m/s only: the contacts rattle, and finer runs differ by as much"
-    return CodedWarning(WarningCode.SENSITIVE, sentence, {"error": worst})
+def _uncertain_warning(record: Record) -> CodedWarning:
+    """Report why the end of a motion is known less well than the tolerance, and how well."""
+    worst = float(record.velocity_error.max())
+    if record.status == Status.UNDETERMINED:
+        sentence = f"final velocities are determined to {worst:.1g} m/s only: finer runs differ by as much"
+        return CodedWarning(WarningCode.SENSITIVE, sentence, {"error": worst})
+    numbers = {"error": worst, "steps": record.steps}
+    if np.isnan(record.carried_from):
+        cause = "the step budget ended before a finer run could confirm the end"
+    else:
+        cause = f"the step budget ended at t = {record.carried_from:.6g} s, and 'conserving' computed the rest"
+        numbers["time"] = record.carried_from
+    return CodedWarning(WarningCode.BUDGET, f"{cause}: final velocities may be off by {worst:.1g} m/s", numbers)

@@ -97,6 +97,7 @@ class Record:
         seconds: wall time of the solver, loading of kernels left out; 0 where the runner leaves the clock to `simulate`.
         velocity_error: (n+1,) estimated error [m/s] of the bead velocities at the end; empty where none is estimated.
         growth: factor by which errors of velocities grow along the motion, as far as its bounces tell.
+        carried_from: time [s] from which `conserving` computed the rest because the step budget ended; NaN if it did not.
         unseen: the part of that error [m/s] that finer runs make as well, so that it is no difference between them.
         kept: what the run kept of its motion, while samples are still to be taken from it.
     """
@@ -114,6 +115,7 @@ class Record:
     velocity_error: Array = field(default_factory=lambda: np.zeros(0))
     growth: float = 1.0
     unseen: float = 0.0
+    carried_from: float = np.nan
     kept: KeptRun | None = None
 
     @cached_property

@@ -141,9 +141,10 @@ def advance(
     """Move `state` on by `duration` [s] in place, for live use; fixed-step kernels allocate nothing.
 
     Arguments as in :func:`simulate`; ``state.push`` (n+1,) [N] acts on the beads all along, with the chain's drive. A
-    duration that is not a whole number of steps ends in a shorter step. Where an adaptive method has not reached the end after
-    `most_steps` (contacts that rattle), `conserving` moves on to it; a Python warning, ``state.status`` and
-    ``state.warnings`` say so.
+    duration that is not a whole number of steps ends in a shorter step. If an adaptive method has not reached the end after
+    `most_steps` (chattering contacts), `conserving` moves on to it; a Python warning, ``state.status`` and ``state.warnings``
+    report it. ``state.velocity_error`` [m/s] is the estimated error of the velocities since the start; a warning reports an
+    estimate above the guarantee, ten times the `tolerance` relative to the closing speed.
     """
     move(chain, state, duration, method, step, tolerance, most_steps)
     for warning in state.warnings:
@@ -172,9 +173,12 @@ def move(
     end = problem.end
     state.warnings, state.switched = (), NO_SWITCHES
     before = chain.impulse(state.time)
+    if chosen.family is not Family.ADAPTIVE:
+        state.velocity_error = math.nan
     state.status = runner_of(method).advance(problem)
     if state.status.gave_up:
         state.warnings = (_gave_up(method, state.time, most_steps),)
+        state.velocity_error = math.nan
         _finish_frame(chain, state, end)
     state.taken[3] += chain.impulse(state.time) - before
 

@@ -58,6 +58,11 @@ class State:
         Which of them did in the last `advance`, and when; of more than FRAME_LOG changes the first.
     taken : ndarray, shape (4,)
         What `absorbed` and `given` are parts of.
+    velocity_error : float
+        Estimated error [m/s] of the bead velocities, accumulated over all `advance` since the start by the methods accurate,
+        radau and dop853. It grows by local errors, by round-off and by what the bounces of contacts amplify; no finer run
+        confirms it. NaN after an `advance` by another method, which estimates none. A copy goes on from the error that it has
+        at its time; set it to 0 to begin anew.
     status : Status
         How the last `advance` ended; where its method gave up, `conserving` went on to the end.
     warnings : tuple of CodedWarning
@@ -75,6 +80,7 @@ class State:
     switches: int = 0
     switched: Switches = NO_SWITCHES
     taken: Array = field(default_factory=lambda: np.zeros(4))
+    velocity_error: float = 0.0
     status: Status = Status.DONE
     warnings: Warnings = ()
     work: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
@@ -129,8 +135,8 @@ class State:
         """An independent copy, without the scratch memory."""
         return State(
             self.time, self.overlap.copy(), self.rate.copy(), self.anchor.copy(), self.force.copy(),
-            None if self.push is None else self.push.copy(), self.switches, self.switched, self.taken.copy(), self.status,
-            self.warnings,
+            None if self.push is None else self.push.copy(), self.switches, self.switched, self.taken.copy(),
+            self.velocity_error, self.status, self.warnings,
         )  # fmt: skip
 
     def note_switches(self, contact: ArrayLike, time: ArrayLike, count: int | None = None) -> None:

@@ -16,6 +16,8 @@ class Status(IntEnum):
     FAILED = 3  # the method gave up before the end: it could not go on
     # the end was reached, but the motion determines it less well than the tolerance: see velocity_error
     UNDETERMINED = 4
+    # the end was reached, but the step budget of the adaptive method ended before: see velocity_error
+    BUDGET_SPENT = 7
 
     @property
     def gave_up(self) -> bool:
@@ -31,6 +33,8 @@ class WarningCode(StrEnum):
     LOG_FULL = "log-full"  # contacts switched more often than the log has rows
     ENERGY = "energy"  # energy has not come back within what the tolerance promises
     SENSITIVE = "sensitive"  # finer runs disagree by more than the tolerance promises
+    BUDGET = "budget"  # the step budget ended before the motion, or before a finer run confirmed its end
+    ESTIMATE = "estimate"  # the estimated error of a live state is above the guarantee
     STEP_LIMIT = "step-limit"  # the step is beyond the limit of an explicit method on this chain
     CHATTER = "chatter"  # contacts switch as often as steps are taken
     COARSE_STEP = "coarse-step"  # the step is too long to resolve the shortest contact

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.adaptive.constants import FEW_TRIES, NEWTON_PART, ROUND_OFF, TOLERANCE_PART
+from softcradle.physics.adaptive.constants import FEW_TRIES, FULL_SPEED, NEWTON_PART, ROUND_OFF, TOLERANCE_PART
 from softcradle.physics.adaptive.corner_action import begin, cross, fly_to_event, open_passed, pass_knot
 from softcradle.physics.adaptive.flight import back_to_opening, nothing_pushes
 from softcradle.physics.adaptive.row_graphs import friction_needed, most_friction, put_drive
@@ -123,7 +123,8 @@ def integrate(
     regime, trial, look = Regime(*regime_fields), Trial(*trial_fields), Trial(*look_fields)
     scratch, log = Scratch(*scratch_fields), SwitchLog(*log_fields)
     wanted = TOLERANCE_PART * tolerance * scale
-    bounds = Bounds(wanted, NEWTON_PART * wanted, max(TOLERANCE_PART * wanted, ROUND_OFF * scale))
+    least = max(TOLERANCE_PART * wanted, ROUND_OFF * scale)
+    bounds = Bounds(wanted, NEWTON_PART * wanted, least, FULL_SPEED * scale)
     control, counter, firm = scratch.control, log.counter, regime.bed.size > 0
     timed, acts, until = chain.knots.time.size > 0, False, next_knot(time, end, chain.knots)
     if timed:
@@ -186,7 +187,7 @@ def integrate(
         counter[STEP] += 1
         if open_passed(row, h, time, chain, regime, motion, trial, bounds, scratch):
             control[LAST] = 0.0
-        log_switches(before, time, row, chain, regime, motion, wanted, scratch, log)
+        log_switches(before, time, row, chain, regime, motion, bounds, scratch, log)
         grow_errors(row, side, before, chain, regime, motion, wanted, scale, scratch)
         if row >= 0:
             cross(row, side, time, chain, regime, motion, bounds, scratch, log)

@@ -20,6 +20,10 @@ KINK = 0.01  # and of one whose law has a bend, or that all but ends, in the ste
 GRAZE = 0.1  # of the larger overlap at the ends of a step: a contact with less between is all but open there
 RATIO = 3.0  # the error of a contact is its fine error times this times fine over coarse error, 1 at the most
 
+# Part of the tolerance's speed scale above which a contact closes at full speed. Such impacts take a bounded number of steps each
+# and are followed beyond the usual budget; chattering contacts close more and more slowly.
+FULL_SPEED = 0.01
+
 # times the velocity that counts as none: forces that decide which rows at rest give way are taken so much later
 MOMENT = 10.0
 

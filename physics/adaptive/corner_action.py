@@ -35,14 +35,10 @@ from softcradle.physics.adaptive.step_control import onset_step, restart_control
 from softcradle.physics.adaptive.step_records import (
     AT_ONCE,
     FLOWN,
-    GROWTH,
     LAST,
-    LOCAL_SQUARE,
     NEXT,
-    START,
-    UNSEEN_SQUARE,
 )
-from softcradle.physics.adaptive.switch_log import log_switches
+from softcradle.physics.adaptive.switch_log import begin_estimate, log_switches
 from softcradle.physics.adaptive.yield_or_slip import balance
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece
@@ -290,7 +286,7 @@ def cross(row, side, time, chain, regime, motion, bounds, scratch, log):
             elif regime.easing.size:
                 regime.easing[row] = 0
         decide(slipping, chain, regime, motion, bounds.slow, scratch)
-    log_switches(time, time, NO_CONTACT, chain, regime, motion, bounds.wanted, scratch, log)
+    log_switches(time, time, NO_CONTACT, chain, regime, motion, bounds, scratch, log)
 
 
 @piece
@@ -372,7 +368,7 @@ def fly_to_event(time, end, chain, regime, motion, bounds, scratch, steps, log):
             motion.mode[i], motion.force[i] = OPEN, 0.0
             if side_of(regime, i) < 0.0:
                 put_segment(i, regime.segment[i] + 1, regime, motion)
-    log_switches(time, time, NO_CONTACT, chain, regime, motion, bounds.wanted, scratch, log)
+    log_switches(time, time, NO_CONTACT, chain, regime, motion, bounds, scratch, log)
     scratch.control[NEXT] = math.inf
     until, row, side = next_event(time, end, chain, regime, motion, bounds.negligible, scratch.work[0])
     if until < math.inf:
@@ -411,15 +407,11 @@ def begin(time, chain, regime, motion, bounds, scratch, log):
         if motion.mode[i] == LOADED and motion.overlap[i] == 0.0:
             first = min(first, onset_step(chain, i, max(motion.rate[i], 0.0), bounds.wanted))
     restart_control(scratch.control, first)
-    for k in (AT_ONCE, LOCAL_SQUARE, GROWTH, UNSEEN_SQUARE):
-        scratch.control[k] = 0.0
-    scratch.control[START] = time
+    scratch.control[AT_ONCE] = 0.0
+    begin_estimate(time, motion, scratch)
     for i in range(motion.mode.size):
-        scratch.bounced[i], scratch.segment[i] = time if motion.overlap[i] < 0.0 else math.inf, -1.0
-        scratch.lateness[i] = scratch.grown[i] = scratch.most_grown[i] = 0.0
-        scratch.course[i] = scratch.turns[i] = scratch.parting[i] = 0.0
         scratch.pressed[i] = math.inf
-    log_switches(time, time, NO_CONTACT, chain, regime, motion, bounds.wanted, scratch, log)
+    log_switches(time, time, NO_CONTACT, chain, regime, motion, bounds, scratch, log)
 
 
 @piece
@@ -431,5 +423,5 @@ def pass_knot(time, chain, regime, motion, bounds, scratch, log):
         motion.held[i] = 0
     decide(NO_CONTACT, chain, regime, motion, bounds.slow, scratch)
     scratch.control[LAST] = 0.0
-    log_switches(time, time, NO_CONTACT, chain, regime, motion, bounds.wanted, scratch, log)
+    log_switches(time, time, NO_CONTACT, chain, regime, motion, bounds, scratch, log)
     return acts

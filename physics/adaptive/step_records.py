@@ -30,7 +30,11 @@ LOCAL_SQUARE = 8  # sum of the squares of the errors of all steps
 GROWTH = 9  # by what factor, beside 1, bounces have made errors grow
 START = 10  # when the run began [s]
 UNSEEN_SQUARE = 11  # the part of LOCAL_SQUARE that finer runs make alike
-CONTROLS = 12
+CONTINUES = 12  # nonzero if the error estimate of the frame before goes on, see `begin_estimate`
+CARRIED_SQUARE = 13  # what LOCAL_SQUARE begins with if it does not
+ENDING = 14  # growth of errors by the bounces within which the run ends
+IMPACTS = 15  # number of contacts that closed at full speed
+CONTROLS = 16
 
 STAGES = 12  # of dop853
 WORK_ROWS = 12  # rows of scratch memory that steps of radau, corners and what is decided at them name
@@ -50,6 +54,7 @@ class Bounds(NamedTuple):
     wanted: float  # the largest error of a step
     slow: float  # a rate at a corner, or the velocity of a bead, that counts as none
     negligible: float  # a push, or a rate of closing, that counts as none where nothing else pushes
+    full: float  # a contact that closes faster closes at full speed
 
 
 class Trial(NamedTuple):
@@ -103,7 +108,7 @@ class Scratch(NamedTuple):
     parting: Array  # (n,) the rate [m/s] that was taken from a contact which nothing has pushed since, at d = 0; else 0
     parted: Array  # (n,) since when [s]
     course: Array  # (n,) the fastest rate of each loaded contact since it turned, if above the tolerance; 0 where there is none
-    turns: Array  # (n,) how often that has changed its sign
+    turns: Array  # (n,) how often a loaded contact that came out was pushed in again before it opened
     along: Array  # (3, n)
     across: Array  # (3, n)
     correction: Array  # (3, n)

@@ -8,11 +8,20 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.adaptive.constants import FEW_TRIES, NEWTON_PART, ROUND_OFF, TOLERANCE_PART
+from softcradle.physics.adaptive.constants import FEW_TRIES, ROUND_OFF, TOLERANCE_PART
 from softcradle.physics.adaptive.corner_search import first_root, halves, hermite_quintic
 from softcradle.physics.adaptive.row_graphs import LAW, is_coupler, is_firm, is_gear, side_of
 from softcradle.physics.adaptive.step_control import take_step
-from softcradle.physics.adaptive.step_records import GROWTH, LOCAL_SQUARE, UNSEEN_SQUARE
+from softcradle.physics.adaptive.step_records import (
+    CARRIED_SQUARE,
+    CONTINUES,
+    ENDING,
+    GROWTH,
+    IMPACTS,
+    LOCAL_SQUARE,
+    START,
+    UNSEEN_SQUARE,
+)
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at
 from softcradle.physics.numerics.law_curve import (
@@ -34,7 +43,7 @@ AT_REST = -math.inf  # in place of a time: the contact touches, and nothing has 
 
 
 @inlined
-def log_switches(before, time, landed, chain, regime, motion, wanted, scratch, log):
+def log_switches(before, time, landed, chain, regime, motion, bounds, scratch, log):
     """Log the contacts that have begun or ceased to push in the step from `before` to `time`.
 
     One that has begun does so at the start: steps end where contacts close. One that touched at rest has begun when a neighbour
@@ -44,7 +53,7 @@ def log_switches(before, time, landed, chain, regime, motion, wanted, scratch, l
     Flights between bounces, on contacts and on each segment of couplers, count in how errors grow, see `grow_errors`.
     """
     pressed, since = scratch.work[PRESSED], scratch.pressed
-    find_pressed(chain, regime, motion, NEWTON_PART * wanted, since, pressed)
+    find_pressed(chain, regime, motion, bounds.slow, since, pressed)
     for i in range(motion.mode.size):
         closed = log.closed[i] != 0
         if pressed[i] == 0.0:
@@ -63,9 +72,9 @@ def log_switches(before, time, landed, chain, regime, motion, wanted, scratch, l
             if not now and time > before and scratch.opening[i] >= 0.0:
                 when = before + scratch.opening[i]
             log_switch(log, i, now, when)
-            put_bounce(i, now, w, when, regime, wanted, scratch)
+            put_bounce(i, now, w, when, regime, bounds, scratch)
         elif now and regime.segment.size and regime.segment[i] != scratch.segment[i]:
-            put_bounce(i, now, w, time, regime, wanted, scratch)
+            put_bounce(i, now, w, time, regime, bounds, scratch)
 
 
 @inlined
@@ -123,7 +132,7 @@ def rests(i, chain, regime, motion, since):
 
 
 @inlined
-def put_bounce(i, now, speed, when, regime, wanted, scratch):
+def put_bounce(i, now, speed, when, regime, bounds, scratch):
     """A bounce of contact i on a segment begins, or ends where that is not `now` entered at that `speed`.
 
     Errors of velocity make one late that comes after another. A coupler without slack that goes over from pulling to pushing gets
@@ -133,7 +142,9 @@ def put_bounce(i, now, speed, when, regime, wanted, scratch):
     scratch.control[GROWTH] += scratch.grown[i]
     scratch.bounced[i], scratch.grown[i], scratch.segment[i] = when, 0.0, -1.0
     scratch.lateness[i] = flight / speed if now and flight > 0.0 and speed > 0.0 else 0.0
-    scratch.most_grown[i] = 2.0 * speed / wanted
+    scratch.most_grown[i] = 2.0 * speed / bounds.wanted
+    if now and speed > bounds.full:
+        scratch.control[IMPACTS] += 1.0
     if now and regime.segment.size:
         scratch.segment[i] = regime.segment[i]
         if before >= 0 and is_gear(regime, i) and scratch.lateness[i] > 0.0:
@@ -164,7 +175,8 @@ def grow_errors(row, side, before, chain, regime, motion, wanted, scale, scratch
         if not loaded:
             course[i] = 0.0
         elif abs(rate) > slowest:
-            scratch.turns[i] += 1.0 if turned else 0.0
+            # only a turn back inwards: the phase of a single bounce, after which the contact opens, moves nothing
+            scratch.turns[i] += 1.0 if turned and rate > 0.0 else 0.0
             if turned or abs(rate) > abs(fastest):
                 course[i] = rate
         returns = (loaded and i == row and side == 0) or (motion.mode[i] == OPEN and fastest < 0.0)
@@ -208,13 +220,31 @@ def count_parting(i, before, chain, regime, motion, least, scratch):
 
 @inlined
 def end_within_bounces(passed, chain, motion, wanted, scratch):
-    """How errors have grown where a run ends, `passed` [s] after its start, while contacts bounce: all errors made one that
-    closed at speed u late by T e / u, and its rate is off by what it is accelerated in that time."""
+    """Add up how errors have grown by contacts that are closed when a run ends, `passed` [s] after its start.
+
+    All velocity errors e made a contact that closed at speed u late by T e / u. Its rate is off by its acceleration times that.
+    """
+    scratch.control[ENDING] = 0.0
     for i in range(motion.mode.size):
         if scratch.lateness[i] > 0.0:
             speed = 0.5 * wanted * scratch.most_grown[i]
             grown = passed / speed * abs(acceleration_of(i, chain, motion.force, 0.0))
-            scratch.grown[i] = max(scratch.grown[i], min(grown, scratch.most_grown[i]))
+            scratch.control[ENDING] += max(min(grown, scratch.most_grown[i]) - scratch.grown[i], 0.0)
+
+
+@inlined
+def begin_estimate(time, motion, scratch):
+    """Begin the estimate of the error that the run makes; in a frame of live use that of the frame before may go on."""
+    control = scratch.control
+    control[ENDING] = 0.0
+    if control[CONTINUES] != 0.0:
+        return
+    control[LOCAL_SQUARE], control[GROWTH], control[UNSEEN_SQUARE] = control[CARRIED_SQUARE], 0.0, 0.0
+    control[IMPACTS], control[START] = 0.0, time
+    for i in range(motion.mode.size):
+        scratch.bounced[i], scratch.segment[i] = time if motion.overlap[i] < 0.0 else math.inf, -1.0
+        scratch.lateness[i] = scratch.grown[i] = scratch.most_grown[i] = 0.0
+        scratch.course[i] = scratch.turns[i] = scratch.parting[i] = 0.0
 
 
 @inlined

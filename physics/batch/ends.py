@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.adaptive import usual_budget
 from softcradle.physics.adaptive.adaptive_loop import integrate
-from softcradle.physics.adaptive.runner import error_growth, stated_error
+from softcradle.physics.adaptive.runner import MOST_GROWN, error_growth, rounding_of, stated_error
 from softcradle.physics.adaptive.step_records import ALLOWED, empty_scratch, empty_steps, empty_trial
 from softcradle.physics.batch.chain_batch import ChainBatch
 from softcradle.physics.batch.run_each import (
@@ -24,7 +24,7 @@ from softcradle.physics.batch.run_each import (
     march_each,
 )
 from softcradle.physics.checked_input import LARGEST, SMALLEST, number_array, require_kind, shown
-from softcradle.physics.confirm import MOST_GROWN, SOFTEST
+from softcradle.physics.confirm import LONG_RUN, SOFTEST
 from softcradle.physics.contact import stored_energy
 from softcradle.physics.ensemble_runs import in_threads, parts, threads_of
 from softcradle.physics.fixed_step import runner as fixed_step
@@ -70,7 +70,7 @@ class EnsembleEnds:
     time : ndarray, shape (C,)
         When the run ended [s].
     status : ndarray, shape (C,)
-        How it ended, as in ``Trajectory.status``: 0 done, 1 separated, 2 and 3 gave up, 4 undetermined.
+        How it ended, as in ``Trajectory.status``: 0 done, 1 separated, 2 and 3 gave up, 4 undetermined, 7 step budget spent.
     steps : ndarray, shape (C,)
         Number of steps taken.
     evaluations : ndarray, shape (C,)
@@ -241,6 +241,7 @@ class _Accuracy:
 
     method: str
     tolerance: float
+    mass: Array  # (C, n+1)
     scale: Array  # (C,) speed [m/s] that the tolerance is relative to
     budget: int  # steps, rejected ones included; a chain that takes more is run again
     grown: Array  # (C, n) growth of errors by the last bounce of each contact
@@ -257,9 +258,9 @@ class _Accuracy:
         scale = np.maximum(approach, max(LEAST_SCALE, SPEED_ROUND_OFF / tolerance) * spread)
         scale[scale == 0.0] = np.where(spread == 0.0, 1.0, spread)[scale == 0.0]
         first = FIRST_STEPS + usual_budget.STEPS_A_CONTACT * batch.contacts
-        budget = min(first, usual_budget.usual_budget(batch.contacts, tolerance))
+        budget = min(first, LONG_RUN, usual_budget.usual_budget(batch.contacts, tolerance))
         grown, turns, control = (np.zeros((batch.chains, count)) for count in (batch.contacts, batch.contacts, 2))
-        return cls(method, tolerance, scale, budget, grown, turns, control)
+        return cls(method, tolerance, batch.mass, scale, budget, grown, turns, control)
 
     def errors(self, start: Array, end: Array, steps: NDArray[np.int64]) -> tuple[Array, Array]:
         """(C,) the error [m/s] that each chain states after its `steps` (C,), and the factor by which errors have grown.
@@ -267,8 +268,8 @@ class _Accuracy:
         `start` and `end` (C, n+1) are the velocities of the beads [m/s] before and after.
         """
         growth = error_growth(self.control[:, 0], self.grown, self.turns)
-        fastest = np.maximum(np.abs(start), np.abs(end)).max(axis=-1)
-        return stated_error(growth, self.control[:, 1], steps + self.grown.shape[1], fastest), growth
+        rounding = np.maximum(rounding_of(self.mass, start), rounding_of(self.mass, end))
+        return stated_error(growth, self.control[:, 1], steps + self.grown.shape[1], rounding), growth
 
 
 def _of_integrate(accuracy: _Accuracy, run: _Run) -> tuple[Any, ...]:

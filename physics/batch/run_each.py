@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.adaptive.step_records import GROWTH, LOCAL_SQUARE, Scratch
+from softcradle.physics.adaptive.step_records import ENDING, GROWTH, LOCAL_SQUARE, Scratch
 from softcradle.physics.numerics.jit import called_at, inlined, jit
 from softcradle.physics.numerics.records import Dissipation
 
@@ -131,7 +131,7 @@ def integrate_each(entry, which, accuracy, stop, most_steps, batch_fields, motio
     """`integrate`, whose `entry` this is, for each of the chains `which`.
 
     Of `errors`, the rows of the first (C, n) get the growth by the last bounces, those of the second (C, n) the turns of
-    oscillations, those of the third (C, 2) the growth by earlier bounces and the sum of squares of the errors of steps.
+    oscillations, those of the third (C, 2) the growth by other bounces and the sum of squares of the errors of steps.
     """
     moving, scratch = BatchMotion(*motion_fields), Scratch(*memory[3][2])
     grown, turns, control = errors
@@ -142,4 +142,4 @@ def integrate_each(entry, which, accuracy, stop, most_steps, batch_fields, motio
         )
         for i in range(grown.shape[1]):
             grown[c, i], turns[c, i] = scratch.grown[i], scratch.turns[i]
-        control[c, 0], control[c, 1] = scratch.control[GROWTH], scratch.control[LOCAL_SQUARE]
+        control[c, 0], control[c, 1] = scratch.control[GROWTH] + scratch.control[ENDING], scratch.control[LOCAL_SQUARE]

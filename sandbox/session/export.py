@@ -25,7 +25,7 @@ from softcradle.sandbox.session.contact_conversion import kind_of
 from softcradle.sandbox.session.contact_events import ContactEvents
 from softcradle.sandbox.session.history_slices import HistorySlice
 from softcradle.sandbox.session.lane_setup import DURATION, LaneSetup, Setup
-from softcradle.sandbox.session.ledger import BY_BED, BY_CONTACTS, IMPULSE_GIVEN, WORK_GIVEN
+from softcradle.sandbox.session.ledger import BY_BED, BY_CONTACTS, IMPULSE_GIVEN, VELOCITY_ERROR, WORK_GIVEN
 from softcradle.scenes import Lane, Scene, load, names, parse
 from softcradle.scenes.scene_errors import scene_error
 
@@ -154,7 +154,7 @@ def trajectory_of(part: HistorySlice, lane: int, events: ContactEvents, kept: in
     why = "the oldest that is kept" if part.first == kept else "where the chain or its method was last changed"
     sentence = f"exported from a session: begins at frame {part.first}, {why}"
     late = CodedWarning(WarningCode.LATE_START, sentence, {"frame": part.first})
-    booked = part.ledger - part.ledger[0]
+    booked, error = part.ledger - part.ledger[0], float(part.ledger[-1, VELOCITY_ERROR])
     found = Trajectory(
         chain=part.chain,
         time=part.time,
@@ -171,6 +171,7 @@ def trajectory_of(part: HistorySlice, lane: int, events: ContactEvents, kept: in
         absorbed_by_contacts=booked[:, BY_CONTACTS],
         absorbed_by_bed=booked[:, BY_BED],
         given=booked[:, [WORK_GIVEN, IMPULSE_GIVEN]],
+        velocity_error=np.full(part.chain.contacts + 1, error if error >= 0.0 else np.nan),
     )
     # of a steady drive it counts from t = 0 and the gaps of the chain, which are not where beads begin after an edit
     before = found.driven[0], found.impulse[0]

@@ -25,7 +25,7 @@ SWITCHES_MEMORY = 400  # bytes that the arrays of one lane's switches in a frame
 
 
 class LaneRows(NamedTuple):
-    """Rows of one lane: overlap, rate, force (R, n), anchor (R, 2), ledger (R, 12)."""
+    """Rows of one lane: overlap, rate, force (R, n), anchor (R, 2), ledger (R, 13)."""
 
     overlap: Array
     rate: Array

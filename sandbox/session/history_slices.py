@@ -40,7 +40,7 @@ class HistorySlice(Motion):
         first: frame of row 0.
         setup: the LaneSetup; its chain is `chain`.
         step: longest step [s] that was taken; 0 for an adaptive method.
-        ledger: (T, 12) see :mod:`softcradle.sandbox.session.ledger`.
+        ledger: (T, 13) see :mod:`softcradle.sandbox.session.ledger`.
     """
 
     first: int

@@ -4,7 +4,8 @@ What is put in is booked; an error is what neither the start, or that of another
 relative to the largest energy so far. What contacts with loss and the bed absorb is booked as taken out, so it is no error.
 Columns: KINETIC, STORED [J], MOMENTUM [N s], ENERGY_BOOKED, MOMENTUM_BOOKED, ENERGY_SCALE, MOMENTUM_SCALE, SWITCHES,
 BY_CONTACTS, BY_BED [J] (absorbed since the lane began), WORK_GIVEN [J], IMPULSE_GIVEN [N s] (of the pointer, of forces over
-time and of edits since then: what is neither the drive's nor a wall's).
+time and of edits since then: what is neither the drive's nor a wall's), VELOCITY_ERROR [m/s] (the estimate of the method;
+negative if the method has none).
 """
 
 import math
@@ -19,12 +20,12 @@ from softcradle.physics.trajectory import work_of_walls
 Array = NDArray[np.float64]
 
 KINETIC, STORED, MOMENTUM, ENERGY_BOOKED, MOMENTUM_BOOKED, ENERGY_SCALE, MOMENTUM_SCALE, SWITCHES = range(8)
-BY_CONTACTS, BY_BED, WORK_GIVEN, IMPULSE_GIVEN = 8, 9, 10, 11
-LEDGER_COLUMNS = 12
+BY_CONTACTS, BY_BED, WORK_GIVEN, IMPULSE_GIVEN, VELOCITY_ERROR = 8, 9, 10, 11, 12
+LEDGER_COLUMNS = 13
 
 
 def new_ledger(chain: Chain, state: State) -> Array:
-    """The ledger (12,) of a lane that begins now: its energy and momentum are booked."""
+    """The ledger (13,) of a lane that begins now: its energy and momentum are booked."""
     ledger = np.zeros(LEDGER_COLUMNS)
     measure(chain, state, ledger)
     book_all(ledger)
@@ -97,13 +98,13 @@ def book_frame(chain: Chain, before: Array, ledger: Array, external: External) -
 
 
 def energy_error(ledger: Array) -> float | Array:
-    """Unexplained energy relative to the largest energy so far; `ledger` (12,) or (R, 12)."""
+    """Unexplained energy relative to the largest energy so far; `ledger` (13,) or (R, 13)."""
     excess = ledger[..., KINETIC] + ledger[..., STORED] - ledger[..., ENERGY_BOOKED]
     return _relative(excess, ledger[..., ENERGY_SCALE])
 
 
 def momentum_error(ledger: Array) -> float | Array:
-    """Unexplained momentum relative to the largest sum of abs(m v) so far; `ledger` (12,) or (R, 12)."""
+    """Unexplained momentum relative to the largest sum of abs(m v) so far; `ledger` (13,) or (R, 13)."""
     return _relative(ledger[..., MOMENTUM] - ledger[..., MOMENTUM_BOOKED], ledger[..., MOMENTUM_SCALE])
 
 

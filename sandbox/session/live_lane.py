@@ -11,6 +11,7 @@ from softcradle.physics.chain import Chain
 from softcradle.physics.methods import Family, find_method
 from softcradle.physics.simulation import move
 from softcradle.physics.state import State
+from softcradle.physics.status import WarningCode
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.motion import Motion
 from softcradle.sandbox.session.inputs import LaneInput, SetVelocity
@@ -19,6 +20,7 @@ from softcradle.sandbox.session.ledger import (
     BY_BED,
     BY_CONTACTS,
     SWITCHES,
+    VELOCITY_ERROR,
     External,
     book_all,
     book_edit,
@@ -49,7 +51,7 @@ class LiveLane:
     Attributes:
         setup: the immutable part.
         state: what moves.
-        ledger: (12,) energy and momentum, see :mod:`softcradle.sandbox.session.ledger`.
+        ledger: (13,) energy, momentum and estimated error, see :mod:`softcradle.sandbox.session.ledger`.
         warning: what its method could not do of late, in a sentence; empty where there was nothing.
         warning_age: frames since then.
     """
@@ -59,6 +61,11 @@ class LiveLane:
     ledger: Array
     warning: str = ""
     warning_age: int = 0
+
+    def __post_init__(self) -> None:
+        """Let the state go on from the error that its ledger has: a frame of the history does not keep it elsewhere."""
+        estimate = float(self.ledger[VELOCITY_ERROR])
+        self.state.velocity_error = math.nan if estimate < 0.0 else estimate
 
     @classmethod
     def at_start(cls, setup: LaneSetup) -> LiveLane:
@@ -103,6 +110,7 @@ class LiveLane:
         book_edit(self.ledger, ledger, self._by_drive(state) if setup.chain is self.chain else 0.0)
         if setup.method != self.setup.method:  # which is not off by what the one before was
             book_all(ledger)
+            ledger[VELOCITY_ERROR] = 0.0
         if at_start:
             start = state.copy()
         else:
@@ -123,7 +131,8 @@ class LiveLane:
         # after these steps of a frame `conserving` moves on: none freezes the window
         most = REFERENCE_STEPS if find_method(setup.method).family is Family.REFERENCE else LIVE_STEPS
         move(chain, state, duration, setup.method, setup.step_for(duration), setup.tolerance, most)
-        self._take_warning(" ".join(map(str, state.warnings)))
+        # an estimate above the guarantee is far from visible: the verdict judges its size
+        self._take_warning(" ".join(str(one) for one in state.warnings if one.code is not WarningCode.ESTIMATE))
         if not all(
             (np.abs(values) < LARGEST).all() for values in (state.overlap, state.rate, state.anchor, state.force)
         ):
@@ -132,6 +141,7 @@ class LiveLane:
         measure(chain, state, ledger)
         book_frame(chain, self.ledger, ledger, self._external(before, duration))
         seen = int(np.count_nonzero(closed != state.closed))
+        ledger[VELOCITY_ERROR] = -1.0 if math.isnan(state.velocity_error) else state.velocity_error
         ledger[SWITCHES] += max(seen, state.switches - switches)
         self.ledger = ledger
 

@@ -22,7 +22,7 @@ from softcradle.sandbox.motion import BAD, BAD_ERROR, FAIR, FAIR_ERROR, GOOD, LE
 from softcradle.sandbox.session.frame_history import Block, History
 from softcradle.sandbox.session.frame_pacing import FramePacer
 from softcradle.sandbox.session.history_slices import HistorySlice, history_slices
-from softcradle.sandbox.session.ledger import SWITCHES, energy_error, momentum_error
+from softcradle.sandbox.session.ledger import SWITCHES, VELOCITY_ERROR, energy_error, momentum_error
 
 __all__ = ["BAD", "FAIR", "GOOD", "LEVELS"]  # those of every motion, which badges show
 
@@ -66,6 +66,7 @@ def criteria(part: HistorySlice, chatter: Array, length: float) -> list[Criterio
     steps = shortest_contact(part.chain, setup.scale) / part.step if part.step else math.inf
     found = _off(part, "energy", np.atleast_1d(energy_error(part.ledger)))
     found += _off(part, "momentum", np.atleast_1d(momentum_error(part.ledger)))
+    found += _uncertain(part)
     level, text = (FAIR, BOUNCING) if find_method(method).set_valued else (BAD, CHATTERING)
     chattered = _("{method} chattered", method=method)
     found.append(Criterion(level, chatter > MOST_CHATTER, _(text, times=chatter[-1], method=method), chattered))
@@ -98,6 +99,27 @@ def _off(part: HistorySlice, name: str, error: Array) -> list[Criterion]:
         Criterion(BAD, is_bad & finite, _(bad, **values), cause),
         Criterion(FAIR, (error > FAIR_ERROR) & ~is_bad, _(fair, **values), cause),
     ]
+
+
+def _uncertain(part: HistorySlice) -> list[Criterion]:
+    """Return the criteria of the error that an adaptive method estimates for its own velocities."""
+    error = estimated_error(part)
+    text = _(
+        "{method} may be off by {error} of the closing speed: the motion amplifies small errors",
+        method=part.setup.method,
+        error=_percent(float(error[-1])),
+    )
+    cause = _("velocities were uncertain")
+    return [
+        Criterion(BAD, error > BAD_VELOCITY, text, cause),
+        Criterion(FAIR, (error > FAIR_VELOCITY) & ~(error > BAD_VELOCITY), text, cause),
+    ]
+
+
+def estimated_error(part: HistorySlice) -> Array:
+    """Return the estimated velocity error (T,) of each frame relative to the closing speed; negative if there is none."""
+    found: Array = part.ledger[:, VELOCITY_ERROR] / part.setup.speed
+    return found
 
 
 def _passing(part: HistorySlice, length: float) -> Criterion:
@@ -156,7 +178,8 @@ class Health:
         momentum_error: likewise; None where a wall or a bed takes momentum.
         chatter: contact switches over the last second of wall time, relative to the most that is plausible; above 1 a
             method only seems to hold contacts closed.
-        velocity_error: of an accurate run behind, relative to the closing speed; None where it is not known.
+        velocity_error: difference to an accurate run behind, or else the estimate of the method itself, relative to the closing
+            speed; None if neither is known.
         milliseconds: wall time of physics a frame, all lanes together.
         level: 'good', 'fair' or 'bad'.
         sentence: why, and what to do about it.
@@ -193,6 +216,9 @@ def health_of(
     if velocity_error is not None and (off := level_of(velocity_error, FAIR_VELOCITY, BAD_VELOCITY)) != GOOD:
         text = N_("velocities are off by {error} of the closing speed: take more slow motion")
         found.append((off, _(text, error=_percent(velocity_error))))
+    estimate = float(estimated_error(part)[-1])
+    if velocity_error is None and estimate >= 0.0:
+        velocity_error = estimate
     if pacer.clock_ratio < ON_TIME:
         late = N_("{share} of the set speed: a frame takes too long")
         found.append((FAIR, _(late, share=_percent(pacer.clock_ratio))))

@@ -11,7 +11,7 @@ from softcradle.physics.contact import Contact
 from softcradle.physics.state import State
 from softcradle.physics.trajectory_file import chain_from_table
 from softcradle.sandbox.session.lane_setup import DURATION, LaneSetup, Setup
-from softcradle.sandbox.session.ledger import LEDGER_COLUMNS
+from softcradle.sandbox.session.ledger import LEDGER_COLUMNS, VELOCITY_ERROR
 from softcradle.scenes import Scene
 
 Array = NDArray[np.float64]
@@ -32,7 +32,7 @@ NOTHING_HELD = HeldBead(-1.0, 0.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """One frame: time [s], setup, the bead held by the pointer, and per lane State and ledger (12,)."""
+    """One frame: time [s], setup, the bead held by the pointer, and per lane State and ledger (13,)."""
 
     time: float
     setup: Setup
@@ -71,8 +71,11 @@ def snapshot_from_table(table: dict[str, Any], scene: Scene) -> Snapshot:
 
 
 def _ledger(columns: list[float]) -> Array:
-    """The ledger; columns that an earlier softcradle did not write are 0."""
-    return np.array([*columns, *[0.0] * (LEDGER_COLUMNS - len(columns))], dtype=np.float64)
+    """Return the ledger; of columns that an earlier softcradle did not write the estimate is not known, and others are 0."""
+    ledger = np.zeros(LEDGER_COLUMNS)
+    ledger[VELOCITY_ERROR] = -1.0
+    ledger[: len(columns)] = columns
+    return ledger
 
 
 def _lane_table(setup: LaneSetup) -> dict[str, Any]:

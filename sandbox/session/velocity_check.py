@@ -1,5 +1,6 @@
 """The check of velocities: an accurate run behind the live one, from where the motion was last touched, tells their error."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -112,7 +113,10 @@ class VelocityCheck:
 
 
 def checked(setup: LaneSetup, state: State, frame: int, time: float, velocity: Array) -> CheckedFrame:
-    """`state` moved on accurately to `time` [s], at which the live velocities (n+1,) are `velocity`."""
+    """Move `state` on accurately to `time` [s] and compare it with the live velocities (n+1,) there.
+
+    The error is the difference and what the accurate run estimates for itself.
+    """
     move(setup.chain, state, time - state.time, METHOD, None, TOLERANCE, MOST_STEPS)
-    error = float(np.abs(state.velocity(setup.chain) - velocity).max()) / setup.speed
-    return CheckedFrame(frame, None if state.warnings else error, velocity, state)
+    error = (float(np.abs(state.velocity(setup.chain) - velocity).max()) + state.velocity_error) / setup.speed
+    return CheckedFrame(frame, error if math.isfinite(error) else None, velocity, state)

@@ -36,7 +36,7 @@ UNLIKE = "a measure is a number at one point and a list at another"
 
 
 class PointStatus(IntEnum):
-    """What became of a point; the first five are those of a run, :class:`softcradle.physics.status.Status`."""
+    """What became of a point; all but REFUSED and LOST are those of a run, :class:`softcradle.physics.status.Status`."""
 
     DONE = 0
     SEPARATED = 1
@@ -45,6 +45,7 @@ class PointStatus(IntEnum):
     UNDETERMINED = 4
     REFUSED = 5  # the point cannot be, or its function raised an error: the reason says which
     LOST = 6  # the process that computed it died, each time
+    BUDGET_SPENT = 7
 
 
 @dataclass(frozen=True)

@@ -38,11 +38,12 @@ def test_a_run_whose_budget_ends_reaches_its_end(chain, method, steps, monkeypat
     """Between changes of friction too."""
     exact = solve(chain, struck(chain), None, method, None, 11, 1e-8)
     monkeypatch.setattr("softcradle.physics.adaptive.usual_budget.MOST_STEPS", steps)
+    monkeypatch.setattr("softcradle.physics.adaptive.usual_budget.MOST_FOLLOWED", 0)
     found = solve(chain, struck(chain), None, method, None, 11, 1e-8)
     (warning,) = found.warnings
-    assert "final velocities are determined to" in warning.sentence
-    assert found.status == Status.UNDETERMINED
-    assert warning.code == "sensitive"
+    assert "the step budget ended at t = " in warning.sentence
+    assert found.status == Status.BUDGET_SPENT
+    assert warning.code == "budget"
     assert (np.abs(found.final_velocity - exact.final_velocity) <= found.velocity_error).all()
     assert found.time.size == 11
     assert found.ledger[-1] == pytest.approx(found.ledger[0], rel=1e-6)

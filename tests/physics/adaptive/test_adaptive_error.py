@@ -174,9 +174,9 @@ def test_a_bead_that_comes_back_to_zero_overlap_is_as_exact_as_the_tolerance(see
 def test_a_motion_that_rattles_ends_with_what_is_determined_of_it(tolerance):
     """Some 1e5 bounces at 1e-6 m/s; runs of `conserving` at steps from 1e-2 to 1e-5 end within 3e-5 of each other."""
     found = simulate_quietly(RATTLES, struck(RATTLES), tolerance=tolerance)
-    assert found.status == Status.UNDETERMINED
+    assert found.status == Status.BUDGET_SPENT
     assert not found.status.gave_up
-    assert [warning.code for warning in found.warnings] == [WarningCode.SENSITIVE]
+    assert [warning.code for warning in found.warnings] == [WarningCode.BUDGET]
     assert found.final_velocity[0] == pytest.approx(-0.87494, abs=1e-4)
     assert 1e-7 < found.velocity_error.max() < 1e-2
     fine = simulate_quietly(RATTLES, struck(RATTLES), method="conserving", step=1e-4, samples=2)
@@ -232,7 +232,7 @@ def test_a_row_that_rattles_from_its_start_at_rest_is_not_followed_bounce_by_bou
     chain = Chain([0.14, 0.11, 0.21, 0.11, 0.8, 0.64], power_law(5.1, 0.06), gap=[0.04, 0, 0, 0, 0], drive=push)
     for tolerance in (1e-8, 1e-10):
         found = solve(chain, [0.0] * 6, 0.04, samples=2, tolerance=tolerance)
-        assert found.status == Status.UNDETERMINED
+        assert found.status == Status.BUDGET_SPENT
         assert found.steps < 400_000  # a hundred million, bounce by bounce
         assert found.velocity_error.max() < 1e-6
 
@@ -255,12 +255,12 @@ def test_a_signal_is_heard_within_a_run(monkeypatch):
 def test_samples_of_an_end_in_steps_that_double_are_those_asked_for(monkeypatch):
     """Steps of unlike length end between samples; each sample is taken once."""
     early = solve(RATTLES, struck(RATTLES), 2.5, samples=[0.5, 1.0])  # before the end is handed over
-    assert (early.status, early.time.tolist()) == (Status.UNDETERMINED, [0.5, 1.0])
+    assert (early.status, early.time.tolist()) == (Status.BUDGET_SPENT, [0.5, 1.0])
     times = np.linspace(1.8, 2.0, 4001)  # several in each step
     plain = solve(RATTLES, struck(RATTLES), 2.5, samples=times)
     monkeypatch.setattr(confirm, "STEPS_ALIKE", 40)
     doubled = solve(RATTLES, struck(RATTLES), 2.5, samples=times)
-    assert plain.status == doubled.status == Status.UNDETERMINED
+    assert plain.status == doubled.status == Status.BUDGET_SPENT
     assert doubled.time.tolist() == plain.time.tolist() == times.tolist()
     assert doubled.overlap.shape == plain.overlap.shape
 
@@ -289,7 +289,7 @@ def test_bounces_at_full_speed_go_on_and_are_determined(monkeypatch):
     duration = bounces * (gap + math.pi / math.sqrt(stiffness)) + 0.3 * gap
     found = solve(chain, [0.0, 1.0, 0.0], duration, samples=2, tolerance=1e-6)
     assert not found.warnings
-    assert found.steps > 5000
+    assert found.steps > 2000  # of a usual budget of 500
     assert abs(found.final_velocity[1] - 1.0) <= found.velocity_error[1] < 1e-4
 
 
@@ -298,7 +298,7 @@ def test_a_motion_of_very_many_bounces_ends_in_bounded_time(monkeypatch):
     monkeypatch.setattr(usual_budget, "MOST_LASTING", 1e4)
     chain = Chain([1.0, math.inf], power_law(1.27, 0.113), drive=[0.036, 0.0])
     found = solve(chain, [0.0, 0.0], 2.0, samples=2, tolerance=1e-6)
-    assert found.status == Status.UNDETERMINED
+    assert found.status == Status.BUDGET_SPENT
     assert found.steps < 5e5
     assert abs(found.final_velocity[0]) <= found.velocity_error[0] < 1e-5  # at rest on the wall, but for 1e-13 m
 
@@ -369,7 +369,7 @@ def test_the_stated_errors_hold(method, chain, velocity, durations, tolerances):
             found = simulate_quietly(chain, velocity, duration, method, tolerance=tolerance, samples=15)
             error = np.abs(found.final_velocity - exact.final_velocity)
             assert (error <= found.velocity_error + exact.velocity_error).all(), (duration, tolerance)
-            assert error.max() < PROMISE * tolerance * closing_speed(velocity) or found.status == Status.UNDETERMINED
+            assert error.max() < PROMISE * tolerance * closing_speed(velocity) or found.status in confirm.UNCERTAIN
             if duration is not None:  # else ends differ, and so do the times of samples
                 apart = np.abs(found.position - exact.position).max(axis=1)
                 assert (apart <= found.position_error + exact.position_error).all(), (duration, tolerance)

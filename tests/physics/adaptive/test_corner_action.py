@@ -16,7 +16,7 @@ from tests.helpers.given_steps import H, Step
 from tests.helpers.plain_kernels import effective_records, only_plain, records_of
 
 pytestmark = only_plain
-BOUNDS = Bounds(1e-9, 1e-10, 1e-11)
+BOUNDS = Bounds(1e-9, 1e-10, 1e-11, 1e-2)
 GEAR = draft_gear(2.0, 0.4)  # it touches with up to 0.8 N
 COUPLER = Coupler(hooke(50.0, loss=0.3), pull=hooke(80.0, loss=0.5), slack=0.1, travel=0.05, stop=1e3)
 SOLID_PULL, PULL, PUSH, SOLID_PUSH = range(4)  # its segments

@@ -8,7 +8,7 @@ import pytest
 from softcradle.physics import Contact, hertz, power_law, simulate
 from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.lane_setup import ERROR
-from softcradle.sandbox.session.run_verdict import COARSE, LEVELS, MOST_CHATTER, PASSED
+from softcradle.sandbox.session.run_verdict import BAD, COARSE, FAIR, GOOD, LEVELS, MOST_CHATTER, PASSED
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.summary_text import summary_text
 from softcradle.sandbox.session.velocity_check import VelocityCheck
@@ -153,3 +153,32 @@ def test_velocities_are_checked_by_an_accurate_run_from_where_the_motion_was_tou
     session.restart()
     session.step_frames(600)
     assert check.error() is None  # of another run
+
+
+@pytest.mark.parametrize(("share", "level"), [(1e-3, GOOD), (0.03, FAIR), (0.3, BAD)])
+def test_the_error_that_the_method_estimates_is_part_of_the_verdict(share, level):
+    """The history and exports contain the estimate, and it goes on from a frame of the history."""
+    session = opened("one-on-four", inputs.SetMethod(0, "accurate"))
+    session.step_frames(30)
+    lane = session.lanes[0]
+    assert 0.0 < session.health(0).velocity_error < 1e-6
+    assert session.trajectory(0).velocity_error.max() == lane.state.velocity_error
+    lane.state.velocity_error = share * lane.setup.speed
+    session.step_frames(1)
+    found = session.health(0)
+    assert found.velocity_error >= 0.99 * share
+    assert found.level == level
+    assert ("velocities were uncertain" in [one.cause for one in session.findings(0)]) == (level != GOOD)
+    session.step_frames(200)
+    session.scrub_frame(session.frame - 100)
+    assert session.health(0).level == level
+    assert session.lanes[0].state.velocity_error >= 0.99 * share * lane.setup.speed
+
+
+def test_a_method_without_an_estimate_has_no_velocity_error():
+    session = opened("one-on-four", inputs.SetMethod(0, "conserving"))
+    session.step_frames(30)
+    assert session.health(0).velocity_error is None
+    session.apply(inputs.SetMethod(0, "accurate"))
+    session.step_frames(30)
+    assert session.health(0).velocity_error < 1e-6
