@@ -1,8 +1,8 @@
 """All measurements in one run: ``make bench``, or ``python -m benchmarks [--json FILE] [NAME ...]``.
 
-``scan``, ``conserving``, ``auto``, ``mutants``, ``soft-contacts``, ``soft-chains`` and ``two-versions`` are commands, each with
-its ``--help``: random chains against the reference; steps of conserving; choices of auto; which changes of a kernel the tests
-notice; SoftContacts; SoftChains; two checkouts.
+``scan``, ``conserving``, ``mutants``, ``soft-contacts`` and ``two-versions`` are separate commands with their own
+``--help``: random chains against the reference, steps of conserving, changes of a kernel that tests notice,
+SoftContacts, two checkouts.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ COMMANDS = {
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the benchmarks of those names, or all; print tables, and write JSON if wanted."""
+    """Run the benchmarks with these names, or all; print tables, and write JSON if requested."""
     given = sys.argv[1:] if arguments is None else arguments
     if given and given[0] in COMMANDS:
         command: Callable[[list[str]], int] = import_module(COMMANDS[given[0]]).main

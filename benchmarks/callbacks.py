@@ -1,7 +1,7 @@
 """Cost of one pymunk step with compiled and with Python contact callbacks.
 
-Every contact stays closed (alpha = 1/10, whose power is expensive), so that every callback evaluates its law in every
-step. The Space has one solver iteration, as method `pymunk` sets it, or pymunk's default of ten.
+Every contact stays closed, with alpha = 1/10, whose power is expensive. So every callback evaluates its law in every
+step. The Space has one solver iteration, as for the method `pymunk`, or pymunk's default of ten.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from benchmarks.reports import Report, at_least
 CONTACTS = (4, 64)
 ITERATIONS = (1, 10)
 ROUNDS = 7
-STEPS = 2000  # in a round
-OVERLAP = 0.01  # [m] of every contact; the forces are so small that it hardly changes
-RATIO_AIM = 3.0  # of the Python time over the compiled one, for 4 contacts
+STEPS = 2000  # steps in a round
+OVERLAP = 0.01  # [m] overlap of every contact; the forces are so small that it hardly changes
+RATIO_AIM = 3.0  # goal for the ratio of the Python time to the compiled time, for 4 contacts
 
 
 def chain_space(contacts: int, iterations: int, compiled: bool) -> pymunk.Space:
-    """A Space with a row of bodies, all neighbours in contact."""
+    """Return a Space with a row of bodies, all neighbours in contact."""
     space = pymunk.Space()
     space.iterations = iterations
     bodies = [pymunk.Body(1.0, 1.0) for _ in range(contacts + 1)]
@@ -38,7 +38,7 @@ def chain_space(contacts: int, iterations: int, compiled: bool) -> pymunk.Space:
 
 
 def microseconds(space: pymunk.Space) -> float:
-    """Mean time of a step."""
+    """Return the mean time of a step."""
     began = perf_counter()
     for _ in range(STEPS):
         space.step(1e-6)
@@ -46,7 +46,9 @@ def microseconds(space: pymunk.Space) -> float:
 
 
 def measure(contacts: int, iterations: int) -> dict[str, float]:
-    """Least times of some rounds, in which compiled and Python alternate: other load of the machine hits both."""
+    """Return the shortest times over several rounds that alternate compiled and Python, so that other load affects
+    both.
+    """
     spaces = [chain_space(contacts, iterations, compiled) for compiled in (True, False)]
     rounds = [[microseconds(space) for space in spaces] for _ in range(ROUNDS)]
     compiled, python = (min(times) for times in zip(*rounds, strict=True))
@@ -60,7 +62,7 @@ def measure(contacts: int, iterations: int) -> dict[str, float]:
 
 
 def reports() -> Iterator[Report]:
-    """One table, or the reason why there are no compiled callbacks."""
+    """Yield one table, or the reason why compiled callbacks are not available."""
     if unavailable():
         yield Report(f"no compiled pymunk callbacks here: {unavailable()}")
         return

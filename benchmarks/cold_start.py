@@ -1,4 +1,4 @@
-"""The first use on a new machine, with an empty cache of kernels: a table, a film, a window that plays, a SoftChain."""
+"""First use on a new machine, with an empty kernel cache: a table, a film, a window that plays, a SoftChain."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from time import perf_counter
 
 from benchmarks.reports import Report, at_most
 
-TABLE_AIM, FILM_AIM, WINDOW_AIM = 1.5, 2.0, 1.5  # seconds
-STEP_AIM, FRAME_AIM = 50.0, 16.7  # milliseconds
-FRAMES = 300  # of the window, while kernels are compiled behind
+TABLE_AIM, FILM_AIM, WINDOW_AIM = 1.5, 2.0, 1.5  # goals in seconds
+STEP_AIM, FRAME_AIM = 50.0, 16.7  # goals in milliseconds
+FRAMES = 300  # frames of the window, while kernels are compiled in the background
 
 CHAIN = """
 from time import perf_counter
@@ -50,7 +50,7 @@ app.close()
 
 
 def started(*arguments: str) -> tuple[float, str]:
-    """Seconds that Python takes with an empty cache, and what it prints."""
+    """Return the seconds that Python takes with an empty cache, and its output."""
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         screen = {"SDL_VIDEODRIVER": "dummy", "SDL_AUDIODRIVER": "dummy", "SOFTCRADLE_CONFIG": folder}
         environment = {**os.environ, **screen, "NUMBA_CACHE_DIR": str(Path(folder) / "kernels")}
@@ -59,13 +59,14 @@ def started(*arguments: str) -> tuple[float, str]:
             [sys.executable, *arguments], env=environment, capture_output=True, text=True, check=True, cwd=Path.cwd()
         )
         seconds = perf_counter() - began
-        for lock in Path(folder).glob("kernels/*/*/*.compiling"):  # the process behind would go on for nobody
+        # the background process would continue without a reader
+        for lock in Path(folder).glob("kernels/*/*/*.compiling"):
             os.kill(int(lock.read_text().split()[0]), 15)
     return seconds, done.stdout
 
 
 def reports() -> Iterator[Report]:
-    """The one table."""
+    """Yield the table."""
     table, _ = started("-m", "softcradle", "run", "one-on-four")
     with tempfile.TemporaryDirectory() as folder:
         film, _ = started(

@@ -1,4 +1,4 @@
-"""Results kept as they come, one JSON object a line, so that a command that was stopped goes on."""
+"""Results stored one by one as JSON lines, so that an interrupted command can continue."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 
 
 def lines(path: Path) -> Iterator[dict[str, Any]]:
-    """Entries of a file of JSON lines, packed where it is called .gz; one that was cut off is left out."""
+    """Yield the entries of a file of JSON lines (compressed if its name ends in .gz); skip a line that was cut off."""
     if not path.exists():
         return
     data = path.read_bytes()
@@ -24,6 +24,6 @@ def lines(path: Path) -> Iterator[dict[str, Any]]:
 
 
 def append(path: Path, entry: Mapping[str, Any]) -> None:
-    """Add an entry at the end of the file."""
+    """Append an entry to the file."""
     with path.open("a", encoding="utf-8") as file:
-        file.write("\n" + json.dumps(entry))  # a line that was cut off does not spoil the next
+        file.write("\n" + json.dumps(entry))  # a line that was cut off does not spoil the next one

@@ -1,7 +1,7 @@
-"""Long chains by `accurate`: a collision with a thousand beads, a pulse that crosses a part of a Hertz chain, random rows.
+"""Long chains with `accurate`: a collision with a thousand beads, a pulse through part of a Hertz chain, random rows.
 
-In a row of equal beads with exponents above 1 a wave leaves those behind it with all but one velocity: what a run makes of the
-differences is its noise, which must not become a motion of its own. Other rows rattle on their own behind a wave.
+In a row of equal beads with exponents above 1, a wave leaves the beads behind it with nearly the same velocity. The
+computed differences are numerical noise, which must not become a motion. Other rows really chatter behind a wave.
 """
 
 from __future__ import annotations
@@ -16,24 +16,24 @@ from softcradle.physics.simulation import solve
 
 from benchmarks.reports import Report, at_most
 
-SPEED = 0.8405  # of the pulse: contacts a second, for beads of 1 kg, 1 N/m**1.5 and a hit at 1 m/s
-BEADS = 100_000  # of the Hertz chain
+SPEED = 0.8405  # speed of the pulse: contacts per second, for beads of 1 kg, 1 N/m**1.5 and an impact at 1 m/s
+BEADS = 100_000  # beads of the Hertz chain
 ROWS, SEED = 100, 5  # random rows
-FINER = 1e-2  # of the tolerance: that of the run which an error is measured by
+FINER = 1e-2  # factor of the tolerance for the run that an error is measured against
 
 
 class LongRun(NamedTuple):
-    """A run, and what it may take."""
+    """A run and its goal."""
 
     name: str
     chain: Chain
     duration: float | None  # [s]
     tolerance: float
-    aim: float  # processor time [s]
+    aim: float  # goal for the processor time [s]
 
 
 def runs() -> list[LongRun]:
-    """The runs."""
+    """Return the runs."""
     deep, pulse = one_on(1000, power_law(1.0, 0.1)), one_on(BEADS, hertz(1.0))
     return [
         LongRun("one on 1000, alpha 1/10, at 1e-6", deep, None, 1e-6, 1.0),
@@ -43,7 +43,7 @@ def runs() -> list[LongRun]:
 
 
 def measure() -> dict[str, dict[str, float]]:
-    """Processor time [s], steps and their error of each."""
+    """Measure processor time [s], steps and their error for each run."""
     simulate(one_on(4, power_law(1.0, 0.1)), np.eye(1, 5)[0], samples=2)  # loads the kernels
     found = {}
     for name, chain, duration, tolerance, aim in runs():
@@ -59,7 +59,7 @@ def measure() -> dict[str, dict[str, float]]:
 
 
 def random_rows(count: int = ROWS, seed: int = SEED) -> Iterator[dict[str, float]]:
-    """One on 60 to 1500 equal beads with exponents from 1.1 to 3: what each run took and found."""
+    """Yield cost and result of one on 60 to 1500 equal beads with random exponents from 1.1 to 3."""
     draw = np.random.default_rng(seed)
     for _ in range(count):
         beads, tolerance = int(60.0 * 25.0 ** draw.random()), float(10.0 ** draw.uniform(-8.0, -4.0))
@@ -97,7 +97,7 @@ def _random_report() -> Report:
 
 
 def reports() -> Iterator[Report]:
-    """Seconds beside their aims, and random rows."""
+    """Yield seconds and their goals, and the random rows."""
     yield _random_report()
     found = measure()
     rows = [

@@ -1,4 +1,6 @@
-"""Very many short chains: `ensemble_ends` beside `ensemble`, on one core; and the time of 1e5 collisions on all of them."""
+"""Very many short chains: `ensemble_ends` compared with `ensemble` on one core, and the time of 1e5 collisions on all
+cores.
+"""
 
 from __future__ import annotations
 
@@ -12,13 +14,13 @@ from softcradle.physics.ensemble_runs import cores
 
 from benchmarks.reports import Report, at_least, at_most
 
-CHAINS = 2000  # of a round of `ensemble_ends`
-ALONE = 200  # chains of a round of `ensemble`, the same
-COLLISIONS = 10_000  # of one on four at 1e-6, a tenth of those that the aim is for
+CHAINS = 2000  # chains in a round of `ensemble_ends`
+ALONE = 200  # chains in a round of `ensemble`, a part of the same
+COLLISIONS = 10_000  # collisions of one on four at 1e-6, a tenth of the number in the goal
 TARGETS = 4
 TOLERANCE = 1e-6
-RATE_AIM = 3.0  # times the rate of `ensemble`
-SECONDS_AIM = 8.0  # of 1e5 collisions on two cores
+RATE_AIM = 3.0  # goal for the rate relative to `ensemble`
+SECONDS_AIM = 8.0  # goal in seconds for 1e5 collisions on two cores
 ROUNDS = 3
 
 CASES: dict[str, Callable[[float], Contact]] = {
@@ -31,7 +33,7 @@ METHODS = ("verlet", "yoshida4")
 
 
 def measure(law: Callable[[float], Contact], method: str, chains: int = CHAINS, alone: int = ALONE) -> dict[str, float]:
-    """Processor milliseconds of a collision by both, least of the rounds, with default steps; and their ratio."""
+    """Return processor milliseconds of a collision with each function (shortest round, default steps), and their ratio."""
     each = [one_on(TARGETS, law(part)) for part in np.linspace(0.0, 1.0, chains).tolist()]
     start, some = np.eye(1, TARGETS + 1)[0], each[:: max(1, chains // alone)][:alone]
     batch, found = ChainBatch.of(each), {"ends": np.inf, "ensemble": np.inf}
@@ -47,7 +49,9 @@ def measure(law: Callable[[float], Contact], method: str, chains: int = CHAINS, 
 
 
 def measure_collisions(count: int = COLLISIONS) -> dict[str, float]:
-    """Seconds of 1e5 collisions of one on four at 1e-6 by `accurate` on all cores, and processor milliseconds of one."""
+    """Return seconds of 1e5 collisions of one on four at 1e-6 with `accurate` on all cores, and processor milliseconds
+    of one.
+    """
     exponents = np.linspace(0.099, 0.101, count)[:, None]
     start, best, work = np.eye(1, TARGETS + 1)[0], np.inf, np.inf
     for k in range(ROUNDS + 1):
@@ -60,7 +64,7 @@ def measure_collisions(count: int = COLLISIONS) -> dict[str, float]:
 
 
 def reports() -> Iterator[Report]:
-    """Both tables."""
+    """Yield both tables."""
     found: list[dict[str, Any]] = [
         {"case": name, "method": method, **measure(law, method)} for name, law in CASES.items() for method in METHODS
     ]

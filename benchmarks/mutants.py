@@ -1,7 +1,8 @@
-"""``python -m benchmarks mutants``: kernels changed in one place each by cosmic-ray, and which the tests of their room notice.
+"""``python -m benchmarks mutants``: change kernels in one place each with cosmic-ray, and count which changes their
+tests notice.
 
-The kernels run as plain Python, in a copy of the tree. The session of a room is kept in ``out/mutants``: a run goes on where it
-stopped, and cosmic-ray's own ``cr-report`` and ``cr-html`` show each change with what the tests said of it.
+The kernels run as plain Python, in a copy of the tree. The session of each room is stored in ``out/mutants``, so an
+interrupted run continues. cosmic-ray's ``cr-report`` and ``cr-html`` show each change with the output of the tests.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from benchmarks.reports import Report
 
 ROOT = Path(__file__).parents[1]
 COPIED = ("softcradle", "physics", "scenes", "sandbox", "assets", "tests", "benchmarks", "pyproject.toml")
-ROOMS = {  # sources, and the arguments of pytest that choose their tests
+ROOMS = {  # sources, and the arguments of pytest that select their tests
     "law": (
         ("physics/numerics/law_kernels.py", "physics/numerics/law_curve.py", "physics/contact.py"),
         (
@@ -64,17 +65,17 @@ ROOMS = {  # sources, and the arguments of pytest that choose their tests
         ),
     ),
 }
-# Changes that say nothing of a kernel as plain Python: the decorator that compiles it, and operators of whole numbers.
+# Changes without meaning for a kernel in plain Python: the decorator that compiles it, and operators of whole numbers.
 LEFT_OUT = (
     r"core/(RemoveDecorator|ExceptionReplacer|.*_(BitOr|BitAnd|BitXor|LShift|RShift|FloorDiv|Mod|Pow|Invert|Is|IsNot))$"
 )
-# s that the tests of a mutant may take: those of a room take ten as it is, the double beside other work
+# Longest time [s] for the tests of a mutant. Those of a room take ten seconds, and twice that on a busy machine.
 PATIENCE = 120.0
 PYTEST = "-m pytest -x -q -n 0 -p no:cacheprovider -m 'not slow'"
 
 
 def main(arguments: list[str]) -> int:
-    """Try mutants of each room and print the table."""
+    """Test mutants of each room and print the table."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks mutants", description=__doc__.splitlines()[0])
     parser.add_argument(
         "--of", nargs="+", choices=ROOMS, default=list(ROOMS), metavar="ROOM", help=f"of {', '.join(ROOMS)}"
@@ -97,7 +98,7 @@ def main(arguments: list[str]) -> int:
 
 
 def row(room: str, folder: Path, count: int, seed: int) -> list[str]:
-    """Try what is left of a room's session, and count."""
+    """Test the remaining mutants of a room's session, and count."""
     from cosmic_ray.commands import execute, init
     from cosmic_ray.config import ConfigDict
     from cosmic_ray.work_db import use_db
@@ -112,17 +113,18 @@ def row(room: str, folder: Path, count: int, seed: int) -> list[str]:
             _draw(work, count, seed)
         os.environ |= {"NUMBA_DISABLE_JIT": "1", "PYTEST_ADDOPTS": "", "PYTHONPATH": str(tree)}
         command = f"{sys.executable} {PYTEST} {' '.join(tests)}"
-        subprocess.run(command, shell=True, check=True, stdout=subprocess.DEVNULL)  # they pass on what is not changed
+        # the tests pass on the unchanged source
+        subprocess.run(command, shell=True, check=True, stdout=subprocess.DEVNULL)
         execute(work, ConfigDict({"test-command": command, "timeout": PATIENCE, "distributor": {"name": "local"}}))
         results = [result.test_outcome for _, result in work.results if result.worker_outcome == WorkerOutcome.NORMAL]
-    found = [outcome for outcome in results if outcome != TestOutcome.INCOMPETENT]  # of others no test ran
+    found = [outcome for outcome in results if outcome != TestOutcome.INCOMPETENT]  # no test ran for the others
     killed = sum(outcome == TestOutcome.KILLED for outcome in found)
     listed = ", ".join(f"`{source}`" for source in sources)
     return [room, listed, str(len(found)), str(killed), f"{100.0 * killed / max(1, len(found)):.0f} %"]
 
 
 def _copy(tree: Path) -> None:
-    """The tree as it is now, in which sources are changed and no one else works."""
+    """Copy the current tree, so that sources can be changed there."""
     shutil.rmtree(tree, ignore_errors=True)
     tree.mkdir(parents=True)
     for name in COPIED:
@@ -133,7 +135,7 @@ def _copy(tree: Path) -> None:
 
 
 def _draw(work: object, count: int, seed: int) -> None:
-    """Leave `count` mutants of a session to be tried."""
+    """Reduce a session to `count` mutants."""
     import re
 
     from cosmic_ray.work_item import WorkerOutcome, WorkResult

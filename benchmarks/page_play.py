@@ -1,10 +1,10 @@
-"""Random play with a page of a scene: an hour of its own time by its own events, and what it costs.
+"""Random play with the page of a scene: an hour of its own time through its own events, and its cost.
 
     python -m benchmarks.page_play [MINUTES] [SCENE]
 
-Beads are pressed, pulled and let go, keys typed, every slider, list, box and button used, links opened. It fails where a
-number is not finite, where the energy is off what it was and was given by more than BOOKED, where the script throws, or where
-memory grows.
+Beads are grabbed, pulled and released, keys typed, every slider, list, box and button used, links opened. It fails if a
+number is not finite, if the energy differs from its initial value plus the work of the hand by more than BOOKED, if the
+script throws, or if memory grows.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from softcradle.sandbox.scene_runs import load_scene
 
 from tools.browser import Browser
 
-BOOKED = 1e-10  # relative error of the energy
-PICTURES = 60  # a second of the page's time
+BOOKED = 1e-10  # largest relative error of the energy
+PICTURES = 60  # pictures per second of the page's time
 CHUNK = 1800  # pictures in one call
-MOST_SPEED = 100.0  # closing speeds of the scene that hands, and beads pushed by beads, can give
-LEAST_MOVED = 0.5  # of the pictures: those in which time goes on
+MOST_SPEED = 100.0  # largest speed that hands, and beads pushed by beads, may reach, in closing speeds of the scene
+LEAST_MOVED = 0.5  # smallest share of the pictures in which time moves on
 MOST_GROWN = 8e6  # bytes of memory that an hour may add: texts and caches of the browser
 MEASURED = 240  # pictures whose cost is measured
-DESK, TELEPHONE = (1280, 900, 1.0), (390, 844, 3.0)  # width and height [CSS pixels], and pixels to one of these
+DESK, TELEPHONE = (1280, 900, 1.0), (390, 844, 3.0)  # width and height [CSS pixels], and device pixels per CSS pixel
 COSTS = (
     ("", 1, DESK),
     ("", 4, DESK),
@@ -33,12 +33,12 @@ COSTS = (
     ("", 4, TELEPHONE),
     ("#with=steel", 4, TELEPHONE),
     ("#n=49", 1, DESK),
-)  # experiment, how many times the processor is throttled, and the screen
+)  # experiment, throttling factor of the processor, and screen
 SCRIPTS = Path(__file__).with_suffix(".js").read_text(encoding="utf-8")
 
 
 def play(browser: Browser, page: Path, minutes: float) -> None:
-    """Play for so long, and say what came out."""
+    """Play for this time and print the result."""
     browser.call("Page.addScriptToEvaluateOnNewDocument", source=f"{SCRIPTS}; prelude()")
     browser.visit(page, "")
     seed, off, done, moved, used = 1, 0.0, 0, 0, []
@@ -69,9 +69,10 @@ def play(browser: Browser, page: Path, minutes: float) -> None:
 
 
 def costs(browser: Browser, page: Path) -> None:
-    """Processor time of the page's thread in a picture, which other processes do not change: physics, script, and the rest.
+    """Print the processor time of the page's thread per picture: physics, script, and the rest.
 
-    The rest is what the browser adds to the script: layout, and painting, which a headless browser does without a graphics card.
+    Other processes do not affect it. The rest is the browser's own work: layout, and painting, which a headless browser
+    does without a graphics card.
     """
     browser.call("Page.addScriptToEvaluateOnNewDocument", source=SCRIPTS)
     for fragment, rate, screen in COSTS:
@@ -94,7 +95,9 @@ def costs(browser: Browser, page: Path) -> None:
 
 
 def spent(browser: Browser, script: str) -> dict[str, float]:
-    """Milliseconds a picture that the page's thread has spent, by kind, and the value of the script, which shows MEASURED."""
+    """Return milliseconds per picture of the page's thread by kind, and the value of the script, which shows MEASURED
+    pictures.
+    """
     before = browser.call("Performance.getMetrics")["metrics"]
     value = browser.run(script)
     after = browser.call("Performance.getMetrics")["metrics"]

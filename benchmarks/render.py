@@ -1,7 +1,7 @@
-"""The rate of rendering: drawing alone, one encoder alone, both in order, and segments encoded side by side.
+"""Rate of rendering: drawing only, one encoder only, both in sequence, and segments encoded in parallel.
 
-All encode the same frames, those of the scene's film, because a moving picture costs the encoder more than a still one.
-Rates are of a machine that does nothing else; processor time is nearly the same on one that does.
+All encode the frames of the scene's film, because moving pictures cost the encoder more than still ones. The rates need
+an otherwise idle machine; the processor times hardly depend on other load.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from softcradle import scenes
 if TYPE_CHECKING:
     from pygame import Surface
 
-RATE = 60.0  # frames a second of the film
-MOST_FRAMES = 360  # of a round
+RATE = 60.0  # frames per second of the film
+MOST_FRAMES = 360  # frames in a round
 WAYS = {
     "drawing": "drawing alone",
     "encoder": "one encoder alone",
@@ -35,12 +35,14 @@ WAYS = {
 
 
 def measure(name: str, size: tuple[int, int], rounds: int = 5) -> dict[str, Any]:
-    """Frames a second, and milliseconds of processor a frame, of each way: medians of `rounds` interleaved rounds."""
+    """Return frames per second and processor milliseconds per frame of each way: medians of `rounds` interleaved
+    rounds.
+    """
     scene = scenes.load(name)
     motions = scene_motions(scene, RATE * scene.view.slow)
     picture = Picture(scene, motions, size)
     shots = shot_list(scene, len(motions[0].time), RATE)
-    shots = shots[:: max(1, len(shots) // MOST_FRAMES)]  # pictures that stay are as large a part of them as of the film
+    shots = shots[:: max(1, len(shots) // MOST_FRAMES)]  # keeps the share of still pictures as in the film
     ready = [_painted(picture, shot, picture.background.copy()) for shot in shots]
     with tempfile.TemporaryDirectory() as folder:
         results = [_round(picture, shots, ready, size, Path(folder)) for _ in range(rounds)]
@@ -57,7 +59,7 @@ def measure(name: str, size: tuple[int, int], rounds: int = 5) -> dict[str, Any]
 def _round(
     picture: Picture, shots: list[Shot], ready: list[Surface], size: tuple[int, int], folder: Path
 ) -> dict[str, tuple[float, float]]:
-    """Wall and processor time [s] of each of WAYS."""
+    """Return wall and processor time [s] of each of WAYS."""
     canvas = picture.background.copy()
 
     def drawing() -> None:
@@ -67,7 +69,7 @@ def _round(
     def encoder() -> None:
         with open_film(folder / "ready.mp4", size, RATE) as film:
             for surface in ready:
-                film.free_surface()  # waits as a drawing thread would; the frames themselves are ready
+                film.free_surface()  # waits like a drawing thread; the frames themselves are ready
                 film.add(surface)
 
     def in_order() -> None:
@@ -94,7 +96,7 @@ def _painted(picture: Picture, shot: Shot, surface: Surface) -> Surface:
 
 
 def reports() -> Iterator[Report]:
-    """Frames a second of each way."""
+    """Yield the frames per second of each way."""
     found = measure("one-on-four", (1280, 720))
     rows = [[title, f"{found[way]:.0f}", f"{found[f'{way}_ms']:.2f}"] for way, title in WAYS.items()]
     rows.append(["segments over in order", at_least(f"{found['gain']:.2f}", found["gain"], 1.7), ""])

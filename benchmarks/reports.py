@@ -1,4 +1,4 @@
-"""A report: one table to print, and its numbers for the JSON file."""
+"""Report: a table to print, and its numbers for the JSON file."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from rich.table import Table
 
 @dataclass(frozen=True)
 class Report:
-    """A table with its notes, and the same as plain data.
+    """Table with notes, and the same as plain data.
 
     Attributes:
         title: what was measured.
-        columns, rows: the table as text; aims stand in brackets beside the values to which they belong.
+        columns, rows: the table as text; goals are in brackets after the values.
         notes: sentences below the table.
-        data: the numbers of the table, as JSON takes them.
+        data: the numbers of the table for JSON.
     """
 
     title: str
@@ -27,7 +27,7 @@ class Report:
     data: Any = None
 
     def show(self, console: Console) -> None:
-        """Print the table; a report without columns is its title alone."""
+        """Print the table, or only the title of a report without columns."""
         if not self.columns:
             console.print(self.title, highlight=False)
             return
@@ -42,7 +42,7 @@ class Report:
         console.print()
 
     def markdown(self) -> str:
-        """The table and its notes as Markdown."""
+        """Return the table and its notes as Markdown."""
         rows = [self.columns, ["---"] + ["---:"] * (len(self.columns) - 1), *self.rows]
         lines = [f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in row)} |" for row in rows]
         notes = [f"* {note}" for note in self.notes]
@@ -50,7 +50,7 @@ class Report:
 
 
 def at_most(value: float | None, aim: float | None) -> str:
-    """A measured value with its aim in brackets, marked where the value is larger; a dash where there is no value."""
+    """Return a measured value with its goal in brackets, marked if the value is larger; a dash without a value."""
     if value is None:
         return "-" if aim is None else f"- ({aim:g}) missed"
     shown = f"{value:.3g}" if value < 1000 else f"{value:.0f}"
@@ -60,5 +60,5 @@ def at_most(value: float | None, aim: float | None) -> str:
 
 
 def at_least(shown: str, value: float, aim: float) -> str:
-    """The same for a value, given also as it is shown, that should not be smaller than its aim."""
+    """Return the text `shown` of a value with its goal in brackets, marked if the value is smaller."""
     return f"{shown} (at least {aim:g})" + ("" if value >= aim else " missed")

@@ -1,4 +1,6 @@
-"""Cost of one step and contact of `verlet` and `conserving`, by `advance` on chains in the middle of a collision."""
+"""Cost of one step and contact of `verlet` and `conserving`, measured by `advance` on chains in the middle of a
+collision.
+"""
 
 from __future__ import annotations
 
@@ -13,14 +15,16 @@ from benchmarks.reports import Report, at_most
 
 ROUNDS = 9
 ALPHA = 0.1
-FRAME = 1.0 / 60.0  # [s] step of the live simulation
-COLLISION_TIME = 0.8  # [s] less than half the contact time of one on many
-OVERLAP = 0.01  # [m] of all contacts that are loaded alike
-CONTACT_STEPS = 400_000  # contacts times steps in a round, at most
+FRAME = 1.0 / 60.0  # [s] frame of the live simulation
+COLLISION_TIME = 0.8  # [s], less than half the contact time of one on many
+OVERLAP = 0.01  # [m] overlap of all equally loaded contacts
+CONTACT_STEPS = 400_000  # largest number of contacts times steps in a round
 
 
 class StepCase(NamedTuple):
-    """A method and step [s] on a chain whose contacts are all loaded alike or amid a collision; the aim [ns]."""
+    """Method and step [s] on a chain whose contacts are all loaded equally or in the middle of a collision; the goal
+    [ns].
+    """
 
     method: str
     step: float
@@ -44,7 +48,7 @@ CASES = (
 
 
 def colliding(contacts: int) -> tuple[Chain, State]:
-    """One on many soft beads, some time after the first touch."""
+    """Return one on many soft beads, some time after the first touch."""
     chain = one_on(contacts, power_law(1.0, ALPHA))
     state = State.at_start(chain, np.eye(1, contacts + 1)[0])
     advance(chain, state, COLLISION_TIME, method="conserving", step=FRAME)
@@ -52,7 +56,7 @@ def colliding(contacts: int) -> tuple[Chain, State]:
 
 
 def loaded_alike(contacts: int) -> tuple[Chain, State]:
-    """Beads at rest between two walls, all contacts loaded alike: every contact evaluates its power in every step."""
+    """Return beads at rest between two walls with equal loads, so that every contact evaluates its power in every step."""
     chain = Chain([np.inf, *np.ones(contacts - 1), np.inf], power_law(1.0, ALPHA))
     state = State.at_start(chain, np.zeros(contacts + 1))
     state.overlap[:] = OVERLAP
@@ -60,7 +64,7 @@ def loaded_alike(contacts: int) -> tuple[Chain, State]:
 
 
 def measure(case: StepCase, contact_steps: int = CONTACT_STEPS, rounds: int = ROUNDS) -> dict[str, Any]:
-    """Least time of a step and contact over the rounds, each from the same state."""
+    """Return the shortest time of a step and contact over the rounds, each from the same state."""
     chain, state = (loaded_alike if case.alike else colliding)(case.contacts)
     steps = int(np.clip(contact_steps // case.contacts, 4, 0.5 / case.step))
     seconds = []
@@ -87,7 +91,7 @@ def measure(case: StepCase, contact_steps: int = CONTACT_STEPS, rounds: int = RO
 
 
 def reports() -> Iterator[Report]:
-    """The one table."""
+    """Yield the table."""
     found = [measure(case) for case in CASES]
     rows = [
         [

@@ -1,4 +1,6 @@
-"""What a sweep costs beside its work: one on four at 1e-6, here and in processes; bytes of chunks; what 1e9 collisions take."""
+"""Overhead of a sweep: one on four at 1e-6, here and in processes; bytes of chunks; the extrapolated cost of 1e9
+collisions.
+"""
 
 from __future__ import annotations
 
@@ -17,24 +19,24 @@ from softcradle.sandbox.sweeps import run_sweep, sobol
 from benchmarks.reports import Report, at_most
 from softcradle import scenes
 
-COUNT = 20_000  # collisions of a round
+COUNT = 20_000  # collisions in a round
 TOLERANCE = 1e-6
-ALPHAS = (0.099, 0.101)  # so that all collisions are alike
-MEASURES = ("final_velocity",)  # of ends alone: points run side by side
-EACH_ALONE = ("final_velocity", "closings")  # which a sweep counts in a run of each point
-OVERHEAD_AIM = 10.0  # % of the work
-SECONDS_AIM = 8.0  # of 1e5 collisions on two cores
-MANY = 1e9  # collisions, the cost of which is worked out
+ALPHAS = (0.099, 0.101)  # range of exponents, narrow so that all collisions are alike
+MEASURES = ("final_velocity",)  # final values only, so points run together
+EACH_ALONE = ("final_velocity", "closings")  # measures that need a separate run for each point
+OVERHEAD_AIM = 10.0  # goal in % of the work
+SECONDS_AIM = 8.0  # goal in seconds for 1e5 collisions on two cores
+MANY = 1e9  # collisions whose cost is extrapolated
 CORES = (2, 64, 1000)
 
 
 def alphas(count: int) -> list[float]:
-    """The exponents of the collisions."""
+    """Return the exponents of the collisions."""
     return sobol({"alpha": (*ALPHAS, "linear")}, count).columns(0, count)["alpha"].tolist()
 
 
 def measure_work(count: int = COUNT) -> float:
-    """Processor seconds of the collisions one after the other, without a sweep: their runs, and making their chains."""
+    """Return processor seconds of the collisions without a sweep: their runs, and the construction of their chains."""
     values = alphas(count)
     solve(one_on(4, power_law(1.0, values[0])), [1.0, 0, 0, 0, 0], samples=2, tolerance=TOLERANCE)
     began = process_time()
@@ -44,7 +46,9 @@ def measure_work(count: int = COUNT) -> float:
 
 
 def measure_sweep(executor: Any, count: int = COUNT, measures: tuple[str, ...] = MEASURES) -> dict[str, float]:
-    """Seconds of the same as a sweep that is kept on disk, processor seconds of this process, bytes of its store a point."""
+    """Return seconds of the same as a stored sweep, processor seconds of this process, and bytes of its store per
+    point.
+    """
     scene = scenes.load("one-on-four").model_copy(update={"tolerance": TOLERANCE})
     points = sobol({"lanes.0.contact.alpha": (*ALPHAS, "linear")}, count)
     with tempfile.TemporaryDirectory() as folder:
@@ -57,7 +61,7 @@ def measure_sweep(executor: Any, count: int = COUNT, measures: tuple[str, ...] =
 
 
 def measure_traffic(count: int = 1000) -> dict[str, float]:
-    """Bytes that go to a worker once, with each chunk, and back for each point."""
+    """Return the bytes sent to a worker once and with each chunk, and returned for each point."""
     scene = scenes.load("one-on-four").model_copy(update={"tolerance": TOLERANCE})
     points = sobol({"lanes.0.contact.alpha": (*ALPHAS, "linear")}, 10_000_000)
     work = run_sweep.sweep_work(scene, points, MEASURES)
@@ -70,8 +74,8 @@ def measure_traffic(count: int = 1000) -> dict[str, float]:
 
 
 def reports(count: int = COUNT) -> Iterator[Report]:
-    """The one table, and what follows from it."""
-    measure_sweep("here", 2)  # so that packages are loaded
+    """Yield the table and its consequences."""
+    measure_sweep("here", 2)  # loads packages
     work, here, alone = measure_work(count), measure_sweep("here", count), measure_sweep("here", count, EACH_ALONE)
     processes, traffic = measure_sweep("processes", count), measure_traffic()
     overhead = 100.0 * (alone["processor"] / work - 1.0)

@@ -1,4 +1,4 @@
-"""Error of final velocities over the tolerance, scanned over tolerances and scenes: at most ten is promised."""
+"""Error of final velocities relative to the tolerance, scanned over tolerances and scenes. At most ten is guaranteed."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ Array = NDArray[np.float64]
 
 TOLERANCES = 10.0 ** (-0.25 * np.arange(12, 41))  # quarter decades, 1e-3 to 1e-10
 METHODS = ("accurate", "radau")
-PROMISED_ERROR = 10.0  # over the tolerance
+PROMISED_ERROR = 10.0  # guaranteed error as a multiple of the tolerance
 DEEP_CLUSTERS = {5: 14, 10: 30, 20: 50}  # one on n: 1/alpha
 
-# The truth is the outcome of radau at the first of these tolerances, where it agrees with that at the second.
+# The truth is the result of radau at the first of these tolerances, if the second one confirms it.
 TRUTH_TOLERANCES = (1e-13, 1e-12)
 AGREEMENT = 1e-7  # [m/s]
-# Where it does not agree, as in chains that chatter, the truth is the outcome at the first of these that gives no warning.
+# Otherwise, as in chattering chains, the truth is the result at the first of these tolerances without a warning.
 UNWARNED_TOLERANCES = (1e-10, 1e-9)
 
 
 @dataclass(frozen=True)
 class Motion:
-    """A motion to scan: chain, start velocities (n+1,) [m/s], duration [s] or None until it is over."""
+    """A motion to scan: chain, initial velocities (n+1,) [m/s], duration [s] or None until it is over."""
 
     name: str
     chain: Chain
@@ -39,7 +39,7 @@ class Motion:
 
 
 def motions() -> Iterator[Motion]:
-    """Deep clusters, and every lane of every scene once."""
+    """Yield deep clusters, and every lane of every scene once."""
     for n, inverse_alpha in DEEP_CLUSTERS.items():
         chain = one_on(n, power_law(1.0, 1.0 / inverse_alpha))
         yield Motion(f"one on {n}, alpha 1/{inverse_alpha}", chain, (1.0,) + (0.0,) * n)
@@ -55,13 +55,13 @@ def motions() -> Iterator[Motion]:
 
 
 def final_velocity(motion: Motion, method: str, tolerance: float) -> tuple[Array, bool]:
-    """(n+1,) final velocities, and whether the run carries a warning."""
+    """Return the (n+1,) final velocities, and True if the run contains a warning."""
     found = solve(motion.chain, motion.velocity, motion.duration, method, samples=2, tolerance=tolerance)
     return found.final_velocity, bool(found.warnings)
 
 
 def true_velocity(motion: Motion) -> Array:
-    """(n+1,) final velocities [m/s], as well as they are known."""
+    """Return the (n+1,) final velocities [m/s] to the accuracy to which they are known."""
     fine, check = (final_velocity(motion, "radau", tolerance)[0] for tolerance in TRUTH_TOLERANCES)
     if np.abs(fine - check).max() < AGREEMENT:
         return fine
@@ -70,7 +70,9 @@ def true_velocity(motion: Motion) -> Array:
 
 
 def scan(motion: Motion, method: str, truth: Array) -> dict[str, Any]:
-    """The worst error over its tolerance among runs without a warning, and at which; how many are above; how many warn."""
+    """Return the largest error relative to its tolerance among runs without a warning, its tolerance, and counts of
+    failures and warnings.
+    """
     speed = float(np.ptp(motion.velocity)) or 1.0
     unwarned, warnings = [], 0
     for tolerance in TOLERANCES:
@@ -84,7 +86,7 @@ def scan(motion: Motion, method: str, truth: Array) -> dict[str, Any]:
 
 
 def reports() -> Iterator[Report]:
-    """One table over all motions."""
+    """Yield one table over all motions."""
     found = []
     for motion in motions():
         truth = true_velocity(motion)

@@ -1,7 +1,7 @@
-"""``python -m benchmarks two-versions PYTHON``: times of the adaptive methods by this version beside those by another.
+"""``python -m benchmarks two-versions PYTHON``: times of the adaptive methods in this version and in another one.
 
-PYTHON is the interpreter of the other version's environment. Each case runs by turns in both, in processes of their own, so that
-what else the machine does weighs on both; the least of all times counts, with all that Python does around the kernel.
+PYTHON is the interpreter of the other version's environment. Each case runs alternately in both, in separate processes,
+so that other load affects both. The shortest time counts, including the Python code around the kernel.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from time import perf_counter
 from typing import Any
 
 TOLERANCES = (1e-6, 1e-9)
-SECONDS = 0.15  # of a case in each turn
-FEWEST = 3  # runs of a case in each turn
+SECONDS = 0.15  # [s] of a case in each turn
+FEWEST = 3  # fewest runs of a case in each turn
 TURNS = 4
-# times [ms] that `accurate` should take to these tolerances, Python included
+# goals for `accurate` [ms] at these tolerances, Python included
 AIMS = {
     "one on 4": (0.17, 0.40),
     "one on 5": (0.23, 1.1),
@@ -30,7 +30,7 @@ AIMS = {
 
 
 def cases() -> dict[str, tuple[Any, list[float], float | None]]:
-    """Chain, velocities and duration of each case, by what both versions have."""
+    """Return chain, velocities and duration of each case, using names that both versions have."""
     from softcradle import Chain, TimedForce, draft_gear, hertz, hooke, one_on, power_law
 
     inf = float("inf")
@@ -61,7 +61,7 @@ def cases() -> dict[str, tuple[Any, list[float], float | None]]:
 
 
 def measured() -> dict[str, float]:
-    """The least time [ms] of each case, method and tolerance in this process."""
+    """Measure the shortest time [ms] of each case, method and tolerance in this process."""
     from softcradle.physics.simulation import solve
 
     found = {}
@@ -78,7 +78,7 @@ def measured() -> dict[str, float]:
 
 
 def times_of(python: str) -> dict[str, float]:
-    """What another process measures."""
+    """Return the times that another process measures."""
     found: dict[str, float] = json.loads(
         subprocess.run([python, __file__], check=True, capture_output=True, text=True).stdout
     )
@@ -86,7 +86,7 @@ def times_of(python: str) -> dict[str, float]:
 
 
 def rows(here: dict[str, float], there: dict[str, float]) -> Iterator[list[str]]:
-    """A row a case and method: other time, own time with its aim, their ratio, at each tolerance."""
+    """Yield a row for each case and method: other time, own time with its goal, and their ratio, at each tolerance."""
     from benchmarks.reports import at_most
 
     for key in [key for key in here if key.endswith(f"{TOLERANCES[0]:g}")]:
@@ -100,7 +100,7 @@ def rows(here: dict[str, float], there: dict[str, float]) -> Iterator[list[str]]
 
 
 def main(arguments: list[str]) -> int:
-    """Measure both by turns, and print one table."""
+    """Measure both alternately and print one table."""
     from rich.console import Console
 
     from benchmarks.reports import Report

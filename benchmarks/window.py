@@ -1,7 +1,8 @@
-"""The window: time to the first frame, with and without cached kernels, frames of a busy page, and what a paused one costs.
+"""Window: time to the first frame with and without cached kernels, frames of a busy screen, and the cost of a paused
+one.
 
-A frame is everything: events, physics, drawing, showing; 1280x720, 50 beads in collision, plots shown. It is measured on
-the display of the machine; where there is none, with SDL's dummy driver, whose showing costs nothing.
+A frame includes everything: events, physics, drawing, display; 1280x720, 50 beads in collision, plots shown. The
+display of the machine is used if there is one, otherwise SDL's dummy driver, whose display costs nothing.
 """
 
 from __future__ import annotations
@@ -20,9 +21,9 @@ import numpy as np
 from benchmarks.reports import Report
 
 FRAME = 1.0 / 60.0  # s
-SECONDS = 10.0  # of frames
-STARTS = 3  # of which the fastest counts
-FRAMES_TO_RESTART = 600  # after them the collision is over
+SECONDS = 10.0  # seconds of frames
+STARTS = 3  # starts; the fastest counts
+FRAMES_TO_RESTART = 600  # frames after which the collision is over
 SCENE = """
 title = "One on forty-nine"
 [[lanes]]
@@ -56,7 +57,7 @@ print(100.0 * (worked - work) / (ended - began))
 
 
 def reports() -> Iterator[Report]:
-    """Start, pause and frames."""
+    """Yield start, pause and frames."""
     if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY") or sys.platform in ("win32", "darwin")):
         os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
     os.environ["PYGAME_HIDE_SUPPORT_PROMPT"] = "1"
@@ -70,7 +71,9 @@ def reports() -> Iterator[Report]:
 
 
 def starts() -> dict[str, float]:
-    """Seconds from the start of the process to the first frame, with and without cached kernels and thumbnails."""
+    """Return the seconds from the start of the process to the first frame, with and without cached kernels and
+    thumbnails.
+    """
     cached = min(_start(dict(os.environ)) for _ in range(STARTS))
     with tempfile.TemporaryDirectory() as folder:
         empty = {**os.environ, "NUMBA_CACHE_DIR": folder, "SOFTCRADLE_CACHE": f"{folder}/thumbnails"}
@@ -88,13 +91,13 @@ def _start(environment: dict[str, str]) -> float:
 
 
 def paused() -> float:
-    """Per cent of a core that a scene takes that is open and paused, by the loop of the window, over 10 s."""
+    """Return the per cent of a core that an open, paused scene takes in the loop of the window over 10 s."""
     done = subprocess.run([sys.executable, "-c", PAUSED], stdout=subprocess.PIPE, check=True, text=True)
     return float(done.stdout.split()[-1])
 
 
 def frames(seconds: float) -> dict[str, Any]:
-    """Milliseconds of the frames in `seconds` of play; restarted whenever the collision is over."""
+    """Return milliseconds of the frames in `seconds` of play; restart when the collision is over."""
     import pygame
 
     app = _opened_app()
@@ -124,7 +127,7 @@ def frames(seconds: float) -> dict[str, Any]:
 
 
 def _opened_app() -> Any:
-    """The application with all kernels loaded, playing SCENE."""
+    """Return the application with all kernels loaded, playing SCENE."""
     from softcradle.sandbox.window.app import App
 
     with tempfile.TemporaryDirectory() as folder:

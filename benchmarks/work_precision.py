@@ -1,7 +1,7 @@
-"""Work against precision: the least time in which each method, and each peer, reaches an error of final velocities.
+"""Work-precision benchmark: the shortest time in which each method and each other integrator reaches an error.
 
-Cases, solvers and measurement are those of `softcradle chart`; here each case is given more time, and its table shows the
-aims.
+It uses the cases, solvers and measurement of `softcradle chart`, but gives each case more time, and its table shows the
+goals.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ LIMITS = TimeLimits(run=1.0, series=3.0, case=60.0)
 
 
 def reports() -> Iterator[Report]:
-    """A report for each peer that is not installed, then one for each case."""
+    """Yield a report for each integrator that is not installed, then one for each case."""
     for peer in missing_peers():
         yield Report(f"{peer.name} is not installed: left out (pip install {peer.package})")
     for definition in CASE_DEFINITIONS:
@@ -38,7 +38,7 @@ def reports() -> Iterator[Report]:
 
 
 def case_report(case: ChartCase, solvers: Sequence[Solver], limits: TimeLimits = LIMITS) -> Report:
-    """Measure one case: a row a solver, with aims for `accurate`, which is the default of `simulate`."""
+    """Measure one case: a row for each solver, with goals for `accurate`, the default of `simulate`."""
     measured = MeasuredCase(case, measure_case(case, solvers, limits=limits))
     rows = curve_rows(measured)
     note = f"median; -: not within {limits.run:g} s a run; truth: {case.source}"
@@ -84,5 +84,5 @@ def _point_data(point: ChartPoint) -> dict[str, Any]:
 
 
 def _finite(value: float | None) -> float | None:
-    """A number as JSON takes it."""
+    """Return a number, or None if JSON cannot represent it."""
     return value if value is not None and math.isfinite(value) else None

@@ -1,4 +1,5 @@
-"""softcradle: beads that only push on each other, softly. The public names of `softcradle.physics`, under one roof.
+"""softcradle: soft contacts, Newton's cradles and draft gears. This module exports the public names of
+`softcradle.physics`.
 
 >>> from softcradle import one_on, power_law, simulate
 >>> simulate(one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0]).final_velocity.round(2)
@@ -11,7 +12,8 @@ import os
 from importlib import import_module
 
 TYPE_CHECKING = (
-    False  # without typing and pathlib, which take most of the time: the command hears Ctrl+C after this file
+    # avoids importing typing and pathlib, which take most of the time; the command handles Ctrl+C after this file
+    False
 )
 if TYPE_CHECKING:
     from softcradle.physics import METHODS as METHODS
@@ -44,14 +46,14 @@ if TYPE_CHECKING:
 
     __version__: str
 
-_OF_SANDBOX = {"play": "notebook.views", "sweep": "sweeps.run_sweep"}  # public names that are no physics
+_OF_SANDBOX = {"play": "notebook.views", "sweep": "sweeps.run_sweep"}  # public names that do not belong to physics
 _HERE = os.path.dirname(__file__)
 _CHECKOUT = os.path.dirname(_HERE)
 if not os.path.isdir(f"{_HERE}/physics") and os.path.isfile(f"{_CHECKOUT}/physics/__init__.py"):
-    __path__.append(_CHECKOUT)  # a wheel holds the three folders in this one, a checkout beside it
+    __path__.append(_CHECKOUT)  # a wheel contains the three folders, a checkout has them next to this one
 
 
-if not TYPE_CHECKING:  # a type checker that sees it takes every name for one that exists
+if not TYPE_CHECKING:  # a type checker that saw __getattr__ would accept any name
 
     def __getattr__(name: str) -> object:
         physics = import_module("softcradle.physics")
@@ -59,7 +61,7 @@ if not TYPE_CHECKING:  # a type checker that sees it takes every name for one th
             from softcradle.physics.version import version
 
             return version()
-        if name == "__all__":  # for `from softcradle import *`, which would otherwise give the imports of this file
+        if name == "__all__":  # for `from softcradle import *`, which would otherwise export the imports of this file
             return [*physics.__all__, *_OF_SANDBOX]
         if name in _OF_SANDBOX:
             return getattr(import_module(f"softcradle.sandbox.{_OF_SANDBOX[name]}"), name)

@@ -1,5 +1,5 @@
 # PYTHON_ARGCOMPLETE_OK
-"""The `softcradle` command, which `python -m softcradle` is too."""
+"""The `softcradle` command, also run by `python -m softcradle`."""
 
 import os
 import signal
@@ -7,9 +7,11 @@ import sys
 
 
 def main() -> int:
-    """Run the command and return its exit code; Ctrl+C while its modules are loaded is told in a line as later on."""
+    """Run the command and return its exit code; Ctrl+C during the import of its modules prints one line, as it does
+    later.
+    """
     usual = signal.getsignal(signal.SIGINT)
-    if usual is signal.default_int_handler:  # a shell lets commands behind it ignore Ctrl+C
+    if usual is signal.default_int_handler:  # a shell lets background commands ignore Ctrl+C
         signal.signal(signal.SIGINT, _leave)
     from softcradle.sandbox.cli.main import main as run
 
@@ -18,7 +20,7 @@ def main() -> int:
 
 
 def _leave(*_: object) -> None:
-    """End at once: an exception in the middle of an import may come out of it as another one."""
+    """End at once, because an exception in the middle of an import may be replaced by another one."""
     os.write(2, b"softcradle: interrupted\n")
     os._exit(130)
 

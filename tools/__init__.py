@@ -1,1 +1,1 @@
-"""What makes files that the project ships: run by hand, no part of the package."""
+"""Tools that make files shipped with the project. They are run by hand and are not part of the package."""

@@ -1,4 +1,4 @@
-"""A headless browser, driven over two pipes by the DevTools protocol, for tests, pictures and measurements of pages."""
+"""Headless browser, driven over two pipes with the DevTools protocol, for tests, pictures and measurements of pages."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from pathlib import Path
 from typing import Any
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
-PATIENCE = 1800.0  # seconds to wait for any answer of the browser: other processes may have the processors
+PATIENCE = 1800.0  # seconds to wait for any answer of the browser, long because the machine may be busy
 
-# The program that starts the browser, which reads commands from file descriptor 3 and answers on 4.
+# Program that starts the browser, which reads commands from file descriptor 3 and answers on 4.
 LAUNCH = (
     "import os, sys; os.dup2(int(sys.argv[1]), 3); os.dup2(int(sys.argv[2]), 4); os.execv(sys.argv[3], sys.argv[3:])"
 )
 
 
 def found() -> str | None:
-    """Path of an installed browser, or None."""
+    """Return the path of an installed browser, or None."""
     return next((path for name in NAMES if (path := shutil.which(name))), None)
 
 
 class Browser:
-    """One page in a browser process of its own; errors of the page and requests to the network are in `complaints`."""
+    """One page in a separate browser process. Errors of the page and requests to the network are in `complaints`."""
 
     def __init__(self, profile: Path, size: tuple[int, int] = (1280, 900)) -> None:
         browser = found()
@@ -50,7 +50,7 @@ class Browser:
         self.fresh()
 
     def fresh(self) -> None:
-        """Begin anew with an empty page, which knows nothing of what the last one was told and allowed."""
+        """Replace the page by an empty one, without the settings and permissions of the previous page."""
         before, self._session = self.context, ""
         self.context = self.call("Target.createBrowserContext")["browserContextId"]
         target = self.call("Target.createTarget", url="about:blank", browserContextId=self.context)["targetId"]
@@ -112,7 +112,7 @@ class Browser:
             self.complaints.append(f"requests {parameters['request']['url']}")
 
     def run(self, script: str) -> Any:
-        """Value of a JavaScript expression, awaited if it is a promise."""
+        """Return the value of a JavaScript expression, awaited if it is a promise."""
         answer = self.call("Runtime.evaluate", expression=script, awaitPromise=True, returnByValue=True)
         assert "exceptionDetails" not in answer, answer["exceptionDetails"]
         return answer["result"].get("value")
@@ -123,7 +123,7 @@ class Browser:
         self.until("document.readyState + location.protocol === 'completefile:'")
 
     def until(self, script: str) -> Any:
-        """Value of a JavaScript expression once it is true; other processes may have the processors for long."""
+        """Return the value of a JavaScript expression once it is true; this may take long on a busy machine."""
         end = time.monotonic() + PATIENCE
         while not (found := self.run(script)):
             assert time.monotonic() < end, f"never came: {script}"
@@ -136,19 +136,19 @@ class Browser:
         path.write_bytes(base64.b64decode(shot["data"]))
 
     def media(self, kind: str = "", scheme: str = "light") -> None:
-        """Show the page as on the medium `kind` ("screen", "print") and in a light or dark `scheme`."""
+        """Show the page on the medium `kind` ("screen", "print") and in a light or dark `scheme`."""
         features = [{"name": "prefers-color-scheme", "value": scheme}]
         self.call("Emulation.setEmulatedMedia", media=kind, features=features)
 
     def device(self, width: int, height: int, density: float = 1.0) -> None:
-        """Show the page as on a device of that size [CSS pixels]; a narrow one is a telephone with a touch screen."""
+        """Show the page on a device of that size [CSS pixels]; a narrow one is a telephone with a touch screen."""
         narrow = width < 600
         size = {"width": width, "height": height, "deviceScaleFactor": density}
         self.call("Emulation.setDeviceMetricsOverride", **size, mobile=narrow)
         self.call("Emulation.setTouchEmulationEnabled", enabled=narrow)
 
     def key(self, key: str, shift: bool = False) -> None:
-        """Press and release the key that the DOM calls `key`."""
+        """Press and release the key with the DOM name `key`."""
         code = {
             " ": 32,
             "Tab": 9,
@@ -183,7 +183,7 @@ class Browser:
         self.run("started.then((found) => { window.page = found; return 0; })")
 
     def mouse(self, kind: str, x: float, y: float) -> None:
-        """Press, move or release the left button of the mouse: `kind` is "Pressed", "Moved" or "Released"."""
+        """Press, move or release the left mouse button: `kind` is "Pressed", "Moved" or "Released"."""
         held = 0 if kind == "Released" else 1
         self.call("Input.dispatchMouseEvent", type=f"mouse{kind}", x=x, y=y, button="left", buttons=held, clickCount=1)
 

@@ -1,12 +1,12 @@
-"""Tables and coefficients of `physics/numerics/elementary.py`, from the mathematics in 50 digits.
+"""Tables and coefficients of `physics/numerics/elementary.py`, computed with 50 digits.
 
     python -m tools.elementary_tables
 
-writes `physics/numerics/elementary_tables.py` anew.
+writes `physics/numerics/elementary_tables.py`.
 
     ln x   = k ln 2 - ln v + ln(1 + r),   r = z v - 1,   x = 2**k z:  a v of few bits for each 128th of an octave of z
     e**x   = 2**(n/128) e**r,             r = x - n ln(2)/128:        2**(j/128) for each of 128 j
-    ln(1 + r) = r - r**2 P(r),   e**r = 1 + r + r**2 Q(r):    P and Q are interpolated at the nodes of Chebyshev
+    ln(1 + r) = r - r**2 P(r),   e**r = 1 + r + r**2 Q(r):    P and Q are interpolated at Chebyshev nodes
 """
 
 from __future__ import annotations
@@ -22,14 +22,15 @@ from textwrap import wrap
 getcontext().prec = 50
 
 FILE = Path(__file__).parents[1] / "physics" / "numerics" / "elementary_tables.py"
-PARTS, PART_BITS = 128, 45  # of an octave; bits of a float below those that tell its part
-OFFSET = 0x3FE6900000000000  # bits of the least z; 1 is in the middle of its part, whose v is 1
-INVERSE_BITS = 10  # of v behind the point: z v - 1 is exact where z has no more than 43 bits
-HEAD_BITS = 17  # of logarithms behind the point: with k ln 2 they have 27 bits, whose product with 26 others is exact
-EXP_HEAD_BITS = 41  # of ln(2)/128 behind the point: its product with n is exact
-P_COUNT, Q_COUNT = 6, 4  # coefficients: the least with which errors are far below a unit of the last place
+PARTS, PART_BITS = 128, 45  # parts of an octave; bits of a float below the bits that select its part
+OFFSET = 0x3FE6900000000000  # bits of the smallest z; 1 is in the middle of its part, whose v is 1
+INVERSE_BITS = 10  # bits of v after the binary point; z v - 1 is exact for z with at most 43 bits
+# bits of logarithms after the binary point; with k ln 2 they have 27 bits, whose product with 26 others is exact
+HEAD_BITS = 17
+EXP_HEAD_BITS = 41  # bits of ln(2)/128 after the binary point; its product with n is exact
+P_COUNT, Q_COUNT = 6, 4  # numbers of coefficients, the smallest with errors far below a unit of the last place
 WIDEST_LOG, WIDEST_EXP = Decimal("0.0055"), Decimal(2).ln() / 256  # largest |r|
-WIDTH = 116  # characters of a row of a table
+WIDTH = 116  # characters in a row of a table
 
 HEAD = '''"""Tables and coefficients of `elementary.py`, written by ``python -m tools.elementary_tables``."""
 
@@ -42,18 +43,18 @@ from softcradle.physics.numerics.float_bits import table
 
 
 def float_at(bits: int) -> Decimal:
-    """The float that has these 64 bits."""
+    """Return the float with these 64 bits."""
     return Decimal(struct.unpack("<d", struct.pack("<q", bits))[0])
 
 
 def head_and_tail(number: Decimal, bits: int) -> tuple[float, float]:
-    """`number` rounded to `bits` behind the point, and the rest."""
+    """Return `number` rounded to `bits` after the binary point, and the remainder."""
     head = round(number * 2**bits) / Decimal(2**bits)
     return float(head), float(number - head)
 
 
 def logarithms() -> list[tuple[float, float, float]]:
-    """v, and the two parts of -ln v, for each part of an octave."""
+    """Return v and the two parts of -ln v, for each part of an octave."""
     found = []
     for part in range(PARTS):
         low, high = (float_at(OFFSET + (k << PART_BITS)) for k in (part, part + 1))
@@ -66,7 +67,7 @@ def logarithms() -> list[tuple[float, float, float]]:
 
 
 def exponentials() -> list[tuple[float, float]]:
-    """2**(j/128) as a float, and what it lacks as a part of it."""
+    """Return 2**(j/128) as a float, and its relative rounding error."""
     found = []
     for j in range(PARTS):
         exact = Decimal(2) ** (Decimal(j) / PARTS)
@@ -75,17 +76,19 @@ def exponentials() -> list[tuple[float, float]]:
 
 
 def of_logarithm(r: Decimal) -> Decimal:
-    """P(r)."""
+    """Return P(r)."""
     return sum(((-r) ** k / (k + 2) for k in range(16)), Decimal(0))
 
 
 def of_exponential(r: Decimal) -> Decimal:
-    """Q(r)."""
+    """Return Q(r)."""
     return sum((r**k / math.factorial(k + 2) for k in range(16)), Decimal(0))
 
 
 def interpolated(function: Callable[[Decimal], Decimal], count: int, widest: Decimal) -> list[float]:
-    """Coefficients of the polynomial through `function` at the nodes of Chebyshev of [-widest, widest], lowest first."""
+    """Return the coefficients, lowest first, of the polynomial through `function` at the Chebyshev nodes of [-widest,
+    widest].
+    """
     nodes = [widest * Decimal(round(math.cos(math.pi * (k + 0.5) / count), 12)) for k in range(count)]
     values = [function(node) for node in nodes]
     for order in range(1, count):  # divided differences
@@ -99,7 +102,7 @@ def interpolated(function: Callable[[Decimal], Decimal], count: int, widest: Dec
 
 
 def text() -> str:
-    """The module of tables."""
+    """Return the source of the module of tables."""
     ln2 = Decimal(2).ln()
     numbers = {
         "OFFSET": hex(OFFSET),

@@ -1,4 +1,4 @@
-"""Pictures of a page on a desk and on a telephone, for the README: python -m tools.page_pictures FOLDER."""
+"""Pictures of a page on a desktop and on a telephone, for the documentation: python -m tools.page_pictures FOLDER."""
 
 import os
 import sys
@@ -12,7 +12,7 @@ from softcradle.sandbox.scene_runs import load_scene
 from tools.browser import Browser
 
 PICTURES = (("desk", 1280, 800, "light", "&with=steel"), ("telephone", 390, 844, "dark", ""))
-MOMENT = 1.9  # s, of the greatest force of one on four
+MOMENT = 1.9  # s, the moment of the largest force of one on four
 
 
 def main(folder: Path) -> None:

@@ -1,4 +1,4 @@
-"""Screenshots for the README, from the real application: python -m tools.screenshots FOLDER."""
+"""Screenshots for the documentation, from the real application: python -m tools.screenshots FOLDER."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ from softcradle.sandbox.window.scene.page import ScenePage
 from softcradle import scenes
 
 FRAME = 1.0 / 60.0  # seconds
-LONGEST_WAIT = 120.0  # seconds for kernels
-STRONGEST = 1.883  # s: the greatest force of one-on-four
-PRESSED = 0.055  # s: all contacts of beads-against-gear are closed
+LONGEST_WAIT = 120.0  # seconds to wait for kernels
+STRONGEST = 1.883  # s, the largest force of one-on-four
+PRESSED = 0.055  # s, when all contacts of beads-against-gear are closed
 
 
 @contextmanager
 def usual_settings() -> Iterator[None]:
-    """English, and theme, recent files and cache as at the very first start; those of whoever makes the pictures stay."""
+    """Use English, and theme, recent files and cache as at the first start; keep the user's own settings unchanged."""
     names = "SOFTCRADLE_CONFIG", "SOFTCRADLE_CACHE"
     before = {name: os.environ.get(name) for name in (*names, "LANGUAGE")}
     with tempfile.TemporaryDirectory(prefix="softcradle-") as folder:
@@ -50,21 +50,22 @@ def usual_settings() -> Iterator[None]:
 
 
 def run_frames(app: App, count: int) -> None:
-    """Let `count` frames pass."""
+    """Run `count` frames."""
     for _ in range(count):
         app.frame(FRAME)
 
 
 def save(app: App, folder: Path, name: str) -> None:
-    """Write the window as it is."""
+    """Write a picture of the window."""
     path = folder / f"{name}.png"
     pygame.image.save(app.surface, str(path))
     print(f"written: {path}")
 
 
 def save_all(folder: Path) -> None:
-    """Write a picture of each page."""
-    app = App(clock=lambda: 0.0, lab=True)  # so that no frame runs out of time: the pictures are the same everywhere
+    """Write a picture of each screen."""
+    # a constant clock: no frame runs out of time, so the pictures are the same everywhere
+    app = App(clock=lambda: 0.0, lab=True)
     app.warmup.complete.wait(LONGEST_WAIT)
     page = app.page
     assert isinstance(page, GalleryPage)
@@ -113,7 +114,7 @@ def save_all(folder: Path) -> None:
 
 
 def _save_help(app: App, folder: Path) -> None:
-    """The keys."""
+    """Write a picture of the keys."""
     app.toggle_help()
     run_frames(app, 1)
     save(app, folder, "help")
@@ -121,7 +122,7 @@ def _save_help(app: App, folder: Path) -> None:
 
 
 def _save_explore(app: App, folder: Path) -> None:
-    """A scene at the first level."""
+    """Write a picture of a scene in Explore."""
     app.toggle_level()
     _play(app, "one-on-four", STRONGEST, None)
     save(app, folder, "explore")
@@ -129,17 +130,17 @@ def _save_explore(app: App, folder: Path) -> None:
 
 
 def _save_languages(app: App, folder: Path) -> None:
-    """A contact in each of the other languages, and back to English."""
+    """Write pictures of a contact in the other languages, and return to English."""
     for _ in LANGUAGES:
         app.next_language()
         if language() != ENGLISH:
             _play(app, "one-on-four", STRONGEST, Pick(0, "contact", 1))
             save(app, folder, f"scene-{language()}")
-    app.messages.visible.clear()  # the name of the language, which would stand over the next picture
+    app.messages.visible.clear()  # removes the name of the language, which would cover the next picture
 
 
 def _save_sweep(app: App, folder: Path) -> None:
-    """The sweep of the exponent of a contact."""
+    """Write a picture of nine values of the exponent of a contact."""
     _play(app, "one-on-four", STRONGEST, Pick(0, "contact", 0))
     page = app.page
     assert isinstance(page, ScenePage)
@@ -154,24 +155,24 @@ def _save_sweep(app: App, folder: Path) -> None:
 
 
 def _play(app: App, name: str, end: float, selection: Pick | None) -> None:
-    """Play a scene to the time `end` [s], then select and pause."""
+    """Play a scene until the time `end` [s], then select and pause."""
     app.open(name)
     page = app.page
     assert isinstance(page, ScenePage)
     app.act("play_pause")
-    while page.session.time < end:  # frames that come late move by less
+    while page.session.time < end:  # late frames advance by less
         run_frames(app, 1)
     page.editor.selection = selection
     app.act("play_pause")
     run_frames(app, 30)
     end = perf_counter() + LONGEST_WAIT
     while any(state.velocity_error is None for state in page.cards.health) and perf_counter() < end:
-        run_frames(app, 1)  # until the accurate run on the thread behind has come as far
+        run_frames(app, 1)  # until the accurate run in the background thread has come this far
         pygame.time.wait(5)
 
 
 def save_thumbnails() -> None:
-    """Draw the thumbnails of the catalogue that come with softcradle."""
+    """Draw the thumbnails of the catalogue that are shipped with softcradle."""
     for theme, name in product(THEMES, scenes.names()):
         use_theme(theme)
         (thumbnails.PICTURES / theme).mkdir(parents=True, exist_ok=True)
@@ -181,7 +182,7 @@ def save_thumbnails() -> None:
 
 
 def main() -> None:
-    """Write them into the folder of the command line."""
+    """Write the pictures into the folder given on the command line."""
     pygame.font.init()
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/window")
     folder.mkdir(parents=True, exist_ok=True)

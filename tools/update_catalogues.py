@@ -1,8 +1,8 @@
-"""Updates the catalogues from the code, scenes and lessons: python -m tools.update_catalogues.
+"""Update the message catalogues from the code, scenes and lessons: python -m tools.update_catalogues.
 
-Needs Babel, which `pip install softcradle[dev]` brings. Translations that are there stay; new messages come in empty, for
-people to translate, and are shown in English until then; messages that are gone are dropped. A catalogue that is not there yet is
-begun for a code in LANGUAGES. With --complete, as before a release, a message that waits is an error.
+Needs Babel (`pip install softcradle[dev]`). Existing translations are kept. New messages are added empty and are shown
+in English until somebody translates them. Removed messages are dropped. A missing catalogue is created for each code in
+LANGUAGES. With --complete, as before a release, a missing translation is an error.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from babel.messages import Catalog, Message
 
 KEYWORDS = {"_": None, "gettext": None, "N_": None, "ngettext": (1, 2), "pgettext": ((1, "c"), 2), "NP_": ((1, "c"), 2)}
-WIDTH = 120  # of the lines of a catalogue
-# Lines of a header that would change with each update, or name nobody.
+WIDTH = 120  # length of the lines of a catalogue
+# Header lines that would change with each update, or that name nobody.
 DATED = (
     b'"POT-Creation-Date',
     b'"PO-Revision-Date',
@@ -35,7 +35,7 @@ Found = tuple[str | tuple[str, str], str, str | None]  # message (and its plural
 
 
 def messages() -> Iterator[Found]:
-    """Every message: those of the code, of the scenes, of the lessons, and the summaries of methods."""
+    """Yield every message: of the code, of the scenes, of the lessons, and the summaries of methods."""
     yield from _of_code()
     yield from _of_scenes()
     lessons = SANDBOX / "window" / "lessons" / "lessons.toml"
@@ -71,7 +71,7 @@ def _name(path: Path) -> str:
 
 
 def template() -> Catalog:
-    """All messages, untranslated."""
+    """Return all messages, untranslated."""
     from babel.messages import Catalog
 
     found = Catalog(domain=DOMAIN, project=DOMAIN, charset="utf-8", fuzzy=False)
@@ -81,7 +81,7 @@ def template() -> Catalog:
 
 
 def read_catalogue(code: str) -> Catalog:
-    """The catalogue of a language as Babel reads it; empty where there is none."""
+    """Return the catalogue of a language as Babel reads it; empty if the file does not exist."""
     from babel.messages import Catalog
     from babel.messages.pofile import read_po
 
@@ -93,7 +93,7 @@ def read_catalogue(code: str) -> Catalog:
 
 
 def written(catalogue: Catalog) -> bytes:
-    """The text of a catalogue: names of files without numbers of lines, so that it changes only where messages do."""
+    """Return the text of a catalogue: file names without line numbers, so that it changes only if messages do."""
     from babel.messages.pofile import write_po
 
     text = io.BytesIO()
@@ -104,7 +104,7 @@ def written(catalogue: Catalog) -> bytes:
 
 
 def update(code: str) -> int:
-    """Update the catalogue of a language; returns how many messages wait for a translation."""
+    """Update the catalogue of a language; return the number of missing translations."""
     catalogue = read_catalogue(code)
     found = template()
     catalogue.update(found, no_fuzzy_matching=True)
@@ -115,13 +115,13 @@ def update(code: str) -> int:
 
 
 def is_translated(message: Message) -> bool:
-    """Whether a message has a translation, in each of its plural forms."""
+    """Return True if a message is translated in each of its plural forms."""
     forms = [message.string] if isinstance(message.string, str) else list(message.string or [""])
     return all(forms)
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Update all catalogues, say how many messages wait, and with --complete fail where any does."""
+    """Update all catalogues and print the number of missing translations; with --complete, fail if any is missing."""
     waiting = {code: update(code) for code in LANGUAGES if code != ENGLISH}
     for code, count in waiting.items():
         print(f"{catalogue_path(code)}: {count} messages wait for {LANGUAGES[code].name}")

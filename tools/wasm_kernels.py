@@ -1,10 +1,12 @@
-"""The kernels of the pages: `march` with method conserving as WebAssembly, from the numba sources of the engine.
+"""Kernels of the web pages: `march` with the method conserving as WebAssembly, from the numba sources of the engine.
 
-    python -m tools.wasm_kernels [FILE]         writes assets/page/kernels.wasm; needs numba and a linker: pip install '.[wasm]'
+    python -m tools.wasm_kernels [FILE]         writes assets/page/kernels.wasm; needs numba and a linker: pip install
+        '.[wasm]'
 
-The exports `march` (no friction, no loss) and `march_lossy` take addresses in the memory of the module and numbers of 32 bits or
-floats, so that no caller needs BigInt: KERNELS says which, `tools/wasm_runner.py` shows how. They use the WebAssembly of 2017,
-which every browser has, import nothing, and give every digit of the native kernels: all operations are those of IEEE 754.
+The exports `march` (no friction, no loss) and `march_lossy` take addresses in the memory of the module, and numbers of
+32 bits or floats, so that no caller needs BigInt. KERNELS lists them, and `tools/wasm_runner.py` calls them. They use
+WebAssembly of 2017, which every browser supports, import nothing, and give bitwise the same results as the native
+kernels, because all operations are IEEE 754 operations.
 """
 
 from __future__ import annotations
@@ -19,19 +21,21 @@ from typing import Any
 
 FILE = Path(__file__).parents[1] / "assets" / "page" / "kernels.wasm"
 TRIPLE, PROCESSOR = "wasm32-unknown-unknown", "mvp"
-STACK, MEMORY = 2**16, 3 * 2**16  # bytes; pages grow the memory for long rows
+STACK, MEMORY = 2**16, 3 * 2**16  # bytes; pages enlarge the memory for long rows
 LINKER = (sys.executable, "-m", "ziglang", "wasm-ld")
-# IR of numba that knows nothing of this machine, in a process and a folder of its own: kernels made so must serve no one else
+# IR of numba that does not depend on this machine, in a separate process and folder, because such kernels must not be
+# used elsewhere.
 FOR_ANY_MACHINE = {
     "NUMBA_OPT": "0",
     "NUMBA_CPU_NAME": "generic",
     "NUMBA_CPU_FEATURES": "",
     "NUMBA_LOOP_VECTORIZE": "0",
     "NUMBA_SLP_VECTORIZE": "0",
-    "PYTHONWARNINGS": "ignore",  # none of it can be cached, numba says
+    "PYTHONWARNINGS": "ignore",  # numba warns that these kernels cannot be cached
 }
 
-# Numbers, then addresses, then what takes energy; those that no frame of a page needs are left out or have no rows.
+# Numbers, then addresses, then the parts for dissipation. Arguments that no frame of a page needs are left out or
+# empty.
 NUMBERS = "n, anchor_bead, pushed, rows, most_steps, h, start, end"
 ARRAYS = (
     "law, inverse_mass, push, overlap, rate, anchor, force, absorbed, log_contact, log_time, closed, counter, plan, beads, "
@@ -64,7 +68,7 @@ KERNELS = {
     "march_lossy": (f"{NUMBERS}, {ARRAYS}, {LOSSY}", "Dissipation(view(loss, (n,)), view(bed, (beds,)))"),
 }
 
-# what LLVM makes of loops that fill memory with zeros calls this function of the C library
+# LLVM replaces loops that fill memory with zeros by a call of this C function.
 MEMSET = """
 define ptr @memset(ptr %to, i32 %byte, i32 %size) "no-builtins" {
   %narrow = trunc i32 %byte to i8
@@ -85,7 +89,9 @@ end:
 
 
 def view_intrinsic() -> Any:
-    """``view(pointer, shape)``: the numbers there as an array in C order, with no owner (numba.carray counts references)."""
+    """Return ``view(pointer, shape)``: the numbers at an address as a C-ordered array without an owner (numba.carray
+    counts references).
+    """
     from numba import types
     from numba.core import cgutils
     from numba.extending import intrinsic
@@ -115,7 +121,7 @@ def view_intrinsic() -> Any:
 
 
 def kernel(name: str) -> tuple[Any, Any]:
-    """The function that the module exports under `name`, and its signature."""
+    """Return the function that the module exports as `name`, and its signature."""
     from numba import types
     from numpy import int64
     from softcradle.physics.fixed_step import step_loop
@@ -139,9 +145,9 @@ def kernel(name: str) -> tuple[Any, Any]:
 
 
 def leave_out() -> None:
-    """Let no contact be a coupler, no force change with time, no step be explicit and no run pause or keep what is on its way.
+    """Exclude couplers, forces over time, explicit steps, pauses and checkpoints, which a page does not use.
 
-    A page has none of these, and they are three tenths of the file.
+    They would be three tenths of the file.
     """
     from softcradle.physics.fixed_step import explicit_steps, step_loop
     from softcradle.physics.numerics import coupler_kernels, knots
@@ -160,11 +166,11 @@ def leave_out() -> None:
 
 
 def portable_code(name: str) -> tuple[str, str]:
-    """LLVM code of a kernel and all that it calls, not optimised, and the name of its symbol."""
+    """Return the LLVM code of a kernel with everything that it calls, not optimised, and the name of its symbol."""
     import numba
     from numba.core.codegen import CPUCodeLibrary
 
-    # numba would put every function into its callers, and the file would be three times as large
+    # numba would inline every function, and the file would be three times as large.
     CPUCodeLibrary._optimize_functions = CPUCodeLibrary._optimize_final_module = lambda *_: None
     function, signature = kernel(name)
     leave_out()
@@ -174,7 +180,7 @@ def portable_code(name: str) -> tuple[str, str]:
 
 
 def wasm_module(code: str, symbols: dict[str, str], machine: Any) -> Any:
-    """The code as an LLVM module for WebAssembly, its `symbols` under the names that they are given."""
+    """Return the code as an LLVM module for WebAssembly, with its `symbols` renamed."""
     import llvmlite.binding as llvm
 
     for symbol, name in symbols.items():
@@ -188,7 +194,7 @@ def wasm_module(code: str, symbols: dict[str, str], machine: Any) -> Any:
 
 
 def compiled(module: Any, exports: set[str], machine: Any) -> bytes:
-    """The module as an object file from which only `exports` are seen."""
+    """Return the module as an object file that exposes only `exports`."""
     import llvmlite.binding as llvm
 
     for function in module.functions:
@@ -211,7 +217,7 @@ def build(out: Path) -> None:
     llvm.initialize_all_asmprinters()
     machine = llvm.Target.from_triple(TRIPLE).create_target_machine(cpu=PROCESSOR, opt=2, features="", reloc="static")
     module = llvm.parse_assembly("")
-    for name in KERNELS:  # what both call is in it once
+    for name in KERNELS:  # shared code is included once
         code, symbol = portable_code(name)
         module.link_in(wasm_module(code, {symbol: name}, machine))
     with tempfile.TemporaryDirectory() as folder:
@@ -226,7 +232,7 @@ def build(out: Path) -> None:
 
 
 def main() -> None:
-    """Build in a process whose kernels are those of no machine."""
+    """Build in a process whose kernels are not specific to a machine."""
     out = Path(sys.argv[1]) if len(sys.argv) > 1 else FILE
     if not FOR_ANY_MACHINE.items() <= os.environ.items():
         with tempfile.TemporaryDirectory() as folder:

@@ -1,4 +1,6 @@
-"""Frames of a chain by assets/page/kernels.wasm, in Node or in a browser: what a page does, for tests and comparisons."""
+"""Frames of a chain computed with assets/page/kernels.wasm in Node or a browser, as a page does it, for tests and
+comparisons.
+"""
 
 from __future__ import annotations
 
@@ -25,11 +27,11 @@ from softcradle.physics.numerics.records import COUNTERS, DONE
 from tools import browser
 from tools.wasm_kernels import ARRAYS, FILE, LOSSY
 
-MOST_STEPS = 100_000  # of one frame
-MOVED = ("overlap", "rate", "anchor", "force", "absorbed")  # what a frame changes in a State
+MOST_STEPS = 100_000  # largest number of steps of one frame
+MOVED = ("overlap", "rate", "anchor", "force", "absorbed")  # fields of a State that a frame changes
 
-# `start` makes an instance of the module and tells where its memory is free; `call` puts an image of memory there, calls a kernel
-# and returns the image as it is then.
+# `start` makes an instance of the module and returns where its memory is free. `call` copies an image of memory there,
+# calls a kernel and returns the resulting image.
 SCRIPT = """
 let kernels, base;
 const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
@@ -53,12 +55,12 @@ import("node:readline").then(({ createInterface }) => createInterface({ input: p
 }));
 """
 
-Run = Callable[[str], Any]  # the value of a line of JavaScript
+Run = Callable[[str], Any]  # returns the value of a line of JavaScript
 
 
 @contextmanager
 def node() -> Iterator[Run]:
-    """Lines of JavaScript in a process of Node, which runs SCRIPT first."""
+    """Yield a function that runs lines of JavaScript in a Node process, which runs SCRIPT first."""
     with subprocess.Popen(
         ["node", "-e", SCRIPT + NODE], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     ) as process:
@@ -78,7 +80,7 @@ def node() -> Iterator[Run]:
 
 @contextmanager
 def chromium() -> Iterator[Run]:
-    """The same in a page of Chromium."""
+    """Yield the same function for a page of Chromium."""
     with TemporaryDirectory(ignore_cleanup_errors=True) as profile, browser.Browser(Path(profile)) as page:
         page.run(SCRIPT)
         yield page.run
@@ -86,7 +88,7 @@ def chromium() -> Iterator[Run]:
 
 @contextmanager
 def firefox() -> Iterator[Run]:
-    """The same in a page of Firefox, by Marionette, its own protocol."""
+    """Yield the same function for a page of Firefox, over its Marionette protocol."""
     with TemporaryDirectory(ignore_cleanup_errors=True) as profile:
         port = Path(profile, "MarionetteActivePort")
         Path(profile, "user.js").write_text('user_pref("marionette.port", 0);', encoding="utf-8")
@@ -136,7 +138,7 @@ RUNNERS = {"Node": node, "Chromium": chromium, "Firefox": firefox}
 
 
 def installed(runner: str) -> str | None:
-    """Path of what runs JavaScript; None where it is not installed."""
+    """Return the path of a JavaScript runner; None if it is not installed."""
     if runner == "Chromium":
         return browser.found()
     return next(
@@ -145,18 +147,18 @@ def installed(runner: str) -> str | None:
 
 
 class WasmKernels:
-    """The module in what runs JavaScript, by `run`, which has run SCRIPT."""
+    """The module in a JavaScript runner `run`, which has run SCRIPT."""
 
     def __init__(self, run: Run, file: Path = FILE) -> None:
         self._run = run
         self.load(file)
 
     def load(self, file: Path) -> None:
-        """Take this file."""
+        """Load this file."""
         self._base = self._run(f"start('{base64.b64encode(file.read_bytes()).decode()}')")
 
     def advance(self, chain: Chain, state: State, duration: float, step: float) -> None:
-        """Move `state` on by `duration` in place, as :func:`softcradle.physics.advance` does with method conserving."""
+        """Advance `state` by `duration` in place, like :func:`softcradle.physics.advance` with the method conserving."""
         arrays = _arrays(chain, state)
         places, end = {}, self._base
         for name, array in arrays.items():
@@ -183,7 +185,7 @@ class WasmKernels:
 
 
 def _arrays(chain: Chain, state: State) -> dict[str, NDArray[Any]]:
-    """All that a kernel reads and writes."""
+    """Return all arrays that a kernel reads and writes."""
     n, push = chain.contacts, state.external(chain)
     nothing, result = np.zeros(0), np.zeros(2, dtype=np.int32)
     found = {

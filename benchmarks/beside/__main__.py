@@ -1,10 +1,11 @@
-"""The cradle between two walls in softcradle, pymunk and engines of the web.
+"""Cradle between two walls in softcradle, pymunk and web engines.
 
     python -m benchmarks.beside > docs/measured/beside.md
 
-Five balls of 1 kg and 1 m touch; the first one comes from a metre away with 1 m/s, and there is a metre of room to the walls on
-both sides. Steel balls are hard ones that lose nothing (in softcradle: Hertz); soft ones push by f0 * overlap**0.1, in engines
-that have no such contact by a force applied before each step. Needs node, and `npm install` in this folder.
+Five balls of 1 kg and 1 m touch. The first one arrives with 1 m/s from a distance of a metre, and there is a metre of
+room to the walls on both sides. Steel balls are hard and lose nothing (in softcradle: Hertz). Soft balls push with f0 *
+overlap**0.1; in engines without such a contact, this force is applied before each step. Needs node, and `npm install`
+in this folder.
 """
 
 from __future__ import annotations
@@ -25,17 +26,18 @@ from softcradle import Chain, SoftChain, hertz, power_law, simulate
 TIMES = "\u00d7"
 HERE = Path(__file__).parent
 RADIUS, GAP, SPEED, BALLS = 0.5, 1.0, 1.0, 5
-SOFT, STEEL = (1.0, 0.1), 500.0  # f0 and alpha; stiffness of Hertz: two balls overlap by 7 % of a diameter
+SOFT, STEEL = (1.0, 0.1), 500.0  # f0 and alpha; Hertz stiffness, at which two balls overlap by 7 % of a diameter
 STEP = 1 / 60
-MOST, LONGEST = 1000, 4000.0  # collisions, and seconds in which they must come
-FIRST = {"steel": 1.7, "soft": 3.5}  # s, when the first collision is over and no wall has been met
-TOUCHING = 0.02  # m: a gap that closes to this, more than a step's way, after it was twice that, is a collision
+MOST, LONGEST = 1000, 4000.0  # number of collisions, and seconds within which they must happen
+FIRST = {"steel": 1.7, "soft": 3.5}  # s, when the first collision is over and no wall has been hit
+# m; a gap that falls below this (more than a step's movement) after it was twice as large is a collision
+TOUCHING = 0.02
 PLACES = [k - BALLS / 2 + 0.5 - (GAP if k == 0 else 0.0) for k in range(BALLS)]
 WALLS = [PLACES[0] - RADIUS - GAP, PLACES[-1] + RADIUS + GAP]  # their faces
 
 
 def setup(kind: str, step: float) -> dict:
-    """What an engine starts from; walls are half a metre thick."""
+    """Return the start for an engine; walls are half a metre thick."""
     return {
         "places": PLACES, "speeds": [SPEED] + [0.0] * (BALLS - 1), "radius": RADIUS, "step": step, "law": SOFT,
         "walls": [WALLS[0] - 0.5, WALLS[1] + 0.5], "rigid": kind == "steel", "most": MOST, "first": FIRST[kind],
@@ -44,7 +46,7 @@ def setup(kind: str, step: float) -> dict:
 
 
 def by_softcradle(kind: str, step: float) -> dict:
-    """Method conserving, with walls of infinite mass."""
+    """Run with the method conserving and walls of infinite mass."""
     contact = hertz(STEEL) if kind == "steel" else power_law(*SOFT)
     chain = Chain([math.inf, *[1.0] * BALLS, math.inf], contact, gap=[GAP, GAP, *[0.0] * (BALLS - 2), GAP])
     start = [0.0, SPEED, *[0.0] * BALLS]
@@ -61,7 +63,7 @@ def by_softcradle(kind: str, step: float) -> dict:
 
 
 def by_pymunk(kind: str, step: float, chain: bool) -> dict:
-    """Hard balls, forces before each step, or softcradle's own contacts where `chain`."""
+    """Run hard balls, forces before each step, or (with `chain`) softcradle's contacts."""
     space = pymunk.Space()
     balls = [pymunk.Body(1.0, math.inf) for _ in range(BALLS)]
     ends = [pymunk.Body(body_type=pymunk.Body.STATIC) for _ in WALLS]
@@ -120,7 +122,7 @@ def _places(balls: list[pymunk.Body]) -> np.ndarray:
 
 
 def _overlaps(x: np.ndarray) -> np.ndarray:
-    """Of the left wall, of the balls, and of the right wall."""
+    """Return the overlaps with the left wall, between the balls, and with the right wall."""
     return np.maximum(
         np.concatenate(([WALLS[0] + RADIUS - x[0]], 2 * RADIUS - np.diff(x), [x[-1] - WALLS[1] + RADIUS])), 0.0
     )
@@ -137,7 +139,7 @@ def _stored(x: np.ndarray) -> float:
 
 
 def row(name: str, found: dict) -> str:
-    """A line of the table."""
+    """Return a line of the table."""
     energy = found["energy"] / (0.5 * SPEED**2)
     change = f"{energy - 1:+.0e}".replace("-", MINUS) if abs(energy - 1) < 0.005 else f"{TIMES} {energy:.3g}"
     order, seen = "kept" if found["ordered"] else "lost", f"{found['collisions']} in {found['time']:.0f} s"

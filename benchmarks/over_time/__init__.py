@@ -1,7 +1,7 @@
-"""The benchmarks as asv (airspeed velocity) takes them, from release to release: see asv.conf.json and CONTRIBUTING.md.
+"""Benchmarks for asv (airspeed velocity), from release to release; see asv.conf.json and CONTRIBUTING.md.
 
-asv installs softcradle as it was at a commit, and measures it by the benchmarks as they are now. They are found behind what is
-installed, so that the checkout is not measured in its place.
+asv installs softcradle from a commit and measures it with the current benchmarks. They come after the installed package
+on the search path, so that the checkout itself is not measured.
 """
 
 import sys

@@ -1,4 +1,4 @@
-"""Films: processor time of a frame drawn and encoded, as `python -m benchmarks render` measures it."""
+"""Films: processor time to draw and encode a frame, as in `python -m benchmarks render`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from benchmarks.render import measure
 
 
 class Film:
-    """One-on-four as mp4, 1280x720, in segments side by side."""
+    """One-on-four as mp4, 1280x720, in parallel segments."""
 
     timeout = 600
     unit = "ms"

@@ -1,4 +1,4 @@
-"""First use: seconds of `softcradle run one-on-four` and of `--help`, as `python -m benchmarks cold-start` measures them."""
+"""First use: seconds of `softcradle run one-on-four` and of `--help`, as in `python -m benchmarks cold-start`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from benchmarks.cold_start import started
 
 
 class FirstUse:
-    """Least of three starts with an empty cache of kernels."""
+    """Shortest of three starts with an empty kernel cache."""
 
     params = (("run one-on-four", "--help"),)
     param_names = ("command",)

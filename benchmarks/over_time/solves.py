@@ -1,4 +1,4 @@
-"""Solves: the cases of the work-precision chart by `accurate`, and many collisions one after the other."""
+"""Solves: the cases of the work-precision chart with `accurate`, and many collisions in sequence."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ COLLISIONS = 2000
 
 
 def setup_cache() -> None:
-    """Compile before time is taken: a process that finds no machine code begins in plain Python."""
+    """Compile before the measurement, because a process without machine code starts in plain Python."""
     warm("accurate")
 
 
@@ -25,7 +25,7 @@ setup_cache.timeout = 1800  # type: ignore[attr-defined]  # asv reads it [s]
 
 
 class Solve:
-    """Processor time of a solve, two samples."""
+    """Processor time of a solve with two samples."""
 
     params = (tuple(CASES), (1e-6, 1e-9))
     param_names = ("case", "tolerance")
@@ -44,7 +44,7 @@ class Solve:
 
 
 class Ensemble:
-    """Processor microseconds of a collision of one on four at 1e-6, many of them."""
+    """Processor microseconds of a collision of one on four at 1e-6, averaged over many."""
 
     timeout = 600
     unit = "µs"

@@ -1,4 +1,4 @@
-"""Steps: nanoseconds of a contact and step, as `python -m benchmarks steps` measures them."""
+"""Steps: nanoseconds of a contact and step, as in `python -m benchmarks steps`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ BY_NAME = {
 
 
 def setup_cache() -> None:
-    """Compile before time is taken."""
+    """Compile before the measurement."""
     warm(sorted({case.method for case in CASES}))
 
 
@@ -21,7 +21,7 @@ setup_cache.timeout = 1800  # type: ignore[attr-defined]  # asv reads it [s]
 
 
 class Step:
-    """Least time of a contact and step."""
+    """Shortest time of a contact and step."""
 
     params = (tuple(BY_NAME),)
     param_names = ("case",)
@@ -29,7 +29,9 @@ class Step:
     unit = "ns"
 
     def setup(self, case: str) -> None:
-        """Load the machine code: live steps do not wait for it, and long chains in plain Python would take hours."""
+        """Load the machine code, because live steps do not wait for it and long chains would take hours in plain
+        Python.
+        """
         warm(BY_NAME[case].method)
 
     def track_step(self, case: str) -> float:

@@ -1,8 +1,9 @@
-"""Other integrators on the collisions of the work-precision chart, each left out where its package is not installed.
+"""Other integrators on the collisions of the work-precision chart. An integrator is left out if its package is not
+installed.
 
-Each has what an expert would give it: overlaps as variables, a compiled right-hand side, absolute tolerances finer for
-overlaps than for rates, a small first step (without it the collision would be stepped over). None can stop when a
-collision is over, so each runs to its known end. None has contacts that touch, so draft gears chatter.
+Each gets the settings that an expert would choose: overlaps as variables, a compiled right-hand side, smaller absolute
+tolerances for overlaps than for rates, and a small first step (otherwise the collision would be skipped). None can stop
+when a collision is over, so each runs to the known end. None supports touching contacts, so draft gears chatter.
 """
 
 from __future__ import annotations
@@ -15,14 +16,14 @@ from softcradle.sandbox.studies.precision.measurement import Solver
 
 
 class Peer(NamedTuple):
-    """A peer: its name, the package without which it is left out, and its function in `integrators`."""
+    """Another integrator: its name, the package that it needs, and its function in `integrators`."""
 
     name: str
     package: str
     function: str
 
     def solvers(self, case: ChartCase) -> list[Solver]:
-        """Solvers of the case, none where the peer cannot take it."""
+        """Return its solvers of the case; empty if it cannot solve it."""
         from softcradle.sandbox.studies.precision.peers import integrators  # needs numba
 
         found: list[Solver] = getattr(integrators, self.function)(case)
@@ -41,17 +42,19 @@ PEERS: tuple[Peer, ...] = (
 
 
 def missing_peers() -> list[Peer]:
-    """Peers that are not installed."""
+    """Return the integrators that are not installed."""
     return [peer for peer in PEERS if find_spec(peer.package) is None]
 
 
 def peer_distributions() -> list[str]:
-    """Packages of the peers, by the names under which versions are known."""
+    """Return the distribution names of the integrators' packages."""
     return [peer.name for peer in PEERS if peer.package not in ("numba", "scipy")]
 
 
 def peer_solvers(case: ChartCase) -> list[Solver]:
-    """Solvers of every installed peer that can take the case: power laws and a steady drive, nothing that takes energy."""
+    """Return the solvers of every installed integrator that can solve the case: power laws and a steady drive, without
+    dissipation.
+    """
     chain = case.chain
     if chain.dissipative or chain.timed or chain.couplers or chain.own_laws or not _numba_compiles():
         return []

@@ -1,4 +1,4 @@
-"""Every peer as a function from a case to its solvers, with the run that they share below it."""
+"""Every other integrator as a function from a case to its solvers, and the run that they share."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ Array = NDArray[np.float64]
 
 FIRST_STEP = 1e-6  # [s]
 MOST_STEPS = 100_000
-TIME_LIMIT = 1.0  # [s] of a run whose right-hand side is called from Python
+TIME_LIMIT = 1.0  # [s] longest run whose right-hand side is called from Python
 
-# Absolute tolerance of overlaps over that of rates.
+# Absolute tolerance of overlaps relative to rates.
 COMPILED_RATIOS = (1e-2, 1e-6, 1e-10)
 RATIOS = (1e-2, 1e-6)
 SCIPY_RATIO = 1e-6
@@ -42,16 +42,16 @@ SUNDAE_METHODS = ("Adams", "BDF")
 HEYOKA_CONTACTS = 5  # longer chains have deep contacts that are too stiff for an explicit series
 HEYOKA_SWITCH_TIMES = (1e-2, 1e-4)  # [s] after the first touch, when the series takes over
 HEYOKA_OVERLAPS = (1e-8, 1e-14)  # [m] below which a contact counts as open
-HEYOKA_START = 1e-11  # finest tolerance of the beginning
-TSIT5_STAGES = 6  # evaluations a step: the first is the last of the step before
+HEYOKA_START = 1e-11  # smallest tolerance of the start
+TSIT5_STAGES = 6  # evaluations in a step; the first one is the last of the previous step
 
 
-# Verlet: the loop that people write themselves for one cradle, compiled.
+# Verlet: the usual hand-written loop for one cradle, compiled.
 
 
 @numba.njit(error_model="numpy")
 def leapfrog(overlap: Any, rate: Any, stiffness: float, exponent: float, h: float, steps: int) -> None:
-    """Equal unit masses, one power law, nothing else; in place."""
+    """Step equal unit masses with one power law, in place."""
     n = overlap.size
     for _ in range(steps):
         left, before = 0.0, 0.0
@@ -67,7 +67,7 @@ def leapfrog(overlap: Any, rate: Any, stiffness: float, exponent: float, h: floa
 
 
 def verlet_by_hand(case: ChartCase) -> list[Solver]:
-    """None for a chain that is not of unit masses and one power law: a preload is added to no force."""
+    """Return a hand-written Verlet solver; empty unless the chain has unit masses and one power law without preload."""
     chain = case.chain
     simple = set(chain.mass) == {1.0} and len(set(chain.power_laws)) == 1 and chain.power_laws[0].preload == 0.0
     if not simple or chain.drive:
@@ -95,7 +95,7 @@ def _by_hand(case: ChartCase, steps: float, start: Start, sample_times: Array) -
 
 
 def cyrk(case: ChartCase) -> list[Solver]:
-    """A curve a method, over ratios of the absolute tolerances."""
+    """Return a curve for each method, over ratios of the absolute tolerances."""
     return [
         Solver(f"CyRK {method}", f"overlaps {ratio:g}", tolerances(), partial(_cyrk, case, method, ratio))
         for method in CYRK_METHODS
@@ -134,11 +134,11 @@ def _cyrk(case: ChartCase, method: str, ratio: float, tolerance: float, _start: 
     return solution_of(case, states.T if ok else None, sample_times, seconds, counter[0])
 
 
-# numbalsoda: one absolute tolerance for all variables, so parts of the relative one are scanned.
+# numbalsoda: one absolute tolerance for all variables, so several fractions of the relative one are tried.
 
 
 def numbalsoda(case: ChartCase) -> list[Solver]:
-    """One curve."""
+    """Return one curve."""
     return [
         Solver("numbalsoda", f"LSODA, absolute {ratio:g}", tolerances(), partial(_numbalsoda, case, ratio))
         for ratio in (1.0, *COMPILED_RATIOS)
@@ -166,12 +166,13 @@ def _numbalsoda(case: ChartCase, ratio: float, tolerance: float, _start: Start, 
     return solution_of(case, found[1:] if ok else None, sample_times, seconds, counter[0])
 
 
-# heyoka: a Taylor series with terminal events where a contact opens or closes. A series cannot start where an overlap
-# is zero: `radau` computes the beginning, and its time counts. A contact counts as open below a small overlap, scanned too.
+# heyoka: a Taylor series with terminal events at which a contact opens or closes. A series cannot start at zero
+# overlap, so `radau` computes the start, and its time counts. A contact counts as open below a small overlap, which is
+# scanned as well.
 
 
 def heyoka(case: ChartCase) -> list[Solver]:
-    """One curve; none for preloads, walls, or contacts that are not all alike."""
+    """Return one curve; empty for preloads, walls, or contacts that differ."""
     chain, law = case.chain, case.chain.power_laws[0]
     soft = set(chain.power_laws) == {law} and law.preload == 0.0 and law.exponent < 1.0
     if chain.contacts > HEYOKA_CONTACTS or not soft or set(chain.mass) != {1.0} or chain.drive or any(chain.gap):
@@ -189,7 +190,8 @@ def _taylor(n: int, exponent: float, stiffness: float, tolerance: float, least: 
 
     overlap = [hy.make_vars(f"d{i}") for i in range(n)]
     rate = [hy.make_vars(f"w{i}") for i in range(n)]
-    # par[i] is 1 while contact i is closed; the base is 1 while it is open, so that no power meets a negative number
+    # par[i] is 1 while contact i is closed. The base is 1 while it is open, so that the power of a negative number is
+    # never taken.
     force = [hy.par[i] * stiffness * (hy.par[i] * overlap[i] + 1.0 - hy.par[i]) ** exponent for i in range(n)]
     force_of = [hy.expression(0.0), *force, hy.expression(0.0)]
     system = [(overlap[i], rate[i]) for i in range(n)]
@@ -236,7 +238,7 @@ def _heyoka(
 
 
 def scipy(case: ChartCase) -> list[Solver]:
-    """A curve a method."""
+    """Return a curve for each method."""
     return [Solver(f"SciPy {method}", "", tolerances(), partial(_scipy, case, method)) for method in SCIPY_METHODS]
 
 
@@ -258,7 +260,7 @@ def _scipy(case: ChartCase, method: str, tolerance: float, _start: Start, sample
     except TimeLimitError:
         return Solution(None, perf_counter() - began, counter[0])
     seconds = perf_counter() - began
-    if seconds > TIME_LIMIT:  # a compiled caller drops a TimeLimitError and returns what it has
+    if seconds > TIME_LIMIT:  # a compiled caller drops a TimeLimitError and returns a partial result
         return Solution(None, seconds, counter[0])
     return solution_of(case, found.y.T if found.success else None, sample_times, seconds, counter[0])
 
@@ -267,7 +269,7 @@ def _scipy(case: ChartCase, method: str, tolerance: float, _start: Start, sample
 
 
 def sundae(case: ChartCase) -> list[Solver]:
-    """A curve a method."""
+    """Return a curve for each method."""
     return [
         Solver(f"CVODE {method}", f"overlaps {ratio:g}", tolerances(), partial(_sundae, case, method, ratio))
         for method in SUNDAE_METHODS
@@ -294,18 +296,18 @@ def _sundae(
     except TimeLimitError:
         return Solution(None, perf_counter() - began, counter[0])
     seconds = perf_counter() - began
-    if seconds > TIME_LIMIT:  # a compiled caller drops a TimeLimitError and returns what it has
+    if seconds > TIME_LIMIT:  # a compiled caller drops a TimeLimitError and returns a partial result
         return Solution(None, seconds, counter[0])
     states = found.y[1 : times.size] if found.success else None
     return solution_of(case, states, sample_times, seconds, counter[0])
 
 
-# diffrax, compiled by jax for each number of contacts: the four seconds that this takes do not count. Its other solvers,
-# tried on one on 4 at alpha = 1/10, take 20 (Dopri8) to 100 times (Kvaerno5) as long as Tsit5.
+# diffrax, compiled by jax for each number of contacts; these four seconds do not count. Its other solvers, tried on one
+# on 4 at alpha = 1/10, take 20 (Dopri8) to 100 times (Kvaerno5) as long as Tsit5.
 
 
 def diffrax(case: ChartCase) -> list[Solver]:
-    """One curve; none for a driven chain."""
+    """Return one curve; empty for a driven chain."""
     if case.chain.drive:
         return []
     return [
@@ -325,7 +327,7 @@ def _tsit5() -> Callable[..., Any]:
         law, inverse_mass = parameters
         n = law.shape[0]
         overlap, pressed = y[:n], y[:n] > 0.0
-        power = jnp.where(pressed, overlap, 1.0) ** law[:, 2]  # of 1 while open: 0**a has no gradient
+        power = jnp.where(pressed, overlap, 1.0) ** law[:, 2]  # 1 while open, because 0**a is not differentiable
         force = jnp.pad(jnp.where(pressed, law[:, 0] + law[:, 1] * power, 0.0), 1)
         acceleration = (force[:-1] - force[1:]) * inverse_mass
         return jnp.concatenate([y[n:], acceleration[:-1] - acceleration[1:]])

@@ -1,4 +1,6 @@
-"""What the peers share: the compiled right-hand side in overlaps and rates, and the Solution from these."""
+"""Shared parts of the other integrators: the compiled right-hand side in overlaps and rates, and the Solution from
+these.
+"""
 
 from __future__ import annotations
 
@@ -17,11 +19,11 @@ Array = NDArray[np.float64]
 
 
 class TimeLimitError(Exception):
-    """A run has taken longer than TIME_LIMIT."""
+    """A run took longer than TIME_LIMIT."""
 
 
 def timed_derivatives(parameters: Array, out: Array, y: Array, deadline: float) -> Array:
-    """Fill `out` (2n,) and return it; TimeLimitError after the deadline [s of perf_counter]."""
+    """Fill `out` (2n,) and return it; raise TimeLimitError after the deadline [s of perf_counter]."""
     if perf_counter() > deadline:
         raise TimeLimitError
     derivatives(y, out, parameters)
@@ -29,31 +31,33 @@ def timed_derivatives(parameters: Array, out: Array, y: Array, deadline: float) 
 
 
 def start_state(case: ChartCase) -> Array:
-    """(2n,) overlaps and rates at the start."""
+    """Return the (2n,) overlaps and rates at the start."""
     return np.concatenate((0.0 - np.array(case.chain.gap), -np.diff(case.velocity)))
 
 
 def output_times(case: ChartCase, sample_times: Array) -> Array:
-    """The sample times, if any, and the end [s]."""
+    """Return the sample times, if any, and the end [s]."""
     return np.append(sample_times, case.run_duration)
 
 
 def parameter_array(case: ChartCase, counter: Array) -> Array:
-    """(2 + 3n + n+1 + n+1,) number of contacts, address of `counter` (1,), laws, inverse masses, drive: one array for C."""
+    """Return the (2 + 3n + n+1 + n+1,) parameters for C: number of contacts, address of `counter` (1,), laws, inverse
+    masses, drive.
+    """
     law, inverse_mass = case.chain.power_law_rows, case.chain.inverse_mass
     drive = np.zeros(inverse_mass.size) if case.chain.drive_force is None else case.chain.drive_force
     return np.concatenate(([case.chain.contacts, counter.ctypes.data], law.ravel(), inverse_mass, drive * inverse_mass))
 
 
 def absolute_tolerances(case: ChartCase, ratio: float, tolerance: float) -> Array:
-    """(2n,) absolute tolerances: of overlaps `ratio` times that of rates."""
+    """Return the (2n,) absolute tolerances; those of overlaps are `ratio` times those of rates."""
     return np.repeat((ratio * tolerance, tolerance), case.chain.contacts)
 
 
 def solution_of(
     case: ChartCase, states: Array | None, sample_times: Array, seconds: float, evaluations: float
 ) -> Solution:
-    """The Solution from states (T, 2n) at the sample times and at the end; None for a run that gave up."""
+    """Return the Solution from states (T, 2n) at the sample times and at the end; None for a run that gave up."""
     if states is None or len(states) != sample_times.size + 1 or not np.isfinite(states).all():
         return Solution(None, seconds, evaluations)
     n = case.chain.contacts
@@ -66,7 +70,7 @@ def solution_of(
 
 
 def _velocities(case: ChartCase, rate: Array) -> Array:
-    """(n+1,) velocities from rates (n,): the total momentum and the velocity of a wall are known."""
+    """Return the (n+1,) velocities from rates (n,), using the total momentum and the velocity of a wall."""
     mass = np.array(case.chain.mass)
     relative = from_anchor(rate, 0.0, 0)
     if case.chain.walls:
@@ -79,7 +83,7 @@ def _velocities(case: ChartCase, rate: Array) -> Array:
 
 @intrinsic
 def _pointer(typingctx: Any, address: Any) -> Any:
-    """An address as a pointer to a double."""
+    """Return an address as a pointer to a double."""
 
     def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return builder.inttoptr(arguments[0], context.get_value_type(signature.return_type))
@@ -89,7 +93,7 @@ def _pointer(typingctx: Any, address: Any) -> Any:
 
 @njit(error_model="numpy")
 def contact_force(p: Any, i: int, overlap: float) -> float:
-    """Force of contact i at `overlap` [N]."""
+    """Return the force of contact i at `overlap` [N]."""
     if overlap <= 0.0:
         return 0.0
     exponent = p[2 + 3 * i + 2]
@@ -104,7 +108,7 @@ def contact_force(p: Any, i: int, overlap: float) -> float:
 
 @njit(error_model="numpy")
 def derivatives(y: Any, out: Any, p: Any) -> None:
-    """d' = w, w' = -L f(d) by way of the bead accelerations; y and out (2n,); adds 1 to the counter."""
+    """Compute d' = w, w' = -L f(d) through the bead accelerations; y and out (2n,); add 1 to the counter."""
     carray(_pointer(np.int64(p[1])), 1)[0] += 1.0
     n = int(p[0])
     left, before = 0.0, 0.0
