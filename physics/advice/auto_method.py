@@ -23,8 +23,8 @@ from softcradle.physics.scales import scales_at, shortest_contact, speed_scale
 
 LIVE_ERROR = 1e-3  # of final velocities: about a pixel of a plot; from it on a collision takes fixed steps
 LIVE_STEPS = 64  # of `conserving` in the shortest contact: they hold LIVE_ERROR, and their error falls as their square
-# of the collision: more steps of `conserving` cost more than adaptive ones (`python -m benchmarks auto`)
-MOST_LIVE_STEPS = 20_000
+# Steps of `conserving` for each contact of a collision. More take several times the evaluations of `accurate`.
+MOST_LIVE_STEPS = 500
 FINEST = 1e-13  # tolerance: double precision has no room for a finer one
 NEAR_CRITICAL = 1e-7  # tolerance of radau near a critical speed: longer steps miss a contact that yields for a moment
 LEAST_RATIO = 0.9  # of the speed to a critical speed: below it no contact inside a cluster yields
@@ -60,7 +60,7 @@ def choose(chain: Chain, velocity: ArrayLike, duration: float | None, error: flo
     if error >= LIVE_ERROR and single:
         speed = speed_scale(chain, velocity)
         step = conserving_step(chain, speed, error, velocity)
-        if _collision_time(chain, speed, duration) <= MOST_LIVE_STEPS * step:
+        if _collision_time(chain, speed, duration) <= MOST_LIVE_STEPS * chain.contacts * step:
             reason = f"conserving, step {step:.3g} s, for a wanted error of {error:g}: energy and momentum are exact at any step"
             return Choice("conserving", step, 0.0, reason)
     if all(law.preload > 0.0 for law in chain.contact):
