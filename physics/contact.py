@@ -13,7 +13,7 @@ A gear with friction inside gives back less energy than it stores: with `loss` l
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import wraps
 from inspect import signature
@@ -21,7 +21,7 @@ from typing import Any, ParamSpec, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from softcradle.physics.checked_input import magnitude, real_number
+from softcradle.physics.checked_input import magnitude, real_number, shown
 
 Numbers = NDArray[np.float64] | float
 P = ParamSpec("P")
@@ -43,7 +43,8 @@ class Contact:
     exponent : float
         Power a of the overlap, from 1e-6 to 10; alpha in Eq. (2), 1 for Hooke and draft gear, 3/2 for Hertz.
     loss : float, optional
-        Part l in [0, 1) of the stored energy that the contact absorbs when it comes out; 0 is elastic.
+        Part l in [0, 1) of the stored energy that the contact absorbs during unloading; 0 is elastic. For a restitution e it
+        is ``1 - e**2``.
 
     Raises
     ------
@@ -116,6 +117,55 @@ class Contact:
         exact = math.log(0.5 * power * mu) + 2.0 * math.log(v) - power * math.log(depth)
         return cls(0.0, math.exp(min(max(exact, -700.0), 700.0)), exponent, loss)
 
+    @classmethod
+    def of_spheres(
+        cls,
+        young: float | Sequence[float],
+        poisson: float | Sequence[float],
+        radius: float | Sequence[float],
+        loss: float = 0.0,
+    ) -> Contact:
+        """Return the Hertz contact of two elastic spheres: ``stiffness = 4/3 E sqrt(R)``, ``exponent = 3/2``.
+
+        With ``1/E = (1 - nu1**2) / E1 + (1 - nu2**2) / E2`` and ``1/R = 1/R1 + 1/R2``. Each argument is one number for both
+        spheres or a pair of numbers.
+
+        Parameters
+        ----------
+        young : float or pair of float
+            Young's modulus > 0 [Pa].
+        poisson : float or pair of float
+            Poisson's ratio, from -1 to 0.5.
+        radius : float or pair of float
+            Radius > 0 [m]; inf is a flat wall.
+        loss : float, optional
+            Part of the stored energy that the contact absorbs: ``1 - e**2`` for a restitution e.
+
+        Raises
+        ------
+        ValueError
+            A number is out of range, or both radii are infinite.
+
+        Examples
+        --------
+        Steel balls with a radius of 1 cm:
+
+        >>> Contact.of_spheres(young=210e9, poisson=0.3, radius=0.01).stiffness
+        10878565864.408...
+        """
+        moduli, ratios, radii = (
+            _pair(name, value) for name, value in (("young", young), ("poisson", poisson), ("radius", radius))
+        )
+        yielding = 0.0
+        for modulus, ratio in zip(moduli, ratios, strict=True):
+            if not -1.0 <= ratio <= 0.5:
+                raise ValueError(f"poisson must be from -1 to 0.5, not {ratio!r}")
+            yielding += (1.0 - ratio**2) / magnitude("young", modulus)
+        curvature = sum(0.0 if size == math.inf else 1.0 / magnitude("radius", size) for size in radii)
+        if not curvature or not yielding:
+            raise ValueError("two flat walls, or two bodies with a poisson of -1, have no Hertz contact")
+        return cls(0.0, 4.0 / 3.0 / yielding / math.sqrt(curvature), 1.5, loss)
+
     @overload
     def force(self, overlap: float) -> float: ...
     @overload
@@ -180,6 +230,14 @@ def is_closed(overlap: ArrayLike, force: ArrayLike) -> NDArray[np.bool_]:
     return (overlaps > 0.0) | ((overlaps == 0.0) & (forces > 0.0)) | (forces < 0.0)
 
 
+def _pair(name: str, value: object) -> tuple[float, float]:
+    """Return one number for both spheres, or the pair of numbers, as two floats."""
+    found = value if isinstance(value, Sequence) and not isinstance(value, str) else (value, value)
+    if len(found) != 2:
+        raise ValueError(f"{name} must be one number or a pair, not {shown(value)}")
+    return real_number(name, found[0]), real_number(name, found[1])
+
+
 def _like(argument: ArrayLike, result: NDArray[np.float64]) -> Numbers:
     """`result` as an array, or as a plain float where `argument` was a scalar."""
     return float(result) if np.ndim(argument) == 0 else result
@@ -218,7 +276,10 @@ def draft_gear(stiffness: float, precompression: float, loss: float = 0.0) -> Co
 
 @explained
 def hertz(stiffness: float, loss: float = 0.0) -> Contact:
-    """Two elastic spheres: ``stiffness * overlap**1.5``, stiffness [N / m**1.5]; the usual Newton's cradle."""
+    """Return the contact of two elastic spheres: ``stiffness * overlap**1.5``, stiffness [N / m**1.5].
+
+    `Contact.of_spheres` computes the stiffness from Young's modulus, Poisson's ratio and radius.
+    """
     return Contact(0.0, stiffness, 1.5, loss)
 
 

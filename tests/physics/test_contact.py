@@ -102,3 +102,27 @@ def test_a_contact_of_a_contact_time(exponent, loss):
 def test_an_unknown_keyword_lists_those_that_there_are(make, sentence):
     with pytest.raises(TypeError, match=sentence):
         make()
+
+
+def test_a_hertz_contact_from_material_and_radius():
+    """Impact of a sphere of aluminium on a plate of glass, and of two unlike spheres, by Hertz's formula."""
+    k = Contact.of_spheres(70e9, 0.33, (0.1, math.inf)).stiffness
+    assert k == pytest.approx(4.0 / 3.0 * 70e9 / (2.0 * (1.0 - 0.33**2)) * math.sqrt(0.1), rel=1e-14)
+    law = Contact.of_spheres((210e9, 70e9), (0.3, 0.33), (0.01, 0.02), loss=0.19)
+    e = 1.0 / ((1.0 - 0.3**2) / 210e9 + (1.0 - 0.33**2) / 70e9)
+    assert law.stiffness == pytest.approx(4.0 / 3.0 * e * math.sqrt(0.01 * 0.02 / 0.03), rel=1e-14)
+    assert (law.preload, law.exponent, law.loss) == (0.0, 1.5, 0.19)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ((0.0, 0.3, 0.1), "young must be a finite number > 0, not 0.0"),
+        ((1e9, 0.6, 0.1), "poisson must be from -1 to 0.5, not 0.6"),
+        ((1e9, 0.3, math.inf), "two flat walls"),
+        ((1e9, 0.3, [0.1, 0.2, 0.3]), "radius must be one number or a pair, not"),
+    ],
+)
+def test_no_hertz_contact_from_a_material_that_is_not_one(arguments, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        Contact.of_spheres(*arguments)
