@@ -41,12 +41,14 @@ if TYPE_CHECKING:
     from softcradle.physics import stable_step as stable_step
     from softcradle.physics import step_force as step_force
     from softcradle.physics import warm as warm
+    from softcradle.sandbox.film.encoder import open_film as open_film
     from softcradle.sandbox.notebook.views import play as play
     from softcradle.sandbox.sweeps.run_sweep import sweep as sweep
 
     __version__: str
 
-_OF_SANDBOX = {"play": "notebook.views", "sweep": "sweeps.run_sweep"}  # public names that do not belong to physics
+# public names that do not belong to physics
+_OF_SANDBOX = {"open_film": "film.encoder", "play": "notebook.views", "sweep": "sweeps.run_sweep"}
 _HERE = os.path.dirname(__file__)
 _CHECKOUT = os.path.dirname(_HERE)
 if not os.path.isdir(f"{_HERE}/physics") and os.path.isfile(f"{_CHECKOUT}/physics/__init__.py"):

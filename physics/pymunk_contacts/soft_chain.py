@@ -76,26 +76,27 @@ class SoftChainState:
 
 
 class SoftChain:
-    """The contacts between neighbours in a row of bodies; other joints, shapes and gravity act beside them.
+    """Contacts between the neighbours in a row of bodies; other joints, shapes and gravity act as usual.
 
-    Iterating gives its constraints, one between every two neighbours: ``space.add(*chain)``; those that are in the Space push,
-    and where one is not, the row falls into two that move on their own. `remove_from` removes them, of a body that dies, too.
-    Neighbours' shapes no longer collide. In every step of the Space the first constraint that is evaluated solves all
-    contacts, by the method `conserving`: a collision keeps energy and momentum to round-off in steps of any size. Their
-    distribution among the bodies is second-order in the step, right to 1e-3 where the collision lasts some tens of steps. A
-    body must not pass its neighbour's centre in one step.
+    Iteration and ``chain[i]`` give its constraints, one between every two neighbours: ``space.add(*bodies, *chain)``. Only
+    constraints that are in the Space push. If one is removed, the row splits into two that move separately; `remove_from`
+    removes all of them, or those of one body. Shapes of neighbours do not collide. In every step of the Space, the first
+    constraint that is evaluated solves all contacts by the method `conserving`. A collision conserves energy and momentum to
+    round-off, with any step. The velocities of single bodies have a second-order error in the step: use `substeps`. If a
+    step is too long for a blow, or if bodies pass through each other, there is one RuntimeWarning.
 
-    pymunk's bodies are half a step behind their velocities: ``x = X + (step/2) V``, in `positions`, is where
-    kinetic energy (``m v**2 / 2``; pymunk's own leaves out the half) and `energy` add up to a constant.
+    The positions of pymunk's bodies are half a step behind their velocities. At ``x = X + (step/2) V``, see `positions`,
+    kinetic energy (``m v**2 / 2``; pymunk's own leaves out the half) and `energy` have a constant sum.
 
-    Bodies push through their centres of gravity, along the line between neighbours, in a bent row too. Gravity, forces
-    and strings (pin joints, taut slide joints, without a limit of force) to kinematic and static bodies are known before the
-    contacts are solved. Other joints are expected to go on as in the last two steps, so one that stops a body within a step
-    takes energy. A body that is moved or given another velocity between steps continues from there. Copy and pickle of the
-    Space include the chain, which `of` finds; `state` and `restore` roll back a chain alone. A body belongs to one SoftChain.
+    Bodies push through their centres of gravity, along the line between neighbours, which need not be straight. Gravity,
+    forces and strings (pin joints, taut slide joints, without a limit of force) to kinematic and static bodies are known
+    before the contacts are solved. Other joints are expected to act as in the last two steps, so a joint that stops a body
+    within a step dissipates energy. If a body is moved or gets another velocity between steps, the chain continues from
+    there. Copy and pickle of the Space include the chain, and `of` returns it. `state` and `restore` roll back only the
+    chain. A body belongs to one SoftChain.
 
-    Joints have errors of their own: in 60 s at steps of 1/240 s a pendulum on a PinJoint, released at 0.5 rad, loses 5.5 % of
-    its energy in plain pymunk, and a cradle of five on such joints and a SoftChain 4.1 %.
+    Joints have errors: in 60 s at steps of 1/240 s a pendulum on a PinJoint, released at 0.5 rad, loses 5.5 % of its energy
+    in plain pymunk, and a cradle of five on such joints and a SoftChain 4.1 %.
 
     Parameters
     ----------

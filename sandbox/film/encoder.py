@@ -211,15 +211,41 @@ class Film:
 def open_film(
     output: Path | str, size: tuple[int, int], frame_rate: float, pixel_format: str | None = None
 ) -> Iterator[Film]:
-    """A film to add frames of `size` to; it is at `output` when the block ends without error, or not at all.
+    """Open a film for writing; its frames may show anything, such as a pymunk Space.
 
-    Arguments:
-        output: .mp4, .gif, .webp or .avif, .png for one picture, or a folder (ends in /) for numbered pictures.
-        frame_rate: frames a second; without meaning for pictures.
-        pixel_format: yuv420p (default) or yuv444p, for mp4: the latter keeps thin coloured lines; not every player shows it.
+    The file is at `output` when the block ends without an error, and is not written otherwise. Films have no sound and no
+    transparent background.
 
-    Raises:
-        UserError: a size, rate or kind of file that cannot be written; at once.
+    Parameters
+    ----------
+    output : path
+        Name that ends in .mp4, .gif, .webp or .avif; in .png for one picture; or a folder, with a final ``/``, for numbered
+        pictures.
+    size : (int, int)
+        Width and height of a frame [pixels]. They must be even numbers for an mp4.
+    frame_rate : float
+        Frames per second. Pictures ignore it.
+    pixel_format : str, optional
+        "yuv420p" (default) or "yuv444p", for mp4. The latter keeps thin coloured lines, but some players do not show it.
+
+    Yields
+    ------
+    Film
+        Draw on the pygame surface that ``film.free_surface()`` returns, then pass it to ``film.add(surface)``.
+
+    Raises
+    ------
+    UserError
+        The size, the rate or the kind of file cannot be written.
+
+    Examples
+    --------
+    >>> from softcradle import open_film
+    >>> with open_film("film.gif", (320, 180), 30) as film:  # doctest: +SKIP
+    ...     for frame in range(60):
+    ...         surface = film.free_surface()
+    ...         surface.fill("white")
+    ...         film.add(surface)
     """
     codec = check(output, size, frame_rate, pixel_format)
     if codec is None:
