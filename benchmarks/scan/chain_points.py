@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 from softcradle.physics.status import WarningCode
 
+from benchmarks.scan.extended_precision import Event
 from benchmarks.scan.families import motion
-from benchmarks.scan.truth import SOURCES, Truth, truth_of
+from benchmarks.scan.truth import SOURCES, Path, Truth, truth_of, with_path
 from benchmarks.scan.verdict import RunVerdict, judge
 from softcradle import warm
 
@@ -28,15 +29,29 @@ def chain_numbers(
     chosen, new = motion(family, seed), {}
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
-        if chosen.key in truths:
-            truth = Truth.from_json(truths[chosen.key])
-        else:
-            truth = truth_of(chosen)
+        known = truths.get(chosen.key)
+        truth = Truth.from_json(known) if known else truth_of(chosen)
+        if known and "path" not in known:
+            truth = with_path(chosen, truth)
+        if not known or "path" not in known:
             new = {"velocity": truth.velocity, "doubt": truth.doubt, "source": SOURCES.index(truth.source)}
+            new |= _path_numbers(truth.path)
         entry = judge(chosen, truth, method, tolerance)
     entry["verdict"], entry["truth"] = VERDICTS.index(entry["verdict"]), SOURCES.index(entry["truth"])
     entry["warnings"] = [CODES.index(code) for code in entry["warnings"]]
     return entry | {TRUTH + name: value for name, value in new.items()}
+
+
+def _path_numbers(path: Path | None) -> dict[str, Any]:
+    """The numbers of a path, NaN if it is not known."""
+    if path is None:
+        return {"position": np.full(1, np.nan), "path": np.full(2, np.nan), "events": np.full(4, np.nan)}
+    events = np.array(path.events, dtype=np.float64).ravel()
+    return {
+        "position": path.position,
+        "path": np.array((path.doubt, path.end)),
+        "events": events if events.size else np.full(4, np.nan),
+    }
 
 
 @cache
@@ -56,7 +71,17 @@ def _truth(row: Mapping[str, Any], family: str, seed: int) -> Entry | None:
     chosen = motion(family, seed)
     beads = slice(0, chosen.chain.contacts + 1)
     velocity, doubt, source = (row[TRUTH + name] for name in ("velocity", "doubt", "source"))
-    return {"key": chosen.key, **Truth(velocity[beads], doubt[beads], SOURCES[int(source)]).as_json()}
+    entry = {"key": chosen.key, "path": None}  # None: looked for and not found
+    return entry | Truth(velocity[beads], doubt[beads], SOURCES[int(source)], _path(row, beads)).as_json()
+
+
+def _path(row: Mapping[str, Any], beads: slice) -> Path | None:
+    doubt, end = row[TRUTH + "path"][:2]
+    if np.isnan(end):
+        return None
+    events = row[TRUTH + "events"].reshape(-1, 4)
+    known = [Event(int(i), bool(closes), time, speed) for i, closes, time, speed in events.tolist() if not np.isnan(i)]
+    return Path(row[TRUTH + "position"][beads], float(doubt), float(end), tuple(known))
 
 
 def _verdict(row: Mapping[str, Any], family: str, seed: int) -> Entry:
@@ -64,5 +89,5 @@ def _verdict(row: Mapping[str, Any], family: str, seed: int) -> Entry:
     codes = [CODES[int(code)] for code in entry["warnings"] if not np.isnan(code)]
     told = {"verdict": VERDICTS[int(entry["verdict"])].value, "truth": SOURCES[int(entry["truth"])], "warnings": codes}
     numbers = {name: value.item() for name, value in entry.items() if name not in told}
-    numbers |= {"slow": bool(numbers["slow"]), "steps": int(numbers["steps"])}
+    numbers |= {"slow": bool(numbers["slow"]), "path": bool(numbers["path"]), "steps": int(numbers["steps"])}
     return {"family": family, "seed": seed, **{name: (told | numbers)[name] for name in entry}}

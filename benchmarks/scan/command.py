@@ -155,6 +155,8 @@ def _report(entries: list[Entry], families: Iterable[str], title: str) -> Report
     notes = [
         f"within: error of final velocities up to {PROMISE:g} tolerances; stated: within the error that the run states, or "
         "the run warns; silent: beyond both; unknown: the truth is known less well",
+        f"positions and contact times are judged in {sum(one['path'] for one in entries)} of the chains: errors up to "
+        f"{PROMISE:g} tolerances times the duration are within; errors of contact times count times the rate of the overlap",
         "truth: two fine runs that `conserving` confirms, else the reference in extended precision, for laws of one's own method "
         "`scipy`, else the median and spread of fine runs, else those of runs of `conserving`: "
         + ", ".join(f"{count} by {source}" for source, count in sources.items()),

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import BarycentricInterpolator
+from scipy.optimize import brentq
 from softcradle.physics.chain import Chain
 from softcradle.physics.reference.spans import Span
 from softcradle.physics.state import State
@@ -42,21 +44,36 @@ class ReferenceGaveUpError(Exception):
     """The reference has not reached the end within its steps."""
 
 
+class Event(NamedTuple):
+    """A contact begins or ceases to overlap."""
+
+    contact: int
+    closes: bool
+    time: float  # [s]
+    speed: float  # [m/s] rate of the overlap then, without sign
+
+
 @dataclass(frozen=True)
 class ReferenceEnd:
     """Where a chain ends, with what is known of the error.
 
     Attributes:
         velocity: (n+1,) final velocities [m/s].
+        position: (n+1,) final positions [m].
+        events: every closing and opening of a contact, in order of time; without those of couplers.
         time: of the end [s].
         error: [m/s] largest difference of a velocity from that of a run with fewer stages and a tenfold tolerance, and the
             tolerance of the finer run.
+        position_error: [m] the same of the positions.
         steps: of both runs.
     """
 
     velocity: NDArray[np.float64]
+    position: NDArray[np.float64]
+    events: list[Event]
     time: float
     error: float
+    position_error: float
     steps: int
 
 
@@ -79,7 +96,12 @@ def reference_end(
     coarse.until(float(fine.time) if duration is None else duration)
     apart = float(np.abs(fine.point.velocity - coarse.point.velocity).max())
     error = apart + tolerance * fine.speed
-    return ReferenceEnd(fine.point.velocity.astype(np.float64), float(fine.time), error, fine.steps + coarse.steps)
+    late = fine.time - coarse.time
+    shift = float(np.abs(fine.position - coarse.position - late * coarse.point.velocity).max())
+    return ReferenceEnd(
+        fine.point.velocity.astype(np.float64), fine.position.astype(np.float64), fine.events, float(fine.time), error,
+        shift + tolerance * fine.speed * float(fine.time), fine.steps + coarse.steps,
+    )  # fmt: skip
 
 
 @dataclass
@@ -101,6 +123,8 @@ class ExtendedRun:
     time: Extended = field(init=False)
     point: Point = field(init=False)
     steps: int = field(init=False, default=0)
+    position: Array = field(init=False)
+    events: list[Event] = field(init=False, default_factory=list)
 
     def __post_init__(self) -> None:
         chain, state = self.chain, self.state
@@ -109,6 +133,7 @@ class ExtendedRun:
         self.rows = self._rows(state.time)
         self.time = Extended(state.time)
         self.point = _first_point(self.rows, chain, state)
+        self.position = state.position(chain).astype(Extended)
         rows = self.rows
         if chain.forces:
             strongest = max(chain.drives, key=lambda force: float(np.abs(force).max()))
@@ -253,10 +278,34 @@ class ExtendedRun:
 
     def _take(self, stages: Point, h: Extended, rows: Rows) -> None:
         before, self.point = self.point, stages.last()
+        used = tableau(stages.velocity.shape[0])
+        self.position = self.position + h * (used.once[-1] @ stages.velocity)
+        self._note_events(before, stages, h, used)
         if rows is not self.rows:
             self.rows = self._rows(self.time + h)
         self._round_to_rest(before)
         self.time = self.time + h
+
+    def _note_events(self, before: Point, stages: Point, h: Extended, used: Tableau) -> None:
+        """Note the contacts whose overlap changes its sign in a step, at the root of the polynomial through its nodes."""
+        if not self.rows.single:
+            return
+        changed = np.flatnonzero((before.overlap > 0.0) != (stages.overlap[-1] > 0.0))
+        found = []
+        for i in changed.tolist():
+            node = np.append(0.0, used.node.astype(np.float64))
+            overlap, rate = (
+                np.append(first[i], later[:, i]).astype(np.float64)
+                for first, later in ((before.overlap, stages.overlap), (before.rate, stages.rate))
+            )
+            part = 0.0  # a contact that touches at first closes then
+            if overlap[0] != 0.0 != overlap[-1]:
+                part = brentq(BarycentricInterpolator(node, overlap), 0.0, 1.0, xtol=1e-14)
+            elif overlap[-1] == 0.0:
+                part = 1.0
+            speed = abs(float(BarycentricInterpolator(node, rate)(part)))
+            found.append(Event(i, bool(overlap[-1] > 0.0), float(self.time + h * part), speed))
+        self.events += sorted(found, key=lambda event: event.time)
 
     def _round_to_rest(self, before: Point) -> None:
         """Set to 0 what is 0 but for round-off: velocities of beads that stick, rates of contacts that touch or are held.

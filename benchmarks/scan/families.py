@@ -315,6 +315,33 @@ def bounded(draw: Draw) -> tuple[Chain, Array, float | None]:
     return chain, velocity, _time(draw, chain, velocity) * float(_log(draw, 1.0, 15.0))
 
 
+def bed_struck(draw: Draw) -> tuple[Chain, Array, float | None]:
+    """Two to four beads on a bed that are struck: exponents from 1 to 4, with gaps, until most beads have come to rest."""
+    n = int(draw.integers(1, 4))
+    law = power_law(float(_log(draw, 0.3, 30.0)), _bed_exponent(draw))
+    gap = np.where(draw.random(n) < 0.5, 0.0, draw.uniform(0.0, 0.1, n))
+    velocity = np.zeros(n + 1)
+    velocity[: int(draw.integers(1, n + 1))] = draw.uniform(0.1, 2.0)
+    chain = Chain(_masses(draw, n, 0.6), law, gap, friction=float(_log(draw, 0.01, 3.0)))
+    return chain, velocity, float(_log(draw, 0.5, 10.0))
+
+
+def bed_pressed(draw: Draw) -> tuple[Chain, Array, float | None]:
+    """Two to four beads that overlap at the start, on a bed that holds some of them; in half of the chains one is fast."""
+    n = int(draw.integers(1, 4))
+    law = power_law(float(_log(draw, 0.3, 30.0)), _bed_exponent(draw))
+    gap = -np.asarray(_log(draw, 0.03, 0.5, n))
+    velocity = np.zeros(n + 1)
+    if draw.random() < 0.5:
+        velocity[int(draw.integers(n + 1))] = draw.uniform(-2.0, 2.0)
+    chain = Chain(_masses(draw, n, 0.6), law, gap, friction=float(_log(draw, 3e-3, 1.0)))
+    return chain, velocity, float(_log(draw, 0.5, 10.0))
+
+
+def _bed_exponent(draw: Draw) -> float:
+    return float(draw.choice([1.0, 1.5, 2.0, 2.5, 3.0, 4.0, draw.uniform(1.0, 4.0)]))
+
+
 FAMILIES: dict[str, Callable[[Draw], tuple[Chain, Array, float | None]]] = {
     "power": power,
     "mixed": mixed,
@@ -331,6 +358,8 @@ FAMILIES: dict[str, Callable[[Draw], tuple[Chain, Array, float | None]]] = {
     "own-laws": own_laws,
     "couplers": couplers,
     "bounded": bounded,
+    "bed-struck": bed_struck,
+    "bed-pressed": bed_pressed,
 }
 
 

@@ -10,6 +10,7 @@ of runs of `conserving`, which is the wider the coarser they are, tells how well
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
@@ -20,8 +21,9 @@ from softcradle.physics.chain import Joint
 from softcradle.physics.methods import refusal_of
 from softcradle.physics.scales import contact_scales
 from softcradle.physics.simulation import solve
+from softcradle.physics.trajectory import Trajectory
 
-from benchmarks.scan.extended_precision import ReferenceGaveUpError, reference_end
+from benchmarks.scan.extended_precision import Event, ReferenceGaveUpError, reference_end
 from benchmarks.scan.families import Motion
 
 Array = NDArray[np.float64]
@@ -49,24 +51,66 @@ FINE_RUNS, REFERENCE, FINE_SPREAD, SPREAD, BY_SCIPY = SOURCES = (
     "fine runs", "reference", "spread of fine runs", "spread", "scipy",
 )  # fmt: skip
 BY_REFERENCE = 20  # every so many-th chain is solved by the reference in any case
+BEDS = (
+    "bed-struck",
+    "bed-pressed",
+)  # families of short rows, of which the reference solves each in a fraction of a second
+# Steps in the longest contact time of the run of `conserving` that confirms the positions of fine runs
+CONFIRMING_PATH = 300
+# Part of the closing speed times the duration: the positions of `conserving` have to be as near to those of fine runs. A bead
+# that is moved by mistake is off by far more, and these steps by far less.
+PATH_CONFIRMED = 1e-3
+# Part of the closing speed: a contact whose overlap changes more slowly closes or opens at a time that is hardly determined
+SLOW_EVENT = 1e-3
+MOST_EVENTS = 30  # of a chain: the first closings and openings are judged, later ones add nothing new
+
+
+@dataclass(frozen=True)
+class Path:
+    """Final positions, and contact times.
+
+    Attributes:
+        position: (n+1,) final positions [m].
+        doubt: [m] how well they are known.
+        end: time [s] of the end.
+        events: the first closings and openings of contacts.
+    """
+
+    position: Array
+    doubt: float
+    end: float
+    events: tuple[Event, ...]
+
+    def at(self, time: float, velocity: Array) -> Array:
+        """Return the positions (n+1,) at `time` [s], after a free flight from or to the end at `velocity` (n+1,) [m/s]."""
+        return self.position + (time - self.end) * velocity
 
 
 @dataclass(frozen=True)
 class Truth:
-    """Final velocities (n+1,) [m/s], how well they are known (n+1,) [m/s], and by what."""
+    """Final velocities (n+1,) [m/s], how well they are known (n+1,) [m/s], by what, and the path if it is known."""
 
     velocity: Array
     doubt: Array
     source: str
+    path: Path | None = None
 
     def as_json(self) -> dict[str, Any]:
-        """As JSON takes it."""
-        return {"velocity": self.velocity.tolist(), "doubt": self.doubt.tolist(), "source": self.source}
+        """Return the truth as values that JSON can hold."""
+        found = {"velocity": self.velocity.tolist(), "doubt": self.doubt.tolist(), "source": self.source}
+        if self.path is None:
+            return found
+        path = {"position": self.path.position.tolist(), "doubt": self.path.doubt, "end": self.path.end}
+        return found | {"path": path | {"events": [list(event) for event in self.path.events]}}
 
     @classmethod
     def from_json(cls, data: dict[str, Any]) -> Truth:
-        """What `as_json` gave."""
-        return cls(np.array(data["velocity"]), np.array(data["doubt"]), data["source"])
+        """Return the Truth that `as_json` wrote."""
+        path = data.get("path")
+        if path is not None:
+            events = tuple(Event(int(i), bool(closes), *rest) for i, closes, *rest in path["events"])
+            path = Path(np.array(path["position"]), path["doubt"], path["end"], events)
+        return cls(np.array(data["velocity"]), np.array(data["doubt"]), data["source"], path)
 
 
 def truth_of(motion: Motion) -> Truth:
@@ -75,7 +119,7 @@ def truth_of(motion: Motion) -> Truth:
     if chain.own_laws:
         return _by_scipy(motion) or _spread(motion)
     adaptive = not any(refusal_of(method, chain) for method in FINE)
-    fine = _fine(motion) if adaptive and motion.seed % BY_REFERENCE else None
+    fine = _fine(motion) if adaptive and motion.seed % BY_REFERENCE and motion.family not in BEDS else None
     if fine is not None:
         return fine
     most_steps = max(LEAST_STEPS, min(STEPS_AND_SQUARE // beads**2, MOST_STEPS_OF_REFERENCE))
@@ -83,7 +127,8 @@ def truth_of(motion: Motion) -> Truth:
         found = reference_end(chain, motion.velocity, motion.duration, TOLERANCE, most_steps)
     except ReferenceGaveUpError:
         return (_fine_spread(motion) if adaptive else _by_scipy(motion)) or _spread(motion)
-    return Truth(found.velocity, np.full(beads, found.error), REFERENCE)
+    path = Path(found.position, found.position_error, found.time, tuple(found.events[:MOST_EVENTS]))
+    return Truth(found.velocity, np.full(beads, found.error), REFERENCE, path if not chain.couplers else None)
 
 
 def _by_scipy(motion: Motion) -> Truth | None:
@@ -99,19 +144,84 @@ def _by_scipy(motion: Motion) -> Truth | None:
 
 def _fine(motion: Motion) -> Truth | None:
     """The end of two fine runs, if they agree and `conserving` confirms them."""
-    ends, last = [], 0.0
-    for method, tolerance in FINE.items():
-        found = solve(motion.chain, motion.velocity, motion.duration, method, samples=2, tolerance=tolerance)
-        if found.warnings:
-            return None
-        ends.append(found.final_velocity)
-        last = float(found.time[-1])
+    runs = _fine_runs(motion)
+    if any(found.warnings for found in runs):
+        return None
+    ends, last = [found.final_velocity for found in runs], float(runs[-1].time[-1])
     apart = np.abs(ends[0] - ends[1])
     coarse = _conserving(motion, CONFIRMING, last)
     allowed = max(CONFIRMED * float(np.ptp(coarse, axis=0).max()), CONFIRMED_AT_LEAST * motion.speed)
     if apart.max() > AGREEMENT * motion.speed or np.abs(coarse - ends[1]).max() > allowed:
         return None
-    return Truth(ends[1], apart + min(FINE.values()) * motion.speed, FINE_RUNS)
+    return Truth(ends[1], apart + min(FINE.values()) * motion.speed, FINE_RUNS, _path(motion, *runs))
+
+
+def _fine_runs(motion: Motion) -> list[Trajectory]:
+    return [
+        solve(motion.chain, motion.velocity, motion.duration, method, samples=2, tolerance=tolerance)
+        for method, tolerance in FINE.items()
+    ]
+
+
+def with_path(motion: Motion, truth: Truth) -> Truth:
+    """Return the truth with the path of fine runs, if they end at its velocities and `conserving` confirms their positions."""
+    if truth.source != FINE_RUNS:
+        return truth
+    runs = _fine_runs(motion)
+    apart = max(np.abs(found.final_velocity - truth.velocity).max() for found in runs)
+    return truth if apart > AGREEMENT * motion.speed else replace(truth, path=_path(motion, *runs))
+
+
+def _path(motion: Motion, other: Trajectory, finest: Trajectory) -> Path | None:
+    """Return the path of the finest of two fine runs, or None if `conserving` ends elsewhere."""
+    end, velocity = float(finest.time[-1]), finest.final_velocity
+    length = motion.speed * end
+    step = max(float(np.median(contact_scales(motion.chain, motion.velocity)[1])) / CONFIRMING_PATH, end / MOST_STEPS)
+    coarse = solve(motion.chain, motion.velocity, end, "conserving", step, samples=2)
+    if np.abs(coarse.position[-1] - finest.position[-1]).max() > PATH_CONFIRMED * length:
+        return None
+    late = float(other.time[-1]) - end
+    doubt = np.abs(other.position[-1] - late * velocity - finest.position[-1]).max() + min(FINE.values()) * length
+    return Path(finest.position[-1], float(doubt), end, _events(motion, other, finest))
+
+
+def _events(motion: Motion, other: Trajectory, finest: Trajectory) -> tuple[Event, ...]:
+    """Return the first contact times of a run that another one has as well, with the rates of the overlaps then."""
+    times = sorted(_switches(finest), key=lambda switch: switch[2])[:MOST_EVENTS]
+    if motion.chain.couplers or not times:
+        return ()
+    at = np.clip([time for *_, time in times], 0.0, finest.time[-1])
+    at = np.where((at > 0.0) & (at < 1e-30), 0.0, at)
+    tolerance = min(FINE.values())
+    sampled = solve(motion.chain, motion.velocity, float(finest.time[-1]), "accurate", None, at, tolerance)
+    found = []
+    for (contact, closes, time), rates in zip(times, sampled.rate, strict=True):
+        event = Event(contact, closes, time, abs(float(rates[contact])))
+        if off_by(event, other, motion.speed) <= AGREEMENT * motion.speed * time:
+            found.append(event)
+    return tuple(found)
+
+
+def _switches(found: Trajectory) -> list[tuple[int, bool, float]]:
+    """Return (contact, closes, time [s]) of all switches of contacts."""
+    return [
+        (i, closes, time)
+        for i, intervals in enumerate(found.contact_intervals)
+        for interval in intervals
+        for closes, time in zip((True, False), interval, strict=True)
+        if math.isfinite(time)
+    ]
+
+
+def off_by(event: Event, found: Trajectory, speed: float) -> float:
+    """Return the distance [m] for which a run misses the time of an event: the time times the rate of the overlap then.
+
+    0 if that rate is too small for the time to be determined. inf if the contact never switches so in the run.
+    """
+    if event.speed < SLOW_EVENT * speed:
+        return 0.0
+    times = [interval[0 if event.closes else 1] for interval in found.contact_intervals[event.contact]]
+    return event.speed * min((abs(time - event.time) for time in times), default=math.inf)
 
 
 def _fine_spread(motion: Motion) -> Truth | None:

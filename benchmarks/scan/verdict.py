@@ -11,7 +11,7 @@ from softcradle.physics.simulation import solve
 from softcradle.physics.trajectory import Trajectory
 
 from benchmarks.scan.families import Motion
-from benchmarks.scan.truth import FINE_SPREAD, Truth
+from benchmarks.scan.truth import FINE_SPREAD, Path, Truth, off_by
 
 PROMISE = 10.0  # tolerances: an error below this is within
 SLOW = 1.0  # [s]
@@ -33,17 +33,46 @@ def judge(motion: Motion, truth: Truth, method: str, tolerance: float) -> dict[s
     found = solve(motion.chain, motion.velocity, motion.duration, method, samples=2, tolerance=tolerance)
     seconds = perf_counter() - began
     apart = np.abs(found.final_velocity - truth.velocity)
+    verdict = _verdict(found, apart, truth, PROMISE * tolerance * motion.speed)
+    shift, late = _path_errors(motion, truth, found)
+    if truth.path is not None and verdict in (RunVerdict.WITHIN, RunVerdict.STATED):
+        allowed = PROMISE * tolerance * motion.speed * truth.path.end
+        verdict = max(verdict, _path_verdict(found, max(shift, late), truth.path, allowed), key=list(RunVerdict).index)
     return {
-        "verdict": _verdict(found, apart, truth, PROMISE * tolerance * motion.speed).value,
+        "verdict": verdict.value,
         "error": float(apart.max()),
         "doubt": float(truth.doubt.max()),
         "stated": float(found.velocity_error.max()),
+        "shift": shift,
+        "late": late,
+        "position_error": float(found.position_error[-1]),
+        "path": truth.path is not None,
         "warnings": [warning.code.value for warning in found.warnings],
         "seconds": seconds,
         "slow": seconds > SLOW,
         "steps": found.steps,
         "truth": truth.source,
     }
+
+
+def _path_errors(motion: Motion, truth: Truth, found: Trajectory) -> tuple[float, float]:
+    """Return the errors [m] of final positions, and of contact times as distances; 0 if the path is not known."""
+    path = truth.path
+    if path is None or found.status.gave_up:
+        return 0.0, 0.0
+    shift = float(np.abs(found.position[-1] - path.at(float(found.time[-1]), truth.velocity)).max())
+    late = max((off_by(event, found, motion.speed) for event in path.events), default=0.0)
+    return shift, late
+
+
+def _path_verdict(found: Trajectory, error: float, path: Path, allowed: float) -> RunVerdict:
+    """Return the verdict on positions and contact times, which are off by `error` [m]; `allowed` [m] is guaranteed."""
+    if error <= allowed + min(path.doubt, allowed):
+        return RunVerdict.WITHIN
+    bound = float(np.fmax(found.position_error[-1], allowed))
+    if found.warnings or error <= bound + min(path.doubt, bound):
+        return RunVerdict.STATED
+    return RunVerdict.SILENT if error > bound + path.doubt else RunVerdict.UNKNOWN
 
 
 def _verdict(found: Trajectory, apart: np.ndarray, truth: Truth, allowed: float) -> RunVerdict:

@@ -18,9 +18,9 @@ from benchmarks.json_lines import lines
 from benchmarks.scan import chain_points, verdict
 from benchmarks.scan import command as scan
 from benchmarks.scan.collocation import EPSILON, Extended, tableau
-from benchmarks.scan.extended_precision import ReferenceGaveUpError, reference_end
+from benchmarks.scan.extended_precision import Event, ReferenceGaveUpError, reference_end
 from benchmarks.scan.families import FAMILIES, Motion, motion
-from benchmarks.scan.truth import Truth, truth_of
+from benchmarks.scan.truth import MOST_EVENTS, Path, Truth, truth_of, with_path
 from tests.helpers.truth import ELASTIC, GEARS
 
 pytestmark = pytest.mark.slow
@@ -84,6 +84,55 @@ def test_verdicts(monkeypatch):
     for source, expected in (("spread", "unknown"), ("spread of fine runs", "silent")):
         truth = Truth(TRUTH.velocity, np.full(5, 1e-2), source)
         assert judged(monkeypatch, 1e-3, truth, velocity_error=np.full(5, 1e-7))["verdict"] == expected
+
+
+@pytest.mark.parametrize(
+    ("shift", "late", "doubt", "expected"),
+    [
+        (0.0, 0.0, 1e-10, "within"), (1e-6, 1e-6, 1e-10, "within"), (1e-3, 0.0, 1e-10, "silent"),
+        (0.0, 1e-3, 1e-10, "silent"), (1e-3, 0.0, 1e-2, "unknown"),
+    ],
+)  # fmt: skip
+def test_positions_and_contact_times_are_judged(monkeypatch, shift, late, doubt, expected):
+    run = simulate(PAPER.chain, PAPER.velocity, samples=2, tolerance=1e-9)
+    opens = Event(0, False, run.contact_intervals[0][0][1] + late, 0.5)
+    truth = replace(TRUTH, path=Path(run.position[-1] + shift, doubt, float(run.time[-1]), (opens,)))
+    assert judged(monkeypatch, 0.0, truth)["verdict"] == expected
+
+
+def test_a_contact_that_does_not_open_in_the_run_is_an_error(monkeypatch):
+    run = simulate(PAPER.chain, PAPER.velocity, samples=2, tolerance=1e-9)
+    path = Path(run.position[-1], 1e-10, float(run.time[-1]), (Event(0, False, 1.0, 0.5),))
+    closed = replace(run, contact_intervals=(((0.0, math.inf),),) * 4)
+    monkeypatch.setattr(verdict, "solve", lambda *_, **__: closed)
+    assert verdict.judge(PAPER, replace(TRUTH, path=path), "accurate", 1e-6)["verdict"] == "silent"
+
+
+def test_the_path_of_fine_runs_is_that_of_the_reference():
+    for seed in (1, 2, 3):
+        chosen = motion("bed-struck", seed)
+        exact = truth_of(chosen)
+        assert exact.source == "reference"
+        fine = with_path(chosen, replace(exact, source="fine runs", path=None))
+        assert fine.path.position == pytest.approx(exact.path.position, abs=1e-9)
+        known = {(event.contact, event.closes, round(event.time, 7)) for event in fine.path.events}
+        fast = [event for event in exact.path.events[:MOST_EVENTS] if event.speed > 0.01]
+        assert fast
+        assert {(event.contact, event.closes, round(event.time, 7)) for event in fast} <= known
+        again = Truth.from_json(json.loads(json.dumps(exact.as_json())))
+        assert again.path.events == exact.path.events
+
+
+def test_the_reference_knows_positions_and_contact_times_on_a_bed():
+    """A bead slides 0.1 m to the next one, and both to rest; closed forms."""
+    brake, far = 0.05 * 9.80665, Chain([2.0, 1.0], hertz(1.0), gap=0.1, friction=0.05)
+    found = reference_end(far, [1.5, 0.0], 0.5, 1e-12)
+    assert found.events[0].time == pytest.approx((1.5 - math.sqrt(1.5**2 - 0.2 * brake)) / brake, rel=1e-12)
+    assert found.events[0].speed == pytest.approx(math.sqrt(1.5**2 - 0.2 * brake), rel=1e-12)
+    assert found.events[0].closes
+    alone = reference_end(replace(far, gap=(50.0,)), [1.5, 0.0], 5.0, 1e-12)
+    assert alone.position.tolist() == pytest.approx([1.5**2 / (2.0 * brake), 50.0], abs=1e-11)
+    assert alone.events == []
 
 
 def test_a_scan_that_is_stopped_goes_on_and_what_is_judged_is_kept(tmp_path, capsys, monkeypatch):
