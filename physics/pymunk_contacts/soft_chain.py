@@ -108,6 +108,8 @@ class SoftChain:
         Distance > 0 [m] of the centres of two bodies that just touch: one for all or n.
     method : str, optional
         "conserving", the only one so far.
+    touching_distances : float or array_like, optional
+        Former name of `touching_distance`.
 
     Raises
     ------
@@ -143,9 +145,13 @@ class SoftChain:
         self,
         bodies: Sequence[pymunk.Body],
         contact: Contact | Sequence[Contact],
-        touching_distance: ArrayLike,
+        touching_distance: ArrayLike | None = None,
         method: str = "conserving",
+        *,
+        touching_distances: ArrayLike | None = None,
     ) -> None:
+        if (touching_distance is None) == (touching_distances is None):
+            raise ValueError("a SoftChain needs its touching_distance: one for all contacts or one for each")
         if method not in CHAIN_METHODS:
             raise ValueError(f"method of a SoftChain must be one of {', '.join(CHAIN_METHODS)}, not {shown(method)}")
         require_kind("bodies", bodies, Sequence)
@@ -172,7 +178,7 @@ class SoftChain:
         self._fastest = 0.0  # speed of the fastest blow so far [m/s]
         self._unread: list[float | None] = [None] * n  # forces of the step under way that pymunk has not read yet
         self.contact = contact
-        self.touching_distance = touching_distance
+        self.touching_distance = touching_distance if touching_distances is None else touching_distances  # type: ignore[assignment]
         self._links = tuple(_Link.between(self, i) for i in range(n))
 
     @classmethod

@@ -413,3 +413,11 @@ def test_no_compiled_callback_is_lost_to_deep_contacts():
         run(space, 1e-2, 400)
         ends.append((*a.position, *a.velocity, *b.velocity))
     assert ends[0] == ends[1]
+
+
+def test_both_names_of_the_touching_distance_are_accepted():
+    bodies = [pymunk.Body(1, 1), pymunk.Body(1, 1)]
+    for name in ("touching_distance", "touching_distances"):
+        assert SoftChain(bodies, hertz(1.0), **{name: 2.0}).touching_distance.tolist() == [2.0]
+    with pytest.raises(ValueError, match="needs its touching_distance"):
+        SoftChain(bodies, hertz(1.0))
