@@ -1,4 +1,5 @@
-"""Drawing: a scene, the motions of its lanes and a row of them in, pixels out; it knows of no window, film or clock.
+"""Drawing of scenes: take a scene, the motions of its lanes and the number of a sample, and draw a picture. This
+package does not depend on the window, on films or on a clock.
 
 motions = [motion_of(trajectory) for trajectory in trajectories]  # one for each lane
 Picture(scene, motions, surface.get_size()).paint(surface, row)

@@ -1,4 +1,4 @@
-"""Axes of curves: the vertical axis with its places and ticks, and the painter of title, labels and names that charts share."""
+"""Axes of charts: a vertical axis with its ticks, and the code that writes titles, tick labels and names of curves."""
 
 import math
 from collections.abc import Sequence
@@ -12,23 +12,24 @@ from softcradle.sandbox.draw.supersampling import draw_marker
 from softcradle.sandbox.draw.text import shortened, width, write
 from softcradle.sandbox.motion import Array
 
-TEXT = 13.0  # design pixels of what is written
-LINE = 14.0  # design pixels between labels, and between names
-MARKER_RADIUS = 3.6  # design pixels
-LEADER = 9.0  # design pixels, the width of the line from a curve to its name
-OVERHANG = 40.0  # design pixels by which a title may be longer than the axes: the next axis has its numbers there
+TEXT = 13.0  # Size of all text of a chart [design pixels].
+LINE = 14.0  # Smallest distance between tick labels, and between names of curves [design pixels].
+MARKER_RADIUS = 3.6  # Radius of a marker [design pixels].
+LEADER = 9.0  # Width of the line that leads from a curve to its name [design pixels].
+# Length by which a title may be wider than the axes [design pixels]. The tick labels of the next chart begin there.
+OVERHANG = 40.0
 
 
 @dataclass(frozen=True)
 class VerticalAxis:
-    """A vertical axis.
+    """Vertical axis of a chart.
 
     Attributes:
-        title: above it.
-        low, high: its ends; exponents of ten where it is logarithmic.
-        ticks: (place, label) of each tick.
-        logarithmic: whether it shows the logarithm of values.
-        size, prefix: of the unit in which its numbers are written: 1e3, "k" for kN.
+        title: text above the axis.
+        low, high: values at the ends of the axis; exponents of ten if the axis is logarithmic.
+        ticks: (value, label) of each tick.
+        logarithmic: True if the axis shows the decimal logarithm of values.
+        size, prefix: size and prefix of the unit in which the tick labels are written: 1e3 and "k" for kN.
     """
 
     title: str
@@ -40,7 +41,11 @@ class VerticalAxis:
     prefix: str = ""
 
     def on(self, values: Array) -> Array:
-        """Places of `values` on the axis. On a logarithmic axis, values too small for it are one decade below its lower end."""
+        """Return the coordinates of `values` on the axis.
+
+        On a logarithmic axis they are decimal logarithms. Values below the axis, 0 included, are put one decade below
+        its lower end.
+        """
         if not self.logarithmic:
             return values
         logarithms: Array = np.log10(np.maximum(values, 10.0 ** (self.low - 1.0)))
@@ -48,9 +53,9 @@ class VerticalAxis:
 
 
 def ticks_apart(ticks: Sequence[tuple[float, str]], scale: float, gap: float) -> list[tuple[float, str]]:
-    """Every so many of evenly spaced ticks that they are `gap` pixels apart at `scale` pixels a unit; 0 stays among them.
+    """Return every k-th of evenly spaced ticks, with the smallest k that keeps them `gap` pixels apart.
 
-    The scale of an axis that runs down is negative.
+    `scale` is the number of pixels per unit; it is negative for an axis that points down. The tick at 0 is kept.
     """
     if len(ticks) < 2:
         return list(ticks)
@@ -60,28 +65,30 @@ def ticks_apart(ticks: Sequence[tuple[float, str]], scale: float, gap: float) ->
 
 
 def linear_axis(title: str, low: float, high: float) -> VerticalAxis:
-    """Return an axis from `low` to `high` with round ticks. Large numbers are written in a larger unit, which the title names."""
+    """Return an axis from `low` to `high` with round ticks. Large numbers are written in a larger unit, which the title
+    names.
+    """
     size, prefix = axis_prefix(max(abs(low), abs(high)))
     marks = tuple((value * size, text) for value, text in ticks(low / size, high / size, 5))
     return VerticalAxis(with_prefix(title, prefix), low, high, marks, size=size, prefix=prefix)
 
 
 def decade_axis(title: str, low: int, high: int) -> VerticalAxis:
-    """An axis of powers of ten."""
+    """Return a logarithmic axis from 10**`low` to 10**`high`."""
     return VerticalAxis(title, float(low), float(high), tuple(decades(low, high, 5)), True)
 
 
 class Axes:
-    """The axes of one chart.
+    """Axes of one chart.
 
     Arguments:
-        rect: of the whole chart; pixels.
-        unit: pixels that a pixel of the design is.
+        rect: rectangle of the whole chart [pixels].
+        unit: pixels per design pixel.
         axis: the vertical axis.
-        margins: left, right, top and bottom of the axes [design pixels].
+        margins: distances of the axes from the left, right, top and bottom edge of `rect` [design pixels].
 
     Attributes:
-        area: the rectangle inside the axes.
+        area: the rectangle inside the axes [pixels].
     """
 
     def __init__(
@@ -93,12 +100,14 @@ class Axes:
         self.area = pygame.Rect((rect.left + left, rect.top + top), size)
 
     def y(self, place: Array) -> Array:
-        """Pixel of a place on the axis, from the top of the axes; places beyond its ends are put just outside."""
+        """Return the distance [pixels] of a coordinate from the top of the axes; coordinates beyond the axis are put
+        just outside.
+        """
         share = np.clip((place - self.axis.low) / (self.axis.high - self.axis.low), -0.1, 1.1)
         return (self.area.height - 1) * (1.0 - share)
 
     def levels(self) -> list[tuple[int, Colour]]:
-        """Pixel and colour of the line at each tick of the vertical axis."""
+        """Return the vertical position [pixels] and the colour of the grid line at each tick of the vertical axis."""
         zero = tones.grid if self.axis.logarithmic else tones.faint
         return [
             (round(float(self.y(np.array(place)))), zero if place == 0.0 else tones.grid)
@@ -106,16 +115,16 @@ class Axes:
         ]
 
     def title_room(self) -> float:
-        """How wide a title may be; pixels."""
+        """Return the largest width [pixels] of a title."""
         return self.area.width + OVERHANG * self.unit
 
     def write_title(self, surface: pygame.Surface, title: str) -> None:
-        """Write what is shown above the axes."""
+        """Write the title of the chart above the axes."""
         size, place = TEXT * self.unit, (self.area.left, self.area.top - 4 * self.unit)
         write(surface, shortened(title, size, self.title_room()), place, size, tones.foreground, align=(0, 1))
 
     def write_down(self, surface: pygame.Surface) -> list[float]:
-        """Write the labels of the vertical axis; returns their pixels."""
+        """Write the labels of the vertical axis and return their vertical positions [pixels]."""
         unit, area = self.unit, self.area
         apart = ticks_apart(self.axis.ticks, area.height / (self.axis.high - self.axis.low), LINE * unit)
         places = [(area.top + float(self.y(np.array(value))), text) for value, text in apart]
@@ -125,7 +134,9 @@ class Axes:
         return [y for y, _text in shown]
 
     def write_across(self, surface: pygame.Surface, labels: Sequence[tuple[float, str]], name: str, end: int) -> None:
-        """Write the labels of the horizontal axis at their pixels, and its name, which ends at the pixel `end`."""
+        """Write the labels of the horizontal axis at their pixels, and the name of the axis so that it ends at the
+        pixel `end`.
+        """
         unit, area, size = self.unit, self.area, TEXT * self.unit
         room = end - width(name, size) - 8 * unit
         for x, text in labels:
@@ -142,9 +153,10 @@ class Axes:
         names: Sequence[str],
         colours: Sequence[Colour],
     ) -> None:
-        """Write a name and a marker at pixel `x` for each of `heights`, moved apart; names without room are left out.
+        """Write the name and the marker of each curve at pixel `x`, at the `heights` of the curves.
 
-        A line leads from a curve to a name that was moved away from it.
+        Names that would overlap are moved apart, and a line leads from the curve to a moved name. Names that do not fit
+        are omitted.
         """
         unit, written = self.unit, -math.inf
         places = spread(list(heights), LINE * unit, 2.0 * unit, self.area.height - 4.0 * unit)
@@ -158,7 +170,9 @@ class Axes:
                 write(surface, names[k], place, TEXT * unit, tones.foreground, align=(0, 0.5))
 
     def mark(self, surface: pygame.Surface, x: float, heights: Sequence[float], colours: Sequence[Colour]) -> None:
-        """A marker at each of the `heights` on the axes, the first on top."""
+        """Draw a marker at pixel `x` for each of `heights` (pixels below the top of the axes); the first marker is on
+        top.
+        """
         for k in range(len(heights) - 1, -1, -1):
             if 0.0 <= heights[k] <= self.area.height:
                 centre = (x + 0.5, self.area.top + heights[k] + 0.5)

@@ -1,4 +1,4 @@
-"""Sprites of a bead, of a draft gear (cylinder and piston) and of a wall."""
+"""Sprites of a bead, of a draft gear (cylinder and piston), of a wall and of the number of a bead."""
 
 import math
 
@@ -9,18 +9,21 @@ from softcradle.sandbox.draw.supersampling import SUBPIXELS, Sprites, make_sprit
 from softcradle.sandbox.draw.surfaces import cached_surfaces
 from softcradle.sandbox.draw.text import write
 
-BEAD_OPACITY = 212  # of 255: where two beads overlap, both outlines show and the lens between them is darker
-PLATE_LENGTH = 0.055  # of a draft gear's length: the plate at the end of its piston
+# Opacity of a bead, of 255. Two overlapping beads show both outlines and a darker lens between them.
+BEAD_OPACITY = 212
+PLATE_LENGTH = 0.055  # Thickness of the plate at the end of a piston, as a fraction of the length of the draft gear.
 
 
 def outline_colour(colour: Colour) -> Colour:
-    """Colour of the outline of a body with that `colour`."""
+    """Return the colour of the outline of a body that is filled with `colour`."""
     return mix(colour, (0, 0, 0), 0.35)
 
 
 @cached_surfaces(24)
 def bead_sprite(diameter: float, colour: Colour, core: float) -> Sprites:
-    """A disc with a dark core; `core` (0 to 1) is the radius of the core, which shows the bead's share of the greatest mass."""
+    """Draw a disc with a dark core of radius `core`, relative to the disc (0 to 1). The core shows the mass of the
+    bead.
+    """
     side = math.ceil(diameter)
 
     def paint(fine: pygame.Surface, shift: float) -> None:
@@ -36,7 +39,7 @@ def bead_sprite(diameter: float, colour: Colour, core: float) -> Sprites:
 
 @cached_surfaces(16)
 def cylinder_sprite(length: float, height: float, colour: Colour) -> Sprites:
-    """The cylinder of a draft gear with its annular head on the right."""
+    """Draw the cylinder of a draft gear, with its annular head on the right."""
     wide, tall = CYLINDER_LENGTH * length, CYLINDER_HEIGHT * height
 
     def paint(fine: pygame.Surface, shift: float) -> None:
@@ -53,7 +56,9 @@ def cylinder_sprite(length: float, height: float, colour: Colour) -> Sprites:
 
 @cached_surfaces(6)
 def piston_sprite(length: float, height: float) -> Sprites:
-    """Rod and plate of a draft gear. The right edge is the face of the plate; the cylinder covers the left part."""
+    """Draw the rod and the plate of a draft gear. The plate is at the right edge; the cylinder later covers the left
+    part.
+    """
     wide, tall = 0.5 * length, 0.44 * height
 
     def paint(fine: pygame.Surface, shift: float) -> None:
@@ -69,7 +74,7 @@ def piston_sprite(length: float, height: float) -> Sprites:
 
 @cached_surfaces(4)
 def wall_sprite(length: float, height: float) -> Sprites:
-    """A hatched block."""
+    """Draw a wall as a hatched block."""
 
     def paint(fine: pygame.Surface, shift: float) -> None:
         block = pygame.Rect(round(shift), 0, round(length * SUBPIXELS), round(height * SUBPIXELS))
@@ -86,7 +91,10 @@ def wall_sprite(length: float, height: float) -> Sprites:
 
 @cached_surfaces(4)
 def number_sprite(label: str, size: float, colour: Colour) -> Sprites:
-    """The number of a bead on a square of three times `size` [pixels]; a sprite of its own, drawn above all bodies."""
+    """Draw the number of a bead on a transparent square with sides of 3 * `size` pixels.
+
+    Numbers are separate sprites because they are drawn above all bodies.
+    """
     side = math.ceil(3 * size)
 
     def paint(fine: pygame.Surface, shift: float) -> None:

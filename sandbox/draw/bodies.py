@@ -1,4 +1,6 @@
-"""What bodies look like, without drawing them: which contacts are gears, how tall bodies are, which masses are written."""
+"""Appearance of bodies, computed without drawing: which contacts look like draft gears, how tall bodies are, which
+masses are labelled, and where a bar shows the force of a rigid cluster.
+"""
 
 import itertools
 import math
@@ -9,21 +11,26 @@ from softcradle.physics.chain import Joint
 from softcradle.sandbox.draw.number_format import plain
 from softcradle.sandbox.languages import _
 
-CYLINDER_LENGTH = 0.80  # of a draft gear's length; the rest is its piston
-CYLINDER_HEIGHT = 0.66  # of a draft gear's length
-WALL_HEIGHT = 1.2  # of a bead's length
-HEAVY = 1e4  # [kg] masses from here on are written in tonnes
-EQUAL_MASSES = 1.02  # ratio of masses up to which beads look alike and no masses are written
+CYLINDER_LENGTH = 0.80  # Length of the cylinder, relative to the length of the draft gear. The piston takes the rest.
+CYLINDER_HEIGHT = 0.66  # Height of the cylinder, relative to the length of the draft gear.
+WALL_HEIGHT = 1.2  # Height of a wall, relative to the length of a bead.
+HEAVY = 1e4  # Mass [kg] from which all masses of a chain are written in tonnes.
+EQUAL_MASSES = 1.02  # Largest ratio of two masses at which beads look the same and have no mass labels.
 
 
 def is_gear(joint: Joint) -> bool:
-    """Whether the contact is drawn as a piston: a preloaded spring, in a coupler or by itself."""
+    """Return True if the contact is drawn as a piston, because it is a preloaded spring or a coupler that pushes with
+    one.
+    """
     contact = joint.push if isinstance(joint, Coupler) else joint
     return isinstance(contact, Contact) and contact.preload > 0.0 and contact.stiffness > 0.0
 
 
 def solid_force(joint: Joint, force: float) -> float:
-    """Size of the force [N] from which on the gear of a coupler that pushes, or pulls with `force` < 0, is solid; inf: never."""
+    """Return the absolute force [N] above which the draft gear of a coupler is solid; infinity if it never is.
+
+    The sign of `force` selects the gear: the gear that pushes for `force` >= 0, the gear that pulls for `force` < 0.
+    """
     if not isinstance(joint, Coupler) or math.isinf(joint.travel):
         return math.inf
     gear = joint.push if force >= 0.0 else joint.pull
@@ -31,7 +38,9 @@ def solid_force(joint: Joint, force: float) -> float:
 
 
 def body_height(chains: Sequence[Chain]) -> float:
-    """Height of the tallest body in lengths of a bead; that of all lanes, so that they have one scale."""
+    """Return the height of the tallest body of all `chains`, relative to the length of a bead. All lanes use it for
+    their common scale.
+    """
     if any(chain.walls for chain in chains):
         return WALL_HEIGHT
     all_gears = all(is_gear(contact) for chain in chains for contact in chain.contact)
@@ -39,7 +48,7 @@ def body_height(chains: Sequence[Chain]) -> float:
 
 
 def mass_labels(chain: Chain) -> tuple[str, ...]:
-    """A label for each bead where masses differ visibly, else none."""
+    """Return a label with the mass for each bead, or an empty tuple if all masses look the same."""
     finite = [mass for mass in chain.mass if math.isfinite(mass)]
     if max(finite) <= EQUAL_MASSES * min(finite):
         return ()
@@ -47,17 +56,23 @@ def mass_labels(chain: Chain) -> tuple[str, ...]:
     return tuple(f"{plain(mass / size)} {unit}" if math.isfinite(mass) else _("wall") for mass in chain.mass)
 
 
-ALIKE = 1e-6  # of the greatest difference of velocities: neighbours that differ by less go together
-LEAST_GAP = 1e-9  # of a bead's length: neighbours that are nearer touch, for places are sums that round
+# Two neighbours belong to one cluster if their velocities differ by less than this fraction of the largest difference
+# in the chain.
+ALIKE = 1e-6
+# Gap, relative to the length of a bead, below which neighbours count as touching. Positions are sums, so they have
+# rounding errors.
+LEAST_GAP = 1e-9
 
 
 def cluster_ends(overlap: Sequence[float], velocity: Sequence[float], length: float) -> tuple[bool, ...]:
-    """(n,) whether a cluster ends at each contact, before a collision: it is open, or its beads have other velocities.
+    """Return (n,) True for each contact that separates two clusters before a collision.
+
+    A contact separates clusters if it is open, or if its two beads have different velocities.
 
     Arguments:
-        overlap: (n,) [m].
-        velocity: (n+1,) [m/s].
-        length: of a bead [m].
+        overlap: (n,) overlaps [m].
+        velocity: (n+1,) velocities [m/s].
+        length: length of a bead [m].
     """
     differences = [abs(left - right) for left, right in itertools.pairwise(velocity)]
     most = ALIKE * max(differences)
@@ -67,22 +82,28 @@ def cluster_ends(overlap: Sequence[float], velocity: Sequence[float], length: fl
 
 
 def has_marks(ends: Sequence[bool]) -> bool:
-    """Whether there can be marks: a cluster of two beads, and a contact at which it is struck."""
+    """Return True if a bar can have a mark, that is if a cluster has two or more beads and a contact at which it is
+    struck.
+    """
     return len(ends) > 1 and any(ends) and not all(ends)
 
 
 def rigid_forces(
     mass: Sequence[float], ends: Sequence[bool], overlap: Sequence[float], force: Sequence[float], length: float
 ) -> list[float]:
-    """(n,) the force [N] that each contact would have if every cluster were rigid; 0 where clusters end, and beside walls.
+    """Return the (n,) force [N] that each contact would have if every cluster moved as one rigid body.
 
-    A cluster ends at its `ends` and at a contact that is open by now. It moves with one acceleration, so the force at one of
-    its ends is carried on by the share of its mass beyond the contact, Eq. (5); those of both ends add up.
+    A cluster ends at the contacts marked in `ends` and at contacts that are open now; the force there is 0. The force
+    is 0 in a cluster with a wall too.
+
+    A rigid cluster has one acceleration. A contact inside it therefore transmits a share of the force at each end of
+    the cluster. The share is the fraction of the mass of the cluster beyond the contact, Eq. (5). The shares from the
+    two ends add up.
     """
     apart = [end or d < -LEAST_GAP * length for end, d in zip(ends, overlap, strict=True)]
     found = [0.0] * len(force)
     first = 0
-    for last in [*(i for i, end in enumerate(apart) if end), len(force)]:  # beads first to last are one cluster
+    for last in [*(i for i, end in enumerate(apart) if end), len(force)]:  # Beads `first` to `last` form one cluster.
         whole = sum(mass[first : last + 1])
         left = force[first - 1] if first > 0 else 0.0
         right = force[last] if last < len(force) else 0.0
@@ -101,10 +122,10 @@ def visible_marks(
     length: float,
     least: float,
 ) -> list[float]:
-    """Return the forces of :func:`rigid_forces` (n,) that are marked, and 0 for the other contacts.
+    """Return the (n,) forces [N] at which a mark is drawn, from :func:`rigid_forces`; 0 for contacts without a mark.
 
-    Marks are drawn over contacts that carry more than `least` [N]. A mark over a contact that carries nothing, as behind the wave
-    in a row of steel balls, would look like a missing bar.
+    A contact has a mark only if it carries more than `least` [N]. Without a bar, as behind the wave in a row of steel
+    balls, the mark would look like a missing bar.
     """
     rigid = rigid_forces(mass, ends, overlap, force, length)
     return [

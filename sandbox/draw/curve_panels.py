@@ -1,4 +1,4 @@
-"""Panels of curves against time: axes and curves are drawn once, and in each frame the curves up to the cursor appear."""
+"""Panels with curves over time. Axes and curves are drawn once; each frame shows the curves up to the cursor."""
 
 from collections.abc import Sequence
 
@@ -10,20 +10,22 @@ from softcradle.sandbox.draw.palette import Colour, mix, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS, draw_line
 from softcradle.sandbox.motion import Array
 
-MARGINS = 46.0, 44.0, 24.0, 22.0  # design pixels around the axes, for ticks, names, title and times
-LINE_WIDTH = 2.2  # of a curve [design pixels]
-MOST_LABELS = 10  # more curves have neither names nor markers
+# Distances between the axes and the left, right, top and bottom edge of a panel, for labels, names and title [design
+# pixels].
+MARGINS = 46.0, 44.0, 24.0, 22.0
+LINE_WIDTH = 2.2  # Thickness of a curve [design pixels].
+MOST_LABELS = 10  # Largest number of curves that still get names and markers.
 
 
 class Panel(Axes):
-    """One plot: curves against time. The curves are drawn by :meth:`draw_curves` and shown up to the cursor by :meth:`paint`.
+    """Panel with curves over time. :meth:`draw_curves` draws them once, and :meth:`paint` shows them up to the cursor.
 
     Arguments:
-        rect: where it is drawn.
-        unit: pixels of a design pixel.
+        rect: rectangle of the panel [pixels].
+        unit: pixels per design pixel.
         time: ends of the time axis [s].
         axis: the vertical axis.
-        colours, names: of the curves.
+        colours, names: colour and name of each curve.
     """
 
     def __init__(
@@ -42,16 +44,20 @@ class Panel(Axes):
         self.labelled = len(names) <= MOST_LABELS and len(names) * 0.75 * LINE * unit <= self.area.height
 
     def x(self, time: Array | float) -> Array:
-        """Pixel of `time` [s], from the left end of the axes."""
+        """Return the distance [pixels] of `time` [s] from the left end of the axes."""
         share = (np.asarray(time, dtype=np.float64) - self.time[0]) / (self.time[1] - self.time[0])
         return share * (self.area.width - 1)
 
     def draw_curves(self, time: Array, values: Array) -> None:
-        """Draw the curves `values` (T, k) over `time` (T,), of which each frame then shows a part."""
+        """Draw the curves `values` (T, k) over `time` (T,). Each frame later shows a part of this drawing."""
         self.curves = self._drawn(time, values, self.colours)
 
     def backdrop(self, surface: pygame.Surface, time: Array, values: Array, peaks: Array, ahead: float) -> None:
-        """Draw axes, title, names beside the values `peaks` (k,), and all curves as strong as `ahead` (0 to 1)."""
+        """Draw the axes, the title and the names of the curves, and all curves in pale colours.
+
+        Each name is written at the height of the value of its curve in `peaks` (k,). `ahead` (0 to 1) is the strength
+        of the pale colours.
+        """
         pale = [mix(tones.background, colour, ahead) for colour in self.colours]
         surface.blit(self._drawn(time, values, pale if ahead > 0.0 else ()), self.area)
         self.write_title(surface, self.axis.title)
@@ -63,7 +69,7 @@ class Panel(Axes):
             self.write_names(surface, self.area.right + 9 * self.unit, heights, self.names, self.colours)
 
     def paint(self, surface: pygame.Surface, time: float, values: Array) -> None:
-        """Show the curves up to the cursor at `time`, and a marker at each of the `values` (k,) there."""
+        """Show the curves up to the cursor at `time` [s], and a marker at the cursor for each of the `values` (k,)."""
         place = float(self.x(time))
         if not 0.0 <= place <= self.area.width:
             return
@@ -74,7 +80,7 @@ class Panel(Axes):
             self.mark(surface, self.area.left + place, self.y(self.axis.on(values)).tolist(), self.colours)
 
     def _drawn(self, time: Array, values: Array, colours: Sequence[Colour]) -> pygame.Surface:
-        """Grid and curves; the first curve is drawn last and lies above the others."""
+        """Return a surface with the grid and the curves. The first curve is drawn last, so it lies above the others."""
         wide, high = self.area.size
         fine = pygame.Surface((wide * SUBPIXELS, high * SUBPIXELS), 0, 32)
         fine.fill(tones.background)
@@ -97,7 +103,7 @@ class Panel(Axes):
 
 
 def _thinned(across: Array, down: Array) -> list[tuple[float, float]]:
-    """Points of a curve, without those on the same fine pixel as the point before."""
+    """Return the points of a curve without those that fall on the same fine pixel as the point before."""
     moved = np.ones(len(across), dtype=bool)
     moved[1:] = (np.diff(np.floor(across)) != 0.0) | (np.diff(np.floor(down)) != 0.0)
     return list(zip(across[moved].tolist(), down[moved].tolist(), strict=True))

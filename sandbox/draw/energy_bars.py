@@ -1,4 +1,4 @@
-"""The bars of energy and momentum: each bead's part, a total that must not change, and the errors of both as badges."""
+"""Bars of energy and momentum with the part of each bead, and badges with the errors of both totals."""
 
 import math
 from collections.abc import Sequence
@@ -12,30 +12,30 @@ from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.motion import GOOD, Array, Motion, level_of
 
-# Titles of the energy bar, of which the longest that fits is written with a key of its greys, and those of the momentum bar.
+# Titles of the energy bar and of the momentum bar. The longest one that fits is used.
 ENERGY_TITLES = (N_("energy: motion of each bead, stored in contacts"), N_("energy, stored in contacts"), N_("energy"))
-ABSORBED = N_("absorbed")  # by contacts with loss and by the bed
-KEY_WIDTH = 14.0  # design pixels of a colour behind its word
-WORDS_APART = 10.0  # design pixels
+ABSORBED = N_("absorbed")  # Name of the energy that contacts with loss and the bed absorb.
+KEY_WIDTH = 14.0  # Room for the coloured square that follows a word [design pixels].
+WORDS_APART = 10.0  # Distance between two words of a title [design pixels].
 MOMENTUM_TITLES = (
     N_("momentum of each bead; marks: zero and total"),
     N_("momentum; marks: zero, total"),
     N_("momentum"),
 )
 
-Words = Sequence[tuple[str, Colour | None]]  # parts of a title, and the colour in the bar that each names
+Words = Sequence[tuple[str, Colour | None]]  # Parts of a title, each with the colour in the bar that it names, or None.
 
 
 class EnergyBars:
-    """Energy bar, momentum bar and, unless they are shown elsewhere, error badges of one lane.
+    """Energy bar and momentum bar of one lane, with error badges unless the errors are shown elsewhere.
 
     Arguments:
-        rect: where they are drawn.
-        unit: pixels of a design pixel.
-        colours: of the beads.
-        dissipative: whether contacts or the bed absorb energy.
-        scales: the scales of all lanes.
-        badges: whether the errors are shown.
+        rect: rectangle of the bars and badges [pixels].
+        unit: pixels per design pixel.
+        colours: colours of the beads.
+        dissipative: True if contacts or the bed absorb energy.
+        scales: common scales of all lanes.
+        badges: True if the errors are shown.
     """
 
     def __init__(
@@ -55,10 +55,10 @@ class EnergyBars:
         self.bars = [pygame.Rect(round(rect.left + k * (wide + gap)), top, round(wide), height) for k in range(2)]
         self.badges = pygame.Rect(round(rect.right - wide), rect.top, round(wide), rect.height)
         low, high = scales.momentum
-        self.zero = self.bars[1].left - low / (high - low) * self.bars[1].width  # pixel of momentum 0
+        self.zero = self.bars[1].left - low / (high - low) * self.bars[1].width  # Pixel of momentum 0.
 
     def backdrop(self, surface: pygame.Surface) -> None:
-        """Draw titles and empty bars."""
+        """Draw the titles and the empty bars."""
         momentum: list[Words] = [[(_(title), None)] for title in MOMENTUM_TITLES]
         for rect, titles in zip(self.bars, (self._energy_titles(), momentum), strict=True):
             surface.fill(tones.grid, rect)
@@ -66,20 +66,22 @@ class EnergyBars:
             self._title(surface, rect, fitting[0] if fitting else [])
 
     def _energy_titles(self) -> list[Words]:
-        """The longest first; a grey has a name in all of them, or in none."""
+        """Return the possible titles of the energy bar, the longest first. A title explains all grey parts of the bar
+        or none.
+        """
         *long, bare = ENERGY_TITLES
         absorbed = [(_(ABSORBED), tones.muted)] if self.dissipative else []
         titles: list[Words] = [[(_(title), tones.steel), *absorbed] for title in long]
         return [*titles, [(_(bare), None)]]
 
     def _room(self, title: Words) -> float:
-        """Pixels that a title needs."""
+        """Return the width [pixels] of a title."""
         keys = sum(KEY_WIDTH for _word, colour in title if colour is not None)
         words = sum(width(word, 13 * self.unit) for word, _colour in title)
         return words + (keys + WORDS_APART * (len(title) - 1)) * self.unit
 
     def _title(self, surface: pygame.Surface, rect: pygame.Rect, title: Words) -> None:
-        """Write the words above a bar, behind each the colour that it names."""
+        """Write the words of a title above a bar, each followed by a square of the colour that it names."""
         unit, x = self.unit, float(rect.left)
         for word, colour in title:
             x = write(surface, word, (x, rect.top - 3 * unit), 13 * unit, tones.muted, align=(0, 1)).right
@@ -89,7 +91,7 @@ class EnergyBars:
             x += WORDS_APART * unit
 
     def paint(self, surface: pygame.Surface, motion: Motion, row: int) -> None:
-        """Draw energy, momentum and errors at row `row` of `motion`."""
+        """Draw energy, momentum and errors of the sample `row` of `motion`."""
         absorbed = float(motion.absorbed[row]) if motion.absorbed.size else 0.0
         self._energy(surface, motion.kinetic[row], float(motion.stored[row]), absorbed)
         self._momentum(surface, motion.momentum[row])
@@ -97,11 +99,13 @@ class EnergyBars:
             return
         if math.isfinite(motion.energy_error[row]):
             self._badge(surface, 0, _("energy error"), float(motion.energy_error[row]))
-        if not (motion.chain.walls or motion.chain.on_bed):  # walls and the bed take momentum
+        if not (motion.chain.walls or motion.chain.on_bed):  # Walls and the bed exchange momentum with the beads.
             self._badge(surface, 1, _("momentum error"), float(motion.momentum_error[row]))
 
     def _energy(self, surface: pygame.Surface, kinetic: Array, stored: float, absorbed: float) -> None:
-        """From left to right: kinetic energies of the beads, energy stored in contacts, energy absorbed by gears and bed."""
+        """Draw, from left to right, the kinetic energy of each bead, the energy stored in contacts and the absorbed
+        energy.
+        """
         rect, x = self.bars[0], float(self.bars[0].left)
         for value, colour in zip(
             (*kinetic.tolist(), stored, absorbed), (*self.colours, tones.steel, tones.muted), strict=True
@@ -111,7 +115,7 @@ class EnergyBars:
             x += wide
 
     def _momentum(self, surface: pygame.Surface, momentum: Array) -> None:
-        """Momenta to the right are drawn to the right of zero, those to the left to the left of it."""
+        """Draw the momentum of each bead: positive parts to the right of zero, negative parts to the left."""
         rect, (low, high) = self.bars[1], self.scales.momentum
         ends = [self.zero, self.zero]
         for value, colour in zip(momentum.tolist(), self.colours, strict=True):

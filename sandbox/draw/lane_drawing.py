@@ -1,4 +1,4 @@
-"""The drawing of one lane: its beads on the ground, a force bar over each contact, a velocity arrow under each bead."""
+"""Drawing of one lane: the beads on the ground, a force bar over each contact, and an arrow under each bead."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -53,7 +53,7 @@ def _momentum(motion: Motion, row: int, scales: Scales) -> Array:
 
 
 def _force(motion: Motion, row: int, scales: Scales) -> Array:
-    """The force of both contacts of each bead together."""
+    """Return the net force of both contacts of each bead, relative to the end of the force axis (-1 to 1)."""
     force = np.concatenate(([0.0], motion.force[row], [0.0]))
     shares: Array = np.clip(-np.diff(force) / scales.force, -1.0, 1.0)
     return shares
@@ -71,25 +71,26 @@ ARROWS: dict[str, Shares] = {
 }
 
 
-KEY = 26.0  # design pixels of the line with name and key, above the bars
-FORCE_LABEL = 17.0  # design pixels of a force above its bar
-# of the height of the drawing: a bead, and what is left to it where bars need room
+KEY = 26.0  # Height of the line with the name of the lane and the key, above the bars [design pixels].
+FORCE_LABEL = 17.0  # Height of a force label above its bar [design pixels].
+# Height of a bead as a fraction of the height of the drawing: the usual value, and the smallest one, for low drawings.
 TALLEST_BEAD, LEAST_BEAD = 0.40, 0.22
-BAR_LIFT = 8.0  # design pixels from the tops of the beads to the axis of the bars
-LEAST_BAR = 18.0  # design pixels of the highest bar, for which beads give way
-GROUND = 30.0  # design pixels from the ground line to the lower edge of the drawing
-SMALLEST_NUMBER = 8.0  # pixels: lower numbers on beads could not be read and are left out
-MASS_LABEL = 12.0  # design pixels, the size of the masses below beads
-SMALLEST_LABELLED = 26.0  # design pixels: shorter beads have no room for texts beside them
-VISIBLE_FORCE = 0.01  # of the force axis: lower bars have neither a number nor a line for rigid clusters
-ARROW_TONE = 0.35  # share of the foreground in the colour of an arrow: it stands out from the ground in both themes
+BAR_LIFT = 8.0  # Distance between the tops of the beads and the zero line of the bars [design pixels].
+LEAST_BAR = 18.0  # Smallest height of the highest bar [design pixels]. Beads shrink to make room for it.
+GROUND = 30.0  # Distance between the ground line and the lower edge of the drawing [design pixels].
+SMALLEST_NUMBER = 8.0  # Smallest legible height of the numbers on beads [pixels]. Smaller numbers are omitted.
+MASS_LABEL = 12.0  # Size of the masses that are written below beads [design pixels].
+SMALLEST_LABELLED = 26.0  # Smallest length of a bead that has room for text below it [design pixels].
+VISIBLE_FORCE = 0.01  # Fraction of the force axis. Lower bars have neither a force label nor a mark of a rigid cluster.
+# Share of the foreground colour in the colour of an arrow. Arrows stand out from the ground in both themes with it.
+ARROW_TONE = 0.35
 MARKED = N_("if the row were one solid block")
-LEGEND_MARK = 20.0  # design pixels of a mark and the space behind it, before the words
-PULL_RIM = 2.5  # design pixels: the rim of the hollow bar of a force that pulls
+LEGEND_MARK = 20.0  # Width of the sample mark and of the space before its meaning [design pixels].
+PULL_RIM = 2.5  # Thickness of the rim of a hollow bar, which shows a pulling force [design pixels].
 
 
 class DrawnLane(Protocol):
-    """What is drawn of a lane; a Lane of a scene and a live lane of the window have it."""
+    """Lane that can be drawn: a Lane of a scene or a live lane of the window."""
 
     @property
     def label(self) -> str:
@@ -97,32 +98,33 @@ class DrawnLane(Protocol):
 
     @property
     def velocity(self) -> Sequence[float]:
-        """(n+1,) velocities [m/s] at the start, which tell the striking cluster from the struck one."""
+        """The (n+1,) velocities [m/s] at the start. They separate the striking cluster from the struck cluster."""
 
     def chain(self) -> Chain:
-        """The chain."""
+        """Return the chain of the lane."""
 
 
 class DrawnScene(Protocol):
-    """What is drawn of a scene; a Scene and the live lanes of the window have it."""
+    """Scene that can be drawn: a Scene or the live lanes of the window."""
 
     @property
     def lanes(self) -> Sequence[DrawnLane]:
-        """The lanes, one chain each."""
+        """The lanes, each with one chain."""
 
     @property
     def view(self) -> View:
-        """Length of the beads, and whether they are numbered."""
+        """The length of the beads, and the flag that numbers them."""
 
 
 class LaneDrawing:
-    """Everything about the drawing of a lane that is the same in every frame: scale, sprites, colours.
+    """Parts of the drawing of a lane that are the same in every frame: scale, sprites, colours.
 
     Arguments:
-        rect: where it is drawn.
-        unit: pixels of a design pixel.
-        scene: the scene, of which lane `number` is drawn.
-        scales: the scales of all lanes.
+        rect: rectangle of the drawing [pixels].
+        unit: pixels per design pixel.
+        scene: the scene.
+        number: index of the lane in the scene.
+        scales: common scales of all lanes.
     """
 
     def __init__(self, rect: pygame.Rect, unit: float, scene: DrawnScene, number: int, scales: Scales) -> None:
@@ -131,38 +133,42 @@ class LaneDrawing:
         self.label, self.length, self.numbered = label_words(lane.label), scene.view.length, scene.view.labels
         self.chain: Chain = lane.chain()
         palette = bead_colours(self.chain.contacts + 1)
-        self.contact_colours = palette[1:]  # of the bead on the right, which the contact pushes
+        self.contact_colours = palette[1:]  # A contact has the colour of the bead on its right, which it pushes.
         self.colours = tuple(tones.muted if math.isinf(m) else c for m, c in zip(self.chain.mass, palette, strict=True))
         low, high = scales.window
         height = body_height([lane.chain() for lane in scene.lanes])
-        self.scale = min(rect.width / (high - low), _tallest(rect, unit) / (height * self.length))  # pixels a metre
-        self.bead = self.length * self.scale  # pixels
+        self.scale = min(rect.width / (high - low), _tallest(rect, unit) / (height * self.length))  # pixels per metre
+        self.bead = self.length * self.scale  # length of a bead [pixels]
         self.number_size = (0.31 * CYLINDER_HEIGHT if height < 1.0 else 0.36) * self.bead
         self.ground = rect.bottom - GROUND * unit
         self.bar_base = self.ground - max(height * self.bead, 12 * unit) - BAR_LIFT * unit
-        self.bar_room = max(self.bar_base - rect.top - (KEY + FORCE_LABEL) * unit, 0.0)  # pixels of the highest bar
-        self.heading: tuple[pygame.Rect, ...] = ()  # where key, ruler and labels of the axis are, once drawn
-        self._prefix = ""  # of the unit of forces
-        self._legend: tuple[float, float] | None = (
-            None  # where the meaning of the marks is written while there are some
-        )
-        self.arrows = "velocity"  # what the arrows show, of ARROWS
+        # height of the highest bar [pixels]
+        self.bar_room = max(self.bar_base - rect.top - (KEY + FORCE_LABEL) * unit, 0.0)
+        self.heading: tuple[pygame.Rect, ...] = ()  # rectangles of the key, the ruler and the axis labels after drawing
+        self._prefix = ""  # prefix of the unit of forces, such as "k"
+        self._legend: tuple[float, float] | None = None  # position of the legend of the marks; None if it is not shown
+        self.arrows = "velocity"  # quantity that the arrows show, a key of ARROWS
         self.take_approach([-gap for gap in self.chain.gap], lane.velocity)
         masses = mass_labels(self.chain) if self.bead >= SMALLEST_LABELLED * unit else ()
-        fit = all(width(text, MASS_LABEL * unit) <= self.bead for text in masses)  # beads that touch are a length apart
+        # Beads that touch are one bead length apart.
+        fit = all(width(text, MASS_LABEL * unit) <= self.bead for text in masses)
         self.mass_labels = masses if fit else ()
 
     def take_approach(self, overlap: Sequence[float], velocity: Sequence[float]) -> None:
-        """Take overlaps (n,) [m] and velocities (n+1,) [m/s] before a collision, from which marks of rigid clusters follow."""
+        """Find the clusters from the overlaps (n,) [m] and velocities (n+1,) [m/s] before a collision. The marks of
+        rigid clusters depend on them.
+        """
         self.ends = cluster_ends(overlap, velocity, self.length)
 
     def left(self, centre: float | None = None) -> float:
-        """Pixel of position 0 with the camera at `centre` [m]; None: at the middle of the scene's window."""
+        """Return the pixel of position 0 if the camera is at `centre` [m]. None puts the camera at the middle of the
+        scene.
+        """
         middle = sum(self.scales.window) / 2 if centre is None else centre
         return self.rect.centerx - middle * self.scale
 
     def backdrop(self, surface: pygame.Surface) -> None:
-        """Draw what is the same in every frame: ground, force axis, name, ruler."""
+        """Draw the parts that are the same in every frame: ground, force axis, name of the lane, ruler."""
         unit, rect = self.unit, self.rect
         surface.fill(tones.lane_background, rect)
         labels, most = [], max(1, min(4, int(self.bar_room / (24 * unit))))
@@ -170,7 +176,7 @@ class LaneDrawing:
         for value, text in ticks(0.0, self.scales.force / FORCE_MARGIN / size, most):
             y = self._bar_top(value * size)
             surface.fill(tones.grid, (rect.left, round(y), rect.width, 1))
-            if y > rect.top + (KEY + FORCE_LABEL + 2) * unit:  # the name of the lane and the key are above
+            if y > rect.top + (KEY + FORCE_LABEL + 2) * unit:  # The name of the lane and the key are above this line.
                 place = rect.left + 8 * unit, y - 2 * unit
                 labels.append(write(surface, text, place, 13 * unit, tones.muted, align=(0, 1)))
         surface.fill(tones.faint, (rect.left, round(self.ground), rect.width, max(1, round(1.5 * unit))))
@@ -181,7 +187,9 @@ class LaneDrawing:
             write(surface, _("arrows: {what}", what=_(self.arrows)), place, 13 * unit, tones.muted, align=(1, 1))
 
     def _key(self, surface: pygame.Surface, end: int) -> pygame.Rect:
-        """The name of the lane, and what bars and lines mean, as far as there is room up to `end`; returns where."""
+        """Write the name of the lane and the meaning of bars and lines, as far as they fit left of `end`. Return their
+        rectangle.
+        """
         unit, rect, small = self.unit, self.rect, 13 * self.unit
         x, y, space = rect.left + 8 * unit, rect.top + 8 * unit, 14 * unit
         if self.label:
@@ -201,7 +209,7 @@ class LaneDrawing:
         return pygame.Rect(rect.left, rect.top, round(x - rect.left), round((KEY - 2) * unit))
 
     def _paint_legend(self, surface: pygame.Surface) -> None:
-        """Draw a mark and write what it means."""
+        """Draw a sample of the mark for rigid clusters, followed by its meaning."""
         if self._legend is None:
             return
         (x, y), unit = self._legend, self.unit
@@ -209,7 +217,7 @@ class LaneDrawing:
         write(surface, _(MARKED), (x + LEGEND_MARK * unit, y), 13 * unit, tones.muted)
 
     def _ruler(self, surface: pygame.Surface) -> tuple[pygame.Rect, pygame.Rect]:
-        """The length of the picture, and below it how overlaps are drawn; returns where."""
+        """Draw the length scale and write below it how much overlaps are magnified. Return the rectangles of both."""
         unit, rect = self.unit, self.rect
         magnification = (
             _("drawn to scale")
@@ -231,7 +239,9 @@ class LaneDrawing:
         return pygame.Rect(first, rect.top, rect.right - first, low - rect.top), words
 
     def paint(self, surface: pygame.Surface, motion: Motion, row: int, left: float) -> Array:
-        """Draw row `row` of `motion` with position 0 at pixel `left`; returns (n,) where the contacts are [pixels]."""
+        """Draw the sample `row` of `motion` with position 0 at pixel `left`. Return the (n,) horizontal pixels of the
+        contacts.
+        """
         overlap = motion.overlap[row]
         edges = left + self.scale * left_edges(motion.position[row], overlap, self.length, self.scales.magnify)
         faces = edges[:-1] + self.bead, edges[1:]
@@ -244,7 +254,7 @@ class LaneDrawing:
         return np.asarray(contacts)
 
     def _bodies(self, surface: pygame.Surface, edges: list[float], faces: list[float]) -> None:
-        """Pistons, which the bodies cover in part, then bodies, then numbers."""
+        """Draw first the pistons, which the bodies partly cover, then the bodies, then their numbers."""
         on_screen = [i for i, x in enumerate(edges) if self.rect.left - self.bead < x < self.rect.right]
         for i in on_screen:
             if self._is_gear(i):
@@ -269,7 +279,7 @@ class LaneDrawing:
             blit_sprite(surface, image, x, self.ground - math.ceil(size))
 
     def body_shape(self, bead: int, x: float) -> tuple[pygame.Rect, float]:
-        """The rectangle around a body whose left edge is at pixel `x`, and the radius of its corners."""
+        """Return the rectangle around a body whose left edge is at pixel `x`, and the radius of its corners [pixels]."""
         wall = math.isinf(self.chain.mass[bead])
         height = self.bead * (WALL_HEIGHT if wall else CYLINDER_HEIGHT if self._is_gear(bead) else 1.0)
         rect = pygame.Rect(round(x), round(self.ground - height), round(self.bead), round(height))
@@ -286,11 +296,16 @@ class LaneDrawing:
         blit_sprite(surface, number_sprite(str(bead), size, text_on(self.colours[bead])), middle - half, y - half)
 
     def _is_gear(self, bead: int) -> bool:
-        """Whether the bead, no wall, pushes to its right with a piston; the last one is drawn like its neighbour."""
+        """Return True if the bead pushes its right neighbour with a piston. The last bead looks like its left
+        neighbour; a wall has no piston.
+        """
         return math.isfinite(self.chain.mass[bead]) and is_gear(self.chain.contact[min(bead, self.chain.contacts - 1)])
 
     def _core(self, bead: int) -> float:
-        """Radius of the bead's core (0 to 1): its area is the share of the greatest mass. 0 where all masses are equal."""
+        """Return the radius of the core of a bead, relative to the bead; 0 if all masses are equal.
+
+        The area of the core is proportional to the mass, relative to the largest mass of the chain.
+        """
         finite = [mass for mass in self.chain.mass if math.isfinite(mass)]
         if max(finite) <= EQUAL_MASSES * min(finite):
             return 0.0
@@ -300,7 +315,7 @@ class LaneDrawing:
         return self.bar_base - self.bar_room * force / (self.scales.force / FORCE_MARGIN)
 
     def _bars(self, surface: pygame.Surface, contacts: list[float], overlaps: list[float], forces: list[float]) -> None:
-        """Draw a bar for each contact, and across it a line where it would end if each cluster were rigid, Eq. (5)."""
+        """Draw a force bar for each contact, and across it a line at the force of a rigid cluster, Eq. (5)."""
         unit, visible = self.unit, VISIBLE_FORCE * self.scales.force
         wide = min(max(0.26 * self.bead, 3 * unit), 30 * unit)
         rigid = visible_marks(self.chain.mass, self.ends, overlaps, forces, self.length, visible)
@@ -315,7 +330,9 @@ class LaneDrawing:
         self._force_labels(surface, contacts, forces, rigid)
 
     def _bar(self, surface: pygame.Surface, contact: int, left: float, wide: float, force: float) -> None:
-        """The bar of a force: filled where it pushes, hollow where it pulls, dark from where the gear is solid."""
+        """Draw the bar of a force: filled if it pushes, hollow if it pulls, dark above the force at which the gear is
+        solid.
+        """
         colour, top, rim = self.contact_colours[contact], self._bar_top(abs(force)), max(1.0, PULL_RIM * self.unit)
         fill_rectangle(surface, colour, (left, top, wide, self.bar_base - top))
         if force < 0.0:
@@ -328,7 +345,9 @@ class LaneDrawing:
     def _force_labels(
         self, surface: pygame.Surface, contacts: list[float], forces: list[float], rigid: list[float]
     ) -> None:
-        """The forces above their bars, the greatest first; those that would lie on another or on the heading are left out."""
+        """Write the forces above their bars, the largest first. Omit a label that would cover another label or the
+        heading.
+        """
         size, visible, taken = 13 * self.unit, VISIBLE_FORCE * self.scales.force, list(self.heading)
         for i in sorted(range(len(forces)), key=lambda i: -abs(forces[i])):
             if abs(forces[i]) <= visible:
@@ -342,13 +361,17 @@ class LaneDrawing:
                 write(surface, text, (place.centerx, foot), size, bold=True, align=(0.5, 1))
 
     def _label_foot(self, force: float, rigid: float) -> float:
-        """Pixel of the foot of a force's label: above its bar, and above the mark of rigid clusters where that is near."""
+        """Return the pixel of the lower edge of a force label: above the bar, and above the mark of a rigid cluster if
+        it is near.
+        """
         foot, mark = self._bar_top(abs(force)), self._bar_top(rigid)
         near = foot - FORCE_LABEL * self.unit < mark <= foot
         return (mark if near else foot) - 3 * self.unit
 
     def _arrows(self, surface: pygame.Surface, edges: list[float], shares: list[float]) -> None:
-        """An arrow under each bead, of that share of the longest, and below it the mass where masses differ."""
+        """Draw an arrow under each bead, whose length relative to the longest arrow is in `shares`. Write masses below
+        if they differ.
+        """
         y, size = self.ground + 11 * self.unit, MASS_LABEL * self.unit
         for i, (x, share) in enumerate(zip(edges, shares, strict=True)):
             middle = x + self.bead / 2
@@ -359,6 +382,9 @@ class LaneDrawing:
 
 
 def _tallest(rect: pygame.Rect, unit: float) -> float:
-    """Pixels of the tallest bead: what bars of LEAST_BAR leave to it in a low drawing, but not less than LEAST_BEAD."""
+    """Return the height [pixels] of the tallest bead.
+
+    In a low drawing the beads shrink so that the bars get LEAST_BAR, but not below LEAST_BEAD.
+    """
     room = rect.height - (KEY + FORCE_LABEL + LEAST_BAR + BAR_LIFT + GROUND) * unit
     return min(TALLEST_BEAD * rect.height, max(room, LEAST_BEAD * rect.height))

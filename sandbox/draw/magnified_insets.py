@@ -1,4 +1,4 @@
-"""Magnified insets: each contact at a magnification of its own, because overlaps of neighbours differ by decades."""
+"""Magnified insets: each contact has its own magnification, because the overlaps of neighbours differ by decades."""
 
 import math
 
@@ -14,24 +14,26 @@ from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.motion import Array, Motion
 
-CAP_RADIUS = 1.5  # of the caps, in radii of an inset
-GREATEST_DEPTH = 1.05  # radii of an inset that the greatest overlap fills at most
-SMALLEST_RADIUS = 8.0  # design pixels: smaller insets would show nothing and are left out
-TEXT_ROOM = 100.0  # design pixels for the texts beside an inset
-# Where insets of full size do not all fit: design pixels for shorter texts, and of the radius down to which insets shrink.
+CAP_RADIUS = 1.5  # Radius of the two discs of a contact, relative to the radius of the inset.
+GREATEST_DEPTH = 1.05  # Upper limit of the drawn overlap, relative to the radius of the inset.
+SMALLEST_RADIUS = 8.0  # Smallest radius of an inset that is still readable [design pixels]. Smaller insets are omitted.
+TEXT_ROOM = 100.0  # Room for the text beside an inset [design pixels].
+# Limits if insets of full size do not fit [design pixels]: room for shorter text, and radius down to which the insets
+# shrink.
 LEAST_TEXT_ROOM, LEAST_RADIUS = 86.0, 20.0
 
 
 class MagnifiedInsets:
-    """The insets of one lane, as many neighbouring contacts as there is room for, from the one with the greatest overlap on.
+    """Insets of one lane.
 
-    The last contact of the lane always has one: its overlap, the smallest, is what the insets are for.
+    If not all contacts have room, the insets show neighbouring contacts from the one with the largest overlap on. The
+    last contact of the lane is always shown, because its overlap is the smallest.
 
     Arguments:
-        rect: where they are drawn.
-        unit: pixels of a design pixel.
+        rect: rectangle of the insets [pixels].
+        unit: pixels per design pixel.
         drawing: the drawing of the lane.
-        deepest: (n,) greatest overlap of each contact [m].
+        deepest: (n,) largest overlap of each contact [m].
     """
 
     def __init__(self, rect: pygame.Rect, unit: float, drawing: LaneDrawing, deepest: tuple[float, ...]) -> None:
@@ -50,21 +52,21 @@ class MagnifiedInsets:
 
     @property
     def _side(self) -> int:
-        """Pixels of the square around an inset."""
+        """Side [pixels] of the square around an inset."""
         return 2 * math.ceil(self.radius) + 4
 
     @property
     def _pitch(self) -> float:
-        """Pixels that an inset and its texts need."""
+        """Width [pixels] of an inset with its text."""
         return self._side + self.text_room + 4 * self.unit
 
     def centre(self, slot: int) -> tuple[float, float]:
-        """Middle of the inset number `slot`, counted from the left."""
+        """Return the centre [pixels] of the inset number `slot`, counted from the left."""
         x = self.rect.centerx + (slot - (len(self.shown) - 1) / 2) * self.pitch - 0.5 * self.text_room
         return x, self.rect.centery + 2 * self.unit
 
     def backdrop(self, surface: pygame.Surface) -> None:
-        """Draw the names and magnifications."""
+        """Write the names and the magnifications of the insets."""
         size = 13 * self.unit
         for slot, contact in enumerate(self.shown):
             x, y = self.centre(slot)
@@ -78,7 +80,9 @@ class MagnifiedInsets:
             write(surface, seen, (left, y + 9 * self.unit), size, tones.muted)
 
     def paint(self, surface: pygame.Surface, motion: Motion, row: int, contacts: Array) -> None:
-        """Draw the insets for row `row` of `motion`; `contacts` (n,) are the contacts in the drawing of the lane [pixels]."""
+        """Draw the insets for the sample `row` of `motion`. `contacts` (n,) are the horizontal pixels of the contacts
+        in the lane.
+        """
         for slot, contact in enumerate(self.shown):
             x, y = self.centre(slot)
             overlap = float(motion.overlap[row, contact])
@@ -100,12 +104,12 @@ class MagnifiedInsets:
             )
 
     def _leader(self, surface: pygame.Surface, contact: float, centre: tuple[float, float]) -> None:
-        """Thin line from the contact on the ground to the top of its inset."""
+        """Draw a thin line from the contact on the ground to the top of its inset."""
         start = (min(max(contact, self.rect.left), self.rect.right), self.drawing.ground + 2)
         pygame.draw.aaline(surface, tones.faint, start, (centre[0], centre[1] - self.radius))
 
     def _inset(self, contact: int, depth: float) -> pygame.Surface:
-        """The inset for an overlap of `depth` [pixels of the inset]; two separate bodies where it is negative."""
+        """Draw an inset with an overlap of `depth` pixels; if it is negative, the two bodies are apart."""
         inset = pygame.Surface((self.side, self.side), 0, 32)
         inset.fill(tones.background)
         depth = max(depth, -1.1 * self.radius)
@@ -124,7 +128,9 @@ class MagnifiedInsets:
         blit_sprite(inset, _cap(radius, colours[1]), middle - depth / 2, y)
 
     def _gear(self, inset: pygame.Surface, colours: tuple[Colour, Colour], depth: float) -> None:
-        """Cylinder head, piston and the face that it meets; dashes mark the piston's face at overlap 0."""
+        """Draw the cylinder head, the piston and the face that it meets. A dashed line marks the face of the piston at
+        overlap 0.
+        """
         middle, r = self.side / 2, self.radius
         head, face = middle - 0.75 * r, middle + 0.45 * r
         pushed = face - max(depth, 0.0)
@@ -140,7 +146,11 @@ class MagnifiedInsets:
 
 
 def _shown(deepest: tuple[float, ...], room: int) -> tuple[int, ...]:
-    """Return the contacts that have one of `room` insets: neighbours from the one with the greatest overlap on, and the last."""
+    """Return the contacts that get one of the `room` insets.
+
+    They are neighbours from the contact with the largest overlap on. The last contact of the lane replaces the last of
+    them if it is not among them.
+    """
     last = len(deepest) - 1
     first = max(0, min(deepest.index(max(deepest)), len(deepest) - room))
     shown = tuple(range(first, min(len(deepest), first + room)))
@@ -148,13 +158,13 @@ def _shown(deepest: tuple[float, ...], room: int) -> tuple[int, ...]:
 
 
 def _magnification(room: float, deepest: float) -> float:
-    """Round magnification at which an overlap of `deepest` fills `room`, both in pixels."""
+    """Return the round magnification at which an overlap of `deepest` pixels fills about `room` pixels."""
     return round_down(room / deepest) if deepest > 0.0 else 1.0
 
 
 @cached_surfaces(4)
 def _cap(radius: float, colour: Colour) -> Sprites:
-    """One side of a contact: a part of a large disc."""
+    """Draw one side of a contact: the edge of a large disc."""
     side = math.ceil(2 * radius)
 
     def paint(fine: pygame.Surface, shift: float) -> None:
@@ -167,7 +177,7 @@ def _cap(radius: float, colour: Colour) -> Sprites:
 
 @cached_surfaces(4)
 def _frame(side: int, radius: float) -> pygame.Surface:
-    """Background with a round hole and a ring around it."""
+    """Draw the background with a round hole, and a ring around the hole."""
     size = (side * SUBPIXELS, side * SUBPIXELS)
     centre, colour = (side / 2 * SUBPIXELS, side / 2 * SUBPIXELS), mix(tones.faint, tones.muted, 0.4)
     frame = pygame.Surface(size, pygame.SRCALPHA, 32)

@@ -1,4 +1,4 @@
-"""The colours: those of a light and of a dark theme, and of beads, which colour-blind people can distinguish too."""
+"""Colours of the light and the dark theme and of beads. Colour-blind people can distinguish the bead colours as well."""
 
 from dataclasses import dataclass, fields, replace
 
@@ -7,20 +7,20 @@ Colour = tuple[int, int, int]
 
 @dataclass
 class Tones:
-    """The colours of a theme.
+    """Colours of a theme.
 
     Attributes:
-        background, lane_background: of pages and plots, and of the lanes of beads.
-        foreground, muted, faint: text and lines, from the strongest on.
-        on_accent: text on a button of the accent.
-        grid: lines of a grid, tracks of bars.
-        steel: pistons and what contacts store.
-        accent: controls, and what is chosen or under the pointer: no colour of a bead.
+        background, lane_background: background of pages and plots, and of the lanes of beads.
+        foreground, muted, faint: text and lines, from the strongest to the weakest.
+        on_accent: text on a button with the accent colour.
+        grid: lines of a grid and tracks of bars.
+        steel: pistons, and energy stored in contacts.
+        accent: controls, and items that are selected or under the pointer. No bead has this colour.
         good, fair, bad, warning: levels of badges, and warnings.
-        shadow: what dims the page behind a dialog.
+        shadow: layer that dims the page behind a dialog.
         lift: share of white in the colours of beads.
-        shades: of a force in space-time, from none to the greatest.
-        ramp: of the beads of a long chain, so that neighbours differ in lightness.
+        shades: colours of a force in a space-time diagram, from zero to the largest force.
+        ramp: colours along a long chain, in which neighbours differ in lightness.
     """
 
     background: Colour
@@ -81,7 +81,7 @@ DARK = Tones(
     ramp=((120, 86, 190), (92, 110, 200), (60, 150, 170), (60, 190, 130), (205, 214, 80)),
 )
 THEMES: dict[str, Tones] = {"light": LIGHT, "dark": DARK}
-tones = replace(LIGHT)  # those in use; films, pages and figures are light
+tones = replace(LIGHT)  # Colours in use. Films, pages and figures use the light theme.
 
 OKABE_ITO: tuple[Colour, ...] = (
     (0, 114, 178),  # blue: the striker, as in Fig. 1
@@ -90,9 +90,10 @@ OKABE_ITO: tuple[Colour, ...] = (
     (204, 97, 30),  # vermillion
     (204, 121, 167),  # reddish purple
     (86, 180, 233),  # sky blue
-    (96, 96, 96),  # grey in place of yellow, which is hard to see on white
+    (96, 96, 96),  # grey instead of yellow, which is hard to see on white
 )
-# Those of beads: Okabe and Ito's, and five that lie as far from them and from each other as colour-blind people need.
+# Colours of beads: those of Okabe and Ito, and five more that colour-blind people can tell from them and from each
+# other.
 BEAD_COLOURS: tuple[Colour, ...] = (
     *OKABE_ITO,
     (62, 66, 214),  # indigo
@@ -101,35 +102,38 @@ BEAD_COLOURS: tuple[Colour, ...] = (
     (160, 130, 255),  # lavender
     (136, 196, 92),  # lime
 )
-BRIGHT = 0.30  # relative luminance from which a colour takes dark text: there dark and white are as easy to read
+# Relative luminance above which a colour gets dark text. At this luminance dark and white text have about equal
+# contrast.
+BRIGHT = 0.30
 
 
 def use_theme(name: str) -> None:
-    """Draw in the colours of a theme of THEMES from now on; what was drawn before is not drawn again."""
+    """Use the colours of the theme `name` of THEMES from now on. Existing drawings are not drawn again."""
     for field in fields(Tones):
         setattr(tones, field.name, getattr(THEMES[name], field.name))
 
 
 def mix(colour: Colour, other: Colour, share: float) -> Colour:
-    """`colour` with `share` (0 to 1) of `other` in it."""
-    rest, (red, green, blue), (a, b, c) = 1.0 - share, colour, other  # no loop: every edge of a rectangle is mixed
+    """Return a mixture of `colour` and the share `share` (0 to 1) of `other`."""
+    # Written without a loop for speed: this function is called for every edge of a rectangle.
+    rest, (red, green, blue), (a, b, c) = 1.0 - share, colour, other
     return round(red * rest + a * share), round(green * rest + b * share), round(blue * rest + c * share)
 
 
 def luminance(colour: Colour) -> float:
-    """Relative luminance (0 to 1) of a colour, as the rules for readable text (WCAG) define it."""
+    """Return the relative luminance (0 to 1) of a colour, as the accessibility guidelines WCAG define it."""
     linear = ((c / 255.0 + 0.055) / 1.055 if c > 10 else c / 255.0 / 12.92 for c in colour)
     red, green, blue = (value**2.4 if value > 0.04 else value for value in linear)
     return 0.2126 * red + 0.7152 * green + 0.0722 * blue
 
 
 def text_on(colour: Colour) -> Colour:
-    """The colour of text on `colour`: dark on bright ones."""
+    """Return the colour of text on a background of `colour`: dark on bright colours, white on the others."""
     return LIGHT.foreground if luminance(colour) > BRIGHT else LIGHT.background
 
 
 def bead_colours(count: int) -> tuple[Colour, ...]:
-    """The colours of `count` beads. A contact has the colour of the bead on its right, which it pushes."""
+    """Return the colours of `count` beads. A contact has the colour of the bead on its right, which it pushes."""
     if count <= len(BEAD_COLOURS):
         return tuple(mix(colour, (255, 255, 255), tones.lift) for colour in BEAD_COLOURS[:count])
     return tuple(_ramp(i / (count - 1)) for i in range(count))

@@ -1,4 +1,4 @@
-"""The picture of a scene: all its parts at one size; every lane shows the same time."""
+"""Picture of a scene at one size, composed of the parts of its lanes. All lanes show the same time."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,22 +20,24 @@ from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.quantities import FORCE, OVERLAP, VELOCITY
 from softcradle.scenes import Scene
 
-# Design pixels: pixels of a picture with the height DESIGN_HEIGHT, or with the width DESIGN_WIDTH if it is narrower. All
-# lengths below are design pixels; `unit` scales them.
+# Size of a picture in design pixels. A design pixel is 1/DESIGN_HEIGHT of the height of a picture, or 1/DESIGN_WIDTH of
+# its width if that is less. All lengths below are in design pixels.
 DESIGN_HEIGHT = 720.0
 DESIGN_WIDTH = 1000.0
-MARGIN = 28.0  # left and right of everything
-HEADER = 82.0  # height, margin above included
-FOOTER = 14.0  # free height below everything
-GUTTER = 22.0  # between panels
-INSETS_HEIGHT = 92.0  # of the row of magnified insets of a single lane
-INSETS_HEIGHT_IN_ROW = 76.0  # of the row of magnified insets where there are several lanes
-BARS_HEIGHT = 40.0  # of the row of energy and momentum bars
+MARGIN = 28.0  # Free space on the left and on the right of a picture.
+HEADER = 82.0  # Height of the header, with the free space above it.
+FOOTER = 14.0  # Free space below all parts.
+GUTTER = 22.0  # Space between panels.
+INSETS_HEIGHT = 92.0  # Height of the row of magnified insets if there is a single lane.
+INSETS_HEIGHT_IN_ROW = 76.0  # Height of the row of magnified insets if there are several lanes.
+BARS_HEIGHT = 40.0  # Height of the row with the energy and momentum bars.
 
 
 @dataclass(frozen=True)
 class LaneLayout:
-    """Rectangles of one lane: drawing of its beads, magnified insets, energy and momentum bars, a panel for each plot."""
+    """Rectangles of one lane [pixels]: its beads, the magnified insets, the bars of energy and momentum, and each panel
+    of curves.
+    """
 
     drawing: Rect
     insets: Rect
@@ -45,7 +47,7 @@ class LaneLayout:
 
 @dataclass(frozen=True)
 class Layout:
-    """Rectangles of a picture; `unit` is the length of a design pixel [pixels]."""
+    """Rectangles of a picture [pixels]; `unit` is the number of pixels per design pixel."""
 
     unit: float
     header: Rect
@@ -53,9 +55,10 @@ class Layout:
 
 
 def picture_layout(size: tuple[int, int], lanes: int) -> Layout:
-    """The layout of a picture of `size` [pixels].
+    """Return the layout of a picture of `size` [pixels].
 
-    A single lane has its beads above three panels; of several, each has a row, beads on the left and two panels on the right.
+    A single lane has its beads above three panels. Several lanes are stacked, each with its beads on the left and two
+    panels on the right.
     """
     unit = min(size[1] / DESIGN_HEIGHT, size[0] / DESIGN_WIDTH)
     margin = MARGIN * unit
@@ -102,14 +105,14 @@ def _rect(x: float, y: float, width: float, height: float) -> Rect:
 
 
 class Picture:
-    """Everything about the pictures of a scene that is the same in every frame, drawn once.
+    """Parts of the pictures of a scene that are the same in every frame. They are drawn once.
 
     Arguments:
-        scene: the Scene.
+        scene: the scene.
         motions: one Motion for each lane, all with the same times.
-        size: pixels.
-        scales: the scales of all lanes; None fits them to the motions.
-        slow: seconds of film for one of motion, for the label; None takes the scene's.
+        size: width and height [pixels].
+        scales: common scales of all lanes; None fits them to the motions.
+        slow: seconds of film per second of motion, for the label; None takes the value of the scene.
         ahead: strength of the curves beyond the cursor, from 0 to 1.
     """
 
@@ -133,9 +136,9 @@ class Picture:
         self._backdrop(self.background)
 
     def paint(self, surface: pygame.Surface, row: int, centre: float | None = None, text_opacity: float = 0.0) -> None:
-        """Draw row `row` of the motions on `surface`, which has the picture's size.
+        """Draw the sample `row` of the motions on `surface`, which has the size of the picture.
 
-        `centre` [m] moves the camera; `text_opacity` (0 to 1) is that of the scene's text above the beads.
+        `centre` [m] is the position of the camera. `text_opacity` (0 to 1) is the opacity of the text of the scene.
         """
         surface.blit(self.background, (0, 0))
         self._write_time(surface, float(self.motions[0].time[row]))
@@ -159,7 +162,7 @@ class Picture:
             lane.backdrop(surface)
 
     def _write_text(self, surface: pygame.Surface, opacity: float) -> None:
-        """Write the scene's text above the beads of the first lane, and below its key."""
+        """Write the text of the scene above the beads of the first lane and below its key."""
         drawing, unit = self.lanes[0].drawing, self.layout.unit
         size = min(15.5 * unit, drawing.rect.width / 42)
         lines = wrapped(scene_words(self.scene.text), size, 0.62 * drawing.rect.width)
@@ -183,7 +186,7 @@ class Picture:
 
 
 class _LanePicture:
-    """The parts of one lane."""
+    """Parts of the picture of one lane."""
 
     def __init__(self, picture: Picture, number: int, place: LaneLayout) -> None:
         scene, scales, unit = picture.scene, picture.scales, picture.layout.unit
@@ -197,7 +200,7 @@ class _LanePicture:
             panel.draw_curves(self.motion.time, values)
 
     def _panel(self, rect: pygame.Rect, kind: int, scales: Scales, unit: float) -> Panel:
-        """The panel of velocities (kind 0), forces (1) or overlaps (2)."""
+        """Return the panel of velocities (`kind` 0), forces (1) or overlaps (2)."""
         colours, contact_colours = self.drawing.colours, self.drawing.contact_colours
         contacts = range(len(contact_colours))
         if kind == 0:
@@ -227,12 +230,12 @@ class _LanePicture:
 
 
 def _curves(motion: Motion) -> tuple[Array, Array, Array]:
-    """The curves of the panels, in their order; several lanes have two panels each."""
+    """Return the curves of the panels in their order. If there are several lanes, each shows only the first two."""
     return motion.velocity, motion.force, motion.overlap
 
 
 def speed_text(slow: float) -> str:
-    """How fast a motion is shown, in `slow` seconds for one of it."""
+    """Return the label of the playback speed, where one second of motion takes `slow` seconds."""
     if abs(slow - 1.0) < 1e-9:
         return _("real time")
     if slow > 1.0:
@@ -241,6 +244,9 @@ def speed_text(slow: float) -> str:
 
 
 def _peaks(motion: Motion) -> tuple[Array, Array, Array]:
-    """Values beside which names stand: velocities at the end, strongest pushes or pulls, greatest overlaps: no gap is one."""
+    """Return the values at which the names of the curves are written.
+
+    They are the final velocities, the strongest push or pull of each contact and its largest overlap.
+    """
     low, high = motion.force.min(axis=0), motion.force.max(axis=0)
     return motion.velocity[-1], np.where(-low > high, low, high), motion.overlap.max(axis=0)

@@ -1,4 +1,6 @@
-"""The scales of a picture: one time axis, one set of axes and one camera for all lanes, so that lanes can be compared."""
+"""Scales of a picture: all lanes have the same time axis, the same vertical axes and the same camera, so they can be
+compared.
+"""
 
 import math
 from collections.abc import Sequence
@@ -11,27 +13,29 @@ from softcradle.sandbox.draw.number_format import round_down, scientific
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.scenes import Scene
 
-MOST_DECADES = 32  # of the overlap axis; deep inside rigid-like clusters overlaps are smaller still
-DRAWN_OVERLAP = 0.22  # of a bead's length: size at which the greatest overlap is drawn
-MOST_MAGNIFIED = 1e6  # overlaps that would need a factor as large as this are drawn to scale
-FORCE_MARGIN = 1.12  # upper end of the force axis over the greatest force
+# Largest number of decades of the overlap axis. Deep inside rigid-like clusters overlaps are even smaller.
+MOST_DECADES = 32
+DRAWN_OVERLAP = 0.22  # Size at which the largest overlap is drawn, relative to the length of a bead.
+MOST_MAGNIFIED = 1e6  # Limit of the magnification. Overlaps that would need a larger factor are drawn to scale.
+FORCE_MARGIN = 1.12  # Ratio of the upper end of the force axis to the largest force.
 Span = tuple[float, float]
 
 
 @dataclass(frozen=True)
 class Scales:
-    """The scales of all lanes of a picture.
+    """Common scales of all lanes of a picture.
 
     Attributes:
         time: ends of the time axis [s].
         window: left and right end of the lanes [m].
         velocity: ends of the velocity axis [m/s].
         force: upper end of the force axis [N], for pushes and pulls alike.
-        pull: lower end of the force axis of plots [N], below 0 where couplers pull.
+        pull: lower end of the force axis of plots [N]; below 0 if couplers pull.
         decades: exponents of ten at the ends of the overlap axis.
         magnify: factor by which lanes draw overlaps larger than they are.
-        deepest: for each lane (n,) the greatest overlap of each contact [m]; insets are magnified by it.
-        energy: length of the energy bar [J].
+        deepest: for each lane (n,) the largest overlap of each contact [m], from which the magnification of its inset
+            follows.
+        energy: energy [J] that fills the energy bar.
         momentum: ends of the momentum bar [N s].
     """
 
@@ -48,7 +52,7 @@ class Scales:
 
 
 class Reached(NamedTuple):
-    """How far motions go, for scales that have room for them; the energy is that of bars, what was absorbed among it."""
+    """Ranges of the values of some motions, for scales with room for them. The energy includes the absorbed energy."""
 
     velocity: Span
     force: float
@@ -58,7 +62,7 @@ class Reached(NamedTuple):
 
 
 def reached(motions: Sequence[Motion]) -> Reached:
-    """What all `motions` reach."""
+    """Return the ranges of the values of all `motions`."""
     momenta = [motion.momentum for motion in motions]
     low = min(float(np.minimum(p, 0.0).sum(axis=1).min()) for p in momenta)
     high = max(float(np.maximum(p, 0.0).sum(axis=1).max()) for p in momenta)
@@ -72,7 +76,7 @@ def reached(motions: Sequence[Motion]) -> Reached:
 
 
 def scales_of(scene: Scene, motions: Sequence[Motion]) -> Scales:
-    """Scales into which all `motions` fit, one for each lane of `scene`."""
+    """Return the common scales for all `motions`, one motion for each lane of `scene`."""
     deepest = tuple(tuple(np.maximum(motion.overlap.max(axis=0), 0.0).tolist()) for motion in motions)
     magnify = scene.view.magnify or _magnify(max(map(max, deepest)), scene.view.length)
     begin, end = min(float(m.time[0]) for m in motions), max(float(m.time[-1]) for m in motions)
@@ -93,7 +97,11 @@ def scales_of(scene: Scene, motions: Sequence[Motion]) -> Scales:
 
 
 def left_edges(position: Array, overlap: Array, length: float, magnify: float) -> Array:
-    """(..., n+1) where the left edge of each bead is drawn [m], overlaps `magnify` times too large; their mean is not moved."""
+    """Return (..., n+1) the position [m] at which the left edge of each bead is drawn, with overlaps magnified by
+    `magnify`.
+
+    The magnification does not change the mean position.
+    """
     shift = np.zeros_like(position)
     if magnify != 1.0:
         np.cumsum((1.0 - magnify) * np.maximum(overlap, 0.0), axis=-1, out=shift[..., 1:])
@@ -114,7 +122,7 @@ def _window(scene: Scene, motions: Sequence[Motion], magnify: float) -> Span:
 
 
 def axis_range(values: Sequence[Array]) -> Span:
-    """The range of all `values` and of 0, and some room beyond the values."""
+    """Return a range that contains all `values` and 0, with some room beyond the values."""
     low, high = min(0.0, *(float(v.min()) for v in values)), max(0.0, *(float(v.max()) for v in values))
     if low == high:
         return low - 1.0, high + 1.0
@@ -123,7 +131,11 @@ def axis_range(values: Sequence[Array]) -> Span:
 
 
 def _decades(deepest: tuple[tuple[float, ...], ...]) -> tuple[int, int]:
-    """From a decade below the smallest of the contacts' greatest overlaps to the decade of the greatest."""
+    """Return the exponents of ten at the ends of the overlap axis.
+
+    The axis ends at the decade of the largest overlap. It begins a decade below the smallest of the largest overlaps of
+    the contacts.
+    """
     depths = [depth for lane in deepest for depth in lane if depth > 0.0]
     if not depths:
         return -3, 0
@@ -131,9 +143,11 @@ def _decades(deepest: tuple[tuple[float, ...], ...]) -> tuple[int, int]:
     return max(math.floor(math.log10(min(depths))) - 1, high - MOST_DECADES), high
 
 
-@np.errstate(over="ignore", invalid="ignore")  # what did not stay finite is refused where it is shown
+@np.errstate(over="ignore", invalid="ignore")  # Values that are not finite are rejected where they are shown.
 def motion_of(trajectory: Trajectory, lead: Array | None = None) -> Motion:
-    """The motion in `trajectory`, with free flight before it at the times `lead` < 0 (see :func:`longest_lead`)."""
+    """Return the motion of `trajectory`, preceded by free flight at the times `lead` < 0 [s] (see
+    :func:`longest_lead`).
+    """
     times = np.empty(0) if lead is None else lead - trajectory.time[0]
     flight, open_contacts = times[:, None], np.zeros((len(times), trajectory.chain.contacts))
     start = trajectory.anchor[0]
@@ -154,9 +168,10 @@ def motion_of(trajectory: Trajectory, lead: Array | None = None) -> Motion:
 
 
 def longest_lead(chain: Chain, velocity: Array) -> float:
-    """Longest time [s] before the start for which free flight can be shown: until two beads that now part would touch, or inf.
+    """Return the longest time [s] before the start for which free flight can be shown; it can be infinite.
 
-    0 where friction or brakes act, for beads were faster before the start.
+    Backwards in time, the flight is limited by beads that move apart at the start, because earlier they would have
+    touched. The time is 0 if there is friction or a brake, because the beads were faster before the start.
     """
     if chain.on_bed:
         return 0.0

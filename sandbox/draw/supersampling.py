@@ -1,4 +1,6 @@
-"""Antialiased shapes: drawn at four times the size and averaged down. A sprite has an image for each quarter of a pixel."""
+"""Antialiased shapes, drawn at four times the size and averaged down. A sprite has one image for each quarter of a
+pixel.
+"""
 
 import math
 from collections.abc import Callable, Sequence
@@ -7,15 +9,17 @@ import pygame
 from softcradle.sandbox.draw.palette import Colour, mix, tones
 from softcradle.sandbox.draw.surfaces import cached_surfaces
 
-SUBPIXELS = 4  # factor of supersampling, and the number of positions within a pixel
+SUBPIXELS = 4  # Factor of supersampling; also the number of positions of a sprite within a pixel.
 Point = tuple[float, float]
 Sprites = tuple[pygame.Surface, ...]
 
 
 def make_sprites(size: tuple[int, int], rim: Colour, paint: Callable[[pygame.Surface, float], None]) -> Sprites:
-    """A shape at each quarter of a pixel; `paint(fine surface, shift in fine pixels)` draws it four times as large.
+    """Return the images of a shape for each quarter of a pixel. ``paint(surface, shift)`` draws it at four times the
+    size, moved to the right by `shift` fine pixels.
 
-    `rim` is the colour of the outline. The transparent surroundings have it too, or the edge would be darker.
+    `rim` is the colour of the outline. The transparent surroundings get this colour as well; otherwise the averaged
+    edge would be darker.
     """
     images = []
     for shift in range(SUBPIXELS):
@@ -27,13 +31,15 @@ def make_sprites(size: tuple[int, int], rim: Colour, paint: Callable[[pygame.Sur
 
 
 def blit_sprite(surface: pygame.Surface, images: Sprites, x: float, y: float) -> None:
-    """Blit the sprite with its top left corner at (x, y), `x` to a quarter of a pixel."""
+    """Blit the sprite with its top left corner at (x, y). `x` is rounded to a quarter of a pixel, `y` to a whole pixel."""
     quarters = round(x * SUBPIXELS)
     surface.blit(images[quarters % SUBPIXELS], (quarters // SUBPIXELS, round(y)))
 
 
 def fill_rectangle(surface: pygame.Surface, colour: Colour, area: tuple[float, float, float, float]) -> None:
-    """Fill the rectangle (left, top, width, height) [pixels]; pixels that it covers in part are mixed with what they show."""
+    """Fill the rectangle (left, top, width, height) [pixels]. A partly covered pixel gets a mixture of `colour` and its
+    old colour.
+    """
     x, y, width, height = area
     if width <= 0.0 or height <= 0.0:
         return
@@ -50,7 +56,7 @@ def fill_rectangle(surface: pygame.Surface, colour: Colour, area: tuple[float, f
 
 
 def _spans(low: float, high: float) -> list[tuple[int, int, float]]:
-    """Whole pixels and the two partly covered ones between `low` and `high`: (first, end, coverage)."""
+    """Return the whole pixels and the two partly covered ones between `low` and `high`, as (first, end, coverage)."""
     first, last = math.floor(low), math.floor(high)
     if first == last:
         return [(first, first + 1, high - low)]
@@ -58,7 +64,7 @@ def _spans(low: float, high: float) -> list[tuple[int, int, float]]:
 
 
 def draw_line(fine: pygame.Surface, colour: Colour, points: Sequence[Point], thickness: float) -> None:
-    """Line through `points` with round joints, all in pixels of the fine surface."""
+    """Draw a line through `points` with round joints. All lengths are in pixels of the fine surface."""
     width = max(1, round(thickness))
     if len(points) > 1:
         pygame.draw.lines(fine, colour, False, points, width)
@@ -67,16 +73,17 @@ def draw_line(fine: pygame.Surface, colour: Colour, points: Sequence[Point], thi
             pygame.draw.circle(fine, colour, point, width / 2)
 
 
-# Corners, angle of the first one [degrees] and size in radii of the markers with corners: square, triangle on its base,
-# diamond, triangle on its tip. Marker 0 is a disc. The sizes make all of them look equally large.
+# Markers with corners: number of corners, angle of the first corner [degrees], and size relative to the radius. They
+# are a square, a triangle on its base, a diamond and a triangle on its tip. With these sizes all markers look equally
+# large. Marker 0 is a disc.
 CORNERED_MARKERS = {1: (4, 45, 1.2), 2: (3, -90, 1.3), 3: (4, 0, 1.25), 4: (3, 90, 1.3)}
 MARKERS = 1 + len(CORNERED_MARKERS)
-MARKER_RIM = 1.2  # pixels of background around a marker, which sets it off from the curves
+MARKER_RIM = 1.2  # Width of the background around a marker, which separates it from the curves [pixels].
 
 
 @cached_surfaces(2)
 def marker_sprite(shape: int, radius: float, colour: Colour) -> Sprites:
-    """The marker number `shape`, counted round and round."""
+    """Draw the marker number `shape`. Numbers from MARKERS on repeat the shapes."""
     side = math.ceil(2 * radius + 4)
 
     def paint(fine: pygame.Surface, shift: float) -> None:
@@ -88,7 +95,7 @@ def marker_sprite(shape: int, radius: float, colour: Colour) -> Sprites:
 
 
 def draw_marker(surface: pygame.Surface, shape: int, centre: Point, radius: float, colour: Colour) -> None:
-    """Draw a marker about `centre`."""
+    """Draw a marker around `centre`."""
     half = math.ceil(2 * radius + 4) / 2
     blit_sprite(surface, marker_sprite(shape, radius, colour), centre[0] - half, centre[1] - half)
 
@@ -104,7 +111,7 @@ def _marker(surface: pygame.Surface, colour: Colour, shape: int, centre: Point, 
 
 
 def draw_arrow(surface: pygame.Surface, colour: Colour, start: Point, length: float, unit: float) -> None:
-    """Horizontal arrow from `start`, `length` pixels to the right (left where negative)."""
+    """Draw a horizontal arrow from `start`, `length` pixels to the right, or to the left if `length` is negative."""
     x, y = start
     if abs(length) < 2.5 * unit:
         return

@@ -1,4 +1,7 @@
-"""Surfaces: a cache of drawn ones, bounded by the memory of their pixels, for zooming makes new sizes all the time; PNG files."""
+"""Cache of drawn surfaces, and PNG files of surfaces.
+
+The cache is limited by the memory of the pixels, because zooming creates new sizes all the time.
+"""
 
 from collections import OrderedDict
 from collections.abc import Callable
@@ -11,13 +14,16 @@ import pygame
 
 Drawn = TypeVar("Drawn", pygame.Surface, "tuple[pygame.Surface, ...]")
 
-SURFACE_BYTES = 200  # of a surface beside its pixels, about
+SURFACE_BYTES = 200  # Approximate memory of a surface object without its pixels [bytes].
 
 _clear_functions: list[Callable[[], None]] = []
 
 
 def cached_surfaces(megabytes: float) -> Callable[[Callable[..., Drawn]], Callable[..., Drawn]]:
-    """Decorate a function of hashable arguments: the drawings used last are kept, up to `megabytes` of pixels."""
+    """Return a decorator that caches the drawings of a function with hashable arguments.
+
+    The cache keeps the most recently used drawings, up to `megabytes` of pixels.
+    """
 
     def decorate(draw: Callable[..., Drawn]) -> Callable[..., Drawn]:
         cache: OrderedDict[tuple[Any, ...], Drawn] = OrderedDict()
@@ -48,25 +54,27 @@ def cached_surfaces(megabytes: float) -> Callable[[Callable[..., Drawn]], Callab
 
 
 def clear_cached_surfaces() -> None:
-    """Empty all caches. A page that is left does so, because the next one seldom needs the same drawings."""
+    """Empty all caches. The window calls this when the user leaves a page, because the next page seldom needs the same
+    drawings.
+    """
     for clear in _clear_functions:
         clear()
 
 
 def _memory(drawing: pygame.Surface | tuple[pygame.Surface, ...]) -> int:
-    """Bytes of a surface, or of several."""
+    """Return the size [bytes] of one surface or of several surfaces."""
     if isinstance(drawing, tuple):
         return sum(_memory(surface) for surface in drawing)
     return drawing.get_pitch() * drawing.get_height() + SURFACE_BYTES
 
 
 def png_bytes(surface: pygame.Surface) -> bytes:
-    """The surface as a PNG file."""
+    """Return the surface as the content of a PNG file."""
     encoded = BytesIO()
     pygame.image.save(surface, encoded, "picture.png")
     return encoded.getvalue()
 
 
 def write_png(surface: pygame.Surface, path: Path) -> None:
-    """Write the surface to `path`. Raises OSError where the disk is full."""
+    """Write the surface to the PNG file `path`. Raise OSError if the disk is full."""
     path.write_bytes(png_bytes(surface))
