@@ -349,10 +349,12 @@ class LaneDrawing:
         heading.
         """
         size, visible, taken = 13 * self.unit, VISIBLE_FORCE * self.scales.force, list(self.heading)
+        prefix = axis_prefix(self.scales.force)[1]
+        unit = f" {prefix}N" if prefix and not self.heading else ""  # a thumbnail has no heading that names the unit
         for i in sorted(range(len(forces)), key=lambda i: -abs(forces[i])):
             if abs(forces[i]) <= visible:
                 return
-            text = beside(forces[i], self.scales.force)
+            text = f"{beside(forces[i], self.scales.force)}{unit}"
             wide, foot = width(text, size, bold=True) + 4 * self.unit, self._label_foot(forces[i], rigid[i])
             place = pygame.Rect(round(contacts[i] - wide / 2), round(foot - size), round(wide), round(size))
             if self.rect.left <= contacts[i] <= self.rect.right and place.collidelist(taken) < 0:

@@ -32,8 +32,8 @@ BAD_CHANGE = 0.10  # of the energy, the largest that is fair
 
 LAWS: dict[str, Contact] = {
     NP_("button", "steel balls (Hertz)"): hertz(1e6),
-    NP_("button", "power law, alpha 1/14"): power_law(60.0, 1.0 / 14.0),
-    NP_("button", "power law, alpha 1/10"): power_law(60.0, 0.1),
+    NP_("button", "soft, alpha 1/14"): power_law(60.0, 1.0 / 14.0),
+    NP_("button", "soft, alpha 1/10"): power_law(60.0, 0.1),
     NP_("button", "draft gear"): draft_gear(1500.0, 0.04),
 }
 GAINED = N_("{percent:.2g} % of the energy was gained. Use more steps per second.")

@@ -49,7 +49,7 @@ WIDTH, HEIGHT = 2.3, 1.3  # m of a picture
 MOST_STEPS = 100  # that are undone
 HEAD, FOOT = 29.0, 58.0  # design pixels of the name above a cradle, and of what is said below it
 MENU_ROW = 34.0  # design pixels of a menu in the panel
-MENU = 186.0  # design pixels, the width of a menu
+MENU = 166.0  # design pixels, the width of a menu
 # Of each menu: the field of the model, its name, and the choices.
 MENUS: tuple[tuple[str, str, Sequence[str]], ...] = (
     ("law", N_("contacts"), tuple(LAWS)),

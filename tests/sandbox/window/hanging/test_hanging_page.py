@@ -24,7 +24,7 @@ def test_soft_balls_gain_no_energy_and_of_a_small_exponent_swing_off_nearly_as_o
         spreads[law] = max(speeds) - min(speeds)
         advance(model, 5.05)
         assert 0.9 * before < cradle.energy() < 1.02 * before, law
-    assert spreads["power law, alpha 1/14"] < 0.5 * spreads["steel balls (Hertz)"]
+    assert spreads["soft, alpha 1/14"] < 0.5 * spreads["steel balls (Hertz)"]
 
 
 def test_the_hanging_page_numbers_balls_as_beads_and_is_driven_by_mouse_menus_and_keys():
@@ -69,7 +69,7 @@ def test_what_is_said_of_the_energy_is_what_became_of_it():
 
 
 def test_balls_that_have_passed_each_other_are_a_fault_and_a_copy_of_a_held_one_is_free():
-    model = HangingModel("power law, alpha 1/14")
+    model = HangingModel("soft, alpha 1/14")
     advance(model, 0.1)
     assert model.cradles[0].verdict().level == "good"
     for _ in range(60):
