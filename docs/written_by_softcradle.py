@@ -14,9 +14,9 @@ import numpy as np
 from softcradle.physics.analysis.collision import CollisionMeasures, ContactMeasures
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.cli.main import COMMANDS
-from softcradle.sandbox.draw.number_format import scientific
 from softcradle.sandbox.page import render_page
 from softcradle.sandbox.page.data import can_be_computed
+from softcradle.sandbox.story.numbers import scientific
 from softcradle.sandbox.studies.verify import verified
 from softcradle.sandbox.window import gallery
 from softcradle.scenes.contact_kinds import KINDS

@@ -10,16 +10,6 @@ from softcradle.physics.state import from_anchor
 
 Array = NDArray[np.float64]
 
-GOOD, FAIR, BAD = "good", "fair", "bad"
-LEVELS = (GOOD, FAIR, BAD)
-FAIR_ERROR = 1e-3  # of energy or momentum, the largest that is good: half a pixel of a plot, or of a bar
-BAD_ERROR = 1e-2  # likewise, the largest that is fair: beyond it an eye sees it in the motion
-
-
-def level_of(error: float, fair: float = FAIR_ERROR, bad: float = BAD_ERROR) -> str:
-    """How far a motion with this relative error can be trusted: up to `fair` it is good, up to `bad` fair."""
-    return GOOD if error <= fair else FAIR if error <= bad else BAD
-
 
 @dataclass(frozen=True, eq=False)
 class Motion:

@@ -1,4 +1,4 @@
-"""The results of a trajectory as plain numbers, for tables and JSON, and in words, to be read or spoken."""
+"""The results of a trajectory as numbers, for tables and JSON."""
 
 from __future__ import annotations
 
@@ -8,19 +8,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from softcradle.physics.checked_input import LARGEST, finite_or_none
-from softcradle.sandbox.draw.number_format import fixed, plain, signed
-from softcradle.sandbox.languages import N_, _, ngettext
+from softcradle.physics.checked_input import finite_or_none
+from softcradle.sandbox.languages import _
+from softcradle.sandbox.story.numbers import fixed, plain, signed
 
 if TYPE_CHECKING:
-    from softcradle.physics import Chain, Trajectory
+    from softcradle.physics import Trajectory
 
 
 PREFIXES = ((1e6, "M"), (1e3, "k"), (1.0, ""))  # of units, the one that suits first
-STILL = 0.01  # of the closing speed: a slower bead is said to stand still
-SLOW = 0.1  # of the closing speed: a slower bead nearly stands still, where few words are wanted
-ALIKE = 0.05  # of the closing speed: neighbours whose velocities differ by less go together
-MOST_CLUSTERS = 6  # that are named one by one
 
 
 @dataclass(frozen=True)
@@ -257,156 +253,3 @@ def _is_driven(trajectory: Trajectory) -> bool:
 
 def _ratio(part: float, scale: float) -> float | None:
     return finite_or_none(part / scale) if scale else None
-
-
-def describe(label: str, trajectory: Trajectory) -> str:
-    """Some sentences about a whole motion; of one that did not stay finite only that."""
-    motion = trajectory.velocity, trajectory.final_velocity, trajectory.overlap, trajectory.force
-    if not all((np.abs(numbers) <= LARGEST).all() for numbers in motion):
-        sentence = _("The motion by {method} did not stay finite: choose a smaller step.", method=trajectory.method)
-        return f"{label}: {sentence}" if label else sentence
-    speeds = trajectory.velocity[0]
-    scale = float(speeds.max() - speeds.min()) or float(abs(trajectory.final_velocity).max())
-    sentences = [
-        f"{label}:" if label else "",
-        _hits(trajectory, scale),
-        clusters_in_words(trajectory.final_velocity.tolist(), walls_of(trajectory.chain), scale),
-    ]
-    if trajectory.status.gave_up:
-        sentences.append(_("The method gave up there, so this is not the end."))
-    return " ".join(sentence for sentence in sentences if sentence)
-
-
-def _hits(trajectory: Trajectory, scale: float) -> str:
-    """The first hit, and until when contacts were closed."""
-    closings = [(intervals[0][0], k) for k, intervals in enumerate(trajectory.contact_intervals) if intervals]
-    if not closings:
-        return _("No contact closes until {time}.", time=seconds_in_words(trajectory.time[-1]))
-    openings = [intervals[-1][1] for intervals in trajectory.contact_intervals if intervals]
-    closed = sum(math.isinf(opening) for opening in openings)
-    if closed:
-        after = ngettext(
-            "At {time} {n} of {all} contacts is closed.",
-            "At {time} {n} of {all} contacts are closed.",
-            closed,
-            time=seconds_in_words(trajectory.time[-1]),
-            all=trajectory.chain.contacts,
-        )
-    else:
-        after = _("No contact is closed after {time}.", time=seconds_in_words(max(openings)))
-    hits = [(time, _approach(trajectory, k, time), k) for time, k in closings]
-    first = first_hit_in_words(hits, walls_of(trajectory.chain), scale)
-    return f"{first} {after}" if first else after
-
-
-def _approach(trajectory: Trajectory, contact: int, time: float) -> float:
-    """How fast the beads of a contact approached each other before `time` [m/s]."""
-    row = max(int((trajectory.time <= time).sum()) - 1, 0)
-    return float(trajectory.rate[row, contact])
-
-
-def walls_of(chain: Chain) -> list[bool]:
-    """(n+1,) which of its beads are walls."""
-    return [math.isinf(mass) for mass in chain.mass]
-
-
-def first_hit_in_words(closings: Sequence[tuple[float, float, int]], walls: Sequence[bool], scale: float) -> str:
-    """Which beads hit each other first, of contacts that closed: when, how fast their beads approached each other, and which.
-
-    Empty where none did: contacts that are pressed, touch or are pulled close without a hit.
-    """
-    hits = [(time, -speed, contact) for time, speed, contact in closings if speed > STILL * scale]
-    if not hits:
-        return ""
-    time, speed, contact = min(hits)  # of those at the same time, with which the others only begin to push, the fastest
-    when, how_fast, pair = seconds_in_words(time), speed_in_words(-speed), (contact, contact + 1)
-    if any(walls[bead] for bead in pair):
-        wall, bead = pair if walls[contact] else pair[::-1]
-        return _(
-            "Bead {bead} and wall {wall} hit each other at {time} with {speed}.",
-            bead=bead,
-            wall=wall,
-            time=when,
-            speed=how_fast,
-        )
-    return _(
-        "Bead {left} hit bead {right} at {time} with {speed}.", left=pair[0], right=pair[1], time=when, speed=how_fast
-    )
-
-
-def clusters_in_words(velocities: Sequence[float], walls: Sequence[bool], scale: float, brief: bool = False) -> str:
-    """Neighbours that go together, and how fast; `scale` is the closing speed [m/s]. What is `brief` is read, not spoken.
-
-    A wall that rests is not spoken of.
-    """
-    clusters: list[list[int]] = []
-    still = scale * (SLOW if brief else STILL)
-    for bead, velocity in enumerate(velocities):
-        if walls[bead] and abs(velocity) <= still:
-            continue
-        beside = bool(clusters) and clusters[-1][-1] == bead - 1 and not (walls[bead] or walls[bead - 1])
-        if beside and _alike(velocity, velocities[clusters[-1][0]], scale, still):
-            clusters[-1].append(bead)
-        else:
-            clusters.append([bead])
-    said = [_cluster(cluster, velocities, walls, scale, brief) for cluster in clusters[:MOST_CLUSTERS]]
-    rest = len(clusters) - MOST_CLUSTERS
-    return " ".join([*said, *([ngettext("And {n} more group.", "And {n} more groups.", rest)] if rest > 0 else [])])
-
-
-def _alike(one: float, other: float, scale: float, still: float) -> bool:
-    """Whether two beads stay together: slow ones may differ by less than fast ones, for what they have gone tells them apart."""
-    faster = max(abs(one), abs(other))
-    return abs(one - other) < ALIKE * min(scale, 2.0 * faster) or faster <= still
-
-
-def _cluster(cluster: list[int], velocities: Sequence[float], walls: Sequence[bool], scale: float, brief: bool) -> str:
-    mean = math.fsum(velocities[bead] for bead in cluster) / len(cluster)
-    one, still = len(cluster) == 1, abs(mean) <= scale * (SLOW if brief else STILL)
-    between = N_("{first} and {last}") if len(cluster) == 2 else N_("{first} to {last}")
-    beads = str(cluster[0]) if one else _(between, first=cluster[0], last=cluster[-1])
-    if walls[cluster[0]]:
-        text = (
-            N_("Wall {beads} goes to the right at {speed}.")
-            if mean > 0.0
-            else N_("Wall {beads} goes to the left at {speed}.")
-        )
-    elif still and brief and mean != 0.0:
-        text = N_("Bead {beads} nearly stands still.") if one else N_("Beads {beads} nearly stand still.")
-    elif still:
-        text = N_("Bead {beads} stands still.") if one else N_("Beads {beads} stand still.")
-    elif mean > 0.0:
-        text = (
-            N_("Bead {beads} goes to the right at {speed}.")
-            if one
-            else N_("Beads {beads} go together to the right at {speed}.")
-        )
-    else:
-        text = (
-            N_("Bead {beads} goes to the left at {speed}.")
-            if one
-            else N_("Beads {beads} go together to the left at {speed}.")
-        )
-    speed = f"{plain(abs(mean), 2)}\u00a0m/s" if brief else speed_in_words(abs(mean))
-    return _(text, beads=beads, speed=speed)
-
-
-def seconds_in_words(time: float) -> str:
-    """A time [s] with its unit."""
-    return ngettext("{value} second", "{value} seconds", _counted(time), value=number_in_words(time))
-
-
-def speed_in_words(speed: float) -> str:
-    """A speed [m/s] with its unit."""
-    return ngettext("{value} metre a second", "{value} metres a second", _counted(speed), value=number_in_words(speed))
-
-
-def _counted(value: float) -> int:
-    """The number whose plural form a decimal number takes: 1 is singular, 1.5 only where 0 is (French), 2.5 as 2."""
-    shown = float(f"{value:.3g}")
-    return 0 if 1.0 < shown < 2.0 else int(shown)
-
-
-def number_in_words(value: float) -> str:
-    """Three digits, as people say them."""
-    return plain(value)

@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 import pymunk
-from softcradle.sandbox.draw.number_format import MINUS
+from softcradle.sandbox.story.numbers import MINUS
 
 from softcradle import Chain, SoftChain, hertz, power_law, simulate
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import pygame
-from softcradle.sandbox.draw.number_format import axis_prefix, decades, spread, ticks, with_prefix
 from softcradle.sandbox.draw.palette import Colour, tones
 from softcradle.sandbox.draw.supersampling import draw_marker
 from softcradle.sandbox.draw.text import shortened, width, write
 from softcradle.sandbox.motion import Array
+from softcradle.sandbox.story.numbers import axis_prefix, decades, spread, ticks, with_prefix
 
 TEXT = 13.0  # Size of all text of a chart [design pixels].
 LINE = 14.0  # Smallest distance between tick labels, and between names of curves [design pixels].

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 
 from softcradle.physics import Chain, Contact, Coupler
 from softcradle.physics.chain import Joint
-from softcradle.sandbox.draw.number_format import plain
 from softcradle.sandbox.languages import _
+from softcradle.sandbox.story.numbers import plain
 
 CYLINDER_LENGTH = 0.80  # Length of the cylinder, relative to the length of the draft gear. The piston takes the rest.
 CYLINDER_HEIGHT = 0.66  # Height of the cylinder, relative to the length of the draft gear.

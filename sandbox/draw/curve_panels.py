@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 import pygame
 from softcradle.sandbox.draw.axes import LINE, Axes, VerticalAxis
-from softcradle.sandbox.draw.number_format import ticks, time_unit
 from softcradle.sandbox.draw.palette import Colour, mix, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS, draw_line
 from softcradle.sandbox.motion import Array
+from softcradle.sandbox.story.numbers import ticks, time_unit
 
 # Distances between the axes and the left, right, top and bottom edge of a panel, for labels, names and title [design
 # pixels].

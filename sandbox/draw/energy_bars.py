@@ -4,13 +4,14 @@ import math
 from collections.abc import Sequence
 
 import pygame
-from softcradle.sandbox.draw.number_format import scientific
 from softcradle.sandbox.draw.palette import Colour, tones
 from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.draw.supersampling import fill_rectangle
 from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.languages import N_, _
-from softcradle.sandbox.motion import GOOD, Array, Motion, level_of
+from softcradle.sandbox.motion import Array, Motion
+from softcradle.sandbox.story.numbers import scientific
+from softcradle.sandbox.story.verdict import GOOD, level_of
 
 # Titles of the energy bar and of the momentum bar. The longest one that fits is used.
 ENERGY_TITLES = (N_("energy: motion of each bead, stored in contacts"), N_("energy, stored in contacts"), N_("energy"))

@@ -21,7 +21,14 @@ from softcradle.sandbox.draw.bodies import (
     solid_force,
     visible_marks,
 )
-from softcradle.sandbox.draw.number_format import (
+from softcradle.sandbox.draw.palette import bead_colours, mix, text_on, tones
+from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, Scales, left_edges
+from softcradle.sandbox.draw.supersampling import blit_sprite, draw_arrow, fill_rectangle
+from softcradle.sandbox.draw.text import shortened, width, write
+from softcradle.sandbox.languages import N_, _, label_words
+from softcradle.sandbox.motion import Array, Motion
+from softcradle.sandbox.quantities import FORCE
+from softcradle.sandbox.story.numbers import (
     axis_prefix,
     beside,
     factor,
@@ -30,13 +37,6 @@ from softcradle.sandbox.draw.number_format import (
     ticks,
     with_prefix,
 )
-from softcradle.sandbox.draw.palette import bead_colours, mix, text_on, tones
-from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, Scales, left_edges
-from softcradle.sandbox.draw.supersampling import blit_sprite, draw_arrow, fill_rectangle
-from softcradle.sandbox.draw.text import shortened, width, write
-from softcradle.sandbox.languages import N_, _, label_words
-from softcradle.sandbox.motion import Array, Motion
-from softcradle.sandbox.quantities import FORCE
 from softcradle.scenes import View
 
 Shares = Callable[[Motion, int, Scales], Array]

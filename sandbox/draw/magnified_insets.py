@@ -6,13 +6,13 @@ import pygame
 from softcradle.sandbox.draw.bead_sprites import BEAD_OPACITY, outline_colour
 from softcradle.sandbox.draw.bodies import is_gear
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
-from softcradle.sandbox.draw.number_format import factor, round_down, scientific, subscript
 from softcradle.sandbox.draw.palette import Colour, mix, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS, Sprites, blit_sprite, fill_rectangle, make_sprites
 from softcradle.sandbox.draw.surfaces import cached_surfaces
 from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.motion import Array, Motion
+from softcradle.sandbox.story.numbers import factor, round_down, scientific, subscript
 
 CAP_RADIUS = 1.5  # Radius of the two discs of a contact, relative to the radius of the inset.
 GREATEST_DEPTH = 1.05  # Upper limit of the drawn overlap, relative to the radius of the inset.

@@ -11,13 +11,13 @@ from softcradle.sandbox.draw.curve_panels import Panel
 from softcradle.sandbox.draw.energy_bars import EnergyBars
 from softcradle.sandbox.draw.lane_drawing import KEY, LaneDrawing
 from softcradle.sandbox.draw.magnified_insets import MagnifiedInsets
-from softcradle.sandbox.draw.number_format import TIMES, fixed, plain, subscript, time_unit
 from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.draw.text import shortened, wrapped, write
 from softcradle.sandbox.languages import _, scene_words
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.quantities import FORCE, OVERLAP, VELOCITY
+from softcradle.sandbox.story.numbers import TIMES, fixed, plain, subscript, time_unit
 from softcradle.scenes import Scene
 
 # Size of a picture in design pixels. A design pixel is 1/DESIGN_HEIGHT of the height of a picture, or 1/DESIGN_WIDTH of

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 from softcradle.physics import Chain, Trajectory
-from softcradle.sandbox.draw.number_format import round_down, scientific
 from softcradle.sandbox.motion import Array, Motion
+from softcradle.sandbox.story.numbers import round_down, scientific
 from softcradle.scenes import Scene
 
 # Largest number of decades of the overlap axis. Deep inside rigid-like clusters overlaps are even smaller.

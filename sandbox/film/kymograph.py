@@ -10,7 +10,6 @@ import pygame
 from numpy.typing import NDArray
 from softcradle.sandbox.draw.bodies import CYLINDER_LENGTH, is_gear
 from softcradle.sandbox.draw.lane_drawing import TALLEST_BEAD, LaneDrawing
-from softcradle.sandbox.draw.number_format import plain, round_down, scientific
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.draw.supersampling import fill_rectangle
@@ -20,6 +19,7 @@ from softcradle.sandbox.film.formats import check, pixels_of
 from softcradle.sandbox.film.scene_film import RenderReport
 from softcradle.sandbox.film.scene_motion import Frames, after_time, motion_end, scene_motions, shown_span
 from softcradle.sandbox.motion import Motion
+from softcradle.sandbox.story.numbers import plain, round_down, scientific
 from softcradle.scenes import Scene
 
 Pixels = NDArray[np.uint8]

@@ -11,39 +11,10 @@ from softcradle.physics import Trajectory
 from softcradle.sandbox.draw.shared_scales import longest_lead, motion_of
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.scene_runs import SHOWN, run_scene
+from softcradle.sandbox.story.ending import quiet_end
 from softcradle.sandbox.user_error import GaveUpError, UserError
 from softcradle.scenes import Scene
 from softcradle.scenes.scene_schema import MOST_SLOW
-
-PATIENCE = 100.0  # Longest pause that a film shows, in multiples of the time seen so far.
-
-
-def quiet_end(trajectories: Sequence[Trajectory]) -> tuple[float, str]:
-    """Return the end [s] of `trajectories`, the lanes of a scene, and a sentence if more follows after a long pause.
-
-    The time seen so far lasts from the start to the last opening and includes the flight over all gaps at the closing
-    speed, so beads that are far apart have enough time.
-    """
-    end = max(float(found.time[-1]) for found in trajectories)
-    spans = sorted(span for found in trajectories for spans in found.contact_intervals for span in spans)
-    flight = max(_flight_time(found) for found in trajectories)
-    until = spans[0][0] if spans else end
-    for closed, opened in [*spans, (end, end)]:
-        if closed > PATIENCE * (until + flight) and until > 0.0:
-            sentence = (
-                f"the motion is shown up to t = {until:.4g} s, when its last contact has opened for long: slow beads would meet "
-                f"again at t = {closed:.3g} s; give the scene a duration to see more, or less"
-            )
-            return until, sentence
-        until = max(until, min(opened, end))
-    return end, ""
-
-
-def _flight_time(found: Trajectory) -> float:
-    """Return the time [s] in which the initial closing speed crosses all gaps of a chain."""
-    gaps = float(np.maximum(found.chain.gap, 0.0).sum())
-    return gaps / (float(np.ptp(found.velocity[0])) or 1.0)
-
 
 LEAD = 0.25  # free flight before the start of a scene that begins in touch, as a fraction of its motion
 AFTER = 0.35  # default free flight after the end of a scene, as a fraction of its motion

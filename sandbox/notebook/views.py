@@ -56,7 +56,7 @@ def _trajectory_table(trajectory: Trajectory) -> str:
 
 
 def _chain_table(chain: Chain) -> str:
-    from softcradle.sandbox.draw.number_format import plain
+    from softcradle.sandbox.story.numbers import plain
     from softcradle.sandbox.trajectory_summary import mass_text
 
     rows = [

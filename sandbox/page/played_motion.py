@@ -7,12 +7,12 @@ from functools import cached_property
 import numpy as np
 from softcradle.physics import Trajectory
 from softcradle.physics.status import Status
-from softcradle.sandbox.draw.number_format import force_unit, scientific, time_unit
 from softcradle.sandbox.draw.shared_scales import Scales, motion_of, scales_of
 from softcradle.sandbox.film.scene_motion import require_finite, shown_span
 from softcradle.sandbox.languages import N_, _, label_words, ngettext
 from softcradle.sandbox.motion import Motion
 from softcradle.sandbox.page.document import note, table
+from softcradle.sandbox.story.numbers import force_unit, scientific, time_unit
 from softcradle.sandbox.trajectory_summary import bead_table, contact_table, summarise
 from softcradle.scenes import Scene
 from softcradle.scenes.contact_text import contact_text

@@ -13,7 +13,7 @@ import numpy as np
 from softcradle.physics import Trajectory
 from softcradle.physics.scales import default_step
 from softcradle.sandbox.files import output_file
-from softcradle.sandbox.film.scene_motion import checked_slow, quiet_end, require_whole
+from softcradle.sandbox.film.scene_motion import checked_slow, require_whole
 from softcradle.sandbox.languages import in_every_language
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.page.data import can_be_computed, page_data
@@ -30,6 +30,7 @@ from softcradle.sandbox.page.document import (
 )
 from softcradle.sandbox.page.played_motion import PlayedMotion, played_motion, result_notes, result_tables
 from softcradle.sandbox.scene_runs import SHOWN, run_scene
+from softcradle.sandbox.story.ending import quiet_end
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
 

@@ -7,7 +7,7 @@ from html import escape
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.sandbox.draw.number_format import power_of_ten, ticks
+from softcradle.sandbox.story.numbers import power_of_ten, ticks
 
 Array = NDArray[np.float64]
 Range = tuple[float, float]

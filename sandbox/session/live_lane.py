@@ -28,6 +28,7 @@ from softcradle.sandbox.session.ledger import (
     measure,
     new_ledger,
 )
+from softcradle.sandbox.story.ending import is_endless, is_over
 
 FREQUENCY = 12.0  # 1/s of wall time: the bead follows the pointer within about a sixth of a second
 MOST_SPEED = 10.0  # of the pull, relative to the scene's closing speed
@@ -87,6 +88,16 @@ class LiveLane:
     def velocity(self) -> Array:
         """(n+1,) bead velocities [m/s]."""
         return self.state.velocity(self.chain)
+
+    @property
+    def endless(self) -> bool:
+        """True if contacts may close again and again."""
+        return is_endless(self.chain, self.state)
+
+    @property
+    def over(self) -> bool:
+        """True if no contact can close any more."""
+        return is_over(self.chain, self.state, self.setup.speed)
 
     @property
     def motion(self) -> Motion:

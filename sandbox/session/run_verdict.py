@@ -18,13 +18,12 @@ from softcradle.physics.methods import find_method
 from softcradle.physics.scales import shortest_contact
 from softcradle.physics.trajectory import work_of_walls
 from softcradle.sandbox.languages import N_, _, language, localized
-from softcradle.sandbox.motion import BAD, BAD_ERROR, FAIR, FAIR_ERROR, GOOD, LEVELS, Array, level_of
+from softcradle.sandbox.motion import Array
 from softcradle.sandbox.session.frame_history import Block, History
 from softcradle.sandbox.session.frame_pacing import FramePacer
 from softcradle.sandbox.session.history_slices import HistorySlice, history_slices
 from softcradle.sandbox.session.ledger import SWITCHES, VELOCITY_ERROR, energy_error, momentum_error
-
-__all__ = ["BAD", "FAIR", "GOOD", "LEVELS"]  # those of every motion, which badges show
+from softcradle.sandbox.story.verdict import BAD, BAD_ERROR, FAIR, FAIR_ERROR, GOOD, LEVELS, level_of
 
 FAIR_VELOCITY = 1e-2  # of the closing speed, the largest velocity error that is good
 BAD_VELOCITY = 0.1  # of the closing speed, the largest that is fair

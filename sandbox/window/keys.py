@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import pygame
-from softcradle.sandbox.draw.number_format import MINUS
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.languages import N_, _
+from softcradle.sandbox.story.numbers import MINUS
 from softcradle.sandbox.window.plots.kinds import PLOT_KINDS
 
 CTRL, SHIFT, PLAIN = pygame.KMOD_CTRL, pygame.KMOD_SHIFT, 0

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import pygame
 from pygame_gui.core import UIElement
 from pygame_gui.elements import UIButton, UIHorizontalSlider, UITextEntryBox, UITextEntryLine
-from softcradle.sandbox.draw.number_format import MINUS
 from softcradle.sandbox.draw.palette import Colour, tones
 from softcradle.sandbox.draw.surfaces import cached_surfaces
 from softcradle.sandbox.draw.text import shortened, wrapped, write
 from softcradle.sandbox.languages import _, localized
 from softcradle.sandbox.session.editable_numbers import Parameter
+from softcradle.sandbox.story.numbers import MINUS
 from softcradle.sandbox.window.page import Host
 
 STEP = 0.01  # of the range, for an arrow key

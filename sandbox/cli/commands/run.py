@@ -89,7 +89,8 @@ def _tell(scene: Scene, trajectories: list[Trajectory], args: argparse.Namespace
     from dataclasses import asdict
 
     from softcradle.physics.trajectory_file import versions
-    from softcradle.sandbox.trajectory_summary import describe, summarise
+    from softcradle.sandbox.story.sentences import describe
+    from softcradle.sandbox.trajectory_summary import summarise
 
     lanes = [(lane.label, found) for lane, found in zip(scene.lanes, trajectories, strict=True)]
     if args.describe:

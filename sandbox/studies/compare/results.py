@@ -14,7 +14,7 @@ from softcradle.physics.analysis.collision import CollisionMeasures, ContactMeas
 from softcradle.physics.checked_input import finite_or_none
 from softcradle.physics.trajectory_file import versions
 from softcradle.sandbox.console import print_rows
-from softcradle.sandbox.draw.number_format import number_text, subscript
+from softcradle.sandbox.story.numbers import number_text, subscript
 from softcradle.sandbox.studies.compare.sides import Comparison, Side
 from softcradle.sandbox.trajectory_summary import ResultTable, summarise
 from softcradle.sandbox.user_error import UserError

@@ -8,7 +8,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from softcradle.sandbox.draw.number_format import spread
+from softcradle.sandbox.story.numbers import spread
 from softcradle.sandbox.studies.plot_style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY, new_figure
 from softcradle.sandbox.studies.precision.measurement import ChartPoint, Series
 from softcradle.sandbox.studies.precision.table import (

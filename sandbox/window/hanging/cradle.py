@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import pymunk
 from softcradle.physics import Contact, SoftChain, draft_gear, hertz, power_law
 from softcradle.sandbox.languages import N_, NP_, _
-from softcradle.sandbox.session.run_verdict import BAD, FAIR, GOOD
+from softcradle.sandbox.story.verdict import BAD, FAIR, GOOD
 
 RADIUS = 0.1  # m, of a ball
 STRING = 1.0  # m

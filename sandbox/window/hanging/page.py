@@ -10,13 +10,13 @@ import pygame
 import pygame_gui
 from pygame_gui.elements import UIDropDownMenu
 from softcradle.sandbox.draw.bead_sprites import bead_sprite, number_sprite
-from softcradle.sandbox.draw.number_format import fixed
 from softcradle.sandbox.draw.palette import bead_colours, text_on, tones
 from softcradle.sandbox.draw.supersampling import blit_sprite
 from softcradle.sandbox.draw.text import shortened, write
 from softcradle.sandbox.languages import N_, _, pgettext
 from softcradle.sandbox.session.frame_pacing import FramePacer
-from softcradle.sandbox.session.run_verdict import GOOD
+from softcradle.sandbox.story.numbers import fixed
+from softcradle.sandbox.story.verdict import GOOD
 from softcradle.sandbox.window.hanging.cradle import (
     BALLS,
     FRAME,

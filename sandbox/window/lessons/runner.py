@@ -8,21 +8,16 @@ from dataclasses import dataclass
 from functools import lru_cache, partial
 from pathlib import Path
 
-import numpy as np
 from softcradle.sandbox.languages import _, scene_words
-from softcradle.sandbox.motion import Array
-from softcradle.sandbox.session.history_slices import slice_at
 from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.session.summary_text import outcome_text
+from softcradle.sandbox.session.summary_text import outcome_text, session_outcome
+from softcradle.sandbox.story.outcome import Outcome
 from softcradle.sandbox.window.dialog import Choices
 from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.scene.clock import SceneClock
 from softcradle.scenes import load
 
 FILE = Path(__file__).parent / "lessons.toml"
-FAST = 0.5  # of the fastest target: a bead that is as fast leaves with it
-STILL = 0.05  # of the striker's speed: a slower bead stands still
-TOGETHER = 0.1  # of their mean speed: the largest spread of targets that leave together
 
 
 @dataclass(frozen=True)
@@ -42,9 +37,9 @@ class Lesson:
     measure: str
     why: tuple[str, ...]
 
-    def answer(self, velocities: Sequence[tuple[Array, Array]]) -> int | None:
-        """Number of the right choice, from the velocities (n+1,) of each lane at its start and end; None where none is."""
-        return MEASURES[self.measure](velocities)
+    def answer(self, outcomes: Sequence[Outcome]) -> int | None:
+        """Return the number of the right choice for the outcome of each lane, or None if no choice is right."""
+        return MEASURES[self.measure](outcomes)
 
 
 @lru_cache(maxsize=1)
@@ -54,28 +49,35 @@ def lessons() -> tuple[Lesson, ...]:
     return tuple(Lesson(**{**table, **{key: tuple(table[key]) for key in ("choices", "why")}}) for table in tables)
 
 
-def _leaving(velocities: Sequence[tuple[Array, Array]]) -> int:
-    """0: one target is fast; 1: more than half of them are; 2: fewer are."""
-    _, end = velocities[0]
-    fast = int((end[1:] > FAST * end.max()).sum())
-    return 0 if fast == 1 else (1 if 2 * fast > len(end) - 1 else 2)
+def _leaving(outcomes: Sequence[Outcome]) -> int:
+    """Return 0 if the fastest group of targets is a single bead, 1 if it is more than half of them, 2 if it is fewer."""
+    outcome = outcomes[0]
+    targets = len(outcome.start) - 1
+    fastest = max(outcome.groups, key=lambda group: group.velocity)
+    count = fastest.last - max(fastest.first, 1) + 1
+    return 0 if count == 1 else 1 if 2 * count > targets else 2
 
 
-def _striker(velocities: Sequence[tuple[Array, Array]]) -> int:
-    """0: the first bead stands still; 1: it bounces back; 2: it goes on."""
-    start, end = velocities[0]
-    if abs(end[0]) < STILL * abs(start[0]):
+def _striker(outcomes: Sequence[Outcome]) -> int:
+    """Return 0 if the first bead stands still or nearly so, 1 if it bounces back, 2 if it goes on."""
+    outcome = outcomes[0]
+    group = outcome.group_of(0)
+    if group is None or not group.moves:
         return 0
-    return 1 if end[0] * start[0] < 0.0 else 2
+    return 1 if group.velocity * outcome.start[0] < 0.0 else 2
 
 
-def _together(velocities: Sequence[tuple[Array, Array]]) -> int | None:
-    """0 or 1: the lane in which targets leave together; 2: both; None: neither."""
-    apart = [float(np.ptp(end[1:])) > TOGETHER * float(abs(end[1:]).mean()) for _, end in velocities]
-    return None if all(apart) else (apart.index(False) if any(apart) else 2)
+def _together(outcomes: Sequence[Outcome]) -> int | None:
+    """Return 0 or 1, the lane in which all targets leave together, 2 for both lanes, or None."""
+    whole = [outcome.group_of(1) for outcome in outcomes]
+    leave = [
+        group is not None and group.moves and group.last == len(outcome.start) - 1
+        for group, outcome in zip(whole, outcomes, strict=True)
+    ]
+    return None if not any(leave) else 2 if all(leave) else leave.index(True)
 
 
-MEASURES: dict[str, Callable[[Sequence[tuple[Array, Array]]], int | None]] = {
+MEASURES: dict[str, Callable[[Sequence[Outcome]], int | None]] = {
     "leaving": _leaving,
     "striker": _striker,
     "together": _together,
@@ -156,9 +158,8 @@ class LessonRunner:
 
     def _answer(self, predicted: int) -> None:
         """Say what was measured, and why: choices and reasons are of the scene as it is in the catalogue."""
-        history, lanes, lesson = self.session.history, self.session.lanes, self.lesson
-        begin = [slice_at(history, k, history.first).velocity[0] for k in range(len(lanes))]
-        answer = lesson.answer([(one, lane.velocity) for one, lane in zip(begin, lanes, strict=True)])
+        lesson = self.lesson
+        answer = lesson.answer([session_outcome(self.session, lane) for lane in range(len(self.session.lanes))])
         self._next += 1
         more: Choices = {_("Next question"): self.ask} if self._next < len(self.own) else {}
         if answer is None or self._edited:

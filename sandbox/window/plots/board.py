@@ -8,7 +8,6 @@ from itertools import pairwise
 
 import numpy as np
 import pygame
-from softcradle.sandbox.draw.number_format import ROUND_OFF, fixed, scientific
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.draw.supersampling import draw_marker
@@ -16,6 +15,7 @@ from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.languages import label_words
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.story.numbers import ROUND_OFF, fixed, scientific
 from softcradle.sandbox.window.page import Derived
 from softcradle.sandbox.window.plots.curves import LATEST, SECONDS, Plot, TimeSpan
 from softcradle.sandbox.window.plots.data_overlay import NumbersOverlay, PictureOverlay

@@ -10,7 +10,6 @@ import numpy as np
 import pygame
 from numpy.typing import NDArray
 from softcradle.sandbox.draw.axes import TEXT, Axes, VerticalAxis
-from softcradle.sandbox.draw.number_format import fixed, ticks, time_unit, with_prefix
 from softcradle.sandbox.draw.palette import Colour, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS
 from softcradle.sandbox.draw.surfaces import cached_surfaces
@@ -18,6 +17,7 @@ from softcradle.sandbox.draw.text import shortened, width
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.session.frame_history import History
 from softcradle.sandbox.session.history_slices import history_slices, slice_at
+from softcradle.sandbox.story.numbers import fixed, ticks, time_unit, with_prefix
 
 REDRAWN = 4  # columns drawn again at the newest end, where the curve goes on
 

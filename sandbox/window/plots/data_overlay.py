@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pygame
-from softcradle.sandbox.draw.number_format import MINUS
 from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.measured_table import FORCE, POSITION, VELOCITY, MeasuredTable
 from softcradle.sandbox.motion import Array
+from softcradle.sandbox.story.numbers import MINUS
 from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window.plots.curves import Plot
 from softcradle.sandbox.window.plots.kinds import FORCES, KYMOGRAPH, VELOCITIES

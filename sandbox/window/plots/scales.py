@@ -10,13 +10,13 @@ from functools import partial
 import numpy as np
 from softcradle.physics.methods import AUTO, Family, find_method
 from softcradle.physics.scales import scales_at
-from softcradle.sandbox.draw.number_format import round_step
 from softcradle.sandbox.draw.shared_scales import Scales, reached, scales_of
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.scene_runs import SHOWN
 from softcradle.sandbox.session.history_slices import history_slices
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.story.numbers import round_step
 from softcradle.sandbox.window.page import Host
 from softcradle.scenes import Scene
 

@@ -7,13 +7,13 @@ import math
 import numpy as np
 import pygame
 from softcradle.sandbox.draw.axes import VerticalAxis, linear_axis, ticks_apart
-from softcradle.sandbox.draw.number_format import TIMES, power_of_ten, prefixed
 from softcradle.sandbox.draw.palette import Colour, bead_colours, mix, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS, draw_marker
 from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.session.history_slices import history_slices, slice_at
+from softcradle.sandbox.story.numbers import TIMES, power_of_ten, prefixed
 from softcradle.sandbox.window.page import Derived
 from softcradle.sandbox.window.plots.curves import RIGHT, THICKNESS, Plot, draw_curves
 

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from softcradle.physics.simulation import endless
 from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.session.lane_setup import FRAME_RATE
-from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.replay import Replay
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.page import Host
@@ -16,25 +14,9 @@ from softcradle.sandbox.window.scene.editor import PREPARING, SceneEditor
 from softcradle.sandbox.window.scene.time_controls import SceneTimeControls, Timeline, late_note
 from softcradle.sandbox.window.scene.view import SceneView
 
-AT_REST = 1e-9  # of the closing speed: slower rates are round-off, as on pages
 APART = 2.0  # lengths of a bead: a gap in every lane is that wide when it ends
 LEAST_FRAMES = FRAME_RATE // 2  # that are shown after the last contact has opened
 MOST_FRAMES = 5 * FRAME_RATE  # likewise, where beads part slowly
-
-
-def is_endless(lane: LiveLane) -> bool:
-    """Whether contacts may close for ever, by the rule of runs without a duration."""
-    return bool(endless(lane.chain, lane.velocity))
-
-
-def is_over(lane: LiveLane) -> bool:
-    """Whether no contact of the lane can close any more: all are open, and no beads approach each other; on a bed all rest."""
-    chain, state = lane.chain, lane.state
-    if is_endless(lane) or state.time < max(chain.knots, default=0.0):
-        return False
-    if chain.on_bed:
-        return not lane.velocity.any()
-    return not state.closed.any() and bool((state.rate <= AT_REST * lane.setup.speed).all())
 
 
 class EndOfMotion:
@@ -61,9 +43,9 @@ class EndOfMotion:
     def update(self, frames: int, replay: Replay | None) -> None:
         """After a tick of so many frames in which the clock ran, of a `replay` or not."""
         session, replayed = self.session, replay is not None and replay.done
-        if not all(map(is_over, session.lanes)) or session.held.lane >= 0.0:
+        if not all(lane.over for lane in session.lanes) or session.held.lane >= 0.0:
             lasted = session.time >= session.setup.lanes[0].duration or replayed
-            self._frames, self.reached = 0, lasted and any(map(is_endless, session.lanes))
+            self._frames, self.reached = 0, lasted and any(lane.endless for lane in session.lanes)
             return
         self._frames += frames
         shown = self._frames >= LEAST_FRAMES and (self._apart or self._frames >= MOST_FRAMES)

@@ -7,11 +7,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from softcradle.sandbox.draw.number_format import subscript
 from softcradle.sandbox.languages import N_, _, label_words
 from softcradle.sandbox.session.contact_conversion import kind_of
 from softcradle.sandbox.session.inputs import AddBead, Input, LaneInput, Lock, RemoveBead, SetKind, SetMethod
 from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.story.numbers import subscript
 from softcradle.sandbox.window.page import Host
 
 

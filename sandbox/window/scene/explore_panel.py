@@ -13,7 +13,6 @@ from pygame_gui.elements import UIButton
 from softcradle.physics.contact import Contact
 from softcradle.sandbox.draw.bodies import cluster_ends, has_marks, visible_marks
 from softcradle.sandbox.draw.lane_drawing import VISIBLE_FORCE
-from softcradle.sandbox.draw.number_format import MINUS, axis_prefix, beside
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import paragraphs, shortened, width, write
 from softcradle.sandbox.languages import N_, _, label_words
@@ -23,9 +22,11 @@ from softcradle.sandbox.session.editable_numbers import MOST_SPEED, ROUND_EXPONE
 from softcradle.sandbox.session.history_slices import HistorySlice, approach_of, history_slices
 from softcradle.sandbox.session.inputs import AddBead, Input, RemoveBead, SetContact, SetVelocity
 from softcradle.sandbox.session.lane_setup import LaneSetup
-from softcradle.sandbox.session.run_verdict import GOOD, LEVELS, Health
+from softcradle.sandbox.session.run_verdict import Health
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.summary_text import outcome_text
+from softcradle.sandbox.story.numbers import MINUS, axis_prefix, beside
+from softcradle.sandbox.story.verdict import GOOD, LEVELS
 from softcradle.sandbox.window.keys import hint
 from softcradle.sandbox.window.page import Derived, Host
 from softcradle.sandbox.window.plots.board import PlotBoard

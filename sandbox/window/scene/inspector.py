@@ -14,7 +14,6 @@ from pygame_gui.elements import UIButton
 from softcradle.physics.contact import Contact
 from softcradle.sandbox.draw.axes import linear_axis
 from softcradle.sandbox.draw.curve_panels import Panel
-from softcradle.sandbox.draw.number_format import subscript
 from softcradle.sandbox.draw.palette import bead_colours, tones
 from softcradle.sandbox.draw.supersampling import draw_marker
 from softcradle.sandbox.draw.text import shortened, wrapped, write
@@ -24,6 +23,7 @@ from softcradle.sandbox.session.contact_conversion import kind_of
 from softcradle.sandbox.session.editable_numbers import Parameter, Variant, parameters, variant_of
 from softcradle.sandbox.session.inputs import Input, SetContact, SetKind, SetMass
 from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.story.numbers import subscript
 from softcradle.sandbox.window.dialog import Overlay, paint_box
 from softcradle.sandbox.window.keys import hint
 from softcradle.sandbox.window.page import Derived, Host

@@ -10,15 +10,15 @@ import pygame_gui
 from pygame_gui.elements import UIButton, UIDropDownMenu
 from softcradle.physics import METHODS
 from softcradle.physics.methods import refusal_of
-from softcradle.sandbox.draw.number_format import fixed, scientific, time_unit
 from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.draw.text import shortened, write
 from softcradle.sandbox.languages import _, label_words
-from softcradle.sandbox.session import run_verdict
 from softcradle.sandbox.session.inputs import SetMethod
 from softcradle.sandbox.session.run_verdict import Finding, Health
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.velocity_check import METHOD, VelocityCheck
+from softcradle.sandbox.story import verdict
+from softcradle.sandbox.story.numbers import fixed, scientific, time_unit
 from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.scene.editor import AUTO
 from softcradle.sandbox.window.widgets import fits, paint_whole, write_wrapped
@@ -154,7 +154,7 @@ class LaneCards:
 
     def _card(self, surface: pygame.Surface, rect: pygame.Rect, state: Health, number: int) -> None:
         unit = self.host.unit
-        if state.level == run_verdict.BAD:
+        if state.level == verdict.BAD:
             pygame.draw.rect(surface, mix(tones.background, tones.bad, 0.12), rect.inflate(14, 0), border_radius=6)
         if self.compact:
             self._title(surface, rect, number)
@@ -200,7 +200,7 @@ class LaneCards:
     def _sentence(self, surface: pygame.Surface, rect: pygame.Rect, state: Health, y: float) -> None:
         """A mark, and what there is room for of the sentence above the button."""
         unit, tint, x = self.host.unit, getattr(tones, state.level), rect.left
-        mark = "✓" if state.level == run_verdict.GOOD else "!"
+        mark = "✓" if state.level == verdict.GOOD else "!"
         write(surface, mark, (x, y + 2 * unit), 13 * unit, tint, bold=True)
         place = pygame.Rect(round(x + 16 * unit), round(y + 2 * unit), rect.width - round(16 * unit), 0)
         place.height = max(round(19 * unit), round(rect.bottom - 30 * unit - y))
@@ -219,7 +219,7 @@ class LaneCards:
 
 def _worst(found: list[Finding]) -> Finding | None:
     """The first of the gravest findings."""
-    gravest = sorted(found, key=lambda one: (-run_verdict.LEVELS.index(one.level), one.first))
+    gravest = sorted(found, key=lambda one: (-verdict.LEVELS.index(one.level), one.first))
     return gravest[0] if gravest else None
 
 

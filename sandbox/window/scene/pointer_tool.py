@@ -6,11 +6,11 @@ import math
 from collections.abc import Callable
 
 import pygame
-from softcradle.sandbox.draw.number_format import scientific
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.languages import N_, _
 from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.story.numbers import scientific
 from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.scene.editor import Pick, SceneEditor
 from softcradle.sandbox.window.scene.view import SceneView

@@ -8,7 +8,6 @@ from collections.abc import Callable, Mapping
 import pygame
 import pygame_gui
 from pygame_gui.elements import UIButton
-from softcradle.sandbox.draw.number_format import fixed, time_unit
 from softcradle.sandbox.draw.palette import bead_colours, mix, tones
 from softcradle.sandbox.draw.scene_picture import speed_text
 from softcradle.sandbox.draw.text import shortened, write
@@ -18,6 +17,7 @@ from softcradle.sandbox.session.frame_pacing import FramePacer
 from softcradle.sandbox.session.inputs import SetSlow
 from softcradle.sandbox.session.lane_setup import FRAME_RATE
 from softcradle.sandbox.session.session import FASTEST, Session
+from softcradle.sandbox.story.numbers import fixed, time_unit
 from softcradle.sandbox.window.keys import hint
 from softcradle.sandbox.window.page import Derived, Host
 from softcradle.sandbox.window.page_geometry import MARGIN

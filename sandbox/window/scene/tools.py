@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pygame
-from softcradle.sandbox.draw.number_format import scientific
 from softcradle.sandbox.languages import (
     N_,
     _,
@@ -27,6 +26,7 @@ from softcradle.sandbox.session.inputs import SetContact, SetKind, SetMethod
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.summary_text import summary_text
 from softcradle.sandbox.session.values_table import values_csv
+from softcradle.sandbox.story.numbers import scientific
 from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.plots.board import PlotBoard

@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import pygame
-from softcradle.sandbox.draw.number_format import MINUS, scientific
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import shortened, width, write
 from softcradle.sandbox.languages import _, pgettext
@@ -15,6 +14,7 @@ from softcradle.sandbox.quantities import BEAD, CONTACT, KINETIC, MASS, MOMENTUM
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.values_table import SET_COLUMNS, ValuesTable, columns_of, values_table
+from softcradle.sandbox.story.numbers import MINUS, scientific
 from softcradle.sandbox.window.page import Derived, Host
 from softcradle.sandbox.window.scene.editor import Pick, SceneEditor
 

@@ -21,9 +21,10 @@ from softcradle.physics.methods import METHODS, known_methods
 from softcradle.sandbox import console
 from softcradle.sandbox.cli.commands.run import print_report
 from softcradle.sandbox.cli.main import COMMANDS, main
-from softcradle.sandbox.draw.number_format import fixed
 from softcradle.sandbox.scene_runs import run_scene
-from softcradle.sandbox.trajectory_summary import bead_table, contact_table, describe, summarise
+from softcradle.sandbox.story.numbers import fixed
+from softcradle.sandbox.story.sentences import describe
+from softcradle.sandbox.trajectory_summary import bead_table, contact_table, summarise
 
 from softcradle import scenes
 from tests.helpers.own_process import python
@@ -104,8 +105,8 @@ def test_large_forces_have_the_prefix_of_their_unit_and_pulls_a_column(softcradl
 
 def test_what_happens_is_said_in_words(softcradle):
     said = softcradle("run", "one-on-four", "--describe").out
-    assert "Bead 0 hit bead 1 at 1 second with 1 metre a second." in said
-    assert "Bead 1 goes to the right at 0.174 metres a second. Beads 2 to 4 go together to the right at 0.465" in said
+    assert "Bead 0 hit bead 1 at 1\u00a0s with 1\u00a0m/s." in said
+    assert "Bead 1 goes to the right at 0.17\u00a0m/s. Beads 2 to 4 go together to the right at 0.46\u00a0m/s." in said
     assert softcradle("run", "galilean", "--describe").out.startswith("Who hits whom?\n")
 
 

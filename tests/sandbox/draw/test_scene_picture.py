@@ -9,12 +9,19 @@ import pygame
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from softcradle.sandbox.draw import number_format
 from softcradle.sandbox.draw.axes import LINE, linear_axis
 from softcradle.sandbox.draw.bodies import cluster_ends, has_marks, mass_labels, rigid_forces, visible_marks
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.magnified_insets import MagnifiedInsets
-from softcradle.sandbox.draw.number_format import (
+from softcradle.sandbox.draw.palette import BEAD_COLOURS, bead_colours, tones
+from softcradle.sandbox.draw.scene_picture import Picture, speed_text
+from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, left_edges, scales_of
+from softcradle.sandbox.draw.surfaces import cached_surfaces, clear_cached_surfaces
+from softcradle.sandbox.draw.text import shortened, width, wrapped
+from softcradle.sandbox.film.formats import pixels_of
+from softcradle.sandbox.film.scene_motion import scene_motions, strongest_row
+from softcradle.sandbox.story import numbers
+from softcradle.sandbox.story.numbers import (
     MINUS,
     TIMES,
     beside,
@@ -25,13 +32,6 @@ from softcradle.sandbox.draw.number_format import (
     spread,
     ticks,
 )
-from softcradle.sandbox.draw.palette import BEAD_COLOURS, bead_colours, tones
-from softcradle.sandbox.draw.scene_picture import Picture, speed_text
-from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, left_edges, scales_of
-from softcradle.sandbox.draw.surfaces import cached_surfaces, clear_cached_surfaces
-from softcradle.sandbox.draw.text import shortened, width, wrapped
-from softcradle.sandbox.film.formats import pixels_of
-from softcradle.sandbox.film.scene_motion import scene_motions, strongest_row
 from softcradle.scenes import Lane, Scene
 from softcradle.scenes.catalogue import parse
 
@@ -384,10 +384,10 @@ def test_text_fits_its_room():
 
 @given(st.floats(1e-9, 1e9), st.integers(1, 8))
 def test_steps_are_round(span, most):
-    step = number_format.round_step(span, most)
+    step = numbers.round_step(span, most)
     assert span / step <= most * (1 + 1e-6)
     assert float(f"{step:.0e}"[:-4]) in {1.0, 2.0, 5.0}
-    assert number_format.round_down(step) == pytest.approx(step)
+    assert numbers.round_down(step) == pytest.approx(step)
     assert len(ticks(0.0, span, most)) <= most + 1
 
 
@@ -399,9 +399,9 @@ def test_steps_are_round(span, most):
         (factor(1.5), "\N{MULTIPLICATION SIGN}1.5"), (factor(2e6), "\N{MULTIPLICATION SIGN}2·10⁶"), (fixed(-0.001, 2), "0.00"),
         ([number_text(value) for value in (None, 0.0, 1e-15, -0.25)], ["-", "0", "0", f"{MINUS}0.2500"]),
         ([number_text(value) for value in (2e-5, 1234.4, 123456.0)], ["2.00·10⁻⁵", "1234", "1.23·10⁵"]),
-        ([number_text(value) for value in (0, 1, 493)], ["0", "1", "493"]), (number_format.subscript(1, 2), "₁₂"),
-        (number_format.subscript(9, 10), "₉₋₁₀"),
-        (number_format.decades(-6, 0, 3), [(0.0, "10⁰"), (-2.0, "10⁻²"), (-4.0, "10⁻⁴"), (-6.0, "10⁻⁶")]),
+        ([number_text(value) for value in (0, 1, 493)], ["0", "1", "493"]), (numbers.subscript(1, 2), "₁₂"),
+        (numbers.subscript(9, 10), "₉₋₁₀"),
+        (numbers.decades(-6, 0, 3), [(0.0, "10⁰"), (-2.0, "10⁻²"), (-4.0, "10⁻⁴"), (-6.0, "10⁻⁶")]),
         (ticks(-0.2, 1.0, 4), [(0.0, "0.0"), (0.5, "0.5"), (1.0, "1.0")]),
         ([text for _, text in ticks(0.0, 1.4e6, 3)], ["0", "500 k", "1 M"]),
         ([text for _, text in ticks(0.0, 1e15, 2)], ["0", "5.00·10¹⁴", "1.00·10¹⁵"]),

@@ -8,8 +8,8 @@ import av
 import numpy as np
 import pandas as pd
 import pytest
-from softcradle.sandbox.draw.number_format import MINUS
 from softcradle.sandbox.notebook.views import play
+from softcradle.sandbox.story.numbers import MINUS
 from softcradle.sandbox.user_error import UserError
 
 from softcradle import Chain, Coupler, Trajectory, draft_gear, hertz, one_on, power_law, scenes, simulate

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from PIL import Image, ImageColor
 from softcradle.sandbox.draw.bodies import rigid_forces
-from softcradle.sandbox.draw.number_format import MINUS
 from softcradle.sandbox.page import render_page
+from softcradle.sandbox.story.numbers import MINUS
 from softcradle.scenes import Lane, Scene
 
 from softcradle import one_on, scenes, simulate

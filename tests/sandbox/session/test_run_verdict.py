@@ -8,10 +8,11 @@ import pytest
 from softcradle.physics import Contact, hertz, power_law, simulate
 from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.lane_setup import ERROR
-from softcradle.sandbox.session.run_verdict import BAD, COARSE, FAIR, GOOD, LEVELS, MOST_CHATTER, PASSED
+from softcradle.sandbox.session.run_verdict import COARSE, MOST_CHATTER, PASSED
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.summary_text import summary_text
 from softcradle.sandbox.session.velocity_check import VelocityCheck
+from softcradle.sandbox.story.verdict import BAD, FAIR, GOOD, LEVELS
 
 from tests.helpers.relations import NAMES
 from tests.helpers.sessions import EVERY_SCENE, opened

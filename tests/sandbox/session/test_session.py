@@ -24,7 +24,8 @@ from softcradle.sandbox.session.lane_setup import DURATION, FRAME_RATE
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.snapshots import snapshot_table
 from softcradle.sandbox.session.summary_text import summary_text
-from softcradle.sandbox.trajectory_summary import clusters_in_words, describe, first_hit_in_words, summarise
+from softcradle.sandbox.story.sentences import describe
+from softcradle.sandbox.trajectory_summary import summarise
 from softcradle.scenes import Lane, Scene
 
 from softcradle import scenes
@@ -170,18 +171,18 @@ def test_the_reference_plays_trains_with_a_bounded_work_in_a_frame(scene, monkey
 
 def test_a_collision_is_told_in_words():
     session = opened("draft-gear-one-on-three")
-    assert "Bead 0 goes to the right at 0.5 metres a second. Beads 1 to 3 stand still." in summary_text(session)
+    assert "Bead 0 goes to the right at 0.5\u00a0m/s. Beads 1 to 3 stand still." in summary_text(session)
     session.step_frames(2000)
     text = summary_text(session)
-    together = re.search(r"Beads 1 to 3 go together to the right at (.*?) metres a second\.", text)
-    striker = re.search(r"Bead 0 goes to the left at (.*?) metres a second\.", text)
+    together = re.search(r"Beads 1 to 3 go together to the right at (.*?)\u00a0m/s\.", text)
+    striker = re.search(r"Bead 0 goes to the left at (.*?)\u00a0m/s\.", text)
     assert (float(together[1]), float(striker[1])) == pytest.approx((0.25, 0.25), abs=0.005)
-    assert re.search(r"Bead 0 hit bead 1 at .* with 0\.5 metres a second", text)
+    assert re.search(r"Bead 0 hit bead 1 at .* with 0\.5\u00a0m/s", text)
     assert "trust" not in text
     last = f"{session.contact_events().time[-1]:.3g}"  # a time, and no duration
-    assert f"The last contact opened at {last} seconds." in text
+    assert f"The last contact opened at {last}\u00a0s." in text
     use_language("de")
-    assert f"Der letzte Kontakt öffnete sich nach {last.replace('.', ',')} Sekunden." in summary_text(session)
+    assert f"Der letzte Kontakt öffnete sich nach {last.replace('.', ',')}\u00a0s." in summary_text(session)
 
 
 def test_what_is_told_is_of_the_beads_that_there_are():
@@ -192,14 +193,6 @@ def test_what_is_told_is_of_the_beads_that_there_are():
     assert "hit" not in summary_text(session)
     session.step_frames(-1)
     assert "Bead 3 hit bead 4" in summary_text(session)
-
-
-def test_a_wall_has_a_name_of_its_own_where_it_moves_or_is_hit():
-    walls = [True, False, False, True]
-    told = clusters_in_words([0.0, -1.0, -1.0, 2.0], walls, 1.0, brief=True)
-    assert told == "Beads 1 and 2 go together to the left at 1\u00a0m/s. Wall 3 goes to the right at 2\u00a0m/s."
-    hit = first_hit_in_words([(2.0, 3.0, 2)], walls, 1.0)
-    assert hit == "Bead 2 and wall 3 hit each other at 2 seconds with 3 metres a second."
 
 
 @pytest.mark.parametrize("name", ["driven-cluster", "train-starting"])
@@ -230,8 +223,7 @@ def test_between_walls_that_move_alike_no_error_is_booked_as_their_work(method, 
     assert least <= session.health(0).energy_error < most
 
 
-def test_beads_at_rest_go_nowhere_and_no_fault_is_told_before_it_comes():
-    assert clusters_in_words([0.0, 0.0], [False] * 2, 0.0) == "Beads 0 and 1 stand still."
+def test_no_fault_is_told_before_it_comes():
     ends = simulate(scenes.load("one-on-four").lanes[0].chain(), [1, 0, 0, 0, 0], samples=2)
     assert {contact.largest_force for contact in summarise("", ends).contacts} == {None}  # between two samples, not 0
     session = opened("draft-gear-one-on-three")

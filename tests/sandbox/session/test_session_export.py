@@ -18,7 +18,8 @@ from softcradle.sandbox.session.history_slices import last_slice
 from softcradle.sandbox.session.replay import Replay
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.values_table import values_csv, values_table
-from softcradle.sandbox.trajectory_summary import describe, summarise
+from softcradle.sandbox.story.sentences import describe
+from softcradle.sandbox.trajectory_summary import summarise
 from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window.plots.kinds import Signal
 from softcradle.scenes import parse

@@ -9,9 +9,9 @@ import av
 import numpy as np
 import pytest
 from softcradle.sandbox.console import ProgressShown
-from softcradle.sandbox.draw.number_format import number_text
 from softcradle.sandbox.film.scene_film import MOST_BEFORE_HIT, film_shots
 from softcradle.sandbox.film.scene_motion import first_force, scene_motions_quietly, strongest_row
+from softcradle.sandbox.story.numbers import number_text
 from softcradle.sandbox.studies.compare.report import ComparisonReport, FilmSettings
 from softcradle.sandbox.studies.compare.results import solve_sides
 from softcradle.sandbox.studies.compare.sides import comparison_of, short_text

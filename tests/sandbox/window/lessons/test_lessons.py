@@ -5,9 +5,9 @@ import pytest
 from softcradle.physics import power_law, simulate
 from softcradle.sandbox.session.inputs import SetContact, SetVelocity
 from softcradle.sandbox.session.summary_text import outcome_text
+from softcradle.sandbox.story.lane_story import story_of
 from softcradle.sandbox.window.lessons.runner import lessons
 from softcradle.sandbox.window.plots.scales import motions_ahead
-from softcradle.sandbox.window.scene.clock import is_over
 
 from softcradle import scenes
 from tests.helpers.drawn_text import film_texts
@@ -20,7 +20,7 @@ ANSWERS = (1, 1, 0, 1, 0)
 def test_the_answer_is_that_of_an_accurate_run(lesson, answer):
     scene = scenes.load(lesson.scene)
     found = [simulate(lane.chain(), lane.velocity, scene.duration) for lane in scene.lanes]
-    assert lesson.answer([(run.velocity[0], run.final_velocity) for run in found]) == answer
+    assert lesson.answer([story_of(run).outcome for run in found]) == answer
 
 
 def answered(driver: Driver, choice: int) -> str:
@@ -60,7 +60,7 @@ def test_a_lesson_whose_choices_are_all_wrong_is_answered_in_words() -> None:
 @pytest.mark.parametrize("whole", [True, False], ids=["asked while it runs", "asked at its end"])
 def test_a_question_over_a_replay_is_answered_by_it(driver: Driver, tmp_path, whole: bool) -> None:
     driver.key(pygame.K_SPACE)
-    driver.until(lambda: driver.page.outcome.text if whole else is_over(driver.session.lanes[0]), 900)
+    driver.until(lambda: driver.page.outcome.text if whole else driver.session.lanes[0].over, 900)
     driver.session.pause()
     driver.page.dialogs.save("save_session", "played")
     driver.drop_file(tmp_path / "played.npz")

@@ -7,10 +7,10 @@ from dataclasses import replace
 import pygame
 import pytest
 from softcradle.physics import power_law
-from softcradle.sandbox.draw.number_format import MINUS, beside
 from softcradle.sandbox.session.contact_conversion import impact_energy
 from softcradle.sandbox.session.history_slices import last_slice
 from softcradle.sandbox.session.inputs import SetMass, SetVelocity
+from softcradle.sandbox.story.numbers import MINUS, beside
 from softcradle.sandbox.window.plots.kinds import PLOT_KINDS
 from softcradle.sandbox.window.scene.editor import Pick
 from softcradle.scenes import Scene

@@ -7,11 +7,10 @@ from unittest.mock import Mock
 import numpy as np
 import pygame
 import pytest
-from softcradle.sandbox.draw.number_format import MINUS
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.session.inputs import SetVelocity
 from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.window.scene.clock import is_over
+from softcradle.sandbox.story.numbers import MINUS
 from softcradle.sandbox.window.scene.sound import RATE, TONE_VOLUME, TONES, click, tone
 from softcradle.scenes import Scene
 
@@ -106,9 +105,9 @@ def test_a_motion_is_not_over_while_couplers_may_pull() -> None:
     lane = {**wagons, "contact": {"law": "coupler", "push": gear, "pull": gear, "slack": 0.5}}
     session = Session(Scene.model_validate({"title": "Wagons that go apart", "duration": 5.0, "lanes": [lane]}))
     while not (session.lanes[0].state.force < 0.0).any():
-        assert not is_over(session.lanes[0])
+        assert not session.lanes[0].over
         session.step_frames(1)
-    assert not is_over(session.lanes[0])
+    assert not session.lanes[0].over
 
 
 def test_a_motion_is_over_when_its_last_force_has_ended_and_beads_are_apart() -> None:
@@ -117,13 +116,13 @@ def test_a_motion_is_over_when_its_last_force_has_ended_and_beads_are_apart() ->
     session = Session(Scene.model_validate({"title": "Apart", "lanes": [lane]}))
     for frames, over in ((59, False), (62, True)):
         session.step_frames(frames)
-        assert is_over(session.lanes[0]) == over
+        assert session.lanes[0].over == over
     stiff = {"law": "hertz", "stiffness": 1e6}  # two rest in the end, but for round-off
     for velocity, gap, frames in (([-1.0, 0.0, 0.0], 0.0, 0), ([1.0, 0.0, 0.0], 0.1, 60)):
         lane = {"velocity": velocity, "contact": stiff, "gap": gap}
         session = Session(Scene.model_validate({"title": "Two rest", "lanes": [lane]}))
         session.step_frames(frames)
-        assert is_over(session.lanes[0])
+        assert session.lanes[0].over
 
 
 def test_a_replay_clicks_as_the_run_did(driver: Driver, tmp_path) -> None:

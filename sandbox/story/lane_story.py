@@ -1,0 +1,90 @@
+"""The story of one lane up to a moment: first hit, contacts that are closed, last opening, and the outcome."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from softcradle.sandbox.story.outcome import Outcome, outcome_of
+
+if TYPE_CHECKING:
+    from softcradle.physics import Trajectory
+
+# Smallest speed of a hit, as a fraction of the closing speed. Contacts that close more slowly only begin to push.
+LEAST_HIT = 0.01
+
+
+@dataclass(frozen=True)
+class Hit:
+    """The first hit: its time [s], the speed [m/s] with which the two beads approached, and the bead on its left.
+
+    `walls` is True for each of the two beads that is a wall.
+    """
+
+    time: float
+    speed: float
+    contact: int
+    walls: tuple[bool, bool] = (False, False)
+
+
+@dataclass(frozen=True)
+class LaneStory:
+    """The story of one lane.
+
+    Attributes:
+        time: the moment [s] at which the story ends.
+        contacts: number of contacts.
+        closed: number of contacts that are closed at that moment.
+        opened: time [s] at which the last contact opened; None if no contact has opened.
+        hit: the first hit, or None.
+        outcome: the groups of beads.
+    """
+
+    time: float
+    contacts: int
+    closed: int
+    opened: float | None
+    hit: Hit | None
+    outcome: Outcome
+
+
+def first_hit(closings: Iterable[tuple[float, float, int]], mass: Sequence[float], speed: float) -> Hit | None:
+    """Return the first hit among closings of contacts, or None.
+
+    Contacts that were pressed or pulled together without a hit do not count. Of hits at the same time, the fastest counts.
+
+    Arguments:
+        closings: time [s], speed of approach before it [m/s], and number of the contact.
+        mass: (n+1,) masses [kg].
+        speed: the closing speed at the start [m/s].
+    """
+    hits = [(time, -approach, contact) for time, approach, contact in closings if approach > LEAST_HIT * speed]
+    if not hits:
+        return None
+    time, approach, contact = min(hits)
+    return Hit(time, -approach, contact, (math.isinf(mass[contact]), math.isinf(mass[contact + 1])))
+
+
+def story_of(trajectory: Trajectory) -> LaneStory:
+    """Return the story of a whole trajectory."""
+    start, end = trajectory.velocity[0], trajectory.final_velocity
+    spans = [(span[0][0], k) for k, span in enumerate(trajectory.contact_intervals) if span]
+    openings = [span[-1][1] for span in trajectory.contact_intervals if span]
+    closings = [(time, _approach(trajectory, k, time), k) for time, k in spans]
+    speed = float(start.max() - start.min()) or float(abs(end).max())
+    return LaneStory(
+        time=float(trajectory.time[-1]),
+        contacts=trajectory.chain.contacts,
+        closed=sum(map(math.isinf, openings)),
+        opened=max((time for time in openings if math.isfinite(time)), default=None),
+        hit=first_hit(closings, trajectory.chain.mass, speed),
+        outcome=outcome_of(trajectory.chain.mass, start.tolist(), end.tolist()),
+    )
+
+
+def _approach(trajectory: Trajectory, contact: int, time: float) -> float:
+    """Return how fast the beads of a contact approached each other before `time` [m/s]."""
+    row = max(int((trajectory.time <= time).sum()) - 1, 0)
+    return float(trajectory.rate[row, contact])

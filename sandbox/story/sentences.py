@@ -1,0 +1,120 @@
+"""The sentences of a story, in the language in use. Pages have those of the outcome in every language."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from softcradle.physics.checked_input import LARGEST
+from softcradle.sandbox.languages import N_, _, ngettext
+from softcradle.sandbox.story.lane_story import Hit, LaneStory, story_of
+from softcradle.sandbox.story.numbers import plain
+from softcradle.sandbox.story.outcome import NEARLY_STILL, STILL, Group, Outcome
+
+if TYPE_CHECKING:
+    from softcradle.physics import Trajectory
+
+# Groups that are described one by one. The others are counted.
+MOST_GROUPS = 6
+# Significant digits of a speed.
+SPEED_DIGITS = 2
+
+# The sentences of groups by their key: kind of body and what it does. `ending.js` uses the same keys.
+SENTENCES = {
+    "bead right": N_("Bead {beads} goes to the right at {speed}."),
+    "beads right": N_("Beads {beads} go together to the right at {speed}."),
+    "wall right": N_("Wall {beads} goes to the right at {speed}."),
+    "bead left": N_("Bead {beads} goes to the left at {speed}."),
+    "beads left": N_("Beads {beads} go together to the left at {speed}."),
+    "wall left": N_("Wall {beads} goes to the left at {speed}."),
+    "bead nearly still": N_("Bead {beads} nearly stands still."),
+    "beads nearly still": N_("Beads {beads} nearly stand still."),
+    "bead still": N_("Bead {beads} stands still."),
+    "beads still": N_("Beads {beads} stand still."),
+    "two of": N_("{first} and {last}"),
+    "row of": N_("{first} to {last}"),
+}
+
+
+def outcome_words(outcome: Outcome) -> str:
+    """Return a sentence for each group."""
+    said = [_group_words(group) for group in outcome.groups[:MOST_GROUPS]]
+    rest = len(outcome.groups) - MOST_GROUPS
+    if rest > 0:
+        said.append(ngettext("And {n} more group.", "And {n} more groups.", rest))
+    return " ".join(said)
+
+
+def _group_words(group: Group) -> str:
+    """Return the sentence for a group."""
+    kind = "wall" if group.wall else "bead" if group.count == 1 else "beads"
+    way = group.state if group.state in (STILL, NEARLY_STILL) else "right" if group.velocity > 0.0 else "left"
+    between = "two of" if group.count == 2 else "row of"
+    beads = str(group.first) if group.count == 1 else _(SENTENCES[between], first=group.first, last=group.last)
+    return _(SENTENCES[f"{kind} {way}"], beads=beads, speed=speed_text(abs(group.velocity)))
+
+
+def story_words(story: LaneStory) -> str:
+    """Return the first hit, the contacts and the outcome, a sentence each."""
+    found = (_hit_words(story.hit), _contact_words(story), outcome_words(story.outcome))
+    return " ".join(sentence for sentence in found if sentence)
+
+
+def _hit_words(hit: Hit | None) -> str:
+    """Return the sentence for the first hit, or an empty text."""
+    if hit is None:
+        return ""
+    when, how_fast, pair = time_text(hit.time), speed_text(hit.speed), (hit.contact, hit.contact + 1)
+    if not any(hit.walls):
+        return _(
+            "Bead {left} hit bead {right} at {time} with {speed}.",
+            left=pair[0],
+            right=pair[1],
+            time=when,
+            speed=how_fast,
+        )
+    wall, bead = pair if hit.walls[0] else pair[::-1]
+    return _(
+        "Bead {bead} and wall {wall} hit each other at {time} with {speed}.",
+        bead=bead,
+        wall=wall,
+        time=when,
+        speed=how_fast,
+    )
+
+
+def _contact_words(story: LaneStory) -> str:
+    """Return the sentence on the contacts at the end of the story."""
+    if story.closed:
+        return ngettext(
+            "At {time} {n} of {all} contacts is closed.",
+            "At {time} {n} of {all} contacts are closed.",
+            story.closed,
+            time=time_text(story.time),
+            all=story.contacts,
+        )
+    if story.opened is None:
+        return _("No contact closes until {time}.", time=time_text(story.time))
+    return _("The last contact opened at {time}.", time=time_text(story.opened))
+
+
+def describe(label: str, trajectory: Trajectory) -> str:
+    """Return some sentences about a whole motion. A motion that did not stay finite has only one."""
+    motion = trajectory.velocity, trajectory.final_velocity, trajectory.overlap, trajectory.force
+    if all((np.abs(numbers) <= LARGEST).all() for numbers in motion):
+        said = story_words(story_of(trajectory))
+        if trajectory.status.gave_up:
+            said += " " + _("The method gave up there, so this is not the end.")
+    else:
+        said = _("The motion by {method} did not stay finite: choose a smaller step.", method=trajectory.method)
+    return f"{label}: {said}" if label else said
+
+
+def time_text(time: float) -> str:
+    """Return a time [s] with its unit."""
+    return f"{plain(time)}\u00a0s"
+
+
+def speed_text(speed: float) -> str:
+    """Return a speed [m/s] with its unit."""
+    return f"{plain(speed, SPEED_DIGITS)}\u00a0m/s"
