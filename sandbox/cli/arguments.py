@@ -1,4 +1,4 @@
-"""Arguments that several commands have, and types that refuse a bad value in a sentence."""
+"""Arguments that several commands share, and argument types that reject a bad value with a clear message."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from pathlib import Path
 from softcradle.sandbox.console import note
 from softcradle.sandbox.user_error import UserError
 
-DEFAULT_FOLDER = Path("out")  # of what commands write that are not told where
+DEFAULT_FOLDER = Path("out")  # Folder for output files if the user gives no path.
 LISTED = "--list computes nothing: {option} is for what is computed"
 
 
 def positive_number(text: str) -> float:
-    """A number > 0 that can be computed with; it may be a fraction such as 1/60."""
+    """Convert `text` to a positive number within the limits of the physics; fractions such as 1/60 are allowed."""
     from softcradle.physics.checked_input import LARGEST, SMALLEST
 
     numerator, slash, denominator = text.partition("/")
@@ -33,7 +33,7 @@ def positive_number(text: str) -> float:
 
 
 def whole_number(least: int, most: int) -> Callable[[str], int]:
-    """The type of a whole number from `least` to `most`."""
+    """Return an argument type that accepts whole numbers from `least` to `most`."""
 
     def checked(text: str) -> int:
         if not re.fullmatch(r"\d{1,12}", text) or not least <= int(text) <= most:
@@ -44,7 +44,7 @@ def whole_number(least: int, most: int) -> Callable[[str], int]:
 
 
 def picture_size(text: str) -> tuple[int, int]:
-    """Width and height in pixels from a text such as 1280x720."""
+    """Convert text such as 1280x720 to (width, height) in pixels."""
     match = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text)
     if match is None:
         raise argparse.ArgumentTypeError(f"must be WIDTHxHEIGHT such as 1280x720, not {text!r}")
@@ -59,7 +59,7 @@ def add_scene(parser: argparse.ArgumentParser) -> None:
 
 
 def add_method(parser: argparse.ArgumentParser) -> None:
-    """Add the options that choose the method and its step."""
+    """Add the options for the method and its time step."""
     from softcradle.physics.methods import known_methods
 
     method = parser.add_argument(
@@ -70,12 +70,12 @@ def add_method(parser: argparse.ArgumentParser) -> None:
 
 
 def completed(action: argparse.Action, words: Callable[..., list[str]]) -> None:
-    """Let a shell complete the argument with `words()`, and with names of files."""
+    """Let the shell complete the argument with the result of `words`, and with file names."""
     action.completer = words  # type: ignore[attr-defined]  # what argcomplete looks for
 
 
 def scene_words(prefix: str = "", **_: object) -> list[str]:
-    """What a shell completes a scene with: names of scenes, and files and folders."""
+    """Return the completions of a scene argument: names of scenes, scene files, trajectory files and folders."""
     from glob import escape, glob
 
     from softcradle.scenes import names
@@ -88,20 +88,24 @@ FIGURE_SUFFIXES = (".png", ".pdf", ".svg")
 
 
 def figure_path(name: str, command: str) -> Path:
-    """The path of a picture that matplotlib draws. UserError for another kind, ImportError where that is missing."""
+    """Return the path of a picture that matplotlib will draw.
+
+    Raise UserError if the file format is not supported, and ImportError if matplotlib is not installed.
+    """
     if Path(name).suffix not in FIGURE_SUFFIXES:
         raise UserError(f"cannot write {name}: {command} writes {', '.join(FIGURE_SUFFIXES)}")
     from softcradle.sandbox.studies.plot_style import require_matplotlib
 
-    require_matplotlib()  # before the runs, not after them
+    require_matplotlib()  # Checked before the runs, so that a missing package does not waste them.
     return Path(name)
 
 
 @contextmanager
 def opened_outputs(paths: Sequence[Path]) -> Iterator[list[Path]]:
-    """Temporary files that become `paths` at the end; opened before the runs, so that an unwritable place is refused at once.
+    """Yield temporary files that replace `paths` when the block ends without an error.
 
-    Of folders the one is made in which commands write that are not told where. UserError for a file that is given twice.
+    The files are opened before the runs, so an unwritable path is reported at once. The default folder is created if it
+    is needed; other folders must exist. Raise UserError if two paths are the same file.
     """
     from softcradle.sandbox.files import filled_folder, output_file
 
@@ -115,7 +119,11 @@ def opened_outputs(paths: Sequence[Path]) -> Iterator[list[Path]]:
 
 @contextmanager
 def picture_folder(name: str, kept: str) -> Iterator[tuple[Path, Path, WrittenFiles]]:
-    """The folder of a study's pictures, made before the runs; where in it points are kept until all is drawn; what it had."""
+    """Create the folder for the pictures of a study before its runs.
+
+    Yield the folder, the path of the store that keeps computed points until everything is drawn, and a record of the
+    files that the folder contained before. The store is removed at the end.
+    """
     from softcradle.sandbox.files import filled_folder
     from softcradle.sandbox.studies.plot_style import require_matplotlib
     from softcradle.sandbox.sweeps.run_sweep import drop_kept
@@ -127,7 +135,7 @@ def picture_folder(name: str, kept: str) -> Iterator[tuple[Path, Path, WrittenFi
 
 
 class WrittenFiles:
-    """Knows which files were there before; made before anything is written.
+    """Record of the files that exist before a command writes. It tells new files from replaced ones in the report.
 
     Arguments:
         candidates: paths of the files that may be written.
@@ -137,10 +145,10 @@ class WrittenFiles:
         self._before = {path.absolute() for path in candidates if os.path.isfile(path) or os.path.isdir(path)}
 
     def report(self, paths: Sequence[Path], detail: str = "", show: bool = False, silent: bool = False) -> None:
-        """Say what was written and what was replaced, unless `silent`; `show` opens the first of the files.
+        """Print which files were written and which were replaced, unless `silent`. If `show`, open the first file.
 
         Raises:
-            UserError: nothing on this machine opens it.
+            UserError: no program on this machine can open the file.
         """
         for path in paths if not silent else ():
             note(f"{'replaced' if path.absolute() in self._before else 'written'}: {path}{detail}")
@@ -149,24 +157,26 @@ class WrittenFiles:
 
 
 def open_with_desktop(path: Path) -> None:
-    """Open a file or folder with the desktop's program for it. Raises UserError where there is none."""
+    """Open a file or folder with the default program of the desktop. Raise UserError if there is none."""
     if not webbrowser.open(path.absolute().as_uri()):
         raise UserError(f"{path} is written, but no program was found to open it with")
 
 
 def add_open(parser: argparse.ArgumentParser) -> None:
-    """Add the option that opens what was written."""
+    """Add the option that opens the written file."""
     parser.add_argument("--open", action="store_true", help="open the file with the desktop's program for it")
 
 
 def refuse_options(args: argparse.Namespace, sentence: str, *names: str) -> None:
-    """Refuse those options that are given, in the `sentence` with {option} for it. Raises UserError."""
+    """Raise UserError if one of the options `names` is given. The message is `sentence` with the option for
+    ``{option}``.
+    """
     for name in names:
         if getattr(args, name) not in (None, False):
             raise UserError(sentence.format(option=f"--{name.replace('_', '-')}"))
 
 
 def check_open(wanted: bool, output: object) -> None:
-    """Refuse to open what is written where there is no `output`. Raises UserError."""
+    """Raise UserError if --open is `wanted` but nothing is written (`output` is empty)."""
     if wanted and not output:
         raise UserError("--open opens the file that is written: give one with -o, too")

@@ -1,6 +1,6 @@
-"""The `softcradle` command: its subcommands, and what goes wrong with them as a sentence and an exit code.
+"""The `softcradle` command with its subcommands. Errors become a message of one sentence and an exit code.
 
-The module of a subcommand is imported when it is run. Parsers refuse in one sentence, and refuse an option that is given twice.
+The module of a subcommand is imported only when the subcommand runs. The parsers reject an option that is given twice.
 """
 
 from __future__ import annotations
@@ -38,23 +38,23 @@ if TYPE_CHECKING:
 
 
 class CommandModule(Protocol):
-    """What the module of a command provides."""
+    """Interface of the module of a subcommand."""
 
     def add_arguments(self, parser: argparse.ArgumentParser) -> None:
-        """Declare the command's arguments."""
+        """Declare the arguments of the command."""
 
     def main(self, args: argparse.Namespace) -> int:
-        """Run the command and return its exit code. Raises UserError."""
+        """Run the command and return its exit code. Raise UserError for a mistake of the user."""
 
 
 class Command(NamedTuple):
-    """A command: its name, which is that of its module, and its line in the help."""
+    """Subcommand: its name, which is also the name of its module, and its line in the help."""
 
     name: str
     help: str
 
     def load(self) -> CommandModule:
-        """Import the module."""
+        """Import and return the module of the command."""
         return cast(CommandModule, import_module(f"softcradle.sandbox.cli.commands.{self.name}"))
 
 
@@ -81,7 +81,7 @@ COMMANDS = (
 
 
 class Parser(argparse.ArgumentParser):
-    """An ArgumentParser that refuses in one sentence, as the rest of the command does."""
+    """ArgumentParser that raises UserError with a message of one sentence instead of printing its usage."""
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings)
@@ -93,7 +93,7 @@ class Parser(argparse.ArgumentParser):
         )  # fmt: skip
 
     def print_help(self, file: SupportsWrite[str] | None = None) -> None:
-        """Print the help; argparse itself would be silent where it cannot be written."""
+        """Print the help. Unlike the method of argparse, raise an error if the output cannot be written."""
         print(self.format_help(), end="", file=file)
 
     def error(self, message: str) -> NoReturn:
@@ -102,7 +102,7 @@ class Parser(argparse.ArgumentParser):
 
 
 class _StoreOnce(argparse.Action):
-    """Store a value; argparse would let the last of several replace the others in silence."""
+    """Action that stores a value and rejects a repeated option. The action of argparse silently keeps the last value."""
 
     def __call__(
         self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, values: Any, option: str | None = None
@@ -113,7 +113,7 @@ class _StoreOnce(argparse.Action):
 
 
 def command_parsers() -> tuple[Parser, dict[str, Parser]]:
-    """The parser, and that of each command, still without the command's arguments."""
+    """Return the main parser and the parser of each command by name, still without the arguments of the commands."""
     parser = Parser(
         prog="softcradle",
         formatter_class=_Help,
@@ -131,17 +131,18 @@ def command_parsers() -> tuple[Parser, dict[str, Parser]]:
 
 
 class _Help(argparse.HelpFormatter):
-    """Help with a column that the longest name of a command fits; argparse does not count the indent of the names."""
+    """Help formatter whose first column fits the longest command name. argparse ignores the indentation of the names."""
 
     def add_argument(self, action: argparse.Action) -> None:
-        """Add the argument, and make the column as wide as an indented name and two spaces."""
+        """Add the argument, and widen the column to the longest indented name and two spaces."""
         super().add_argument(action)
         self._action_max_length = max(self._action_max_length, 4 + max(len(command.name) for command in COMMANDS))
 
 
 class _Version(argparse.Action):
     def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
-        from softcradle.physics.version import version  # reads the installation: not for every start
+        # Imported here because it reads the metadata of the installation, which would slow down every start.
+        from softcradle.physics.version import version
 
         print(f"softcradle {version()}")
         parser.exit()
@@ -162,13 +163,14 @@ OTHER_WORDS = {"list": "scenes", "open": "play", "show": "play", "view": "play",
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line `arguments` (None: those of the process) and return the exit code.
 
-    It is 0; 1 where `verify` finds a number that is not met; 2 for a user's mistake; 3 where a run gave up before its end; 4
-    where a sweep lost points; 130 when interrupted; 141 where a reader has closed the pipe; 129 or 143 when terminated.
+    The codes are 0 for success, 1 if `verify` finds a wrong number, 2 for a mistake of the user, 3 if a run gave up
+    before its end and 4 if a sweep lost points. They are 130 after an interrupt, 141 if the reader closed the pipe, and
+    129 or 143 after a hang-up or termination signal.
     """
     if arguments is None:
-        # A terminated command ends like an interrupted one: half-written files are removed.
+        # A terminated command must end like an interrupted one, so that half-written files are removed.
         for number in (getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)):
-            if signal.getsignal(number) != signal.SIG_IGN:  # as under nohup
+            if signal.getsignal(number) != signal.SIG_IGN:  # Ignored signals stay ignored, for example under nohup.
                 signal.signal(number, lambda number, _: sys.exit(128 + number))
         open_closed_streams()
         sys.stderr = ErrorOutput(cast(io.TextIOWrapper, sys.stderr))
@@ -185,13 +187,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if error.code in (TERMINATED, HUNG_UP):
             print("softcradle: terminated", file=sys.stderr)
         raise
-    except BrokenPipeError:  # the reader of the output has closed it, as in `softcradle scenes | head -1`
+    except BrokenPipeError:  # The reader has closed the pipe, as in `softcradle scenes | head -1`.
         discard(sys.stdout)
         return CLOSED_PIPE
 
 
 def _flushed(arguments: list[str]) -> int:
-    """Run the command and write all of its output, where it ends early too."""
+    """Run the command and flush its output, also if the command fails."""
     try:
         try:
             return _run(arguments)
@@ -199,7 +201,7 @@ def _flushed(arguments: list[str]) -> int:
             sys.stdout.flush()
     except BrokenPipeError:
         raise
-    except OSError as error:  # what files refuse is a UserError
+    except OSError as error:  # Errors of output files are already UserErrors. This is an error of standard output.
         discard(sys.stdout)
         unnamed = "the current folder" if isinstance(error, FileNotFoundError) else "standard output"
         raise UserError(f"cannot write to {error.filename or unnamed}: {reason(error)}") from None
@@ -228,20 +230,21 @@ def _run(arguments: list[str]) -> int:
 
 
 def _with_extras(module: CommandModule, args: argparse.Namespace) -> int:
-    """Run the command; UserError where it needs a package that is not installed."""
+    """Run the command. Raise UserError if it needs a package that is not installed."""
     from softcradle.physics.extras import needed_for
 
     try:
         with needed_for(f"softcradle {args.command}", "window" if args.command == "play" else None):
             return module.main(args)
     except ImportError as error:
-        if isinstance(error.__cause__, KeyboardInterrupt | SystemExit):  # what compiled modules make of them on loading
+        # A compiled module that is interrupted while it loads raises an ImportError with this cause.
+        if isinstance(error.__cause__, KeyboardInterrupt | SystemExit):
             raise error.__cause__ from None
         raise UserError(str(error)) from None
 
 
 def _complete(parser: Parser, parsers: dict[str, Parser]) -> None:
-    """Answer the shell, which asks how the line on it may go on, and exit."""
+    """Print the completions that the shell requests, and exit."""
     import argcomplete
 
     for command in COMMANDS:
@@ -254,7 +257,7 @@ def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
 
 
 def _module(name: str) -> CommandModule:
-    """The module of the command of that name; UserError where there is none."""
+    """Return the module of the command `name`. Raise UserError if there is no such command."""
     for command in COMMANDS:
         if command.name == name:
             return command.load()
@@ -265,21 +268,26 @@ def _module(name: str) -> CommandModule:
 
 
 def open_closed_streams() -> None:
-    """Let streams that the caller has closed lead nowhere: Python has none for them, and a file would get their number."""
+    """Replace standard streams that the caller has closed by null devices.
+
+    Python sets such streams to None, and the next opened file would get their file descriptor.
+    """
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115 - for as long as it runs
 
 
 class ErrorOutput(io.TextIOWrapper):
-    """Standard error; on a full disk or a closed pipe behind it, exit codes alone tell."""
+    """Standard error that ignores write errors. If the disk is full or the pipe is closed, only the exit code reports
+    an error.
+    """
 
     def __init__(self, stream: io.TextIOWrapper) -> None:
         super().__init__(stream.buffer, stream.encoding, stream.errors, line_buffering=True)
-        self._stream = stream  # which would close what it is written to
+        self._stream = stream  # A reference keeps the stream alive; its finalizer would close the shared buffer.
 
     def write(self, text: str) -> int:
-        """Write, as files do; lines are flushed here."""
+        """Write `text` and return its length, even if it cannot be written."""
         try:
             return super().write(text)
         except OSError:
@@ -288,7 +296,7 @@ class ErrorOutput(io.TextIOWrapper):
 
 
 def use_plain_characters() -> None:
-    """Let both streams write plain characters in place of those that their encoding lacks."""
+    """Make both output streams replace characters that their encoding lacks by ASCII characters."""
     codecs.register_error("softcradle-plain", _plain)
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
@@ -296,14 +304,16 @@ def use_plain_characters() -> None:
 
 
 def _plain(error: UnicodeError) -> tuple[str, int]:
-    """The end of an encoding error: its characters in ASCII, and where to go on."""
+    """Handle an encoding error: return ASCII characters for the failed ones, and the position at which encoding
+    continues.
+    """
     if not isinstance(error, UnicodeEncodeError):
         raise error
     return "".join(map(_plain_character, error.object[error.start : error.end])), error.end
 
 
 def _plain_character(character: str) -> str:
-    """`character` in ASCII: a digit for a subscript, the name of a Greek letter, else a question mark."""
+    """Return `character` in ASCII: a digit for a subscript, the name of a Greek letter, otherwise a question mark."""
     decomposed = unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode()
     name = unicodedata.name(character, "")
     greek = name.rpartition(" ")[2].lower() if name.startswith("GREEK") else "?"
@@ -311,19 +321,19 @@ def _plain_character(character: str) -> str:
 
 
 def discard(stream: TextIO) -> None:
-    """Send what the stream still holds to nowhere: Python would try to write it once more at its end."""
+    """Redirect the stream to the null device. Otherwise Python would try to write its buffer again at exit."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 class CompileNotes(logging.Handler):
-    """Shows the records of the logger `softcradle`."""
+    """Logging handler that prints the records of the logger `softcradle`."""
 
     def __init__(self, stream: TextIO) -> None:
         super().__init__(logging.INFO)
         self._stream, self._follows = stream, stream.isatty()
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Write the record: a line for a warning; on a terminal, progress that the next one replaces."""
+        """Print the record: warnings as lines; on a terminal, progress on a line that the next record replaces."""
         if record.levelno >= logging.WARNING:
             self._stream.write(f"softcradle: {record.getMessage()}\n")
         elif self._follows:
@@ -331,7 +341,7 @@ class CompileNotes(logging.Handler):
         self._stream.flush()
 
     def close(self) -> None:
-        """Erase the last progress."""
+        """Erase the last progress message."""
         if self._follows:
             self._stream.write(ERASE_LINE)
         super().close()
@@ -339,12 +349,13 @@ class CompileNotes(logging.Handler):
 
 @contextmanager
 def compilation_shown() -> Iterator[None]:
-    """Show warnings while the block runs, and, unless quiet, what is compiled."""
+    """Print warnings while the block runs, and the progress of compilation unless the user wants quiet output."""
     logger, notes = logging.getLogger("softcradle"), CompileNotes(sys.stderr)
     level, passed_on = logger.level, logger.propagate
     if is_quiet():
         notes.setLevel(logging.WARNING)
-        notes.addFilter(lambda record: record.module != "kernel_tiers")  # to wait for kernels is progress
+        # Waiting for kernels is progress, not a warning.
+        notes.addFilter(lambda record: record.module != "kernel_tiers")
     logger.addHandler(notes)
     logger.setLevel(logging.INFO)
     logger.propagate = False

@@ -1,5 +1,7 @@
-"""Appearance of bodies, computed without drawing: which contacts look like draft gears, how tall bodies are, which
-masses are labelled, and where a bar shows the force of a rigid cluster.
+"""Appearance of bodies, computed without drawing.
+
+The module decides which contacts look like draft gears, how tall bodies are and which masses are written. It also
+computes the force of a rigid cluster, which a mark across a force bar shows.
 """
 
 import itertools
@@ -93,8 +95,8 @@ def rigid_forces(
 ) -> list[float]:
     """Return the (n,) force [N] that each contact would have if every cluster moved as one rigid body.
 
-    A cluster ends at the contacts marked in `ends` and at contacts that are open now; the force there is 0. The force
-    is 0 in a cluster with a wall too.
+    A cluster ends at the contacts marked in `ends` and at contacts that are open now. The force is 0 at these contacts
+    and inside a cluster with a wall.
 
     A rigid cluster has one acceleration. A contact inside it therefore transmits a share of the force at each end of
     the cluster. The share is the fraction of the mass of the cluster beyond the contact, Eq. (5). The shares from the

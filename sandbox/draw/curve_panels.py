@@ -103,7 +103,7 @@ class Panel(Axes):
 
 
 def _thinned(across: Array, down: Array) -> list[tuple[float, float]]:
-    """Return the points of a curve without those that fall on the same fine pixel as the point before."""
+    """Return the points of a curve; omit a point that falls on the same fine pixel as the point before."""
     moved = np.ones(len(across), dtype=bool)
     moved[1:] = (np.diff(np.floor(across)) != 0.0) | (np.diff(np.floor(down)) != 0.0)
     return list(zip(across[moved].tolist(), down[moved].tolist(), strict=True))

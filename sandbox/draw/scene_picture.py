@@ -235,7 +235,7 @@ def _curves(motion: Motion) -> tuple[Array, Array, Array]:
 
 
 def speed_text(slow: float) -> str:
-    """Return the label of the playback speed, where one second of motion takes `slow` seconds."""
+    """Return the label of a playback speed at which one second of motion takes `slow` seconds."""
     if abs(slow - 1.0) < 1e-9:
         return _("real time")
     if slow > 1.0:

@@ -1,1 +1,3 @@
-"""One module for each subcommand, with `add_arguments` and `main`; softcradle.sandbox.cli.main lists them."""
+"""One module for each subcommand, with the functions `add_arguments` and `main`. `softcradle.sandbox.cli.main` lists
+them.
+"""

@@ -1,4 +1,6 @@
-"""`softcradle chart`: the cost of every method against its error on this machine, beside other people's integrators."""
+"""`softcradle chart`: plot the cost of every method over its error, measured on this machine, with other integrators
+for comparison.
+"""
 
 from __future__ import annotations
 
@@ -41,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Measure the cases, draw the chart and print the table of each case."""
+    """Measure the cases, draw the chart and print a table for each case."""
     from softcradle.sandbox.studies.plot_style import save_figure, styled
     from softcradle.sandbox.studies.precision.chart import draw_chart
     from softcradle.sandbox.studies.precision.measurement import machine_stamp
@@ -72,7 +74,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _definitions(wanted: Sequence[str]) -> list[CaseDefinition]:
-    """The definitions of those names; without names, all."""
+    """Return the cases with these names; all cases if no name is given. Other names are read as scenes."""
     from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS, definitions_of
 
     known = {definition.name: definition for definition in CASE_DEFINITIONS}
@@ -102,7 +104,7 @@ def _measured(
 
 
 def _peers() -> ModuleType | None:
-    """Return the module of other integrators, which a wheel does not contain, or None."""
+    """Return the module with the other integrators, or None, because an installed wheel does not contain it."""
     try:
         from softcradle.sandbox.studies.precision import peers
     except ImportError:

@@ -1,4 +1,4 @@
-"""`softcradle check FILE ...`: every problem of every file, one line each; exit code 2 if there is any."""
+"""`softcradle check FILE ...`: print every problem of every file in one line each. The exit code is 2 if there is any."""
 
 import argparse
 import sys
@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the files."""
+    """Add the argument for the files."""
     parser.add_argument(
         "files",
         metavar="FILE",
@@ -16,7 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Check all files and print how many are right."""
+    """Check all files and print how many are correct."""
     found = [_check(file) for file in dict.fromkeys(_listed(args.files))]
     if len(found) > 1:
         wrong = len(found) - sum(found)
@@ -25,7 +25,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _listed(words: Iterable[str]) -> Iterator[str]:
-    """Yield the named files, the scene files of named folders, and the files that fit a pattern."""
+    """Yield the named files, the scene files in named folders, and the files that match a pattern."""
     from glob import glob, has_magic
     from pathlib import Path
 
@@ -39,12 +39,14 @@ def _listed(words: Iterable[str]) -> Iterator[str]:
 
 
 def _some(word: str, files: list[str]) -> list[str]:
-    """Return the files, or the word itself if the list is empty: the check of the word then reports that."""
+    """Return the files. If the list is empty, return the word itself, so that the check of this word reports the
+    problem.
+    """
     return files or [word]
 
 
 def _check(file: str) -> bool:
-    """Print the problems of a file, or that it is right. Return True if it is right."""
+    """Print the problems of a file, or that it is correct. Return True if it is correct."""
     from pathlib import Path
 
     from softcradle.scenes import SceneError, load

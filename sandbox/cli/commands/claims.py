@@ -1,4 +1,6 @@
-"""`softcradle claims`: studies of the paper's statements, each with range, error bars, verdict, counter-example, picture."""
+"""`softcradle claims`: measure the statements of the paper, each with its range, error bars, verdict, counter-example
+and picture.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,7 @@ from softcradle.sandbox.user_error import named
 if TYPE_CHECKING:
     from softcradle.sandbox.studies.claims.claim import JudgedClaim
 
-KEPT = "claims"  # name of the file in the folder of the output that keeps cases until all are measured
+KEPT = "claims"  # Name of the store in the output folder that keeps measured cases until all are done.
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -1,4 +1,4 @@
-"""`softcradle compare`: the same collision in several chains, as a film, a report and numbers."""
+"""`softcradle compare`: compute the same collision in several chains and write a film, a report or the numbers."""
 
 import argparse
 from pathlib import Path

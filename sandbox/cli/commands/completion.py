@@ -1,4 +1,4 @@
-"""`softcradle completion SHELL`: the lines that let a shell complete commands, options, methods and scenes."""
+"""`softcradle completion SHELL`: print the script with which a shell completes commands, options, methods and scenes."""
 
 import argparse
 
@@ -10,7 +10,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Print the lines."""
+    """Print the script."""
     from argcomplete.shell_integration import shellcode
 
     print(shellcode(["softcradle"], shell=args.shell))

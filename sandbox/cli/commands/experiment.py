@@ -1,4 +1,6 @@
-"""`softcradle experiment`: what bed friction and caught pistons explain of the losses in the paper's experiment."""
+"""`softcradle experiment`: compute which part of the losses in the paper's experiment bed friction and caught pistons
+explain.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Fit the friction, and print what follows with and without pistons."""
+    """Fit the coefficient of friction, and print the momentum and energy deficits with and without pistons."""
     from softcradle.sandbox.files import readable_json
     from softcradle.sandbox.studies.experiment import STRIKERS, compute_experiment, critical_speed_with_error
 

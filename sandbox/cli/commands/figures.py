@@ -1,11 +1,11 @@
-"""`softcradle figures`: the figures of the paper and of the data it does not show, as pictures and numbers."""
+"""`softcradle figures`: draw the figures of the paper, and figures of data that the paper mentions but does not show."""
 
 import argparse
 
 from softcradle.sandbox.cli.arguments import LISTED, add_open, open_with_desktop, picture_folder, refuse_options
 from softcradle.sandbox.console import ProgressShown, print_rows
 
-KEPT = "figures"  # name of the file in the folder of the output that keeps tables until all figures are drawn
+KEPT = "figures"  # Name of the store in the output folder that keeps computed tables until all figures are drawn.
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

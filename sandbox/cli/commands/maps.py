@@ -1,4 +1,4 @@
-"""`softcradle maps`: where a struck cluster moves like a rigid body, over softness or speed, and size."""
+"""`softcradle maps`: map how rigidly a struck cluster moves, over its size and over softness or speed."""
 
 import argparse
 from contextlib import suppress
@@ -8,9 +8,9 @@ from softcradle.sandbox.console import ProgressShown
 from softcradle.sandbox.user_error import UserError, named
 
 NAMES = ("power-law", "draft-gear")
-COLUMNS = 200  # abscissae of a map, where none are given
-ROWS = 20  # cluster sizes of a map, where none are given
-MOST_POINTS = 2000  # along either side of a map: a typing error must not run for days
+COLUMNS = 200  # Default number of columns of a map (values of softness or speed).
+ROWS = 20  # Default number of rows of a map (cluster sizes).
+MOST_POINTS = 2000  # Largest number of rows or columns. A typing error must not start a run of several days.
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

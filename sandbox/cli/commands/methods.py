@@ -1,4 +1,4 @@
-"""`softcradle methods`: what there is to compute a motion with, and what each method is for."""
+"""`softcradle methods`: list the integration methods and the purpose of each."""
 
 import argparse
 

@@ -1,4 +1,4 @@
-"""`softcradle page`: a page of a scene in which the beads live, one file for any browser."""
+"""`softcradle page`: write a web page in one file that simulates a scene live, in any browser."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def write_scene_page(scene: Scene, output: str, written: WrittenFiles, show: bool, **settings: Any) -> None:
-    """Write the page of `scene`, and say what it is."""
+    """Write the page of `scene`, and report its size and content."""
     from softcradle.sandbox.page import render_page
 
     report = render_page(scene, output, **settings)

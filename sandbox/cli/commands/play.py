@@ -1,4 +1,4 @@
-"""`softcradle play`, or `softcradle` alone: open the window."""
+"""`softcradle play`, or `softcradle` without a command: open the window."""
 
 import argparse
 import os
@@ -44,7 +44,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _require_scene(wanted: str) -> None:
-    """Raise UserError where there is nothing of that name; what is wrong with a file, the window says."""
+    """Raise UserError if there is no scene or file named `wanted`. The window reports problems inside a file."""
     from softcradle.sandbox.session.export import is_shared_text
     from softcradle.sandbox.window.app import STANDARD_INPUT
     from softcradle.sandbox.window.hanging.page import HANGING_NAME

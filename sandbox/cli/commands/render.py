@@ -1,4 +1,4 @@
-"""`softcradle render`: a film, pictures, a kymograph or a page of a scene."""
+"""`softcradle render`: write a film, pictures, a kymograph (space-time diagram) or a page of a scene."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from softcradle.sandbox.scene_runs import load_scene
 if TYPE_CHECKING:
     from softcradle.scenes import Scene
 
-SIZE = (1280, 720)  # pixels
+SIZE = (1280, 720)  # Default size of films and pictures [pixels].
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

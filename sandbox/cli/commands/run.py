@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from softcradle.sandbox.trajectory_summary import Summary
     from softcradle.scenes import Scene
 
-MOST_SAMPLES = 1_000_000  # a typing error must not fill the memory
+MOST_SAMPLES = 1_000_000  # Largest number of samples. A typing error must not fill the memory.
 FORMATS = (".npz", ".csv")
 
 
@@ -77,7 +77,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _outputs(wanted: str, lanes: int) -> list[Path]:
-    """One path for each lane. Raises UserError for a format that run does not write."""
+    """Return one path for each lane. Raise UserError if `run` does not write this file format."""
     path = Path(wanted)
     if path.suffix not in FORMATS:
         raise UserError(f"cannot write {wanted}: run writes {' or '.join(FORMATS)}")
@@ -85,7 +85,7 @@ def _outputs(wanted: str, lanes: int) -> list[Path]:
 
 
 def _tell(scene: Scene, trajectories: list[Trajectory], args: argparse.Namespace) -> None:
-    """The results in words, as JSON or as tables."""
+    """Print the results in words, as JSON or as tables."""
     from dataclasses import asdict
 
     from softcradle.physics.trajectory_file import versions
@@ -107,7 +107,7 @@ def _tell(scene: Scene, trajectories: list[Trajectory], args: argparse.Namespace
 
 
 def print_report(scene: Scene, summaries: Sequence[Summary]) -> None:
-    """Print title and source, and the tables of each lane."""
+    """Print the title and the source of the scene, and the tables of each lane."""
     output = console()
     output.print(scene.title, style="bold")
     if scene.source:
@@ -122,7 +122,8 @@ def _print_lane(output: Console, summary: Summary) -> None:
     output.print()
     if summary.label:
         output.print(summary.label, style="bold cyan")
-    for found, breaks in ((bead_table(summary), 0), (contact_table(summary), 1)):  # line breaks in their titles
+    # `breaks` is the largest number of line breaks in the column titles.
+    for found, breaks in ((bead_table(summary), 0), (contact_table(summary), 1)):
         print_rows([title.replace(" ", "\n", breaks) for title in found.titles], found.rows, True, output)
     output.print(_cost(summary))
     for sentence in summary.warnings:

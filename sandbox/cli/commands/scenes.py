@@ -1,4 +1,4 @@
-"""`softcradle scenes`: the list of scenes, or the file of one of them."""
+"""`softcradle scenes`: list the scenes, or print the file of one of them."""
 
 import argparse
 import sys
@@ -19,11 +19,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Print the list of scenes, or one of them."""
+    """Print the list of scenes, or the file of one scene."""
     if args.scene is not None:
         from softcradle.scenes import text_of
 
-        scene = load_scene(args.scene)  # raises UserError where there is no such scene
+        scene = load_scene(args.scene)  # Raises UserError if there is no such scene.
         _print_file(scene.model_dump_json(indent=2) + "\n" if args.json else text_of(args.scene))
         return 0
     from softcradle.scenes import load, names
@@ -39,7 +39,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _print_file(text: str) -> None:
-    """Print the text of a file: in UTF-8, in which files are read, unless it is for a terminal."""
+    """Print the text of a scene file. The output is UTF-8, the encoding of scene files, unless it goes to a terminal."""
     if sys.stdout.isatty() or not hasattr(sys.stdout, "buffer"):
         print(text, end="")
         return

@@ -1,4 +1,4 @@
-"""`softcradle stability`: maps of where each method breaks, and how."""
+"""`softcradle stability`: map at which time steps each method fails, and how."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def _print(runs: Sequence[ScanRun]) -> None:
 
 
 def _caution() -> str:
-    """A sentence on what pymunk's own rigid contacts do to the energy of a cradle."""
+    """Return a sentence about the energy that a cradle gains or loses with pymunk's own rigid contacts."""
     from softcradle.sandbox.studies.stability.rigid_cradle import DURATION, STEPS, remaining_energy, strike
 
     energies = ", ".join(f"{remaining_energy(step):.2f} at 1/{1.0 / step:.0f} s" for step in STEPS)

@@ -1,4 +1,6 @@
-"""`softcradle sweep`: a study of many points, on this machine or on a Dask scheduler's; what is done is kept."""
+"""`softcradle sweep`: compute a study of many points on this machine or with a Dask scheduler. An interrupted study
+continues where it stopped.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,7 @@ if TYPE_CHECKING:
     from softcradle.sandbox.sweeps.study_file import SweepStudy
 
 MOST_WORKERS = 1024
-REASONS_SHOWN = 3  # of points that have no numbers
+REASONS_SHOWN = 3  # Largest number of printed reasons why points have no numbers.
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -41,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Compute the study, or what is left of it, and say what was found."""
+    """Compute the remaining points of the study and print a summary."""
     if args.measures:
         from softcradle.sandbox.sweeps.measure_table import MEASURES
 
@@ -63,7 +65,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _tell_status(study: SweepStudy, output: Path) -> int:
-    """Say how far the study is; the exit code says whether points are lost."""
+    """Print how many points of the study are computed. Return the exit code, which shows if points are lost."""
     from softcradle.sandbox.sweeps.run_sweep import sweep_status
 
     lost, sentence = sweep_status(study.scene, study.points, study.measures, output, study.title)
@@ -72,7 +74,7 @@ def _tell_status(study: SweepStudy, output: Path) -> int:
 
 
 def _compute(args: argparse.Namespace, study: SweepStudy, output: Path) -> int:
-    """Compute the study and say what was found; the exit code says whether points are lost."""
+    """Compute the study and print a summary. Return the exit code, which shows if points are lost."""
     from softcradle.sandbox.sweeps.dataset import lost_points
     from softcradle.sandbox.sweeps.run_sweep import sweep
 
@@ -98,7 +100,7 @@ def _compute(args: argparse.Namespace, study: SweepStudy, output: Path) -> int:
 
 
 def _print_summary(found: xr.Dataset) -> None:
-    """What is in the Dataset: its size, the range of every measure, and why points have no numbers."""
+    """Print the size of the Dataset, the range of every measure, and the reasons why points have no numbers."""
     from softcradle.sandbox.sweeps.dataset import reasons_of, summary_rows
 
     output = console()

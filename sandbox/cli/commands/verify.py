@@ -1,10 +1,10 @@
-"""`softcradle verify`: everything that is known from outside, each number with its source, ours, and the error."""
+"""`softcradle verify`: compute numbers that are known from other sources; print source, result and error of each."""
 
 import argparse
 
 from softcradle.sandbox.console import ProgressShown, print_json, print_rows
 
-DISAGREES = 1  # exit code where a number is not met
+DISAGREES = 1  # Exit code if a number is wrong.
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -12,7 +12,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Compute all numbers and print them; the exit code is 1 where one is not met."""
+    """Compute and print all numbers. Return 1 if one of them is wrong, otherwise 0."""
     from softcradle.sandbox.studies.verify import known_numbers, verified
 
     with ProgressShown("numbers", len(known_numbers())) as progress:

@@ -1,4 +1,4 @@
-"""`softcradle warm`: compile the kernels of all methods ahead of their first use."""
+"""`softcradle warm`: compile the kernels of all methods before their first use."""
 
 import argparse
 
@@ -11,7 +11,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Compile."""
+    """Compile all kernels."""
     from time import perf_counter
 
     from softcradle.physics.warm_up import warm
