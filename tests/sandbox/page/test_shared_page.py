@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 from softcradle.physics.state import from_anchor
 from softcradle.sandbox.draw.shared_scales import axis_range
+from softcradle.sandbox.files import resource
 from softcradle.sandbox.page import render_page, scene_text, write_page
 from softcradle.sandbox.page.data import LINE_ERROR, SAME_DEPTH, needed_rows, packed_lanes
+from softcradle.sandbox.page.document import SCRIPTS, shortened
 from softcradle.sandbox.page.played_motion import played_motion, recorded_sentence
 from softcradle.sandbox.page.shared_page import recorded
 from softcradle.sandbox.page.svg_charts import ChartAxes, Curve, line_chart
@@ -38,6 +40,18 @@ def test_a_page_in_which_beads_live_is_small_closes_its_tags_and_loads_nothing(p
     assert checker.links == ["data:,"]
     assert len(set(checker.ids)) == len(checker.ids)
     assert "default-src 'none'" in text
+
+
+@pytest.mark.parametrize("name", SCRIPTS)
+def test_a_script_is_written_without_spaces_that_it_does_not_need_and_with_all_its_texts(name):
+    """A template in the hole of another one would lose spaces."""
+    script, spaces = resource(f"page/{name}.js").read_text(encoding="utf-8"), re.compile(r"\s+")
+    plain = re.sub(r"^\s*(//.*|/\*\*(.|\n)*?\*/)?[ \t]*\n?| +// .*", "", script, flags=re.MULTILINE)
+    short, texts = shortened(plain), re.compile(r'"(?:[^"\\\n]|\\.)*"')
+    assert spaces.sub("", short) == spaces.sub("", plain)
+    assert texts.findall(short) == texts.findall(plain)
+    assert not re.search(r"\$\{[^}`]*`", plain)
+    assert len(short) < len(plain)
 
 
 @pytest.mark.parametrize(("losses", "uniform"), [((0.5, 0.5, 0.5), True), ((0.0, 0.0, 0.5), False)])
