@@ -17,7 +17,7 @@ const prelude = () => {
 const play = (seed, count) => {
   const chance = () => (seed = Math.imul(seed, 1664525) + 1013904223 >>> 0) / 4294967296,
     pick = (list) => list[Math.floor(chance() * list.length)];
-  const send = (target, kind, more = {}) => target.dispatchEvent(new PointerEvent(kind, {bubbles: true, pointerId: 7, button: 0, ...more}));
+  const send = (target, kind, more = {}) => target.dispatchEvent(new PointerEvent(kind, {bubbles: true, pointerId: 7, pointerType: 'mouse', isPrimary: true, button: 0, ...more}));
   const input = (id, value, kind) => { const e = document.getElementById(id); e.value = value; e.dispatchEvent(new Event(kind)); };
   const pressed = () => (random.down?.stage.canvas.isConnected ? random.down : (random.down = null));
   const deeds = [
@@ -29,17 +29,17 @@ const play = (seed, count) => {
     [0.01, () => { const canvas = pick(page.stages).canvas; canvas.focus(); canvas.dispatchEvent(new KeyboardEvent('keydown',
       {key: pick(['ArrowLeft', 'ArrowRight', 'Enter', 'Escape']), shiftKey: chance() < 0.3, bubbles: true})); }],
     [0.004, () => document.body.dispatchEvent(new KeyboardEvent('keydown', {key: pick([' ', ',', '.', 'r']), bubbles: true}))],
-    [0.012, () => input('alpha', Math.floor(1000 * chance()), 'input')],
-    [0.004, () => input(pick(['friction', 'loss']), chance() < 0.5 ? 0 : Math.floor(1000 * chance()), 'input')],
-    [0.002, () => input('speed', Math.floor(1000 * chance()), 'input')],
-    [0.001, () => { input('targets', Math.floor((chance() < 0.2 ? 1000 : 200) * chance()), 'input'); }],
-    [0.001, () => input('strikers', Math.floor(300 * chance()), 'input')],
+    [0.012, () => input('alpha', Math.floor(30 * chance()), 'input')],
+    [0.004, () => input(pick(['friction', 'loss']), chance() < 0.5 ? 0 : Math.floor(91 * chance()), 'input')],
+    [0.002, () => input('speed', Math.floor(25 * chance()), 'input')],
+    [0.001, () => { input('targets', 1 + Math.floor((chance() < 0.2 ? 49 : 10) * chance()), 'input'); }],
+    [0.001, () => input('strikers', 1 + Math.floor(4 * chance()), 'input')],
     [0.001, () => input('law', pick(LAWS), 'change')],
     [0.001, () => input('beside', pick(BESIDE), 'change')],
     [0.002, () => input('pace', String(pick(PACES)), 'change')],
     [0.002, () => input('time', Math.floor(1000 * chance()), 'input')],
     [0.002, () => document.getElementById('show-' + pick(SHOWN)).click()],
-    [0.002, () => document.getElementById(pick(['back', 'ahead', 'again', 'steel', 'toggle', 'link'])).click()],
+    [0.002, () => document.getElementById(pick(['back', 'ahead', 'again', 'contrast', 'toggle', 'link'])).click()],
     [0.0003, () => input('language', pick(['en', 'de', 'fr']), 'change')],
     [0.0005, () => { location.hash = pick(['#n=3&a=0.05', '#law=gear&with=soft', '#mu=0.02&v=0.5', '#', '#loss=0.5&n=12&m=2']); }],
   ];

@@ -159,9 +159,13 @@ class Browser:
             "End": 35,
             "Home": 36,
             "ArrowLeft": 37,
+            "ArrowUp": 38,
             "ArrowRight": 39,
+            "ArrowDown": 40,
         }[key]
         event: dict[str, Any] = {"key": key, "windowsVirtualKeyCode": code, "modifiers": 8 if shift else 0}
+        if key == "Enter":
+            event["text"] = "\r"  # without which it presses no button
         self.call("Input.dispatchKeyEvent", type="keyDown", **event)
         self.call("Input.dispatchKeyEvent", type="keyUp", **event)
 

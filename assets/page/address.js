@@ -29,33 +29,69 @@ const clamped = (value, [low, high]) => Math.min(Math.max(value, low), high);
 const nearest = (value, list) => list.reduce((best, one) => (Math.abs(one - value) < Math.abs(best - value) ? one : best));
 
 const NUMBER = /^-?(\d{1,9}\.?\d{0,17}|\.\d{1,17})(e-?\d{1,2})?$/;
-const entries = (fragment) => new URLSearchParams(fragment.slice(1, 400));
+const LONGEST_WISH = 24, MOST_WISHES = 6; // a notice repeats this many letters of each entry, and this many entries
 
-// Whether the page has a control for it, and with that law a softness to choose.
+// Read a number written as 0.05, 0,05 or 1/20; NaN for any other text.
+function numberOf(text) {
+  const parts = String(text ?? "").trim().replace(",", ".").split("/"), value = Number(parts[0]) / Number(parts[1] ?? 1);
+  return parts.length < 3 && parts.every((part) => NUMBER.test(part)) && Number.isFinite(value) ? value : NaN;
+}
+
+// Return the entries of an address by key, in lower case. If a key occurs twice, the first entry counts.
+function entries(fragment) {
+  const found = new Map();
+  for (const [key, value] of new URLSearchParams(fragment.slice(1, 400))) {
+    if (!found.has(key.toLowerCase())) found.set(key.toLowerCase(), value);
+  }
+  return found;
+}
+
+// Return true if the page has a control of this name; and if the law has an exponent to choose.
 const settable = (name) => !part(name).closest(".never, body:not(.live) .live-only");
 const hasAlpha = (data, law) => (law === "scene" ? data.soft : law === "soft");
 
-// Whether the experiment has another value than the scene; a softness that its law does not have is none.
+// Return true if a setting differs from that of the scene. An exponent that the law does not use never differs.
 const differs = (data, experiment, own, name) => experiment[name] !== own[name] && (name !== "alpha" || hasAlpha(data, experiment.law));
 
 /**
- * The experiment in the fragment of an address; what is missing, no number, unknown or not to be set stays as in `own`.
+ * Read the experiment from the fragment of an address. Entries that are missing, invalid or not offered by the page stay as in `own`.
  * @param {string} fragment @param {Experiment} own @param {Record<string, number[]>} limits @param {any} data @returns {Experiment}
  */
 function readAddress(fragment, own, limits, data) {
   const given = entries(fragment), found = { ...own }, shown = given.get("show");
   for (const [name, words] of Object.entries({ law: LAWS, beside: BESIDE })) {
-    const word = given.get(KEYS[name]);
+    const word = given.get(KEYS[name])?.toLowerCase();
     if (words.includes(word) && settable(name)) found[name] = word;
   }
   for (const name of ["alpha", "strikers", "targets", "speed", "friction", "loss", "pace"]) {
-    const text = given.get(KEYS[name]), value = Number(text);
-    if (!NUMBER.test(text) || !settable(name) || (name === "alpha" && !hasAlpha(data, found.law))) continue;
+    const value = numberOf(given.get(KEYS[name]));
+    if (Number.isNaN(value) || !settable(name) || (name === "alpha" && !hasAlpha(data, found.law))) continue;
     if (name === "pace") found.pace = nearest(value, PACES);
     else found[name] = clamped(name === "strikers" || name === "targets" ? Math.round(value) : value, limits[name]);
   }
-  if (shown !== null) found.shown = SHOWN.filter((name) => shown.split(".").includes(name));
+  if (!compared(data, found, own).includes(found.beside)) found.beside = "none";
+  if (shown !== undefined) found.shown = SHOWN.filter((name) => shown.toLowerCase().split(".").includes(name));
   return found;
+}
+
+/**
+ * List the entries of an address that `experiment`, which was read from it, does not follow, as in "n = 100 (here 49)".
+ * @param {string} fragment @param {any} data @param {Experiment} experiment @param {number} last moment of the motion @returns {string[]}
+ */
+function unmetWishes(fragment, data, experiment, last) {
+  const found = [];
+  for (const [key, value] of entries(fragment)) {
+    const name = Object.keys(KEYS).find((each) => KEYS[each] === key), has = name && experiment[name];
+    const asked = typeof has === "number" ? numberOf(value) : value.toLowerCase();
+    const known = has !== undefined && (name !== "alpha" || hasAlpha(data, experiment.law));
+    const late = key === "t" && numberOf(value) > last;
+    const met = known ? (typeof has === "number" ? Math.abs(Number(asked) - has) <= 1e-5 * Math.abs(has) : asked === has)
+      : key === "show" ? asked === "" || asked === "nothing" || String(asked).split(".").every((one) => SHOWN.includes(one))
+        : key === "lang" ? languageIn([value]) !== undefined : key === "t" && numberOf(value) >= 0 && !late;
+    const wish = `${key}${value && " = "}${value}`, here = late ? last : known && typeof has === "number" && !Number.isNaN(asked) ? has : null;
+    if (!met) found.push((wish.length > LONGEST_WISH ? `${wish.slice(0, LONGEST_WISH)}…` : wish) + (here === null ? "" : say("here", { value: plain(here, 4) })));
+  }
+  return found.length > MOST_WISHES ? [...found.slice(0, MOST_WISHES), "…"] : found;
 }
 
 /**
@@ -76,8 +112,8 @@ function writeAddress(data, experiment, own, language) {
 // A language and a moment may stand in an address as well.
 const addressLanguage = (fragment) => entries(fragment).get("lang");
 function addressMoment(fragment) {
-  const text = entries(fragment).get("t");
-  return NUMBER.test(text) ? Number(text) : null;
+  const value = numberOf(entries(fragment).get("t"));
+  return Number.isNaN(value) ? null : value;
 }
 
 const SOFT_DEPTH = 0.28, STEEL_DEPTH = 0.08; // bead lengths that two beads overlap at the scene's speed
@@ -118,6 +154,16 @@ function specOf(data, lane, experiment, own) {
 }
 
 const isSoft = (law, i) => law[3 * i] === 0 && law[3 * i + 1] > 0 && law[3 * i + 2] !== 1.5;
+
+// List the kinds of rows that the first row can be compared with: those with another contact law, and always "none".
+function compared(data, experiment, own) {
+  if (!settable("beside")) return ["none"];
+  const spec = specOf(data, 0, experiment, own), named = ({ law }) => `${lawKind(law)} ${law[2]}`;
+  return BESIDE.filter((kind) => kind === "none" || named(besideSpec(data, spec, kind)) !== named(spec));
+}
+
+// Choose the kind of row for the button that compares: steel balls, or soft beads if the first row is of steel.
+const contrastTo = (kinds) => (kinds.includes("steel") ? "steel" : "soft");
 
 // The row that is shown beside the first one: the same masses, places and speeds, another law, nothing lost.
 function besideSpec(data, first, kind) {

@@ -10,7 +10,30 @@ function mixed(colour, other, share) {
 }
 
 const outlineOf = (colour, theme) => mixed(colour, theme.dark ? "#ffffff" : "#000000", theme.dark ? 0.25 : 0.35);
-const translucent = (colour) => `${colour}d4`; // where two beads overlap, both outlines show
+const TRANSPARENT = 0.17; // share of the background that shines through a bead: both outlines of an overlap stay visible
+const translucent = (colour) => `${colour}${Math.round(255 * (1 - TRANSPARENT)).toString(16)}`;
+
+// Compute the relative luminance of a colour, and the contrast ratio of two colours (WCAG 2.2).
+function luminance(colour) {
+  const linear = (c) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
+  const [r, g, b] = [1, 3, 5].map((k) => linear(parseInt(colour.slice(k, k + 2), 16) / 255));
+  return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+}
+function contrastOf(one, other) {
+  const [low, high] = [luminance(one), luminance(other)].sort((a, b) => a - b);
+  return (high + 0.05) / (low + 0.05);
+}
+
+const READ = 4.5; // least contrast ratio of text (WCAG 2.2, 1.4.3)
+const DIGITS = ["#ffffff", "#000000"]; // colours of the number on a bead; every fill has enough contrast with one of them
+
+// Mix ink into `colour` until text of this colour has enough contrast with the paper.
+function textColour(colour, theme) {
+  let share = 0;
+  while (share < 1 && contrastOf(mixed(colour, theme.ink, share), theme.paper) < READ) share += 0.05;
+  return mixed(colour, theme.ink, Math.min(share, 1));
+}
+const digitOn = (colour) => DIGITS.find((digit) => contrastOf(digit, colour) >= READ) ?? DIGITS[1];
 
 function disc(pen, x, y, radius, colour, rim, theme) {
   pen.beginPath();

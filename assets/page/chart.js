@@ -123,12 +123,12 @@ class Chart {
     const over = Math.max(0, (places.at(-1)?.at ?? 0) - this.foot);
     for (let i = places.length - 1, least = this.foot; over && i >= 0; i--, least -= LABEL_PITCH) places[i].at = Math.min(places[i].at, least);
     for (const { k, y, at } of places) {
-      const colour = theme.bead(k + first), name = this.channel === "velocity" ? String(k) : `${k}-${k + 1}`;
+      const colour = theme.bead(k + first), text = textColour(colour, theme), name = this.channel === "velocity" ? String(k) : `${k}-${k + 1}`;
       pen.beginPath();
       pen.arc(x, y, 3.5, 0, 2 * Math.PI);
       pen.fillStyle = colour;
       pen.fill();
-      write(pen, name, x + 8, at + 4, 12, colour, "left", true);
+      write(pen, name, x + 8, at + 4, 12, text, "left", true);
     }
   }
 }

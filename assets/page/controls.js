@@ -1,4 +1,68 @@
-// What listens: pointers and keys on the beads, sliders, buttons, and the start of the page.
+// Listeners of pointers and keys on the beads, of sliders and buttons, and the start of the page.
+
+const SIDEWAYS = 8; // pixels that a finger moves before its direction decides: sideways is a drag, up or down is a scroll
+
+// Return true if a touch that began at `first` has become a drag, false if it scrolls the page, null if it is not decided.
+function becomesDrag(first, event) {
+  const x = Math.abs(event.clientX - first.clientX), y = Math.abs(event.clientY - first.clientY);
+  return Math.max(x, y) < SIDEWAYS ? null : x > y;
+}
+
+/**
+ * Report drags of an element: by mouse at once, by finger or pen after a sideways movement. `begin` may refuse a drag. A `tap` is a touch
+ * without movement.
+ * @param {HTMLElement} element
+ * @param {{begin: (event: PointerEvent) => boolean, move: (event: PointerEvent) => void, end?: () => void, tap?: (event: PointerEvent) => void}} work
+ */
+function onDrag(element, { begin, move, end = () => {}, tap = () => {} }) {
+  let first = null, dragged = false;
+  const start = (event) => {
+    dragged = begin(first);
+    if (dragged) element.setPointerCapture(event.pointerId);
+    first = null;
+  };
+  element.addEventListener("pointerdown", (event) => {
+    if (event.button || !event.isPrimary) return;
+    first = event;
+    if (event.pointerType === "mouse") start(event);
+  });
+  element.addEventListener("pointermove", (event) => {
+    const drag = first && becomesDrag(first, event);
+    if (drag === false) first = null;
+    else if (drag) start(event);
+    if (dragged && element.hasPointerCapture(event.pointerId)) move(event);
+  });
+  element.addEventListener("pointerup", (event) => { if (first) tap(event); });
+  for (const kind of ["pointerup", "pointercancel", "lostpointercapture"]) {
+    element.addEventListener(kind, () => { first = null; dragged = false; end(); });
+  }
+}
+
+/**
+ * Report the values of a slider. A touch counts after a sideways movement or when it ends; a touch that scrolls the page restores the value.
+ * @param {HTMLInputElement} input @param {() => void} work
+ */
+function onSlide(input, work) {
+  let first = null, before = "";
+  input.addEventListener("pointerdown", (event) => {
+    first = event.pointerType === "mouse" ? null : event;
+    before = input.value;
+  });
+  input.addEventListener("pointermove", (event) => {
+    if (!first || !becomesDrag(first, event)) return;
+    first = null;
+    work();
+  });
+  input.addEventListener("pointerup", () => {
+    if (first && input.value !== before) work();
+    first = null;
+  });
+  input.addEventListener("pointercancel", () => {
+    if (first) input.value = before;
+    first = null;
+  });
+  input.addEventListener("input", () => { if (!first) work(); });
+}
 
 function canvasOf(page, lane, parent) {
   const canvas = document.createElement("canvas");
@@ -8,28 +72,34 @@ function canvasOf(page, lane, parent) {
   parent.append(canvas);
   const across = (event) => event.clientX - canvas.getBoundingClientRect().left;
   const down = (event) => event.clientY - canvas.getBoundingClientRect().top;
+  const there = () => page.stages[lane]?.canvas === canvas;
   let wound = null;
-  canvas.addEventListener("pointerdown", (event) => {
-    if (event.button) return;
-    const { source } = page, x = across(event), bead = source.live ? page.stages[lane].beadAt(x, down(event)) : -1;
-    if (source.live && bead < 0) return;
-    canvas.setPointerCapture(event.pointerId);
-    if (source.live) page.grab(lane, bead, x); else wound = { x, time: source.time };
+  onDrag(canvas, {
+    begin: (event) => {
+      const { source } = page, x = across(event);
+      if (!source.live) wound = { x, time: source.time };
+      else {
+        const bead = page.stages[lane].beadAt(x, down(event));
+        if (bead < 0) return false;
+        page.grab(lane, bead, x);
+      }
+      return true;
+    },
+    move: (event) => {
+      const { source } = page, x = across(event);
+      if (!there()) return;
+      if (source.hand?.lane === lane) { source.hand.across = x; page.follow(); }
+      else if (wound && Math.abs(x - wound.x) > 4) page.go(wound.time + (source.last - source.begun) * (x - wound.x) / canvas.clientWidth);
+    },
+    end: () => { wound = null; if (page.source.hand?.across !== null) page.release(); },
   });
   canvas.addEventListener("pointermove", (event) => {
-    if (page.stages[lane]?.canvas !== canvas) return;
-    const { source } = page, x = across(event);
-    if (source.hand && source.hand.lane === lane && canvas.hasPointerCapture(event.pointerId)) { source.hand.across = x; page.follow(); }
-    else if (wound && Math.abs(x - wound.x) > 4) page.go(wound.time + (source.last - source.begun) * (x - wound.x) / canvas.clientWidth);
-    else if (source.live) canvas.style.cursor = page.stages[lane].beadAt(x, down(event)) < 0 ? "" : "grab";
+    if (page.source.live && !page.source.hand && there()) canvas.style.cursor = page.stages[lane].beadAt(across(event), down(event)) < 0 ? "" : "grab";
   });
-  for (const kind of ["pointerup", "pointercancel", "lostpointercapture"]) {
-    canvas.addEventListener(kind, () => { wound = null; if (page.source.hand?.across !== null) page.release(); });
-  }
   canvas.addEventListener("keydown", (event) => beadKey(page, lane, event));
   for (const kind of ["focus", "blur"]) {
     canvas.addEventListener(kind, () => {
-      if (page.stages[lane]?.canvas !== canvas) return; // it is taken out
+      if (!there()) return; // it is taken out
       if (kind === "blur") page.release();
       if (!page.playing) page.show(false);
     });
@@ -43,10 +113,11 @@ function beadKey(page, lane, event) {
   if (!source.live || event.ctrlKey || event.metaKey || event.altKey || !(direction || event.key === "Enter" || event.key === "Escape")) return;
   event.preventDefault();
   const { mass } = source.rows[lane]; // that of a wall is 0
-  if (page.chosen?.lane !== lane || !mass[page.chosen.bead]) page.chosen = { lane, bead: mass.findIndex(Boolean) };
-  else if (direction && source.hand) source.hand.place += direction * PULLED * page.data.length;
+  const fresh = page.chosen?.lane !== lane || !mass[page.chosen.bead];
+  if (fresh) page.chosen = { lane, bead: mass.findIndex(Boolean) };
+  if (direction && source.hand) source.hand.place += direction * PULLED * page.data.length;
   else if (direction && event.shiftKey) page.throwChosen(direction);
-  else if (direction) {
+  else if (direction && !fresh) {
     let bead = page.chosen.bead + direction;
     while (mass[bead] === 0) bead += direction;
     if (mass[bead]) page.chosen.bead = bead;
@@ -66,8 +137,7 @@ function chartCanvas(page, parent) {
     const chart = page.charts.find((found) => found.canvas === canvas);
     page.go(chart.timeAt(event.clientX - canvas.getBoundingClientRect().left));
   };
-  canvas.addEventListener("pointerdown", (event) => { canvas.setPointerCapture(event.pointerId); go(event); });
-  canvas.addEventListener("pointermove", (event) => { if (canvas.hasPointerCapture(event.pointerId)) go(event); });
+  onDrag(canvas, { begin: (event) => { go(event); return true; }, move: go, tap: go });
   return canvas;
 }
 
@@ -76,18 +146,18 @@ function fillTables(page, nows) {
   const rows = (titles, lines) => {
     const table = document.createElement("table"), add = (row, tag, text) => { const cell = document.createElement(tag); cell.textContent = text; row.append(cell); };
     const head = table.createTHead().insertRow(), body = table.createTBody();
-    titles.forEach((title) => add(head, "th", title));
+    titles.forEach((title) => { add(head, "th", title); head.lastElementChild.setAttribute("scope", "col"); });
     lines.forEach((line) => { const row = body.insertRow(); line.forEach((text) => add(row, "td", text)); });
     return table;
   };
   part("tables").replaceChildren(...nows.flatMap((now, lane) => {
-    const { mass, velocity } = page.specs[lane], caption = document.createElement("h3");
+    const { mass, velocity } = page.specs[lane], caption = document.createElement("h2");
     caption.textContent = page.looks[lane].label;
     const digits = Math.max(2, 3 - Math.floor(Math.log10(Math.max(...page.source.scales.velocity.map(Math.abs)))));
     const before = (k) => (page.data.lanes[lane]?.late ? "-" : fixed(velocity[k], digits));
     const beads = mass.map((m, k) => [String(k), m === null ? say("wall") : plain(m, 4), before(k), fixed(now.velocity[k], digits)]);
     const contacts = Array.from(now.force, (force, k) => [`${k}-${k + 1}`, say(now.state[k]), plain(force, 4), now.overlap[k] > 0 ? scientific(now.overlap[k], 3) : "0"]);
-    return [caption, rows([say("bead"), say("mass"), say("before"), say("now")], beads),
+    return [caption, rows([bodyWord("one"), say("mass"), say("before"), say("now")], beads),
       rows([say("contact"), say("state"), say("force now"), say("overlap now")], contacts)];
   }));
 }
@@ -100,15 +170,18 @@ function listen(page) {
   on("back", "click", () => page.step(-1));
   on("ahead", "click", () => page.step(1));
   on("pace", "change", () => page.edit("pace", Number(part("pace").value)));
-  on("time", "input", () => page.go(source.begun + (source.last - source.begun) * Number(part("time").value) / SLIDER));
+  onSlide(part("time"), () => page.go(source.begun + (source.last - source.begun) * Number(part("time").value) / SLIDER));
   on("language", "change", () => { page.speak(part("language").value); page.build(); page.controls(); page.label(); page.dress(); });
   on("numbers", "toggle", () => page.show(true));
   window.addEventListener("hashchange", () => page.open());
   for (const name of SHOWN) on(`show-${name}`, "change", () => page.edit("shown", SHOWN.filter((each) => part(`show-${each}`).checked)));
   if (source.live) {
-    for (const name of Object.keys(SLIDERS)) on(name, "input", () => page.edit(name, SLIDERS[name].from(Number(part(name).value) / SLIDER, limits[name])));
+    for (const name of Object.keys(SLIDERS)) onSlide(part(name), () => page.edit(name, SLIDERS[name].from(Number(part(name).value), limits[name])));
     for (const name of ["law", "beside"]) on(name, "change", () => page.edit(name, part(name).value));
-    on("steel", "click", () => page.edit("beside", page.experiment.beside === "none" ? "steel" : "none"));
+    on("contrast", "click", () => {
+      const { data, experiment, own } = page;
+      page.edit("beside", experiment.beside === "none" ? contrastTo(compared(data, experiment, own)) : "none");
+    });
     on("link", "click", () => copyLink(page));
   }
   const keys = { " ": () => page.toggle(), ",": () => page.step(-1), ".": () => page.step(1), r: () => page.again() };
@@ -127,12 +200,15 @@ function listen(page) {
   }).observe(part("lanes"));
 }
 
-// Copy the address, or show it where there is no clipboard.
+// Copy the address, or show it if the clipboard is not available. The place of a file on this device is of no use to others, so only the
+// part after its name is copied.
 async function copyLink(page) {
-  page.write();
-  try { await navigator.clipboard.writeText(location.href); } catch {
-    part("notice").textContent = location.href;
-    part("notice").hidden = false;
+  const fragment = page.write(), shared = /^https?:$/.test(location.protocol);
+  const text = shared ? location.href : fragment && `#${fragment}`, notice = (said) => Object.assign(part("notice"), { textContent: said, hidden: false });
+  if (!shared) notice(text ? say("send file", { text }) : say("send alone"));
+  if (!text) return;
+  try { await navigator.clipboard.writeText(text); } catch {
+    if (shared) notice(text);
     return;
   }
   part("link").textContent = say("copied");
@@ -146,19 +222,24 @@ async function kernels(text) {
   return WebAssembly.compile(await new Response(code).arrayBuffer());
 }
 
+// Wait until the browser has drawn the page, because the first computation can take seconds.
+const drawn = () => new Promise((done) => { setTimeout(done, 200); requestAnimationFrame(() => setTimeout(done, 0)); });
+
 /** @returns {Promise<Page>} */
 async function start() {
   const data = JSON.parse(part("data").textContent), code = part("kernels");
   let source = null, why = "recorded";
-  useLanguage(knownLanguage(addressLanguage(location.hash) ?? navigator.language));
+  useLanguage(languageIn([addressLanguage(location.hash), ...navigator.languages]) ?? "en");
+  part("wait").textContent = say("wait");
   if (code) {
-    try { source = new Live(data, await kernels(code.textContent)); } catch { why = "refused"; }
+    try { source = new Live(data, await kernels(code.textContent)); why = ""; } catch { why = "refused"; }
   }
-  if (!source) part("notice").textContent = say(part("notice").dataset.say = why);
-  part("notice").hidden = source !== null;
   document.body.classList.toggle("live", source !== null);
-  source ??= new Recorded(data);
-  return new Page(data, source);
+  document.body.classList.add("ready");
+  await drawn();
+  const page = new Page(data, source ?? new Recorded(data), why);
+  part("wait").hidden = true;
+  return page;
 }
 
 const started = start();

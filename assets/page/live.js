@@ -9,6 +9,7 @@ const LOOK_AHEAD = 60; // seconds of the wall that a run is followed before it i
 const MOST_LOOKED = 1.5e6; // contacts times steps for that: half a second on a slow machine
 const MOST_AT_ONCE = 3e5, FRAMES_AT_ONCE = 3600; // the same for a picture on the way to another moment, and frames
 const TAIL = 1.5; // seconds of the wall after the rows have come apart or to rest
+const LONGEST_SLIDE = 30; // longest time of sliding to rest that a run includes, in seconds of the wall
 const LINGER = 6; // the same where the end was not known
 const BEFORE_HIT = 0.25; // of the time from the first hit to the end: the longest flight that is played before it
 
@@ -77,11 +78,16 @@ class Live {
     const scales = startScales(this.data, rows), limit = duration ? Math.ceil(duration / this.frameTime) : Infinity;
     let apart = 0, k = 0;
     this.hit = -1;
+    /** @type {{time: number, velocity: number[][]}|null} */ this.parted = null; // moment at which rows came apart that friction stops later
     for (; k < limit && k < most && apart < TAIL * FRAME_RATE; k++) {
       this.frame(null);
       rows.forEach((row, lane) => widened(scales, lane, row.mass, row.read(nows[lane]), this.data.length, 0));
       if (this.hit < 0 && nows.some((now) => now.force.some((f) => f > 0))) this.hit = rows[0].kernel.time;
       apart = this.apart ? apart + 1 : 0;
+      const sliding = apart && this.slow * Math.max(...rows.map((row) => row.sliding));
+      if (!sliding || sliding > LONGEST_SLIDE) continue;
+      this.parted ??= { time: rows[0].kernel.time, velocity: nows.map(({ velocity }) => Array.from(velocity)) };
+      apart = 0;
     }
     this.hit = Math.max(this.hit, 0);
     this.followed = k >= limit || apart >= TAIL * FRAME_RATE; // or else patience has ended before the run

@@ -32,6 +32,12 @@ const plain = (value, digits) => (value !== 0 && Math.abs(value) < 1e-6 ? scient
 // A small exponent as the fraction that it is nearly.
 const alphaText = (alpha) => (alpha < 0.7 ? `1/${plain(1 / alpha, 3)}` : plain(alpha, 3));
 
+// Write an energy [J] in J, kJ or MJ.
+function joules(value) {
+  const [size, unit] = Math.abs(value) >= 1e7 ? [1e6, "MJ"] : Math.abs(value) >= 1e4 ? [1e3, "kJ"] : [1, "J"];
+  return `${plain(value / size, 4)} ${unit}`;
+}
+
 const contactName = (k) => lowered(k + 1 > 9 ? `${k}-${k + 1}` : `${k}${k + 1}`);
 
 // The greatest of 1, 2, 5 times a power of ten that is at most `value`.

@@ -1,18 +1,25 @@
-// The page: its controls, its one clock, and what is shown of the source of the motion.
+// The page: its controls, its clock, and the drawing of the motion of its source.
 
 const TEXT_RATE = 8; // times a second that texts and tables change while the motion plays
 const WATCHED = 60; // pictures by whose median it is judged whether they are late
 const LATE = 22; // ms from a picture to the next
 const SOONER = 0.8; // of the time that it was: fewer pixels help
-const SLIDER = 1000; // positions of a slider
+const SLIDER = 1000; // positions of the slider of time
+// Height [px] below which the window is too low for beads that stay in sight above scrolling settings, as in page.css.
+const SHORT = 560;
+const NARROW = 640; // width [px] below which the settings are below the beads, as in page.css
+const BAR_HEIGHT = 116; // height [px] of the transport bar and of the space between two rows
+const AROUND = 164; // height [px] of the title, the transport bar and the margins in a low window
 const PULLED = 0.3; // bead lengths that a key pulls the hand
 const part = (id) => /** @type {any} */ (document.getElementById(id));
 
 class Page {
-  /** @param {any} data @param {Live|Recorded} source */
-  constructor(data, source) {
+  /** @param {any} data @param {Live|Recorded} source @param {string} why it does not compute its motion; empty if it does */
+  constructor(data, source, why) {
     this.data = data;
     this.source = source;
+    this.why = why;
+    this.asked = ""; // fragment that the page was opened with; empty after a change by hand
     /** @type {Experiment} */ this.own = data.own && { ...data.own, shown: [...data.own.shown] };
     this.limits = source.live ? limitsOf(data, this.own) : {};
     this.playing = false;
@@ -32,18 +39,29 @@ class Page {
     listen(this);
   }
 
-  // Begin what the address says.
+  // Start the experiment of the address.
   open() {
     const moment = addressMoment(location.hash);
     if (this.playing) this.pause();
     clearTimeout(this.writing); // of what was there before
     this.experiment = readAddress(location.hash, this.own, this.limits, this.data);
-    this.speak(addressLanguage(location.hash) ?? this.language ?? navigator.language);
+    this.speak(languageIn([addressLanguage(location.hash), this.language, ...navigator.languages]) ?? "en");
     this.restart();
+    this.asked = location.hash;
+    this.notify();
     if (moment !== null) this.go(moment); else if (!reduced()) this.play();
   }
 
-  // What the rows of the experiment start from.
+  // Show one line: the motion is a recording, and the entries of the address that the page cannot follow.
+  notify() {
+    const { source, why, asked } = this;
+    const unmet = asked && unmetWishes(asked, this.data, this.experiment, source.open ? Infinity : source.last);
+    const said = [why && say(why), unmet?.length > 0 && say("unmet", { list: unmet.join(", ") })];
+    part("notice").textContent = said.filter(Boolean).join(" ");
+    part("notice").hidden = !part("notice").textContent;
+  }
+
+  // Return the initial states and laws of the rows of the experiment.
   made() {
     const { data, experiment, own } = this, specs = data.lanes.map((_, lane) => specOf(data, lane, experiment, own));
     if (experiment.beside !== "none" && data.lanes.length === 1) specs.push(besideSpec(data, specs[0], experiment.beside));
@@ -61,6 +79,7 @@ class Page {
       source.go(source.begun);
     }
     data.scales = source.scales;
+    this.decimals = Math.max(0, 2 - Math.floor(Math.log10((source.last - source.begun) / data.unit.size || 1))); // of the clock
     this.firstWindow = 0;
     this.build();
     this.controls();
@@ -73,10 +92,7 @@ class Page {
     this.looks = specs.map((spec, lane) => this.lookOf(spec, lane));
     const gears = this.looks.every((look) => look.gears.every(Boolean)), walls = specs.some(({ mass }) => mass.includes(null));
     this.data.height = walls ? WALL_HEIGHT : gears ? CYLINDER_HEIGHT : 1; // of the tallest body, in lengths of a bead
-    const names = specs.map(({ law }) => lawName(law)), [one, other] = specs;
-    if (specs.length > this.data.lanes.length && names[0] === names[1] && String(one.law) !== String(other.law)) {
-      this.looks.forEach((look, lane) => { look.label += `, K = ${scientific(specs[lane].law[1], 2)}`; }); // which tells them apart
-    }
+    if (useBodies(isTrain(specs[0].mass) ? "wagon" : gears ? "cylinder" : "bead")) this.relabel();
     if (this.stages?.length !== specs.length) {
       this.stages = [];
       lanes.replaceChildren();
@@ -87,7 +103,8 @@ class Page {
       for (const { canvas } of [...this.stages, ...this.charts]) this.sight.observe(canvas);
     }
     const keys = this.source.live ? ` ${say("bead keys")}` : "";
-    this.stages.forEach(({ canvas }, lane) => canvas.setAttribute("aria-label", say("beads", { name: this.looks[lane].label || this.texts.title }) + keys));
+    const named = (lane) => (specs.length > 1 && this.looks[lane].label) || this.texts.title;
+    this.stages.forEach(({ canvas }, lane) => canvas.setAttribute("aria-label", say("beads", { name: named(lane) }) + keys));
     charts.hidden = !experiment.shown.includes("charts");
   }
 
@@ -99,18 +116,22 @@ class Page {
     return { mass: spec.mass, contacts: n, label: same ? this.texts.labels[lane] : lawName(spec.law), massLabels: massLabels(spec.mass),
       gears: Array.from({ length: n }, (_, i) => (same ? given.gears[i] : gear(i))), pulls: Boolean(whole && given.pulls),
       solid: whole && given.solid ? given.solid : Array.from({ length: n }, () => [null, null]),
-      marks: hasMarks(spec, data.length),
+      marks: !source.touched && hasMarks(spec, data.length), // a throw ends the groups
       dissipative: source.live ? spec.friction > 0 || spec.loss.some((loss) => loss > 0) : given.dissipative,
-      driven: Boolean(given?.driven),
+      driven: Boolean(given?.driven), drive: spec.drive?.some(Boolean) ? spec.drive : null,
       deepest: this.source.scales.deepest[lane] };
   }
 
-  // Draw everything anew: after another experiment, size or theme.
+  // Redraw everything after a change of experiment, size or theme.
   dress() {
-    const { data, stages, looks, experiment } = this, two = stages.length > 1, high = window.innerHeight;
-    const narrow = part("lanes").clientWidth < 640, share = two ? (narrow ? 0.19 : 0.25) : narrow ? 0.28 : 0.4;
-    const tall = Math.min(Math.max(share * high, two ? 150 : 214), two ? 330 : 460);
+    const { data, stages, looks, experiment } = this, two = stages.length > 1, high = window.innerHeight, wide = window.innerWidth;
+    const narrow = part("lanes").clientWidth < NARROW;
     const shown = narrow && two ? experiment.shown.filter((name) => name !== "balance") : experiment.shown; // no room for both
+    const least = two ? (narrow ? clamped(0.33 * high - 0.5 * BAR_HEIGHT, [110, 150]) : 150) : 214, most = two ? 330 : 460;
+    const beside = high < SHORT && wide >= NARROW;
+    const room = (high - AROUND) / stages.length - (shown.includes("balance") ? BARS_HEIGHT : 0);
+    const tall = beside ? clamped(room, [110, most]) : high < SHORT ? clamped(0.45 * high, [110, least])
+      : clamped((two ? (narrow ? 0.19 : 0.25) : narrow ? 0.28 : 0.4) * high, [least, most]);
     const density = Math.min(window.devicePixelRatio || 1, this.most);
     this.theme = { ...currentTheme(data, Math.max(...looks.map(({ mass }) => mass.length))), density };
     stages.forEach((stage, lane) => stage.fit(looks[lane], data, this.theme, { tall, shown, force: data.scales.force[lane] }));
@@ -118,16 +139,22 @@ class Page {
       for (const chart of this.charts) {
         const name = chart.channel === "velocity" ? say("velocities") : say("forces chart", { unit: data.forceUnit.name });
         chart.fit(this.theme, two && looks[chart.lane].label ? `${name}: ${looks[chart.lane].label}` : name);
-        chart.canvas.setAttribute("aria-label", chart.title);
+        chart.canvas.setAttribute("aria-label", `${chart.title}. ${say("chart values")}`);
       }
     }
     this.show(true, true);
+    const bench = part("bench"); // stays in sight above scrolling settings if it leaves enough of the window for them
+    bench.classList.remove("still");
+    bench.classList.toggle("still", bench.offsetHeight > Number(getComputedStyle(bench).getPropertyValue("--share")) * high);
+    // A control that gets the focus is scrolled out from under the bench.
+    document.documentElement.style.scrollPaddingTop = !beside && getComputedStyle(bench).position === "sticky" ? `${bench.offsetHeight}px` : "";
   }
 
-  // Draw the moment: `texts` too, and what is `unseen` as well if it is to be `whole`.
+  // Draw the moment, with the texts if `texts`, and also canvases outside the window if `whole`.
   show(texts, whole = !this.playing) {
     const { source, data, stages, chosen } = this, { hand } = source;
     const nows = stages.map((_, lane) => source.values(lane)), due = ({ canvas }) => whole || !this.unseen.has(canvas);
+    if (source.touched && this.looks.some(({ marks }) => marks)) { this.build(); this.dress(); return; }
     if ((source.touched || !source.followed) && this.widen(nows)) { this.dress(); return; }
     stages.forEach((stage, lane) => {
       if (!due(stage)) return;
@@ -162,29 +189,37 @@ class Page {
     return changed;
   }
 
-  get decimals() { return Math.max(0, 2 - Math.floor(Math.log10((this.source.last - this.source.begun) / this.data.unit.size || 1))); }
-
   // Texts: the time, the end in words, the energy, the tables. The browser lays the page out anew for each of them.
   tell(nows) {
     const { source, specs, looks, data } = this, clock = `t = ${fixed(source.time / data.unit.size, this.decimals)} ${data.unit.name}`;
     part("clock").textContent = clock;
     part("time").value = String(Math.round(SLIDER * (source.time - source.begun) / (source.last - source.begun || 1)));
     part("time").setAttribute("aria-valuetext", clock);
-    const ended = source.apart && (source.over || source.open) && !source.hand;
+    const { parted } = source, left = !source.touched && parted && source.time >= parted.time ? parted.velocity : null;
+    const ended = (source.apart && (source.over || source.open || left !== null)) && !source.hand;
     const said = nows.map((now, lane) => {
-      const name = looks.length > 1 && looks[lane].label ? `${looks[lane].label}: ` : "", rigid = lane || source.touched ? "" : ` ${rigidWords(specs[lane], looks[lane], data.length, now.velocity)}`;
-      return name + whatHappened(now.velocity, specs[lane].mass, specs[lane].speed) + rigid;
+      const name = looks.length > 1 && looks[lane].label ? `${looks[lane].label}: ` : "", velocity = left?.[lane] ?? now.velocity;
+      const rigid = lane || source.touched ? "" : ` ${rigidWords(specs[lane], looks[lane], data.length, velocity)}`;
+      return name + whatHappened(velocity, specs[lane].mass, specs[lane].speed) + rigid;
     });
-    const text = ended ? said.join("\n") : source.live ? say("hint") : "";
+    if (left && source.over) said.push(say("stopped"));
+    const cut = source.over && !ended, text = ended ? said.join("\n") : cut ? say("followed", { time: `${plain(source.last / data.unit.size, 3)} ${data.unit.name}` })
+      : source.live ? say("hint") : "";
     if (part("words").textContent !== text) part("words").textContent = text;
     part("words").classList.toggle("ended", ended);
-    if (source.live) {
-      const { rows } = source, error = Math.max(...rows.map((row) => row.energyError())), parts = [say("energy", { value: plain(rows.reduce((sum, row) => sum + row.energy(), 0), 4) })];
-      if (rows.every((row) => row.balanced)) parts.push(say("right", { error: error < 1e-17 ? "10⁻¹⁶" : scientific(error, 0) }));
-      if (source.touched) parts.push(say("given", { value: plain(rows.reduce((sum, row) => sum + row.given, 0), 3) }));
-      part("energy").textContent = parts.join(" · ");
-    }
+    if (source.live) part("energy").textContent = source.rows.map((row, lane) => this.ledger(row, lane)).join("\n");
     if (part("numbers").open) fillTables(this, nows);
+  }
+
+  // Describe the energy of a row: total, absorbed part, digits of the balance, and work of the hand.
+  ledger(row, lane) {
+    const { looks, source, data } = this, { absorbed } = row.kernel, lost = absorbed[0] + absorbed[1];
+    const name = looks.length > 1 && looks[lane].label ? `${looks[lane].label}: ` : "", parts = [say("energy", { value: joules(row.energy()) })];
+    const digits = Math.min(16, Math.floor(-Math.log10(row.energyError())));
+    if (lost > 0) parts.push(say("absorbed", { value: joules(lost) }));
+    if (row.balanced) parts.push(say(looks[lane].dissipative ? "right lossy" : "right", { digits }));
+    if (source.touched && row.given) parts.push(say("given", { value: joules(row.given) }));
+    return name + parts.join(" · ") + (lane === 0 && data.length === 1 && row.mass.every((m) => m === 1) ? ` · ${say("units")}` : "");
   }
 
   play() {
@@ -289,8 +324,13 @@ class Page {
 
   // An edit that the motion can take as it runs, or else a new beginning.
   edit(name, value) {
-    this.experiment[name] = value;
-    const { source } = this, running = source.live && !source.over && source.time > source.begun;
+    const { source, experiment, data, own } = this;
+    experiment[name] = value;
+    const kinds = source.live ? compared(data, experiment, own) : [];
+    if (name === "law" && !kinds.includes(experiment.beside)) experiment.beside = contrastTo(kinds);
+    const running = source.live && !source.over && source.time > source.begun;
+    this.asked = "";
+    this.notify();
     if (name === "pace") source.setPace(value);
     else if (name === "shown") { this.build(); this.dress(); }
     else if (source.live && running && LIVE_EDITS.includes(name)) {
@@ -304,69 +344,90 @@ class Page {
     this.writing = setTimeout(() => this.write(), 250);
   }
 
+  // Write the experiment into the address and return its fragment.
   write() {
     const fragment = writeAddress(this.data, this.experiment, this.own, addressLanguage(location.hash) && this.language);
+    clearTimeout(this.writing);
     try {
       history.replaceState(null, "", fragment ? `#${fragment}` : location.pathname + location.search);
     } catch { /* a frame without an address */ }
+    return fragment;
   }
 
   speak(code) {
-    this.language = knownLanguage(code);
+    this.language = code;
     useLanguage(this.language);
     this.texts = this.data.texts[this.language] ?? this.data.texts.en;
-    part("title").textContent = document.title = this.texts.title;
-    part("source").textContent = this.texts.source;
     this.explain();
-    for (const element of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-say]"))) element.textContent = say(element.dataset.say);
-    for (const element of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-name]"))) {
-      element.setAttribute("aria-label", say(element.dataset.name));
-      element.title = say(element.dataset.name);
-    }
+    this.relabel();
+    this.notify();
     for (const tables of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("#numbers > [lang]"))) tables.hidden = tables.lang !== this.language;
     part("language").value = this.language;
     for (const option of part("pace").options) option.textContent = paceText(Number(option.value));
   }
 
-  // The text of the scene, while the row is the scene's.
+  // Fill in the texts of the document.
+  relabel() {
+    for (const element of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-say]"))) element.textContent = say(element.dataset.say);
+    for (const element of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-name]"))) {
+      element.setAttribute("aria-label", say(element.dataset.name));
+      element.title = say(element.dataset.name);
+    }
+  }
+
+  // Show the title, source, question and text of the scene, or the title and text of a changed row.
   explain() {
-    const same = !MADE.some((name) => differs(this.data, this.experiment, this.own, name));
-    part("text").textContent = same ? this.texts.text : say("other numbers");
+    const { data, experiment, own, texts } = this, other = (name) => differs(data, experiment, own, name), changed = MADE.some(other);
+    const counted = data.uniform && ["law", "strikers", "targets"].some(other), { title } = texts;
+    const now = !changed ? title : counted ? say("changed from", { now: countedTitle(experiment), title }) : say("changed", { title });
+    part("title").textContent = document.title = now;
+    part("source").textContent = changed ? "" : texts.source;
+    if (changed) part("text").style.minHeight = `${part("text").offsetHeight}px`; // no slider moves away from under a finger
+    part("text").textContent = changed ? say("other numbers") : texts.text;
+    part("lead").textContent = texts.question || leadWords(this.specs);
   }
 
   // Controls as the experiment is.
   controls() {
-    const { experiment, limits, source, data } = this;
+    const { experiment, limits, source, data, own } = this;
     part("pace").value = String(experiment.pace);
+    for (const option of part("pace").options) option.textContent = paceText(Number(option.value));
     for (const name of SHOWN) part(`show-${name}`).checked = experiment.shown.includes(name);
     this.explain();
     if (!source.live) return;
     for (const name of Object.keys(SLIDERS)) {
-      part(name).value = String(Math.round(SLIDER * SLIDERS[name].to(experiment[name], limits[name])));
-      const text = SLIDERS[name].text(experiment[name]);
-      part(`${name}-value`).textContent = text;
-      part(name).setAttribute("aria-valuetext", text);
+      const { most, to, text } = SLIDERS[name], [low, high] = limits[name], input = part(name), value = text(experiment[name]);
+      [input.min, input.max] = most ? ["0", String(most)] : [String(low), String(high)];
+      input.value = String(Math.round(to(experiment[name], limits[name])));
+      part(`${name}-value`).textContent = value;
+      input.setAttribute("aria-valuetext", value);
     }
+    const kinds = compared(data, experiment, own), contrast = contrastTo(kinds);
     part("law").value = experiment.law;
     part("beside").value = experiment.beside;
-    part("alpha").closest("label").hidden = !hasAlpha(data, experiment.law);
-    part("steel").textContent = say(experiment.beside === "none" ? "compare steel" : "alone");
-    part("steel").setAttribute("aria-pressed", String(experiment.beside !== "none"));
+    for (const option of part("beside").options) option.hidden = option.disabled = !kinds.includes(option.value);
+    part("alpha").closest(".field").hidden = !hasAlpha(data, experiment.law);
+    part("contrast").textContent = say(experiment.beside === "none" ? `compare ${contrast}` : "alone");
+    part("contrast").setAttribute("aria-pressed", String(experiment.beside !== "none"));
   }
 }
 
-const MADE = ["law", "alpha", "strikers", "targets", "speed", "friction", "loss"]; // of the experiment: what the row is
-const LIVE_EDITS = ["alpha", "friction", "loss"]; // what can change while the motion runs
+const MADE = ["law", "alpha", "strikers", "targets", "speed", "friction", "loss"]; // settings that change the row of the scene
+const LIVE_EDITS = ["alpha", "friction", "loss"]; // settings that can change while the motion runs
 
-// Sliders: from 0 to 1 and back within limits, and the text of a value.
-const linear = { to: (value, [low, high]) => (value - low) / (high - low), from: (share, [low, high]) => low + share * (high - low) };
-const whole = { to: linear.to, from: (share, limits) => Math.round(linear.from(share, limits)) };
+// Exponents that the slider offers: unit fractions for soft beads, tenths up to steel.
+const ALPHAS = [...[40, 35, 30, 25, 20, 18, 16, 14, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2.5, 2].map((under) => 1 / under),
+  0.6, 0.7, 0.8, 0.9, 1, 1.1, 1.2, 1.3, 1.4, 1.5];
+
+// Sliders: positions 0 to `most`, or the limits of a whole number; conversion of a value to a position and back; text of a value.
+const whole = { to: (value) => value, from: (place) => place, text: String };
+const steps = (most) => ({ most, to: (value, [low, high]) => most * (value - low) / (high - low),
+  from: (place, [low, high]) => Number((low + place / most * (high - low)).toPrecision(12)) });
 const SLIDERS = {
-  alpha: { to: (value, [low, high]) => Math.log(value / low) / Math.log(high / low), from: (share, [low, high]) => low * (high / low) ** share,
-    text: alphaText },
-  strikers: { ...whole, text: String }, targets: { ...whole, text: String },
-  speed: { ...linear, text: (value) => `${plain(value, 3)} m/s` },
-  friction: { ...linear, text: (value) => plain(value, 2) }, loss: { ...linear, text: (value) => `${Math.round(100 * value)} %` },
+  alpha: { most: ALPHAS.length - 1, to: (value) => ALPHAS.indexOf(nearest(value, ALPHAS)), from: (place) => ALPHAS[place], text: alphaText },
+  strikers: whole, targets: whole,
+  speed: { ...steps(24), text: (value) => `${plain(value, 3)} m/s` },
+  friction: { ...steps(50), text: (value) => plain(value, 2) }, loss: { ...steps(90), text: (value) => `${Math.round(100 * value)} %` },
 };
 
 function paceText(pace) {
@@ -374,12 +435,33 @@ function paceText(pace) {
   return pace < 1 ? say("slower", { n: plain(1 / pace, 3) }) : say("faster", { n: plain(pace, 3) });
 }
 
-function lawName(law) {
+// Return the kind of the contacts of a row.
+function lawKind(law) {
   const [preload, stiffness, exponent] = law;
-  if (law.some((value, k) => value !== law[k % 3])) return say("law mixed");
-  if (preload > 0 && stiffness > 0) return say("law gear");
-  if (exponent === 1.5) return say("law steel");
-  return exponent === 1 ? say("law one") : say("law soft", { alpha: alphaText(exponent) });
+  if (law.some((value, k) => value !== law[k % 3])) return "mixed";
+  if (preload > 0 && stiffness > 0) return "gear";
+  return exponent === 1.5 ? "steel" : exponent === 1 ? "one" : "soft";
+}
+
+const lawName = (law) => say(`law ${lawKind(law)}`, { alpha: alphaText(law[2]) });
+
+// Return true if every body that can move weighs as much as a wagon.
+const isTrain = (masses) => masses.every((mass) => mass === null || mass >= HEAVY);
+
+// Write a number of bodies as a word, or as digits above twelve.
+const countWord = (n) => say("count").split(" ")[n - 1] ?? String(n);
+const countedTitle = ({ strikers, targets }) => capital(say(strikers > 1 ? "many on" : "one on", { m: countWord(strikers), n: countWord(targets) }));
+
+// Return the question above the beads: for equal bodies that hit equal bodies at rest, else "".
+function leadWords(specs) {
+  const one = specs.find(({ law }) => ["soft", "gear"].includes(lawKind(law))) ?? specs[0];
+  const { mass, velocity, gap, drive } = one, m = velocity.findIndex((v) => v !== velocity[0]);
+  const alike = Math.max(...mass) <= EQUAL_MASSES * Math.min(...mass) && !mass.includes(null) && !isTrain(mass);
+  if (!alike || m < 1 || velocity[0] <= 0 || drive || gap.some((wide) => wide < 0) || velocity.slice(m).some(Boolean)) return "";
+  const kind = lawKind(one.law), asked = { soft: "lead soft", gear: "lead gear", steel: "lead steel" }[kind];
+  if (!asked || mass.length - m < 2) return "";
+  const known = kind === "steel" ? [] : [say(m === 1 ? "lead one" : "lead many")];
+  return [...known, say(asked)].join(" ");
 }
 
 // Whether there can be marks of rigid clusters: a cluster of two beads, and a contact at which it is struck.
@@ -399,7 +481,7 @@ function currentTheme(data, beads) {
   };
   const ramp = few ? plainColours : Array.from({ length: beads }, (_, k) => along(k));
   const names = ["paper", "card", "ink", "muted", "line", "strong", "steel"];
-  return { ...Object.fromEntries(names.map((name) => [name, colour(name)])), dark, onBead: colour("on-bead"), bead: (k) => ramp[k % ramp.length] };
+  return { ...Object.fromEntries(names.map((name) => [name, colour(name)])), dark, bead: (k) => ramp[k % ramp.length] };
 }
 
 const reduced = () => matchMedia("(prefers-reduced-motion: reduce)").matches;

@@ -23,7 +23,7 @@ class Recorded {
     this.time = this.begun;
     this.touched = this.open = false;
     this.followed = true;
-    this.hand = null;
+    this.hand = this.parted = null;
     this.branch = 0;
   }
 

@@ -172,6 +172,12 @@ class Row {
     return true;
   }
 
+  // Time [s] until friction stops a row that has come apart; 0 without friction.
+  get sliding() {
+    const { friction } = this.spec, fastest = Math.max(...this.velocity.map((v, k) => (this.mass[k] ? Math.abs(v) : 0)));
+    return friction > 0 && this.still < 2 ? fastest / (friction * GRAVITY) : 0;
+  }
+
   /** What is drawn, into `now`. @param {Now} now */
   read(now) {
     const { kernel } = this, { n, overlap, force, absorbed } = kernel;

@@ -1,17 +1,18 @@
 // The stage: the beads of one lane on the ground, a force bar over each contact, loupes below, bars of energy and momentum.
 
-const TALLEST_BEAD = 0.4, LEAST_BEAD = 0.22; // of the height of the drawing: a bead, and what is left to it where bars need room
+const TALLEST_BEAD = 0.4, LEAST_BEAD = 0.22; // largest bead and least bead if bars need room, as fractions of the height of the drawing
 const CAPTION = 22, CAPTIONS = 40; // height of one line of captions, and of two
 const BAR_NUMBER = 20, BAR_LIFT = 8; // from captions to the highest bar, and from the tallest body to the axis of the bars
-const LEAST_BAR = 18; // of the highest bar, for which beads give way
-const GROUND = 30; // from the ground line to the lower edge of the drawing
+const LEAST_BAR = 18; // least height [px] of the highest bar; beads shrink for it
+const GROUND = 30, LOW_GROUND = 20; // from the ground line to the lower edge of the drawing, and of a low one
+const LOW = 160; // height [px] below which a drawing has one line of captions, so that bars keep some room
 const VISIBLE_FORCE = 0.01; // of the force axis: lower bars have neither a number nor a line for rigid clusters
 const PULL_RIM = 2.5; // pixels of the rim of the hollow bar of a force that pulls
 const FORCE_MARGIN = 1.12; // upper end of the force axis over the greatest force
 const LEAST_GAP = 1e-9; // of a bead's length: neighbours that are nearer touch
 const EQUAL_MASSES = 1.02; // ratio of masses up to which beads look alike and no masses are written
 const HEAVY = 1e4; // kg: masses from here on are written in tonnes
-const BARS_HEIGHT = 46; // of one row of energy and momentum
+const BARS_HEIGHT = 46; // height [px] of the bars of energy and momentum
 const LEAST_WIDTH = 200; // also while the page has none, as when it is hidden
 
 // A label for each bead where masses differ visibly, else none.
@@ -37,20 +38,22 @@ class Stage {
   fit(motion, data, theme, { tall, shown, force }) {
     const { canvas } = this, { density } = theme, width = Math.max(canvas.parentElement.clientWidth, LEAST_WIDTH);
     const narrow = width < 640, [low, high] = data.scales.window;
-    const room = Math.max(tall - CAPTIONS - BAR_NUMBER - LEAST_BAR - BAR_LIFT - GROUND, LEAST_BEAD * tall);
+    const lines = tall < LOW ? 1 : 2, below = lines === 1 ? LOW_GROUND : GROUND;
+    const room = Math.max(tall - (lines === 1 ? CAPTION : CAPTIONS) - BAR_NUMBER - LEAST_BAR - BAR_LIFT - below, LEAST_BEAD * tall);
     const tallest = Math.min(TALLEST_BEAD * tall, room), scale = Math.min(width / (high - low), tallest / (data.height * data.length));
     const size = data.length * scale;
     const loupeFit = shown.includes("loupes") ? loupeRow(motion, width) : { height: 0, count: 0 };
-    const balance = shown.includes("balance") ? (narrow ? 2 : 1) * BARS_HEIGHT : 0, height = tall + loupeFit.height + balance;
+    const balance = shown.includes("balance") ? BARS_HEIGHT : 0, height = tall + loupeFit.height + balance;
     canvas.width = this.layer.canvas.width = Math.round(width * density);
     canvas.height = this.layer.canvas.height = Math.round(height * density);
     canvas.style.height = `${height}px`;
     const colours = motion.mass.map((mass, k) => (mass === null ? theme.muted : theme.bead(k)));
-    const ground = tall - GROUND, base = ground - Math.max(data.height * size, 12) - BAR_LIFT, forces = shown.includes("forces");
-    const captions = captionPlaces(this.pen, motion, data, width - 24 - rulerLength(data, width, scale) * scale, width, forces);
+    const ground = tall - below, base = ground - Math.max(data.height * size, 12) - BAR_LIFT, forces = shown.includes("forces");
+    const captions = captionPlaces(this.pen, motion, data, width - 24 - rulerLength(data, width, scale) * scale, width, forces, lines);
     this.data = data;
-    this.view = { motion, theme, width, tall, scale, size, colours, ground, base, narrow, loupeFit, density, captions, forces, force, balance,
+    this.view = { motion, theme, width, tall, scale, size, colours, ground, base, narrow, loupeFit, density, captions, forces, force, balance, lines,
       contactColours: motion.mass.slice(1).map((_, k) => theme.bead(k + 1)),
+      digitColours: colours.map((colour, k) => digitOn(inner(motion, theme, colour, k))),
       barRoom: base - captions.bottom - BAR_NUMBER, origin: width / 2 - scale * (low + high) / 2 };
     this.layer.setTransform(density, 0, 0, density, 0, 0);
     backdrop(this.layer, this.view, data);
@@ -70,6 +73,7 @@ class Stage {
     bodies(pen, view, data, edges, faces);
     if (view.forces) forceBars(pen, view, data, now);
     arrows(pen, view, data, edges, now);
+    if (view.motion.drive) drives(pen, view, edges);
     if (held) hold(pen, view, edges[held.bead], held.across);
     if (view.loupeFit.count) loupes(pen, view.loupeFit, view, now, view.tall);
     if (view.balance) balances(pen, view, data, now, view.tall + view.loupeFit.height);
@@ -116,9 +120,9 @@ function leftEdges(now, view, data) {
   return Array.from(now.position, (x, k) => view.origin + view.scale * (x + shift[k] - mean + data.length * k));
 }
 
-// Where the label and the captions of the bars stand: on two lines, left of the ruler and of what is below it; captions without
-// room are left out, and bars end below all.
-function captionPlaces(pen, motion, data, room, width, forces) {
+// Place the label and the captions of the bars on one or two lines, left of the ruler and of the text below it. Captions without room are
+// left out, and bars end below all of them.
+function captionPlaces(pen, motion, data, room, width, forces, lines) {
   const words = (text, weight = 400, size = 12.5) => { pen.font = `${weight} ${size}px ${FONT}`; return pen.measureText(text).width; };
   const stops = motion.solid.flat().some((force) => force !== null), half = words(scaleText(data)) / 2;
   const found = [], rooms = [room, width - 24 - 2 * half];
@@ -129,7 +133,7 @@ function captionPlaces(pen, motion, data, room, width, forces) {
     const mark = key === "rigid" ? 20 : 0, text = say(key, { unit: data.forceUnit.name }), wide = mark + words(text);
     if (x > 8) x += mark ? 16 : 14;
     if (x + wide >= rooms[line]) { line++; x = 8; }
-    if (line > 1 || x + wide >= rooms[line]) break;
+    if (line >= lines || x + wide >= rooms[line]) break;
     found.push({ text, x, y: 20 + 19 * line, mark });
     x += wide;
   }
@@ -168,7 +172,7 @@ function ruler(pen, view, data) {
   pen.fillRect(left, 20, right - left, 1.5);
   for (const x of [left, right]) pen.fillRect(x - 0.75, 16, 1.5, 9);
   write(pen, `${scientific(length, 0)} m`, (left + right) / 2, 13, 12, theme.muted, "center");
-  write(pen, scaleText(data), right, 39, 12.5, theme.muted, "right");
+  if (view.lines > 1) write(pen, scaleText(data), right, 39, 12.5, theme.muted, "right");
 }
 
 function bodies(pen, view, data, edges, faces) {
@@ -190,7 +194,7 @@ function bodies(pen, view, data, edges, faces) {
   edges.forEach((x, k) => {
     if (motion.mass[k] === null) return;
     const [across, up] = isGear(k) ? [0.5 * CYLINDER_LENGTH, 0.5 * CYLINDER_HEIGHT] : [0.5, 0.5];
-    write(pen, String(k), x + across * size, ground - up * size + 0.36 * digits, digits, theme.onBead, "center", true);
+    write(pen, String(k), x + across * size, ground - up * size + 0.36 * digits, digits, view.digitColours[k], "center", true);
   });
 }
 
@@ -216,11 +220,13 @@ function rigidForces(masses, now, length) {
   return found;
 }
 
-// A bar for each contact; across it a line where it would end if each cluster were rigid, Eq. (5).
+// Draw a bar for each contact, and a line across it at the force of rigid clusters, Eq. (5).
 function forceBars(pen, view, data, now) {
   const { motion, size, theme } = view, visible = VISIBLE_FORCE * view.force;
   const wide = Math.min(Math.max(0.26 * size, 3), 30), unit = data.forceUnit.size;
-  const decimals = Math.max(0, 2 - Math.floor(Math.log10(view.force / unit))), rigid = rigidForces(motion.mass, now, data.length);
+  const decimals = Math.max(0, 2 - Math.floor(Math.log10(view.force / unit)));
+  const marked = view.captions.found.some(({ mark }) => mark); // lines are drawn only with their legend
+  const rigid = marked ? rigidForces(motion.mass, now, data.length) : [];
   const high = size < 40 ? 11 : 13, numbers = [], text = (value) => (decimals > 4 ? scientific(value) : fixed(value, decimals));
   now.contacts.forEach((x, k) => {
     const force = now.force[k], top = barTop(view, data, Math.abs(force)), expected = rigid[k];
@@ -234,7 +240,7 @@ function forceBars(pen, view, data, now) {
     const solid = motion.solid[k][force < 0 ? 1 : 0]; // dark: what is beyond the force at which the gear is solid
     if (solid !== null && Math.abs(force) > solid) pen.fillRect(x - wide / 2, top, wide, barTop(view, data, solid) - top);
     let above = top;
-    if (expected > visible) {
+    if (expected > visible && Math.abs(force) > visible) { // a line without a bar would look like a bar that is missing
       const reach = wide / 2 + (view.narrow ? 3 : 5), line = barTop(view, data, expected);
       pen.fillRect(x - reach, line - 0.75, 2 * reach, 1.5);
       if (line > top - 20) above = Math.min(top, line); // a number stands above a line that would strike it through
@@ -251,6 +257,12 @@ function forceBars(pen, view, data, now) {
   }
 }
 
+// Return the colour behind the number of a bead: its cylinder, its core if masses differ, or its disc.
+function inner({ mass, massLabels: labels, gears, contacts }, theme, colour, k) {
+  if (gears[Math.min(k, contacts - 1)]) return colour;
+  return mixed(labels.length && mass[k] ? mixed(colour, "#000000", 0.22) : colour, theme.card, labels.length ? 0.05 : TRANSPARENT);
+}
+
 // A velocity arrow under each bead, and below it the mass where masses differ.
 function arrows(pen, view, data, edges, now) {
   const fastest = Math.max(...data.scales.velocity.map(Math.abs)), { motion, size, ground, theme } = view;
@@ -261,25 +273,31 @@ function arrows(pen, view, data, edges, now) {
   });
 }
 
-// Where the bars of energy and of momentum are: their width, and the corner of the second, beside the first or below it.
-function balancePlaces({ width, narrow }, top) {
-  const wide = narrow ? width : (width - 24) / 2;
-  return { wide, second: narrow ? { x: 0, y: top + BARS_HEIGHT } : { x: wide + 24, y: top } };
+// Draw the steady forces on beads as arrows, each on the side that the force comes from.
+function drives(pen, view, edges) {
+  const { drive } = view.motion, { size, theme } = view, most = Math.max(...drive.map(Math.abs));
+  edges.forEach((x, k) => {
+    const way = Math.sign(drive[k]), long = Math.max(8, 0.7 * size * Math.abs(drive[k]) / most);
+    if (way) arrow(pen, (way > 0 ? x : x + size) - way * (long + 3), view.ground - 0.85 * size, way * long, theme.ink);
+  });
 }
 
+// Return the width of the bars of energy and momentum, and the left end of the second bar.
+const balancePlaces = ({ width, narrow }) => ({ wide: (width - (narrow ? 12 : 24)) / 2, second: (width + (narrow ? 12 : 24)) / 2 });
+
 function balanceFrames(pen, view, top) {
-  const { motion, theme } = view, { wide, second } = balancePlaces(view, top);
-  const whole = say(motion.dissipative ? "energy lossy" : "energy bar"), brief = say(motion.dissipative ? "energy lossy brief" : "energy brief");
+  const { motion, theme } = view, { wide, second } = balancePlaces(view), lossy = motion.dissipative ? " lossy" : "";
   pen.font = `400 12px ${FONT}`;
-  write(pen, pen.measureText(whole).width < wide ? whole : brief, 0, top + 16, 12, theme.muted);
-  write(pen, say("momentum bar"), second.x, second.y + 16, 12, theme.muted);
+  const fitting = (keys) => keys.map((key) => say(key)).find((text, k) => pen.measureText(text).width < wide || k === keys.length - 1);
+  write(pen, fitting([`energy${lossy || " bar"}`, `energy${lossy} brief`, "energy short"]), 0, top + 16, 12, theme.muted);
+  write(pen, fitting(["momentum bar", "momentum short"]), second, top + 16, 12, theme.muted);
   pen.fillStyle = theme.line;
-  for (const { x, y } of [{ x: 0, y: top }, second]) pen.fillRect(x, y + 23, wide, 11);
+  for (const x of [0, second]) pen.fillRect(x, top + 23, wide, 11);
 }
 
 // Bars of energy and of momentum: each bead's part, and a total that must not change.
 function balances(pen, view, data, now, top) {
-  const { motion, theme } = view, { wide, second } = balancePlaces(view, top), mass = motion.mass.map((m) => m ?? 0);
+  const { motion, theme } = view, { wide, second } = balancePlaces(view), mass = motion.mass.map((m) => m ?? 0);
   const kinetic = mass.map((m, k) => 0.5 * m * now.velocity[k] ** 2), momentum = mass.map((m, k) => m * now.velocity[k]);
   let x = 0;
   [...kinetic, now.stored, now.absorbed].forEach((value, k) => {
@@ -288,16 +306,16 @@ function balances(pen, view, data, now, top) {
     pen.fillRect(x, top + 23, part, 11);
     x += part;
   });
-  const [low, high] = data.scales.momentum, unit = wide / (high - low), zero = second.x - low * unit, ends = [zero, zero];
+  const [low, high] = data.scales.momentum, unit = wide / (high - low), zero = second - low * unit, ends = [zero, zero];
   momentum.forEach((value, k) => {
     const side = value > 0 ? 1 : 0, part = value * unit;
     pen.fillStyle = view.colours[k];
-    pen.fillRect(Math.min(ends[side], ends[side] + part), second.y + 23, Math.abs(part), 11);
+    pen.fillRect(Math.min(ends[side], ends[side] + part), top + 23, Math.abs(part), 11);
     ends[side] += part;
   });
   const total = zero + unit * momentum.reduce((sum, value) => sum + value, 0);
   for (const [at, colour] of [[zero, theme.muted], [total, theme.ink]]) {
     pen.fillStyle = colour;
-    pen.fillRect(Math.min(Math.max(at - 0.75, second.x), second.x + wide - 1.5), second.y + 20, 1.5, 17);
+    pen.fillRect(Math.min(Math.max(at - 0.75, second), second + wide - 1.5), top + 20, 1.5, 17);
   }
 }

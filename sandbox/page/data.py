@@ -14,7 +14,7 @@ from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
 from softcradle.physics.numerics.contact_solve import BEAD_ROWS
 from softcradle.physics.numerics.records import COUNTERS
 from softcradle.physics.scales import greatest_speed, speed_scale
-from softcradle.sandbox.draw.bodies import EQUAL_MASSES, cluster_ends, is_gear, solid_force
+from softcradle.sandbox.draw.bodies import EQUAL_MASSES, HEAVY, cluster_ends, is_gear, solid_force
 from softcradle.sandbox.draw.palette import LIGHT, OKABE_ITO
 from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.languages import in_every_language, label_words, scene_words
@@ -37,12 +37,17 @@ def can_be_computed(scene: Scene) -> bool:
     )
 
 
+def is_train(mass: Sequence[float]) -> bool:
+    """Return True if every body that can move weighs at least as much as a wagon."""
+    return min(mass) >= HEAVY
+
+
 def page_data(played: PlayedMotion, computed: bool) -> dict[str, Any]:
     """All that the script of a page needs."""
     scene, scales = played.scene, played.scales
     size, name = played.time_unit
     newtons, force_name = played.force_unit
-    packed = packed_lanes(played.motions, scales)
+    packed = packed_lanes(played.motions, scales, STANDBY_BYTES if computed else USUAL_BYTES)
     axes = ("window", "velocity", "force", "pull", "magnify", "energy", "momentum")
     data = {
         "slow": scene.view.slow,
@@ -87,7 +92,7 @@ def _closed(played: PlayedMotion, number: int) -> list[list[list[float | None]]]
 
 
 def _spec(chain: Chain, velocity: list[float], duration: float | None) -> dict[str, Any]:
-    """What a row starts from."""
+    """Return the state and the laws that a row starts with."""
     return {
         "mass": [finite_or_none(mass) for mass in chain.mass],
         "gap": list(chain.gap),
@@ -101,7 +106,7 @@ def _spec(chain: Chain, velocity: list[float], duration: float | None) -> dict[s
 
 
 def _experiment(scene: Scene) -> dict[str, Any]:
-    """What of the scene can be set by a person, and its units."""
+    """Return the settings that a reader can change, and their units."""
     lane = scene.lanes[0]
     chain, speeds = lane.chain(), [greatest_speed(item.chain(), item.velocity, scene.duration) for item in scene.lanes]
     speed, row = speeds[0] or 1.0, chain.law_rows[0].tolist()
@@ -147,7 +152,7 @@ def _texts(played: PlayedMotion) -> dict[str, dict[str, Any]]:
     """Title, source, text and labels in every language that the page speaks."""
 
     def texts() -> dict[str, Any]:
-        words = {key: scene_words(getattr(played.scene, key)) for key in ("title", "source", "text")}
+        words = {key: scene_words(getattr(played.scene, key)) for key in ("title", "source", "text", "question")}
         return words | {"labels": list(map(label_words, played.labels))}
 
     found = in_every_language(texts)
@@ -160,6 +165,7 @@ def _hex(colour: tuple[int, int, int]) -> str:
 
 # A packed motion has the fewest rows between which straight lines follow every curve, as base64 text of typed arrays.
 USUAL_BYTES = 600_000  # of all packed motions of a page; base64 makes 800 kB of them, and a page stays below 1 MB
+STANDBY_BYTES = 6_000  # usual size of the recording in a computed page, which plays only if WebAssembly is blocked
 MOST_BYTES = 6_000_000  # where the samples of a long chain are as coarse as may be and still need more
 COARSEST = 5  # times that samples are made coarser before curves would look wrong
 CODES = 32767  # the largest code of a velocity or force; 0 is 0
@@ -169,8 +175,8 @@ COARSER = 2.0  # factor on both, again and again, for motions that need too many
 Rows = NDArray[np.intp]
 
 
-def packed_lanes(lanes: Sequence[Motion], scales: Scales) -> list[dict[str, Any]]:
-    """The `lanes` of a page, packed: so coarse that they need USUAL_BYTES together, but not coarser than may be.
+def packed_lanes(lanes: Sequence[Motion], scales: Scales, usual: int) -> list[dict[str, Any]]:
+    """Return the packed `lanes` of a page: so coarse that they need `usual` bytes together, but at most COARSEST times coarser.
 
     Raises:
         UserError: they then need more than MOST_BYTES.
@@ -178,7 +184,7 @@ def packed_lanes(lanes: Sequence[Motion], scales: Scales) -> list[dict[str, Any]
     choices = zip(*(adaptive_rows(motion, scales) for motion in lanes), strict=True)
     for rows in islice(choices, 1 + COARSEST):
         size = sum(map(_size, lanes, rows))
-        if size <= USUAL_BYTES:
+        if size <= usual:
             break
     if size > MOST_BYTES:
         beads = max(motion.chain.contacts + 1 for motion in lanes)

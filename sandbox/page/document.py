@@ -31,15 +31,20 @@ ICONS = {
     "ahead": "M15.6 5H18v14h-2.4zM5 5v14l9.5-7z",
     "again": "M12 5V1.5L7 6l5 4.5V7a5.5 5.5 0 1 1-5.4 6.6h-2A7.5 7.5 0 1 0 12 5z",
 }
+# Icon of the page: two overlapping beads, as an SVG file in a data address.
+ICON = (
+    "data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 32 32'%3E"
+    "%3Ccircle cx='11' cy='16' r='10' fill='%230072b2'/%3E%3Ccircle cx='22' cy='16' r='10' fill='%23d08a00'/%3E%3C/svg%3E"
+)
 LAWS = ("scene", "soft", "gear", "steel")
 BESIDE = ("none", "steel", "soft", "gear")
 SHOWN = ("forces", "loupes", "balance", "charts")
 
 
-def document(title: str, parts: Sequence[str], data: object, computed: bool = False) -> str:
-    """The whole page with the `data` of its player; empty `parts` of its main content are left out.
+def document(title: str, text: str, parts: Sequence[str], data: object, computed: bool = False) -> str:
+    """Return the whole page with the `data` of its player; empty `parts` of its main content are left out.
 
-    A page that is `computed` carries the kernels.
+    `text` describes the page in the preview of a link. A `computed` page contains the kernels.
     """
     style = re.sub(r"/\*.*?\*/|\s*([{};,])\s*", r"\1", resource("page/page.css").read_text(encoding="utf-8"))
     script = "\n".join(_script(name) for name in SCRIPTS)
@@ -49,15 +54,17 @@ def document(title: str, parts: Sequence[str], data: object, computed: bool = Fa
         f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f'<meta name="generator" content="softcradle {escape(version())}">\n'
-        f'<title>{escape(title)}</title>\n<link rel="icon" href="data:,">\n<style>\n{style}</style>\n</head>\n'
+        f'<meta name="description" content="{escape(text)}">\n<meta property="og:type" content="website">\n'
+        f'<meta property="og:title" content="{escape(title)}">\n<meta property="og:description" content="{escape(text)}">\n'
+        f'<title>{escape(title)}</title>\n<link rel="icon" href="{ICON}">\n<style>\n{style}</style>\n</head>\n'
         f"<body>\n<main>\n{body}\n</main>\n"
         f'<script type="application/json" id="data">{json_text(data)}</script>\n{_kernels() if computed else ""}'
         f'<script>\n"use strict";\n{script}</script>\n</body>\n</html>\n'
     )
 
 
-# Text and regular expressions of a script, which stay as they are, and the spaces around signs that need none: in "a - -b"
-# they are needed. A line break before a sign stays, because it may end a statement.
+# Matches texts and regular expressions of a script, which stay as they are, and signs with superfluous spaces around them.
+# "a - -b" keeps its spaces. A line break before a sign stays, because it can end a statement.
 SPACED = re.compile(
     r"""("(?:[^"\\\n]|\\.)*"|'(?:[^'\\\n]|\\.)*'|`(?:[^`\\]|\\.)*`|(?<=[(,=:])\s?/[^*/ ](?:[^/\\\n]|\\.)*/[gimsuy]*)"""
     r"| *(=>|[{(,;:?=<>*|&\[!%])\s*| *([)}\]]) *|(?<![+-]) ([+-]) (?![+-])"
@@ -71,7 +78,7 @@ def _script(name: str) -> str:
 
 
 def shortened(script: str) -> str:
-    """Return `script`, which has no comments, without the spaces around its signs; its texts are not changed."""
+    """Return a script without comments also without the spaces around its signs. Texts in it do not change."""
     return SPACED.sub(lambda found: found[found.lastindex], script)
 
 
@@ -79,16 +86,6 @@ def _kernels() -> str:
     """The kernels of fixed steps, as text that the page's script unpacks."""
     packed = gzip.compress(resource("page/kernels.wasm").read_bytes(), 9, mtime=0)
     return f'<script type="application/octet-stream" id="kernels">{base64.b64encode(packed).decode()}</script>\n'
-
-
-def paragraph(text: str) -> str:
-    """What happens, in a few sentences; the script shows them in the reader's language."""
-    return f'<p class="text" id="text">{escape(text)}</p>'
-
-
-def question(text: str) -> str:
-    """What is asked of the reader, if anything; the text of the scene stands below the beads."""
-    return f'<p class="text"><strong>{escape(text)}</strong></p>' if text else ""
 
 
 def note(text: str, warning: bool = False) -> str:
@@ -128,28 +125,38 @@ def json_text(content: Any) -> str:
 
 
 def heading(title: str, source: str) -> str:
-    """The title, where it is in the paper, and the language of the reader."""
+    """Return the title, its place in the paper, the choice of a language, and the sentence for a blocked script."""
     names = "".join(f'<option value="{code}">{escape(entry.name)}</option>' for code, entry in LANGUAGES.items())
     return (
         f'<header class="top"><div><h1 id="title">{escape(title)}</h1><p class="source" id="source">{escape(source)}</p></div>'
         f'<div class="tools"><button type="button" id="link" class="quiet live-only" data-say="link">Copy link</button>'
         f'<select id="language" class="quiet" data-name="language" aria-label="Language">{names}</select></div></header>'
         '<p id="notice" class="notice" role="status" hidden></p>'
-        "<noscript><p>The beads move by JavaScript.</p></noscript>"
+        '<p id="wait" class="notice">This site blocks the page: download it and open it from your device.</p>'
+        "<noscript><p>This page needs JavaScript.</p></noscript>"
     )
 
 
-def player(uniform: bool, alone: bool, moving: bool) -> str:
-    """The beads with their clock, and the settings of the row.
+def player(question: str, text: str, uniform: bool, alone: bool, moving: bool) -> str:
+    """Return the beads with their clock, the texts around them, and the settings of the row.
 
-    `uniform`: its number of beads and its law can be chosen; `alone`: another row may stand beside it; `moving`: it has a
-    speed at the start.
+    Parameters
+    ----------
+    question, text : str
+        The scene's question above the beads, and its text below them.
+    uniform : bool
+        The number of beads and the law can be chosen.
+    alone : bool
+        The row can be compared with a second one.
+    moving : bool
+        The row has a speed at the start.
     """
     return (
-        '<div class="play" id="play"><section class="hero"><div id="lanes" class="lanes"></div>'
-        f'<p id="words" role="status"></p>{_transport(alone)}<p class="ledger" id="energy"></p>'
-        '<div id="charts" class="charts"></div></section>'
-        f'<section class="settings"><h2 class="live-only" data-say="settings">The row</h2>{_settings(uniform, alone, moving)}'
+        f'<div class="play" id="play"><p class="lead" id="lead">{escape(question)}</p>'
+        f'<section class="hero"><div class="bench" id="bench"><div id="lanes" class="lanes"></div>{_transport()}</div>'
+        f'{_more(alone)}<p id="words" role="status"></p><p class="text" id="text">{escape(text)}</p>'
+        '<p class="ledger" id="energy"></p><div id="charts" class="charts"></div></section>'
+        f'<section class="settings"><h2 class="live-only" data-say="settings">Settings</h2>{_settings(uniform, alone, moving)}'
         f'{_shown()}</section></div><p id="said" class="unseen" role="status"></p>'
     )
 
@@ -164,14 +171,12 @@ def numbers(tables: str) -> str:
 
 
 def keys() -> str:
-    """What keys and fingers do, in a page in which the beads live and in any other."""
+    """Return the explanation of keys and touch, for live and for recorded pages."""
     parts = '<p data-say="help"></p><p class="live-only" data-say="help live"></p>'
     return f'<details><summary data-say="keys">Keys and touch</summary>{parts}</details>'
 
 
-def _transport(alone: bool) -> str:
-    paces = "".join(f'<option value="{pace:g}"></option>' for pace in PACES)
-    steel = f'<button type="button" id="steel" class="wide {"live-only" if alone else "never"}" aria-pressed="false"></button>'
+def _transport() -> str:
     return (
         '<div class="transport"><input type="range" id="time" min="0" max="1000" step="1" value="0" data-name="time" '
         'aria-label="Time of the motion"><div class="buttons">'
@@ -179,13 +184,21 @@ def _transport(alone: bool) -> str:
         + _button("toggle", "play", "play", "pause")
         + _button("back", "back", "back")
         + _button("ahead", "ahead", "ahead")
-        + '<output id="clock"></output>'
-        + f'<select id="pace" data-name="pace" aria-label="Pace">{paces}</select>{steel}</div></div>'
+        + '<span id="clock" role="timer"></span></div></div>'
+    )
+
+
+def _more(alone: bool) -> str:
+    paces = "".join(f'<option value="{pace:g}"></option>' for pace in PACES)
+    there = "live-only" if alone else "never"
+    return (
+        f'<div class="more"><select id="pace" data-name="pace" aria-label="Playback speed">{paces}</select>'
+        f'<button type="button" id="contrast" class="wide {there}" aria-pressed="false"></button></div>'
     )
 
 
 def _button(name: str, word: str, icon: str, second: str = "") -> str:
-    """A button with an icon, and a `second` one that takes its place while the motion plays."""
+    """Return a button with an icon. A `second` icon replaces the first one while the motion plays."""
     paths = f'<path class="one" d="{ICONS[icon]}"/>' + (f'<path class="two" d="{ICONS[second]}"/>' if second else "")
     return (
         f'<button type="button" id="{name}" data-name="{word}" aria-label="{word}">'
@@ -209,17 +222,22 @@ def _settings(uniform: bool, alone: bool, moving: bool) -> str:
 
 
 def _slider(name: str, word: str, there: bool = True) -> str:
-    hidden = "" if there else ' class="never"'
+    ends = (
+        '<span class="ends" aria-hidden="true"><span data-say="softest"></span><span data-say="hardest"></span></span>'
+    )
     return (
-        f'<label{hidden}><span data-say="{word}"></span><output id="{name}-value" for="{name}"></output>'
-        f'<input type="range" id="{name}" min="0" max="1000" step="1"></label>'
+        f'<div class="{"field" if there else "field never"}"><label for="{name}" data-say="{word}"></label>'
+        f'<span id="{name}-value" class="value" aria-hidden="true"></span><input type="range" id="{name}" step="1">'
+        f"{ends if name == 'alpha' else ''}</div>"
     )
 
 
 def _choice(name: str, options: tuple[str, ...], there: bool) -> str:
     found = "".join(f'<option value="{option}" data-say="{option}"></option>' for option in options)
-    hidden = "" if there else ' class="never"'
-    return f'<label{hidden}><span data-say="{name}"></span><select id="{name}">{found}</select></label>'
+    return (
+        f'<div class="{"field" if there else "field never"}"><label for="{name}" data-say="{name}"></label>'
+        f'<select id="{name}">{found}</select></div>'
+    )
 
 
 def _shown() -> str:

@@ -16,16 +16,14 @@ from softcradle.sandbox.files import output_file
 from softcradle.sandbox.film.scene_motion import checked_slow, require_whole
 from softcradle.sandbox.languages import in_every_language
 from softcradle.sandbox.motion import Array
-from softcradle.sandbox.page.data import can_be_computed, page_data
+from softcradle.sandbox.page.data import can_be_computed, is_train, page_data
 from softcradle.sandbox.page.document import (
     document,
     footer,
     heading,
     keys,
     numbers,
-    paragraph,
     player,
-    question,
     spoken,
 )
 from softcradle.sandbox.page.played_motion import PlayedMotion, played_motion, result_notes, result_tables
@@ -45,7 +43,7 @@ MOST_SWITCHES = 200  # with such samples; motions with more rattle, and their cu
 
 @dataclass(frozen=True)
 class PageReport:
-    """What was written: where, how long it is [bytes], and whether it computes its motion."""
+    """Report of a written page: its path, its size [bytes], and if it computes its motion."""
 
     output: Path
     size: int
@@ -109,22 +107,24 @@ def _recorded_text(scene: Scene, trajectories: Sequence[Trajectory]) -> str:
 
 
 def _computed_text(scene: Scene) -> str:
-    """The page of a scene that :func:`can_be_computed`, as text; what it plays where kernels are refused is in it as well."""
+    """Return the text of the page of a scene that :func:`can_be_computed`, with a recording for blocked WebAssembly."""
     played = played_motion(scene, recorded_coarsely(scene))
     data = page_data(played, computed=True)
     parts = [
         heading(scene.title, scene.source),
-        question(scene.question),
         player(
-            data["uniform"] is not None, len(scene.lanes) == 1, any(map(any, (lane.velocity for lane in scene.lanes)))
+            scene.question,
+            scene.text,
+            uniform=data["uniform"] is not None,
+            alone=len(scene.lanes) == 1 and not is_train(scene.lanes[0].chain().mass),
+            moving=any(map(any, (lane.velocity for lane in scene.lanes))),
         ),
-        paragraph(scene.text),
         numbers(""),
         keys(),
         _scene_file(played),
         footer(),
     ]
-    return document(scene.title, parts, data, computed=True)
+    return document(scene.title, scene.text, parts, data, computed=True)
 
 
 def recorded_page(played: PlayedMotion, parts: Sequence[str], title: str = "", tables: str = "") -> str:
@@ -132,24 +132,22 @@ def recorded_page(played: PlayedMotion, parts: Sequence[str], title: str = "", t
     scene, title = played.scene, title or played.scene.title
     first = [
         heading(title, scene.source),
-        question(scene.question),
-        player(uniform=False, alone=False, moving=False),
-        paragraph(scene.text),
+        player(scene.question, scene.text, uniform=False, alone=False, moving=False),
         numbers(tables),
         keys(),
     ]
     data = page_data(played, computed=False)
     for texts in data["texts"].values():
         texts["title"] = title if title != scene.title else texts["title"]
-    return document(title, [*first, *parts], data)
+    return document(title, scene.text, [*first, *parts], data)
 
 
 def _scene_file(played: PlayedMotion) -> str:
-    """The scene as text; nothing where no scene file holds it: laws of one's own, samples that begin after the start."""
+    """Return the scene file, or "" if there is none: for user-defined laws and for samples that begin after the start."""
     if any(found.chain.own_laws or found.time[0] > 0.0 for found in played.trajectories):
         return ""
     return (
-        '<details><summary data-say="file">The scene as a file: softcradle play FILE lets you change it</summary>'
+        '<details><summary data-say="file">Scene file (for the softcradle program)</summary>'
         f'<pre tabindex="0">{escape(played.scene.to_toml())}</pre></details>'
     )
 

@@ -1,15 +1,27 @@
-"""What the tests of pages share: pages written once, their tags and their data."""
+"""Fixtures and helpers of the tests of pages: pages written once, their tags and data, and a browser."""
 
 import json
 import re
 from functools import cache
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
 from softcradle.sandbox.page import render_page
 from softcradle.sandbox.scene_runs import load_scene
+from softcradle.scenes import Lane, Scene
+
+from tools.browser import Browser
 
 SOFT = {"law": "power_law", "f0": 1.0, "alpha": 0.1}
+SCENE = "one-on-four"
+BOOKED = 1e-10  # relative error of the energy
+SAID = "document.getElementById('words').textContent"
+LEDGER = "document.getElementById('energy').textContent"
+NOTICE = "document.getElementById('notice').innerText"
+SET = "(() => {{ const e = document.getElementById('{}'); e.value = '{}'; e.dispatchEvent(new Event('{}')); }})()"
+PLACE = """(() => { const stage = page.stages[0], box = stage.canvas.getBoundingClientRect(); page.show(false);
+  return [box.left + stage.middle(%d), box.top + stage.view.ground - stage.view.size / 2, stage.view.size]; })()"""
 VOID = frozenset({"meta", "link", "img", "br", "path", "rect", "input"})
 
 
@@ -42,3 +54,56 @@ def pages(tmp_path_factory):
     """A function: the page of a scene, written once, and what `render_page` reports of it."""
     folder = tmp_path_factory.mktemp("pages")
     return cache(lambda name: render_page(load_scene(name), folder / f"{name}.html"))
+
+
+@pytest.fixture(scope="module")
+def process(tmp_path_factory):
+    with Browser(tmp_path_factory.mktemp("browser") / "profile") as opened:
+        yield opened
+
+
+@pytest.fixture
+def browser(process):
+    """An empty page for each test. At its end the energy is balanced, and nothing but reading canvases was complained of."""
+    process.fresh()
+    yield process
+    assert process.run("typeof page === 'object' && page.source.live") is False or error(process) < BOOKED
+    assert [one for one in process.complaints if "willReadFrequently" not in one] == []
+
+
+@pytest.fixture
+def live(pages, browser):
+    """The browser at the page of one bead on four."""
+    browser.visit(pages(SCENE).output, "")
+    return browser
+
+
+def error(browser):
+    """The greatest relative error of the energy of a row; a wall that moves gives some that nobody counts."""
+    return browser.run("Math.max(...page.source.rows.map((row) => (row.balanced ? row.energyError() : 0)))")
+
+
+def velocities(browser, lane=0):
+    return np.array(browser.run(f"Array.from(page.source.values({lane}).velocity)"))
+
+
+def hold_the_clock(browser):
+    """Let no time pass from now on but what `pictures` gives, however busy the machine is."""
+    browser.run("page.again(), page.pause(), page.next = () => 0, window.clock = 0")
+
+
+def pictures(browser, count):
+    """Let so many pictures of the motion come, a sixtieth of a second after each other."""
+    browser.run(f"for (let k = 0; k < {count}; k++) page.picture(window.clock += 1000 / 60)")
+
+
+def run_to_the_end(browser):
+    browser.run("page.pause(), page.go(page.source.last)")
+    browser.until("!page.playing")
+
+
+def visit_row(browser, folder, duration=None, fragment="", method=None, **lane):
+    """Open the page of a row, whose contacts are soft unless told; recorded by a `method`, if there is one."""
+    scene = Scene(title="a row", lanes=(Lane(**{"contact": SOFT} | lane),), duration=duration)
+    browser.visit(render_page(scene, folder / "page.html", method=method).output, fragment)
+    browser.run("page.pause()")

@@ -10,35 +10,40 @@ import numpy as np
 import pytest
 from PIL import Image, ImageColor
 from softcradle.sandbox.draw.bodies import rigid_forces
-from softcradle.sandbox.page import render_page
 from softcradle.sandbox.story.numbers import MINUS
-from softcradle.scenes import Lane, Scene
 
 from softcradle import one_on, scenes, simulate
 from tests.helpers.drawn_text import contrast
-from tests.sandbox.page.conftest import SOFT
-from tools.browser import Browser, found
+from tests.sandbox.page.conftest import (
+    BOOKED,
+    LEDGER,
+    NOTICE,
+    PLACE,
+    SAID,
+    SCENE,
+    SET,
+    SOFT,
+    error,
+    hold_the_clock,
+    pictures,
+    run_to_the_end,
+    velocities,
+    visit_row,
+)
+from tools.browser import found
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(found() is None, reason="there is no browser")]
-SCENE = "one-on-four"
 PUSHED = {"forces": [{"beads": 3, "time": [0, 1], "force": [0.01, 0.01]}], "duration": 9.0}
 AXE = Path(axe_core_python.__file__).with_name("axe.min.js")
 DEVICES = {"telephone": (390, 844), "desk": (1280, 800)}
 FITS = "document.documentElement.scrollWidth <= document.documentElement.clientWidth"
-BOOKED = 1e-10  # relative error of the energy
-SAID = "document.getElementById('words').textContent"
-LEDGER = "document.getElementById('energy').textContent"
-NOTICE = "document.getElementById('notice').innerText"
 HELP = """[...document.querySelectorAll('details > p')].filter((e) => getComputedStyle(e).display !== 'none')
   .map((e) => e.textContent)"""
 ENDED = (
-    "Bead 0 goes to the left at 0.57 m/s. Bead 1 goes to the right at 0.17 m/s. "
-    "Beads 2 to 4 go together to the right at 0.45 to 0.47 m/s. "
-    f"Two rigid bodies: {MINUS}0.60 and 0.40 m/s."
+    "Bead 0 moves left at 0.57 m/s. Bead 1 moves right at 0.17 m/s. "
+    "Beads 2 to 4 move right together at 0.45 to 0.47 m/s. "
+    f"Two solid blocks would move at {MINUS}0.60 and 0.40 m/s."
 )
-PLACE = """(() => { const stage = page.stages[0], box = stage.canvas.getBoundingClientRect(); page.show(false);
-  return [box.left + stage.middle(%d), box.top + stage.view.ground - stage.view.size / 2, stage.view.size]; })()"""
-SET = "(() => {{ const e = document.getElementById('{}'); e.value = '{}'; e.dispatchEvent(new Event('{}')); }})()"
 COVERED = """(() => [...document.querySelectorAll('button, input, select, summary')].filter((e) => e.offsetParent).map((e) => {
   const area = e.type === 'checkbox' ? e.closest('label') : e;
   area.scrollIntoView({block: 'center'});
@@ -71,57 +76,11 @@ INSIDE = """page.charts.every(({lane, channel, low, high}) => {
 })"""
 
 
-@pytest.fixture(scope="module")
-def process(tmp_path_factory):
-    with Browser(tmp_path_factory.mktemp("browser") / "profile") as opened:
-        yield opened
-
-
-@pytest.fixture
-def browser(process):
-    """An empty page for each test, which ends with its energy balanced and complains of how tests read canvases alone."""
-    process.fresh()
-    yield process
-    assert process.run("typeof page === 'object' && page.source.live") is False or error(process) < BOOKED
-    assert [one for one in process.complaints if "willReadFrequently" not in one] == []
-
-
-@pytest.fixture
-def live(pages, browser):
-    """The browser at the page of one bead on four."""
-    browser.visit(pages(SCENE).output, "")
-    return browser
-
-
-def error(browser):
-    """The greatest relative error of the energy of a row; a wall that moves gives some that nobody counts."""
-    return browser.run("Math.max(...page.source.rows.map((row) => (row.balanced ? row.energyError() : 0)))")
-
-
-def velocities(browser, lane=0):
-    return np.array(browser.run(f"Array.from(page.source.values({lane}).velocity)"))
-
-
 def seen(browser, folder):
     """(height, width, 3) the colours that the browser shows."""
     browser.picture(folder / "page.png")
     with Image.open(folder / "page.png") as opened:
         return np.asarray(opened.convert("RGB"), dtype=int)
-
-
-def hold_the_clock(browser):
-    """Let no time pass from now on but what `pictures` gives, however busy the machine is."""
-    browser.run("page.again(), page.pause(), page.next = () => 0, window.clock = 0")
-
-
-def pictures(browser, count):
-    """Let so many pictures of the motion come, a sixtieth of a second after each other."""
-    browser.run(f"for (let k = 0; k < {count}; k++) page.picture(window.clock += 1000 / 60)")
-
-
-def run_to_the_end(browser):
-    browser.run("page.pause(), page.go(page.source.last)")
-    browser.until("!page.playing")
 
 
 def test_the_browser_reports_mistakes(process, tmp_path):
@@ -155,13 +114,6 @@ def test_it_plays_to_the_same_end_at_every_pace_tells_it_in_words_and_begins_aga
         browser.visit(pages(SCENE).output, fragment)
         run_to_the_end(browser)
         assert browser.run(f"[{SAID}, page.source.last]") == [ENDED, pytest.approx(last, abs=0.01)]
-
-
-def visit_row(browser, folder, duration=None, fragment="", method=None, **lane):
-    """Open the page of a row, whose contacts are soft unless told; recorded by a `method`, if there is one."""
-    scene = Scene(title="a row", lanes=(Lane(**{"contact": SOFT} | lane),), duration=duration)
-    browser.visit(render_page(scene, folder / "page.html", method=method).output, fragment)
-    browser.run("page.pause()")
 
 
 @pytest.mark.parametrize("row", [{}, {"duration": 6.0, "drive": 100 * [1]}])
@@ -218,7 +170,7 @@ def test_a_wall_that_moves_over_a_bed_reaches_again_what_it_has_struck(browser, 
 
 
 def test_a_row_that_friction_holds_while_it_is_pressed_has_come_to_its_end(pages, browser):
-    rest = "Beads 0 to 4 nearly stand still."
+    rest = "Beads 0 to 4 are almost at rest."
     browser.visit(pages(SCENE).output, "#loss=0.9&mu=0.02")
     run_to_the_end(browser)
     assert browser.run("page.source.values(0).force.some((force) => force > 0)")
@@ -237,7 +189,7 @@ def test_what_rigid_bodies_would_do_is_told_where_two_of_them_would_meet_alone(b
     visit_row(browser, tmp_path, **({"velocity": [1, 0, 0, 0], "gap": [0.5, 0, 0]} | row))
     run_to_the_end(browser)
     assert browser.run(SAID).startswith("Bead")
-    assert ("rigid" in browser.run(SAID)) is rigid
+    assert ("solid blocks" in browser.run(SAID)) is rigid
 
 
 def test_a_pause_within_a_picture_leaves_one_clock(live):
@@ -278,7 +230,7 @@ def test_a_bead_is_thrown_with_the_mouse_or_a_finger_and_the_page_stays(pages, b
     assert browser.run("scrollY") == 0
     if device == "telephone":
         browser.swipe((195.0, 160.0), (195.0, 20.0))
-        browser.until("scrollY > 50")  # beside the beads a finger that moves up scrolls the page
+        browser.until("scrollY > 50")  # a finger that moves up next to the beads scrolls the page
 
 
 def test_a_bead_is_chosen_pulled_and_thrown_by_keys(live):
@@ -316,7 +268,9 @@ def test_no_key_takes_a_wall(browser, tmp_path, mass, chosen):
 def test_what_a_hand_gives_is_told_of_all_rows_and_apart_from_the_drive(pages, browser, tmp_path):
     browser.visit(pages("steel-and-soft").output, "")
     browser.run("page.pause(), page.go(0.9), page.chosen = {lane: 1, bead: 3}, page.throwChosen(1), page.pause()")
-    assert re.fullmatch(r"Energy 1(\.5)? J .* · 0\.5 J by hand", browser.run(LEDGER))  # of both rows
+    steel, soft = browser.run(LEDGER).split("\n")  # a line for each row
+    assert re.fullmatch(r"steel balls: Total energy 0\.5 J · .*made up", steel)
+    assert re.fullmatch(r"soft beads, .*: Total energy 1 J .* · you added 0\.5 J", soft)
     visit_row(browser, tmp_path, duration=5.0, velocity=[0, 0, 0], gap=[0.5, 0], drive=[1, 0, 0])
     browser.run("page.go(0.5), page.chosen = {lane: 0, bead: 2}, page.throwChosen(1), page.pause()")
     thrown = browser.run("0.5 * page.specs[0].speed ** 2")
@@ -329,9 +283,9 @@ def test_a_wall_that_moves_is_told_of_and_no_balance_of_the_energy_that_it_gives
     for mass, balanced in ([inf, 1, 1], False), ([1, 1, inf], True):
         visit_row(browser, tmp_path, mass=mass, velocity=[1, 0, 0], gap=[0.5, 0])
         run_to_the_end(browser)
-        assert ("balanced" in browser.run(LEDGER)) is balanced
+        assert ("conserved" in browser.run(LEDGER)) is balanced
         walls = re.findall(r"Wall .*? m/s\. ", browser.run(SAID))
-        assert walls == ([] if balanced else ["Wall 0 goes to the right at 1.00 m/s. "])
+        assert walls == ([] if balanced else ["Wall 0 moves right at 1.00 m/s. "])
 
 
 def test_a_bead_in_hand_stays_there_when_the_pace_changes(pages, browser):
@@ -359,7 +313,7 @@ def test_rows_that_were_edited_as_they_moved_are_those_that_begin_anew(pages, br
     assert max(browser.run("page.source.rows.map((row) => row.stored(0))")) > 0.1  # they touch
     browser.run("page.edit('alpha', 0.5), page.edit('loss', 0.5), page.edit('friction', 0.01), page.pause()")
     edited = browser.run(laws)
-    assert error(browser) < BOOKED  # and of those that begin anew
+    assert error(browser) < BOOKED  # the restarted rows are balanced as well
     assert edited == browser.run(f"page.restart(), {laws}") != before
 
 
@@ -372,7 +326,7 @@ def test_the_slider_tells_the_alpha_that_acts(pages, browser):
     assert browser.run("page.source.rows[0].kernel.law[2]") == 1 / 40
     text = "document.getElementById('text').textContent"
     assert "as one body" not in browser.run(text)
-    assert "other numbers" in browser.run(text)
+    assert "changed the settings" in browser.run(text)
     browser.visit(pages(SCENE).output, "#pace=4&with=steel")
     assert "as one body" in browser.run(text)
 
@@ -382,23 +336,23 @@ def test_a_row_that_touches_has_not_ended_and_what_is_edited_at_rest_is_shown_at
     live.run("page.pause(), page.go(1.5), page.show(false)")
     forces = "[page.source.rows[0].kernel.force[3], page.source.rows[0].lawForce(3)]"
     before, _ = live.run(forces)
-    live.run(SET.format("alpha", "0.9", "input"))
+    live.run(SET.format("alpha", 23, "input"))
     assert live.run(forces) == [pytest.approx(live.run(forces)[1])] * 2 != [before] * 2
     browser.visit(pages("one-on-ten").output, "#n=5")
     assert "1/n" not in browser.run("page.looks[0].label")
 
 
 def test_another_law_for_the_row_and_steel_balls_beside_it(live):
-    live.run("document.getElementById('steel').click()")
+    live.run("document.getElementById('contrast').click()")
     assert live.run("page.stages.length") == 2
     run_to_the_end(live)
     soft, steel = live.run(SAID).split("\n")
     assert soft.startswith("alpha = 1/10: ")
-    assert steel.startswith("steel balls: Beads 0 to 2 nearly stand still. ")
+    assert steel.startswith("steel balls: Beads 0 to 2 are almost at rest. ")
     assert len(set(live.run("page.source.rows.map((row) => row.kernel.time)"))) == 1
     beside = velocities(live, 1)
     assert beside[-1] == pytest.approx(0.986, abs=0.01)
-    live.run("document.getElementById('steel').click()")
+    live.run("document.getElementById('contrast').click()")
     assert live.run("page.stages.length") == 1
     for law, last in (("steel", beside[-1]), ("gear", 0.4)):
         live.run(SET.format("law", law, "change"))
@@ -408,20 +362,33 @@ def test_another_law_for_the_row_and_steel_balls_beside_it(live):
 
 
 @pytest.mark.parametrize(
-    ("name", "fragment", "kind"),
+    ("name", "fragment", "offered", "contrast"),
     [
-        ("hertz-cradle", "#n=2&with=steel", "steel balls, K = "),
-        ("draft-gear-one-on-three", "#n=2&with=gear", "draft gears, K = "),
-        ("draft-gear-one-on-three", "#with=steel", ""),
+        (SCENE, "", ["none", "steel", "gear"], "Compare with steel balls"),
+        (SCENE, "#a=1/20&n=2", ["none", "steel", "soft", "gear"], "Compare with steel balls"),
+        (SCENE, "#law=steel", ["none", "soft", "gear"], "Compare with soft beads"),
+        ("hertz-cradle", "#n=2", ["none", "soft", "gear"], "Compare with soft beads"),
+        ("draft-gear-one-on-three", "#n=2", ["none", "steel", "soft"], "Compare with steel balls"),
+        ("train-shunting", "", None, None),
     ],
 )
-def test_rows_beside_each_other_have_names_of_their_own_and_room_for_balls(pages, browser, name, fragment, kind):
+def test_a_row_is_compared_with_rows_of_other_contacts_only(pages, browser, name, fragment, offered, contrast):
     browser.visit(pages(name).output, fragment)
-    rooms = "page.stages.map(({view}) => (view.ground - view.base) / view.size)"
-    labels, rooms = browser.run(f"[page.looks.map(({{label}}) => label), {rooms}]")
-    assert labels[0] != labels[1]
-    assert all(label.startswith(kind) for label in labels)
-    assert min(rooms) > (0.66 if "gears" in kind else 1.0)  # of the tallest bodies, below the axis of forces
+    browser.run("page.pause()")
+    if offered is None:
+        assert browser.run("[part('beside'), part('contrast')].every((one) => one.offsetParent === null)")
+        return
+    assert browser.run("[...part('beside').options].filter((one) => !one.hidden).map(({value}) => value)") == offered
+    assert browser.run("part('contrast').textContent") == contrast
+    for kind in offered[1:]:
+        browser.run(f"page.edit('beside', '{kind}'), page.pause()")
+        labels, rooms = browser.run(
+            "[page.looks.map(({label}) => label), page.stages.map(({view}) => (view.ground - view.base) / view.size)]"
+        )
+        assert labels[0] != labels[1]
+        assert min(rooms) > 0.66  # the tallest bodies end below the axis of forces
+    browser.run("page.edit('beside', 'gear'), page.edit('law', 'gear'), page.pause()")
+    assert browser.run("page.experiment.beside") != "gear"
 
 
 def test_winding_back_and_on_within_the_last_minute_gives_the_same_motion_to_the_bit(live):
@@ -452,7 +419,7 @@ def test_a_chart_that_grew_piece_by_piece_is_the_one_that_is_drawn_at_once(live,
 
 
 def test_a_picture_of_play_changes_canvases_alone_and_draws_what_moves(pages, browser):
-    """The browser would lay the page out anew; captions, axes and the ground stay as they are."""
+    """Other changes would cost another layout of the page. Captions, axes and the ground stay as they are."""
     browser.visit(pages(SCENE).output, "#t=1.5")
     browser.run(SPY)
     browser.run("page.play(), page.pause(), page.playing = true, window.still = new MutationObserver(() => 0), 0")
@@ -501,24 +468,24 @@ def test_beads_that_just_touch_and_couplers_that_pull_are_said_to(pages, browser
     assert expected[-1] in browser.run("texts.map(([text]) => text)")
 
 
-def test_a_link_opens_the_experiment_and_is_shown_where_there_is_no_clipboard(pages, browser):
+def test_what_is_copied_of_a_file_opens_the_experiment(pages, browser):
     page = pages(SCENE).output
     browser.visit(page, "")
     allowed = ["clipboardReadWrite", "clipboardSanitizedWrite"]
     browser.call("Browser.grantPermissions", permissions=allowed, browserContextId=browser.context)
-    for name, value in (("targets", 300), ("speed", 200), ("loss", 500)):
+    for name, value in (("targets", 15), ("speed", 5), ("loss", 50)):
         browser.run(SET.format(name, value, "input"))
     browser.run(SET.format("beside", "gear", "change"))
     experiment = browser.run("document.getElementById('link').click(), page.experiment")
     link = browser.until("navigator.clipboard.readText().then((text) => text.includes('#') && text)")
-    browser.visit(page, f"#{link.partition('#')[2]}")
+    assert link.startswith("#")  # the place of the file on this device is of use to nobody else
+    assert link in browser.run(NOTICE)
+    browser.visit(page, f"#{link.removeprefix('#')}")
     opened = browser.run("page.experiment")
     assert opened == {name: pytest.approx(one) if isinstance(one, float) else one for name, one in experiment.items()}
     assert opened["targets"] == 15
+    assert opened["loss"] == 0.5
     assert opened["beside"] == "gear"
-    browser.run("Object.defineProperty(navigator, 'clipboard', {value: undefined}), page.pause()")
-    browser.run("document.getElementById('link').click()")
-    assert browser.run(f"[{NOTICE}, document.getElementById('link').textContent]") == [link, "Copy link"]
 
 
 def test_an_address_that_changes_is_followed_and_keeps_up_with_what_is_chosen(live):
@@ -556,7 +523,7 @@ def test_an_address_is_taken_as_far_as_the_scene_and_the_ranges_go(pages, browse
         visit_row(browser, tmp_path, velocity=[0, 0, 0], gap=[-0.2, -0.2], fragment=fragment)
     experiment, own = browser.run("[page.experiment, page.own]")
     assert experiment == own | expected
-    assert expected or "other numbers" not in browser.run("document.getElementById('text').textContent")
+    assert expected or "changed the settings" not in browser.run("document.getElementById('text').textContent")
     assert browser.run("document.querySelectorAll('main script, main img').length") == 0
 
 
@@ -579,7 +546,7 @@ def test_a_recorded_page_reads_and_writes_what_can_be_chosen_in_it_and_promises_
     assert browser.until("location.hash.includes('0.5') && location.hash") == "#pace=0.5&show=charts&lang=en"
     promised = ["page.stages[0].canvas.ariaLabel", HELP]
     assert not any("hrow" in str(browser.run(said)) for said in promised)
-    assert "cannot be changed here" in browser.run(NOTICE)
+    assert "This is a recording" in browser.run(NOTICE)
     browser.run(SET.format("language", "de", "change"))
     assert "nicht ändern" in browser.run(NOTICE)
     (tables,) = browser.run(
@@ -595,7 +562,7 @@ def test_a_host_that_refuses_kernels_gets_the_recorded_motion(pages, browser, tm
     (tmp_path / "page.html").write_text(text.replace(" 'wasm-unsafe-eval'", ""), encoding="utf-8")
     browser.visit(tmp_path / "page.html", "")
     assert not browser.run("page.source.live")
-    assert "does not let the page compute" in browser.run(NOTICE)
+    assert "blocks WebAssembly" in browser.run(NOTICE)
     run_to_the_end(browser)
     (lane,) = scenes.load(SCENE).lanes
     np.testing.assert_allclose(velocities(browser), simulate(lane.chain(), lane.velocity).final_velocity, atol=0.02)
@@ -613,9 +580,9 @@ def test_a_recorded_motion_is_shown_as_it_was(browser, tmp_path, own):
     np.testing.assert_allclose(browser.run("Array.from(page.source.values(0).force)"), recorded.force[k], atol=2e-3)
     shown = browser.run("Array.from(page.source.values(0).overlap)")
     np.testing.assert_allclose(shown, recorded.overlap[k], rtol=0.01)
-    assert "cannot be changed here" in browser.run(NOTICE)
+    assert "This is a recording" in browser.run(NOTICE)
     run_to_the_end(browser)
-    assert browser.run(SAID).startswith("Beads 0 to 2 nearly stand still. " if own else ENDED)
+    assert browser.run(SAID).startswith("Beads 0 to 2 are almost at rest. " if own else ENDED)
     assert browser.run("page.looks[0].marks")
     for samples, start in ([0.0, 2.0], "1.000"), ([1.0, 2.0], "-"):  # which do not tell how it began
         simulate(chain, scene.lanes[0].velocity, samples=samples).to_page(tmp_path / "page.html")
@@ -642,7 +609,7 @@ def test_it_speaks_the_language_of_its_reader(pages, browser, code, title):
     assert browser.run(axis) == expected
     assert browser.run("massLabels([1500, 0.25, null])") == ["1500 kg", "0,25 kg", "mur"]
     around = "[...document.querySelectorAll('.source, details:last-of-type summary, footer')].map((e) => e.textContent)"
-    for word, text in zip(("éqs.", "en fichier", "fait avec softcradle"), browser.run(around), strict=True):
+    for word, text in zip(("éqs.", "Fichier de la scène", "fait avec softcradle"), browser.run(around), strict=True):
         assert word in text
 
 
@@ -660,7 +627,9 @@ def test_every_word_is_there_in_every_language(live):
 def test_it_fits(pages, browser, width, fragment):
     browser.device(width, 844)
     browser.visit(pages("draft-gear-two-on-two").output, "#with=steel&lang=de")
-    assert browser.run("page.stages.every(({view}) => view.barRoom > 17)")  # of forces, between words and beads
+    assert browser.run(
+        "page.stages.every(({view}) => view.barRoom > 17)"
+    )  # forces have room between captions and beads
     browser.visit(pages(SCENE).output, fragment)
     assert browser.run(FITS)
     assert browser.run("document.getElementById('toggle').getBoundingClientRect().bottom") <= 844  # Play is in sight
@@ -686,7 +655,7 @@ def test_it_is_drawn_texts_stand_out_and_axe_finds_nothing(pages, browser, tmp_p
     for pair in ("ink", "paper"), ("muted", "paper"), ("ink", "card"), ("muted", "card"), ("alarm", "paper"):
         colours = [ImageColor.getrgb(browser.run(style.format(name))) for name in pair]
         assert contrast(*colours) >= 4.5, pair
-    browser.run(AXE.read_text(encoding="utf-8") + "; document.getElementById('steel').click(), page.go(1.5)")
+    browser.run(AXE.read_text(encoding="utf-8") + "; document.getElementById('contrast').click(), page.go(1.5)")
     found = browser.run("axe.run().then(({violations, passes}) => ({violations, passes: passes.length}))")
     assert [(rule["id"], [node["html"] for node in rule["nodes"]]) for rule in found["violations"]] == []
     assert found["passes"] > 20
@@ -749,7 +718,7 @@ def test_beads_smaller_than_a_pixel_are_drawn(browser, tmp_path):
 
 
 def test_it_lives_in_a_frame_that_may_do_nothing_else(browser, tmp_path):
-    """A cell of a notebook: no address of its own, no clipboard, no storage."""
+    """A cell of a notebook has no address, no clipboard and no storage."""
     cell = scenes.load(SCENE).live()._repr_html_()
     (tmp_path / "notebook.html").write_text(f"<!doctype html><title>cell</title>{cell}", encoding="utf-8")
     browser.open(tmp_path / "notebook.html")

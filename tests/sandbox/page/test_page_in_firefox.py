@@ -1,4 +1,4 @@
-"""The page in Firefox, where it is installed: computed and drawn on a desk and on a telephone, without an error."""
+"""Tests of the page in Firefox, if it is installed: it computes and draws on a desk and on a telephone without an error."""
 
 import json
 import os
