@@ -1,4 +1,7 @@
-"""Sweeps: a scene or a function over many points, measured, on one machine or many, kept on disk as it goes."""
+"""Sweeps: run a scene or a function at many points, measure each run, and keep the results on disk while computing.
+
+The points are computed on this machine or on a cluster.
+"""
 
 from softcradle.sandbox.sweeps.measure_table import Measure
 from softcradle.sandbox.sweeps.run_sweep import sweep

@@ -1,4 +1,6 @@
-"""What tells a function, or any value, from another version of it: a digest that is the same in every process."""
+"""Digests of functions and other values, which show if two versions of a function differ. A digest is the same in every
+process.
+"""
 
 import copyreg
 import hashlib
@@ -21,43 +23,46 @@ OF_CODE = (
 
 
 def code_digest(value: Any) -> str:
-    """The digest of a function: its code, its defaults, all that it closes over or is bound to, and what it reads of its module.
+    """Return the digest of a function or of another value.
 
-    Of functions and classes of other modules that it calls by their names, these names alone are in it. What has no digest,
-    such as a lock or a generator, is like nothing else, and a warning says so.
+    The digest of a function depends on its code, its defaults, the values that it closes over or is bound to, and the
+    values that it reads from its module. For functions and classes of other modules only their names count.
+
+    A value that cannot be compared, such as a lock or a generator, gets a random digest, and a warning is logged.
     """
     try:
         return _Digest(value).of(value)
-    except Exception as error:  # whatever an object raises that is asked what it is made of
+    except Exception as error:  # An object may raise any error if it is asked for its parts.
         told = " ".join(f"{type(error).__name__}: {error}".split())
         LOGGER.warning("what is kept of this sweep is not taken up again: it holds what cannot be compared (%s)", told)
         return uuid.uuid4().hex
 
 
 class _Digest:
-    """Digests of values by what they are made of; `whole` is the one of which all others are parts."""
+    """Digests of `whole` and its parts, computed recursively from the parts of each value."""
 
     def __init__(self, whole: Any) -> None:
         while isinstance(whole, (partial, MethodType)):
             whole = whole.func if isinstance(whole, partial) else whole.__func__
         whole = inspect.unwrap(whole)
         module = whole.__module__ if isinstance(whole, (FunctionType, type)) else type(whole).__module__
-        # what is of this module is looked into; not in our own ones, whose version is in the study
+        # Values of this module are inspected. Modules of softcradle are not, because the study contains their version.
         self._home = "" if module.startswith("softcradle.") else module
-        self._known: dict[int, tuple[Any, str]] = {}  # by identity, with the value, so that no other takes its place
+        # Digests by identity. The value is kept alive, so that no other object can reuse its identity.
+        self._known: dict[int, tuple[Any, str]] = {}
 
     def of(self, value: Any) -> str:
-        """The digest of a value."""
+        """Return the digest of a value."""
         if type(value) in ATOMS:
             return f"{type(value).__name__} {value!r}"
         if id(value) not in self._known:
-            self._known[id(value)] = value, "itself"  # where it is met within itself
+            self._known[id(value)] = value, "itself"  # placeholder for references of the value to itself
             told = repr([type(value).__qualname__, *self._parts(value)])
             self._known[id(value)] = value, hashlib.sha256(told.encode()).hexdigest()[:16]
         return self._known[id(value)][1]
 
     def _parts(self, value: Any) -> Iterator[str]:
-        """Texts that tell the value from all others of its type."""
+        """Yield texts that distinguish the value from all other values of its type."""
         if isinstance(value, CodeType):
             yield from (self.of(getattr(value, name)) for name in OF_CODE)
         elif isinstance(value, FunctionType):
@@ -81,13 +86,13 @@ class _Digest:
             yield from (self.of(part) for item in value.items() for part in item)
         elif (type(value) is np.ndarray or isinstance(value, np.generic)) and not value.dtype.hasobject:
             yield from map(self.of, (value.dtype.str, value.shape, value.tobytes()))
-        elif hasattr(value, "__wrapped__"):  # a method of a class, or a function that is compiled or keeps what it gave
+        elif hasattr(value, "__wrapped__"):  # a method of a class, or a compiled or cached function
             yield self.of(value.__wrapped__)
         else:
             yield from self._object(value)
 
     def _object(self, value: Any) -> Iterator[str]:
-        """What a copy of an object is made of, without what it has computed of itself."""
+        """Yield the digests of the parts from which pickle would rebuild an object, without cached properties."""
         own = copyreg.dispatch_table.get(type(value))
         reduced = own(value) if own else value.__reduce_ex__(4)
         if isinstance(reduced, str):
@@ -105,17 +110,19 @@ class _Digest:
     def _cell(self, cell: Any) -> str:
         try:
             return self.of(cell.cell_contents)
-        except ValueError:  # nothing is in it yet
+        except ValueError:  # The cell is still empty.
             return "empty"
 
     def _read(self, name: str, value: Any) -> str:
-        """A value of the module that a function reads; a function or class of another module by its name alone."""
+        """Return the digest of a module value that a function reads. For a function or class of another module it is
+        the name.
+        """
         foreign = isinstance(value, (FunctionType, type)) and value.__module__ != self._home
         return f"{name} is {value.__module__}.{value.__qualname__}" if foreign else f"{name} is {self.of(value)}"
 
 
 def _names(code: CodeType) -> Iterator[str]:
-    """The names that a function reads, those of functions within it too."""
+    """Yield the names that a function and its inner functions read."""
     yield from code.co_names
     for inner in code.co_consts:
         if isinstance(inner, CodeType):
@@ -123,7 +130,7 @@ def _names(code: CodeType) -> Iterator[str]:
 
 
 def _written(kind: type) -> Iterator[Any]:
-    """The functions and plain values that stand in a class."""
+    """Yield the functions, getters and plain values that are defined in a class."""
     for name, part in vars(kind).items():
         if isinstance(part, property):
             yield part.fget

@@ -1,4 +1,6 @@
-"""The Dataset of a sweep: variables with dimensions and units, written as Zarr or NetCDF, and what is in it in a few lines."""
+"""Dataset of a sweep: variables with dimensions and units, stored as Zarr or NetCDF, and a short summary of its
+content.
+"""
 
 from __future__ import annotations
 
@@ -18,13 +20,13 @@ from softcradle.sandbox.user_error import StudyError
 if TYPE_CHECKING:
     import xarray as xr
 
-ENGINES = {".zarr": "zarr", ".nc": "h5netcdf"}  # of xarray, by the ending of a file
-COMPRESSION = 4  # of numbers in NetCDF, 1 to 9
-NO_NUMBERS = (2, 3, 5, 6)  # values of status: the point has no numbers, or not those of its end
+ENGINES = {".zarr": "zarr", ".nc": "h5netcdf"}  # Storage engine of xarray for each file suffix.
+COMPRESSION = 4  # Compression level of numbers in NetCDF, from 1 to 9.
+NO_NUMBERS = (2, 3, 5, 6)  # Values of `status` at which a point has no numbers, or lacks those of its end.
 
 
 def dataset_of(chunk: Chunk, work: Work, units: Mapping[str, str], attributes: Mapping[str, str]) -> xr.Dataset:
-    """The Dataset of all points, with `units` of the numbers that a function returns."""
+    """Return the Dataset of all points. `units` are the units of the numbers that a function returns."""
     import xarray as xr
 
     points, lanes, columns = work.points, work.lanes, dict(chunk.columns)
@@ -38,7 +40,7 @@ def dataset_of(chunk: Chunk, work: Work, units: Mapping[str, str], attributes: M
     for name, dimensions in inner.items():
         for dimension, length in zip(dimensions, columns[name].shape[1:], strict=True):
             sizes[dimension] = max(length, sizes.get(dimension, 0))
-    for name in known.keys() - columns.keys():  # measures that could be taken at no point
+    for name in known.keys() - columns.keys():  # Measures that could not be taken at any point.
         measure, several = known[name], len(lanes) > 1
         inner[name] = _inner_dimensions(name, several + bool(measure.each), measure, several)
         lengths = work.lengths | sizes
@@ -63,13 +65,13 @@ def dataset_of(chunk: Chunk, work: Work, units: Mapping[str, str], attributes: M
     return xr.Dataset(variables, coordinates | _axis_coordinates(points), dict(attributes))
 
 
-RESERVED = ("status", "warned", "reason")  # variables beside the measures
+RESERVED = ("status", "warned", "reason")  # Variables of the Dataset in addition to the measures.
 OWN_COLUMNS: dict[str, dict[str, Any]] = {
     STATUS: {
         "long_name": "what became of the point",
         "flag_values": np.array(
             [status.value for status in PointStatus], dtype=np.int8
-        ),  # by the conventions for flags
+        ),  # attributes for flags of the CF conventions
         "flag_meanings": " ".join(status.name.lower() for status in PointStatus),
     },
     WARNED: {"long_name": "number of warnings"},
@@ -78,7 +80,7 @@ OWN_COLUMNS: dict[str, dict[str, Any]] = {
 
 
 def _inner_dimensions(name: str, count: int, own: Measure | None, lanes: bool) -> tuple[str, ...]:
-    """Names of the dimensions that a column has beside those of the points."""
+    """Return the names of the dimensions of a column in addition to the dimensions of the points."""
     first = ("lane",) * (own is not None and lanes)
     return first + tuple(
         own.each or f"{name}_item" if own else f"{name}_item{k or ''}" for k in range(count - len(first))
@@ -86,7 +88,7 @@ def _inner_dimensions(name: str, count: int, own: Measure | None, lanes: bool) -
 
 
 def _axis_coordinates(points: Points) -> dict[str, Any]:
-    """The parameters that vary: along their own dimension in a grid, else along the points."""
+    """Return the coordinates of the varied parameters: along their own dimension in a grid, otherwise along the points."""
     columns = points.columns(0, points.count) if points.design != "grid" else {}
     found = {}
     for axis in points.axes:
@@ -97,7 +99,7 @@ def _axis_coordinates(points: Points) -> dict[str, Any]:
 
 
 def checked_output(output: str | Path, points: Points) -> Path:
-    """The path of the output, or what it is a link to. Raises StudyError where the points cannot be written there."""
+    """Return the path of the output, with links resolved. Raise StudyError if the points cannot be written there."""
     path = followed(Path(output))
     if path.suffix not in ENGINES:
         raise StudyError(f"the output of a sweep must end in {' or '.join(ENGINES)}, not {str(path)!r}")
@@ -120,10 +122,10 @@ def checked_output(output: str | Path, points: Points) -> Path:
 
 
 def write_dataset(found: xr.Dataset, path: Path) -> None:
-    """Write a Dataset whole or not at all, in place of what is there. Raises OSError."""
+    """Write the Dataset completely or not at all, replacing an existing one. Raise OSError."""
     if path.suffix == ".zarr":
         with output_folder(path, replaces=True) as temporary:
-            # in the second format: the third has no texts that other programs read
+            # Other programs cannot read the texts of Zarr format 3.
             found.to_zarr(temporary, mode="w", zarr_format=2, consolidated=True)
         return
     packed = {"zlib": True, "complevel": COMPRESSION}
@@ -133,7 +135,9 @@ def write_dataset(found: xr.Dataset, path: Path) -> None:
 
 
 def opened_dataset(path: Path, study: str) -> xr.Dataset:
-    """The Dataset in a file; its numbers are read when they are asked for. Raises StudyError where it is of another study."""
+    """Open the Dataset in a file. Numbers are read only on access. Raise StudyError if the file belongs to another
+    study.
+    """
     with needed_for("a sweep", "sweep"):
         import xarray as xr
     try:
@@ -149,7 +153,9 @@ def opened_dataset(path: Path, study: str) -> xr.Dataset:
 
 
 def summary_rows(found: xr.Dataset) -> list[tuple[str, str, str, str, str]]:
-    """Name with unit, least, mean, greatest number and how many points have none, of every measure."""
+    """Return, for each measure, its name with unit, its least, mean and greatest value, and the number of points
+    without a value.
+    """
     rows = []
     for name, variable in found.drop_vars(RESERVED).data_vars.items():
         if variable.dtype.kind != "f":
@@ -164,12 +170,14 @@ def summary_rows(found: xr.Dataset) -> list[tuple[str, str, str, str, str]]:
 
 
 def reasons_of(found: xr.Dataset) -> list[tuple[str, int]]:
-    """Why points have no numbers, or lack that of a measure, the most frequent reason first."""
+    """Return the reasons why points lack some or all numbers, with the number of points for each, the most frequent one
+    first.
+    """
     status, texts = found["status"].to_numpy(), found["reason"].to_numpy()
     without = np.isin(status, NO_NUMBERS) | ((status <= PointStatus.SEPARATED) & (texts != ""))
     return Counter(str(text) for text in texts[without]).most_common()
 
 
 def lost_points(found: xr.Dataset) -> int:
-    """Points at which every process died."""
+    """Return the number of points at which the process died in every attempt."""
     return int((found["status"].to_numpy() == PointStatus.LOST).sum())

@@ -1,4 +1,4 @@
-"""Where the chunks of a sweep are computed: executors of `concurrent.futures`, in this process, in others, on Dask."""
+"""Executors that compute the chunks of a sweep: this thread, threads, processes, or workers of a Dask scheduler."""
 
 from __future__ import annotations
 
@@ -37,24 +37,25 @@ if TYPE_CHECKING:
     from distributed import Client
 
 LOGGER = logging.getLogger("softcradle")
-QUEUED = 2  # chunks for each worker that are handed out: one that is computed, one that waits
-MANY = 256  # workers of an executor of the caller's that does not tell how many it has
-CONNECT = 15.0  # s, for which a scheduler is waited for
+QUEUED = 2  # Chunks per worker that are submitted at once: one is being computed, one waits.
+MANY = 256  # Assumed number of workers of a caller's executor that does not report its number.
+CONNECT = 15.0  # Time to wait for the scheduler [s].
 
 Where = Literal["auto", "here", "threads", "processes"]
 
 
 @dataclass
 class Workplace:
-    """An executor, and what it calls with (begin, end, seconds) for a chunk.
+    """Executor with the function that computes a chunk from (begin, end, seconds).
 
     Attributes:
-        call: is handed to the executor.
-        make: gives the executor, and another one after it broke; StudyError where there is none.
-        room: gives how many chunks it takes at once.
-        close: lets go of an executor; where the sweep was stopped, which the second argument says, of what is computed too.
-        killed: errors of a chunk that killed its workers, where the executor lives on.
-        gone: errors of a chunk whose executor is no longer there.
+        call: function that the executor runs.
+        make: creates the executor, also after it broke. It raises StudyError if that is impossible.
+        room: returns the number of chunks that the executor can hold at once.
+        close: shuts the executor down. Its second argument is True if the sweep was stopped; then running work ends as
+            well.
+        killed: exceptions of a chunk that killed its workers while the executor survives.
+        gone: exceptions of a chunk whose executor no longer exists.
     """
 
     call: Callable[[int, int, float], Chunk]
@@ -68,13 +69,13 @@ class Workplace:
         self.executor = self.make()
 
     def renew(self) -> None:
-        """Begin anew after it broke."""
+        """Replace the executor after it broke."""
         self.executor.shutdown(wait=False, cancel_futures=True)
         self.executor = self.make()
 
 
 class _Caller(Executor):
-    """Computes in the thread that hands out."""
+    """Executor that runs each call immediately in the calling thread."""
 
     def submit(self, function: Callable[..., Any], /, *args: Any, **keywords: Any) -> Future[Any]:
         found: Future[Any] = Future()
@@ -83,19 +84,20 @@ class _Caller(Executor):
 
 
 def here(work: Work) -> Workplace:
-    """This process and thread, one chunk at a time."""
+    """Return a workplace in this process and thread, which computes one chunk at a time."""
     return Workplace(work.compute, _Caller, lambda: 1)
 
 
 def threads(work: Work, workers: int) -> Workplace:
-    """Threads of this process."""
+    """Return a workplace of `workers` threads in this process."""
     return Workplace(work.compute, partial(DaemonThreads, workers), lambda: QUEUED * workers)
 
 
 def _of_caller(work: Work, executor: Executor, workers: int | None) -> Workplace:
-    """An executor of the caller's, which stays open, and cannot be made anew."""
+    """Return a workplace with an executor of the caller. It stays open at the end and cannot be replaced if it breaks."""
     given = [executor]
-    count = workers or getattr(executor, "_max_workers", None) or MANY  # cores are those of this machine alone
+    # The executor may use other machines, so the cores of this machine do not matter.
+    count = workers or getattr(executor, "_max_workers", None) or MANY
 
     def make() -> Executor:
         if not given:
@@ -106,18 +108,21 @@ def _of_caller(work: Work, executor: Executor, workers: int | None) -> Workplace
 
 
 def processes(work: Work, workers: int) -> Workplace:
-    """Processes of this machine. Raises StudyError where the work cannot be sent to them."""
+    """Return a workplace of `workers` processes on this machine. Raise StudyError if the work cannot be sent to them."""
     why = unsendable(work)
     if why:
         raise StudyError(f"other processes cannot compute this: {why}")
-    context = multiprocessing.get_context("spawn")  # a fork of a process with threads may stand still
+    context = multiprocessing.get_context("spawn")  # A forked copy of a process with threads can deadlock.
     make = partial(_Processes, workers, context, _begin_worker)
     call = partial(_compute_sent, pickle.dumps(work))
     return Workplace(call, make, lambda: QUEUED * workers, _Processes.end)  # type: ignore[arg-type]
 
 
 class _Processes(ProcessPoolExecutor):
-    """Begins its processes in a thread that Ctrl+C does not reach, nor do they hear it: none is left half begun."""
+    """Process pool that ignores Ctrl+C.
+
+    A separate thread with blocked signals starts the processes, so an interrupt cannot leave a half-started process.
+    """
 
     def __init__(self, *args: Any) -> None:
         super().__init__(*args)
@@ -131,22 +136,24 @@ class _Processes(ProcessPoolExecutor):
         super().shutdown(wait, cancel_futures=cancel_futures)
 
     def end(self, stopped: bool) -> None:
-        """End the processes; at once where the sweep was stopped: they may be in a kernel, or wait for one."""
+        """End the processes. If the sweep was `stopped`, terminate them at once, because they may run a kernel or wait
+        for one.
+        """
         self._beginner.shutdown()
         for process in list((self._processes or {}).values()) if stopped else ():
-            process.terminate()  # what Executor.terminate_workers does from Python 3.14 on
+            process.terminate()  # Executor.terminate_workers does the same from Python 3.14 on.
         super().shutdown(wait=True, cancel_futures=True)
 
 
 def _leave_interruptions() -> None:
-    """Leave Ctrl+C to the main thread; what this thread begins does so from its first moment on."""
+    """Block SIGINT in this thread. The processes that it starts inherit the blocked signal."""
     if sys.platform != "win32":
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
 
 
 def _begin_worker() -> None:
-    """Begin a process: leave Ctrl+C to the parent, and end when the parent has ended, which a kill may have done."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # where it is not blocked
+    """Initialise a worker process: ignore Ctrl+C, and exit when the parent process ends, even if it was killed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # for platforms where the signal is not blocked
 
     def end_with_parent() -> None:
         multiprocessing.parent_process().join()  # type: ignore[union-attr]
@@ -161,16 +168,17 @@ def _compute_sent(sent: bytes, begin: int, end: int, seconds: float) -> Chunk:
 
 @lru_cache(maxsize=4)
 def _received(sent: bytes) -> Work:
-    """The Work, once in a process: it keeps what it has found out of its scene."""
+    """Unpickle the work once per process, because it caches what it derives from its scene."""
     work: Work = pickle.loads(sent)
     return work
 
 
 def unsendable(work: Work) -> str:
-    """Why other processes of this machine cannot compute it; empty where they can."""
+    """Return the reason why other processes on this machine cannot compute the work, or an empty string if they can."""
     main = sys.modules.get("__main__")
     script, name = getattr(main, "__file__", None), getattr(getattr(main, "__spec__", None), "name", "")
-    of_package = name.endswith(".__main__")  # by `python -m`: multiprocessing does not import that in its processes
+    # Started by `python -m`: multiprocessing does not import this module in its processes.
+    of_package = name.endswith(".__main__")
     function = work.source
     while isinstance(function, partial):
         function = function.func
@@ -182,7 +190,8 @@ def unsendable(work: Work) -> str:
         return f"put the function into a module ({error})"
     if of_package:
         return "what is of `__main__` cannot be imported there, put it into a module" if b"__main__" in sent else ""
-    with suppress(OSError, UnicodeDecodeError):  # a script that knows its name does not begin the sweep again
+    # A script that checks its name does not start the sweep again in a worker.
+    with suppress(OSError, UnicodeDecodeError):
         if script is not None and "__name__" not in Path(script).read_text(encoding="utf-8"):
             below = "put what begins the sweep below `if __name__ == '__main__':`"
             return f"each would run all of {Path(script).name}, {below}"
@@ -190,9 +199,10 @@ def unsendable(work: Work) -> str:
 
 
 def dask(work: Work, scheduler: str | Client) -> Workplace:
-    """Workers of a Dask scheduler, on this machine or many, through the executor that its Client is.
+    """Return a workplace of the workers of a Dask scheduler, on this machine or on many.
 
-    Raises StudyError where no scheduler is at the address, such as "tcp://127.0.0.1:8786", and later where it has gone.
+    Raise StudyError if no scheduler answers at the address, such as "tcp://127.0.0.1:8786". Its `room` raises
+    StudyError if the scheduler is lost later.
     """
     with needed_for("a sweep on Dask", "dask"):
         import cloudpickle
@@ -203,11 +213,11 @@ def dask(work: Work, scheduler: str | Client) -> Workplace:
     def room() -> int:
         with suppress(*gone):
             if client.status == "running":
-                return max(1, QUEUED * sum(client.nthreads().values()))  # workers come and go
+                return max(1, QUEUED * sum(client.nthreads().values()))  # The number of workers may change.
         raise StudyError(f"lost the scheduler at {address}")
 
     def close(executor: Executor, _: bool) -> None:
-        with suppress(Exception, CancelledError):  # where the scheduler has gone
+        with suppress(Exception, CancelledError):  # The scheduler may be gone.
             if client.status == "running":
                 executor.shutdown(wait=False)
             if client is not scheduler:
@@ -222,9 +232,10 @@ def _connected(address: str) -> Any:
     from distributed.comm.addressing import resolve_address
 
     for name in ("distributed", "distributed.client", "tornado.application", "asyncio"):
-        logging.getLogger(name).setLevel(logging.CRITICAL + 1)  # what happens is said in our own sentences
+        logging.getLogger(name).setLevel(logging.CRITICAL + 1)  # Failures are reported in our own messages.
     try:
-        resolve_address(address)  # what is no address would be refused by a Client that is half made, and ends late
+        # Checked here, because Client would reject an invalid address only when half constructed, and end late.
+        resolve_address(address)
         return distributed.Client(address, timeout=CONNECT, set_as_default=False)
     except (OSError, TimeoutError):
         raise StudyError(f"no Dask scheduler answers at {address!r}") from None
@@ -236,7 +247,9 @@ def _connected(address: str) -> Any:
 def place_of(
     work: Work, executor: Executor | Where, scheduler: str | Client | None, workers: int | None
 ) -> Workplace | None:
-    """The place that is asked for, before any work, so that a wrong address is told at once; None for "auto"."""
+    """Return the requested workplace, or None for "auto". It is made before any work, so that a wrong address is
+    reported at once.
+    """
     if scheduler is not None and executor != "auto":
         raise StudyError("a sweep takes an executor or a scheduler, not both")
     if isinstance(executor, str) and executor not in get_args(Where):
@@ -256,7 +269,7 @@ def place_of(
 
 
 def processes_or_threads(work: Work, workers: int | None) -> Workplace:
-    """Processes of this machine; threads, said in a sentence, where these cannot compute the work."""
+    """Return processes on this machine, or threads with a logged reason if processes cannot compute the work."""
     why = unsendable(work)
     if not why:
         return processes(work, workers or cores())
@@ -264,38 +277,42 @@ def processes_or_threads(work: Work, workers: int | None) -> Workplace:
     return threads(work, workers or cores())
 
 
-LOOK = 1.0  # s between two looks whether a scheduler is there, and how many workers it has
-SILENCE = 60.0  # s without a chunk, after which that is said
-LAST_SHARES = 4  # chunks at least in what is left, so that all workers end at about the same time
-MOST_DEATHS = 3  # of the process of a point that was alone in it, until the point is given up
+LOOK = 1.0  # Time between two checks of the scheduler and its number of workers [s].
+SILENCE = 60.0  # Time without a finished chunk after which a warning is logged [s].
+# Smallest number of chunks per worker into which the remaining points are cut, so that all workers end at about the
+# same time.
+LAST_SHARES = 4
+MOST_DEATHS = 3  # Number of processes that may die while computing a single point, until the point is given up.
 
 PointRange = tuple[int, int]
 
 
 class ChunkSchedule:
-    """What is left to do.
+    """Chunks that remain to be computed.
 
     Arguments:
-        missing: ranges of points.
-        take: takes the chunks as they are computed.
-        seconds: after which a chunk comes back as it is, and the rest of it is handed out anew [s].
+        missing: ranges of points to compute.
+        take: called with each computed chunk.
+        seconds: time limit of a chunk [s]. After it, the chunk comes back incomplete and its remaining points are
+            submitted again.
     """
 
     def __init__(self, missing: Iterable[PointRange], take: Callable[[Chunk], None], seconds: float) -> None:
         self._todo, self._suspects, self._broken = deque(missing), deque[PointRange](), list[PointRange]()
         self._take, self._seconds = take, seconds
         self._handed: dict[Future[Chunk], PointRange] = {}
-        self._deaths = Counter[int]()  # of processes, by the point that was alone in them
-        self._pace = float("inf")  # s a point, the least of a chunk: what else the machine does only adds to it
+        self._deaths = Counter[int]()  # deaths of processes by the only point that they were computing
+        # Time per point of the fastest chunk [s]. Other load on the machine can only increase the time.
+        self._pace = float("inf")
         self.left = sum(end - begin for begin, end in self._todo)
 
     @property
     def seconds_left(self) -> float:
-        """What all that is left would take one process [s]."""
+        """Estimated time [s] that one process would need for all remaining points."""
         return self.left * self._pace if self.left else 0.0
 
     def run(self, place: Workplace, budget: float = float("inf")) -> None:
-        """Let a place compute all that is left, or what it can in about `budget` [s]."""
+        """Compute all remaining points in `place`, or as many as fit into about `budget` seconds."""
         until, heard = perf_counter() + budget, perf_counter()
         while self._handed or ((self._todo or self._suspects) and perf_counter() < until):
             self._hand_out(place, until)
@@ -311,7 +328,11 @@ class ChunkSchedule:
                 self._begin_anew(place)
 
     def _hand_out(self, place: Workplace, until: float) -> None:
-        """As many chunks as there is room for; suspects each alone, none while a broken place gives chunks back."""
+        """Submit as many chunks as there is room for.
+
+        Suspect chunks (see `_blame`) are submitted one at a time. No chunk is submitted while a broken executor still
+        returns chunks.
+        """
         room = place.room()
         share = self.left // (LAST_SHARES * room if room > 1 else 2)
         while self._todo and not (self._suspects or self._broken) and len(self._handed) < room:
@@ -325,10 +346,10 @@ class ChunkSchedule:
             self._submit(place, *self._suspects.popleft(), until)
 
     def _submit(self, place: Workplace, begin: int, end: int, until: float) -> bool:
-        """Whether the place took a chunk."""
+        """Submit a chunk. Return True if the executor accepted it."""
         try:
             future = place.executor.submit(place.call, begin, end, min(self._seconds, until - perf_counter()))
-        except BrokenExecutor:  # a process died; of nothing that was handed out, or of what has not come back yet
+        except BrokenExecutor:  # A process died, either idle or in a chunk that has not come back yet.
             self._todo.appendleft((begin, end))
             if not self._handed:
                 place.renew()
@@ -348,7 +369,9 @@ class ChunkSchedule:
             self._todo.appendleft((begin, end))
 
     def _begin_anew(self, place: Workplace) -> None:
-        """Each chunk that a broken place had is computed again, alone; one that was alone is to blame."""
+        """Replace a broken executor. Each chunk that it had is computed again alone; a chunk that was already alone
+        caused the failure.
+        """
         place.renew()
         count = sum(end - begin for begin, end in self._broken)
         LOGGER.warning("a worker died: %d points that were handed out are computed again, each chunk alone", count)
@@ -359,7 +382,7 @@ class ChunkSchedule:
         self._broken.clear()
 
     def _keep(self, chunk: Chunk, end: int) -> None:
-        """Let a chunk be kept; what it did not come to is handed out again."""
+        """Pass on a computed chunk, and schedule the points that it did not reach."""
         self._take(chunk)
         if chunk.end < end:
             self._todo.appendleft((chunk.end, end))
@@ -367,7 +390,9 @@ class ChunkSchedule:
         self.left -= chunk.count
 
     def _blame(self, begin: int, end: int) -> None:
-        """Points of which a process died that had no others: halves of them are tried, and a single point three times."""
+        """Handle points whose process died while it had no other points. Try the halves separately, and a single point
+        up to three times.
+        """
         if end - begin > 1:
             middle = (begin + end) // 2
             self._suspects.extendleft([(middle, end), (begin, middle)])

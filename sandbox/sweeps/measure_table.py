@@ -1,4 +1,4 @@
-"""The table of measures: every number that a sweep can take of a run, one line each, by name, with unit and meaning."""
+"""Table of measures: every number that a sweep can take from a run, with its name, unit and meaning."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ Value = float | int | None | Sequence[Any] | np.ndarray[Any, Any]
 
 
 class Run:
-    """One lane at one point: its runs, each computed when a measure asks for it.
+    """One lane at one point, with its runs. Each run is computed when a measure first needs it.
 
     Arguments:
-        start: what moves.
-        motion: its Trajectory, where that is known already.
+        start: chain, start velocities and settings of the run.
+        motion: its Trajectory or the end of its run, if already known.
     """
 
     def __init__(self, start: LaneStart, motion: Trajectory | RunEnd | None = None) -> None:
@@ -41,29 +41,29 @@ class Run:
 
     @cached_property
     def motion(self) -> Trajectory:
-        """The run to its end, with its start and its end as samples."""
+        """Trajectory of the whole run, with its start and its end as the only samples."""
         return solve(self.start.chain, self.start.velocity, samples=2, **self.start.settings)
 
     @cached_property
     def struck(self) -> int:
-        """The contact that is struck."""
+        """Index of the struck contact."""
         return struck_contact(self.start.velocity)
 
     @cached_property
     def detachment(self) -> float:
-        """When the struck contact opens last [s]; nan where it does not, or where the run gave up before."""
+        """Time [s] of the last opening of the struck contact; NaN if it does not open or if the run gave up before."""
         spans = self.motion.contact_intervals[self.struck]
         return spans[-1][1] if spans and math.isfinite(spans[-1][1]) else math.nan
 
     @property
     def contact_time(self) -> float:
-        """For how long the struck contact was closed [s]; nan where it does not open for good."""
+        """Time [s] during which the struck contact was closed; NaN if it does not open for good."""
         spans = self.motion.contact_intervals[self.struck]
         return math.nan if math.isnan(self.detachment) else sum(opened - closed for closed, opened in spans)
 
     @cached_property
     def detached(self) -> Trajectory | None:
-        """The run up to the detachment; None without one."""
+        """Trajectory up to the detachment; None if there is no detachment."""
         if math.isnan(self.detachment):
             return None
         settings = {**self.start.settings, "duration": self.detachment}
@@ -71,31 +71,34 @@ class Run:
 
     @cached_property
     def collision(self) -> CollisionMeasures:
-        """All measures of the collision, of a run with fine samples."""
-        struck_contact(self.start.velocity)  # without a collision every measure of it fails before two runs, not after
+        """All measures of the collision, from a run with fine samples."""
+        # Without a collision, this raises an error before the runs rather than after them.
+        struck_contact(self.start.velocity)
         found = collide(self.start.chain, self.start.velocity, run=solve, **self.start.settings)
         self.sampled = found
         return measured(found)
 
     def runs(self) -> list[Trajectory]:
-        """All runs that were computed."""
+        """Return all runs that have been computed."""
         found = [self.__dict__.get(name) for name in ("motion", "detached", "sampled")]
         return [run for run in found if run is not None]
 
     @property
     def status(self) -> Status:
-        """The worst status of these runs."""
+        """The worst status of the computed runs."""
         return max((run.status for run in self.runs()), default=Status.DONE)
 
     def spread(self, run: Trajectory | None) -> float:
-        """The rigidity of the struck cluster at the end of `run`; nan where that is unknown."""
+        """Return the rigidity of the struck cluster at the end of `run`, or NaN if it is unknown."""
         beads = target_beads(self.start.chain, self.struck)
         known = run is not None and not run.status.gave_up and beads.size > 0
         return float(rigidity(run.final_velocity[beads])) if run is not None and known else math.nan
 
 
 class RunEnd(NamedTuple):
-    """What is known of a run whose chain ran beside others of its shape; names are those of a Trajectory."""
+    """End of a run that was computed together with other chains of the same shape. The field names are those of
+    Trajectory.
+    """
 
     final_velocity: Array
     velocity_error: Array
@@ -107,7 +110,10 @@ class RunEnd(NamedTuple):
 
 
 def ends_of(starts: Sequence[LaneStart]) -> list[RunEnd]:
-    """How runs of one shape and with the same settings end, to the digits of `solve`. ValueError where they cannot run so."""
+    """Compute the ends of runs whose chains have one shape and the same settings, bitwise equal to those of `solve`.
+
+    Raise ValueError if these runs cannot be computed together.
+    """
     from softcradle.physics.batch.chain_batch import ChainBatch
     from softcradle.physics.batch.ends import ensemble_ends
 
@@ -125,20 +131,20 @@ def ends_of(starts: Sequence[LaneStart]) -> list[RunEnd]:
 
 @dataclass(frozen=True)
 class Measure:
-    """One measure of a run.
+    """Measure of a run.
 
     Attributes
     ----------
     name : str
-        Name of its variable in the Dataset.
+        Name of the variable in the Dataset.
     unit : str
-        Its unit, an attribute of the variable.
+        Unit, an attribute of the variable.
     meaning : str
-        A sentence, another attribute.
+        Description, an attribute of the variable.
     each : str
-        "bead" or "contact" where it has a number for each of these, else "".
+        "bead" or "contact" if the measure has one value for each of them, otherwise "".
     function : callable
-        Gives the value for a Run; None is nan.
+        Returns the value for a Run; None means NaN.
     """
 
     name: str
@@ -152,7 +158,8 @@ def _of_contacts(name: str) -> Callable[[Run], Value]:
     return lambda run: [getattr(contact, name) for contact in run.collision.contacts]
 
 
-# Those of the run to its end alone cost least; two runs; one with fine samples.
+# Cheap measures. Most need only the run to its end, the last one a second run. The other measures need a run with fine
+# samples.
 CHEAP = (
     Measure("final_velocity", "m/s", "velocity at the end", "bead", lambda run: run.motion.final_velocity),
     Measure("velocity_error", "m/s", "estimated error of final_velocity", "bead", lambda run: run.motion.velocity_error),
@@ -171,7 +178,7 @@ CHEAP = (
 
 
 def _collision_measures() -> tuple[Measure, ...]:
-    """The numbers of `measured`, and those of each contact as ``contact_...``."""
+    """Return the measures of a collision, and those of each contact as ``contact_...``."""
     known = {measure.name for measure in CHEAP}
     whole = [item for item in fields(CollisionMeasures) if item.metadata and item.name not in known]
     return (
@@ -186,13 +193,14 @@ def _collision_measures() -> tuple[Measure, ...]:
     )
 
 
-OF_ENDS = ("final_velocity", "velocity_error", "end", "steps", "evaluations", "rigidity")  # all that a RunEnd tells
+# Measures that a RunEnd contains.
+OF_ENDS = ("final_velocity", "velocity_error", "end", "steps", "evaluations", "rigidity")
 MEASURES = (*CHEAP, *_collision_measures())
 MEASURE_BY_NAME = {measure.name: measure for measure in MEASURES}
 
 
 def find_measure(name: str) -> Measure:
-    """The measure of that name. Raises StudyError."""
+    """Return the measure `name`. Raise StudyError if there is none."""
     if name not in MEASURE_BY_NAME:
         raise StudyError(f"there is no measure {name!r}{suggestion(name, MEASURE_BY_NAME)}")
     return MEASURE_BY_NAME[name]

@@ -1,4 +1,6 @@
-"""`sweep`: a scene or a function over many points, on this machine or many; what is on disk is not computed again."""
+"""`sweep`: compute a scene or a function at many points, on this machine or on many. Points on disk are not computed
+again.
+"""
 
 from __future__ import annotations
 
@@ -53,9 +55,10 @@ if TYPE_CHECKING:
     from softcradle.scenes import Scene
 
 LOGGER = logging.getLogger("softcradle")
-TRIED_HERE = 0.3  # s that "auto" computes points in this process first: the cost is then known
-WORTH_PROCESSES = 3.0  # s of work below which other processes begin too late to be of use
-# all studies are in this folder: where a file of it changes, kept points are of another study
+TRIED_HERE = 0.3  # Time for which "auto" first computes points in this process, to learn their cost [s].
+# Amount of remaining work from which "auto" starts other processes [s]. With less work their start takes too long.
+WORTH_PROCESSES = 3.0
+# All studies are in this folder. If one of its files changes, stored points count as points of another study.
 SANDBOX = Path(__file__).parent.parent
 
 Progress = Callable[[str, int, int], None]
@@ -76,54 +79,60 @@ def sweep(
     progress: Progress | None = None,
     chunk_seconds: float = 1.0,
 ) -> xr.Dataset:
-    """Compute a scene or a function at many points, and return its measures as an xarray Dataset. Extra [sweep].
+    """Compute a scene or a function at many points, and return its measures as an xarray Dataset. Needs the extra
+    [sweep].
 
-    A point that cannot be, or whose run gives up, is marked in `status` with its `reason`. The Dataset does not depend on where
-    its points were computed, in which chunks, or how often the sweep was stopped.
+    If a point is invalid, or if its run gives up, the variable `status` marks it and `reason` contains the cause. The
+    Dataset does not depend on where the points were computed, in which chunks, or how often the sweep was interrupted.
 
     Parameters
     ----------
     what : Scene, str or callable
-        A Scene, its name or the path of its file; or a function of the parameters by name, which returns numbers
-        by name, or a motion to be measured: a Trajectory, (chain, velocity) or (chain, velocity, keywords of
+        A Scene, its name or the path of its file; or a function of the parameters by name. The function returns a
+            mapping
+        of names to numbers, or a motion to be measured: a Trajectory, (chain, velocity) or (chain, velocity, keywords
+            of
         `simulate`).
     over : Points, mapping or sequence of Axis
-        The points: ``{path: values}`` is a grid; else `grid`, `listed`, `sobol` or `latin_hypercube` of
-        `softcradle.sandbox.sweeps`. The path of a scene's number is as in its file, ``lanes.0.contact.alpha``; ``*``
-        is every item of a list.
+        The points. ``{path: values}`` is a grid; the other designs are made by `grid`, `listed`, `sobol` and
+        `latin_hypercube` of `softcradle.sandbox.sweeps`. The path of a number of a scene is as in its file, such as
+        ``lanes.0.contact.alpha``; ``*`` stands for every item of a list.
     measures : sequence of str or Measure, optional
-        Names of the table of measures, or a Measure of one's own; of a function that returns numbers, none.
+        Names from the table of measures, or Measure objects. Leave it empty for a function that returns numbers.
     output : path, optional
-        A .zarr folder or a .nc file; beside it a folder keeps what is computed until all is. A sweep that was
-        stopped goes on from there, and one that is complete is only opened. None: in memory.
+        A .zarr folder or a .nc file. While the sweep runs, a folder next to it keeps the computed points. An
+            interrupted
+        sweep continues from there, and a complete one is only opened. None keeps everything in memory.
     executor : str or Executor, optional
-        "threads" or "processes" of this machine, "here", or any `concurrent.futures` executor; "auto" computes
-        the first points here and takes processes where the rest is worth them.
+        "threads" or "processes" of this machine, "here" (this thread), or any `concurrent.futures` executor. "auto"
+        computes the first points in this thread, and the others in processes if that saves time.
     scheduler : str or Client, optional
-        A Dask scheduler instead: its address, such as `tcp://127.0.0.1:8786`, or a Client. Extra [dask].
+        A Dask scheduler instead: its address, such as `tcp://127.0.0.1:8786`, or a Client. Needs the extra [dask].
     workers : int, optional
-        How many threads or processes; None: one for each core of this machine, or as many as a given executor has.
+        Number of threads or processes. The default is one for each core of this machine, or the number of workers of
+            the
+        given executor.
     units : mapping, optional
         Units of the numbers that a function returns, by name.
     title : str, optional
         Title of the Dataset.
     fresh : bool, optional
-        Whether to begin anew, whatever is at `output`, which stays there until the new one is whole. Where that was
-        stopped, the same call goes on, and so does one without `fresh`.
+        If True, start over, whatever `output` contains. The old output stays until the new one is complete. If such a
+        sweep is interrupted, the same call continues it, with or without `fresh`.
     progress : callable, optional
         Called with ("points" or "writing", done, all).
     chunk_seconds : float, optional
-        Wanted work of one chunk [s].
+        Wanted computing time of one chunk [s].
 
     Returns
     -------
     xarray.Dataset
-        A variable for each measure, with unit, meaning and versions as attributes.
+        A variable for each measure, with unit and meaning as attributes. The versions are attributes of the Dataset.
 
     Raises
     ------
     ValueError
-        Something that is asked for cannot be; one sentence.
+        If an argument is invalid. The message is one sentence.
     """
     with needed_for("sweep", "sweep"):
         import xarray  # noqa: F401  # before the work, not after it
@@ -161,9 +170,11 @@ def sweep_status(
     output: str | Path,
     title: str = "",
 ) -> tuple[int, str]:
-    """How many points of a complete sweep no process survived, and a sentence of how far the sweep of these arguments is.
+    """Return how many points of a complete sweep are lost, and a sentence about the progress of the sweep with these
+    arguments.
 
-    See `sweep`; nothing is computed. Raises StudyError.
+    A point is lost if the process that computed it died in every attempt. Nothing is computed. See `sweep` for the
+    arguments. Raise StudyError.
     """
     points = over if isinstance(over, Points) else grid(over)
     path = checked_output(output, points)
@@ -197,16 +208,24 @@ def map_points(
     each: Callable[[int, dict[str, Any]], None] | None = None,
     chunk_seconds: float = 1.0,
 ) -> list[dict[str, Any]]:
-    """What `function` gives at all points, in their order, computed in processes where that pays; without xarray.
+    """Return the results of `function` at all points in their order. Use processes if that saves time. This does not
+    need xarray.
 
-    A row has numbers and lists as arrays, which may be longer than they were given, by nan, and the "reason" of an Outcome.
+    Each row contains the numbers, lists as arrays padded with NaN to a common length, and the "reason" of an Outcome.
 
     Arguments:
-        function: gives numbers by name, or an Outcome of them with a reason.
-        kept: the points are kept in the folder of this name and ``.partial`` as they are done, and a call that was stopped goes
-            on from there; it stays until `drop_kept`. Points of another study in it are dropped.
-        alike: whether points cost alike, so that the first ones tell what all will take; else the longest come first.
-        each: is called with the number and the row of a point as it comes back.
+        function: returns a mapping of names to numbers, or an Outcome with such a mapping and a reason.
+        points: the sample points.
+        kept: path whose name plus ``.partial`` is a folder that keeps finished points. An interrupted call continues
+            from
+            there. The folder stays until `drop_kept`. Points of another study in it are deleted.
+        progress: called with ("points", done, all).
+        workers: number of threads or processes.
+        executor: where the points are computed, as for `sweep`.
+        alike: True if all points cost about the same, so that the first ones predict the total; otherwise the most
+            expensive points must come first.
+        each: called with the number and the row of each finished point.
+        chunk_seconds: wanted computing time of one chunk [s].
 
     Raises:
         StudyError: the function raised an error at a point, or the processes that computed it died.
@@ -227,7 +246,7 @@ def map_points(
 
 
 def drop_kept(kept: Path) -> None:
-    """Drop the points that `map_points` kept."""
+    """Delete the points that `map_points` kept."""
     Store(partial_folder(kept), "", fresh=True).remove()
 
 
@@ -247,7 +266,7 @@ def _refuse_broken(chunk: Chunk, points: Points) -> None:
 
 
 def _untold(what: str, done: int, count: int) -> None:
-    """Progress that nobody asks for."""
+    """Ignore the progress."""
 
 
 def _compute_missing(
@@ -260,7 +279,11 @@ def _compute_missing(
     alike: bool = True,
     take: Callable[[Chunk], None] = lambda _: None,
 ) -> None:
-    """Compute all points that are not kept. Without a place the first ones are tried here, if all cost `alike`."""
+    """Compute all points that are not stored.
+
+    If `place` is None and all points cost `alike`, the first ones are computed in this thread to estimate the total
+    time.
+    """
     count = work.points.count
 
     def keep(chunk: Chunk) -> None:
@@ -274,7 +297,8 @@ def _compute_missing(
     schedule = ChunkSchedule(store.missing(count), keep, chunk_seconds)
     stopped = True
     try:
-        if place is None and alike and not store.begun:  # a process that was killed may have died of the first point
+        # If an earlier process was killed, the first point may have killed it, so it is not computed in this process.
+        if place is None and alike and not store.begun:
             schedule.run(here(work), TRIED_HERE)
             if schedule.seconds_left < WORTH_PROCESSES:
                 schedule.run(here(work))
@@ -289,7 +313,7 @@ def _compute_missing(
 
 @contextmanager
 def opened(path: Path | None, study: str, fresh: bool) -> Iterator[Store]:
-    """The store of an output; where the sweep ends early, how much is kept is said."""
+    """Open the store of an output. If the sweep ends early, report how many points are stored."""
     store = Store(None if path is None else partial_folder(path), study, fresh)
     try:
         yield store

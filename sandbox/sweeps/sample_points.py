@@ -1,4 +1,6 @@
-"""The sample points of a sweep: grids, lists, Latin hypercube and Sobol samples, each computed from its index alone."""
+"""Sample points of a sweep: grids, lists, Latin hypercubes and Sobol sequences. Each point follows from its index
+alone.
+"""
 
 import math
 import warnings
@@ -16,31 +18,33 @@ Array = NDArray[np.float64]
 Scale = Literal["linear", "log", "whole"]
 Design = Literal["grid", "list", "sobol", "latin_hypercube"]
 
-MOST_POINTS = 2**30  # of which a Dataset holds 8 GB for every number
-MOST_SAMPLED = 2**24  # numbers of samples, or of one parameter, which exist as a whole alone: 128 MB in every process
-MOST_WHOLE = 2**53  # whole numbers up to here are exact as floats
-SOBOL_BITS = 30  # of the sequence, so that 2**30 points differ
+MOST_POINTS = 2**30  # Largest number of points. A Dataset then has 8 GB for each measure.
+# Largest number of sampled coordinates, or of values of one parameter. They are held in memory: 128 MB in every
+# process.
+MOST_SAMPLED = 2**24
+MOST_WHOLE = 2**53  # Whole numbers up to this size are exact as floats.
+SOBOL_BITS = 30  # Number of bits of the Sobol sequence, with which 2**30 points differ.
 
 
 @dataclass(frozen=True)
 class Axis:
-    """One parameter that varies.
+    """Parameter that varies.
 
     Attributes
     ----------
     path : str
-        Where it is in the scene, such as ``lanes.0.contact.alpha``, or the name of a function's argument.
+        Path of the number in the scene, such as ``lanes.0.contact.alpha``, or the name of an argument of the function.
     values : tuple
-        The values that it takes, numbers or texts; empty for one that is sampled between bounds.
+        Values of the parameter, numbers or texts; empty if it is sampled between bounds.
     low : float
-        The lower bound of a sampled one.
+        Lower bound of a sampled parameter.
     high : float
-        Its upper bound.
+        Upper bound of a sampled parameter.
     scale : str
-        How samples lie between them: "linear", "log" (even in the logarithm), "whole" (whole numbers, both
-        included).
+        Distribution of the samples between the bounds: "linear", "log" (uniform in the logarithm) or "whole" (whole
+        numbers, both bounds included).
     name : str
-        Name of its coordinate in the Dataset; "": its path.
+        Name of the coordinate in the Dataset; "" means the path.
     """
 
     path: str
@@ -52,23 +56,28 @@ class Axis:
 
     @property
     def coordinate(self) -> str:
-        """The name of its coordinate in the Dataset."""
+        """Name of the coordinate in the Dataset."""
         return self.name or self.path
 
     @cached_property
     def array(self) -> NDArray[Any]:
-        """The values as truth values, whole numbers or floats where all are, else as objects."""
+        """The values as an array of booleans, whole numbers or floats if all values allow it, otherwise of objects."""
         kinds = kinds_of(self.values)
         known = ({bool}, np.bool_), ({int}, np.int64), ({int, float}, np.float64)
         return np.array(self.values, dtype=next((own for of, own in known if kinds <= of), object))
 
     @cached_property
     def given(self) -> NDArray[Any]:
-        """The values as they were given: whole numbers stay whole beside floats, with which `array` makes them floats."""
+        """The values with their original types. Whole numbers stay whole among floats, whereas `array` converts them to
+        floats.
+        """
         return np.array(self.values, object) if kinds_of(self.values) == {int, float} else self.array
 
     def between(self, unit: Array) -> NDArray[Any]:
-        """The values at (N,) places from 0 to 1; number by number, so that they do not depend on N."""
+        """Return the samples for (N,) numbers `unit` from 0 to 1.
+
+        Each sample is computed separately, so it does not depend on N.
+        """
         if self.scale == "whole":
             steps = np.floor(unit * (self.high - self.low + 1.0))
             return (self.low + np.minimum(steps, self.high - self.low)).astype(np.int64)
@@ -78,12 +87,12 @@ class Axis:
         return np.asarray(self.low + unit * (self.high - self.low))
 
     def ends(self) -> tuple[Any, Any]:
-        """Its first and its last value."""
+        """Return the first and the last value."""
         return (self.values[0], self.values[-1]) if self.values else (self.low, self.high)
 
 
 def kinds_of(values: Sequence[Any]) -> set[type]:
-    """Which of bool, int, float and str the values are, and other types that are among them."""
+    """Return the types of `values`: bool, int, float, str, and other types among them."""
     return {
         next((kind for kind in (bool, int, float, str) if isinstance(value, kind)), type(value)) for value in values
     }
@@ -91,13 +100,14 @@ def kinds_of(values: Sequence[Any]) -> set[type]:
 
 @dataclass(frozen=True)
 class Points:
-    """All points of a sweep, by number.
+    """All points of a sweep, which are numbered.
 
     Attributes:
-        design: "grid" (every combination), "list" (the k-th values of all axes together), "sobol" or "latin_hypercube".
-        axes: what varies; the last one varies fastest in a grid.
+        design: "grid" (every combination), "list" (point k has the k-th value of each axis), "sobol" or
+            "latin_hypercube".
+        axes: the varied parameters; in a grid the last one varies fastest.
         count: number of points.
-        seed: of the samples.
+        seed: seed of the samples.
     """
 
     design: Design
@@ -107,16 +117,19 @@ class Points:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Points along each dimension of the Dataset."""
+        """Number of points along each dimension of the Dataset."""
         return tuple(len(axis.values) for axis in self.axes) if self.design == "grid" else (self.count,)
 
     @property
     def dimensions(self) -> tuple[str, ...]:
-        """The dimensions of the Dataset: the axes of a grid, else "point"."""
+        """Names of the dimensions of the Dataset: the axes of a grid, otherwise "point"."""
         return tuple(axis.coordinate for axis in self.axes) if self.design == "grid" else ("point",)
 
     def columns(self, begin: int, end: int, given: bool = False) -> dict[str, NDArray[Any]]:
-        """The values of every axis, by path, at the points from `begin` to `end`; as they were `given`, or all of one type."""
+        """Return the values of every axis, by path, at the points from `begin` up to `end`.
+
+        With `given` they keep their original types; otherwise all values of an axis have one type.
+        """
         arrays = [axis.given if given else axis.array for axis in self.axes]
         if self.design == "grid":
             places = np.unravel_index(np.arange(begin, end), self.shape)
@@ -127,7 +140,9 @@ class Points:
         return {axis.path: axis.between(unit[:, k]) for k, axis in enumerate(self.axes)}
 
     def rows(self, begin: int, end: int, block: int) -> Iterator[dict[str, Any]]:
-        """The values of every axis, by path, at one point after the other; read a `block` at a time."""
+        """Yield the values of every axis, by path, for one point after the other. They are computed in blocks of
+        `block` points.
+        """
         for first in range(begin, end, block):
             found = self.columns(first, min(first + block, end), given=True)
             columns = {path: values.tolist() for path, values in found.items()}
@@ -135,13 +150,16 @@ class Points:
 
 
 def grid(axes: Mapping[str, Any] | Sequence[Axis]) -> Points:
-    """Every combination of the values; ``{path: values}``, or a list of Axis."""
+    """Return the points of every combination of values; `axes` is ``{path: values}`` or a list of Axis."""
     found = _valued(axes)
     return _checked(Points("grid", found, math.prod(len(axis.values) for axis in found)))
 
 
 def listed(axes: Mapping[str, Any] | Sequence[Axis]) -> Points:
-    """The k-th values of all axes together are the k-th point; ``{path: values}`` of one length, or a list of Axis."""
+    """Return the points of a list: point k has the k-th value of each axis.
+
+    `axes` is ``{path: values}`` with lists of one length, or a list of Axis.
+    """
     found = _valued(axes)
     lengths = {axis.coordinate: len(axis.values) for axis in found}
     if len(set(lengths.values())) > 1:
@@ -150,15 +168,18 @@ def listed(axes: Mapping[str, Any] | Sequence[Axis]) -> Points:
 
 
 def sobol(axes: Mapping[str, Any] | Sequence[Axis], count: int, seed: int = 0) -> Points:
-    """`count` points of a scrambled Sobol sequence; ``{path: (low, high)}`` or ``(low, high, scale)``, or a list of Axis.
+    """Return `count` points of a scrambled Sobol sequence.
 
-    A power of 2 balances them best. The first of a longer sequence of the same seed are those of a shorter one.
+    `axes` is ``{path: (low, high)}`` or ``{path: (low, high, scale)}``, or a list of Axis. A power of 2 gives the best
+    balance. With the same seed, a longer sequence begins with the points of a shorter one.
     """
     return _sampled("sobol", axes, count, seed)
 
 
 def latin_hypercube(axes: Mapping[str, Any] | Sequence[Axis], count: int, seed: int = 0) -> Points:
-    """`count` points of a Latin hypercube: each of `count` equal parts of every axis holds one; axes as for `sobol`."""
+    """Return `count` points of a Latin hypercube: each of `count` equal parts of every axis contains one. `axes` is as
+    for `sobol`.
+    """
     return _sampled("latin_hypercube", axes, count, seed)
 
 
@@ -200,7 +221,7 @@ def _bounded(axes: Mapping[str, Any] | Sequence[Axis]) -> tuple[Axis, ...]:
 
 
 def check_bounds(axis: Axis) -> None:
-    """Raise StudyError where nothing can lie between the bounds of the axis."""
+    """Raise StudyError if the bounds or the scale of the axis are invalid."""
     path, low, high = axis.path, axis.low, axis.high
     if axis.scale not in get_args(Scale):
         raise StudyError(f"{path}: scale must be one of {', '.join(get_args(Scale))}, not {axis.scale!r}")
@@ -242,12 +263,12 @@ def _checked(points: Points) -> Points:
 
 @lru_cache(maxsize=2)
 def _unit_rows(design: Design, dimensions: int, count: int, seed: int) -> Array:
-    """(count, dimensions) places from 0 to 1 of all samples."""
+    """Return the (count, dimensions) coordinates of all samples, from 0 to 1."""
     from scipy.stats import qmc
 
     random = np.random.default_rng(seed)
     if design == "latin_hypercube":
         return np.asarray(qmc.LatinHypercube(dimensions, rng=random).random(count))
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of a number of points that is no power of 2
+        warnings.simplefilter("ignore")  # SciPy warns if the number of points is not a power of 2.
         return np.asarray(qmc.Sobol(dimensions, bits=SOBOL_BITS, rng=random).random(count))

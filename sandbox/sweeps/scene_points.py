@@ -1,4 +1,6 @@
-"""From a scene and a point to what moves: the numbers at dotted paths such as `lanes.0.contact.alpha` are replaced."""
+"""Insertion of the values of a point into a scene: numbers at dotted paths such as `lanes.0.contact.alpha` are
+replaced.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -13,17 +15,17 @@ from softcradle.scenes.scene_errors import SceneError, scene_error
 from softcradle.scenes.scene_schema import strikers_at
 from softcradle.scenes.toml_table import suggestion
 
-ONE_OR_MANY = ("mass", "contact", "gap")  # fields of a lane that may be one value for all
-LENGTHS = ("beads",)  # fields that decide how long the lists of a lane are
-EVERY = "*"  # a path of every item of a list
-KEPT = 64  # scenes with other beads, laws or methods that are kept in memory
+ONE_OR_MANY = ("mass", "contact", "gap")  # Fields of a lane that may be one value for all beads or contacts.
+LENGTHS = ("beads",)  # Fields that determine the lengths of the lists of a lane.
+EVERY = "*"  # Key of a path that stands for every item of a list.
+KEPT = 64  # Largest number of cached scenes with different beads, contact laws or methods.
 
-Change = Callable[[Mapping[str, Any]], Any]  # gives a scene or a part of it with the values of a point, by path
-Moving = tuple[Sequence[Lane], Mapping[str, Any]]  # the lanes of a scene, and its keywords of `simulate`
+Change = Callable[[Mapping[str, Any]], Any]  # maps the values of a point, by path, to a scene or a part of it
+Moving = tuple[Sequence[Lane], Mapping[str, Any]]  # lanes of a scene, and its keywords of `simulate`
 
 
 class LaneStart(NamedTuple):
-    """A chain, the start velocities of its beads, and keywords of `simulate`."""
+    """Chain, start velocities of its beads, and keywords of `simulate`."""
 
     chain: Chain
     velocity: Any
@@ -32,10 +34,10 @@ class LaneStart(NamedTuple):
 
 @dataclass
 class ScenePoints:
-    """A scene whose numbers vary.
+    """Scene with varying numbers.
 
     Attributes:
-        scene: the scene; every lane of it moves.
+        scene: the scene; all of its lanes are simulated.
     """
 
     scene: Scene
@@ -44,16 +46,17 @@ class ScenePoints:
     )
 
     def __getstate__(self) -> Scene:
-        """The scene: the functions that were made of it cannot be sent, and are made anew."""
+        """Return the scene. The functions that were derived from it cannot be pickled and are derived again."""
         return self.scene
 
     def __setstate__(self, scene: Scene) -> None:
         self.scene, self._moving = scene, {}
 
     def starts(self, values: Mapping[str, Any]) -> list[LaneStart]:
-        """What moves at a point, a lane each. Raises ValueError where the numbers cannot be."""
+        """Return the start of each lane at a point. Raise ValueError if the values are invalid."""
         structure = {path: value for path, value in values.items() if is_structure(path, value)}
-        kinds = tuple(map(type, structure.values()))  # 4 and 4.0 are equal, and only one of them is a number of beads
+        # 4 and 4.0 are equal as keys, but only 4 is a valid number of beads.
+        kinds = tuple(map(type, structure.values()))
         paths = tuple(path for path in values if path not in structure)
         key = (*structure.items(), kinds, paths)
         if key not in self._moving:
@@ -63,23 +66,26 @@ class ScenePoints:
         try:
             lanes, settings = self._moving[key](values)
         except ValidationError:
-            self.checked(values)  # says what is wrong with which number, as of a file
+            self.checked(values)  # raises the same error message as for a file
             raise
         return [LaneStart(lane.chain(), lane.velocity, settings) for lane in lanes]
 
     def checked(self, values: Mapping[str, Any]) -> Scene:
-        """The scene at a point, checked as a file is. Raises SceneError."""
+        """Return the scene at a point, checked like a scene file. Raise SceneError."""
         structure = {path: value for path, value in values.items() if is_structure(path, value)}
         numbers = {path: value for path, value in values.items() if path not in structure}
         return changed(self._base(structure), numbers)
 
     def _base(self, structure: Mapping[str, Any]) -> Scene:
-        """The scene with other beads or texts, checked."""
+        """Return the checked scene with other numbers of beads or other texts."""
         return changed(self.scene, structure) if structure else self.scene
 
 
 def _moving_at(scene: Scene, paths: Sequence[str]) -> Callable[[Mapping[str, Any]], Moving]:
-    """What gives the lanes and settings of the scene with numbers at `paths`; made once for all points that share the rest."""
+    """Return a function that maps the numbers at `paths` to the lanes and settings of the scene.
+
+    It is built once for all points that share everything else.
+    """
     places = [(path.split("."), path) for path in paths]
     lanes = change_of(scene.lanes, [(keys[1:], path) for keys, path in places if keys[0] == "lanes"], True)
     others = change_of(scene, [(keys, path) for keys, path in places if keys[0] != "lanes"], True)
@@ -92,12 +98,18 @@ def _moving_at(scene: Scene, paths: Sequence[str]) -> Callable[[Mapping[str, Any
 
 
 def is_structure(path: str, value: Any) -> bool:
-    """Whether another value makes another kind of chain, checked as a file is; of other numbers their own fields are."""
+    """Return True if the value changes the structure of the scene. Such a scene is checked as a whole, like a file.
+
+    For other numbers it is sufficient to check their own fields.
+    """
     return not isinstance(value, (int, float, np.number)) or any(part in LENGTHS for part in path.split("."))
 
 
 def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
-    """The scene with the values at their paths, those of its structure first, checked as a file is. Raises SceneError."""
+    """Return the scene with the values at their paths, checked like a scene file. Raise SceneError.
+
+    Values that change the structure are inserted first.
+    """
     structure = [path for path, value in values.items() if is_structure(path, value)]
     found = scene
     for path in structure:
@@ -115,7 +127,11 @@ def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
 
 
 def _spread_anew(lane: Lane, before: Lane) -> Lane:
-    """The lane with other beads than `before`; if the strikers had one velocity and the targets rested, so they do again."""
+    """Return `lane` with velocities for its new numbers of beads. `before` is the lane with the old numbers.
+
+    The velocities change only if all strikers had one velocity and all targets were at rest. The new strikers get the
+    same velocity, and the new targets are at rest.
+    """
     velocity, clusters = lane.velocity, before.beads
     if lane.beads == clusters or not (isinstance(velocity, tuple) and isinstance(clusters, tuple)):
         return lane
@@ -126,16 +142,20 @@ def _spread_anew(lane: Lane, before: Lane) -> Lane:
 
 
 def _spread(speed: Any, beads: Any) -> Any:
-    """The speed as the velocities of [strikers, targets]; as it is for other beads, as in a file, which then is refused."""
+    """Return the velocities of [strikers, targets] with this speed of the strikers.
+
+    For any other value of `beads`, return the speed itself, which the check of the scene then rejects, as in a file.
+    """
     pair = isinstance(beads, (list, tuple)) and len(beads) == 2
     return strikers_at(speed, beads) if pair else speed
 
 
 def change_of(item: Any, places: Sequence[tuple[list[str], str]], check: bool = False) -> Change:
-    """A function that gives `item` with the values of each path at its keys; of two the last.
+    """Return a function that maps the values of a point to a copy of `item` with the value of each path at its keys.
 
-    Tables and lists on the way are new, `item` itself stays; what the values do not tell is found once. Raises SceneError.
-    With `check` the function raises a ValidationError where a field of a table does not take what it becomes.
+    If two paths have the same keys, the last one wins. Tables and lists along a path are copied, and `item` stays
+    unchanged. Everything that does not depend on the values is resolved once. Raise SceneError if a path does not
+    exist. With `check`, the function raises ValidationError if a field rejects its new value.
     """
     if not places:
         return lambda _: item
@@ -178,18 +198,22 @@ def _checked_change(table: type[BaseModel], key: str, change: Change) -> Change:
 
 @cache
 def _field_of(table: type[BaseModel], key: str) -> TypeAdapter[Any]:
-    """What checks a value of a field as the table does, without the rest of the table."""
+    """Return a validator for one field of a table, which works without the rest of the table."""
     field = table.model_fields[key]
     kind: Any = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
     if isinstance(field.annotation, type) and issubclass(
         field.annotation, BaseModel
-    ):  # a table has a config of its own
+    ):  # A table has its own configuration.
         return TypeAdapter(kind)
     return TypeAdapter(kind, config=ConfigDict(allow_inf_nan=table.model_config.get("allow_inf_nan", True)))
 
 
 def _change_of_velocity(beads: Any, path: str, after: Sequence[tuple[list[str], str]]) -> Change:
-    """The velocities that the value at `path` gives all beads, or the strikers if it is a number, and those of single ones."""
+    """Return a change of the velocities. The value at `path` applies to all beads, or to the strikers if it is a
+    number.
+
+    The paths `after` then change the velocities of single beads.
+    """
 
     def velocity(values: Mapping[str, Any]) -> Any:
         whole = values[path]

@@ -1,7 +1,8 @@
-"""The points of a sweep that are done: a file for each chunk, from which a sweep that was stopped goes on.
+"""Store for the finished points of a sweep: one file for each chunk, from which an interrupted sweep continues.
 
-The folder `NAME.partial` holds the study and the chunks, .npz files named by their first point and the one after their last.
-Each is renamed into place when it is whole and on the disk, so that a listing of the folder tells what is done.
+The folder `NAME.partial` contains the study and the chunks, which are .npz files. A file name consists of the first
+point of the chunk and the point after its last one. A file is renamed into place when it is complete and on the disk,
+so a listing of the folder shows which points are finished.
 """
 
 import json
@@ -21,26 +22,32 @@ from softcradle.sandbox.sweeps.scene_points import ScenePoints
 from softcradle.sandbox.sweeps.work import REASON, Chunk, Work, function_name
 from softcradle.sandbox.user_error import StudyError, reason
 
-STUDY, LOCK, AFRESH = "study.json", "lock", "afresh"  # files beside the chunks
-COLUMN = "column "  # before the names of columns in an .npz: a measure may be called as an argument of NumPy's
-MOST_VALUES = 100  # of an axis that are written out
+STUDY, LOCK, AFRESH = "study.json", "lock", "afresh"  # Names of files in the folder of the chunks.
+# Prefix of column names in an .npz file. Without it, the name of a measure could be that of an argument of np.savez.
+COLUMN = "column "
+MOST_VALUES = 100  # Largest number of values of an axis that are written out.
 
 
 def partial_folder(path: Path) -> Path:
-    """Where the points of a sweep are kept until all are computed."""
+    """Return the folder that keeps the points of a sweep until all are computed."""
     return path.with_name(f"{path.name}.partial")
 
 
 class Store:
-    """The chunks of a sweep; open once at a time; `begun` where another process began to compute them, and was stopped or killed.
+    """Chunks of a sweep. Only one process can open the store at a time.
+
+    `begun` is True if an earlier process started to compute these chunks and was stopped or killed.
 
     Arguments:
-        folder: where they are kept, made if need be; None keeps them in memory alone.
-        study: the study as text; a folder of another study is refused.
-        fresh: begin anew, whatever is there, but for a folder of this study that was itself begun so: that goes on.
+        folder: folder of the chunks, created if necessary; None keeps them only in memory.
+        study: the study as text. The folder of another study is rejected.
+        fresh: start over, whatever the folder contains. Only a folder of this study that was itself started with
+            `fresh`
+            is continued.
 
     Raises:
-        StudyError: the folder is of another study, in use, or cannot be written to, or a file in it cannot be read.
+        StudyError: the folder belongs to another study, is in use or cannot be written, or one of its files cannot be
+            read.
     """
 
     def __init__(self, folder: Path | None, study: str, fresh: bool = False) -> None:
@@ -80,7 +87,7 @@ class Store:
         self._chunks = [_read(folder, *kept) for kept in kept_ranges(folder)]
 
     def keep(self, chunk: Chunk) -> None:
-        """Add a chunk. Raises StudyError where the disk is full; what was kept before stays."""
+        """Add a chunk. Raise StudyError if the disk is full; chunks stored before stay intact."""
         if self.folder is not None:
             columns = {COLUMN + name: column for name, column in chunk.columns.items()}
             try:
@@ -94,15 +101,15 @@ class Store:
 
     @property
     def done(self) -> int:
-        """Points that are kept."""
+        """Number of stored points."""
         return sum(chunk.count for chunk in self._chunks)
 
     def chunks(self) -> list[Chunk]:
-        """All chunks, in the order of their points."""
+        """Return all chunks in the order of their points."""
         return sorted(self._chunks, key=lambda chunk: chunk.begin)
 
     def missing(self, count: int) -> Iterator[tuple[int, int]]:
-        """The points of `count` that are not kept, as ranges."""
+        """Yield the ranges of points below `count` that are not stored."""
         reached = 0
         for chunk in self.chunks():
             if chunk.begin > reached:
@@ -112,7 +119,7 @@ class Store:
             yield reached, count
 
     def close(self) -> None:
-        """Let another sweep open it."""
+        """Release the lock, so that another sweep can open the store."""
         if self._lock is not None:
             self._lock.close()
 
@@ -124,9 +131,9 @@ class Store:
 
 
 def locked(folder: Path) -> IO[bytes] | None:
-    """The file whose lock says that a sweep writes into the folder, locked; None where another process has it."""
+    """Return the lock file of the folder, locked, or None if another process has locked it."""
     file = (folder / LOCK).open("ab")
-    with suppress(ImportError):  # Windows: two sweeps are not told apart
+    with suppress(ImportError):  # On Windows, two sweeps that write into one folder are not detected.
         import fcntl
 
         try:
@@ -138,19 +145,21 @@ def locked(folder: Path) -> IO[bytes] | None:
 
 
 def study_in(folder: Path) -> str | None:
-    """The study that the folder was begun for; None where there is none."""
+    """Return the study of the folder, or None if there is none."""
     with suppress(OSError, UnicodeDecodeError):
         return (folder / STUDY).read_text(encoding="utf-8")
     return None
 
 
 def begun_afresh(folder: Path, study: str) -> bool:
-    """Whether the folder was begun for the study by a sweep that begins anew: it counts before what is at the output."""
+    """Return True if a sweep with `fresh` started this folder for this study. It then takes precedence over the
+    existing output.
+    """
     return (folder / AFRESH).exists() and study_in(folder) == study
 
 
 def kept_ranges(folder: Path) -> list[tuple[int, int]]:
-    """The points that are kept in the folder, as ranges (begin, end)."""
+    """Return the stored points of the folder as ranges (begin, end)."""
     names = [path.stem.split("-") for path in folder.glob("[0-9]*-[0-9]*.npz")]
     return sorted((int(begin), int(end)) for begin, end in names)
 
@@ -170,7 +179,9 @@ def _read(folder: Path, begin: int, end: int) -> Chunk:
 
 
 def study_text(work: Work, title: str, units: Mapping[str, str] | None = None) -> str:
-    """All that the Dataset of a sweep follows from as one line of JSON; long lists of values as their digest."""
+    """Return everything that determines the Dataset of a sweep, as one line of JSON. Long lists of values are replaced
+    by digests.
+    """
     axes = [asdict(axis) | {"values": _shortened(axis.values)} for axis in work.points.axes]
     if isinstance(work.source, ScenePoints):
         source = work.source.scene.model_dump(mode="json", exclude={"view", "text", "question", "source"})

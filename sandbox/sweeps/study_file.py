@@ -1,4 +1,4 @@
-"""The study file: a TOML file that says what is swept, over which points, and what is measured."""
+"""Study file: a TOML file that names a scene, the points of a sweep and the measures."""
 
 import os
 import tomllib
@@ -35,7 +35,7 @@ Whole = Annotated[int, Strict()]
 
 
 def _kind(value: Any) -> str:
-    """The tag of a value in a study, in brackets, see `OneOrMany`; a fraction such as "1/14" is a number."""
+    """Return the tag of a value in a study, in brackets (see `OneOrMany`). A fraction such as "1/14" is a number."""
     text = isinstance(value, str) and not FRACTION.fullmatch(value)
     return "(text)" if text else "(whole)" if isinstance(value, int) else "(number)"
 
@@ -51,14 +51,16 @@ Bound = Annotated[
 
 
 class ParameterSpan(Table):
-    """The values of one parameter.
+    """Values of one parameter.
 
     Attributes:
-        values: a list of them.
-        between: or the smallest and the largest.
-        count: how many between these, in a grid or a list, unless they are whole; samples have one count for all parameters.
-        scale: "linear", "log" (even in the logarithm) or "whole" (whole numbers).
-        name: of the coordinate in the Dataset; else the path.
+        values: list of values.
+        between: smallest and largest value, instead of `values`.
+        count: number of values in `between`, for a grid or a list, unless they are whole numbers. Samples have one
+            common
+            count for all parameters.
+        scale: "linear", "log" (uniform in the logarithm) or "whole" (whole numbers).
+        name: name of the coordinate in the Dataset; by default the path.
     """
 
     values: tuple[Value, ...] = ()
@@ -79,7 +81,7 @@ class ParameterSpan(Table):
         return self
 
     def valued(self, path: str) -> Axis:
-        """The Axis of a grid or a list."""
+        """Return the Axis for a grid or a list."""
         if self.between is None:
             return Axis(path, self.values, name=self.name)
         low, high = self.between
@@ -95,7 +97,7 @@ class ParameterSpan(Table):
         return Axis(path, tuple(spread(low, high, count).tolist()), name=self.name)
 
     def sampled(self, path: str) -> Axis:
-        """The Axis of samples."""
+        """Return the Axis for samples."""
         if self.between is None or self.count is not None:
             raise StudyError(f"{path}: samples need between = [low, high], and one count for all parameters")
         return Axis(path, low=self.between[0], high=self.between[1], scale=self.scale, name=self.name)
@@ -109,7 +111,7 @@ Spans = Mapping[str, Annotated[ParameterSpan, BeforeValidator(_span)]]
 
 
 class SampleTable(Table):
-    """How many samples, from which seed, over which parameters."""
+    """Number of samples, seed, and sampled parameters."""
 
     count: Annotated[int, Strict(), Field(ge=1)]
     seed: Annotated[int, Strict(), Field(ge=0)] = 0
@@ -117,14 +119,14 @@ class SampleTable(Table):
 
 
 class StudyFile(Table):
-    """A study.
+    """Content of a study file.
 
     Attributes:
-        title: its name.
-        scene: of the catalogue, or the path of a scene file, from the folder of the study.
-        measures: names of the table of measures.
-        set: numbers of the scene that are other than in its file, by path.
-        grid, list, sobol, latin_hypercube: the points; one of them.
+        title: title of the study.
+        scene: name of a scene, or path of a scene file relative to the folder of the study.
+        measures: names from the table of measures.
+        set: numbers of the scene that replace those of its file, by path.
+        grid, list, sobol, latin_hypercube: the points; exactly one of these tables.
     """
 
     title: str = ""
@@ -144,7 +146,7 @@ class StudyFile(Table):
         return self
 
     def points(self) -> Points:
-        """The sample points."""
+        """Return the sample points."""
         if self.grid is not None:
             return grid([span.valued(path) for path, span in self.grid.items()])
         if self.list is not None:
@@ -156,7 +158,7 @@ class StudyFile(Table):
 
 @dataclass(frozen=True)
 class SweepStudy:
-    """What a study file says, read: the arguments of `sweep`."""
+    """Study that was read from a file: the arguments of `sweep`."""
 
     title: str
     scene: Scene
@@ -165,7 +167,7 @@ class SweepStudy:
 
 
 def load_study(path: str) -> SweepStudy:
-    """The study in a file. Raises StudyError with what is wrong with it."""
+    """Return the study in a file. Raise StudyError with the problems of the file."""
     try:
         table = tomllib.loads(text_in(path))
         found = StudyFile.model_validate(table)
@@ -175,7 +177,7 @@ def load_study(path: str) -> SweepStudy:
         raise StudyError(f"{path}: not a text file in UTF-8") from None
     except ValidationError as error:
         raise StudyError(str(scene_error(path, error)).replace("the scene: key", "the study: key")) from None
-    except (ValueError, RecursionError) as error:  # of TOML, of digits or of brackets by the thousand
+    except (ValueError, RecursionError) as error:  # Invalid TOML, too many digits, or too many nested brackets.
         raise StudyError(f"{path}: not valid TOML: {str(error)[:1].lower()}{str(error)[1:]}") from None
     try:
         study = SweepStudy(found.title, _scene(found, Path(path).parent), found.points(), found.measures)
@@ -188,7 +190,7 @@ def load_study(path: str) -> SweepStudy:
 
 
 def _scene(study: StudyFile, folder: Path) -> Scene:
-    """The scene of a study, with the numbers that it sets."""
+    """Return the scene of a study with the replaced numbers."""
     beside = folder / study.scene
     scene = load_scene(str(beside) if study.scene.endswith(".toml") and os.path.isfile(beside) else study.scene)
     return changed(scene, study.set)

@@ -1,4 +1,7 @@
-"""The work of a sweep: what is swept, checked, and what every process that takes part computes, one chunk of points at a time."""
+"""Work of a sweep: the scene or function, its points and measures, checked, and the computation of one chunk of points.
+
+Each process that takes part in the sweep gets a copy of the work.
+"""
 
 import math
 import os
@@ -26,31 +29,37 @@ from softcradle.scenes.scene_errors import SceneError
 Array = NDArray[np.float64]
 
 
-AT_ONCE = 64  # points that are read at once, and may run side by side
-MOST_AT_ONCE = 256  # of them where they are so quick that these take no longer than a chunk should: more are alike
-LEAST_ALIKE = 4  # chains of one shape that run side by side: fewer cost less alone
-STATUS, WARNED, REASON = ":status", ":warned", ":reason"  # columns beside the measures, by names that none of these has
-WORTH_KERNELS = 1000  # points of a sweep for which the kernels of such runs are compiled behind it
-TAKEN = ("point", "lane", "bead", "contact", "status", "warned", "reason")  # names of no parameter or measure
+AT_ONCE = 64  # Number of points that are prepared together and may run at once.
+# The same for points so fast that a block this large stays within the time of a chunk. A larger block has more chains
+# of one shape.
+MOST_AT_ONCE = 256
+LEAST_ALIKE = 4  # Smallest number of chains of one shape that run at once. Fewer chains are faster separately.
+# Names of the columns in addition to the measures. The colon keeps them apart from the names of measures.
+STATUS, WARNED, REASON = ":status", ":warned", ":reason"
+WORTH_KERNELS = 1000  # Number of points from which the kernels for such runs are compiled in the background.
+# Reserved names, which a parameter or measure cannot have.
+TAKEN = ("point", "lane", "bead", "contact", "status", "warned", "reason")
 UNLIKE = "a measure is a number at one point and a list at another"
 
 
 class PointStatus(IntEnum):
-    """What became of a point; all but REFUSED and LOST are those of a run, :class:`softcradle.physics.status.Status`."""
+    """Status of a point. All values except REFUSED and LOST are those of a run,
+    :class:`softcradle.physics.status.Status`.
+    """
 
     DONE = 0
     SEPARATED = 1
     OUT_OF_STEPS = 2
     FAILED = 3
     UNDETERMINED = 4
-    REFUSED = 5  # the point cannot be, or its function raised an error: the reason says which
-    LOST = 6  # the process that computed it died, each time
+    REFUSED = 5  # The point is invalid, or its function raised an error; the reason contains the message.
+    LOST = 6  # The process that computed the point died in every attempt.
     BUDGET_SPENT = 7
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """One point: its numbers by name, its status, how many warnings there were, and what went wrong."""
+    """Result of one point: its numbers by name, its status, its number of warnings, and the reason if something failed."""
 
     values: Mapping[str, Any]
     status: PointStatus = PointStatus.DONE
@@ -60,12 +69,13 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Chunk:
-    """Computed points.
+    """Computed points with consecutive numbers.
 
     Attributes:
-        begin, end: their numbers.
-        columns: arrays (end - begin, ...) by the name of a measure, nan where there is no number; STATUS, WARNED, REASON.
-        seconds: what it took.
+        begin, end: number of the first point, and of the point after the last one.
+        columns: arrays (end - begin, ...) by name of the measure, NaN if a number is missing; also STATUS, WARNED,
+            REASON.
+        seconds: computing time [s].
     """
 
     begin: int
@@ -75,20 +85,20 @@ class Chunk:
 
     @property
     def count(self) -> int:
-        """How many points it has."""
+        """Number of points in the chunk."""
         return self.end - self.begin
 
 
 @dataclass(frozen=True)
 class Work:
-    """A sweep as it is sent to the processes that compute it.
+    """Sweep in the form that is sent to the processes that compute it.
 
     Attributes:
         points: the sample points.
-        source: a scene, or a function of the parameters by name. The function returns numbers by name, an Outcome, a
-            Trajectory, a (chain, start velocities), or these and keywords of `simulate`.
-        measures: what is taken of every run; those of the table by name.
-        versions: of what computes it; a process with others refuses.
+        source: a scene, or a function of the parameters by name. The function returns a mapping of names to numbers, an
+            Outcome, a Trajectory, (chain, start velocities) or (chain, start velocities, keywords of `simulate`).
+        measures: measures of every run; those of the table by name.
+        versions: versions of the computing code. A process with other versions refuses the work.
     """
 
     points: Points
@@ -98,24 +108,28 @@ class Work:
 
     @property
     def lanes(self) -> list[str]:
-        """The labels of the scene's lanes, numbers where they have none; one for a function."""
+        """Labels of the lanes of the scene, or their numbers if they have no label; a single empty label for a
+        function.
+        """
         lanes = self.source.scene.lanes if isinstance(self.source, ScenePoints) else ()
         return [lane.label or str(k) for k, lane in enumerate(lanes)] or [""]
 
     @property
     def lengths(self) -> dict[str, int]:
-        """How long the dimensions within a point are for the scene as it is; nothing for a function, which does not tell."""
+        """Lengths of the dimensions inside a point for the unchanged scene; empty for a function, whose lengths are
+        unknown.
+        """
         lanes = self.source.scene.lanes if isinstance(self.source, ScenePoints) else ()
         beads = max((len(lane.velocity) for lane in lanes), default=0)
         return {"lane": len(lanes), "bead": beads, "contact": beads - 1} if lanes else {}
 
     @property
     def title(self) -> str:
-        """The title of the scene, or the name of the function."""
+        """Title of the scene, or name of the function."""
         return self.source.scene.title if isinstance(self.source, ScenePoints) else function_name(self.source)
 
     def compute(self, begin: int, end: int, seconds: float = math.inf) -> Chunk:
-        """The points from `begin` on, up to `end` or until `seconds` have passed, at least one."""
+        """Compute the points from `begin` on, up to `end` or until `seconds` have passed, but at least one point."""
         began, outcomes = perf_counter(), list[Outcome]()
         points = self.points.rows(begin, end, AT_ONCE)
         size = AT_ONCE if self._runs_at_once() else 1
@@ -126,7 +140,10 @@ class Work:
         return packed(begin, outcomes, perf_counter() - began)
 
     def _runs_at_once(self) -> bool:
-        """Whether ends of runs are all that is measured, and the kernels that run chains side by side are at hand."""
+        """Return True if only ends of runs are measured and the kernels that run several chains at once are available.
+
+        If a large sweep lacks these kernels, their compilation is started in the background.
+        """
         from softcradle.physics.batch.ends import TIERS
 
         ends_alone = isinstance(self.source, ScenePoints) and set(self.measures) <= set(OF_ENDS)
@@ -136,18 +153,20 @@ class Work:
         return ends_alone and (kernels.in_memory or kernels.on_disk)
 
     def _at_once(self, points: Sequence[Mapping[str, Any]]) -> list[Outcome]:
-        """Points whose chains run side by side, those of one shape and with the same settings in one call, to the same digits.
+        """Compute several points. Chains of one shape with the same settings run in one call; the results are bitwise
+        the same.
 
-        Those that are alone of their shape, do not end as they should, or cannot be measured, run alone.
+        A point is computed separately if its shape is too rare, if its run does not end normally, or if it cannot be
+        measured.
         """
         lanes = [self._starts(values) for values in points]
         alike: dict[Any, list[LaneStart]] = {}
         for start in (start for own in lanes for start in own):
             alike.setdefault((start.chain.contacts, *sorted(start.settings.items())), []).append(start)
-        ends: dict[int, RunEnd] = {}  # by the identity of a start
+        ends: dict[int, RunEnd] = {}  # by the identity of a LaneStart
         for group in alike.values():
             if len(group) >= LEAST_ALIKE:
-                with suppress(Exception):  # of chains that cannot run so; alone each tells what is wrong with it
+                with suppress(Exception):  # Some chain cannot run in this way. Its separate run reports the problem.
                     ends.update(zip(map(id, group), ends_of(group), strict=True))
         return [
             self._beside(values, own, [ends.get(id(start)) for start in own])
@@ -155,20 +174,24 @@ class Work:
         ]
 
     def _starts(self, values: Mapping[str, Any]) -> list[LaneStart]:
-        """What moves at a point; nothing where it cannot be, which the point alone tells."""
+        """Return the start of each lane at a point. Return an empty list if the point is invalid; its separate run then
+        reports why.
+        """
         with suppress(Exception):
             return self.source.starts(values)  # type: ignore[union-attr]
         return []
 
     def _beside(self, values: Mapping[str, Any], starts: Sequence[LaneStart], ends: Sequence[RunEnd | None]) -> Outcome:
-        """A point whose chains ended so beside others; None where one did not run."""
+        """Return the outcome of a point from the ends of its chains. If an end is missing (None), compute the point
+        separately.
+        """
         if ends and all(end is not None and end.status in (Status.DONE, Status.SEPARATED) for end in ends):
-            with suppress(Exception):  # of lanes whose numbers are unlike: likewise
+            with suppress(Exception):  # The numbers of the lanes differ in shape. The separate run reports the problem.
                 return self._measured([Run(*both) for both in zip(starts, ends, strict=True)])
         return self.outcome(values)
 
     def outcome(self, values: Mapping[str, Any]) -> Outcome:
-        """One point. What goes wrong with it is its status and reason."""
+        """Compute one point. An error becomes its status and reason."""
         try:
             if isinstance(self.source, ScenePoints):
                 return self._measured([Run(start) for start in self.source.starts(values)])
@@ -178,20 +201,20 @@ class Work:
             elif not isinstance(found, Outcome):
                 return self._measured([_run_of(found)])
             return replace(found, values={name: _number_of(name, value) for name, value in found.values.items()})
-        except Exception as error:  # whatever a point or a user's function does, the others go on
+        except Exception as error:  # An error at one point, or in a user's function, must not stop the others.
             return Outcome({}, PointStatus.REFUSED, 0, _sentence_of(error))
 
     def _measured(self, runs: Sequence[Run]) -> Outcome:
-        """What is measured of the runs of all lanes at a point; a measure that cannot be taken of one has no number there."""
+        """Take all measures of the runs of all lanes at a point. A measure that fails for a run has no number there."""
         measures = [find_measure(item) if isinstance(item, str) else item for item in self.measures]
         numbers: dict[str, Array] = {}
-        without: dict[str, dict[str, None]] = {}  # measures that cannot be taken, by the reason
+        without: dict[str, dict[str, None]] = {}  # reasons why measures fail, each with the names of the measures
 
         def taken(measure: Measure, run: Run) -> Array | None:
             try:
                 return _number_of(measure.name, measure.function(run))
             except Exception as error:
-                _ = run.motion  # a run that cannot be is no matter of the measure, and raises here
+                _ = run.motion  # If the run itself is invalid, this raises its error; the measure is not the cause.
                 without.setdefault(_sentence_of(error), {})[measure.name] = None
                 return None
 
@@ -207,7 +230,7 @@ class Work:
 
 
 def _run_of(found: Any) -> Run:
-    """The Run of what a function returned."""
+    """Return the Run for the result of a function."""
     if isinstance(found, Trajectory):
         return Run(LaneStart(found.chain, found.velocity[0], _settings_of(found)), found)
     if isinstance(found, tuple) and len(found) in (2, 3) and isinstance(found[0], Chain):
@@ -217,7 +240,10 @@ def _run_of(found: Any) -> Run:
 
 
 def _settings_of(found: Trajectory) -> dict[str, Any]:
-    """The keywords of `simulate` that gave it. Raises StudyError where its samples do not tell its start and its end."""
+    """Return the keywords of `simulate` that reproduce a Trajectory.
+
+    Raise StudyError if its samples do not include the start and the end of the run.
+    """
     whole = found.status.gave_up or np.allclose(found.velocity[-1], found.final_velocity, rtol=1e-9, atol=1e-9)
     if found.time[0] != 0.0 or not whole:
         raise StudyError("the samples of a Trajectory that is measured must begin and end with its run")
@@ -227,13 +253,13 @@ def _settings_of(found: Trajectory) -> dict[str, Any]:
 
 
 def _sentence_of(error: BaseException) -> str:
-    """What an error says, in one line; errors that are no refusals have their name before it."""
+    """Return the message of an error in one line. Errors other than ValueError are preceded by their name."""
     text = " ".join(str(error).split())
     return text if isinstance(error, ValueError) and text else f"{type(error).__name__}: {text}".rstrip(": ")
 
 
 def _number_of(name: str, value: Any) -> Array:
-    """The value of a measure as an array. Raises StudyError where it is none."""
+    """Return the value of a measure as an array. Raise StudyError if it is not numeric."""
     with suppress(TypeError, ValueError):
         if not np.iscomplexobj(value):
             return as_floats(value)
@@ -241,12 +267,12 @@ def _number_of(name: str, value: Any) -> Array:
 
 
 def as_floats(value: Value) -> Array:
-    """A number, or a list of them, as an array; None is nan."""
+    """Return a number or a list of numbers as an array; None becomes NaN."""
     return np.asarray(np.nan if value is None else value, dtype=np.float64)
 
 
 def stacked(arrays: Sequence[Array | None]) -> Array:
-    """(N, ...) the arrays in the largest shape among them, nan where one has no number, or is None."""
+    """Return the arrays stacked to (N, ...), padded with NaN to the largest shape. None becomes a row of NaN."""
     given = [array for array in arrays if array is not None]
     if len({array.ndim for array in given}) > 1:
         raise StudyError(UNLIKE)
@@ -260,7 +286,7 @@ def stacked(arrays: Sequence[Array | None]) -> Array:
 
 
 def packed(begin: int, outcomes: Sequence[Outcome], seconds: float = 0.0) -> Chunk:
-    """The outcomes of the points from `begin` on as arrays."""
+    """Return the outcomes of the points from `begin` on as a chunk of arrays."""
     names = dict.fromkeys(name for outcome in outcomes for name in outcome.values)
     columns: dict[str, NDArray[Any]] = {
         name: stacked([as_floats(o.values[name]) if name in o.values else None for o in outcomes]) for name in names
@@ -272,7 +298,9 @@ def packed(begin: int, outcomes: Sequence[Outcome], seconds: float = 0.0) -> Chu
 
 
 def merged(chunks: Sequence[Chunk], count: int) -> Chunk:
-    """All chunks, in the order of their points, as one. Raises StudyError where a measure is a number here and a list there."""
+    """Return all chunks, in the order of their points, as one. Raise StudyError if a measure is a number in one and a
+    list in another.
+    """
     columns: dict[str, NDArray[Any]] = {}
     for name in dict.fromkeys(name for chunk in chunks for name in chunk.columns):
         found = [chunk.columns.get(name) for chunk in chunks]
@@ -288,13 +316,13 @@ def merged(chunks: Sequence[Chunk], count: int) -> Chunk:
 
 
 def lost(begin: int, times: int) -> Chunk:
-    """The one point of number `begin`, whose process died so many times."""
+    """Return the chunk of the single point `begin`, whose process died `times` times."""
     return packed(begin, [Outcome({}, PointStatus.LOST, 0, f"the process that computed it died, {times} times")])
 
 
 @lru_cache(maxsize=1)
 def current_versions() -> dict[str, str]:
-    """Versions of all that the numbers of a sweep depend on."""
+    """Return the versions of everything that the numbers of a sweep depend on."""
     import scipy
     from softcradle.physics.source_digest import PHYSICS, digest_of
     from softcradle.physics.trajectory_file import versions
@@ -304,7 +332,7 @@ def current_versions() -> dict[str, str]:
 
 
 def compute_checked(work: Work, begin: int, end: int, seconds: float) -> Chunk:
-    """A chunk, in another process, where everything has the same version as here. Raises StudyError."""
+    """Compute a chunk in another process. Raise StudyError if a version in that process differs from that of the sweep."""
     own = current_versions()
     for name, wanted in work.versions.items():
         if own[name] != wanted:
@@ -315,7 +343,7 @@ def compute_checked(work: Work, begin: int, end: int, seconds: float) -> Chunk:
 
 
 def sweep_work(what: Scene | str | Callable[..., Any], points: Points, measures: Sequence[str | Measure]) -> Work:
-    """The Work of a sweep; all that can be checked before it begins is. Raises StudyError, or the SceneError of a file."""
+    """Return the Work of a sweep, after all checks that are possible before it starts. Raise StudyError or SceneError."""
     names = [find_measure(item).name if isinstance(item, str) else item.name for item in measures]
     check_names("parameter", [axis.coordinate for axis in points.axes], names)
     check_names("measure", names)
@@ -333,16 +361,16 @@ def sweep_work(what: Scene | str | Callable[..., Any], points: Points, measures:
 
 
 def check_names(what: str, names: Iterable[Any], others: Sequence[str] = ()) -> None:
-    """Refuse names that a variable of the Dataset cannot have beside the `others`. Raises StudyError."""
+    """Raise StudyError if one of `names` cannot be the name of a variable of the Dataset. Names in `others` are taken."""
     for name in names:
         if not (isinstance(name, str) and name) or name in (*TAKEN, *others) or set(name) & set(" /"):
             raise StudyError(f"a {what} cannot be called {name!r}: give it another name")
 
 
 def check_columns(chunk: Chunk, work: Work, known: dict[str, int]) -> None:
-    """Refuse what a function returns where the Dataset cannot hold it; `known` has the dimensions of numbers before it.
+    """Raise StudyError if the Dataset cannot hold the numbers that a function returned.
 
-    Raises StudyError.
+    `known` contains the number of dimensions of each column so far, and is updated.
     """
     columns = {name: column for name, column in chunk.columns.items() if name not in (STATUS, WARNED, REASON)}
     inner = [f"{name}_item" for name, column in columns.items() if column.ndim > 1]
@@ -353,7 +381,7 @@ def check_columns(chunk: Chunk, work: Work, known: dict[str, int]) -> None:
 
 
 def _check(source: ScenePoints, points: Points) -> None:
-    """Refuse a path that is not there, and first or last values that cannot be."""
+    """Raise StudyError if a path does not exist in the scene, or if a first or last value is invalid."""
     first = {axis.path: axis.ends()[0] for axis in points.axes}
     for changed in [first, *(first | {axis.path: axis.ends()[1]} for axis in points.axes)]:
         try:
@@ -363,7 +391,7 @@ def _check(source: ScenePoints, points: Points) -> None:
 
 
 def function_name(function: Any) -> str:
-    """The name of a function, with its module."""
+    """Return the name of a function with its module."""
     if isinstance(function, partial):
         return f"partial({function_name(function.func)})"
     return f"{getattr(function, '__module__', '?')}.{getattr(function, '__qualname__', type(function).__name__)}"
