@@ -1,4 +1,4 @@
-"""The console that commands print to: tables that fit its width, and notes and progress that --quiet leaves out."""
+"""Console output of the commands: tables that fit the width, and notes and progress that the option --quiet suppresses."""
 
 from __future__ import annotations
 
@@ -14,34 +14,35 @@ if TYPE_CHECKING:
     from rich.progress import Progress
     from rich.table import Table
 
-WIDTH_OF_A_PIPE = 120  # columns of text; rich assumes 80 for a file or a pager
-MINUTE = 60.0  # s
-LINE_AFTER = MINUTE  # s between two lines of progress in a file
+# Width of the output in a file or a pipe [columns]. The default of rich, 80, is too narrow for the tables.
+WIDTH_OF_A_PIPE = 120
+MINUTE = 60.0  # A minute [s].
+LINE_AFTER = MINUTE  # Time between two lines of progress in a file [s].
 _state = {"quiet": False}
 
 
 def set_quiet(quiet: bool) -> None:
-    """Leave out progress and notes from now on, or not; results and warnings stay."""
+    """Suppress progress and notes from now on if `quiet`. Results and warnings are still printed."""
     _state["quiet"] = quiet
 
 
 def is_quiet() -> bool:
-    """Whether progress and notes are left out."""
+    """Return True if progress and notes are suppressed."""
     return _state["quiet"]
 
 
 def note(text: str) -> None:
-    """Print a line that is no result, such as the name of a file that was written."""
+    """Print a line that is not a result, such as the name of a written file."""
     if not is_quiet():
         print(text, flush=True)
 
 
 def console(*, error: bool = False) -> Console:
-    """A console that prints text without markup, because labels come from users and may hold brackets."""
+    """Return a console that prints text without markup, because labels come from users and may contain brackets."""
     from rich.console import Console
 
     class Told(Console):
-        """A closed pipe is told as any other print tells it: `main` makes an exit code of that."""
+        """Console that raises the error of a closed pipe, like `print` does. `main` turns it into an exit code."""
 
         def on_broken_pipe(self) -> None:
             raise  # noqa: PLE0704 - it is called where the error is handled
@@ -53,12 +54,12 @@ def console(*, error: bool = False) -> Console:
 
 
 class ProgressShown:
-    """How far a command is, on standard error: on a terminal a bar that disappears, in a file a line a minute.
+    """Progress of a command on standard error: on a terminal a bar that disappears, in a file one line per minute.
 
     Arguments:
-        what: what is counted; the "points" that a study tells of are these.
-        count: how many there are; None where that is told later.
-        shown: whether to show anything.
+        what: name of the counted items. Studies that report "points" count these items.
+        count: number of items; None if it is reported later.
+        shown: True if the progress is printed.
     """
 
     def __init__(self, what: str, count: int | None = None, shown: bool = True) -> None:
@@ -84,10 +85,10 @@ class ProgressShown:
         if self._bar is not None:
             self._bar.stop()
         if self._lines is not None:
-            self._lines.join()  # nothing is written behind what the command says next
+            self._lines.join()  # A late line of progress must not follow the results of the command.
 
     def tell(self, what: str, done: int, count: int | None = None) -> None:
-        """So many are done, of so many."""
+        """Report that `done` of `count` items are finished."""
         what = self._points if what == "points" else what
         if (what, count) != (self._what, self._count):
             self._began, self._before = monotonic(), done
@@ -96,16 +97,16 @@ class ProgressShown:
             self._bar.update(self._task, description=what, completed=done, total=count)
 
     def advance(self, by: int = 1) -> None:
-        """So many more are done."""
+        """Report that `by` more items are finished."""
         self.tell(self._what, self._done + by, self._count)
 
     def _write_lines(self) -> None:
         while not self._ended.wait(LINE_AFTER):
-            with suppress(OSError, ValueError):  # a full disk, a closed stream
+            with suppress(OSError, ValueError):  # The disk may be full, or the stream closed.
                 print(f"softcradle: {self.line(monotonic() - self._began)}", file=sys.stderr, flush=True)
 
     def line(self, seconds: float) -> str:
-        """How far it is after so many seconds: done, rate, time left."""
+        """Return a line with the finished items, the rate and the remaining time after `seconds`."""
         of = "" if self._count is None else f" of {self._count}"
         rate = (self._done - self._before) / max(seconds, 1e-9)
         told = f"{self._what}: {self._done}{of}, after {_duration(seconds)}"
@@ -128,7 +129,7 @@ def _duration(seconds: float) -> str:
 
 
 def table(*columns: str, numbers: bool = False) -> Table:
-    """An empty table; with `numbers`, all columns after the first are aligned right."""
+    """Return an empty table. With `numbers`, all columns after the first are aligned to the right."""
     from rich import box
     from rich.table import Table
 
@@ -141,7 +142,7 @@ def table(*columns: str, numbers: bool = False) -> Table:
 def print_rows(
     titles: Sequence[str], rows: Iterable[Sequence[str]], numbers: bool = False, output: Console | None = None
 ) -> None:
-    """Print rows of texts below their titles, see `table` and `print_table`."""
+    """Print rows of text below their titles, see `table` and `print_table`."""
     grid = table(*titles, numbers=numbers)
     for row in rows:
         grid.add_row(*row)
@@ -149,18 +150,21 @@ def print_rows(
 
 
 def print_json(content: object) -> None:
-    """Print JSON, see `readable_json`."""
+    """Print `content` as JSON, see `readable_json`."""
     from softcradle.sandbox.files import readable_json
 
     print(readable_json(content))
 
 
 def print_table(output: Console, grid: Table) -> None:
-    """Print a table: on a terminal that is too narrow for its numbers as a record a row; in a pipe as wide as it is."""
+    """Print a table without breaking its numbers.
+
+    If it is too wide for a terminal, print each row as a record of several lines. In a pipe, print the full width.
+    """
     from rich.measure import Measurement
 
     numbers = grid.columns[-1].justify == "right"
-    for column in grid.columns if numbers else ():  # labels and numbers are not broken
+    for column in grid.columns if numbers else ():  # Labels and numbers must not be broken.
         lines = [line for cell in column.cells for line in str(cell).splitlines()]
         column.min_width = max(map(len, lines), default=0)
     needed = Measurement.get(output, output.options.update(max_width=10_000), grid).minimum
@@ -173,14 +177,14 @@ def print_table(output: Console, grid: Table) -> None:
 
 
 def _is_whole(output: Console, grid: Table) -> bool:
-    """Whether every word of the table is printed: it may be a column wider than it is measured."""
+    """Return True if every word of the table is printed unbroken. A column may need more width than rich measures."""
     text = "\n".join("".join(segment.text for segment in line) for line in output.render_lines(grid))
     words = [word for column in grid.columns for cell in (column.header, *column.cells) for word in str(cell).split()]
     return all(word in text for word in words)
 
 
 def _print_records(output: Console, grid: Table) -> None:
-    """Each row as lines of title and value, below its first cell."""
+    """Print each row as lines of title and value below its first cell."""
     titles = [" ".join(str(column.header).split()) for column in grid.columns]
     for row in zip(*(column.cells for column in grid.columns), strict=True):
         output.print(f"{titles[0]} {row[0]}".strip(), style="bold")

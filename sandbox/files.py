@@ -1,4 +1,4 @@
-"""Files: assets of the package; what commands write, complete or not at all, with a UserError where that cannot be."""
+"""Files: assets of the package, and output files that are written completely or not at all. Errors become UserErrors."""
 
 import json
 import os
@@ -14,12 +14,14 @@ _PACKAGE = Path(__file__).parent
 
 
 def output_file(path: Name) -> AbstractContextManager[Path]:
-    """A temporary path with the same suffix, moved to `path` at the end; UserError at once where that cannot be."""
+    """Yield a temporary path with the same suffix, which is moved to `path` at the end. Raise UserError at once if it
+    cannot be written.
+    """
     return _user_errors(atomic_files.output_file(path), path)
 
 
 def output_folder(path: Name) -> AbstractContextManager[Path]:
-    """A temporary folder, moved to `path` at the end; UserError at once where that cannot be."""
+    """Yield a temporary folder, which is moved to `path` at the end. Raise UserError at once if it cannot be written."""
     return _user_errors(atomic_files.output_folder(path), path)
 
 
@@ -28,13 +30,16 @@ def _user_errors(opened: AbstractContextManager[Path], path: Name) -> Iterator[P
     try:
         with opened as temporary:
             yield temporary
-    except OSError as error:  # raised on opening, and by a full disk while writing
+    except OSError as error:  # raised when the file is opened, or when the disk fills up during writing
         raise UserError(str(error) if error.errno is None else f"cannot write {path}: {reason(error)}") from error
 
 
 @contextmanager
 def filled_folder(path: Name) -> Iterator[Path]:
-    """The folder of that name, made where it does not exist, and removed again where it is left empty (UserError)."""
+    """Yield the folder `path`. Create it if it does not exist, and remove a new folder at the end if it is empty.
+
+    Raise UserError if the folder cannot be created.
+    """
     is_new = not os.path.exists(path)
     folder = Path(path)
     try:
@@ -46,17 +51,17 @@ def filled_folder(path: Name) -> Iterator[Path]:
         yield folder
     finally:
         if is_new:
-            with suppress(OSError):  # of a folder that something was written to
+            with suppress(OSError):  # A folder with content cannot be removed.
                 folder.rmdir()
 
 
 def readable_json(content: object) -> str:
-    """JSON on lines of its own; what is no number must be None. Raises ValueError."""
+    """Return `content` as indented JSON. NaN and infinity must be replaced by None before; otherwise raise ValueError."""
     return json.dumps(content, indent=2, allow_nan=False)
 
 
 def resource(name: str) -> Path:
-    """Path of the file `name` under assets/. Raises FileNotFoundError where the installation is incomplete."""
+    """Return the path of the file `name` in assets/. Raise FileNotFoundError if the installation is incomplete."""
     for folder in (_PACKAGE / "assets", _PACKAGE.parent / "assets"):
         if (folder / name).is_file():
             return folder / name

@@ -1,7 +1,8 @@
-"""Tables of measurements as other programs export them: read with their quantities and units, or refused with the place.
+"""Reader for tables of measurements as other programs export them. It finds the quantity and unit of each column, or
+reports line and column of the problem.
 
-Read are tables of numbers with one line of names above them, as Tracker, phyphox, Qualisys, Logger Pro, Capstone,
-spreadsheets and pandas write them. A quantity is taken from the name and the unit of its column, never from its numbers.
+It accepts tables of numbers with one line of names above them, as Tracker, phyphox, Qualisys, Logger Pro, Capstone,
+spreadsheets and pandas write them. The quantity follows from the name and the unit of a column, never from its numbers.
 
 Tests: tests/sandbox/test_measured_table.py
 """
@@ -43,15 +44,16 @@ QUANTITY_NAMES = {
     MOMENTUM: N_("momentum"),
     MASS: N_("mass"),
 }
-# The characters that separate the cells of a line. Of several that fit a file equally well the first is taken.
-DELIMITERS = ("\t", ";", ",", None)  # None: blanks
-# Texts of cells without a value, in lower case: of pandas, NumPy, R, Excel (English, German, French) and by hand.
+# Characters that separate the cells of a line. If several fit a file equally well, the first one is used.
+DELIMITERS = ("\t", ";", ",", None)  # None stands for blanks.
+# Lower-case texts of cells without a value, as written by pandas, NumPy, R, Excel (English, German, French) and by
+# hand.
 MISSING = frozenset(
     ("", "nan", "na", "n/a", "#n/a", "#na", "#nv", "null", "none", "-", "--", "—", "#div/0!", "#value!")
 )
 # Names of columns that count rows or frames.
 COUNTERS = ("frame", "#", "index", "row", "sample", "bild", "nr", "n")
-# Lines of numbers that a table needs.
+# Smallest number of lines with numbers in a table.
 FEWEST_ROWS = 2
 # Factor from each unit to the SI unit of its quantity.
 UNITS: dict[str, tuple[str, float]] = {
@@ -88,7 +90,7 @@ UNITS: dict[str, tuple[str, float]] = {
     "kgm/s": (MOMENTUM, 1.0),
     "kg": (MASS, 1.0),
 }
-# Units that differ in the case of a letter only: their lower case means something else.
+# Units in which the case of a letter matters. UNITS contains another meaning of the same letters in lower case.
 EXACT_UNITS = {"MN": (FORCE, 1e6), "MJ": (ENERGY, 1e6)}
 SUPERSCRIPTS = str.maketrans({"²": "2", "³": "3", "⁻": "-", "¹": "1", "·": "", "*": "", "^": "", "µ": "u", "μ": "u"})
 # Words and symbols of each quantity, in English, German and French. A symbol can have an index: v0, v_x, v_{x}, vx.
@@ -104,13 +106,13 @@ WORDS = {
 SYMBOLS = {"t": TIME, "x": POSITION, "y": POSITION, "z": POSITION, "v": VELOCITY, "a": ACCELERATION, "f": FORCE}
 SYMBOL = re.compile(r"([a-z])[ _]*(?:\{([^}]*)\}|\(([a-z\d]+)\)|([xyz]?\d*|\d+-\d+))")
 AXIS = re.compile(r"(?:^|[\s_{(])([xyz])(?:[\s_})]|$)")
-# Amounts without a direction: not a velocity or an acceleration along the row.
+# Names of amounts without a direction. They are not velocities or accelerations along the row.
 ABSOLUTE = re.compile(r"\bspeed\b|\babsolute?\b|\babsolut\w*\b|^\|.*\|$|\bmagnitude\b|\btempo\b|\bbetrag\b")
 UNIT_IN_NAME = re.compile(r"^(.*?)\s*(?:\(([^()]+)\)|\[([^\[\]]+)\]|\s/\s*(\S+)|\bin\s+(\S+))((?:\s.*)?)$")
 
 
 class Header(NamedTuple):
-    """The meaning of a column: name, quantity ("" if the name says nothing), axis, factor to SI units, unit in the file."""
+    """Meaning of a column: name, quantity ("" if it is unknown), axis, factor to SI units, and unit in the file."""
 
     name: str
     quantity: str
@@ -121,12 +123,12 @@ class Header(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Column:
-    """One measured quantity over time.
+    """Measured quantity over time.
 
     Attributes:
         name: name in the file, without its unit.
         quantity: "position", "velocity", "acceleration", "force", "energy", "momentum" or "mass"; "" if unknown.
-        axis: "x", "y" or "z" if the name says so, else "".
+        axis: "x", "y" or "z" if the name contains it, else "".
         unit: unit in the file; "" if it has none, and the values are then taken to be in SI units.
         values: (T,) in SI units; NaN if a cell is empty.
     """
@@ -140,7 +142,7 @@ class Column:
 
 @dataclass(frozen=True, eq=False)
 class MeasuredTable:
-    """A table of measurements.
+    """Table of measurements.
 
     Attributes:
         name: name of the file.
@@ -163,7 +165,9 @@ class MeasuredTable:
 
 
 def read_table(path: str | Path) -> MeasuredTable:
-    """Read a table of measurements. Raise UserError with line, column and remedy if it is not clear what it means."""
+    """Read a table of measurements. Raise UserError with line, column and remedy if the meaning of the table is
+    unclear.
+    """
     path = Path(path)
     lines = re.split(r"\r\n|\r|\n", _text(path))
     layout = _layout(path, lines)
@@ -222,7 +226,11 @@ def _text(path: Path) -> str:
 
 
 class Layout(NamedTuple):
-    """How a file is written: delimiter, decimal mark, line of the names (from 1), cells of that line, rows of numbers."""
+    """Format of a file.
+
+    It consists of the delimiter, the decimal mark, the number of the line with the names (from 1), the cells of that
+    line, and the rows of numbers.
+    """
 
     delimiter: str | None
     mark: str
@@ -234,8 +242,9 @@ class Layout(NamedTuple):
 def _cells(line: str, delimiter: str | None) -> list[str]:
     """Return the cells of a line, without the blanks around them."""
     if delimiter is None:
-        return re.split(r"\s+(?![(\[])", line.strip())  # a unit in brackets belongs to its name
-    with contextlib.suppress(csv.Error):  # a quote that is not closed: its cell is then no number
+        return re.split(r"\s+(?![(\[])", line.strip())  # A unit in brackets belongs to the name before it.
+    # If a quote is not closed, the line is split plainly, and the cell is not a number.
+    with contextlib.suppress(csv.Error):
         return [
             cell.strip()
             for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True, strict=True), [])
@@ -244,7 +253,7 @@ def _cells(line: str, delimiter: str | None) -> list[str]:
 
 
 def _value(cell: str, mark: str) -> float | None:
-    """Return the number in a cell, NaN if it is empty, or None if it is not a finite number."""
+    """Return the number in a cell, NaN if the cell is empty, or None if the content is not a finite number."""
     if cell.lower() in MISSING:
         return math.nan
     text = cell.replace("\u2212", "-")
@@ -260,7 +269,9 @@ def _value(cell: str, mark: str) -> float | None:
 
 
 def _numeric(cells: Sequence[str], mark: str) -> bool:
-    """Return True if the cells are at least two, all of them numbers or empty, and the first or two of them numbers."""
+    """Return True if a line looks like data: at least two cells, all numeric or empty, and the first cell or any two of
+    them numeric.
+    """
     if len(cells) < 2:
         return False
     values = [_value(cell, mark) for cell in cells]
@@ -270,7 +281,7 @@ def _numeric(cells: Sequence[str], mark: str) -> bool:
 
 
 def _layout(path: Path, lines: list[str]) -> Layout:
-    """Find how the file is written: the delimiter and decimal mark by which most lines are numbers."""
+    """Find the format of the file: the delimiter and the decimal mark with which most lines are numeric."""
     best: tuple[int, str | None, str] = (0, None, ".")
     for delimiter in DELIMITERS:
         for mark in ".", ",":
@@ -296,7 +307,7 @@ def _layout(path: Path, lines: list[str]) -> Layout:
 
 
 def _row(path: Path, line: int, cells: list[str], mark: str, names: list[str]) -> list[float]:
-    """Return the numbers of a line. Raise UserError for a cell that is not one."""
+    """Return the numbers of a line. Raise UserError if a cell is not a number."""
     found = []
     for k, cell in enumerate(cells):
         number = _value(cell, mark)
@@ -317,7 +328,7 @@ def _row(path: Path, line: int, cells: list[str], mark: str, names: list[str]) -
 
 
 def _headers(path: Path, lines: list[str], layout: Layout) -> list[Header]:
-    """Return the meaning of each column, from the line of names and, if there is one, a line of units below it."""
+    """Return the meaning of each column, from the line of names and, if present, a line of units below it."""
     width = len(layout.rows[0][1])
     markers = _qualisys_markers(lines)
     if markers and 3 * len(markers) == width:
@@ -349,7 +360,8 @@ def _headers(path: Path, lines: list[str], layout: Layout) -> list[Header]:
     owners = _owners(lines, layout, len(names))
     headers = [_header(path, line, k + 1, name) for k, name in enumerate(names)]
     _require_units(path, line, headers)
-    if owners and headers[0].quantity == TIME:  # Tracker: v and a are amounts, v_{x} and a_{x} components
+    # In files of Tracker, v and a are amounts; v_{x} and a_{x} are components.
+    if owners and headers[0].quantity == TIME:
         headers = [one._replace(quantity="") if one.name in ("v", "a") else one for one in headers]
     return [
         one._replace(name=f"{owners[k]} {one.name}".strip()) if k in owners and k else one
@@ -358,7 +370,7 @@ def _headers(path: Path, lines: list[str], layout: Layout) -> list[Header]:
 
 
 def _require_units(path: Path, line: int, headers: list[Header]) -> None:
-    """Raise UserError if a column has no unit and another one of the same quantity has a unit other than SI."""
+    """Raise UserError if a column has no unit and another column of the same quantity has a unit other than SI."""
     for k, one in enumerate(headers):
         other = next((two for two in headers if two.quantity == one.quantity and two.factor != 1.0), None)
         if one.quantity and not one.unit and other is not None:
@@ -372,7 +384,7 @@ def _require_units(path: Path, line: int, headers: list[Header]) -> None:
 
 
 def _owners(lines: list[str], layout: Layout, width: int) -> dict[int, str]:
-    """Return the names of the moving things above the columns, which Tracker writes in the line above the names."""
+    """Return the names of the tracked objects by column. Tracker writes them in the line above the names."""
     line = layout.names_line - 1
     if line < 1:
         return {}
@@ -390,7 +402,9 @@ def _owners(lines: list[str], layout: Layout, width: int) -> dict[int, str]:
 
 
 def _header(path: Path, line: int, column: int, text: str) -> Header:
-    """Return the meaning of a name such as ``Velocity (m/s)``. Raise UserError if its unit is unknown or contradicts it."""
+    """Return the meaning of a name such as ``Velocity (m/s)``. Raise UserError if its unit is unknown or contradicts
+    the name.
+    """
     match = UNIT_IN_NAME.match(text)
     unit = next(filter(None, match.groups()[1:5]), "").strip() if match else ""
     found = _unit(unit) if unit else None
@@ -431,7 +445,7 @@ def _unit(text: str) -> tuple[str, float] | None:
 
 
 def _quantity(name: str) -> tuple[str, str]:
-    """Return the quantity and the axis that a name without unit means, "" if it says neither."""
+    """Return the quantity and the axis of a name without a unit; "" for what the name does not contain."""
     plain = name.strip().lower()
     axis = next((found[1] for found in [AXIS.search(plain)] if found), "")
     if ABSOLUTE.search(plain):
@@ -448,14 +462,16 @@ def _quantity(name: str) -> tuple[str, str]:
 
 
 def _counts(header: Header) -> bool:
-    """Return True for the number of a frame or of a row."""
+    """Return True if the column counts frames or rows."""
     return not header.quantity and header.name.lower() in ("", "unnamed: 0", *COUNTERS)
 
 
 def _time(
     path: Path, headers: list[Header], numbers: Array, lines: list[str], layout: Layout
 ) -> tuple[int | None, Array]:
-    """Return the column of the time and the times [s]. Raise UserError if there is not exactly one."""
+    """Return the column of the time (or None) and the times [s]. Raise UserError if there is not exactly one such
+    column.
+    """
     timed = [k for k, header in enumerate(headers) if header.quantity == TIME]
     if len(timed) > 1:
         first, second = (headers[k].name for k in timed[:2])

@@ -1,4 +1,6 @@
-"""Quantities of a motion: name, unit, symbol, whose it is, its values. Plots, pictures, tables and notebooks read this table."""
+"""Table of the quantities of a motion with name, unit, symbol, owner and values, for plots, pictures, tables and
+notebooks.
+"""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -11,14 +13,14 @@ BEAD, CONTACT, CHAIN = "bead", "contact", "chain"
 
 
 class Quantity(NamedTuple):
-    """A number that every bead, every contact or the chain has.
+    """Quantity of every bead, of every contact, or of the chain.
 
     Attributes:
-        title: name and unit, as an axis has them; marked for translation.
-        column: the same above a column, where there is little room; marked in the context "column".
-        symbol: before an index.
-        owner: whose it is, 'bead', 'contact' or 'chain'.
-        values: (T, k) of a motion of beads that are so long [m].
+        title: name and unit, as on an axis; marked for translation.
+        column: short name and unit, as above a narrow column; marked for translation in the context "column".
+        symbol: symbol, which an index may follow.
+        owner: 'bead', 'contact' or 'chain'.
+        values: function that returns the (T, k) values of a motion whose beads have the given length [m].
     """
 
     title: str
@@ -34,12 +36,12 @@ class Quantity(NamedTuple):
 
     @property
     def unit(self) -> str:
-        """Its unit."""
+        """The unit in the title."""
         return self.title.rpartition(" (")[2].removesuffix(")")
 
     @property
     def label(self) -> str:
-        """Name and unit in the way of the paper's figures."""
+        """Name and unit in the style of the paper's figures."""
         return f"{self.name} [{self.unit}]"
 
 
@@ -62,7 +64,7 @@ STORED = Quantity(
     N_("stored energy (J)"), NP_("column", "stored energy (J)"), "S", CHAIN, lambda motion, _: motion.stored[:, None]
 )
 
-# by the letter that a person types
+# Quantities by the letter that a user types.
 QUANTITIES: dict[str, Quantity] = {
     "t": TIME,
     "x": POSITION,

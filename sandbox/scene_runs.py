@@ -1,4 +1,4 @@
-"""A scene by its name, and the trajectory of each of its lanes; what cannot be is a UserError."""
+"""Loading of a scene by its name, and simulation of its lanes. Errors become UserErrors."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 from softcradle.sandbox.user_error import UserError
 
-# Methods of runs for which neither a scene nor a person has chosen one; `simulate` itself, and so every study, takes "accurate".
-KEEPING = "conserving"  # of what must keep energy and momentum at any step
-SHOWN = KEEPING  # of what is looked at, live or in a film; its kernel compiles in seconds
-TOLD = "accurate"  # of what says how far another run is off
+# Methods of runs for which neither the scene nor the user has chosen one. `simulate` itself, and so every study, uses
+# "accurate".
+KEEPING = "conserving"  # for runs that must conserve energy and momentum at any time step
+SHOWN = KEEPING  # for runs that are shown live or in a film; its kernel compiles in seconds
+TOLD = "accurate"  # for runs that measure the error of other runs
 
 if TYPE_CHECKING:
     from softcradle.physics import Trajectory
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def load_scene(name_or_path: str) -> Scene:
-    """The scene of that name or in that file. Raises UserError with what is wrong with it."""
+    """Return the scene with this name or in this file. Raise UserError with its problems."""
     from softcradle.scenes import SceneError, load
 
     try:
@@ -27,12 +28,13 @@ def load_scene(name_or_path: str) -> Scene:
 
 
 def run_scene(scene: Scene, most: int | None = None, **overrides: Any) -> list[Trajectory]:
-    """The trajectory of every lane of `scene`; `overrides` are keywords of `physics.simulate`, None takes the scene's.
+    """Simulate every lane of `scene` and return the trajectories.
 
-    A lane that takes more than `most` steps times contacts has given up.
+    `overrides` are keywords of `physics.simulate`; None keeps the value of the scene. A lane gives up after `most`
+    divided by the number of contacts steps.
 
     Raises:
-        UserError: settings that the method does not take.
+        UserError: the method does not accept the settings.
     """
     from softcradle.physics.methods import refusal_of_fineness
 
@@ -44,7 +46,7 @@ def run_scene(scene: Scene, most: int | None = None, **overrides: Any) -> list[T
 
 
 def _run_lane(lane: Lane, settings: dict[str, Any], most: int | None) -> Trajectory:
-    from softcradle.physics.simulation import solve  # what may be wrong is in trajectory.warnings, which callers print
+    from softcradle.physics.simulation import solve  # This does not emit warnings; callers print trajectory.warnings.
 
     try:
         chain = lane.chain()

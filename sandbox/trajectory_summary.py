@@ -1,4 +1,4 @@
-"""The results of a trajectory as numbers, for tables and JSON."""
+"""Summary of a trajectory as numbers, for tables and JSON."""
 
 from __future__ import annotations
 
@@ -16,15 +16,18 @@ if TYPE_CHECKING:
     from softcradle.physics import Trajectory
 
 
-PREFIXES = ((1e6, "M"), (1e3, "k"), (1.0, ""))  # of units, the one that suits first
+PREFIXES = ((1e6, "M"), (1e3, "k"), (1.0, ""))  # Metric prefixes, the largest first.
 
 
 @dataclass(frozen=True)
 class BeadSummary:
-    """One bead: its mass [kg] (None: a wall), its velocities [m/s] at the start and at the end, and the error of the last.
+    """Results of one bead.
 
-    The velocity at the start is None where the samples begin later, that at the end where the motion did not stay finite. The
-    error is what the method states of itself; None where it states none (fixed steps).
+    Attributes:
+        mass: mass [kg]; None for a wall.
+        start_velocity: velocity at the start [m/s]; None if the samples begin later.
+        final_velocity: velocity at the end [m/s]; None if the motion did not stay finite.
+        velocity_error: estimated error of the final velocity [m/s]; None if the method has no estimate (fixed steps).
     """
 
     mass: float | None
@@ -35,15 +38,16 @@ class BeadSummary:
 
 @dataclass(frozen=True)
 class ContactSummary:
-    """One contact.
+    """Results of one contact.
 
     Attributes:
-        closed, opened: times at which it closed first and opened last [s]; None: never.
-        times: how often it closed.
-        still_closed: whether it is closed at the end.
-        largest_overlap, largest_force: [m], [N]; of the samples. None where the motion did not stay finite, and of a contact
-            that closed and opened between two samples.
-        largest_pull: [N]; 0 but for couplers, None likewise.
+        closed, opened: times of the first closing and the last opening [s]; None if there was none.
+        times: number of closings.
+        still_closed: True if the contact is closed at the end.
+        largest_overlap, largest_force: largest sampled overlap [m] and force [N]. None if the motion did not stay
+            finite,
+            or if the contact closed and opened between two samples.
+        largest_pull: largest pulling force of a coupler [N]; 0 for other contacts, None in the same cases.
     """
 
     closed: float | None
@@ -57,29 +61,33 @@ class ContactSummary:
 
 @dataclass(frozen=True)
 class Summary:
-    """The results of one lane.
+    """Results of one lane.
 
     Attributes:
-        label: the label of the lane.
-        beads, contacts: from left to right.
+        label: label of the lane.
+        beads, contacts: results from left to right.
         end: time of the last sample [s].
-        velocity_error: the largest of those of the beads [m/s]; None where the method states none.
-        energy_error: largest change of the energy ledger (:attr:`Trajectory.ledger`), relative to the energy at the start,
-            in a motion that is driven (by drive, forces, moving walls, pointer or edits) to the largest energy; None where that
-            is 0, or the ledger is not known.
-        energy_error_at_end: the same at the end; errors of explicit methods are largest during the collision.
-        momentum_error: largest change of the momentum that these do not explain, relative to the sum of abs(m v) at the
-            start, in a driven motion to the largest such sum; None where that is 0 or a wall or bed takes momentum.
-        absorbed_by_contacts, absorbed_by_bed: energy [J] that contacts with loss and bed friction took until the end; None
-            where the motion did not stay finite.
+        velocity_error: largest estimated error of a velocity [m/s]; None if the method has no estimate.
+        energy_error: largest change of the energy balance (:attr:`Trajectory.ledger`) relative to the energy at the
+            start.
+            In a driven motion (drive, forces, moving walls, pointer or edits) it is relative to the largest energy.
+                None if
+            that energy is 0 or the balance is not known.
+        energy_error_at_end: the same at the end. Errors of explicit methods are largest during the collision.
+        momentum_error: largest unexplained change of the momentum, relative to the sum of abs(m v) at the start, or to
+            the
+            largest such sum in a driven motion. None if that sum is 0, or if a wall or the bed exchanges momentum.
+        absorbed_by_contacts, absorbed_by_bed: energy [J] that contacts with loss and bed friction absorbed until the
+            end;
+            None if the motion did not stay finite.
         method: name of the method.
-        step: [s]; 0 where the method chooses its steps.
-        tolerance: 0 where the step is fixed.
-        steps, evaluations, milliseconds: cost.
-        warnings: sentences on what may be wrong.
-        status: how the run ended, a name of :class:`softcradle.physics.Status` in small letters.
-        choice: what method "auto" chose and why; "" where the method was given.
-        gave_up: whether the run stopped before its end: the final velocities are then those of the time it reached.
+        step: time step [s]; 0 if the method chooses its steps.
+        tolerance: tolerance; 0 if the step is fixed.
+        steps, evaluations, milliseconds: cost of the run.
+        warnings: sentences about possible errors of the results.
+        status: end of the run, a name of :class:`softcradle.physics.Status` in lower case.
+        choice: method that "auto" chose, with the reason; "" if the method was given.
+        gave_up: True if the run stopped before its end. Then the final velocities are those at the time it reached.
     """
 
     label: str
@@ -106,7 +114,9 @@ class Summary:
 
 @dataclass(frozen=True)
 class ResultTable:
-    """Titles with units, rows of texts, and what rows mean: what a terminal, a page and a notebook show, each in its own way."""
+    """Table of results: titles with units, rows of texts, and hints about the rows. Terminal, page and notebook show it
+    in their own ways.
+    """
 
     titles: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
@@ -114,7 +124,7 @@ class ResultTable:
 
 
 def bead_table(summary: Summary) -> ResultTable:
-    """A row a bead."""
+    """Return a table with one row for each bead."""
     last = _("velocity when it gave up [m/s]") if summary.gave_up else _("final velocity [m/s]")
     rows = (
         (
@@ -129,12 +139,12 @@ def bead_table(summary: Summary) -> ResultTable:
 
 
 def mass_text(mass: float | None) -> str:
-    """A mass [kg] in a table; None and inf are walls."""
+    """Return the text of a mass [kg] in a table; None and inf mean a wall."""
     return _("wall") if mass is None or mass == math.inf else plain(mass, 6)
 
 
 def contact_table(summary: Summary) -> ResultTable:
-    """A row a contact."""
+    """Return a table with one row for each contact."""
     pulls = any(contact.largest_pull for contact in summary.contacts)
     size, prefix = unit_prefix(
         max((size or 0.0 for item in summary.contacts for size in (item.largest_force, item.largest_pull)), default=0.0)
@@ -157,17 +167,17 @@ def contact_table(summary: Summary) -> ResultTable:
 
 
 def unit_prefix(largest: float) -> tuple[float, str]:
-    """(size, prefix) of the unit that suits numbers up to `largest`, of which 1000 are 1 k."""
+    """Return (size, prefix) of the metric prefix that suits numbers up to `largest`: (1000, "k") from 1000 on."""
     return next((size, name) for size, name in PREFIXES if size == 1.0 or largest >= size)
 
 
 def in_unit(value: float | None, size: float) -> str:
-    """Six digits of `value` in a unit of this `size`; a dash where it is not known."""
+    """Return `value` with six digits in a unit of this `size`; a dash if it is not known."""
     return "-" if value is None else signed(f"{value / size:.6g}")
 
 
 def _speed(velocity: float | None) -> str:
-    """Eight decimals; of a speed that these would not fit or show, eight digits."""
+    """Return a velocity with eight decimals, or with eight significant digits if it is very small or very large."""
     if velocity is None:
         return "-"
     fits = velocity == 0.0 or 1e-4 <= abs(velocity) < 1e6
@@ -180,9 +190,10 @@ def _time(time: float | None) -> str:
     return signed(f"{time:.6f}" if time == 0.0 or 1e-3 <= time < 1e6 else f"{time:.6g}")
 
 
-@np.errstate(over="ignore", invalid="ignore")  # what did not stay finite is None, and `trajectory.warnings` say why
+# Values that are not finite become None, and `trajectory.warnings` contain the cause.
+@np.errstate(over="ignore", invalid="ignore")
 def summarise(label: str, trajectory: Trajectory) -> Summary:
-    """The Summary of a lane's `trajectory`. Peaks are those of its samples, so they need fine samples."""
+    """Return the summary of the `trajectory` of a lane. Its peak values are those of the samples, so use fine samples."""
     energy = trajectory.ledger
     change = np.abs(energy - energy[0])
     whole = energy + trajectory.driven + trajectory.by_walls
@@ -247,7 +258,7 @@ def _momentum_error(trajectory: Trajectory) -> float | None:
 
 
 def _is_driven(trajectory: Trajectory) -> bool:
-    """Whether something from outside gives energy: drive, forces over time, moving walls, pointer or edits of a session."""
+    """Return True if energy comes from outside: drive, forces over time, moving walls, pointer or edits of a session."""
     return trajectory.chain.driven or bool(trajectory.given.any() or trajectory.by_walls.any())
 
 

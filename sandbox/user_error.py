@@ -1,4 +1,4 @@
-"""UserError, the one exception that a user sees: a sentence about what to change, without a traceback."""
+"""UserError, the only exception that a user sees: one sentence that helps to correct the input, without a traceback."""
 
 import difflib
 from collections.abc import Iterable, Mapping, Sequence
@@ -6,29 +6,33 @@ from typing import TypeVar
 
 Named = TypeVar("Named")
 
-MISTAKE = 2  # what the user asked for cannot be done
-GAVE_UP = 3  # a run gave up before its end: what was printed and written is not the whole motion
-POINTS_LOST = 4  # a sweep is done, but at some of its points every process died
-HUNG_UP = 129  # the terminal was closed
+MISTAKE = 2  # The request of the user is invalid or impossible.
+GAVE_UP = 3  # A run gave up before its end, so the printed and written results do not cover the whole motion.
+POINTS_LOST = 4  # A sweep is complete, but at some points every process died.
+HUNG_UP = 129  # The terminal was closed.
 INTERRUPTED = 130
 CLOSED_PIPE = 141
 TERMINATED = 143
 
 
 class UserError(Exception):
-    """One sentence for the user; the command prints it as ``softcradle: sentence`` on stderr and exits with code 2."""
+    """Error with one sentence for the user. The command prints ``softcradle: sentence`` on stderr and exits with code
+    2.
+    """
 
 
 class GaveUpError(UserError):
-    """A run gave up before its end, so that there is nothing whole to write; the command exits with code 3."""
+    """Error for a run that gave up before its end, so that no complete result can be written. The command exits with
+    code 3.
+    """
 
 
 class StudyError(UserError, ValueError):
-    """What is wrong with a sweep that was asked for; in Python it is a ValueError."""
+    """Error in the definition of a sweep. In Python it is also a ValueError."""
 
 
 def unknown(kind: str, word: str, known: Iterable[str]) -> UserError:
-    """The refusal of a name that nothing has."""
+    """Return the error for an unknown name, with the closest known name."""
     names = list(known)
     near = difflib.get_close_matches(word, names, n=1)
     hint = f"did you mean {near[0]!r}? " if near else ""
@@ -36,7 +40,7 @@ def unknown(kind: str, word: str, known: Iterable[str]) -> UserError:
 
 
 def named(kind: str, wanted: Sequence[str], known: Mapping[str, Named]) -> list[Named]:
-    """Those of the `known` that are wanted by name, each once, all for none. Raises UserError."""
+    """Return the items of `known` with the `wanted` names, each once; all items if no name is given. Raise UserError."""
     wrong = next((name for name in wanted if name not in known), None)
     if wrong is not None:
         raise unknown(kind, wrong, known)
@@ -44,5 +48,5 @@ def named(kind: str, wanted: Sequence[str], known: Mapping[str, Named]) -> list[
 
 
 def reason(error: OSError) -> str:
-    """Why the system refused, in its own words."""
+    """Return the message of the operating system in lower case."""
     return (error.strerror or str(error)).lower()

@@ -1,4 +1,6 @@
-"""The languages of the window: English in the code, the others in a catalogue each, LC_MESSAGES/softcradle.po."""
+"""Languages of the window. English texts are in the code; each other language has a catalogue
+LC_MESSAGES/softcradle.po.
+"""
 
 from softcradle.sandbox.languages.translation import ENGLISH as ENGLISH
 from softcradle.sandbox.languages.translation import LANGUAGES as LANGUAGES

@@ -1,7 +1,7 @@
-"""Translation by gettext: messages in the language in use, with plural forms and with its form of numbers; refusals.
+"""Translation of messages with gettext, including plural forms, decimal marks and the messages of validation errors.
 
-English is in use until :func:`use_language` is called, which only the window does: commands and files stay English,
-and a page has every language.
+The current language is English until :func:`use_language` is called. Only the window calls it: commands and files stay
+English, and a page contains all languages.
 """
 
 from __future__ import annotations
@@ -24,11 +24,12 @@ if TYPE_CHECKING:
 DOMAIN = "softcradle"
 ENGLISH = "en"
 Said = TypeVar("Said")
-VARIABLES = ("LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG")  # the first one that is set counts, as for gettext
+# Environment variables of the locale. The first one that is set counts, as in gettext.
+VARIABLES = ("LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG")
 
 
 class Language(NamedTuple):
-    """What a language calls itself, and the sign between the whole and the decimals of a number."""
+    """Language: its own name, and its decimal mark."""
 
     name: str
     decimal_mark: str
@@ -38,7 +39,7 @@ LANGUAGES = {ENGLISH: Language("English", "."), "de": Language("Deutsch", ","), 
 
 
 class _Present:
-    """The language in use, and its catalogue: None for English."""
+    """Current language and its catalogue, which is None for English."""
 
     def __init__(self) -> None:
         self.code = ENGLISH
@@ -49,19 +50,19 @@ _present = _Present()
 
 
 def language() -> str:
-    """The code of the language in use."""
+    """Return the code of the current language."""
     return _present.code
 
 
 def use_language(code: str) -> None:
-    """Use a language of LANGUAGES from now on."""
+    """Use the language `code` of LANGUAGES from now on."""
     _present.catalogue = None if code == ENGLISH else catalogue(code)
     _present.code = code
 
 
 @contextmanager
 def english() -> Iterator[None]:
-    """English for a while: for files, which others read too."""
+    """Use English inside the block, for files that users of other languages read as well."""
     code = language()
     use_language(ENGLISH)
     try:
@@ -71,7 +72,7 @@ def english() -> Iterator[None]:
 
 
 def in_every_language(say: Callable[[], Said]) -> dict[str, Said]:
-    """What `say` says in each of LANGUAGES, by its code."""
+    """Return the results of `say` in each of LANGUAGES, by language code."""
     before, found = language(), {}
     try:
         for code in LANGUAGES:
@@ -83,13 +84,13 @@ def in_every_language(say: Callable[[], Said]) -> dict[str, Said]:
 
 
 def catalogue_path(code: str) -> Path:
-    """The file of the translations into a language."""
+    """Return the path of the translations into a language."""
     return Path(__file__).parent / code / "LC_MESSAGES" / f"{DOMAIN}.po"
 
 
 @lru_cache
 def catalogue(code: str) -> NullTranslations:
-    """The translations into a language, read from its .po file: no step of a build is between the two."""
+    """Return the translations into a language. They are read directly from the .po file, so no build step is needed."""
     from gettext import GNUTranslations
 
     import polib
@@ -98,14 +99,16 @@ def catalogue(code: str) -> NullTranslations:
 
 
 def language_of_environment(environment: Mapping[str, str] = os.environ) -> str:
-    """The first language of the environment's locale that there is here; English where there is none."""
+    """Return the first available language of the locale of the environment; English if there is none."""
     wished = next((environment[name] for name in VARIABLES if environment.get(name)), "")
     codes = (one.partition(".")[0].partition("_")[0].lower() for one in wished.split(":"))
     return next((code for code in codes if code in LANGUAGES), ENGLISH)
 
 
 def gettext(message: str, **values: object) -> str:
-    """`message` in the language in use, with the `values` of its {names} filled in; floats take its decimal mark."""
+    """Return `message` in the current language, with `values` inserted for its {names}. Floats get the decimal mark of
+    the language.
+    """
     found = _present.catalogue.gettext(message) if _present.catalogue and message else message
     return _filled(found, values) if values else found
 
@@ -114,43 +117,45 @@ _ = gettext
 
 
 def ngettext(one: str, many: str, n: int, **values: object) -> str:
-    """The form of a message for the number `n`, which fills {n}."""
+    """Return the form of a message for the number `n`, which replaces {n}."""
     usual = one if n == 1 else many
     return _filled(_present.catalogue.ngettext(one, many, n) if _present.catalogue else usual, {"n": n, **values})
 
 
 def pgettext(context: str, message: str, **values: object) -> str:
-    """`message` where its English has several meanings: `context` says which."""
+    """Return the translation of a `message` whose English text has several meanings. `context` selects the meaning."""
     found = _present.catalogue.pgettext(context, message) if _present.catalogue else message
     return _filled(found, values) if values else found
 
 
 def N_(message: str) -> str:  # noqa: N802 - gettext's own name for it
-    """`message` as it is: marked for the catalogues, to be translated where it is shown."""
+    """Return `message` unchanged. It is marked for the catalogues and translated when it is shown."""
     return message
 
 
 def NP_(context: str, message: str) -> str:  # noqa: N802 - likewise
-    """`message` as it is: marked for the catalogues with its context, to be translated by :func:`pgettext`."""
+    """Return `message` unchanged. It is marked for the catalogues with its context and translated by :func:`pgettext`."""
     return message
 
 
 def localized(number: str) -> str:
-    """A number as text with the decimal mark of the language in use."""
+    """Return a number as text with the decimal mark of the current language."""
     return number.replace(".", LANGUAGES[_present.code].decimal_mark)
 
 
 class _Filler(string.Formatter):
-    """str.format, but floats take the decimal mark of the language in use, and no scalar shows that it is NumPy's."""
+    """Formatter like str.format that writes floats with the decimal mark of the current language and NumPy scalars as
+    plain numbers.
+    """
 
     def convert_field(self, value: Any, conversion: str | None) -> Any:
-        """The value as text where its form is asked for by !r."""
+        """Return the value as text if its form is requested by !r."""
         if conversion == "r" and isinstance(value, float):
             return localized(float.__repr__(value))
         return super().convert_field(value, conversion)
 
     def format_field(self, value: Any, format_spec: str) -> str:
-        """The text of one value."""
+        """Return the text of one value."""
         text = format(value, format_spec)
         return localized(text) if isinstance(value, float) else text
 
@@ -162,14 +167,16 @@ def _filled(message: str, values: Mapping[str, object]) -> str:
     return _FILLER.vformat(message, (), values)
 
 
-# Labels that sessions give to lanes after edits, and what they put after labels.
+# Labels that sessions give to lanes after edits, and suffixes that they add to labels.
 LABELS = (N_("draft gear"), N_("preloaded contact"), N_("mixed contacts"))
 SUFFIXES = (N_(", edited"), N_(", the other"), N_(", compared"), N_(" ..."))
 AND = N_(" and ")
 
 
 def scene_words(text: str) -> str:
-    """A title, text or source of a scene: translated where a catalogue has it, as those of the scenes that come with it."""
+    """Return the translation of a title, text or source of a scene, or the text itself if the catalogue does not
+    contain it.
+    """
     words = " ".join(text.split())
     for suffix in SUFFIXES:
         if words.endswith(suffix):
@@ -178,21 +185,23 @@ def scene_words(text: str) -> str:
 
 
 def label_words(label: str) -> str:
-    """The label of a lane; that of several contacts, which an edit has made, part by part."""
+    """Return the translated label of a lane. A label that an edit made from several contacts is translated part by
+    part.
+    """
     parts = [_law_words(part) for part in label.split(AND)]
     return scene_words(label) if None in parts else gettext(AND).join(filter(None, parts))
 
 
 def _law_words(text: str) -> str | None:
-    """What a contact is called, None where `text` is no name of one."""
+    """Return the translated name of a contact law, or None if `text` is not such a name."""
     found = scene_words(text)
     if re.fullmatch(r"(Hooke, |Hertz, )?alpha = [\d./]+[^\d.]*", found):
         return localized(found)
     return found if found != text else None
 
 
-# Physics and scenes know no language and fill their sentences themselves: here they are told by their words.
-# The first that fits is taken, so a special one stands before a general one. {least}, {most} and {given} are numbers.
+# Error messages of physics and scenes, which do not depend on the language. They are recognised by their text. The
+# first match is used, so a special sentence must stand before a general one. {least}, {most} and {given} are numbers.
 REFUSALS = (
     N_("contact exponent must be from {least} to {most}, not {given}; its limit 0 is step_force(f0)"),
     N_("contact preload and stiffness are both 0: the contact would never push"),
@@ -223,12 +232,14 @@ GAVE_UP = N_("the method gave up before the end: take another one, a larger step
 
 
 def error_words(error: object) -> str:
-    """What an error says, in the language in use where its sentence is known there; a run that gave up says what helps."""
+    """Return the message of an error in the current language if its translation is known. If a run gave up, return
+    advice.
+    """
     return gettext(GAVE_UP) if isinstance(error, GaveUpError) else refusal_words(str(error))
 
 
 def refusal_words(text: str) -> str:
-    """`text`, translated where it is one of the sentences."""
+    """Return `text`, translated if it matches one of the sentences in REFUSALS."""
     for sentence in REFUSALS:
         found = _pattern(sentence).fullmatch(text)
         if found is not None:
@@ -243,7 +254,9 @@ def _pattern(sentence: str) -> re.Pattern[str]:
 
 
 def _value(name: str, text: str) -> str:
-    """What is filled in: a number with its mark, a name of WHAT translated, else as it is."""
+    """Return an inserted value: a number with the decimal mark of the language, a translated name of WHAT, or the text
+    itself.
+    """
     if name in NUMBERS and re.fullmatch(r"-?[\d.]+(e[-+]?\d+)?", text):
         return localized(text)
     return gettext(text) if text in WHAT else text
