@@ -1,10 +1,8 @@
-"""
-A user-defined contact law
-==========================
+"""A user-defined contact law ==========================
 
-Chains of Toda's exponential springs carry solitons. Here the springs only push. A striker hits ten beads and sends a pulse
-through the row. The pulse keeps its shape, and the last bead leaves with nearly all of the momentum. If the same chain has soft
-contacts, the ten beads move like one body.
+Chains of Toda's exponential springs carry solitons. Here the springs only push. A striker hits ten beads and sends a
+pulse through the row. The pulse keeps its shape, and the last bead leaves with nearly all of the momentum. If the same
+chain has soft contacts, the ten beads move like one body.
 """
 
 import math
@@ -39,8 +37,8 @@ for name, run in runs.items():
     change = abs(run.ledger / run.ledger[0] - 1).max()
     print(f"{name}: energy changes by {change:.0e} of itself")
 
-# %%
-# The forces over time show a travelling pulse for the Toda law. For the power law they show steps in all contacts at once.
+# %% The forces over time show a travelling pulse for the Toda law. For the power law they show steps in all contacts at
+# once.
 
 figure, panels = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
 for axes, (name, run) in zip(panels, runs.items(), strict=True):

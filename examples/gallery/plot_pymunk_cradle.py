@@ -1,9 +1,8 @@
-"""
-A cradle in a pymunk Space
-==========================
+"""A cradle in a pymunk Space ==========================
 
-A ball hits a row of four balls at 1 m/s, with 60 steps per second as in a game. With ``SoftChain`` the collision lasts several
-steps, and the energy is conserved. The result of pymunk's own collisions depends on the distance between the balls.
+A ball hits a row of four balls at 1 m/s, with 60 steps per second as in a game. With ``SoftChain`` the collision lasts
+several steps, and the energy is conserved. The result of pymunk's own collisions depends on the distance between the
+balls.
 """
 
 import matplotlib.pyplot as plt
@@ -51,9 +50,9 @@ def played(make, steps=150):
     return found
 
 
-# %%
-# The last ball of the soft row leaves with 0.99 m/s, which agrees with SciPy's solution of the same chain. Hard balls that just
-# touch pass all momentum to the last ball. If the hard balls are placed 1 % closer, they throw the first ball back.
+# %% The last ball of the soft row leaves with 0.99 m/s, which agrees with SciPy's solution of the same chain. Hard
+# balls that just touch pass all momentum to the last ball. If the hard balls are placed 1 % closer, they throw the
+# first ball back.
 
 runs = {
     "SoftChain": played(soft),

@@ -1,4 +1,6 @@
-"""Trajectories on disk: read back equal, readable without softcradle, whole or not at all."""
+"""Tests of trajectories on disk: equal after reading, readable without softcradle, and written completely or not at
+all.
+"""
 
 import json
 import math
@@ -52,7 +54,7 @@ def test_any_numbers_and_texts_are_read_back_equal(data, tmp_path_factory):
         warnings=tuple(data.draw(st.lists(warning, max_size=2))),
     )  # fmt: skip
     path = tmp_path_factory.mktemp("any") / "one.npz"
-    with np.errstate(all="ignore"):  # positions are sums of arbitrary numbers here, and may overflow
+    with np.errstate(all="ignore"):  # Positions are sums of arbitrary numbers here, so they can overflow.
         made.save(path)
     assert_equal(Trajectory.load(path), made)
 
