@@ -1,4 +1,4 @@
-"""Mistakes of users: one sentence, exit code 2, no file left, no traceback."""
+"""Tests of mistakes of users: one sentence, exit code 2, no file left, no traceback."""
 
 import re
 from pathlib import Path
@@ -199,7 +199,7 @@ def test_check_takes_folders_and_patterns(tmp_path, monkeypatch, softcradle, ref
     (folder / "b.toml").write_text(GOOD, encoding="utf-8")
     assert softcradle("check", "class").out.splitlines()[2] == "2 files: all ok"
     assert "there is no file *.toml" in refused("check", "*.toml")
-    (tmp_path / "[1].toml").write_text(GOOD, encoding="utf-8")  # its name is also a pattern
+    (tmp_path / "[1].toml").write_text(GOOD, encoding="utf-8")  # The name of this file is also a pattern.
     assert softcradle("check", "[1].toml").out == "[1].toml: ok, 'one on two' with 3 beads\n"
     (tmp_path / "empty").mkdir()
     assert "no file with the ending .toml in the folder empty" in refused("check", "empty")
@@ -207,12 +207,14 @@ def test_check_takes_folders_and_patterns(tmp_path, monkeypatch, softcradle, ref
 
 @pytest.mark.parametrize("compiled", [False, True])
 def test_an_interrupted_run_leaves_no_file_and_what_was_there(compiled, tmp_path, monkeypatch, softcradle):
-    """pybind11 makes an ImportError of Ctrl+C; the command said "initialization failed", with exit code 2."""
+    """Check Ctrl+C. pybind11 turns it into an ImportError, and the command printed "initialization failed" with exit
+    code 2.
+    """
     path = tmp_path / "out.csv"
     path.write_bytes(b"old")
 
     def interrupt(*_, **__):
-        assert len(list(tmp_path.iterdir())) == 2  # a file is opened before the run
+        assert len(list(tmp_path.iterdir())) == 2  # The output file is opened before the run.
         if compiled:
             raise ImportError("initialization failed") from KeyboardInterrupt()
         raise KeyboardInterrupt

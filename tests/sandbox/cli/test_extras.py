@@ -1,4 +1,4 @@
-"""Without the packages of an extra: what needs them says how to get them, in a sentence; the rest works."""
+"""Tests without the packages of an extra: commands that need it name the extra in one sentence, and the others work."""
 
 import pytest
 from softcradle.physics.extras import EXTRA_OF, needed_for

@@ -26,7 +26,7 @@ VOID = frozenset({"meta", "link", "img", "br", "path", "rect", "input"})
 
 
 class TagChecker(HTMLParser):
-    """Checks that every tag is closed, and collects what the page would load and the ids that it has."""
+    """A parser that checks that every tag is closed, and collects the links and the ids of the page."""
 
     def __init__(self, text):
         super().__init__()
@@ -51,7 +51,7 @@ def page_data(text):
 
 @pytest.fixture(scope="session")
 def pages(tmp_path_factory):
-    """A function: the page of a scene, written once, and what `render_page` reports of it."""
+    """Return a function that writes the page of a scene once and returns the report of `render_page`."""
     folder = tmp_path_factory.mktemp("pages")
     return cache(lambda name: render_page(load_scene(name), folder / f"{name}.html"))
 

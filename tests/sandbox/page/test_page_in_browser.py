@@ -1,4 +1,6 @@
-"""The page in a real browser: beads thrown by mouse, finger and keys, wound back, compared, linked, without an error."""
+"""Tests of the page in a real browser: throwing beads by mouse, touch and keys, rewinding, comparing, links, and no
+errors.
+"""
 
 import re
 import time
@@ -52,7 +54,7 @@ COVERED = """(() => [...document.querySelectorAll('button, input, select, summar
 }))()"""
 CHART = """(() => { const {canvas} = page.charts[0], {width, height} = canvas;
   return Array.from(canvas.getContext("2d").getImageData(0, 0, width, height).data); })()"""
-# Boxes of the texts, and of the thin lines, that are drawn with the beads from now on.
+# Record the boxes of texts and thin lines that are drawn together with the beads from now on.
 SPY = """(() => {
   const pen = CanvasRenderingContext2D.prototype, text = pen.fillText, box = pen.fillRect;
   const staged = (found) => page.stages.some(({pen, layer}) => found === pen || found === layer);
@@ -68,7 +70,7 @@ SPY = """(() => {
     box.call(this, x, y, wide, high);
   };
 })()"""
-# Whether curves are inside their charts.
+# True if all curves are inside their charts.
 INSIDE = """page.charts.every(({lane, channel, low, high}) => {
   const count = page.source.values(lane)[channel].length, found = [];
   page.source.trace(lane, channel, 400, -Infinity, (_, values, at) => found.push(...values.slice(at, at + count)));
@@ -77,14 +79,14 @@ INSIDE = """page.charts.every(({lane, channel, low, high}) => {
 
 
 def seen(browser, folder):
-    """(height, width, 3) the colours that the browser shows."""
+    """Return the colours that the browser shows, (height, width, 3)."""
     browser.picture(folder / "page.png")
     with Image.open(folder / "page.png") as opened:
         return np.asarray(opened.convert("RGB"), dtype=int)
 
 
 def test_the_browser_reports_mistakes(process, tmp_path):
-    """Every test of this file can fail."""
+    """Check that errors of a page are found, so that every test of this file can fail."""
     (tmp_path / "bad.html").write_text("<!doctype html><link rel=icon href='data:,'><script>nothing.there()</script>")
     process.fresh()
     process.open(tmp_path / "bad.html")
@@ -93,7 +95,9 @@ def test_the_browser_reports_mistakes(process, tmp_path):
 
 @pytest.mark.parametrize(("fragment", "name", "apart"), [("", SCENE, 5e-3), ("#n=5&m=3&a=0.05", "three-on-five", 0.02)])
 def test_the_rows_end_as_simulate_says(pages, browser, fragment, name, apart):
-    """Of a long contact with 64 steps, velocities are right to some thousandths; energy and momentum to round-off."""
+    """Compare with `simulate`. With 64 steps per contact, velocities are accurate to a few thousandths. Energy and
+    momentum are exact up to round-off.
+    """
     browser.visit(pages(SCENE).output, fragment)
     (lane,) = scenes.load(name).lanes
     assert browser.run("page.specs[0].velocity") == list(lane.velocity)
@@ -124,7 +128,7 @@ def test_a_run_too_long_to_be_followed_goes_on_to_its_end(browser, tmp_path, row
     stopped = (
         "page.go(page.source.last), [page.playing, page.toggle(), page.playing, page.source.time < page.source.last]"
     )
-    assert browser.run(stopped) == [True, None, False, True]  # on its way, picture by picture
+    assert browser.run(stopped) == [True, None, False, True]  # It is advancing frame by frame.
     run_to_the_end(browser)
     if "duration" in row:
         assert followed < browser.run("page.source.time") == pytest.approx(6.0, abs=0.01)
@@ -137,7 +141,9 @@ def test_a_run_too_long_to_be_followed_goes_on_to_its_end(browser, tmp_path, row
 
 
 def test_the_ground_follows_a_row_that_is_driven_for_very_long(browser, tmp_path):
-    """It is looked ahead for 60 s, and the ground was at most four times as long as the way of these."""
+    """Check a long motion. Only 60 s are computed in advance, and the ground was at most four times as long as the
+    distance in this time.
+    """
     visit_row(browser, tmp_path, 200.0, velocity=[0, 0], drive=[1, 1])
     run_to_the_end(browser)
     seen = "page.stages.every(({edges, view}) => edges[0] >= 0 && edges.at(-1) + view.size <= view.width)"
@@ -150,8 +156,8 @@ def test_the_ground_follows_a_row_that_is_driven_for_very_long(browser, tmp_path
     ("row", "last"),
     [
         ({"velocity": [0, 0, 0], "gap": [0.5, 0], "drive": [1, 0, 0], "duration": 5.0}, 5.0),
-        ({"velocity": [0, 0, 0], "gap": [-0.2, -0.2]}, 2.19),  # released, apart after 0.69 s
-        ({"velocity": [1, 0, 0], "gap": [1, 0], "friction": 0.05}, 3.86),  # at rest after 2.36 s
+        ({"velocity": [0, 0, 0], "gap": [-0.2, -0.2]}, 2.19),  # Released, and apart after 0.69 s.
+        ({"velocity": [1, 0, 0], "gap": [1, 0], "friction": 0.05}, 3.86),  # At rest after 2.36 s.
     ],
 )
 def test_a_run_is_followed_until_nothing_moves_any_more(browser, tmp_path, row, last):
@@ -165,7 +171,7 @@ def test_a_wall_that_moves_over_a_bed_reaches_again_what_it_has_struck(browser, 
     visit_row(browser, tmp_path, duration, fragment, mass=[inf, 1], velocity=[2, 1], friction=friction)
     run_to_the_end(browser)
     assert browser.run("page.source.time") > 9.9
-    assert browser.run("page.source.rows[0].velocity[1]") < 2.0  # at 2.7 after 4.3 s
+    assert browser.run("page.source.rows[0].velocity[1]") < 2.0  # It moves at 2.7 m/s after 4.3 s.
     assert browser.run("document.getElementById('words').className") == ""
 
 
@@ -225,7 +231,7 @@ def test_a_bead_is_thrown_with_the_mouse_or_a_finger_and_the_page_stays(pages, b
     pointer(up, x + 11 * pull * size, y)
     assert browser.run("page.source.hand") is None
     browser.run("page.pause()")
-    assert (velocities(browser).sum() - 1.0) * pull > 0.0  # the way in which it was pulled
+    assert (velocities(browser).sum() - 1.0) * pull > 0.0  # The momentum has the direction of the pull.
     assert browser.run("page.source.rows[0].given") != 0.0
     assert browser.run("scrollY") == 0
     if device == "telephone":
@@ -237,7 +243,7 @@ def test_a_bead_is_chosen_pulled_and_thrown_by_keys(live):
     hold_the_clock(live)
     live.run("page.stages[0].canvas.focus()")
     for _ in range(3):
-        live.key("ArrowRight")  # the first one chooses bead 0
+        live.key("ArrowRight")  # The first key press selects bead 0.
     assert live.run("document.getElementById('said').textContent").startswith("bead 2, ")
     live.key("Enter")
     chosen, held, before = live.run("[page.chosen.bead, page.source.hand.bead, page.source.hand.place]")
@@ -251,7 +257,7 @@ def test_a_bead_is_chosen_pulled_and_thrown_by_keys(live):
     live.run("page.again(), page.pause()")
     live.key("ArrowLeft", shift=True)
     live.run("page.pause()")
-    assert live.run("page.source.rows[0].given") == pytest.approx(0.5)  # a kilogram thrown at a metre a second
+    assert live.run("page.source.rows[0].given") == pytest.approx(0.5)  # A mass of 1 kg is thrown at 1 m/s.
 
 
 @pytest.mark.parametrize(("mass", "chosen"), [([1, 1, inf], [0, 1, 1, 0, 0]), ([inf, 1, inf, 1], [1, 3, 3, 1, 1])])
@@ -293,7 +299,7 @@ def test_a_bead_in_hand_stays_there_when_the_pace_changes(pages, browser):
     browser.run("page.pause(), page.grab(0, 2, null), page.pause(), page.source.hand.place += 0.2")
     browser.run(SET.format("pace", 4, "change"))
     browser.run("page.pause(); for (let k = 0; k < 300; k++) page.source.next()")
-    assert np.abs(velocities(browser)).max() < 4.0  # the hand can give twice the closing speed of 1 m/s
+    assert np.abs(velocities(browser)).max() < 4.0  # The hand can give at most twice the closing speed of 1 m/s.
 
 
 def test_energy_is_balanced_wherever_soft_contacts_stand_in_the_row(browser, tmp_path):
@@ -310,7 +316,7 @@ def test_rows_that_were_edited_as_they_moved_are_those_that_begin_anew(pages, br
     browser.visit(pages(name).output, fragment)
     laws = "page.source.rows.map(({kernel}) => [...kernel.law, ...kernel.loss, ...kernel.bed])"
     before = browser.run(f"page.pause(), page.go(1.9), {laws}")
-    assert max(browser.run("page.source.rows.map((row) => row.stored(0))")) > 0.1  # they touch
+    assert max(browser.run("page.source.rows.map((row) => row.stored(0))")) > 0.1  # The beads touch.
     browser.run("page.edit('alpha', 0.5), page.edit('loss', 0.5), page.edit('friction', 0.01), page.pause()")
     edited = browser.run(laws)
     assert error(browser) < BOOKED  # the restarted rows are balanced as well
@@ -332,7 +338,7 @@ def test_the_slider_tells_the_alpha_that_acts(pages, browser):
 
 
 def test_a_row_that_touches_has_not_ended_and_what_is_edited_at_rest_is_shown_at_once(live, pages, browser):
-    assert not live.run("page.source.apart")  # the beads just touch, and the first one comes
+    assert not live.run("page.source.apart")  # The beads just touch, and the first one approaches.
     live.run("page.pause(), page.go(1.5), page.show(false)")
     forces = "[page.source.rows[0].kernel.force[3], page.source.rows[0].lawForce(3)]"
     before, _ = live.run(forces)
@@ -400,9 +406,9 @@ def test_winding_back_and_on_within_the_last_minute_gives_the_same_motion_to_the
     run_to_the_end(live)
     assert live.run(state) == kept
     live.run("page.go(1.5), page.chosen = {lane: 0, bead: 4}, page.throwChosen(-1), page.pause()")
-    assert live.run("page.source.last") < 2.0  # what comes after an edit is another motion
+    assert live.run("page.source.last") < 2.0  # The motion after an edit is another motion.
     live.run("page.source.apartFor = -1e9; for (let k = 0; k < 9000; k++) page.source.next()")
-    assert live.run("page.source.count - page.source.first") == 3600  # kept states: no more are remembered
+    assert live.run("page.source.count - page.source.first") == 3600  # Number of stored states, which is limited.
     assert live.run("page.go(-1e9), page.source.time === page.source.begun")
 
 
@@ -414,7 +420,7 @@ def test_a_chart_that_grew_piece_by_piece_is_the_one_that_is_drawn_at_once(live,
     live.run("for (let k = 0; k < 150; k++) { page.source.next(); page.source.next(); page.show(false); }")
     grown = np.array(live.run(CHART))
     live.run("page.dress()")
-    assert (np.abs(grown - live.run(CHART)) > 64).mean() < 0.004  # where pieces were joined
+    assert (np.abs(grown - live.run(CHART)) > 64).mean() < 0.004  # Differences where pieces of curves are joined.
     assert (grown > 0).mean() > 0.02
 
 
@@ -539,7 +545,7 @@ def test_a_softness_that_the_law_does_not_have_changes_nothing_and_is_left_out_o
 
 def test_a_recorded_page_reads_and_writes_what_can_be_chosen_in_it_and_promises_no_more(pages, browser):
     browser.visit(pages("train-solid").output, "#t=0&pace=0.25&show=charts&mu=0.1&with=steel&lang=en")
-    assert browser.run("[page.source.begun, page.source.time]") == [0, 0]  # its wagons touch
+    assert browser.run("[page.source.begun, page.source.time]") == [0, 0]  # The wagons of this scene touch.
     experiment, own = browser.run("[page.experiment, page.own]")
     assert experiment == own | {"pace": 0.25, "shown": ["charts"]}
     browser.run("page.edit('pace', 0.5)")
@@ -584,7 +590,7 @@ def test_a_recorded_motion_is_shown_as_it_was(browser, tmp_path, own):
     run_to_the_end(browser)
     assert browser.run(SAID).startswith("Beads 0 to 2 are almost at rest. " if own else ENDED)
     assert browser.run("page.looks[0].marks")
-    for samples, start in ([0.0, 2.0], "1.000"), ([1.0, 2.0], "-"):  # which do not tell how it began
+    for samples, start in ([0.0, 2.0], "1.000"), ([1.0, 2.0], "-"):  # These samples do not include the start.
         simulate(chain, scene.lanes[0].velocity, samples=samples).to_page(tmp_path / "page.html")
         browser.visit(tmp_path / "page.html", "#show=nothing")
         browser.run("part('numbers').open = true, page.show(true)")
@@ -619,7 +625,8 @@ def test_every_word_is_there_in_every_language(live):
       return ['de', 'fr'].some((code) => holes(code) !== holes('en'));
     })"""
     assert live.run(wrong) == []
-    assert live.run("Object.values(WORDS.fr).filter((words) => / [:;!?]/.test(words))") == []  # which begins a line
+    # The sign would begin a new line.
+    assert live.run("Object.values(WORDS.fr).filter((words) => / [:;!?]/.test(words))") == []
 
 
 @pytest.mark.parametrize("fragment", ["", "#with=steel&show=forces.loupes.balance.charts", "#n=49&lang=de"])
@@ -632,10 +639,11 @@ def test_it_fits(pages, browser, width, fragment):
     )  # forces have room between captions and beads
     browser.visit(pages(SCENE).output, fragment)
     assert browser.run(FITS)
-    assert browser.run("document.getElementById('toggle').getBoundingClientRect().bottom") <= 844  # Play is in sight
+    # The Play button is visible without scrolling.
+    assert browser.run("document.getElementById('toggle').getBoundingClientRect().bottom") <= 844
     for name, free, height in browser.run(COVERED):
         assert free, name
-        assert height >= 24.0, name  # WCAG 2.2, target size
+        assert height >= 24.0, name  # WCAG 2.2, target size.
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
@@ -649,9 +657,9 @@ def test_it_is_drawn_texts_stand_out_and_axe_finds_nothing(pages, browser, tmp_p
     assert (ground > 230).all() if scheme == "light" else (ground < 40).all()
     beads = browser.run("[0, 1, 2, 3, 4].map((k) => page.theme.bead(k))")
     areas = [(np.abs(picture - ImageColor.getrgb(bead)).max(axis=2) < 3).sum() for bead in beads]
-    assert min(areas) > 100  # each bead has its part of the bars
+    assert min(areas) > 100  # Each bead has a part of the bars.
     style = "getComputedStyle(document.documentElement).getPropertyValue('--{}').trim()"
-    # text before ground, in the style sheet; texts of canvases and SVG have the same colours
+    # Text colour and background colour of the style sheet. Texts of canvases and SVG have the same colours.
     for pair in ("ink", "paper"), ("muted", "paper"), ("ink", "card"), ("muted", "card"), ("alarm", "paper"):
         colours = [ImageColor.getrgb(browser.run(style.format(name))) for name in pair]
         assert contrast(*colours) >= 4.5, pair
@@ -672,7 +680,7 @@ def covering(one, other):
 @pytest.mark.parametrize("name", ["one-on-four", "one-on-ten", "three-on-five", "train-shunting", "train-starting"])
 @pytest.mark.parametrize("language", ["en", "de"])
 def test_no_text_of_the_drawing_covers_another_or_leaves_it(pages, browser, name, width, language):
-    """The numbers on beads are left out: they move over each other with the beads."""
+    """Check overlaps of texts. Bead numbers are left out because they move across each other with the beads."""
     browser.device(width, 844)
     browser.visit(pages(name).output, f"#t=0&lang={language}")
     browser.run(SPY)

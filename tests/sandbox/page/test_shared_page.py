@@ -124,7 +124,9 @@ def played(name):
 
 
 def unpacked(packed, scales, beads):
-    """Time, place of the anchor, energies, overlaps, velocities and forces of a lane, as the page's script finds them."""
+    """Return time, anchor position, energies, overlaps, velocities and forces of a lane, decoded like in the script of
+    the page.
+    """
     data, rows = base64.b64decode(packed["data"]), packed["rows"]
     split = 4 * rows * (beads + 3)
     floats = np.frombuffer(data[:split], "<f4").astype(float).reshape(-1, rows)
@@ -153,14 +155,14 @@ def test_lines_between_samples_follow_the_recorded_motion_and_deep_overlaps_keep
             for column, curve in zip(read.T, true.T, strict=True):
                 apart = np.abs(np.interp(found.time, time, column) - curve)
                 jumps = np.flatnonzero(np.abs(np.diff(curve)) > 5 * error)
-                # a jump lies between two times that are one as floats of the page
+                # A step lies between two times that are equal as floats of the page.
                 near_jump = np.abs(found.time[:, None] - found.time[jumps]).min(axis=1, initial=1e9)
                 assert apart[near_jump > 1e-6 * found.time[-1]].max() < 1.2 * error
         for read, true in zip(overlap.T, found.overlap.T, strict=True):
             deep = true > 1e-3 * true.max()
             lines = np.interp(found.time[deep], time, read)
             np.testing.assert_allclose(lines, true[deep], rtol=2 * SAME_DEPTH, atol=smallest)
-        # however few digits are kept, no bead that rests creeps
+        # Even with few digits, a bead at rest must not creep.
         assert (velocity[0, found.velocity[0] == 0.0] == 0.0).all()
         assert (force[0, found.force[0] == 0.0] == 0.0).all()
         assert len(time) < len(found.time) / 2
@@ -227,7 +229,7 @@ def test_thinned_curves_keep_their_jumps():
 
 
 def test_rows_at_one_time_are_kept():
-    """A force that jumps has a row before and a row after; times of both may be the same number."""
+    """Check a force that steps. It has a sample before and a sample after the step, and both can have the same time."""
     time = np.array([0.0, 0.5, 0.5, 0.5, 1.0])
     values = np.array([[0.0], [0.0], [1.0], [3.0], [3.0]])
     assert needed_rows(time, values, np.full((5, 1), 1e-6)).tolist() == [0, 1, 2, 3, 4]

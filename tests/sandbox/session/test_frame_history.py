@@ -1,4 +1,4 @@
-"""The history of a session: its frames, the bound of its memory, and the contact events found in it and dropped with it."""
+"""Tests of the history of a session: its frames, the limit of its memory, and the contact events of its frames."""
 
 import math
 

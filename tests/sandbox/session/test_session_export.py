@@ -1,6 +1,7 @@
-"""Files of a session: scenes that read back equal, histories that other programs read, data that others have measured.
+"""Tests of files of a session: scenes that read back equal, histories for other programs, measured data, and
+recordings.
 
-And recordings: a replay has the digits of the session, or tells the first frame that differs.
+A replay has the digits of the session, or it names the first frame that differs.
 """
 
 import json
@@ -30,7 +31,9 @@ ROW = 'title = "T"\n[[lanes]]\nvelocity = [0.8, 0.3, 0.1, 0.0]\ncontact = {law =
 
 
 def test_velocities_are_written_as_they_were_given():
-    """They are rebuilt from their differences, which ends in other digits: a scene is not edited by that."""
+    """Check that a scene does not count as edited by round-off. Velocities are computed from their differences, which
+    changes last digits.
+    """
     session = Session(parse(ROW))
     assert not session.edited
     assert session.to_scene() == session.scene
@@ -71,7 +74,7 @@ def test_what_no_scene_file_can_say_is_refused_in_a_sentence(tmp_path):
 
 def test_the_history_is_exported_as_a_trajectory(tmp_path):
     session = opened("beads-against-gear", frames=700)
-    paths = session.export(tmp_path / "history.Npz")  # endings are read in any case
+    paths = session.export(tmp_path / "history.Npz")  # Endings of file names are case-insensitive.
     assert [path.name for path in paths] == ["history-1.Npz", "history-2.Npz"]
     for number, path in enumerate(paths):
         trajectory, part = Trajectory.load(path), last_slice(session.history, number, session.frame)
@@ -113,7 +116,7 @@ def test_the_export_of_an_earlier_frame_has_no_contact_of_later_ones():
     session = opened("one-on-four", frames=100)
     before = session.trajectory(0)
     session.step_frames(150)
-    session.apply(inputs.RemoveBead(0, 0))  # the contacts that are left have other numbers
+    session.apply(inputs.RemoveBead(0, 0))  # The remaining contacts get other numbers.
     session.step_frames(100)
     session.scrub_frame(100)
     found = session.trajectory(0)
@@ -145,7 +148,7 @@ def test_what_pointer_and_edits_give_is_no_error_of_an_exported_motion(name, tmp
 
 
 def test_what_was_done_at_the_start_is_no_work_and_errors_are_relative_to_what_was_given_since():
-    """A bead was placed: the way to there is none that the drive has moved it. Or a row at rest was thrown."""
+    """Check edits at the start: a placed bead means no work of the drive, and a bead can be thrown in a row at rest."""
     found = opened("driven-cluster", inputs.Place(0, 0, -0.5), frames=100).trajectory(0)
     energy = found.kinetic_energy + found.contact_energy
     assert found.driven[0] == 0.0
@@ -157,8 +160,8 @@ def test_what_was_done_at_the_start_is_no_work_and_errors_are_relative_to_what_w
 
 
 def test_beads_that_touch_are_a_length_apart():
-    """The position is a place on the line: beads side by side do not have the same one, and the striker is on the left."""
-    session = opened(frames=400)  # contacts push
+    """Check positions on the line. Touching beads do not have the same position, and the striker is on the left."""
+    session = opened(frames=400)  # Contacts push.
     length = session.scene.view.length
     places = [row[2] for row in values_table(session, 0, "bead").rows]
     overlap = session.lanes[0].state.overlap
@@ -174,7 +177,7 @@ def metadata_of(path):
 
 
 def test_the_names_in_a_recording_stay_those_of_earlier_versions(tmp_path):
-    """Classes and attributes may get other names; what is in the files that people have must not."""
+    """Check the names in a file. Classes and attributes can be renamed, but existing files of users must stay valid."""
     opened("one-on-four", inputs.SetMethod(None, "auto")).save_recording(tmp_path / "played.npz")
     metadata = metadata_of(tmp_path / "played.npz")
     assert set(metadata) == {"softcradle recording", "versions", "scene", "frame", "base", "inputs"}
@@ -219,7 +222,7 @@ def test_a_recording_has_the_last_pointer_position_of_a_frame_and_a_full_one_beg
     replay = check_replay(session, tmp_path / "late.npz")
     assert "agrees" in replay.sentence
     assert replay.session.frame == session.frame
-    replay.session.step_frames(1)  # what is played on is in no file
+    replay.session.step_frames(1)  # The frames that are played after the replay are in no file.
     assert f"left at frame {session.frame - session.recording.frame}" in replay.sentence
     session.scrub_frame(5)
     session.step_frames(-1)
@@ -232,7 +235,7 @@ def test_a_file_that_is_no_recording_is_refused_in_a_sentence(tmp_path):
     session, path = opened(frames=50), tmp_path / "bad.npz"
     session.save_recording(path)
     whole, metadata = np.fromfile(path, np.uint8), metadata_of(path)
-    for place in range(0, len(whole) - 4, 7):  # of some bytes nobody sees that they are torn
+    for place in range(0, len(whole) - 4, 7):  # Some damaged bytes cannot be detected.
         torn = whole.copy()
         torn[place : place + 4] ^= 0xFF
         torn.tofile(path)

@@ -1,4 +1,4 @@
-"""`sweep`: the same Dataset bit for bit by any executor, chunking and resumption; what fails is marked; disks and files."""
+"""Tests of `sweep`: bitwise equal Datasets by any executor, chunks and resumption; marked failures; disks and files."""
 
 import errno
 import os
@@ -42,7 +42,7 @@ ONE_BY_ONE = {"executor": "here", "chunk_seconds": 0.0}
 
 @pytest.fixture(scope="module", autouse=True)
 def _loop_of_zarr(tmp_path_factory):
-    """Zarr keeps a thread with two sockets from its first use on."""
+    """Use Zarr once. From its first use it keeps a thread with two sockets."""
     zarr.create_group(tmp_path_factory.mktemp("zarr"))
 
 
@@ -58,7 +58,7 @@ def test_numbers_stand_where_they_belong_and_a_point_that_fails_is_marked_with_i
     assert np.isnan(alone["powers"].sel(n=2)[4, 2])
     assert alone["product"].attrs["units"] == "m"
     own = sweep(lambda k: {"contact_time": k}, {"k": [1]}, executor="here", units={"contact_time": "ms"})
-    assert own["contact_time"].attrs == {"units": "ms"}  # not those of the measure of that name
+    assert own["contact_time"].attrs == {"units": "ms"}  # Not the unit of the built-in measure with this name.
     assert {"softcradle", "numpy", "python", "scipy", "source", "study"} <= alone.attrs.keys()
     failed = A > 0.9
     assert (alone["status"].to_numpy() == np.where(failed, PointStatus.REFUSED, PointStatus.DONE)[:, None]).all()
@@ -95,7 +95,9 @@ def test_it_is_equal_however_it_is_computed(kind, output, alone, tmp_path):
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="no signal is blocked there")
 def test_no_process_is_begun_in_the_thread_that_hears_an_interruption(monkeypatch):
-    """It would be left half begun, and tell of that in a traceback; nor does it hear one while it begins."""
+    """Check that no process starts in the main thread. An interruption would leave it half started, with a traceback. A
+    process must also ignore interruptions while it starts.
+    """
     begun, start = [], SpawnProcess.start
 
     def noted(process):
@@ -119,7 +121,7 @@ print(*(found[name].to_numpy().ravel().tolist() for name in ("status", "product"
 
 @pytest.mark.slow
 def test_a_point_that_kills_its_process_is_marked_and_the_others_are_found(tmp_path):
-    """ "auto" tries the first points in the process of the caller, and leaves a note that the next start heeds."""
+    """Check "auto", which computes the first points in this process and leaves a note for the next start."""
     x, y = (str(tmp_path / name) for name in ("x.nc", "y.nc"))
     options = {"check": False, "timeout": 300, "PYTHONPATH": str(ROOT)}
     died, *others = (python("-c", DEADLY, *words, **options) for words in ((x, "auto"), (x, "auto"), (y, "processes")))
@@ -158,7 +160,7 @@ def test_a_dataset_that_cannot_be_written_leaves_the_one_before(tmp_path, monkey
     output = tmp_path / "x.zarr"
     sweep(numbers, {"a": [0.5], "n": [1]}, output=output, executor="here").close()
     new = sweep(numbers, {"a": [0.7], "n": [1]}, executor="here")
-    gone = Mock(side_effect=lambda folder, **_: folder.rmdir())  # leaves nothing to be moved there
+    gone = Mock(side_effect=lambda folder, **_: folder.rmdir())  # It leaves no file that could be moved.
     for written in (Mock(side_effect=OSError(errno.ENOSPC, "full")), gone):
         with monkeypatch.context() as patched:
             patched.setattr(xr.Dataset, "to_zarr", written)
@@ -200,14 +202,16 @@ def test_a_point_of_a_study_that_fails_ends_it_and_is_tried_again(tmp_path):
     for _ in range(2):
         with pytest.raises(StudyError, match=r"^a 0.95, n 2: a must be at most 0.9, not 0.95; 1 point is kept in"):
             map_points(numbers, points, kept, executor="here", chunk_seconds=0.0)
-    (row,) = map_points(numbers, grid({"a": [0.5], "n": [3]}), kept, executor="here")  # another study begins anew
+    (row,) = map_points(numbers, grid({"a": [0.5], "n": [3]}), kept, executor="here")  # Another study starts again.
     assert (row["product"], partial_folder(kept).is_dir()) == (1.5, True)
     drop_kept(kept)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_points_of_a_study_come_one_by_one_and_unlike_ones_begin_with_processes(monkeypatch):
-    """None of its points is tried in this process first, which would let the other cores wait for the longest."""
+    """Check that no point of a study is tried in this process first. Otherwise the other cores would wait for the
+    slowest point.
+    """
     begun, taken = [], []
     options = {"workers": 2, "chunk_seconds": 0.0, "each": lambda number, row: taken.append((number, row["product"]))}
     monkeypatch.setattr(run_sweep, "processes_or_threads", lambda work, _: begun.append(work) or here(work))
@@ -243,7 +247,7 @@ def test_functions_with_other_values_are_other_studies(make):
 
 
 def test_how_values_came_about_makes_no_other_study(caplog):
-    assert [*{0, 8}] != [*{8, 0}]  # as sets of texts are in no order that another process has
+    assert [*{0, 8}] != [*{8, 0}]  # Like sets of texts, whose order differs between processes.
     assert code_digest({0, 8}) == code_digest({8, 0})
     used = one_on(4, power_law(1.0, 0.5))
     require_computable(used, [1.0] * 5)
@@ -277,7 +281,7 @@ def test_a_full_disk_loses_nothing_and_no_other_study_goes_on(tmp_path, monkeypa
     for over, units in ({"a": [0.1], "n": [1]}, {"product": "m"}), (GRID, {"product": "mm"}):
         with pytest.raises(StudyError, match=r"x.zarr.partial was begun for another study"):
             sweep(numbers, over, executor="here", output=output, units=units)
-    (tmp_path / "x.zarr.partial" / ".2-9.123.part.npz").write_bytes(b"1234")  # a chunk that was cut off
+    (tmp_path / "x.zarr.partial" / ".2-9.123.part.npz").write_bytes(b"1234")  # A chunk whose writing was interrupted.
     begun: list[int] = []
     options["executor"] = "threads"
     with sweep(numbers, GRID, progress=lambda _, done, __: begun.append(done), **options) as found:
@@ -358,10 +362,10 @@ def test_a_measure_that_no_point_has_is_there_without_numbers():
     assert (none["rigidity"].dims, none["contact_turns"].shape) == ((SPEED,), (2, 4))
     assert np.isnan(none["contact_turns"]).all()
     one = sweep("weak-contact", {SPEED: [-1.0]}, ["rigidity", "restitution", "closings"], executor="here")
-    assert np.isnan(one["rigidity"]).values.tolist() == [[True, False]]  # of the lanes
+    assert np.isnan(one["rigidity"]).values.tolist() == [[True, False]]  # Values of the two lanes.
     refused = sweep(lambda k: [k], {"k": [1]}, ["rigidity", "final_velocity"], executor="here")
     assert np.isnan(refused["rigidity"].item())
-    assert "final_velocity" not in refused  # of how many beads, nothing tells
+    assert "final_velocity" not in refused  # The number of beads is unknown.
 
 
 @pytest.mark.parametrize(
@@ -430,7 +434,7 @@ def test_an_executor_of_the_caller_is_given_as_much_as_it_has_workers():
 
 
 def test_a_command_that_is_a_package_gets_processes(tmp_path, monkeypatch):
-    """`python -m package` is not begun again in them; what stands in its `__main__` is not there."""
+    """Check `python -m package`. Child processes do not run it again, so they cannot import names of its `__main__`."""
     main = ModuleType("__main__")
     main.__file__, main.__spec__ = str(tmp_path / "__main__.py"), ModuleSpec("package.__main__", None)
     (tmp_path / "__main__.py").write_text("main()")
@@ -492,7 +496,9 @@ def test_points_that_run_side_by_side_have_the_digits_of_those_alone(scene, over
     alone, beside = packed(0, [*map(work.outcome, points)]), packed(0, work._at_once(points))
     for name, column in alone.columns.items():
         np.testing.assert_array_equal(beside.columns[name], column, err_msg=name)
-    asked = []  # those of one shape are computed together, whatever stands between them, and alone what cannot be
+    # Points of one shape are computed together, even if other points are between them. Invalid points are computed one
+    # by one.
+    asked = []
     monkeypatch.setattr(Work, "outcome", lambda _, values: asked.append(values))
     work._at_once(points)
     assert len(asked) == computed_alone

@@ -1,4 +1,4 @@
-"""The warm-up of kernels behind the window."""
+"""Tests of loading kernels in the background of the window."""
 
 import sys
 
@@ -22,7 +22,9 @@ driver.close()
 
 
 def test_all_kernels_are_loaded_jobs_done_between_and_the_last_window_gives_back_the_usual_interval():
-    """Python's own five milliseconds, some ten times a frame, made frames late while modules were imported."""
+    """Check the switch interval of threads. With Python's default of 5 ms, used about ten times per frame, imports made
+    frames late.
+    """
     usual, warmup, other, done = sys.getswitchinterval(), KernelWarmup(), KernelWarmup(), []
     warmup.start()
     warmup.submit(done.append, lambda: 7)

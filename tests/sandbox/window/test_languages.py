@@ -1,4 +1,6 @@
-"""The languages of the window: chosen by the locale or a key, at once and for all that is shown; numbers with their mark."""
+"""Tests of the languages of the window: chosen by the locale or a key, for all texts at once; numbers with their
+decimal mark.
+"""
 
 import re
 from types import SimpleNamespace
@@ -26,7 +28,7 @@ def test_a_key_takes_the_next_language_at_once_and_for_the_next_start(driver: Dr
     assert Settings.load().language == language() == "de"
     assert "One bead on four" not in {one.text for one in driver.texts()}
     driver.app.close()
-    assert language() == "en"  # what the window alone has
+    assert language() == "en"  # Only the window uses the other language.
     again = Driver()
     for code in ("de", "fr", "en"):
         assert language() == code
@@ -58,7 +60,7 @@ def test_boxes_take_and_show_the_mark_of_the_language_and_refusals_and_verdicts_
     assert german.page.inspector.controls["exponent"].entry.get_text() == "0,25"
     german.enter("loss", "1,5")
     assert german.messages[-1].startswith("der Verlust eines Kontakts muss >= 0 und unter 1 sein, nicht 1,5")
-    assert error_words(ValueError(TWO_WALLS)).startswith("zwei Wände")  # within another message
+    assert error_words(ValueError(TWO_WALLS)).startswith("zwei Wände")  # The error message inside another message.
     assert german.page.cards.health[0].sentence.endswith("hält seine Fehler klein")
     german.key(pygame.K_F8)
     german.frames(30)
@@ -85,7 +87,7 @@ def test_what_methods_and_choices_are_called_fits_its_place(code: str) -> None:
 
 
 def cyrillic(message: str) -> str:
-    """Every letter is moved on to one of Cyrillic; placeholders stay."""
+    """Return the message with each letter replaced by a Cyrillic one. Placeholders stay."""
     return re.sub(r"\{[^{}]*\}|[A-Za-z]", lambda one: one[0] if one[0][1:] else chr(ord(one[0]) + 0x3CF), message)
 
 
@@ -98,17 +100,18 @@ OTHER = SimpleNamespace(
 
 NAMES = {"softcradle", "auto", "SoftChain", "SoftContact", *(method.name.strip("4") for method in METHODS)}
 NAMES |= {language.name for language in LANGUAGES.values()}
-LEAVING = ("quit", "fullscreen", "language", "leave", "paste", "compare")  # actions that leave the page or the language
+# Actions that leave the page or change the language.
+LEAVING = ("quit", "fullscreen", "language", "leave", "paste", "compare")
 
 
 def english_words(text: str) -> list[str]:
-    """Words in English letters, apart from names and paths."""
+    """Return the words in English letters, except names and paths."""
     tokens = [token for token in text.split() if not re.search(r"/|^.?\.\w|\w\.\w", token)]
     return [word for token in tokens for word in re.findall(r"[A-Za-z]{3,}", token) if word not in NAMES]
 
 
 def shown_texts(driver: Driver) -> list[str]:
-    """All that is written, the texts and tooltips of widgets, messages and dialogs."""
+    """Return all drawn texts, and the texts and tooltips of widgets, messages and dialogs."""
     app = driver.app
     found = [one.text for one in driver.texts()] + driver.messages
     managers = [app.manager] + ([app.dialog.manager] if app.dialog is not None and app.dialog.open else [])
@@ -120,7 +123,7 @@ def shown_texts(driver: Driver) -> list[str]:
 
 @pytest.fixture
 def other(monkeypatch: pytest.MonkeyPatch) -> Driver:
-    """The window in a language in which every message differs from the source in each letter."""
+    """Return the window in a language in which every message differs from the source in every letter."""
     monkeypatch.setattr(translation, "catalogue", lambda code: OTHER)
     monkeypatch.setenv("LANGUAGE", "de")
     return Driver()

@@ -1,4 +1,6 @@
-"""The claims: verdicts are those of the documentation, and follow from cases and error bars; numbers known from outside."""
+"""Tests of the claims: verdicts agree with the documentation and follow from cases and error bars; numbers known from
+elsewhere.
+"""
 
 import importlib
 import json
@@ -28,7 +30,7 @@ KEPT = ROOT / "docs" / "measured" / "verdicts.md"
 QUICK = ("contact-duration", "draft-gears", "kicked-out", "phi-first")
 NAMES = [claim.name if claim.name in QUICK else pytest.param(claim.name, marks=pytest.mark.slow) for claim in CLAIMS]
 VALUE = re.compile(r"(\S+) ± \S+")
-BAR = re.compile(r"\.? by the bar: .*?(?=\. |$)")  # numbers of many digits
+BAR = re.compile(r"\.? by the bar: .*?(?=\. |$)")  # Numbers with many digits.
 
 
 def rows(text: str) -> dict[str, list[str]]:
@@ -39,7 +41,9 @@ def rows(text: str) -> dict[str, list[str]]:
 @pytest.mark.usefixtures("one_core")
 @pytest.mark.parametrize("name", NAMES)
 def test_the_command_finds_the_verdict_of_the_documentation(name, tmp_path):
-    """By two methods and, at the paper's own case, the independent reference; the numbers to a hundredth."""
+    """Check verdicts by two methods. The independent reference also judges the paper's own case. Numbers must agree to
+    1 %.
+    """
     assert main(["claims", name, "--json", "--markdown", str(tmp_path / "table.md")]) == 0
     row, kept = rows((tmp_path / "table.md").read_text())[name], rows(KEPT.read_text())[name]
     assert [VALUE.sub("", BAR.sub("", cell)) for cell in row] == [VALUE.sub("", BAR.sub("", cell)) for cell in kept]
@@ -183,7 +187,9 @@ def verdicts(bars, *values):
 
 
 def test_a_verdict_says_how_it_moves_with_the_bar():
-    """At each bar that is named the study says so itself; it holds where no case fails and the paper's own is determined."""
+    """Check that the text agrees with the verdict at each named bar. A claim holds if no case fails and the paper's own
+    case is determined.
+    """
     text, found = verdicts((0.54, 0.6, 0.66, 1.4, 1.6), (0.4,), (0.6, 0.05), (2.0, 0.5))
     assert text == "by the bar: fails beyond below 0.55, holds within from 0.65, holds from 1.5"
     assert found == [Verdict.BEYOND, Verdict.UNDETERMINED, Verdict.WITHIN, Verdict.WITHIN, Verdict.HOLDS]
@@ -209,7 +215,7 @@ def test_a_number_that_is_missed_is_said(softcradle, monkeypatch):
     monkeypatch.setattr(verify, "known_numbers", lambda: [wrong])
     shown = softcradle("verify", code=1).out
     assert "missed" in shown
-    assert "1e-02" in shown  # the bound, of every row
+    assert "1e-02" in shown  # The bound in every row.
     row = json.loads(softcradle("verify", "--json", code=1).out)["numbers"][0]
     assert row["allowed"] == 0.01
     assert row["met"] is False
@@ -217,18 +223,18 @@ def test_a_number_that_is_missed_is_said(softcradle, monkeypatch):
 
 
 def named(kind: str) -> set[str]:
-    """The names in backticks after `kind`, or its plural, up to the next semicolon or cell."""
+    """Return the names in backticks after `kind` or its plural, up to the next semicolon or cell."""
     lists = re.findall(rf"\b{kind}s? ((?:`[^`]+`(?:, | and | to )?)+)", PAGE)
     return {name for text in lists for name in re.findall(r"`([^`]+)`", text)}
 
 
 def test_what_the_page_names_exists_by_the_names_of_a_wheel():
     assert list(rows(KEPT.read_text())) == [claim.name for claim in CLAIMS]
-    assert named("claim") == {claim.name for claim in CLAIMS}  # and none is missing
+    assert named("claim") == {claim.name for claim in CLAIMS}  # No claim is missing.
     assert named("figure") == {figure.name for figure in FIGURES}
     assert named("scene") <= set(scenes.names())
     for path in re.findall(r"`([a-z]+/[\w/]+\.py)`", PAGE):
-        assert path.startswith("tests/")  # what is no test is named as it is imported
+        assert path.startswith("tests/")  # Modules that are not tests are named as they are imported.
         assert (ROOT / path).is_file(), path
     for module in re.findall(r"`(softcradle\.[\w.]+)`", PAGE):
         importlib.import_module(module)

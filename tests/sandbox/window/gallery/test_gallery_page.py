@@ -1,4 +1,4 @@
-"""The gallery, driven by mouse and keys, and the memory of pages that were left."""
+"""Tests of the gallery with mouse and keys, and of the memory of pages that were left."""
 
 import weakref
 from unittest.mock import Mock
@@ -22,19 +22,22 @@ def gallery() -> Driver:
 
 
 def test_the_card_on_which_a_click_begins_and_ends_is_opened_and_what_is_left_is_freed(gallery, monkeypatch) -> None:
-    """They refer to each other in cycles and hold their surfaces: some 100 MB in an hour of use."""
+    """Check memory: pages and widgets refer to each other in cycles and hold their surfaces, about 100 MB in an hour of
+    use.
+    """
     page = gallery.app.page
     gallery.pull(page.grid.place(0).center, page.grid.place(1).center)
-    gallery.click((page.grid.place(0).centerx, 8))  # the header
+    gallery.click((page.grid.place(0).centerx, 8))  # Click on the header.
     assert gallery.app.page is page
     page.grid.scroll_by(page.grid.place(4).top - page.grid.place(0).top)
-    gallery.click((page.grid.place(0).centerx, round(90 * page.host.unit)))  # a card that is scrolled below the header
+    # Click on a card that is scrolled below the header.
+    gallery.click((page.grid.place(0).centerx, round(90 * page.host.unit)))
     assert gallery.app.page is page
     page.grid.scroll = 0.0
     gallery.click(page.grid.place(1).center)
     assert gallery.page.title == page.scenes[page.names[1]].title
     old_page = weakref.ref(gallery.page)
-    # systems that cannot trim the heap say so in different ways
+    # Systems that cannot trim the heap raise different errors.
     for action, refusal in (("larger", AttributeError), ("smaller", TypeError), ("larger", OSError)):
         monkeypatch.setattr("ctypes.CDLL", Mock(side_effect=refusal))
         old_widget = weakref.ref(next(iter(gallery.page.time_controls.buttons.values())))
@@ -47,7 +50,9 @@ def test_the_card_on_which_a_click_begins_and_ends_is_opened_and_what_is_left_is
 
 
 def test_every_scene_has_a_picture_at_once_a_section_and_whole_words_in_every_language(gallery: Driver) -> None:
-    """What is ours of a scene stands at the end of its source, of which no list is cut: "launch speed and loss ours"."""
+    """Check that no list in a source is cut. Its end names what this project added, for example "launch speed and loss
+    ours".
+    """
     page = gallery.app.page
     assert not page.moving
     listed = [name for section in SECTIONS for name in section.names]
@@ -67,7 +72,8 @@ def test_every_scene_has_a_picture_at_once_a_section_and_whole_words_in_every_la
                 title, text, source = page.captions[name]
                 assert " ".join(words).startswith(title), (code, title)
                 said = " ".join(words).removeprefix(title).strip()
-                ends = (".",) if code == "en" and k < 4 else (".", "?", "…")  # of some scenes one sentence is too long
+                # In some scenes, one sentence is too long.
+                ends = (".",) if code == "en" and k < 4 else (".", "?", "…")
                 assert said.endswith(ends), (code, said)
                 assert text.startswith(said.removesuffix("…")), (code, text, said)
                 assert source.startswith(shown), (code, source, shown)
@@ -83,7 +89,7 @@ def test_shipped_pictures_are_those_that_are_drawn_now_of_motions_that_hold_no_w
             use_theme(theme)
             drawn, shipped = thumbnails.paint(scene, motions), thumbnails.shipped(name, theme)
             one, other = (pygame.surfarray.array3d(picture).astype(float) for picture in (drawn, shipped))
-            assert np.abs(one - other).mean() < 1.0, (name, theme)  # of 255
+            assert np.abs(one - other).mean() < 1.0, (name, theme)  # Mean difference of colours, of 255.
 
 
 def searched(gallery: Driver, words: str) -> tuple[str, ...]:
@@ -107,7 +113,8 @@ def test_a_search_finds_scenes_by_words_and_enter_opens_the_first(gallery: Drive
     assert len(page.names) == count
     assert searched(gallery, "qqq") == ()
     gallery.key(pygame.K_RETURN)
-    assert searched(gallery, "newton")[:3] == ("hertz-cradle", "steel-and-soft", "hanging-cradle")  # in its place
+    # Their order is the same as in the gallery.
+    assert searched(gallery, "newton")[:3] == ("hertz-cradle", "steel-and-soft", "hanging-cradle")
     gallery.key(pygame.K_RETURN)
     assert gallery.page.title == "Newton's cradle: steel balls"
 
@@ -134,7 +141,7 @@ def test_scenes_of_ones_own_have_cards_below_the_first(gallery: Driver, tmp_path
     assert gallery.app.page.names[4] == str(tmp_path / "mine.toml")
     assert "Mine" in [one.text for one in gallery.texts()]
     (tmp_path / "mine.toml").write_text(scenes.load("one-on-ten").model_copy(update={"title": "Again"}).to_toml())
-    gallery.app.rebuild()  # while the first picture may still be drawn
+    gallery.app.rebuild()  # The first picture may still be in progress.
     page = gallery.app.page
     gallery.until(lambda: not page.moving)
     assert "Again" in [one.text for one in gallery.texts()]
@@ -143,7 +150,8 @@ def test_scenes_of_ones_own_have_cards_below_the_first(gallery: Driver, tmp_path
     gallery.app.rebuild()
     (tmp_path / "mine.toml").unlink()
     gallery.app.rebuild()
-    gallery.app.warmup.submit(lambda _: done.append(True), lambda: None)  # after the picture that nobody waits for
+    # This job runs after the picture that is no longer needed.
+    gallery.app.warmup.submit(lambda _: done.append(True), lambda: None)
     done: list[bool] = []
     gallery.until(lambda: done)
     assert set(page.pictures) == set(page.names)

@@ -1,4 +1,6 @@
-"""The first level of the window with few controls, the same blow among steel balls, and the card at the end of a motion."""
+"""Tests of the view with few controls, of the comparison with steel balls, and of the outcome card at the end of a
+motion.
+"""
 
 import math
 import re
@@ -41,7 +43,7 @@ def test_a_newcomer_sees_few_controls_and_one_switch_leads_to_the_lab_and_is_rem
     assert places.lanes[0].height > 0.45 * explorer.app.size[1]
     assert [len(row) for row in places.plots] == [1]
     assert not places.insets.height
-    for level in ("good", "bad"):  # the badge speaks where all is not well
+    for level in ("good", "bad"):  # The badge shows a sentence only if the verdict is not good.
         state = replace(explorer.session.health(0), level=level, sentence="beads are off")
         explorer.page.explore.health = lambda found=state: [found]
         assert ("beads are off" in explorer.said()) == (level == "bad")
@@ -54,7 +56,7 @@ def test_a_newcomer_sees_few_controls_and_one_switch_leads_to_the_lab_and_is_rem
     assert explorer.page.cards.menus
     explorer.key(pygame.K_F3)
     assert explorer.page.explore.controls
-    explorer.key(pygame.K_F7)  # a menu that has no button at this level
+    explorer.key(pygame.K_F7)  # In this view, the menu has no button.
     assert explorer.app.dialog.names[0] in PLOT_KINDS
 
 
@@ -63,7 +65,7 @@ def test_alpha_is_that_of_the_row_or_of_a_selected_contact_and_the_blow_goes_as_
     before = impact_energy(lane.chain, 1, lane.setup.speed)
     explorer.run(60)
     explorer.enter("alpha", "1")
-    assert explorer.session.frame == 0  # begun anew
+    assert explorer.session.frame == 0  # The motion starts again.
     assert [law.exponent for law in laws(explorer)] == [1.0] * 4
     lane = explorer.session.lanes[0]
     assert impact_energy(lane.chain, 1, lane.setup.speed) == pytest.approx(before)
@@ -88,7 +90,7 @@ def test_an_action_on_two_rows_is_one_undo_step_and_every_row_moves_again_after_
     driver = Driver("locked-pistons", lab=False)
     undo = driver.session.undo
     before = [lane.velocity.tolist() for lane in driver.session.lanes]
-    for speed in ("0", "-1", "0.5"):  # that of the scene
+    for speed in ("0", "-1", "0.5"):  # 0.5 is the speed of the scene.
         driver.enter("speed", speed)
     assert [lane.velocity.tolist() for lane in driver.session.lanes] == before
     for _ in range(3):
@@ -99,7 +101,7 @@ def test_an_action_on_two_rows_is_one_undo_step_and_every_row_moves_again_after_
     driver.session.scrub_frame(10)
     driver.page.editor.lock_all()
     driver.session.step_frames(20)
-    driver.session.scrub_frame(5)  # before that edit
+    driver.session.scrub_frame(5)  # A frame before this edit.
     driver.enter("speed", "2")
     assert all(lane.setup.locked[0] for lane in driver.session.lanes)
     for contacts, locked in ((4, True), (4, True), (4, False), (3, False)):
@@ -121,7 +123,7 @@ def test_the_same_blow_among_steel_balls_plays_below_is_told_and_left_for_one_ro
     before = explorer.session.scene
     press(explorer, "Compare with steel balls")
     assert [law.exponent for law in laws(explorer, 1)] == [1.5] * 4
-    assert "softness, upper row" in explorer.said()  # the slider leaves the steel balls as they are
+    assert "softness, upper row" in explorer.said()  # The slider does not change the steel balls.
     assert explorer.session.playing
     assert len(explorer.app.focus.controls()) <= MOST_CONTROLS
     explorer.play_to_the_end()
@@ -134,7 +136,8 @@ def test_the_same_blow_among_steel_balls_plays_below_is_told_and_left_for_one_ro
     explorer.enter("speed", "2")
     press(explorer, "Back to one row")
     scene = explorer.session.scene
-    assert (scene.title, scene.text, scene.question) == (before.title, "", before.question)  # it is another speed
+    # The scene has another speed.
+    assert (scene.title, scene.text, scene.question) == (before.title, "", before.question)
     assert [lane.velocity.tolist() for lane in explorer.session.lanes] == [[2.0, 0.0, 0.0, 0.0, 0.0]]
     assert not explorer.page.unsaved, "another speed is a trial, no work to be lost"
     explorer.app.act("compare_balls")
@@ -151,7 +154,7 @@ def test_a_text_without_room_is_read_whole_below_the_pointer(explorer: Driver) -
         explorer.move(explorer.page.explore._about.center)
         with drawn_texts(explorer.app.size) as texts:
             explorer.app.paint()
-        shown = " ".join(one.text for one in texts)  # over the backdrop, which is drawn already
+        shown = " ".join(one.text for one in texts)  # The text over the backdrop, which is already drawn.
         assert ("but not quite" in shown) == cut
 
 
@@ -178,7 +181,7 @@ def test_the_card_at_the_end_leaves_room_for_beads_and_forces(size, scale, lab, 
         assert drawing.rect.height >= (120 if compared else 180) * unit
     drawing = view.lanes[0].drawing
     greatest = float(driver.session.lanes[0].state.force.max())
-    if not compared:  # the rigid marks are at 3/4, 1/2, 1/4
+    if not compared:  # The rigid marks are at 3/4, 1/2 and 1/4.
         assert drawing.bar_base - drawing._bar_top(greatest) > 45 * unit
 
 
@@ -209,7 +212,8 @@ def test_the_clock_pauses_once_when_the_beads_are_apart_and_it_is_said_what_happ
     driver.until(lambda: page.cards.health[0].velocity_error is not None)
     assert page.cards.health[0].velocity_error < 1e-3
     stopped, seconds = driver.session.time, page.board.span.seconds
-    assert 0.0 <= page.board.span.x(0.0) < page.board.span.x(stopped) <= page.board.span.width  # all that was played
+    # The plot shows everything that was played.
+    assert 0.0 <= page.board.span.x(0.0) < page.board.span.x(stopped) <= page.board.span.width
     driver.run(100)
     assert driver.session.playing
     assert driver.session.time > stopped
@@ -229,7 +233,8 @@ def test_the_greatest_force_of_a_train_that_starts_is_a_pull() -> None:
     driver.session.apply(SetVelocity(0, 10, -1.0))
     driver.session.step_frames(600)
     driver.page.outcome.show_forces()
-    assert f" {driver.session.lanes[0].state.force[-1]:.3f} N." in driver.page.outcome.text  # of the last contact
+    # Force of the last contact.
+    assert f" {driver.session.lanes[0].state.force[-1]:.3f} N." in driver.page.outcome.text
 
 
 def test_forces_are_told_where_a_frame_shows_some_with_their_digits_and_without_marks_that_are_not_there(
@@ -260,7 +265,7 @@ def test_the_card_goes_to_the_greatest_force_and_to_steel_balls(driver: Driver) 
     driver.click(card.buttons["Close"].rect.center)
     assert not card.buttons
     card.show_outcome()
-    driver.key(pygame.K_ESCAPE)  # closes the card, not the page
+    driver.key(pygame.K_ESCAPE)  # This closes the card, not the page.
     assert not card.text
     assert driver.app.page is page
     card.show_outcome()
@@ -282,7 +287,7 @@ def test_each_drag_of_a_slider_is_a_step_of_its_own_and_nothing_is_dragged_once_
     assert len(explorer.session.undo_stack.done) == 3
     line = explorer.page.timeline
     explorer.drag((line.x(15), line.rect.centery), (line.x(5), line.rect.centery))
-    explorer.key(pygame.K_w)  # a dialog lies over the time line
+    explorer.key(pygame.K_w)  # A dialog covers the timeline.
     explorer.release(line.rect.center)
     assert not line.dragged
 
@@ -296,7 +301,7 @@ def test_a_slider_is_dragged_all_the_way_after_the_end_of_a_motion(explorer: Dri
     before, (x, y) = control.parameter.value, control.slider.sliding_button.rect.center
     explorer.press((x, y))
     values = [before]
-    for moved in range(10, 101, 10):  # the card goes at the first pixel; the slider in the hand stays
+    for moved in range(10, 101, 10):  # The card closes with the first pixel. The dragged slider stays.
         explorer.move((x + moved, y), (1, 0, 0))
         explorer.frames(1)
         assert explorer.page.explore.controls[key] is control
@@ -333,7 +338,8 @@ def test_a_blow_from_the_right_stays_one_at_another_speed_and_each_row_is_explai
     driver.session.step_frames(600)
     driver.page.outcome.show_forces()
     weak_row, strong_row = driver.page.outcome.text.split("\n")
-    for text, name, lane in ((weak_row, "weak", 0), (strong_row, "strong", 1)):  # each at its own greatest force
+    # Each row is described at its own largest force.
+    for text, name, lane in ((weak_row, "weak", 0), (strong_row, "strong", 1)):
         force = last_slice(driver.session.history, lane, driver.session.history.last).force
         assert text.startswith(f"{name}: When the push is strongest, the contacts carry ")
         greatest = float(force.max())

@@ -1,4 +1,6 @@
-"""The scene page, driven by posted events: time, slow motion, sound; beads, forces, marks, labels, plots that are scrolled to."""
+"""Tests of the scene page with posted events: time, slow motion, sound; beads, forces, marks, labels, scrolling of
+plots.
+"""
 
 import math
 import re
@@ -29,11 +31,11 @@ def test_the_timeline_and_keys_look_back_and_playing_on_starts_a_new_branch(driv
     assert not driver.session.playing
     last = driver.session.history.last
     driver.key(pygame.K_HOME)
-    driver.key(pygame.K_PERIOD, pygame.KMOD_SHIFT)  # to the next contact event
+    driver.key(pygame.K_PERIOD, pygame.KMOD_SHIFT)  # Go to the next contact event.
     before, after = driver.session.history.snapshot(driver.session.frame - 1), driver.session.lanes[0].state
     assert before.states[0].overlap[0] <= 0.0 < after.overlap[0]
-    assert abs(after.time - 1.0) < 0.02  # the striker flies 1 m at 1 m/s
-    driver.key(pygame.K_MINUS)  # slower, which drops no frame
+    assert abs(after.time - 1.0) < 0.02  # The striker flies 1 m at 1 m/s.
+    driver.key(pygame.K_MINUS)  # Slower motion, which drops no frame.
     assert driver.session.history.last == last
     driver.run(3)
     assert driver.session.slow == 5.0
@@ -49,7 +51,8 @@ def test_keys_and_the_slider_set_the_slow_motion_and_slower_is_never_faster(driv
     slider = driver.page.time_controls.slider
     driver.pull(slider.sliding_button.rect.center, (slider.rect.right - 5, slider.rect.centery))
     assert driver.session.slow > 500.0
-    driver.press((slider.rect.left + 3 * slider.rect.width // 4, slider.rect.centery))  # on its track
+    # Press on the track of the slider.
+    driver.press((slider.rect.left + 3 * slider.rect.width // 4, slider.rect.centery))
     driver.frames(2)
     assert 40.0 < driver.session.slow < 80.0
     driver.move((slider.rect.right, slider.rect.centery), (1, 0, 0))
@@ -57,11 +60,12 @@ def test_keys_and_the_slider_set_the_slow_motion_and_slower_is_never_faster(driv
     assert driver.session.slow == 1000.0
     driver.release((slider.rect.right, slider.rect.centery))
     driver.key(pygame.K_EQUALS, times=20)
-    assert driver.session.slow == 0.01  # faster than real time
+    assert driver.session.slow == 0.01  # Faster than real time.
     driver.run(10)
     assert driver.session.time > 5.0
     scene = driver.session.scene
-    for slow, slower, faster in ((5000.0, 5000.0, 1000.0), (0.001, 0.01, 0.001)):  # a scene may be beyond the slider
+    # The value of a scene can be outside the range of the slider.
+    for slow, slower, faster in ((5000.0, 5000.0, 1000.0), (0.001, 0.01, 0.001)):
         for key, expected in ((pygame.K_MINUS, slower), (pygame.K_EQUALS, faster)):
             driver.page.show_scene(scene.model_copy(update={"view": scene.view.model_copy(update={"slow": slow})}))
             driver.frames(2)
@@ -174,7 +178,7 @@ def test_wheel_and_drag_take_the_view_an_arrow_counts_beads_outside_and_fit_keep
     driver.key(pygame.K_SPACE)
     for _ in range(20):
         driver.frames(30)
-        assert in_sight(driver)  # by itself
+        assert in_sight(driver)  # Beads stay visible automatically.
     assert driver.session.time > 4.0
     lane = {"velocity": [1e-6, 0.0], "contact": {"law": "hertz", "stiffness": 1.0}}
     small = Scene.model_validate({"title": "Micrometres", "lanes": [lane], "view": {"length": 1e-6}})
@@ -189,7 +193,8 @@ def test_marks_of_rigid_clusters_are_of_the_beads_that_there_are(driver: Driver)
     assert len(driver.page.view.lanes[0].drawing.ends) == 4
     driver.select("bead", 4)
     driver.key(pygame.K_DELETE)
-    assert driver.page.view.lanes[0].drawing.ends == (True, False, False)  # of three beads that are pushed, Eq. (5)
+    # Marks of the three beads that are pushed, Eq. (5).
+    assert driver.page.view.lanes[0].drawing.ends == (True, False, False)
 
 
 @pytest.mark.parametrize("name", ["train-shunting", "train-braking", "train-cut"])
@@ -243,7 +248,7 @@ def test_a_selection_has_the_shape_of_its_body() -> None:
     assert 2 * corner < rect.width
     frame = rect.inflate(2 * gap, 2 * gap)
     assert has_colour(driver, [(frame.centerx, frame.top), (frame.left, frame.centery)], tones.foreground)
-    driver.app.act("law_all")  # power laws are drawn as round beads
+    driver.app.act("law_all")  # Power laws are drawn as round beads.
     driver.frames(2)
     lane = driver.page.view.lanes[0]
     rect, corner = lane.drawing.body_shape(1, float(lane.edges[1]))
