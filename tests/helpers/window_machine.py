@@ -38,7 +38,7 @@ KINDS = ("bead", "contact", "widget", "plot", "bar", "window")
 class Place(NamedTuple):
     """A place in the window, or on an item in the window."""
 
-    kind: str  # Kind of the item, one of KINDS. The whole window is used if the page has no item of this kind.
+    kind: str  # Kind of the item, one of KINDS. The whole window is used if the page lacks items of this kind.
     number: int  # Number of the bead, contact, widget or plot, taken modulo their count.
     across: float  # Place inside the rectangle of the plot, bar or window, as fractions of its width and height.
     down: float

@@ -1,5 +1,5 @@
-"""Tests of the documentation: its examples, its notebooks and the commands of the README run, and Sphinx gives no
-warnings.
+"""Tests of the documentation: its examples, its notebooks and the commands of the README run, and Sphinx builds it
+without a warning.
 """
 
 import doctest

@@ -24,7 +24,7 @@ def bounce_in_the_stop(spring, stop, travel, mass, speed):
     soft, hard = math.sqrt(spring / mass), math.sqrt((spring + stop) / mass)
     first = math.asin(soft * travel / speed) / soft
     left = speed * math.cos(soft * first)
-    # Distance at which the added stiffness gives the same force at the stop.
+    # Distance at which the total stiffness gives the force at the stop.
     offset = spring * travel / (spring + stop)
     reach = math.hypot(offset, left / hard)
     return (spring + stop) * reach, 2.0 * (first + math.atan2(left / hard, offset) / hard)

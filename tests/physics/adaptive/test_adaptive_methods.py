@@ -101,8 +101,7 @@ PASSED_OVER = {  # Chain, start velocities, duration, and the least number of cl
     # All attempts to end a step at an event used a step that was far too long. The next, shorter step then passed the
     # closing.
     "a closing": (Chain([math.inf, 1.0, 1.0, math.inf], hooke(0.149), [0.0, 0.213, 0.0]), [0, 1, 1, 0], 24.0, [1, 2, 1]),
-    # A light bead next to a heavy one oscillates fast. If a long step predicts its opening depends on the length of the
-    # step.
+    # A light bead next to a heavy one oscillates fast. The length of a step decides if the step predicts the opening.
     "an opening": (Chain([3.4e-3, 9.8e3, 0.69], [hooke(12.7), hooke(19.4)]), [1, 1, 0], None, [1, 1]),
     # Attempts that began far beyond an opening jumped around it, and the last one passed it.
     "a corner": (WALLS.chain, WALLS.velocity, WALLS.duration, [2, 2, 1, 1, 1]),

@@ -1,5 +1,5 @@
-"""Tests of the languages of the window: chosen by the locale or a key, for all texts at once; numbers with their
-decimal mark.
+"""Tests of the languages of the window: the locale or a key chooses one, which changes all texts at once, and numbers
+get its decimal mark.
 """
 
 import re

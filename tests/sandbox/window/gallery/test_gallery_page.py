@@ -89,7 +89,7 @@ def test_shipped_pictures_are_those_that_are_drawn_now_of_motions_that_hold_no_w
             use_theme(theme)
             drawn, shipped = thumbnails.paint(scene, motions), thumbnails.shipped(name, theme)
             one, other = (pygame.surfarray.array3d(picture).astype(float) for picture in (drawn, shipped))
-            assert np.abs(one - other).mean() < 1.0, (name, theme)  # Mean difference of colours, of 255.
+            assert np.abs(one - other).mean() < 1.0, (name, theme)  # Mean colour difference, on a scale from 0 to 255.
 
 
 def searched(gallery: Driver, words: str) -> tuple[str, ...]:
