@@ -236,7 +236,7 @@ def test_a_bead_is_thrown_with_the_mouse_or_a_finger_and_the_page_stays(pages, b
     assert browser.run("scrollY") == 0
     if device == "telephone":
         browser.swipe((195.0, 160.0), (195.0, 20.0))
-        browser.until("scrollY > 50")  # a finger that moves up next to the beads scrolls the page
+        browser.until("scrollY > 50")  # A finger that moves up next to the beads scrolls the page.
 
 
 def test_a_bead_is_chosen_pulled_and_thrown_by_keys(live):
@@ -274,7 +274,7 @@ def test_no_key_takes_a_wall(browser, tmp_path, mass, chosen):
 def test_what_a_hand_gives_is_told_of_all_rows_and_apart_from_the_drive(pages, browser, tmp_path):
     browser.visit(pages("steel-and-soft").output, "")
     browser.run("page.pause(), page.go(0.9), page.chosen = {lane: 1, bead: 3}, page.throwChosen(1), page.pause()")
-    steel, soft = browser.run(LEDGER).split("\n")  # a line for each row
+    steel, soft = browser.run(LEDGER).split("\n")  # One line per row.
     assert re.fullmatch(r"steel balls: Total energy 0\.5 J · .*made up", steel)
     assert re.fullmatch(r"soft beads, .*: Total energy 1 J .* · you added 0\.5 J", soft)
     visit_row(browser, tmp_path, duration=5.0, velocity=[0, 0, 0], gap=[0.5, 0], drive=[1, 0, 0])
@@ -319,7 +319,7 @@ def test_rows_that_were_edited_as_they_moved_are_those_that_begin_anew(pages, br
     assert max(browser.run("page.source.rows.map((row) => row.stored(0))")) > 0.1  # The beads touch.
     browser.run("page.edit('alpha', 0.5), page.edit('loss', 0.5), page.edit('friction', 0.01), page.pause()")
     edited = browser.run(laws)
-    assert error(browser) < BOOKED  # the restarted rows are balanced as well
+    assert error(browser) < BOOKED  # The energy of the restarted rows is also balanced.
     assert edited == browser.run(f"page.restart(), {laws}") != before
 
 
@@ -392,7 +392,7 @@ def test_a_row_is_compared_with_rows_of_other_contacts_only(pages, browser, name
             "[page.looks.map(({label}) => label), page.stages.map(({view}) => (view.ground - view.base) / view.size)]"
         )
         assert labels[0] != labels[1]
-        assert min(rooms) > 0.66  # the tallest bodies end below the axis of forces
+        assert min(rooms) > 0.66  # The tallest bodies end below the axis of forces.
     browser.run("page.edit('beside', 'gear'), page.edit('law', 'gear'), page.pause()")
     assert browser.run("page.experiment.beside") != "gear"
 
@@ -425,7 +425,9 @@ def test_a_chart_that_grew_piece_by_piece_is_the_one_that_is_drawn_at_once(live,
 
 
 def test_a_picture_of_play_changes_canvases_alone_and_draws_what_moves(pages, browser):
-    """Other changes would cost another layout of the page. Captions, axes and the ground stay as they are."""
+    """Check that a frame changes nothing that makes the browser compute the layout again. Captions, axes and the ground
+    stay.
+    """
     browser.visit(pages(SCENE).output, "#t=1.5")
     browser.run(SPY)
     browser.run("page.play(), page.pause(), page.playing = true, window.still = new MutationObserver(() => 0), 0")
@@ -484,7 +486,7 @@ def test_what_is_copied_of_a_file_opens_the_experiment(pages, browser):
     browser.run(SET.format("beside", "gear", "change"))
     experiment = browser.run("document.getElementById('link').click(), page.experiment")
     link = browser.until("navigator.clipboard.readText().then((text) => text.includes('#') && text)")
-    assert link.startswith("#")  # the place of the file on this device is of use to nobody else
+    assert link.startswith("#")  # The path of the file on this device is useless to other people.
     assert link in browser.run(NOTICE)
     browser.visit(page, f"#{link.removeprefix('#')}")
     opened = browser.run("page.experiment")
@@ -636,7 +638,7 @@ def test_it_fits(pages, browser, width, fragment):
     browser.visit(pages("draft-gear-two-on-two").output, "#with=steel&lang=de")
     assert browser.run(
         "page.stages.every(({view}) => view.barRoom > 17)"
-    )  # forces have room between captions and beads
+    )  # The forces have room between captions and beads.
     browser.visit(pages(SCENE).output, fragment)
     assert browser.run(FITS)
     # The Play button is visible without scrolling.
@@ -726,7 +728,7 @@ def test_beads_smaller_than_a_pixel_are_drawn(browser, tmp_path):
 
 
 def test_it_lives_in_a_frame_that_may_do_nothing_else(browser, tmp_path):
-    """A cell of a notebook has no address, no clipboard and no storage."""
+    """Check a notebook cell. It has neither an address nor a clipboard nor storage."""
     cell = scenes.load(SCENE).live()._repr_html_()
     (tmp_path / "notebook.html").write_text(f"<!doctype html><title>cell</title>{cell}", encoding="utf-8")
     browser.open(tmp_path / "notebook.html")

@@ -1,4 +1,4 @@
-"""Tests of the page in Firefox, if it is installed: it computes and draws on a desk and on a telephone without an error."""
+"""Tests of the page in Firefox, if it is installed: it computes and draws on a desktop and on a phone, without errors."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""Tests of the page as a file: it plays recordings, loads nothing, and leaves nothing behind if it cannot be written."""
+"""Tests of the page as a file: it plays a recorded motion and loads nothing, and a failed write leaves no file."""
 
 import base64
 import gzip
@@ -33,7 +33,7 @@ SCENES = ("one-on-four", "galilean", "draft-gear-two-on-two", "hertz-cradle", "m
 def test_a_page_in_which_beads_live_is_small_closes_its_tags_and_loads_nothing(pages, name):
     report = pages(name)
     assert report.computed
-    assert report.size == report.output.stat().st_size < 150_000  # bytes
+    assert report.size == report.output.stat().st_size < 150_000  # Size in bytes.
     assert len(gzip.compress(report.output.read_bytes())) < 65_000
     text = report.output.read_text(encoding="utf-8")
     checker = TagChecker(text)
@@ -44,7 +44,7 @@ def test_a_page_in_which_beads_live_is_small_closes_its_tags_and_loads_nothing(p
 
 @pytest.mark.parametrize("name", SCRIPTS)
 def test_a_script_is_written_without_spaces_that_it_does_not_need_and_with_all_its_texts(name):
-    """A template in the hole of another one would lose spaces."""
+    """Check the removal of spaces. A template string inside another template string would lose spaces."""
     script, spaces = resource(f"page/{name}.js").read_text(encoding="utf-8"), re.compile(r"\s+")
     plain = re.sub(r"^\s*(//.*|/\*\*(.|\n)*?\*/)?[ \t]*\n?| +// .*", "", script, flags=re.MULTILINE)
     short, texts = shortened(plain), re.compile(r'"(?:[^"\\\n]|\\.)*"')
@@ -141,7 +141,7 @@ def unpacked(packed, scales, beads):
 def test_lines_between_samples_follow_the_recorded_motion_and_deep_overlaps_keep_their_digits(name):
     motion = played(name)
     scales = motion.scales
-    smallest = 10.0 ** (scales.decades[0] - 1)  # a decade below the axis of overlaps
+    smallest = 10.0 ** (scales.decades[0] - 1)  # A tenth of the lower end of the axis of overlaps.
     for found, packed in zip(motion.motions, packed_lanes(motion.motions, scales, USUAL_BYTES), strict=True):
         time, anchor, energies, overlap, velocity, force = unpacked(packed, scales, found.chain.contacts + 1)
         absorbed = found.absorbed if found.absorbed.size else np.zeros(found.time.size)
@@ -196,7 +196,7 @@ def test_lanes_that_were_edited_at_different_times_begin_with_the_last_of_them()
 
 @pytest.mark.parametrize("edits", [(), (inputs.SetVelocity(0, 4, 1.5),), (inputs.Drag(0, 4, 6.0), inputs.Drop())])
 def test_the_page_of_a_row_that_a_hand_has_moved_says_so(tmp_path, edits):
-    """Its end is not compared with two rigid bodies, which nobody pushed."""
+    """Check that a moved row is marked as driven, because the comparison with two rigid bodies does not apply to it."""
     session = opened(frames=20)
     for edit in edits:
         session.apply(edit)

@@ -183,7 +183,7 @@ def test_a_collision_is_told_in_words():
     assert (float(together[1]), float(striker[1])) == pytest.approx((0.25, 0.25), abs=0.005)
     assert re.search(r"Bead 0 hit bead 1 at .* with 0\.5\u00a0m/s", text)
     assert "trust" not in text
-    last = f"{session.contact_events().time[-1]:.3g}"  # a time, and no duration
+    last = f"{session.contact_events().time[-1]:.3g}"  # A time, not a duration.
     assert f"The last contact opened at {last}\u00a0s." in text
     use_language("de")
     assert f"Der letzte Kontakt öffnete sich nach {last.replace('.', ',')}\u00a0s." in summary_text(session)

@@ -121,7 +121,7 @@ def test_a_motion_is_over_when_its_last_force_has_ended_and_beads_are_apart() ->
     for frames, over in ((59, False), (62, True)):
         session.step_frames(frames)
         assert session.lanes[0].over == over
-    stiff = {"law": "hertz", "stiffness": 1e6}  # two rest in the end, but for round-off
+    stiff = {"law": "hertz", "stiffness": 1e6}  # Two beads are at rest at the end, up to round-off.
     for velocity, gap, frames in (([-1.0, 0.0, 0.0], 0.0, 0), ([1.0, 0.0, 0.0], 0.1, 60)):
         lane = {"velocity": velocity, "contact": stiff, "gap": gap}
         session = Session(Scene.model_validate({"title": "Two rest", "lanes": [lane]}))
