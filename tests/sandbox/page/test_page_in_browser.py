@@ -331,10 +331,10 @@ def test_the_slider_tells_the_alpha_that_acts(pages, browser):
     assert browser.run("document.getElementById('alpha-value').textContent") == "1/40"
     assert browser.run("page.source.rows[0].kernel.law[2]") == 1 / 40
     text = "document.getElementById('text').textContent"
-    assert "as one body" not in browser.run(text)
+    assert "solid block" not in browser.run(text)
     assert "changed the settings" in browser.run(text)
     browser.visit(pages(SCENE).output, "#pace=4&with=steel")
-    assert "as one body" in browser.run(text)
+    assert "solid block" in browser.run(text)
 
 
 def test_a_row_that_touches_has_not_ended_and_what_is_edited_at_rest_is_shown_at_once(live, pages, browser):
