@@ -52,7 +52,7 @@ def test_a_chunk_of_a_sweep_is_sent_as_two_numbers():
     assert 5 * 8 <= found["point_bytes"] < 100  # Five velocities per point.
 
 
-def test_the_cost_of_a_step_is_measured_with_all_contacts_closed_and_that_of_a_batch_beside_each_alone():
+def test_the_cost_of_steps_and_batches_is_measured():
     for method in ("verlet", "conserving"):
         found = steps.measure(StepCase(method, 1e-4, 4, method == "verlet", 20.0), contact_steps=40, rounds=1)
         assert (found["closed"], found["steps"]) == (4, 10)

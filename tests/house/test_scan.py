@@ -32,7 +32,7 @@ VELOCITY = (-0.56758562476, 0.17392146673, 0.45407871484, 0.46978361268, 0.46980
 TRUTH = Truth(np.array(VELOCITY), np.full(5, 1e-10), "known")
 
 
-def test_the_truth_is_by_the_reference_and_that_of_laws_of_ones_own_by_scipy():
+def test_the_source_of_a_reference_solution():
     found = truth_of(PAPER)
     assert found.source == "reference"
     assert np.abs(found.velocity - VELOCITY).max() < 1e-10
@@ -45,7 +45,7 @@ def test_the_truth_is_by_the_reference_and_that_of_laws_of_ones_own_by_scipy():
     assert ours.final_velocity == pytest.approx(found.velocity, abs=1e-5)
 
 
-def test_where_the_finest_runs_do_not_end_coarser_ones_tell_the_truth():
+def test_coarser_runs_replace_unfinished_fine_runs():
     chosen = motion("bounded", 7)  # At tolerance 1e-12, two runs of each method end; at 1e-13, none does.
     found = truth_of(chosen)
     assert found.source == "spread of fine runs"
@@ -126,7 +126,7 @@ def test_the_path_of_fine_runs_is_that_of_the_reference():
         assert again.path.events == exact.path.events
 
 
-def test_the_reference_knows_positions_and_contact_times_on_a_bed():
+def test_positions_and_contact_times_of_the_reference_on_a_bed():
     """Compare with closed forms: a bead slides 0.1 m to the next one, and a single bead slides until it rests."""
     brake, far = 0.05 * 9.80665, Chain([2.0, 1.0], hertz(1.0), gap=0.1, friction=0.05)
     found = reference_end(far, [1.5, 0.0], 0.5, 1e-12)
@@ -138,7 +138,7 @@ def test_the_reference_knows_positions_and_contact_times_on_a_bed():
     assert alone.events == []
 
 
-def test_a_scan_that_is_stopped_goes_on_and_what_is_judged_is_kept(tmp_path, capsys, monkeypatch):
+def test_an_interrupted_scan_continues(tmp_path, capsys, monkeypatch):
     given = ["scan", "--families", "hooke-hertz", "--jobs", "1", "--folder", str(tmp_path), "--count", "3", "--require"]
     monkeypatch.setattr("benchmarks.scan.truth.TOLERANCE", 1e-9)
     monkeypatch.setattr(scan, "KEPT", tmp_path / "kept.jsonl.gz")

@@ -30,7 +30,7 @@ def test_nothing():
 
 
 @pytest.mark.skipif(not os.path.exists("/proc/self/fd"), reason="this system does not tell what a process has")
-def test_what_a_test_leaves_fails_that_test_alone(tmp_path):
+def test_only_the_test_that_leaks_fails(tmp_path):
     """Run the tests in LEAVING with the settings of this suite, and read the outcomes that pytest prints."""
     (tmp_path / "test_a.py").write_text(LEAVING, encoding="utf-8")
     command = [sys.executable, "-m", "pytest", "-v", "-n", "0", "-p", "tests.conftest", "-p", "no:cacheprovider"]

@@ -136,7 +136,7 @@ def test_the_description_shows_no_file_that_an_index_does_not_have(wheel):
     assert "](" not in text  # The description contains no links and no pictures.
 
 
-def test_the_source_archive_builds_the_same_wheel_and_holds_documentation_and_examples(wheel, tmp_path):
+def test_the_source_archive_builds_the_same_wheel(wheel, tmp_path):
     command = [sys.executable, "-m", "hatchling", "build", "--target", "sdist", "--directory", str(tmp_path)]
     subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
     (archive,) = tmp_path.glob("*.tar.gz")
@@ -158,7 +158,7 @@ def test_every_module_and_asset_comes_from_the_wheel(installed):
     assert [file for file in files if not file.is_relative_to(installed.packages / "softcradle")] == []
 
 
-def test_a_game_with_a_folder_physics_of_its_own_the_command_and_languages_run(installed):
+def test_the_wheel_works_next_to_a_folder_named_physics(installed):
     assert installed.run(installed.python, "game.py") == "[0. 1.]\n"
     printed = installed.run(installed.python, "-m", "softcradle", "run", "one-on-four")
     assert "0.5675856" in printed  # Final velocity of the striker [m/s].

@@ -49,7 +49,7 @@ def test_every_start_is_one_of_its_own_with_the_gaps_of_the_chain():
 
 
 @pytest.mark.parametrize("seed", range(40))
-def test_what_is_computed_is_what_the_depths_say(seed):
+def test_chains_are_rejected_by_their_overlaps(seed):
     """Check speeds just inside and outside the range of each chain. Exactly the runs with an overlap out of range must
     be rejected.
     """
@@ -79,7 +79,7 @@ def test_a_gear_that_yields_too_little_is_told_of(factor):
     assert bool(unusual_warnings(Chain([1, 1], draft_gear(3.0, 2.0)), [factor * border, 0.0], 1e-8)) == (factor < 1.0)
 
 
-def test_a_chain_that_has_run_goes_to_other_processes_and_is_the_same():
+def test_a_used_chain_can_be_pickled():
     chain = Chain([1, 1, 2], [hooke(5.0), power_law(1.0, 0.1)], gap=[-0.1, 0.2], drive=[0.0, 0.0, -1.0])
     first = simulate(chain, [1, 0, 0], 0.5)
     again = pickle.loads(pickle.dumps(chain))

@@ -147,7 +147,7 @@ def test_a_finer_run_that_follows_more_confirms_nothing(other_runs) -> None:
 
 
 @pytest.mark.parametrize(("apart", "taken"), [(0.0, [1e-7]), (1e-3, [1e-7, 1e-8, 1e-9])])
-def test_runs_that_differ_by_more_than_they_state_need_another_to_confirm(apart, taken, other_runs) -> None:
+def test_disagreeing_runs_need_another_confirmation(apart, taken, other_runs) -> None:
     """Check runs with underestimated amplification. Two of them can agree by chance, as in `clusters` 76 at 1e-4."""
     first = replace(to_its_end(hit()), growth=100.0, velocity_error=np.full(3, 2e-5))
     tolerances = other_runs(first, apart=lambda run: apart)
@@ -185,7 +185,7 @@ def truths():
 
 
 @pytest.mark.parametrize(("family", "seed", "tolerance"), DAMPED)
-def test_what_all_runs_damp_alike_is_stated(family: str, seed: int, tolerance: float, truths) -> None:
+def test_damping_common_to_all_runs_is_estimated(family: str, seed: int, tolerance: float, truths) -> None:
     """Check beads that chatter between neighbours, or that separate too slowly to count. Coarser and finer runs had the
     same wrong end.
     """
@@ -205,14 +205,14 @@ def test_a_confirmed_error_is_at_least_a_tenth_of_the_first_estimate(growth: flo
     assert (confirmed(hit(), first).velocity_error >= [4e-5, 4e-5, 2e-5]).all()
 
 
-def test_what_finer_runs_are_off_by_alike_is_stated_in_full(other_runs) -> None:
+def test_a_common_error_of_finer_runs_is_estimated_in_full(other_runs) -> None:
     first = replace(grown(to_its_end(hit()), GROWN), unseen=1e-3)
     other_runs(first)
     assert confirmed(hit(), first).velocity_error.min() >= 1e-3
 
 
 @pytest.mark.parametrize("apart", [4e-6, 6e-6])
-def test_a_coarser_run_that_ends_elsewhere_confirms_nothing(apart: float, other_runs) -> None:
+def test_a_disagreeing_coarser_run_confirms_nothing(apart: float, other_runs) -> None:
     """Check that finer runs decide if the coarser run differs by more than five tolerances. The guarantee is ten
     tolerances.
     """
@@ -224,7 +224,7 @@ def test_a_coarser_run_that_ends_elsewhere_confirms_nothing(apart: float, other_
 
 
 @pytest.mark.parametrize("growth", [100.0, GROWN])
-def test_what_one_bead_ends_alike_by_chance_is_not_known_better(growth: float, other_runs) -> None:
+def test_chance_agreement_of_one_bead_is_not_trusted(growth: float, other_runs) -> None:
     """Check one bead that agrees by chance. In the last two of five runs of `mixed` 33 at 1e-4, the third bead agreed
     within 5e-6 m/s, with an error of 1e-3.
     """
@@ -236,7 +236,7 @@ def test_what_one_bead_ends_alike_by_chance_is_not_known_better(growth: float, o
 
 
 @pytest.mark.parametrize("tolerances", [0.3, 3.0, 30.0])
-def test_what_its_budget_leaves_unconfirmed_is_stated_with_more_doubt(tolerances: float, other_runs) -> None:
+def test_an_unconfirmed_run_has_a_larger_estimated_error(tolerances: float, other_runs) -> None:
     """Check the estimate when the budget is spent. If runs differ by three tolerances, both may have an error of ten.
     If they differ by thirty, the run warns.
     """
@@ -265,7 +265,7 @@ def test_other_runs_keep_the_bead_whose_velocity_they_hold(chain: Chain) -> None
         assert other.finite_mass == pytest.approx(chain.finite_mass, rel=3e-6)
 
 
-def test_the_end_of_a_motion_that_rattles_is_stated_no_finer_than_it_is_determined() -> None:
+def test_the_estimated_error_of_chattering_is_not_too_small() -> None:
     """Check a chattering motion. Finer runs differ by 1e-6 m/s, but runs at 1e-8 and 1e-9 agreed to 1e-9 because both
     damped the chattering.
     """

@@ -48,7 +48,7 @@ def test_two_wagons_bounce_in_the_solid_stop(method, side):
 
 @pytest.mark.parametrize("travel", [1e-3, 1e-2, 1e-1])
 @pytest.mark.parametrize("method", ["radau", "dop853", "accurate"])
-def test_a_contact_is_told_from_where_it_closed_though_the_first_step_ends_at_the_stop(method, travel):
+def test_a_contact_closes_at_its_start_even_if_the_first_step_ends_at_the_stop(method, travel):
     chain = Chain([1.0, 1.0], Coupler(hooke(10.0), travel=travel, stop=1e3), gap=0.5)
     _, time = bounce_in_the_stop(10.0, 1e3, travel, 0.5, 1.0)
     found = simulate(chain, [1.0, 0.0], 1.0, method=method, samples=2)
@@ -86,7 +86,7 @@ def test_pulling_is_pushing_seen_from_the_other_side(method):
 
 
 @pytest.mark.parametrize("method", ["auto", "accurate", "radau", "dop853"])
-def test_soft_gears_that_pull_or_go_solid_are_refused_by_adaptive_methods(method):
+def test_adaptive_methods_reject_soft_pulling_gears(method):
     soft = power_law(1e5, 0.5)
     for coupler in (Coupler(soft, pull=soft), Coupler(soft, travel=0.1, stop=1e8)):
         with pytest.raises(ValueError, match="have exponents of 1 or more: take 'conserving' or 'scipy'"):
@@ -95,7 +95,7 @@ def test_soft_gears_that_pull_or_go_solid_are_refused_by_adaptive_methods(method
     assert pushed.final_velocity == pytest.approx([0.0, 1.0], abs=1e-6)
 
 
-def test_what_takes_friction_in_place_of_yoshida4_takes_the_chain():
+def test_the_alternative_to_yoshida4_accepts_the_chain():
     for law in (hooke(1e5), Coupler(hooke(1e5)), lambda overlap: 1e5 * overlap):
         chain = Chain([1.0, 1.0], law, friction=0.1)
         with pytest.raises(ValueError, match="carries neither bed friction nor contacts with loss: take") as refused:

@@ -51,7 +51,7 @@ def place(velocity, brake, time):
     return (velocity - 0.5 * math.copysign(brake, velocity) * time) * time
 
 
-def test_sliding_beads_meet_where_a_grid_of_times_says_so():
+def test_sliding_beads_meet_as_on_a_grid_of_times():
     """Compare with a grid of times, for beads with equal brakes, different brakes, and without brakes, like walls."""
     rng, last = np.random.default_rng(1), np.array([1e3, 1e5, 1e7])
     for _ in range(3000):
@@ -102,7 +102,7 @@ def test_a_push_below_the_threshold_moves_nothing(method):
 
 
 @pytest.mark.parametrize("method", ["euler", "verlet", "conserving", "pymunk"])
-def test_the_bed_takes_nothing_from_a_bead_that_it_holds_against_a_push(method):
+def test_the_bed_absorbs_nothing_from_a_held_bead(method):
     """Check that the absorbed energy of a stopped bead does not depend on the number of samples."""
     chain = Chain([1.0, 1.0], hertz(1e3), gap=0.5, drive=[0.5, 0.0], friction=0.3)
     few, many = (simulate(chain, [0.5, 0.0], 1.0, method, 1e-3, samples=samples) for samples in (2, 101))
@@ -137,7 +137,7 @@ def test_the_end_comes_when_nothing_can_meet_again():
 
 @pytest.mark.parametrize("method", ["accurate", "radau"])
 @pytest.mark.parametrize("seed", range(20))
-def test_what_rubs_and_loses_comes_to_its_end(method, seed):
+def test_motions_with_friction_and_loss_end(method, seed):
     """Check that beads joined by a held contact stop together, and that creeping at round-off counts as rest. Runs
     continued to 1e45 s.
     """
@@ -199,7 +199,7 @@ def test_beads_that_stick_beside_one_that_creeps_do_not_move(method, seed):
 
 
 @pytest.mark.parametrize("seed", [784, 819])
-def test_contacts_between_beads_that_stick_beside_a_stiff_one_keep_no_run_from_its_end(seed):
+def test_sticking_beads_next_to_a_stiff_contact_do_not_block_the_end(seed):
     """Check seeds of the scan in which a step of the fallback produced NaN, so that the run did not end."""
     motion = families.motion("friction", seed)
     given = motion.chain, motion.velocity, motion.duration

@@ -41,7 +41,7 @@ def cold(monkeypatch):
 
 @pytest.mark.parametrize("method", ["accurate", "radau", "dop853", "conserving", "verlet"])
 @pytest.mark.parametrize("friction", [0.0, 0.01])
-def test_what_runs_call_is_made_before(monkeypatch, method, friction):
+def test_every_kernel_of_a_run_is_loaded_first(monkeypatch, method, friction):
     """Check that loading compiled kernels calls every kernel. Otherwise it would be compiled in the first run, which
     would wait.
     """
@@ -114,7 +114,7 @@ def waited(cold):
     return names
 
 
-def test_what_is_long_for_plain_python_waits_for_machine_code(waited):
+def test_long_runs_wait_for_machine_code(waited):
     simulate(one_on(2, hertz(1.0)), [1, 0, 0], 1.0, method="verlet", step=1e-3)
     assert waited == []
     assert TIERS["fixed-step"].spent == 2000.0
@@ -182,7 +182,7 @@ def test_who_waits_long_says_for_what(locked, monkeypatch, caplog):
     assert f"waiting for kernels (nothing) that process {os.getpid()} compiles" in caplog.text
 
 
-def test_kernels_that_are_asked_for_are_compiled_where_signals_are_heard(cold):
+def test_requested_kernels_are_compiled_in_a_child_process(cold):
     """Check that a child process compiles while this process waits. If the wait is interrupted, the compilation stops."""
     ended: list[str] = []
     cold.setattr(KernelTiers, "wait", Mock(side_effect=KeyboardInterrupt))
@@ -194,7 +194,7 @@ def test_kernels_that_are_asked_for_are_compiled_where_signals_are_heard(cold):
 
 @pytest.mark.skipif(os.name != "posix", reason="processes are not nice here")
 @pytest.mark.parametrize(("niceness", "begun"), [(0, False), (10, True)])
-def test_what_is_waited_for_does_not_yield(locked, monkeypatch, niceness, begun):
+def test_awaited_kernels_are_compiled_with_normal_priority(locked, monkeypatch, niceness, begun):
     """Check a process that waits for kernels. If another process compiles them with low priority, this one starts its
     own compilation.
     """
@@ -256,7 +256,7 @@ def in_a_new_cache(folder, *arguments, **more):
 
 
 @pytest.mark.slow
-def test_first_use_that_compiles_says_so_and_the_command_too_unless_quiet(tmp_path):
+def test_the_first_use_reports_compiling(tmp_path):
     first = in_a_new_cache(tmp_path, "-c", CRADLE, SOFTCRADLE_COMPILE="first")
     assert first.stderr.count(FIRST) == 1
     assert in_a_new_cache(tmp_path, "-c", CRADLE).stderr == ""
@@ -266,7 +266,7 @@ def test_first_use_that_compiles_says_so_and_the_command_too_unless_quiet(tmp_pa
     assert FIRST not in in_a_new_cache(tmp_path / "quiet", *scene, "-q", SOFTCRADLE_COMPILE="first").stderr
 
 
-def test_warm_takes_names_and_loads_the_kernels_of_batches(monkeypatch):
+def test_warm_loads_kernels_by_name(monkeypatch):
     warm(["euler", "SoftChain"])
     for wrong, near in (("verlt", "verlet"), ("softchain", "SoftChain")):
         with pytest.raises(ValueError, match=f"did you mean '{near}'"):

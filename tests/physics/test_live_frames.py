@@ -17,7 +17,7 @@ LOSES = Chain(np.ones(4), [Contact(0.0, 1.0, 0.5, loss=0.3)] * 3, friction=0.02)
 
 @pytest.mark.parametrize("chain", [SOFT, RUBS, LOSES], ids=["soft", "rubs", "loses"])
 @pytest.mark.parametrize("method", [*KERNELS, "scipy"])
-def test_out_of_steps_conserving_finishes_and_says_so_until_steps_are_enough(chain, method):
+def test_conserving_finishes_a_frame_that_runs_out_of_steps(chain, method):
     state, frame = State.at_start(chain, struck(chain)), 0.5
     with pytest.warns(RuntimeWarning, match=f"{method} gave up at t = .*3 steps.*; conserving moved on from there"):
         advance(chain, state, frame, method, most_steps=3)

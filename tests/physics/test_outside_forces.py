@@ -79,7 +79,7 @@ def test_beads_on_a_bed_that_wait_for_a_force_are_shown_at_rest(method):
 
 @pytest.mark.parametrize("step", [2e-3, 1e-3, 3e-4])
 @pytest.mark.parametrize("method", ["conserving", "verlet"])
-def test_beads_that_rest_until_the_last_jump_of_a_force_begin_there_whatever_is_sampled(method, step):
+def test_beads_at_rest_start_at_the_last_step_of_a_force(method, step):
     force = TimedForce(0, [1.0, 1.0, 3.0, 3.0], [0.0, 0.1, 0.2, 1.0])
     chain = Chain([1.0, 1.0], hooke(1.0), gap=1e3, friction=0.05, forces=force)
     found = simulate(chain, [0.0, 0.0], 6.0, method, step, samples=[4.0, 5.0, 6.0])
@@ -87,7 +87,7 @@ def test_beads_that_rest_until_the_last_jump_of_a_force_begin_there_whatever_is_
 
 
 @pytest.mark.parametrize("method", [one for one in METHODS if one.adaptive], ids=lambda one: one.name)
-def test_a_brake_that_begins_just_after_a_contact_opens_takes_no_speed_at_once(method):
+def test_a_brake_just_after_an_opening_is_continuous(method):
     """Check a brake that begins just after an opening. A step shorter than 1e-4 of the time applied the brake at its
     end, and a decelerating bead reversed.
     """
@@ -110,7 +110,7 @@ def test_a_push_on_soft_contacts_that_hardly_close_is_computed():
     assert simulate(chain, [0.0] * 5, 0.5).final_velocity == pytest.approx([-0.0005] * 4 + [0.0], abs=1e-9)
 
 
-def test_without_a_duration_it_ends_when_forces_and_contacts_do():
+def test_a_run_without_duration_ends_after_forces_and_contacts():
     """Check that a run ends after its forces, which end at 0.9 s. A permanent force needs a duration."""
     found = simulate(PUSHING, REST)
     assert found.status.name == "SEPARATED"
@@ -121,7 +121,7 @@ def test_without_a_duration_it_ends_when_forces_and_contacts_do():
 
 
 @pytest.mark.parametrize("before", [4.7e-15, 1e-12, 1e-9, 1e-6])
-def test_a_frame_that_begins_just_before_a_knot_gives_the_impulse_of_its_force(before):
+def test_a_frame_just_before_a_breakpoint_has_the_right_impulse(before):
     """Check a frame that begins just before a breakpoint. A step to the breakpoint would be round-off, and gave the
     train about 1000 N s.
     """
@@ -154,7 +154,7 @@ def test_a_force_that_jumps_just_before_an_opening_is_no_alarm(seed):
     assert simulate(chain, start, 1.5 * jump, "radau", samples=2, tolerance=1e-8).velocity_error.max() < 1e-6
 
 
-def test_the_work_of_a_drive_is_the_energy_and_the_push_of_a_state_adds_to_it(method):
+def test_the_work_of_a_drive_is_the_energy_gained(method):
     step = fineness(method.name, 1e-4)
     found = simulate(DRIVEN, REST, 2.0, method=method.name, **step)
     energy = found.kinetic_energy + found.contact_energy
@@ -219,7 +219,7 @@ def test_speed_scale_knows_what_the_drive_presses(seed):
     assert found == pytest.approx(max(speeds) or 1.0, rel=1e-9)
 
 
-def test_a_bead_that_is_driven_away_does_not_loosen_the_tolerance_of_the_others():
+def test_a_bead_that_is_driven_away_does_not_change_the_tolerance():
     """Check a bead of 3 m/s that leaves a bead that oscillates at a wall with 3e-5 m/s."""
     contact, drive = power_law(0.3, 0.13), [-0.08, 0.045, 0.0]
     row, alone = (Chain(mass, contact, drive=drive[-len(mass) :]) for mass in ([0.14, 4.4, np.inf], [4.4, np.inf]))
@@ -228,7 +228,7 @@ def test_a_bead_that_is_driven_away_does_not_loosen_the_tolerance_of_the_others(
     assert np.ptp(other.velocity[:, 0]) > 5e-5
 
 
-def test_the_default_step_knows_the_speed_of_a_bead_that_falls_on_a_soft_contact():
+def test_the_default_step_fits_a_bead_that_falls_on_a_soft_contact():
     """Check a bead that falls with 0.063 m/s. The force of the drive alone would press it in with only 1e-9 m/s."""
     chain = Chain([1.0, np.inf], power_law(1.0, 0.1), 0.1, drive=[0.02, 0.0])
     found = simulate(chain, [0.0, 0.0], 4.0, "conserving")
@@ -239,7 +239,7 @@ def test_the_default_step_knows_the_speed_of_a_bead_that_falls_on_a_soft_contact
 
 
 @pytest.mark.parametrize("exponent", [0.05, 0.01])
-def test_a_drive_stronger_than_a_soft_contact_gives_no_more_speed_than_in_its_duration(exponent):
+def test_the_speed_scale_of_a_strong_drive_is_limited_by_the_duration(exponent):
     """Check a drive that presses a bead in by kilometres. A step for the speed that it would reach is longer than the
     motion.
     """

@@ -182,7 +182,7 @@ def test_a_law_without_digits_is_taken_as_it_is():
     assert table.values(table.force, np.array([0.5])) == pytest.approx(math.sqrt(1.5) - 1.0, rel=1e-14)
 
 
-def test_a_table_of_forces_takes_laws_for_numbers_and_for_arrays():
+def test_laws_for_numbers_and_for_arrays_are_accepted():
     for law in (lambda d: d**2, lambda d: math.pow(d, 2), lambda d: 0.0 if d < 0.0 else d**2):
         assert OwnLaw(law).force([[-1.0, 0.0], [0.5, 2.0]]).tolist() == [[0.0, 0.0], [0.25, 4.0]]
     assert OwnLaw(lambda d: 3.0).force([1.0, 2.0]).tolist() == [3.0, 3.0]
@@ -203,7 +203,7 @@ def test_a_file_holds_the_table_of_a_law(tmp_path):
     again.save(tmp_path / "again.npz")
 
 
-def test_what_a_law_raises_is_raised():
+def test_errors_of_a_law_are_raised():
     def with_a_limit(overlap: float) -> float:
         if overlap > 1.5:
             raise KeyError("pressed too far")
@@ -264,7 +264,7 @@ def test_results_show_themselves(tmp_path):
     assert found.to_xarray().force.shape == found.force.shape
 
 
-def test_a_pulse_in_a_long_row_is_solved_where_its_energy_loses_digits():
+def test_a_pulse_is_solved_although_its_energy_loses_digits():
     """Check overlaps far ahead of the pulse. They are so small that the closed form of the energy is only round-off."""
     steep = OwnLaw(lambda d: math.expm1(5.0 * d), lambda d: math.expm1(5.0 * d) / 5.0 - d)
     found = solve(one_on(10, steep), [1.0] + [0.0] * 10, method="conserving", step=0.01)

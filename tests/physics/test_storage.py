@@ -104,7 +104,7 @@ def test_csv_has_a_row_a_sample_and_units(tmp_path):
         ({"metadata": np.array(json.dumps({"format": 99}))}, "format 99"),
     ],
 )
-def test_other_files_and_those_of_the_future_are_refused_in_a_sentence(content, sentence, tmp_path):
+def test_other_files_and_later_formats_are_rejected(content, sentence, tmp_path):
     path = tmp_path / "other.npz"
     if isinstance(content, dict):
         np.savez(path, **content)
@@ -114,7 +114,7 @@ def test_other_files_and_those_of_the_future_are_refused_in_a_sentence(content, 
         Trajectory.load(path)
 
 
-def test_a_torn_file_is_refused_in_a_sentence_and_codes_of_the_future_are_unknown(collision, tmp_path):
+def test_incomplete_files_and_unknown_codes_are_handled(collision, tmp_path):
     path = tmp_path / "torn.npz"
     replace(collision, warnings=(CodedWarning(WarningCode.SENSITIVE, "so so", {}),)).save(path)
     with np.load(path) as file:
@@ -179,7 +179,7 @@ def test_folder_appears_whole_or_not_at_all(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["film.mp4", "f" * 251 + ".mp4"], ids=["usual", "longest"])
-def test_output_file_has_the_suffix_and_the_usual_permissions(name, tmp_path):
+def test_an_output_file_has_the_usual_permissions(name, tmp_path):
     (tmp_path / "usual").write_bytes(b"")
     with output_file(tmp_path / name) as temporary:
         assert temporary.suffix == ".mp4"

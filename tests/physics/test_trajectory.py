@@ -79,7 +79,7 @@ def test_without_a_duration_it_runs_until_all_are_apart(method):
     assert longer.final_velocity == pytest.approx(found.final_velocity, abs=1e-12)
 
 
-def test_what_takes_no_time_is_the_start(method):
+def test_a_run_without_duration_is_the_start(method):
     found = simulate(CRADLE, START, 0.0, method, samples=2)
     assert found.velocity.tolist() == [START, START]
     assert found.final_velocity.tolist() == START
@@ -214,7 +214,7 @@ def test_samples_cost_no_second_run_of_an_adaptive_method(name, monkeypatch):
 
 @pytest.mark.parametrize(("limit", "rows", "allowed"), [("MOST_ROWS", 3, 0.0), ("MOST_KEPT", 1, 1e-8)])
 @pytest.mark.parametrize("name", ADAPTIVE)
-def test_samples_do_not_tell_in_what_blocks_steps_were_kept_or_run_again(name, limit, rows, allowed, monkeypatch):
+def test_samples_do_not_depend_on_the_blocks_of_stored_steps(name, limit, rows, allowed, monkeypatch):
     whole = simulate_quietly(*ENDED[name], samples=23)
     monkeypatch.setattr(kept_steps, limit, rows)
     monkeypatch.setattr(runner, "_last_run", runner._LastRun())

@@ -43,7 +43,7 @@ def instructions(body: bytes) -> list[int]:
     return found
 
 
-def test_the_file_is_small_and_takes_nothing_and_every_browser_has_its_instructions():
+def test_the_wasm_file_is_small_and_portable():
     content = FILE.read_bytes()
     assert content[:8] == b"\0asm\1\0\0\0"
     assert len(content) < 64_000  # A page contains the file as base64 text, which is a third longer.
@@ -96,5 +96,5 @@ def test_built_anew_it_has_the_same_digits(kernels, plainly, tmp_path):
 
 
 @pytest.mark.slow
-def test_every_tier_has_the_same_digits_whatever_the_processor_and_the_c_library():
+def test_every_kernel_tier_has_the_same_digits():
     assert compare(TIERS_HERE, 200)

@@ -17,7 +17,7 @@ MOVED_LIVE = (
 
 
 @pytest.mark.parametrize(("name", "method"), runs(CASES, METHODS))
-def test_what_holds_of_every_motion(name, method):
+def test_every_motion_has_the_general_properties(name, method):
     case = CASES[name]
     found = solved(case, method)
     assert found.status in (Status.DONE, Status.SEPARATED)
@@ -32,7 +32,7 @@ def test_what_holds_of_every_motion(name, method):
 
 
 @pytest.mark.parametrize(("name", "method"), runs(RESTING, (*METHODS, "scipy")))
-def test_what_rests_stays_at_rest_in_equilibrium(name, method):
+def test_beads_at_rest_stay_in_equilibrium(name, method):
     chain, found = CASES[name].chain, solved(CASES[name], method)
     pressed = np.min(chain.gap) < 0.0  # Round-off moves beads that are pressed together at the start.
     assert np.abs(found.velocity).max() <= 1e-10 * pressed
@@ -92,7 +92,7 @@ LIVE += [(name, "scipy") for name in MOVED_LIVE if name not in ("gears on straws
 
 
 @pytest.mark.parametrize(("name", "method"), LIVE)
-def test_frames_go_where_the_whole_run_goes_and_hand_out_its_switches(name, method):
+def test_live_frames_agree_with_the_whole_run(name, method):
     """Compare live frames of 1/40 s (25 fixed steps, the same as in the whole run) with the whole run."""
     case, finer = CASES[name], fineness(method, 1e-3, tolerance=TOLERANCE)
     state, found = State.at_start(case.chain, case.velocity), [[] for _ in case.chain.contact]

@@ -239,7 +239,7 @@ def test_a_mistake_is_named(mistake, sentence):
 
 @pytest.mark.parametrize("method", ["accurate", "conserving"])
 @pytest.mark.parametrize("seed", range(20))
-def test_what_is_not_refused_is_finite(method, seed):
+def test_accepted_chains_give_finite_results(method, seed):
     """Draw numbers over 20 orders of magnitude. The motion must be finite, or the run must report that it gave up."""
     draw = np.random.default_rng(seed)
     f0, mass, speed = 10.0 ** draw.uniform(-10.0, 10.0, 3)
@@ -260,7 +260,7 @@ def test_what_is_not_refused_is_finite(method, seed):
         (Chain([1] * 5, hertz(1e3), friction=20.0), 1e-8, "a coefficient of friction of 20"),
     ],
 )
-def test_what_is_hardly_meant_is_a_warning(chain, tolerance, sentence):
+def test_unusual_arguments_give_a_warning(chain, tolerance, sentence):
     with pytest.warns(RuntimeWarning, match=sentence):
         simulate(chain, START, tolerance=tolerance)
 

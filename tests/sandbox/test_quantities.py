@@ -21,7 +21,7 @@ WORDS = {"mass": MASS, "time": TIME, "position": POSITION, "velocity": VELOCITY,
 HEADING = re.compile(r"([A-Za-z _]+)[\d-]* [\[(]([^\])]*)[\])]")
 
 
-def test_headings_of_files_tables_and_pages_have_the_units_of_the_table(tmp_path):
+def test_headings_have_the_units_of_the_quantities(tmp_path):
     trajectory = solve(one_on(2, power_law(1.0, 0.1)), [1.0, 0.0, 0.0])
     trajectory.to_csv(tmp_path / "run.csv")
     columns = (tmp_path / "run.csv").read_text().splitlines()[0].split(",")

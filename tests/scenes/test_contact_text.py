@@ -41,7 +41,7 @@ def test_refusals(text, sentence):
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.law)
-def test_files_and_texts_take_the_name_of_a_kind_and_its_former_one_and_texts_are_written_back(kind):
+def test_a_contact_is_read_by_its_present_and_former_name(kind):
     numbers = {name: 0.25 + k for k, name in enumerate(kind.numbers)}
     expected, lossy = kind.constructor(**numbers), kind.constructor(**numbers, loss=0.25)
     assert law_of(lossy).model_dump() == {"law": kind.law, **numbers, "loss": 0.25}

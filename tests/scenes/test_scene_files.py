@@ -41,7 +41,7 @@ def final_velocities(name: str) -> list[np.ndarray]:
 
 
 @pytest.mark.parametrize("name", scenes.names())
-def test_every_scene_ends_by_itself_and_is_written_back_equal(name, tmp_path):
+def test_every_scene_is_written_back_equal(name, tmp_path):
     scene = scenes.load(name)
     # Some editors write a byte order mark at the beginning.
     (tmp_path / "own.toml").write_text(scene.to_toml(), encoding="utf-8-sig")
@@ -56,7 +56,7 @@ def test_every_scene_ends_by_itself_and_is_written_back_equal(name, tmp_path):
     assert all(lane.label for lane in scene.lanes)
 
 
-def test_what_is_wrong_with_a_scene_comes_back_from_another_process():
+def test_scene_errors_can_be_pickled():
     with pytest.raises(SceneError) as refused:
         scenes.parse('title = "x"\nlanes = 1\nduration = 0.0\n')
     again = pickle.loads(pickle.dumps(refused.value))
@@ -238,7 +238,7 @@ stop = 1e8
 COUPLER = Coupler(Contact(250e3, 3.75e7, 1.7, 0.8), Contact(0.0, 1e7, 1.0), 0.02, 0.166, 1e8)
 
 
-def test_a_scene_file_gives_couplers_and_their_tables_give_them_back():
+def test_couplers_of_scene_files_are_written_back():
     scene = scenes.parse(TRAIN)
     assert scene.lanes[0].chain() == Chain([8e4] * 3, COUPLER, 0.01)
     assert scenes.parse(scene.to_toml()) == scene

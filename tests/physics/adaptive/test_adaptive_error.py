@@ -168,7 +168,7 @@ def test_a_contact_that_yields_within_long_steps(make, seeds, truth, methods):
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_a_bead_that_comes_back_to_zero_overlap_is_as_exact_as_the_tolerance(seed):
+def test_a_bead_that_returns_to_zero_overlap_keeps_the_tolerance(seed):
     """Check a bead that a steady force pushes against a wall from overlap 0. A step across its return would see a
     smooth force.
     """
@@ -188,7 +188,7 @@ def test_a_bead_that_comes_back_to_zero_overlap_is_as_exact_as_the_tolerance(see
 
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1.05e-6, 1e-8])
-def test_a_motion_that_rattles_ends_with_what_is_determined_of_it(tolerance):
+def test_a_chattering_motion_reports_what_is_determined(tolerance):
     """Check a chain with about 1e5 bounces at 1e-6 m/s. Runs of `conserving` with steps from 1e-2 to 1e-5 s agree
     within 3e-5 m/s.
     """
@@ -208,7 +208,7 @@ def test_a_motion_that_rattles_ends_with_what_is_determined_of_it(tolerance):
     assert found.contact_intervals[0][-1][1] > 1.5  # The struck contact stays closed almost until the end.
 
 
-def test_a_bead_that_goes_away_does_not_loosen_the_tolerance_of_the_others():
+def test_a_departing_bead_does_not_change_the_tolerance():
     chain = Chain([1.0, 1.0, 1.0], hooke(1.0))
     found = simulate_quietly(chain, [-1e6, 1.0, 0.0], tolerance=1e-4, samples=2)
     np.testing.assert_allclose(found.final_velocity, [-1e6, 0.0, 1.0], atol=1e-3)
@@ -249,7 +249,7 @@ def test_runs_that_confirm_a_motion_take_a_bounded_number_of_steps(n, exponent, 
     assert (apart <= found.velocity_error + finer.velocity_error).all()
 
 
-def test_a_row_that_rattles_from_its_start_at_rest_is_not_followed_bounce_by_bounce():
+def test_chattering_from_rest_is_not_followed_bounce_by_bounce():
     """Check a chain whose contacts first close at 1e-10 of the speed that the drive gives them later. They would bounce
     more than 1e9 times in almost no time.
     """
@@ -331,7 +331,7 @@ def test_a_motion_of_very_many_bounces_ends_in_bounded_time(monkeypatch):
     assert abs(found.final_velocity[0]) <= found.velocity_error[0] < 1e-5
 
 
-def test_no_stated_error_exceeds_what_energy_and_momentum_allow():
+def test_the_estimated_error_is_bounded_by_energy_and_momentum():
     """Check the bound of the estimated error. Two beads have only two pairs of velocities with the same energy and
     momentum: the present and the initial one.
     """
@@ -342,7 +342,7 @@ def test_no_stated_error_exceeds_what_energy_and_momentum_allow():
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_no_stated_error_of_any_chain_exceeds_what_energy_and_momentum_allow(seed):
+def test_the_estimated_error_of_any_chain_is_bounded_by_energy(seed):
     """Check chains at tolerances so loose that the estimates would be unbounded otherwise."""
     draw = np.random.default_rng(seed)
     n = int(draw.integers(2, 7))
@@ -409,7 +409,7 @@ def test_the_stated_errors_hold(method, chain, velocity, durations, tolerances):
 
 @pytest.mark.parametrize("tolerance", [1e-8, 1e-12, 1e-15])
 @pytest.mark.parametrize("law", [draft_gear(1e6, 0.05), power_law(1.0, 0.1), hertz(5.0), hooke(3.0)], ids=str)
-def test_what_is_stated_is_no_less_than_round_off(law, tolerance):
+def test_the_estimated_error_is_at_least_round_off(law, tolerance):
     """Check collisions of two beads with known final velocities, in frames of reference in which they are slow or fast."""
     for seed in range(25):
         draw = np.random.default_rng(seed)

@@ -146,7 +146,7 @@ def test_beads_that_a_wave_has_passed_do_not_rattle(n, exponent, tolerance):
 
 @pytest.mark.parametrize("method", KERNELS)
 @pytest.mark.parametrize("part", [0.2, 0.5, 0.9])
-def test_what_closes_too_slowly_to_count_gains_no_energy(method, part):
+def test_very_slow_closings_gain_no_energy(method, part):
     """Check two beads with almost no gap, next to a long collision. A rate below the bound must stay below its value."""
     tolerance = 1e-6
     rate = part * TOLERANCE_PART**2 * tolerance
@@ -192,7 +192,7 @@ def test_cost_is_that_of_the_promise(chain, duration, tolerance, steps, evaluati
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_what_dop853_misses_of_a_force_that_begins_or_ends_in_a_step(seed):
+def test_dop853_bounds_its_error_at_onsets_and_ends(seed):
     """Compare the error bounds with the integrals of (1 - t / part)**a and of t**a over the step."""
     draw = np.random.default_rng(seed)
     for exponent, part in zip(1.0 + draw.uniform(0.001, 2.0, 50), draw.uniform(0.01, 1.0, 50), strict=True):
@@ -205,7 +205,7 @@ def test_what_dop853_misses_of_a_force_that_begins_or_ends_in_a_step(seed):
 
 
 @pytest.mark.parametrize("stiffness", 10.0 ** np.arange(-9.0, 4.0))
-def test_a_step_goes_past_the_end_of_a_force_only_where_that_is_no_error(stiffness):
+def test_a_step_passes_the_end_of_a_force_only_if_the_error_is_small(stiffness):
     """Check two contacts between heavy beads, whose rates hardly change, with a step of at most 1 s."""
     limited, wanted, mass = plain(limited_by_ends), 1e-12, 1e8
     for soon, late in np.random.default_rng(0).uniform(0.02, 1.2, (40, 2)):
@@ -218,7 +218,7 @@ def test_a_step_goes_past_the_end_of_a_force_only_where_that_is_no_error(stiffne
 
 
 @pytest.mark.parametrize("law", [draft_gear(1.0, 0.1), step_force(1.0)])
-def test_a_preloaded_contact_takes_part_in_a_step_that_ends_as_it_opens(law):
+def test_a_preloaded_contact_is_active_until_it_opens(law):
     """Check that a contact is active in a very short step. Otherwise the run would stand still: a coupler took 75 000
     steps in place.
     """
@@ -229,7 +229,7 @@ def test_a_preloaded_contact_takes_part_in_a_step_that_ends_as_it_opens(law):
 
 
 @pytest.mark.parametrize(("exponent", "tolerance"), [*product((1.2, 1.5, 2.3), (1e-7, 1e-9))])
-def test_few_tries_of_a_step_are_in_vain_where_contacts_close_and_open(exponent, tolerance):
+def test_few_steps_are_rejected_when_contacts_open_and_close(exponent, tolerance):
     draw = np.random.default_rng(5)
     chain = Chain(draw.uniform(0.5, 2.0, 21), power_law(100.0, exponent), gap=0.02)
     found = run(chain, struck(chain), tolerance=tolerance)
@@ -272,7 +272,7 @@ def test_a_method_that_does_not_read_segments_is_refused():
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-7, 1e-10])
-def test_two_impacts_on_one_chain_do_what_each_does_alone(tolerance):
+def test_two_impacts_on_one_chain_are_independent(tolerance):
     """Strike a chain at both ends. Before the waves meet, the left half moves like a chain struck once, and the right
     half is its mirror image.
     """
@@ -290,7 +290,7 @@ COLLIDE_FOR_LONG = [(60, 1e-2, 1e-6, "accurate"), (80, 1e-6, 1e-6, "accurate"), 
 
 
 @pytest.mark.parametrize(("n", "unequal", "tolerance", "method"), WAVES + COLLIDE_FOR_LONG)
-def test_a_wave_through_a_row_keeps_energy_momentum_and_the_order_of_its_beads(n, unequal, tolerance, method):
+def test_a_wave_conserves_energy_momentum_and_order(n, unequal, tolerance, method):
     """Check that contacts behind a wave do not disturb the run. They move less than the tolerance resolves, and a run
     continued for them to 1e20 s.
 
@@ -351,7 +351,7 @@ def test_touching_beads_that_are_pulled_apart_part_at_once(method, law):
 
 
 @pytest.mark.parametrize("seed", [*range(5), *(pytest.param(k, marks=pytest.mark.slow) for k in range(5, 12))])
-def test_step_forces_with_loss_turn_within_the_step_in_which_they_close(seed):
+def test_step_forces_with_loss_reverse_within_a_step(seed):
     """Check forces that are constant between mode changes. A step reaches from one mode change to the next, at any
     distance.
     """
@@ -415,7 +415,7 @@ def test_loose_tolerances_err_no_more_than_they_state(families, seeds, part):
 
 
 @pytest.mark.parametrize(("family", "seed", "most"), [("friction", 5036, 100), ("bounded", 5030, 3000)])
-def test_what_is_held_well_within_its_range_costs_no_steps(family, seed, most):
+def test_safely_held_contacts_cost_no_steps(family, seed, most):
     """Check that held contacts cost no steps. With guard polynomials only, sticking beads and touching contacts took
     763 and 25 600 steps.
     """

@@ -42,7 +42,7 @@ class Rows:
 @pytest.mark.parametrize(
     ("number", "then", "overlap"), [(SOLID_PUSH, PUSH, 0.05), (SOLID_PULL, PULL, -0.15), (PULL, PUSH, -0.1)]
 )
-def test_a_coupler_that_comes_out_of_a_segment_goes_to_the_end_of_the_one_before(number, then, overlap):
+def test_an_unloading_coupler_enters_the_previous_segment(number, then, overlap):
     """Check the new segment and the position of the coupler [m], measured from the overlap at which it begins to push.
     The position must not change.
     """
@@ -58,7 +58,7 @@ def test_a_coupler_that_comes_out_of_a_segment_goes_to_the_end_of_the_one_before
 
 @pytest.mark.parametrize(("acceleration", "slide"), [(0.5, 1), (-0.5, -1), (1e-9, 1), (-1e-9, -1), (0.0, 0)])
 @pytest.mark.parametrize("bead", [0, 1, 2])
-def test_a_bead_at_rest_slides_where_it_is_accelerated_and_else_has_no_velocity(acceleration, slide, bead):
+def test_only_an_accelerated_bead_starts_to_slide(acceleration, slide, bead):
     velocity = np.array([0.3, -0.2, 0.1])
     rows = Rows(Chain([1.0, 2.0, 1.0], hertz(1.0), gap=0.1, friction=0.1), velocity)
     work = rows.scratch.work
@@ -96,7 +96,7 @@ def test_a_gear_that_is_still_held_at_its_bound_gives_way(part, side, mode, pull
 
 @pytest.mark.parametrize("bead", [0, 1])
 @pytest.mark.parametrize("sign", [1, -1])
-def test_a_bead_that_needs_all_its_friction_slides_where_it_is_pushed(bead, sign):
+def test_a_bead_at_its_friction_limit_slides(bead, sign):
     chain = Chain([1.0, 2.0], hertz(1.0), gap=1.0, friction=0.1)
     drive = np.where(np.arange(2) == bead, sign * chain.bed * chain.mass, 0.0)
     rows = Rows(Chain(chain.mass, hertz(1.0), gap=1.0, friction=0.1, drive=drive)).decide()
@@ -105,7 +105,7 @@ def test_a_bead_that_needs_all_its_friction_slides_where_it_is_pushed(bead, sign
     assert rows.regime.slide.tolist() == [sign if j == bead else 0 for j in (0, 1)]
 
 
-def test_a_smooth_contact_with_loss_that_just_touches_is_pressed_by_no_force():
+def test_a_touching_contact_with_loss_has_no_force():
     rows = Rows(Chain([1.0, 1.0], hertz(1.0, loss=0.3))).decide()
     assert rows.motion.mode[0] == LOADED
     assert rows.motion.force[0] == rows.regime.easing[0] == 0.0
@@ -168,7 +168,7 @@ def test_a_contact_that_begins_to_leave_by_round_off_begins_at_rest():
         ((-1e-19, 1e-19, -1e-19), -1e-12, True),  # These values are round-off.
     ],
 )  # fmt: skip
-def test_what_is_handed_on_to_a_contact_at_rest_begins_with_any_power_of_time(overlap, rate, found):
+def test_a_growing_contact_at_rest_stays_on_its_branch(overlap, rate, found):
     """Check a loaded contact at d = 0 and rate 0. If its overlap grows at all nodes, it stays on its branch, whatever
     the polynomial shows between them.
     """
@@ -223,7 +223,7 @@ def stopped(i, laws, anchor=4, beside=0, mode=LOADED):
 
 @pytest.mark.parametrize("anchor", range(5))
 @pytest.mark.parametrize("i", range(4))
-def test_beads_whose_contact_comes_to_rest_take_the_velocity_of_their_centre_of_mass(i, anchor):
+def test_resting_contacts_give_beads_their_common_velocity(i, anchor):
     motion = stopped(i, hertz(1.0), anchor)
     behind = np.append(0.0, -np.cumsum(motion.rate))
     wanted = VELOCITY.copy()
@@ -233,7 +233,7 @@ def test_beads_whose_contact_comes_to_rest_take_the_velocity_of_their_centre_of_
 
 
 @pytest.mark.parametrize(("i", "beside"), [(2, 1), (2, 2), (2, 3), (1, 2), (0, 1), (3, 2)])
-def test_beside_a_soft_or_touching_contact_it_alone_comes_to_rest(i, beside):
+def test_next_to_a_soft_contact_only_one_contact_comes_to_rest(i, beside):
     laws = [power_law(1.0, 0.1) if k == beside else hertz(1.0) for k in range(4)]
     for motion in (stopped(i, laws), stopped(i, hertz(1.0), beside=beside, mode=TOUCHING)):
         assert motion.rate == pytest.approx(np.where(np.arange(4) == i, 0.0, -np.diff(VELOCITY)), abs=0.0)

@@ -46,7 +46,7 @@ def test_it_is_the_first_place_at_which_the_polynomial_turns_negative(seed):
             assert abs(values[int(found * 20000)]) < 1e-3
 
 
-def test_a_touch_and_return_narrower_than_any_sampling_is_found():
+def test_a_very_short_contact_is_found():
     for width in (1e-3, 1e-5, 1e-7):
         middle = 0.371
         power = (middle**2 - width**2, -2.0 * middle, 1.0)  # (x - middle)² - width²
@@ -56,7 +56,7 @@ def test_a_touch_and_return_narrower_than_any_sampling_is_found():
     assert first_root((100.0, 0.0, 0.0, 0.0, 0.0, -1.0)) == pytest.approx(1.0 / (1.0 + 100.0**-0.2), abs=1e-13)
 
 
-def test_a_start_at_zero_counts_where_the_polynomial_leaves_it_downward():
+def test_a_polynomial_that_leaves_zero_downward_has_a_root_at_zero():
     assert first_root((0.0, -1.0, 1.0, 1.0, 1.0, 1.0)) == 0.0  # Negative at once because of its slope.
     assert first_root((0.0, 0.0, -1.0, 1.0, 1.0, 1.0)) == 0.0  # Negative at once because of its curvature.
     assert first_root((0.0, 0.0, 1.0, 1.0, 1.0, 0.0)) == NONE
@@ -75,14 +75,14 @@ def test_a_start_at_zero_counts_where_the_polynomial_leaves_it_downward():
         (LOSSY, 0.5, 0.7, 0.97, True),
     ],
 )
-def test_a_multiplier_that_comes_near_its_bound_is_looked_at_where_it_does(law, overlap, first, peak, near):
+def test_a_multiplier_near_its_bound_is_examined(law, overlap, first, peak, near):
     """Check that the step is examined again at its middle. The distance from the bound counts relative to the range."""
     rise = 4.0 * (peak - first)
     step = at_wall(law, 0.0, overlap, TOUCHING, [first, rise / H, -rise / H**2])
     assert step.corner()[4] == pytest.approx(0.5 if near else 1.0, abs=1e-9)
 
 
-def test_an_open_contact_that_nearly_touches_is_looked_at_and_a_loaded_one_is_not():
+def test_a_nearly_touching_contact_is_examined():
     """Check an open contact whose quintic and cubic polynomials differ by more than the remaining gap. The ends of the
     step do not show this.
     """
@@ -195,7 +195,7 @@ def test_a_bead_at_rest_slips_when_its_friction_does_not_suffice(sign):
     assert driven.guard(1, 1) == pytest.approx((driven.chain.bed[0] - 0.95, 0.0))
 
 
-def test_the_earliest_of_several_counts_and_the_first_of_two_at_once():
+def test_the_earliest_event_counts():
     chain = Chain([1.0, math.inf, 1.0], GEAR)
     for first, second in ((0.1, 0.2), (0.3, 0.2)):
         step = Step(chain, [0.0] * 3, [0.0] * 2, [TOUCHING] * 2, [[0.2, -0.2 / first], [0.2, -0.2 / second]])
@@ -217,7 +217,7 @@ def test_a_rate_or_velocity_just_outside_its_side_is_round_off():
 
 @pytest.mark.parametrize("neighbour", [0, 2])
 @pytest.mark.parametrize(("speed", "force"), [(6.0, [-60.0, 60.0 / H]), (2.0, [0.0, -60.0 / H])])
-def test_an_open_contact_that_is_pulled_back_within_the_step_has_closed(neighbour, speed, force):
+def test_a_closing_and_reopening_within_a_step_is_found(neighbour, speed, force):
     """Check a contact that overlaps only in the middle of the step, because of a neighbour's force that is 0 at one
     end.
     """
@@ -243,7 +243,7 @@ def test_a_closing_that_does_not_count():
     assert not closes_inactive(at_wall(GEAR, 1e-3, -1e-5, OPEN, 0.0).data, 0, 1.0, 1e-9, 1e-9, 1e-8)
 
 
-def test_what_starts_at_rest_at_zero_is_no_event_of_the_start():
+def test_a_start_at_rest_is_not_an_event():
     """Check that leaving d = 0 against the mode by round-off is not an event, and that a contact driven back by forces
     opens at once.
     """

@@ -23,7 +23,7 @@ def guessed(h, data, motion):
     return trial
 
 
-def test_short_logarithms_and_powers_are_as_good_as_a_guess_needs():
+def test_short_logarithms_are_accurate_enough_for_a_guess():
     """Check four terms of the logarithm, and all digits of e**x."""
     for x in [*np.linspace(-1.0, 1.0, 41) * SHORT_EXPONENT, -0.7, -0.04, 0.04, 3.0]:
         left_out = 0.21 * abs(x) ** 5 if abs(x) < SHORT_EXPONENT else 0.0
@@ -49,7 +49,7 @@ def test_guesses():
     assert (found.force[:, 1] == 0.3).all()
 
 
-def test_only_what_rests_at_no_overlap_without_a_preload_is_pushed_together():
+def test_only_resting_contacts_without_preload_are_pushed():
     """Check a contact between two pushing contacts and under an external force. Only one at rest at overlap 0 without
     preload is pushed. Other contacts keep their rate. A soft contact at the overlap 1e-300 m keeps its overlap and force.
     """
@@ -72,7 +72,7 @@ def test_only_what_rests_at_no_overlap_without_a_preload_is_pushed_together():
 
 @pytest.mark.parametrize("preload", [0.0, 0.5])
 @pytest.mark.parametrize("part", [0.99, 1.01])
-def test_a_soft_contact_that_comes_out_keeps_its_rate_where_its_force_is_small(preload, part):
+def test_an_unloading_soft_contact_keeps_its_rate_if_its_force_is_small(preload, part):
     """Check an unloading contact next to a stronger one. It keeps its rate if it would open within two radians of its
     oscillation.
     """
@@ -99,7 +99,7 @@ def test_a_soft_contact_goes_on_as_a_power_of_the_time_since_its_onset(h):
     assert found.force == pytest.approx(2.0 * np.sqrt(found.overlap), rel=1e-9)
 
 
-def test_the_onset_is_that_of_the_contact_that_pushes_most_however_little():
+def test_the_onset_belongs_to_the_contact_that_pushes_most():
     law = np.array([[0.0, 2.0, 0.5], [0.0, 2.0, 0.5], [0.0, 2.0, 1.5]])
     mode = np.full(3, LOADED)
     overlap, rate, force = np.array([0.01, 0.04, 0.5]), np.array([0.1, 0.2, 0.1]), np.array([0.2, 0.4, 0.7])

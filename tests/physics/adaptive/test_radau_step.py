@@ -220,7 +220,7 @@ def test_a_move_says_how_far_it_went_and_what_it_missed():
 
 
 @pytest.mark.parametrize("precision", [1e-2, 1e-4, 1e-6, 1e-9])
-def test_newton_goes_on_with_what_counts_and_ends_where_nothing_does(precision, monkeypatch):
+def test_newton_iterates_only_relevant_contacts(precision, monkeypatch):
     """Compare Newton's iteration with an independent implementation of its rules, based on the results of its moves."""
     iterations, directions, move_stage = [], radau.directions, radau.move_stage
 
@@ -280,7 +280,7 @@ def test_a_force_from_wall_to_wall_stays_as_it_is(mass, h):
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_rates_come_from_overlaps_where_a_contact_oscillates_in_the_step(seed):
+def test_rates_follow_from_overlaps_for_oscillating_contacts(seed):
     """Check arbitrary stages. Rates follow from overlaps if all overlaps are smaller than the largest change that
     forces above the preload cause.
     """
@@ -309,7 +309,7 @@ def test_stages_that_do_not_converge_are_said():
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_where_newton_fails_it_begins_again_from_implicit_euler_steps(seed, monkeypatch):
+def test_newton_restarts_from_implicit_euler_steps(seed, monkeypatch):
     """Check that Newton's iteration restarts from implicit Euler steps, whatever the values of the failed stages are."""
     _, data, motion, h = random_motion(seed)
     _, wanted = stepped(data, motion, h)

@@ -110,7 +110,7 @@ def test_against_a_wall():
     assert 0.9 < found.restitution <= 1.0
 
 
-def test_what_has_no_mean_velocity_and_what_does_not_approach():
+def test_measures_without_mean_velocity_or_approach():
     assert math.isinf(measures.rigidity([-1.0, 1.0]))
     with pytest.raises(ValueError, match="no two neighbours approach"):
         measured(simulate(one_on(2, hertz(1.0)), [0, 0, 1]))
@@ -184,7 +184,7 @@ CARRIED = [(PULLED, "accurate"), (lambda overlap: 100.0 * overlap, "accurate"), 
 
 
 @pytest.mark.parametrize(("law", "method"), CARRIED)
-def test_couplers_and_laws_of_ones_own_are_measured_by_a_method_that_carries_them(law, method):
+def test_couplers_and_user_defined_laws_are_measured(law, method):
     """Check that critical speed and scaling variable are None. `accurate` rejects gears that pull with an exponent
     below 1.
     """

@@ -55,7 +55,7 @@ def test_a_linear_spring_is_in_both_families():
     assert as_gear.ends == ("precompression",)  # 0 is not a value of the search.
 
 
-def test_the_softer_the_more_precompressed_and_the_nearer():
+def test_softer_contacts_match_gears_better():
     found = [soft_match(alpha) for alpha in (0.05, 0.1, 0.3, 1.5)]
     strokes = [f.contact.preload / f.contact.stiffness for f in found]
     assert strokes == sorted(strokes, reverse=True)
@@ -77,7 +77,7 @@ def test_the_softer_the_more_precompressed_and_the_nearer():
 
 
 @pytest.mark.parametrize("alpha", [0.1, 1 / 14])
-def test_the_outcome_is_met_above_the_critical_speed_where_a_search_from_below_stays(alpha):
+def test_the_outcome_is_matched_above_the_critical_speed(alpha):
     """Check that the search goes above the critical speed v_c. Below it, all gears have the same outcome. One on 4 with
     1/10 agrees within 0.6 % with a gear at 1.26 v_c, instead of 11 %.
     """

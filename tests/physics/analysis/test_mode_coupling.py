@@ -31,7 +31,7 @@ def test_the_modes_solve_the_equations_of_the_paper():
     assert mode_coupling(cluster_on_cluster(4, 1, power_law(1.0, 0.1)), [1.0] * 4 + [0.0], 1.2).psi is None
 
 
-def test_overlaps_follow_the_first_one_and_forces_give_inner_beads_one_acceleration():
+def test_inner_beads_have_one_acceleration():
     """Compare with Eq. (A1), written out, and with Eq. (7), its homogeneous case. Eq. (5) follows from the equal
     accelerations.
     """
@@ -110,7 +110,7 @@ def test_beads_that_are_modes_may_be_driven(driven):
     np.testing.assert_allclose(model.trajectory.force, full.force, atol=5e-4)
 
 
-def test_response_time_is_that_of_small_oscillations_a_pi_th_of_the_contact_time():
+def test_the_response_time_is_that_of_small_oscillations():
     """Check two unit beads on a linear contact with omega**2 = 2 k. A contact that never loads has the response time 0."""
     found = simulate(Chain([1.0, 1.0, 1.0], [hooke(8.0), hertz(8.0)], gap=[0.0, 9.0]), [1.0, 0.0, 0.0], 1.0)
     assert response_times(found) == pytest.approx([1.0 / 4.0, 0.0])

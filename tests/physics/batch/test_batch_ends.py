@@ -78,7 +78,7 @@ def test_chains_end_as_they_would_alone(batch, settings):
             assert ends.evaluations[k] == alone.evaluations, k
 
 
-def test_threads_and_neighbours_change_nothing_and_progress_counts_every_chain():
+def test_threads_and_neighbours_change_no_result():
     exponents = np.linspace(0.3, 1.5, 1500)
     batch, told = ChainBatch(np.ones((1500, 4)), 0.0, 1.0, exponents[:, None]), []
     start = [1.0, 0.0, 0.0, 0.0]

@@ -73,7 +73,7 @@ def test_a_run_ends_soon_after_a_contact_that_no_step_shows(chain):
     assert found.steps <= 20  # The bead reaches the contact in five steps, and then they separate.
 
 
-def test_flights_end_where_their_steps_are_no_longer_counted():
+def test_endless_flights_are_ended():
     """Check beads that chatter leaves with rates of round-off. They separate for 1e18 steps and would then meet again."""
     masses = [30.302047757650957, 0.06879557626047945, 33.32308902031443, 5.314720953392335]
     chain = Chain(masses, step_force(3.477215654725435))
@@ -84,7 +84,7 @@ def test_flights_end_where_their_steps_are_no_longer_counted():
 
 
 @pytest.mark.parametrize("law", [draft_gear(100.0, 0.05), hertz(100.0), hooke(1.0), power_law(10.0, 0.1)], ids=str)
-def test_energy_and_the_distance_of_the_walls_over_a_hundred_thousand_steps(law):
+def test_energy_is_conserved_over_a_hundred_thousand_steps(law):
     """Check the correction of round-off. Without it, the energy of the gears had an error of 3e-10, and of 3e-8 after
     ten times as many steps.
     """

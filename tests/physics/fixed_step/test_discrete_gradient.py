@@ -109,7 +109,7 @@ def test_a_collision_shorter_than_a_step_has_its_restitution(preload, target, st
     ([1.0, 2.0, 0.5, math.inf], 0.0, [60.0, 20.0, 10.0, 0.0]),
     ([1.0, 2.0, 0.5, 1e3], 0.1, [60.0, 20.0, 10.0, 0.0]),
 ])  # fmt: skip
-def test_beads_pressed_together_come_to_rest_where_contacts_lose(mass, friction, drive, step):
+def test_pressed_beads_with_loss_come_to_rest(mass, friction, drive, step):
     """Check that bounces within a step lose as much energy as in many steps. Otherwise the beads reverse at each step,
     forever.
     """

@@ -146,7 +146,7 @@ def check_contact(chain, i, before, state, h, seed):
 
 
 @pytest.mark.parametrize("h", [0.3, 0.6, 1.0])
-def test_a_step_is_cut_where_a_bead_stops_and_slides_end_to_the_digit(h):
+def test_a_step_is_divided_when_a_bead_stops(h):
     chain, brake = Chain([2.0, 1.0], hooke(1.0), gap=10.0, friction=0.1), 0.1 * GRAVITY
     state = State.at_start(chain, [0.2 * brake, -0.1 * brake])
     given = records(chain, state)
@@ -161,7 +161,7 @@ def test_a_step_is_cut_where_a_bead_stops_and_slides_end_to_the_digit(h):
     assert state.absorbed[1] == pytest.approx(0.04 * brake**2 + 0.005 * brake**2, rel=1e-12)
 
 
-def test_a_step_is_cut_where_a_contact_turns_and_a_bounce_ends_to_the_digit():
+def test_a_step_is_divided_when_a_contact_reverses():
     chain = Chain([1.0, math.inf], step_force(2.0, loss=0.75))
     state = State.at_start(chain, [1.0, 0.0])
     state.overlap[0] = 1.0
@@ -175,7 +175,7 @@ def test_a_step_is_cut_where_a_contact_turns_and_a_bounce_ends_to_the_digit():
     assert state.absorbed[0] == pytest.approx(0.75 * 2.0 * 0.0025, rel=1e-10)
 
 
-def test_the_round_off_of_touching_is_no_overlap_and_a_small_overlap_is_no_round_off():
+def test_round_off_and_small_overlaps_are_distinguished():
     """Check a gear that is pressed at a wall by less than its preload: it stays there. A free gear returns the small
     energy that it stores.
     """

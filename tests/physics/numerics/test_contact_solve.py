@@ -33,7 +33,7 @@ def test_a_very_soft_contact_takes_any_push_without_a_guess():
     assert force == pytest.approx(1e-3 * overlap**0.02 / 1.02, rel=1e-12)
 
 
-def test_a_contact_at_no_overlap_carries_all_of_a_push_and_none_of_a_pull():
+def test_a_touching_contact_carries_pushes_but_no_pulls():
     assert touching(2.0, 0.5) == (0.0, 0.25, 0.5)
     assert touching(2.0, 3.0) == (0.0, 1.5, 0.5)
     assert touching(2.0, -0.5) == (-0.5, 0.0, 0.0)
@@ -57,7 +57,7 @@ def test_the_mean_force_of_a_short_way_and_its_slope(part, exponent):
 
 @pytest.mark.parametrize("up", [True, False])
 @pytest.mark.parametrize("resting", [0.0, 3.0])
-def test_a_row_without_slope_moves_to_where_a_bead_breaks_loose_or_its_contact_does(up, resting):
+def test_the_distance_to_the_next_event_is_exact(up, resting):
     """Check the distance to the next event. Forces of 2 N to 5 N hold the contact. Beads on beds of 1 and 4 m/s² can
     slip first.
     """
@@ -83,7 +83,7 @@ def joints(request):
 
 
 @pytest.mark.parametrize("start", STARTS)
-def test_the_mean_force_is_what_the_energy_rises_by_and_of_no_way_the_force(joints, start):
+def test_the_mean_force_times_the_distance_is_the_work(joints, start):
     """Check the work. While a coupler is pushed in, pushing parts store all work and pulling parts return it reduced by
     their loss. Outward it is the other way round.
     """

@@ -84,7 +84,7 @@ def _all_of_them(x, exponent, found):
         found[4, i] = elementary.log(x[i])
 
 
-def test_machine_code_plain_python_and_arrays_have_the_same_digits():
+def test_compiled_and_plain_functions_have_the_same_digits():
     draw = np.random.default_rng(3)
     x, exponent = 10.0 ** draw.uniform(-12.0, 3.0, 3000), draw.choice([1.0, 1.5, 0.1, 2.3, 40.0, -0.7], 3000)
     compiled, plainly = np.empty((5, 3000)), np.empty((5, 3000))

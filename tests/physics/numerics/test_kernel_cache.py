@@ -34,7 +34,7 @@ def run(code: str, folder: Path = ROOT, **environment: str) -> str:
     return python("-c", code, cwd=folder, env=kept, **environment).stdout
 
 
-def test_the_key_follows_every_source_that_kernels_import_and_names_the_folder(monkeypatch, tmp_path):
+def test_the_cache_key_depends_on_all_kernel_sources(monkeypatch, tmp_path):
     names = {path.relative_to(PHYSICS).as_posix() for path in kernel_sources()}
     assert {"numerics/law_kernels.py", "adaptive/dop853.py", "pymunk_contacts/compiled_law.py"} <= names
     assert not names & {"chain.py", "simulation.py", "adaptive/runner.py", "reference/runner.py"}
@@ -93,7 +93,7 @@ def test_compiling_leaves_other_users_of_numba_alone():
 
 
 @pytest.mark.skipif(not COMPILED, reason="machine code of numba")
-def test_what_a_whole_kernel_calls_is_private_to_it():
+def test_functions_of_a_whole_kernel_are_private():
     """Check that called functions are private. LLVM inlines a private function that is called once, whatever its size.
     This saves a quarter of the time of steps.
     """

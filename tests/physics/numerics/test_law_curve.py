@@ -107,9 +107,7 @@ MOVED = [
 
 
 @pytest.mark.parametrize(("law", "weight", "overlap", "by_overlap", "by_force", "wanted"), MOVED)
-def test_a_move_goes_by_the_force_or_by_the_overlap_and_stays_on_the_curve(
-    law, weight, overlap, by_overlap, by_force, wanted
-):
+def test_a_move_stays_on_the_curve(law, weight, overlap, by_overlap, by_force, wanted):
     moved = move_along(*law, weight, overlap, signed_force(*law, overlap), by_overlap, by_force)
     assert moved == pytest.approx((wanted, signed_force(*law, wanted)), rel=1e-6, abs=0.0)
 
@@ -214,7 +212,7 @@ def test_the_segments_of_a_coupler_are_its_graph(push):
     assert [law_curve.segment_force(soft, 0, way) for way in (0.25, -0.25)] == [0.0, -1.0]
 
 
-def test_the_depth_at_which_an_energy_is_stored_is_bounded_by_each_part_of_the_law():
+def test_the_depth_of_a_stored_energy_is_bounded():
     for exponent in (0.1, 1.0, 1.5):
         by_stiffness = (0.2 * (1.0 + exponent) / 0.5) ** (1.0 / (1.0 + exponent))
         assert law_curve.depth_at(0.0, 0.5, exponent, 0.2) == pytest.approx(by_stiffness)
@@ -222,7 +220,7 @@ def test_the_depth_at_which_an_energy_is_stored_is_bounded_by_each_part_of_the_l
     assert law_curve.depth_at(4.0, 0.0, 1.0, 0.2) == 0.05
 
 
-def test_the_larger_of_two_errors_is_no_number_where_either_is_none():
+def test_the_larger_of_two_errors_is_nan_if_either_is_nan():
     assert law_curve.larger(1.0, 2.0) == law_curve.larger(2.0, 1.0) == 2.0
     assert math.isnan(law_curve.larger(math.nan, 1.0))
     assert math.isnan(law_curve.larger(1.0, math.nan))

@@ -52,7 +52,7 @@ def test_a_chain_warns_once_of_a_step_that_is_too_long_for_a_blow(loss):
     assert steps == chain.substeps(FRAME, 1.0)
 
 
-def test_the_warning_of_a_chain_names_the_line_of_the_game_and_can_end_the_step():
+def test_the_warning_of_a_chain_names_the_calling_line():
     space, *_ = chain_row(hertz(1e6))
     with pytest.warns(RuntimeWarning, match="SoftChain") as said:
         space.step(FRAME)
@@ -70,7 +70,7 @@ def test_substeps_of_a_chain_are_silent(law):
     assert chain.substeps(FRAME, 1.0, VISIBLE_ERROR / 100.0) in range(10 * (substeps - 1), 10 * substeps + 1)
 
 
-def test_a_faster_blow_a_longer_step_and_another_law_are_checked_again():
+def test_changed_speeds_steps_and_laws_are_checked_again():
     space, bodies, chain = chain_row(Contact(0.0, 1e4, 3.0), beads=2)
     step = FRAME / chain.substeps(FRAME, 1.0)
     assert warned(space, step, 2000) == []
@@ -87,7 +87,7 @@ def test_a_faster_blow_a_longer_step_and_another_law_are_checked_again():
     assert len(warned(space, step, 300)) == 1
 
 
-def test_bodies_set_into_each_other_are_a_blow_of_the_speed_that_they_reach():
+def test_overlapping_bodies_count_as_a_blow_of_their_speed():
     space, bodies, _ = chain_row(hooke(1e6), beads=2, speed=0.0)
     bodies[1].position = 0.99, 0.0
     (sentence,) = warned(space, FRAME, 1)
@@ -99,7 +99,7 @@ def test_a_chain_whose_body_has_no_mass_yet_has_no_substeps():
         SoftChain([pymunk.Body(), pymunk.Body(1, 1)], hertz(1.0), 1.0).substeps(FRAME, 1.0)
 
 
-def test_velocities_in_the_recommended_steps_are_as_exact_as_substeps_promises():
+def test_recommended_substeps_keep_the_velocity_error():
     """Run the random scan: rows in which every contact closes once, elastic and with loss."""
     for allowed, seeds in ((VISIBLE_ERROR, range(60)), (0.01, range(20))):
         found = soft_chains.errors(seeds, allowed)
@@ -122,7 +122,7 @@ def cradle_on_strings(law, rate, angle=math.pi / 6, string=0.25, pitch=0.0408, m
 
 
 @pytest.mark.parametrize("e", [1.0, 0.8])
-def test_a_cradle_with_loss_warns_at_240_steps_a_second_and_is_right_in_substeps(e):
+def test_substeps_make_a_cradle_with_loss_accurate(e):
     """Compare with the exact speed of the last ball, v0 ((1 + e) / 2)**4 with v0 = sqrt(2 g L (1 - cos 30°))."""
     law = hooke(1e5, loss=1.0 - e * e)
     v0 = math.sqrt(2.0 * 9.81 * 0.25 * (1.0 - math.cos(math.pi / 6.0)))
@@ -166,7 +166,7 @@ def stiffer(law, sentence):
 @pytest.mark.parametrize("balls", [2, 4])
 @pytest.mark.parametrize("law", PIXEL_LAWS, ids=str)
 @pytest.mark.parametrize(("kind", "native"), [("chain", None), ("contact", None), ("contact", False)])
-def test_bodies_that_pass_through_each_other_give_one_warning_with_the_stiffness_that_holds(kind, native, law, balls):
+def test_bodies_that_pass_through_each_other_give_one_warning(kind, native, law, balls):
     space, bodies, steps, links = pixel_row(law, kind, balls, native=native)
     space.add(*links)
     said = warned(space, FRAME / steps, 120 * steps)
@@ -182,7 +182,7 @@ def test_bodies_that_pass_through_each_other_give_one_warning_with_the_stiffness
 
 
 @pytest.mark.parametrize("kind", ["chain", "contact"])
-def test_random_blows_that_are_too_hard_are_held_by_the_stiffness_of_the_warning(kind):
+def test_the_recommended_stiffness_stops_random_blows(kind):
     random, passed = np.random.default_rng(5), 0
     for _ in range(25):
         law = Contact(
@@ -207,7 +207,7 @@ def test_random_blows_that_are_too_hard_are_held_by_the_stiffness_of_the_warning
     assert passed > 8
 
 
-def test_a_law_of_ones_own_is_told_by_how_much_its_force_is_too_small():
+def test_the_warning_for_a_user_defined_law_names_the_missing_force():
     def my_spring(overlap):
         return 1e3 * overlap
 
@@ -257,7 +257,7 @@ def test_a_pass_within_one_step_asks_for_shorter_steps():
         assert "within one step, though the contact between them is stiff enough: take shorter steps" in sentence
 
 
-def test_a_glancing_blow_and_bodies_that_are_moved_give_no_warning():
+def test_glancing_blows_and_moved_bodies_give_no_warning():
     space, bodies, _ = chain_row(hooke(1e3), beads=3, speed=0.0)
     # The user moves the body to the other side of its neighbour and back.
     for place in ((5.0, 0.0), (-3.0, 0.2), (0.0, 0.0)):
@@ -286,7 +286,7 @@ def test_a_glancing_blow_and_bodies_that_are_moved_give_no_warning():
     "law", [hooke(2000.0, loss=0.5), hertz(5e4, loss=0.3), draft_gear(1e3, 0.02, loss=0.4)], ids=str
 )
 @pytest.mark.parametrize("rate", [240, 960])
-def test_a_lossy_contact_at_rest_pushes_with_the_weight_that_it_carries(law, rate):
+def test_a_lossy_contact_at_rest_carries_the_weight(law, rate):
     space = pymunk.Space()
     space.gravity = 15.0, 0.0
     box, wall = pymunk.Body(2.0, math.inf), pymunk.Body(body_type=pymunk.Body.STATIC)

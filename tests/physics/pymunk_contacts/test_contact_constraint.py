@@ -43,7 +43,7 @@ def test_anchors_turn_with_their_bodies():
 
 
 @pytest.mark.parametrize("native", [None, False])
-def test_a_new_contact_or_distance_counts_at_once_and_no_contact_pulls(native):
+def test_a_new_contact_or_distance_takes_effect_at_once(native):
     space, _, contact = pair(0.75, hooke(10.0), native=native)
     space.step(1e-9)
     contact.contact = draft_gear(20.0, 0.1)
@@ -73,7 +73,7 @@ def test_a_law_that_is_no_contact_or_a_force_func_of_the_user(law):
     assert contact.native is False
 
 
-def test_errors_in_laws_reach_the_caller_of_step_as_one_and_an_interruption_too():
+def test_errors_in_laws_reach_the_caller_of_step():
     law = Quadratic(fails_at=0.2)
     space, bodies, contacts = cradle(law, speed=0.0)
 

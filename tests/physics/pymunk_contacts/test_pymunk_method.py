@@ -15,11 +15,11 @@ UNLIKE_EULER = ("gears on straws", "step forces", "a ball that bounces to rest",
 
 
 @pytest.mark.parametrize("name", [name for name, _ in runs(CASES, ("pymunk",)) if name not in UNLIKE_EULER])
-def test_digits_steps_and_switches_of_pymunk_are_those_of_euler(name):
+def test_pymunk_agrees_with_euler(name):
     same_as_euler(*(solved(CASES[name], method) for method in ("euler", "pymunk")))
 
 
-def test_what_contacts_with_loss_absorb_is_that_of_euler():
+def test_absorbed_energy_agrees_with_euler():
     laws = [hertz(10.0, loss=0.6), hooke(30.0, loss=0.6), power_law(2.0, 1.2, loss=0.6)]
     same_as_euler(*both(Chain([1, 2, 0.5, 3], laws), [1, 0, 0, 0], step=2e-3, samples=57))
 

@@ -23,7 +23,7 @@ LAW = hertz(100.0)
 
 @pytest.mark.parametrize("gap", [0.0, 0.3])
 @pytest.mark.parametrize("law", [*LAWS, power_law(1.0, 1 / 14), hertz(1e6), hooke(1e9)], ids=str)
-def test_a_collision_in_steps_of_a_frame_keeps_energy_and_momentum(law, gap):
+def test_a_collision_at_frame_rate_conserves_energy_and_momentum(law, gap):
     """Check energy and momentum. After a flight, the positions x = X + (step/2) V of the bodies give the energy in the
     contacts.
     """
@@ -138,7 +138,7 @@ def assert_energy_stays(space, bodies, chain, energy=0.5, frames=300):
 
 @pytest.mark.parametrize("sleeps", [False, True])
 @pytest.mark.parametrize("law", [power_law(1.0, 0.1), hertz(1e6), draft_gear(1e4, 0.02)], ids=str)
-def test_a_velocity_set_between_steps_adds_its_energy_alone(law, sleeps):
+def test_a_velocity_set_between_steps_adds_only_its_energy(law, sleeps):
     """Check that a set velocity moves no body and so presses no contact, however stiff. It wakes a sleeping row."""
     space, bodies, chain = chain_row(law, speed=0.0)
     space.sleep_time_threshold = 0.2 if sleeps else math.inf
@@ -280,7 +280,7 @@ def test_contacts_and_touching_distance_changed_live():
     assert bodies[0].velocity.x < -0.1
 
 
-def test_links_that_are_taken_out_push_no_more_until_they_are_added_again():
+def test_removed_links_do_not_push():
     space, bodies, chain = chain_row(hertz(1e5), gap=0.5)
     chain.remove_from(space)
     run(space, FRAME, 60)
@@ -383,7 +383,7 @@ def test_a_centre_of_gravity_that_is_not_the_origin():
 
 
 @pytest.mark.parametrize("i", [0, 4])
-def test_shapes_that_move_a_centre_of_gravity_after_the_chain_was_made_are_named(i):
+def test_a_moved_centre_of_gravity_is_reported(i):
     space, bodies, _ = chain_row(LAW)
     circle = pymunk.Circle(bodies[i], 0.5, (0.1, 0.0))
     circle.mass = 1.0
@@ -392,7 +392,7 @@ def test_shapes_that_move_a_centre_of_gravity_after_the_chain_was_made_are_named
         space.step(STEP)
 
 
-def test_what_goes_wrong_in_the_solver_reaches_the_caller_once(monkeypatch):
+def test_a_solver_error_reaches_the_caller_once(monkeypatch):
     space, bodies, _ = chain_row(hertz(1e4), gap=0.01)
     monkeypatch.setattr(soft_chain, "solve_chain_step", Mock(py_func=None, side_effect=FloatingPointError("no forces")))
     with pytest.raises(FloatingPointError, match="no forces") as caught:
@@ -476,7 +476,7 @@ STRINGS = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("string", "law", "seconds", "rate", "kept"), STRINGS)
-def test_a_cradle_of_pendulums_keeps_its_energy_as_well_as_its_strings_do(string, law, seconds, rate, kept):
+def test_a_cradle_of_pendulums_keeps_its_energy(string, law, seconds, rate, kept):
     """Swing five pendulums of 1 m. The first is released at 0.5 rad."""
     space, step = pymunk.Space(), 1.0 / rate
     space.gravity = 0, -9.81

@@ -37,7 +37,7 @@ def test_one_warning_at_the_first_step_past_the_limit(law, native):
     assert warned(space, FRAME, 150) == [], "once for each law"
 
 
-def test_the_warning_names_the_line_of_the_game_and_as_an_error_ends_the_step():
+def test_the_warning_names_the_calling_line():
     with pytest.warns(RuntimeWarning, match="SoftContact") as said:
         cradle(hertz(1e6))[0].step(FRAME)
     assert said[0].filename == __file__
@@ -56,7 +56,7 @@ def test_substeps_keep_the_energy_and_are_silent(law, native):
     assert kinetic + sum(contact.energy for contact in contacts) == pytest.approx(0.5, rel=soft_contacts.SAID)
 
 
-def test_a_faster_blow_and_a_longer_step_are_looked_at_again():
+def test_changed_speeds_and_steps_are_checked_again():
     space, bodies, contacts = cradle(Contact(0.0, 1e5, 3.0), beads=2)
     step = FRAME / contacts[0].substeps(FRAME, 1.0)
     assert warned(space, step, 2000) == []

@@ -23,7 +23,7 @@ CHOSEN += [pytest.param(family, seed, marks=pytest.mark.slow) for family, seeds 
 
 
 @pytest.mark.parametrize(("family", "seed"), CHOSEN)
-def test_random_motions_go_where_the_reference_goes_and_keep_their_ledger(family, seed):
+def test_random_motions_agree_with_the_reference(family, seed):
     """Check that errors are at most ten tolerances and the estimated error, and that conserving keeps energy and
     momentum up to round-off.
     """
@@ -103,7 +103,7 @@ def test_parts_of_a_coupler_that_only_together_are_determined():
     assert found.force[-1] == pytest.approx([2.5, 1.5], abs=1e-9)
 
 
-def test_a_solver_may_try_a_law_of_ones_own_where_that_has_no_number():
+def test_the_solver_survives_overflow_of_a_law():
     """Check a law that overflows. Iterates of an implicit step reached 293 m, beyond the range of exp. Such a step is
     repeated as a shorter step, and the run continues.
     """
@@ -113,14 +113,14 @@ def test_a_solver_may_try_a_law_of_ones_own_where_that_has_no_number():
     assert laws.force(np.array([[0.1], [-0.1]])) == pytest.approx(np.array([[math.expm1(5.0)], [0.0]]))
 
 
-def test_what_is_pressed_at_the_start_is_closed_from_there_on():
+def test_contacts_pressed_at_the_start_are_closed():
     """Check contacts that are pressed at the start. Friction holds their beads, so nothing moves."""
     for method in ("scipy", "accurate", "conserving"):
         chain = Chain([1.0, 1.0], hooke(10.0), gap=-0.01, friction=0.5)
         assert simulate(chain, [0.0, 0.0], None, method, samples=2).contact_intervals == (((0.0, math.inf),),), method
 
 
-def test_what_touches_closes_as_soon_as_a_neighbour_pushes_it():
+def test_a_touching_contact_closes_with_its_neighbour():
     """Check a contact whose force is 0 both when its neighbour closes and when it opens. A check only at these times
     did not find it.
     """
@@ -133,7 +133,7 @@ def test_what_touches_closes_as_soon_as_a_neighbour_pushes_it():
     assert ended(sliding, [1.0, 1.0, 1.0], 0.5).contact_intervals == ((), ())
 
 
-def test_a_contact_that_is_pressed_in_slowly_is_not_held_by_the_switches_of_another():
+def test_slow_yielding_is_not_restarted_by_other_contacts():
     """Check two inner contacts that yield at forces of 1e-15 N. Each mode change restarted the motion of the other one,
     9500 times.
     """

@@ -148,13 +148,13 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("line", "sentence"), REFUSED, ids=[line.replace(f"{ROOT}/", "") for line, _ in REFUSED])
-def test_what_a_command_does_not_take_is_refused(line, sentence, tmp_path, monkeypatch, refused):
+def test_wrong_arguments_of_a_command_are_rejected(line, sentence, tmp_path, monkeypatch, refused):
     monkeypatch.chdir(tmp_path)
     assert sentence in refused(*line.split())
     assert list(tmp_path.iterdir()) == []
 
 
-def test_files_that_have_no_name_get_their_folder_unless_they_are_refused(tmp_path, monkeypatch, refused):
+def test_a_rejected_command_creates_no_folder(tmp_path, monkeypatch, refused):
     refusing = Mock(side_effect=StudyError("cannot write"))
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("softcradle.sandbox.sweeps.run_sweep.checked_output", refusing)
@@ -206,7 +206,7 @@ def test_check_takes_folders_and_patterns(tmp_path, monkeypatch, softcradle, ref
 
 
 @pytest.mark.parametrize("compiled", [False, True])
-def test_an_interrupted_run_leaves_no_file_and_what_was_there(compiled, tmp_path, monkeypatch, softcradle):
+def test_an_interrupted_run_leaves_the_old_file(compiled, tmp_path, monkeypatch, softcradle):
     """Check Ctrl+C. pybind11 turns it into an ImportError, and the command printed "initialization failed" with exit
     code 2.
     """

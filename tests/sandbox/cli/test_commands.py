@@ -61,7 +61,7 @@ def test_a_closed_pipe_is_no_error(words):
     assert result.returncode in (0, 141)  # The code is 0 if everything was written before the reader closed the pipe.
 
 
-def test_methods_and_scenes_are_listed_and_scenes_printed_to_start_from(softcradle):
+def test_methods_and_scenes_are_listed(softcradle):
     text = softcradle("methods").out
     assert all(name in text for name in known_methods())
     listed = json.loads(softcradle("methods", "--json").out)
@@ -94,7 +94,7 @@ def test_run_prints_velocities_contacts_errors_and_cost(softcradle):
     assert [word for word in (*words, "verlet, step 0.0005 s") if word not in out] == []
 
 
-def test_large_forces_have_the_prefix_of_their_unit_and_pulls_a_column(softcradle):
+def test_large_forces_have_a_unit_prefix(softcradle):
     """Check that the unit is 1.33 MN, not 1330980 N, and that the momentum which the bed takes is not an error."""
     out = softcradle("run", "train-shunting").out
     assert "force [MN]" in out
@@ -105,7 +105,7 @@ def test_large_forces_have_the_prefix_of_their_unit_and_pulls_a_column(softcradl
     assert "pull [kN]" in softcradle("run", "train-starting").out
 
 
-def test_what_happens_is_said_in_words(softcradle):
+def test_the_motion_is_described_in_words(softcradle):
     said = softcradle("run", "one-on-four", "--describe").out
     assert "Bead 0 hit bead 1 at 1\u00a0s with 1\u00a0m/s." in said
     assert "Bead 1 goes to the right at 0.17\u00a0m/s. Beads 2 to 4 go together to the right at 0.46\u00a0m/s." in said
@@ -168,7 +168,7 @@ def test_work_of_a_moving_wall_is_no_error_of_energy(velocity):
     assert (unknown.energy_error, unknown.energy_error_at_end) == (None, None)
 
 
-def test_a_run_that_gave_up_has_no_final_velocities_and_no_film_and_exit_code_3(softcradle, tmp_path, monkeypatch):
+def test_a_run_that_gave_up_has_exit_code_3(softcradle, tmp_path, monkeypatch):
     monkeypatch.setattr(runner, "MOST_FIXED_STEPS", 1000)
     gives_up = ("--method", "verlet", "--step", "1e-12")  # A thousand such steps end long before the beads touch.
     out = " ".join(softcradle("run", "one-on-four", *gives_up, code=3).out.split())
@@ -185,7 +185,7 @@ def test_a_run_that_gave_up_has_no_final_velocities_and_no_film_and_exit_code_3(
     softcradle("compare", "one-on-four", "--contact", "hertz(1)", *gives_up, "--json", code=3)
 
 
-def test_a_run_that_did_not_stay_finite_is_told_in_every_form(tmp_path, softcradle):
+def test_a_run_that_is_not_finite_is_reported_in_every_output(tmp_path, softcradle):
     path = tmp_path / "stiff.toml"
     path.write_text(
         'title = "A bead between walls"\nduration = 100.0\n[[lanes]]\nmass = [inf, 1.0, inf]\n'
@@ -285,7 +285,7 @@ def test_a_full_disk_behind_standard_output(arguments):
         ),
     ],
 )
-def test_streams_may_be_closed_and_a_folder_that_is_gone_is_told(line, code, told, tmp_path):
+def test_closed_streams_and_missing_folders_are_handled(line, code, told, tmp_path):
     """Check closed streams. Without standard error, a command ended before it began."""
     words, environment = ["bash", "-c", line, sys.executable], os.environ | {"PYTHONPATH": str(ROOT)}
     done = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
@@ -302,7 +302,7 @@ def test_without_a_display_the_window_is_refused_at_once(scene, lacks):
     assert re.fullmatch(rf"softcradle: .*there is no {lacks}.*\n", done.stderr)
 
 
-def test_a_second_file_is_written_too_and_each_lane_has_its_own_and_what_is_replaced_is_said(tmp_path, softcradle):
+def test_several_files_are_written(tmp_path, softcradle):
     paths = [tmp_path / "a.npz", tmp_path / "b.csv"]
     arguments = ["run", "galilean", "--method", "verlet", "--step", "1e-2", "--duration", "1.5", "--samples", "4"]
     arguments += [word for path in paths for word in ("-o", str(path))]

@@ -62,7 +62,7 @@ def test_games_and_commands_of_the_core_need_no_extra(program, tmp_path, monkeyp
 
 
 @pytest.mark.slow
-def test_every_method_runs_without_numba_and_says_that_it_is_slow():
+def test_every_method_runs_without_numba():
     done = run(("numba",), METHODS)
     assert done.returncode == 0, done.stderr
     assert done.stderr.count("pip install 'softcradle[fast]'") == 1

@@ -84,7 +84,7 @@ def near(pixels, colour, tolerance=6):
     return (np.abs(pixels - np.array(colour)) <= tolerance).all(axis=-1)
 
 
-def test_drawing_changes_nothing_and_depends_on_the_row_alone():
+def test_drawing_depends_only_on_the_sample():
     scene, motions, _ = pictured(TWO)
     for motion in motions:
         for values in (motion.time, motion.position, motion.overlap, motion.force):
@@ -102,7 +102,7 @@ def test_drawing_changes_nothing_and_depends_on_the_row_alone():
     assert 0 < np.abs(faded - first).sum() < np.abs(text - first).sum()
 
 
-def test_beads_are_at_their_positions_overlaps_are_darker_and_bars_as_high_as_the_forces():
+def test_beads_overlaps_and_bars_are_drawn_to_scale():
     _, motions, picture = pictured(SOFT)
     drawing, row = picture.lanes[0].drawing, strongest_row(motions)
     pixels = painted(picture, row)
@@ -156,7 +156,7 @@ def test_piston_moves_in_by_the_magnified_overlap():
     assert rods[0] - rods[1] == pytest.approx(moved, abs=3)
 
 
-def test_lanes_share_times_axes_and_a_scale_in_which_everything_stays_in_view():
+def test_lanes_share_times_axes_and_scale():
     scene, motions, picture = pictured(TWO)
     first, second = picture.lanes
     assert first.drawing.scale == second.drawing.scale
@@ -201,7 +201,7 @@ def test_magnified_overlaps_move_beads_about_their_mean():
     assert (edges - left_edges(position, overlap, 1.0, 1.0)).mean() == pytest.approx(0.0)
 
 
-def test_names_of_overlaps_stand_beside_the_greatest_though_beads_fly_far_apart():
+def test_overlap_labels_are_at_the_largest_overlaps():
     scene, motions, _ = pictured(SOFT)
     assert (motions[0].overlap.min(axis=0) < -motions[0].overlap.max(axis=0)).any()
     with drawn_texts(SIZE) as texts:
@@ -245,7 +245,7 @@ def test_camera_moves_the_beads_and_nothing_else():
     assert changed[:, 0].max() <= picture.lanes[0].insets.rect.bottom
 
 
-def test_drawings_are_kept_up_to_their_memory_and_the_oldest_is_dropped_first():
+def test_the_drawing_cache_drops_the_oldest_first():
     drawn = []
 
     @cached_surfaces(megabytes=1.0)
@@ -294,7 +294,7 @@ CLUSTERS = [
 
 
 @pytest.mark.parametrize(("before", "velocity", "now", "force", "expected"), CLUSTERS)
-def test_forces_of_rigid_clusters_are_those_of_equation_5_and_end_at_a_gap(before, velocity, now, force, expected):
+def test_rigid_forces_follow_equation_5(before, velocity, now, force, expected):
     ends = cluster_ends(before, velocity, 1.0)
     assert rigid_forces([1.0] * 5, ends, now, force, 1.0) == pytest.approx(expected)
 
@@ -311,7 +311,7 @@ def test_where_clusters_end_and_which_have_marks():
     assert [has_marks(ends) for ends in ((False, False), (True,), (True, True), (True, False))] == [False] * 3 + [True]
 
 
-def test_a_mark_stands_over_a_contact_that_carries_something_and_its_meaning_beside_a_mark_alone():
+def test_only_loaded_contacts_have_marks_with_a_legend():
     row = [1.0] * 5, (True, False, False, False), [0.1] * 4
     assert visible_marks(*row, [4.0, 0.0, 0.0, 0.0], 1.0, 0.1) == [0.0] * 4, "steel: a wave that has not come yet"
     assert visible_marks(*row, [4.0, 3.0, 0.0, 0.0], 1.0, 0.1) == [0.0, 3.0, 0.0, 0.0]
@@ -360,7 +360,7 @@ def test_errors_are_those_of_the_motion():
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.01])
-def test_work_of_a_wall_is_no_error_of_energy_and_what_is_not_known_has_no_badge(friction):
+def test_the_work_of_a_wall_is_not_an_energy_error(friction):
     pushed = {"mass": [1, 1, math.inf], "velocity": [0.5, 0, -0.3], "drive": [0, 0, 5], "friction": friction}
     _, (motion,), picture = pictured(hertz_row(duration=1.5, gap=[0.1, 0], **pushed))
     assert np.ptp(motion.energy) > 0.1
@@ -375,7 +375,7 @@ def test_work_of_a_wall_is_no_error_of_energy_and_what_is_not_known_has_no_badge
 @pytest.mark.parametrize(
     ("friction", "keys"), [(0.0, {"contacts": "steel"}), (0.1, {"contacts": "steel", "absorbed": "muted"})]
 )
-def test_what_is_absorbed_has_a_name_in_the_bar_of_energy(friction, keys):
+def test_the_energy_bar_names_the_absorbed_energy(friction, keys):
     scene, motions, _ = pictured(hertz_row(duration=1.5, beads=[1, 2], velocity=1.0, friction=friction))
     (texts,) = film_texts(scene, motions, (1280, 720), [-1])
     pixels = painted(Picture(scene, motions, (1280, 720)), -1)

@@ -120,7 +120,7 @@ def test_folder_of_pictures(tmp_path, frames):
             assert (np.asarray(image.convert("RGB")) == frame).all()
 
 
-def test_the_last_frame_stays_for_a_moment_and_then_for_the_text():
+def test_the_last_frame_is_shown_long_enough():
     shots = shot_list(SCENE, 20, 10.0)
     opacity = [shot.text_opacity for shot in shots]
     assert opacity == sorted(opacity)
@@ -165,7 +165,7 @@ def test_no_text_of_a_film_lies_on_another(name, size):
         ("film.mp4", {"slow": 1e9}, "frames, more than"),
     ],
 )  # fmt: skip
-def test_refusals_leave_nothing_and_come_before_any_work_where_they_can(tmp_path, monkeypatch, name, options, sentence):
+def test_errors_come_early_and_leave_no_file(tmp_path, monkeypatch, name, options, sentence):
     if "slow" not in options:
         monkeypatch.setattr(scene_film, "scene_motions", lambda *_, **__: pytest.fail("worked"))
     with pytest.raises(UserError, match=sentence.replace(".", r"\.")) as refused:
@@ -183,7 +183,7 @@ def test_a_motion_that_is_not_finite_is_refused():
         blown_up.film()
 
 
-def test_a_folder_with_something_in_it_and_a_missing_codec_are_refused(tmp_path, monkeypatch):
+def test_a_full_folder_or_a_missing_codec_is_an_error(tmp_path, monkeypatch):
     (tmp_path / "mine.txt").write_text("mine")
     with pytest.raises(UserError, match="not an empty folder"):
         rendered(f"{tmp_path}/")
@@ -209,7 +209,7 @@ def test_few_frames_show_the_same_curves(tmp_path, monkeypatch):
 TIMED = parse(f'title = "Two lanes"\nduration = 2.0\n{LANES}')
 
 
-def test_the_end_of_a_motion_is_looked_for_once_and_not_where_it_is_given(monkeypatch, tmp_path):
+def test_the_end_of_a_motion_is_computed_once(monkeypatch, tmp_path):
     runs = Mock(wraps=solve)
     monkeypatch.setattr("softcradle.physics.simulation.solve", runs)
     scene_motions(TIMED, 20.0)
@@ -255,7 +255,7 @@ def test_a_film_ends_before_a_pause_that_no_one_waits_for():
     assert page.time[-1] == end
 
 
-def test_frames_are_limited_and_one_picture_of_a_long_motion_has_fewer_rows_a_second(tmp_path, monkeypatch):
+def test_the_number_of_frames_is_limited(tmp_path, monkeypatch):
     monkeypatch.setattr(scene_motion, "MOST_FRAMES", 60)
     monkeypatch.setattr(scene_motion, "MOST_ROWS", 60)
     long = {"slow": 5.0, "size": (320, 180)}
@@ -306,7 +306,7 @@ def written(path, cores, monkeypatch):
     return path
 
 
-def test_frames_have_their_time_and_picture_and_players_begin_at_any_segment_on_any_cores(tmp_path, monkeypatch):
+def test_segments_of_a_film_are_equal_on_any_number_of_cores(tmp_path, monkeypatch):
     films = [written(tmp_path / f"{cores}.mp4", cores, monkeypatch) for cores in (1, 2, 3, 8)]
     assert len({film.read_bytes() for film in films}) == 1
     with av.open(str(films[0])) as container:
@@ -370,7 +370,7 @@ def test_an_error_of_any_encoder_reaches_the_caller(tmp_path, monkeypatch, faili
 
 
 @pytest.mark.parametrize("name", ["film.mp4", "film/"])
-def test_an_error_while_drawing_ends_all_threads_and_leaves_what_there_was(tmp_path, monkeypatch, name):
+def test_an_error_while_drawing_ends_all_threads(tmp_path, monkeypatch, name):
     def broken(surface, number):
         if number == 70:
             raise ZeroDivisionError

@@ -61,7 +61,7 @@ def test_the_paper_s_camera_where_units_are_the_paper_s():
         assert len(rows) == pytest.approx(1000, abs=2)  # One frame per column.
 
 
-def test_the_picture_has_scale_bars_of_100_ms_and_12_cm_and_marks_release_and_first_touch(tmp_path, softcradle):
+def test_a_kymograph_has_scale_bars_and_marks(tmp_path, softcradle):
     """Check dotted lines across the lane: at t = 0, and at the time at which 20 mm are passed with 0.5 m/s."""
     path, rate = tmp_path / "x.kymograph.png", 1026.0  # Frames per second, half of the rate of the paper's camera.
     scene, (motion,) = filmed(load("draft-gear-two-on-two"), rate)
@@ -84,7 +84,7 @@ def test_the_picture_has_scale_bars_of_100_ms_and_12_cm_and_marks_release_and_fi
     assert [28, 28 + round(across * touch / frames)] == np.flatnonzero(dotted[: 28 + across]).tolist()
 
 
-def test_what_is_in_touch_at_the_start_is_not_released_nor_is_a_train_that_begins_to_pull():
+def test_beads_in_touch_at_the_start_have_no_release():
     _, (touching,) = filmed(parse(IN_TOUCH), 30.0)
     assert touching.time[0] < 0.0
     assert [name for name, _ in instants(touching)] == ["first touch"]

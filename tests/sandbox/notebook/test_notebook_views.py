@@ -24,7 +24,7 @@ def found() -> Trajectory:
     return simulate(CHAIN, [1, 0, 0, 0, 0], method="conserving", step=1e-2)
 
 
-def test_texts_are_short_and_chains_and_scenes_are_tables(found):
+def test_notebook_texts_are_short(found):
     assert repr(CHAIN).startswith("Chain(mass=5 x 1.0, contact=4 x Contact(")
     assert re.match(r"Trajectory of 5 beads, 0 to 2\.\d+ s in 201 samples, by conserving", repr(found))
     assert repr(scenes.load("galilean")) == "Scene('Who hits whom?', 5 beads and 5 beads)"
@@ -103,7 +103,7 @@ def test_a_scene_lives_in_a_cell_and_in_a_file(tmp_path):
     assert (tmp_path / "cell.html").read_text() == (tmp_path / "page.html").read_text()
 
 
-def test_xarray_and_pandas_have_the_samples_with_their_units(found, tmp_path):
+def test_exported_samples_have_units(found, tmp_path):
     data = found.to_xarray()
     assert dict(data.sizes) == {"time": 201, "bead": 5, "contact": 4}
     np.testing.assert_array_equal(data.force.sel(contact=2), found.force[:, 2])
@@ -116,7 +116,7 @@ def test_xarray_and_pandas_have_the_samples_with_their_units(found, tmp_path):
     assert frame.attrs["status"] == "separated"
 
 
-def test_the_window_hands_its_history_back_and_needs_a_display(monkeypatch, own_folder):
+def test_the_window_returns_its_history(monkeypatch, own_folder):
     def run(app):
         for _ in range(30):
             app.frame(1 / 60, [])

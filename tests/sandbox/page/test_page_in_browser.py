@@ -107,7 +107,7 @@ def test_the_rows_end_as_simulate_says(pages, browser, fragment, name, apart):
     assert error(browser) < 1e-13
 
 
-def test_it_plays_to_the_same_end_at_every_pace_tells_it_in_words_and_begins_again(pages, browser):
+def test_a_page_plays_to_the_same_end_at_every_pace(pages, browser):
     browser.visit(pages(SCENE).output, "#pace=4")
     browser.until("!page.playing")
     said, last = browser.run(f"[{SAID}, page.source.last]")
@@ -166,7 +166,7 @@ def test_a_run_is_followed_until_nothing_moves_any_more(browser, tmp_path, row, 
 
 
 @pytest.mark.parametrize(("duration", "fragment"), [(10.0, ""), (None, "#mu=0.02")])
-def test_a_wall_that_moves_over_a_bed_reaches_again_what_it_has_struck(browser, tmp_path, duration, fragment):
+def test_a_moving_wall_on_a_bed_hits_again(browser, tmp_path, duration, fragment):
     friction = 0.02 if duration else 0.0
     visit_row(browser, tmp_path, duration, fragment, mass=[inf, 1], velocity=[2, 1], friction=friction)
     run_to_the_end(browser)
@@ -175,7 +175,7 @@ def test_a_wall_that_moves_over_a_bed_reaches_again_what_it_has_struck(browser, 
     assert browser.run("document.getElementById('words').className") == ""
 
 
-def test_a_row_that_friction_holds_while_it_is_pressed_has_come_to_its_end(pages, browser):
+def test_a_pressed_row_held_by_friction_has_ended(pages, browser):
     rest = "Beads 0 to 4 are almost at rest."
     browser.visit(pages(SCENE).output, "#loss=0.9&mu=0.02")
     run_to_the_end(browser)
@@ -191,7 +191,7 @@ def test_a_row_that_friction_holds_while_it_is_pressed_has_come_to_its_end(pages
     ("row", "rigid"),
     [({}, True), ({"gap": [0.5, 0.3, 0.3]}, False), (PUSHED, False), ({"duration": 0.4, "method": "radau"}, False)],
 )
-def test_what_rigid_bodies_would_do_is_told_where_two_of_them_would_meet_alone(browser, tmp_path, row, rigid):
+def test_the_rigid_outcome_is_shown_for_two_bodies_only(browser, tmp_path, row, rigid):
     visit_row(browser, tmp_path, **({"velocity": [1, 0, 0, 0], "gap": [0.5, 0, 0]} | row))
     run_to_the_end(browser)
     assert browser.run(SAID).startswith("Bead")
@@ -216,7 +216,7 @@ def test_nobody_who_wants_less_motion_gets_some(pages, browser):
 
 
 @pytest.mark.parametrize(("device", "bead", "pull"), [("desk", 4, -0.1), ("telephone", 0, 0.2)])
-def test_a_bead_is_thrown_with_the_mouse_or_a_finger_and_the_page_stays(pages, browser, device, bead, pull):
+def test_a_bead_is_thrown_by_mouse_and_finger(pages, browser, device, bead, pull):
     browser.device(*DEVICES[device])
     browser.visit(pages(SCENE).output, "")
     hold_the_clock(browser)
@@ -271,7 +271,7 @@ def test_no_key_takes_a_wall(browser, tmp_path, mass, chosen):
     assert found == chosen
 
 
-def test_what_a_hand_gives_is_told_of_all_rows_and_apart_from_the_drive(pages, browser, tmp_path):
+def test_the_energy_given_by_hand_is_shown_separately(pages, browser, tmp_path):
     browser.visit(pages("steel-and-soft").output, "")
     browser.run("page.pause(), page.go(0.9), page.chosen = {lane: 1, bead: 3}, page.throwChosen(1), page.pause()")
     steel, soft = browser.run(LEDGER).split("\n")  # One line per row.
@@ -285,7 +285,7 @@ def test_what_a_hand_gives_is_told_of_all_rows_and_apart_from_the_drive(pages, b
     browser.run("for (let k = 0; k < 50; k++) page.source.next(); page.step(-1)")
 
 
-def test_a_wall_that_moves_is_told_of_and_no_balance_of_the_energy_that_it_gives(browser, tmp_path):
+def test_a_moving_wall_has_no_energy_balance(browser, tmp_path):
     for mass, balanced in ([inf, 1, 1], False), ([1, 1, inf], True):
         visit_row(browser, tmp_path, mass=mass, velocity=[1, 0, 0], gap=[0.5, 0])
         run_to_the_end(browser)
@@ -312,7 +312,7 @@ def test_energy_is_balanced_wherever_soft_contacts_stand_in_the_row(browser, tmp
 
 
 @pytest.mark.parametrize(("name", "fragment"), [("steel-and-soft", ""), ("hertz-cradle", "#law=soft&with=gear")])
-def test_rows_that_were_edited_as_they_moved_are_those_that_begin_anew(pages, browser, name, fragment):
+def test_edited_rows_restart_with_their_edits(pages, browser, name, fragment):
     browser.visit(pages(name).output, fragment)
     laws = "page.source.rows.map(({kernel}) => [...kernel.law, ...kernel.loss, ...kernel.bed])"
     before = browser.run(f"page.pause(), page.go(1.9), {laws}")
@@ -337,7 +337,7 @@ def test_the_slider_tells_the_alpha_that_acts(pages, browser):
     assert "solid block" in browser.run(text)
 
 
-def test_a_row_that_touches_has_not_ended_and_what_is_edited_at_rest_is_shown_at_once(live, pages, browser):
+def test_edits_of_a_paused_page_are_shown_at_once(live, pages, browser):
     assert not live.run("page.source.apart")  # The beads just touch, and the first one approaches.
     live.run("page.pause(), page.go(1.5), page.show(false)")
     forces = "[page.source.rows[0].kernel.force[3], page.source.rows[0].lawForce(3)]"
@@ -348,7 +348,7 @@ def test_a_row_that_touches_has_not_ended_and_what_is_edited_at_rest_is_shown_at
     assert "1/n" not in browser.run("page.looks[0].label")
 
 
-def test_another_law_for_the_row_and_steel_balls_beside_it(live):
+def test_the_law_and_the_compared_row_are_changed(live):
     live.run("document.getElementById('contrast').click()")
     assert live.run("page.stages.length") == 2
     run_to_the_end(live)
@@ -397,7 +397,7 @@ def test_a_row_is_compared_with_rows_of_other_contacts_only(pages, browser, name
     assert browser.run("page.experiment.beside") != "gear"
 
 
-def test_winding_back_and_on_within_the_last_minute_gives_the_same_motion_to_the_bit(live):
+def test_rewinding_a_page_gives_bitwise_the_same_motion(live):
     state = "[page.source.count, page.source.values(0), page.source.time]"
     run_to_the_end(live)
     kept = live.run(state)
@@ -415,7 +415,7 @@ def test_winding_back_and_on_within_the_last_minute_gives_the_same_motion_to_the
 @pytest.mark.parametrize(
     "edit", ["0", "page.throwChosen(1)", "page.go(1.2), page.source.forget(), page.throwChosen(-1)"]
 )
-def test_a_chart_that_grew_piece_by_piece_is_the_one_that_is_drawn_at_once(live, edit):
+def test_a_chart_drawn_in_pieces_equals_a_chart_drawn_at_once(live, edit):
     live.run(f"page.pause(), page.go(1.5), page.chosen = {{lane: 0, bead: 4}}, {edit}, page.pause()")
     live.run("for (let k = 0; k < 150; k++) { page.source.next(); page.source.next(); page.show(false); }")
     grown = np.array(live.run(CHART))
@@ -424,7 +424,7 @@ def test_a_chart_that_grew_piece_by_piece_is_the_one_that_is_drawn_at_once(live,
     assert (grown > 0).mean() > 0.02
 
 
-def test_a_picture_of_play_changes_canvases_alone_and_draws_what_moves(pages, browser):
+def test_a_frame_changes_only_canvases(pages, browser):
     """Check that a frame changes nothing that makes the browser compute the layout again. Captions, axes and the ground
     stay.
     """
@@ -440,7 +440,7 @@ def test_a_picture_of_play_changes_canvases_alone_and_draws_what_moves(pages, br
 
 
 @pytest.mark.parametrize(("then", "density"), [(15.0, 1), (33.0, 3)])
-def test_play_draws_nothing_out_of_sight_and_fewer_pixels_where_that_helps(pages, browser, then, density):
+def test_play_skips_invisible_parts_and_reduces_pixels(pages, browser, then, density):
     browser.device(390, 844, 3)
     browser.visit(pages(SCENE).output, "#t=1.5")
     browser.until("page.unseen.has(page.charts[1].canvas)")
@@ -466,7 +466,7 @@ def test_a_cluster_ends_at_its_first_open_contact(live):
     ("name", "moment", "expected"),
     [(SCENE, "0", ["apart", *3 * ["touching"]]), ("train-starting", "page.source.last", 8 * ["pulled"])],
 )
-def test_beads_that_just_touch_and_couplers_that_pull_are_said_to(pages, browser, name, moment, expected):
+def test_the_state_of_each_contact_is_described(pages, browser, name, moment, expected):
     browser.visit(pages(name).output, "")
     browser.run(f"{SPY}, page.pause(), page.edit('shown', ['loupes'])")
     browser.run(f"page.go({moment}), document.getElementById('numbers').open = true")
@@ -496,7 +496,7 @@ def test_what_is_copied_of_a_file_opens_the_experiment(pages, browser):
     assert opened["beside"] == "gear"
 
 
-def test_an_address_that_changes_is_followed_and_keeps_up_with_what_is_chosen(live):
+def test_the_address_follows_the_settings_and_back(live):
     live.run("location.hash = '#n=2&t=1.2&lang=de'")
     live.until("page.specs[0].mass.length === 3")
     assert live.run("[page.language, page.playing, page.source.time]") == ["de", False, pytest.approx(1.2, abs=0.02)]
@@ -524,7 +524,7 @@ def test_an_address_that_changes_is_followed_and_keeps_up_with_what_is_chosen(li
         (SCENE, "#%E0%A4%A&a=%", {}),
     ],
 )
-def test_an_address_is_taken_as_far_as_the_scene_and_the_ranges_go(pages, browser, tmp_path, name, fragment, expected):
+def test_values_of_an_address_are_limited(pages, browser, tmp_path, name, fragment, expected):
     if name:
         browser.visit(pages(name).output, fragment)
     else:
@@ -535,7 +535,7 @@ def test_an_address_is_taken_as_far_as_the_scene_and_the_ranges_go(pages, browse
     assert browser.run("document.querySelectorAll('main script, main img').length") == 0
 
 
-def test_a_softness_that_the_law_does_not_have_changes_nothing_and_is_left_out_of_a_link(pages, browser):
+def test_a_softness_without_meaning_is_ignored(pages, browser):
     said = "[document.getElementById('text').textContent, page.looks[0].label]"
     browser.visit(pages("hertz-cradle").output, "")
     before = browser.run(said)
@@ -545,7 +545,7 @@ def test_a_softness_that_the_law_does_not_have_changes_nothing_and_is_left_out_o
     assert browser.run("location.hash") == "#law=soft&a=0.5"
 
 
-def test_a_recorded_page_reads_and_writes_what_can_be_chosen_in_it_and_promises_no_more(pages, browser):
+def test_a_recorded_page_offers_only_what_can_be_changed(pages, browser):
     browser.visit(pages("train-solid").output, "#t=0&pace=0.25&show=charts&mu=0.1&with=steel&lang=en")
     assert browser.run("[page.source.begun, page.source.time]") == [0, 0]  # The wagons of this scene touch.
     experiment, own = browser.run("[page.experiment, page.own]")
@@ -650,7 +650,7 @@ def test_it_fits(pages, browser, width, fragment):
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("device", DEVICES)
-def test_it_is_drawn_texts_stand_out_and_axe_finds_nothing(pages, browser, tmp_path, device, scheme):
+def test_the_page_is_drawn_accessibly(pages, browser, tmp_path, device, scheme):
     browser.device(*DEVICES[device])
     browser.media("screen", scheme)
     browser.visit(pages(SCENE).output, "#t=1.9")
@@ -698,7 +698,7 @@ def test_no_text_of_the_drawing_covers_another_or_leaves_it(pages, browser, name
         assert [text for text in words if text[1] < -1 or text[3] > room + 1] == []
 
 
-def test_beside_a_wall_forces_stand_above_it_and_cover_no_words(browser, tmp_path):
+def test_force_bars_next_to_a_wall_cover_no_text(browser, tmp_path):
     visit_row(browser, tmp_path, 8.0, mass=[1, 1, 1, inf], velocity=[1, 0, 0, 0], gap=[0.5, 0, 0.3])
     browser.device(1100, 900)
     texts = browser.run(f"{SPY}, page.go(3.6), texts.length = 0, page.dress(), texts")

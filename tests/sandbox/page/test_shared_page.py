@@ -30,7 +30,7 @@ SCENES = ("one-on-four", "galilean", "draft-gear-two-on-two", "hertz-cradle", "m
 
 
 @pytest.mark.parametrize("name", ["one-on-four", "two-on-two", "hertz-cradle", "draft-gear-one-on-three"])
-def test_a_page_in_which_beads_live_is_small_closes_its_tags_and_loads_nothing(pages, name):
+def test_a_live_page_is_small_and_loads_nothing(pages, name):
     report = pages(name)
     assert report.computed
     assert report.size == report.output.stat().st_size < 150_000  # Size in bytes.
@@ -68,7 +68,7 @@ def test_a_lane_at_rest_has_no_part_in_the_speed_of_a_page(speeds):
     assert [data["speed"], data["own"]["speed"]] == [0.01, 0.01]
 
 
-def test_what_is_asked_of_a_method_is_recorded_and_the_page_says_how_and_with_what_warnings(tmp_path):
+def test_a_page_with_a_method_is_a_recording_with_its_warnings(tmp_path):
     scene = load_scene("one-on-four")
     chain, velocity = scene.lanes[0].chain(), scene.lanes[0].velocity
     report = render_page(scene, tmp_path / "page.html", method="radau")
@@ -84,7 +84,7 @@ def test_what_is_asked_of_a_method_is_recorded_and_the_page_says_how_and_with_wh
 
 
 @pytest.mark.parametrize("name", ["one-on-four", "train-starting"])
-def test_a_page_of_what_was_played_states_errors_that_are_known_alone(name):
+def test_a_played_page_shows_only_known_errors(name):
     session = opened(name, frames=20)
     session.apply(inputs.SetVelocity(0, 0, 6.0))
     session.step_frames(20)
@@ -138,7 +138,7 @@ def unpacked(packed, scales, beads):
 @pytest.mark.parametrize(
     "name", [*SCENES[:6], pytest.param(SCENES[6], marks=pytest.mark.slow), "experiment-two-on-two"]
 )
-def test_lines_between_samples_follow_the_recorded_motion_and_deep_overlaps_keep_their_digits(name):
+def test_packed_samples_follow_the_recorded_motion(name):
     motion = played(name)
     scales = motion.scales
     smallest = 10.0 ** (scales.decades[0] - 1)  # A tenth of the lower end of the axis of overlaps.
@@ -168,7 +168,7 @@ def test_lines_between_samples_follow_the_recorded_motion_and_deep_overlaps_keep
         assert len(time) < len(found.time) / 2
 
 
-def test_free_flight_leads_to_the_start_and_follows_the_end_and_few_samples_are_played_as_they_are():
+def test_a_page_adds_free_flight_before_and_after_the_samples():
     scene = Scene(title="in touch", lanes=(Lane(contact=SOFT, velocity=[1, 0, 0]),))
     (end,) = recorded(scene)
     (motion,) = played_motion(scene, [end]).motions
@@ -183,7 +183,7 @@ def test_free_flight_leads_to_the_start_and_follows_the_end_and_few_samples_are_
     assert motion.time[-3:].tolist() == [0.0, 0.5, 1.0]
 
 
-def test_lanes_that_were_edited_at_different_times_begin_with_the_last_of_them():
+def test_lanes_begin_at_the_last_edit_of_all():
     session = opened("steel-and-soft", frames=30)
     session.apply(inputs.SetFriction(1, 0.01))
     session.step_frames(30)
@@ -206,7 +206,7 @@ def test_the_page_of_a_row_that_a_hand_has_moved_says_so(tmp_path, edits):
     assert lane["driven"] is bool(edits)
 
 
-def test_a_motion_that_needs_too_many_samples_gets_coarser_ones_or_is_refused(monkeypatch):
+def test_a_long_motion_gets_coarser_samples_or_is_rejected(monkeypatch):
     motion = played("one-on-four")
     (fine,) = packed_lanes(motion.motions, motion.scales, USUAL_BYTES)
     (coarse,) = packed_lanes(motion.motions, motion.scales, 8000)

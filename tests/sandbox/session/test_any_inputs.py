@@ -28,7 +28,7 @@ def given_to(session: Session, item: Input) -> bool:
 
 @given(name=SCENES, items=EDITS)
 @settings(max_examples=40)
-def test_inputs_in_any_order_which_are_undone_and_redone_in_turn_with_the_motion(name, items, tmp_path_factory):
+def test_inputs_in_any_order_are_undone_and_redone(name, items, tmp_path_factory):
     session, seen = Session(scenes.load(name), memory=100_000), []
     for k, item in enumerate(items):
         before = picture(session)

@@ -45,7 +45,7 @@ def test_gaps_go_until_a_coupler_that_pulls_is_solid():
     assert ends == pytest.approx([0.04 + 0.166, 2.0 * 14.0])
 
 
-def test_placement_pushes_neighbours_along_and_lets_no_bead_through():
+def test_a_placed_bead_pushes_its_neighbours_along():
     session = opened()
     session.drag(0, 0, 1.5)
     assert session.lanes[0].position.tolist() == [1.5] * 5
@@ -85,7 +85,7 @@ def test_adding_and_removing_a_bead_changes_nothing(bead, heavy):
 
 @pytest.mark.parametrize("name", ["one-on-four", "draft-gear-one-on-three", "hertz-cradle"])
 @pytest.mark.parametrize("kind", ["power", "gear", "hard"])
-def test_a_converted_contact_stops_the_same_impact_and_comes_back_as_it_was(name, kind):
+def test_a_converted_contact_stops_the_same_impact(name, kind):
     session = opened(name)
     before = session.lanes[0].chain.contact
     own = kind_of(before[0])
@@ -101,7 +101,7 @@ def test_a_converted_contact_stops_the_same_impact_and_comes_back_as_it_was(name
     assert PASSED not in {item.cause for item in session.findings(0)}
 
 
-def test_locked_pistons_make_a_usual_cradle_and_unlocked_ones_have_their_laws_again():
+def test_pistons_are_locked_and_unlocked():
     session = opened("draft-gear-one-on-three", inputs.Lock(0, None), inputs.Lock(0, 1), frames=600)
     final = session.lanes[0].velocity
     assert final[3] > 0.45, "the last cylinder leaves with nearly all of the 0.5 m/s"
@@ -124,7 +124,7 @@ contact = {{law = "step_force", f0 = 2.0}}
 @pytest.mark.parametrize(
     "edit", [inputs.SetContact(0, None, power_law(20.0, 0.1)), inputs.SetKind(0, None, "power"), inputs.Lock(0, None)]
 )
-def test_a_pressed_contact_pushes_by_its_new_law_at_once_and_after_a_restart(edit, frames):
+def test_a_pressed_contact_uses_its_new_law_at_once(edit, frames):
     session = Session(parse(PRESSED.format(gap=-0.02)))
     session.step_frames(frames)
     session.apply(edit)
@@ -136,7 +136,7 @@ def test_a_pressed_contact_pushes_by_its_new_law_at_once_and_after_a_restart(edi
         session.restart()
 
 
-def test_what_a_touching_contact_carries_stays_as_far_as_its_new_law_has_it():
+def test_a_touching_contact_keeps_its_force_within_the_new_law():
     session = Session(parse(PRESSED.format(gap=0.0)))
     session.lanes[0].state.force[1] = 1.5
     for law, force in ((step_force(3.0), 1.5), (step_force(1.0), 1.0), (power_law(1.0, 0.1), 0.0)):
@@ -144,7 +144,7 @@ def test_what_a_touching_contact_carries_stays_as_far_as_its_new_law_has_it():
         assert session.lanes[0].state.force.tolist() == [2.0, force]
 
 
-def test_a_chosen_step_follows_edits_and_a_typed_one_stays():
+def test_only_an_automatic_step_follows_edits():
     session = opened("hertz-cradle")
     chosen = session.setup.lanes[0].step
     session.apply(inputs.SetContact(0, None, hertz(1e5)))
@@ -178,7 +178,7 @@ def test_a_chosen_step_follows_edits_and_a_typed_one_stays():
         (inputs.SetMass(3, 0, 1.0), "no lane 3"), (inputs.SetSlow(-1.0), "slow motion must be from"),
     ],
 )  # fmt: skip
-def test_a_refusal_names_what_is_wrong_and_changes_nothing(edit, sentence):
+def test_a_rejected_edit_changes_nothing(edit, sentence):
     session = opened(frames=20)
     session.scrub_frame(5)
     before = picture(session)
@@ -219,7 +219,7 @@ def test_a_number_is_wherever_numbers_are(number, tmp_path):
     assert value_in(session, index) == before
 
 
-def test_a_gesture_is_one_step_and_a_throw_is_undone_to_the_frame_at_which_the_bead_was_taken():
+def test_a_gesture_is_one_undo_step():
     session = opened()
     start = session.lanes[0].position.copy()
     for k in range(20):
@@ -247,7 +247,7 @@ def test_a_gesture_is_one_step_and_a_throw_is_undone_to_the_frame_at_which_the_b
     assert picture(session) == before
 
 
-def test_several_inputs_are_refused_together_or_one_step_with_the_run_that_they_end_if_they_begin_anew(tmp_path):
+def test_several_inputs_are_one_undo_step(tmp_path):
     session = opened("one-on-four", 60, inputs.SetMass(0, 1, 2.0), 60)
     session.scrub_frame(50)
     before = picture(session)
@@ -270,7 +270,7 @@ def test_several_inputs_are_refused_together_or_one_step_with_the_run_that_they_
 
 
 @pytest.mark.parametrize("saved", [False, True])
-def test_an_edit_is_as_unsaved_as_before_when_throws_have_pushed_its_step_out(saved):
+def test_an_edit_stays_unsaved_after_its_undo_step_is_dropped(saved):
     session = opened("one-on-four", inputs.SetMass(0, 1, 2.5))
     if saved:
         session.undo_stack.mark_saved()
@@ -287,7 +287,7 @@ def test_an_edit_is_as_unsaved_as_before_when_throws_have_pushed_its_step_out(sa
     assert session.undo_stack.unsaved is not saved
 
 
-def test_a_saved_edit_that_is_undone_or_played_away_leaves_the_scene_unsaved(tmp_path):
+def test_undoing_a_saved_edit_makes_the_scene_unsaved(tmp_path):
     session = opened("one-on-four", 5, inputs.SetMass(0, 1, 2.5), 2)
     for act, unsaved in ((session.undo, False), (session.redo, True)):
         act()

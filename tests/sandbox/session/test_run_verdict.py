@@ -29,7 +29,7 @@ def worst_of(session, frames=600):
 # Warning of the train with loss, whose velocities are determined to 1e-3 m/s.
 @pytest.mark.filterwarnings("ignore:final velocities are determined")
 @pytest.mark.parametrize("name", EVERY_SCENE)
-def test_a_played_scene_is_good_comes_back_equal_and_ends_with_the_velocities_of_the_reference(name):
+def test_every_played_scene_ends_like_the_reference(name):
     session, truths = opened(name), []
     for lane in session.scene.lanes:
         chain = lane.chain()
@@ -62,7 +62,7 @@ def test_every_method_can_be_switched_to_while_it_runs(method):
     assert session.health(0).level == "good"
 
 
-def test_a_step_that_is_too_large_is_bad_and_one_longer_than_a_contact_makes_velocities_arbitrary():
+def test_too_large_steps_get_a_bad_verdict():
     fast = opened("hertz-cradle", inputs.SetSlow(1.0), inputs.SetContact(0, None, hertz(1e9)), inputs.SetStep(0, 1.0))
     arbitrary = fast.health(0)
     assert (arbitrary.level, arbitrary.sentence[:8], "arbitrary" in arbitrary.sentence) == ("bad", "0.05 ste", True)
@@ -94,7 +94,7 @@ def test_a_method_that_blows_up_is_stopped_and_reported():
     assert session.failure == ""
 
 
-def test_the_badge_and_the_findings_of_a_run_are_one_verdict_also_after_chatter_has_ended():
+def test_badge_and_findings_agree_after_chattering_has_ended():
     session = opened("draft-gear-one-on-three", inputs.SetMethod(0, "verlet"))
     while_it_chatters = worst_of(session, 300)
     assert (while_it_chatters.level, while_it_chatters.chatter > MOST_CHATTER) == ("bad", True)
@@ -141,7 +141,7 @@ def test_the_label_says_what_the_contacts_are_now():
     assert [stiffer.label(lane) for lane in (0, 1)] == ["steel balls, edited", "soft beads, alpha = 1/10, edited"]
 
 
-def test_velocities_are_checked_by_an_accurate_run_from_where_the_motion_was_touched():
+def test_velocities_are_checked_since_the_last_edit():
     session = opened("one-on-four", inputs.SetMethod(0, "euler"), inputs.SetStep(0, 0.05))
     check = VelocityCheck(session, 0)
     assert check.job() is None

@@ -36,7 +36,7 @@ from tests.helpers.sessions import EVERY_SCENE, check_replay, opened, pull
 PICTURE = 2.0 / FRAME_RATE
 
 
-def test_a_drive_stronger_than_soft_contacts_has_steps_for_the_speed_that_it_gives():
+def test_the_step_of_a_strong_drive_fits_its_speed():
     """Check strong drives. They would cause astronomical overlaps, and the step chosen for that speed would be 1e13 s."""
     session = opened()
     session.apply_all([SetDrive(0, 0, 5.0), *(SetContact(0, k, power_law(1.0, 1 / 50)) for k in range(4))])
@@ -68,7 +68,7 @@ def test_late_physics_slows_the_clock_and_is_reported():
 
 
 @pytest.mark.parametrize(("name", "frame", "last"), [("one-on-four", 150, 400), ("experiment-two-on-two", 20, 60)])
-def test_playing_on_from_a_scrubbed_frame_is_a_new_branch_with_the_same_digits(name, frame, last, tmp_path):
+def test_playing_from_an_earlier_frame_gives_the_same_digits(name, frame, last, tmp_path):
     """Check the branch and its replay. The energy absorbed by the bed had another last digit in the replay."""
     session = opened(name, frames=last)
     before = [snapshot_table(session.history.snapshot(k)) for k in range(last + 1)]
@@ -81,7 +81,7 @@ def test_playing_on_from_a_scrubbed_frame_is_a_new_branch_with_the_same_digits(n
     check_replay(session, tmp_path / "replay.npz")
 
 
-def test_a_restart_and_a_saved_scene_have_the_edits_of_the_beads_and_of_the_start(tmp_path):
+def test_restarts_and_saved_scenes_keep_edits(tmp_path):
     session = opened("one-on-four", SetVelocity(0, 0, 2.0), 100, SetMass(0, 2, 3.0), SetVelocity(0, 4, 9.0))
     session.restart()
     assert (session.frame, session.time, session.history.last) == (0, 0.0, 0)
@@ -125,7 +125,7 @@ def test_a_released_bead_flies_on_at_the_speed_of_the_pointer():
     assert -11.0 < session.lanes[0].velocity[0] < -5.0, "the spring is no faster than ten times the scene"
 
 
-def test_uneven_pictures_lose_no_time_and_give_an_impact_once():
+def test_uneven_frame_times_lose_no_time():
     session = opened()
     session.play()
     found = []
@@ -141,7 +141,7 @@ def test_uneven_pictures_lose_no_time_and_give_an_impact_once():
     assert session.impacts == ()
 
 
-def test_the_last_frame_of_a_replay_is_of_its_tick_and_what_was_due_after_a_last_one_is_not_made_up_for(tmp_path):
+def test_a_replay_ends_at_its_last_frame(tmp_path):
     session = opened()
     while not session.contact_events().time.size:
         session.step_frames(1)
@@ -189,7 +189,7 @@ def test_a_collision_is_told_in_words():
     assert f"Der letzte Kontakt öffnete sich nach {last.replace('.', ',')}\u00a0s." in summary_text(session)
 
 
-def test_what_is_told_is_of_the_beads_that_there_are():
+def test_descriptions_use_the_present_beads():
     """Check hits after a bead is removed. Earlier bead numbers then refer to other beads or to none."""
     session = opened("one-on-four", SetVelocity(0, 0, 0.0), SetVelocity(0, 4, -1.0), frames=300)
     assert "Bead 3 hit bead 4" in summary_text(session)
@@ -218,7 +218,7 @@ def test_the_bead_that_hits_is_the_one_that_approached(name):
 
 
 @pytest.mark.parametrize(("method", "least", "most"), [("euler", 1e-6, 1e-3), ("conserving", 0.0, 1e-12)])
-def test_between_walls_that_move_alike_no_error_is_booked_as_their_work(method, least, most):
+def test_errors_between_equal_walls_are_not_booked_as_work(method, least, most):
     """Check walls of equal velocity. The velocity of the second is a sum over the row and equal only up to round-off,
     so errors counted as work of the walls.
     """

@@ -55,7 +55,7 @@ def test_words_of_ones_own_stay_those_of_an_edited_scene():
     assert session.to_scene().text == "Mine."
 
 
-def test_the_method_that_rows_share_is_written_though_their_steps_differ():
+def test_a_common_method_is_written_with_different_steps():
     scene = opened("beads-against-gear", inputs.SetMethod(None, "verlet"), inputs.SetStep(1, 1e-4)).to_scene()
     assert (scene.method, scene.step) == ("verlet", None)
     rough = Session(parse('tolerance = 1e-4\nmethod = "radau"\n' + ROW))
@@ -64,7 +64,7 @@ def test_the_method_that_rows_share_is_written_though_their_steps_differ():
     assert rough.to_scene().tolerance is None
 
 
-def test_what_no_scene_file_can_say_is_refused_in_a_sentence(tmp_path):
+def test_a_scene_that_cannot_be_written_is_rejected(tmp_path):
     session = opened("one-on-four", inputs.SetContact(0, 0, Contact(0.0, 1e-30, 0.1)))
     sentence = "this cannot be a scene file: the scene: contact 0-1 would be pressed by .* m; .*: choose other units"
     with pytest.raises(UserError, match=f"^{sentence}$"):
@@ -86,7 +86,7 @@ def test_the_history_is_exported_as_a_trajectory(tmp_path):
         assert all(0.0 < closed < opened for ((closed, opened),) in trajectory.contact_intervals)
 
 
-def test_the_export_begins_where_chain_or_method_was_last_changed_and_has_the_steps_that_were_taken(tmp_path):
+def test_the_export_begins_at_the_last_change_of_the_setup(tmp_path):
     methods = inputs.SetMethod(0, "euler"), 340, inputs.SetMethod(0, "conserving"), 10
     session = opened("one-on-four", *methods, memory=1)
     assert "frame 340, where the chain or its method" in str(session.trajectory(0).warnings[0])
@@ -127,7 +127,7 @@ def test_the_export_of_an_earlier_frame_has_no_contact_of_later_ones():
 
 
 @pytest.mark.parametrize("name", ["one-on-four", "driven-cluster", "train-starting"])
-def test_what_pointer_and_edits_give_is_no_error_of_an_exported_motion(name, tmp_path):
+def test_external_work_is_not_an_error_of_an_exported_motion(name, tmp_path):
     session = opened(name, frames=20)
     pull(session, 1, (float(session.lanes[0].position[1]) + 0.05 * k for k in range(20)))
     session.drop()
@@ -147,7 +147,7 @@ def test_what_pointer_and_edits_give_is_no_error_of_an_exported_motion(name, tmp
     assert motion_of(found).energy_error.max() < health.energy_error + 1e-12
 
 
-def test_what_was_done_at_the_start_is_no_work_and_errors_are_relative_to_what_was_given_since():
+def test_edits_at_the_start_are_not_work():
     """Check edits at the start: a placed bead means no work of the drive, and a bead can be thrown in a row at rest."""
     found = opened("driven-cluster", inputs.Place(0, 0, -0.5), frames=100).trajectory(0)
     energy = found.kinetic_energy + found.contact_energy
@@ -209,7 +209,7 @@ def test_diverged_names_the_first_frame_that_differs(tmp_path, part):
 
 
 @pytest.mark.parametrize("method", ["auto", "verlet", "pymunk"])
-def test_a_recording_has_the_last_pointer_position_of_a_frame_and_a_full_one_begins_anew(method, tmp_path, monkeypatch):
+def test_a_full_recording_starts_again(method, tmp_path, monkeypatch):
     monkeypatch.setattr(recording, "MOST_INPUTS", 20)
     session = opened("one-on-four", inputs.SetMethod(None, method))
     session.play()

@@ -15,7 +15,7 @@ from softcradle import scenes
 GEAR_TRAVEL = 0.083  # Travel [m] of one draft gear. A coupling has two gears.
 
 
-def test_scenes_have_the_fitted_friction_and_a_loss_that_takes_the_energy_and_come_to_rest():
+def test_scenes_of_the_experiment_have_the_fitted_values():
     (fit, _) = experiment.fit_friction(0.5)
     for name, strikers in (("experiment-one-on-three", 1), ("experiment-two-on-two", 2)):
         lane = scenes.load(name).lanes[0]
@@ -63,7 +63,7 @@ def test_caught_pistons_take_energy_and_no_momentum():
 
 
 @pytest.mark.usefixtures("one_core")
-def test_the_command_finds_what_friction_and_pistons_explain_and_what_not(softcradle, tmp_path, monkeypatch):
+def test_the_experiment_command_reports_fits_and_pistons(softcradle, tmp_path, monkeypatch):
     """Check the results: one friction coefficient explains both momenta but not the energies, and pistons explain both.
     v_c is proportional to sqrt(k) Delta0.
     """

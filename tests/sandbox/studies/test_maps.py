@@ -70,7 +70,7 @@ def map_with(changes, monkeypatch, *size):
         return table, draw_map(scanned, table).axes[:2]
 
 
-def test_a_point_that_gives_up_is_hatched_and_the_map_complete(monkeypatch):
+def test_a_point_that_gives_up_is_hatched(monkeypatch):
     """Let the longest chains give up before a contact has opened."""
     lost = {"status": Status.OUT_OF_STEPS, "contact_intervals": ((),) * 3}
     table, (axes, _) = map_with(lambda contacts, _: lost if contacts == 3 else {}, monkeypatch, 4, 3)
@@ -94,7 +94,7 @@ def test_the_reason_of_a_hatched_cell_is_that_of_the_run_that_gave_up(monkeypatc
 
 
 @pytest.mark.parametrize("name", ["power", "gear"])
-def test_white_cells_mean_spreads_below_a_thousandth_alone(tables, name):
+def test_only_spreads_below_a_thousandth_are_white(tables, name):
     """Check that cells with larger spreads are coloured, and that unknown cells are grey below their hatches."""
     scanned, table = tables[name]
     unknown = np.arange(len(table["n"])) % 5 == 2

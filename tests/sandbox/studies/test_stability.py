@@ -45,7 +45,7 @@ def test_how_a_run_fails(run, failure):
     assert run.failure is failure
 
 
-def test_verlet_on_five_very_soft_beads_fails_by_chatter_not_by_blow_up_and_warns():
+def test_verlet_on_five_very_soft_beads_chatters_and_warns():
     """Check n = 5, alpha = 0.02. No step is stable, which causes chattering and a spread of velocities."""
     scan = Scan("soft", "", (5.0,), lambda n: one_on(int(n), power_law(1.0, 0.02)))
     limit = stable_step(scan.chain(5.0), np.eye(1, 6)[0], TRUSTED_ERROR)
@@ -77,7 +77,7 @@ def test_inside_the_estimate_the_error_holds(scan, method):
 
 @pytest.mark.parametrize("scan", SCANS, ids=lambda scan: scan.name)
 @pytest.mark.parametrize("method", [*EXPLICIT, "conserving"])
-def test_every_failure_of_a_fixed_step_is_warned_of_and_that_of_conserving_keeps_the_energy(scan, method):
+def test_every_failure_of_a_fixed_step_has_a_warning(scan, method):
     coarse = [step for step in STEPS if step > 0.02]
     found = [one for one in scan_runs(scan, find_method(method), coarse) if one.failure]
     assert found
@@ -107,7 +107,7 @@ def test_summary_counts_failures_and_names_the_finest():
     assert dict(found.kinds) == {Failure.CHATTER: 1, Failure.ERROR: 1}
 
 
-def test_a_scan_is_written_and_drawn_as_a_map_for_each_method_with_the_limit_on_top(tmp_path, softcradle, monkeypatch):
+def test_a_scan_is_written_and_drawn_as_maps(tmp_path, softcradle, monkeypatch):
     scan = Scan("alpha", "exponent", (0.05, 1.0), next(one for one in SCANS if one.name == "alpha").chain)
     monkeypatch.setattr(failure_scans, "STEPS", (0.01, 0.3))
     monkeypatch.setattr(failure_scans, "TOLERANCES", (1e-3, 1e-2))

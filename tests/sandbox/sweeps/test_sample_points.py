@@ -34,7 +34,7 @@ def test_chunks_do_not_change_the_points(points):
             np.testing.assert_array_equal(chunk[path], values[begin:end])
 
 
-def test_a_grid_has_every_combination_the_last_fastest_and_points_far_out_need_no_others():
+def test_a_grid_has_every_combination_in_order():
     columns = DESIGNS["grid"].columns(0, 42)
     expected = [(0.0, y, z) for y in (1, 2, 3) for z in "ab"]
     assert list(zip(columns["x"][:6], columns["y"][:6], columns["z"][:6], strict=True)) == expected
@@ -82,7 +82,7 @@ def at(path):
         (lambda: at("lanes.0.contact.alpha.1"), "there is nothing below 'lanes.0.contact.alpha', which is 0.1"),
     ],
 )
-def test_what_cannot_be_is_refused_in_a_sentence(make, sentence):
+def test_invalid_sample_points_are_rejected(make, sentence):
     with pytest.raises((StudyError, SceneError), match=sentence):
         make()
 
@@ -113,7 +113,7 @@ velocity = [1.0, 0.0, 0.0]
         ({"mass.2": 5.0, "velocity.1": 0.5}, (1.0, 0.5, 0.0, 0.0, 0.0), (1.0, 1.0, 5.0, 1.0, 1.0)),
     ],
 )
-def test_numbers_are_those_of_as_many_beads_as_a_point_has_in_whatever_order(values, velocity, mass):
+def test_values_fit_the_number_of_beads_in_any_order(values, velocity, mass):
     """Check values with other bead numbers. Two on three has five beads like one on four, and only its first bead
     moved.
     """

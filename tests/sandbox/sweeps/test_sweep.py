@@ -51,7 +51,7 @@ def alone():
     return sweep(numbers, GRID, executor="here", units={"product": "m"})
 
 
-def test_numbers_stand_where_they_belong_and_a_point_that_fails_is_marked_with_its_reason(alone):
+def test_results_have_their_place_and_failures_their_reason(alone):
     assert alone["product"].dims == ("a", "n")
     np.testing.assert_array_equal(alone["product"][:18], np.outer(A[:18], [1, 2, 3]))
     np.testing.assert_array_equal(alone["powers"].sel(n=3)[4], A[4] ** np.arange(3))
@@ -68,7 +68,7 @@ def test_numbers_stand_where_they_belong_and_a_point_that_fails_is_marked_with_i
     assert alone["status"].attrs["flag_meanings"].split()[PointStatus.REFUSED] == "refused"
 
 
-def test_what_is_no_number_is_marked_and_truth_values_are_kept(tmp_path):
+def test_non_numbers_are_marked_and_booleans_kept(tmp_path):
     found = sweep(lambda k: {"y": [1.0, "one", np.array([1j])][k]}, {"k": range(3)}, executor="here")
     refused = "'y' must be a number or a list of numbers, not "
     assert found["reason"].values.tolist() == ["", f"{refused}'one'", f"{refused}array([0.+1.j])"]
@@ -120,7 +120,7 @@ print(*(found[name].to_numpy().ravel().tolist() for name in ("status", "product"
 
 
 @pytest.mark.slow
-def test_a_point_that_kills_its_process_is_marked_and_the_others_are_found(tmp_path):
+def test_a_point_that_kills_its_process_is_marked(tmp_path):
     """Check "auto", which computes the first points in this process and leaves a note for the next start."""
     x, y = (str(tmp_path / name) for name in ("x.nc", "y.nc"))
     options = {"check": False, "timeout": 300, "PYTHONPATH": str(ROOT)}
@@ -134,7 +134,7 @@ def test_a_point_that_kills_its_process_is_marked_and_the_others_are_found(tmp_p
 
 @pytest.mark.parametrize("fresh", [True, False])
 @pytest.mark.parametrize("replaced", [[0.7], [0.5, 0.6]], ids=["another study", "the same study"])
-def test_a_sweep_that_begins_afresh_goes_on_before_what_it_replaces(replaced, fresh, tmp_path, monkeypatch, caplog):
+def test_a_fresh_sweep_keeps_the_old_output_until_it_is_done(replaced, fresh, tmp_path, monkeypatch, caplog):
     log = tmp_path / "log"
     monkeypatch.setenv("SWEPT_LOG", str(log))
     stop = Mock(side_effect=[None, KeyboardInterrupt])
@@ -172,7 +172,7 @@ def test_a_dataset_that_cannot_be_written_leaves_the_one_before(tmp_path, monkey
     assert list(tmp_path.iterdir()) == [output]
 
 
-def test_what_is_no_place_for_an_output_is_refused_before_any_work(tmp_path):
+def test_an_invalid_output_path_is_rejected_early(tmp_path):
     (tmp_path / "x.zarr").touch()
     (tmp_path / "x.nc").mkdir()
     (tmp_path / "link.zarr").symlink_to(tmp_path / "x.nc")
@@ -186,7 +186,7 @@ def test_what_is_no_place_for_an_output_is_refused_before_any_work(tmp_path):
             sweep(lambda a: pytest.fail("computed"), {"a": [1]}, output=tmp_path / name, executor="here", fresh=True)
 
 
-def test_what_an_output_is_a_link_to_is_written(tmp_path):
+def test_an_output_link_is_followed(tmp_path):
     (tmp_path / "far").mkdir()
     for name in ("x.zarr", "x.nc"):
         (tmp_path / name).symlink_to(tmp_path / "far" / name)
@@ -197,7 +197,7 @@ def test_what_an_output_is_a_link_to_is_written(tmp_path):
     assert sorted(path.name for path in (tmp_path / "far").iterdir()) == ["x.nc", "x.zarr"]
 
 
-def test_a_point_of_a_study_that_fails_ends_it_and_is_tried_again(tmp_path):
+def test_a_failed_point_ends_a_study_and_is_repeated(tmp_path):
     kept, points = tmp_path / "kept", grid({"a": [0.5, 0.95], "n": [2]})
     for _ in range(2):
         with pytest.raises(StudyError, match=r"^a 0.95, n 2: a must be at most 0.9, not 0.95; 1 point is kept in"):
@@ -208,7 +208,7 @@ def test_a_point_of_a_study_that_fails_ends_it_and_is_tried_again(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_points_of_a_study_come_one_by_one_and_unlike_ones_begin_with_processes(monkeypatch):
+def test_points_of_a_study_arrive_one_by_one(monkeypatch):
     """Check that no point of a study is tried in this process first. Otherwise the other cores would wait for the
     slowest point.
     """
@@ -270,7 +270,7 @@ def test_one_sweep_at_a_time(tmp_path):
         Store(tmp_path / "kept", "study")
 
 
-def test_a_full_disk_loses_nothing_and_no_other_study_goes_on(tmp_path, monkeypatch, alone, caplog):
+def test_a_full_disk_loses_no_points(tmp_path, monkeypatch, alone, caplog):
     output = tmp_path / "x.zarr"
     options = {"executor": "here", "output": output, "units": {"product": "m"}}
     full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
@@ -294,7 +294,7 @@ def test_a_full_disk_loses_nothing_and_no_other_study_goes_on(tmp_path, monkeypa
 @pytest.mark.parametrize(
     ("methods", "fineness"), [(["accurate", "auto"], {"tolerance": 1e-3}), (["conserving"], {"step": 1e-3})]
 )
-def test_a_scene_gives_what_simulate_and_the_table_of_its_collision_give(methods, fineness):
+def test_a_swept_scene_agrees_with_simulate(methods, fineness):
     over = {"lanes.0.contact.alpha": [0.5, 1.5], "lanes.0.beads.1": [2, 3], "method": methods}
     (name, value), *_ = fineness.items()
     measures = ["final_velocity", "rigidity", "contact_time", "peak_force", "contact_peak_force"]
@@ -318,7 +318,7 @@ def test_a_scene_gives_what_simulate_and_the_table_of_its_collision_give(methods
     "settings",
     [{"duration": 0.5, "tolerance": 1e-6}, {"duration": 3.0, "method": "verlet", "step": 0.01}, {"tolerance": 1e-3}],
 )
-def test_a_trajectory_is_measured_as_what_it_was_computed_from(settings):
+def test_a_trajectory_is_measured_like_its_scene(settings):
     measures = ["end", "peak_force", "momentum", "energy_inside", "rigidity_at_detachment", "steps"]
     start = one_on(2, power_law(1.0, 1.0)), [1.0, 0.0, 0.0]
     makes = lambda k: simulate(*start, **settings), lambda k: (*start, settings)
@@ -388,7 +388,7 @@ def test_a_measure_that_no_point_has_is_there_without_numbers():
         ("one-on-four", {"lanes.0.beads.1": [4, 4.0, 4]}, {1: "beads[1] must be a whole number, not 4.0"}),
     ],
 )
-def test_every_value_of_a_list_is_checked_as_a_file_is_and_whole_numbers_stay_whole_beside_others(scene, over, wrong):
+def test_every_value_of_a_list_is_checked(scene, over, wrong):
     found = sweep(scene, listed(over), ["end"], executor="here")
     told = {number: f"the scene: lanes[0].{reason}" for number, reason in wrong.items()}
     assert {number: reason for number, reason in enumerate(found["reason"].values) if reason} == told
@@ -417,7 +417,7 @@ def test_every_value_of_a_list_is_checked_as_a_file_is_and_whole_numbers_stay_wh
         ),
     ],
 )
-def test_what_cannot_be_is_refused_before_any_work(arguments, options, sentence, tmp_path, monkeypatch):
+def test_invalid_sweeps_are_rejected_early(arguments, options, sentence, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(ValueError, match=sentence):
         sweep(*arguments, **options)
@@ -488,7 +488,7 @@ SPEED = "lanes.0.velocity.0"
     ],
     ids=["gears, and a mass that cannot be", "motions of several runs", "chains of two shapes", "no blow to measure"],
 )
-def test_points_that_run_side_by_side_have_the_digits_of_those_alone(scene, over, computed_alone, monkeypatch):
+def test_points_computed_together_have_the_same_digits(scene, over, computed_alone, monkeypatch):
     measures = ("final_velocity", "velocity_error", "end", "steps", "evaluations", "rigidity")
     work = sweep_work(scene, grid(over), measures)
     columns = {path: values.tolist() for path, values in work.points.columns(0, work.points.count).items()}

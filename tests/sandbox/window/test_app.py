@@ -26,7 +26,7 @@ from tests.helpers.windows import FRAME, Driver, pressed
 CTRL = pygame.KMOD_CTRL
 
 
-def test_help_covers_the_page_grows_with_the_scale_is_scrolled_and_closed_and_the_loop_ends(driver: Driver) -> None:
+def test_the_help_is_shown_scrolled_and_closed(driver: Driver) -> None:
     def shown() -> dict[str, pygame.Rect]:
         return {one.text: one.rect for one in driver.texts()}
 
@@ -90,7 +90,7 @@ def test_the_window_is_resized_and_scaled_and_its_panel_hidden(driver: Driver) -
 
 
 @pytest.mark.parametrize("form", ["text", "toml", "shared", "dropped"])
-def test_a_scene_is_read_from_standard_input_the_command_line_or_a_drop(form, monkeypatch):
+def test_a_scene_is_read_from_every_source(form, monkeypatch):
     scene = scenes.load("galilean")
     text = scene.to_toml() if form == "toml" else "\n ".join(textwrap.wrap(shared_text(scene)))
     assert len(text) < 2000
@@ -102,7 +102,7 @@ def test_a_scene_is_read_from_standard_input_the_command_line_or_a_drop(form, mo
     assert driver.session.scene == scene
 
 
-def test_the_chooser_of_files_opens_where_the_locale_is_not_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_file_dialog_opens_without_an_installed_locale(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("LC_ALL", "xx_YY")
     used = locale.setlocale(locale.LC_ALL)
     driver = Driver()
@@ -136,7 +136,7 @@ def test_messages_lie_on_neither_plots_nor_beads_nor_controls(start: str, scale:
 @pytest.mark.parametrize(
     ("size", "letters"), [(SMALLEST, "x"), (SMALLEST, "x "), ((850, 500), "x"), ((641, 1400), "x "), ((1280, 720), "x")]
 )
-def test_a_name_of_any_length_is_refused_in_a_message_that_the_window_has_room_for(size, letters: str) -> None:
+def test_a_message_about_a_long_name_fits_the_window(size, letters: str) -> None:
     driver = Driver("one-on-four", size)
     driver.app.open(letters * 10_000)  # Like a pasted text that is not a scene.
     with patch.object(text, "width", Mock(wraps=text.width)) as measured:
@@ -147,7 +147,7 @@ def test_a_name_of_any_length_is_refused_in_a_message_that_the_window_has_room_f
     assert pygame.Rect((0, 0), size).contains(rect)
 
 
-def test_what_is_shown_is_made_anew_where_something_it_is_made_of_has_changed_and_only_there(driver: Driver) -> None:
+def test_widgets_and_plots_are_rebuilt_only_after_a_change(driver: Driver) -> None:
     view, session = driver.page.view, driver.session
 
     def made() -> tuple[int, int]:
@@ -177,7 +177,7 @@ def test_what_is_shown_is_made_anew_where_something_it_is_made_of_has_changed_an
         assert made() == (before[0] + widgets, before[1] + beads), change
 
 
-def test_what_is_below_a_dialog_is_dimmed_and_at_rest(driver: Driver) -> None:
+def test_the_page_below_a_dialog_is_dimmed(driver: Driver) -> None:
     def times() -> int:
         return sum(one.text.startswith("t = ") for one in driver.texts())
 
@@ -242,7 +242,7 @@ def test_settings_that_cannot_be_read_are_the_usual_ones(text: str) -> None:
     assert Settings.load() == Settings()
 
 
-def test_a_window_keeps_what_it_has_changed_and_leaves_what_others_have(tmp_path):
+def test_a_window_saves_only_its_changed_settings(tmp_path):
     files = [tmp_path / name for name in ("one.toml", "other.toml")]
     windows = Settings.load(), Settings.load()
     windows[0].keep(theme="dark")

@@ -16,7 +16,7 @@ from softcradle.sandbox.window.widgets import KEYS, REPEAT
 from tests.helpers.windows import FRAME, Driver, pressed
 
 
-def test_every_key_has_one_action_and_every_action_is_offered(driver: Driver) -> None:
+def test_every_key_has_one_action(driver: Driver) -> None:
     keys = [key for binding in bindings() for key in binding.keys]
     assert len(keys) == len(set(keys))
     offered = set(driver.app.actions) | set(driver.page.actions)
@@ -63,7 +63,7 @@ def test_a_key_that_is_held_repeats_only_what_is_gradual(driver: Driver) -> None
         (None, [(pygame.K_QUOTE, SHIFT, "*"), (pygame.K_s, 0, ""), (pygame.K_r, pygame.KMOD_ALT, "")]),
     ],
 )
-def test_a_sign_is_the_same_on_every_keyboard_and_modifiers_distinguish_keys(action, keys):
+def test_keys_work_on_every_keyboard_layout(action, keys):
     assert [action_of(*key) for key in keys] == [action] * len(keys)
 
 
@@ -97,7 +97,7 @@ def test_escape_closes_an_open_list_and_nothing_else(driver: Driver) -> None:
 
 
 @pytest.mark.parametrize("code", LANGUAGES)
-def test_every_group_is_shown_and_every_text_fits_into_its_column(code):
+def test_every_help_text_fits_its_column(code):
     assert sorted(ORDER) == sorted([*groups(), "Mouse"])
     use_language(code)
     bindings = [binding for group in groups().values() for binding in group]
@@ -144,7 +144,7 @@ def test_every_kind_of_control_is_used_by_keys(driver: Driver) -> None:
 
 
 @pytest.mark.parametrize("name", ["one-on-four", "beads-against-gear", "hanging-cradle"])
-def test_tab_reaches_every_control_which_has_a_name_and_comes_back(name: str) -> None:
+def test_tab_reaches_every_control(name: str) -> None:
     driver = Driver(name)
     driver.key(pygame.K_RIGHT)  # Select a bead, which has its own controls.
     controls, reached = driver.app.focus.controls(), []

@@ -21,7 +21,7 @@ from softcradle.sandbox.window.settings import Settings, system_language
 from tests.helpers.windows import Driver
 
 
-def test_a_key_takes_the_next_language_at_once_and_for_the_next_start(driver: Driver) -> None:
+def test_a_key_changes_the_language(driver: Driver) -> None:
     driver.key(pygame.K_F8)
     assert driver.page.toolbar.buttons["undo"].text == "Rückgängig"
     assert driver.messages == ["Deutsch"]
@@ -35,7 +35,7 @@ def test_a_key_takes_the_next_language_at_once_and_for_the_next_start(driver: Dr
         again.key(pygame.K_F8)
 
 
-def test_the_locale_chooses_also_where_no_variable_has_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_system_locale_chooses_the_language(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in VARIABLES:
         monkeypatch.delenv(name, raising=False)
     for preferred, code in (([{"language": "ja"}, {"language": "fr"}], "fr"), ([], "en")):
@@ -52,7 +52,7 @@ def german(monkeypatch: pytest.MonkeyPatch) -> Driver:
     return Driver("one-on-four")
 
 
-def test_boxes_take_and_show_the_mark_of_the_language_and_refusals_and_verdicts_follow_it(german: Driver) -> None:
+def test_numbers_and_messages_follow_the_language(german: Driver) -> None:
     german.select("contact", 1)
     assert german.page.inspector.controls["exponent"].entry.get_text() == "0,1"
     german.enter("exponent", "0,25")
@@ -78,7 +78,7 @@ def test_words_are_taken_in_the_language_and_in_english(german: Driver) -> None:
 
 
 @pytest.mark.parametrize("code", [code for code in LANGUAGES if code != "en"])
-def test_what_methods_and_choices_are_called_fits_its_place(code: str) -> None:
+def test_names_of_methods_fit_their_place(code: str) -> None:
     translation.use_language(code)
     summaries = [translation.gettext(method.summary) for method in METHODS]
     assert not [text for text in summaries if width(text, 13.0) > page_geometry.PANEL - 24]

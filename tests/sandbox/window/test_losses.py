@@ -33,7 +33,7 @@ def edited(driver: Driver) -> None:
 
 
 @pytest.mark.parametrize("end", ["killed", "crash"])
-def test_a_window_that_ends_offers_its_edits_at_the_next_start_unless_they_are_saved(driver, monkeypatch, end) -> None:
+def test_unsaved_edits_are_offered_at_the_next_start(driver, monkeypatch, end) -> None:
     edited(driver)
     driver.frames(90)
     assert unsaved_paths()
@@ -78,7 +78,7 @@ def written(number: int) -> UnsavedFile:
 
 
 @pytest.mark.parametrize("leave", ["quit", "page", "edit"])
-def test_an_unsaved_scene_that_is_neither_opened_nor_discarded_is_offered_again(leave: str) -> None:
+def test_an_ignored_unsaved_scene_is_offered_again(leave: str) -> None:
     kept = written(1)
     driver = Driver("one-on-four")
     assert driver.app.dialog.title == "An unsaved scene"
@@ -100,7 +100,7 @@ def test_an_unsaved_scene_that_is_neither_opened_nor_discarded_is_offered_again(
     assert again.page.title == "scene 1"
 
 
-def test_of_several_unsaved_scenes_the_newest_is_offered_first_and_one_that_is_no_scene_stays() -> None:
+def test_the_newest_unsaved_scene_is_offered_first() -> None:
     files = [written(number).path for number in (2, 3, 1)]
     no_scene = settings_path().with_name("unsaved.toml")  # The file name of earlier versions.
     no_scene.write_text("title =")
@@ -136,7 +136,7 @@ def test_the_edits_of_a_window_that_runs_are_no_other_windows(driver: Driver) ->
     found.release()
 
 
-def test_buttons_undo_and_redo_a_drag_in_one_step_and_the_motion_stays(driver: Driver) -> None:
+def test_buttons_undo_and_redo_edits(driver: Driver) -> None:
     driver.play(60)
     last, buttons = driver.session.history.last, driver.page.toolbar.buttons
     edited(driver)
@@ -186,7 +186,7 @@ def test_edits_are_not_lost_unasked(driver: Driver, leave) -> None:
     assert driver.app.running  # Esc does not quit.
 
 
-def test_a_file_is_replaced_only_when_asked_for_and_a_folder_of_the_home_is_understood(driver, tmp_path, monkeypatch):
+def test_a_file_is_replaced_only_after_a_question(driver, tmp_path, monkeypatch):
     monkeypatch.setenv("HOME", str(tmp_path))
     driver.page.dialogs.save("save_scene", "~/mine")
     assert driver.messages == ["saved ~/mine.toml"]
@@ -201,7 +201,7 @@ def test_a_file_is_replaced_only_when_asked_for_and_a_folder_of_the_home_is_unde
 
 
 @pytest.mark.parametrize("away", [pygame.WINDOWMINIMIZED, pygame.WINDOWFOCUSLOST, pygame.MOUSEMOTION, pygame.KEYDOWN])
-def test_a_bead_let_go_where_no_event_tells_does_not_stick(driver: Driver, away: int) -> None:
+def test_a_bead_released_without_an_event_is_let_go(driver: Driver, away: int) -> None:
     driver.key(pygame.K_SPACE)
     x, y = driver.bead(4)
     driver.drag((x, y), (x + 60, y))
@@ -216,7 +216,7 @@ def test_a_bead_let_go_where_no_event_tells_does_not_stick(driver: Driver, away:
     assert driver.session.held == NOTHING_HELD
 
 
-def test_nothing_moves_while_minimised_and_a_paused_window_needs_no_frames(driver: Driver) -> None:
+def test_an_inactive_window_does_no_work(driver: Driver) -> None:
     driver.frames(150)
     assert driver.app.still
     driver.run(120)
@@ -294,7 +294,7 @@ def test_a_signal_while_filming_keeps_the_film(driver: Driver, monkeypatch, numb
         assert sum(1 for _ in film.decode(video=0)) >= 5
 
 
-def test_a_session_is_saved_and_replayed_with_the_same_digits_and_can_be_paused(driver: Driver, tmp_path: Path) -> None:
+def test_a_saved_session_replays_with_the_same_digits(driver: Driver, tmp_path: Path) -> None:
     driver.run(40)
     x, y = driver.bead(4)
     driver.pull((x, y), (x + 80, y), steps=20)
@@ -330,7 +330,7 @@ def test_a_session_is_saved_and_replayed_with_the_same_digits_and_can_be_paused(
     assert driver.page.clock.note() == (f"replay left at frame {driver.session.frame} of {last}", False)
 
 
-def test_the_history_is_exported_and_a_screenshot_written(driver: Driver, tmp_path, monkeypatch) -> None:
+def test_history_and_screenshot_are_saved(driver: Driver, tmp_path, monkeypatch) -> None:
     driver.run(60)
     driver.page.dialogs.save("export", "motion.csv")
     assert len((tmp_path / "motion.csv").read_text().splitlines()) > 60
@@ -347,7 +347,7 @@ def test_the_history_is_exported_and_a_screenshot_written(driver: Driver, tmp_pa
 
 
 @pytest.mark.parametrize(("action", "frames"), [("share_page", 0), ("share_page", 60), ("live_page", 60)])
-def test_what_was_played_is_shared_or_the_experiment_itself(driver: Driver, tmp_path, action: str, frames: int) -> None:
+def test_a_motion_or_an_experiment_is_shared(driver: Driver, tmp_path, action: str, frames: int) -> None:
     driver.session.apply(SetContact(0, 1, power_law(3.0, 0.3)))
     driver.session.step_frames(frames)
     driver.app.act(action)
@@ -403,7 +403,7 @@ def test_a_name_that_no_file_can_have_is_refused_in_a_sentence(driver: Driver) -
             assert driver.page is page
 
 
-def test_a_film_that_leaving_the_page_ends_and_files_of_two_rows_are_told_of(tmp_path: Path) -> None:
+def test_saved_files_are_reported(tmp_path: Path) -> None:
     driver = Driver("steel-and-soft")
     driver.run(30)
     driver.page.dialogs.save("export", "motion.csv")

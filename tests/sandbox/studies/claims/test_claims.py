@@ -90,7 +90,7 @@ def study(*cases):
     return JudgedClaim("name", "statement", "Sec. I", "quantity", "x", "how", "", {"x": 2.0}, cases)
 
 
-def test_error_bars_decide_cases_and_the_failing_one_nearest_to_the_papers_own_is_the_example():
+def test_error_bars_decide_cases():
     assert [case(1.0, *one).side for one in ((0.5, 0.4), (1.0, 0.0))] == [CaseOutcome.HOLDS] * 2
     assert case(1.0, 1.5, 0.4).side is CaseOutcome.FAILS
     undetermined = (0.5, 0.6), (1.5, 0.6), (math.nan, 0.0), (0.5, math.nan)
@@ -128,7 +128,7 @@ def made_claim(measure, **options):
     )  # fmt: skip
 
 
-def test_the_error_bar_is_the_difference_of_two_methods_and_the_reference_widens_it(monkeypatch):
+def test_the_error_bar_covers_methods_and_reference(monkeypatch):
     errors = {MEASURING.method: 0.0, "conserving": 0.1, "scipy": 0.3}
     claim = made_claim(lambda case, solver: case["x"] + errors[solver.method])
     monkeypatch.setattr(catalogue, "CLAIMS", (claim,))
@@ -138,7 +138,7 @@ def test_the_error_bar_is_the_difference_of_two_methods_and_the_reference_widens
     assert [one.side for one in found.cases] == [CaseOutcome.HOLDS, CaseOutcome.HOLDS, CaseOutcome.FAILS]
 
 
-def test_a_case_that_is_not_solved_is_not_determined_and_keeps_its_reason(monkeypatch):
+def test_an_unsolved_case_is_not_determined(monkeypatch):
     def measure(parameters, solver):
         if parameters["x"] == 2.0:
             raise NotSolvedError("too many steps")
@@ -228,7 +228,7 @@ def named(kind: str) -> set[str]:
     return {name for text in lists for name in re.findall(r"`([^`]+)`", text)}
 
 
-def test_what_the_page_names_exists_by_the_names_of_a_wheel():
+def test_names_in_the_documentation_exist():
     assert list(rows(KEPT.read_text())) == [claim.name for claim in CLAIMS]
     assert named("claim") == {claim.name for claim in CLAIMS}  # No claim is missing.
     assert named("figure") == {figure.name for figure in FIGURES}

@@ -37,7 +37,7 @@ def compared(softcradle):
 PAIR = ["one-on-four", "--contact", "power_law(1,0.1)", "--contact", "draft_gear(5,0.2)"]
 
 
-def test_one_scene_with_contacts_comes_first_equal_contacts_once_and_another_method_is_named(compared):
+def test_sides_of_a_comparison_are_ordered_and_named(compared):
     content, by_step = compared(*PAIR), compared(*PAIR, "--method", "conserving")
     for key in ("name", "contact"):
         assert [side[key] for side in content["sides"]] == ["power_law(1, 0.1)", "draft_gear(5, 0.2)"]
@@ -77,7 +77,7 @@ def test_where_no_contact_is_near_a_sentence_says_so(compared, monkeypatch):
     assert compared("one-on-four", "--match", "outcome")["match"]["distance"] == "outcome"
 
 
-def test_scenes_with_couplers_lanes_and_the_same_scene_twice(compared):
+def test_scenes_of_every_kind_are_compared(compared):
     names = [s["name"] for s in compared("one-on-four", "one-on-four", "two-on-two")["sides"]]
     assert names == ["one-on-four", "one-on-four (2)", "two-on-two"]
     sides = compared("galilean")["sides"]
@@ -158,7 +158,7 @@ APART = (
 )
 
 
-def test_where_no_side_touches_there_is_no_chart_of_the_law(tmp_path, compared):
+def test_without_contact_there_is_no_chart_of_the_law(tmp_path, compared):
     (tmp_path / "apart.toml").write_text(APART.format(settings=""))
     content = compared(str(tmp_path / "apart.toml"), "--contact", "hertz(10)", "-o", str(tmp_path / "x.html"))
     assert [side["measures"]["peak_force"] for side in content["sides"]] == [0.0, 0.0]
@@ -182,7 +182,7 @@ pull = {law = "draft_gear", stiffness = 10.0, precompression = 0.1, loss = 0.5}
 """
 
 
-def test_charts_of_couplers_show_the_states_and_the_loss_that_tables_have(tmp_path):
+def test_charts_of_couplers_agree_with_tables(tmp_path):
     """Check couplers. Pulled contacts were shown as touching, and pushing contacts unloaded with the loss of the
     pulling gear.
     """
@@ -200,7 +200,7 @@ def test_charts_of_couplers_show_the_states_and_the_loss_that_tables_have(tmp_pa
     assert [law.released(d) for d in (1.0, -1.0)] == pytest.approx([0.9 * law.force(1.0), 0.5 * law.force(-1.0)])
 
 
-def test_the_film_is_by_the_method_and_magnification_on_which_all_scenes_agree(tmp_path):
+def test_a_film_uses_the_common_method_and_magnification(tmp_path):
     path = tmp_path / "own.toml"
     path.write_text(APART.format(settings='method = "euler"\nstep = 0.01\nview = {magnify = 50.0}'))
     scene = comparison_of([str(path)], ["hertz(10)"]).as_scene(1.0)
@@ -210,7 +210,7 @@ def test_the_film_is_by_the_method_and_magnification_on_which_all_scenes_agree(t
     assert (scene.method, scene.step, scene.view.magnify) == (None, None, None)
 
 
-def test_a_law_that_the_given_method_takes_and_not_that_of_the_scene_is_compared(tmp_path, compared):
+def test_a_given_method_replaces_that_of_the_scene(tmp_path, compared):
     path, page = tmp_path / "own.toml", tmp_path / "x.html"
     path.write_text(APART.format(settings='method = "yoshida4"\nstep = 0.01'))
     content = compared(str(path), "--contact", "hertz(1, loss=0.1)", "--method", "verlet", "-o", str(page))
@@ -222,7 +222,7 @@ def outputs(folder, *names):
     return [word for name in names for word in ("-o", str(folder / name))]
 
 
-def test_a_film_has_the_given_method_and_when_it_fails_no_file_is_half_written(softcradle, tmp_path, monkeypatch):
+def test_a_failed_film_leaves_no_partial_file(softcradle, tmp_path, monkeypatch):
     rendered = Mock(side_effect=UserError("the film has failed"))
     monkeypatch.setattr("softcradle.sandbox.studies.compare.report.render_scene", rendered)
     (tmp_path / "old.html").write_text("old")
@@ -261,7 +261,7 @@ def test_film_report_and_numbers_in_one_run(softcradle, tmp_path):
     ],
     ids="-".join,
 )
-def test_the_film_begins_near_the_hit_and_no_text_lies_on_another(names, contacts):
+def test_texts_of_a_comparison_film_do_not_overlap(names, contacts):
     comparison, settings = comparison_of(names, contacts), FilmSettings()
     scene, size = comparison.as_scene(2.0), settings.pixels(comparison)
     motions, _ = scene_motions_quietly(scene, 30.0 * scene.view.slow)

@@ -28,7 +28,7 @@ NAMES = [one.name if one.name in KINDS else pytest.param(one.name, marks=pytest.
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_files_are_whole_and_a_printed_figure_can_be_read(tables, name, tmp_path):
+def test_figure_files_are_complete_and_readable(tables, name, tmp_path):
     """Check the layout: every curve has a name; no text below 6 points, outside the figure, on other text or on a
     curve; no key on a curve.
     """
@@ -56,7 +56,7 @@ def test_files_are_whole_and_a_printed_figure_can_be_read(tables, name, tmp_path
     assert height <= 240.0  # Height of the page [mm].
 
 
-def test_the_command_lists_all_and_does_not_compute_again_what_is_kept(tables, tmp_path, monkeypatch, softcradle):
+def test_the_figures_command_reuses_stored_tables(tables, tmp_path, monkeypatch, softcradle):
     listed = " ".join(softcradle("figures", "--list").out.split())  # Long captions continue in the next line.
     assert all(figure.caption in listed for figure in FIGURES)
     stop = Mock(side_effect=[None, KeyboardInterrupt])
@@ -73,7 +73,7 @@ def test_the_command_lists_all_and_does_not_compute_again_what_is_kept(tables, t
     assert written == [f"figure-{name}{suffix}" for name in ("2a", "exchange") for suffix in sorted(SUFFIXES)]
 
 
-def test_1_beads_stay_in_order_and_v1_deviates_less_at_the_smaller_alpha(tables):
+def test_figure_1_shows_ordered_beads_and_a_smaller_deviation_of_v1(tables):
     table = tables("1b")
     positions = columns(table, "x", 5)
     assert (np.diff(positions, axis=1) > 0.0).all()  # x0 ... x4 from bottom to top.
@@ -128,7 +128,7 @@ def test_2d_rises_as_powers(tables):
 
 
 @pytest.mark.slow
-def test_b_is_small_and_its_sign_change_of_small_clusters_is_real(tables):
+def test_the_discrepancy_of_appendix_b_is_small(tables):
     """Check the sign change near the end at (1/10, 3). It is real, because the inner contact opens before the striker
     leaves.
     """
@@ -140,7 +140,7 @@ def test_b_is_small_and_its_sign_change_of_small_clusters_is_real(tables):
     assert opening_time(3, 1 / 10, contact=1) < opening_time(3, 1 / 10, contact=0)
 
 
-def test_the_stop_multiplies_the_force_where_the_gear_is_full_and_stiffness_of_wagons_matters_there(tables):
+def test_the_solid_stop_multiplies_the_force(tables):
     """Check the share of force that elastic wagons take: a twentieth below the stop and a sixth above, as the figure
     and the docs say.
     """
@@ -153,7 +153,7 @@ def test_the_stop_multiplies_the_force_where_the_gear_is_full_and_stiffness_of_w
     assert less[~below] == pytest.approx(0.175, abs=0.015)
 
 
-def test_a_blow_has_in_train_forces_that_gears_absorb_and_wagons_start_one_after_another(tables):
+def test_trains_have_in_train_forces_and_start_in_turn(tables):
     assert tables("train")["five on ten: force 5-6"].max() == pytest.approx(1335.0, rel=0.02)
     assert (tables("train")["one on ten: absorbed by gears"] >= -1e-9).all()
     table = tables("starting")

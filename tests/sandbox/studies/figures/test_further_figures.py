@@ -17,7 +17,7 @@ pytestmark = pytest.mark.slow  # The tables take seconds to a minute.
 DENSE = 0.11
 
 
-def test_spread_vanishes_with_alpha_and_says_how_well_it_is_known(tables):
+def test_the_spread_vanishes_with_alpha(tables):
     for n in rigidity.SPREAD_SIZES:
         points = rows_where(tables("spread"), n=n)
         assert points["spread"][-1] > 0.5
@@ -53,7 +53,7 @@ def test_limits_of_small_alpha(tables):
         assert response[-2] == pytest.approx(response[-1], rel=0.05)
 
 
-def test_in_train_forces_grow_with_the_blow_and_fall_along_the_train(tables):
+def test_in_train_forces_decrease_along_the_train(tables):
     table, coupling = tables("envelopes"), load(train.SOLID).lanes[0].chain().contact[0]
     for number, (struck, last) in enumerate(((1, 10), (5, 14))):
         blows = rows_where(table, train=number, coupling=struck)
@@ -67,7 +67,7 @@ def test_in_train_forces_grow_with_the_blow_and_fall_along_the_train(tables):
     np.testing.assert_allclose(np.maximum(table["force"], 1e-3 * coupling.preload), 1e-3 * forces, rtol=5e-3)
 
 
-def test_driven_cluster_oscillates_about_the_uniform_acceleration_as_the_model_does(tables):
+def test_a_driven_cluster_oscillates_like_the_model(tables):
     table = tables("driven")
     np.testing.assert_allclose(table["V"], DRIVE / wave.SHOWN_BEADS * table["t"], atol=1e-9)
     psi, model = table["psi full"], table["psi model"]
@@ -85,7 +85,7 @@ def test_driven_cluster_oscillates_about_the_uniform_acceleration_as_the_model_d
     assert own["psi at the fifth return"] < 2e-5
 
 
-def test_spreads_collapse_and_the_threshold_falls_with_the_logarithm(tables):
+def test_spreads_collapse_onto_one_curve(tables):
     table = tables("collapse")
     thresholds = {n: scaling.threshold(table, n, "n alpha") for n in scaling.COLLAPSE_SIZES}
     assert (np.diff(list(thresholds.values())) < 0.0).all()
@@ -112,7 +112,7 @@ def test_the_softer_the_slower_the_gear_that_does_the_same(tables):
     assert np.nanmax(table["V over v_c"]) < coupler.RATIOS[-1]
 
 
-def test_disorder_breaks_the_cradle_and_clusters_with_weak_contacts(tables):
+def test_disorder_breaks_the_cradle_and_weak_clusters(tables):
     table = tables("disorder")
     load, spreads = disorder.loads_and_spreads(table, disorder.SOFT)
     assert spreads[load < 0.84].max() < 0.01  # Contacts that are strong enough: rigid-like.
@@ -124,7 +124,7 @@ def test_disorder_breaks_the_cradle_and_clusters_with_weak_contacts(tables):
     assert np.std(last) > 0.1
 
 
-def test_the_model_follows_cluster_on_cluster_and_a_hooke_interface_which_opens_last(tables):
+def test_the_model_follows_cluster_on_cluster(tables):
     both = variant.STRIKERS + variant.TARGETS - 1
     for name, count, begin, end, apart in (("clusters", both, 0.1, 3.7, 0.01), ("interface", 4, 0.2, 2.2, 0.02)):
         table = tables(name)
@@ -135,7 +135,7 @@ def test_the_model_follows_cluster_on_cluster_and_a_hooke_interface_which_opens_
     assert table["t"][table["f12 full"] > 0.0][-1] < table["t"][table["f01 full"] > 0.0][-1]
 
 
-def test_evanescent_clusters_have_no_waves_springs_fast_and_prestressed_ones_slow_waves(tables):
+def test_only_evanescent_clusters_carry_no_waves(tables):
     table = tables("roads")
     turns = {kind: (np.diff(np.sign(np.diff(table[f"f23 {kind}"]))) != 0).sum() for kind in wave.STRUCK_CLUSTERS}
     assert turns["soft"] <= 2

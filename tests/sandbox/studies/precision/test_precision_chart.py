@@ -53,7 +53,7 @@ def test_every_method_has_a_solver(case):
         assert peer_solvers(taken) == []
 
 
-def test_errors_are_distances_from_the_truth_and_average_over_the_start_phase(case):
+def test_errors_are_averaged_over_the_start_phase(case):
     truth = next(truth for truth in ELASTIC if truth.name == "one on 4, alpha 1/10")  # Solution in quadruple precision.
     assert (case.truth == truth.final).all()
     assert case.uncertainty == 0.0
@@ -78,7 +78,7 @@ def test_forces_and_overlaps_have_errors_of_their_own(case, quantity):
     assert 0.002 < error_of(pulled, quantity, off) <= 0.0101
 
 
-def test_a_series_ends_at_its_time_limit_and_a_case_shares_its_time_among_its_solvers(case, monkeypatch):
+def test_series_and_cases_keep_their_time_limits(case, monkeypatch):
     solver = our_solver(case, "verlet")
     found = measure_series(case, solver, limits=TimeLimits(run=1e-4, series=10.0))
     assert found.out_of_time
@@ -93,7 +93,7 @@ def test_a_series_ends_at_its_time_limit_and_a_case_shares_its_time_among_its_so
     assert shares[-1] == pytest.approx(8.0, abs=0.5)  # It gets the time that the others have not used.
 
 
-def test_a_peer_that_raises_has_given_up_and_a_method_of_ours_has_a_bug(case, tmp_path):
+def test_a_peer_that_raises_has_given_up(case, tmp_path):
     broken = Mock(side_effect=ValueError("array must not contain infs or NaNs"))
     (series,) = measurement.measure_case(case, [Solver("peer", "", (1e-2, 1e-3), broken)], limits=SHORT_LIMITS)
     assert all(point.error == math.inf for point in series.points)
@@ -115,7 +115,7 @@ def test_every_truth_is_from_outside(name):
 
 
 @pytest.mark.parametrize("name", ["one-on-10", "gear-below", "step-force"])
-def test_extended_precision_and_closed_forms_are_what_radau_finds(name):
+def test_radau_agrees_with_extended_precision(name):
     solved = DEFINITIONS[name].solve()
     found = simulate(solved.chain, solved.velocity, method="radau", tolerance=1e-11)
     exact = "exact" in solved.source
@@ -167,7 +167,7 @@ needs_numba = pytest.mark.skipif(
 
 
 @needs_numba
-def test_peers_integrate_unlike_laws_masses_and_drives_too(monkeypatch):
+def test_peers_integrate_mixed_chains(monkeypatch):
     monkeypatch.setattr(
         "softcradle.sandbox.studies.precision.peers.integrators.TIME_LIMIT", np.inf
     )  # Remove the limit of one second, which is too short on a busy machine.
@@ -223,7 +223,7 @@ def test_missing_peers_are_left_out(monkeypatch):
     assert peer_solvers(SimpleNamespace(chain=one_on(2, hertz(1.0)))) == []
 
 
-def test_labels_and_where_it_was_measured_can_be_read_in_a_chart_and_methods_differ_without_colour(case):
+def test_labels_and_stamp_of_a_chart_are_readable(case):
     ends = [(1e-5 if k % 2 else 1e-7, 2e-3) for k in range(24)]
     series = [made_series(f"method {k}", k < 9, (1e-2, 1e-4), (1e-5, 1e-3), end) for k, end in enumerate(ends)]
     stamp = measurement.machine_stamp(["no such package"])
@@ -248,7 +248,7 @@ def test_labels_and_where_it_was_measured_can_be_read_in_a_chart_and_methods_dif
     assert len(styles) == len(series)
 
 
-def test_the_command_draws_a_scene_of_your_own_and_lists_the_cases(tmp_path, monkeypatch, softcradle):
+def test_the_chart_command_accepts_scene_files(tmp_path, monkeypatch, softcradle):
     monkeypatch.setattr(measurement.measure_case, "__defaults__", ("velocities", SHORT_LIMITS, lambda _: None))
     picture = tmp_path / "chart.png"
     printed = softcradle("chart", "one-on-four", "--ours", "--csv", "-o", str(picture)).out
@@ -264,7 +264,7 @@ def test_the_command_draws_a_scene_of_your_own_and_lists_the_cases(tmp_path, mon
     assert all(name in printed for name in DEFINITIONS)
 
 
-def test_points_count_that_no_other_beats_and_not_by_chance_and_an_order_needs_three_of_them():
+def test_only_best_points_count_for_orders():
     series = made_series("x", True, (1e-7, 1e-3), (1e-2, 2e-3), (1e-6, 3e-3), (1e-8, 4e-3))
     assert fastest([series], 1e-6) is series.points[2]
     assert fastest([series], 1e-9) is None

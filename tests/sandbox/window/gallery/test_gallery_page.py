@@ -21,7 +21,7 @@ def gallery() -> Driver:
     return Driver()
 
 
-def test_the_card_on_which_a_click_begins_and_ends_is_opened_and_what_is_left_is_freed(gallery, monkeypatch) -> None:
+def test_a_clicked_card_opens_and_the_old_page_is_freed(gallery, monkeypatch) -> None:
     """Check memory: pages and widgets refer to each other in cycles and hold their surfaces, about 100 MB in an hour of
     use.
     """
@@ -49,7 +49,7 @@ def test_the_card_on_which_a_click_begins_and_ends_is_opened_and_what_is_left_is
     assert old_page() is None
 
 
-def test_every_scene_has_a_picture_at_once_a_section_and_whole_words_in_every_language(gallery: Driver) -> None:
+def test_every_scene_has_a_complete_card_in_every_language(gallery: Driver) -> None:
     """Check that no list in a source is cut. Its end names what this project added, for example "launch speed and loss
     ours".
     """
@@ -81,7 +81,7 @@ def test_every_scene_has_a_picture_at_once_a_section_and_whole_words_in_every_la
                 assert rest == "" or rest[0] == ";" or ";" not in shown.removesuffix(";"), (code, source, shown)
 
 
-def test_shipped_pictures_are_those_that_are_drawn_now_of_motions_that_hold_no_window_up() -> None:
+def test_shipped_thumbnails_are_up_to_date() -> None:
     for name in scenes.names():
         scene = scenes.load(name)
         motions = motions_ahead(scene, MOST_AT_ONCE)
@@ -98,7 +98,7 @@ def searched(gallery: Driver, words: str) -> tuple[str, ...]:
     return gallery.app.page.names
 
 
-def test_a_search_finds_scenes_by_words_and_enter_opens_the_first(gallery: Driver) -> None:
+def test_the_gallery_search_finds_scenes(gallery: Driver) -> None:
     page = gallery.app.page
     count = len(page.names)
     trains = {f"train-{kind}" for kind in ("braking", "cut", "shunting", "solid", "starting")}
@@ -119,7 +119,7 @@ def test_a_search_finds_scenes_by_words_and_enter_opens_the_first(gallery: Drive
     assert gallery.page.title == "Newton's cradle: steel balls"
 
 
-def test_pictures_with_english_numbers_are_drawn_anew_in_another_language_and_kept(gallery: Driver) -> None:
+def test_thumbnails_with_numbers_are_drawn_for_each_language(gallery: Driver) -> None:
     page = gallery.app.page
     page.scenes = {name: page.scenes[name] for name in ("one-on-four", "mixed")}
     gallery.app.act("language")
@@ -157,7 +157,7 @@ def test_scenes_of_ones_own_have_cards_below_the_first(gallery: Driver, tmp_path
     assert set(page.pictures) == set(page.names)
 
 
-def test_a_scene_whose_motion_cannot_be_had_is_shown_as_it_begins_and_the_page_rests(gallery: Driver, tmp_path) -> None:
+def test_a_scene_without_a_motion_is_shown_at_its_start(gallery: Driver, tmp_path) -> None:
     page, scene = gallery.app.page, scenes.load("mixed").model_copy(update={"method": "conserving", "step": 1e-9})
     (tmp_path / "mine.toml").write_text(scene.to_toml())
     gallery.app.settings.remember(tmp_path / "mine.toml")
@@ -168,7 +168,7 @@ def test_a_scene_whose_motion_cannot_be_had_is_shown_as_it_begins_and_the_page_r
     assert thumbnails.load(scene, "light") is None, "it is no picture of the motion"
 
 
-def test_keys_and_the_bar_scroll_to_every_card_and_it_stays_where_it_was(gallery: Driver) -> None:
+def test_keys_and_bar_scroll_to_every_card(gallery: Driver) -> None:
     page = gallery.app.page
     gallery.key(pygame.K_END)
     last, scroll = len(page.names) - 1, page.grid.scroll
@@ -190,7 +190,7 @@ def test_keys_and_the_bar_scroll_to_every_card_and_it_stays_where_it_was(gallery
     assert page.grid.place(last).bottom <= gallery.app.size[1]
 
 
-def test_thumbnails_of_others_have_other_files_and_a_cache_that_cannot_be_written_is_no_error(tmp_path, monkeypatch):
+def test_each_scene_and_theme_has_its_own_thumbnail(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("in the way")
     monkeypatch.setenv("SOFTCRADLE_CACHE", str(tmp_path / "file" / "cache"))
     scene = scenes.load("one-on-four")

@@ -13,7 +13,7 @@ def advance(model: HangingModel, seconds: float) -> None:
         model.advance()
 
 
-def test_soft_balls_gain_no_energy_and_of_a_small_exponent_swing_off_nearly_as_one_body():
+def test_soft_balls_swing_off_nearly_as_one_body():
     """Check the velocities after the first impact: four soft balls move together. With steel balls, only the last one
     moves.
     """
@@ -29,7 +29,7 @@ def test_soft_balls_gain_no_energy_and_of_a_small_exponent_swing_off_nearly_as_o
     assert spreads["soft, alpha 1/14"] < 0.5 * spreads["steel balls (Hertz)"]
 
 
-def test_the_hanging_page_numbers_balls_as_beads_and_is_driven_by_mouse_menus_and_keys():
+def test_the_hanging_page_works_by_mouse_menus_and_keys():
     driver = Driver("hanging-cradle")
     page, pixels = driver.app.page, pygame.surfarray.array3d(driver.app.surface).astype(int)
     for number, (place, colour) in enumerate(zip(page.model.cradles[0].places(), bead_colours(5), strict=True)):
@@ -58,7 +58,7 @@ def test_the_hanging_page_numbers_balls_as_beads_and_is_driven_by_mouse_menus_an
     assert driver.app.page is driver.app.gallery
 
 
-def test_what_is_said_of_the_energy_is_what_became_of_it():
+def test_the_verdict_of_the_cradle_follows_its_energy():
     kept, lost = HangingModel("steel balls (Hertz)", rate=240), HangingModel("steel balls (Hertz)", rate=60)
     for model in (kept, lost):
         advance(model, 4.0)
@@ -70,7 +70,7 @@ def test_what_is_said_of_the_energy_is_what_became_of_it():
     assert "more steps" in other.sentence
 
 
-def test_balls_that_have_passed_each_other_are_a_fault_and_a_copy_of_a_held_one_is_free():
+def test_balls_that_passed_each_other_are_a_fault():
     model = HangingModel("soft, alpha 1/14")
     advance(model, 0.1)
     assert model.cradles[0].verdict().level == "good"
@@ -94,7 +94,7 @@ def state(model: HangingModel) -> list[object]:
     return [model.time, model.law, moving, [cradle.energy() for cradle in model.cradles]]
 
 
-def test_throws_choices_and_restarts_are_undone_to_the_last_digit():
+def test_actions_on_the_hanging_page_are_undone_exactly():
     driver = Driver("hanging-cradle")
     page = driver.app.page
     driver.play(70)
@@ -118,7 +118,7 @@ def test_throws_choices_and_restarts_are_undone_to_the_last_digit():
     assert driver.messages == ["nothing to undo"]
 
 
-def test_the_fastest_motion_takes_no_more_of_a_picture_than_its_budget_and_is_said_to_be_late():
+def test_the_fastest_motion_stays_within_the_frame_budget():
     driver = Driver("hanging-cradle")
     page = driver.app.page
     advance = page.model.advance

@@ -38,7 +38,7 @@ def answered(driver: Driver, choice: int) -> str:
     return f"{title}. {note}"
 
 
-def test_a_lesson_is_predicted_run_and_answered_with_a_reason_and_in_an_edited_scene_in_words(driver: Driver) -> None:
+def test_a_lesson_is_predicted_run_and_answered(driver: Driver) -> None:
     said = answered(driver, 1)
     assert said.startswith("Not as you predicted. What happened:")
     assert "half as hard" in said
@@ -77,7 +77,7 @@ def test_a_scene_without_lessons_names_those_that_have_some() -> None:
 
 
 @pytest.mark.parametrize("lab", [False, True], ids=["explore", "lab"])
-def test_the_text_of_a_scene_is_read_after_its_question_and_not_said_of_an_edited_one(lab: bool) -> None:
+def test_the_text_of_a_scene_appears_after_its_question(lab: bool) -> None:
     driver = Driver("one-on-four", lab=lab)
     assert "What leaves on the right?" in driver.said()
     assert "rigid-like" not in driver.said()
@@ -99,7 +99,7 @@ def test_the_text_of_a_scene_is_read_after_its_question_and_not_said_of_an_edite
     [("duration = 0.5", "drive = [1.0, 0, 0]"), ('text = "They go."', "friction = 0.3")],
     ids=["goes on", "rests"],
 )
-def test_a_question_is_answered_where_no_motion_parts_the_beads_for_good(tmp_path, last, more) -> None:
+def test_a_question_is_answered_if_the_beads_never_separate(tmp_path, last, more) -> None:
     lane = f'[[lanes]]\nvelocity = [1.0, 0, 0]\ncontact = {{law = "power_law", f0 = 9.0, alpha = 0.1}}\n{more}'
     file = tmp_path / "asked.toml"
     file.write_text(f'title = "T"\nquestion = "Who goes?"\n{last}\n{lane}')
@@ -114,7 +114,7 @@ def test_a_question_is_answered_where_no_motion_parts_the_beads_for_good(tmp_pat
     assert driver.session.time == pytest.approx(0.5, abs=0.02) if lane.chain.driven else not lane.velocity.any()
 
 
-def test_words_and_a_question_of_ones_own_are_in_the_scene_the_window_the_film_and_the_page(driver, tmp_path) -> None:
+def test_texts_of_a_user_appear_in_all_outputs(driver, tmp_path) -> None:
     driver.click(driver.bead(1))
     driver.key(pygame.K_a)
     driver.session.step_frames(100)

@@ -27,7 +27,7 @@ from tests.helpers.sessions import opened
 from tests.helpers.windows import Driver
 
 
-def test_plots_and_their_cursor_show_frames_from_before_beads_were_removed() -> None:
+def test_plots_show_frames_with_more_beads_than_now() -> None:
     """Check frames with more beads than now. There are more values than names, and a plot that opens later also draws
     these beads.
     """
@@ -53,7 +53,7 @@ def test_plots_and_their_cursor_show_frames_from_before_beads_were_removed() -> 
     assert {bead_colours(14)[0]} <= {tuple(colour) for colour in column.tolist()}
 
 
-def test_every_plot_has_its_curves_can_be_hidden_and_shown_and_overlaps_on_a_linear_axis(driver: Driver) -> None:
+def test_plots_are_hidden_and_shown(driver: Driver) -> None:
     assert driver.page.board.plots[2].axis.logarithmic
     driver.key(pygame.K_o)
     assert not driver.page.board.plots[2].axis.logarithmic
@@ -95,7 +95,7 @@ def test_the_kymograph_shows_where_the_beads_were(driver: Driver) -> None:
     assert all(300 < column[row] < 740 for row in band)  # The pale colour of a bead.
 
 
-def test_two_lanes_share_the_clock_and_show_their_difference() -> None:
+def test_two_lanes_show_their_difference() -> None:
     driver = Driver("steel-and-soft")
     driver.run(120)
     first, second = driver.session.lanes
@@ -122,7 +122,7 @@ def pixels(surface):
     return [tuple(surface.surface.get_at((x, 0)))[:2] for x in range(surface.width)]
 
 
-def test_the_time_axis_scrolls_only_when_it_must_and_every_column_is_then_in_its_place():
+def test_the_time_axis_scrolls_only_if_needed():
     span = TimeSpan(8.0, 400)
     span.follow(7.0)
     assert span.left == 0
@@ -140,7 +140,7 @@ def test_the_time_axis_scrolls_only_when_it_must_and_every_column_is_then_in_its
         assert pixels(surface) == [(x % 256, 1) if int(first) <= x <= int(last) else (0, 0) for x in columns]
 
 
-def test_an_update_stays_within_its_budget_draws_nothing_twice_and_clears_a_dropped_branch():
+def test_an_update_of_plots_stays_within_its_budget():
     draw = Mock(side_effect=numbered)
     surface = ScrollingSurface(pygame.Surface((50, 4), 0, 32), draw)
     surface.update(0.0, 49.0, True, 10)
@@ -259,7 +259,7 @@ def test_positions_are_not_laid_over_velocities(played: Driver, tmp_path) -> Non
     assert not played.page.board.overlays
 
 
-def test_a_picture_lies_over_the_kymograph_where_its_edges_are_said_to_be(played: Driver, tmp_path) -> None:
+def test_a_picture_is_placed_on_the_kymograph(played: Driver, tmp_path) -> None:
     picture = pygame.Surface((40, 20))
     picture.fill((255, 0, 0))
     pygame.image.save(picture, str(tmp_path / "camera.png"))
@@ -309,7 +309,7 @@ def test_any_signal_is_plotted_against_any(played: Driver) -> None:
     assert "the contacts of this lane are numbered 0 to 3" in played.messages[-1]
 
 
-def test_signals_are_read_and_what_are_no_signals_or_edges_is_refused():
+def test_signals_and_edges_are_parsed():
     assert [str(signal_of(str(signal_of(letter + "0", 3)), 3)) for letter in "xvpedrf"] == [f"{k}0" for k in "xvpedrf"]
     assert pair_of("f1-2, d1", 3) == (Signal("f", 1), Signal("d", 1))
     assert set(kinds.QUANTITIES) == set("txvpedrfs")
@@ -322,7 +322,7 @@ def test_signals_are_read_and_what_are_no_signals_or_edges_is_refused():
             edges_of(text)
 
 
-def test_curves_stay_while_an_axis_changes_and_are_then_drawn_again(driver: Driver) -> None:
+def test_curves_stay_visible_while_an_axis_changes(driver: Driver) -> None:
     """Draw 8 columns per frame, as on a slow machine. A plot of 300 columns then takes dozens of frames."""
     driver.play(200)
     board = driver.page.board
@@ -356,7 +356,7 @@ def test_curves_stay_while_an_axis_changes_and_are_then_drawn_again(driver: Driv
     assert left(taller) > 0
 
 
-def test_a_reading_of_round_off_is_0_and_is_in_the_unit_of_the_axis(driver: Driver) -> None:
+def test_a_reading_uses_the_unit_of_the_axis(driver: Driver) -> None:
     plot = driver.page.board.plots[0]
     with drawn_texts(driver.app.size) as texts:
         paint_readout(driver.app.surface, plot, plot.area.center, 0.0, np.array([1.0, 1.11e-16, 0.0, -1e-15, 0.25]))

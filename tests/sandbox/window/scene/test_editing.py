@@ -28,7 +28,7 @@ from tests.helpers.windows import FRAME, Driver, pressed
 CTRL, SHIFT = pygame.KMOD_CTRL, pygame.KMOD_SHIFT
 
 
-def test_a_bead_is_placed_while_paused_and_pulled_and_thrown_while_running(driver: Driver) -> None:
+def test_a_bead_is_placed_pulled_and_thrown(driver: Driver) -> None:
     x, y = driver.bead(0)
     before = driver.session.lanes[0].position.copy()
     driver.pull((x, y), (x - 60, y))
@@ -43,7 +43,7 @@ def test_a_bead_is_placed_while_paused_and_pulled_and_thrown_while_running(drive
     assert driver.session.held == NOTHING_HELD
 
 
-def test_keys_edit_what_is_selected_and_with_shift_all_contacts(driver: Driver) -> None:
+def test_keys_edit_the_selection_or_all_contacts(driver: Driver) -> None:
     before = driver.session.setup
     for key in (pygame.K_a, pygame.K_m, pygame.K_g, pygame.K_l):
         driver.key(key)
@@ -62,7 +62,7 @@ def test_keys_edit_what_is_selected_and_with_shift_all_contacts(driver: Driver) 
         assert [law != old for law, old in zip(driver.session.lanes[0].chain.contact, soft, strict=True)] == locked
 
 
-def test_numbers_that_are_refused_or_not_taken_do_not_stay_and_keys_type_no_command(driver: Driver) -> None:
+def test_rejected_numbers_do_not_stay_in_their_box(driver: Driver) -> None:
     driver.click(driver.bead(2))
     entry = driver.page.inspector.controls["mass"].entry
     driver.click(entry.rect.center)
@@ -118,7 +118,7 @@ def test_the_kind_of_a_contact_says_what_its_law_is() -> None:
         assert len(buttons) == (5 if law else 0)  # Three kinds, lock, all alike.
 
 
-def test_the_menu_switches_the_method_while_running_and_follows_keys_undo_and_redo(driver: Driver) -> None:
+def test_the_method_menu_follows_keys_undo_and_redo(driver: Driver) -> None:
     menu = driver.page.cards.menus[0]
     driver.key(pygame.K_SPACE)
     driver.click(menu.rect.center)
@@ -133,7 +133,7 @@ def test_the_menu_switches_the_method_while_running_and_follows_keys_undo_and_re
         assert driver.page.cards.menus[0].selected_option[0] == name
 
 
-def test_the_badge_is_red_when_the_method_is_past_its_limit_and_goes_to_the_fault_of_the_run() -> None:
+def test_the_badge_is_red_beyond_the_limit_of_the_method() -> None:
     driver = Driver("draft-gear-one-on-three")
     for edit in (SetMethod(None, "euler"), SetStep(None, 0.01)):
         driver.session.apply(edit)
@@ -150,7 +150,7 @@ def test_the_badge_is_red_when_the_method_is_past_its_limit_and_goes_to_the_faul
     assert driver.session.frame == driver.session.findings(0)[0].first
 
 
-def test_no_fault_is_said_of_the_frames_that_are_kept_alone() -> None:
+def test_a_verdict_on_stored_frames_names_their_beginning() -> None:
     driver = Driver("one-on-four")
     driver.session.history.bound = 0
     said = [driver.page.cards.verdicts[0].text]
@@ -170,7 +170,7 @@ def test_no_badge_advises_the_method_that_failed() -> None:
     assert "take conserving" not in session.health(0).sentence
 
 
-def test_nine_values_have_the_motions_that_they_make_and_one_is_taken_by_key_or_click(driver: Driver) -> None:
+def test_one_of_nine_values_is_chosen_by_key_or_click(driver: Driver) -> None:
     def swept() -> SweepBoard:
         board = driver.app.dialog
         assert isinstance(board, SweepBoard)
@@ -208,7 +208,7 @@ def test_nine_values_have_the_motions_that_they_make_and_one_is_taken_by_key_or_
 
 
 @pytest.mark.parametrize(("kind", "key"), [("bead", "velocity"), ("contact", "gap"), ("bead", "mass")])
-def test_one_of_nine_values_gives_the_motion_that_is_shown_in_the_middle_of_another(driver: Driver, kind, key) -> None:
+def test_choosing_one_of_nine_values_gives_the_motion_shown(driver: Driver, kind, key) -> None:
     driver.session.step_frames(300)
     before = driver.session.time, driver.session.setup
     driver.select(kind, 1)
@@ -229,7 +229,7 @@ def test_one_of_nine_values_gives_the_motion_that_is_shown_in_the_middle_of_anot
     assert (driver.session.time, driver.session.setup) == before
 
 
-def test_a_value_whose_motion_is_given_up_is_one_of_nine_and_says_why() -> None:
+def test_a_value_whose_run_gives_up_shows_the_reason() -> None:
     gives_up = Mock(side_effect=GaveUpError("no end"))
     found = variant_of(scenes.load("one-on-four"), 0, 2.0, lambda mass: [SetMass(0, 0, mass)], gives_up)
     assert (found.value, found.motion) == (2.0, None)
@@ -291,7 +291,7 @@ def test_scales_of_what_is_undone_go_with_it(driver: Driver, change) -> None:
 EDITS = {"remove": (pygame.K_DELETE, 0), "undo": (pygame.K_z, pygame.KMOD_CTRL), "redo": (pygame.K_y, pygame.KMOD_CTRL)}
 
 
-def test_an_edit_that_is_undone_in_the_frame_in_which_the_page_was_built_anew(driver) -> None:
+def test_an_edit_is_undone_in_the_frame_of_a_rebuild(driver) -> None:
     """Check a page that is built in the same frame. It was built from beads that no longer existed."""
     driver.click(driver.bead(2))
     driver.session.step_frames(200)
@@ -304,7 +304,7 @@ def test_an_edit_that_is_undone_in_the_frame_in_which_the_page_was_built_anew(dr
 
 
 @pytest.mark.parametrize("edit", EDITS)
-def test_a_click_meets_the_chain_that_an_edit_of_the_same_frame_has_left(driver, edit: str) -> None:
+def test_a_click_uses_the_chain_after_an_edit_of_the_same_frame(driver, edit: str) -> None:
     driver.session.apply(AddBead(0, 5, 1.0))
     if edit == "redo":
         driver.session.apply(RemoveBead(0, 5))
@@ -344,7 +344,7 @@ def test_a_run_ahead_that_takes_long_does_not_hold_up_the_window(driver):
     driver.until(lambda: not driver.page.view.follower.pending)
 
 
-def test_a_method_that_does_not_carry_the_chain_is_left_out_by_the_key_and_by_the_menu_once_refused() -> None:
+def test_methods_that_reject_the_chain_are_not_offered() -> None:
     driver, walked = Driver("experiment-one-on-three"), []  # The scene has a bed.
     for _ in range(len(SUMMARIES)):
         driver.key(pygame.K_m, SHIFT)

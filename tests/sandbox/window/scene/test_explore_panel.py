@@ -37,7 +37,7 @@ def laws(driver: Driver, lane: int = 0) -> list:
     return list(driver.session.lanes[lane].chain.contact)
 
 
-def test_a_newcomer_sees_few_controls_and_one_switch_leads_to_the_lab_and_is_remembered(explorer: Driver) -> None:
+def test_few_controls_are_shown_until_the_lab_is_opened(explorer: Driver) -> None:
     assert len(explorer.app.focus.controls()) <= MOST_CONTROLS
     places = explorer.page.view.places
     assert places.lanes[0].height > 0.45 * explorer.app.size[1]
@@ -60,7 +60,7 @@ def test_a_newcomer_sees_few_controls_and_one_switch_leads_to_the_lab_and_is_rem
     assert explorer.app.dialog.names[0] in PLOT_KINDS
 
 
-def test_alpha_is_that_of_the_row_or_of_a_selected_contact_and_the_blow_goes_as_deep(explorer: Driver) -> None:
+def test_alpha_is_set_for_the_row_or_a_selected_contact(explorer: Driver) -> None:
     lane = explorer.session.lanes[0]
     before = impact_energy(lane.chain, 1, lane.setup.speed)
     explorer.run(60)
@@ -86,7 +86,7 @@ def test_alpha_is_that_of_the_row_or_of_a_selected_contact_and_the_blow_goes_as_
         assert laws(explorer) == before
 
 
-def test_an_action_on_two_rows_is_one_undo_step_and_every_row_moves_again_after_speed_0() -> None:
+def test_an_action_on_two_rows_is_one_undo_step() -> None:
     driver = Driver("locked-pistons", lab=False)
     undo = driver.session.undo
     before = [lane.velocity.tolist() for lane in driver.session.lanes]
@@ -119,7 +119,7 @@ def test_beads_come_and_go_before_a_wall_at_the_end(explorer: Driver) -> None:
         assert [math.isinf(mass) for mass in explorer.session.lanes[0].chain.mass] == walls
 
 
-def test_the_same_blow_among_steel_balls_plays_below_is_told_and_left_for_one_row(explorer: Driver) -> None:
+def test_a_row_is_compared_with_steel_balls(explorer: Driver) -> None:
     before = explorer.session.scene
     press(explorer, "Compare with steel balls")
     assert [law.exponent for law in laws(explorer, 1)] == [1.5] * 4
@@ -185,7 +185,7 @@ def test_the_card_at_the_end_leaves_room_for_beads_and_forces(size, scale, lab, 
         assert drawing.bar_base - drawing._bar_top(greatest) > 45 * unit
 
 
-def test_what_happened_is_said_in_a_box_where_no_card_fits(explorer: Driver) -> None:
+def test_the_outcome_is_shown_in_a_dialog_if_the_card_does_not_fit(explorer: Driver) -> None:
     explorer.resize((1280, 800))
     explorer.app.scale = 2.0
     explorer.run(0)
@@ -202,7 +202,7 @@ def test_what_happened_is_said_in_a_box_where_no_card_fits(explorer: Driver) -> 
     assert explorer.messages == ["there is no room for plots: make the window larger, or the scale smaller"]
 
 
-def test_the_clock_pauses_once_when_the_beads_are_apart_and_it_is_said_what_happened_and_how_exactly(driver) -> None:
+def test_the_clock_pauses_once_at_the_end_of_the_motion(driver) -> None:
     driver.play_to_the_end()
     overlap, page = driver.session.lanes[0].state.overlap, driver.page
     assert overlap.max() < 0.0
@@ -237,7 +237,7 @@ def test_the_greatest_force_of_a_train_that_starts_is_a_pull() -> None:
     assert f" {driver.session.lanes[0].state.force[-1]:.3f} N." in driver.page.outcome.text
 
 
-def test_forces_are_told_where_a_frame_shows_some_with_their_digits_and_without_marks_that_are_not_there(
+def test_the_card_describes_the_forces_of_a_frame(
     tmp_path,
 ) -> None:
     for stiffness, push, told in ((3e7, 1e-6, r"carry \d\.\d·10⁻⁵, \S+ N\.$"), (1e9, 1.0, "")):
@@ -256,7 +256,7 @@ def test_forces_are_told_where_a_frame_shows_some_with_their_digits_and_without_
             assert re.search(told, driver.page.outcome.text)
 
 
-def test_the_card_goes_to_the_greatest_force_and_to_steel_balls(driver: Driver) -> None:
+def test_the_card_leads_to_forces_and_steel_balls(driver: Driver) -> None:
     driver.play_to_the_end()
     page, card = driver.page, driver.page.outcome
     driver.click(card.buttons["Why? The forces"].rect.center)
@@ -275,7 +275,7 @@ def test_the_card_goes_to_the_greatest_force_and_to_steel_balls(driver: Driver) 
     assert driver.session.playing
 
 
-def test_each_drag_of_a_slider_is_a_step_of_its_own_and_nothing_is_dragged_once_the_button_is_up(
+def test_each_drag_of_a_slider_is_one_undo_step(
     explorer: Driver,
 ) -> None:
     for share in (0.2, 0.6, 0.9):
@@ -327,7 +327,7 @@ def test_a_slider_stays_in_the_hand_while_the_motion_ends(explorer: Driver) -> N
     explorer.release((x + 40, y))
 
 
-def test_a_blow_from_the_right_stays_one_at_another_speed_and_each_row_is_explained_at_its_own_force(tmp_path) -> None:
+def test_rows_struck_from_the_right_are_explained(tmp_path) -> None:
     scene = scenes.load("one-on-four")
     weak = scene.lanes[0].model_copy(update={"velocity": (0.0, 0.0, 0.0, 0.0, -0.1), "label": "weak"})
     strong = weak.model_copy(update={"velocity": (0.0, 0.0, 0.0, 0.0, -1.0), "label": "strong"})
@@ -346,7 +346,7 @@ def test_a_blow_from_the_right_stays_one_at_another_speed_and_each_row_is_explai
         assert beside(greatest, greatest) in text
 
 
-def test_a_click_on_a_bead_offers_its_mass_and_velocity_at_the_start(explorer: Driver) -> None:
+def test_a_clicked_bead_offers_its_mass_and_start_velocity(explorer: Driver) -> None:
     explorer.session.step_frames(200)
     explorer.frames(2)
     explorer.click(explorer.bead(2))
@@ -380,7 +380,7 @@ def test_numbers_that_were_tried_are_left_without_a_question(explorer: Driver) -
     assert explorer.app.page is explorer.app.gallery
 
 
-def test_the_row_is_framed_again_after_an_undo_and_after_a_restart(explorer: Driver) -> None:
+def test_the_view_is_fitted_after_an_undo_or_restart(explorer: Driver) -> None:
     def settle(seen: object) -> None:
         explorer.until(lambda: explorer.page.view.scales.ahead is not seen)
 
@@ -408,7 +408,7 @@ def test_the_row_is_framed_again_after_an_undo_and_after_a_restart(explorer: Dri
 
 
 @pytest.mark.parametrize("size", [(1280, 720), (1024, 528)])
-def test_at_the_largest_scale_beads_plot_and_text_are_still_there(size: tuple[int, int]) -> None:
+def test_nothing_disappears_at_the_largest_scale(size: tuple[int, int]) -> None:
     driver = Driver("one-on-four", size=size, lab=False)
     driver.key(pygame.K_PLUS, pygame.KMOD_CTRL, times=6)
     assert driver.app.unit > 1.7 * driver.app._usual_unit

@@ -20,7 +20,7 @@ from tests.helpers.drawn_text import colliding
 from tests.helpers.windows import Driver
 
 
-def test_the_timeline_and_keys_look_back_and_playing_on_starts_a_new_branch(driver: Driver) -> None:
+def test_the_timeline_goes_back_and_playing_starts_a_new_branch(driver: Driver) -> None:
     driver.run(200)
     last = driver.session.history.last
     line = driver.page.timeline
@@ -42,7 +42,7 @@ def test_the_timeline_and_keys_look_back_and_playing_on_starts_a_new_branch(driv
     assert driver.session.history.last < last
 
 
-def test_keys_and_the_slider_set_the_slow_motion_and_slower_is_never_faster(driver: Driver) -> None:
+def test_keys_and_slider_set_the_slow_motion(driver: Driver) -> None:
     assert driver.session.slow == driver.session.scene.view.slow
     driver.key(pygame.K_MINUS)
     assert driver.session.slow == 5.0
@@ -73,7 +73,7 @@ def test_keys_and_the_slider_set_the_slow_motion_and_slower_is_never_faster(driv
             assert driver.session.slow == expected
 
 
-def test_a_click_is_short_and_decays_and_a_tone_goes_on_without_a_jump():
+def test_sounds_have_no_jumps():
     wave = np.frombuffer(click(880.0), np.int16).astype(float)
     assert 0.03 < len(wave) / RATE < 0.2
     assert np.abs(wave[:200]).max() > 8000
@@ -85,7 +85,7 @@ def test_a_click_is_short_and_decays_and_a_tone_goes_on_without_a_jump():
         assert np.argmax(np.abs(np.fft.rfft(wave))) * RATE / len(wave) == pytest.approx(pitch)
 
 
-def test_one_key_goes_from_silence_to_clicks_to_tones_and_back(driver: Driver):
+def test_one_key_changes_the_sound(driver: Driver):
     sound = driver.page.sound
     driver.key(pygame.K_n)
     assert sound.clicks is not None
@@ -114,7 +114,7 @@ def test_a_motion_is_not_over_while_couplers_may_pull() -> None:
     assert not session.lanes[0].over
 
 
-def test_a_motion_is_over_when_its_last_force_has_ended_and_beads_are_apart() -> None:
+def test_a_motion_is_over_after_its_last_force() -> None:
     force = {"beads": 0, "time": [0.5, 1.0, 1.0], "force": [-1.0, -1.0, 0.0]}
     lane = {"velocity": [0.0, 1.0], "contact": {"law": "hertz", "stiffness": 1.0}, "forces": [force]}
     session = Session(Scene.model_validate({"title": "Apart", "lanes": [lane]}))
@@ -152,7 +152,7 @@ def in_sight(driver: Driver) -> bool:
     return bool((lane.edges >= rect.left).all() and (lane.edges + lane.drawing.bead <= rect.right + 1).all())
 
 
-def test_wheel_and_drag_take_the_view_an_arrow_counts_beads_outside_and_fit_keeps_all_in_sight(driver: Driver) -> None:
+def test_the_view_is_zoomed_dragged_and_fitted(driver: Driver) -> None:
     def counted() -> list[pygame.Rect]:
         high = driver.page.view.lanes[0].drawing.ground - 14
         return [one.rect for one in driver.texts() if one.text == "5" and abs(one.rect.centery - high) < 4]
@@ -198,7 +198,7 @@ def test_marks_of_rigid_clusters_are_of_the_beads_that_there_are(driver: Driver)
 
 
 @pytest.mark.parametrize("name", ["train-shunting", "train-braking", "train-cut"])
-def test_force_labels_of_a_train_are_in_kilonewtons_and_have_room(name: str) -> None:
+def test_force_labels_of_a_train_fit(name: str) -> None:
     driver, seen = Driver(name), 0
     for _ in range(12):
         driver.session.step_frames(40)

@@ -32,7 +32,7 @@ def test_arrows_show_what_is_chosen(driver: Driver) -> None:
     assert not seen["none"].any()
 
 
-def test_the_table_of_values_and_what_happened_are_shown_and_copied(driver: Driver) -> None:
+def test_values_and_outcome_are_shown_and_copied(driver: Driver) -> None:
     driver.key(pygame.K_t)
     beads, contacts = driver.page.tools.values.places
     assert (beads.kind, beads.count, contacts.kind, contacts.count) == ("bead", 5, "contact", 4)
@@ -72,7 +72,7 @@ def test_a_scene_is_copied_as_text_and_pasted(driver: Driver) -> None:
     assert [text[:22] for text in driver.messages[-2:]] == ["the clipboard is empty", "there is no scene '' ("]
 
 
-def test_a_scene_is_compared_with_a_copy_and_edits_stay_unsaved(driver: Driver) -> None:
+def test_a_scene_is_compared_with_an_edited_copy(driver: Driver) -> None:
     driver.key(pygame.K_d, CTRL)
     assert [lane.chain for lane in driver.session.lanes] == [driver.session.lanes[0].chain] * 2
     assert not driver.page.unsaved
@@ -115,7 +115,7 @@ def test_masses_of_two_low_rows_do_not_lie_on_each_other() -> None:
     assert not colliding(driver.texts())
 
 
-def test_what_the_catalogue_says_of_its_lanes_is_not_said_of_one_of_them_or_of_an_edited_one() -> None:
+def test_the_catalogue_text_is_shown_only_for_the_unchanged_scene() -> None:
     for edited in (False, True):
         page = Driver("one-on-four")
         if edited:
@@ -132,7 +132,7 @@ def test_what_the_catalogue_says_of_its_lanes_is_not_said_of_one_of_them_or_of_a
         assert "About this scene" not in [one.text for one in page.texts()], "nothing is said"
 
 
-def test_stopwatch_and_ruler_measure_and_the_ruler_lies_on_no_force() -> None:
+def test_stopwatch_and_ruler_measure() -> None:
     driver = Driver("steel-and-soft", size=(1280, 800))
     watch, ruler = driver.page.tools.stopwatch, driver.page.tools.ruler
     driver.key(pygame.K_k)
