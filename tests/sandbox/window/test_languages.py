@@ -61,10 +61,10 @@ def test_numbers_and_messages_follow_the_language(german: Driver) -> None:
     german.enter("loss", "1,5")
     assert german.messages[-1].startswith("der Verlust eines Kontakts muss >= 0 und unter 1 sein, nicht 1,5")
     assert error_words(ValueError(TWO_WALLS)).startswith("zwei Wände")  # The error message inside another message.
-    assert german.page.cards.health[0].sentence.endswith("hält seine Fehler klein")
+    assert german.page.cards.health[0].sentence == "Genauigkeit in Ordnung (conserving)"
     german.key(pygame.K_F8)
     german.frames(30)
-    assert german.page.cards.health[0].sentence.endswith("garde ses erreurs petites")
+    assert german.page.cards.health[0].sentence == "précision tenue (conserving)"
 
 
 def test_words_are_taken_in_the_language_and_in_english(german: Driver) -> None:
