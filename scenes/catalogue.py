@@ -1,4 +1,4 @@
-"""Catalogue of scenes, and loading of scenes by name or by path."""
+"""The catalogue of scenes, and scenes by name or by the path of a file."""
 
 import difflib
 import errno
@@ -11,19 +11,19 @@ from softcradle.scenes.scene_schema import Scene
 from softcradle.scenes.toml_mistakes import MOST_SHOWN, read_toml
 
 CATALOGUE = Path(__file__).parent / "catalogue"
-MOST_TEXT = 2**26  # Most characters that are read from a file. A lane of the largest size has a few million.
+MOST_TEXT = 2**26  # characters of a file: the longest lane has some millions
 
 
 def names() -> tuple[str, ...]:
-    """Return the sorted names of the scenes that are part of softcradle."""
+    """Names of the scenes that ship with softcradle, sorted."""
     return tuple(sorted(path.stem for path in CATALOGUE.glob("*.toml")))
 
 
 def load(name_or_path: str | Path) -> Scene:
-    """Return the scene of the catalogue with this name, or the scene in the file at this path.
+    """The scene of the catalogue by that name, or the scene in the file at that path.
 
     Raises:
-        SceneError: the scene or file does not exist, or the file is not a valid scene; one sentence for each problem.
+        SceneError: the scene or file does not exist, or the file is not a scene; one sentence for each problem.
 
     >>> load("one-on-four").lanes[0].velocity
     (1.0, 0.0, 0.0, 0.0, 0.0)
@@ -32,14 +32,12 @@ def load(name_or_path: str | Path) -> Scene:
 
 
 def text_of(name_or_path: str | Path) -> str:
-    """Return the text of the file of a scene, for example as a start for a new scene. Raise SceneError."""
+    """The text of that scene's file, to start one's own scene from. Raises SceneError."""
     return _read(str(name_or_path))[0]
 
 
 def parse(text: str, file: str = "scene") -> Scene:
-    """Return the scene that the TOML `text` describes. Raise SceneError with every problem; the messages call the text
-    `file`.
-    """
+    """Return the scene that the TOML `text` describes. Raise SceneError with every problem; these call it `file`."""
     table, mistakes = read_toml(text)
     problems = [f"{file}: {mistake}" for mistake in mistakes]
     scene = None
@@ -54,7 +52,7 @@ def parse(text: str, file: str = "scene") -> Scene:
 
 
 def _read(wanted: str) -> tuple[str, str]:
-    """Return the text of the scene and the name of its file for error messages."""
+    """The text of the wanted scene, and the name of its file in errors."""
     shipped = CATALOGUE / f"{wanted}.toml"
     if wanted in names():
         return shipped.read_text(encoding="utf-8"), shipped.name
@@ -68,12 +66,12 @@ def _read(wanted: str) -> tuple[str, str]:
         raise SceneError([f"{wanted}: not a text file in UTF-8: {_encoding_hint(error)}"]) from None
     except OSError as error:
         raise SceneError([f"cannot read {wanted}: {(error.strerror or str(error)).lower()}"]) from None
-    except ValueError:  # The name is not possible for a file, for example because it contains a null character.
+    except ValueError:  # a name that no file can have
         raise SceneError([f"there is no file {wanted!r}"]) from None
 
 
 def text_in(path: str) -> str:
-    """Return the text of a file or pipe. Raise OSError, or ValueError if the content is not text in UTF-8."""
+    """Return the text of a file, which can be a pipe. Raise OSError, and ValueError if it is not text in UTF-8."""
     with open(path, encoding="utf-8-sig") as file:
         text = file.read(MOST_TEXT)
     if len(text) == MOST_TEXT:
@@ -82,9 +80,7 @@ def text_in(path: str) -> str:
 
 
 def _encoding_hint(error: UnicodeDecodeError) -> str:
-    """Return advice about a file in another encoding. If the file has one byte per character, show the line of the
-    problem.
-    """
+    """Return what to do about a file in another encoding, with the line if it is one of 8 bits a character."""
     data = bytes(error.object)
     remedy = "save it as UTF-8"
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):

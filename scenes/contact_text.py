@@ -1,6 +1,4 @@
-"""Conversion between contacts and one line of text, as on a command line: ``power_law(1, 1/10)``, ``draft_gear(770,
-...)``.
-"""
+"""Contacts in one line of text, as on a command line: ``power_law(1, 1/10)``, ``draft_gear(770, ...)``, and back."""
 
 import re
 import tomllib
@@ -17,17 +15,16 @@ from softcradle import physics
 
 TABLE: TypeAdapter[Law] = TypeAdapter(GearTable)
 CALL = re.compile(r"\s*([A-Za-z_]+)\s*\((.*)\)\s*")
-ACCURACY = 1e-6  # Relative accuracy of the six digits with which numbers are written.
+ACCURACY = 1e-6  # relative; that of the six digits in which numbers are written
 
 
 def contact_from(text: str) -> Law:
-    """Return the contact that `text` describes, such as ``power_law(1, 1/10)`` or ``draft_gear(stiffness=5,
-    precompression=0.2)``.
+    """The contact that `text` names, such as ``power_law(1, 1/10)`` or ``draft_gear(stiffness=5, precompression=0.2)``.
 
     The names of laws are those of Python or of scene files.
 
     Raises:
-        SceneError: `text` does not describe a contact; one sentence.
+        SceneError: `text` names no contact; one sentence.
 
     >>> contact_from("power_law(1, alpha=1/10)").contact() == physics.power_law(1.0, 0.1)
     True
@@ -46,7 +43,7 @@ def contact_from(text: str) -> Law:
 
 
 def _numbers(text: str, law: str, arguments: str) -> dict[str, Any]:
-    """Return the parameters in `arguments`, by name. `text` is the whole call of `law`, for error messages."""
+    """The values in `arguments`, which belong to the call `text` of `law`, by the names of the numbers."""
     names = list(KIND_BY_NAME[law].numbers)
     found: dict[str, Any] = {}
     words = [word.strip() for word in arguments.split(",")] if arguments.strip() else []
@@ -62,9 +59,7 @@ def _numbers(text: str, law: str, arguments: str) -> dict[str, Any]:
 
 
 def _number(text: str) -> Any:
-    """Return a number as TOML reads it. Return a fraction or anything else as text, which the table of the law then
-    checks.
-    """
+    """A number as TOML reads it; a fraction and anything else as text, which the table of the law then judges."""
     try:
         value = tomllib.loads(f"x = {text}")["x"]
     except (ValueError, RecursionError):
@@ -73,8 +68,7 @@ def _number(text: str) -> Any:
 
 
 def contact_text(contact: AnyLaw | Joint) -> str:
-    """Return the contact as one line of text, with numbers of six digits. :func:`contact_from` can read it, except for
-    couplers and user-defined laws.
+    """The contact as one line of text, numbers to six digits; :func:`contact_from` reads back what is one contact law.
 
     >>> contact_text(physics.draft_gear(770.0, 0.0177))
     'draft_gear(770, 0.0177)'

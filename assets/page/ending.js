@@ -1,40 +1,92 @@
-// What happened, in words: who goes where, and what two rigid bodies would have done.
-
-const TOGETHER = 0.15; // of the closing speed: beads whose velocities differ by less go together
-const STANDS = 0.1; // of the closing speed: a slower bead nearly stands still
-const MOST_GROUPS = 5; // that are named one by one
+// What happened, in words: who goes where, and what two rigid bodies would have done. The rule is that of sandbox/story/outcome.py.
 
 /**
- * The sentences for a row that has come apart; a wall that rests is not spoken of.
- * @param {Float64Array} velocity @param {(number|null)[]} mass null for a wall @param {number} speed the closing speed
+ * A group of beads that move together, or a wall that moves; numbers of its outermost beads and the velocity of its centre of mass.
+ * @typedef {{first: number, last: number, velocity: number, state: string, wall: boolean}} Group
  */
-function whatHappened(velocity, mass, speed) {
+
+/**
+ * The groups of a row from left to right. A wall at rest is not among them.
+ * @param {(number|null)[]} mass null for a wall @param {ArrayLike<number>} start @param {ArrayLike<number>} velocity
+ * @returns {Group[]}
+ */
+function groupsOf(mass, start, velocity) {
+  const now = Array.from(velocity), change = now.map((v, k) => Math.abs(v - start[k])), wall = (k) => mass[k] === null;
+  const largest = (values) => Math.max(0, ...values.map(Math.abs)), speed = largest(start) || largest(now);
+  const finest = STORY.resolution * Math.max(largest(change.filter((_, k) => !wall(k))), STORY.equal * speed);
+  // Add up values of mass and velocity over some beads.
+  const sum = (value, first = 0, last = now.length - 1, row = now) => {
+    let found = 0;
+    for (let k = first; k <= last; k++) if (!wall(k)) found += value(mass[k], row[k]);
+    return found;
+  };
+  const centre = (first, last) => sum((m, v) => m * v, first, last) / sum((m) => m, first, last);
+  // Split a row without walls at its largest difference of neighbours, until the beads of each part move together.
+  const split = (first, last) => {
+    const part = now.slice(first, last + 1), allowed = STORY.together * Math.min(...change.slice(first, last + 1));
+    if (Math.max(...part) - Math.min(...part) <= Math.max(allowed, finest)) return [{ first, last }];
+    const jumps = part.slice(1).map((v, k) => Math.abs(v - part[k])), widest = (1 - STORY.equal) * largest(jumps);
+    const off = (k) => Math.abs(k - 0.5 * (jumps.length - 1)); // of equal jumps the one nearest to the middle
+    const at = first + [...jumps.keys()].filter((k) => jumps[k] >= widest).sort((a, b) => off(a) - off(b))[0];
+    return [...split(first, at), ...split(at + 1, last)];
+  };
   const groups = [];
-  for (let k = 0; k < velocity.length; k++) {
-    const group = groups.at(-1), way = wayOf(velocity[k], speed), isWall = mass[k] === null;
-    if (isWall && !way) continue;
-    const beside = group?.at(-1) === k - 1 && !isWall && mass[k - 1] !== null, first = beside ? velocity[group[0]] : NaN;
-    if (Math.abs(velocity[k] - first) < TOGETHER * speed && way === wayOf(first, speed)) group.push(k); else groups.push([k]);
+  for (let first = 0, k = 0; k <= now.length; k++) {
+    if (k < now.length && !wall(k)) continue;
+    if (k > first) groups.push(...split(first, k - 1));
+    if (k < now.length) groups.push({ first: k, last: k });
+    first = k + 1;
   }
-  const said = groups.slice(0, MOST_GROUPS).map((group) => groupWords(group, velocity, mass, speed));
-  if (groups.length > MOST_GROUPS) said.push(say("more groups", { n: groups.length - MOST_GROUPS }));
+  // The slow groups with the least momentum stand still, as long as their shares are small.
+  const heft = (m, v) => m * Math.abs(v), work = (m, v) => m * v * v, most = (value) => Math.max(sum(value), sum(value, 0, now.length - 1, start));
+  for (const group of groups) {
+    const { first, last } = group;
+    group.wall = wall(first);
+    group.velocity = group.wall ? now[first] : centre(first, last);
+    group.carried = Math.abs(sum((m, v) => m * v, first, last));
+  }
+  const slow = groups.filter((group) => !group.wall && Math.abs(group.velocity) <= STORY.slow * speed);
+  slow.sort((a, b) => a.carried - b.carried);
+  for (let begin = 0, carried = 0, held = 0; begin < slow.length;) {
+    const limit = (1 + STORY.equal) * slow[begin].carried, equal = slow.filter((group, k) => k >= begin && group.carried <= limit);
+    for (const group of equal) { carried += group.carried; held += sum(work, group.first, group.last); }
+    if (carried > STORY.momentum * most(heft) || held > STORY.energy * most(work)) break;
+    for (const group of equal) group.still = true; // those with the same momentum together
+    begin += equal.length;
+  }
+  const joined = [];
+  for (const group of groups) {
+    const { still, first, last } = group, other = joined.at(-1);
+    if (still && other?.still && other.last === first - 1) {
+      other.last = last;
+      other.velocity = centre(other.first, last);
+    } else joined.push(group);
+  }
+  const rests = ({ first, last }) => largest(now.slice(first, last + 1)) <= STORY.stands * speed;
+  for (const group of joined) group.state = !group.still ? "moves" : rests(group) ? "still" : "nearly still";
+  return joined.filter((group) => !group.wall || !rests(group));
+}
+
+/**
+ * The sentences for a row that has come apart.
+ * @param {ArrayLike<number>} velocity @param {{mass: (number|null)[], velocity: number[]}} spec
+ */
+function whatHappened(velocity, spec) {
+  const groups = groupsOf(spec.mass, spec.velocity, velocity), rest = groups.length - STORY.groups;
+  const said = groups.slice(0, STORY.groups).map(groupWords);
+  if (rest > 0) said.push(say(rest === 1 ? "more group" : "more groups", { n: rest }));
   return said.join(" ");
 }
 
-// 1 to the right, -1 to the left, 0 for a bead that nearly stands still.
-const wayOf = (v, speed) => (Math.abs(v) < STANDS * speed ? 0 : Math.sign(v));
-
-function groupWords(group, velocity, mass, speed) {
-  const speeds = group.map((k) => Math.abs(velocity[k])), one = mass[group[0]] === null ? "wall" : group.length === 1 ? "bead" : "beads";
-  const way = wayOf(velocity[group[0]], speed);
-  const beads = group.length === 1 ? String(group[0]) : say(group.length === 2 ? "two of" : "row of", { first: group[0], last: group.at(-1) });
-  if (!way) return say(`${one} still`, { beads });
-  const [low, high] = [Math.min(...speeds), Math.max(...speeds)].map((v) => speedText(v, speed));
-  const value = low === high ? low : say("from to", { low, high });
-  return say(`${one} ${way > 0 ? "right" : "left"}`, { beads, speed: value });
+/** @param {Group} group */
+function groupWords({ first, last, velocity, state, wall }) {
+  const count = last - first + 1, kind = wall ? "wall" : count === 1 ? "bead" : "beads";
+  const way = state !== "moves" ? "still" : velocity > 0 ? "right" : "left";
+  const beads = count === 1 ? String(first) : say(count === 2 ? "two of" : "row of", { first, last });
+  return say(`${kind} ${way}`, { beads, speed: speedText(Math.abs(velocity)) });
 }
 
-const speedText = (v, speed) => fixed(v, Math.max(0, 2 - Math.floor(Math.log10(speed) + 1e-9)));
+const speedText = (v) => plain(v, STORY.digits);
 
 // The velocities of two rigid bodies after they have met, where two clusters of touching beads, each with one velocity, are left alone
 // and do not come nearer by their present `velocity`.
@@ -43,9 +95,9 @@ function rigidWords(spec, { dissipative, driven, pulls }, length, velocity) {
   const before = spec.velocity.slice(0, meeting + 1), after = spec.velocity.slice(meeting + 1);
   if (meeting < 0 || spec.mass.includes(null) || before.some((v) => v !== before[0]) || after.some((v) => v !== after[0])) return "";
   if (spec.gap.some((wide, k) => (k === meeting ? -wide : Math.abs(wide)) > LEAST_GAP * length)) return ""; // three, or pressed at the start
-  if (dissipative || driven || pulls || velocity[meeting] - velocity[meeting + 1] > STANDS * spec.speed) return "";
+  if (dissipative || driven || pulls || velocity[meeting] - velocity[meeting + 1] > STORY.slow * spec.speed) return "";
   const sum = (masses) => masses.reduce((total, mass) => total + mass, 0);
   const left = sum(spec.mass.slice(0, meeting + 1)), right = sum(spec.mass.slice(meeting + 1));
-  const centre = (left * before[0] + right * after[0]) / (left + right), reflected = (w) => speedText(2 * centre - w, spec.speed);
+  const centre = (left * before[0] + right * after[0]) / (left + right), reflected = (w) => speedText(2 * centre - w);
   return say("if rigid", { left: reflected(before[0]), right: reflected(after[0]) });
 }

@@ -85,7 +85,8 @@ class Live {
       if (this.hit < 0 && nows.some((now) => now.force.some((f) => f > 0))) this.hit = rows[0].kernel.time;
       apart = this.apart ? apart + 1 : 0;
       const sliding = apart && this.slow * Math.max(...rows.map((row) => row.sliding));
-      if (!sliding || sliding > LONGEST_SLIDE) continue;
+      if (sliding && duration) apart = 0; // beads that friction slows are followed to the duration of the scene
+      if (!sliding || duration || sliding > LONGEST_SLIDE) continue;
       this.parted ??= { time: rows[0].kernel.time, velocity: nows.map(({ velocity }) => Array.from(velocity)) };
       apart = 0;
     }

@@ -25,8 +25,8 @@ function factorText(value) {
   return `×${scientific(value, 0).replace(/^1·/, "")}`;
 }
 
-// `value` with so many digits and no zeros at its end; a tiny one with a power of ten.
-const plain = (value, digits) => (value !== 0 && Math.abs(value) < 1e-6 ? scientific(value, digits - 1)
+// `value` with so many digits and no zeros at its end; a tiny one with a power of ten, as sandbox/story/numbers.py writes it.
+const plain = (value, digits) => (value !== 0 && Math.abs(value) < 1e-4 ? scientific(value, digits - 1)
   : String(Number(value.toPrecision(digits))).replace("-", "−").replace(".", numberForm.mark));
 
 // A small exponent as the fraction that it is nearly.

@@ -200,7 +200,7 @@ class Page {
     const said = nows.map((now, lane) => {
       const name = looks.length > 1 && looks[lane].label ? `${looks[lane].label}: ` : "", velocity = left?.[lane] ?? now.velocity;
       const rigid = lane || source.touched ? "" : ` ${rigidWords(specs[lane], looks[lane], data.length, velocity)}`;
-      return name + whatHappened(velocity, specs[lane].mass, specs[lane].speed) + rigid;
+      return name + whatHappened(velocity, specs[lane]) + rigid;
     });
     if (left && source.over) said.push(say("stopped"));
     const cut = source.over && !ended, text = ended ? said.join("\n") : cut ? say("followed", { time: `${plain(source.last / data.unit.size, 3)} ${data.unit.name}` })

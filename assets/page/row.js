@@ -7,7 +7,6 @@ const HAND_FREQUENCY = 12; // 1/s of wall time, of the spring from the hand to a
 const HAND_SPEED = 2; // closing speeds that the hand's pull can give: with more, soft beads would pass through each other
 const STRUCK = 0.2; // of the closing speed: at contacts that close faster clusters are struck, and end
 const ALIKE = 1e-6; // of the closing speed: neighbours whose velocities differ by less at the start go together
-const AT_REST = 1e-9; // of the closing speed: slower rates are round-off
 const HEAD = 9; // numbers of a kept state before its lists
 
 /**
@@ -137,7 +136,7 @@ class Row {
       if (hand) this.given += pull * way(hand.bead);
     }
     kernel.rebuilt(rate, kernel.anchor[1], this.velocity);
-    this.still = this.velocity.every((v) => Math.abs(v) < AT_REST * speed) ? this.still + 1 : 0;
+    this.still = this.velocity.every((v) => Math.abs(v) < STORY.atRest * speed) ? this.still + 1 : 0;
     for (let i = 0; i < n; i++) {
       if (this.wasClosed[i] && !(force[i] > 0)) this.ends[i] = 0;
       else if (!this.wasClosed[i] && force[i] > 0) this.ends[i] = this.rateBefore[i] > STRUCK * speed ? 1 : 0;
@@ -165,7 +164,7 @@ class Row {
 
   // Whether no contact is closed and none can close, or nothing moves any more: in one frame alone it may have turned back.
   get apart() {
-    const { n, overlap, rate, force } = this.kernel, least = AT_REST * this.spec.speed;
+    const { n, overlap, rate, force } = this.kernel, least = STORY.atRest * this.spec.speed;
     if (this.still > 1) return true;
     if (this.spec.drive || (this.spec.friction > 0 && !this.balanced)) return false; // a wall that moves reaches what the bed has stopped
     for (let i = 0; i < n; i++) if (force[i] > 0 || overlap[i] > 0 || rate[i] > least) return false;

@@ -88,7 +88,12 @@ def _lane(played: PlayedMotion, number: int) -> dict[str, Any]:
 def _closed(played: PlayedMotion, number: int) -> list[list[list[float | None]]]:
     """When each contact of a lane is closed [s]: begin and end, None for an end that was not seen."""
     intervals = played.trajectories[number].contact_intervals
-    return [[[begin, finite_or_none(end)] for begin, end in spans] for spans in intervals]
+    return [[[_short(begin), finite_or_none(_short(end))] for begin, end in spans] for spans in intervals]
+
+
+def _short(time: float) -> float:
+    """Return a time to nine digits, which is finer than the samples of a page."""
+    return float(f"{time:.9g}")
 
 
 def _spec(chain: Chain, velocity: list[float], duration: float | None) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from softcradle.sandbox.files import resource
 from softcradle.sandbox.languages.translation import ENGLISH, LANGUAGES
 
 SCRIPTS = (
-    "words", "numbers", "bodies", "loupes", "stage", "chart", "kernel", "row", "live", "recorded", "address",
+    "story", "words", "numbers", "bodies", "loupes", "stage", "chart", "kernel", "row", "live", "recorded", "address",
     "ending", "page", "controls",
 )  # fmt: skip
 # A browser refuses whatever is not inside the file.
@@ -47,7 +47,7 @@ def document(title: str, text: str, parts: Sequence[str], data: object, computed
     `text` describes the page in the preview of a link. A `computed` page contains the kernels.
     """
     style = re.sub(r"/\*.*?\*/|\s*([{};,])\s*", r"\1", resource("page/page.css").read_text(encoding="utf-8"))
-    script = "\n".join(_script(name) for name in SCRIPTS)
+    script = "\n".join(page_script_text(name) for name in SCRIPTS)
     body = "\n".join(part for part in parts if part)
     return (
         '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
@@ -71,7 +71,7 @@ SPACED = re.compile(
 )
 
 
-def _script(name: str) -> str:
+def page_script_text(name: str) -> str:
     """Return a script without comments and spaces that it does not need: three quarters of its length."""
     text = resource(f"page/{name}.js").read_text(encoding="utf-8")
     return shortened(re.sub(r"^\s*(//.*|/\*\*(.|\n)*?\*/)?[ \t]*\n?| +// .*", "", text, flags=re.MULTILINE))

@@ -5,10 +5,14 @@ from itertools import takewhile
 
 from softcradle.physics.contact import is_closed
 from softcradle.sandbox.languages import _, label_words
+from softcradle.sandbox.motion import Array
+from softcradle.sandbox.session import inputs
+from softcradle.sandbox.session.contact_events import ContactEvents
+from softcradle.sandbox.session.history_slices import slice_at
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.story.lane_story import LaneStory, first_hit
 from softcradle.sandbox.story.outcome import Outcome, outcome_of
-from softcradle.sandbox.story.sentences import outcome_words, story_words, time_text
+from softcradle.sandbox.story.sentences import ending_words, story_words, time_text
 
 
 def summary_text(session: Session) -> str:
@@ -18,13 +22,53 @@ def summary_text(session: Session) -> str:
 
 def outcome_text(session: Session) -> str:
     """Return who goes where, in each lane."""
-    return _of_lanes(session, lambda session, lane: outcome_words(session_outcome(session, lane)))
+    return _of_lanes(session, lambda session, lane: ending_words(session_story(session, lane)))
 
 
 def session_outcome(session: Session, lane: int) -> Outcome:
-    """Return the outcome of a lane."""
+    """Return the outcome of a lane.
+
+    On a bed friction goes on to slow beads that have come apart, so their outcome has the velocities at that moment.
+    """
     live = session.lanes[lane]
-    return outcome_of(live.chain.mass, live.setup.start.velocity(live.chain).tolist(), live.velocity.tolist())
+    start = live.setup.start.velocity(live.chain).tolist()
+    return outcome_of(live.chain.mass, start, _told_velocity(session, lane).tolist())
+
+
+def _told_velocity(session: Session, lane: int) -> Array:
+    """Return the velocities now, or on a bed those at the frame in which the last contact opened.
+
+    A scene with a duration is told at its end.
+    """
+    live = session.lanes[lane]
+    if (
+        session.scene.duration is not None
+        or not live.chain.on_bed
+        or live.chain.brakes
+        or live.endless
+        or live.state.closed.any()
+    ):
+        return live.velocity
+    events = _events(session, lane)
+    opened = events.frame[~events.closed]
+    if not len(opened) or _was_touched(session, int(opened[-1])):
+        return live.velocity
+    return slice_at(session.history, lane, int(opened[-1])).velocity[0]
+
+
+def _was_touched(session: Session, frame: int) -> bool:
+    """Return True if a person has changed a lane or pulled a bead since a frame."""
+    by_hand = inputs.LaneInput | inputs.Drag | inputs.Place
+    return any(given >= frame and isinstance(item, by_hand) for given, item in session.recording.inputs)
+
+
+def _events(session: Session, lane: int) -> ContactEvents:
+    """Return the contact events of a lane since it has had as many beads as now, up to the frame shown."""
+    events, live = session.contact_events(), session.lanes[lane]
+    slices = reversed(session.history_slices(lane, session.frame + 1))
+    alike = takewhile(lambda part: part.chain.contacts == live.chain.contacts, slices)
+    begun = events.frame > min(part.first for part in alike)
+    return events.select((events.lane == lane) & begun & (events.frame <= session.frame))
 
 
 def _of_lanes(session: Session, words_of: Callable[[Session, int], str]) -> str:
@@ -48,11 +92,7 @@ def _lane_words(session: Session, lane: int) -> str:
 
 def session_story(session: Session, lane: int) -> LaneStory:
     """Return the story of a lane since it has had as many beads as now."""
-    events, live = session.contact_events(), session.lanes[lane]
-    slices = reversed(session.history_slices(lane, session.frame + 1))
-    alike = takewhile(lambda part: part.chain.contacts == live.chain.contacts, slices)
-    begun = events.frame > min(part.first for part in alike)
-    own = events.select((events.lane == lane) & begun & (events.frame <= session.frame))
+    own, live = _events(session, lane), session.lanes[lane]
     closings, openings = own.select(own.closed), own.select(~own.closed).time
     columns = closings.time.tolist(), closings.approach.tolist(), closings.contact.tolist()
     return LaneStory(
@@ -62,4 +102,5 @@ def session_story(session: Session, lane: int) -> LaneStory:
         opened=float(openings[-1]) if len(openings) else None,
         hit=first_hit(zip(*columns, strict=True), live.chain.mass, live.setup.speed),
         outcome=session_outcome(session, lane),
+        stopped=bool(live.chain.on_bed and not live.velocity.any()),
     )

@@ -1,5 +1,5 @@
 """The story of a motion: what has happened and who goes where, as values, with one definition of each term.
 
-Window, terminal, films, lessons, notebooks and pages report these values. Pages read the bounds and sentences of this room from
-`assets/page/story.js`, which `python -m softcradle.sandbox.story.page_script` writes.
+Window, terminal, films, lessons, notebooks and pages report these values. Pages read the bounds from `assets/page/story.js`,
+which `make story` writes.
 """

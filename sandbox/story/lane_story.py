@@ -40,6 +40,7 @@ class LaneStory:
         opened: time [s] at which the last contact opened; None if no contact has opened.
         hit: the first hit, or None.
         outcome: the groups of beads.
+        stopped: True if friction of the bed has stopped all beads since.
     """
 
     time: float
@@ -48,6 +49,7 @@ class LaneStory:
     opened: float | None
     hit: Hit | None
     outcome: Outcome
+    stopped: bool = False
 
 
 def first_hit(closings: Iterable[tuple[float, float, int]], mass: Sequence[float], speed: float) -> Hit | None:

@@ -1,4 +1,4 @@
-"""The sentences of a story, in the language in use. Pages have those of the outcome in every language."""
+"""The sentences of a story, in the language in use."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MOST_GROUPS = 6
 # Significant digits of a speed.
 SPEED_DIGITS = 2
 
-# The sentences of groups by their key: kind of body and what it does. `ending.js` uses the same keys.
+# The sentences of groups by their key: kind of body and what it does. `words.js` has the same keys for pages.
 SENTENCES = {
     "bead right": N_("Bead {beads} goes to the right at {speed}."),
     "beads right": N_("Beads {beads} go together to the right at {speed}."),
@@ -54,9 +54,16 @@ def _group_words(group: Group) -> str:
     return _(SENTENCES[f"{kind} {way}"], beads=beads, speed=speed_text(abs(group.velocity)))
 
 
+def ending_words(story: LaneStory) -> str:
+    """Return a sentence for each group, and one if friction has stopped groups that moved."""
+    said = outcome_words(story.outcome)
+    moved = any(group.moves for group in story.outcome.groups)
+    return f"{said} {_('Then friction stopped them.')}" if story.stopped and moved else said
+
+
 def story_words(story: LaneStory) -> str:
     """Return the first hit, the contacts and the outcome, a sentence each."""
-    found = (_hit_words(story.hit), _contact_words(story), outcome_words(story.outcome))
+    found = (_hit_words(story.hit), _contact_words(story), ending_words(story))
     return " ".join(sentence for sentence in found if sentence)
 
 

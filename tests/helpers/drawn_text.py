@@ -1,6 +1,4 @@
-"""Record every text that the window and films draw, with its place. The function that draws all texts is patched for
-this.
-"""
+"""What is written on the window and on films: every text with its place, taken from the one function that writes."""
 
 import sys
 from collections.abc import Iterator, Sequence
@@ -18,7 +16,7 @@ from softcradle.scenes import Scene
 
 
 class DrawnText(NamedTuple):
-    """A text and its whole rectangle, including parts outside the clipping area of the surface."""
+    """A text and where it is, whole: parts that the clip of the surface cuts off count too."""
 
     text: str
     rect: pygame.Rect
@@ -26,7 +24,7 @@ class DrawnText(NamedTuple):
 
 @contextmanager
 def drawn_texts(size: tuple[int, int]) -> Iterator[list[DrawnText]]:
-    """Yield a list that collects the texts drawn on surfaces of this size [pixels] while the context is open."""
+    """The texts that are written on surfaces of that size while the context is open."""
     found: list[DrawnText] = []
     original = text.write
 
@@ -45,9 +43,7 @@ def drawn_texts(size: tuple[int, int]) -> Iterator[list[DrawnText]]:
 
 
 def colliding(texts: list[DrawnText]) -> list[tuple[str, str]]:
-    """Return the pairs of texts that overlap by more than the space between lines. Pairs of bead numbers are left out
-    because beads move.
-    """
+    """Pairs of texts that lie on each other by more than the leading of their lines; numbers of beads move over each other."""
     found = []
     for one, other in combinations(texts, 2):
         common, digits = one.rect.clip(other.rect), one.text.isdigit() and other.text.isdigit()
@@ -57,7 +53,7 @@ def colliding(texts: list[DrawnText]) -> list[tuple[str, str]]:
 
 
 def contrast(one: Sequence[int], other: Sequence[int]) -> float:
-    """Return the contrast ratio of two colours, as defined by the Web Content Accessibility Guidelines (WCAG)."""
+    """Ratio of luminances of two colours, as the rules for readable text (WCAG) define it."""
     high, low = sorted((luminance(one), luminance(other)), reverse=True)
     return (high + 0.05) / (low + 0.05)
 
@@ -65,7 +61,7 @@ def contrast(one: Sequence[int], other: Sequence[int]) -> float:
 def film_texts(
     scene: Scene, motions: Sequence[Motion], size: tuple[int, int], rows: Sequence[int]
 ) -> list[list[DrawnText]]:
-    """Return the texts of the film frames of the samples `rows`. In each list, the texts of the background come first."""
+    """The texts of the frames of those rows of a film, those of its background first."""
     surface = pygame.Surface(size, 0, 32)
     with drawn_texts(size) as background:
         picture = Picture(scene, motions, size)

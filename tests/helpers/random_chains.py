@@ -1,6 +1,4 @@
-"""Random chains with start velocities, each made from a seed: collisions without dissipation, and chains with friction
-and loss.
-"""
+"""Random chains with their start velocities, each from a seed: collisions without dissipation, and chains with both kinds."""
 
 import math
 from dataclasses import replace
@@ -12,9 +10,7 @@ from softcradle.physics.numerics.elementary import power
 
 
 def ten_to(exponents):
-    """Return 10**x by the package's own power function. NumPy's last digits depend on the processor, which would change
-    the chains.
-    """
+    """10**x by the package's own function: the last digits of NumPy's depend on the processor, and with them the chains."""
     found = [power(10.0, float(one)) for one in np.atleast_1d(exponents)]
     return np.array(found) if np.ndim(exponents) else found[0]
 
@@ -32,10 +28,9 @@ LAWS = (
 
 
 def random_collision(seed, most):
-    """Return (chain, velocity) of a random collision without dissipation, with at most one wall.
+    """(chain, velocity): up to three clusters, each of one velocity, or every bead its own; at most one wall.
 
-    The beads form up to three clusters of one velocity each, or every bead has its own velocity. The chain is made from
-    a seed, because lists that Hypothesis draws repeat themselves, and most of their beads fly apart.
+    From a seed, because lists drawn by hypothesis repeat themselves and mostly fly apart.
     """
     rng = np.random.default_rng(seed)
     n = int(rng.integers(1, most + 1))
@@ -59,12 +54,12 @@ def random_collision(seed, most):
 
 
 def collisions(most=40):
-    """Return a Hypothesis strategy of random collisions with up to `most` contacts."""
+    """A hypothesis strategy of random collisions with up to `most` contacts."""
     return st.integers(0, 2**32 - 1).map(lambda seed: random_collision(seed, most))
 
 
 def random_dissipative(seed, most=6):
-    """Return (chain, velocity) with friction: mixed masses and laws, losses, gaps, sometimes a wall or a drive."""
+    """(chain, velocity) with friction: mixed masses and laws, losses, gaps, sometimes a wall or a drive."""
     draw = np.random.default_rng(seed)
     n = int(draw.integers(1, most + 1))
     mass = ten_to(draw.uniform(-1, 1, n + 1))

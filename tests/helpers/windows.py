@@ -1,4 +1,4 @@
-"""A driver that operates the real window by posted events, without a screen, and checks of the layout of its widgets."""
+"""A driver of the real window, by posted events and without a screen; and what is wrong with the layout of its widgets."""
 
 from __future__ import annotations
 
@@ -24,25 +24,23 @@ from tests.helpers.drawn_text import DrawnText, drawn_texts
 os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
 os.environ.setdefault("SDL_AUDIODRIVER", "dummy")
 
-LONGEST = 3600.0  # Longest wait for the compilation of kernels on a busy machine [s].
+LONGEST = 3600.0  # s: kernels are compiled, beside whatever else the machine does
 FRAME = 1.0 / 60.0
-LONGEST_WORK = 120.0  # Processor time [s] after which a test stops waiting and fails.
+LONGEST_WORK = 120.0  # seconds of processor time after which what a test waits for does not come
 
 
 def rarely(collect: Callable[[], None], every: int = 20) -> Callable[[], None]:
-    """Return a function that calls `collect` only every 20th time. Collections take half of the time because tests have
-    a large heap.
-    """
+    """Every twentieth collection of garbage alone: they take half of the time, and tests have a large heap to search."""
     calls = itertools.count(1)
     return lambda: None if next(calls) % every else collect()
 
 
 class Driver:
-    """Posts keys and mouse events to an App, and runs its frames.
+    """Posts keys and mouse events to an App, and lets its frames pass.
 
     Attributes:
-        app: the window. Its clock advances only between frames, so no frame depends on the load of the machine.
-        time: time of this clock [s].
+        app: the window; its clock moves between frames alone, so no frame depends on how busy the machine is.
+        time: of that clock [s].
     """
 
     opened: ClassVar[list[Driver]] = []
@@ -50,7 +48,7 @@ class Driver:
     def __init__(
         self, start: str | None = None, size: tuple[int, int] = (1280, 720), wait: bool = True, lab: bool = True
     ) -> None:
-        """Open the window. `wait`: until all kernels are in memory; `lab`: show all controls."""
+        """`wait`: until all kernels are in memory; `lab`: with all controls."""
         self.time = 0.0
         self.opened.append(self)
         self.app = App(size, start, lambda: self.time, lab)
@@ -71,7 +69,7 @@ class Driver:
         return [message.text for message in self.app.messages.visible]
 
     def frames(self, count: int = 1) -> None:
-        """Run this number of frames. Draw only the last two, because tests only look at the end."""
+        """So many frames, of which the last two are drawn: what a test looks at is the end."""
         for left in range(count - 1, -1, -1):
             self._frame(drawn=left < 2)
 
@@ -81,7 +79,7 @@ class Driver:
         self.time += FRAME
 
     def until(self, found: Callable[[], object], most: int = 0) -> None:
-        """Run frames until `found` is true, at most `most`. Without `most`, wait for a background thread of the window."""
+        """Frames until `found`, at most `most`; without, for what a thread behind the window does."""
         end, count = process_time() + LONGEST_WORK, 0
         while not found():
             assert count < most if most else process_time() < end, "nothing came"
@@ -92,17 +90,17 @@ class Driver:
         self.frames()
 
     def run(self, count: int) -> None:
-        """Press the space bar (play or pause), then run this number of frames."""
+        """Play, or pause, and let so many frames pass."""
         self.key(pygame.K_SPACE)
         self.frames(count)
 
     def play(self, count: int) -> None:
-        """Play this number of frames, then pause."""
+        """Play so many frames, and pause."""
         self.run(count)
         self.key(pygame.K_SPACE)
 
     def play_to_the_end(self) -> None:
-        """Play until the outcome card below the beads appears."""
+        """Play until the card below the beads is there."""
         if not self.session.playing:
             self.key(pygame.K_SPACE)
         self.until(lambda: self.page.outcome.text, most=900)
@@ -115,7 +113,7 @@ class Driver:
         for _ in range(times):
             for event in pressed(code, modifiers, text):
                 pygame.event.post(event)
-            self.frames(2)  # Two frames, because widgets post events themselves.
+            self.frames(2)  # widgets post events of their own
 
     def type(self, text: str) -> None:
         for letter in text:
@@ -124,7 +122,7 @@ class Driver:
     def move(self, point: tuple[float, float], buttons: tuple[int, int, int] = (0, 0, 0)) -> None:
         place = (round(point[0]), round(point[1]))
         pygame.mouse.set_pos(place)
-        pygame.event.clear(pygame.MOUSEMOTION)  # Remove the motion event of the system. Its button state is wrong.
+        pygame.event.clear(pygame.MOUSEMOTION)  # of the system, with no button down
         self.app.manager.mouse_position = place
         pygame.event.post(pygame.Event(pygame.MOUSEMOTION, pos=place, rel=(0, 0), buttons=buttons))
         self.frames()
@@ -150,7 +148,7 @@ class Driver:
         self.frames(2)
 
     def drag(self, start: tuple[float, float], end: tuple[float, float], steps: int = 8) -> None:
-        """Press at `start` and move to `end`. The button stays down."""
+        """Press at `start`, move to `end`; the button stays down."""
         self.press(start)
         for share in (k / steps for k in range(1, steps + 1)):
             self.move(pygame.Vector2(start).lerp(end, share), (1, 0, 0))
@@ -172,7 +170,7 @@ class Driver:
         self.frames(2)
 
     def enter(self, key: str, text: str) -> None:
-        """Type into the box of a number in the panel and press Enter."""
+        """Type into the box of a number in the panel, and take it."""
         entry = (self.page.explore.controls or self.page.inspector.controls)[key].entry
         self.click(entry.rect.center)
         entry.set_text("")
@@ -180,12 +178,12 @@ class Driver:
         self.key(pygame.K_RETURN)
 
     def answer(self, text: str) -> None:
-        """Type into the text line of the open dialog and press Enter."""
+        """Type into the line of the dialog that is open, and take it."""
         self.app.dialog.entry.set_text(text)
         self.key(pygame.K_RETURN)
 
     def texts(self) -> list[DrawnText]:
-        """Return all texts that the window shows now."""
+        """All that is written on the window as it is now."""
         if hasattr(self.app.page, "view"):
             self.app.page.view.backdrop.forget()
         with drawn_texts(self.app.size) as found:
@@ -208,18 +206,14 @@ class Driver:
 
 
 def pressed(code: int, modifiers: int = 0, text: str = "", times: int = 1) -> list[pygame.Event]:
-    """Return the events of a key press. `times` is the number of key-down events; more than one means that the key is
-    held.
-    """
+    """A key that goes down, so many times where it is held for long, and up."""
     values = {"key": code, "mod": modifiers, "unicode": text, "scancode": 0}
     typed = [pygame.Event(pygame.TEXTINPUT, text=text)] if text else []
     return [*[pygame.Event(pygame.KEYDOWN, values)] * times, *typed, pygame.Event(pygame.KEYUP, values)]
 
 
 def widgets(driver: Driver) -> list[UIElement]:
-    """Return the widgets of the open dialog or of the page. Tooltips and open lists are left out because they cover
-    other widgets on purpose.
-    """
+    """Those of the dialog, or of the page but for tooltips and unfolded lists, which lie on other widgets on purpose."""
     dialog = driver.app.dialog
     if dialog is not None and dialog.open:
         found = dialog.manager.get_root_container().elements

@@ -1,6 +1,4 @@
-"""Tests of bed friction and contacts with loss: closed forms, sticking, the end of a motion, error messages, live
-steps.
-"""
+"""Bed friction and contacts with loss: closed forms, sticking, the end of a motion, refusals, live steps."""
 
 import math
 from dataclasses import replace
@@ -21,16 +19,14 @@ from tests.helpers.relations import SET_VALUED, fineness, ledger_error, simulate
 from tests.helpers.spaces import LOSSY
 
 DISSIPATIVE = [method.name for method in METHODS if method.dissipative]
-# Allowed error of a restitution; 1e-7 for methods that are not listed.
+# of a restitution; of others 1e-7
 ERRORS = {"conserving": 1e-6, "euler": 2e-2, "verlet": 4e-3, "pymunk": 2e-2, "accurate": 1e-9, "scipy": 1e-11}
 
 
 @pytest.mark.parametrize("method", DISSIPATIVE)
 @pytest.mark.parametrize("friction", [0.05, 0.6])
 def test_a_bead_slides_to_rest(method, friction):
-    """Check that a bead stops after the time v/(mu g) and the distance v²/(2 mu g), and that the bed absorbs all its
-    energy.
-    """
+    """It stops after v/(mu g), v²/(2 mu g) on, and the bed has all its energy."""
     chain = Chain([2.0, 1.0], power_law(1.0, 0.1), gap=50.0, friction=friction)
     time = 1.5 / (friction * GRAVITY)
     step = None if find_method(method).adaptive else time / 333.3
@@ -51,8 +47,8 @@ def place(velocity, brake, time):
     return (velocity - 0.5 * math.copysign(brake, velocity) * time) * time
 
 
-def test_sliding_beads_meet_as_on_a_grid_of_times():
-    """Compare with a grid of times, for beads with equal brakes, different brakes, and without brakes, like walls."""
+def test_sliding_beads_meet_where_a_grid_of_times_says_so():
+    """Alike braked, or not, or not at all, as walls."""
     rng, last = np.random.default_rng(1), np.array([1e3, 1e5, 1e7])
     for _ in range(3000):
         one, other = rng.choice([0.0, 1.0, -1.0], 2) * 10.0 ** rng.uniform(-1.0, 1.0, 2)
@@ -66,9 +62,7 @@ def test_sliding_beads_meet_as_on_a_grid_of_times():
 @pytest.mark.parametrize("method", DISSIPATIVE)
 @pytest.mark.parametrize("law", LOSSY)
 def test_restitution_of_one_on_one(method, law):
-    """Check that a contact returns (1 - loss) of the energy. The restitution is sqrt(1 - loss) for any law, and
-    unloading is slower by the same factor.
-    """
+    """What comes back is (1 - loss) of the energy: restitution sqrt(1 - loss), whatever the law; it opens as much slower."""
     found = simulate(one_on(1, LOSSY[law], [1.0, 3.0]), [1.0, 0.0], method=method, tolerance=1e-11)
     parting = found.final_velocity[1] - found.final_velocity[0]
     error = max(ERRORS.get(method, 1e-7), 1e-5 if (law, method) == ("Hertz", "conserving") else 0.0)
@@ -76,19 +70,15 @@ def test_restitution_of_one_on_one(method, law):
     assert found.final_velocity @ [1.0, 3.0] == pytest.approx(1.0, rel=1e-12)
     assert found.absorbed_by_contacts[-1] == pytest.approx(0.8 * 0.375, rel=error)
     assert found.absorbed_by_bed[-1] == 0.0
-    # The law "preload and root" has no closed form of the contact time.
-    if law != "preload and root" and find_method(method).adaptive:
+    if law != "preload and root" and find_method(method).adaptive:  # that has no closed form
         ((closed, opened),) = found.contact_intervals[0]
         time = one_on_one(replace(LOSSY[law], loss=0.0), 0.75, 1.0).contact_time
         assert opened - closed == pytest.approx(0.5 * time * (1.0 + 1.0 / math.sqrt(0.2)), rel=1e-6)
 
 
-# Other methods use f = 0 at overlap 0, so their contacts chatter.
-@pytest.mark.parametrize("method", [one.name for one in SET_VALUED])
+@pytest.mark.parametrize("method", [one.name for one in SET_VALUED])  # others have f = 0 at overlap 0, and chatter
 def test_a_push_below_the_threshold_moves_nothing(method):
-    """Push four beads on a bed. With 0.99 of their total friction they stay bitwise at rest. With 1.01 all have the
-    same motion.
-    """
+    """Four beads on a bed, pushed with 0.99 mu g of all of them, stay bit for bit; with 1.01 they all move alike."""
     weight = 0.3 * GRAVITY * 4
     for share in (0.99, 1.01):
         chain = Chain([1.0] * 4, draft_gear(100.0, 0.5), drive=[share * weight, 0.0, 0.0, 0.0], friction=0.3)
@@ -102,8 +92,8 @@ def test_a_push_below_the_threshold_moves_nothing(method):
 
 
 @pytest.mark.parametrize("method", ["euler", "verlet", "conserving", "pymunk"])
-def test_the_bed_absorbs_nothing_from_a_held_bead(method):
-    """Check that the absorbed energy of a stopped bead does not depend on the number of samples."""
+def test_the_bed_takes_nothing_from_a_bead_that_it_holds_against_a_push(method):
+    """So what it has absorbed of one that has stopped is the same however often it is asked."""
     chain = Chain([1.0, 1.0], hertz(1e3), gap=0.5, drive=[0.5, 0.0], friction=0.3)
     few, many = (simulate(chain, [0.5, 0.0], 1.0, method, 1e-3, samples=samples) for samples in (2, 101))
     stopped = many.time > 0.25
@@ -113,9 +103,7 @@ def test_the_bed_absorbs_nothing_from_a_held_bead(method):
 
 
 def test_beads_that_a_weak_impact_does_not_reach_stay():
-    """Check a long row. Beads that friction holds must not move by one bit relative to the last bead, which is the
-    anchor.
-    """
+    """On a long row beads that friction holds do not move by one bit relative to the last, which is the anchor."""
     chain = Chain([1.0] * 11 + [1.5], hertz(1e6), gap=0.001, friction=0.5)
     found = simulate(chain, [0.3] + [0.0] * 11, method="conserving")
     moved = found.position[-1] != found.position[0]
@@ -137,10 +125,8 @@ def test_the_end_comes_when_nothing_can_meet_again():
 
 @pytest.mark.parametrize("method", ["accurate", "radau"])
 @pytest.mark.parametrize("seed", range(20))
-def test_motions_with_friction_and_loss_end(method, seed):
-    """Check that beads joined by a held contact stop together, and that creeping at round-off counts as rest. Runs
-    continued to 1e45 s.
-    """
+def test_what_rubs_and_loses_comes_to_its_end(method, seed):
+    """Beads that a held contact joins rest together, and one that creeps at round-off rests; runs once went on to 1e45 s."""
     draw = np.random.default_rng(seed)
     beads = int(draw.integers(2, 6))
     kinds = power_law(1.0, 0.5), step_force(1.0), hertz(10.0), power_law(5.0, 0.1)
@@ -159,9 +145,7 @@ def test_motions_with_friction_and_loss_end(method, seed):
 @pytest.mark.parametrize("law", [step_force(1e3), power_law(1e4, 0.045)])
 @pytest.mark.parametrize("step", [0.003, 0.015])
 def test_bounces_within_steps_lose_to_the_bed(law, step):
-    """Press a bead on a wall with a force much larger than mu m g. Its velocity at the wall decreases linearly by mu
-    g/2 to 0.
-    """
+    """A force presses a bead on a wall: where it far exceeds mu m g the velocity at the wall falls by mu g/2, evenly, to 0."""
     chain = Chain([1.0, math.inf], law, drive=[100.0, 0.0], friction=1.0 / GRAVITY)
     found = simulate(chain, [0.05, 0.0], 0.15, "conserving", step, samples=11)
     assert np.abs(found.velocity).max(axis=1) == pytest.approx(np.maximum(0.05 - 0.5 * found.time, 0.0), abs=3e-4)
@@ -171,9 +155,7 @@ def test_bounces_within_steps_lose_to_the_bed(law, step):
 @pytest.mark.parametrize("mass", [0.0013, 0.1])
 @pytest.mark.parametrize("method", ["accurate", "radau"])
 def test_a_light_bead_that_a_steady_force_presses_comes_to_its_end(method, mass):
-    """Check the end of a light bead. Its last bounces are shorter than any step, and then it creeps. Runs did not end,
-    or ended at 1e10 s.
-    """
+    """Its last bounces are far shorter than any step, and then it creeps ever slower: it went on for ever, or for 1e10 s."""
     chain = Chain([1.0, mass, 1.0], [power_law(8165.0, 0.045), step_force(0.2435)], friction=0.1)
     found = simulate_quietly(chain, [1.0, 0.0, 0.0], method=method, samples=2, tolerance=1e-6)
     assert found.final_velocity.tolist() == [0.0, 0.0, 0.0]
@@ -184,9 +166,7 @@ def test_a_light_bead_that_a_steady_force_presses_comes_to_its_end(method, mass)
 @pytest.mark.parametrize("seed", [2, 9, 27, 39])
 @pytest.mark.parametrize("method", ["accurate", "radau"])
 def test_beads_that_stick_beside_one_that_creeps_do_not_move(method, seed):
-    """Check sticking beads next to a creeping bead. They moved with the precision of the stages for 1e8 s, and the
-    gears between them gained energy.
-    """
+    """Their velocities were the precision of the stages: for 1e8 s, in which the gears between them gave energy."""
     draw = np.random.default_rng(seed)
     mass = [1.0, 10.0 ** draw.uniform(-3.0, -0.5), 10.0 ** draw.uniform(-0.3, 0.3)]
     soft = power_law(10.0 ** draw.uniform(2.0, 4.5), draw.uniform(0.03, 0.3))
@@ -199,8 +179,8 @@ def test_beads_that_stick_beside_one_that_creeps_do_not_move(method, seed):
 
 
 @pytest.mark.parametrize("seed", [784, 819])
-def test_sticking_beads_next_to_a_stiff_contact_do_not_block_the_end(seed):
-    """Check seeds of the scan in which a step of the fallback produced NaN, so that the run did not end."""
+def test_contacts_between_beads_that_stick_beside_a_stiff_one_keep_no_run_from_its_end(seed):
+    """A step of the fallback made no numbers of them, and then went on for ever: found by the scan."""
     motion = families.motion("friction", seed)
     given = motion.chain, motion.velocity, motion.duration
     radau, accurate = (solve(*given, each, samples=2, tolerance=1e-11).final_velocity for each in ("radau", "accurate"))

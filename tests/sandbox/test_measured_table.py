@@ -1,6 +1,4 @@
-"""Tests of tables of measurements: exports of ten programs are read with their units, and errors name their line and
-column.
-"""
+"""Tables of measurements: exports of ten programs are read with their units, and unclear tables are refused at their place."""
 
 import numpy as np
 import pytest

@@ -1,6 +1,4 @@
-"""Tests of the languages of the window: the locale or a key chooses one, which changes all texts at once, and numbers
-get its decimal mark.
-"""
+"""The languages of the window: chosen by the locale or a key, at once and for all that is shown; numbers with their mark."""
 
 import re
 from types import SimpleNamespace
@@ -21,21 +19,21 @@ from softcradle.sandbox.window.settings import Settings, system_language
 from tests.helpers.windows import Driver
 
 
-def test_a_key_changes_the_language(driver: Driver) -> None:
+def test_a_key_takes_the_next_language_at_once_and_for_the_next_start(driver: Driver) -> None:
     driver.key(pygame.K_F8)
     assert driver.page.toolbar.buttons["undo"].text == "Rückgängig"
     assert driver.messages == ["Deutsch"]
     assert Settings.load().language == language() == "de"
     assert "One bead on four" not in {one.text for one in driver.texts()}
     driver.app.close()
-    assert language() == "en"  # Only the window uses the other language.
+    assert language() == "en"  # what the window alone has
     again = Driver()
     for code in ("de", "fr", "en"):
         assert language() == code
         again.key(pygame.K_F8)
 
 
-def test_the_system_locale_chooses_the_language(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_locale_chooses_also_where_no_variable_has_it(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in VARIABLES:
         monkeypatch.delenv(name, raising=False)
     for preferred, code in (([{"language": "ja"}, {"language": "fr"}], "fr"), ([], "en")):
@@ -52,7 +50,7 @@ def german(monkeypatch: pytest.MonkeyPatch) -> Driver:
     return Driver("one-on-four")
 
 
-def test_numbers_and_messages_follow_the_language(german: Driver) -> None:
+def test_boxes_take_and_show_the_mark_of_the_language_and_refusals_and_verdicts_follow_it(german: Driver) -> None:
     german.select("contact", 1)
     assert german.page.inspector.controls["exponent"].entry.get_text() == "0,1"
     german.enter("exponent", "0,25")
@@ -60,11 +58,11 @@ def test_numbers_and_messages_follow_the_language(german: Driver) -> None:
     assert german.page.inspector.controls["exponent"].entry.get_text() == "0,25"
     german.enter("loss", "1,5")
     assert german.messages[-1].startswith("der Verlust eines Kontakts muss >= 0 und unter 1 sein, nicht 1,5")
-    assert error_words(ValueError(TWO_WALLS)).startswith("zwei Wände")  # The error message inside another message.
-    assert german.page.cards.health[0].sentence == "Genauigkeit in Ordnung (conserving)"
+    assert error_words(ValueError(TWO_WALLS)).startswith("zwei Wände")  # within another message
+    assert german.page.cards.health[0].sentence.endswith("hält seine Fehler klein")
     german.key(pygame.K_F8)
     german.frames(30)
-    assert german.page.cards.health[0].sentence == "précision tenue (conserving)"
+    assert german.page.cards.health[0].sentence.endswith("garde ses erreurs petites")
 
 
 def test_words_are_taken_in_the_language_and_in_english(german: Driver) -> None:
@@ -78,7 +76,7 @@ def test_words_are_taken_in_the_language_and_in_english(german: Driver) -> None:
 
 
 @pytest.mark.parametrize("code", [code for code in LANGUAGES if code != "en"])
-def test_names_of_methods_fit_their_place(code: str) -> None:
+def test_what_methods_and_choices_are_called_fits_its_place(code: str) -> None:
     translation.use_language(code)
     summaries = [translation.gettext(method.summary) for method in METHODS]
     assert not [text for text in summaries if width(text, 13.0) > page_geometry.PANEL - 24]
@@ -87,7 +85,7 @@ def test_names_of_methods_fit_their_place(code: str) -> None:
 
 
 def cyrillic(message: str) -> str:
-    """Return the message with each letter replaced by a Cyrillic one. Placeholders stay."""
+    """Every letter is moved on to one of Cyrillic; placeholders stay."""
     return re.sub(r"\{[^{}]*\}|[A-Za-z]", lambda one: one[0] if one[0][1:] else chr(ord(one[0]) + 0x3CF), message)
 
 
@@ -100,18 +98,17 @@ OTHER = SimpleNamespace(
 
 NAMES = {"softcradle", "auto", "SoftChain", "SoftContact", *(method.name.strip("4") for method in METHODS)}
 NAMES |= {language.name for language in LANGUAGES.values()}
-# Actions that leave the page or change the language.
-LEAVING = ("quit", "fullscreen", "language", "leave", "paste", "compare")
+LEAVING = ("quit", "fullscreen", "language", "leave", "paste", "compare")  # actions that leave the page or the language
 
 
 def english_words(text: str) -> list[str]:
-    """Return the words in English letters, except names and paths."""
+    """Words in English letters, apart from names and paths."""
     tokens = [token for token in text.split() if not re.search(r"/|^.?\.\w|\w\.\w", token)]
     return [word for token in tokens for word in re.findall(r"[A-Za-z]{3,}", token) if word not in NAMES]
 
 
 def shown_texts(driver: Driver) -> list[str]:
-    """Return all drawn texts, and the texts and tooltips of widgets, messages and dialogs."""
+    """All that is written, the texts and tooltips of widgets, messages and dialogs."""
     app = driver.app
     found = [one.text for one in driver.texts()] + driver.messages
     managers = [app.manager] + ([app.dialog.manager] if app.dialog is not None and app.dialog.open else [])
@@ -123,7 +120,7 @@ def shown_texts(driver: Driver) -> list[str]:
 
 @pytest.fixture
 def other(monkeypatch: pytest.MonkeyPatch) -> Driver:
-    """Return the window in a language in which every message differs from the source in every letter."""
+    """The window in a language in which every message differs from the source in each letter."""
     monkeypatch.setattr(translation, "catalogue", lambda code: OTHER)
     monkeypatch.setenv("LANGUAGE", "de")
     return Driver()
