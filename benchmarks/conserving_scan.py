@@ -1,7 +1,8 @@
-"""``python -m benchmarks conserving``: seeded random chains at steps from fine to coarse; does every step converge and conserve?
+"""``python -m benchmarks conserving``: test method conserving on random chains with steps from fine to coarse.
 
-A step of the discrete gradient solves for the forces of all contacts at once. Chains come from the families of the scan, most of
-them with friction or loss; momentum and the ledger of energy hold to round-off at any step, so both are asked at all of them.
+A step of the discrete gradient solves for the forces of all contacts at once. The scan checks that every step converges
+and conserves momentum and energy. The chains come from the families of the scan, most of them with friction or loss.
+Momentum and the energy balance must hold up to round-off at any step size.
 """
 
 from __future__ import annotations
@@ -26,20 +27,24 @@ from benchmarks.reports import Report
 from benchmarks.scan.families import motion
 
 FAMILIES = ("friction", "loss", "friction", "loss", "clusters", "mixed", "driven", "walls", "gears", "hooke-hertz")
-COARSER = (0.3, 3.0, 30.0)  # times the default step: the next chain takes the next
-LONGEST = 2000.0  # steps: longer motions end there
-KEEPING = ("power", "mixed", "clusters", "walls", "hooke-hertz", "gears", "extreme", "driven")  # families of `--errors`
-LOSING = ("friction", "loss")  # families of `--errors --lossy`
-STEPS_OF_ERRORS = (1.0, 4.0)  # times the default step
-LONGEST_COLLISION = 12_000.0  # default steps
-FINER = 9.3  # times: the step that others are compared with
-LARGE = 1e-3  # error of the closing speed
-CHUNK = 50  # chains that a process takes at once
+COARSER = (0.3, 3.0, 30.0)  # Step sizes, in default steps. Successive chains use them in turn.
+LONGEST = 2000.0  # Longest run, in steps. Longer motions end there.
+# Families of `--errors`, without friction and loss.
+KEEPING = ("power", "mixed", "clusters", "walls", "hooke-hertz", "gears", "extreme", "driven")
+LOSING = ("friction", "loss")  # Families of `--errors --lossy`.
+STEPS_OF_ERRORS = (1.0, 4.0)  # Step sizes of `--errors`, in default steps.
+LONGEST_COLLISION = 12_000.0  # Longest run of `--errors`, in default steps.
+FINER = 9.3  # Ratio of the default step to the step of the run with which the others are compared.
+LARGE = 1e-3  # Error above which a run is listed, as a fraction of the closing speed.
+CHUNK = 50  # Number of chains that a process gets at once.
 
 
 @dataclass(frozen=True)
 class Found:
-    """One run: its chain, and by how much momentum (None on a bed or at walls) and energy are off, relative to the largest."""
+    """The result of one run: its chain, and the errors of momentum and energy, relative to their largest values.
+
+    The error of the momentum is None on a bed or with walls.
+    """
 
     family: str
     seed: int
@@ -52,7 +57,7 @@ class Found:
 
 
 def run(number: int) -> Found:
-    """The run of that number."""
+    """Return the result of run `number`."""
     family, coarser = FAMILIES[number % len(FAMILIES)], COARSER[number // len(FAMILIES) % len(COARSER)]
     moving = motion(family, number)
     chain, velocity = moving.chain, np.array(moving.velocity)
@@ -64,7 +69,8 @@ def run(number: int) -> Found:
     codes = {warning.code for warning in found.warnings}
     mass = chain.finite_mass
     force = np.abs(chain.drive_force).sum() if chain.drive else 0.0
-    worked = force * np.abs(found.position).max(axis=1)  # the ledger tells work by positions, to round-off of this
+    # The energy balance computes work from positions, so its round-off is relative to this product.
+    worked = force * np.abs(found.position).max(axis=1)
     free = not chain.friction and not chain.walls
     moved = found.velocity @ mass - found.impulse
     most = float(np.abs(found.velocity * mass).sum(axis=1).max()) or 1.0
@@ -76,7 +82,7 @@ def run(number: int) -> Found:
 
 
 def report(found: Sequence[Found]) -> Report:
-    """A row for each family and each step."""
+    """Return the table with a row for each family."""
     rows = []
     for family in (*dict.fromkeys(FAMILIES), "all"):
         mine = [one for one in found if family in (one.family, "all")]
@@ -105,7 +111,10 @@ def report(found: Sequence[Found]) -> Report:
 
 @dataclass(frozen=True)
 class Error:
-    """What velocities are off by, of the closing speed or what the drive gives, and how often contacts closed again."""
+    """The error of the final velocities, and how often contacts closed again.
+
+    The error is relative to the closing speed, or to the speed that the drive gives.
+    """
 
     seed: int
     coarser: float
@@ -115,7 +124,7 @@ class Error:
 
 
 def errors(number: int, families: Sequence[str] = KEEPING) -> list[Error]:
-    """What conserving is off by in the random collision of that number, at each of the steps."""
+    """Return the errors of conserving in random collision `number`, for each step size."""
     moving = motion(families[number % len(families)], number)
     chain, velocity = moving.chain, np.array(moving.velocity)
     step, found = default_step(chain, velocity, moving.duration), []
@@ -132,7 +141,7 @@ def errors(number: int, families: Sequence[str] = KEEPING) -> list[Error]:
 
 
 def error_report(found: Sequence[Error], options: str = "") -> Report:
-    """A row for each step, with and without the warning of contacts that close again."""
+    """Return the table with two rows for each step size: with and without the warning that contacts close again."""
     rows = []
     for coarser in STEPS_OF_ERRORS:
         for warned in (False, True):
@@ -176,7 +185,7 @@ def error_report(found: Sequence[Error], options: str = "") -> Report:
 
 
 def main(arguments: list[str]) -> int:
-    """Run the scan; the exit code is 1 where a step did not converge."""
+    """Run the scan. Return the exit code, which is 1 if a step did not converge."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks conserving", description=__doc__.splitlines()[0])
     parser.add_argument("--count", type=int, default=1000, help="chains in all (default %(default)s)")
     parser.add_argument("--first", type=int, default=0, metavar="SEED", help="the first seed (default 0)")

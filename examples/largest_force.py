@@ -1,4 +1,4 @@
-"""A user-defined graph: the force of a contact grows to a largest value, as in a crush zone, and it loses no energy."""
+"""A user-defined force graph: the force grows up to a largest value, as in a crush zone, and no energy is lost."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from softcradle import Chain, Coupler, draft_gear, simulate
 
 @dataclass(frozen=True)
 class LargestForce(Coupler):
-    """A linear gear ``push`` whose force stays at `most` [N]: on a second segment its stop cancels the stiffness."""
+    """A linear gear ``push`` whose force is limited to `most` [N]: a second segment cancels the stiffness."""
 
     most: float = 0.0
 
     @property
     def yields_at(self) -> float:
-        """The overlap [m] at which it has its largest force."""
+        """The overlap [m] at which the force reaches `most`."""
         return (self.most - self.push.preload) / self.push.stiffness
 
     @property
     def segments(self) -> list[Segment]:
-        """The gear, and beyond it a force that does not grow."""
+        """The segment of the gear, followed by a segment of constant force."""
         law, way = self.push, self.yields_at
         return [gear_segment(law, 1.0, 0.0, length=way), gear_segment(law, 1.0, way, way, -law.stiffness)]
 

@@ -212,6 +212,33 @@ class Trajectory(Moving):
     def _bead(self) -> NDArray[np.bool_]:
         return np.isfinite(self.chain.mass)
 
+    def hits(self) -> NDArray[np.void]:
+        """Return the table of all hits: contact, begin, end, impulse, closing speed, largest force, energy lost.
+
+        The motion is computed again with samples at the contact times and at the largest overlaps, so the values do not depend on
+        the samples of this Trajectory. See :func:`softcradle.physics.analysis.hits.hits`.
+
+        Returns
+        -------
+        ndarray
+            Structured array, sorted by `begin`; `pandas.DataFrame(table)` makes a data frame of it.
+
+        Raises
+        ------
+        ValueError
+            If the samples do not begin at t = 0, or if the motion cannot be computed again (it was played by hand).
+
+        Examples
+        --------
+        >>> from softcradle import hooke, one_on, simulate
+        >>> table = simulate(one_on(1, hooke(4.0)), [1, 0]).hits()
+        >>> table["impulse"].round(6), table["largest_force"].round(6)
+        (array([1.]), array([1.414214]))
+        """
+        from softcradle.physics.analysis.hits import hits
+
+        return hits(self)
+
     def save(self, path: trajectory_file.Path) -> None:
         """Write everything, the chain and the versions included, to an .npz file that :meth:`load` reads back."""
         values = {item.name: getattr(self, item.name) for item in fields(self)}

@@ -1,4 +1,4 @@
-"""The catalogue of scenes, and scenes by name or by the path of a file."""
+"""Catalogue of scenes, and loading of scenes by name or by path."""
 
 import difflib
 import errno
@@ -11,19 +11,19 @@ from softcradle.scenes.scene_schema import Scene
 from softcradle.scenes.toml_mistakes import MOST_SHOWN, read_toml
 
 CATALOGUE = Path(__file__).parent / "catalogue"
-MOST_TEXT = 2**26  # characters of a file: the longest lane has some millions
+MOST_TEXT = 2**26  # Most characters that are read from a file. A lane of the largest size has a few million.
 
 
 def names() -> tuple[str, ...]:
-    """Names of the scenes that ship with softcradle, sorted."""
+    """Return the sorted names of the scenes that are part of softcradle."""
     return tuple(sorted(path.stem for path in CATALOGUE.glob("*.toml")))
 
 
 def load(name_or_path: str | Path) -> Scene:
-    """The scene of the catalogue by that name, or the scene in the file at that path.
+    """Return the scene of the catalogue with this name, or the scene in the file at this path.
 
     Raises:
-        SceneError: the scene or file does not exist, or the file is not a scene; one sentence for each problem.
+        SceneError: the scene or file does not exist, or the file is not a valid scene; one sentence for each problem.
 
     >>> load("one-on-four").lanes[0].velocity
     (1.0, 0.0, 0.0, 0.0, 0.0)
@@ -32,12 +32,14 @@ def load(name_or_path: str | Path) -> Scene:
 
 
 def text_of(name_or_path: str | Path) -> str:
-    """The text of that scene's file, to start one's own scene from. Raises SceneError."""
+    """Return the text of the file of a scene, for example as a start for a new scene. Raise SceneError."""
     return _read(str(name_or_path))[0]
 
 
 def parse(text: str, file: str = "scene") -> Scene:
-    """Return the scene that the TOML `text` describes. Raise SceneError with every problem; these call it `file`."""
+    """Return the scene that the TOML `text` describes. Raise SceneError with every problem; the messages call the text
+    `file`.
+    """
     table, mistakes = read_toml(text)
     problems = [f"{file}: {mistake}" for mistake in mistakes]
     scene = None
@@ -52,7 +54,7 @@ def parse(text: str, file: str = "scene") -> Scene:
 
 
 def _read(wanted: str) -> tuple[str, str]:
-    """The text of the wanted scene, and the name of its file in errors."""
+    """Return the text of the scene and the name of its file for error messages."""
     shipped = CATALOGUE / f"{wanted}.toml"
     if wanted in names():
         return shipped.read_text(encoding="utf-8"), shipped.name
@@ -66,12 +68,12 @@ def _read(wanted: str) -> tuple[str, str]:
         raise SceneError([f"{wanted}: not a text file in UTF-8: {_encoding_hint(error)}"]) from None
     except OSError as error:
         raise SceneError([f"cannot read {wanted}: {(error.strerror or str(error)).lower()}"]) from None
-    except ValueError:  # a name that no file can have
+    except ValueError:  # The name is not possible for a file, for example because it contains a null character.
         raise SceneError([f"there is no file {wanted!r}"]) from None
 
 
 def text_in(path: str) -> str:
-    """Return the text of a file, which can be a pipe. Raise OSError, and ValueError if it is not text in UTF-8."""
+    """Return the text of a file or pipe. Raise OSError, or ValueError if the content is not text in UTF-8."""
     with open(path, encoding="utf-8-sig") as file:
         text = file.read(MOST_TEXT)
     if len(text) == MOST_TEXT:
@@ -80,7 +82,9 @@ def text_in(path: str) -> str:
 
 
 def _encoding_hint(error: UnicodeDecodeError) -> str:
-    """Return what to do about a file in another encoding, with the line if it is one of 8 bits a character."""
+    """Return advice about a file in another encoding. If the file has one byte per character, show the line of the
+    problem.
+    """
     data = bytes(error.object)
     remedy = "save it as UTF-8"
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):

@@ -1,4 +1,6 @@
-"""The contact of a scene file, a table such as ``{law = "power_law", f0 = 1.0, alpha = "1/10"}``, and that of a Contact."""
+"""Conversion between contacts and their tables in scene files, such as ``{law = "power_law", f0 = 1.0, alpha =
+"1/10"}``.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,7 @@ from softcradle import physics
 
 
 class AnyLaw(Table):
-    """A contact between two beads, by the name of its law."""
+    """Contact between two beads with the name of its law."""
 
     law: str
 
@@ -35,16 +37,20 @@ class AnyLaw(Table):
 
 
 class Law(AnyLaw):
-    """A contact law by name; its other keys are its numbers. `loss` may be left out: 0, elastic."""
+    """Contact law by name; its other keys are the parameters of the law. The default of `loss` is 0, an elastic
+    contact.
+    """
 
     loss: Loss = 0.0
 
     def contact(self) -> physics.Contact:
-        """The contact that the table describes."""
+        """Return the contact that the table describes."""
         return KIND_BY_NAME[self.law].constructor(**{name: value for name, value in self if name != "law"})
 
     def __reduce__(self) -> tuple[Callable[[Any], Law], tuple[dict[str, Any]]]:
-        """Its table, which is read again in another process: no module holds the models of laws by name."""
+        """Return the table. Another process reads it again, because the model classes of laws are not found by name in
+        a module.
+        """
         return read_law, (self.model_dump(exclude_unset=True),)
 
 
@@ -57,14 +63,16 @@ MODELS = {kind.law: _model(kind) for kind in KINDS}
 
 
 def read_law(table: Any) -> Law:
-    """The law that a table of a scene file describes. Its name is checked first, because it decides on the other keys."""
+    """Return the law that a table of a scene file describes. Its name is checked first, because it determines the other
+    keys.
+    """
     found = _read(table, [kind.law for kind in KINDS])
     assert isinstance(found, Law)
     return found
 
 
 def _read(table: Any, laws: list[str]) -> AnyLaw:
-    """Return the contact that a table describes, one of the `laws` that are allowed there."""
+    """Return the contact that a table describes. Its law must be one of `laws`."""
     if isinstance(table, AnyLaw):
         return table
     if not isinstance(table, Mapping):
@@ -81,7 +89,9 @@ def _read(table: Any, laws: list[str]) -> AnyLaw:
 
 
 def _raise_unknown_law(law: Any, table: Mapping[str, Any], laws: list[str]) -> NoReturn:
-    """Raise the problem of an unknown law, and the problems of its numbers if the law that was meant is known."""
+    """Raise the problem of an unknown law. If the intended law can be guessed, raise the problems of its parameters as
+    well.
+    """
     meant = SAME_LAWS.get(str(law).lower()) or next(iter(difflib.get_close_matches(str(law), laws, n=1)), "")
     known = str(law).lower() in SAME_LAWS
     sentence = (
@@ -97,14 +107,14 @@ def _raise_unknown_law(law: Any, table: Mapping[str, Any], laws: list[str]) -> N
 
 
 class CouplerTable(AnyLaw):
-    """A coupler of a train, as :class:`softcradle.Coupler`: pushes, has slack, pulls, and goes solid at full travel.
+    """Coupler of a train, see :class:`softcradle.Coupler`. It pushes, has slack, pulls, and goes solid at full travel.
 
     Attributes:
-        push: the contact law that it pushes with, a table.
-        pull: the contact law that it pulls with, a table; without it the coupler pulls nothing.
-        slack: way between pushing and pulling [m].
-        travel: way of a gear until it is solid [m]; needs `stop`.
-        stop: stiffness beyond the travel, beside the gear's law [N/m]; needs `travel`.
+        push: table of the contact law for pushing.
+        pull: table of the contact law for pulling; by default the coupler does not pull.
+        slack: distance between pushing and pulling [m].
+        travel: compression of a gear at which it becomes solid [m]; requires `stop`.
+        stop: stiffness added to the law of the gear beyond the travel [N/m]; requires `travel`.
     """
 
     push: GearTable
@@ -114,7 +124,7 @@ class CouplerTable(AnyLaw):
     stop: NotNegative = 0.0
 
     def contact(self) -> physics.Coupler:
-        """The coupler that the table describes."""
+        """Return the coupler that the table describes."""
         pull, travel = (
             None if self.pull is None else self.pull.contact(),
             math.inf if self.travel is None else self.travel,
@@ -135,7 +145,7 @@ ContactTable = Annotated[
 
 
 def table_of(contact: physics.Contact | physics.Coupler, accuracy: float = 0.0) -> AnyLaw:
-    """The table of a contact, see :func:`law_of`, or of a coupler."""
+    """Return the table of a contact (see :func:`law_of`) or of a coupler."""
     if isinstance(contact, physics.Contact):
         return law_of(contact, accuracy)
     pull = None if contact.pull is None else law_of(contact.pull, accuracy)
@@ -145,7 +155,9 @@ def table_of(contact: physics.Contact | physics.Coupler, accuracy: float = 0.0) 
 
 
 def law_of(contact: physics.Contact, accuracy: float = 0.0) -> Law:
-    """The law of the most special kind that gives `contact`; its preload may differ by a relative error of `accuracy`."""
+    """Return the law of the most special kind that describes `contact`. `accuracy` is the allowed relative error of the
+    preload.
+    """
     preload, stiffness, exponent = contact.preload, contact.stiffness, contact.exponent
     precompression = _precompression(preload, stiffness, accuracy) if stiffness and exponent == 1.0 else None
     if stiffness == 0.0:
@@ -162,7 +174,10 @@ def law_of(contact: physics.Contact, accuracy: float = 0.0) -> Law:
 
 
 def _precompression(preload: float, stiffness: float, accuracy: float) -> float | None:
-    """The precompression [m] that gives `preload`, of several the shortest to write; None where rounding excludes all."""
+    """Return the precompression [m] that gives `preload`, or None if rounding excludes every candidate.
+
+    If several candidates fit, the one with the shortest text is returned.
+    """
     quotient = preload / stiffness
     near = (quotient, math.nextafter(quotient, 0.0), math.nextafter(quotient, math.inf))
     fitting = [length for length in near if math.isclose(stiffness * length, preload, rel_tol=accuracy)]

@@ -1,4 +1,6 @@
-"""Contacts in one line of text, as on a command line: ``power_law(1, 1/10)``, ``draft_gear(770, ...)``, and back."""
+"""Conversion between contacts and one line of text, as on a command line: ``power_law(1, 1/10)``, ``draft_gear(770,
+...)``.
+"""
 
 import re
 import tomllib
@@ -15,16 +17,17 @@ from softcradle import physics
 
 TABLE: TypeAdapter[Law] = TypeAdapter(GearTable)
 CALL = re.compile(r"\s*([A-Za-z_]+)\s*\((.*)\)\s*")
-ACCURACY = 1e-6  # relative; that of the six digits in which numbers are written
+ACCURACY = 1e-6  # Relative accuracy of the six digits with which numbers are written.
 
 
 def contact_from(text: str) -> Law:
-    """The contact that `text` names, such as ``power_law(1, 1/10)`` or ``draft_gear(stiffness=5, precompression=0.2)``.
+    """Return the contact that `text` describes, such as ``power_law(1, 1/10)`` or ``draft_gear(stiffness=5,
+    precompression=0.2)``.
 
     The names of laws are those of Python or of scene files.
 
     Raises:
-        SceneError: `text` names no contact; one sentence.
+        SceneError: `text` does not describe a contact; one sentence.
 
     >>> contact_from("power_law(1, alpha=1/10)").contact() == physics.power_law(1.0, 0.1)
     True
@@ -43,7 +46,7 @@ def contact_from(text: str) -> Law:
 
 
 def _numbers(text: str, law: str, arguments: str) -> dict[str, Any]:
-    """The values in `arguments`, which belong to the call `text` of `law`, by the names of the numbers."""
+    """Return the parameters in `arguments`, by name. `text` is the whole call of `law`, for error messages."""
     names = list(KIND_BY_NAME[law].numbers)
     found: dict[str, Any] = {}
     words = [word.strip() for word in arguments.split(",")] if arguments.strip() else []
@@ -59,7 +62,9 @@ def _numbers(text: str, law: str, arguments: str) -> dict[str, Any]:
 
 
 def _number(text: str) -> Any:
-    """A number as TOML reads it; a fraction and anything else as text, which the table of the law then judges."""
+    """Return a number as TOML reads it. Return a fraction or anything else as text, which the table of the law then
+    checks.
+    """
     try:
         value = tomllib.loads(f"x = {text}")["x"]
     except (ValueError, RecursionError):
@@ -68,7 +73,8 @@ def _number(text: str) -> Any:
 
 
 def contact_text(contact: AnyLaw | Joint) -> str:
-    """The contact as one line of text, numbers to six digits; :func:`contact_from` reads back what is one contact law.
+    """Return the contact as one line of text, with numbers of six digits. :func:`contact_from` can read it, except for
+    couplers and user-defined laws.
 
     >>> contact_text(physics.draft_gear(770.0, 0.0177))
     'draft_gear(770, 0.0177)'

@@ -1,4 +1,4 @@
-"""Keys and laws that other programs and textbooks use, and what a scene file has in their place.
+"""Keys and laws of other programs and textbooks, with their replacements in scene files.
 
 Tests: tests/scenes/test_file_mistakes.py
 """
@@ -9,12 +9,12 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-# Standard acceleration of gravity [m/s^2], used if `gravity` has no number.
+# Standard acceleration of gravity [m/s^2], used if the value of `gravity` is not a number.
 STANDARD_GRAVITY = 9.81
-# Forces written out in a hint. A longer list is described instead.
+# Largest number of forces that a hint writes out. Longer lists are described by a formula.
 MOST_FORCES = 6
 
-# Name elsewhere: name in a scene file. The values mean the same.
+# Names elsewhere and the keys of scene files with the same meaning.
 SAME_KEYS = {
     "k": "stiffness",
     "spring_constant": "stiffness",
@@ -61,14 +61,14 @@ SAME_LAWS = {
 
 
 class Remedy(NamedTuple):
-    """What to write instead: a sentence, and the key with the same meaning, if there is one."""
+    """Advice on an unknown key: a sentence, and the key with the same meaning, if there is one."""
 
     sentence: str
     meant: str | None = None
 
 
 def remedy_of(key: str, table: Mapping[str, Any], allowed: Sequence[str]) -> Remedy | None:
-    """Return what to write in place of the unknown `key` of `table`, or None if its name says nothing."""
+    """Return advice on the unknown `key` of `table`, or None if its meaning cannot be guessed."""
     name = key.lower()
     if name in RESTITUTION:
         return Remedy(f"give the contact {_loss(table[key])}")
@@ -85,7 +85,7 @@ def remedy_of(key: str, table: Mapping[str, Any], allowed: Sequence[str]) -> Rem
 
 
 def _number(value: Any) -> float | None:
-    """Return the finite number in `value`, also if it is text such as "0.8", or None."""
+    """Return the finite number in `value`, which may be text such as "0.8"; otherwise return None."""
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         return None
     try:
@@ -96,7 +96,7 @@ def _number(value: Any) -> float | None:
 
 
 def _loss(value: Any) -> str:
-    """Return the loss of a contact with the restitution `value`, in words."""
+    """Return advice on the loss of a contact with the restitution `value`."""
     restitution = _number(value)
     if restitution is None or not 0.0 <= restitution <= 1.0:
         return "loss = 1 - e**2, where e is the restitution"
@@ -106,7 +106,7 @@ def _loss(value: Any) -> str:
 
 
 def _drive(value: Any, table: Mapping[str, Any]) -> str:
-    """Return the weights of the beads of `table`, in words."""
+    """Return advice on the drive that gives the beads of `table` their weights."""
     gravity = _number(value)
     known = STANDARD_GRAVITY if gravity is None else gravity
     rule = f"drive = mass * {known:g}"

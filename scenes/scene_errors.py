@@ -1,4 +1,4 @@
-"""Problems of a scene file, one sentence for each: file, key, what is allowed, and the value."""
+"""Problems of a scene file as sentences, each with the file, the key, the allowed values and the actual value."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-# pydantic's types of errors in words of TOML; its own sentences use words of Python
+# Requirements for pydantic's types of errors, in terms of TOML. The messages of pydantic use terms of Python.
 DEMANDS = {
     "float_type": "must be a number",
     "int_type": "must be a whole number",
@@ -20,19 +20,21 @@ DEMANDS = {
 
 
 class SceneError(ValueError):
-    """A scene that does not exist or a wrong scene file. `problems` has a sentence for each problem; the message is the first."""
+    """Error for a missing or invalid scene. `problems` contains one sentence for each problem; the message is the first
+    one.
+    """
 
     def __init__(self, problems: Sequence[str]) -> None:
         super().__init__(problems[0])
         self.problems = tuple(problems)
 
     def __reduce__(self) -> tuple[type[SceneError], tuple[tuple[str, ...]]]:
-        """Its problems, of which it is made anew in another process."""
+        """Return the problems, from which pickle rebuilds the error in another process."""
         return type(self), (self.problems,)
 
 
 def scene_error(file: str, error: ValidationError) -> SceneError:
-    """The SceneError for what pydantic found in `file`."""
+    """Return a SceneError with the problems that pydantic found in `file`."""
     return SceneError([f"{file}: {_sentence(detail)}" for detail in error.errors(include_url=False)])
 
 
@@ -44,7 +46,7 @@ def _sentence(detail: ErrorDetails) -> str:
     if detail["type"] in ("scene", "value_error"):
         sentence = message.removeprefix("Value error, ")
         parent, _, key = place.rpartition(".")
-        if sentence.startswith(f"{key} must be "):  # the sentence names the key itself
+        if sentence.startswith(f"{key} must be "):  # The sentence already contains the key.
             place = parent
         return f"{place}{': ' if place else ''}{sentence}"
     demand = DEMANDS.get(detail["type"]) or message.replace("Input should", "must").replace("String should", "must")
@@ -52,7 +54,9 @@ def _sentence(detail: ErrorDetails) -> str:
 
 
 def _place(location: tuple[int | str, ...]) -> str:
-    """A place in the file such as `lanes[0].contact.alpha`. Tags of alternatives, in brackets, are not keys of the file."""
+    """Return a place in the file such as `lanes[0].contact.alpha`. Tags of alternatives, in brackets, are not keys of
+    the file.
+    """
     path = ""
     for part in location:
         if isinstance(part, int):

@@ -1,4 +1,4 @@
-"""The schema of a scene file: Scene, its lanes (one chain each) and its view; immutable."""
+"""Schema of a scene file: a Scene, its lanes with one chain each, and its view. All of them are immutable."""
 
 from __future__ import annotations
 
@@ -30,22 +30,24 @@ from softcradle.scenes.toml_table import (
 
 from softcradle import physics
 
-# Largest number of beads of a lane: a typing error must not fill the memory.
+# Largest number of beads of a lane. A typing error must not fill the memory.
 MOST_BEADS = 100_000
-MOST_SLOW = 1e20  # seconds of film for one of motion, and of motion for one of film: frames are times that a run takes
+# Largest ratio of film time to motion time, and of motion time to film time. Times of frames must stay valid times of a
+# run.
+MOST_SLOW = 1e20
 Count = Annotated[int, Strict(), Field(ge=1, le=MOST_BEADS)]
 Text = Annotated[str, BeforeValidator(lambda text: " ".join(text.split()) if isinstance(text, str) else text)]
 
 
 class ForceTable(Table):
-    """A force over time on some beads, or a brake.
+    """Force over time on some beads, or a brake.
 
     Attributes:
-        beads: one index or a list of them, from 0.
-        time: times [s] >= 0, one or an ascending list; the force is linear between them, 0 before the first, kept after the
-            last.
-        force: the force [N] at these times, to the right where it is positive; a brake, which acts against the motion, is
-            >= 0.
+        beads: an index or a list of indices, from 0.
+        time: a time [s] >= 0, or an ascending list of times. The force is linear between them, 0 before the first, and
+            constant after the last.
+        force: force [N] at each of these times, positive to the right. A brake acts against the motion, and its force
+            is >= 0.
     """
 
     beads: OneOrMany[Annotated[int, Strict(), Field(ge=0)]]
@@ -58,7 +60,7 @@ class ForceTable(Table):
         return self
 
     def timed_force(self) -> physics.TimedForce:
-        """The force."""
+        """Return the force over time."""
         return physics.TimedForce(self.beads, self.time, self.force)
 
 
@@ -68,7 +70,9 @@ def is_count(value: Any) -> bool:
 
 
 def count_of(lane: Mapping[str, Any]) -> int | None:
-    """Return the number of beads of a lane, from `beads` or else from the length of a list, or None if neither is right."""
+    """Return the number of beads of a lane, from `beads` or else from the length of a list; None if both are missing or
+    invalid.
+    """
     beads, mass, velocity = (lane.get(key) for key in ("beads", "mass", "velocity"))
     if isinstance(beads, list | tuple):
         return sum(beads) if len(beads) == 2 and all(map(is_count, beads)) else None
@@ -79,7 +83,9 @@ def count_of(lane: Mapping[str, Any]) -> int | None:
 
 
 def strikers_at(speed: Any, clusters: Any) -> tuple[Any, ...]:
-    """Return the velocities of `clusters`: strikers before targets at rest. Return () if these are not counts."""
+    """Return the velocities of `clusters`: moving strikers, then targets at rest. Return () if `clusters` are not valid
+    numbers.
+    """
     if not all(map(is_count, clusters)):
         return ()
     strikers, targets = clusters
@@ -87,21 +93,22 @@ def strikers_at(speed: Any, clusters: Any) -> tuple[Any, ...]:
 
 
 class Lane(Table):
-    """One chain and its start.
+    """Chain with its start.
 
     Attributes:
-        label: its name in pictures and tables.
-        beads: the number of beads, or [strikers, targets]; may be left out where `mass` or `velocity` is a list.
-        mass: one for all or a list [kg]; inf is a wall.
-        contact: one for all or a list, from left to right.
-        velocity: of every bead [m/s]. In a file with ``beads = [strikers, targets]`` it may be one number, the velocity
-            of the strikers; the targets then rest.
-        gap: one for all or a list [m]; at 0 two beads just touch, and a gap < 0 is an overlap at the start.
-        approach: gap between strikers and targets [m]; only beside ``beads = [strikers, targets]``.
+        label: name in pictures and tables.
+        beads: number of beads, or [strikers, targets]; optional if `mass` or `velocity` is a list.
+        mass: mass [kg], one for all beads or a list; inf is a wall.
+        contact: contact law, one for all contacts or a list from left to right.
+        velocity: velocity of every bead [m/s]. In a file with ``beads = [strikers, targets]`` it can be one number, the
+            velocity of the strikers; then the targets are at rest.
+        gap: gap [m], one for all contacts or a list. At 0 two beads just touch; a negative gap is an overlap at the
+            start.
+        approach: gap between strikers and targets [m]; only together with ``beads = [strikers, targets]``.
         drive: steady external force on every bead [N] from t = 0 on; the scene then needs a duration.
-        friction: Coulomb coefficient of the bed on which the beads slide; 0: no friction.
-        forces: forces over time on some beads, beside the drive.
-        brakes: brakes over time on some beads, beside the friction of the bed.
+        friction: Coulomb coefficient of the bed on which the beads slide; 0 means no friction.
+        forces: forces over time on some beads, in addition to the drive.
+        brakes: brakes over time on some beads, in addition to the friction of the bed.
     """
 
     label: Text = ""
@@ -118,13 +125,13 @@ class Lane(Table):
 
     @classmethod
     def keys_elsewhere(cls) -> Mapping[str, str]:
-        """Return the keys of the scene and of its view."""
+        """Return the keys of the scene and of its view, with their places."""
         above = dict.fromkeys(set(Scene.model_fields) - set(cls.model_fields), "above the first [[lanes]]")
         return dict.fromkeys(View.model_fields, "below [view]") | above
 
     @classmethod
     def mistakes(cls, table: dict[str, Any]) -> Iterator[str]:
-        """Yield unknown keys, and lists whose lengths do not fit; give one velocity to all strikers."""
+        """Yield unknown keys, and lists of wrong length. If `velocity` is a single number, assign it to all strikers."""
         yield from super().mistakes(table)
         beads, velocity = table.get("beads"), table.get("velocity")
         if isinstance(beads, list | tuple):
@@ -166,12 +173,12 @@ class Lane(Table):
     def _count(self) -> int:
         """Return the number of beads."""
         count = count_of({"beads": self.beads, "mass": self.mass, "velocity": self.velocity})
-        assert count is not None  # a checked lane has one
+        assert count is not None  # A checked lane always has a number of beads.
         return count
 
     @classmethod
     def of(cls, chain: physics.Chain, velocity: Sequence[float], label: str = "") -> Self:
-        """The lane of a chain and its start; no file can say a law of one's own."""
+        """Return the lane of a chain and its start. A user-defined contact law has no table in a scene file."""
         laws = [table_of(contact) for contact in chain.contact if not isinstance(contact, physics.OwnLaw)]
         table = {name: getattr(chain, name) for name in ("mass", "gap", "drive", "friction")}
         table |= {name: tuple(map(asdict, getattr(chain, name))) for name in ("forces", "brakes")}
@@ -179,7 +186,7 @@ class Lane(Table):
         return cls.model_validate({**table, "label": label, "contact": contact, "velocity": tuple(velocity)})
 
     def chain(self) -> physics.Chain:
-        """The chain of this lane."""
+        """Return the chain of this lane."""
         count = self._count()
         masses = self.mass if isinstance(self.mass, tuple) else (self.mass,) * count
         contacts = (
@@ -198,14 +205,14 @@ class Lane(Table):
 
 
 class View(Table):
-    """How a scene is shown.
+    """Settings of the picture of a scene.
 
     Attributes:
-        slow: slow motion: seconds of film for one second of motion.
+        slow: slow motion: seconds of film per second of motion.
         length: length of a bead [m].
-        magnify: factor by which overlaps are drawn larger than they are; None: chosen by the drawing.
-        after: free flight [s] that a film shows after the last contact has opened; None: chosen by the film.
-        labels: whether the numbers of the beads are drawn.
+        magnify: factor by which overlaps are drawn larger than they are; None lets the drawing choose.
+        after: time [s] that a film continues after the last contact has opened; None lets the film choose.
+        labels: True if the numbers of the beads are drawn.
     """
 
     slow: Positive = 1.0
@@ -229,31 +236,32 @@ class View(Table):
 
 
 class Scene(notebook_views.Moving, Table):
-    """A scene: what moves, from which start, by which method, and how it is shown.
+    """Scene: chains with their starts, the method, and the settings of the picture.
 
     Attributes
     ----------
     title : str
-        Its name, as the gallery shows it.
+        Title, as the gallery shows it.
     text : str
-        What happens in it, two or three sentences.
+        Description of the motion in two or three sentences.
     question : str
-        What is asked before it is played; the window then shows its text afterwards, a page shows both.
+        Question to the viewer before the motion is played. The window shows the text only afterwards; a page shows
+            both.
     source : str
-        Where it is in the paper.
+        Place in the paper.
     lanes : tuple of Lane
-        One chain each; all are shown at the same time.
+        Lanes with one chain each, which are all shown together.
     duration : float or None
-        Duration [s]; None: until every contact is open and none can close again.
+        Duration [s]; None runs until every contact is open and none can close again.
     method : str or None
-        Method of `simulate`; None is its default, as for the next two, or `conserving` where a step is given or the default
-        refuses a lane.
+        Method of `simulate`. None means the default of `simulate`, or `conserving` if a step is given or if the default
+        cannot compute a lane.
     step : float or None
-        Step of a fixed-step method [s].
+        Time step of a fixed-step method [s]; None means the default of `simulate`.
     tolerance : float or None
-        Tolerance of an adaptive method; beside a method of fixed steps there is none.
+        Tolerance of an adaptive method; None means the default of `simulate`. Fixed-step methods have no tolerance.
     view : View
-        How it is shown.
+        Settings of the picture.
     """
 
     title: Annotated[Text, Field(min_length=1)]
@@ -269,7 +277,7 @@ class Scene(notebook_views.Moving, Table):
 
     @classmethod
     def keys_elsewhere(cls) -> Mapping[str, str]:
-        """Return the keys of lanes and of the view."""
+        """Return the keys of lanes and of the view, with their places."""
         lane = dict.fromkeys(set(Lane.model_fields) - {"label"}, "to a lane, below [[lanes]]")
         return lane | dict.fromkeys(View.model_fields, "below [view]")
 
@@ -319,11 +327,12 @@ class Scene(notebook_views.Moving, Table):
         return self
 
     def settings(self, **overrides: Any) -> dict[str, Any]:
-        """Keyword arguments for `physics.simulate`: those of the scene, replaced by all `overrides` that are not None.
+        """Return the keyword arguments for `physics.simulate`: those of the scene, replaced by all `overrides` that are
+        not None.
 
-        Another method is not given the scene's step and tolerance, which were chosen for the scene's method; the tolerance of a
-        scene that names none is for any. A step without a method is one of `conserving`, as in the window, which also takes what
-        `accurate` does not.
+        If another method is given, the step and the tolerance of the scene are ignored, because they were chosen for
+        its own method. The tolerance of a scene without a method applies to every method. A step without a method means
+        `conserving`, as in the window. `conserving` also replaces `accurate` if that cannot compute a lane.
         """
         settings: dict[str, Any] = {"duration": self.duration}
         if overrides.get("method") in (None, self.method):
@@ -338,7 +347,7 @@ class Scene(notebook_views.Moving, Table):
         return {key: value for key, value in settings.items() if value is not None}
 
     def to_toml(self) -> str:
-        """The text of a scene file from which an equal Scene is read; keys with their default value are left out."""
+        """Return the text of a scene file that describes an equal scene. Keys with default values are omitted."""
         import tomli_w
 
         return tomli_w.dumps(self.model_dump(exclude_defaults=True))
@@ -350,5 +359,5 @@ class Scene(notebook_views.Moving, Table):
     __str__ = __repr__
 
     def live(self, slow: float | None = None) -> notebook_views.InlinePage:
-        """The page in which the scene lives, in a cell of a notebook."""
+        """Return the page with the live simulation of the scene, for a cell of a notebook."""
         return notebook_views.live_of(self, slow)

@@ -1,6 +1,6 @@
-"""Common mistakes in the syntax of a TOML file: the line, what to change, and a repaired text in which to look for more.
+"""Common syntax errors of TOML files: report the line and the correction, and repair the text to find further errors.
 
-A repair is only used if the parser then gets further, so a hint never contradicts the parser.
+A repair is used only if the parser gets further with it, so a hint never contradicts the parser.
 
 Tests: tests/scenes/test_file_mistakes.py
 """
@@ -13,24 +13,24 @@ from collections.abc import Callable, Iterator
 from itertools import islice
 from typing import Any, NamedTuple
 
-# Syntax errors reported for one file. A file with more is not a scene file.
+# Largest number of syntax errors reported for one file. A file with more is not a scene file.
 MOST_ERRORS = 20
-# Characters of a line shown in a message.
+# Largest number of characters of a line in a message.
 MOST_SHOWN = 60
-# Lines searched upwards for the bracket that a value leaves open.
+# Number of lines that are searched upwards for an open bracket.
 MOST_LINES_UP = 50
 
 POSITION = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
 STRING = re.compile(r'"(?:\\.|[^"\\])*"|\'[^\']*\'|#.*')
 TYPOGRAPHIC = dict.fromkeys("“”„‟«»", '"') | dict.fromkeys("\u2018\u2019\u201a\u201b", "'")
 NUMBER = r"[-+]?\d[\d_]*(?:\.\d+)?(?:[eE][-+]?\d+)?"
-# End of a value in a line: another value, a closing bracket, a comment or the end.
+# Lookahead for the end of a value in a line: a comma, a closing bracket, a comment or the end of the line.
 END = r"(?=\s*(?:[,}\]#]|$))"
 BRACKETS = {"[": "]", "{": "}"}
 
 
 class Repair(NamedTuple):
-    """A changed line and what was wrong with it."""
+    """Repaired line with a hint about its error."""
 
     line: str
     hint: str
@@ -67,14 +67,14 @@ def read_toml(text: str) -> tuple[dict[str, Any] | None, list[str]]:
 
 
 class SyntaxProblem(NamedTuple):
-    """The first error that the parser meets: its words, and where it is, both counted from 0."""
+    """First error that the parser finds: its message, and its line and column, both counted from 0."""
 
     words: str
     line: int
     column: int
 
     def plain_hint(self) -> str:
-        """Return the words of the parser, or a clearer hint if there is one."""
+        """Return the message of the parser, or a clearer hint if there is one."""
         if self.words.startswith("Unclosed"):
             return f"a closing {'}' if 'inline table' in self.words else ']'} is missing in this line or above it"
         if self.words == "Cannot overwrite a value":
@@ -100,7 +100,7 @@ def _syntax_error(text: str) -> dict[str, Any] | SyntaxProblem:
 
 
 def _sentence(hint: str, lines: list[str], line: int, column: int | None = None) -> str:
-    """Return the hint with the line that it belongs to."""
+    """Return the hint with the number and the text of its line."""
     shown = lines[line].strip()
     shown = shown if len(shown) <= MOST_SHOWN else shown[: MOST_SHOWN - 3] + "..."
     place = f"line {line + 1}" if column is None else f"line {line + 1}, column {column + 1}"
@@ -108,7 +108,7 @@ def _sentence(hint: str, lines: list[str], line: int, column: int | None = None)
 
 
 def _working_repairs(lines: list[str], error: SyntaxProblem) -> Iterator[tuple[int, Repair]]:
-    """Yield repairs, with the number of their line, after which the parser gets further."""
+    """Yield those repairs, with the number of their line, with which the parser gets further."""
     for at, repair in _possible_repairs(lines, error):
         changed = [*lines[:at], repair.line, *lines[at + 1 :]]
         left = _syntax_error("\n".join(changed))
@@ -118,7 +118,7 @@ def _working_repairs(lines: list[str], error: SyntaxProblem) -> Iterator[tuple[i
 
 
 def _possible_repairs(lines: list[str], error: SyntaxProblem) -> Iterator[tuple[int, Repair]]:
-    """Yield possible repairs of the line with the error, then of lines above it that leave a bracket open."""
+    """Yield possible repairs of the line with the error, then of a line above it with an open bracket."""
     for repairs in REPAIRS:
         for repair in repairs(lines[error.line]):
             if repair.line != lines[error.line]:
@@ -132,7 +132,7 @@ def _possible_repairs(lines: list[str], error: SyntaxProblem) -> Iterator[tuple[
 
 
 def _masked(line: str) -> str:
-    """Return the line with a placeholder of the same length for each character of text in quotes and of comments."""
+    """Return the line with placeholders for the characters of quoted text and comments. The length stays the same."""
     return STRING.sub(lambda found: found[0][0] + "_" * (len(found[0]) - 2) + found[0][-1], line)
 
 
@@ -145,14 +145,14 @@ def _edited(line: str, pattern: str, change: Callable[[re.Match[str]], str]) -> 
 
 
 def _before_comment(line: str, end: str) -> str:
-    """Return the line with `end` after its last value."""
+    """Return the line with `end` inserted after its last value."""
     comment = re.search(r"\s*(?:#.*)?$", _masked(line))
     at = len(line) if comment is None else comment.start()
     return line[:at] + end + line[at:]
 
 
 def _open_brackets(line: str) -> list[str]:
-    """Return the brackets that the line opens and does not close."""
+    """Return the brackets that the line opens but does not close."""
     left: list[str] = []
     for sign in re.sub("#.*", "", _masked(line)):
         if sign in BRACKETS:
@@ -226,14 +226,14 @@ def _missing_quote(line: str) -> Iterator[Repair]:
     at = rest.rfind('"')
     if at < 0:
         return
-    for end in re.finditer(r"\s*(?=[,}\]#]|$)", line[at:]):  # a closing quote
+    for end in re.finditer(r"\s*(?=[,}\]#]|$)", line[at:]):  # The closing quote is missing.
         yield Repair(line[: at + end.start()] + '"' + line[at + end.start() :], hint)
     start = re.search(r"[=,\[]\s*(?=[^=,\[\"]*$)", line[:at])
-    if start:  # an opening quote
+    if start:  # The opening quote is missing.
         yield Repair(line[: start.end()] + '"' + line[start.end() :], hint)
 
 
-# The order matters: a special mistake comes before the general one that would also repair its line.
+# The order matters: a repair of a special mistake must come before a general one that would also change its line.
 REPAIRS = (
     _typographic_quotes,
     _colon,

@@ -1,4 +1,4 @@
-"""The base of all tables in a scene file, and its types of numbers, including fractions such as "1/14"."""
+"""Base class of all tables in a scene file, and types for their numbers, including fractions such as "1/14"."""
 
 import difflib
 import math
@@ -27,15 +27,17 @@ FRACTION = re.compile(r"\s*(\d{1,9})\s*/\s*(\d{1,9})\s*")
 
 
 class Table(BaseModel):
-    """An immutable table of a scene file. Every problem in it is reported, not only the first."""
+    """Immutable table of a scene file. Every problem in it is reported, not only the first one."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, validate_default=False)
 
     @classmethod
     def mistakes(cls, table: dict[str, Any]) -> Iterator[str]:
-        """Yield a sentence for each mistake that can be seen before the values are checked, and remove it from `table`.
+        """Yield a sentence for each mistake that can be found before the values are checked, and correct or remove it
+        in `table`.
 
-        A misspelt key gets the name that was probably meant, so that its value is checked as well.
+        If the intended name of a misspelt key is clear, its value is stored under this name, so that it is checked as
+        well.
         """
         for key in list(table):
             if key not in cls.model_fields:
@@ -67,7 +69,7 @@ class Table(BaseModel):
 
 
 def sentence_details(sentence: str, value: Any) -> InitErrorDetails:
-    """Return a problem for pydantic's list of them."""
+    """Return a problem in the form in which pydantic collects problems."""
     return InitErrorDetails(type=problem(sentence), loc=(), input=value)
 
 
@@ -89,7 +91,7 @@ def raise_problems(title: str, sentences: Iterable[str], value: Any) -> None:
 def unknown_key(
     key: str, table: Mapping[str, Any], allowed: Iterable[str], elsewhere: Mapping[str, str]
 ) -> tuple[str, str | None]:
-    """Return the sentence for a key that the table does not have, and the key that was probably meant."""
+    """Return the sentence about an unknown key of the table, and the key that was probably meant, or None."""
     if key in elsewhere:
         return f"key {key!r} belongs {elsewhere[key]}", None
     words = list(allowed)
@@ -101,12 +103,12 @@ def unknown_key(
 
 
 def problem(sentence: str) -> PydanticCustomError:
-    """Return a validation error; the place in the file is put before `sentence`."""
+    """Return a validation error with this sentence. Messages put the place in the file before it."""
     return PydanticCustomError("scene", "{sentence}", {"sentence": sentence})
 
 
 def suggestion(word: str, allowed: Iterable[str]) -> str:
-    """Return the end of a sentence on an unknown `word`: the allowed word nearest to it, then all allowed words."""
+    """Return the end of a sentence about an unknown `word`: the closest allowed word, then all allowed words."""
     words = list(allowed)
     near = difflib.get_close_matches(word, words, n=1)
     return (f" (did you mean {near[0]!r}?)" if near else "") + f"; allowed: {', '.join(words)}"
@@ -129,17 +131,19 @@ def _fraction(value: Any) -> Any:
 
 
 def _wall(value: Any, info: ValidationInfo) -> Any:
-    """Return infinity, the mass of a wall, for null in JSON, which cannot write infinity."""
+    """Convert null in JSON to infinity, the mass of a wall, because JSON cannot represent infinity."""
     return math.inf if value is None and info.mode == "json" else value
 
 
-# One value for all, or a list. Tags in brackets are left out of the place in the file by softcradle.scenes.scene_errors.
+# One value for all items, or a list of values. `softcradle.scenes.scene_errors` omits the tags in brackets from places
+# in the file.
 OneOrMany = Annotated[
     Annotated[Item, Tag("(one)")] | Annotated[tuple[Item, ...], Tag("(many)")],
     Discriminator(lambda value: "(many)" if isinstance(value, list | tuple) else "(one)"),
 ]
 
-# Validators before a number run from right to left, and a constraint follows the type that it constrains: the fraction is last.
+# BeforeValidators run from right to left, and a constraint must follow its type. Therefore the conversion of fractions
+# is last.
 Number = Annotated[float, Strict(), BeforeValidator(_fraction)]
 Positive = Annotated[float, Strict(), Field(gt=0), BeforeValidator(_fraction)]
 NotNegative = Annotated[float, Strict(), Field(ge=0), BeforeValidator(_fraction)]

@@ -1,4 +1,6 @@
-"""Settings of the whole suite: the same examples every time, no test that fails another, its order and its time."""
+"""Settings of the whole test suite: fixed random examples, checks that a test leaves nothing behind, test order and
+time limit.
+"""
 
 from __future__ import annotations
 
@@ -21,9 +23,9 @@ from tests.helpers.own_process import children, descriptors, run_alone, runs_alo
 if TYPE_CHECKING:
     from tests.helpers.windows import Driver
 
-# never the settings of whoever runs the tests
+# The tests use an empty settings folder, never the settings of the person who runs them.
 os.environ["SOFTCRADLE_CONFIG"] = tempfile.mkdtemp(prefix="softcradle-settings-")
-os.environ["LANGUAGE"] = "en"  # texts are compared in English, whatever the locale of the machine
+os.environ["LANGUAGE"] = "en"  # Tests compare texts in English, whatever the locale of the machine.
 settings.register_profile(
     "softcradle", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True
 )
@@ -31,18 +33,20 @@ settings.load_profile("softcradle")
 
 
 def pytest_unconfigure() -> None:
-    """Leave no settings behind."""
+    """Delete the settings folder of the tests."""
     shutil.rmtree(os.environ["SOFTCRADLE_CONFIG"], ignore_errors=True)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """What `.ci/run` gives, whose time is short."""
+    """Add the options that `.ci/run` uses: an order of the files and a time limit."""
     parser.addoption("--order", metavar="SEED", help="run files in an order that this text decides")
     parser.addoption("--until", type=float, metavar="TIME", help="begin no test after this time [s since 1970]")
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Shuffle files, not the tests of one, which may share what is dear to make."""
+    """Shuffle the test files if `--order` is given. Tests of one file stay together, because they can share costly
+    results.
+    """
     if seed := config.getoption("--order"):
         files = sorted({item.path for item in items})
         random.Random(seed).shuffle(files)
@@ -51,21 +55,21 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Begin no test when the time is over."""
+    """Skip the test if the time given by `--until` has passed."""
     until = item.config.getoption("--until")
     if until and time.time() > until:
         pytest.skip("the time is over")
 
 
 def pytest_itemcollected(item: pytest.Item) -> None:
-    """What a test takes that runs in a process of its own is made there."""
+    """Remove the fixtures of a test that runs in its own process: that process creates them."""
     if runs_alone(item):
         item.fixturenames = []
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
-    """Run a test that is marked `own_process` in one, and end all that it started with it."""
+    """Run a test that is marked `own_process` in a new process, and kill everything that it started."""
     if not runs_alone(pyfuncitem):
         return None
     run_alone(pyfuncitem.nodeid)
@@ -73,7 +77,7 @@ def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
 
 
 def pytest_runtest_teardown(item: pytest.Item) -> None:
-    """English again after a test that left the window in another language."""
+    """Switch back to English, because a test may have changed the language of the window."""
     languages = sys.modules.get("softcradle.sandbox.languages")
     if languages is not None:
         languages.use_language("en")
@@ -81,9 +85,11 @@ def pytest_runtest_teardown(item: pytest.Item) -> None:
 
 @pytest.fixture(autouse=True)
 def _no_leaks(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Judge here, not in some later test, what this one leaves: a file left open warns when it is collected."""
+    """Fail the test that leaves sockets or child processes open. Collect garbage, so that this test gets the warnings
+    of its open files.
+    """
     if request.node.get_closest_marker("own_process"):
-        yield  # all that is left ends with the process
+        yield  # The open files and child processes end with the test's own process.
         return
     open_before, running_before = descriptors(), children()
     yield
@@ -97,7 +103,7 @@ def _no_leaks(request: pytest.FixtureRequest) -> Iterator[None]:
 
 @pytest.fixture
 def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A folder and a cache of one's own, for what the window writes."""
+    """Use a new folder and a new cache for the files that the window writes."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("SOFTCRADLE_CACHE", str(tmp_path / "cache"))
     monkeypatch.setenv("SOFTCRADLE_CONFIG", str(tmp_path / "config"))
@@ -105,7 +111,7 @@ def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def driver() -> Iterator[Driver]:
-    """The real application with a scene open, driven by posted events."""
+    """Return a driver of the real application with a scene open. It works by posted events."""
     from tests.helpers.windows import Driver
 
     made = Driver("one-on-four")

@@ -1,4 +1,4 @@
-"""The scan as a sweep: a point is a chain, its numbers the verdict and, where it is new, the truth; and back to entries."""
+"""The scan as a sweep. A point is a chain; its numbers are the verdict and, if it is new, the reference solution."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from softcradle import warm
 
 Entry = dict[str, Any]
 VERDICTS, CODES = list(RunVerdict), [code.value for code in WarningCode]
-TRUTH = "truth "  # before the names of the columns of a new truth
+TRUTH = "truth "  # Prefix of the column names of a new reference solution.
 
 
 def chain_numbers(
     truths: Mapping[str, Entry], method: str, tolerance: float, family: str, seed: int
 ) -> dict[str, object]:
-    """One chain, judged against its truth, which is found first where `truths` does not have it."""
+    """Judge one chain against its reference solution. If `truths` does not contain it, compute it first."""
     compiled()
     chosen, new = motion(family, seed), {}
     with warnings.catch_warnings(), np.errstate(all="ignore"):
@@ -43,7 +43,7 @@ def chain_numbers(
 
 
 def _path_numbers(path: Path | None) -> dict[str, Any]:
-    """The numbers of a path, NaN if it is not known."""
+    """Return the numbers of a path, or NaN if it is not known."""
     if path is None:
         return {"position": np.full(1, np.nan), "path": np.full(2, np.nan), "events": np.full(4, np.nan)}
     events = np.array(path.events, dtype=np.float64).ravel()
@@ -56,12 +56,14 @@ def _path_numbers(path: Path | None) -> dict[str, Any]:
 
 @cache
 def compiled() -> None:
-    """Compile all kernels, once in a process: no time of a chain is that of compiling."""
+    """Compile all kernels, once per process, so that the time of a chain does not include compiling."""
     warm()
 
 
 def entries(row: Mapping[str, Any], family: str, seed: int) -> tuple[Entry | None, Entry]:
-    """The truth of a chain from the numbers of its point, None where it was known, and its verdict."""
+    """Return the reference solution of a chain from the numbers of its point (None if it was known before), and its
+    verdict.
+    """
     return _truth(row, family, seed), _verdict(row, family, seed)
 
 
@@ -71,7 +73,7 @@ def _truth(row: Mapping[str, Any], family: str, seed: int) -> Entry | None:
     chosen = motion(family, seed)
     beads = slice(0, chosen.chain.contacts + 1)
     velocity, doubt, source = (row[TRUTH + name] for name in ("velocity", "doubt", "source"))
-    entry = {"key": chosen.key, "path": None}  # None: looked for and not found
+    entry = {"key": chosen.key, "path": None}  # A path of None means that it was computed but could not be confirmed.
     return entry | Truth(velocity[beads], doubt[beads], SOURCES[int(source)], _path(row, beads)).as_json()
 
 

@@ -1,8 +1,8 @@
-"""Radau IIA collocation of any order in extended precision: nodes, coefficients, and what the polynomials of a step tell.
+"""Radau IIA collocation of any order in extended precision: nodes, coefficients, and the polynomials of a step.
 
     V_p = v + h sum_q A_pq v'_q,   D_p = d + c_p h w + h**2 sum_q (A**2)_pq w'_q        (stages p = 1 ... s)
 
-The last stage is the end of the step; the order is 2 s - 1, and a force that is infinitely stiff is damped at once.
+The last stage is the end of the step. The order is 2 s - 1, and an infinitely stiff force is damped at once.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-# 64 bits of mantissa on x86, 113 on ARM with Linux; where it is double, the reference is no finer
+# It has 64 bits of mantissa on x86, and 113 on ARM with Linux. If it is only double precision, the reference is no
+# finer.
 Extended = np.longdouble
 Array = NDArray[np.longdouble]
 EPSILON = float(np.finfo(Extended).eps)
@@ -21,16 +22,17 @@ EPSILON = float(np.finfo(Extended).eps)
 
 @dataclass(frozen=True)
 class Tableau:
-    """Radau IIA with `stages` stages on [0, 1].
+    """Coefficients of Radau IIA with `stages` stages on [0, 1].
 
     Attributes:
-        node: (s,) the nodes c; the last is 1.
-        once: (s, s) the matrix A: integrals of the polynomial through values at the nodes, up to each node.
+        node: (s,) nodes c. The last node is 1.
+        once: (s, s) matrix A: integrals, up to each node, of the polynomial through the values at the nodes.
         twice: (s, s) A**2.
-        legendre: (s, s) from values at the nodes to coefficients of shifted Legendre polynomials.
-        bernstein: (s+2, s) from second derivatives at the nodes to Bernstein coefficients of their double integral.
-        bernstein_once: (s+1, s) the same of their integral.
-        bernstein_value: (s, s) the same of the polynomial itself.
+        legendre: (s, s) matrix from values at the nodes to coefficients of shifted Legendre polynomials.
+        bernstein: (s+2, s) matrix from second derivatives at the nodes to Bernstein coefficients of their double
+            integral.
+        bernstein_once: (s+1, s) matrix from first derivatives at the nodes to Bernstein coefficients of their integral.
+        bernstein_value: (s, s) matrix from values at the nodes to Bernstein coefficients of the polynomial.
     """
 
     stages: int
@@ -45,14 +47,14 @@ class Tableau:
 
 @cache
 def tableau(stages: int) -> Tableau:
-    """The Tableau with so many stages."""
+    """Return the Tableau with this number of stages."""
     node = _nodes(stages)
     value = _legendre(2.0 * node - 1.0, stages)
     weight = node / (stages**2 * value[stages - 1] ** 2)
     degree = np.arange(stages)
     legendre = (2 * degree + 1)[:, None] * weight * value[:stages]
     once = _integrals(value, node, stages).T @ legendre
-    power = _powers(stages) @ legendre  # from values at the nodes to coefficients of 1, t, t**2, ...
+    power = _powers(stages) @ legendre  # Matrix from values at the nodes to coefficients of 1, t, t**2, ...
     first = power / (degree + 1)[:, None]
     second = first / (degree + 2)[:, None]
     zero = np.zeros((1, stages), dtype=Extended)
@@ -63,7 +65,7 @@ def tableau(stages: int) -> Tableau:
 
 
 def _legendre(x: Array, most: int) -> Array:
-    """(most+1, ...) Legendre polynomials of degrees 0 to `most` at x in [-1, 1]."""
+    """Return the Legendre polynomials of degrees 0 to `most` at x in [-1, 1], (most+1, ...)."""
     found = [np.ones_like(x), x]
     for k in range(1, most):
         found.append(((2 * k + 1) * x * found[k] - k * found[k - 1]) / Extended(k + 1))
@@ -71,12 +73,12 @@ def _legendre(x: Array, most: int) -> Array:
 
 
 def _nodes(stages: int) -> Array:
-    """(s,) roots of P_s - P_(s-1), on [0, 1]: by bisection between those of its derivative's double-precision roots."""
+    """Return the (s,) roots of P_s - P_(s-1), scaled to [0, 1]: double-precision roots improved by Newton's iteration."""
     series = np.zeros(stages + 1)
     series[stages], series[stages - 1] = 1.0, -1.0
     x = np.sort(np.polynomial.legendre.legroots(series).real).astype(Extended)
     x[-1] = 1.0
-    for _ in range(4):  # Newton's iteration doubles the digits of the inner nodes
+    for _ in range(4):  # Newton's iteration doubles the correct digits of the inner nodes.
         inner = x[:-1]
         value = _legendre(inner, stages)
         slope = _legendre_slope(value, inner, stages) - _legendre_slope(value, inner, stages - 1)
@@ -92,14 +94,16 @@ def _legendre_slope(value: Array, x: Array, degree: int) -> Array:
 
 
 def _integrals(value: Array, node: Array, stages: int) -> Array:
-    """(s, s) integrals from 0 to each node of the shifted Legendre polynomials."""
+    """Return the (s, s) integrals of the shifted Legendre polynomials from 0 to each node."""
     rows = [node]
     rows += [(value[k + 1] - value[k - 1]) / Extended(2 * (2 * k + 1)) for k in range(1, stages)]
     return np.array(rows)
 
 
 def _powers(stages: int) -> Array:
-    """(s, s) column k: coefficients of 1, t, t**2, ... of the shifted Legendre polynomial of degree k."""
+    """Return the (s, s) coefficients of 1, t, t**2, ... of the shifted Legendre polynomials. Column k belongs to degree
+    k.
+    """
     found = np.zeros((stages, stages), dtype=Extended)
     found[0, 0] = 1.0
     if stages > 1:
@@ -112,7 +116,7 @@ def _powers(stages: int) -> Array:
 
 
 def _to_bernstein(power: Array) -> Array:
-    """From coefficients of powers (k+1, ...) to Bernstein coefficients of the same degree k."""
+    """Convert coefficients of powers (k+1, ...) to Bernstein coefficients of the same degree k."""
     degree = power.shape[0] - 1
     choose = [[Extended(_binomial(i, j)) / _binomial(degree, j) for j in range(degree + 1)] for i in range(degree + 1)]
     return np.array(choose) @ power

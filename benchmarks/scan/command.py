@@ -1,9 +1,10 @@
-"""``python -m benchmarks scan``: solve seeded random chains, count the verdicts, keep both truths and verdicts on disk.
+"""``python -m benchmarks scan``: solve random chains, count the verdicts, and store reference solutions and verdicts on
+disk.
 
-Truths take longest, seconds for each chain: those of thousands are in the repository, others are kept in one file and used again
-by every later scan; ``--keep`` adds them to those of the repository. Verdicts are kept in another file, so that a scan that was
-interrupted goes on where it stopped; ``--fresh`` begins anew. Chains are the points of a sweep: both files are written as its
-points come back, and the chain whose process dies is tried again.
+A reference solution takes seconds per chain. The repository contains those of thousands of chains. Others are stored in
+one file and used again by later scans; ``--keep`` adds them to the repository. Verdicts are stored in another file, so
+that an interrupted scan continues where it stopped; ``--fresh`` starts again. The chains are the points of a sweep:
+both files are written as its points arrive, and a chain whose process dies is tried again.
 """
 
 from __future__ import annotations
@@ -35,13 +36,13 @@ from benchmarks.scan.chain_points import Entry, chain_numbers, compiled, entries
 from benchmarks.scan.families import FAMILIES, motion
 from benchmarks.scan.verdict import PROMISE, SLOW, RunVerdict
 
-SEEDS_SHOWN = 8  # of a family's chains that fail, in the table
-TRUTHS = "truths.jsonl"  # file of the truths in the folder
-KEPT = Path(__file__).with_name("truths.jsonl.gz")  # those of the repository
+SEEDS_SHOWN = 8  # Largest number of failed chains that a row of the table lists.
+TRUTHS = "truths.jsonl"  # Name of the file in the folder with the reference solutions.
+KEPT = Path(__file__).with_name("truths.jsonl.gz")  # File with the reference solutions of the repository.
 
 
 def parser() -> argparse.ArgumentParser:
-    """The command line."""
+    """Return the parser of the command line."""
     found = argparse.ArgumentParser(prog="python -m benchmarks scan", description=__doc__)
     found.add_argument("--count", type=int, default=100, help="chains of each family (default 100)")
     found.add_argument("--first", type=int, default=0, metavar="SEED", help="the first seed (default 0)")
@@ -58,7 +59,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 def main(arguments: list[str]) -> int:
-    """Scan, and print one row a family."""
+    """Run the scan, and print one row per family."""
     args = parser().parse_args(arguments)
     args.folder.mkdir(parents=True, exist_ok=True)
     truths = _truths(args)
@@ -85,12 +86,12 @@ def main(arguments: list[str]) -> int:
 
 
 def _truths(args: argparse.Namespace) -> dict[str, Entry]:
-    """All truths that are known, by the key of their chain."""
+    """Return all known reference solutions, by the key of their chain."""
     return {entry["key"]: entry for path in (KEPT, args.folder / TRUTHS) for entry in lines(path)}
 
 
 def _keep(truths: Mapping[str, Entry]) -> None:
-    """Write the truths of chains that the families draw today, the same bytes for the same truths."""
+    """Write the reference solutions of all chains that the families draw now. The same solutions give the same bytes."""
     chains = sorted({(family, int(seed)) for family, seed, _ in (key.split("/") for key in truths)})
     keys = (motion(family, seed).key for family, seed in chains)
     text = "\n".join(json.dumps(truths[key]) for key in keys if key in truths)
@@ -104,7 +105,7 @@ def _compute(
     known: dict[tuple[str, int], Entry],
     args: argparse.Namespace,
 ) -> None:
-    """Judge the chains of those (seed, family); what becomes known is written as it comes back."""
+    """Judge the chains of these (seed, family). Each result is written as soon as it arrives."""
     if not wanted:
         return
     seeds, families = zip(*wanted, strict=True)
@@ -120,9 +121,9 @@ def _compute(
         known[entry["family"], entry["seed"]] = entry
 
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
-        os.environ[name] = "1"  # the processes are as many as the cores; read by NumPy in those that begin now
+        os.environ[name] = "1"  # Each process uses one core. NumPy reads this in processes that start from now on.
     where: Where = "here" if args.jobs <= 1 else "processes"
-    compiled()  # once, on the disk: processes that begin side by side would each compile all kernels
+    compiled()  # Fill the cache on disk first. Otherwise, processes that start together would each compile all kernels.
     with ProgressShown("chains") as progress:
         map_points(
             function, points, None, lambda _, done, count: progress.tell("chains", done, count), args.jobs,
@@ -131,7 +132,7 @@ def _compute(
 
 
 def _verdicts(args: argparse.Namespace) -> Path:
-    """The file of the verdicts on that method at that tolerance."""
+    """Return the path of the file with the verdicts on this method at this tolerance."""
     folder: Path = args.folder
     return folder / f"{args.method}-{args.tolerance:g}.jsonl"
 
@@ -165,7 +166,7 @@ def _report(entries: list[Entry], families: Iterable[str], title: str) -> Report
 
 
 def _how_it_was_made(args: argparse.Namespace) -> str:
-    """The command that writes the same table, and by which version it was written."""
+    """Return the command that writes the same table, and the version that wrote it."""
     options = [
         f"--{name} {getattr(args, name)}"
         for name in ("first", "method", "tolerance")

@@ -1,7 +1,8 @@
-"""The reference in extended precision: Radau collocation of chains whose every switch is a corner of a monotone graph.
+"""The reference in extended precision: Radau collocation of a chain whose mode changes are events of monotone graphs.
 
-A step is taken if its local error is small and no guard can have changed sign inside; near a corner steps shrink towards it
-geometrically, until one so short crosses it that whatever happens inside moves no velocity by more than the tolerance.
+A step is accepted if its local error is small and no guard can have changed its sign inside. Near an event, steps
+become geometrically shorter. Finally a very short step crosses the event, in which nothing can change a velocity by
+more than the tolerance.
 """
 
 from __future__ import annotations
@@ -22,50 +23,55 @@ from benchmarks.scan.collocation import EPSILON, Array, Extended, Tableau, table
 from benchmarks.scan.monotone_rows import HELD, OPEN, PRESSED, RELEASED, STICKS, TOUCHING, Branches, Rows
 from benchmarks.scan.stage_equations import Point, Stages
 
-STAGES = 7  # of a step: order 13
-GROWTH, SAFETY = 4.0, 0.8  # of successive steps; of the step that the local error allows
-CROSSING = 0.1  # tolerances: what a step that crosses a corner may move velocities at the most
-STILL = 1e-2  # tolerances: a slower bead rests
-# tolerances: what Newton's iteration may leave; more of it sets contacts bouncing that carry next to nothing
+STAGES = 7  # Number of stages of a step. The order is 13.
+GROWTH, SAFETY = 4.0, 0.8  # Largest ratio of successive steps, and fraction of the step that the local error allows.
+CROSSING = 0.1  # Largest change of velocities in a step that crosses an event, in tolerances.
+STILL = 1e-2  # Speed below which a bead is at rest, in tolerances.
+# Allowed residual of Newton's iteration, in tolerances. A larger residual makes contacts bounce that carry almost no
+# force.
 NEWTON = 1e-6
-# tolerances: how far past its zero a guard of velocities may be, and what is left of a step across a corner
+# Distance, in tolerances, by which a guard of velocities may be past its zero. Also the allowed residual of a step
+# across an event.
 SLACK = 1e-3
-FIRST_STEPS = 2  # of a run: before them the branches of rows at rest are not yet found
-ROUND_OFF = 64.0 * EPSILON  # of the speed, and of the depth that the quickest contact reaches: no gap, and no closing
-NO_STEP = 1e-6  # of the crossing step: where not even a step so short converges, the run gives up
-MOST_STEPS = 20_000  # of a run, rejected ones included
+FIRST_STEPS = 2  # Number of steps before the branches of constraints at rest are found.
+# Gap or rate that counts as round-off, relative to the depth that the fastest contact reaches, or to the speed.
+ROUND_OFF = 64.0 * EPSILON
+NO_STEP = 1e-6  # Fraction of the crossing step. If not even such a short step converges, the run gives up.
+MOST_STEPS = 20_000  # Largest number of steps of a run, including rejected steps.
 NEVER = np.inf
-APPROACH = 15.0 / 16.0  # of the time to a corner: the longest step towards it
-STANDS = 0.01  # of the velocity that a crossing may move: a contact that turns slower stands still
-SLOW = 1e-9  # of the speed scale: loaded contacts that open slower than this are not landed upon, only followed
+APPROACH = 15.0 / 16.0  # Longest step towards an event, as a fraction of the time to it.
+STANDS = 0.01  # Fraction of the velocity change of a crossing. A contact that reverses more slowly stands still.
+# Fraction of the speed scale. Opening contacts that are slower than this are not located as events, only followed.
+SLOW = 1e-9
 
 
 class ReferenceGaveUpError(Exception):
-    """The reference has not reached the end within its steps."""
+    """An error for a reference run that has not reached the end within its step limit."""
 
 
 class Event(NamedTuple):
-    """A contact begins or ceases to overlap."""
+    """The time at which a contact begins or ceases to overlap."""
 
     contact: int
     closes: bool
-    time: float  # [s]
-    speed: float  # [m/s] rate of the overlap then, without sign
+    time: float  # Time [s].
+    speed: float  # Absolute rate [m/s] of the overlap at this time.
 
 
 @dataclass(frozen=True)
 class ReferenceEnd:
-    """Where a chain ends, with what is known of the error.
+    """The end of a motion, with error estimates.
 
     Attributes:
         velocity: (n+1,) final velocities [m/s].
         position: (n+1,) final positions [m].
         events: every closing and opening of a contact, in order of time; without those of couplers.
-        time: of the end [s].
-        error: [m/s] largest difference of a velocity from that of a run with fewer stages and a tenfold tolerance, and the
-            tolerance of the finer run.
-        position_error: [m] the same of the positions.
-        steps: of both runs.
+        time: time of the end [s].
+        error: error of velocities [m/s]: the largest difference from a run with fewer stages and a tenfold tolerance,
+            plus
+            the tolerance of the finer run.
+        position_error: error of positions [m], computed in the same way.
+        steps: number of steps of both runs.
     """
 
     velocity: NDArray[np.float64]
@@ -84,7 +90,7 @@ def reference_end(
     tolerance: float = 1e-13,
     most_steps: int = MOST_STEPS,
 ) -> ReferenceEnd:
-    """Final velocities of `chain` in extended precision, with their error.
+    """Return the final velocities of `chain` in extended precision, with their error.
 
     Raises:
         ReferenceGaveUpError: the motion takes more than `most_steps` steps.
@@ -110,9 +116,9 @@ class ExtendedRun:
 
     Arguments:
         chain, state: the chain and its start.
-        tolerance: of a step's local error, relative to the speed scale.
-        stages: of a step; its order is twice that less 1.
-        most_steps: before it gives up.
+        tolerance: tolerance of the local error of a step, relative to the speed scale.
+        stages: number of stages of a step. The order is twice this number minus 1.
+        most_steps: step limit of the run.
     """
 
     chain: Chain
@@ -142,22 +148,24 @@ class ExtendedRun:
         self.length = 1e-3 * self.tolerance * self.quickest
 
     def until(self, end: float) -> None:
-        """Integrate to `end`; with an infinite end, until every contact is open and none can close again."""
+        """Integrate to `end` [s]. If it is infinite, integrate until every contact is open and none can close again."""
         while self.time < end and not (math.isinf(end) and self.is_over()):
             self.step(end)
 
     def _rows(self, time: Any) -> Rows:
-        """The rows at `time` (...), which are always the same where nothing changes with it."""
+        """Return the constraints at `time` (...). They are constant if no force or brake depends on time."""
         if not (self.chain.forces or self.chain.brakes):
             return self.steady
         return self.steady.under(self.span.push_at(time), self.span.brake_at(time))
 
     def _stage_rows(self, h: Extended, nodes: Array) -> Rows:
-        """The rows at all stages of a step."""
+        """Return the constraints at all stages of a step."""
         return self._rows(self.time + h * nodes) if self.span.changes else self.rows
 
     def step(self, end: float) -> None:
-        """Try one step, at most to `end` or the next knot; ReferenceGaveUpError where the run has taken all that it may."""
+        """Try one step, at most to `end` or to the next breakpoint of a force. Raise ReferenceGaveUpError after
+        `most_steps` steps.
+        """
         self.steps += 1
         if self.steps > self.most_steps:
             raise ReferenceGaveUpError(f"at t = {float(self.time):.6g} s after {self.most_steps} steps")
@@ -165,7 +173,7 @@ class ExtendedRun:
         if self._rests():
             self.time = Extended(end)
             return
-        with np.errstate(all="ignore"):  # powers of overlaps that Newton's iteration only passes
+        with np.errstate(all="ignore"):  # Newton's iteration can pass overlaps whose powers overflow.
             self._step(Extended(end))
         if math.isfinite(end) and end - self.time <= 4.0 * EPSILON * abs(end):
             self.time = Extended(end)
@@ -173,7 +181,7 @@ class ExtendedRun:
             self._pass_knot()
 
     def _pass_knot(self) -> None:
-        """Go on under the forces and brakes after a knot."""
+        """Continue with the forces and brakes after a breakpoint."""
         braked, point = self.rows.bed > 0.0, self.point
         self.span = Span.at(self.chain, float(self.time))
         self.rows, self.length = self._rows(self.time), 1e-3 * self.tolerance * self.quickest
@@ -183,7 +191,7 @@ class ExtendedRun:
             point.friction = np.clip(friction, -self.rows.bed, self.rows.bed)
 
     def _rests(self) -> bool:
-        """Whether no bead moves and none is accelerated: under steady forces it stays so."""
+        """Return True if no bead moves or is accelerated. Under steady forces the chain stays at rest."""
         point = self.point
         if self.span.changes or self.steps <= FIRST_STEPS or point.velocity.any() or point.rate.any():
             return False
@@ -191,14 +199,14 @@ class ExtendedRun:
         return bool((acceleration <= 1e-12 * np.abs(point.force).max(initial=0.0) * self.rows.inverse_mass).all())
 
     def is_over(self) -> bool:
-        """Whether no contact pushes and none closes, and with friction no bead moves."""
+        """Return True if no contact pushes or closes and, with friction, no bead moves."""
         if self.span.changes:
             return False
         if self._rests():
             return True
         point = self.point
         heaviest = float(self.rows.inverse_mass[self.rows.inverse_mass > 0.0].min())
-        pushing = point.force * heaviest > self.tolerance * self.speed / self.quickest  # what is left else is round-off
+        pushing = point.force * heaviest > self.tolerance * self.speed / self.quickest  # Smaller forces are round-off.
         pushes = bool(pushing.any() or (point.branch >= PRESSED).any())
         if self.rows.bed.size:
             slides = self.rows.bed > 0.0
@@ -206,15 +214,16 @@ class ExtendedRun:
             slows = (point.velocity != 0.0) & (acceleration > 1e-12 * self.rows.bed * self.rows.inverse_mass)
             if (slides & slows).any() or self._moves(point.velocity[slides]):
                 return False
-            pushes &= bool((acceleration > 1e-12 * self.rows.bed * self.rows.inverse_mass).any())  # at rest it may push
+            # A chain at rest may push.
+            pushes &= bool((acceleration > 1e-12 * self.rows.bed * self.rows.inverse_mass).any())
         return not (pushes or self._moves(np.maximum(point.rate, 0.0)))
 
     def _moves(self, speeds: Array) -> bool:
-        """Whether one of the speeds is more than the iteration may leave."""
+        """Return True if one of the speeds is larger than the allowed residual of the iteration."""
         return bool((np.abs(speeds) > STILL * self.tolerance * self.speed).any())
 
     def _step(self, end: Extended) -> None:
-        """Try one step; take it or shorten the next."""
+        """Try one step. Accept it, or shorten the next one."""
         h = Extended(np.minimum(self.length, end - self.time))
         if self._is_crossing(float(h)):
             self._cross(h)
@@ -238,17 +247,19 @@ class ExtendedRun:
             )  # fmt: skip
             self._take(stages, h, rows)
             grown = float(h) * min(GROWTH, max(0.2, factor))
-            if h < self.length:  # the end of the run cut it short
+            if h < self.length:  # The end of the run shortened this step.
                 grown = max(grown, self.length)
             self.length = min(grown, max(corner, 0.5 * self._crossing_length()))
 
     def _left_by_newton(self) -> float:
-        """Precision [m/s] of the stages: beads that stick and contacts that are held keep the iteration from its last digits."""
+        """Return the precision [m/s] of the stages. It is lower with sticking beads or held contacts, which limit the
+        iteration.
+        """
         part = SLACK if self.rows.bed.size or self.rows.loss.any() else NEWTON
         return max(part * self.tolerance, 4.0 * EPSILON) * self.speed
 
     def _crossing_length(self) -> float:
-        """Longest step [s] that may cross a corner."""
+        """Return the longest step [s] that may cross an event."""
         acceleration = self.rows.acceleration(self.point.force, self.point.friction)
         jump = np.zeros_like(acceleration)
         of_contact = self.rows.preload + self.point.force * self.rows.loss
@@ -263,7 +274,9 @@ class ExtendedRun:
         return h <= self._crossing_length()
 
     def _cross(self, h: Extended) -> None:
-        """Take a step of implicit Euler, in which every row finds its branch at the end: a monotone problem."""
+        """Take a step of implicit Euler in which each constraint finds its branch at the end. This is a monotone
+        problem.
+        """
         speed = float(np.abs(self.point.velocity).max()) + self.speed
         wanted, strict = SLACK * self.tolerance * self.speed, 4.0 * EPSILON * speed
         rows = self._stage_rows(h, tableau(1).node)
@@ -287,7 +300,7 @@ class ExtendedRun:
         self.time = self.time + h
 
     def _note_events(self, before: Point, stages: Point, h: Extended, used: Tableau) -> None:
-        """Note the contacts whose overlap changes its sign in a step, at the root of the polynomial through its nodes."""
+        """Record contacts whose overlap changes its sign in a step, at the root of the polynomial through the nodes."""
         if not self.rows.single:
             return
         changed = np.flatnonzero((before.overlap > 0.0) != (stages.overlap[-1] > 0.0))
@@ -298,7 +311,7 @@ class ExtendedRun:
                 np.append(first[i], later[:, i]).astype(np.float64)
                 for first, later in ((before.overlap, stages.overlap), (before.rate, stages.rate))
             )
-            part = 0.0  # a contact that touches at first closes then
+            part = 0.0  # A contact that touches at the start closes at once.
             if overlap[0] != 0.0 != overlap[-1]:
                 part = brentq(BarycentricInterpolator(node, overlap), 0.0, 1.0, xtol=1e-14)
             elif overlap[-1] == 0.0:
@@ -308,17 +321,21 @@ class ExtendedRun:
         self.events += sorted(found, key=lambda event: event.time)
 
     def _round_to_rest(self, before: Point) -> None:
-        """Set to 0 what is 0 but for round-off: velocities of beads that stick, rates of contacts that touch or are held.
+        """Set values to 0 that differ from 0 only by round-off: velocities of sticking beads, and rates of touching or
+        held contacts.
 
-        And gaps between beads that move side by side: a push that closes one would make it bounce at the root of the round-off.
+        Also remove gaps between beads that move side by side. A push that closes such a gap would let the contact
+        bounce with the square root of the round-off.
         """
         point = self.point
+        # Beads: find those at rest, and fix their velocities to exactly 0.
         rests = np.abs(point.velocity) <= 4.0 * EPSILON * self.speed
         if self.rows.bed.size:
-            past = point.side * point.velocity < 0.0  # by less than the iteration may leave: it has come to rest
+            # The velocity is past 0 by less than the allowed residual, so the bead has come to rest.
+            past = point.side * point.velocity < 0.0
             rests |= ((point.side == STICKS) | past) & (self.rows.bed > 0.0)
             acceleration = self.rows.acceleration(point.force, point.friction)
-            # nor does it gain: it would creep on for ever
+            # A slow bead that is not accelerated counts as at rest. Otherwise it would creep forever.
             still = np.abs(point.velocity) <= STILL * self.tolerance * self.speed
             still &= point.side * acceleration <= 1e-12 * self.rows.bed * self.rows.inverse_mass
             rests |= still & (self.rows.bed > 0.0)
@@ -326,10 +343,12 @@ class ExtendedRun:
         left = np.where(rests, point.velocity, 0.0)
         point.velocity -= left
         point.rate -= self.rows.closing(left)
+        # Contacts between two resting beads keep their overlap.
         stays, joint = rests & (before.velocity == 0.0), self.rows.joint
         both = stays[joint] & stays[joint + 1]
         point.overlap[both] = before.overlap[both]
         point.rate[rests[joint] & rests[joint + 1]] = 0.0
+        # Contacts that are fixed, and open contacts whose gap and rate are round-off.
         fixed = np.isin(point.branch, (TOUCHING, HELD)) & (np.abs(point.rate) < 10.0 * self.tolerance * self.speed)
         point.rate[fixed] = 0.0
         side_by_side = (point.branch == OPEN) & (np.abs(point.rate) <= ROUND_OFF * self.speed)
@@ -354,7 +373,9 @@ def _first_point(rows: Rows, chain: Chain, state: State) -> Point:
 
 
 def _scales(rows: Rows, point: Point, position: Array) -> tuple[float, float]:
-    """Speed [m/s] of the motion, from the energies it begins with and the forces on it, and its shortest time [s]."""
+    """Return the speed scale [m/s] of the motion, from its initial energies and forces, and its shortest time scale
+    [s].
+    """
     inverse_reduced = rows.response.diagonal()[: rows.contacts]
     stored = float(np.sqrt(2.0 * rows.stored(point.overlap) * inverse_reduced).max())
     acceleration = np.abs(rows.acceleration(point.force, point.friction))
@@ -371,7 +392,9 @@ def _scales(rows: Rows, point: Point, position: Array) -> tuple[float, float]:
 
 
 def _driven_speed(rows: Rows, position: Array) -> float:
-    """Speed [m/s] of beads from rest, after the longest gap or the distance at which a contact carries the drive."""
+    """Return the speed [m/s] of beads from rest after the longest gap, or after the overlap at which a contact carries
+    the drive.
+    """
     push = float(np.abs(rows.external * rows.inverse_mass).max())
     carried = rows.inverse(np.full(rows.contacts, np.abs(rows.external).max()))
     distance = max(float(np.abs(np.diff(position)).max()), float(carried.min()))
@@ -379,9 +402,11 @@ def _driven_speed(rows: Rows, position: Array) -> float:
 
 
 def local_error(tableau: Tableau, rows: Rows, stages: Point, h: float) -> float:
-    """Error of velocities [m/s] of a step: the last Legendre coefficients of the accelerations, continued as they decay.
+    """Return the error of velocities [m/s] in a step: the last Legendre coefficients of the accelerations, extrapolated
+    by their decay.
 
-    The order is twice the number of coefficients; where they do not decay, as across a switch, the last is the error.
+    The order is twice the number of coefficients. If the coefficients do not decay, as in a step across an event, the
+    last one is the error.
     """
     size = np.abs(tableau.legendre @ rows.acceleration(stages.force, stages.friction))
     if tableau.stages < 4:
@@ -394,16 +419,19 @@ def local_error(tableau: Tableau, rows: Rows, stages: Point, h: float) -> float:
 def hides_switch(
     tableau: Tableau, rows: Rows, start: Point, stages: Point, h: float, slack: float, still: float
 ) -> bool:
-    """Whether a guard may change its sign inside the step: one of its Bernstein coefficients has the other sign.
+    """Return True if a guard can change its sign inside the step: one of its Bernstein coefficients has the other sign.
 
-    `slack` [m/s]: a guard of velocities that is past its zero by less does not count; nor a slide of a bead slower than `still`.
+    A guard of velocities that is past its zero by less than `slack` [m/s] does not count, nor does the sliding of a
+    bead slower than `still` [m/s].
     """
     kinked = (rows.preload > 0.0) | (rows.loss > 0.0)
-    weight = h * rows.response.diagonal()  # change of a row's velocity by a force of 1 N
+    weight = h * rows.response.diagonal()  # Velocity change of a constraint by a force of 1 N.
+    # The branches must be the same at all stages.
     if _mixes(kinked, stages.branch, stages.force, weight[: kinked.size], slack):
         return True
     if rows.bed.size and _mixes(rows.bed > 0.0, stages.side, stages.friction, weight[kinked.size :], slack):
         return True
+    # Overlaps: the Bernstein coefficients bound the polynomial of each contact in the whole step.
     acceleration = rows.acceleration(stages.force, stages.friction)
     closing = rows.closing(acceleration)
     branch = stages.branch[0]
@@ -412,17 +440,20 @@ def hides_switch(
     reach = slack * h + 1e-18 * np.abs(start.overlap)
     found = bool(((stages.branch == OPEN).all(axis=0) & (overlap > reach)).any())
     found |= bool((kinked & (branch >= PRESSED) & (overlap < -reach)).any())
+    # Contacts with loss must not reverse.
     if rows.loss.any():
         rate = start.rate + h * (tableau.bernstein_once @ closing)
         lossy = (rows.loss > 0.0) & (start.overlap > 0.0)
         found |= bool((lossy & (branch == PRESSED) & (rate < -slack)).any())
         found |= bool((lossy & (branch == RELEASED) & (rate > slack)).any())
+    # The force of a touching or held contact must stay within its bounds.
     fixed = (branch == TOUCHING) | (branch == HELD)
     if fixed.any():
         force = tableau.bernstein_value @ stages.force
         low, high = bounds(rows, start)
         room = 1e-12 * high + slack / weight[: kinked.size]
         found |= bool((fixed & ((force < low - room) | (force > high + room))).any())
+    # Beads on the bed must not reverse or break loose.
     if rows.bed.size:
         side = stages.side[0]
         velocity = start.velocity + h * (tableau.bernstein_once @ acceleration)
@@ -434,27 +465,31 @@ def hides_switch(
 
 
 def _mixes(counts: NDArray[np.bool_], branch: Branches, dual: Array, weight: NDArray[np.float64], slack: float) -> bool:
-    """Whether rows change their branch among the stages, with forces that differ by more than `slack` [m/s]."""
+    """Return True if constraints change their branch among the stages, with forces that differ by more than `slack`
+    [m/s].
+    """
     mixed = counts & (branch != branch[0]).any(axis=0)
     return bool((mixed & (weight * np.ptp(dual, axis=0) > slack)).any())
 
 
 def bounds(rows: Rows, point: Point) -> tuple[Array, Array]:
-    """(n,) least and largest force of contacts that touch or are held."""
+    """Return the (n,) smallest and largest force of touching or held contacts."""
     law = rows.law(point.overlap)
     held = point.branch == HELD
     return np.where(held, (1.0 - rows.loss) * law, 0.0), np.where(held, law, rows.preload)
 
 
 def next_corner(tableau: Tableau, rows: Rows, stages: Point, h: float, speed: float, allowed: float) -> float:
-    """Longest next step [s] towards the first zero of a guard that its value, slope and curvature at the end foretell.
+    """Return the longest next step [s] towards the first zero of a guard, predicted by its value, slope and curvature
+    at the end.
 
-    Across the onset of a force that has no corner, a step may go on that moves no velocity by more than `allowed` [m/s].
+    A step may cross the onset of a force without preload if the force changes no velocity by more than `allowed` [m/s].
     """
     point = stages.last()
     acceleration = rows.acceleration(point.force, point.friction)
     closing = rows.closing(acceleration)
     branch = point.branch
+    # Openings and closings: roots of a parabola through the gap.
     sign = np.where(branch == OPEN, 1.0, -1.0)
     gap = sign * point.overlap
     times = np.where(
@@ -462,6 +497,7 @@ def next_corner(tableau: Tableau, rows: Rows, stages: Point, h: float, speed: fl
         _first_roots(gap, sign * point.rate, sign * closing),
         NEVER,
     )
+    # Velocity change by the force at the mirrored gap. If it is small, the step may continue to the other side.
     moved = 2.0 * times * rows.response.diagonal()[: rows.contacts] * rows.law(np.abs(gap))
     found = float(np.where(moved <= allowed, 2.0 * times, APPROACH * times).min())
     return min(found, APPROACH * _next_kink(tableau, rows, stages, closing, acceleration, h, allowed))
@@ -470,9 +506,12 @@ def next_corner(tableau: Tableau, rows: Rows, stages: Point, h: float, speed: fl
 def _next_kink(
     tableau: Tableau, rows: Rows, stages: Point, closing: Array, acceleration: Array, h: float, allowed: float
 ) -> float:
-    """Time [s] until a multiplier reaches a bound, or a rate with loss or a velocity on the bed reaches 0."""
+    """Return the time [s] until a multiplier reaches a bound, or until a rate with loss or a velocity on the bed
+    reaches 0.
+    """
     point, found = stages.last(), NEVER
     branch = point.branch
+    # Contacts with loss that may reverse.
     if rows.loss.any():
         turning = (
             (rows.loss > 0.0)
@@ -482,14 +521,16 @@ def _next_kink(
         )
         toward = np.where(branch == PRESSED, -1.0, 1.0)
         found = min(found, _ahead((toward * point.rate)[turning], (toward * closing)[turning]))
+    # Touching or held contacts whose force may reach a bound.
     fixed = (branch == TOUCHING) | (branch == HELD)
     degree = np.arange(tableau.stages)
-    at_end = (degree * (degree + 1) / h) @ tableau.legendre  # from values at the nodes to the slope at the end
+    at_end = (degree * (degree + 1) / h) @ tableau.legendre  # Weights from values at the nodes to the slope at the end.
     if fixed.any():
         low, high = bounds(rows, point)
         slope = at_end @ stages.force
         found = min(found, _ahead((low - point.force)[fixed], -slope[fixed]))
         found = min(found, _ahead((point.force - high)[fixed], slope[fixed]))
+    # Beads that may stop, or break loose.
     if rows.bed.size:
         slides, sticks = point.side != STICKS, (point.side == STICKS) & (rows.bed > 0.0)
         found = min(found, _ahead((-point.side * point.velocity)[slides], (-point.side * acceleration)[slides]))
@@ -500,13 +541,13 @@ def _next_kink(
 
 
 def _ahead(value: Array, slope: Array) -> float:
-    """First time at which a line that begins at a value < 0 reaches 0."""
+    """Return the first time at which a line that begins at a value < 0 reaches 0."""
     rising = (value < 0.0) & (slope > 0.0)
     return float((-value[rising] / slope[rising]).min()) if rising.any() else NEVER
 
 
 def _first_roots(value: Array, slope: Array, curvature: Array) -> Array:
-    """First times at which parabolas that begin at values < 0 reach 0."""
+    """Return the first times at which parabolas that begin at values < 0 reach 0."""
     square = slope**2 - 2.0 * curvature * value
     root = np.sqrt(np.maximum(square, 0.0))
     with np.errstate(divide="ignore", invalid="ignore"):

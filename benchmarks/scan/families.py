@@ -1,4 +1,6 @@
-"""Families of random chains: each a function from a seeded generator to a chain, its start and its duration."""
+"""Families of random chains. A family is a function from a random generator to a chain, start velocities and a
+duration.
+"""
 
 from __future__ import annotations
 
@@ -27,12 +29,12 @@ from softcradle.physics.scales import contact_scales
 Array = NDArray[np.float64]
 Draw = np.random.Generator
 
-NUMBER = r"\d+\.\d+(e[+-]?\d+)?"  # with a point, as Python writes it
+NUMBER = r"\d+\.\d+(e[+-]?\d+)?"  # A number with a decimal point, as Python writes it.
 
 
 @dataclass(frozen=True)
 class Motion:
-    """One chain of the scan: where it came from, its start velocities (n+1,) [m/s] and its duration [s] or None."""
+    """A chain of the scan: its family and seed, its start velocities (n+1,) [m/s], and its duration [s] or None."""
 
     family: str
     seed: int
@@ -42,11 +44,13 @@ class Motion:
 
     @property
     def key(self) -> str:
-        """Family, seed and a digest of the chain, its numbers to ten digits: what a truth is stored under.
+        """Family, seed and a hash of the chain, whose numbers are rounded to ten digits. Reference solutions are stored
+        under this key.
 
-        Durations come from scales, whose last digits are the processor's.
+        The rounding is needed because durations follow from scales, whose last digits depend on the processor.
         """
-        own = [law.law for law in self.chain.own_laws]  # whose numbers the chain does not tell
+        # The text of a chain does not contain the numbers of user-defined laws.
+        own = [law.law for law in self.chain.own_laws]
         content = re.sub(
             NUMBER, lambda found: f"{float(found[0]):.10g}", repr((self.chain, self.velocity, self.duration, *own))
         )
@@ -54,20 +58,22 @@ class Motion:
 
     @property
     def speed(self) -> float:
-        """What a tolerance is relative to [m/s]: the largest difference of start velocities, 1 where there is none."""
+        """The speed [m/s] to which a tolerance refers: the largest difference of start velocities, or 1 if they are
+        equal.
+        """
         return float(np.ptp(self.velocity)) or 1.0
 
 
 @dataclass(frozen=True)
 class FormLaw:
-    """A contact law that is no power: strength [N], length [m] and one of the FORMS."""
+    """A contact law that is not a power law: strength [N], length [m] and one of the FORMS."""
 
     strength: float
     length: float
     form: str
 
     def force(self, overlap: Array) -> Array:
-        """Force [N] at `overlap` [m]."""
+        """Return the force [N] at `overlap` [m]."""
         found: Array = self.strength * FORMS[self.form](np.asarray(overlap) / self.length)
         return found
 
@@ -91,7 +97,7 @@ def _masses(draw: Draw, n: int, decades: float = 1.0) -> Array:
 
 
 def _strike(draw: Draw, n: int) -> Array:
-    """Start velocities of one or more strikers on a cluster at rest, or of beads of which each has its own."""
+    """Return the start velocities of one or more strikers and a cluster at rest, or of beads with random velocities."""
     if draw.random() < 0.3:
         return draw.uniform(-1.0, 1.0, n + 1)
     velocity = np.zeros(n + 1)
@@ -118,34 +124,34 @@ def _laws(draw: Draw, n: int) -> list[Contact]:
 
 
 def _time(draw: Draw, chain: Chain, velocity: Array) -> float:
-    """A duration [s] of a few contacts."""
+    """Return a duration [s] of a few contact times."""
     moving = velocity if np.ptp(velocity) else np.eye(1, velocity.size)[0]
     return float(np.median(contact_scales(chain, moving)[1]) * draw.uniform(1.0, 5.0))
 
 
 def power(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """One exponent for all contacts."""
+    """Return a chain with one power law for all contacts."""
     n = int(draw.integers(2, 7))
     law = power_law(float(_log(draw, 0.1, 10.0)), float(_log(draw, 0.05, 3.0)))
     return Chain(_masses(draw, n), law), _strike(draw, n), None
 
 
 def mixed(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """An exponent and a strength for each contact."""
+    """Return a chain with an exponent and a strength for each contact."""
     n = int(draw.integers(2, 7))
     laws = [power_law(float(_log(draw, 0.1, 10.0)), float(_log(draw, 0.05, 3.0))) for _ in range(n)]
     return Chain(_masses(draw, n), laws), _strike(draw, n), None
 
 
 def hooke_hertz(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Springs and spheres with strengths over four decades."""
+    """Return springs and spheres with strengths over four orders of magnitude."""
     n = int(draw.integers(2, 8))
     laws = [(hooke, hertz)[int(draw.integers(2))](float(_log(draw, 1.0, 1e4))) for _ in range(n)]
     return Chain(_masses(draw, n, 0.6), laws), _strike(draw, n), None
 
 
 def gears(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Draft gears, alike or not, some with step forces among them."""
+    """Return a chain of equal or different draft gears, sometimes with step forces among them."""
     n = int(draw.integers(2, 7))
 
     def gear() -> Contact:
@@ -158,7 +164,7 @@ def gears(draw: Draw) -> tuple[Chain, Array, float | None]:
 
 
 def clusters(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Two or three clusters with gaps between them that run into each other."""
+    """Return up to three clusters with gaps between them that run into each other."""
     n = int(draw.integers(3, 8))
     cluster = np.sort(draw.integers(0, 3, n + 1))
     velocity = np.sort(draw.uniform(-1.0, 1.0, 3))[::-1][cluster]
@@ -167,7 +173,9 @@ def clusters(draw: Draw) -> tuple[Chain, Array, float | None]:
 
 
 def driven(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Steady forces on the beads, some chains with a wall at the end, some at rest at first."""
+    """Return a chain with steady forces on the beads, sometimes with a wall at the end, and sometimes at rest at the
+    start.
+    """
     n = int(draw.integers(1, 6))
     mass = _masses(draw, n)
     velocity = _strike(draw, n) * float(draw.random() < 0.7)
@@ -180,7 +188,7 @@ def driven(draw: Draw) -> tuple[Chain, Array, float | None]:
 
 
 def walls(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """A wall at one end or both."""
+    """Return a chain with a wall at one end or at both ends."""
     n = int(draw.integers(2, 7))
     mass, velocity = _masses(draw, n), _strike(draw, n)
     ends = ((0,), (n,), (0, n))[int(draw.integers(3))]
@@ -191,7 +199,7 @@ def walls(draw: Draw) -> tuple[Chain, Array, float | None]:
 
 
 def friction(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """A bed that brakes, in a third of the chains with loss in the contacts and in some with a drive."""
+    """Return a chain on a bed, in a third of the cases with loss in the contacts, and sometimes with a drive."""
     n = int(draw.integers(1, 6))
     laws = _laws(draw, n)
     if draw.random() < 0.33:
@@ -205,7 +213,7 @@ def friction(draw: Draw) -> tuple[Chain, Array, float | None]:
 
 
 def loss(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Contacts of which each takes a part of its energy."""
+    """Return a chain whose contacts absorb a part of their energy."""
     n = int(draw.integers(1, 6))
     laws = [replace(law, loss=float(draw.uniform(0.05, 0.9))) for law in _laws(draw, n)]
     chain, velocity = Chain(_masses(draw, n), laws), _strike(draw, n)
@@ -213,7 +221,7 @@ def loss(draw: Draw) -> tuple[Chain, Array, float | None]:
 
 
 def extreme(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Masses over eight decades, strengths over nine."""
+    """Return a chain with masses over eight orders of magnitude and strengths over nine."""
     n = int(draw.integers(2, 5))
     mass = np.asarray(_log(draw, 1e-4, 1e4, n + 1))
     laws = [power_law(float(_log(draw, 1e-3, 1e6)), float(draw.choice([0.2, 1.0, 1.5, 2.5]))) for _ in range(n)]
@@ -221,13 +229,15 @@ def extreme(draw: Draw) -> tuple[Chain, Array, float | None]:
 
 
 def one_on_n(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """The paper's collision: one bead on n alike, n from 2 to 30, exponent from 0.005 to 0.5."""
+    """Return the paper's collision: one bead on n equal beads, n from 2 to 30, exponent from 0.005 to 0.5."""
     n = int(draw.integers(2, 31))
     return one_on(n, power_law(1.0, float(_log(draw, 0.005, 0.5)))), np.eye(1, n + 1)[0], None
 
 
 def own_laws(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Laws of one's own, in half of the chains beside power laws, some with a wall at the end."""
+    """Return a chain with user-defined laws, in half of the cases together with power laws, and sometimes with a wall
+    at the end.
+    """
     n = int(draw.integers(1, 6))
     laws: list[FormLaw | Contact] = [_form(draw)] * n if draw.random() < 0.3 else [_form(draw) for _ in range(n)]
     if draw.random() < 0.5:
@@ -246,7 +256,7 @@ def _form(draw: Draw) -> FormLaw:
 
 
 def couplers(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Trains: couplers with gears that lose, with slack, with stops, some on a bed, some pulled by a force."""
+    """Return a train: couplers with loss, slack and stops, sometimes on a bed, and sometimes pulled by a force."""
     n = int(draw.integers(1, 5))
     link = _coupler(draw) if draw.random() < 0.5 else None
     laws = [link or _coupler(draw) for _ in range(n)]
@@ -274,7 +284,9 @@ def _coupler(draw: Draw) -> Coupler:
 
 
 def timed(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Forces over time, in a third of the chains brakes over time, in a third a bed, from rest or from a strike."""
+    """Return a chain with forces over time, in a third of the cases with brakes over time, in a third on a bed, at rest
+    or struck.
+    """
     n = int(draw.integers(1, 6))
     mass, laws = _masses(draw, n), _laws(draw, n)
     velocity = _strike(draw, n) * float(draw.random() < 0.7)
@@ -288,16 +300,16 @@ def timed(draw: Draw) -> tuple[Chain, Array, float | None]:
 
 
 def _over_time(draw: Draw, n: int, end: float, values: Array) -> TimedForce:
-    """Pulse, ramps or steps on one bead or two."""
+    """Return a pulse, ramps or steps of the force on one or two beads."""
     beads = draw.choice(n + 1, size=int(draw.integers(1, 3)), replace=False).tolist()
     knots = np.sort(draw.uniform(0.0, end, int(draw.integers(1, 5))))
-    if draw.random() < 0.4:  # steps: each time twice
+    if draw.random() < 0.4:  # Steps: each breakpoint occurs twice.
         knots = np.repeat(knots, 2)
     return TimedForce(beads, knots, np.append(values[: knots.size - 1], draw.choice([0.0, values[-1]])))
 
 
 def bounded(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Motions that go on for long and may end in the middle of a bounce: between walls, or held together by couplers."""
+    """Return a long motion that can end in the middle of a bounce: between walls, or held together by couplers."""
     n = int(draw.integers(1, 6))
     mass, velocity = _masses(draw, n, 0.5), _strike(draw, n)
     if n == 1 or draw.random() < 0.5:
@@ -316,7 +328,9 @@ def bounded(draw: Draw) -> tuple[Chain, Array, float | None]:
 
 
 def bed_struck(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Two to four beads on a bed that are struck: exponents from 1 to 4, with gaps, until most beads have come to rest."""
+    """Return two to four beads on a bed that are struck: exponents from 1 to 4, with gaps, until most beads have come
+    to rest.
+    """
     n = int(draw.integers(1, 4))
     law = power_law(float(_log(draw, 0.3, 30.0)), _bed_exponent(draw))
     gap = np.where(draw.random(n) < 0.5, 0.0, draw.uniform(0.0, 0.1, n))
@@ -327,7 +341,9 @@ def bed_struck(draw: Draw) -> tuple[Chain, Array, float | None]:
 
 
 def bed_pressed(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Two to four beads that overlap at the start, on a bed that holds some of them; in half of the chains one is fast."""
+    """Return two to four beads that overlap at the start, on a bed that holds some of them. In half of the chains one
+    bead is fast.
+    """
     n = int(draw.integers(1, 4))
     law = power_law(float(_log(draw, 0.3, 30.0)), _bed_exponent(draw))
     gap = -np.asarray(_log(draw, 0.03, 0.5, n))
@@ -364,7 +380,7 @@ FAMILIES: dict[str, Callable[[Draw], tuple[Chain, Array, float | None]]] = {
 
 
 def motion(family: str, seed: int) -> Motion:
-    """The chain of `family` with this seed."""
+    """Return the chain of `family` with this seed."""
     draw = np.random.default_rng([seed, *family.encode()])
     chain, velocity, duration = FAMILIES[family](draw)
     return Motion(family, seed, chain, tuple(float(v) for v in velocity), duration)

@@ -1,13 +1,14 @@
-"""A chain as rows of monotone graphs: contacts push by overlap, the bed brakes by velocity, each set-valued at its corner.
+"""A chain as unilateral constraints with maximal monotone graphs: contacts push by overlap, and the bed brakes by
+velocity.
 
     contact  OPEN      d < 0   f = 0                      PRESSED   w >= 0  f = F + K d**a
              TOUCHING  d = 0   0 <= f <= F                RELEASED  w <= 0  f = (1 - l) (F + K d**a)
                                                           HELD      w = 0   f between the two
     bed      SLIDES    v != 0  r = R sign(v)              STICKS    v = 0   -R <= r <= R
 
-A row is a point on its graph: its primal value (d, w = 0, or v), its dual value (f or r), and its branch. A coupler is several
-contacts between the same two beads, rows of its own each: one with side -1 pulls, and d of a row is side * (d - origin) of the
-joint.
+Each constraint (row) is a point on its graph, with a primal value (d, w = 0, or v), a dual value (f or r), and a
+branch. The force is set-valued at the event between two branches. A coupler consists of several contacts between the
+same two beads, each with its own row. A row with side -1 pulls, and its d is side * (d - origin) of the joint.
 """
 
 from __future__ import annotations
@@ -27,24 +28,26 @@ from benchmarks.scan.collocation import Array, Extended
 Branches = NDArray[np.int8]
 
 OPEN, TOUCHING, PRESSED, HELD, RELEASED = 0, 1, 2, 3, 4
-LEAST = np.finfo(Extended).tiny  # overlap [m] at which a slope may still be evaluated
-RESOLVENT_ITERATIONS = 9  # at the most, of a convex equation: the start is at most log 2 from its root
-SETTLED = 1e-10  # last change of a logarithm: the next would be its square
+LEAST = np.finfo(Extended).tiny  # Smallest overlap [m] at which a slope can be evaluated.
+# Largest number of Newton iterations of a convex equation. The start is at most log 2 from the root.
+RESOLVENT_ITERATIONS = 9
+SETTLED = 1e-10  # Last change of a logarithm at which the iteration stops. The next change would be its square.
 BACKWARD, STICKS, FORWARD = -1, 0, 1
 
 
 @dataclass(frozen=True)
 class Rows:
-    """The rows of a chain in extended precision: m contacts, at least one between any two beads, and with friction n+1 beds.
+    """The constraints of a chain in extended precision: m contacts, at least one per pair of neighbours, and n+1 beds
+    with friction.
 
     Attributes:
-        joint: (m,) which two neighbours each contact is between.
-        side, origin: (m,) 1 and 0 for contacts that are no part of a coupler.
-        preload, stiffness, exponent, loss: (m,) of the contacts.
-        inverse_mass: (n+1,), 0 for a wall.
+        joint: (m,) index of the pair of neighbours of each contact.
+        side, origin: (m,) orientation and origin of a part of a coupler; 1 and 0 for other contacts.
+        preload, stiffness, exponent, loss: (m,) laws of the contacts.
+        inverse_mass: (n+1,) inverse masses, 0 for a wall.
         bed: (n+1,) friction of a sliding bead [N], or empty.
         external: (n+1,) steady force on each bead [N].
-        response: (m+b, m+b) what the dual values take from the acceleration of each row's primal value.
+        response: (m+b, m+b) matrix from dual values to the accelerations that they take from the primal values.
     """
 
     joint: NDArray[np.intp]
@@ -61,7 +64,7 @@ class Rows:
 
     @classmethod
     def of(cls, chain: Chain, external: NDArray[np.float64] | None) -> Rows:
-        """The rows of `chain` under the force `external` (n+1,) on its beads."""
+        """Return the constraints of `chain` under the force `external` (n+1,) on its beads."""
         n = chain.contacts
         parts = [(i, *part) for i, contact in enumerate(chain.contact) for part in _parts(contact)]
         joint = np.array([i for i, *_ in parts])
@@ -77,24 +80,26 @@ class Rows:
         return cls(joint, side, origin, preload, stiffness, exponent, loss, inverse_mass, bed, force, response)
 
     def under(self, push: Array, brake: Array) -> Rows:
-        """The rows with more forces from outside and on the bed (..., n+1) [N]: at one time, or at each of some stages."""
+        """Return the constraints with additional external forces and friction (..., n+1) [N], at one time or at all
+        stages.
+        """
         bed = self.bed + np.where(self.inverse_mass > 0.0, brake, 0.0) if self.bed.size else self.bed
         return replace(self, external=self.external + push, bed=bed)
 
     @property
     def contacts(self) -> int:
-        """Number m of contacts, each part of a coupler for itself."""
+        """Number m of contacts. Each part of a coupler counts as a contact."""
         return self.preload.size
 
     @cached_property
     def order(self) -> NDArray[np.intp]:
-        """(m+b,) contacts and beds from one end of the chain to the other."""
+        """(m+b,) indices of contacts and beds from one end of the chain to the other."""
         beds = np.arange(self.bed.shape[-1])
         return np.argsort(np.concatenate((self.joint + 0.5, beds)), kind="stable")
 
     @cached_property
     def answers(self) -> dict[int, tuple[NDArray[np.intp], NDArray[np.float64]]]:
-        """By distance k in that order: places p, and the response of the row there to the one at p + k."""
+        """Places p in `order`, and responses between the rows at p and p + k, for each distance k."""
         response = self.response[np.ix_(self.order, self.order)]
         first, second = response.nonzero()
         reach, count = int(np.abs(first - second).max(initial=0)), self.order.size
@@ -103,20 +108,24 @@ class Rows:
 
     @cached_property
     def single(self) -> bool:
-        """Whether every two neighbours have one contact between them."""
+        """True if each pair of neighbours has exactly one contact."""
         return bool(self.joint.size == self.inverse_mass.size - 1)
 
     def of_contacts(self, joints: Array, origin: bool = False) -> Array:
-        """(..., m) of each contact what the differences (..., n) of neighbours are for it; of overlaps less its `origin`."""
+        """Return the values (..., m) of contacts that follow from differences (..., n) of neighbours; overlaps are
+        reduced by `origin`.
+        """
         found: Array = joints[..., self.joint] - self.origin if origin else joints[..., self.joint]
         return self.side * found
 
     def closing(self, beads: Array) -> Array:
-        """(..., m) by how much values (..., n+1) of the beads close each contact."""
+        """Return the (..., m) rates at which values (..., n+1) of the beads close each contact."""
         return self.of_contacts(beads[..., :-1] - beads[..., 1:])
 
     def on_joints(self, force: Array) -> Array:
-        """(..., n) forces between neighbours, from those (..., m) of contacts; negative where they pull."""
+        """Return the (..., n) forces between neighbours that follow from forces (..., m) of contacts. Negative forces
+        pull.
+        """
         if self.single:
             return self.side * force
         total = np.zeros((self.inverse_mass.size - 1, *force.shape[:-1]), dtype=force.dtype)
@@ -124,7 +133,7 @@ class Rows:
         return np.moveaxis(total, 0, -1)
 
     def push(self, force: Array) -> Array:
-        """(..., n+1) forces on the beads by contacts (..., m) and from outside."""
+        """Return the (..., n+1) forces on the beads from contact forces (..., m) and external forces."""
         joints = self.on_joints(force)
         net = np.empty(
             np.broadcast_shapes((*joints.shape[:-1], self.inverse_mass.size), self.external.shape), dtype=Extended
@@ -135,14 +144,16 @@ class Rows:
         return net
 
     def acceleration(self, force: Array, friction: Array) -> Array:
-        """(..., n+1) accelerations of the beads under contact forces (..., m) and bed friction (..., n+1 or 0)."""
+        """Return the (..., n+1) accelerations of the beads under contact forces (..., m) and bed friction (..., n+1 or
+        0).
+        """
         net = self.push(force)
         if self.bed.size:
             net -= friction
         return net * self.inverse_mass
 
     def with_firm(self, firm: NDArray[np.bool_]) -> Rows:
-        """The rows with the beads that are `firm` (n+1,) as walls."""
+        """Return the constraints with the beads `firm` (n+1,) fixed like walls."""
         if not firm.any():
             return self
         inverse_mass = np.where(firm, 0.0, self.inverse_mass)
@@ -151,18 +162,18 @@ class Rows:
         )
 
     def law(self, overlap: Array) -> Array:
-        """(..., n) forces of contacts that are pressed in, at overlaps >= 0."""
+        """Return the (..., n) forces of loading contacts at overlaps >= 0."""
         found: Array = self.preload + self.stiffness * np.maximum(overlap, 0.0) ** self.exponent
         return found
 
     def stored(self, overlap: Array) -> Array:
-        """(..., n) energies of the contacts."""
+        """Return the (..., n) energies stored in the contacts."""
         pressed = np.maximum(overlap, 0.0)
         found: Array = (self.preload + self.stiffness * pressed**self.exponent / (1.0 + self.exponent)) * pressed
         return found
 
     def slope(self, overlap: Array) -> Array:
-        """(..., n) derivative of `law`; 0 where it is not finite."""
+        """Return the (..., n) derivative of `law`, or 0 if it is not finite."""
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             found = self.exponent * self.stiffness * overlap ** (self.exponent - 1.0)
         return np.where(
@@ -170,12 +181,14 @@ class Rows:
         )
 
     def steepness(self, overlap: Array) -> Array:
-        """(..., n) derivative of `law` at overlaps > 0, infinite where it is too large."""
+        """Return the (..., n) derivative of `law` at overlaps > 0. Infinite values are possible."""
         found: Array = self.exponent * self.stiffness * np.maximum(overlap, LEAST) ** (self.exponent - 1.0)
         return found
 
     def resolvent(self, excess: Array, weight: Array) -> Array:
-        """(..., n) overlaps d > 0 at which d + weight * stiffness * d**exponent is `excess` > 0: Newton's iteration in log d."""
+        """Return the (..., n) overlaps d > 0 with d + weight * stiffness * d**exponent = `excess` > 0, by Newton's
+        iteration in log d.
+        """
         pull = weight * self.stiffness
         most = np.minimum(excess, np.where(pull > 0.0, (excess / pull) ** (1.0 / self.exponent), excess))
         place = np.log(np.maximum(most, LEAST))
@@ -192,7 +205,7 @@ class Rows:
         return found
 
     def inverse(self, force: Array) -> Array:
-        """(..., n) overlaps at which `law` is `force`; 0 where the preload alone carries it."""
+        """Return the (..., n) overlaps at which `law` equals `force`, or 0 if the preload carries the force."""
         excess = np.maximum(force - self.preload, 0.0)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             found = (excess / self.stiffness) ** (1.0 / self.exponent)
@@ -200,7 +213,7 @@ class Rows:
 
 
 def _response(joint: NDArray[np.intp], side: Array, inverse_mass: Array, on_bed: bool) -> NDArray[np.float64]:
-    """(m+b, m+b) see `Rows`."""
+    """Return the (m+b, m+b) matrix that `Rows` describes."""
     n = inverse_mass.size - 1
     difference = (np.eye(n, n + 1) - np.eye(n, n + 1, 1))[joint] * side.astype(np.float64)[:, None]
     rows = np.vstack((difference, np.eye(n + 1))) if on_bed else difference
@@ -209,7 +222,7 @@ def _response(joint: NDArray[np.intp], side: Array, inverse_mass: Array, on_bed:
 
 
 def _parts(contact: Joint) -> tuple[tuple[Contact, float, float], ...]:
-    """(law, side, origin) of the contacts between two neighbours."""
+    """Return (law, side, origin) of each contact between two neighbours."""
     if isinstance(contact, OwnLaw):
         raise ValueError(f"the reference in extended precision takes no law of your own, {contact.name!r}")
     return contact.parts if isinstance(contact, Coupler) else ((contact, 1.0, 0.0),)

@@ -1,9 +1,10 @@
-"""The stages of one collocation step: points on the graphs of all rows that fulfil the step's equations, by Newton's iteration.
+"""The stages of one collocation step: points on the graphs of all constraints that solve the step's equations, by
+Newton's iteration.
 
-At each stage the unknown of a contact is its place on its graph, overlap + weight * force with the weight of the force in its own
-equation (Minty's parametrisation): overlap and force are functions of it that change by no more than it does, so no step of the
-iteration makes a stiff force or a slack overlap run away, and a corner is a place like any other. The matrix is in double
-precision, residuals are in extended precision.
+At each stage, the unknown of a contact is its place on its graph, overlap + weight * force (Minty's parametrisation).
+The weight is the coefficient of the force in the contact's own equation. Overlap and force are functions of the place
+that change by no more than the place does. Therefore no iteration makes a stiff force or a slack overlap diverge, and
+an event is a place like any other. The matrix uses double precision, and the residuals use extended precision.
 """
 
 from __future__ import annotations
@@ -30,19 +31,22 @@ from benchmarks.scan.monotone_rows import (
 
 Double = NDArray[np.float64]
 
-SINGULAR = 1e-10  # of the largest eigenvalue or singular value: one below it counts as 0
-MOST_ITERATIONS = 40  # of Newton's method, in a step that is then tried shorter
-UNDAMPED_ITERATIONS, DAMPED = 12, 0.5  # before steps count by half, for contacts that alternate between two branches
-# change of an overlap with its place that is not yet 0, as it is for a fixed row
+# Relative limit, as a fraction of the largest eigenvalue or singular value. Smaller values count as 0.
+SINGULAR = 1e-10
+MOST_ITERATIONS = 40  # Largest number of Newton iterations. If they do not converge, a shorter step is tried.
+# Number of full iterations. After them, changes are multiplied by DAMPED, for contacts that alternate between two
+# branches.
+UNDAMPED_ITERATIONS, DAMPED = 12, 0.5
+# Smallest derivative of an overlap with respect to its place that differs from 0, the value of a fixed constraint.
 LEAST = float(np.finfo(np.float64).tiny)
 
 
 @dataclass
 class Point:
-    """Where the rows are: one moment, or s stages (leading axis).
+    """The state of all constraints at one time, or at s stages (leading axis).
 
     Attributes:
-        overlap, rate (..., m), velocity (..., n+1): of contacts and beads.
+        overlap, rate (..., m), velocity (..., n+1): primal values of contacts and beads.
         force (..., m), friction (..., n+1 or 0): dual values.
         branch (..., m), side (..., n+1 or 0): branches of contacts and beds.
     """
@@ -56,12 +60,12 @@ class Point:
     side: Branches
 
     def last(self) -> Point:
-        """The point at the last stage."""
+        """Return the point at the last stage."""
         return Point(*(value[-1].copy() for value in vars(self).values()))
 
 
 class Stages:
-    """The stage equations of one step of length `h` from `start`; `solve` gives the stages or None."""
+    """The stage equations of one step of length `h` from `start`. `solve` returns the stages or None."""
 
     def __init__(
         self,
@@ -75,19 +79,21 @@ class Stages:
         self.rows, self.start, self.h = rows, start, h
         self.once, self.twice = h * tableau.once, h * h * tableau.twice
         self.drift = start.overlap + h * tableau.node[:, None] * start.rate
-        # errors of velocities [m/s] that the iteration may leave, in all and in those that are 0
+        # Allowed errors of velocities [m/s] after the iteration: in general, and for velocities that are 0.
         self.wanted, self.wanted_at_rest = wanted, wanted if wanted_at_rest is None else wanted_at_rest
         self.round_off = 8.0 * EPSILON * (np.abs(start.overlap) + np.abs(h * start.rate))
         diagonal = rows.response.diagonal()[: rows.contacts]
-        self.yielding = 0.5 * (h * tableau.node[:, None]) ** 2 * diagonal  # overlap that a force of 1 N takes away
-        # (n+1,) beads that do not move in this step, or (0,) without a bed; the rows with these as walls
+        self.yielding = 0.5 * (h * tableau.node[:, None]) ** 2 * diagonal  # Overlap [m] that a force of 1 N takes away.
+        # `firm` (n+1,) marks beads that do not move in this step; it is empty without a bed. `free` has these beads as
+        # walls.
         self.firm, self.free = np.zeros(rows.bed.shape[-1], dtype=bool), rows
         self.once_double, self.twice_double = self.once.astype(np.float64), self.twice.astype(np.float64)
 
     def solve(self) -> Point | None:
-        """The stages, or None where Newton's iteration does not converge.
+        """Return the stages, or None if Newton's iteration does not converge.
 
-        Beads that stick at the start are walls at first; those that take more friction than there is are set free again.
+        Beads that stick at the start are fixed like walls at first. Beads that need more than the available friction
+        are then released.
         """
         start, bed = self.start, self.rows.bed
         if bed.size:
@@ -103,7 +109,7 @@ class Stages:
             self.firm &= ~slips
 
     def _solve(self) -> Point | None:
-        """The stages while beads that are firm do not move."""
+        """Return the stages with the beads in `firm` fixed."""
         stages = self._guess()
         for iteration in range(MOST_ITERATIONS):
             contact_error, bed_error = self._residuals(stages)
@@ -119,7 +125,9 @@ class Stages:
         return None
 
     def _guess(self) -> Point:
-        """Every stage with the forces of the start; contacts that are not stiff at the overlaps to which these lead."""
+        """Return stages with the forces at the start. Contacts that are not stiff get the overlaps that these forces
+        cause.
+        """
         start, rows, shape = self.start, self.rows, self.drift.shape
         stages = Point(*(np.broadcast_to(v, (shape[0], v.size)).copy() for v in vars(start).values()))
         if rows.bed.ndim > 1:
@@ -133,11 +141,11 @@ class Stages:
         return stages
 
     def _part(self, branch: Branches) -> Array:
-        """Part of the law's force on each branch."""
+        """Return the fraction of the law's force on each branch."""
         return np.where(branch == RELEASED, 1.0 - self.rows.loss, 1.0)
 
     def _residuals(self, stages: Point) -> tuple[Array, Array]:
-        """Primal values less what the stage equations make them, of contacts and beds; updates rates and velocities."""
+        """Return the residuals of the stage equations of contacts and beds. Update rates and velocities."""
         if self.firm.any():
             stages.friction[:, self.firm] = self.rows.push(stages.force)[:, self.firm]
         acceleration = self.free.acceleration(stages.force, stages.friction)
@@ -153,7 +161,7 @@ class Stages:
         return contact_error, bed_error
 
     def _sticks(self, stages: Point) -> NDArray[np.bool_]:
-        """(s, n+1) whether beads stick by a friction that is still to be found."""
+        """Return an (s, n+1) mask of beads that stick with unknown friction."""
         return (stages.side == STICKS) & ~self.firm & (np.atleast_2d(self.rows.bed) > 0.0).any(axis=0)
 
     def _is_small(self, contact_error: Array, branch: Branches, bed_error: Array, wanted: float) -> bool:
@@ -161,7 +169,7 @@ class Stages:
         return bool((np.abs(contact_error) <= allowed).all() and (np.abs(bed_error) <= self.wanted_at_rest).all())
 
     def _turn(self, stages: Point) -> bool:
-        """Hold contacts with loss that move against their branch, stop beads that do; whether there were any."""
+        """Hold contacts with loss that move against their branch, and stop such beads. Return True if there were any."""
         turned = False
         if self.rows.loss.any():
             lossy = (self.rows.loss > 0.0) & (stages.overlap > 0.0)
@@ -176,13 +184,13 @@ class Stages:
         return turned
 
     def _newton_step(self, stages: Point, contact_error: Array, bed_error: Array) -> tuple[Double, Double]:
-        """(s, n) and (s, b) steps along the graphs."""
+        """Return the (s, n) and (s, b) changes of places on the graphs."""
         (s, n), b = stages.force.shape, self.rows.bed.shape[-1]
         held = np.zeros((s, n + b), dtype=bool)
         held[:, :n], held[:, n:] = stages.branch == HELD, True
         primal, dual = np.empty((s, n + b)), np.empty((s, n + b))
         primal[:, :n], dual[:, :n] = self._tangent(stages)
-        # between beads that do not move a force is not determined, and stays as it is
+        # Forces between beads that do not move are not determined, so they stay unchanged.
         moves_nothing = self.free.response.diagonal()[:n] == 0.0
         primal[:, :n] = np.where(moves_nothing & (primal[:, :n] == 0.0), 1.0, primal[:, :n])
         dual[:, :n][:, moves_nothing] = 0.0
@@ -194,7 +202,10 @@ class Stages:
         return step[:, :n], step[:, n:]
 
     def _tangent(self, stages: Point) -> tuple[Double, Double]:
-        """(s, n) changes of primal and dual values with the place of a contact on its graph; of fixed ones with their force."""
+        """Return the (s, n) derivatives of primal and dual values with respect to the place on the graph.
+
+        For fixed constraints, the derivative is with respect to the force.
+        """
         part, overlap, weight = self._part(stages.branch), stages.overlap, self.yielding
         loaded = (stages.branch == PRESSED) | (stages.branch == RELEASED)
         stiffness = np.where(loaded, weight * part * self.rows.steepness(overlap), 0.0)
@@ -204,9 +215,10 @@ class Stages:
         return np.where(fixed, 0.0, primal).astype(np.float64), np.where(fixed, 1.0, dual).astype(np.float64)
 
     def _move_contacts(self, stages: Point, step: Double) -> None:
-        """Move along the graphs, in place, over corners to the next branch.
+        """Move along the graphs, in place, and across events to the next branch.
 
-        The place on a graph is overlap + weight * force: both are functions of it that change by no more than it does.
+        The place on a graph is overlap + weight * force. Both are functions of the place that change by no more than it
+        does.
         """
         rows, branch, weight = self.rows, stages.branch, self.yielding
         held, part = branch == HELD, self._part(branch)
@@ -226,7 +238,7 @@ class Stages:
         self._release(stages)
 
     def _release(self, stages: Point) -> None:
-        """Held contacts whose force has left its bounds are pressed in or come out."""
+        """Release held contacts whose force has left its bounds: they load or unload."""
         if not self.rows.loss.any():
             return
         law = self.rows.law(stages.overlap)
@@ -236,7 +248,7 @@ class Stages:
         stages.branch[over], stages.branch[under] = PRESSED, RELEASED
 
     def _move_beds(self, stages: Point, step: Double) -> None:
-        """Frictions of beads that stick, in place; a bead whose friction leaves its bounds slides."""
+        """Update the friction of sticking beads in place. A bead whose friction leaves its bounds slides."""
         if not self.rows.bed.size:
             return
         friction = np.where(stages.side == STICKS, stages.friction + step, stages.side * self.rows.bed)
@@ -246,10 +258,12 @@ class Stages:
 
 
 def solved(rows: Rows, rule: Double, primal: Double, dual: Double, right: Double) -> Double:
-    """(s, p) steps along the graphs of p rows at s stages; NaN where the equations have no solution.
+    """Return the (s, p) changes of places on the graphs of p constraints at s stages, or NaN if the equations have no
+    solution.
 
-    The change of a row at a stage is `primal` (s, p) times its step, plus what the changes `dual` (s, p) times the steps of all
-    rows do by their response and the `rule` (s, p, s) of the stage; all of it is `right` (s, p).
+    The equations state that `right` (s, p) equals the change of a constraint at a stage. It is `primal` (s, p) times
+    its own place change, plus the effect of the changes `dual` (s, p) of all constraints through their response and the
+    `rule` (s, p, s) of the stage.
     """
     if _is_determined(rows, primal):
         return _banded(rows, rule, primal, dual, right)
@@ -257,7 +271,7 @@ def solved(rows: Rows, rule: Double, primal: Double, dual: Double, right: Double
 
 
 def _is_determined(rows: Rows, primal: Double) -> bool:
-    """Whether the motion determines all multipliers: not between beads that stick, or between two walls."""
+    """Return True if the motion determines all multipliers. Between sticking beads, or between two walls, it does not."""
     fixed = (primal == 0.0).all(axis=0)
     if fixed.sum() < 2:
         return True
@@ -269,7 +283,7 @@ def _is_determined(rows: Rows, primal: Double) -> bool:
 
 
 def _full(rows: Rows, rule: Double, primal: Double, dual: Double) -> Double:
-    """The whole matrix, stage by stage."""
+    """Return the whole matrix, ordered by stages."""
     matrix = rule[:, :, :, None] * rows.response[None, :, None, :] * dual[None, None]
     found: Double = matrix.reshape(primal.size, primal.size)
     found[np.diag_indices(primal.size)] += primal.ravel()
@@ -277,7 +291,7 @@ def _full(rows: Rows, rule: Double, primal: Double, dual: Double) -> Double:
 
 
 def _banded(rows: Rows, rule: Double, primal: Double, dual: Double, right: Double) -> Double:
-    """The solution from a band about the diagonal: rows in the order of the chain, the stages of each side by side."""
+    """Solve with a band matrix. Constraints are in the order of the chain, and the stages of each one are neighbours."""
     stages, count = primal.shape
     order, reach = rows.order, max(rows.answers)
     rule, dual = rule[:, order], dual[:, order]
@@ -286,7 +300,7 @@ def _banded(rows: Rows, rule: Double, primal: Double, dual: Double, right: Doubl
     stage = np.arange(stages)
     blocks = []
     for k, (first, response) in rows.answers.items():
-        block = rule[:, first] * (response[:, None] * dual.T[first + k])  # (s, p, s)
+        block = rule[:, first] * (response[:, None] * dual.T[first + k])  # Block of shape (s, p, s).
         if k == 0:
             block[stage, :, stage] += primal[:, order]
         size[first] = np.maximum(size[first], np.abs(block).max(axis=2).T)
@@ -305,7 +319,7 @@ def _banded(rows: Rows, rule: Double, primal: Double, dual: Double, right: Doubl
 
 
 def _least(matrix: Double, right: Double) -> Double:
-    """The smallest of the solutions of equations that do not determine one."""
+    """Return the smallest solution of equations that do not determine a unique one."""
     size = _size(np.abs(matrix).max(axis=1))
     scaled = matrix / size[:, None]
     columns = _size(np.abs(scaled).max(axis=0))
@@ -317,5 +331,5 @@ def _least(matrix: Double, right: Double) -> Double:
 
 
 def _size(values: Double) -> Double:
-    """The values, 1 in place of 0."""
+    """Return the values, with 1 instead of 0."""
     return np.where(values == 0.0, 1.0, values)

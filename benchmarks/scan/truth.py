@@ -1,11 +1,15 @@
-"""The truth of a chain of the scan: fine runs where unlike methods confirm them, else the reference, else a spread.
+"""The reference solution of a chain of the scan: fine runs that another method confirms, or the reference in extended
+precision.
 
-Most chains are easy, and the reference takes seconds: where two fine runs of unlike steps agree and `conserving`, which shares
-neither steps nor event location with them, ends where they do, theirs is the truth. One chain in twenty, and every chain that
-they do not agree on or do not carry, is solved by the reference in extended precision. It takes no laws of one's own: these are
-solved by method `scipy`, which asks the functions where the others read a table. Where the reference gives up, the motion bounces
-often: the finest runs by two methods that come to its end tell how far it is determined, and where these give up too, the spread
-of runs of `conserving`, which is the wider the coarser they are, tells how well its end is known.
+Most chains are easy, but the reference takes seconds. If two fine runs with different steps agree, and `conserving`
+confirms their end, the fine runs are the reference solution. `conserving` shares neither steps nor event location with
+them. The reference in extended precision solves one chain of twenty, and every chain that the fine runs cannot solve or
+do not agree on.
+
+The reference accepts no user-defined laws. Method `scipy` solves chains with such laws, because it calls the functions
+where other methods read a table. If the reference gives up, the motion bounces often. Then the finest runs of two
+methods show how precisely the motion is determined. If these give up as well, the spread of runs of `conserving` shows
+how precisely its end is known; coarser runs give a wider spread.
 """
 
 from __future__ import annotations
@@ -28,51 +32,58 @@ from benchmarks.scan.families import Motion
 
 Array = NDArray[np.float64]
 
-TOLERANCE = 1e-12  # of the reference in extended precision
-SCIPY = 1e-9, 1e-10  # tolerances of the two runs of method `scipy`,
-MOST_STEPS_OF_SCIPY = 100_000  # and of each, some ten seconds, before it gives up
-STEPS_AND_SQUARE = 60_000  # steps of the reference times the square of beads, some seconds, before it gives up
-LEAST_STEPS, MOST_STEPS_OF_REFERENCE = 200, 3000  # of it in any case
-SHAKE = 1e-10  # relative change of the forces from one run of `conserving` to the next
-CONFIRMING = (1000, 1300)  # steps in the longest contact time of the two runs of `conserving` that confirm fine ones
-SPREADING = (300, 600, 1000, 1700, 3000)  # and of those whose spread is the truth: like steps err alike
-MOST_STEPS = 300_000  # of a run of `conserving`, about
-FINE = {"radau": 1e-11, "accurate": 3e-12}  # tolerances of the two fine runs
-AGREEMENT = 1e-10  # closing speeds: fine runs further apart do not confirm each other
-CONFIRMED = 20.0  # times what two steps of `conserving` differ by, and
-CONFIRMED_AT_LEAST = 1e-5  # closing speeds: as near has `conserving` to be to the fine runs
-# methods and tolerances, the finest first, of runs that tell how far a motion is determined; each once more with shaken forces
+TOLERANCE = 1e-12  # Tolerance of the reference in extended precision.
+SCIPY = 1e-9, 1e-10  # Tolerances of the two runs with method `scipy`.
+MOST_STEPS_OF_SCIPY = 100_000  # Largest number of steps of each of these runs, which takes about ten seconds.
+# Largest number of steps of the reference times the square of the number of beads, which takes some seconds.
+STEPS_AND_SQUARE = 60_000
+# Lower and upper limit of the number of steps of the reference that STEPS_AND_SQUARE gives.
+LEAST_STEPS, MOST_STEPS_OF_REFERENCE = 200, 3000
+SHAKE = 1e-10  # Relative change of the forces from one run of `conserving` to the next.
+CONFIRMING = (1000, 1300)  # Steps per longest contact time in the two runs of `conserving` that confirm fine runs.
+# Steps per longest contact time in the runs whose spread is the reference solution. They differ because similar steps
+# have similar errors.
+SPREADING = (300, 600, 1000, 1700, 3000)
+MOST_STEPS = 300_000  # Approximate limit of the number of steps of a run of `conserving`.
+FINE = {"radau": 1e-11, "accurate": 3e-12}  # Tolerances of the two fine runs.
+AGREEMENT = 1e-10  # Largest difference of two fine runs that confirm each other, as a fraction of the closing speed.
+CONFIRMED = 20.0  # Largest allowed distance of `conserving` from the fine runs, in differences of its two runs.
+CONFIRMED_AT_LEAST = 1e-5  # Lower limit of this distance, as a fraction of the closing speed.
+# Methods and tolerances, finest first, of runs that show how precisely a motion is determined. Each run is repeated
+# with perturbed forces.
 DETERMINING, FINEST = ("accurate", "radau"), (1e-13, 1e-12, 1e-11, 1e-10)
-ROUND_OFF = 1e-14  # relative change of forces by which these are shaken: some units in the last place
-MOST_FINE_STEPS = 1_000_000  # of each, some seconds
-LEAST_FINE_RUNS = 3  # of a method that come to their end, or they tell nothing; with as many no coarser ones are tried
-# what a truth is known by
+ROUND_OFF = 1e-14  # Relative change of the perturbed forces: some units in the last place.
+MOST_FINE_STEPS = 1_000_000  # Largest number of steps of each of these runs, which takes some seconds.
+# Number of finished runs that a method needs for its spread. If it has this number, no coarser runs are tried.
+LEAST_FINE_RUNS = 3
+# Sources of a reference solution.
 FINE_RUNS, REFERENCE, FINE_SPREAD, SPREAD, BY_SCIPY = SOURCES = (
     "fine runs", "reference", "spread of fine runs", "spread", "scipy",
 )  # fmt: skip
-BY_REFERENCE = 20  # every so many-th chain is solved by the reference in any case
+BY_REFERENCE = 20  # One chain of this number is solved by the reference in any case.
 BEDS = (
     "bed-struck",
     "bed-pressed",
-)  # families of short rows, of which the reference solves each in a fraction of a second
-# Steps in the longest contact time of the run of `conserving` that confirms the positions of fine runs
+)  # Families of short rows. The reference solves each chain in a fraction of a second.
+# Steps per longest contact time in the run of `conserving` that confirms the positions of fine runs.
 CONFIRMING_PATH = 300
-# Part of the closing speed times the duration: the positions of `conserving` have to be as near to those of fine runs. A bead
-# that is moved by mistake is off by far more, and these steps by far less.
+# Largest allowed distance of the positions of `conserving` from those of fine runs, as a fraction of the closing speed
+# times the duration. A bead that is moved by mistake has a far larger error, and these steps have a far smaller one.
 PATH_CONFIRMED = 1e-3
-# Part of the closing speed: a contact whose overlap changes more slowly closes or opens at a time that is hardly determined
+# Fraction of the closing speed. If the overlap of a contact changes more slowly, its closing or opening time is hardly
+# determined.
 SLOW_EVENT = 1e-3
-MOST_EVENTS = 30  # of a chain: the first closings and openings are judged, later ones add nothing new
+MOST_EVENTS = 30  # Largest number of events of a chain that are judged. Later closings and openings add no information.
 
 
 @dataclass(frozen=True)
 class Path:
-    """Final positions, and contact times.
+    """Final positions and contact times.
 
     Attributes:
         position: (n+1,) final positions [m].
-        doubt: [m] how well they are known.
-        end: time [s] of the end.
+        doubt: uncertainty of the positions [m].
+        end: time of the end [s].
         events: the first closings and openings of contacts.
     """
 
@@ -82,13 +93,15 @@ class Path:
     events: tuple[Event, ...]
 
     def at(self, time: float, velocity: Array) -> Array:
-        """Return the positions (n+1,) at `time` [s], after a free flight from or to the end at `velocity` (n+1,) [m/s]."""
+        """Return the positions (n+1,) at `time` [s], after free flight from or to the end with `velocity` (n+1,) [m/s]."""
         return self.position + (time - self.end) * velocity
 
 
 @dataclass(frozen=True)
 class Truth:
-    """Final velocities (n+1,) [m/s], how well they are known (n+1,) [m/s], by what, and the path if it is known."""
+    """A reference solution: final velocities (n+1,) [m/s], their uncertainties (n+1,) [m/s], its source, and the path
+    if it is known.
+    """
 
     velocity: Array
     doubt: Array
@@ -114,7 +127,7 @@ class Truth:
 
 
 def truth_of(motion: Motion) -> Truth:
-    """The truth, as well as it can be had."""
+    """Return the best reference solution that can be computed."""
     chain, beads = motion.chain, motion.chain.contacts + 1
     if chain.own_laws:
         return _by_scipy(motion) or _spread(motion)
@@ -132,7 +145,7 @@ def truth_of(motion: Motion) -> Truth:
 
 
 def _by_scipy(motion: Motion) -> Truth | None:
-    """The end of the finer of two runs of method `scipy`, and what they differ by."""
+    """Return the end of the finer of two runs of method `scipy`, with their difference as the uncertainty."""
     ends = []
     for tolerance in SCIPY:
         run = solve(motion.chain, motion.velocity, motion.duration, "scipy", None, 2, tolerance, MOST_STEPS_OF_SCIPY)
@@ -143,7 +156,7 @@ def _by_scipy(motion: Motion) -> Truth | None:
 
 
 def _fine(motion: Motion) -> Truth | None:
-    """The end of two fine runs, if they agree and `conserving` confirms them."""
+    """Return the end of two fine runs, or None if they disagree or `conserving` does not confirm them."""
     runs = _fine_runs(motion)
     if any(found.warnings for found in runs):
         return None
@@ -164,7 +177,9 @@ def _fine_runs(motion: Motion) -> list[Trajectory]:
 
 
 def with_path(motion: Motion, truth: Truth) -> Truth:
-    """Return the truth with the path of fine runs, if they end at its velocities and `conserving` confirms their positions."""
+    """Return the solution with the path of fine runs, if they end with its velocities and `conserving` confirms their
+    positions.
+    """
     if truth.source != FINE_RUNS:
         return truth
     runs = _fine_runs(motion)
@@ -173,7 +188,7 @@ def with_path(motion: Motion, truth: Truth) -> Truth:
 
 
 def _path(motion: Motion, other: Trajectory, finest: Trajectory) -> Path | None:
-    """Return the path of the finest of two fine runs, or None if `conserving` ends elsewhere."""
+    """Return the path of the finest of two fine runs, or None if `conserving` ends at other positions."""
     end, velocity = float(finest.time[-1]), finest.final_velocity
     length = motion.speed * end
     step = max(float(np.median(contact_scales(motion.chain, motion.velocity)[1])) / CONFIRMING_PATH, end / MOST_STEPS)
@@ -186,7 +201,7 @@ def _path(motion: Motion, other: Trajectory, finest: Trajectory) -> Path | None:
 
 
 def _events(motion: Motion, other: Trajectory, finest: Trajectory) -> tuple[Event, ...]:
-    """Return the first contact times of a run that another one has as well, with the rates of the overlaps then."""
+    """Return the first contact times of a run that another run confirms, with the rates of the overlaps at these times."""
     times = sorted(_switches(finest), key=lambda switch: switch[2])[:MOST_EVENTS]
     if motion.chain.couplers or not times:
         return ()
@@ -203,7 +218,7 @@ def _events(motion: Motion, other: Trajectory, finest: Trajectory) -> tuple[Even
 
 
 def _switches(found: Trajectory) -> list[tuple[int, bool, float]]:
-    """Return (contact, closes, time [s]) of all switches of contacts."""
+    """Return (contact, closes, time [s]) of all closings and openings of contacts."""
     return [
         (i, closes, time)
         for i, intervals in enumerate(found.contact_intervals)
@@ -214,9 +229,11 @@ def _switches(found: Trajectory) -> list[tuple[int, bool, float]]:
 
 
 def off_by(event: Event, found: Trajectory, speed: float) -> float:
-    """Return the distance [m] for which a run misses the time of an event: the time times the rate of the overlap then.
+    """Return the error [m] of the time of an event in a run: the difference of the times, times the rate of the
+    overlap.
 
-    0 if that rate is too small for the time to be determined. inf if the contact never switches so in the run.
+    It is 0 if this rate is too small to determine the time, and infinite if the contact does not close or open in the
+    run.
     """
     if event.speed < SLOW_EVENT * speed:
         return 0.0
@@ -225,9 +242,11 @@ def off_by(event: Event, found: Trajectory, speed: float) -> float:
 
 
 def _fine_spread(motion: Motion) -> Truth | None:
-    """Median and spread of fine runs, if enough of them come to their end: how far the motion is determined.
+    """Return the median and the spread of fine runs, if enough of them finish. They show how precisely the motion is
+    determined.
 
-    They are those of the method whose runs differ less, where the other's lie about as far from them as they differ.
+    The runs of the method with the smaller spread are used. If the runs of the other method are further away than their
+    own spread, the runs of both methods are used.
     """
     found = [ends for ends in (_fine_ends(motion, method) for method in DETERMINING) if len(ends) >= LEAST_FINE_RUNS]
     if not found:
@@ -241,7 +260,7 @@ def _fine_spread(motion: Motion) -> Truth | None:
 
 
 def _fine_ends(motion: Motion, method: str) -> Array:
-    """(runs, n+1) ends of the finest runs by a method, of those that come to it."""
+    """Return the (runs, n+1) final velocities of the finest runs of a method that finish."""
     ends: list[Array] = []
     for tolerance in FINEST:
         if len(ends) >= LEAST_FINE_RUNS:
@@ -255,12 +274,14 @@ def _fine_ends(motion: Motion, method: str) -> Array:
 
 
 def _largest_spread(ends: Array) -> float:
-    """The largest of what ends (runs, n+1) differ by [m/s]."""
+    """Return the largest difference [m/s] between final velocities (runs, n+1)."""
     return float(np.ptp(ends, axis=0).max())
 
 
 def _spread(motion: Motion) -> Truth:
-    """Mean and spread of `conserving` at five steps, with forces that differ in the last digits, and of the finest run."""
+    """Return the mean and the spread of `conserving` with five steps and slightly different forces, and of the finest
+    run.
+    """
     method, tolerance = list(FINE.items())[-1]
     if refusal_of(method, motion.chain):
         assert motion.duration is not None
@@ -273,9 +294,9 @@ def _spread(motion: Motion) -> Truth:
 
 
 def _conserving(motion: Motion, parts_of_contact: tuple[int, ...], last: float) -> Array:
-    """(runs, n+1) ends by `conserving`, each with another step and with forces that differ in the last digits.
+    """Return the (runs, n+1) final velocities of `conserving`, each with another step and slightly different forces.
 
-    `last` [s]: about when the motion ends.
+    `last` [s] is the approximate end of the motion.
     """
     longest = float(np.median(contact_scales(motion.chain, motion.velocity)[1]))
     runs = []
@@ -292,7 +313,7 @@ def _shaken(chain: Chain, part: float) -> Chain:
 
 
 def _times(contact: Joint, factor: float) -> Joint:
-    """The contact with `factor` times its force."""
+    """Return the contact with `factor` times its force."""
     if isinstance(contact, OwnLaw):
         return OwnLaw(lambda overlap: factor * contact.force(overlap))
     if isinstance(contact, Coupler):

@@ -1,4 +1,4 @@
-"""The verdict on one run: its error against the truth, the tolerance, and what the run itself states."""
+"""The verdict on one run: its error compared with the tolerance and with the error that the run estimates."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from softcradle.physics.trajectory import Trajectory
 from benchmarks.scan.families import Motion
 from benchmarks.scan.truth import FINE_SPREAD, Path, Truth, off_by
 
-PROMISE = 10.0  # tolerances: an error below this is within
-SLOW = 1.0  # [s]
+PROMISE = 10.0  # Guaranteed error of final velocities, in tolerances.
+SLOW = 1.0  # Time [s] above which a run counts as slow.
 
 
 class RunVerdict(StrEnum):
-    """How one run stands to the truth."""
+    """The result of comparing a run with the reference solution."""
 
-    WITHIN = "within"  # the error is within the tolerance
-    STATED = "stated"  # it is not, but within what the run states of its own error, or the run warns
-    SILENT = "silent"  # it is beyond what the run states
+    WITHIN = "within"  # The error is within the guarantee.
+    STATED = "stated"  # The error is larger, but within the error that the run estimates, or the run warns.
+    SILENT = "silent"  # The error is larger than the run estimates, so it is undetected.
     GAVE_UP = "gave up"
-    UNKNOWN = "unknown"  # the truth is known less well than the error that it would have to show
+    UNKNOWN = "unknown"  # The reference solution is less precise than the error that would have to be shown.
 
 
 def judge(motion: Motion, truth: Truth, method: str, tolerance: float) -> dict[str, Any]:
-    """Solve `motion` by `method`; the verdict with the numbers behind it."""
+    """Solve `motion` with `method`. Return the verdict and the numbers behind it."""
     began = perf_counter()
     found = solve(motion.chain, motion.velocity, motion.duration, method, samples=2, tolerance=tolerance)
     seconds = perf_counter() - began
@@ -80,7 +80,7 @@ def _verdict(found: Trajectory, apart: np.ndarray, truth: Truth, allowed: float)
         return RunVerdict.GAVE_UP
     if (apart <= allowed + np.minimum(truth.doubt, allowed)).all():
         return RunVerdict.WITHIN
-    bound = np.fmax(found.velocity_error, allowed)  # NaN where a method states none
+    bound = np.fmax(found.velocity_error, allowed)  # The estimate is NaN for methods that do not estimate their error.
     if found.warnings or (apart <= bound + np.minimum(truth.doubt, bound)).all():
         return RunVerdict.STATED
     known = truth.source == FINE_SPREAD or (apart > bound + truth.doubt).any()

@@ -1,10 +1,8 @@
-"""
-How deep a blow goes
-====================
+"""How deep a blow goes ====================
 
-Inside a cluster of soft beads overlaps fall by decades from bead to bead: the evanescent mode. The paper's Eq. (7) says by
-how much; here it stands beside what a collision of one on six beads shows when the first contact is pressed most: the softer, the
-closer.
+Inside a cluster of soft beads, the overlap decreases by powers of ten from contact to contact. This is the evanescent
+mode, and Eq. (7) of the paper gives the overlaps. The figure compares Eq. (7) with a simulated collision of one bead on
+six, at the time of the largest overlap of the struck contact. The smaller the exponent alpha is, the better they agree.
 """
 
 import matplotlib.pyplot as plt

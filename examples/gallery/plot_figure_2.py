@@ -26,11 +26,11 @@ a.set(title="(a) modes", ylim=(-0.1, 0.53))
 a.legend()
 
 b.plot(times, full.force)
-b.set_prop_cycle(None)  # the same colours for the model
+b.set_prop_cycle(None)  # Use the same colours for the model.
 b.plot(times, model.trajectory.force, "--")
 b.set(title="(b) forces", ylim=(0, 1.1))
 
-# the difference while the striker is in contact, without the very ends
+# Relative difference during the contact of the striker, without the first and last 2 %, where the forces are almost 0.
 _, end = full.contact_intervals[0][0]
 inside = (times > 0.02 * end) & (times < 0.98 * end)
 c.plot(

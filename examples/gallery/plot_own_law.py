@@ -1,9 +1,8 @@
-"""
-A contact law of one's own
-==========================
+"""A user-defined contact law ==========================
 
-Toda's exponential springs carry solitons. Here they only push: a striker on ten beads sends a pulse through the row, which keeps
-its shape, and the last bead leaves with nearly all of the momentum. A soft contact of the same chain answers as one body.
+Chains of Toda's exponential springs carry solitons. Here the springs only push. A striker hits ten beads and sends a
+pulse through the row. The pulse keeps its shape, and the last bead leaves with nearly all of the momentum. If the same
+chain has soft contacts, the ten beads move like one body.
 """
 
 import math
@@ -14,13 +13,13 @@ from softcradle import one_on, power_law, simulate
 
 
 class Toda:
-    """Exponential repulsion."""
+    """A contact with an exponential repulsive force."""
 
     def __init__(self, stiffness, steepness):
         self.stiffness, self.steepness = stiffness, steepness
 
     def force(self, overlap):
-        """Force [N] at an overlap [m]."""
+        """Return the force [N] at an overlap [m]."""
         return self.stiffness * math.expm1(self.steepness * overlap)
 
 
@@ -32,14 +31,14 @@ runs = {
 }
 
 # %%
-# Both keep their energy to round-off, whatever the law.
+# The method ``conserving`` keeps the energy up to round-off with any contact law.
 
 for name, run in runs.items():
     change = abs(run.ledger / run.ledger[0] - 1).max()
     print(f"{name}: energy changes by {change:.0e} of itself")
 
-# %%
-# Forces over time: a pulse that travels, and steps that hold all contacts at once.
+# %% The forces over time show a travelling pulse for the Toda law. For the power law they show steps in all contacts at
+# once.
 
 figure, panels = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
 for axes, (name, run) in zip(panels, runs.items(), strict=True):

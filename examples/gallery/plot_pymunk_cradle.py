@@ -1,9 +1,8 @@
-"""
-A cradle in a pymunk Space
-==========================
+"""A cradle in a pymunk Space ==========================
 
-Five balls, the first of which comes in at 1 m/s, at the sixty steps a second of a game. With ``SoftChain`` the blow takes its
-time, and the energy is kept. What pymunk's own collisions do depends on how closely the balls are set.
+A ball hits a row of four balls at 1 m/s, with 60 steps per second as in a game. With ``SoftChain`` the collision lasts
+several steps, and the energy is conserved. The result of pymunk's own collisions depends on the distance between the
+balls.
 """
 
 import matplotlib.pyplot as plt
@@ -15,7 +14,7 @@ RADIUS, STEP = 0.5, 1 / 60
 
 
 def balls(space, distance):
-    """Five balls in a row, their centres at that distance."""
+    """Add five balls in a row to `space`. `distance` is the distance of their centres [m]."""
     found = [pymunk.Body(1, float("inf")) for _ in range(5)]
     for k, ball in enumerate(found):
         ball.position = distance * k, 0
@@ -25,14 +24,14 @@ def balls(space, distance):
 
 
 def soft(space):
-    """Balls that just touch, with soft contacts."""
+    """Add balls that just touch, with soft contacts."""
     row = balls(space, 2 * RADIUS)
     space.add(*SoftChain(row, hertz(100.0), 2 * RADIUS))
     return row
 
 
 def hard(space, distance):
-    """Balls that pymunk lets collide without loss."""
+    """Add balls with pymunk's own collisions, without loss."""
     row = balls(space, distance)
     for ball in row:
         shape = pymunk.Circle(ball, RADIUS)
@@ -42,7 +41,7 @@ def hard(space, distance):
 
 
 def played(make, steps=150):
-    """Velocities of the balls after every step."""
+    """Return the velocities [m/s] of the balls after every step."""
     space = pymunk.Space()
     row, found = make(space), []
     for _ in range(steps):
@@ -51,9 +50,9 @@ def played(make, steps=150):
     return found
 
 
-# %%
-# The last ball of the soft row leaves with 0.99 m/s, as it does in SciPy's solution of the same chain. Hard balls that just
-# touch hand everything to the last one; set one percent closer, they throw the first one back.
+# %% The last ball of the soft row leaves with 0.99 m/s, which agrees with SciPy's solution of the same chain. Hard
+# balls that just touch pass all momentum to the last ball. If the hard balls are placed 1 % closer, they throw the
+# first ball back.
 
 runs = {
     "SoftChain": played(soft),
@@ -70,7 +69,7 @@ figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center"
 plt.show()
 
 # %%
-# All began with an energy of 0.5 J.
+# The energy at the start is 0.5 J in all three rows.
 
 for name, run in runs.items():
     energy = sum(0.5 * speed**2 for speed in run[-1])

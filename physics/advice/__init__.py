@@ -1,1 +1,1 @@
-"""Which method, how fine a step, and how far to trust it."""
+"""Advice on a run: the choice of the method, limits of its time step, and warnings about unusual input."""

@@ -1,14 +1,17 @@
-"""Method "auto": a rule from the chain and the wanted error to a method and its step or tolerance, with the reason in a sentence.
+"""Method "auto": choose a method with its step or tolerance from the chain and the wanted error, and give the reason.
 
-The same chain and error give the same choice, and so the same digits, on every machine. The window takes the same step.
+The same chain and error give the same choice on every machine, so the results are bitwise reproducible. The window uses
+the same step.
 
-    error >= 1e-3, one collision of known duration,    conserving, 64 steps to the shortest contact at 1e-3, more as 1/sqrt(error)
-    and not too many steps of its shortest contact
-    contacts with preload only, or near their yield     radau: most contacts touch, and are one linear system to it
-    all else                                            accurate
+    wanted error >= 1e-3, one collision of known       conserving, 64 steps per shortest contact time at an error
+    duration, and few enough steps                     of 1e-3, otherwise scaled as 1/sqrt(error)
+    only contacts with preload, or a contact near      radau: most contacts touch, and radau solves them as
+    its yield                                          one linear system
+    all other cases                                    accurate
 
-Errors are the largest of a final velocity, relative to the closing speed. tests/physics/advice/ holds three times the wanted
-error over the cases of the chart, chains of other masses and laws, critical speeds, friction and loss.
+The error is the largest error of a final velocity, relative to the closing speed. The tests in tests/physics/advice/
+allow three times the wanted error. They cover the cases of the chart, chains of other masses and laws, critical speeds,
+friction and loss.
 """
 
 from __future__ import annotations
@@ -21,25 +24,33 @@ from numpy.typing import ArrayLike
 from softcradle.physics.chain import Chain, mass_shares
 from softcradle.physics.scales import scales_at, shortest_contact, speed_scale
 
-LIVE_ERROR = 1e-3  # of final velocities: about a pixel of a plot; from it on a collision takes fixed steps
-LIVE_STEPS = 64  # of `conserving` in the shortest contact: they hold LIVE_ERROR, and their error falls as their square
-# Steps of `conserving` for each contact of a collision. More take several times the evaluations of `accurate`.
+# Wanted error of final velocities, relative to the closing speed, from which a single collision uses fixed steps. It is
+# about one pixel of a plot.
+LIVE_ERROR = 1e-3
+# Steps of `conserving` per shortest contact time. They keep the error below LIVE_ERROR, and the error falls as their
+# square.
+LIVE_STEPS = 64
+# Largest number of steps of `conserving` per contact in a collision. More steps would take several times the
+# evaluations of `accurate`.
 MOST_LIVE_STEPS = 500
-FINEST = 1e-13  # tolerance: double precision has no room for a finer one
-NEAR_CRITICAL = 1e-7  # tolerance of radau near a critical speed: longer steps miss a contact that yields for a moment
-LEAST_RATIO = 0.9  # of the speed to a critical speed: below it no contact inside a cluster yields
-MOST_RATIO = 1.15  # of the speed to a critical speed: above it the contact yields for so long that no step misses it
+FINEST = 1e-13  # Smallest tolerance that double precision allows.
+# Tolerance of radau near a critical speed. With a larger one, its steps are so long that they miss a contact that
+# yields briefly.
+NEAR_CRITICAL = 1e-7
+LEAST_RATIO = 0.9  # Ratio of the speed to a critical speed below which no contact inside a cluster yields.
+# Ratio of the speed to a critical speed above which the contact yields so long that steps cannot miss it.
+MOST_RATIO = 1.15
 
 
 @dataclass(frozen=True)
 class Choice:
-    """The method that `simulate` takes for "auto".
+    """Method that `simulate` uses for "auto".
 
     Attributes:
         method: a name from METHODS.
-        step: step [s] of a fixed-step method, 0 for an adaptive one.
-        tolerance: tolerance of an adaptive method, 0 for a fixed-step one.
-        reason: the choice and why, in a sentence.
+        step: time step [s] of a fixed-step method; 0 for an adaptive one.
+        tolerance: tolerance of an adaptive method; 0 for a fixed-step one.
+        reason: sentence with the choice and its reason.
     """
 
     method: str
@@ -49,7 +60,9 @@ class Choice:
 
 
 def choose(chain: Chain, velocity: ArrayLike, duration: float | None, error: float) -> Choice:
-    """The method for `error`, relative to the closing speed, on `chain` from `velocity` (n+1,) [m/s]."""
+    """Return the method for a wanted `error`, relative to the closing speed, on `chain` with start velocities (n+1,)
+    [m/s].
+    """
     if chain.couplers:
         return _adaptive("accurate", error, error, "couplers close, yield and pull at events that it ends its steps at")
     if not (chain.dissipative or chain.own_laws) and nearly_yields(chain, velocity):
@@ -76,20 +89,21 @@ def _adaptive(method: str, tolerance: float, error: float, why: str) -> Choice:
 
 
 def conserving_step(chain: Chain, speed: float, error: float = LIVE_ERROR, start: ArrayLike | None = None) -> float:
-    """Return the step [s] with which `conserving` should hold `error` in one collision at the closing speed `speed` [m/s].
+    """Return the time step [s] with which `conserving` should keep within `error` in one collision at the closing speed
+    `speed` [m/s].
 
-    `start` as in :func:`softcradle.physics.scales.shortest_contact`.
+    `start` has the same meaning as in :func:`softcradle.physics.scales.shortest_contact`.
     """
     return shortest_contact(chain, speed, start) / LIVE_STEPS * math.sqrt(error / LIVE_ERROR)
 
 
 def _collision_time(chain: Chain, speed: float, duration: float | None) -> float:
-    """Return an estimate of the time [s] in which contacts push, in one collision at the closing speed `speed` [m/s]."""
+    """Estimate the time [s] during which contacts push in one collision at the closing speed `speed` [m/s]."""
     return min(math.inf if duration is None else duration, float(scales_at(chain, speed)[1].sum()))
 
 
 def _why_not_fixed(single: bool, duration: float | None, error: float) -> str:
-    """Return why no fixed step is taken, as the end of a sentence. `single` is True for a single collision."""
+    """Return the reason against a fixed step, as the end of a sentence. `single` is True for a single collision."""
     if error < LIVE_ERROR:
         return f"below {LIVE_ERROR:g} its steps are fewer than fixed ones"
     if duration is None:
@@ -100,18 +114,21 @@ def _why_not_fixed(single: bool, duration: float | None, error: float) -> str:
 
 
 def is_single_collision(chain: Chain) -> bool:
-    """Whether the beads touch at the start and nothing else acts on them.
+    """Return True if the beads touch at the start and no drive, friction, loss or wall acts on them.
 
-    A second collision multiplies the errors of the first, and a wall sends every bead back.
+    Otherwise the beads can collide again, and a second collision multiplies the errors of the first.
     """
     return not chain.walls and not chain.driven and not chain.dissipative and not any(chain.gap)
 
 
 def nearly_yields(chain: Chain, velocity: ArrayLike) -> bool:
-    """Whether a preloaded contact inside a cluster comes so near its preload that it may yield for a moment only.
+    """Return True if a preloaded contact inside a cluster comes so close to its preload that it may yield only for a
+    moment.
 
-    The struck contact s pushes with at most ``sqrt(F_s**2 + K_s mu v**2)``, and contact i inside a cluster passes on the share
-    r_i of it (:func:`softcradle.physics.chain.mass_shares`). It yields above the speed at which this equals F_i.
+    The struck contact s pushes with at most ``sqrt(F_s**2 + K_s mu v**2)``, where F is the preload, K the stiffness, mu
+    the reduced mass of the two sides and v the closing speed. Contact i inside a cluster transmits the share r_i of
+    this force (:func:`softcradle.physics.chain.mass_shares`). It yields above the critical speed, at which this share
+    equals F_i.
     """
     preload, stiffness, _ = chain.law_rows.T
     speed = -np.diff(np.asarray(velocity, dtype=np.float64))

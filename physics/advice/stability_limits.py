@@ -1,4 +1,6 @@
-"""Limits of explicit methods on a chain: the longest stable step, and the warnings of runs beyond it."""
+"""Limits of fixed time steps on a chain: the longest stable step of explicit methods, and warnings about steps beyond a
+limit.
+"""
 
 from __future__ import annotations
 
@@ -16,27 +18,32 @@ from softcradle.physics.status import CodedWarning, WarningCode, Warnings
 
 Array = NDArray[np.float64]
 
-TRUSTED_ERROR = 1e-2  # of the closing speed: a step that is expected to err by more gives a warning
-LEAST_STEPS = 6  # of `conserving` in the shortest contact time: at five its velocities are off by a hundredth
-MOST_HALVINGS = 200  # of the time that a contact takes to its depth: no step that counts is shorter
-CHATTER_STEPS = 8  # two switches of a contact within so many steps are chatter: a true bounce takes longer
-MOST_RETURNS = 6  # times that contacts close again in a run without a warning: see `returning_warnings`
-MOST_CHATTER = 10  # switches by chatter that a run may have without a warning
+TRUSTED_ERROR = 1e-2  # Expected error, relative to the closing speed, above which a step gives a warning.
+# Smallest number of steps of `conserving` in the shortest contact time. With five steps the velocities have errors of 1
+# %.
+LEAST_STEPS = 6
+# Largest number of halvings of the time to the largest overlap in the search for a step. Shorter steps do not matter.
+MOST_HALVINGS = 200
+# Number of steps. Two switches of a contact within them count as chatter, because a real bounce takes longer.
+CHATTER_STEPS = 8
+MOST_RETURNS = 6  # Number of repeated closings in a run without a warning; see `returning_warnings`.
+MOST_CHATTER = 10  # Number of switches by chatter in a run without a warning.
 
 
 def stable_step(chain: Chain, velocity: ArrayLike, error: float = 1e-3) -> float:
-    """Longest step [s] at which euler, verlet and yoshida4 stay within `error` of the closing speed: an estimate.
+    """Estimate the longest step [s] at which euler, verlet and yoshida4 stay within `error` of the closing speed.
 
-    Explicit steps h have no strict limit of stability for an exponent a < 1: h² L a K d**(a-1) exceeds 4 as d -> 0, and
-    the contact chatters at the overlap d where it does. The shortest of four steps is returned::
+    For an exponent a < 1, explicit steps h have no strict stability limit: h² L a K d**(a-1) exceeds 4 as the overlap d
+    -> 0. There the contact chatters. L is the inverse reduced mass of the two beads, K the stiffness, F the preload and
+    v the closing speed. The shortest of four steps is returned::
 
         stiffness  h = 2 / sqrt(2 L a K d**(a-1)) at the largest overlap, for a >= 1
-        chatter    the same where the overlap's energy gives the velocity `error`, for a < 1
-        onset      the impulse of a step after the touch, h L K (v h)**a, is `error`
-        preload    the impulse of a step, h L F, is `error`
+        chatter    the same at the overlap whose energy gives the velocity `error`, for a < 1
+        onset      the impulse of the step after the touch, h L K (v h)**a, equals `error`
+        preload    the impulse of a step, h L F, equals `error`
 
-    The estimate is right within a factor of a few, for errors of velocities, not of deep overlaps. The errors of successive
-    collisions add up.
+    The estimate is correct within a factor of a few. It holds for errors of velocities, not of small overlaps deep
+    inside a cluster. The errors of successive collisions add up.
 
     Parameters
     ----------
@@ -45,6 +52,11 @@ def stable_step(chain: Chain, velocity: ArrayLike, error: float = 1e-3) -> float
         Start velocities [m/s].
     error : float, optional
         Wanted error, relative to the closing speed.
+
+    Returns
+    -------
+    float
+        The time step [s].
 
     Examples
     --------
@@ -60,7 +72,9 @@ def stable_step(chain: Chain, velocity: ArrayLike, error: float = 1e-3) -> float
 
 
 def _longest_step(chain: Chain, speed: float, small: float) -> float:
-    """The shortest of the four steps [s] for contacts that are struck at `speed` and may be off by `small` [m/s]."""
+    """Return the shortest of the four steps [s] for contacts struck at `speed`, with an allowed velocity error `small`
+    [m/s].
+    """
     preload, stiffness, exponent = chain.law_rows.T
     weight, depth = chain.inverse_reduced_mass, scales_at(chain, speed)[0]
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
@@ -79,9 +93,11 @@ def _longest_step(chain: Chain, speed: float, small: float) -> float:
 
 
 def _bounds_of(law: OwnLaw, weight: float, speed: float, small: float, depth: float) -> tuple[float, float]:
-    """The bounds by stiffness or chatter, and by onset, of a contact with a law of its own: the same, by its force.
+    """Return the bounds by stiffness or chatter, and by onset, for a contact with a user-defined law, computed from its
+    force.
 
-    The law is softest or stiffest at its depth, or where its energy gives the velocity `small`.
+    The slope is evaluated at the largest overlap and at the overlap whose energy gives the velocity `small`; the larger
+    one counts.
     """
     chatter = law.depth(0.5 * small**2 / weight)
     stiffness = max(law.slope(depth), law.slope(chatter))
@@ -100,7 +116,7 @@ def _bounds_of(law: OwnLaw, weight: float, speed: float, small: float, depth: fl
 
 
 def explicit_warnings(problem: Problem, record: Record) -> Warnings:
-    """Warnings where the step of an explicit method is too long for `problem`, or where its contacts chatter."""
+    """Return warnings if the step of an explicit method is too long for `problem`, or if its contacts chatter."""
     found = []
     limit = stable_step(problem.chain, problem.velocity, TRUSTED_ERROR)
     if problem.step > limit:
@@ -120,11 +136,12 @@ def explicit_warnings(problem: Problem, record: Record) -> Warnings:
 
 
 def returning_warnings(problem: Problem, record: Record) -> Warnings:
-    """A warning where contacts close so often again that errors of a fixed step, multiplied by each collision, may be large.
+    """Return a warning if contacts close again so often that each collision multiplies the errors of fixed steps too
+    much.
 
-    Of 480 random chains (``python -m benchmarks conserving --errors``) four are off by more than 1e-3 of the closing speed at the
-    default step, and four at four times that; all but one of these eight runs have the warning, as have 29 others. Nothing is
-    said of chains with friction or loss, which take errors away with the motion.
+    In ``python -m benchmarks conserving --errors`` with 480 random chains, four runs have errors above 1e-3 of the
+    closing speed at the default step, and four at four times that step. Seven of these eight runs have the warning, and
+    so do 29 other runs. Chains with friction or loss are excluded, because there errors decay together with the motion.
     """
     again = int(np.maximum(np.bincount(record.switch_contact) - 2, 0).sum()) // 2
     if again <= MOST_RETURNS or problem.chain.dissipative or problem.chain.couplers:
@@ -137,7 +154,7 @@ def returning_warnings(problem: Problem, record: Record) -> Warnings:
 
 
 def coarse_warnings(problem: Problem) -> Warnings:
-    """A warning where the step of a method that is always stable is too long to resolve the shortest contact."""
+    """Return a warning if the step of an unconditionally stable method is too long to resolve the shortest contact."""
     speed = speed_scale(problem.chain, problem.velocity, problem.duration)
     limit = shortest_contact(problem.chain, speed, problem.velocity) / LEAST_STEPS
     if problem.step <= limit:
@@ -150,7 +167,7 @@ def coarse_warnings(problem: Problem) -> Warnings:
 
 
 def short_switches(record: Record, span: float) -> int:
-    """Number of switches within `span` [s] of the switch of the same contact before."""
+    """Return the number of switches that follow the previous switch of the same contact within `span` [s]."""
     order = np.argsort(record.switch_contact, kind="stable")
     contact, time = record.switch_contact[order], record.switch_time[order]
     return int(np.count_nonzero((np.diff(contact) == 0) & (np.diff(time) < span)))

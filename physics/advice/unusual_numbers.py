@@ -1,4 +1,4 @@
-"""Warnings of numbers that can be computed with but are hardly meant, such as millimetres given for metres."""
+"""Warnings about numbers that are valid but probably not intended, such as millimetres instead of metres."""
 
 from __future__ import annotations
 
@@ -11,13 +11,18 @@ from softcradle.physics.chain import Chain, per_chain
 from softcradle.physics.scales import NO_APPROACH, contact_scales
 from softcradle.physics.status import CodedWarning, WarningCode, Warnings
 
-LARGEST_TOLERANCE = 0.1  # of the closing speed: beyond, velocities are not determined
-LEAST_YIELD = 1e-3  # depth as a share of the precompression: below, the spring of a gear has no part in the motion
-LARGEST_FRICTION = 5.0  # coefficient of the bed: rubber on concrete has 1
+# Largest usual tolerance, relative to the closing speed. A larger one leaves the velocities undetermined.
+LARGEST_TOLERANCE = 0.1
+# Smallest usual overlap, relative to the precompression. With less, the spring of the gear does not matter for the
+# motion.
+LEAST_YIELD = 1e-3
+LARGEST_FRICTION = 5.0  # Largest usual coefficient of friction. Rubber on concrete has about 1.
 
 
 def unusual_warnings(chain: Chain, velocity: ArrayLike, tolerance: float) -> Warnings:
-    """Warnings of a tolerance (0: fixed steps), a precompression or a friction that is out of any sensible range for `chain`."""
+    """Return warnings if the tolerance (0 for fixed steps), a precompression or the friction of `chain` is outside the
+    usual range. Also warn about user-defined laws with a falling force.
+    """
     found = (*_of_tolerance(tolerance), *_of_gears(chain, velocity), *_of_friction(chain.friction))
     return (*found, *_of_own_laws(chain, velocity))
 
@@ -32,7 +37,7 @@ def _of_tolerance(tolerance: float) -> Warnings:
 
 
 def _of_gears(chain: Chain, velocity: ArrayLike) -> Warnings:
-    """A warning for the gear that yields least, where that is hardly at all."""
+    """Return a warning for the draft gear that yields least, if it hardly yields."""
     usual = _usual_speed_of_gears(chain)
     if not (usual and 0.0 < np.ptp(np.asarray(velocity)) < usual):
         return ()
@@ -50,15 +55,17 @@ def _of_gears(chain: Chain, velocity: ArrayLike) -> Warnings:
 
 
 def _is_gear(law: Sequence[float]) -> bool:
-    """Whether a contact of that preload, stiffness and exponent is a preloaded spring."""
+    """Return True if a law (preload, stiffness, exponent) is a preloaded linear spring."""
     return law[0] > 0.0 < law[1] and law[2] == 1.0
 
 
 @per_chain
 def _usual_speed_of_gears(chain: Chain) -> float:
-    """Closing speed [m/s] from which on every gear yields by a usual share of its precompression; 0 without gears."""
+    """Return the closing speed [m/s] from which every draft gear yields by a usual share of its precompression; 0
+    without gears.
+    """
     contacts = zip(chain.law_rows.tolist(), chain.inverse_reduced_mass.tolist(), strict=True)
-    # squares of speeds that store preload times depth
+    # squares of the speeds whose kinetic energy is preload times overlap
     squares = [2.0 * weight * law[0] * (LEAST_YIELD * law[0] / law[1]) for law, weight in contacts if _is_gear(law)]
     return math.sqrt(max(squares, default=0.0)) * (1.0 + NO_APPROACH)
 
@@ -71,7 +78,7 @@ def _of_friction(friction: float) -> Warnings:
 
 
 def _of_own_laws(chain: Chain, velocity: ArrayLike) -> Warnings:
-    """A warning for each law of one's own whose force falls as the contact is pressed in."""
+    """Return a warning for each user-defined law whose force falls while the overlap grows."""
     depth = contact_scales(chain, velocity)[0] if chain.own_laws else np.zeros(0)
     found = []
     for law in chain.own_laws:

@@ -1,1 +1,1 @@
-"""Very many short chains at once: arrays with a row a chain, and kernels that move one row after the other."""
+"""Batches of very many short chains: arrays with one row per chain, and kernels that simulate one row after the other."""

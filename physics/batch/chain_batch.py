@@ -1,4 +1,4 @@
-"""ChainBatch: very many chains of one shape as arrays, a row a chain."""
+"""ChainBatch: very many chains of one shape as arrays with one row per chain."""
 
 from __future__ import annotations
 
@@ -17,21 +17,22 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ChainBatch:
-    """C chains of n+1 masses and n contacts each, as arrays: what `ensemble_ends` moves.
+    """C chains with n+1 masses and n contacts each, as arrays, for `ensemble_ends`.
 
-    Every argument but `mass` is broadcast to its shape, so one number, or one row, may stand for all chains. The force of a
-    contact is ``preload + stiffness * overlap**exponent``, as that of a :class:`Contact`; the rest is as for a :class:`Chain`.
+    Every argument except `mass` is broadcast to its shape, so one number or one row can apply to all chains. The force
+    of a contact is ``preload + stiffness * overlap**exponent``, as for a :class:`Contact`; all else is as for a
+    :class:`Chain`.
 
     Parameters
     ----------
     mass : array_like, shape (C, n+1)
         Masses [kg]; ``math.inf`` is a wall.
     preload, stiffness, exponent : array_like, shape (C, n)
-        Law of each contact, [N], [N/m**exponent] and a number.
+        Law of each contact: force [N], stiffness [N/m**exponent] and exponent.
     gap : array_like, shape (C, n), optional
-        Distances [m] at the start; below 0 the contact is pressed.
+        Distances [m] at the start; a negative gap is an overlap.
     loss : array_like, shape (C, n), optional
-        Part of its energy that each contact loses as it comes out.
+        Share of the stored energy that each contact absorbs when it unloads.
     drive : array_like, shape (C, n+1), optional
         Steady external force on each bead [N].
     friction : array_like, shape (C,), optional
@@ -40,7 +41,7 @@ class ChainBatch:
     Raises
     ------
     ValueError
-        A number out of range, shapes that do not fit, or two walls side by side.
+        If a number is out of range, shapes do not fit, or two walls are neighbours.
 
     Examples
     --------
@@ -86,17 +87,17 @@ class ChainBatch:
 
     @classmethod
     def of(cls, chains: Sequence[Chain]) -> ChainBatch:
-        """The batch of these chains.
+        """Return the batch of these chains.
 
         Parameters
         ----------
         chains : sequence of Chain
-            All of one length.
+            Chains of one length.
 
         Raises
         ------
         ValueError
-            Chains of different lengths, or one with couplers, laws of one's own or forces over time.
+            If the lengths differ, or if a chain has couplers, user-defined laws, forces over time or brakes.
 
         Examples
         --------
@@ -131,16 +132,16 @@ class ChainBatch:
 
     @property
     def contacts(self) -> int:
-        """Number n of contacts of each."""
+        """Number n of contacts of each chain."""
         return self.mass.shape[1] - 1
 
     def chain(self, index: int) -> Chain:
-        """One of the chains.
+        """Return one of the chains.
 
         Parameters
         ----------
         index : int
-            Which.
+            Number of the chain.
         """
         rows = zip(self.preload[index], self.stiffness[index], self.exponent[index], self.loss[index], strict=True)
         contacts = [Contact(*row) for row in rows]
@@ -148,46 +149,46 @@ class ChainBatch:
 
     @cached_property
     def law_rows(self) -> Array:
-        """(C, n, 3) preload, stiffness, exponent of each contact."""
+        """The (C, n, 3) preloads, stiffnesses and exponents of the contacts."""
         return np.stack([self.preload, self.stiffness, self.exponent], axis=-1)
 
     @cached_property
     def inverse_mass(self) -> Array:
-        """(C, n+1) [1/kg]; 0 for a wall."""
+        """The (C, n+1) inverse masses [1/kg]; 0 for a wall."""
         return 1.0 / self.mass
 
     @cached_property
     def bed(self) -> Array:
-        """(C, n+1) deceleration [m/s²] of a bead that slides; 0 for a wall, and without friction."""
+        """The (C, n+1) decelerations [m/s²] of sliding beads; 0 for a wall or without friction."""
         return np.where(np.isfinite(self.mass), (self.friction * GRAVITY)[:, None], 0.0)
 
     @cached_property
     def anchor(self) -> NDArray[np.int64]:
-        """(C,) index of the heaviest bead of each chain."""
+        """The (C,) index of the heaviest bead of each chain."""
         return np.argmax(self.mass, axis=1)
 
     @cached_property
     def driven(self) -> NDArray[np.bool_]:
-        """(C,) whether a force from outside acts."""
+        """(C,) True if a drive acts on a bead."""
         return np.asarray(self.drive.any(axis=1))
 
     @cached_property
     def on_bed(self) -> NDArray[np.bool_]:
-        """(C,) whether beads are braked as they slide."""
+        """(C,) True if the bed brakes sliding beads."""
         return self.friction > 0.0
 
     @cached_property
     def lossy(self) -> NDArray[np.bool_]:
-        """(C,) whether a contact has loss."""
+        """(C,) True if a contact has loss."""
         return np.asarray(self.loss.any(axis=1))
 
     @cached_property
     def dissipative(self) -> NDArray[np.bool_]:
-        """(C,) whether beads are braked or a contact has loss."""
+        """(C,) True if the bed brakes beads or a contact has loss."""
         return np.asarray(np.any([self.on_bed, self.lossy], axis=0))
 
     def _check(self) -> None:
-        """Raise ValueError where a number is out of the range that a Chain takes."""
+        """Raise ValueError if a number is outside the range that a Chain accepts."""
         wall = np.isinf(self.mass) & (self.mass > 0.0)
         _require(
             "every mass (inf is a wall)", self.mass, wall | _within(self.mass), f"from {SMALLEST:g} to {LARGEST:g}"
@@ -209,7 +210,7 @@ class ChainBatch:
 
 
 def _require_plain(chain: Chain) -> None:
-    """Raise ValueError where arrays of a batch have no room for what a chain has."""
+    """Raise ValueError if the chain has a feature that the arrays of a batch cannot represent."""
     for found, what in (
         (chain.couplers, "couplers"),
         (chain.own_laws, "laws of your own"),
@@ -226,7 +227,7 @@ def _within(value: Array) -> NDArray[np.bool_]:
 
 
 def _rows(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:
-    """`value` broadcast to `shape`, an array of its own."""
+    """Return `value` broadcast to `shape`, as a new array."""
     found = number_array(name, value)
     try:
         return np.broadcast_to(found, shape).copy()

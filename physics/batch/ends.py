@@ -1,4 +1,6 @@
-"""`ensemble_ends`: how very many short chains of one shape end, as arrays; no chain costs Python anything."""
+"""`ensemble_ends`: simulate very many short chains of one shape and return their ends as arrays. Chains cost no Python
+time.
+"""
 
 from __future__ import annotations
 
@@ -52,29 +54,30 @@ from softcradle.physics.state import from_anchor
 Array = NDArray[np.float64]
 Which = NDArray[np.int64]
 
-LEAST_AT_ONCE = 16  # chains in a call of a kernel
-# steps of a chain, and as many more for each contact as of the usual budget; one that takes more rattles, and `simulate` runs it
+LEAST_AT_ONCE = 16  # Smallest number of chains in a call of a kernel.
+# Limit of the steps of a chain, to which the share of the usual budget for each contact is added. A chain that needs
+# more steps chatters, and `simulate` runs it.
 FIRST_STEPS = 2000
 
 
 @dataclass(frozen=True, eq=False)
 class EnsembleEnds:
-    """How C chains of n+1 beads ended, a row a chain.
+    """Ends of C chains with n+1 beads each, one row per chain.
 
     Attributes
     ----------
     final_velocity : ndarray, shape (C, n+1)
-        Bead velocities [m/s] at the end.
+        Velocities of the beads [m/s] at the end.
     velocity_error : ndarray, shape (C, n+1)
-        Estimated error of these [m/s]; nan for methods of fixed steps, which state none.
+        Estimated errors of these velocities [m/s]; NaN for fixed-step methods, which have no estimate.
     time : ndarray, shape (C,)
-        When the run ended [s].
+        Time of the end of the run [s].
     status : ndarray, shape (C,)
-        How it ended, as in ``Trajectory.status``: 0 done, 1 separated, 2 and 3 gave up, 4 undetermined, 7 step budget spent.
+        Status as in ``Trajectory.status``: 0 done, 1 separated, 2 and 3 gave up, 4 undetermined, 7 step budget spent.
     steps : ndarray, shape (C,)
-        Number of steps taken.
+        Number of steps.
     evaluations : ndarray, shape (C,)
-        How often all contact forces were evaluated for these steps.
+        Number of evaluations of all contact forces during these steps.
     """
 
     final_velocity: Array
@@ -95,12 +98,12 @@ def ensemble_ends(
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> EnsembleEnds:
-    """Let very many short chains of one shape move, each as `simulate` would; their ends as arrays.
+    """Simulate very many short chains of one shape and return their ends as arrays.
 
-    They are those of `simulate` to the last digit. Chains run one after the other in compiled code, on all cores; those that are
-    driven or pressed at the start, and those whose motion takes more than one run, because they rattle or errors have grown, are
-    run by `simulate`. There are no warnings: look at `status` and `velocity_error`, and run a doubtful chain,
-    ``batch.chain(k)``, by `simulate`.
+    The results are bitwise equal to those of `simulate`. Most chains run one after the other in compiled code, on all
+    cores. `simulate` runs those that are driven or have overlaps at the start. It also runs those that need more than
+    one run, because they chatter or because errors have grown. There are no warnings: check `status` and
+    `velocity_error`, and run a doubtful chain, ``batch.chain(k)``, with `simulate`.
 
     Parameters
     ----------
@@ -109,17 +112,17 @@ def ensemble_ends(
     velocity : array_like, shape (C, n+1) or (n+1,)
         Start velocities [m/s].
     duration : float or array_like, shape (C,), optional
-        Time to run [s], as for `simulate`, one for all or C of them.
+        Duration [s] as for `simulate`, one for all chains or one for each.
     method : str, optional
         One of euler, verlet, yoshida4, conserving, radau, dop853 and accurate.
     step : float or array_like, shape (C,), optional
-        Step [s] of a fixed-step method, one for all or C of them; None takes the default of each chain.
+        Time step [s] of a fixed-step method, one for all chains or one for each; None means the default of each chain.
     tolerance : float, optional
         Wanted error of velocities, relative to the closing speed, for adaptive methods.
     workers : int, optional
-        Number of threads; None takes one for each core that this process may use.
+        Number of threads; None means one for each core that this process may use.
     progress : callable, optional
-        Called from the calling thread with the number of chains that have been done since the last call.
+        Called from the calling thread with the number of chains that were finished since the last call.
 
     Returns
     -------
@@ -129,7 +132,7 @@ def ensemble_ends(
     Raises
     ------
     ValueError
-        Shapes that do not fit, or what `simulate` raises for one of the chains.
+        If shapes do not fit, or if `simulate` would raise it for one of the chains.
 
     Examples
     --------
@@ -157,7 +160,7 @@ def ensemble_ends(
     )  # fmt: skip
 
     def alone(k: int) -> None:
-        """Run one chain by itself."""
+        """Run one chain with `solve`."""
         limit = None if np.isinf(durations[k]) else float(durations[k])
         own_step = None if steps is None else float(steps[k])
         found = solve(batch.chain(k), speeds[k], limit, method, own_step, samples=2, tolerance=float(tolerance))
@@ -166,9 +169,11 @@ def ensemble_ends(
         ends.steps[k], ends.evaluations[k] = found.steps, found.evaluations
 
     tell = progress or (lambda count: None)
+    # Driven chains and chains with overlaps at the start need the full preparation of `solve`.
     special = batch.driven | (batch.gap < 0.0).any(axis=1)
     for _ in in_threads(alone, np.flatnonzero(special).tolist(), threads):
         tell(1)
+    # All other chains run in compiled code, in blocks that the threads share.
     ordinary = np.flatnonzero(~special)
     times = _contact_times(batch, run.velocity, special)
     if chosen.adaptive:
@@ -184,6 +189,7 @@ def ensemble_ends(
     for k, _ in in_threads(move, blocks, threads):
         tell(blocks[k].size)
     ends.final_velocity[ordinary] = _velocities_of(batch, run.moving.rate, run.moving.anchor)[ordinary]
+    # Chains whose single run is not trustworthy are confirmed by further runs of `solve`.
     if chosen.adaptive:
         error, growth = accuracy.errors(run.velocity, ends.final_velocity, ends.steps)
         ends.velocity_error[ordinary] = error[ordinary, None]
@@ -195,9 +201,10 @@ def ensemble_ends(
 
 @dataclass(frozen=True)
 class _Run:
-    """The arrays of a run, and whether chains stop when they are apart.
+    """Arrays of a run, and the flag `stop` that ends the run of a chain when its beads have separated.
 
-    Chains that are not `special` begin as `State.at_start` has it; `velocity` (C, n+1) is that of the beads as rates give it.
+    Chains that are not `special` start as in `State.at_start`. `velocity` (C, n+1) contains the bead velocities that
+    follow from the rates.
     """
 
     data: BatchData
@@ -207,7 +214,7 @@ class _Run:
 
     @classmethod
     def of(cls, batch: ChainBatch, speeds: Array, ends: Array, stop: bool) -> _Run:
-        """From bead velocities `speeds` (C, n+1) to `ends` (C,) [s]."""
+        """Return the arrays for a run from the bead velocities `speeds` (C, n+1) to the end times `ends` (C,) [s]."""
         count, n = batch.gap.shape
         chains = np.arange(count)
         position = np.concatenate((np.zeros((count, 1)), np.cumsum(batch.gap, axis=1)), axis=1)
@@ -225,7 +232,7 @@ class _Run:
 
 
 def _of_march(method: str, run: _Run) -> tuple[Any, ...]:
-    """What all chains have in common for `march_each`, with memory of its own: methods of fixed steps."""
+    """Return the arguments of `march_each` that all chains share, with new scratch memory: for fixed-step methods."""
     scratch = fixed_step.Scratch.of(method, run.moving.overlap.shape[1])
     kept, columns = (tuple(scratch.checkpoints), scratch.plan), (scratch.log.contact, scratch.log.time)
     memory = (tuple(scratch.samples), columns, kept, tuple(scratch.pause), np.zeros(4), (scratch.beads, scratch.work))
@@ -237,20 +244,20 @@ def _of_march(method: str, run: _Run) -> tuple[Any, ...]:
 
 @dataclass(frozen=True)
 class _Accuracy:
-    """What an adaptive method is asked for, and what it finds of its errors."""
+    """Wanted accuracy of an adaptive method, and the data for its error estimate."""
 
     method: str
     tolerance: float
-    mass: Array  # (C, n+1)
-    scale: Array  # (C,) speed [m/s] that the tolerance is relative to
-    budget: int  # steps, rejected ones included; a chain that takes more is run again
-    grown: Array  # (C, n) growth of errors by the last bounce of each contact
+    mass: Array  # (C, n+1) masses [kg]
+    scale: Array  # (C,) speed [m/s] to which the tolerance is relative
+    budget: int  # largest number of steps, including rejected ones; a chain that needs more is run again by `simulate`
+    grown: Array  # (C, n) error amplification by the last bounce of each contact
     turns: Array  # (C, n) turns of the oscillation of each contact
-    control: Array  # (C, 2) growth by those before, and the sum of squares of the errors of steps
+    control: Array  # (C, 2) error amplification by earlier bounces, and sum of the squared errors of the steps
 
     @classmethod
     def of(cls, batch: ChainBatch, method: str, tolerance: float, velocity: Array) -> _Accuracy:
-        """Relative to the fastest closing there can be from `velocity` (C, n+1), see `closing_scale`."""
+        """Return the accuracy relative to the fastest possible closing from `velocity` (C, n+1), see `closing_scale`."""
         ahead = np.maximum.accumulate(velocity, axis=1)[:, :-1]
         approach = np.maximum((ahead - np.minimum.accumulate(velocity[:, ::-1], axis=1)[:, -2::-1]).max(axis=1), 0.0)
         approach[approach <= NO_APPROACH * np.abs(velocity).max(axis=1)] = 0.0
@@ -263,9 +270,9 @@ class _Accuracy:
         return cls(method, tolerance, batch.mass, scale, budget, grown, turns, control)
 
     def errors(self, start: Array, end: Array, steps: NDArray[np.int64]) -> tuple[Array, Array]:
-        """(C,) the error [m/s] that each chain states after its `steps` (C,), and the factor by which errors have grown.
+        """Return the (C,) estimated error [m/s] of each chain after its `steps` (C,), and its error amplification.
 
-        `start` and `end` (C, n+1) are the velocities of the beads [m/s] before and after.
+        `start` and `end` (C, n+1) are the velocities of the beads [m/s] before and after the run.
         """
         growth = error_growth(self.control[:, 0], self.grown, self.turns)
         rounding = np.maximum(rounding_of(self.mass, start), rounding_of(self.mass, end))
@@ -273,7 +280,10 @@ class _Accuracy:
 
 
 def _of_integrate(accuracy: _Accuracy, run: _Run) -> tuple[Any, ...]:
-    """The same for `integrate_each`, which moves chains as far as an adaptive method goes by itself."""
+    """Return the arguments of `integrate_each` that all chains share, with new scratch memory: for adaptive methods.
+
+    The kernel does not confirm its runs.
+    """
     n = run.moving.overlap.shape[1]
     effective = np.zeros((n, 3)), np.zeros(n + 1), np.zeros(n + 1), np.zeros(4)
     block, records = _in_one_block(empty_trial(n), empty_trial(n), empty_scratch(n))
@@ -288,9 +298,10 @@ def _of_integrate(accuracy: _Accuracy, run: _Run) -> tuple[Any, ...]:
 def _mover(
     kernel: Any, of_one: Any, arguments_of: Any, common: Callable[[], tuple[Any, ...]], chains: Which, *found: Any
 ) -> Callable[[Which], None]:
-    """What moves some of the `chains` by `kernel`, which calls the kernel `of_one` with what `arguments_of` a chain gives.
+    """Return a function that simulates some of the `chains` with `kernel`.
 
-    What is `common` to all is made anew for each call; the entry of `of_one`, which takes longer to find, once.
+    The kernel calls the compiled function `of_one` for each chain, with the result of `arguments_of`. The arguments
+    from `common` are created for each call. The entry of `of_one` is found only once, because that takes longer.
     """
     entry = entry_of(of_one, plain(arguments_of)(int(chains[0]), *common())) if chains.size else None
 
@@ -301,7 +312,7 @@ def _mover(
 
 
 def _in_one_block(*records: Any) -> tuple[Array, list[tuple[Array, ...]]]:
-    """Memory of the size of all arrays of `records`, and these as views into it."""
+    """Return a memory block with the size of all arrays of `records`, and the records as views into it."""
     block, first, found = np.zeros(sum(array.size for record in records for array in record)), 0, []
     for record in records:
         views = []
@@ -313,8 +324,11 @@ def _in_one_block(*records: Any) -> tuple[Array, list[tuple[Array, ...]]]:
 
 
 def _needs_another_run(batch: ChainBatch, run: _Run, error: Array, growth: Array) -> NDArray[np.bool_]:
-    """(C,) whether more than one run decides on a chain: it gave up, errors have grown, its contacts are very soft, or its
-    energy allows no such error."""
+    """Return (C,) True if a single run is not sufficient for a chain.
+
+    This is the case if the run gave up, if errors have grown, if contacts are very soft, or if the estimated error is
+    larger than the energy of the chain allows.
+    """
     soft = (batch.preload == 0.0) & (batch.exponent < SOFTEST)
     stored = stored_energy(batch.preload, batch.stiffness, batch.exponent, 0.0 - batch.gap).sum(axis=1)
     _, room = velocity_room(batch.mass, batch.on_bed, run.velocity, stored, batch.drive, run.moving.time)
@@ -324,7 +338,7 @@ def _needs_another_run(batch: ChainBatch, run: _Run, error: Array, growth: Array
 
 
 def _velocities_of(batch: ChainBatch, rate: Array, anchor: Array) -> Array:
-    """(C, n+1) bead velocities from the rates and the anchor beads."""
+    """Return the (C, n+1) bead velocities from the rates and the anchor beads."""
     found = np.empty(batch.mass.shape)
     for bead in np.unique(batch.anchor).tolist():
         rows = batch.anchor == bead
@@ -333,7 +347,11 @@ def _velocities_of(batch: ChainBatch, rate: Array, anchor: Array) -> Array:
 
 
 def _contact_times(batch: ChainBatch, velocity: Array, special: NDArray[np.bool_]) -> Array:
-    """(C, n) contact times [s]. ValueError where a chain that is not `special` is pressed so little or so far that floats end."""
+    """Return the (C, n) contact times [s].
+
+    Raise ValueError if the overlaps of a chain that is not `special` would be too small or too large for floating-point
+    numbers.
+    """
     speed = _speed(velocity)
     reduced = batch.inverse_mass[:, :-1] + batch.inverse_mass[:, 1:]
     with np.errstate(over="ignore", under="ignore"):
@@ -345,20 +363,20 @@ def _contact_times(batch: ChainBatch, velocity: Array, special: NDArray[np.bool_
 
 
 def _default_steps(batch: ChainBatch, velocity: Array, times: Array) -> Array:
-    """(C,) steps [s] of `default_step` for chains whose contacts take `times` (C, n) [s]."""
+    """Return the (C,) steps [s] of `default_step` for chains with contact times `times` (C, n) [s]."""
     steps: Array = times.min(axis=1) / DEFAULT_STEPS_A_CONTACT
     with np.errstate(divide="ignore"):
         return np.minimum(steps, _speed(velocity) / batch.bed.max(axis=1) / DEFAULT_STEPS_A_STOP)
 
 
 def _speed(velocity: Array) -> Array:
-    """(C,) the largest speeds [m/s] at which any two beads approach or part; 1 where nothing moves."""
+    """Return the (C,) largest speeds [m/s] at which two beads approach or separate; 1 if nothing moves."""
     speed: Array = np.ptp(velocity, axis=1)
     return np.where(speed == 0.0, 1.0, speed)
 
 
 def _method(name: str, batch: ChainBatch) -> Method:
-    """The method, if it moves such batches."""
+    """Return the method. Raise ValueError if it cannot simulate such batches."""
     if name == "auto":
         raise ValueError(
             "ensemble_ends takes the name of a method; 'auto' is for simulate, which chooses for one chain"
@@ -372,7 +390,7 @@ def _method(name: str, batch: ChainBatch) -> Method:
 
 
 def _require_end(batch: ChainBatch, velocity: Array, duration: ArrayLike | None) -> None:
-    """Raise ValueError where a chain may never come apart and there is no duration."""
+    """Raise ValueError if there is no duration and a chain may never separate."""
     if duration is not None:
         return
     if (np.isinf(batch.mass).sum(axis=1) > 1).any():

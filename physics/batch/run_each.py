@@ -1,6 +1,6 @@
-"""Kernels that run one chain of a batch after the other: any method of fixed steps, and the adaptive ones.
+"""Kernels that run one chain of a batch after the other, with any fixed-step or adaptive method.
 
-They call the kernels of single runs by their entries, so that these are compiled once for both.
+They call the kernels of single runs through their entry points, so each of these is compiled only once for both uses.
 """
 
 from __future__ import annotations
@@ -16,42 +16,43 @@ from softcradle.physics.numerics.records import Dissipation
 Array = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
-NO_PAUSE = False, 2**62  # no run is resumed, and none is interrupted
+NO_PAUSE = False, 2**62  # The run is not resumed and never interrupted.
 
 
 class BatchData(NamedTuple):
-    """What does not move: a row a chain."""
+    """Constant data of the chains, one row per chain."""
 
-    law: Array  # (C, n, 3)
-    loss: Array  # (C, n)
-    inverse_mass: Array  # (C, n+1)
-    bed: Array  # (C, n+1)
-    anchor_bead: Whole  # (C,)
-    lossy: NDArray[np.bool_]  # (C,)
-    braked: NDArray[np.bool_]  # (C,)
-    step: Array  # (C,) [s]; 0 for adaptive methods
-    end: Array  # (C,) [s]; inf: none
+    law: Array  # (C, n, 3) preload, stiffness, exponent
+    loss: Array  # (C, n) hysteretic loss
+    inverse_mass: Array  # (C, n+1) inverse masses [1/kg]
+    bed: Array  # (C, n+1) decelerations of sliding beads [m/s²]
+    anchor_bead: Whole  # (C,) index of the anchor bead
+    lossy: NDArray[np.bool_]  # (C,) True if a contact has loss
+    braked: NDArray[np.bool_]  # (C,) True if the bed brakes beads
+    step: Array  # (C,) time step [s]; 0 for adaptive methods
+    end: Array  # (C,) end time [s]; infinity if there is no limit
 
 
 class BatchMotion(NamedTuple):
-    """What moves, and what the end is: a row a chain."""
+    """State of the chains during the run, and its result, one row per chain."""
 
-    overlap: Array  # (C, n)
-    rate: Array  # (C, n)
-    anchor: Array  # (C, 2)
-    force: Array  # (C, n)
-    closed: NDArray[np.int8]  # (C, n)
-    counter: Whole  # (C, COUNTERS)
-    status: Whole  # (C,)
-    time: Array  # (C,) when the run ended
+    overlap: Array  # (C, n) overlaps [m]
+    rate: Array  # (C, n) rates of the overlaps [m/s]
+    anchor: Array  # (C, 2) position [m] and velocity [m/s] of the anchor bead
+    force: Array  # (C, n) contact forces [N]
+    closed: NDArray[np.int8]  # (C, n) 1 if the contact is closed
+    counter: Whole  # (C, COUNTERS) counters such as steps and evaluations
+    status: Whole  # (C,) status of the run
+    time: Array  # (C,) end time of the run [s]
 
 
 @inlined
 def march_arguments(c, stepper, stop, most_steps, batch_fields, motion_fields, memory, nothing):
-    """What `march` is called with for chain c.
+    """Return the arguments of `march` for chain c.
 
-    `stepper` is (drifts, kicks); `memory` holds the fields of Samples, columns of the log, checkpoints, the fields of a Pause,
-    energies taken, and the memory of steps; `nothing` flags, Joints and Knots without rows.
+    `stepper` is (drifts, kicks). `memory` contains the fields of Samples, the columns of the log, the checkpoints, the
+    fields of a Pause, the absorbed energies, and the memory of the steps. `nothing` contains empty flags, Joints and
+    Knots.
     """
     batch, moving = BatchData(*batch_fields), BatchMotion(*motion_fields)
     sample_fields, switches, checkpoints, pause_fields, taken, of_steps = memory
@@ -70,7 +71,7 @@ def march_arguments(c, stepper, stop, most_steps, batch_fields, motion_fields, m
 
 @jit
 def march_each(entry, which, stepper, stop, most_steps, batch_fields, motion_fields, memory, nothing):
-    """`march`, whose `entry` this is, for each of the chains `which`."""
+    """Run `march`, whose entry point is `entry`, for each of the chains `which`."""
     moving = BatchMotion(*motion_fields)
     for k in range(which.size):
         c = which[k]
@@ -81,18 +82,20 @@ def march_each(entry, which, stepper, stop, most_steps, batch_fields, motion_fie
 
 @inlined
 def clear(row):
-    """Put zeros into a row."""
+    """Set a row to zero."""
     for i in range(row.size):
         row[i] = 0
 
 
 @inlined
 def integrate_arguments(c, accuracy, stop, most_steps, batch_fields, motion_fields, memory, nothing):
-    """What `integrate` is called with for chain c; the chain of its steps is put into the memory, and the rest of that cleared.
+    """Return the arguments of `integrate` for chain c. Copy its laws and masses into the memory, and clear the rest of
+    the memory.
 
-    `accuracy` is (allowed, tolerance, scales (C,)). `memory` holds arrays (n, 3), (n+1,), (n+1,) and (4,) for the chain of the
-    steps and what is absorbed, flags (4n+1,) for the modes, and one block with the fields of the records that follow it: two
-    Trials, a Scratch and Steps. `nothing` are columns of a log, Joints and Knots without rows, and a pause that never comes.
+    `accuracy` is (allowed, tolerance, scales (C,)). `memory` contains four arrays (n, 3), (n+1,), (n+1,) and (4,) for
+    the effective chain of the steps and the absorbed energies, flags (4n+1,) for the modes, one block, and the records
+    whose fields are views into that block: two Trials, a Scratch and Steps. `nothing` contains empty columns of a log,
+    empty Joints and Knots, and a pause that never occurs.
     """
     batch, moving = BatchData(*batch_fields), BatchMotion(*motion_fields)
     allowed, tolerance, scale = accuracy
@@ -100,20 +103,24 @@ def integrate_arguments(c, accuracy, stop, most_steps, batch_fields, motion_fiel
     contact, switch_time, joints, knots, pause = nothing
     none, n = external[:0], law.shape[0]
     mode, held, easing, slide = flags[:n], flags[n : 2 * n], flags[2 * n : 3 * n], flags[3 * n :]
+    # The memory still contains values of the previous chain of this thread.
     clear(block)
     clear(flags)
     clear(taken)
+    # The steps work on an effective chain, in which modes change laws and masses. It starts as a copy of the chain.
     for j in range(n + 1):
         inverse_mass[j], external[j] = batch.inverse_mass[c, j], 0.0
     for i in range(n):
         for column in range(3):
             law[i, column] = batch.law[c, i, column]
+    # Empty arrays for loss and friction select the faster code paths without them.
     lossy, braked = batch.lossy[c], batch.braked[c]
     bed, loss = batch.bed[c] if braked else none, batch.loss[c] if lossy else none
     chain = (
         law, inverse_mass, none, external if braked else none, batch.anchor_bead[c], None, joints, knots,
         Dissipation(none, none),
     )  # fmt: skip
+    # The regime contains the unchanged chain and the directions of sliding and of unloading.
     regime = (
         batch.law[c], batch.inverse_mass[c], loss, bed, slide if braked else slide[:0],
         easing if lossy else easing[:0], easing[:0], law[:0], contact[:0],
@@ -128,10 +135,11 @@ def integrate_arguments(c, accuracy, stop, most_steps, batch_fields, motion_fiel
 
 @jit
 def integrate_each(entry, which, accuracy, stop, most_steps, batch_fields, motion_fields, memory, nothing, errors):
-    """`integrate`, whose `entry` this is, for each of the chains `which`.
+    """Run `integrate`, whose entry point is `entry`, for each of the chains `which`.
 
-    Of `errors`, the rows of the first (C, n) get the growth by the last bounces, those of the second (C, n) the turns of
-    oscillations, those of the third (C, 2) the growth by other bounces and the sum of squares of the errors of steps.
+    `errors` are three arrays for the error estimate. The first (C, n) receives the error amplification by the last
+    bounces. The second (C, n) receives the turns of oscillations. The third (C, 2) receives the error amplification by
+    other bounces and the sum of the squared errors of the steps.
     """
     moving, scratch = BatchMotion(*motion_fields), Scratch(*memory[3][2])
     grown, turns, control = errors

@@ -1,1 +1,3 @@
-"""What the rest is checked against, sharing no kernel with it: SciPy's integrators between located switches."""
+"""Independent reference solution for tests of the other methods. It integrates with SciPy between located switches and
+shares no kernel with them.
+"""

@@ -1,6 +1,7 @@
-"""The contacts of a chain as the reference evaluates them: power laws in NumPy, laws of one's own by their functions.
+"""Contact laws of a chain for the reference: power laws in NumPy, user-defined laws through their own functions.
 
-A coupler is several contacts between the same two beads, each with an overlap of its own, side * (overlap of the joint - origin).
+A coupler consists of several contacts between the same two beads. Each has its own overlap, side * (overlap of the
+joint - origin).
 """
 
 from __future__ import annotations
@@ -14,20 +15,21 @@ from softcradle.physics.own_law import LEAST_OVERLAP, OwnLaw
 
 Array = NDArray[np.float64]
 
-SHALLOW = 1e-3  # of the depth: a law of one's own whose slope grows from there on down to a thousandth of it is stiff
-GROWS = 1.5  # times: the slope of a power law with the exponent .94
+# Fraction of the depth. A user-defined law is stiff if its slope grows between this overlap and a thousandth of it.
+SHALLOW = 1e-3
+GROWS = 1.5  # Smallest growth of the slope of a stiff law. It is that of a power law with the exponent 0.94.
 
 
 class Laws:
-    """Force, slope, energy and overlap of all m contacts at once, each part of a coupler for itself.
+    """Force, slope, energy and overlap of all m contacts at once. Each part of a coupler is a separate contact.
 
     Attributes:
-        joint: (m,) which two neighbours each contact is between.
-        side, origin: (m,) 1 and 0 for a contact that is no part of a coupler.
-        preload: (m,) force [N] at which each contact begins to yield.
-        loss: (m,) part of its energy that each takes.
-        depth: (m,) overlap [m] to which a contact that is struck alone at the speed of the motion is pressed.
-        stiff: whether the slope of a force has no bound at small overlaps.
+        joint: (m,) index of the pair of neighbours of each contact.
+        side, origin: (m,) sign and shift of the overlap; 1 and 0 for a contact that is not part of a coupler.
+        preload: (m,) force [N] up to which each contact does not yield.
+        loss: (m,) share of the stored energy that each contact absorbs.
+        depth: (m,) largest overlap [m] if the contact alone is struck at the speed of the motion.
+        stiff: True if the slope of a force is unbounded at small overlaps.
     """
 
     def __init__(self, chain: Chain, speed: float) -> None:
@@ -45,7 +47,8 @@ class Laws:
         ).T
         self.own = [(law, np.flatnonzero([law == one for one in laws])) for law in chain.own_laws]
         energy, power = 0.5 * speed**2 / chain.inverse_reduced_mass[self.joint], 1.0 + self.exponent
-        with np.errstate(divide="ignore"):  # the smaller of both one-term solutions
+        # The smaller of the solutions for the preload alone and for the power law alone.
+        with np.errstate(divide="ignore"):
             self.depth = np.minimum(energy / self.preload, (power * energy / self.stiffness) ** (1.0 / power))
         for law, at in self.own:
             self.depth[at] = [law.depth(value) for value in energy[at].tolist()]
@@ -56,14 +59,18 @@ class Laws:
         )
 
     def force(self, overlap: Array) -> Array:
-        """(..., m) forces [N] of loaded contacts at overlaps (..., m); no finite ones beyond the reach of a law."""
+        """Return the (..., m) forces [N] of loaded contacts at overlaps (..., m). They are not finite beyond the range
+        of a law.
+        """
         found: Array = self.preload + self.stiffness * np.maximum(overlap, 0.0) ** self.exponent
         for law, at in self.own:
             found[..., at] = law.tried(np.maximum(overlap[..., at], LEAST_OVERLAP))
         return found
 
     def slope(self, overlap: Array) -> Array:
-        """(m,) slopes df/dd [N/m]; at overlap 0, where that of a power law may be infinite, 0."""
+        """Return the (m,) slopes df/dd [N/m]. At overlap 0, where the slope of a power law may be infinite, the result
+        is 0.
+        """
         found = np.zeros(overlap.size)
         pressed = overlap > LEAST_OVERLAP
         factor = self.exponent[pressed] * self.stiffness[pressed]
@@ -73,14 +80,16 @@ class Laws:
         return found
 
     def energy(self, overlap: Array) -> Array:
-        """(..., m) energies [J] stored at overlaps (..., m)."""
+        """Return the (..., m) energies [J] stored at overlaps (..., m)."""
         found = stored_energy(self.preload, self.stiffness, self.exponent, overlap)
         for law, at in self.own:
             found[..., at] = law.energy(overlap[..., at])
         return found
 
     def resting_overlap(self, force: Array, overlap: Array) -> Array:
-        """(m,) overlaps [m] at which contacts carry `force` (m,): those without preload are pressed a little, others touch."""
+        """Return the (m,) overlaps [m] at which contacts carry `force` (m,). Contacts with preload keep the given
+        `overlap`.
+        """
         found, pushed = overlap.copy(), np.maximum(force, 0.0)
         small = self.preload == 0.0
         found[small] = (pushed[small] / self.stiffness[small]) ** (1.0 / self.exponent[small])

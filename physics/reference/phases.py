@@ -1,6 +1,8 @@
-"""Phases of the reference: while no row of a chain changes its mode, the right-hand side is smooth.
+"""Phases of the reference. During a phase no unilateral constraint changes its mode, so the right-hand side is smooth.
 
-A row is a contact, each part of a coupler for itself, or a bead on the bed. With its overlap d, or the velocity v of the bead:
+A constraint ("row") is a contact, a part of a coupler, or a bead on the bed. A contact has the overlap d, its rate w
+and the force f; a bead has the velocity v and the friction r. The modes are, with the preload F, the stiffness K, the
+exponent a, the loss l, the largest friction R and the capacity C:
 
     OPEN      d < 0           f = 0                       until d = 0
     TOUCHING  d = 0, w = 0    f the multiplier of w' = 0  until f leaves [0, C]
@@ -12,9 +14,10 @@ A row is a contact, each part of a coupler for itself, or a bead on the bed. Wit
 
     d' = w,   w' = B M^-1 (push - B^T f)          B: (p, n+1), the velocities of the rows from those of the beads
 
-The capacity C is the law's force at the least overlap that the tolerance distinguishes from 0, so it exceeds the preload F:
-inside a rigid-like cluster the beads behind a soft interface start with overlaps of 1e-100, which no step could follow.
-Which rows move on at a switch is Gauss's principle: accelerations nearest to the free ones, with multipliers in their bounds.
+The capacity C is the force of the law at the smallest overlap that the tolerance distinguishes from 0, so it exceeds
+the preload F. Without it, overlaps inside a rigid-like cluster behind a soft interface would start at 1e-100, and no
+step could follow them. At a switch, Gauss's principle decides which constraints move on: the accelerations are as close
+as possible to the free ones, with multipliers inside their bounds.
 """
 
 from __future__ import annotations
@@ -36,32 +39,39 @@ Array = NDArray[np.float64]
 Modes = NDArray[np.int8]
 Which = NDArray[np.bool_]
 
-OPEN, TOUCHING, LOADED, HELD, RELEASED = 0, 1, 2, 3, 4  # of contacts
-FREE, BACKWARD, STICKS, FORWARD = 5, 6, 7, 8  # of beads, FREE where nothing brakes
+OPEN, TOUCHING, LOADED, HELD, RELEASED = 0, 1, 2, 3, 4  # modes of contacts
+FREE, BACKWARD, STICKS, FORWARD = 5, 6, 7, 8  # modes of beads; FREE if nothing brakes the bead
 FIXED = TOUCHING, HELD, STICKS
-# of each kind of row: the mode at the least multiplier, that between the bounds, the mode at the largest
+# Modes for each kind of constraint: at the smallest multiplier, between the bounds, and at the largest multiplier.
 AT_REST = {"corner": (OPEN, TOUCHING, LOADED), "turn": (RELEASED, HELD, LOADED), "bed": (BACKWARD, STICKS, FORWARD)}
 
-RELATIVE_SMOOTH = 1e-4  # local error of a step in parts of the wanted error, so that thousands of steps stay below it
-RELATIVE_STIFF = 1e-3  # the same with stiff contacts, whose steps are damped
-FINEST = 3e-14  # smallest relative tolerance that double precision allows
-SLACK = 1e-12  # of its largest: a multiplier further than this outside of its bounds ends the phase
-BALANCE_ROUND_OFF = 1e-15  # of the forces that a multiplier balances: it is known no better
-SINGULAR = 1e-13  # of the largest eigenvalue: motions that multipliers share below it are one
+# Local error of a step, relative to the wanted error. Thousands of steps then stay below the wanted error.
+RELATIVE_SMOOTH = 1e-4
+RELATIVE_STIFF = 1e-3  # The same for stiff contacts. Their steps damp errors, so they may be larger.
+FINEST = 3e-14  # Smallest relative tolerance that double precision allows.
+SLACK = 1e-12  # Distance from its bounds, relative to the largest multiplier, at which a multiplier ends the phase.
+BALANCE_ROUND_OFF = 1e-15  # Rounding error of a multiplier, relative to the forces that it balances.
+SINGULAR = 1e-13  # Fraction of the largest eigenvalue. Below it, two constraints count as linearly dependent.
 TINY = float(np.finfo(np.float64).tiny)
-SETTLED = 8.0  # times the energy at which bounces with loss would go on for ever, each by what the one before was late
-STILL = 1e-9  # part of any push that a bead feels which the fixed rows hold in its place: round-off
-MOST_EVALUATIONS = 3_000_000  # of a run: some minutes, at about 100 us each
+# Factor on the energy below which bounces with loss would never end, because each is as small as the error of its start
+# time.
+SETTLED = 8.0
+# A bead counts as held by fixed constraints if less than this share of every push on it remains. It allows for rounding
+# errors.
+STILL = 1e-9
+MOST_EVALUATIONS = 3_000_000  # Largest number of evaluations of a run. At about 100 us each they take some minutes.
 
 
 class OutOfEvaluationsError(Exception):
-    """The run has used all evaluations that it may."""
+    """Error for a run that has used all its allowed evaluations."""
 
 
 class System:
-    """A chain as NumPy arrays: its p rows, their laws and bounds, and what the tolerance distinguishes.
+    """Chain as NumPy arrays: its p constraints with their laws and bounds, and the smallest values that the tolerance
+    distinguishes.
 
-    The state vector y (m+n+2,) is overlaps of the m contacts, rates of the n joints, anchor position, anchor velocity.
+    The state vector y (m+n+2,) contains the overlaps of the m contacts, the rates of the n joints, and position and
+    velocity of the anchor bead.
     """
 
     def __init__(self, chain: Chain, state: State, tolerance: float, duration: float | None) -> None:
@@ -71,62 +81,73 @@ class System:
         external = state.external(chain)
         self.steady = np.zeros(self.n + 1) if external is None else external
         self.bed = chain.finite_mass * GRAVITY * chain.friction
+        # Velocities of the constraints from those of the beads: differences of neighbours for contacts, and on a bed
+        # each bead.
         difference = np.eye(self.n, self.n + 1) - np.eye(self.n, self.n + 1, 1)
         contacts = laws.side[:, None] * difference[laws.joint]
         self.rows = np.vstack((contacts, np.eye(self.n + 1))) if chain.on_bed else contacts
         self.coupling = self.rows * chain.inverse_mass @ self.rows.T
         self.response = np.where(self.coupling.diagonal() > 0.0, self.coupling.diagonal(), 1.0)
         self.evaluations, self.most_evaluations = 0, MOST_EVALUATIONS
-        # an overlap d of energy F d changes velocities by the square root of d
+        # An overlap d with the energy F d changes velocities in proportion to the square root of d.
         self.least_overlap = laws.depth * tolerance**2
         self.least_rate = 1e-3 * tolerance * speed
         self.capacity = laws.force(self.least_overlap)
-        # with loss a bounce at less comes to no more than the least overlap, by which each is located late
+        # With loss, a slower bounce would not exceed the least overlap, which is also the error of its located start.
         with np.errstate(divide="ignore", invalid="ignore"):
             square = SETTLED * self.response[: self.m] * self.capacity * self.least_overlap / laws.loss
         self.least_bounce = np.where(laws.loss > 0.0, np.sqrt(square), 0.0)
         self.relative = relative = max((RELATIVE_STIFF if laws.stiff else RELATIVE_SMOOTH) * tolerance, FINEST)
+        # Absolute tolerances of the integrator for the overlaps, the rates, and the position and velocity of the anchor
+        # bead.
         anchor = [float(laws.depth.max()) * relative, speed * relative]
         self.absolute = np.concatenate((0.1 * self.least_overlap, np.full(self.n, 0.1 * relative * speed), anchor))
 
     def start(self, state: State) -> Array:
-        """The state vector of `state`."""
+        """Return the state vector of `state`."""
         overlap = self.laws.side * (state.overlap[self.laws.joint] - self.laws.origin)
         return np.concatenate((overlap, state.rate, state.anchor))
 
     def velocity(self, y: Array) -> Array:
-        """(..., n+1) velocities [m/s] of the beads."""
+        """Return the (..., n+1) velocities [m/s] of the beads."""
         return from_anchor(y[..., self.m : self.m + self.n], y[..., -1], self.chain.anchor)
 
     def row_velocity(self, y: Array) -> Array:
-        """(..., p) velocities [m/s] of the rows: of contacts from the rates, which are small where overlaps are."""
+        """Return the (..., p) velocities [m/s] of the constraints. Those of contacts come from the rates, which are
+        accurate if small.
+        """
         rate = self.laws.side * y[..., self.m : self.m + self.n][..., self.laws.joint]
         return np.concatenate((rate, self.velocity(y)), axis=-1) if self.chain.on_bed else rate
 
     def on_joints(self, force: Array) -> Array:
-        """(..., n) forces between neighbours [N] from those (..., m or p) of contacts; negative where they pull."""
+        """Return the (..., n) forces between neighbours [N] from those of contacts (..., m or p); negative if they
+        pull.
+        """
         on = (self.laws.joint[:, None] == np.arange(self.n)) * self.laws.side[:, None]
         return force[..., : self.m] @ on + 0.0
 
     def push(self, time: Any, span: Span) -> Array:
-        """(..., n+1) forces from outside [N] at `time` (...)."""
+        """Return the (..., n+1) external forces [N] at `time` (...)."""
         return self.steady + span.push_at(time) if self.chain.forces else self.steady
 
     def brake(self, time: Any, span: Span) -> Array:
-        """(..., n+1) friction [N] of sliding beads at `time` (...), by bed and brakes."""
+        """Return the (..., n+1) friction [N] of sliding beads at `time` (...), by the bed and by brakes."""
         return self.bed + span.brake_at(time) * np.isfinite(self.chain.mass) if self.chain.brakes else self.bed
 
     def least_turn(self, overlap: Array) -> Array:
-        """(..., m) rates [m/s] below which contacts with loss do not move: the less, the less they are pressed."""
+        """Return the (..., m) rates [m/s] below which contacts with loss count as not moving. They are proportional to
+        the overlap.
+        """
         return self.least_rate * np.clip(overlap / self.laws.depth, 0.0, 1.0)
 
 
 @dataclass
 class Phase:
-    """An interval of time in which no row changes its mode.
+    """Interval of time in which no constraint changes its mode.
 
-    `solved` (p, p) gives the multipliers of fixed rows from the pushes, `carried` (p, p) from the forces of the others. They
-    let no joint (n,) move that `stands` and no bead (n+1,) that is `still`.
+    `solved` (p, p) maps the pushes to the multipliers of fixed constraints, and `carried` (p, p) maps the forces of the
+    other constraints to them. These multipliers prevent motion of the joints marked in `stands` (n,) and of the beads
+    marked in `still` (n+1,).
     """
 
     system: System
@@ -139,7 +160,7 @@ class Phase:
         self.fixed = fixed
         self.part = np.select([mode[:m] == LOADED, mode[:m] == RELEASED], [np.ones(m), 1.0 - system.laws.loss], 0.0)
         self.side = np.where(mode[m:] == FORWARD, 1.0, np.where(mode[m:] == BACKWARD, -1.0, 0.0))
-        # the sign with which a guard of overlaps or of velocities is positive, 0 where there is none
+        # sign with which the guard of the overlap is positive; 0 if the mode has no such guard
         self.way = np.where(self.part > 0.0, 1.0, np.where(mode[:m] == OPEN, -1.0, 0.0))
         turn = np.where(mode[:m] == RELEASED, -1.0, (mode[:m] == LOADED) * 1.0) * (system.laws.loss > 0.0)
         self.turn = np.concatenate((turn, self.side))
@@ -149,7 +170,7 @@ class Phase:
         if fixed.any():
             at, size = np.ix_(fixed, fixed), np.sqrt(system.response[fixed])
             scaled = system.coupling[at] / np.outer(size, size)
-            # pseudo-inverse: between two walls, or beads that stick, the multipliers are not unique
+            # Pseudo-inverse, because multipliers are not unique between two walls or between beads that stick.
             self.solved[at] = np.linalg.pinv(scaled, SINGULAR, hermitian=True) / np.outer(size, size)
             self.carried = -self.solved @ system.coupling
             self.carried[:, fixed] = 0.0
@@ -158,7 +179,7 @@ class Phase:
         self.stands |= self.still[:-1] & self.still[1:]
 
     def given(self, time: Any, y: Array) -> Array:
-        """(..., p) forces [N] of all rows that are not fixed: by the laws, and by friction."""
+        """Return the (..., p) forces [N] of all constraints that are not fixed, by contact laws and friction."""
         system = self.system
         found: Array = np.where(self.part > 0.0, self.part * system.laws.force(y[..., : system.m]), 0.0)
         if not self.side.size:
@@ -167,7 +188,7 @@ class Phase:
         return np.concatenate((found, brake), axis=-1)
 
     def force(self, time: Any, y: Array) -> Array:
-        """(..., p) forces [N] of all rows, multipliers where they are fixed."""
+        """Return the (..., p) forces [N] of all constraints; those of fixed constraints are multipliers."""
         found, system = self.given(time, y), self.system
         if self.fixed.any():
             pushed = (system.push(time, self.span) * system.chain.inverse_mass) @ system.rows.T
@@ -175,7 +196,7 @@ class Phase:
         return found
 
     def slope(self, time: float, y: Array) -> Array:
-        """Right-hand side: (m+n+2,) time derivative of y."""
+        """Return the right-hand side: the (m+n+2,) time derivative of y."""
         system, m = self.system, self.system.m
         system.evaluations += 1
         if system.evaluations > system.most_evaluations:
@@ -190,7 +211,7 @@ class Phase:
         )
 
     def jacobian(self, y: Array) -> Array:
-        """(m+n+2, m+n+2) derivative of the slope."""
+        """Return the (m+n+2, m+n+2) derivative of the right-hand side."""
         system, m, n = self.system, self.system.m, self.system.n
         stiffness = self.part * system.laws.slope(y[:m])
         by_overlap = (np.eye(self.mode.size, m) + self.carried[:, :m]) * stiffness
@@ -204,10 +225,12 @@ class Phase:
         return matrix
 
     def guards(self, time: Any, y: Array) -> tuple[Array, Array, Array]:
-        """How far each row is from its next switch: by overlap (..., m), by velocity (..., p), by its multiplier (..., p).
+        """Return the distances of the constraints from their next switch, by overlap (..., m), velocity (..., p) and
+        multiplier (..., p).
 
-        In parts of depth, speed and bound; negative past it, infinite where it cannot be. With the slack a row that has just
-        switched does not switch back by round-off.
+        They are relative to the depth, the speed and the bound. They are negative after the switch, and infinite if
+        this switch is impossible. A small tolerance prevents a constraint that has just switched from switching back by
+        rounding errors.
         """
         system, m = self.system, self.system.m
         overlap = y[..., :m]
@@ -225,18 +248,20 @@ class Phase:
         return by_overlap, by_velocity, np.where(self.fixed, inside, np.inf)
 
     def noise(self, force: Array) -> Array:
-        """(..., p) round-off of the multipliers among the `force` (..., p) of all rows."""
+        """Return the (..., p) rounding errors of the multipliers among the `force` (..., p) of all constraints."""
         return BALANCE_ROUND_OFF * (np.abs(force) @ np.abs(self.system.coupling)) / self.system.response
 
     def carries(self, time: Any, y: Array) -> Which:
-        """(..., m) whether each contact pushes: beyond the least overlaps, or with more than the round-off of multipliers."""
+        """Return (..., m) True if a contact pushes: its overlap exceeds the least one, or its multiplier exceeds the
+        rounding error.
+        """
         force, m = self.force(time, y), self.system.m
         held: Which = (force > self.noise(force))[..., :m] & self.fixed[:m]
         pressed: Which = (self.part > 0.0) & (y[..., :m] > 2.0 * self.system.least_overlap)
         return held | pressed
 
     def bounds(self, time: Any, y: Array) -> tuple[Array, Array]:
-        """(..., p) least and largest multiplier [N] of fixed rows."""
+        """Return the (..., p) smallest and largest multipliers [N] of fixed constraints."""
         system, m = self.system, self.system.m
         held = self.mode[:m] == HELD
         law = np.where(held, system.laws.force(y[..., :m]), system.capacity)
@@ -248,14 +273,16 @@ class Phase:
         return np.concatenate((low, -brake), -1), np.concatenate((law, brake), -1)
 
     def margin(self, time: Any, y: Array) -> Array:
-        """(..., p) the least of the `guards` of each row."""
+        """Return the (..., p) smallest of the `guards` of each constraint."""
         by_overlap, by_velocity, inside = self.guards(time, y)
         found: Array = np.minimum(by_velocity, inside)
         found[..., : self.system.m] = np.minimum(found[..., : self.system.m], by_overlap)
         return found
 
     def shown_overlap(self, overlap: Array, force: Array) -> Array:
-        """(m,) overlaps for samples: a contact without preload that counts as touching has the overlap of its force."""
+        """Return the (m,) overlaps for samples. A contact without preload that counts as touching gets the overlap of
+        its force.
+        """
         resting = self.mode[: self.system.m] == TOUCHING
         if not resting.any():
             return overlap
@@ -263,7 +290,7 @@ class Phase:
 
 
 def first_phase(system: System, span: Span, time: float, y: Array) -> Phase:
-    """The phase at the start of a run, from overlaps and velocities alone."""
+    """Return the phase at the start of a run, from overlaps and velocities alone."""
     m = system.m
     mode = np.full(system.rows.shape[0], FREE, dtype=np.int8)
     backs = (system.laws.loss > 0.0) & (system.row_velocity(y)[:m] < 0.0)
@@ -272,27 +299,35 @@ def first_phase(system: System, span: Span, time: float, y: Array) -> Phase:
 
 
 def switched_phase(phase: Phase, time: float, y: Array) -> Phase:
-    """The phase right after the switch of the rows that are nearest to theirs, or past it."""
+    """Return the phase right after the switch of those constraints that are closest to their switch or past it."""
     by_overlap, by_velocity, inside = phase.guards(time, y)
     past = max(0.0, float(min(by_overlap.min(), by_velocity.min(), inside.min())))
     return next_phase(phase, phase.span, time, y, by_overlap <= past, by_velocity <= past)
 
 
 def next_phase(before: Phase, span: Span, time: float, y: Array, closing: Which, turning: Which | None = None) -> Phase:
-    """The phase after `before`: contacts `closing` (m,) are at overlap 0, rows `turning` (p,) at velocity 0, exactly in `y`."""
+    """Return the phase after `before`. Contacts `closing` (m,) are at overlap 0 and constraints `turning` (p,) at
+    velocity 0.
+
+    These overlaps are set to exactly 0 in `y`.
+    """
     system, m, mode = before.system, before.system.m, before.mode.copy()
     overlap, velocity = y[:m], system.row_velocity(y)
     if turning is not None:
         velocity[turning] = 0.0
     _brake(system, span, time, mode, velocity)
+    # Constraints whose velocity the tolerance does not distinguish from 0, and contacts whose next bounce would be too
+    # small.
     slow = np.abs(velocity) <= 2.0 * system.least_rate
     slow[:m] |= np.abs(velocity[:m]) <= system.least_bounce
-    # pressed in from a corner that it has left: the switch of another row does not hold it
+    # The contact is being compressed from overlap 0. The switch of another constraint must not stop it.
     yields = (mode[:m] == LOADED) & (velocity[:m] > 0.0)
     corner = (mode[:m] == TOUCHING) | (slow[:m] & ~yields & (np.abs(overlap) <= 2.0 * system.least_overlap))
+    # Contacts with loss that come to rest while compressed, between loading and unloading.
     turns = (mode[:m] == LOADED) | (mode[:m] == RELEASED)
     turns &= (system.laws.loss > 0.0) & (np.abs(velocity[:m]) <= 2.0 * system.least_turn(overlap))
     turns |= mode[:m] == HELD
+    # Contacts that reach overlap 0 at a speed pass straight on to LOADED or OPEN.
     overlap[closing | corner] = 0.0
     mode[:m][closing & ~corner] = np.where(velocity[:m] >= 0.0, LOADED, OPEN)[closing & ~corner]
     corner |= closing & slow[:m]
@@ -302,6 +337,8 @@ def next_phase(before: Phase, span: Span, time: float, y: Array, closing: Which,
         "bed": (mode >= BACKWARD) & (slow | (mode == STICKS)),
     }
     resting = np.logical_or.reduce(list(kinds.values()))
+    # For all others, first assume rest, then let Gauss's principle decide which of them move on, and in which
+    # direction.
     if resting.any():
         for kind, rows in kinds.items():
             mode[rows] = AT_REST[kind][1]
@@ -316,7 +353,7 @@ def next_phase(before: Phase, span: Span, time: float, y: Array, closing: Which,
 
 
 def _brake(system: System, span: Span, time: float, mode: Modes, velocity: Array) -> None:
-    """Give each bead that begins or ceases to be braked its mode, in place."""
+    """Update the modes of beads at which braking begins or ends, in place."""
     beads, m = mode[system.m :], system.m
     if beads.size:
         braked = system.brake(time, span) > 0.0
@@ -326,7 +363,9 @@ def _brake(system: System, span: Span, time: float, mode: Modes, velocity: Array
 
 
 def _stop(rests: Phase, y: Array) -> None:
-    """Set the velocities of rows at rest to 0, in place, by the pushes that they give each other: momentum stays what it is."""
+    """Set the velocities of constraints at rest to 0 in place, by the impulses between their beads, which conserve
+    momentum.
+    """
     system, rate = rests.system, y[rests.system.m : -2]
     left = (rests.solved @ system.row_velocity(y)) @ system.rows * system.chain.inverse_mass
     rate -= left[:-1] - left[1:]
@@ -337,10 +376,12 @@ def _stop(rests: Phase, y: Array) -> None:
 
 
 def _moving(rests: Phase, time: float, y: Array, resting: Which) -> NDArray[np.int8]:
-    """(p,) which way `resting` rows move on: -1 or 1 those whose multipliers are at their bounds, 0 those that stay at rest.
+    """Return (p,) the direction in which `resting` constraints move on: -1 or 1 if their multiplier is at a bound, 0 if
+    they stay at rest.
 
-    Gauss's principle, min |M^(-1/2) (push - B^T f)| over multipliers f in their bounds: a row at its least multiplier opens or
-    turns back, one at its largest is pressed in. Rows that share no bead are groups of their own, with forces of their own size.
+    Gauss's principle minimises |M^(-1/2) (push - B^T f)| over multipliers f inside their bounds. A constraint at its
+    smallest multiplier opens or turns back; one at its largest is compressed. Constraints that share no bead are solved
+    in separate groups, because their forces may differ by orders of magnitude.
     """
     system, chosen = rests.system, np.zeros(resting.size, dtype=np.int8)
     root = np.sqrt(system.chain.inverse_mass)
@@ -356,7 +397,7 @@ def _moving(rests: Phase, time: float, y: Array, resting: Which) -> NDArray[np.i
         matrix = (root * system.rows[at] / size[:, None]).T
         moved = matrix.any(axis=1)
         scale = float(balanced[moved].max()) or 1.0
-        # a multiplier at its bound stays one
+        # Room for rounding errors, so that a multiplier at its bound stays there.
         room = 0.5 * BALANCE_ROUND_OFF * (np.abs(matrix).T @ balanced) / scale + TINY
         bounds = low[at] * size / scale - room, high[at] * size / scale + room
         found = lsq_linear(matrix[moved], free[moved] / scale, bounds, "bvls", tol=1e-15, max_iter=10 * at.size)

@@ -1,7 +1,8 @@
-"""The reference, method `scipy`: its own right-hand side in NumPy, SciPy's `solve_ivp`, every contact switch located.
+"""Reference method `scipy`: a separate right-hand side in NumPy, integrated by SciPy's `solve_ivp`, with every switch
+located.
 
-It shares no kernel with what it checks. Time is divided into phases in which no contact changes its mode; a phase ends at
-the located root of the first margin that reaches 0, and the next begins there with new modes.
+It shares no kernel with the methods that it checks. Time is divided into phases in which no contact changes its mode. A
+phase ends at the located root of the first margin that reaches 0, and the next phase starts there with new modes.
 """
 
 from __future__ import annotations
@@ -31,22 +32,23 @@ from softcradle.physics.status import CodedWarning, Status, WarningCode, Warning
 
 Array = NDArray[np.float64]
 
-EVALUATIONS_A_STEP = 3  # evaluations that count as a step where steps are limited
+EVALUATIONS_A_STEP = 3  # Number of evaluations that count as one step if the number of steps is limited.
 
-SMOOTH = "DOP853"  # integrator where all exponents are >= 1: such contacts are never stiff
-STIFF = "Radau"  # integrator where an exponent is below 1: stiffness has no bound
-ROOT = 4e-15  # of a contact time: error of a located switch, for SciPy gives brentq a tolerance of 4 ulp of 1
-# parts of a step at which margins are looked at: SciPy looks at its end alone
+SMOOTH = "DOP853"  # Integrator if all exponents are >= 1. Such contacts are never stiff.
+STIFF = "Radau"  # Integrator if an exponent is below 1. Then the stiffness is unbounded.
+ROOT = 4e-15  # Error of a located switch, relative to a contact time. SciPy gives brentq a tolerance of 4 ulp of 1.
+# Fractions of a step at which margins are checked. SciPy itself checks them only at the end of a step.
 LOOKS = np.linspace(0.0, 1.0, 8, endpoint=False)
-GAUSS = np.polynomial.legendre.leggauss(7)  # nodes and weights on [-1, 1], of which the dense solution has the order
-QUIET = np.errstate(under="ignore")  # powers of overlaps next to 0
-MOST_PHASES = 20_000  # of a run: in one with more the contacts chatter
-MOST_IN_PLACE = 50  # switches at one time: more do not end
+# Nodes and weights on [-1, 1]. The quadrature has the order of the dense solution.
+GAUSS = np.polynomial.legendre.leggauss(7)
+QUIET = np.errstate(under="ignore")  # Powers of overlaps close to 0 underflow.
+MOST_PHASES = 20_000  # Largest number of phases of a run. In a run with more, the contacts chatter.
+MOST_IN_PLACE = 50  # Largest number of switches at one time. A longer sequence would not end.
 
 
 @dataclass
 class _Segment:
-    """One solved phase: its interval, modes, and dense solution in units of `scale` [s] from `start`."""
+    """Solved phase: its interval, its modes, and the dense solution in time units of `scale` [s] from `start` on."""
 
     start: float
     end: float
@@ -55,12 +57,12 @@ class _Segment:
     solution: Any
 
     def at(self, times: Array) -> Array:
-        """(T, m+n+2) states at `times` (T,) [s]."""
+        """Return the (T, m+n+2) states at `times` (T,) [s]."""
         return self.solution((times - self.start) / self.scale).T
 
 
 class _Run:
-    """Phase after phase from a start state, with what samples and switches need."""
+    """Sequence of phases from a start state, with the data for samples and switches."""
 
     def __init__(self, problem: Problem, duration: float | None) -> None:
         chain, state = problem.chain, problem.state
@@ -79,11 +81,11 @@ class _Run:
         self.warnings: Warnings = ()
 
     def begin(self) -> None:
-        """Log the contacts that are closed from the start on."""
+        """Log the contacts that are closed at the start."""
         self._note(self._on_joints(self._carries()))
 
     def until(self, end: float) -> None:
-        """Integrate to `end`; with an infinite end until all contacts are open and none closes again, or nothing moves."""
+        """Integrate to `end` [s]. If `end` is infinite, stop when all contacts are open for good or nothing moves."""
         try:
             while self.time < end and not self.status.gave_up:
                 if self.time >= self.phase.span.end:
@@ -113,7 +115,9 @@ class _Run:
         self.warnings = (CodedWarning(WarningCode.GAVE_UP, sentence, {"time": self.time}),)
 
     def _is_over(self) -> bool:
-        """Whether nothing moves and nothing is moved, or no contact pushes and none will, also while beads slide to rest."""
+        """Return True if nothing moves or is pushed, or if no contact pushes or ever will, including while beads slide
+        to rest.
+        """
         system, phase = self.system, self.phase
         if np.isfinite(phase.span.end):
             return False
@@ -129,12 +133,16 @@ class _Run:
         return not (system.push(self.time, phase.span).any() or self._slide_together())
 
     def _slide_together(self) -> bool:
-        """Whether any beads meet on the bed before they have slid to rest: at a rest of one, at equal speeds, or at last."""
+        """Return True if two beads meet on the bed before they have slid to rest.
+
+        Overlaps are checked at the times at which a bead comes to rest and at which two neighbours have equal speeds.
+        """
         system, velocity = self.system, self.system.velocity(self.y)
         brake = system.brake(self.time, self.phase.span) * self.chain.inverse_mass
         rest = np.divide(np.abs(velocity), brake, out=np.full(brake.size, np.inf), where=brake > 0.0)
         slows, contacts = brake * np.sign(velocity), system.rows[: system.m]
-        if (contacts @ np.where(np.isinf(rest), velocity, 0.0) > system.least_rate).any():  # those that nothing brakes
+        # Two beads without friction meet.
+        if (contacts @ np.where(np.isinf(rest), velocity, 0.0) > system.least_rate).any():
             return True
         turn = contacts @ slows
         equal = np.divide(contacts @ velocity, turn, out=np.zeros(turn.size), where=turn != 0.0)
@@ -157,11 +165,12 @@ class _Run:
 
         margin.terminal, margin.direction = True, -1.0  # type: ignore[attr-defined]
         stiff = system.laws.stiff
+        # Integrate in units of the contact time, because SciPy's tolerances of time are absolute.
         found = solve_ivp(
             slope, (0.0, (end - start) / scale), self.y, STIFF if stiff else SMOOTH, events=margin,
             rtol=system.relative, atol=system.absolute, dense_output=True, **({"jac": jacobian} if stiff else {}),
         )  # fmt: skip
-        if found.t.size == 1:  # not one step: there is no solution to be read
+        if found.t.size == 1:  # The integrator did not finish a single step, so there is no dense solution.
             self._give_up(Status.FAILED, f"scipy failed at t = {start:.6g} s: {found.message}")
             return
         self.steps += found.t.size - 1
@@ -169,6 +178,7 @@ class _Run:
         earlier = self._passed(found.sol, found.t)
         if earlier is not None:
             elapsed, met = earlier, True
+        # Go past the root by its error, so that the margin is no longer positive there.
         elapsed += ROOT if met else 0.0
         now = start + elapsed * scale if met or found.status < 0 else end
         ends = np.append(found.t[found.t < elapsed], elapsed)
@@ -183,7 +193,9 @@ class _Run:
             self._give_up(Status.FAILED, f"scipy failed at t = {self.time:.6g} s: {found.message}")
 
     def _passed(self, solution: Any, steps: Array) -> float | None:
-        """The first time, in units of the scale, at which a margin is past within a step though it was not at its ends."""
+        """Return the first time, in units of the scale, at which a margin is negative inside a step although it is
+        positive at its ends.
+        """
         phase, start, scale = self.phase, self.time, self.scale
 
         def least(time: float) -> float:
@@ -205,9 +217,10 @@ class _Run:
         return _root(least, times[past[0] - 1], times[past[0]]) if past.size else None
 
     def _note_closings(self, times: Array, states: Array) -> None:
-        """Log the contacts that closed in a phase with `states` (T, m+n+2) at `times` in it; one that only rested at 0 did not.
+        """Log the contacts that closed in a phase with `states` (T, m+n+2) at `times`. A contact that only rested at 0
+        did not close.
 
-        One that touches may carry nothing at both ends of a phase: while its neighbour is pressed in and comes out again.
+        A touching contact may carry no force at both ends of a phase, while in between its neighbour loads and unloads.
         """
         pressed: NDArray[np.bool_] = np.logical_or.reduce(self.phase.carries(times, states))
         self._note(self._on_joints(pressed) & ~self.closed)
@@ -220,7 +233,7 @@ class _Run:
         return self.phase.carries(self.time, self.y)
 
     def _on_joints(self, contacts: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """(n,) whether any of the contacts (m,) of each joint is one."""
+        """Return (n,) True for each joint with at least one of the marked contacts (m,)."""
         found = np.zeros(self.system.n, dtype=bool)
         found[self.system.laws.joint[contacts]] = True
         return found
@@ -230,7 +243,7 @@ class _Run:
         self.closed ^= changed
 
     def samples(self, times: Array) -> dict[str, Array]:
-        """The rows of samples at `times` (T,)."""
+        """Return the rows of samples at `times` (T,)."""
         system, m = self.system, self.system.m
         states, forces = np.empty((times.size, self.y.size)), np.empty((times.size, system.rows.shape[0]))
         states[:], forces[:] = self.y, self.phase.force(self.time, self.y)
@@ -241,19 +254,22 @@ class _Run:
                 forces[inside] = segment.phase.force(times[inside], states[inside])
                 for k in inside:
                     states[k, :m] = segment.phase.shown_overlap(states[k, :m], forces[k, :m])
-        first = np.unique(system.laws.joint, return_index=True)[1]  # the pushing part tells of the joint
+        # The pushing part of a coupler represents its joint.
+        first = np.unique(system.laws.joint, return_index=True)[1]
         return {
             "time": times, "overlap": states[:, first], "rate": states[:, m:-2], "anchor": states[:, -2:],
             "force": system.on_joints(forces), "taken": self.taken_at(times),
         }  # fmt: skip
 
     def end(self) -> State:
-        """Where the run is."""
+        """Return the current state."""
         rows = self.samples(np.array([self.time]))
         return State(self.time, **{name: rows[name][0] for name in MOVING})
 
     def taken_at(self, times: Array) -> Array:
-        """(T, 4) energy that contacts and bed have absorbed and work of forces over time [J] up to `times`, as of State."""
+        """Return the (T, 4) absorbed energies and work of forces over time [J] up to `times`, in the order of
+        `State.taken`.
+        """
         found, total = np.tile(self.taken, (times.size, 1)), self.taken.copy()
         if not (self.chain.dissipative or self.chain.forces):
             return found
@@ -263,8 +279,11 @@ class _Run:
         return found
 
     def _taken_in(self, segment: _Segment, times: Array, before: Array) -> tuple[Array, Array]:
-        """(T, 4) what is taken up to `times` in a segment, by Gauss's rule in every step, and at its end."""
+        """Return the (T, 4) energies up to `times` inside a segment, by Gauss quadrature in every step, and those at
+        its end.
+        """
         system, phase = self.system, segment.phase
+        # Steps of the integrator and sample times divide the segment into smooth pieces.
         edges = segment.start + segment.scale * segment.solution.ts
         edges = np.unique(np.clip([*edges, *times], segment.start, segment.end))
         length, middle = np.diff(edges)[:, None], 0.5 * (edges[1:] + edges[:-1])[:, None]
@@ -275,6 +294,7 @@ class _Run:
         given = np.tile(before, (edges.size, 1))
         for column, power in ((1, braked), (2, pushed)):
             given[1:, column] += np.cumsum(0.5 * length[:, 0] * (power.reshape(length.size, -1) @ GAUSS[1]))
+        # Unloading contacts with loss absorb a share of the stored energy that they release.
         back = phase.mode[: system.m] == RELEASED
         if back.any():
             stored = (system.laws.loss * back * system.laws.energy(segment.at(edges)[:, : system.m])).sum(axis=1)
@@ -283,7 +303,9 @@ class _Run:
 
 
 def _root(falling: Callable[[float], float], low: float, high: float) -> float:
-    """Where a function falls below 0 between `low` and `high`; an end where it does so there by round-off."""
+    """Return the point between `low` and `high` at which a function falls below 0, or an end if rounding errors hide
+    the root.
+    """
     if falling(low) <= 0.0:
         return low
     return float(brentq(falling, low, high, xtol=ROOT)) if falling(high) < 0.0 else high
@@ -291,13 +313,13 @@ def _root(falling: Callable[[float], float], low: float, high: float) -> float:
 
 @QUIET
 def run(problem: Problem) -> Record:
-    """Solve `problem`; ``problem.tolerance`` is the wanted error of the velocities relative to the closing speed."""
+    """Solve `problem`. ``problem.tolerance`` is the wanted error of the velocities, relative to the closing speed."""
     solved = _Run(problem, problem.duration)
     solved.begin()
     solved.until(problem.end)
     times, switches = problem.sample_times(solved.time), Switches.of(solved.switches)
     status, warnings = solved.status, solved.warnings
-    if times.size and times[-1] > solved.time and not warnings:  # samples beyond the end of the motion
+    if times.size and times[-1] > solved.time and not warnings:  # Samples are wanted after the end of the motion.
         solved.until(float(times[-1]))
     samples = empty_samples(NO_TIMES, problem.chain.contacts)._replace(**solved.samples(times))
     end, steps, evaluations = solved.end(), solved.steps, solved.system.evaluations
@@ -306,9 +328,9 @@ def run(problem: Problem) -> Record:
 
 @QUIET
 def advance(problem: Problem) -> Status:
-    """Move ``problem.state`` on by the duration in place."""
+    """Advance ``problem.state`` by the duration, in place."""
     state = problem.state
-    solved = _Run(problem, None)  # a frame is no measure of what comes after it
+    solved = _Run(problem, None)  # The duration is None because the length of a frame is not a scale of the motion.
     solved.closed = state.closed
     solved.until(problem.end)
     end = solved.end()

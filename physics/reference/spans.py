@@ -1,4 +1,6 @@
-"""Times between two knots of forces and brakes over time, in each of which they are lines: the reference stops at every knot."""
+"""Spans between two breakpoints of forces and brakes over time. In a span they are linear; the reference stops at each
+breakpoint.
+"""
 
 from __future__ import annotations
 
@@ -13,16 +15,18 @@ from softcradle.physics.timed_force import summed
 
 Array = NDArray[np.float64]
 
-BESIDE = 1e-13  # of a span: so far inside values at its start are taken, so that what begins there at 0 has its sign
+# Smallest time after the start at which values are taken, as a fraction of the span. A force that starts from 0 has its
+# sign there.
+BESIDE = 1e-13
 
 
 @dataclass(frozen=True)
 class Span:
-    """Forces and brakes from `start` on until `end` [s], on n+1 beads.
+    """External forces and brakes on n+1 beads from `start` to `end` [s].
 
     Attributes:
-        push, push_slope: (n+1,) forces over time [N] at the start, and by how much they grow [N/s].
-        brake, brake_slope: (n+1,) the same of brakes.
+        push, push_slope: (n+1,) forces over time [N] at the start of the span, and their slopes [N/s].
+        brake, brake_slope: (n+1,) the same for brakes.
     """
 
     start: float
@@ -34,7 +38,7 @@ class Span:
 
     @classmethod
     def at(cls, chain: Chain, time: float) -> Span:
-        """The span that begins or goes on at `time`."""
+        """Return the span that starts at `time`, or the rest of the span that contains it."""
         end = next((knot for knot in chain.knots if knot > time), math.inf)
         middle, beads = 0.5 * (time + end) if math.isfinite(end) else time + 1.0, chain.contacts + 1
         lines = []
@@ -45,15 +49,15 @@ class Span:
 
     @property
     def changes(self) -> bool:
-        """Whether it ends, or something in it changes."""
+        """True if the span ends. The last span, with constant forces, does not."""
         return math.isfinite(self.end)
 
     def push_at(self, time: Any) -> Any:
-        """(..., n+1) forces over time [N] at `time` (...)."""
+        """Return the (..., n+1) forces over time [N] at `time` (...)."""
         return self.push + self._passed(time) * self.push_slope
 
     def brake_at(self, time: Any) -> Any:
-        """(..., n+1) brakes [N] at `time` (...)."""
+        """Return the (..., n+1) brakes [N] at `time` (...)."""
         return np.maximum(self.brake + self._passed(time) * self.brake_slope, 0.0)
 
     def _passed(self, time: Any) -> Any:

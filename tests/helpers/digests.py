@@ -1,9 +1,10 @@
-"""Digits of what the engine answers: every scene frame by frame, and random chains as they are solved, by every method.
+"""Hashes of the engine's results: every scene frame by frame and random chains as they are solved, with every method.
 
-    python -m tests.helpers.digests            # says which answers differ from data/digests.json, the one record of them
-    python -m tests.helpers.digests --write    # writes it anew, after a change that is meant to change digits
+    python -m tests.helpers.digests            # list the results that differ from data/digests.json, the stored hashes
+    python -m tests.helpers.digests --write    # rewrite data/digests.json after a change that is meant to change digits
 
-They hold on every machine, for all is computed by operations of IEEE 754; only those of pymunk are its wheel's.
+The hashes are the same on every machine, because the engine uses only operations of IEEE 754. The results of the method
+`pymunk` are an exception: they depend on the pymunk wheel of the platform.
 """
 
 import argparse
@@ -29,17 +30,19 @@ Array = NDArray[np.float64]
 
 FILE = Path(__file__).parent / "data" / "digests.json"
 CHECKPOINTS = 12
-CONTACT_TIMES = 3.0  # of the quickest contact: the time that is hashed
-SEEDS = 20  # random chains without, and as many with friction and loss
+CONTACT_TIMES = 3.0  # Simulated time that is hashed, in contact times of the fastest contact.
+SEEDS = 20  # Number of random chains without dissipation, and also of random chains with friction and loss.
 MOST_CONTACTS = 8
-STEPS = 600  # of a run of fixed steps
-NOT_OURS = set() if platform.machine() in ("x86_64", "AMD64") else {"pymunk"}  # methods whose digits are others here
+STEPS = 600  # Number of steps of a run with a fixed step.
+# Methods whose digits differ on this platform.
+NOT_OURS = set() if platform.machine() in ("x86_64", "AMD64") else {"pymunk"}
 
 
 def motions() -> Iterator[tuple[str, Chain, Array, str]]:
-    """Name, chain, start velocities and method: every scene by every method that takes its chain.
+    """Yield name, chain, start velocities and method: every scene with every method that accepts its chain.
 
-    Alone, dop853 is for contacts that are not soft: in others it follows every swing, for seconds.
+    In live steps, dop853 is used only for chains without soft contacts. With soft contacts it resolves every
+    oscillation, which takes seconds.
     """
     for name in scenes.names():
         lane = scenes.load(name).lanes[0]
@@ -51,12 +54,13 @@ def motions() -> Iterator[tuple[str, Chain, Array, str]]:
 
 
 def states(chain: Chain, velocity: Array, method: str) -> Array:
-    """(CHECKPOINTS, 2n+2) overlaps, rates and the anchor's position and velocity, frame by frame."""
+    """Return the (CHECKPOINTS, 2n+2) overlaps, rates, and the anchor's position and velocity, frame by frame."""
     speed = velocity if np.ptp(velocity) else np.eye(1, velocity.size)[0]
     frame = CONTACT_TIMES * float(contact_scales(chain, speed)[1].min()) / CHECKPOINTS
     state, rows = State.at_start(chain, velocity), []
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # explicit methods pass their limits, which is not what is looked at here
+        # Explicit methods exceed their step limits here, which does not matter for a hash.
+        warnings.simplefilter("ignore")
         for _ in range(CHECKPOINTS):
             advance(chain, state, frame, method)
             rows.append(np.concatenate((state.overlap, state.rate, state.anchor)))
@@ -64,11 +68,14 @@ def states(chain: Chain, velocity: Array, method: str) -> Array:
 
 
 def digest(rows: Array) -> str:
-    return hashlib.sha256((rows + 0.0).tobytes()).hexdigest()[:12]  # -0 as 0
+    # Adding 0.0 turns -0.0 into 0.0, so that both have the same hash.
+    return hashlib.sha256((rows + 0.0).tobytes()).hexdigest()[:12]
 
 
 def runs() -> Iterator[tuple[str, Chain, Array, str]]:
-    """Name, chain, start velocities and method of the runs of random chains; dop853 alone is for those that lose nothing."""
+    """Yield name, chain, start velocities and method of runs of random chains. dop853 only gets chains without
+    dissipation.
+    """
     for seed in range(SEEDS):
         kinds = {"collision": random_collision(seed, MOST_CONTACTS), "rubbing": random_dissipative(seed)}
         for kind, (chain, velocity) in kinds.items():
@@ -79,7 +86,7 @@ def runs() -> Iterator[tuple[str, Chain, Array, str]]:
 
 
 def solved(chain: Chain, velocity: Array, method: str) -> str:
-    """The digest of a run: samples, switches of contacts, final velocities, number of steps."""
+    """Return the hash of a run: samples, times of contact changes, final velocities and number of steps."""
     duration = CONTACT_TIMES * float(contact_scales(chain, velocity)[1].min())
     with np.errstate(all="ignore"):
         found = simulate_quietly(chain, velocity, duration, method, samples=33, **fineness(method, duration / STEPS))

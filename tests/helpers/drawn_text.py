@@ -1,4 +1,6 @@
-"""What is written on the window and on films: every text with its place, taken from the one function that writes."""
+"""Record every text that the window and films draw, with its place. The function that draws all texts is patched for
+this.
+"""
 
 import sys
 from collections.abc import Iterator, Sequence
@@ -16,7 +18,7 @@ from softcradle.scenes import Scene
 
 
 class DrawnText(NamedTuple):
-    """A text and where it is, whole: parts that the clip of the surface cuts off count too."""
+    """A text and its whole rectangle, including parts outside the clipping area of the surface."""
 
     text: str
     rect: pygame.Rect
@@ -24,7 +26,7 @@ class DrawnText(NamedTuple):
 
 @contextmanager
 def drawn_texts(size: tuple[int, int]) -> Iterator[list[DrawnText]]:
-    """The texts that are written on surfaces of that size while the context is open."""
+    """Yield a list that collects the texts drawn on surfaces of this size [pixels] while the context is open."""
     found: list[DrawnText] = []
     original = text.write
 
@@ -43,7 +45,9 @@ def drawn_texts(size: tuple[int, int]) -> Iterator[list[DrawnText]]:
 
 
 def colliding(texts: list[DrawnText]) -> list[tuple[str, str]]:
-    """Pairs of texts that lie on each other by more than the leading of their lines; numbers of beads move over each other."""
+    """Return the pairs of texts that overlap by more than the space between lines. Pairs of bead numbers are left out
+    because beads move.
+    """
     found = []
     for one, other in combinations(texts, 2):
         common, digits = one.rect.clip(other.rect), one.text.isdigit() and other.text.isdigit()
@@ -53,7 +57,7 @@ def colliding(texts: list[DrawnText]) -> list[tuple[str, str]]:
 
 
 def contrast(one: Sequence[int], other: Sequence[int]) -> float:
-    """Ratio of luminances of two colours, as the rules for readable text (WCAG) define it."""
+    """Return the contrast ratio of two colours, as defined by the Web Content Accessibility Guidelines (WCAG)."""
     high, low = sorted((luminance(one), luminance(other)), reverse=True)
     return (high + 0.05) / (low + 0.05)
 
@@ -61,7 +65,7 @@ def contrast(one: Sequence[int], other: Sequence[int]) -> float:
 def film_texts(
     scene: Scene, motions: Sequence[Motion], size: tuple[int, int], rows: Sequence[int]
 ) -> list[list[DrawnText]]:
-    """The texts of the frames of those rows of a film, those of its background first."""
+    """Return the texts of the film frames of the samples `rows`. In each list, the texts of the background come first."""
     surface = pygame.Surface(size, 0, 32)
     with drawn_texts(size) as background:
         picture = Picture(scene, motions, size)

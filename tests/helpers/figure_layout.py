@@ -1,4 +1,6 @@
-"""What is wrong with the layout of a figure: small text, text on text, text on a curve, text beyond the edge."""
+"""Find faults in the layout of a matplotlib figure: small text, overlapping texts, text on a curve, text outside the
+figure.
+"""
 
 from itertools import combinations
 from unittest.mock import patch
@@ -10,13 +12,15 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
-SCRIPT = 0.7  # size of exponents and indices, in that of their text
-LEAST_SIZE = 6.0  # points
-TOUCH = 1.0  # points by which boxes may lie on each other
+SCRIPT = 0.7  # Size of exponents and indices, as a fraction of the size of their text.
+LEAST_SIZE = 6.0  # Smallest readable size of a text [points].
+TOUCH = 1.0  # Distance by which the boxes of two texts may overlap [points].
 
 
 def texts_of(figure: Figure) -> list[tuple[Text, Bbox]]:
-    """The texts that are drawn and their boxes [pixels]; matplotlib keeps labels of ticks that are not."""
+    """Return the texts that are really drawn, with their boxes [pixels]. Matplotlib also keeps tick labels that it does
+    not draw.
+    """
     drawn: dict[Text, None] = {}
     original = Text.draw
 
@@ -36,7 +40,9 @@ def texts_on_texts(figure: Figure) -> list[tuple[str, str]]:
 
 
 def keys_on_curves(figure: Figure) -> list[tuple[str, str]]:
-    """Keys of legends, by their texts, that a curve passes through, with the curve's label: it looks as if it were the key."""
+    """Return the texts of legend keys that a curve passes through, with the label of that curve. The curve would look
+    like the key.
+    """
     figure.draw_without_rendering()
     found = []
     for axes in figure.findobj(Axes):
@@ -50,7 +56,7 @@ def keys_on_curves(figure: Figure) -> list[tuple[str, str]]:
 
 
 def unreadable(figure: Figure) -> list[object]:
-    """Texts that are, or have indices, below LEAST_SIZE, and those beyond the edge, on other texts or on curves."""
+    """Return texts smaller than LEAST_SIZE (or with smaller indices), outside the figure, on other texts or on curves."""
     found, edge = [], figure.bbox
     for text, box in texts_of(figure):
         words = text.get_text()
@@ -66,7 +72,9 @@ def unreadable(figure: Figure) -> list[object]:
 
 
 def unnamed_colours(figure: Figure) -> set[str]:
-    """Colours of curves in panels of several, which no key of a legend and no text of the figure has."""
+    """Return the colours that identify no curve: panels with several curves use them, but no legend key or text has
+    them.
+    """
     panels = figure.findobj(Axes)
     legends = [legend for axes in panels if (legend := axes.get_legend())]
     named = [text for text in figure.findobj(Text) if text.get_text()]
@@ -80,7 +88,7 @@ def unnamed_colours(figure: Figure) -> set[str]:
 
 
 def _crossing(box: Bbox, axes: Axes) -> list[str]:
-    """The labels of curves of which a part that is seen passes through `box`."""
+    """Return the labels of the curves whose visible part passes through `box`."""
     seen = Bbox.intersection(box, axes.bbox)
     lines = [line for line in axes.get_lines() if seen and line.get_linestyle() != "None" and line.get_visible()]
     paths = [line.get_transform().transform_path(line.get_path()) for line in lines]

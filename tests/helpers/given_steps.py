@@ -1,4 +1,4 @@
-"""Steps of an adaptive method in which the contact forces are given: what a test of events knows in closed form."""
+"""Steps of an adaptive method with prescribed contact forces. For such a step, a test knows the events in closed form."""
 
 from __future__ import annotations
 
@@ -14,12 +14,14 @@ from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
 
 from tests.helpers.plain_kernels import effective_records, row_matrix
 
-H = 0.4  # [s] length of the steps
+H = 0.4  # Length of the steps [s].
 NODE_TIMES = H * NODES
 
 
 class Step:
-    """A step of length H by contact forces that are polynomials of time; overlaps and velocities follow by integration."""
+    """A step of length H with contact forces that are polynomials of time. Overlaps and velocities follow by
+    integration.
+    """
 
     def __init__(self, chain, velocity, overlap, modes, forces, slide=0, easing=0):
         self.chain = chain
@@ -39,15 +41,16 @@ class Step:
             free = self.motion.overlap + self.motion.rate * time + 0.5 * external * time**2
             self.trial.overlap[k] = free - matrix @ twice
         self.trial.anchor[:] = state.anchor
-        if self.data.external.size:  # the tests anchor beads that no contact pushes, or walls
+        # The anchors in these tests are walls or beads without contact force, so only the external force moves them.
+        if self.data.external.size:
             self.trial.anchor[1] += H * self.data.external[-1]
 
     def corner(self, landing=(-1, 0), slow=0.0):
-        """What `first_corner` returns."""
+        """Return the result of `first_corner` for this step."""
         return first_corner(H, self.data, self.regime, self.motion, self.trial, *landing, 0.0, slow, self.work)
 
     def find(self, landing=(-1, 0), slow=0.0):
-        """(contact or bead, what happens at its corner, part of the step)."""
+        """Return (contact or bead, name of its first event, fraction of the step)."""
         row, side, part, *_ = self.corner(landing, slow)
         n = self.chain.contacts
         if row < 0:
@@ -59,7 +62,7 @@ class Step:
         return row, names[int(self.motion.mode[row])][side], part
 
     def guard(self, row, side):
-        """Its value at the end of the step, and its slope."""
+        """Return the value of the guard function at the end of the step, and its slope."""
         bead_velocities(self.motion.rate, self.data.anchor_bead, self.motion.anchor[1], self.work[BEFORE])
         bead_velocities(self.trial.rate[2], self.data.anchor_bead, self.trial.anchor[1], self.work[AFTER])
         b = guard_of(row, side, H, self.data, self.regime, self.motion, self.trial, 0.0, self.work)
@@ -67,11 +70,11 @@ class Step:
 
 
 def at_wall(law, speed, overlap, mode, force, **more):
-    """A step of a bead of 1 kg with one contact, that with a wall."""
+    """Return a step of a bead of 1 kg that has one contact, with a wall."""
     return Step(Chain([1.0, math.inf], law), [speed, 0.0], [overlap], [mode], [force], **more)
 
 
 def thrown(speed, gap, pull=-9.8):
-    """A bead thrown at a wall against a steady force."""
+    """Return a step of a bead that is thrown at a wall against a steady force [N]."""
     chain = Chain([1.0, math.inf], hertz(1e3), drive=[pull, 0.0])
     return Step(chain, [speed, 0.0], [-gap], [OPEN], [0.0])

@@ -1,4 +1,6 @@
-"""Tests in a process of their own, and what a test leaves behind: nothing that starts processes can fail another test."""
+"""Run tests in their own process, and find what a test leaves behind. A test that starts processes cannot disturb
+another test.
+"""
 
 import os
 import re
@@ -20,7 +22,10 @@ from tests.helpers.paths import ROOT
 def python(
     *words: str, check: bool = True, env: Mapping[str, str] = os.environ, **options: Any
 ) -> CompletedProcess[str]:
-    """Python with these words, in a process of its own, which ends well unless that is not wanted; variables in capitals."""
+    """Run Python with these arguments in a new process. Keywords in capitals are environment variables.
+
+    Unless `check` is false, fail if the exit code is not 0.
+    """
     variables = {name: options.pop(name) for name in list(options) if name.isupper()}
     command, environment = [sys.executable, *words], {**env, **variables}
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, **options)
@@ -28,12 +33,13 @@ def python(
     return done
 
 
-# s: far more than an answer takes on a loaded machine, and far less than work of which a test hears that it is stopped
+# Longest wait for an answer of a process [s]: much longer than an answer takes on a loaded machine, and much shorter
+# than the work that a test stops.
 ANSWER = 180.0
 
 
 def until(condition: Callable[[], object], process: subprocess.Popen[Any]) -> None:
-    """Wait for what a process is to bring about while it runs."""
+    """Wait until `condition` is true while `process` runs. Fail if the process ends or ANSWER seconds pass."""
     end = time.monotonic() + ANSWER
     while not condition():
         assert process.poll() is None, process.communicate()
@@ -41,30 +47,35 @@ def until(condition: Callable[[], object], process: subprocess.Popen[Any]) -> No
         time.sleep(0.05)
 
 
-INSIDE = "SOFTCRADLE_OWN_PROCESS"  # set in the process of a test
-LONGEST = 900.0  # s, far beyond what any takes on a busy machine: one that hangs ends, with all that it started
-# What goes on after a test on purpose: Python keeps one of each of the first two; the third compiles kernels for all to come.
+INSIDE = "SOFTCRADLE_OWN_PROCESS"  # Environment variable that is set in the process of a test.
+# Time limit of a test in its own process [s], far longer than any test takes on a busy machine. A test that hangs is
+# killed with its children.
+LONGEST = 900.0
+# Processes that outlive a test on purpose: Python keeps one of each of the first two, and the third one compiles
+# kernels for later tests.
 SHARED = ("multiprocessing.resource_tracker", "multiprocessing.forkserver", "compile_and_unlock")
 
 
 def descriptors() -> set[str]:
-    """Descriptors of this process with what they are open on; empty where the system does not tell."""
+    """Return the file descriptors of this process with their targets. The set is empty if the system has no /proc."""
     found = set()
     for entry in Path("/proc/self/fd").glob("*"):
-        with suppress(OSError):  # that of this very listing
+        with suppress(OSError):  # The descriptor of this listing is already closed.
             found.add(f"{entry.name} {entry.readlink()}")
     return found
 
 
 def children() -> dict[int, str]:
-    """Commands of processes that this one has started and that run, by number; empty where the system does not tell."""
+    """Return the commands of the running child processes, by process number. It is empty if the system has no /proc."""
     numbers = [number for entry in Path("/proc/self/task").glob("*/children") for number in _read(entry).split()]
     commands = {int(number): _command(number) for number in numbers}
     return {number: said for number, said in commands.items() if said and not any(name in said for name in SHARED)}
 
 
 def _command(number: str) -> str:
-    """The command of a process that runs; one that has just been started has none for a moment."""
+    """Return the command of a running process, or an empty text if it has ended. The command of a new process is empty
+    for a moment.
+    """
     while not (command := _read(Path(f"/proc/{number}/cmdline"))):
         if _read(Path(f"/proc/{number}/stat")).rpartition(")")[2][1:2] in ("", "Z", "X"):
             return ""
@@ -73,19 +84,19 @@ def _command(number: str) -> str:
 
 
 def _read(path: Path) -> str:
-    """The text of a file, or none where the thread or process that it tells of has just ended."""
+    """Return the text of a file, or an empty text if its thread or process has just ended."""
     with suppress(OSError):
         return path.read_text(encoding="utf-8", errors="replace")
     return ""
 
 
 def runs_alone(item: pytest.Item) -> bool:
-    """Whether a test is to run in a process of its own, and this is not the one."""
+    """Return True if the test needs its own process and this process is not it."""
     return INSIDE not in os.environ and item.get_closest_marker("own_process") is not None
 
 
 def run_alone(test: str) -> None:
-    """Do a test in a process and session of its own, which is then killed as a whole."""
+    """Run a test in its own process and session, then kill the whole session."""
     command = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", test]
     process = subprocess.Popen(
         command, cwd=ROOT, env=os.environ | {INSIDE: "1", "PYTEST_ADDOPTS": ""}, start_new_session=True,
@@ -104,7 +115,7 @@ def run_alone(test: str) -> None:
 
 
 def end_all_of(process: subprocess.Popen[str]) -> None:
-    """Kill the session of a process, which all are in that it has started and that have not left it."""
+    """Kill the session of a process: all its descendants that have not left the session."""
     with suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)
     process.wait()

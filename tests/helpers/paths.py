@@ -1,13 +1,16 @@
-"""Where the repository lies, and what is found in it."""
+"""Path of the repository, and sets of its files."""
 
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-ONLY_PLAIN = "pytestmark = only_plain"  # in files of tests that call kernels one by one
-LAYERS = ("physics", "scenes", "sandbox")  # imports point to the left only
+ONLY_PLAIN = "pytestmark = only_plain"  # Line in the test files that call kernels one by one.
+# Layers of the package. A layer may import only itself and layers to its left.
+LAYERS = ("physics", "scenes", "sandbox")
 
 
 def plain_files() -> list[Path]:
-    """Every file of tests that runs where kernels are plain Python alone: compiled, each kernel would be for its test."""
+    """Return the test files that run only with kernels in plain Python. Otherwise Numba would compile each kernel for
+    its test only.
+    """
     files = (ROOT / "tests" / "physics").rglob("test_*.py")
     return sorted(path for path in files if f"\n{ONLY_PLAIN}\n" in path.read_text(encoding="utf-8"))

@@ -1,4 +1,6 @@
-"""Kernels called one by one as plain Python: compiled, each would be compiled for its test alone."""
+"""Helpers for tests that call kernels one by one as plain Python. Otherwise Numba would compile each kernel for its
+test only.
+"""
 
 import numpy as np
 import pytest
@@ -14,19 +16,21 @@ only_plain = pytest.mark.skipif(COMPILED, reason="kernels are called as plain Py
 
 
 def records_of(chain: Chain, state: State) -> tuple[ChainData, Motion]:
-    """ChainData, and the Motion that the kernels move: the arrays of `state` itself."""
+    """Return ChainData, and the Motion that the kernels change. The Motion uses the arrays of `state` itself."""
     flags = np.zeros((2, chain.contacts), dtype=np.int8)
     return ChainData(*chain_records(chain, state)), Motion(*motion_record(state, *flags))
 
 
 def effective_records(chain: Chain, state: State) -> tuple[ChainData, Regime, Motion]:
-    """The effective chain of adaptive steps, what it is made from, and the Motion."""
+    """Return the effective chain of adaptive steps, the Regime from which it is made, and the Motion."""
     data, regime = chain_and_regime(chain, state)
     return ChainData(*data), Regime(*regime), records_of(chain, state)[1]
 
 
 def pressed(chain: Chain, velocity: list[float], overlap: object) -> tuple[ChainData, Motion]:
-    """Records of a chain whose contacts are loaded: with these overlaps, and the forces that their laws give them."""
+    """Return the records of a chain whose contacts are all loaded, with these overlaps [m] and the forces of their
+    laws.
+    """
     state = State.at_start(chain, velocity)
     state.overlap[:] = overlap
     state.force[:] = [law.force(d) for law, d in zip(chain.contact, state.overlap, strict=True)]
@@ -36,6 +40,6 @@ def pressed(chain: Chain, velocity: list[float], overlap: object) -> tuple[Chain
 
 
 def row_matrix(chain: Chain) -> np.ndarray:
-    """L (n, n): the accelerations of overlaps by contact forces are -L f."""
+    """Return the (n, n) matrix L. Contact forces f give the overlaps the accelerations -L f."""
     across = np.eye(chain.contacts, chain.contacts + 1) - np.eye(chain.contacts, chain.contacts + 1, 1)
     return across @ np.diag(chain.inverse_mass) @ across.T

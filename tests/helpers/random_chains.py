@@ -1,4 +1,6 @@
-"""Random chains with their start velocities, each from a seed: collisions without dissipation, and chains with both kinds."""
+"""Random chains with start velocities, each made from a seed: collisions without dissipation, and chains with friction
+and loss.
+"""
 
 import math
 from dataclasses import replace
@@ -10,7 +12,9 @@ from softcradle.physics.numerics.elementary import power
 
 
 def ten_to(exponents):
-    """10**x by the package's own function: the last digits of NumPy's depend on the processor, and with them the chains."""
+    """Return 10**x by the package's own power function. NumPy's last digits depend on the processor, which would change
+    the chains.
+    """
     found = [power(10.0, float(one)) for one in np.atleast_1d(exponents)]
     return np.array(found) if np.ndim(exponents) else found[0]
 
@@ -28,9 +32,10 @@ LAWS = (
 
 
 def random_collision(seed, most):
-    """(chain, velocity): up to three clusters, each of one velocity, or every bead its own; at most one wall.
+    """Return (chain, velocity) of a random collision without dissipation, with at most one wall.
 
-    From a seed, because lists drawn by hypothesis repeat themselves and mostly fly apart.
+    The beads form up to three clusters of one velocity each, or every bead has its own velocity. The chain is made from
+    a seed, because lists that Hypothesis draws repeat themselves, and most of their beads fly apart.
     """
     rng = np.random.default_rng(seed)
     n = int(rng.integers(1, most + 1))
@@ -54,12 +59,12 @@ def random_collision(seed, most):
 
 
 def collisions(most=40):
-    """A hypothesis strategy of random collisions with up to `most` contacts."""
+    """Return a Hypothesis strategy of random collisions with up to `most` contacts."""
     return st.integers(0, 2**32 - 1).map(lambda seed: random_collision(seed, most))
 
 
 def random_dissipative(seed, most=6):
-    """(chain, velocity) with friction: mixed masses and laws, losses, gaps, sometimes a wall or a drive."""
+    """Return (chain, velocity) with friction: mixed masses and laws, losses, gaps, sometimes a wall or a drive."""
     draw = np.random.default_rng(seed)
     n = int(draw.integers(1, most + 1))
     mass = ten_to(draw.uniform(-1, 1, n + 1))

@@ -1,4 +1,4 @@
-"""What holds for any motion of any chain, whatever the method: energies, momenta, order of the beads."""
+"""Relations that hold for any motion of any chain with any method: energy, momentum, order of the beads."""
 
 import math
 import warnings
@@ -20,36 +20,37 @@ LIVE = tuple(method for method in FIXED_STEP if method.family is Family.FIXED_ST
 KERNELS = tuple(method.name for method in METHODS if method.family is Family.ADAPTIVE)
 
 EPSILON = float(np.finfo(float).eps)
-PROMISE = 10.0  # tolerances: the error of final velocities in adaptive methods, or there is a warning
-# of the sum of momenta, for a step and a bead: light beads between heavy ones multiply round-off; the worst of 12 800 random
-# collisions had a third of it
+# Guaranteed error of final velocities in adaptive methods, in tolerances. A run with a larger error must warn.
+PROMISE = 10.0
+# Round-off of the momentum per step and bead, relative to the sum of momenta. Light beads between heavy ones amplify
+# round-off. The worst of 12 800 random collisions had a third of this bound.
 MOMENTUM_ROUND_OFF = 10_000 * EPSILON
 
 
 def simulate_quietly(*arguments: Any, **options: Any) -> Trajectory:
-    """`simulate`, with its warnings on the Trajectory alone."""
+    """Call `simulate` without its RuntimeWarnings. The Trajectory still lists them."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         return simulate(*arguments, **options)
 
 
 def run(*arguments: Any, **options: Any) -> Trajectory:
-    """`simulate` with two samples unless more are wanted."""
+    """Call `simulate` with two samples by default."""
     return simulate(*arguments, **{"samples": 2} | options)
 
 
 def fineness(method: str, step: float, **of_adaptive: float) -> dict[str, float]:
-    """The step of a fixed-step method, which adaptive ones have not; what is given of these, a tolerance, otherwise."""
+    """Return the step size for a fixed-step method, or the keywords `of_adaptive` (a tolerance) for an adaptive method."""
     return of_adaptive if find_method(method).adaptive else {"step": step}
 
 
 def struck(chain: Chain) -> Array:
-    """Start velocities: the first bead at 1 m/s, all others at rest."""
+    """Return start velocities: the first bead at 1 m/s, all others at rest."""
     return np.eye(1, chain.contacts + 1)[0]
 
 
 def closing_speed(velocity: ArrayLike) -> float:
-    """Largest less smallest velocity; 1 where all beads move alike."""
+    """Return the largest minus the smallest velocity [m/s], or 1 if all beads have the same velocity."""
     return float(np.ptp(np.asarray(velocity))) or 1.0
 
 
@@ -58,7 +59,7 @@ def momentum(chain: Chain, velocity: ArrayLike) -> float:
 
 
 def momentum_scale(chain: Chain, velocity: ArrayLike) -> float:
-    """Sum of the beads' momenta without their signs: what round-off is measured against."""
+    """Return the sum of the absolute momenta of the beads [N s], the scale of the round-off of the momentum."""
     return float(chain.finite_mass @ np.abs(np.asarray(velocity))) or 1.0
 
 
@@ -71,29 +72,32 @@ def total_energy(chain: Chain, state: State) -> float:
 
 
 def energy_error(found: Trajectory, velocity: ArrayLike) -> float:
-    """Largest error of the energy over the run, relative to the kinetic energy of all beads at the start."""
+    """Return the largest error of the energy over the run, relative to the sum of the kinetic energies at the start."""
     energy = found.kinetic_energy + found.contact_energy
     scale = kinetic_energy(found.chain, np.abs(velocity)) or 1.0
     return float(np.abs(energy - energy[0]).max()) / scale
 
 
 def ledger_error(found: Trajectory) -> float:
-    """Largest change over the run of the sum of all energies, absorbed ones included, relative to the energy involved."""
+    """Return the largest change of the energy balance (with absorbed energy) over the run, relative to the energies in
+    the motion.
+    """
     scale = found.kinetic_energy[0] + found.contact_energy[0] + np.abs(found.driven).max()
     return float(np.ptp(found.ledger)) / scale
 
 
 def digits(found: Trajectory) -> list[object]:
-    """All that two runs have alike which take the same steps."""
+    """Return all results that must be bitwise equal in two runs with the same steps."""
     arrays = found.time, found.overlap, found.velocity, found.force, found.final_velocity, found.velocity_error
     counted = found.contact_intervals, found.steps, found.evaluations, found.status
     return [*(array.tobytes() for array in arrays), *counted]
 
 
 def assert_momentum(found: Trajectory, velocity: ArrayLike, tolerance: float = 0.0) -> None:
-    """Momentum less what is given stays, to round-off and ten times `tolerance`; a chain with a wall has none of its own.
+    """Check that the momentum minus external impulses stays constant, up to round-off and ten times `tolerance`.
 
-    Velocities are sums over the chain, and rounding errors add up over the steps as a random walk.
+    Chains with a wall are skipped because their momentum is not conserved. Velocities are sums over the chain, and
+    rounding errors add up over the steps like a random walk.
     """
     if found.chain.walls:
         return
@@ -106,7 +110,9 @@ def assert_momentum(found: Trajectory, velocity: ArrayLike, tolerance: float = 0
 
 
 def assert_sound(found: Trajectory) -> None:
-    """All samples are finite, contacts only push, and each contact's closings and openings are in order of time."""
+    """Check that all samples are finite, that contacts only push, and that the switching times of each contact are in
+    order.
+    """
     for array in (found.position, found.velocity, found.overlap, found.force, found.final_velocity):
         assert np.isfinite(array).all()
     for intervals in found.contact_intervals:

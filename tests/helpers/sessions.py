@@ -1,4 +1,4 @@
-"""Sessions for tests, the scenes that they open, their inputs as values that Hypothesis draws, and what holds in every one."""
+"""Sessions for tests: scenes to open, inputs that Hypothesis draws as values, and checks that hold in every session."""
 
 import copy
 import math
@@ -21,7 +21,9 @@ from softcradle import scenes
 
 
 def opened(name: str = "one-on-four", *done: inputs.Input | int, frames: int = 0, **options: Any) -> Session:
-    """A session with the scene `name` after edits and numbers of frames in turn; its clock stands still."""
+    """Return a session with the scene `name` after inputs and numbers of frames, in the order given. Its clock stands
+    still.
+    """
     session = Session(scenes.load(name), **{"clock": lambda: 0.0, **options})
     for one in (*done, frames):
         session.step_frames(one) if isinstance(one, int) else session.apply(one)
@@ -29,20 +31,23 @@ def opened(name: str = "one-on-four", *done: inputs.Input | int, frames: int = 0
 
 
 def pull(session: Session, bead: int, places: Iterable[float]) -> None:
-    """Let the clock run, and pull a bead to another place in every picture."""
+    """Start the session, and pull a bead to the next of `places` [m] in every frame."""
     session.play()
     for place in places:
         session.drag(0, bead, place)
         session.tick(1 / 60)
 
 
-# One row; two lanes beside each other; a drive without an end; couplers, forces over time and friction.
+# Scenes that differ most: one row; two lanes; a drive without an end; couplers with forces over time and friction.
+# Other scenes are slow tests.
 UNLIKE = ("one-on-four", "beads-against-gear", "driven-cluster", "train-braking")
 EVERY_SCENE = [name if name in UNLIKE else pytest.param(name, marks=pytest.mark.slow) for name in scenes.names()]
 
 
 def check_invariants(session: Session) -> None:
-    """What holds whatever was done: finite numbers, bounded memory, a frame of the history. AssertionError where not."""
+    """Check what holds in every session: finite numbers, bounded memory, a frame of the history. Raise AssertionError
+    otherwise.
+    """
     for lane in session.lanes:
         for values in (lane.state.overlap, lane.state.rate, lane.state.anchor, lane.state.force, lane.ledger):
             assert np.isfinite(values).all()
@@ -52,7 +57,7 @@ def check_invariants(session: Session) -> None:
 
 
 def read_all(session: Session) -> None:
-    """Read everything that a window shows. AssertionError where it is not finite or not in order."""
+    """Read everything that a window shows. Raise AssertionError if values are not finite or not in order."""
     for lane in range(len(session.lanes)):
         for part in session.history_slices(lane, 240):
             assert np.isfinite(part.velocity).all()
@@ -63,19 +68,21 @@ def read_all(session: Session) -> None:
 
 
 def frame_table(session: Session) -> dict[str, Any]:
-    """The frame that is shown with every digit, but for the bead that is held."""
+    """Return the frame that is shown with all digits, without the bead that is held."""
     table = snapshot_table(session.snapshot())
     del table["hand"]
     return table
 
 
 def picture(session: Session) -> tuple[object, ...]:
-    """What a window shows of a session: the frame with every digit, and which frames there are."""
+    """Return what a window shows of a session: the frame with all digits, and the range of stored frames."""
     return session.frame, session.history.first, session.history.last, session.setup, frame_table(session)
 
 
 def check_order(session: Session) -> None:
-    """The frame shown lies in the history, and the recording ends with it. AssertionError where not."""
+    """Check that the frame shown lies in the history and that the recording ends with the history. Raise AssertionError
+    otherwise.
+    """
     history, recording = session.history, session.recording
     assert history.first <= session.frame <= history.last == recording.last
     frames = [recording.frame, *(frame for frame, _ in recording.inputs), recording.last]
@@ -85,7 +92,9 @@ def check_order(session: Session) -> None:
 
 
 def check_round_trip(session: Session) -> None:
-    """Undo and redo of a copy lead back to the frame shown, and redo and undo as well. AssertionError where not."""
+    """Check with a copy that undo then redo, and redo then undo, lead back to the frame shown. Raise AssertionError
+    otherwise.
+    """
     stack = session.undo_stack
     for steps, there, back in ((stack.done, Session.undo, Session.redo), (stack.undone, Session.redo, Session.undo)):
         if not steps:
@@ -105,7 +114,9 @@ def check_round_trip(session: Session) -> None:
 
 
 def check_replay(session: Session, file: Path) -> Replay:
-    """The recording, written to `file` and read again, leads to the same frames. AssertionError where not; the Replay."""
+    """Return the Replay of the recording after writing it to `file` and reading it. Raise AssertionError if its frames
+    differ.
+    """
     session.recording.save(file, session.scene)
     replay = Replay.load(file)
     assert replay.run(), f"{replay.sentence}; inputs {replay.recording.inputs}"
@@ -115,9 +126,10 @@ def check_replay(session: Session, file: Path) -> Replay:
 
 
 METHODS = ("auto", "conserving", "verlet", "euler", "yoshida4", "accurate", "radau", "dop853", "pymunk")
-MOST_BEADS = 30  # of a lane; with more, beads are only removed
+# Largest number of beads of a lane. In a lane with more beads, inputs that add a bead remove one instead.
+MOST_BEADS = 30
 
-_NUMBERS = st.integers(0, 60)  # of lanes, beads and contacts, modulo how many there are
+_NUMBERS = st.integers(0, 60)  # Numbers of lanes, beads and contacts, taken modulo their count.
 _OR_ALL = st.one_of(_NUMBERS, st.none())
 _LAWS = st.one_of(
     st.builds(power_law, st.sampled_from((0.1, 1.0, 100.0)), st.sampled_from((1 / 30, 1 / 14, 0.1, 0.5, 1.0, 1.5))),
@@ -149,7 +161,7 @@ INPUTS: st.SearchStrategy[inputs.Input] = st.one_of(
 
 
 def fitted(item: inputs.Input, session: Session) -> inputs.Input:
-    """`item` with numbers of a lane, a bead and a contact that `session` has."""
+    """Return `item` with a lane, a bead and a contact that exist in `session`."""
     contacts = session.lanes[(getattr(item, "lane", None) or 0) % len(session.lanes)].chain.contacts
     beads = contacts + (2 if isinstance(item, inputs.AddBead) else 1)
     most = {"lane": len(session.lanes), "bead": beads, "contact": contacts}

@@ -1,4 +1,4 @@
-"""Small Spaces for the tests of the pymunk constraints."""
+"""Small pymunk Spaces for the tests of the pymunk constraints."""
 
 import itertools
 import math
@@ -9,7 +9,7 @@ from softcradle.physics import Contact, draft_gear, hertz, hooke, power_law, ste
 from softcradle.physics.pymunk_contacts.contact_constraint import SoftContact
 from softcradle.physics.pymunk_contacts.soft_chain import SoftChain
 
-FRAME = 1.0 / 60.0  # [s]
+FRAME = 1.0 / 60.0  # Duration of a frame [s].
 LAWS = [power_law(2.0, 0.1), hertz(50.0), hooke(30.0), draft_gear(40.0, 0.1), step_force(3.0), Contact(0.5, 7.0, 2.5)]
 LOSS = 0.8
 LOSSY = {
@@ -47,7 +47,7 @@ def run(space, step=1e-3, count=500):
 
 
 class Quadratic:
-    """A law that is no Contact; it fails beyond the overlap `fails_at`."""
+    """A force law that is not a Contact. It raises an error at overlaps above `fails_at` [m]."""
 
     def __init__(self, fails_at=math.inf):
         self.fails_at = fails_at
@@ -59,7 +59,10 @@ class Quadratic:
 
 
 def chain_row(law, gap=0.0, beads=5, speed=1.0, direction=(1.0, 0.0), masses=None):
-    """A row of bodies at distance 1 and `gap` more (one: before the first contact only), the first one moving."""
+    """Return a Space with a row of bodies and their SoftChain. The first body moves.
+
+    Neighbours are 1 m plus `gap` apart. A single number of `gap` applies to the first contact only.
+    """
     space, along = pymunk.Space(), pymunk.Vec2d(*direction)
     gaps = [gap] + [0.0] * (beads - 2) if np.ndim(gap) == 0 else gap
     places = np.concatenate(([0.0], np.cumsum(1.0 + np.array(gaps))))
@@ -74,10 +77,12 @@ def chain_row(law, gap=0.0, beads=5, speed=1.0, direction=(1.0, 0.0), masses=Non
 
 
 def momentum(bodies):
-    """Momentum along x."""
+    """Return the momentum along x [kg m/s]."""
     return sum(body.mass * body.velocity.x for body in bodies)
 
 
 def total_energy(bodies, chain):
-    """Kinetic and stored; pymunk's own kinetic_energy lacks the factor one half."""
+    """Return the kinetic plus the stored energy [J]. It does not use pymunk's kinetic_energy, which lacks the factor
+    one half.
+    """
     return sum(0.5 * body.mass * body.velocity.dot(body.velocity) for body in bodies) + chain.energy

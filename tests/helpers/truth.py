@@ -1,4 +1,4 @@
-"""The quadruple-precision answers of `data/truth.json` as chains and arrays."""
+"""The quadruple-precision reference solutions of `data/truth.json` as chains and arrays."""
 
 import json
 from dataclasses import dataclass
@@ -17,9 +17,10 @@ GEAR = draft_gear(770.0, 0.0177)
 
 @dataclass(frozen=True)
 class Truth:
-    """One case: chain and start, and what happens.
+    """A reference case: the chain, its start velocities, and the results.
 
-    `opened` holds the last opening [s] of each contact, nan where it never loads; samples are (T,), (T, n), (T, n+1).
+    `opened` contains the last opening [s] of each contact, or NaN for a contact that never loads. Samples have the
+    shapes (T,), (T, n) and (T, n+1).
     """
 
     name: str
@@ -38,7 +39,7 @@ class Truth:
 
     @property
     def least_exponent(self) -> float:
-        """Smallest exponent of its contacts."""
+        """The smallest exponent of its contacts."""
         return min(contact.exponent for contact in self.chain.contact)
 
 

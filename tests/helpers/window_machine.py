@@ -1,8 +1,9 @@
-"""The window as a state machine: Hypothesis draws what a person does, in any order, and shrinks what goes wrong.
+"""The window as a state machine: Hypothesis draws user actions in any order, and shrinks a failing sequence.
 
 python -m tests.helpers.window_machine [--seed 0] [--minutes 60]
 
-What goes wrong is printed as the shortest list of steps that was found. With `--minutes`, seeds follow each other for so long.
+It prints a failure as the shortest list of steps that it found. With `--minutes`, it tries one seed after the other for
+this time.
 """
 
 import argparse
@@ -35,11 +36,11 @@ KINDS = ("bead", "contact", "widget", "plot", "bar", "window")
 
 
 class Place(NamedTuple):
-    """Somewhere in the window, or on something there."""
+    """A place in the window, or on an item in the window."""
 
-    kind: str  # one of KINDS; "window" where the page has nothing of the kind
-    number: int  # of the bead, contact, widget or plot, modulo how many there are
-    across: float  # shares of the rectangle of the plot, of the bar or of the window
+    kind: str  # Kind of the item, one of KINDS. The whole window is used if the page lacks items of this kind.
+    number: int  # Number of the bead, contact, widget or plot, taken modulo their count.
+    across: float  # Place inside the rectangle of the plot, bar or window, as fractions of its width and height.
     down: float
 
 
@@ -48,7 +49,7 @@ PLACES = st.builds(Place, st.sampled_from(KINDS), st.integers(0, 60), _SHARES, _
 
 
 def point_of(place: Place, driver: Driver) -> tuple[int, int]:
-    """The pixel of `place` in the window as it is now, or the nearest to it: a pointer does not leave the window."""
+    """Return the pixel of `place`, limited to the present window because a pointer cannot leave it."""
     page, (width, height) = driver.app.page, driver.app.size
     rects = {"widget": [(*one.rect.center, 1, 1) for one in widgets(driver)]}
     if isinstance(page, ScenePage):
@@ -62,7 +63,7 @@ def point_of(place: Place, driver: Driver) -> tuple[int, int]:
     return min(max(round(x), 0), width - 1), min(max(round(y), 0), height - 1)
 
 
-LEFT_OUT = {"quit", "fullscreen", "sound"}  # end the machine, or need a screen or a loudspeaker
+LEFT_OUT = {"quit", "fullscreen", "sound"}  # Actions that end the machine, or need a real screen or loudspeaker.
 KEYS = tuple(key for binding in bindings() if binding.action not in LEFT_OUT for key in binding.keys)
 UNDO_KEYS = (Key(pygame.K_z, CTRL), Key(pygame.K_z, CTRL | SHIFT))
 STARTS = ("one-on-four", "beads-against-gear", "driven-cluster", "hanging-cradle", "", *scenes.names())
@@ -75,21 +76,22 @@ ON_A_SCENE = precondition(lambda self: isinstance(self.driver.app.page, ScenePag
 
 
 class WindowMachine(RuleBasedStateMachine):
-    """One window and a person before it. The clock moves by a sixtieth of a second a frame, and nothing runs behind."""
+    """A window and its user. The clock advances by 1/60 s per frame, and no background threads run."""
 
     def __init__(self) -> None:
         super().__init__()
         self.ending = ExitStack()
         self.folder = Path(self.ending.enter_context(tempfile.TemporaryDirectory()))
         patch = self.ending.enter_context(pytest.MonkeyPatch.context())
-        patch.setenv("SOFTCRADLE_CONFIG", str(self.folder))  # keys change settings
-        patch.chdir(self.folder)  # buttons write files
+        # Key presses change settings, so the settings get their own folder.
+        patch.setenv("SOFTCRADLE_CONFIG", str(self.folder))
+        patch.chdir(self.folder)  # Buttons write files, so they work in this folder.
         self.driver: Driver | None = None
-        self.down = False  # whether the left button is
+        self.down = False  # True while the left button is down.
 
     @initialize(start=st.sampled_from(STARTS), lab=st.booleans())
     def begin(self, start: str, lab: bool) -> None:
-        """The window opens with a scene, or with the gallery, at either level."""
+        """Open the window with a scene or the gallery, with few controls or with all of them."""
         self.driver = Driver(start or None, lab=lab)
         self.ending.callback(self.driver.close)
         self.driver.app.warmup.submit = self._do_at_once
@@ -97,24 +99,24 @@ class WindowMachine(RuleBasedStateMachine):
         self.driver.frames(2)
 
     def _do_at_once(self, take: Any, job: Any) -> None:
-        """Do a job of the thread behind the window: which frame its result comes in would depend on the machine."""
+        """Run a background job immediately. In a thread, the frame that gets its result would depend on the machine."""
         try:
             result = job()
         except Exception as error:
             result = error
         self.driver.app.warmup._results.put((take, result))
 
-    # ---- what a person does
+    # ---- actions of the user
 
     @rule(key=st.sampled_from(KEYS), times=st.sampled_from((1, 1, 1, 2, 4)))
     def press_key(self, key: Key, times: int) -> None:
-        """Press a key, or hold it down: the system repeats it."""
+        """Press a key, or hold it down so that the system repeats it."""
         for event in pressed(key.code, key.modifiers, times=times):
             self.driver.post(event.type, **event.dict)
 
     @rule(keys=st.lists(st.sampled_from(KEYS), min_size=2, max_size=4), place=PLACES)
     def press_at_once(self, keys: list[Key], place: Place) -> None:
-        """Several keys, and a click among them, between two frames."""
+        """Press several keys and click between two frames."""
         turns, point = (pygame.MOUSEBUTTONDOWN, pygame.MOUSEBUTTONUP), point_of(place, self.driver)
         first, *others = [pressed(key.code, key.modifiers) for key in keys]
         clicked = [pygame.Event(kind, pos=point, button=1) for kind in turns]
@@ -130,7 +132,7 @@ class WindowMachine(RuleBasedStateMachine):
 
     @rule(place=PLACES)
     def move(self, place: Place) -> None:
-        """Move the pointer: a drag where the button is down."""
+        """Move the pointer. This is a drag if the button is down."""
         self.driver.move(point_of(place, self.driver), (int(self.down), 0, 0))
 
     @precondition(lambda self: self.down)
@@ -164,7 +166,7 @@ class WindowMachine(RuleBasedStateMachine):
     @ON_A_SCENE
     @rule(item=sessions.INPUTS, gesture=st.booleans())
     def change(self, item: Input, gesture: bool) -> None:
-        """An input that comes from no widget."""
+        """Apply an input that does not come from a widget."""
         self.driver.page.editor.apply(sessions.fitted(item, self.driver.session), gesture)
 
     @rule(name=st.sampled_from(STARTS))
@@ -193,7 +195,7 @@ class WindowMachine(RuleBasedStateMachine):
 
     @rule(file=st.sampled_from(("bad.toml", "track.csv", "camera.png")))
     def drop_file(self, file: str) -> None:
-        """Drop a file that is none of ours, or data to lay over the plots."""
+        """Drop a file that the program cannot read, or data to draw over the plots."""
         path = self.folder / file
         if file == "camera.png":
             pygame.image.save(pygame.Surface((8, 5)), str(path))
@@ -207,17 +209,17 @@ class WindowMachine(RuleBasedStateMachine):
 
     @rule(kinds=st.lists(st.sampled_from(LEAVING), min_size=1, max_size=3))
     def leave(self, kinds: list[int]) -> None:
-        """Go to another window and come back; nobody tells when the button was released."""
+        """Switch to another window and come back. The window gets no event for the release of the button in between."""
         for kind in kinds:
             self.driver.post(kind)
         self.driver.post(pygame.WINDOWRESTORED)
         self.down = False
 
-    # ---- what holds after each of these
+    # ---- properties that hold after each action
 
     @invariant()
     def layout_is_whole(self) -> None:
-        """Every widget lies in the window and on no other."""
+        """Check that every widget lies inside the window and overlaps no other widget."""
         assert self.driver.app.running
         found = faults(self.driver)
         assert not found, found
@@ -225,18 +227,18 @@ class WindowMachine(RuleBasedStateMachine):
     @ON_A_SCENE
     @invariant()
     def session_is_consistent(self) -> None:
-        """Numbers are finite, frames in order, and what is drawn is of the present lanes."""
+        """Check that numbers are finite, that frames are in order, and that the picture shows the present lanes."""
         page, session = self.driver.page, self.driver.session
         sessions.check_invariants(session)
         sessions.check_order(session)
         sessions.read_all(session)
-        self.driver.frames()  # follows a session that something else than the window has changed
+        self.driver.frames()  # Update the window after a change of the session that did not come from the window.
         assert [len(view.edges) for view in page.view.lanes] == [len(lane.chain.mass) for lane in session.lanes]
         pick = page.editor.selection
         assert pick is None or pick.index <= session.lanes[pick.lane].chain.contacts
         stack = session.undo_stack
         for name, steps in (("undo", stack.done), ("redo", stack.undone)):
-            button = page.toolbar.buttons.get(name)  # the first level has no button to redo
+            button = page.toolbar.buttons.get(name)  # The view with few controls lacks a redo button.
             assert button.is_enabled == bool(steps) if button else self.driver.app.explore and name == "redo"
         assert session.held == NOTHING_HELD or self.down or not page.pointer.dragging
 
@@ -246,7 +248,7 @@ class WindowMachine(RuleBasedStateMachine):
         sessions.check_round_trip(self.driver.session)
 
     def teardown(self) -> None:
-        """What was recorded runs again, digit by digit; then the window closes."""
+        """Check that the recording replays bitwise, then close the window."""
         with self.ending:
             if self.driver is not None and isinstance(self.driver.app.page, ScenePage):
                 sessions.check_replay(self.driver.session, self.folder / "replay.npz")

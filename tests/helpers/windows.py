@@ -1,4 +1,4 @@
-"""A driver of the real window, by posted events and without a screen; and what is wrong with the layout of its widgets."""
+"""A driver that operates the real window by posted events, without a screen, and checks of the layout of its widgets."""
 
 from __future__ import annotations
 
@@ -24,23 +24,25 @@ from tests.helpers.drawn_text import DrawnText, drawn_texts
 os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
 os.environ.setdefault("SDL_AUDIODRIVER", "dummy")
 
-LONGEST = 3600.0  # s: kernels are compiled, beside whatever else the machine does
+LONGEST = 3600.0  # Longest wait for the compilation of kernels on a busy machine [s].
 FRAME = 1.0 / 60.0
-LONGEST_WORK = 120.0  # seconds of processor time after which what a test waits for does not come
+LONGEST_WORK = 120.0  # Processor time [s] after which a test stops waiting and fails.
 
 
 def rarely(collect: Callable[[], None], every: int = 20) -> Callable[[], None]:
-    """Every twentieth collection of garbage alone: they take half of the time, and tests have a large heap to search."""
+    """Return a function that calls `collect` only every 20th time. Collections take half of the time because tests have
+    a large heap.
+    """
     calls = itertools.count(1)
     return lambda: None if next(calls) % every else collect()
 
 
 class Driver:
-    """Posts keys and mouse events to an App, and lets its frames pass.
+    """Posts keys and mouse events to an App, and runs its frames.
 
     Attributes:
-        app: the window; its clock moves between frames alone, so no frame depends on how busy the machine is.
-        time: of that clock [s].
+        app: the window. Its clock advances only between frames, so no frame depends on the load of the machine.
+        time: time of this clock [s].
     """
 
     opened: ClassVar[list[Driver]] = []
@@ -48,7 +50,7 @@ class Driver:
     def __init__(
         self, start: str | None = None, size: tuple[int, int] = (1280, 720), wait: bool = True, lab: bool = True
     ) -> None:
-        """`wait`: until all kernels are in memory; `lab`: with all controls."""
+        """Open the window. `wait`: until all kernels are in memory; `lab`: show all controls."""
         self.time = 0.0
         self.opened.append(self)
         self.app = App(size, start, lambda: self.time, lab)
@@ -69,7 +71,7 @@ class Driver:
         return [message.text for message in self.app.messages.visible]
 
     def frames(self, count: int = 1) -> None:
-        """So many frames, of which the last two are drawn: what a test looks at is the end."""
+        """Run this number of frames. Draw only the last two, because tests only look at the end."""
         for left in range(count - 1, -1, -1):
             self._frame(drawn=left < 2)
 
@@ -79,7 +81,7 @@ class Driver:
         self.time += FRAME
 
     def until(self, found: Callable[[], object], most: int = 0) -> None:
-        """Frames until `found`, at most `most`; without, for what a thread behind the window does."""
+        """Run frames until `found` is true, at most `most`. Without `most`, wait for a background thread of the window."""
         end, count = process_time() + LONGEST_WORK, 0
         while not found():
             assert count < most if most else process_time() < end, "nothing came"
@@ -90,17 +92,17 @@ class Driver:
         self.frames()
 
     def run(self, count: int) -> None:
-        """Play, or pause, and let so many frames pass."""
+        """Press the space bar (play or pause), then run this number of frames."""
         self.key(pygame.K_SPACE)
         self.frames(count)
 
     def play(self, count: int) -> None:
-        """Play so many frames, and pause."""
+        """Play this number of frames, then pause."""
         self.run(count)
         self.key(pygame.K_SPACE)
 
     def play_to_the_end(self) -> None:
-        """Play until the card below the beads is there."""
+        """Play until the outcome card below the beads appears."""
         if not self.session.playing:
             self.key(pygame.K_SPACE)
         self.until(lambda: self.page.outcome.text, most=900)
@@ -113,7 +115,7 @@ class Driver:
         for _ in range(times):
             for event in pressed(code, modifiers, text):
                 pygame.event.post(event)
-            self.frames(2)  # widgets post events of their own
+            self.frames(2)  # Two frames, because widgets post events themselves.
 
     def type(self, text: str) -> None:
         for letter in text:
@@ -122,7 +124,7 @@ class Driver:
     def move(self, point: tuple[float, float], buttons: tuple[int, int, int] = (0, 0, 0)) -> None:
         place = (round(point[0]), round(point[1]))
         pygame.mouse.set_pos(place)
-        pygame.event.clear(pygame.MOUSEMOTION)  # of the system, with no button down
+        pygame.event.clear(pygame.MOUSEMOTION)  # Remove the motion event of the system. Its button state is wrong.
         self.app.manager.mouse_position = place
         pygame.event.post(pygame.Event(pygame.MOUSEMOTION, pos=place, rel=(0, 0), buttons=buttons))
         self.frames()
@@ -148,7 +150,7 @@ class Driver:
         self.frames(2)
 
     def drag(self, start: tuple[float, float], end: tuple[float, float], steps: int = 8) -> None:
-        """Press at `start`, move to `end`; the button stays down."""
+        """Press at `start` and move to `end`. The button stays down."""
         self.press(start)
         for share in (k / steps for k in range(1, steps + 1)):
             self.move(pygame.Vector2(start).lerp(end, share), (1, 0, 0))
@@ -170,7 +172,7 @@ class Driver:
         self.frames(2)
 
     def enter(self, key: str, text: str) -> None:
-        """Type into the box of a number in the panel, and take it."""
+        """Type into the box of a number in the panel and press Enter."""
         entry = (self.page.explore.controls or self.page.inspector.controls)[key].entry
         self.click(entry.rect.center)
         entry.set_text("")
@@ -178,12 +180,12 @@ class Driver:
         self.key(pygame.K_RETURN)
 
     def answer(self, text: str) -> None:
-        """Type into the line of the dialog that is open, and take it."""
+        """Type into the text line of the open dialog and press Enter."""
         self.app.dialog.entry.set_text(text)
         self.key(pygame.K_RETURN)
 
     def texts(self) -> list[DrawnText]:
-        """All that is written on the window as it is now."""
+        """Return all texts that the window shows now."""
         if hasattr(self.app.page, "view"):
             self.app.page.view.backdrop.forget()
         with drawn_texts(self.app.size) as found:
@@ -206,14 +208,18 @@ class Driver:
 
 
 def pressed(code: int, modifiers: int = 0, text: str = "", times: int = 1) -> list[pygame.Event]:
-    """A key that goes down, so many times where it is held for long, and up."""
+    """Return the events of a key press. `times` is the number of key-down events; more than one means that the key is
+    held.
+    """
     values = {"key": code, "mod": modifiers, "unicode": text, "scancode": 0}
     typed = [pygame.Event(pygame.TEXTINPUT, text=text)] if text else []
     return [*[pygame.Event(pygame.KEYDOWN, values)] * times, *typed, pygame.Event(pygame.KEYUP, values)]
 
 
 def widgets(driver: Driver) -> list[UIElement]:
-    """Those of the dialog, or of the page but for tooltips and unfolded lists, which lie on other widgets on purpose."""
+    """Return the widgets of the open dialog or of the page. Tooltips and open lists are left out because they cover
+    other widgets on purpose.
+    """
     dialog = driver.app.dialog
     if dialog is not None and dialog.open:
         found = dialog.manager.get_root_container().elements

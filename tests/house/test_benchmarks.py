@@ -1,4 +1,4 @@
-"""The benchmarks: what they measure is what they say, and the command writes what it shows."""
+"""Tests of the benchmarks: they measure what their tables name, and the command writes the tables that it prints."""
 
 import importlib
 import json
@@ -29,7 +29,9 @@ def test_the_table_of_a_case_has_the_aims_of_accurate():
 
 
 def test_two_versions_are_timed_on_the_same_chains_by_turns(monkeypatch, capsys):
-    """The interpreter of the other version is this one: every case runs there, and the ratio is that of the two times."""
+    """Compare this version with itself. Each case runs in both interpreters, and the ratio is the ratio of the two
+    times.
+    """
     monkeypatch.setattr(two_versions, "SECONDS", 0.0)
     monkeypatch.setattr(two_versions, "FEWEST", 1)
     assert set(two_versions.AIMS) < set(two_versions.cases())
@@ -46,11 +48,11 @@ def test_two_versions_are_timed_on_the_same_chains_by_turns(monkeypatch, capsys)
 def test_a_chunk_of_a_sweep_is_sent_as_two_numbers():
     found = sweeps.measure_traffic(count=50)
     assert found["task_bytes"] < 100
-    assert found["work_bytes"] < 5000  # once a worker, for ten million points
-    assert 5 * 8 <= found["point_bytes"] < 100  # five velocities
+    assert found["work_bytes"] < 5000  # Sent once per worker, even for ten million points.
+    assert 5 * 8 <= found["point_bytes"] < 100  # Five velocities per point.
 
 
-def test_the_cost_of_a_step_is_measured_with_all_contacts_closed_and_that_of_a_batch_beside_each_alone():
+def test_the_cost_of_steps_and_batches_is_measured():
     for method in ("verlet", "conserving"):
         found = steps.measure(StepCase(method, 1e-4, 4, method == "verlet", 20.0), contact_steps=40, rounds=1)
         assert (found["closed"], found["steps"]) == (4, 10)
@@ -95,7 +97,7 @@ def measurement_of(kind):
 
 @pytest.mark.parametrize("kind", [pytest.param(kind, id=name) for name, kind in benchmarks_over_time()])
 def test_benchmarks_over_time_run(kind, monkeypatch):
-    """Each with the least work, on the code that the command measures."""
+    """Run each benchmark with the least possible work, on the code that the command measures."""
     monkeypatch.setattr("benchmarks.render.MOST_FRAMES", 4)
     monkeypatch.setattr("benchmarks.over_time.solves.COLLISIONS", 2)
     monkeypatch.setattr("benchmarks.over_time.steps.measure", lambda case: {"nanoseconds": 1.0})
@@ -112,7 +114,7 @@ KEPT = sorted(RELEASES.glob("*/*-*.json"))
 
 @pytest.mark.parametrize("path", KEPT, ids=lambda path: path.stem[:8])
 def test_every_benchmark_of_a_kept_release_ran(path):
-    """With a number for each case, the hardware, and the versions of what it was measured with."""
+    """Check that a stored result has a number for each case, the hardware, and the versions of the dependencies."""
     found, machine = (json.loads(file.read_text(encoding="utf-8")) for file in (path, path.parent / "machine.json"))
     columns = found["result_columns"]
     results = {name: dict(zip(columns, values, strict=False)) for name, values in found["results"].items()}

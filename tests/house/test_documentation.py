@@ -1,4 +1,6 @@
-"""The documentation: its examples, notebooks and the commands of the README run, and it is built without a warning."""
+"""Tests of the documentation: its examples, its notebooks and the commands of the README run, and Sphinx builds it
+without a warning.
+"""
 
 import doctest
 import os
@@ -20,20 +22,21 @@ pytestmark = pytest.mark.slow
 
 PAGES = sorted((ROOT / "docs").glob("*.md"))
 TEXTS = {page.name: page.read_text(encoding="utf-8") for page in PAGES}
-LIVE = ("index.html", "teachers.html", "scenes.html")  # pages that show pages in which beads live, or link them
+# Pages of the documentation that embed or link interactive pages.
+LIVE = ("index.html", "teachers.html", "scenes.html")
 FLAGS = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS
 FENCED = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if ">>> " in TEXTS[page.name]], ids=lambda page: page.name)
 def test_examples_run(page, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)  # for files that examples write
+    monkeypatch.chdir(tmp_path)  # Examples write their files to this folder.
     failed, tried = doctest.testfile(str(page), module_relative=False, optionflags=FLAGS)
     assert failed == 0 < tried
 
 
 def command_lines():
-    """Every command line of a page: those of shell blocks, and those between backticks."""
+    """Yield (page, command line) for every command in shell blocks and between backticks."""
     for name, text in TEXTS.items():
         blocks = [line for kind, body in FENCED.findall(text) if kind == "sh" for line in body.splitlines()]
         spans = re.findall(r"`(softcradle [^`\n]+)`", text)
@@ -56,7 +59,7 @@ BLOCKS = [(name, body) for name, text in ALL.items() for kind, body in FENCED.fi
 @pytest.mark.usefixtures("own_folder")
 @pytest.mark.parametrize(("page", "body"), BLOCKS, ids=[page for page, _ in BLOCKS])
 def test_python_blocks_run(page, body, tmp_path, monkeypatch):
-    """In a folder of their own, where they leave what they say that they write."""
+    """Run each Python block in its own folder, and check that it writes exactly the files that it names."""
     monkeypatch.setenv("MPLBACKEND", "Agg")
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     (tmp_path / "out").mkdir()
@@ -65,26 +68,28 @@ def test_python_blocks_run(page, body, tmp_path, monkeypatch):
     assert written == set(re.findall(r"[\w-]+\.(?:npz|html|pdf|csv)", body))
 
 
-# where lines break, and what types say
+# Checks of numpydoc that are left out: line breaks, and information that the type hints give.
 LEFT_OUT = "GL01", "GL02", "GL03", "SA01", "EX01", "ES01", "RT01", "SS05", "SS06", "PR07"
 
 
 @pytest.mark.parametrize("name", re.findall(r"auto(?:class|function):: (\S+)", TEXTS["api.md"]))
 def test_docstrings_are_in_the_style_of_numpy(name):
-    """As numpydoc reads and validates them: sections known, in order and complete; sentences."""
+    """Validate public docstrings with numpydoc: known and complete sections in the right order, written in sentences."""
     found = resolve_name(name)
     members = re.search(rf":: {re.escape(name)}\n   :members: (.*)", TEXTS["api.md"])
     for one in (found, *(getattr(found, member) for member in (members[1].split(", ") if members else ()))):
         assert not re.search(r"^\s+(Args|Arguments|Attributes|Returns|Raises|:param .*):", one.__doc__, re.MULTILINE)
     if re.search(r"^\s+(Parameters|Attributes|Raises)\n\s+-+$", found.__doc__, re.MULTILINE):
         wrong = dict(validate(f"{found.__module__}.{found.__name__}")["errors"])
-        if "Parameters\n" not in found.__doc__:  # fields that are read, or none
+        if "Parameters\n" not in found.__doc__:  # Classes whose attributes are only read need no section Parameters.
             wrong.pop("PR01", None)
         assert {code: said for code, said in wrong.items() if code not in LEFT_OUT} == {}
 
 
 def test_it_is_built_without_a_warning(tmp_path):
-    """Kernels that are compiled on the way say so on standard error, which is no warning."""
+    """Build the documentation with warnings as errors. Compiling kernels prints to standard error, which is not a
+    warning.
+    """
     for name in ("sphinx", "furo", "myst_parser", "latex2mathml", "sphinx_gallery"):
         pytest.importorskip(name, reason="the extra [docs] is not installed")
     words = ("--fail-on-warning", "--keep-going", "-q", "-b", "html", "-w", str(tmp_path / "warnings.txt"), "docs")
@@ -105,8 +110,9 @@ def test_it_is_built_without_a_warning(tmp_path):
 
 
 LINES = [line.partition("  #")[0].strip() for line in re.findall(r"^    (?=\S)(.+)$", README, re.MULTILINE)]
-ELSEWHERE = ("softcradle claims",)  # whole studies, which tests of their own run
-UNNAMED = ("softcradle maps power-law --points 4x3", "softcradle chart one-on-4 --ours")  # written to out/
+ELSEWHERE = ("softcradle claims",)  # Commands that run whole studies. Other tests run these studies.
+# Commands that are not in the README. They write to out/.
+UNNAMED = ("softcradle maps power-law --points 4x3", "softcradle chart one-on-4 --ours")
 TOUR = [*(line for line in LINES if line.startswith("softcradle") and line not in ELSEWHERE), *UNNAMED]
 
 
@@ -117,14 +123,14 @@ def test_a_command_of_the_readme_runs(line, tmp_path, monkeypatch):
     monkeypatch.setattr("softcradle.sandbox.window.app.App.run", lambda app: app.close())
     Path("out").mkdir()
     arguments = shlex.split(line)[1:]
-    assert main([*arguments, *(["1b"] if "figures" in arguments else [])]) == 0  # one of them
+    assert main([*arguments, *(["1b"] if "figures" in arguments else [])]) == 0  # Draw only one of the figures.
     assert {path.name for path in tmp_path.iterdir()} - {"cache"} == {"out"}
 
 
 NOTEBOOKS = sorted((ROOT / "examples").glob("*.ipynb"))
 
 
-@pytest.mark.own_process  # with the kernel of the notebook
+@pytest.mark.own_process  # The test starts the Jupyter kernel of the notebook.
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_a_notebook_is_kept_without_outputs_and_runs(path, tmp_path, monkeypatch):
     nbclient, nbformat, _ = map(pytest.importorskip, ("nbclient", "nbformat", "ipykernel"))

@@ -1,6 +1,7 @@
-"""Links of the documentation, paths of the architecture page and links that set-up makes for editors lead to something.
+"""Tests of links in the documentation, paths in the architecture page, and the links to folders that set-up makes for
+editors.
 
-`make check` runs this file; links to other sites are asked by `make links`.
+`make check` runs this file. `make links` checks the links to other sites.
 """
 
 import re
@@ -18,7 +19,7 @@ INCLUDED = re.compile(r"^```\{include\} (\S+)$", re.MULTILINE)
 
 
 def anchors(text: str) -> set[str]:
-    """The anchors of the headings of a page, as GitHub and Sphinx make them."""
+    """Return the anchors of the headings of a page, as GitHub and Sphinx make them."""
     headings = re.findall(r"^#{1,6} (.+)$", text, re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
@@ -33,7 +34,8 @@ def dead_links(page: Path, text: str) -> list[str]:
     inside = [target for target in LINK.findall(text) if "://" not in target and not target.startswith("mailto:")]
     dead = [target for target in inside if not leads_somewhere(page, target)]
     dead += [name for name in DOCUMENT.findall(text) if not (page.parent / f"{name}.md").is_file()]
-    kept = [part for part in INCLUDED.findall(text) if not part.startswith("_made/")]  # those are written by the build
+    # The build writes the files of _made/.
+    kept = [part for part in INCLUDED.findall(text) if not part.startswith("_made/")]
     return dead + [part for part in kept if not (page.parent / part).is_file()]
 
 

@@ -1,4 +1,4 @@
-"""The counter of sentences that break the language rules."""
+"""Tests of the counter of sentences that break the language rules."""
 
 import json
 import subprocess
@@ -61,7 +61,7 @@ def test_subjects_are_short_and_imperative():
 
 @pytest.fixture
 def small_repository(tmp_path, monkeypatch):
-    """A repository with one file, in which two sentences break a rule."""
+    """Create a repository with one file, in which two sentences break a rule."""
     (tmp_path / "room").mkdir()
     (tmp_path / "room" / "a.py").write_text("# what is told of this\n\n# a row beside another row here\n")
     for words in (("init", "-q"), ("add", "-A")):

@@ -1,4 +1,4 @@
-"""The public names: exactly these, importable, documented, with examples that run; imports are light."""
+"""Tests of the public names: the list is exact, each is importable and documented, examples run, and imports are fast."""
 
 import ast
 import doctest
@@ -24,13 +24,14 @@ PUBLIC = [
 def test_exactly_these_are_importable_and_documented():
     assert sorted(physics.__all__) == dir(physics) == PUBLIC
     names: dict[str, object] = {}
-    exec("from softcradle import *", names)  # an import of this kind is for the top of a module alone
+    exec("from softcradle import *", names)  # `import *` is allowed only at module level, so `exec` runs it.
     assert sorted(names.keys() - {"__builtins__"}) == sorted([*PUBLIC, "open_film", "play", "sweep"])
     assert dir(softcradle) == sorted([*PUBLIC, "__version__", "open_film", "play", "sweep"])
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     assert softcradle.__version__ == project["version"]
     for name in PUBLIC:
-        assert not (ROOT / "physics" / f"{name}.py").exists()  # Python would bind that module to the package on import
+        # A module with this name would replace the public name in the package as soon as it is imported.
+        assert not (ROOT / "physics" / f"{name}.py").exists()
         value = getattr(physics, name)
         assert inspect.getdoc(value)
         if callable(value):
@@ -40,7 +41,7 @@ def test_exactly_these_are_importable_and_documented():
 
 
 @pytest.mark.parametrize("package", [softcradle, physics])
-def test_type_checkers_see_the_same_names_and_others_are_refused(package):
+def test_type_checkers_see_the_public_names(package):
     nodes = ast.walk(ast.parse(Path(package.__file__).read_text(encoding="utf-8")))
     imports = [node for node in nodes if isinstance(node, ast.ImportFrom)]
     ours = [node for node in imports if (node.module or "").startswith("softcradle.physics")]
@@ -58,7 +59,8 @@ HEAVY = ("numpy", "numba", "scipy", "pymunk", "pygame", "matplotlib", "av", "PIL
         ("import softcradle; softcradle.METHODS", HEAVY),
         ("import softcradle.sandbox.cli.main", HEAVY),
         ("import softcradle.physics.simulation", [name for name in HEAVY if name != "numpy"]),
-        ("import softcradle.physics.fixed_step.runner", ("pymunk", "pygame")),  # numba itself takes scipy where it is
+        # SciPy is left out because Numba imports it if it is installed.
+        ("import softcradle.physics.fixed_step.runner", ("pymunk", "pygame")),
         ("import softcradle.physics.reference.runner", ("numba", "pymunk", "pygame")),
         ("import softcradle.sandbox.session.session", [name for name in HEAVY if name not in {"numpy", "pydantic"}]),
     ],

@@ -1,4 +1,6 @@
-"""The scans of random chains: what they draw and judge, that one goes on where it stopped; and the judge itself."""
+"""Tests of the scans of random chains: what they draw, how they judge runs, how they resume; and tests of the reference
+solver.
+"""
 
 import json
 import math
@@ -30,7 +32,7 @@ VELOCITY = (-0.56758562476, 0.17392146673, 0.45407871484, 0.46978361268, 0.46980
 TRUTH = Truth(np.array(VELOCITY), np.full(5, 1e-10), "known")
 
 
-def test_the_truth_is_by_the_reference_and_that_of_laws_of_ones_own_by_scipy():
+def test_the_source_of_a_reference_solution():
     found = truth_of(PAPER)
     assert found.source == "reference"
     assert np.abs(found.velocity - VELOCITY).max() < 1e-10
@@ -43,8 +45,8 @@ def test_the_truth_is_by_the_reference_and_that_of_laws_of_ones_own_by_scipy():
     assert ours.final_velocity == pytest.approx(found.velocity, abs=1e-5)
 
 
-def test_where_the_finest_runs_do_not_end_coarser_ones_tell_the_truth():
-    chosen = motion("bounded", 7)  # two runs of each method end at 1e-12, none at 1e-13
+def test_coarser_runs_replace_unfinished_fine_runs():
+    chosen = motion("bounded", 7)  # At tolerance 1e-12, two runs of each method end; at 1e-13, none does.
     found = truth_of(chosen)
     assert found.source == "spread of fine runs"
     assert found.doubt.max() < 1e-9
@@ -80,7 +82,8 @@ def test_verdicts(monkeypatch):
     assert judged(monkeypatch, 1e-3, status=Status.OUT_OF_STEPS)["verdict"] == "gave up"
     for stated, expected in ((np.nan, "silent"), (1e-4, "silent"), (2e-3, "stated")):
         assert judged(monkeypatch, 1e-3, velocity_error=np.full(5, stated))["verdict"] == expected
-    # coarse runs that differ tell nothing of an error; fine ones tell that the motion is not determined to what is stated
+    # A difference between coarse runs does not measure the error. A difference between fine runs shows that the motion
+    # is not determined to the estimated error.
     for source, expected in (("spread", "unknown"), ("spread of fine runs", "silent")):
         truth = Truth(TRUTH.velocity, np.full(5, 1e-2), source)
         assert judged(monkeypatch, 1e-3, truth, velocity_error=np.full(5, 1e-7))["verdict"] == expected
@@ -123,8 +126,8 @@ def test_the_path_of_fine_runs_is_that_of_the_reference():
         assert again.path.events == exact.path.events
 
 
-def test_the_reference_knows_positions_and_contact_times_on_a_bed():
-    """A bead slides 0.1 m to the next one, and both to rest; closed forms."""
+def test_positions_and_contact_times_of_the_reference_on_a_bed():
+    """Compare with closed forms: a bead slides 0.1 m to the next one, and a single bead slides until it rests."""
     brake, far = 0.05 * 9.80665, Chain([2.0, 1.0], hertz(1.0), gap=0.1, friction=0.05)
     found = reference_end(far, [1.5, 0.0], 0.5, 1e-12)
     assert found.events[0].time == pytest.approx((1.5 - math.sqrt(1.5**2 - 0.2 * brake)) / brake, rel=1e-12)
@@ -135,7 +138,7 @@ def test_the_reference_knows_positions_and_contact_times_on_a_bed():
     assert alone.events == []
 
 
-def test_a_scan_that_is_stopped_goes_on_and_what_is_judged_is_kept(tmp_path, capsys, monkeypatch):
+def test_an_interrupted_scan_continues(tmp_path, capsys, monkeypatch):
     given = ["scan", "--families", "hooke-hertz", "--jobs", "1", "--folder", str(tmp_path), "--count", "3", "--require"]
     monkeypatch.setattr("benchmarks.scan.truth.TOLERANCE", 1e-9)
     monkeypatch.setattr(scan, "KEPT", tmp_path / "kept.jsonl.gz")
@@ -151,7 +154,7 @@ def test_a_scan_that_is_stopped_goes_on_and_what_is_judged_is_kept(tmp_path, cap
     kept = [json.loads(line) for line in verdicts.read_text().splitlines() if line]
     assert [(one["seed"], one["verdict"]) for one in kept] == [(0, "within"), (1, "within"), (2, "within")]
     with verdicts.open("a") as file:
-        file.write('\n{"family": "cut o')  # as an interruption leaves it
+        file.write('\n{"family": "cut o')  # An interrupted scan leaves an incomplete line like this.
     assert command.main([*given, "--markdown", str(tmp_path / "scan.md")]) == 0
     assert judge.call_count == 4
     assert (tmp_path / "truths.jsonl").read_text() == truths
@@ -197,11 +200,14 @@ def test_the_table_names_the_seeds_that_fail(found):
     assert row[3] == "1"
     assert row[-1] == str(failed.seed)
     assert table.rows[-1][:2] == ["all", "21"]
-    assert {row[0] for row in table.rows if row[4] == "-"} == {"friction", "walls"}  # which take momentum
+    # These families exchange momentum with the ground or a wall.
+    assert {row[0] for row in table.rows if row[4] == "-"} == {"friction", "walls"}
 
 
 def test_errors_beyond_a_thousandth_are_warned_of():
-    """But one in hundreds, at four times the default step."""
+    """Check that large errors come with a warning. A longer scan found an exception: one in hundreds, at four times the
+    default step.
+    """
     found = [one for number in range(40) for one in errors(number)]
     assert [one for one in found if one.error > LARGE and not one.warned] == []
     assert sum(int(row[2]) for row in error_report(found).rows) == len(found)
@@ -277,7 +283,9 @@ def test_it_says_that_it_gives_up():
 @pytest.mark.parametrize("family", ["gears", "walls", "driven", "loss", "friction", "timed", "couplers"])
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8])
 def test_method_scipy_ends_where_it_does(family, tolerance):
-    """Within its tolerance; the largest error of some 140 chains of the scan was a hundredth of it."""
+    """Compare method scipy with the reference, within the tolerance. In 140 chains of the scan, the largest error was a
+    hundredth of it.
+    """
     compared = 0
     for seed in range(8):
         chosen = motion(family, seed)

@@ -1,4 +1,6 @@
-"""The suite itself: a test that leaves something fails, and no other; an order and an end of the time are kept."""
+"""Tests of the test suite: only the test that leaves something behind fails, and the options for order and time limit
+work.
+"""
 
 import os
 import subprocess
@@ -28,8 +30,8 @@ def test_nothing():
 
 
 @pytest.mark.skipif(not os.path.exists("/proc/self/fd"), reason="this system does not tell what a process has")
-def test_what_a_test_leaves_fails_that_test_alone(tmp_path):
-    """As pytest tells of LEAVING, with the settings of this suite."""
+def test_only_the_test_that_leaks_fails(tmp_path):
+    """Run the tests in LEAVING with the settings of this suite, and read the outcomes that pytest prints."""
     (tmp_path / "test_a.py").write_text(LEAVING, encoding="utf-8")
     command = [sys.executable, "-m", "pytest", "-v", "-n", "0", "-p", "tests.conftest", "-p", "no:cacheprovider"]
     command += ["--rootdir", str(tmp_path), "-c", os.devnull, str(tmp_path)]
@@ -43,7 +45,7 @@ def test_what_a_test_leaves_fails_that_test_alone(tmp_path):
 
 
 def collected(seed):
-    """Two tests of each of eight files, in the order that a text decides."""
+    """Return two tests of each of eight files, in the order that the text `seed` gives."""
     items = [SimpleNamespace(path=file, number=number) for file in "abcdefgh" for number in (1, 2)]
     conftest.pytest_collection_modifyitems(SimpleNamespace(getoption={"--order": seed}.get), items)
     return [(item.path, item.number) for item in items]

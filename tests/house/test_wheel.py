@@ -1,4 +1,4 @@
-"""The wheel: one top-level name, all that softcradle needs, and it runs beside a stranger's folder `physics`."""
+"""Tests of the wheel: it has one top-level name and all files, and it works next to a user's folder named `physics`."""
 
 import os
 import re
@@ -24,7 +24,7 @@ BUILD = (*PIP, "wheel", "--no-deps", "--no-index", "--no-build-isolation", "--wh
 
 ASSETS = ("theme.json", "icon.png", "Inter-Regular.otf", "Inter-SemiBold.otf", "page/page.css", "page/kernels.wasm")
 
-# The user's own game: its folders bear the names of ours.
+# The user's game has folders with the same names as the package's folders.
 GAME = """
 import physics, sandbox, scenes
 assert [module.OF for module in (physics, sandbox, scenes)] == ["the game"] * 3
@@ -33,7 +33,7 @@ import softcradle.physics, softcradle.scenes, softcradle.sandbox
 print(simulate(one_on(1, power_law(1.0, 1.0)), [1, 0], method="verlet").final_velocity.round(3) + 0.0)
 """
 
-# Imports every module of the package that needs no package beyond the dependencies, and prints where it and assets lie.
+# Import every module of the package that needs only the core dependencies, and print the paths of modules and assets.
 EVERY_FILE = f"""
 import importlib, pkgutil, softcradle
 from softcradle.sandbox.files import resource
@@ -58,14 +58,16 @@ def test_addresses_that_are_not_known_are_left_out():
 
 @dataclass(frozen=True)
 class Installed:
-    """The wheel in an environment of its own, and a user's folder to run it from."""
+    """The wheel, installed in its own environment, and a user's folder from which commands run."""
 
     python: Path
     packages: Path
     game: Path
 
     def run(self, *command: str | Path) -> str:
-        """What the command prints, run in the user's folder by an interpreter that does not know the checkout."""
+        """Return the output of a command that runs in the user's folder, with an interpreter that does not know the
+        checkout.
+        """
         left_out = ("PYTHON", "NUMBA_", "VIRTUAL_ENV")
         kept = {key: value for key, value in os.environ.items() if not key.startswith(left_out)}
         quick = {"NUMBA_DISABLE_JIT": "1", "SDL_VIDEODRIVER": "dummy", "SDL_AUDIODRIVER": "dummy", "PYTHONUTF8": "1"}
@@ -93,7 +95,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Installed:
-    """A new environment with the wheel in it; the dependencies are those of this one, whose path files do not count."""
+    """Install the wheel in a new environment. It uses the dependencies of the present one, but not its .pth files."""
     home = tmp_path_factory.mktemp("installed")
     builder = venv.EnvBuilder(symlinks=os.name != "nt")
     made = builder.ensure_directories(home / "environment")
@@ -131,10 +133,10 @@ def test_the_description_shows_no_file_that_an_index_does_not_have(wheel):
     assert "Description-Content-Type: text/markdown" in text
     headings = re.findall(r"^## .+$", (ROOT / "README.md").read_text(encoding="utf-8"), re.MULTILINE)
     assert re.findall(r"^## .+$", text, re.MULTILINE) == headings
-    assert "](" not in text  # neither links nor pictures
+    assert "](" not in text  # The description contains no links and no pictures.
 
 
-def test_the_source_archive_builds_the_same_wheel_and_holds_documentation_and_examples(wheel, tmp_path):
+def test_the_source_archive_builds_the_same_wheel(wheel, tmp_path):
     command = [sys.executable, "-m", "hatchling", "build", "--target", "sdist", "--directory", str(tmp_path)]
     subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
     (archive,) = tmp_path.glob("*.tar.gz")
@@ -156,10 +158,10 @@ def test_every_module_and_asset_comes_from_the_wheel(installed):
     assert [file for file in files if not file.is_relative_to(installed.packages / "softcradle")] == []
 
 
-def test_a_game_with_a_folder_physics_of_its_own_the_command_and_languages_run(installed):
+def test_the_wheel_works_next_to_a_folder_named_physics(installed):
     assert installed.run(installed.python, "game.py") == "[0. 1.]\n"
     printed = installed.run(installed.python, "-m", "softcradle", "run", "one-on-four")
-    assert "0.5675856" in printed  # final velocity of the striker [m/s]
+    assert "0.5675856" in printed  # Final velocity of the striker [m/s].
     assert "accurate, tolerance 1e-08" in printed
     assert "one-on-four" in installed.run(installed.python.with_name("softcradle"), "scenes")
     program = "from softcradle.sandbox.languages import _, use_language\nuse_language('de')\nprint(ascii(_('Undo')))"
@@ -196,7 +198,9 @@ warm("verlet")
 
 
 def test_a_user_s_script_is_type_checked_against_the_wheel(installed):
-    """What is ignored is wrong: to ignore what is right is an error too."""
+    """Check a script in which each ignored line is wrong. With --strict, mypy also reports an ignore comment that is
+    not needed.
+    """
     pytest.importorskip("mypy")
     (installed.game / "user.py").write_text(USER_SCRIPT, encoding="utf-8")
     words = ("-m", "mypy", "--strict", "--python-executable", str(installed.python), "user.py")

@@ -1,4 +1,6 @@
-"""Files of tests that run as plain Python are collected there alone, by `test_elsewhere.py`; by name, anywhere."""
+"""Tests that need plain Python are collected only there, by `test_elsewhere.py`. If a file is named, it is always
+collected.
+"""
 
 import os
 from importlib.util import find_spec

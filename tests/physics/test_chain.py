@@ -1,4 +1,4 @@
-"""The chain: what it accepts, what it refuses, and the start that it gives a State."""
+"""Tests of the Chain: arguments that it accepts or rejects, and the start that it gives a State."""
 
 import math
 import pickle
@@ -49,8 +49,10 @@ def test_every_start_is_one_of_its_own_with_the_gaps_of_the_chain():
 
 
 @pytest.mark.parametrize("seed", range(40))
-def test_what_is_computed_is_what_the_depths_say(seed):
-    """Just inside and just outside of the range of each chain: refused exactly where a depth is out of range."""
+def test_chains_are_rejected_by_their_overlaps(seed):
+    """Check speeds just inside and outside the range of each chain. Exactly the runs with an overlap out of range must
+    be rejected.
+    """
     rng = np.random.default_rng(seed)
     n = int(rng.integers(1, 6))
     preload = rng.choice([0.0, 1.0], n) * 10 ** rng.uniform(-3, 3, n)
@@ -70,15 +72,18 @@ def test_what_is_computed_is_what_the_depths_say(seed):
 
 @pytest.mark.parametrize("factor", [0.5, 1.0 - 1e-6, 1.0 + 1e-6, 2.0])
 def test_a_gear_that_yields_too_little_is_told_of(factor):
-    """Where the gear yields by a thousandth of its precompression: v**2 / 4 = preload * yield for two beads of 1 kg."""
+    """Check the warning at the speed for which the gear yields by a thousandth of its precompression: v**2 / 4 =
+    preload * yield for two beads of 1 kg.
+    """
     border = math.sqrt(4.0 * 6.0 * 2e-3)
     assert bool(unusual_warnings(Chain([1, 1], draft_gear(3.0, 2.0)), [factor * border, 0.0], 1e-8)) == (factor < 1.0)
 
 
-def test_a_chain_that_has_run_goes_to_other_processes_and_is_the_same():
+def test_a_used_chain_can_be_pickled():
     chain = Chain([1, 1, 2], [hooke(5.0), power_law(1.0, 0.1)], gap=[-0.1, 0.2], drive=[0.0, 0.0, -1.0])
     first = simulate(chain, [1, 0, 0], 0.5)
     again = pickle.loads(pickle.dumps(chain))
     assert again == chain
-    assert vars(again).keys() == {field.name for field in fields(Chain)}  # what it found of itself stays here
+    # Values that the chain has cached are not pickled.
+    assert vars(again).keys() == {field.name for field in fields(Chain)}
     np.testing.assert_array_equal(simulate(again, [1, 0, 0], 0.5).final_velocity, first.final_velocity)

@@ -1,4 +1,4 @@
-"""Motions that make much of small errors: deep soft contacts that swing, gears that rattle between two strikers."""
+"""Tests of motions that amplify errors: deep soft contacts that oscillate, and gears that chatter between two strikers."""
 
 import math
 from collections.abc import Callable
@@ -21,16 +21,19 @@ from benchmarks.scan.truth import Truth
 from softcradle import scenes
 from tests.helpers.relations import PROMISE, simulate_quietly, struck
 
-GROWN = 2000.0  # growth of errors that only finer runs confirm
+GROWN = 2000.0  # Error amplification that only finer runs can confirm.
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("n", "softness"), [(2, 16), (3, 14), (3, 24)])  # a velocity of 1e-6 in the deepest contact
+# The deepest contact has a velocity of 1e-6 m/s.
+@pytest.mark.parametrize(("n", "softness"), [(2, 16), (3, 14), (3, 24)])
 def test_swings_of_deep_contacts_are_kept(n: int, softness: int) -> None:
-    """A step as long as a swing damps it, a little each time: errors were up to 160 times the tolerance."""
+    """Check that oscillations are not damped. A step as long as an oscillation damps it a little, and errors were up to
+    160 times the tolerance.
+    """
     chain = one_on(n, power_law(1.0, 1.0 / softness))
     end = float(simulate(chain, struck(chain), samples=2, method="radau", tolerance=1e-6).time[-1])
-    # the reference shares no kernel, and follows every swing
+    # The reference uses none of the same kernels and resolves every oscillation.
     truth = simulate(chain, struck(chain), end + 0.01, method="scipy", tolerance=1e-9, samples=2).final_velocity
     for method, tolerance in product(("accurate", "radau"), 10.0 ** -np.arange(4.0, 11.0)):
         found = simulate(chain, struck(chain), samples=2, method=method, tolerance=tolerance)
@@ -38,14 +41,16 @@ def test_swings_of_deep_contacts_are_kept(n: int, softness: int) -> None:
 
 
 def hit_from_both_sides(n, stiffness, precompression, last, tolerance, method="accurate"):
-    """Gears between two strikers; a warning is a value here."""
+    """Return the run of gears between two strikers. Warnings are ignored here."""
     chain, velocity = Chain([1.0] * (n + 1), draft_gear(stiffness, precompression)), [1.0, *[0.0] * (n - 1), last]
     return simulate_quietly(chain, velocity, method=method, samples=2, tolerance=tolerance)
 
 
 @pytest.mark.parametrize("method", ["accurate", "radau"])
 def test_runs_of_like_steps_are_no_confirmation(method: str) -> None:
-    """Steps between sharp events are the same at 1e-6 and 1e-7, errors of 6e-3 and all: the finer run is of a shaken chain."""
+    """Check that the finer run uses a perturbed chain. Steps between sharp events are the same at 1e-6 and 1e-7, and so
+    are their errors of 6e-3.
+    """
     truth = hit_from_both_sides(4, 5.0, 10.0, -0.5, 1e-10).final_velocity
     for tolerance in 10.0 ** -np.arange(3.0, 9.0):
         found = hit_from_both_sides(4, 5.0, 10.0, -0.5, tolerance, method)
@@ -54,7 +59,9 @@ def test_runs_of_like_steps_are_no_confirmation(method: str) -> None:
 
 @pytest.mark.parametrize("method", ["accurate", "radau"])
 def test_a_motion_that_only_round_off_determines_says_so(method: str) -> None:
-    """Far below their preload gears are rigid spheres, and many that touch are a lottery; energy and momentum are not."""
+    """Check gears far below their preload. They are rigid spheres, and round-off determines a collision of many
+    touching spheres, but not its energy and momentum.
+    """
     found = hit_from_both_sides(4, 1.0, 10.0, -0.2, 1e-6, method)
     assert any(warning.code == "sensitive" for warning in found.warnings)
     assert np.sum(found.final_velocity) == pytest.approx(0.8, abs=1e-12)
@@ -64,7 +71,9 @@ def test_a_motion_that_only_round_off_determines_says_so(method: str) -> None:
 @pytest.mark.parametrize("method", ["accurate", "radau"])
 @pytest.mark.parametrize("n", [4, 5, 8, 13])
 def test_two_strikers_on_a_row_of_gears_are_a_mirror(n: int, method: str) -> None:
-    """All contacts are at their preload at once, and yield together: round-off chose among them, and it ended in NaN."""
+    """Check contacts that reach their preload at the same time and yield together. Round-off chose one of them, and the
+    run ended with NaN.
+    """
     found = hit_from_both_sides(n, 1.0, 1.0, -1.0, 1e-6, method)
     assert not found.warnings
     np.testing.assert_allclose(found.final_velocity, -found.final_velocity[::-1], atol=1e-5)
@@ -72,7 +81,7 @@ def test_two_strikers_on_a_row_of_gears_are_a_mirror(n: int, method: str) -> Non
 
 
 def test_unequal_beads_squeezed_at_their_preload_have_no_nan() -> None:
-    """Strikers at both ends of 13 gears: whatever the steps it takes or the warnings it gives, its numbers are numbers."""
+    """Hit 13 gears at both ends. Whatever the number of steps or the warnings, the result must contain no NaN."""
     mass, velocity = np.random.default_rng(1).uniform(0.1, 6.0, 14), np.r_[1.0, np.zeros(12), -0.41]
     found = simulate_quietly(Chain(mass, draft_gear(1.88, 106.0)), velocity, 1e-3, samples=2, tolerance=1e-6)
     assert np.isfinite(found.final_velocity).all()
@@ -85,13 +94,15 @@ def hit(tolerance: float = 1e-6) -> Problem:
 
 
 def grown(record: Record, growth: float) -> Record:
-    """The record, had errors grown by so much."""
+    """Return the record with the error amplification `growth` instead of its own."""
     return replace(record, growth=growth, velocity_error=growth / record.growth * record.velocity_error)
 
 
 @pytest.fixture
 def other_runs(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[float]]:
-    """A function: run k that confirms ends like a record, `apart(k)` [m/s] faster, after `steps(k)`; their tolerances."""
+    """Return a function that replaces the confirming runs. Run k ends like a record, `apart(k)` [m/s] faster, after
+    `steps(k)`. The function returns the tolerances of the runs.
+    """
 
     def like(record: Record, apart=lambda run: 0.0, steps=lambda run: None) -> list[float]:
         tolerances: list[float] = []
@@ -112,7 +123,9 @@ def other_runs(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[float]]:
 
 @pytest.mark.parametrize("tolerance", 10.0 ** -np.arange(3.0, 12.5, 0.25))
 def test_every_run_that_confirms_is_finer(tolerance: float, other_runs) -> None:
-    """Two runs as fine as each other agree, whatever both are off by: from 1e-8 the last two were both at 1e-13."""
+    """Check that each run is finer. Two equally fine runs agree whatever their error is: starting from 1e-8, the last
+    two runs both used 1e-13.
+    """
     first = to_its_end(hit(tolerance))
     tolerances = other_runs(first, apart=lambda run: 0.1 * run)
     assert confirmed(hit(tolerance), grown(first, GROWN)).status == Status.UNDETERMINED
@@ -121,8 +134,10 @@ def test_every_run_that_confirms_is_finer(tolerance: float, other_runs) -> None:
 
 
 def test_a_finer_run_that_follows_more_confirms_nothing(other_runs) -> None:
-    """A rattle that both a run and a finer one damp is followed by a still finer one: many more steps tell where that begins."""
-    # by so much one finer run of like steps is enough
+    """Check chattering that a run and a finer run both damp. A still finer run follows. Many more steps show that a run
+    resolves the chattering.
+    """
+    # With this amplification, one finer run with similar steps is enough.
     first = replace(to_its_end(hit()), growth=100.0, velocity_error=np.full(3, 0.1))
     tolerances = other_runs(first, steps=lambda run: (2 + run) * first.steps)
     found = confirmed(hit(), first)
@@ -132,8 +147,8 @@ def test_a_finer_run_that_follows_more_confirms_nothing(other_runs) -> None:
 
 
 @pytest.mark.parametrize(("apart", "taken"), [(0.0, [1e-7]), (1e-3, [1e-7, 1e-8, 1e-9])])
-def test_runs_that_differ_by_more_than_they_state_need_another_to_confirm(apart, taken, other_runs) -> None:
-    """Errors then grow by more than they know of: two that agree may do so by chance, as in `clusters` 76 at 1e-4."""
+def test_disagreeing_runs_need_another_confirmation(apart, taken, other_runs) -> None:
+    """Check runs with underestimated amplification. Two of them can agree by chance, as in `clusters` 76 at 1e-4."""
     first = replace(to_its_end(hit()), growth=100.0, velocity_error=np.full(3, 2e-5))
     tolerances = other_runs(first, apart=lambda run: apart)
     assert not confirmed(hit(), first).warnings
@@ -145,7 +160,9 @@ OTHERS = [(7, 0, []), (20, 0, [1e-5]), (2000, 0, [1e-7, 1e-8]), (100, 9e-6, [1e-
 
 @pytest.mark.parametrize(("growth", "stated", "taken"), OTHERS)
 def test_the_more_errors_grow_or_are_stated_the_more_runs_confirm(growth, stated, taken, other_runs) -> None:
-    """None, a coarser one, two finer ones: with growth of 1e4, runs at 1e-8 and 1e-9 agreed to 1e-8 and were off by 1e-5."""
+    """Check the number of confirming runs: none, a coarser one, or two finer ones. With an amplification of 1e4, runs
+    at 1e-8 and 1e-9 agreed to 1e-8 and had an error of 1e-5.
+    """
     first = grown(to_its_end(hit()), growth)
     first = replace(first, velocity_error=np.full(3, stated)) if stated else first
     tolerances = other_runs(first)
@@ -153,7 +170,8 @@ def test_the_more_errors_grow_or_are_stated_the_more_runs_confirm(growth, stated
     assert tolerances == pytest.approx(taken)
 
 
-# of the fifth the coarser run stated thirty times what it was off by; beads of the last three part at 5e-15 to 9e-12 m/s
+# For the fifth motion, the coarser run estimated thirty times its error. In the last three, beads separate at 5e-15 to
+# 9e-12 m/s.
 DAMPED = [
     ("extreme", 310, 1e-8), ("clusters", 876, 1e-6), ("walls", 246, 1e-4), ("timed", 370, 1e-4), ("mixed", 1350, 1e-8),
     ("power", 1330, 1e-8), ("one-on-n", 1628, 1e-8), ("one-on-n", 1747, 1e-8), ("clusters", 76, 1e-4),
@@ -167,8 +185,10 @@ def truths():
 
 
 @pytest.mark.parametrize(("family", "seed", "tolerance"), DAMPED)
-def test_what_all_runs_damp_alike_is_stated(family: str, seed: int, tolerance: float, truths) -> None:
-    """A bead rattles between its neighbours, or parts at no rate that counts: coarser and finer runs ended where one did."""
+def test_damping_common_to_all_runs_is_estimated(family: str, seed: int, tolerance: float, truths) -> None:
+    """Check beads that chatter between neighbours, or that separate too slowly to count. Coarser and finer runs had the
+    same wrong end.
+    """
     drawn = motion(family, seed)
     found = simulate_quietly(drawn.chain, drawn.velocity, drawn.duration, samples=2, tolerance=tolerance)
     error = np.abs(found.final_velocity - truths[drawn.key].velocity) - truths[drawn.key].doubt
@@ -177,21 +197,25 @@ def test_what_all_runs_damp_alike_is_stated(family: str, seed: int, tolerance: f
 
 @pytest.mark.parametrize("growth", [20.0, 100.0, GROWN])
 def test_a_confirmed_error_is_at_least_a_tenth_of_the_first_estimate(growth: float, other_runs) -> None:
-    """Two runs agree by chance: one motion at 1e-6 was off by 33 tolerances and estimated 3.7; its first run estimated 414."""
+    """Check the lower bound. Two runs can agree by chance: at 1e-6 a motion had an error of 33 tolerances and an
+    estimate of 3.7, and its first run estimated 414.
+    """
     first = replace(to_its_end(hit()), growth=growth, velocity_error=np.array([4e-4, 4e-4, 2e-4]))
     other_runs(first)
     assert (confirmed(hit(), first).velocity_error >= [4e-5, 4e-5, 2e-5]).all()
 
 
-def test_what_finer_runs_are_off_by_alike_is_stated_in_full(other_runs) -> None:
+def test_a_common_error_of_finer_runs_is_estimated_in_full(other_runs) -> None:
     first = replace(grown(to_its_end(hit()), GROWN), unseen=1e-3)
     other_runs(first)
     assert confirmed(hit(), first).velocity_error.min() >= 1e-3
 
 
 @pytest.mark.parametrize("apart", [4e-6, 6e-6])
-def test_a_coarser_run_that_ends_elsewhere_confirms_nothing(apart: float, other_runs) -> None:
-    """It ends within five tolerances where the record is within the ten that are promised; else finer runs decide."""
+def test_a_disagreeing_coarser_run_confirms_nothing(apart: float, other_runs) -> None:
+    """Check that finer runs decide if the coarser run differs by more than five tolerances. The guarantee is ten
+    tolerances.
+    """
     first = grown(to_its_end(hit()), 20.0)
     tolerances = other_runs(first, apart=lambda run: apart * (run == 1))
     found = confirmed(hit(), first)
@@ -200,17 +224,22 @@ def test_a_coarser_run_that_ends_elsewhere_confirms_nothing(apart: float, other_
 
 
 @pytest.mark.parametrize("growth", [100.0, GROWN])
-def test_what_one_bead_ends_alike_by_chance_is_not_known_better(growth: float, other_runs) -> None:
-    """Of five runs of `mixed` 33 at 1e-4 the third bead ended within 5e-6 m/s in the last two, and was off by 1e-3."""
+def test_chance_agreement_of_one_bead_is_not_trusted(growth: float, other_runs) -> None:
+    """Check one bead that agrees by chance. In the last two of five runs of `mixed` 33 at 1e-4, the third bead agreed
+    within 5e-6 m/s, with an error of 1e-3.
+    """
     run = to_its_end(hit())
     first = replace(run, growth=growth, velocity_error=0.0 * run.velocity_error)
-    other_runs(first, apart=lambda run: [0.0, 0.0, -9e-7 * (-1) ** run])  # the last bead alone, to and fro
+    # Only the last bead differs, with alternating sign.
+    other_runs(first, apart=lambda run: [0.0, 0.0, -9e-7 * (-1) ** run])
     assert confirmed(hit(), first).velocity_error.min() > 8.9e-7
 
 
 @pytest.mark.parametrize("tolerances", [0.3, 3.0, 30.0])
-def test_what_its_budget_leaves_unconfirmed_is_stated_with_more_doubt(tolerances: float, other_runs) -> None:
-    """Runs that differ by three tolerances when the budget is spent may both be off by ten; with thirty there is a warning."""
+def test_an_unconfirmed_run_has_a_larger_estimated_error(tolerances: float, other_runs) -> None:
+    """Check the estimate when the budget is spent. If runs differ by three tolerances, both may have an error of ten.
+    If they differ by thirty, the run warns.
+    """
     first, apart = to_its_end(hit()), 1e-6 * tolerances
     other_runs(first, apart=lambda run: apart, steps=lambda run: 10**9)
     found = confirmed(hit(), grown(first, GROWN))
@@ -218,14 +247,16 @@ def test_what_its_budget_leaves_unconfirmed_is_stated_with_more_doubt(tolerances
     assert (found.velocity_error > (10.0 if tolerances == 3.0 else 1.0) * apart).all()
 
 
-ENDS = 1e-30, 1e30  # of the numbers that a chain takes
+ENDS = 1e-30, 1e30  # Ends of the range of numbers that a chain accepts.
 MASSES = [[1.0] * 5, [2.0, 1.0, 2.0, 2.0], [1.0, math.inf, 1.0, math.inf], *([end] * 3 + [math.inf] for end in ENDS)]
 GEARS = [[hertz(end), step_force(end), Coupler(hooke(end), hooke(end), travel=1.0, stop=end)] for end in ENDS]
 
 
 @pytest.mark.parametrize("chain", [Chain(m, OwnLaw(math.sqrt)) for m in MASSES] + [Chain([1.0] * 4, g) for g in GEARS])
 def test_other_runs_keep_the_bead_whose_velocity_they_hold(chain: Chain) -> None:
-    """Of equal masses another was the heaviest when shaken; at an end of the range they were refused, a part in 1e10 beyond."""
+    """Check the anchor of perturbed chains. With equal masses, another bead became the heaviest. At an end of the
+    range, a perturbation of 1e-10 made the chain invalid.
+    """
     start = State.at_start(chain, np.zeros(chain.contacts + 1))
     problem = Problem(chain, start, "accurate", 1.0, tolerance=1e-6, samples=2)
     for runs in range(4):
@@ -234,8 +265,10 @@ def test_other_runs_keep_the_bead_whose_velocity_they_hold(chain: Chain) -> None
         assert other.finite_mass == pytest.approx(chain.finite_mass, rel=3e-6)
 
 
-def test_the_end_of_a_motion_that_rattles_is_stated_no_finer_than_it_is_determined() -> None:
-    """Finer runs differ by 1e-6 m/s, and two at 1e-8 and 1e-9 agreed to 1e-9: both damped what the others follow."""
+def test_the_estimated_error_of_chattering_is_not_too_small() -> None:
+    """Check a chattering motion. Finer runs differ by 1e-6 m/s, but runs at 1e-8 and 1e-9 agreed to 1e-9 because both
+    damped the chattering.
+    """
     lane = scenes.load("mixed").lanes[0]
     found = [simulate_quietly(lane.chain(), lane.velocity, samples=2, tolerance=each) for each in (1e-8, 1e-10)]
     apart = np.abs(found[0].final_velocity - found[1].final_velocity)
@@ -246,7 +279,9 @@ def test_the_end_of_a_motion_that_rattles_is_stated_no_finer_than_it_is_determin
 @pytest.mark.parametrize("method", ["accurate", "conserving"])
 @pytest.mark.parametrize("seed", [0, 4, 6])
 def test_the_last_sample_is_at_the_end_however_late_that_is(seed: int, method: str) -> None:
-    """Gaps of fifteen decades: flights so long that a step is next to the round-off of the time, and steps too many to count."""
+    """Check gaps of 15 orders of magnitude. In long flights a step is close to the round-off of the time, and steps are
+    too many to count.
+    """
     gap = 10.0 ** np.random.default_rng(seed).uniform(-12.0, 3.0, 40)
     chain = Chain(np.ones(41), step_force(10.0), gap)
     found = simulate_quietly(chain, struck(chain), method=method, tolerance=1e-4, samples=11)

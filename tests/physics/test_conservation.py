@@ -1,4 +1,6 @@
-"""Momentum to round-off in every method, energy exact where the method says so, ledgers with walls, friction and loss."""
+"""Tests of conservation: momentum up to round-off in all methods, energy in exact methods, energy balance with walls,
+friction and loss.
+"""
 
 import math
 
@@ -17,15 +19,15 @@ from tests.helpers.relations import NAMES, assert_momentum, assert_sound, ledger
 
 MIXED = Chain([1.0, 30.0, 0.2, 5.0, 1.0], [power_law(1.0, 0.1), hooke(3.0), draft_gear(2.0, 0.1), hertz(4.0)])
 MIXED_START = [1.0, 0.0, 0.5, 0.0, -1.0]
-# energy error of `conserving`, for the root of the steps: the worst of 12 800 random collisions had a third of it, half of
-# them had 1e-15
+# Bound of the energy error of `conserving`, divided by the square root of the number of steps. The worst of 12 800
+# random collisions had a third of it. Half of them had 1e-15.
 ENERGY_ROUND_OFF = 1e-10
 
 
 @pytest.mark.parametrize("method", NAMES)
-def test_momentum_to_round_off_and_so_the_whole_moves_uniformly(method):
+def test_momentum_is_conserved_to_round_off(method):
     found = simulate(MIXED, MIXED_START, 5.0, method)
-    walk = math.sqrt(found.steps)  # as rounding errors add up
+    walk = math.sqrt(found.steps)  # Rounding errors add up like a random walk.
     scale = relations.momentum_scale(MIXED, MIXED_START) * walk
     assert np.abs(found.momentum - relations.momentum(MIXED, MIXED_START)).max() < 20 * relations.EPSILON * scale
     mass = np.array(MIXED.mass)
@@ -36,10 +38,10 @@ def test_momentum_to_round_off_and_so_the_whole_moves_uniformly(method):
 
 @pytest.mark.parametrize("method", [one.name for one in relations.FIXED_STEP if not one.set_valued])
 def test_explicit_energy_stays_bounded(method):
-    """Beads squeezed between two walls, hundreds of swings: the error of a symplectic step does not grow."""
+    """Squeeze beads between two walls for hundreds of oscillations. The error of a symplectic step must not grow."""
     chain = Chain([math.inf, 1.0, 2.0, 0.5, math.inf], [hooke(1.0), hertz(2.0), hooke(3.0), hertz(1.0)])
     state = State.at_start(chain, [0.0, 0.2, -0.1, 0.2, 0.0])
-    state.overlap[:] = 1.0, 0.8, 0.6, 1.1  # deep: no contact ever opens
+    state.overlap[:] = 1.0, 0.8, 0.6, 1.1  # The overlaps are so deep that no contact opens.
     moving, start = relations.kinetic_energy(chain, state.velocity(chain)), relations.total_energy(chain, state)
     errors = []
     for _ in range(200):
@@ -71,13 +73,13 @@ def test_a_wall_keeps_its_velocity_and_returns_the_bead(method):
         assert found.kinetic_energy[0] == relations.kinetic_energy(chain, [1.0, wall_speed])
 
 
-# stops, reversals, a gear that is held, a bead that sticks and is torn loose
+# The motion contains stops, reversals, a gear that is held, and a bead that sticks and breaks loose.
 CHAIN = Chain([1.0, 2.0, 1.5, 1.0], draft_gear(300.0, 0.01, 0.6), gap=[0.005, 0.0, 0.002], friction=0.25)
 START = [1.0, 0.0, 0.0, -0.5]
 
 
 def longest_time(chain, velocity):
-    """The longest contact time, or the time in which friction stops a bead where that is shorter [s]."""
+    """Return the longest contact time [s], or the time in which friction stops a bead if that is shorter."""
     longest = float(contact_scales(chain, velocity)[1].max())
     return min(longest, np.ptp(velocity) / (chain.friction * GRAVITY))
 
@@ -87,13 +89,13 @@ def test_the_ledger_of_conserving_closes_to_round_off(seed, parts):
     chain, velocity = random_dissipative(seed)
     longest = longest_time(chain, velocity)
     found = simulate(chain, velocity, longest * min(20, 2000 / parts), "conserving", longest / parts, samples=41)
-    assume(found.warnings == ())  # one in some hundred chains has a step that does not converge, and a warning
+    assume(found.warnings == ())  # About one of a hundred chains has a step that does not converge, and a warning.
     assert ledger_error(found) < 1e-10
 
 
 @pytest.mark.parametrize("seed", range(15))
 def test_the_ledger_of_radau_closes_with_the_tolerance(seed):
-    """Within ten tolerances (measured: 0.4), and better at a finer one."""
+    """Check the energy balance within ten tolerances (measured: 0.4), and better at a finer tolerance."""
     chain, velocity = random_dissipative(seed, 4)
     errors = []
     duration = 2.0 * longest_time(chain, velocity)
@@ -105,8 +107,8 @@ def test_the_ledger_of_radau_closes_with_the_tolerance(seed):
 
 
 @pytest.mark.parametrize("method", ["radau", "accurate", "scipy"])
-def test_conserving_reaches_what_adaptive_methods_find_through_stops_and_reversals_in_second_order(method):
-    """Two ways that share no step."""
+def test_conserving_converges_with_second_order_through_stops(method):
+    """Compare two methods that share no steps."""
 
     def rows(one):
         return np.column_stack((one.position, one.velocity, one.absorbed_by_bed, one.absorbed_by_contacts))
@@ -123,7 +125,9 @@ def test_conserving_reaches_what_adaptive_methods_find_through_stops_and_reversa
 
 @pytest.mark.parametrize("method", ["accurate", "conserving", "verlet", "scipy"])
 def test_the_work_of_walls_that_move_is_in_the_ledger(method):
-    """A cluster that a piston drives, pulled by a drive that acts on the piston too, and a bead between walls that move alike."""
+    """Check a cluster that a piston drives, with a drive that also acts on the piston, and a bead between two walls of
+    equal velocity.
+    """
     driven = Chain([1.0, 1.0, math.inf], hertz(30.0), gap=[0.1, 0.0], drive=[-0.1, 0.0, 5.0])
     between = Chain([math.inf, 1.0, math.inf], hertz(30.0), gap=[0.0, 0.1])
     for chain, velocity in ((driven, [0.5, 0.0, -0.3]), (between, [0.4, 1.0, 0.4])):
@@ -132,7 +136,7 @@ def test_the_work_of_walls_that_move_is_in_the_ledger(method):
         assert ledger_error(found) < (1e-6 if method == "verlet" else 1e-7)
 
 
-def test_the_ledger_is_unknown_where_walls_move_unlike_or_a_bed_takes_momentum_too():
+def test_the_energy_balance_is_unknown_with_unequal_walls_or_a_bed():
     for chain, velocity in (
         (Chain([math.inf, 1.0, math.inf], hertz(30.0), gap=0.1), [0.1, 0.5, 0.0]),
         (Chain([1.0, 1.0, math.inf], hertz(30.0), gap=0.1, friction=0.01), [0.5, 0.0, -0.3]),
@@ -144,7 +148,7 @@ def test_the_ledger_is_unknown_where_walls_move_unlike_or_a_bed_takes_momentum_t
 @given(collisions())
 @settings(max_examples=60)
 def test_fixed_steps_keep_momentum_and_stay_finite(method, collision):
-    """At their own default step; larger ones may blow up on stiff chains where the exponent is above 1."""
+    """Check methods with their default step. Larger steps can blow up on stiff chains with exponents above 1."""
     chain, velocity = collision
     step = default_step(chain, velocity)
     found = simulate_quietly(chain, velocity, 3000 * step, method.name, samples=31)
@@ -157,10 +161,10 @@ def test_fixed_steps_keep_momentum_and_stay_finite(method, collision):
 @given(collision=collisions())
 @settings(max_examples=60)
 def test_energy_is_exact_at_any_step(method, parts, collision):
-    """To round-off, which light beads and steps of thousands of the shortest contact times multiply."""
+    """Check the energy up to round-off. Light beads and steps of thousands of contact times amplify the round-off."""
     chain, velocity = collision
     step = float(contact_scales(chain, velocity)[1].max()) / parts
-    found = simulate(chain, velocity, 3 * parts * step, method.name, step, samples=31)  # a warning is an error
+    found = simulate(chain, velocity, 3 * parts * step, method.name, step, samples=31)  # A warning counts as an error.
     assert_sound(found)
     assert_momentum(found, velocity)
     assert relations.energy_error(found, velocity) < ENERGY_ROUND_OFF * math.sqrt(found.steps + 1)

@@ -1,4 +1,6 @@
-"""The contact law: force is the slope of energy, overlap undoes force, and one overlap answers every push."""
+"""Tests of the contact law: force is the derivative of energy, overlap is the inverse of force, and each push has one
+overlap.
+"""
 
 import math
 
@@ -26,7 +28,7 @@ def row(contact):
 def test_force_is_the_slope_of_energy(contact, overlap):
     width = 1e-4 * overlap
     slope = (contact.energy(overlap + width) - contact.energy(overlap - width)) / (2.0 * width)
-    # width**2 / 6 times the third derivative, and round-off of the difference
+    # Truncation error (width**2 / 6 times the third derivative) and round-off of the difference.
     assert slope == pytest.approx(contact.force(overlap), rel=1e-7)
 
 
@@ -34,13 +36,14 @@ def test_force_is_the_slope_of_energy(contact, overlap):
 def test_overlap_undoes_force(contact, overlap):
     assume(contact.stiffness > 0.0)
     force = contact.force(overlap)
-    lost = 1.0 + contact.preload / (contact.stiffness * overlap**contact.exponent)  # digits, to the preload
+    # Digits that are lost to the preload.
+    lost = 1.0 + contact.preload / (contact.stiffness * overlap**contact.exponent)
     assume(lost < 1e6)
     assert contact.overlap(force) == pytest.approx(overlap, rel=4e-15 * lost * max(1.0, 1.0 / contact.exponent))
 
 
 @given(contacts, st.floats(0.0, 1.0), st.floats(0.0, 1e3))
-def test_preload_is_carried_without_overlap_and_an_open_contact_neither_pushes_nor_pulls(contact, part, distance):
+def test_a_preload_is_carried_without_overlap(contact, part, distance):
     assert contact.overlap(part * contact.preload) == 0.0
     assert contact.force(-distance) == 0.0
     assert contact.energy(-distance) == 0.0
@@ -48,7 +51,7 @@ def test_preload_is_carried_without_overlap_and_an_open_contact_neither_pushes_n
 
 @given(contacts, overlaps)
 def test_the_law_is_a_preloaded_power_by_kernels_too(contact, overlap):
-    """Some exponents, and a stiffness of 0, are computed in a way of their own."""
+    """Check Python and kernels. Some exponents, and a stiffness of 0, have separate formulas."""
     preload, stiffness, exponent = row(contact)
     force = preload + stiffness * overlap**exponent
     energy = preload * overlap + stiffness * overlap ** (1.0 + exponent) / (1.0 + exponent)
@@ -105,7 +108,7 @@ def test_an_unknown_keyword_lists_those_that_there_are(make, sentence):
 
 
 def test_a_hertz_contact_from_material_and_radius():
-    """Impact of a sphere of aluminium on a plate of glass, and of two unlike spheres, by Hertz's formula."""
+    """Compare with Hertz's formula: an aluminium sphere on a flat wall, and two spheres of different materials."""
     k = Contact.of_spheres(70e9, 0.33, (0.1, math.inf)).stiffness
     assert k == pytest.approx(4.0 / 3.0 * 70e9 / (2.0 * (1.0 - 0.33**2)) * math.sqrt(0.1), rel=1e-14)
     law = Contact.of_spheres((210e9, 70e9), (0.3, 0.33), (0.01, 0.02), loss=0.19)

@@ -1,4 +1,4 @@
-"""Couplers: the solid stop and the run-out of slack against closed forms, every method against the reference, refusals."""
+"""Tests of couplers: solid stop and slack against closed forms, all methods against the reference, and error messages."""
 
 import math
 import re
@@ -18,11 +18,14 @@ TRAIN = Coupler(GEAR, pull=GEAR, slack=0.02, travel=0.166, stop=1e8)
 
 
 def bounce_in_the_stop(spring, stop, travel, mass, speed):
-    """Peak force and contact time of a spring that has a second one beside it from `travel` on: two arcs of sines."""
+    """Return peak force and contact time of a spring to which a second spring is added at overlap `travel`: two arcs of
+    sines.
+    """
     soft, hard = math.sqrt(spring / mass), math.sqrt((spring + stop) / mass)
     first = math.asin(soft * travel / speed) / soft
     left = speed * math.cos(soft * first)
-    offset = spring * travel / (spring + stop)  # the way that the force at the stop is worth there
+    # Distance at which the total stiffness gives the force at the stop.
+    offset = spring * travel / (spring + stop)
     reach = math.hypot(offset, left / hard)
     return (spring + stop) * reach, 2.0 * (first + math.atan2(left / hard, offset) / hard)
 
@@ -34,7 +37,7 @@ def test_two_wagons_bounce_in_the_solid_stop(method, side):
     pulled = {"pull": hooke(spring), "slack": 1.0} if side < 0.0 else {}
     chain = Chain([mass, mass], Coupler(hooke(spring), **pulled, travel=travel, stop=stop), gap=1.0 if pulled else 0.0)
     peak, time = bounce_in_the_stop(spring, stop, travel, mass / 2.0, speed)
-    assert peak > 5.0 * speed * math.sqrt(spring * mass / 2.0)  # what the gear alone would carry
+    assert peak > 5.0 * speed * math.sqrt(spring * mass / 2.0)  # The peak force that the gear alone would have.
     found = simulate(chain, [side * speed, 0.0], 1.2 * time, samples=401, method=method, **fineness(method, 2e-6))
     assert (side * found.force).max() == pytest.approx(peak, rel=1e-4)
     assert found.final_velocity == pytest.approx([0.0, side * speed], abs=1e-4)
@@ -45,7 +48,7 @@ def test_two_wagons_bounce_in_the_solid_stop(method, side):
 
 @pytest.mark.parametrize("travel", [1e-3, 1e-2, 1e-1])
 @pytest.mark.parametrize("method", ["radau", "dop853", "accurate"])
-def test_a_contact_is_told_from_where_it_closed_though_the_first_step_ends_at_the_stop(method, travel):
+def test_a_contact_closes_at_its_start_even_if_the_first_step_ends_at_the_stop(method, travel):
     chain = Chain([1.0, 1.0], Coupler(hooke(10.0), travel=travel, stop=1e3), gap=0.5)
     _, time = bounce_in_the_stop(10.0, 1e3, travel, 0.5, 1.0)
     found = simulate(chain, [1.0, 0.0], 1.0, method=method, samples=2)
@@ -54,12 +57,13 @@ def test_a_contact_is_told_from_where_it_closed_though_the_first_step_ends_at_th
 
 @pytest.mark.parametrize("method", CARRY)
 def test_wagons_of_a_pulled_train_start_one_after_another(method):
-    """Hard links pass the whole momentum on: wagon k starts at T (k + 1) / 2 with T = sqrt(2 s m / F), all at one speed."""
+    """Compare with hard links, which pass on all momentum: wagon k starts at T (k + 1) / 2 with T = sqrt(2 s m / F)."""
     force, mass, slack, wagons = 1e5, 8e4, 0.02, 5
     whole = math.sqrt(2.0 * slack * mass / force)
     end, errors = 0.95 * whole * (wagons + 1) / 2.0, []
     for stiffness in (1e10, 1e12):
-        link = Coupler(hooke(stiffness), pull=hooke(stiffness), slack=2.0 * slack)  # each wagon begins in its middle
+        # Each wagon begins in the middle of its slack.
+        link = Coupler(hooke(stiffness), pull=hooke(stiffness), slack=2.0 * slack)
         chain = Chain([mass] * (wagons + 1), link, slack, forces=TimedForce(wagons, 0.0, force))
         contact = math.pi / math.sqrt(stiffness * 2.0 / mass)
         found = simulate(chain, [0.0] * (wagons + 1), end, samples=2, method=method, **fineness(method, contact / 50.0))
@@ -67,8 +71,8 @@ def test_wagons_of_a_pulled_train_start_one_after_another(method):
         wanted = [whole * (k + 1) / 2.0 for k in range(1, wagons)]
         assert len(starts) == len(wanted)
         errors.append(np.abs(np.array(starts) - wanted).max())
-    assert errors[0] < 10.0 * math.pi / math.sqrt(1e10 * 2.0 / mass)  # each link takes its contact time
-    assert errors[1] < 0.15 * errors[0]  # a hundred times as hard, a tenth of that
+    assert errors[0] < 10.0 * math.pi / math.sqrt(1e10 * 2.0 / mass)  # Each link needs its contact time.
+    assert errors[1] < 0.15 * errors[0]  # With a hundredfold stiffness, the error is a tenth.
 
 
 @pytest.mark.parametrize("method", ["euler", "verlet", "conserving", "scipy"])
@@ -82,7 +86,7 @@ def test_pulling_is_pushing_seen_from_the_other_side(method):
 
 
 @pytest.mark.parametrize("method", ["auto", "accurate", "radau", "dop853"])
-def test_soft_gears_that_pull_or_go_solid_are_refused_by_adaptive_methods(method):
+def test_adaptive_methods_reject_soft_pulling_gears(method):
     soft = power_law(1e5, 0.5)
     for coupler in (Coupler(soft, pull=soft), Coupler(soft, travel=0.1, stop=1e8)):
         with pytest.raises(ValueError, match="have exponents of 1 or more: take 'conserving' or 'scipy'"):
@@ -91,7 +95,7 @@ def test_soft_gears_that_pull_or_go_solid_are_refused_by_adaptive_methods(method
     assert pushed.final_velocity == pytest.approx([0.0, 1.0], abs=1e-6)
 
 
-def test_what_takes_friction_in_place_of_yoshida4_takes_the_chain():
+def test_the_alternative_to_yoshida4_accepts_the_chain():
     for law in (hooke(1e5), Coupler(hooke(1e5)), lambda overlap: 1e5 * overlap):
         chain = Chain([1.0, 1.0], law, friction=0.1)
         with pytest.raises(ValueError, match="carries neither bed friction nor contacts with loss: take") as refused:
@@ -104,7 +108,7 @@ def test_the_stable_step_knows_the_stop():
     links = [Coupler(hooke(1e6), travel=0.1, stop=stop) for stop in (1e6, 1e10)]
     soft, hard = (stable_step(Chain([8e4] * 2, link), [3, 0], 0.5) for link in links)
     assert hard < 0.2 * soft
-    # whose pull is far stiffer than its push
+    # In this coupler, the pull is much stiffer than the push.
     chain = Chain([1.0, 1.0], Coupler(hooke(10.0), pull=hooke(1e6), slack=0.1))
     assert stable_step(chain, [0, 1], 0.5) < 1e-2 * stable_step(Chain([1.0, 1.0], hooke(10.0)), [1, 0], 0.5)
     assert solve(chain, [0.0, 1.0], 0.15, "verlet").final_velocity == pytest.approx([1.0, 0.0], abs=1e-3)

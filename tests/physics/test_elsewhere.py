@@ -1,4 +1,6 @@
-"""Determinism: the same digits run for run, whatever the processor and the C library; files of kernels as plain Python."""
+"""Tests of determinism: the same digits in every run, on every processor and C library, and kernel tests as plain
+Python.
+"""
 
 import json
 
@@ -14,7 +16,8 @@ RECORDED = json.loads(FILE.read_text())
 MOTIONS = {name: rest for name, *rest in motions()}
 LONG = {f"train-starting/{method}" for method in ("conserving", "verlet", "euler")}
 DIGITS = [f"test_elsewhere.py::test_digits_{those}_recorded" for those in ("are_those", "of_random_runs_are_those")]
-VECTORS = " ".join(name for name in __cpu_dispatch__ if __cpu_features__[name])  # that NumPy may use, by its own names
+# Processor features that NumPy may use, by NumPy's names.
+VECTORS = " ".join(name for name in __cpu_dispatch__ if __cpu_features__[name])
 PLACES = {
     "a C library without vector instructions": (
         {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4", "NPY_DISABLE_CPU_FEATURES": VECTORS},
@@ -50,7 +53,7 @@ def test_digits_are_those_recorded(name):
 
 
 def passed(names, **variables):
-    """What pytest says of files of tests, all of which pass, in a process with these variables."""
+    """Return the output of pytest for these test files in a process with these variables. All tests must pass."""
     words = ("-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", *map(str, names))
     return python(*words, cwd=ROOT, PYTEST_ADDOPTS="", **variables).stdout
 

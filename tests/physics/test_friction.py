@@ -1,4 +1,6 @@
-"""Bed friction and contacts with loss: closed forms, sticking, the end of a motion, refusals, live steps."""
+"""Tests of bed friction and contacts with loss: closed forms, sticking, the end of a motion, error messages, live
+steps.
+"""
 
 import math
 from dataclasses import replace
@@ -19,14 +21,16 @@ from tests.helpers.relations import SET_VALUED, fineness, ledger_error, simulate
 from tests.helpers.spaces import LOSSY
 
 DISSIPATIVE = [method.name for method in METHODS if method.dissipative]
-# of a restitution; of others 1e-7
+# Allowed error of a restitution; 1e-7 for methods that are not listed.
 ERRORS = {"conserving": 1e-6, "euler": 2e-2, "verlet": 4e-3, "pymunk": 2e-2, "accurate": 1e-9, "scipy": 1e-11}
 
 
 @pytest.mark.parametrize("method", DISSIPATIVE)
 @pytest.mark.parametrize("friction", [0.05, 0.6])
 def test_a_bead_slides_to_rest(method, friction):
-    """It stops after v/(mu g), v²/(2 mu g) on, and the bed has all its energy."""
+    """Check that a bead stops after the time v/(mu g) and the distance v²/(2 mu g), and that the bed absorbs all its
+    energy.
+    """
     chain = Chain([2.0, 1.0], power_law(1.0, 0.1), gap=50.0, friction=friction)
     time = 1.5 / (friction * GRAVITY)
     step = None if find_method(method).adaptive else time / 333.3
@@ -47,8 +51,8 @@ def place(velocity, brake, time):
     return (velocity - 0.5 * math.copysign(brake, velocity) * time) * time
 
 
-def test_sliding_beads_meet_where_a_grid_of_times_says_so():
-    """Alike braked, or not, or not at all, as walls."""
+def test_sliding_beads_meet_as_on_a_grid_of_times():
+    """Compare with a grid of times, for beads with equal brakes, different brakes, and without brakes, like walls."""
     rng, last = np.random.default_rng(1), np.array([1e3, 1e5, 1e7])
     for _ in range(3000):
         one, other = rng.choice([0.0, 1.0, -1.0], 2) * 10.0 ** rng.uniform(-1.0, 1.0, 2)
@@ -62,7 +66,9 @@ def test_sliding_beads_meet_where_a_grid_of_times_says_so():
 @pytest.mark.parametrize("method", DISSIPATIVE)
 @pytest.mark.parametrize("law", LOSSY)
 def test_restitution_of_one_on_one(method, law):
-    """What comes back is (1 - loss) of the energy: restitution sqrt(1 - loss), whatever the law; it opens as much slower."""
+    """Check that a contact returns (1 - loss) of the energy. The restitution is sqrt(1 - loss) for any law, and
+    unloading is slower by the same factor.
+    """
     found = simulate(one_on(1, LOSSY[law], [1.0, 3.0]), [1.0, 0.0], method=method, tolerance=1e-11)
     parting = found.final_velocity[1] - found.final_velocity[0]
     error = max(ERRORS.get(method, 1e-7), 1e-5 if (law, method) == ("Hertz", "conserving") else 0.0)
@@ -70,15 +76,19 @@ def test_restitution_of_one_on_one(method, law):
     assert found.final_velocity @ [1.0, 3.0] == pytest.approx(1.0, rel=1e-12)
     assert found.absorbed_by_contacts[-1] == pytest.approx(0.8 * 0.375, rel=error)
     assert found.absorbed_by_bed[-1] == 0.0
-    if law != "preload and root" and find_method(method).adaptive:  # that has no closed form
+    # The law "preload and root" has no closed form of the contact time.
+    if law != "preload and root" and find_method(method).adaptive:
         ((closed, opened),) = found.contact_intervals[0]
         time = one_on_one(replace(LOSSY[law], loss=0.0), 0.75, 1.0).contact_time
         assert opened - closed == pytest.approx(0.5 * time * (1.0 + 1.0 / math.sqrt(0.2)), rel=1e-6)
 
 
-@pytest.mark.parametrize("method", [one.name for one in SET_VALUED])  # others have f = 0 at overlap 0, and chatter
+# Other methods use f = 0 at overlap 0, so their contacts chatter.
+@pytest.mark.parametrize("method", [one.name for one in SET_VALUED])
 def test_a_push_below_the_threshold_moves_nothing(method):
-    """Four beads on a bed, pushed with 0.99 mu g of all of them, stay bit for bit; with 1.01 they all move alike."""
+    """Push four beads on a bed. With 0.99 of their total friction they stay bitwise at rest. With 1.01 all have the
+    same motion.
+    """
     weight = 0.3 * GRAVITY * 4
     for share in (0.99, 1.01):
         chain = Chain([1.0] * 4, draft_gear(100.0, 0.5), drive=[share * weight, 0.0, 0.0, 0.0], friction=0.3)
@@ -92,8 +102,8 @@ def test_a_push_below_the_threshold_moves_nothing(method):
 
 
 @pytest.mark.parametrize("method", ["euler", "verlet", "conserving", "pymunk"])
-def test_the_bed_takes_nothing_from_a_bead_that_it_holds_against_a_push(method):
-    """So what it has absorbed of one that has stopped is the same however often it is asked."""
+def test_the_bed_absorbs_nothing_from_a_held_bead(method):
+    """Check that the absorbed energy of a stopped bead does not depend on the number of samples."""
     chain = Chain([1.0, 1.0], hertz(1e3), gap=0.5, drive=[0.5, 0.0], friction=0.3)
     few, many = (simulate(chain, [0.5, 0.0], 1.0, method, 1e-3, samples=samples) for samples in (2, 101))
     stopped = many.time > 0.25
@@ -103,7 +113,9 @@ def test_the_bed_takes_nothing_from_a_bead_that_it_holds_against_a_push(method):
 
 
 def test_beads_that_a_weak_impact_does_not_reach_stay():
-    """On a long row beads that friction holds do not move by one bit relative to the last, which is the anchor."""
+    """Check a long row. Beads that friction holds must not move by one bit relative to the last bead, which is the
+    anchor.
+    """
     chain = Chain([1.0] * 11 + [1.5], hertz(1e6), gap=0.001, friction=0.5)
     found = simulate(chain, [0.3] + [0.0] * 11, method="conserving")
     moved = found.position[-1] != found.position[0]
@@ -125,8 +137,10 @@ def test_the_end_comes_when_nothing_can_meet_again():
 
 @pytest.mark.parametrize("method", ["accurate", "radau"])
 @pytest.mark.parametrize("seed", range(20))
-def test_what_rubs_and_loses_comes_to_its_end(method, seed):
-    """Beads that a held contact joins rest together, and one that creeps at round-off rests; runs once went on to 1e45 s."""
+def test_motions_with_friction_and_loss_end(method, seed):
+    """Check that beads joined by a held contact stop together, and that creeping at round-off counts as rest. Runs
+    continued to 1e45 s.
+    """
     draw = np.random.default_rng(seed)
     beads = int(draw.integers(2, 6))
     kinds = power_law(1.0, 0.5), step_force(1.0), hertz(10.0), power_law(5.0, 0.1)
@@ -145,7 +159,9 @@ def test_what_rubs_and_loses_comes_to_its_end(method, seed):
 @pytest.mark.parametrize("law", [step_force(1e3), power_law(1e4, 0.045)])
 @pytest.mark.parametrize("step", [0.003, 0.015])
 def test_bounces_within_steps_lose_to_the_bed(law, step):
-    """A force presses a bead on a wall: where it far exceeds mu m g the velocity at the wall falls by mu g/2, evenly, to 0."""
+    """Press a bead on a wall with a force much larger than mu m g. Its velocity at the wall decreases linearly by mu
+    g/2 to 0.
+    """
     chain = Chain([1.0, math.inf], law, drive=[100.0, 0.0], friction=1.0 / GRAVITY)
     found = simulate(chain, [0.05, 0.0], 0.15, "conserving", step, samples=11)
     assert np.abs(found.velocity).max(axis=1) == pytest.approx(np.maximum(0.05 - 0.5 * found.time, 0.0), abs=3e-4)
@@ -155,7 +171,9 @@ def test_bounces_within_steps_lose_to_the_bed(law, step):
 @pytest.mark.parametrize("mass", [0.0013, 0.1])
 @pytest.mark.parametrize("method", ["accurate", "radau"])
 def test_a_light_bead_that_a_steady_force_presses_comes_to_its_end(method, mass):
-    """Its last bounces are far shorter than any step, and then it creeps ever slower: it went on for ever, or for 1e10 s."""
+    """Check the end of a light bead. Its last bounces are shorter than any step, and then it creeps. Runs did not end,
+    or ended at 1e10 s.
+    """
     chain = Chain([1.0, mass, 1.0], [power_law(8165.0, 0.045), step_force(0.2435)], friction=0.1)
     found = simulate_quietly(chain, [1.0, 0.0, 0.0], method=method, samples=2, tolerance=1e-6)
     assert found.final_velocity.tolist() == [0.0, 0.0, 0.0]
@@ -166,7 +184,9 @@ def test_a_light_bead_that_a_steady_force_presses_comes_to_its_end(method, mass)
 @pytest.mark.parametrize("seed", [2, 9, 27, 39])
 @pytest.mark.parametrize("method", ["accurate", "radau"])
 def test_beads_that_stick_beside_one_that_creeps_do_not_move(method, seed):
-    """Their velocities were the precision of the stages: for 1e8 s, in which the gears between them gave energy."""
+    """Check sticking beads next to a creeping bead. They moved with the precision of the stages for 1e8 s, and the
+    gears between them gained energy.
+    """
     draw = np.random.default_rng(seed)
     mass = [1.0, 10.0 ** draw.uniform(-3.0, -0.5), 10.0 ** draw.uniform(-0.3, 0.3)]
     soft = power_law(10.0 ** draw.uniform(2.0, 4.5), draw.uniform(0.03, 0.3))
@@ -179,8 +199,8 @@ def test_beads_that_stick_beside_one_that_creeps_do_not_move(method, seed):
 
 
 @pytest.mark.parametrize("seed", [784, 819])
-def test_contacts_between_beads_that_stick_beside_a_stiff_one_keep_no_run_from_its_end(seed):
-    """A step of the fallback made no numbers of them, and then went on for ever: found by the scan."""
+def test_sticking_beads_next_to_a_stiff_contact_do_not_block_the_end(seed):
+    """Check seeds of the scan in which a step of the fallback produced NaN, so that the run did not end."""
     motion = families.motion("friction", seed)
     given = motion.chain, motion.velocity, motion.duration
     radau, accurate = (solve(*given, each, samples=2, tolerance=1e-11).final_velocity for each in ("radau", "accurate"))

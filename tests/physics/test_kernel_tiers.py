@@ -1,4 +1,6 @@
-"""Two tiers of kernels: the same digits, whichever runs, nobody waits for what plain Python does; compiling is told of."""
+"""Tests of compiled kernels and plain Python: the same digits, no waiting for what plain Python can do, and messages
+about compiling.
+"""
 
 import os
 from dataclasses import replace
@@ -28,7 +30,7 @@ ALL = (*adaptive.TIERS.values(), *TIERS.values(), soft_chain.KERNELS)
 
 @pytest.fixture
 def cold(monkeypatch):
-    """A machine on which nothing has been compiled, and nothing will be."""
+    """Simulate a machine on which nothing is compiled, and on which compiling does not start."""
     for kernels in ALL:
         for name, value in (("_loaded", False), ("_first", False), ("spent", 0.0)):
             monkeypatch.setattr(kernels, name, value)
@@ -39,8 +41,10 @@ def cold(monkeypatch):
 
 @pytest.mark.parametrize("method", ["accurate", "radau", "dop853", "conserving", "verlet"])
 @pytest.mark.parametrize("friction", [0.0, 0.01])
-def test_what_runs_call_is_made_before(monkeypatch, method, friction):
-    """A kernel that is not called when its tier is loaded would be compiled in the first run, which waits for it."""
+def test_every_kernel_of_a_run_is_loaded_first(monkeypatch, method, friction):
+    """Check that loading compiled kernels calls every kernel. Otherwise it would be compiled in the first run, which
+    would wait.
+    """
     called: dict[str, set[str]] = {}
 
     def of(self, kernel, work=0.0):
@@ -104,13 +108,13 @@ def test_machine_code_takes_over_between_steps(cold):
 
 @pytest.fixture
 def waited(cold):
-    """The kernels that runs wait for."""
+    """Return the list of kernels that runs wait for."""
     names = []
     cold.setattr(KernelTiers, "wait", lambda self: names.append(self.name))
     return names
 
 
-def test_what_is_long_for_plain_python_waits_for_machine_code(waited):
+def test_long_runs_wait_for_machine_code(waited):
     simulate(one_on(2, hertz(1.0)), [1, 0, 0], 1.0, method="verlet", step=1e-3)
     assert waited == []
     assert TIERS["fixed-step"].spent == 2000.0
@@ -128,7 +132,9 @@ def test_a_run_of_unknown_length_is_tried_and_begun_anew(cold, waited):
 
 @pytest.fixture
 def locked(tmp_path, monkeypatch):
-    """A function: kernels that process `number` compiles, as its lock in a cache of its own says."""
+    """Return a function that makes kernels with a lock in their own cache. The lock says that process `number` compiles
+    them.
+    """
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
 
     def made(number=None, niceness=0, load=lambda: None):
@@ -142,14 +148,16 @@ def locked(tmp_path, monkeypatch):
 
 def test_a_process_that_died_does_not_count_as_compiling(locked):
     kernels = locked(999999999)
-    assert kernels.compile_behind()  # a process of its own, which finds no such module
+    assert kernels.compile_behind()  # The new process does not find the module.
     kernels.wait()
     assert not kernels.compile_behind()
     assert not kernels.on_disk
 
 
 def test_a_process_that_compiles_gives_signs_of_life(locked, monkeypatch):
-    """However long it takes, nobody begins the same kernels again while it does; a number of a process may be another's."""
+    """Check that nobody starts to compile the same kernels again, however long it takes. A process number can be reused
+    by another process.
+    """
     monkeypatch.setattr(kernel_tiers, "HEARTBEAT", 0.0)
     long_ago = kernel_tiers.time() - 2.0 * kernel_tiers.LONGEST_SILENCE
 
@@ -174,8 +182,8 @@ def test_who_waits_long_says_for_what(locked, monkeypatch, caplog):
     assert f"waiting for kernels (nothing) that process {os.getpid()} compiles" in caplog.text
 
 
-def test_kernels_that_are_asked_for_are_compiled_where_signals_are_heard(cold):
-    """That is in a process behind, for which this one waits; where the wait is interrupted, so is the work."""
+def test_requested_kernels_are_compiled_in_a_child_process(cold):
+    """Check that a child process compiles while this process waits. If the wait is interrupted, the compilation stops."""
     ended: list[str] = []
     cold.setattr(KernelTiers, "wait", Mock(side_effect=KeyboardInterrupt))
     cold.setattr(KernelTiers, "_stop", lambda self: ended.append(self.name))
@@ -186,10 +194,12 @@ def test_kernels_that_are_asked_for_are_compiled_where_signals_are_heard(cold):
 
 @pytest.mark.skipif(os.name != "posix", reason="processes are not nice here")
 @pytest.mark.parametrize(("niceness", "begun"), [(0, False), (10, True)])
-def test_what_is_waited_for_does_not_yield(locked, monkeypatch, niceness, begun):
-    """Where another process compiles behind frames, and so yields to all others, the one that waits has one of its own."""
+def test_awaited_kernels_are_compiled_with_normal_priority(locked, monkeypatch, niceness, begun):
+    """Check a process that waits for kernels. If another process compiles them with low priority, this one starts its
+    own compilation.
+    """
     kernels = locked(niceness=niceness)
-    monkeypatch.setattr(kernel_tiers, "sleep", lambda seconds: kernels._made.touch())  # the other one ends
+    monkeypatch.setattr(kernel_tiers, "sleep", lambda seconds: kernels._made.touch())  # The other process ends.
     assert kernels.compile_behind()
     assert kernels._process is None
     kernels.wait()
@@ -234,7 +244,7 @@ print(kernels.in_memory)
 """
     done = python("-c", script, NUMBA_CACHE_DIR=str(tmp_path))
     assert done.stdout == "True\n"
-    waits = "waiting for kernels"  # on a busy machine
+    waits = "waiting for kernels"  # This message appears on a busy machine.
     assert [line for line in done.stderr.splitlines() if not line.startswith(waits)] == []
 
 
@@ -246,7 +256,7 @@ def in_a_new_cache(folder, *arguments, **more):
 
 
 @pytest.mark.slow
-def test_first_use_that_compiles_says_so_and_the_command_too_unless_quiet(tmp_path):
+def test_the_first_use_reports_compiling(tmp_path):
     first = in_a_new_cache(tmp_path, "-c", CRADLE, SOFTCRADLE_COMPILE="first")
     assert first.stderr.count(FIRST) == 1
     assert in_a_new_cache(tmp_path, "-c", CRADLE).stderr == ""
@@ -256,7 +266,7 @@ def test_first_use_that_compiles_says_so_and_the_command_too_unless_quiet(tmp_pa
     assert FIRST not in in_a_new_cache(tmp_path / "quiet", *scene, "-q", SOFTCRADLE_COMPILE="first").stderr
 
 
-def test_warm_takes_names_and_loads_the_kernels_of_batches(monkeypatch):
+def test_warm_loads_kernels_by_name(monkeypatch):
     warm(["euler", "SoftChain"])
     for wrong, near in (("verlt", "verlet"), ("softchain", "SoftChain")):
         with pytest.raises(ValueError, match=f"did you mean '{near}'"):

@@ -1,4 +1,4 @@
-"""Runs that are interrupted: frames have a budget, long runs hand back so that signals are heard; pauses change no digit."""
+"""Tests of interrupted runs: frames have a step budget, long runs pause to handle signals, and pauses change no digit."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ LOSES = Chain(np.ones(4), [Contact(0.0, 1.0, 0.5, loss=0.3)] * 3, friction=0.02)
 
 @pytest.mark.parametrize("chain", [SOFT, RUBS, LOSES], ids=["soft", "rubs", "loses"])
 @pytest.mark.parametrize("method", [*KERNELS, "scipy"])
-def test_out_of_steps_conserving_finishes_and_says_so_until_steps_are_enough(chain, method):
+def test_conserving_finishes_a_frame_that_runs_out_of_steps(chain, method):
     state, frame = State.at_start(chain, struck(chain)), 0.5
     with pytest.warns(RuntimeWarning, match=f"{method} gave up at t = .*3 steps.*; conserving moved on from there"):
         advance(chain, state, frame, method, most_steps=3)
@@ -35,7 +35,7 @@ def test_out_of_steps_conserving_finishes_and_says_so_until_steps_are_enough(cha
 @pytest.mark.parametrize(("chain", "method"), [(RUBS, "radau"), (LOSES, "radau"), *((SOFT, one) for one in KERNELS)])
 @pytest.mark.parametrize("steps", [1, 2, 5, 20, 60])
 def test_a_run_whose_budget_ends_reaches_its_end(chain, method, steps, monkeypatch):
-    """Between changes of friction too."""
+    """Check runs without and with friction, which also end their budget between changes of friction."""
     exact = solve(chain, struck(chain), None, method, None, 11, 1e-8)
     monkeypatch.setattr("softcradle.physics.adaptive.usual_budget.MOST_STEPS", steps)
     monkeypatch.setattr("softcradle.physics.adaptive.usual_budget.MOST_FOLLOWED", 0)
@@ -51,13 +51,15 @@ def test_a_run_whose_budget_ends_reaches_its_end(chain, method, steps, monkeypat
 
 FIXED = "verlet", "conserving"
 PAUSED = [*runs(CASES, ("accurate",)), *(("a long row", one) for one in FIXED)]
-# with forces over time steps are put where round-off has them
+# With forces over time, round-off decides where steps end.
 PAUSED += runs([name for name in CASES if not CASES[name].chain.timed], FIXED)
 
 
 @pytest.mark.parametrize(("name", "method"), PAUSED)
 def test_the_digits_of_a_run_do_not_depend_on_its_pauses(name, method, monkeypatch):
-    """At a knot of an adaptive method too, where brakes that begin and beads that yield are found anew."""
+    """Check pauses everywhere, including the breakpoints of forces, at which adaptive methods determine brakes and
+    yielding beads again.
+    """
     case = CASES.get(name, LONG_ROW)
     whole = digits_of(case, method)
     for steps in (1,) if method == "accurate" else (1, 2, 7, 50):

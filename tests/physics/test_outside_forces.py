@@ -1,4 +1,6 @@
-"""Forces from outside, steady or over time, brakes, and contacts pressed from the start: closed forms, ledgers, live frames."""
+"""Tests of external forces (steady or over time), brakes, and initially pressed contacts: closed forms, energy balance,
+live frames.
+"""
 
 import math
 from itertools import combinations
@@ -17,8 +19,8 @@ from softcradle import scenes
 from tests.helpers.relations import fineness
 
 DRIVEN = Chain([1.0, 2.0, 1.0, 0.5], power_law(1.0, 0.2), drive=[1.0, 0.0, 0.0, 0.0])
-SPRUNG = Chain([1.0, 3.0], hooke(4.0), gap=-0.5)  # energy 1/2, reduced mass 3/4
-PULSE = TimedForce(0, [0.0, 1.0, 3.0, 3.0], [0.0, 0.0, 6.0, 2.0])  # a ramp, then a jump to what is kept
+SPRUNG = Chain([1.0, 3.0], hooke(4.0), gap=-0.5)  # Energy 1/2 J, reduced mass 3/4 kg.
+PULSE = TimedForce(0, [0.0, 1.0, 3.0, 3.0], [0.0, 0.0, 6.0, 2.0])  # A ramp, then a step down to a value that stays.
 FREE = Chain([2.0, 1.0], hooke(1.0), gap=100.0, forces=PULSE)
 BRAKED = Chain([2.0, 1.0], hooke(1.0), gap=100.0, brakes=TimedForce(0, [1.0, 1.0, 3.0], [0.0, 4.0, 12.0]))
 PUSHING = Chain([1.0] * 4, draft_gear(50.0, 0.1), forces=TimedForce([0, 3], [0.0, 0.4, 0.9, 0.9], [0.0, 9.0, 3.0, 0.0]))
@@ -39,7 +41,8 @@ def method(request):
 
 def test_a_free_bead_has_the_double_integral_of_its_force(method):
     found = simulate(FREE, [0.0, 0.0], 5.0, **settings(method, 1e-2))
-    # velocity 3/4 (t-1)**2 in the ramp, 3 at its end; path 1/4 (t-1)**3, 2; then an acceleration of 1
+    # The velocity is 3/4 (t-1)**2 in the ramp, and 3 at its end. The path is 1/4 (t-1)**3, and 2 at its end. Then the
+    # acceleration is 1.
     assert found.final_velocity == pytest.approx([5.0, 0.0], abs=1e-11)
     bound = 0.1 if method.name in FIRST_ORDER else 1e-9 if method.adaptive else 3e-5
     assert found.position[-1, 0] == pytest.approx(2.0 + 3.0 * 2.0 + 2.0, abs=bound)
@@ -49,8 +52,8 @@ def test_a_free_bead_has_the_double_integral_of_its_force(method):
 
 @pytest.mark.parametrize("method", [one for one in METHODS if one.dissipative], ids=lambda one: one.name)
 def test_a_brake_stops_a_bead_and_holds_it(method):
-    """From 7 m/s: constant speed for 1 s, then -dv/dt = 2 (t-1) + 2 until it stands."""
-    stop = math.sqrt(8.0) - 1.0  # u**2 + 2 u = 7
+    """Check a bead of 7 m/s: constant speed for 1 s, then -dv/dt = 2 (t-1) + 2 until it stops."""
+    stop = math.sqrt(8.0) - 1.0  # Solution of u**2 + 2 u = 7.
     found = simulate(BRAKED, [7.0, 0.0], 4.0, **settings(method))
     u = np.clip(found.time - 1.0, 0.0, stop)
     bound = 5e-3 if method.name in FIRST_ORDER else 1e-7 if method.adaptive else 2e-6
@@ -62,7 +65,9 @@ def test_a_brake_stops_a_bead_and_holds_it(method):
 
 @pytest.mark.parametrize("method", [one for one in METHODS if one.dissipative], ids=lambda one: one.name)
 def test_beads_on_a_bed_that_wait_for_a_force_are_shown_at_rest(method):
-    """The samples before it lay on the path back from it: a bead that was drawn into its wall, and out again."""
+    """Check samples before a force begins. They were on the path extrapolated back from it, on which a bead moved into
+    its wall and out again.
+    """
     chain = Chain([math.inf, 1.0], hooke(4.0), friction=0.05, forces=TimedForce(1, [0.5, 0.5], [0.0, -2.0]))
     found = simulate(chain, [0.0, 0.0], 1.0, **settings(method))
     before = found.time <= 0.5
@@ -74,7 +79,7 @@ def test_beads_on_a_bed_that_wait_for_a_force_are_shown_at_rest(method):
 
 @pytest.mark.parametrize("step", [2e-3, 1e-3, 3e-4])
 @pytest.mark.parametrize("method", ["conserving", "verlet"])
-def test_beads_that_rest_until_the_last_jump_of_a_force_begin_there_whatever_is_sampled(method, step):
+def test_beads_at_rest_start_at_the_last_step_of_a_force(method, step):
     force = TimedForce(0, [1.0, 1.0, 3.0, 3.0], [0.0, 0.1, 0.2, 1.0])
     chain = Chain([1.0, 1.0], hooke(1.0), gap=1e3, friction=0.05, forces=force)
     found = simulate(chain, [0.0, 0.0], 6.0, method, step, samples=[4.0, 5.0, 6.0])
@@ -82,8 +87,10 @@ def test_beads_that_rest_until_the_last_jump_of_a_force_begin_there_whatever_is_
 
 
 @pytest.mark.parametrize("method", [one for one in METHODS if one.adaptive], ids=lambda one: one.name)
-def test_a_brake_that_begins_just_after_a_contact_opens_takes_no_speed_at_once(method):
-    """A step to a knot that was shorter than 1e-4 of the time had the brake at its end: a bead that slowed down turned round."""
+def test_a_brake_just_after_an_opening_is_continuous(method):
+    """Check a brake that begins just after an opening. A step shorter than 1e-4 of the time applied the brake at its
+    end, and a decelerating bead reversed.
+    """
 
     def run(brakes=()):
         chain = Chain([1.0, 1.0, 1.0], hooke(1000.0), [0.0, 0.02], brakes=brakes)
@@ -95,14 +102,16 @@ def test_a_brake_that_begins_just_after_a_contact_opens_takes_no_speed_at_once(m
 
 
 def test_a_push_on_soft_contacts_that_hardly_close_is_computed():
-    """They close at 1e-22 m/s while all beads are pushed to 1e-3: steps counted by their contact times were no number."""
+    """Check contacts that close at 1e-22 m/s while all beads reach 1e-3 m/s. The number of steps per contact time was
+    not finite.
+    """
     laws = [Contact(0.93, 0.0, 1.0), Contact(1.35, 11.3, 0.58), power_law(20.4, 0.0615), power_law(3.3, 0.0886)]
     chain = Chain([1.0] * 5, laws, forces=TimedForce(3, (0.3, 0.35), (-0.08, 0.0)))
     assert simulate(chain, [0.0] * 5, 0.5).final_velocity == pytest.approx([-0.0005] * 4 + [0.0], abs=1e-9)
 
 
-def test_without_a_duration_it_ends_when_forces_and_contacts_do():
-    """The forces end at 0.9 s; what lasts needs a duration."""
+def test_a_run_without_duration_ends_after_forces_and_contacts():
+    """Check that a run ends after its forces, which end at 0.9 s. A permanent force needs a duration."""
     found = simulate(PUSHING, REST)
     assert found.status.name == "SEPARATED"
     assert found.time[-1] > 0.9
@@ -112,8 +121,10 @@ def test_without_a_duration_it_ends_when_forces_and_contacts_do():
 
 
 @pytest.mark.parametrize("before", [4.7e-15, 1e-12, 1e-9, 1e-6])
-def test_a_frame_that_begins_just_before_a_knot_gives_the_impulse_of_its_force(before):
-    """A step of the time between the two would be all round-off: it gave the pulled train some 1000 N s."""
+def test_a_frame_just_before_a_breakpoint_has_the_right_impulse(before):
+    """Check a frame that begins just before a breakpoint. A step to the breakpoint would be round-off, and gave the
+    train about 1000 N s.
+    """
     lane = scenes.load("train-starting").lanes[0]
     chain = lane.chain()
     state = State.at_start(chain, lane.velocity)
@@ -127,7 +138,9 @@ def test_a_frame_that_begins_just_before_a_knot_gives_the_impulse_of_its_force(b
 
 @pytest.mark.parametrize("seed", [2, 10, 17])
 def test_a_force_that_jumps_just_before_an_opening_is_no_alarm(seed):
-    """What is left to move then is slow, and a tolerance of its own speed is less than the one that was asked for."""
+    """Check that the estimate stays small. After the step of the force, the remaining motion is slow, and a tolerance
+    relative to this speed is too strict.
+    """
     draw = np.random.default_rng(seed)
     exponent, targets = draw.uniform(0.05, 0.5), int(draw.integers(1, 4))
     struck = one_on(targets, power_law(1.0, exponent))
@@ -141,7 +154,7 @@ def test_a_force_that_jumps_just_before_an_opening_is_no_alarm(seed):
     assert simulate(chain, start, 1.5 * jump, "radau", samples=2, tolerance=1e-8).velocity_error.max() < 1e-6
 
 
-def test_the_work_of_a_drive_is_the_energy_and_the_push_of_a_state_adds_to_it(method):
+def test_the_work_of_a_drive_is_the_energy_gained(method):
     step = fineness(method.name, 1e-4)
     found = simulate(DRIVEN, REST, 2.0, method=method.name, **step)
     energy = found.kinetic_energy + found.contact_energy
@@ -151,12 +164,14 @@ def test_the_work_of_a_drive_is_the_energy_and_the_push_of_a_state_adds_to_it(me
         state = State.at_start(chain, REST)
         state.push = np.array([1.0 - drive, 0.0, 0.0, 0.0])
         advance(chain, state, 2.0, method=method.name, **step)
-        # an adaptive method may choose other steps, and then agrees to its tolerance
+        # An adaptive method may choose other steps. Then results agree within its tolerance.
         np.testing.assert_allclose(state.velocity(chain), found.final_velocity, rtol=1e-9, atol=1e-8 * method.adaptive)
 
 
 def test_kernels_see_one_type_of_force_from_outside():
-    """A read-only array is another type to them: all of a method would be compiled once more, in the middle of play."""
+    """Check that forces are writeable. Numba treats a read-only array as another type, and would compile all kernels
+    again during play.
+    """
     chain = Chain([1.0, 1.0], power_law(1.0, 0.1), drive=[1.0, 0.0])
     state = State.at_start(chain, [0.0, 0.0])
     force, types = state.external(chain), []
@@ -186,7 +201,9 @@ def test_speed_scale_knows_the_press():
 
 @given(st.integers(0, 2**32 - 1))
 def test_speed_scale_knows_what_the_drive_presses(seed):
-    """By a contact between any two neighbouring runs of beads, for the drive pulls others away; to the left a wall, or none."""
+    """Compare with the largest speed over all pairs of neighbouring groups of beads that the drive presses together,
+    with or without a wall on the left.
+    """
     draw = np.random.default_rng(seed)
     count = int(draw.integers(2, 7))
     mass, drive = draw.uniform(0.1, 3.0, count), draw.normal(size=count)
@@ -202,8 +219,8 @@ def test_speed_scale_knows_what_the_drive_presses(seed):
     assert found == pytest.approx(max(speeds) or 1.0, rel=1e-9)
 
 
-def test_a_bead_that_is_driven_away_does_not_loosen_the_tolerance_of_the_others():
-    """It goes at 3 m/s, where the other shakes against the wall at 3e-5 m/s."""
+def test_a_bead_that_is_driven_away_does_not_change_the_tolerance():
+    """Check a bead of 3 m/s that leaves a bead that oscillates at a wall with 3e-5 m/s."""
     contact, drive = power_law(0.3, 0.13), [-0.08, 0.045, 0.0]
     row, alone = (Chain(mass, contact, drive=drive[-len(mass) :]) for mass in ([0.14, 4.4, np.inf], [4.4, np.inf]))
     found, other = (simulate(chain, np.zeros(len(chain.mass)), 5.0, tolerance=1e-5) for chain in (row, alone))
@@ -211,8 +228,8 @@ def test_a_bead_that_is_driven_away_does_not_loosen_the_tolerance_of_the_others(
     assert np.ptp(other.velocity[:, 0]) > 5e-5
 
 
-def test_the_default_step_knows_the_speed_of_a_bead_that_falls_on_a_soft_contact():
-    """At 0.063 m/s; by the force of the drive alone it would be pressed in at 1e-9 m/s."""
+def test_the_default_step_fits_a_bead_that_falls_on_a_soft_contact():
+    """Check a bead that falls with 0.063 m/s. The force of the drive alone would press it in with only 1e-9 m/s."""
     chain = Chain([1.0, np.inf], power_law(1.0, 0.1), 0.1, drive=[0.02, 0.0])
     found = simulate(chain, [0.0, 0.0], 4.0, "conserving")
     assert found.steps < 1e5
@@ -222,8 +239,10 @@ def test_the_default_step_knows_the_speed_of_a_bead_that_falls_on_a_soft_contact
 
 
 @pytest.mark.parametrize("exponent", [0.05, 0.01])
-def test_a_drive_stronger_than_a_soft_contact_gives_no_more_speed_than_in_its_duration(exponent):
-    """It would be pressed in by kilometres and more, at the speed of which a step is longer than the motion."""
+def test_the_speed_scale_of_a_strong_drive_is_limited_by_the_duration(exponent):
+    """Check a drive that presses a bead in by kilometres. A step for the speed that it would reach is longer than the
+    motion.
+    """
     chain = Chain([1.0, np.inf], power_law(1.0, exponent), drive=[2.0, 0.0])
     fixed, fine = (simulate(chain, [0.0, 0.0], 5.0, method) for method in ("conserving", "accurate"))
     assert fixed.final_velocity == pytest.approx(fine.final_velocity, abs=1e-3)
@@ -239,7 +258,9 @@ def test_the_contrast_scenes_begin_at_rest_under_their_press(name):
 
 
 def test_a_force_of_many_points_is_evaluated_once(monkeypatch):
-    """Each point of a force evaluated the whole force, and the speed that it can give: 5000 points took seconds."""
+    """Count evaluations. For each point, the whole force and the speed that it can give were evaluated: 5000 points
+    took seconds.
+    """
     points, speeds = [], []
     at, driven = TimedForce.at, scales._driven_speed
     monkeypatch.setattr(TimedForce, "at", lambda self, time: points.append(np.size(time)) or at(self, time))
@@ -248,7 +269,7 @@ def test_a_force_of_many_points_is_evaluated_once(monkeypatch):
     chain = Chain([math.inf, 1.0], hooke(1e6), gap=1e-3, forces=TimedForce(1, time, -600.0 * np.sin(120.0 * time)))
     scales.speed_scale(chain, [0.0, 0.0])
     scales.closing_scale(chain, np.zeros(2), np.zeros(1), None, 0.5)
-    assert points == [time.size + 1]  # the jump at the first point is two
+    assert points == [time.size + 1]  # The step at the first point counts as two points.
     assert len(speeds) == 1
 
 
@@ -256,17 +277,19 @@ def test_a_force_of_many_points_is_evaluated_once(monkeypatch):
 @pytest.mark.parametrize(
     ("chain", "speed", "ends"),
     [
-        # 5 N for 1 s against 0.980665 N of friction, which then brakes for 2 s
+        # 5 N for 1 s against 0.980665 N of friction, which then brakes for 2 s.
         (Chain([1.0, 1.0], hooke(100.0), 10.0, friction=0.1, forces=PUSH_LATER), 0.0, 2.058005),
-        # the same force on a bead that flies at 0.5 m/s
+        # The same force on a bead that flies at 0.5 m/s.
         (Chain([1.0, 1.0], hooke(100.0), 99.0, forces=PUSH_LATER), 0.5, 5.5),
-        # friction holds a bead against 0.5 N, until 5 N at 3 s
+        # Friction holds a bead against 0.5 N until 5 N act at 3 s.
         (Chain([1.0, 1.0], hooke(100.0), 10.0, friction=0.1, forces=PUSH_MORE), 0.0, 2.058005),
     ],
     ids=["rest", "flight", "held"],
 )
 def test_a_rest_or_flight_until_the_next_force_is_one_step(name, chain, speed, ends):
-    """Steps were taken all the way to the last point of a force: 7e7 of them in a rest of 1e4 s."""
+    """Check that rests and flights are skipped. Runs took steps until the last point of a force: 7e7 in a rest of 1e4
+    s.
+    """
     found = simulate(chain, [speed, 0.0], 6.0, method=name, step=1e-3, samples=2)
     assert found.final_velocity[0] == pytest.approx(ends, abs=1e-5)
     moving = simulate(chain, [speed, 0.0], 6.0, method=name, step=1e-3, samples=[2.9, 6.0])
@@ -277,10 +300,10 @@ def test_a_rest_or_flight_until_the_next_force_is_one_step(name, chain, speed, e
 
 
 def test_a_rest_ends_with_each_step_of_a_force():
-    """Two pulses on a bed, both stronger than the friction, with rests before, between and after them."""
+    """Check two pulses on a bed, both stronger than the friction, with rests before, between and after them."""
     pulses = TimedForce(0, [10.0, 11.0, 11.0, 50.0, 50.0, 51.0, 51.0], [5.0, 5.0, 0.0, 0.0, -5.0, -5.0, 0.0])
     chain = Chain([1.0, 1.0], hooke(100.0), 99.0, friction=0.1, forces=pulses)
     found = simulate(chain, [0.0, 0.0], 99.0, method="conserving", step=1e-3, samples=[9.9, 11.0, 40.0, 51.0, 99.0])
     assert found.velocity[:, 0] == pytest.approx([0.0, 4.019335, 0.0, -4.019335, 0.0], abs=1e-9)
     assert found.position[-1, 0] == pytest.approx(0.0, abs=1e-9)
-    assert found.evaluations < 4 * 2 * 5100  # two pulses and the slides after them
+    assert found.evaluations < 4 * 2 * 5100  # Two pulses, and the slides after them.

@@ -1,4 +1,6 @@
-"""Laws of one's own: the same motions as power laws by the same force, conserved, checked against the reference."""
+"""Tests of user-defined contact laws: the same motions as built-in power laws, conservation, and comparison with the
+reference.
+"""
 
 import math
 from collections.abc import Callable
@@ -20,13 +22,13 @@ START = [1.0, 0.0, 0.0, 0.0, 0.0]
 
 
 def power(f0: float, alpha: float) -> Callable[[float], float]:
-    """As a stranger writes it."""
+    """Return a power law as a user would write it."""
     return lambda overlap: f0 * overlap**alpha
 
 
 @dataclass(frozen=True)
 class Toda:
-    """Exponential repulsion, with its energy."""
+    """An exponential repulsive law with its energy."""
 
     stiffness: float
 
@@ -62,7 +64,8 @@ PAIRS = {
 @pytest.mark.parametrize("method", ["euler", "verlet", "yoshida4", "conserving"])
 @pytest.mark.parametrize(("own", "built_in"), [PAIRS["hertz"], PAIRS["soft"]], ids=["hertz", "soft"])
 def test_a_power_law_of_ones_own_moves_as_the_built_in_does(method, own, built_in):
-    chatters = built_in.exponent < 1.0 and method != "conserving"  # round-off grows there a thousand times a bounce
+    # Round-off grows by a factor of a thousand per bounce there.
+    chatters = built_in.exponent < 1.0 and method != "conserving"
     settings = {"duration": 0.3 if chatters else 2.5, "method": method, "step": 0.01, "samples": 51}
     found, wanted = (solve(Chain([1.0] * 5, law), START, **settings) for law in (own, built_in))
     assert found.steps == wanted.steps
@@ -74,7 +77,9 @@ def test_a_power_law_of_ones_own_moves_as_the_built_in_does(method, own, built_i
 @pytest.mark.parametrize("method", ["radau", "accurate"])
 @pytest.mark.parametrize(("own", "built_in"), PAIRS.values(), ids=PAIRS)
 def test_adaptive_methods_take_a_power_law_of_ones_own_as_the_built_in(own, built_in, method):
-    """Within what both promise, by no more steps: the table is the law, and begins like it."""
+    """Check that results agree within the guarantee and with no more steps. The table equals the law, including its
+    beginning.
+    """
     found, wanted = (solve(Chain([1.0, 1.0, 2.0, 1.0], law), START[:4], method=method) for law in (own, built_in))
     assert found.final_velocity == pytest.approx(wanted.final_velocity, abs=3e-8)
     assert found.steps < 1.4 * wanted.steps + 20
@@ -113,7 +118,7 @@ def test_adaptive_methods_against_the_reference(law, method):
 @pytest.mark.parametrize("law", OWN_SHAPES.values(), ids=OWN_SHAPES)
 @pytest.mark.parametrize("step", [3e-2, 0.3])
 def test_energy_and_momentum_are_conserved_at_any_step(law, step):
-    # with a warning of a step too long for the contact: energy holds all the same
+    # The step is too long for the contact, which gives a warning. The energy is still conserved.
     found = solve(one_on(4, law), START, duration=4.0, method="conserving", step=step, samples=41)
     assert np.ptp(found.ledger) < 1e-12 * found.ledger[0]
     assert np.ptp(found.momentum) < 1e-13
@@ -121,7 +126,9 @@ def test_energy_and_momentum_are_conserved_at_any_step(law, step):
 
 
 def test_a_chain_has_the_law_as_it_is_when_it_is_made():
-    """Not one of the same function before: a notebook changes a number, and makes the chain anew."""
+    """Check that a chain does not use the cached table of the same function. In a notebook, a number that the function
+    uses can change.
+    """
     stiffness = 1.0
 
     def spring(overlap):
@@ -145,12 +152,14 @@ LAWS = {
 
 @pytest.mark.parametrize(("force", "energy"), LAWS.values(), ids=LAWS)
 def test_the_table_of_a_law_is_the_law_at_random_overlaps_of_all_sizes(force, energy):
-    """A missing energy is the integral of the force; slope and inverses are those of the table."""
+    """Check the table at overlaps of all sizes. A missing energy is the integral of the force; slope and inverses come
+    from the table.
+    """
     law, draw = OwnLaw(force), np.random.default_rng(1)
     table, overlaps = law.table, 10.0 ** draw.uniform(-9.0, -1e-3, 2000)
     errors = np.abs(table.values(table.force, overlaps) - [force(d) for d in overlaps.tolist()])
     assert (errors <= 1e-13 * table.values(table.force, np.minimum(1.5 * overlaps, 0.999))).all()
-    large = overlaps[overlaps > 1e-2]  # below, the closed forms lose digits
+    large = overlaps[overlaps > 1e-2]  # Below this overlap the closed forms lose digits.
     assert law.energy(large) == pytest.approx([energy(d) for d in large.tolist()], rel=2e-12)
     few = [1e-3, 0.05, 0.1, 0.11, 0.3, 0.99]
     assert law.energy(few) == pytest.approx([energy(d) for d in few], rel=2e-14)
@@ -161,25 +170,25 @@ def test_the_table_of_a_law_is_the_law_at_random_overlaps_of_all_sizes(force, en
             assert own_inverse(own, rows, 0, plain(table_value)(own, rows, 0, overlap)) == pytest.approx(
                 overlap, rel=1e-9
             )
-        digits = 1e-10 * force(overlap) / overlap  # that a difference of forces has
+        digits = 1e-10 * force(overlap) / overlap  # Precision of a difference of forces.
         assert own_slope(own, 0, overlap) == pytest.approx(law.slope(overlap), rel=1e-5, abs=digits)
     assert own_inverse(own, own.force, 0, 1e300) == math.inf
 
 
 def test_a_law_without_digits_is_taken_as_it_is():
-    """sqrt(1 + d) - 1 has none below 1e-16: the table does not refine what is round-off."""
+    """Check sqrt(1 + d) - 1, which is round-off for d below 1e-16. The table must not refine this round-off."""
     table = OwnLaw(lambda d: math.sqrt(1.0 + d) - 1.0).table
     assert len(table.force) < 5000
     assert table.values(table.force, np.array([0.5])) == pytest.approx(math.sqrt(1.5) - 1.0, rel=1e-14)
 
 
-def test_a_table_of_forces_takes_laws_for_numbers_and_for_arrays():
+def test_laws_for_numbers_and_for_arrays_are_accepted():
     for law in (lambda d: d**2, lambda d: math.pow(d, 2), lambda d: 0.0 if d < 0.0 else d**2):
         assert OwnLaw(law).force([[-1.0, 0.0], [0.5, 2.0]]).tolist() == [[0.0, 0.0], [0.25, 4.0]]
     assert OwnLaw(lambda d: 3.0).force([1.0, 2.0]).tolist() == [3.0, 3.0]
     assert OwnLaw(power(2.0, 1.5)).overlap([2.0, 16.0]) == pytest.approx([1.0, 4.0])
     assert OwnLaw(math.tanh).overlap(2.0) == math.inf
-    assert OwnLaw(math.asin).overlap(2.0) == 1.0  # where its numbers end
+    assert OwnLaw(math.asin).overlap(2.0) == 1.0  # The end of the range of the law.
 
 
 def test_a_file_holds_the_table_of_a_law(tmp_path):
@@ -194,7 +203,7 @@ def test_a_file_holds_the_table_of_a_law(tmp_path):
     again.save(tmp_path / "again.npz")
 
 
-def test_what_a_law_raises_is_raised():
+def test_errors_of_a_law_are_raised():
     def with_a_limit(overlap: float) -> float:
         if overlap > 1.5:
             raise KeyError("pressed too far")
@@ -212,7 +221,7 @@ def test_a_force_that_falls_is_told():
 
 @pytest.mark.parametrize("at", [0.3, 0.5, 1.0, 2.0])
 def test_the_overlap_from_which_a_force_falls_is_located(at):
-    """The probe before the fall was reported as its place, up to 43 % before it."""
+    """Check the overlap in the warning. It named the probe before the decrease, up to 43 % too small."""
     chain = Chain([15.0, math.inf], OwnLaw(lambda d: d if d < at else 0.5 * at))
     warning = next(w for w in solve(chain, [2.0, 0.0]).warnings if "falls from an overlap of" in w.sentence)
     assert warning.numbers["overlap"] == pytest.approx(at, rel=1e-5)
@@ -221,9 +230,9 @@ def test_the_overlap_from_which_a_force_falls_is_located(at):
 @pytest.mark.parametrize(
     ("force", "at"),
     [
-        (lambda d: d * math.exp(-(d**2)), math.sqrt(0.5)),  # a smooth maximum
-        (lambda d: min(d, 0.4) if d < 0.7 else 0.1, 0.7),  # a plateau before the fall
-        (lambda d: d if d < 0.2 else d - 0.15, 0.2),  # the force recovers and exceeds the maximum
+        (lambda d: d * math.exp(-(d**2)), math.sqrt(0.5)),  # A smooth maximum.
+        (lambda d: min(d, 0.4) if d < 0.7 else 0.1, 0.7),  # A plateau before the decrease.
+        (lambda d: d if d < 0.2 else d - 0.15, 0.2),  # The force recovers and exceeds the maximum.
     ],
 )
 def test_smooth_maxima_and_plateaus_are_located(force, at):
@@ -239,7 +248,8 @@ def test_a_law_of_other_arguments_is_refused(law):
 def test_an_energy_of_other_arguments_is_refused():
     with pytest.raises(ValueError, match="energy of a contact law must be a function of one number"):
         OwnLaw(lambda d: d, lambda d, w: d * w)
-    assert OwnLaw(lambda d, stiffness=2.0: stiffness * d).force(1.0) == 2.0  # a default is not an argument
+    # An argument with a default does not count.
+    assert OwnLaw(lambda d, stiffness=2.0: stiffness * d).force(1.0) == 2.0
 
 
 def test_results_show_themselves(tmp_path):
@@ -250,12 +260,12 @@ def test_results_show_themselves(tmp_path):
     found.to_page(tmp_path / "x.html")
     page = (tmp_path / "x.html").read_text(encoding="utf-8")
     assert "Toda(overlap)" in page
-    assert 'data-say="file"' not in page  # which would name another law
+    assert 'data-say="file"' not in page  # This button would write a file with another law.
     assert found.to_xarray().force.shape == found.force.shape
 
 
-def test_a_pulse_in_a_long_row_is_solved_where_its_energy_loses_digits():
-    """Far ahead of the pulse overlaps are so small that the law's own closed form of the energy is all round-off."""
+def test_a_pulse_is_solved_although_its_energy_loses_digits():
+    """Check overlaps far ahead of the pulse. They are so small that the closed form of the energy is only round-off."""
     steep = OwnLaw(lambda d: math.expm1(5.0 * d), lambda d: math.expm1(5.0 * d) / 5.0 - d)
     found = solve(one_on(10, steep), [1.0] + [0.0] * 10, method="conserving", step=0.01)
     assert found.warnings == ()
@@ -264,7 +274,7 @@ def test_a_pulse_in_a_long_row_is_solved_where_its_energy_loses_digits():
 
 
 def test_a_law_that_refuses_some_overlaps_of_an_array_has_the_others():
-    """As a law does that is made of another one: of a table's overlaps one is beyond what that has a number for."""
+    """Check a law that uses another law. One of the overlaps of its table is beyond the range of the other law."""
     steep = OwnLaw(lambda overlap: np.expm1(50.0 * overlap))
     twice = OwnLaw(lambda overlap: 2.0 * steep.force(overlap))
     assert twice.table.edge[-1] == pytest.approx(steep.table.edge[-1], rel=0.1)

@@ -1,11 +1,12 @@
-"""Positions of beads on a bed: a contact that a step carries past its opening leaves its beads where they are."""
+"""Tests of positions of beads on a bed: a contact that a step carries past its opening must not move its beads."""
 
 import numpy as np
 import pytest
 from softcradle.physics import Chain, TimedForce, power_law, simulate
 from softcradle.physics.chain import GRAVITY
 
-# Two beads that overlap by 32.4 mm, which gives 2.2e-4 N: the bed holds the first with up to 7.1 N, the other slides away.
+# Two beads that overlap by 32.4 mm, which gives 2.2e-4 N. The bed holds the first bead with up to 7.1 N, and the other
+# slides away.
 MASS, LAW, GAP, FRICTION, SPEED = [0.27, 0.67], power_law(6.57, 3.0), -0.0324, 2.7, 1.363
 
 
@@ -13,14 +14,14 @@ MASS, LAW, GAP, FRICTION, SPEED = [0.27, 0.67], power_law(6.57, 3.0), -0.0324, 2
 @pytest.mark.parametrize("method", ["accurate", "radau"])
 def test_a_bead_that_the_bed_holds_stays_where_it_is(method, tolerance):
     found = simulate(Chain(MASS, LAW, GAP, friction=FRICTION), [0.0, SPEED], 1.0, method, tolerance=tolerance)
-    way = SPEED**2 / (2.0 * FRICTION * GRAVITY)  # the contact adds 2e-7 m
+    way = SPEED**2 / (2.0 * FRICTION * GRAVITY)  # The contact adds only 2e-7 m.
     assert found.position[:, 0] == pytest.approx(0.0, abs=1e-14)
     assert found.position[-1, 1] == pytest.approx(GAP + way, abs=3e-7)
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
 def test_a_later_push_finds_the_beads_where_they_stopped(tolerance):
-    """The first bead is pushed over the 2.7 mm between them; velocity and positions by method `scipy`."""
+    """Push the first bead over the gap of 2.7 mm. The expected velocity and positions are from method `scipy`."""
     push = TimedForce(0, [0.5, 0.7, 0.7], [9.0, 9.0, 0.0])
     chain = Chain(MASS, LAW, GAP, friction=FRICTION, forces=push)
     found = simulate(chain, [0.0, SPEED], 0.6, tolerance=tolerance)
@@ -28,7 +29,7 @@ def test_a_later_push_finds_the_beads_where_they_stopped(tolerance):
     assert found.position[-1] == pytest.approx([0.03427678, 0.00268153], abs=10.0 * tolerance + 1e-8)
 
 
-STRUCK = [  # exponent, stiffness, masses, friction, gap, speed; positions at rest and times of contact by method `scipy`
+STRUCK = [  # Exponent, stiffness, masses, friction, gap, speed; final positions and contact times from method `scipy`.
     (3.0, 1.99, [2.81, 2.06], 0.0459, 0.0246, 1.569, (1.38526517, 1.79166218), (0.0157141976, 2.7452448374)),
     (2.0, 1.723, [2.54, 2.62], 0.0499, 0.0205, 1.886, (1.42138992, 1.69662293), (0.0108849362, 2.9973055680)),
     (2.0, 2.67, [0.618, 0.3627], 0.1102, 0.0556, 1.674, (0.78944395, 0.90736059), (0.0335777917, 1.5579591707)),
@@ -49,9 +50,12 @@ def test_beads_that_part_before_they_stop_stay_apart(
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
 def test_the_estimated_error_of_positions_remains_when_the_beads_stop(tolerance):
-    """At rest the velocities have no error left, but the positions keep the errors of the velocities before."""
+    """Check the error after the beads stop. Their velocities are then exact, but the positions keep earlier errors of
+    the velocities.
+    """
     found = simulate(Chain(MASS, LAW, GAP, friction=FRICTION), [0.0, SPEED], 1.0, tolerance=tolerance)
     exact = simulate(Chain(MASS, LAW, GAP, friction=FRICTION), [0.0, SPEED], 1.0, tolerance=1e-12)
-    assert 0.0 < found.speed_scale < SPEED  # the beads go apart: they close with what the contact has stored
+    # The beads separate, so their closing speed is only what the stored energy can give.
+    assert 0.0 < found.speed_scale < SPEED
     assert found.position_error == pytest.approx(tolerance * found.speed_scale * found.time, rel=1e-2)
     assert np.abs(found.position - exact.position).max() <= found.position_error[-1]

@@ -1,4 +1,6 @@
-"""Trajectories on disk: read back equal, readable without softcradle, whole or not at all."""
+"""Tests of trajectories on disk: equal after reading, readable without softcradle, and written completely or not at
+all.
+"""
 
 import json
 import math
@@ -52,7 +54,7 @@ def test_any_numbers_and_texts_are_read_back_equal(data, tmp_path_factory):
         warnings=tuple(data.draw(st.lists(warning, max_size=2))),
     )  # fmt: skip
     path = tmp_path_factory.mktemp("any") / "one.npz"
-    with np.errstate(all="ignore"):  # positions are sums of arbitrary numbers here, and may overflow
+    with np.errstate(all="ignore"):  # Positions are sums of arbitrary numbers here, so they can overflow.
         made.save(path)
     assert_equal(Trajectory.load(path), made)
 
@@ -102,7 +104,7 @@ def test_csv_has_a_row_a_sample_and_units(tmp_path):
         ({"metadata": np.array(json.dumps({"format": 99}))}, "format 99"),
     ],
 )
-def test_other_files_and_those_of_the_future_are_refused_in_a_sentence(content, sentence, tmp_path):
+def test_other_files_and_later_formats_are_rejected(content, sentence, tmp_path):
     path = tmp_path / "other.npz"
     if isinstance(content, dict):
         np.savez(path, **content)
@@ -112,7 +114,7 @@ def test_other_files_and_those_of_the_future_are_refused_in_a_sentence(content, 
         Trajectory.load(path)
 
 
-def test_a_torn_file_is_refused_in_a_sentence_and_codes_of_the_future_are_unknown(collision, tmp_path):
+def test_incomplete_files_and_unknown_codes_are_handled(collision, tmp_path):
     path = tmp_path / "torn.npz"
     replace(collision, warnings=(CodedWarning(WarningCode.SENSITIVE, "so so", {}),)).save(path)
     with np.load(path) as file:
@@ -177,7 +179,7 @@ def test_folder_appears_whole_or_not_at_all(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["film.mp4", "f" * 251 + ".mp4"], ids=["usual", "longest"])
-def test_output_file_has_the_suffix_and_the_usual_permissions(name, tmp_path):
+def test_an_output_file_has_the_usual_permissions(name, tmp_path):
     (tmp_path / "usual").write_bytes(b"")
     with output_file(tmp_path / name) as temporary:
         assert temporary.suffix == ".mp4"

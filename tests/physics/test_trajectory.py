@@ -1,4 +1,4 @@
-"""What `simulate` returns and `advance` does: samples, durations, gaps, events, and no memory taken a step."""
+"""Tests of the results of `simulate` and `advance`: samples, durations, gaps, events, and constant memory."""
 
 import gc
 import math
@@ -58,8 +58,8 @@ def test_given_sample_times_are_those(method):
     assert found.time.tolist() == times
     assert found.position[1].tolist() == found.position[2].tolist()
     fine = simulate(CRADLE, START, 2.0, method, samples=2001)
-    assert found.final_velocity.tolist() == fine.final_velocity.tolist()  # samples leave the path alone
-    for k, time in enumerate(times):  # a sample lies on the path through its neighbours
+    assert found.final_velocity.tolist() == fine.final_velocity.tolist()  # The samples do not change the path.
+    for k, time in enumerate(times):  # A sample lies on the path through its neighbours.
         expected = [np.interp(time, fine.time, fine.position[:, i]) for i in range(5)]
         assert found.position[k] == pytest.approx(expected, abs=2e-5)
 
@@ -79,7 +79,7 @@ def test_without_a_duration_it_runs_until_all_are_apart(method):
     assert longer.final_velocity == pytest.approx(found.final_velocity, abs=1e-12)
 
 
-def test_what_takes_no_time_is_the_start(method):
+def test_a_run_without_duration_is_the_start(method):
     found = simulate(CRADLE, START, 0.0, method, samples=2)
     assert found.velocity.tolist() == [START, START]
     assert found.final_velocity.tolist() == START
@@ -93,7 +93,7 @@ def test_what_takes_no_time_is_the_start(method):
 
 
 @pytest.mark.parametrize("duration", [None, 4.0])
-@pytest.mark.parametrize("name", sorted({*NAMES} - {"scipy"}))  # which repeats the last state, and says so
+@pytest.mark.parametrize("name", sorted({*NAMES} - {"scipy"}))  # Method `scipy` repeats the last state and warns.
 def test_a_run_that_gives_up_has_samples_as_far_as_it_got(name, duration):
     found = solve(CRADLE, START, duration, name, samples=50, most_steps=30)
     assert found.status.gave_up
@@ -111,14 +111,14 @@ def test_a_gap_is_flown_through_freely(method):
     touching = simulate(Chain([1.0, 1.0], hertz(1.0)), [0.5, 0.0], method=method)
     assert opened - closed == pytest.approx(touching.contact_intervals[0][0][1], abs=0.02)
     assert found.final_velocity == pytest.approx(touching.final_velocity, abs=1e-4)
-    assert found.evaluations < 1.5 * touching.evaluations  # a flight costs next to none
+    assert found.evaluations < 1.5 * touching.evaluations  # The flight costs almost nothing.
 
 
 @pytest.mark.parametrize("method", [method.name for method in LIVE])
 def test_advance_takes_no_memory_a_step(method):
     chain = one_on(50, hertz(1.0))
     state = State.at_start(chain, [1.0] + [0.0] * 50)
-    advance(chain, state, 0.01, method, step=1e-3)  # compiles, and takes its scratch memory
+    advance(chain, state, 0.01, method, step=1e-3)  # This call compiles kernels and allocates work memory.
     peaks = []
     gc.collect()
     for count in (10, 10_000):
@@ -126,7 +126,7 @@ def test_advance_takes_no_memory_a_step(method):
         advance(chain, state, count * 1e-4, method, step=1e-4)
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
-    assert peaks[1] <= peaks[0] + 512  # a thousand times the steps
+    assert peaks[1] <= peaks[0] + 512  # The second call takes a thousand times as many steps.
 
 
 @given(st.floats(0.05, 3.0), st.floats(1e-3, 0.3), st.lists(st.floats(0.0, 1.0), min_size=1, max_size=8))
@@ -141,14 +141,16 @@ def test_any_step_duration_and_samples_go_together(method, duration, step, parts
     assert ended.velocity[-1] == pytest.approx(found.final_velocity, abs=1e-12)
 
 
-# Samples of a run to its end are those of the same motion with a known duration; all but pymunk take them from what they kept.
+# Samples of a run without a duration must equal those of the same motion with a known duration. All methods except
+# pymunk compute them from stored steps.
 ENDED = {name: (case.chain, case.velocity) for name, case in CASES.items() if case.duration is None}
 ENDED["over at once"] = Chain([1.0, 1.0, 1.0], hooke(1.0), gap=0.1), [-1.0, 0.0, 0.0]
 ADAPTIVE = [name for name, _ in runs([name for name in CASES if name in ENDED], ("accurate",))]
 for name, chain in (("gears in a row", one_on(10, draft_gear(1.0, 0.1))), ("spheres in a row", one_on(20, hertz(1.0)))):
     ENDED[name] = chain, struck(chain)
     ADAPTIVE.append(name)
-APART = {"accurate": 5e-9, "scipy": 1.5e-8}  # of steps of a run and of one that is known to end there
+# Allowed difference between the steps of a run and of a run with a known end.
+APART = {"accurate": 5e-9, "scipy": 1.5e-8}
 SAMPLED = [*runs([name for name in CASES if name in ENDED], [one.name for one in FIXED_STEP])]
 SAMPLED += [*(("over at once", one.name) for one in FIXED_STEP), *((name, "accurate") for name in ADAPTIVE)]
 SAMPLED += [pytest.param("gears on straws", "scipy", marks=pytest.mark.slow), ("a push that ends", "scipy")]
@@ -167,13 +169,13 @@ def test_a_run_to_its_end_has_the_samples_of_one_with_this_duration(name, method
     for row in ROWS:
         scale = 1.0 + np.abs(getattr(known, row)).max()
         assert getattr(found, row) == pytest.approx(getattr(known, row), abs=APART.get(method, 1e-12) * scale)
-    if method == "accurate":  # at the end itself the last contact has just opened, or is about to
+    if method == "accurate":  # At the end itself, the last contact has just opened or is about to open.
         assert found.force[:-1] == pytest.approx(known.force[:-1], rel=1e-6, abs=1e-6)
 
 
 def test_samples_cost_no_second_run(monkeypatch):
     chain, velocity = ENDED["gears on straws"]
-    simulate_quietly(chain, velocity, method="verlet", samples=50)  # the first of a process loads kernels too
+    simulate_quietly(chain, velocity, method="verlet", samples=50)  # The first run of a process also loads kernels.
     counted = Mock(wraps=fixed_step._pass)
     monkeypatch.setattr(fixed_step, "_pass", counted)
     assert len(simulate_quietly(chain, velocity, method="verlet", samples=50).time) == 50
@@ -184,7 +186,7 @@ def test_samples_cost_no_second_run(monkeypatch):
 def test_the_clock_of_a_run_counts_its_samples_too(module, method):
     chain, velocity = ENDED["gears on straws"]
     record = module.run(Problem(chain, State.at_start(chain, velocity), method, None, 0.01, samples=50))
-    # of pymunk `simulate` has the clock, which told the time of samples alone
+    # For pymunk, `simulate` measures the time. The inner clock counted only the samples.
     assert (record.seconds == 0.0) == (method == "pymunk")
 
 
@@ -200,7 +202,7 @@ def test_a_run_that_waits_for_kernels_does_not_count_that_as_its_cost(monkeypatc
 @pytest.mark.parametrize("name", ADAPTIVE)
 def test_samples_cost_no_second_run_of_an_adaptive_method(name, monkeypatch):
     kernels, counted, begun = runner.kernels_of(ENDED[name][0]), Mock(wraps=runner.integrate), []
-    kernels.load_made()  # each kernel is called once as it is loaded
+    kernels.load_made()  # Loading calls each kernel once.
     monkeypatch.setattr(runner, "integrate", counted)
     monkeypatch.setattr(kernels, "of", lambda kernel, work=0.0: kernel)
     for samples in (2, 50):
@@ -212,7 +214,7 @@ def test_samples_cost_no_second_run_of_an_adaptive_method(name, monkeypatch):
 
 @pytest.mark.parametrize(("limit", "rows", "allowed"), [("MOST_ROWS", 3, 0.0), ("MOST_KEPT", 1, 1e-8)])
 @pytest.mark.parametrize("name", ADAPTIVE)
-def test_samples_do_not_tell_in_what_blocks_steps_were_kept_or_run_again(name, limit, rows, allowed, monkeypatch):
+def test_samples_do_not_depend_on_the_blocks_of_stored_steps(name, limit, rows, allowed, monkeypatch):
     whole = simulate_quietly(*ENDED[name], samples=23)
     monkeypatch.setattr(kept_steps, limit, rows)
     monkeypatch.setattr(runner, "_last_run", runner._LastRun())

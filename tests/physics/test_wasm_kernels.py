@@ -1,4 +1,4 @@
-"""The kernels for browsers: what the shipped file is made of, and its digits, which are those of plain Python."""
+"""Tests of the kernels for browsers: the contents of the file, and the same digits as plain Python."""
 
 from importlib.util import find_spec
 from io import BytesIO
@@ -12,9 +12,9 @@ from tools.same_digits import TIERS, TIERS_HERE, compare, frames, motions
 from tools.wasm_kernels import FILE
 from tools.wasm_runner import RUNNERS, WasmKernels, installed
 
-FRAMES = 150  # of a viewer: beads meet and push
+FRAMES = 150  # Frames of the viewer. In this time the beads meet and push each other.
 
-# sections of a module, and what follows an instruction of the WebAssembly of 2017
+# Sections of a module, and the operands of instructions in WebAssembly of 2017.
 IMPORTS, CODE, DATA = 2, 10, 11
 NUMBERS = dict.fromkeys([12, 13, 16, *range(0x20, 0x25), 0x41, 0x42], 1) | dict.fromkeys([17, *range(0x28, 0x3F)], 2)
 BYTES = dict.fromkeys([2, 3, 4, 0x3F, 0x40], 1) | {0x43: 4, 0x44: 8}
@@ -22,17 +22,17 @@ TABLE_JUMP, LAST = 14, 0xBF
 
 
 class Reader(BytesIO):
-    """The bytes of a module, read one after the other."""
+    """A reader of the bytes of a module."""
 
     def number(self) -> int:
-        """A whole number: seven bits in each byte, the last of which is below 128."""
+        """Read a whole number in LEB128 format: seven bits per byte, and the last byte is below 128."""
         (byte,) = self.read(1)
         return byte if byte < 128 else byte - 128 + 128 * self.number()
 
 
 def instructions(body: bytes) -> list[int]:
     reader, found = Reader(body), []
-    for _ in range(reader.number()):  # local variables: how many, of which type
+    for _ in range(reader.number()):  # Local variables: their number and type.
         reader.number()
         reader.read(1)
     while code := reader.read(1):
@@ -43,10 +43,10 @@ def instructions(body: bytes) -> list[int]:
     return found
 
 
-def test_the_file_is_small_and_takes_nothing_and_every_browser_has_its_instructions():
+def test_the_wasm_file_is_small_and_portable():
     content = FILE.read_bytes()
     assert content[:8] == b"\0asm\1\0\0\0"
-    assert len(content) < 64_000  # a page holds them as text, a third longer
+    assert len(content) < 64_000  # A page contains the file as base64 text, which is a third longer.
     reader, sections = Reader(content[8:]), {}
     while kind := reader.read(1):
         sections[kind[0]] = reader.read(reader.number())
@@ -58,7 +58,7 @@ def test_the_file_is_small_and_takes_nothing_and_every_browser_has_its_instructi
 
 @pytest.fixture(scope="module")
 def kernels():
-    """The shipped file in Node, else in a browser."""
+    """Run the file in Node, or otherwise in a browser."""
     runner = next(filter(installed, RUNNERS), None)
     if runner is None:
         pytest.skip("neither Node nor a browser is installed")
@@ -68,7 +68,7 @@ def kernels():
 
 @pytest.fixture(scope="module")
 def plainly(tmp_path_factory):
-    """Frames of all motions by plain Python, in a process of its own."""
+    """Return the frames of all motions, computed with plain Python in another process."""
     out = tmp_path_factory.mktemp("frames") / "plain.npz"
     words = ("--frames", str(FRAMES), "--tiers", "plain Python", "--write", str(out))
     python("-m", "tools.same_digits", *words, cwd=ROOT, **TIERS["plain Python"])
@@ -81,7 +81,7 @@ def test_its_digits_are_those_of_plain_python(name, kernels, plainly):
     found = frames(motions()[name], FRAMES, kernels.advance)
     assert found.tobytes() == plainly[name].tobytes()
     chain = motions()[name][0]
-    assert (found[:, 3 + 2 * chain.contacts : 3 + 3 * chain.contacts] > 0.0).any()  # contacts have pushed
+    assert (found[:, 3 + 2 * chain.contacts : 3 + 3 * chain.contacts] > 0.0).any()  # The contacts have pushed.
 
 
 @pytest.mark.slow
@@ -96,5 +96,5 @@ def test_built_anew_it_has_the_same_digits(kernels, plainly, tmp_path):
 
 
 @pytest.mark.slow
-def test_every_tier_has_the_same_digits_whatever_the_processor_and_the_c_library():
+def test_every_kernel_tier_has_the_same_digits():
     assert compare(TIERS_HERE, 200)

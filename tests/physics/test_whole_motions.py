@@ -1,4 +1,4 @@
-"""Short motions through every kind of step, switch and rest: what must hold of each by any method, compiled or not."""
+"""Tests of short motions that contain every kind of step, mode change and rest, with every method, compiled or not."""
 
 from functools import cache
 
@@ -17,7 +17,7 @@ MOVED_LIVE = (
 
 
 @pytest.mark.parametrize(("name", "method"), runs(CASES, METHODS))
-def test_what_holds_of_every_motion(name, method):
+def test_every_motion_has_the_general_properties(name, method):
     case = CASES[name]
     found = solved(case, method)
     assert found.status in (Status.DONE, Status.SEPARATED)
@@ -32,34 +32,39 @@ def test_what_holds_of_every_motion(name, method):
 
 
 @pytest.mark.parametrize(("name", "method"), runs(RESTING, (*METHODS, "scipy")))
-def test_what_rests_stays_at_rest_in_equilibrium(name, method):
+def test_beads_at_rest_stay_in_equilibrium(name, method):
     chain, found = CASES[name].chain, solved(CASES[name], method)
-    pressed = np.min(chain.gap) < 0.0  # where round-off moves them
+    pressed = np.min(chain.gap) < 0.0  # Round-off moves beads that are pressed together at the start.
     assert np.abs(found.velocity).max() <= 1e-10 * pressed
     assert_sound(found)
     if not chain.on_bed:
         assert np.abs(found.overlap + chain.gap).max() <= 1e-9 * np.abs(chain.gap).max()
         left, right = np.pad(found.force, [(0, 0), (1, 0)]), np.pad(found.force, [(0, 0), (0, 1)])
         net = left - right + (0.0 if chain.drive_force is None else chain.drive_force)
-        begun = 1 if method == "conserving" else 0  # whose first forces are those of its first step
+        begun = 1 if method == "conserving" else 0  # The first forces of conserving are those of its first step.
         assert net[begun:, np.isfinite(chain.mass)] == pytest.approx(0.0, abs=1e-9 if pressed else 1e-12)
 
 
 @cache
 def by_scipy(name):
-    """As long as `accurate` finds that it takes: on a bed `scipy` goes on until all beads rest."""
+    """Return the run of `scipy` with the duration that `accurate` finds. On a bed, `scipy` continues until all beads
+    rest.
+    """
     case = CASES[name]
     duration = case.duration or float(solved(case, "accurate").time[-1])
     return simulate_quietly(case.chain, case.velocity, duration, "scipy", samples=SAMPLES, tolerance=1e-9)
 
 
 MOVING = [name for name in CASES if name not in RESTING]
-MANY_SWITCHES = ("gears on straws", "a wagon train", "a stack under its weight")  # within steps of `conserving`
+# Motions with several mode changes within a step of `conserving`.
+MANY_SWITCHES = ("gears on straws", "a wagon train", "a stack under its weight")
 
 
 @pytest.mark.parametrize(("name", "method"), runs(MOVING, (*KERNELS, "conserving")))
 def test_every_corner_is_passed_as_the_reference_does(name, method):
-    """It shares no kernel with them: between located switches SciPy integrates the equations of beads."""
+    """Compare with the reference, which shares no kernels. Between located events, SciPy integrates the equations of
+    motion.
+    """
     case = CASES[name]
     found, other = solved(case, method), by_scipy(name)
     fastest = np.abs(other.velocity).max()
@@ -77,18 +82,18 @@ def test_every_corner_is_passed_as_the_reference_does(name, method):
     for one, those in zip(found.contact_intervals, other.contact_intervals, strict=True):
         ends = [min(end, other.time[-1]) for _, end in those]
         assert [min(end, found.time[-1]) for _, end in one] == pytest.approx(ends, abs=1e-3)
-        if not (case.chain.on_bed or case.chain.pulls):  # there a contact may begin to push when forces grow
+        if not (case.chain.on_bed or case.chain.pulls):  # In these chains a contact may begin to push when forces grow.
             assert [begin for begin, _ in one] == pytest.approx([begin for begin, _ in those], abs=2e-3)
 
 
-# by the reference too, but where what just touches opens and closes from frame to frame
+# Also with the reference, except for motions in which touching contacts open and close between frames.
 LIVE = runs(MOVED_LIVE, METHODS)
 LIVE += [(name, "scipy") for name in MOVED_LIVE if name not in ("gears on straws", "between walls")]
 
 
 @pytest.mark.parametrize(("name", "method"), LIVE)
-def test_frames_go_where_the_whole_run_goes_and_hand_out_its_switches(name, method):
-    """Live use moves a state by a fortieth of a second at a time: 25 fixed steps, which are those of the whole run."""
+def test_live_frames_agree_with_the_whole_run(name, method):
+    """Compare live frames of 1/40 s (25 fixed steps, the same as in the whole run) with the whole run."""
     case, finer = CASES[name], fineness(method, 1e-3, tolerance=TOLERANCE)
     state, found = State.at_start(case.chain, case.velocity), [[] for _ in case.chain.contact]
     for _ in range(40):
@@ -100,7 +105,7 @@ def test_frames_go_where_the_whole_run_goes_and_hand_out_its_switches(name, meth
         assert ((np.bincount(state.switched.contact, minlength=len(found)) % 2 == 1) == (before != state.closed)).all()
     whole = simulate_quietly(case.chain, case.velocity, 1.0, method, samples=2, **finer)
     assert state.time == pytest.approx(1.0)
-    # a contact of "between walls" closes at an end of a frame: within a step of a Space, by round-off
+    # A contact of "between walls" closes at the end of a frame. With pymunk, round-off shifts this by up to a step.
     allowed = {"pymunk": 1e-3, "scipy": 1e-9}.get(method, 1e-13 if "step" in finer else TOLERANCE)
     assert state.velocity(case.chain) == pytest.approx(whole.velocity[-1], abs=allowed)
     assert state.position(case.chain) == pytest.approx(whole.position[-1], abs=allowed)
@@ -112,14 +117,16 @@ def test_frames_go_where_the_whole_run_goes_and_hand_out_its_switches(name, meth
         assert state.given == pytest.approx(whole.given[-1], rel=1e-3, abs=1e-9)
     expected = [[time for span in spans for time in span if time < np.inf] for spans in whole.contact_intervals]
     assert state.switches == sum(map(len, expected))
-    # contacts of the train touch at no sharp time
+    # Contacts of the train touch without a sharp time.
     sharp = 0.06 if name == "a wagon train" else 2e-3 if "step" in finer else 1e-6
     for times, known in zip(found, expected, strict=True):
         assert times == pytest.approx(known, abs=sharp)
 
 
 def test_deep_forces_grow_smoothly_from_the_first_moment():
-    """Those between the third and fourth bead had a step of 0.76 % at 2.5e-13 s: a local slope of 0.08 among some of 0.216."""
+    """Check the local slopes. The force between the third and fourth bead had a step of 0.76 % at 2.5e-13 s: a slope of
+    0.08 instead of 0.216.
+    """
     times = np.geomspace(1e-15, 1e-9, 241)
     found = simulate(one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0], 1e-8, samples=times)
     slope = np.diff(np.log(found.force), axis=0) / np.diff(np.log(times))[:, None]
@@ -127,6 +134,8 @@ def test_deep_forces_grow_smoothly_from_the_first_moment():
 
 
 def test_an_open_contact_has_no_force_in_samples_of_conserving():
-    """A step that a contact opens in has a mean force, which is not that of its end."""
+    """Check open contacts in samples. A step in which a contact opens has a mean force, which is not the force at its
+    end.
+    """
     found = simulate(one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0], method="conserving", step=1e-3, samples=20001)
     assert not ((found.force > 0.0) & (found.overlap < 0.0)).any()

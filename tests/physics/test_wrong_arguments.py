@@ -1,4 +1,4 @@
-"""Mistakes in Python: each is a ValueError of one sentence that names the argument, without names of internals."""
+"""Tests of wrong arguments: each raises a ValueError with one sentence that names the argument, without internal names."""
 
 import math
 import warnings
@@ -26,7 +26,7 @@ ONES, WALLED = np.ones((3, 3)), [[math.inf, 1, math.inf]]
 BATCH = ChainBatch(ONES, 0.0, 1.0, 0.5)
 CONTACT = SoftContact(*BODIES[:2], (0, 0), (0, 0), 1, LAW)
 STILL = [pymunk.Body(body_type=kind) for kind in (pymunk.Body.STATIC, pymunk.Body.KINEMATIC)]
-PAIR = BODY, (0, 0), (0, 0), 1, LAW  # all but the first body of a SoftContact
+PAIR = BODY, (0, 0), (0, 0), 1, LAW  # All arguments of a SoftContact except the first body.
 ROW = SoftChain(BODIES, LAW, 1)
 GEAR = draft_gear(2.0, 0.1, loss=0.1)
 RUBS, TRAIN = Chain([1, 1], hertz(1.0), friction=0.1), Chain([1, 1], Coupler(LAW, LAW))
@@ -212,7 +212,7 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "batch: a depth": (lambda: ensemble_ends(ChainBatch(ONES, 0, 1e-30, 1e-3), [1e30, 0, 0]), "would be pressed by about"),
     "own law: no number": (
         lambda: simulate(Chain([1] * 4, lambda d: d if d < 0.72 else math.nan), [0.5, 0.5, -0.5, -0.5], method="verlet"),
-        "gave no number in the course of the motion",  # two beads press further than one alone would
+        "gave no number in the course of the motion",  # Two beads press further than a single bead would.
     ),
     "own law: a pull": (lambda: simulate(Chain([1, 1], lambda d: d - 0.1), [1, 0]), "the force -0.1 N .* only pushes"),
     "own law: a weak law": (lambda: simulate(Chain([1, 1], lambda d: math.exp(-d)), [9, 0]), "never stores the energy"),
@@ -239,8 +239,8 @@ def test_a_mistake_is_named(mistake, sentence):
 
 @pytest.mark.parametrize("method", ["accurate", "conserving"])
 @pytest.mark.parametrize("seed", range(20))
-def test_what_is_not_refused_is_finite(method, seed):
-    """Numbers drawn over 20 decades each: the motion is finite, or the run says that it gave up."""
+def test_accepted_chains_give_finite_results(method, seed):
+    """Draw numbers over 20 orders of magnitude. The motion must be finite, or the run must report that it gave up."""
     draw = np.random.default_rng(seed)
     f0, mass, speed = 10.0 ** draw.uniform(-10.0, 10.0, 3)
     alpha = 10.0 ** draw.uniform(math.log10(LEAST_EXPONENT), math.log10(MOST_EXPONENT))
@@ -260,7 +260,7 @@ def test_what_is_not_refused_is_finite(method, seed):
         (Chain([1] * 5, hertz(1e3), friction=20.0), 1e-8, "a coefficient of friction of 20"),
     ],
 )
-def test_what_is_hardly_meant_is_a_warning(chain, tolerance, sentence):
+def test_unusual_arguments_give_a_warning(chain, tolerance, sentence):
     with pytest.warns(RuntimeWarning, match=sentence):
         simulate(chain, START, tolerance=tolerance)
 

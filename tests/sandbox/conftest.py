@@ -1,4 +1,4 @@
-"""What tests of the command share."""
+"""Fixtures for tests of the command."""
 
 import re
 
@@ -9,7 +9,7 @@ from softcradle.sandbox.console import set_quiet
 
 @pytest.fixture
 def softcradle(capsys):
-    """A function: what the command prints for its words, on standard output and error, when it ends with `code`."""
+    """Return a function that runs the command, checks its exit code `code`, and returns its standard output and error."""
 
     def run(*words, code=0):
         assert main(list(words)) == code
@@ -21,13 +21,13 @@ def softcradle(capsys):
 
 @pytest.fixture
 def one_core(monkeypatch):
-    """Points of a sweep are computed here: processes would each import and load all for a few of them."""
+    """Compute points of a sweep in this process. Child processes would need longer for imports than for a few points."""
     monkeypatch.setattr("softcradle.sandbox.sweeps.executors.cores", lambda: 1)
 
 
 @pytest.fixture
 def refused(softcradle):
-    """A function: the one sentence of what the command says to words that it does not take."""
+    """Return a function that runs the command with wrong arguments and returns its error sentence."""
 
     def run(*words):
         out, err = softcradle(*words, code=2)

@@ -1,4 +1,6 @@
-"""Tables of measurements: exports of ten programs are read with their units, and unclear tables are refused at their place."""
+"""Tests of tables of measurements: exports of ten programs are read with their units, and errors name their line and
+column.
+"""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""One table of quantities: whatever has a heading, an axis or a unit calls a quantity by the same name and unit."""
+"""Tests of the table of quantities: headings, axes and units everywhere use the same names and units."""
 
 import re
 
@@ -15,13 +15,13 @@ from tests.helpers.paths import ROOT
 from tests.helpers.sessions import opened
 
 TABLE = (*QUANTITIES.values(), MASS)
-# words of a heading that tell which quantity it is of; the later one where there are two: "momentum of force" is a force
+# Words of a heading that identify its quantity. If there are two, the last one counts: "momentum of force" is a force.
 WORDS = {"mass": MASS, "time": TIME, "position": POSITION, "velocity": VELOCITY, "velocities": VELOCITY, "overlap": OVERLAP,
          "force": FORCE, "forces": FORCE, "momentum": MOMENTUM, "energy": KINETIC}  # fmt: skip
 HEADING = re.compile(r"([A-Za-z _]+)[\d-]* [\[(]([^\])]*)[\])]")
 
 
-def test_headings_of_files_tables_and_pages_have_the_units_of_the_table(tmp_path):
+def test_headings_have_the_units_of_the_quantities(tmp_path):
     trajectory = solve(one_on(2, power_law(1.0, 0.1)), [1.0, 0.0, 0.0])
     trajectory.to_csv(tmp_path / "run.csv")
     columns = (tmp_path / "run.csv").read_text().splitlines()[0].split(",")
@@ -37,9 +37,9 @@ def test_headings_of_files_tables_and_pages_have_the_units_of_the_table(tmp_path
         name, unit = HEADING.search(heading).groups()
         exact = [one for one in TABLE if one.name == name]
         owners = exact or [WORDS[word] for word in re.findall("[a-z]+", name.lower()) if word in WORDS]
-        if owners and unit not in [prefix + owners[-1].unit for prefix in ("", "k", "M")]:  # kN is right too
+        if owners and unit not in [prefix + owners[-1].unit for prefix in ("", "k", "M")]:  # kN is also correct.
             wrong.append(heading)
-    assert wrong == ["velocity (m)"]  # which is here to be found
+    assert wrong == ["velocity (m)"]  # This wrong heading must be found.
 
 
 def test_the_table_of_values_and_signals_are_the_table():

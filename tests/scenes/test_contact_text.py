@@ -1,4 +1,4 @@
-"""Contacts in a line of text: read, written back, refused in a sentence."""
+"""Tests of contacts as a line of text: reading, writing and error messages."""
 
 import pytest
 from hypothesis import given
@@ -16,7 +16,8 @@ def test_names_numbers_and_fractions():
         assert contact_from(f" power{arguments}").contact() == physics.power_law(2.0, 1 / 14)
     assert contact_text(physics.draft_gear(770.0, 0.0177)) == "draft_gear(770, 0.0177)"
     rounded = next(one for k in range(1, 99) if law_of(one := physics.Contact(k / 10.0, 0.7, 1.0)).law == "preloaded")
-    assert contact_text(rounded).startswith("draft_gear(0.7, ")  # in text alone: no precompression gives its digits
+    # This rounding is only in the text. No precompression would give exactly these digits.
+    assert contact_text(rounded).startswith("draft_gear(0.7, ")
 
 
 @pytest.mark.parametrize(
@@ -40,7 +41,7 @@ def test_refusals(text, sentence):
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.law)
-def test_files_and_texts_take_the_name_of_a_kind_and_its_former_one_and_texts_are_written_back(kind):
+def test_a_contact_is_read_by_its_present_and_former_name(kind):
     numbers = {name: 0.25 + k for k, name in enumerate(kind.numbers)}
     expected, lossy = kind.constructor(**numbers), kind.constructor(**numbers, loss=0.25)
     assert law_of(lossy).model_dump() == {"law": kind.law, **numbers, "loss": 0.25}

@@ -1,4 +1,6 @@
-"""Scenes, couplers too: the catalogue agrees with its texts, one is written back equal, and nothing but scenes is accepted."""
+"""Tests of scene files, with couplers: the catalogue agrees with its texts, files are written back equal, and invalid
+files are rejected.
+"""
 
 import math
 import pickle
@@ -19,7 +21,7 @@ from softcradle.scenes.scene_schema import MOST_BEADS
 from softcradle import scenes
 from tests.helpers.relations import FIXED_STEP, simulate_quietly
 
-# Final velocities, from quadruple-precision solutions.
+# Final velocities [m/s] from quadruple-precision solutions.
 TRUE_OUTCOMES = {
     "one-on-four": (-0.567586, 0.173921, 0.454079, 0.469784, 0.469802),
     "one-on-four-softer": (-0.597544, 0.338743, 0.419348, 0.419727, 0.419727),
@@ -30,27 +32,31 @@ TRUE_OUTCOMES = {
 
 
 def final_velocities(name: str) -> list[np.ndarray]:
-    """Final velocities of every lane; those of `mixed` are determined to 1e-4 only, and warn."""
+    """Return the final velocities of every lane. In the scene `mixed` they are determined only to 1e-4, so that its
+    runs warn.
+    """
     found = [simulate_quietly(lane.chain(), lane.velocity) for lane in scenes.load(name).lanes]
     assert name == "mixed" or not any(run.warnings for run in found)
     return [run.final_velocity for run in found]
 
 
 @pytest.mark.parametrize("name", scenes.names())
-def test_every_scene_ends_by_itself_and_is_written_back_equal(name, tmp_path):
+def test_every_scene_is_written_back_equal(name, tmp_path):
     scene = scenes.load(name)
-    (tmp_path / "own.toml").write_text(scene.to_toml(), encoding="utf-8-sig")  # by an editor that begins with a mark
+    # Some editors write a byte order mark at the beginning.
+    (tmp_path / "own.toml").write_text(scene.to_toml(), encoding="utf-8-sig")
     assert scenes.load(tmp_path / "own.toml") == scene
     assert scenes.text_of(tmp_path / "own.toml") == scene.to_toml()
     assert scene.title
     assert scene.source
-    assert scene.method is None or name.startswith("train-")  # dozens of stops and reversals: fixed steps are faster
+    # The trains stop and reverse dozens of times, so they use fixed steps, which are faster.
+    assert scene.method is None or name.startswith("train-")
     endless = any(lane.chain().walls or lane.drive for lane in scene.lanes) or name.startswith("train-")
     assert endless == (scene.duration is not None)
     assert all(lane.label for lane in scene.lanes)
 
 
-def test_what_is_wrong_with_a_scene_comes_back_from_another_process():
+def test_scene_errors_can_be_pickled():
     with pytest.raises(SceneError) as refused:
         scenes.parse('title = "x"\nlanes = 1\nduration = 0.0\n')
     again = pickle.loads(pickle.dumps(refused.value))
@@ -72,16 +78,16 @@ def test_texts_agree_with_the_motions():
     assert np.ptp(mixed[1:]) / mixed[1:].mean() < 0.03  # "almost as one body"
     four_on_one, one_on_four = final_velocities("galilean")
     np.testing.assert_allclose(four_on_one, 1.0 - one_on_four[::-1], atol=1e-9)
-    assert four_on_one[-1] > 1.5  # "half as fast again"
+    assert four_on_one[-1] > 1.5  # "one and a half times as fast as they came"
     assert (four_on_one[:4] > 0.5).all()
     rigid, usual = final_velocities("locked-pistons")
     assert rigid[1:] == pytest.approx(0.25, abs=2e-3)
     assert np.ptp(rigid[1:]) < 1e-9
-    assert usual[3] > 0.98 * 0.5  # "the usual cradle"
+    assert usual[3] > 0.98 * 0.5  # "almost all the speed"
     assert np.abs(usual[:3]).max() < 0.12 * 0.5
     for name, strikers in (("draft-gear-one-on-three", 1), ("draft-gear-two-on-two", 2)):
         (gears,) = final_velocities(name)
-        assert np.ptp(gears[strikers:]) < 1e-9  # the speed is below that at which inner springs yield
+        assert np.ptp(gears[strikers:]) < 1e-9  # The speed is too low for the inner springs to yield.
 
 
 def test_beads_touch_as_long_as_the_gears_beside_them():
@@ -106,7 +112,8 @@ def test_short_forms_mean_what_they_stand_for():
     wall = lane('mass = [inf, 1, 2]\nvelocity = [0, -1, 0]\ngap = [1, 0.5]\ncontact = {law = "hooke", stiffness = 3}')
     assert wall.chain() == Chain([math.inf, 1.0, 2.0], hooke(3.0), [1.0, 0.5])
     with pytest.raises(ValueError, match="mass"):
-        Lane(mass=(None, 1.0), velocity=(0.0, 1.0), contact={"law": "hertz", "stiffness": 1.0})  # in JSON alone a wall
+        # A mass of None means a wall only in JSON.
+        Lane(mass=(None, 1.0), velocity=(0.0, 1.0), contact={"law": "hertz", "stiffness": 1.0})
 
 
 def test_overrides_replace_what_the_scene_says():
@@ -117,12 +124,13 @@ def test_overrides_replace_what_the_scene_says():
     assert scenes.load("one-on-four").settings() == {}
     rough = scenes.load("one-on-four").model_copy(update={"tolerance": 1e-4})
     assert rough.settings(method="accurate") == {"method": "accurate", "tolerance": 1e-4}
-    stepped = scenes.load("one-on-four").model_copy(update={"step": 0.01})  # the window takes `conserving` for it
+    # The window uses `conserving` for a scene with a step.
+    stepped = scenes.load("one-on-four").model_copy(update={"step": 0.01})
     assert stepped.settings() == {"method": "conserving", "step": 0.01}
     assert stepped.settings(method="accurate") == {"method": "accurate"}
     pulling = scenes.parse(TRAIN.replace('method = "conserving"', "").replace("exponent = 1.7", "exponent = 0.7"))
-    assert pulling.settings() == {"duration": 1.0, "method": "conserving"}  # `accurate` refuses it
-    assert MOST_SAMPLED >= 1001 * MOST_BEADS  # a lane is not refused the samples that `run` takes
+    assert pulling.settings() == {"duration": 1.0, "method": "conserving"}  # `accurate` rejects this chain.
+    assert MOST_SAMPLED >= 1001 * MOST_BEADS  # The largest lane accepts as many samples as `run` takes.
 
 
 POSITIVE = st.floats(min_value=1e-6, max_value=1e6)
@@ -191,7 +199,7 @@ ANYTHING = st.recursive(
 @given(data=st.data())
 @settings(max_examples=300, deadline=None)
 def test_any_file_is_a_scene_or_a_refusal(data):
-    """One key of a good scene gets any value at all: no other exception, no hang."""
+    """Set one key of a valid scene to any value. The parser must return, and it may raise only SceneError."""
     import tomli_w
 
     table = tomllib.loads(scenes.text_of("beads-against-gear"))
@@ -200,7 +208,7 @@ def test_any_file_is_a_scene_or_a_refusal(data):
     place[data.draw(st.sampled_from(keys))] = data.draw(ANYTHING.filter(lambda value: value is not None))
     try:
         text = tomli_w.dumps(table)
-    except TypeError:  # null has no place in TOML
+    except TypeError:  # TOML cannot represent null.
         return
     problems = ()
     try:
@@ -230,7 +238,7 @@ stop = 1e8
 COUPLER = Coupler(Contact(250e3, 3.75e7, 1.7, 0.8), Contact(0.0, 1e7, 1.0), 0.02, 0.166, 1e8)
 
 
-def test_a_scene_file_gives_couplers_and_their_tables_give_them_back():
+def test_couplers_of_scene_files_are_written_back():
     scene = scenes.parse(TRAIN)
     assert scene.lanes[0].chain() == Chain([8e4] * 3, COUPLER, 0.01)
     assert scenes.parse(scene.to_toml()) == scene

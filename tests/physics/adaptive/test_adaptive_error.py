@@ -1,4 +1,6 @@
-"""Errors of adaptive methods: ten tolerances at the most, or a warning, and no more than each result states of its own."""
+"""Tests of the errors of adaptive methods: at most ten tolerances unless the run warns, and at most the estimated
+error.
+"""
 
 import math
 import signal
@@ -25,16 +27,18 @@ from softcradle import scenes
 from tests.helpers.relations import KERNELS, PROMISE, assert_sound, closing_speed, run, simulate_quietly, struck
 from tests.helpers.truth import ELASTIC, GEAR, GEARS
 
-TOLERANCES = tuple(10.0 ** (-0.25 * k) for k in range(12, 41))  # quarter decades, 1e-3 to 1e-10
-HALF_DECADES = TOLERANCES[:21:2]  # to 1e-8, for motions whose runs are many and long
-FINE_RUNS = 8  # of a motion, to see how far it is determined
-SHAKEN = 1e-14  # relative change of masses between fine runs: a few units of the last place, as between two processors
-SPREADS = 3.0  # spreads of the fine runs by which another run may lie away from their mean
+TOLERANCES = tuple(10.0 ** (-0.25 * k) for k in range(12, 41))  # Steps of a quarter decade from 1e-3 to 1e-10.
+HALF_DECADES = TOLERANCES[:21:2]  # Down to 1e-8, for motions that need many long runs.
+FINE_RUNS = 8  # Number of fine runs of a motion that show how precisely the motion is determined.
+# Relative change of masses between the fine runs: a few units in the last place, like the difference between two
+# processors.
+SHAKEN = 1e-14
+SPREADS = 3.0  # Allowed distance of another run from the mean of the fine runs, in spreads of the fine runs.
 RATTLES = one_on(15, power_law(1.0, 0.010969857978923836))
 
 
 def lanes():
-    """Every lane of every scene that ends by itself, once."""
+    """Return every lane of every scene that ends by itself, without duplicates."""
     found = {}
     for name in scenes.names():
         for k, lane in enumerate(scenes.load(name).lanes):
@@ -46,7 +50,7 @@ def lanes():
 
 
 def check_errors(exact, tolerances, *arguments, speed=1.0, **options):
-    """The error at each tolerance: ten of them at the most, of that speed."""
+    """Check that the error at each tolerance is at most ten tolerances times `speed` [m/s]."""
     for tolerance in tolerances:
         found = run(*arguments, tolerance=tolerance, **options)
         assert np.abs(found.final_velocity - exact).max() < PROMISE * tolerance * speed, tolerance
@@ -60,7 +64,9 @@ def test_error_stays_below_ten_tolerances(method, truth):
 
 @pytest.mark.parametrize(("n", "softness"), [(5, 14), (10, 30), (20, 50)])
 def test_error_in_deep_clusters(n, softness):
-    """One on 5 bounces six times at 1e-6 of its speed before it is over: there one part in 1e10 is a bounce."""
+    """Check deep clusters. With one on 5, the last six bounces have 1e-6 of the speed. There, an error of 1e-10 can
+    change a bounce.
+    """
     chain = one_on(n, power_law(1.0, 1.0 / softness))
     exact = run(chain, struck(chain), method="radau", tolerance=1e-12).final_velocity
     check_errors(exact, TOLERANCES, chain, struck(chain))
@@ -68,13 +74,14 @@ def test_error_in_deep_clusters(n, softness):
 
 @pytest.mark.parametrize(("chain", "velocity"), lanes())
 def test_error_in_every_scene(chain, velocity):
-    """Ten tolerances, as far as the motion is determined: the last two beads of `mixed` rattle, and end within 2e-6 m/s.
+    """Check that the error is at most ten tolerances plus the uncertainty of the motion. The last two beads of `mixed`
+    chatter, and their final velocities are determined to 2e-6 m/s.
 
-    Where a contact bounces often, errors of single steps are passed on and grow: finer runs confirm these. A warning is
-    in place only where fine runs differ by more than the tolerance.
+    If a contact bounces often, later bounces amplify the errors of single steps, so finer runs confirm these motions. A
+    run may warn only if the fine runs differ by more than the tolerance.
     """
     shaken, fine = np.random.default_rng(0), []
-    for _ in range(FINE_RUNS):  # whose masses differ by round-off
+    for _ in range(FINE_RUNS):  # Masses of these runs differ by round-off.
         mass = np.array(chain.mass) * (1.0 + SHAKEN * shaken.uniform(-1.0, 1.0, chain.contacts + 1))
         fine.append(simulate_quietly(replace(chain, mass=mass), velocity, method="radau", samples=2, tolerance=1e-10))
     ends = np.array([found.final_velocity for found in fine])
@@ -88,15 +95,17 @@ def test_error_in_every_scene(chain, velocity):
 
 
 def test_error_under_a_steady_push():
-    """The pushed cluster comes back to nearly no overlap: a change d of it there is one of sqrt(d) in velocity.
+    """Check a pushed cluster. It returns to almost no overlap, where a change d of the overlap changes a velocity by
+    sqrt(d).
 
-    Its end is from `reference_end` of the scan, in extended precision, at 1e-13: known to 4e-13 m/s. Finer runs differ by 1e-9.
+    The exact velocities are from `reference_end` of the scan in extended precision at 1e-13, and known to 4e-13 m/s.
+    Finer runs differ by 1e-9.
     """
     scene = scenes.load("driven-cluster")
     chain, velocity = scene.lanes[0].chain(), scene.lanes[0].velocity
     exact = [3.2812531034648, 3.3059875881534, 3.3063794628714, 3.3063798455104]
     check_errors(exact, HALF_DECADES, chain, velocity, scene.duration)
-    found = simulate_quietly(chain, velocity, scene.duration, tolerance=1e-10, samples=2)  # it may warn
+    found = simulate_quietly(chain, velocity, scene.duration, tolerance=1e-10, samples=2)  # This run may warn.
     assert np.abs(found.final_velocity - exact).max() < PROMISE * 1e-10
 
 
@@ -104,18 +113,22 @@ def test_error_under_a_steady_push():
 @pytest.mark.parametrize("method", KERNELS)
 @pytest.mark.parametrize(("n", "ratio"), [(4, 1.005), (4, 1.014), (10, 1.005), (10, 1.014)])
 def test_a_gear_that_yields_for_a_moment_is_seen(method, n, ratio, tolerance):
-    """Just above the critical speed an inner contact passes its preload by a part in a thousand, between the nodes of a step."""
+    """Check that a short yielding is found. Just above the critical speed, an inner contact exceeds its preload by 0.1
+    % between the nodes of a step.
+    """
     chain, speed = one_on(n, GEAR), ratio * critical_speed(GEAR, np.ones(n + 1), 1)
     reference = run(chain, speed * struck(chain), method="radau", tolerance=1e-12)
     found = run(chain, speed * struck(chain), method=method, tolerance=tolerance)
     assert np.abs(found.final_velocity - reference.final_velocity).max() < PROMISE * tolerance * speed
     assert np.ptp(found.final_velocity[1:]) > 1e-5
-    if tolerance < 1e-3:  # which does not tell bounces of a thousandth of the speed apart
+    if tolerance < 1e-3:  # The tolerance 1e-3 cannot distinguish bounces with a thousandth of the speed.
         assert len(found.contact_intervals[1]) == len(reference.contact_intervals[1])
 
 
 def spring_from_rest(seed):
-    """Pressed by a steady force that begins within long steps: errors of rates alone vanish there, those of overlaps do not."""
+    """Return a chain with a steady force that begins within long steps. Its error is visible in the overlaps but not in
+    the rates.
+    """
     stiffness = np.random.default_rng(seed).uniform(3.0, 5.0)
     laws = [Contact(1.69, 3.17, 0.287), Contact(0.0194, stiffness, 1.0), step_force(0.272)]
     laws += [Contact(1.95, 0.172, 0.747), step_force(0.54)]
@@ -123,13 +136,15 @@ def spring_from_rest(seed):
 
 
 def stiff_beside_pressed(_):
-    """Newton's iteration crept there, along a law that is all but linear, and was taken to have converged."""
+    """Return a chain with an almost linear law, on which Newton's iteration converged slowly and was stopped too early."""
     laws = [Contact(1.9, 23.6, 0.956, loss) for loss in (0.2, 0.7, 0.9)]
     return Chain([8.4, 0.113, 2.86, 1.12], laws), [1.0, 1.0, 0.0, 0.0], 0.154
 
 
 def soft_under_a_growing_push(seed):
-    """The overlap is small against what the preload moves in a step, and yet its rate is not determined by overlaps alone."""
+    """Return a chain whose preload moves a contact much further in a step than its overlap. The overlaps still do not
+    determine its rate.
+    """
     drawn = np.random.default_rng(seed)
     yielding = Contact(drawn.uniform(0.05, 0.4), drawn.uniform(0.2, 1.0), drawn.uniform(0.7, 0.95))
     chain = Chain([drawn.uniform(0.2, 1.0), drawn.uniform(1.0, 3.0), np.inf], [hooke(10.0), yielding])
@@ -153,17 +168,19 @@ def test_a_contact_that_yields_within_long_steps(make, seeds, truth, methods):
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_a_bead_that_comes_back_to_zero_overlap_is_as_exact_as_the_tolerance(seed):
-    """A steady force pushes it against a wall, from zero overlap on; steps across such a turn saw a smooth force."""
+def test_a_bead_that_returns_to_zero_overlap_keeps_the_tolerance(seed):
+    """Check a bead that a steady force pushes against a wall from overlap 0. A step across its return would see a
+    smooth force.
+    """
     draw = np.random.default_rng(seed)
     law, push, mass = hertz(10.0 ** draw.uniform(-1, 2)), 10.0 ** draw.uniform(-1, 0), 10.0 ** draw.uniform(-1, 1)
     chain = Chain([mass, np.inf], law, drive=[push, 0.0])
     deepest = (2.5 * push / law.stiffness) ** (2.0 / 3.0)
-    period = np.sqrt(2.0 * mass * deepest / push) * beta(1.0 / 3.0, 0.5) / 1.5  # in closed form, by energy
+    period = np.sqrt(2.0 * mass * deepest / push) * beta(1.0 / 3.0, 0.5) / 1.5  # Closed form from the energy balance.
     for part in (1.25, 1.5, 2.3):
         wanted = run(chain, [0, 0], part * period, method="radau", tolerance=1e-12).final_velocity[0]
         if part == 1.5:
-            assert wanted == pytest.approx(0.0, abs=1e-7)  # the deepest point
+            assert wanted == pytest.approx(0.0, abs=1e-7)  # The bead is at its largest overlap.
         for tolerance in 10.0 ** np.arange(-5.0, -9.1, -0.5):
             found = run(chain, [0.0, 0.0], part * period, method="dop853", tolerance=tolerance)
             speed = max(np.ptp(found.velocity), 1.0)
@@ -171,8 +188,10 @@ def test_a_bead_that_comes_back_to_zero_overlap_is_as_exact_as_the_tolerance(see
 
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1.05e-6, 1e-8])
-def test_a_motion_that_rattles_ends_with_what_is_determined_of_it(tolerance):
-    """Some 1e5 bounces at 1e-6 m/s; runs of `conserving` at steps from 1e-2 to 1e-5 end within 3e-5 of each other."""
+def test_a_chattering_motion_reports_what_is_determined(tolerance):
+    """Check a chain with about 1e5 bounces at 1e-6 m/s. Runs of `conserving` with steps from 1e-2 to 1e-5 s agree
+    within 3e-5 m/s.
+    """
     found = simulate_quietly(RATTLES, struck(RATTLES), tolerance=tolerance)
     assert found.status == Status.BUDGET_SPENT
     assert not found.status.gave_up
@@ -184,12 +203,12 @@ def test_a_motion_that_rattles_ends_with_what_is_determined_of_it(tolerance):
     assert found.time.size == 201
     np.testing.assert_allclose(found.velocity[-1], found.final_velocity, atol=1e-12)
     assert (np.diff(found.time) > 0.0).all()
-    assert_sound(found)  # contacts close and open in turn, across the hand-over too
+    assert_sound(found)  # Contacts close and open in turn, even when the method changes during the run.
     assert max(intervals[-1][1] for intervals in found.contact_intervals) <= found.time[-1] * (1.0 + 1e-9)
-    assert found.contact_intervals[0][-1][1] > 1.5  # the struck contact stays closed nearly to the end
+    assert found.contact_intervals[0][-1][1] > 1.5  # The struck contact stays closed almost until the end.
 
 
-def test_a_bead_that_goes_away_does_not_loosen_the_tolerance_of_the_others():
+def test_a_departing_bead_does_not_change_the_tolerance():
     chain = Chain([1.0, 1.0, 1.0], hooke(1.0))
     found = simulate_quietly(chain, [-1e6, 1.0, 0.0], tolerance=1e-4, samples=2)
     np.testing.assert_allclose(found.final_velocity, [-1e6, 0.0, 1.0], atol=1e-3)
@@ -197,7 +216,9 @@ def test_a_bead_that_goes_away_does_not_loosen_the_tolerance_of_the_others():
 
 
 def test_a_log_that_is_too_small_grows_as_the_run_goes_on(monkeypatch):
-    """A run that rattles is computed once, not once more with a larger log; no switch is lost, of samples or not."""
+    """Check that a run continues with a larger log, and does not start again. No mode change is lost, with few or many
+    samples.
+    """
     chain = one_on(7, power_law(1.0, 0.02))
     problem = Problem(chain, State.at_start(chain, struck(chain)), "radau", None, 0.0, 1e-7, 2)
     whole = runner.one_run(problem)
@@ -216,7 +237,9 @@ def test_a_log_that_is_too_small_grows_as_the_run_goes_on(monkeypatch):
     ("n", "exponent", "tolerance"), [(7, 0.0216426, 1e-6), (9, 0.0243379, 1e-8), (17, 0.0061423, 1e-8)]
 )
 def test_runs_that_confirm_a_motion_take_a_bounded_number_of_steps(n, exponent, tolerance):
-    """Of 1000 random one on n these took the longest: five runs, each ten times finer, of up to 55 000 steps."""
+    """Check the slowest of 1000 random chains one on n. They needed five runs, each ten times finer, of up to 55 000
+    steps.
+    """
     chain = one_on(n, power_law(1.0, exponent))
     found = solve(chain, struck(chain), samples=2, tolerance=tolerance)
     problem = Problem(chain, State.at_start(chain, struck(chain)), "accurate", None, 0.0, tolerance, 2)
@@ -226,14 +249,16 @@ def test_runs_that_confirm_a_motion_take_a_bounded_number_of_steps(n, exponent, 
     assert (apart <= found.velocity_error + finer.velocity_error).all()
 
 
-def test_a_row_that_rattles_from_its_start_at_rest_is_not_followed_bounce_by_bounce():
-    """Its contacts are struck first at 1e-10 of the speed that its drive gives it later: in no time, and more than 1e9 times."""
+def test_chattering_from_rest_is_not_followed_bounce_by_bounce():
+    """Check a chain whose contacts first close at 1e-10 of the speed that the drive gives them later. They would bounce
+    more than 1e9 times in almost no time.
+    """
     push = [-0.28, -0.11, -1.0, 0.43, -0.19, -1.08]
     chain = Chain([0.14, 0.11, 0.21, 0.11, 0.8, 0.64], power_law(5.1, 0.06), gap=[0.04, 0, 0, 0, 0], drive=push)
     for tolerance in (1e-8, 1e-10):
         found = solve(chain, [0.0] * 6, 0.04, samples=2, tolerance=tolerance)
         assert found.status == Status.BUDGET_SPENT
-        assert found.steps < 400_000  # a hundred million, bounce by bounce
+        assert found.steps < 400_000  # Following each bounce would take a hundred million steps.
         assert found.velocity_error.max() < 1e-6
 
 
@@ -246,17 +271,18 @@ def test_a_signal_is_heard_within_a_run(monkeypatch):
     signal.setitimer(signal.ITIMER_REAL, 0.3)
     try:
         with pytest.raises(InterruptedError, match="heard"):
-            deque(map(confirm.run, repeat(problem)), maxlen=0)  # for ever
+            deque(map(confirm.run, repeat(problem)), maxlen=0)  # This loop ends only by the signal.
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
 
 
 def test_samples_of_an_end_in_steps_that_double_are_those_asked_for(monkeypatch):
-    """Steps of unlike length end between samples; each sample is taken once."""
-    early = solve(RATTLES, struck(RATTLES), 2.5, samples=[0.5, 1.0])  # before the end is handed over
+    """Check that each sample is taken exactly once if steps of different lengths end between the samples."""
+    # These samples are before the end phase, which uses another method.
+    early = solve(RATTLES, struck(RATTLES), 2.5, samples=[0.5, 1.0])
     assert (early.status, early.time.tolist()) == (Status.BUDGET_SPENT, [0.5, 1.0])
-    times = np.linspace(1.8, 2.0, 4001)  # several in each step
+    times = np.linspace(1.8, 2.0, 4001)  # Each step contains several samples.
     plain = solve(RATTLES, struck(RATTLES), 2.5, samples=times)
     monkeypatch.setattr(confirm, "STEPS_ALIKE", 40)
     doubled = solve(RATTLES, struck(RATTLES), 2.5, samples=times)
@@ -265,11 +291,12 @@ def test_samples_of_an_end_in_steps_that_double_are_those_asked_for(monkeypatch)
     assert doubled.overlap.shape == plain.overlap.shape
 
 
-# those whose error was silent, up to 2e-4 of their own speed, among others
+# Among others, the seeds whose error was undetected, up to 2e-4 of their speed.
 @pytest.mark.parametrize("seed", [18, 29, 51, 93, 98, 140, 144, *range(200, 216)])
 def test_no_error_of_a_return_at_rest_is_silent(seed):
-    """A drive just beyond the preload of a spring at a wall: after each period the bead is at rest at d = 0, where the force
-    jumps, and a change e of its velocity has become one of sqrt(e)."""
+    """Check a drive just above the preload of a spring at a wall. After each period the bead is at rest at d = 0, where
+    the force jumps. An error e of its velocity becomes an error sqrt(e) there.
+    """
     draw = np.random.default_rng(seed)
     preload, stiffness, mass = 10.0 ** draw.uniform(-1, 1, 3)
     beyond, periods, tolerance = 10.0 ** draw.uniform(-8, 0), draw.uniform(1, 30), 10.0 ** draw.uniform(-11, -5)
@@ -281,7 +308,7 @@ def test_no_error_of_a_return_at_rest_is_silent(seed):
 
 
 def test_bounces_at_full_speed_go_on_and_are_determined(monkeypatch):
-    """A bead between two springs, 600 bounces at full speed: no number of steps is too large for them."""
+    """Check a bead with 600 bounces between two springs. Bounces at full speed do not count against the step budget."""
     monkeypatch.setattr(usual_budget, "CONTACT_STEPS", 1000)
     monkeypatch.setattr(usual_budget, "STEPS_A_CONTACT", 0)
     bounces, gap, stiffness = 600, 1.0, 1e4
@@ -289,22 +316,25 @@ def test_bounces_at_full_speed_go_on_and_are_determined(monkeypatch):
     duration = bounces * (gap + math.pi / math.sqrt(stiffness)) + 0.3 * gap
     found = solve(chain, [0.0, 1.0, 0.0], duration, samples=2, tolerance=1e-6)
     assert not found.warnings
-    assert found.steps > 2000  # of a usual budget of 500
+    assert found.steps > 2000  # The usual budget is 500 steps.
     assert abs(found.final_velocity[1] - 1.0) <= found.velocity_error[1] < 1e-4
 
 
 def test_a_motion_of_very_many_bounces_ends_in_bounded_time(monkeypatch):
-    """A bead that a steady force pressed on a wall took 43 million steps, minutes, for a seventh of a second."""
+    """Check a bead that a steady force presses on a wall. It took 43 million steps (minutes) for a seventh of a second."""
     monkeypatch.setattr(usual_budget, "MOST_LASTING", 1e4)
     chain = Chain([1.0, math.inf], power_law(1.27, 0.113), drive=[0.036, 0.0])
     found = solve(chain, [0.0, 0.0], 2.0, samples=2, tolerance=1e-6)
     assert found.status == Status.BUDGET_SPENT
     assert found.steps < 5e5
-    assert abs(found.final_velocity[0]) <= found.velocity_error[0] < 1e-5  # at rest on the wall, but for 1e-13 m
+    # The bead rests on the wall, except for 1e-13 m.
+    assert abs(found.final_velocity[0]) <= found.velocity_error[0] < 1e-5
 
 
-def test_no_stated_error_exceeds_what_energy_and_momentum_allow():
-    """Two beads have two velocities that keep both: where they are, and where they were."""
+def test_the_estimated_error_is_bounded_by_energy_and_momentum():
+    """Check the bound of the estimated error. Two beads have only two pairs of velocities with the same energy and
+    momentum: the present and the initial one.
+    """
     for mass, velocity, most in (([1.0, 3.0], [1, 0], [1.5, 0.5]), ([math.inf, 1.0, math.inf], [0, 1, 0], [0, 2, 0])):
         chain = Chain(mass, hooke(1.0))
         start = State.at_start(chain, velocity)
@@ -312,8 +342,8 @@ def test_no_stated_error_exceeds_what_energy_and_momentum_allow():
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_no_stated_error_of_any_chain_exceeds_what_energy_and_momentum_allow(seed):
-    """Of chains at tolerances so loose that their errors would be anything."""
+def test_the_estimated_error_of_any_chain_is_bounded_by_energy(seed):
+    """Check chains at tolerances so loose that the estimates would be unbounded otherwise."""
     draw = np.random.default_rng(seed)
     n = int(draw.integers(2, 7))
     laws = [power_law(10.0 ** draw.uniform(-1, 1), 10.0 ** draw.uniform(-2, 0)) for _ in range(n)]
@@ -329,7 +359,7 @@ def test_no_stated_error_of_any_chain_exceeds_what_energy_and_momentum_allow(see
 
 
 def ringing(seed):
-    """A stiff contact rings as long as a soft one pushes."""
+    """Return a chain in which a stiff contact rings as long as a soft contact pushes."""
     draw = np.random.default_rng(seed)
     stiff = [hertz, hooke][seed % 2](10.0 ** draw.uniform(3, 4))
     return Chain(10.0 ** draw.uniform(-0.5, 1.0, 3), [stiff, power_law(1e-2, 0.2)])
@@ -339,12 +369,12 @@ WALLED = Chain([math.inf, 1.0, math.inf], hertz(1e4), 0.1)
 STOPPED = Coupler(draft_gear(233.0, 0.00428), hertz(37.0), slack=0.01, travel=0.0263, stop=29_756.0)
 SOLID = Coupler(hertz(54.7), hooke(393.0), travel=0.05, stop=1e4)
 PULLED = Coupler(draft_gear(103.0, 0.00972), draft_gear(35.8, 0.0279))
-GROWING = [  # chain, start, durations and tolerances
-    # errors of a phase add up: they were stated as those of steps that know nothing of each other
+GROWING = [  # Chain, start velocities [m/s], durations [s] and tolerances.
+    # Phase errors add up. They were estimated as independent errors of single steps.
     *((ringing(seed), [1.0, 0.9, 0.0], [20.0], (1e-4, 1e-5, 1e-6)) for seed in range(4)),
-    # what errors of velocity have made late has another velocity where a run ends within a bounce
+    # The run ends within a bounce. A bounce that is late because of velocity errors has another velocity at the end.
     (WALLED, [0.0, 1.0, 0.0], [4.33, 4.355], (1e-6, 1e-8)),
-    # stops of couplers, and preloads without slack between them, make errors grow as bounces do
+    # Stops of couplers, and preloads without slack between them, amplify errors like bounces.
     (Chain([5.83, math.inf], STOPPED), [1.07, 0.0], np.linspace(1.5, 1.7, 8), (1e-6, 1e-8)),
     (Chain(np.ones(5), SOLID), [0.0, -0.2, -0.1, -1.3, 0.7], [1.48, 3.0], (1e-6, 1e-8)),
     (Chain([0.13, 7.3, 0.13, 4.7], PULLED), [1.0, 0.0, 0.0, 0.0], [2.6, 4.0], (1e-6, 1e-8)),
@@ -370,7 +400,7 @@ def test_the_stated_errors_hold(method, chain, velocity, durations, tolerances):
             error = np.abs(found.final_velocity - exact.final_velocity)
             assert (error <= found.velocity_error + exact.velocity_error).all(), (duration, tolerance)
             assert error.max() < PROMISE * tolerance * closing_speed(velocity) or found.status in confirm.UNCERTAIN
-            if duration is not None:  # else ends differ, and so do the times of samples
+            if duration is not None:  # Without a duration, the end times and sample times of the two runs differ.
                 apart = np.abs(found.position - exact.position).max(axis=1)
                 assert (apart <= found.position_error + exact.position_error).all(), (duration, tolerance)
                 least = tolerance * found.speed_scale
@@ -379,8 +409,8 @@ def test_the_stated_errors_hold(method, chain, velocity, durations, tolerances):
 
 @pytest.mark.parametrize("tolerance", [1e-8, 1e-12, 1e-15])
 @pytest.mark.parametrize("law", [draft_gear(1e6, 0.05), power_law(1.0, 0.1), hertz(5.0), hooke(3.0)], ids=str)
-def test_what_is_stated_is_no_less_than_round_off(law, tolerance):
-    """Of two beads, whose velocities are known, seen from a frame in which they are slow or fast."""
+def test_the_estimated_error_is_at_least_round_off(law, tolerance):
+    """Check collisions of two beads with known final velocities, in frames of reference in which they are slow or fast."""
     for seed in range(25):
         draw = np.random.default_rng(seed)
         mass = draw.uniform(0.1, 10.0, 2)

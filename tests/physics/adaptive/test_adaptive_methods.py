@@ -1,4 +1,6 @@
-"""radau, dop853 and accurate: live steps, closed forms, no switch missed, rows stepped in ranges, and the work they take."""
+"""Tests of radau, dop853 and accurate: live steps, closed forms, no missed mode change, steps of parts of a chain, and
+cost.
+"""
 
 import math
 from itertools import pairwise, product
@@ -35,12 +37,13 @@ from tests.helpers.truth import GEAR
 
 @pytest.mark.parametrize("method", KERNELS)
 def test_advance_from_a_turning_point(method):
-    """Compressed and at rest to round-off: the closing speed is no scale for the error there."""
+    """Start compressed and at rest up to round-off. The closing speed then cannot serve as the scale of the error."""
     chain = Chain([1.0, 1.0], hooke(4.0))
     state = State.at_start(chain, [1e-17, 0.0])
     state.overlap[:] = 0.5
     advance(chain, state, 0.2, method)
-    expected = 0.25 * math.sqrt(8.0) * math.sin(0.2 * math.sqrt(8.0))  # each of two unit masses on a spring of 2 k
+    # Each of two unit masses is on a spring of stiffness 2 k.
+    expected = 0.25 * math.sqrt(8.0) * math.sin(0.2 * math.sqrt(8.0))
     assert state.velocity(chain) == pytest.approx([-expected, expected], abs=1e-7)
 
 
@@ -48,7 +51,9 @@ def test_advance_from_a_turning_point(method):
 @pytest.mark.parametrize("part", [0.3, 0.9, 0.99])
 @pytest.mark.parametrize("method", [*KERNELS, "scipy"])
 def test_rigid_gears_to_round_off(method, part, n):
-    """Velocities, contact time and peak force in closed form: to 1e-12, and reached to 4e-15 (measured); inner beads rest."""
+    """Compare velocities, contact time and peak force with closed forms to 1e-12 (measured: 4e-15). Inner beads rest on
+    each other.
+    """
     chain, speed = one_on(n, GEAR), part * critical_speed(GEAR, np.ones(n + 1), 1)
     _, pulse, peak = rigid_stroke(GEAR, chain.mass, 1, speed)
     found = run(chain, speed * struck(chain), method=method, tolerance=1e-13, samples=65)
@@ -57,7 +62,7 @@ def test_rigid_gears_to_round_off(method, part, n):
     assert not found.overlap[pushed, 1:].any()
     assert not found.rate[pushed, 1:].any()
     ((closed, opened),) = found.contact_intervals[0]
-    assert set(found.contact_intervals) == {((closed, opened),)}  # all push exactly as long
+    assert set(found.contact_intervals) == {((closed, opened),)}  # All contacts push for the same time.
     assert opened - closed == pytest.approx(pulse, rel=1e-12)
     middle = run(chain, speed * struck(chain), pulse, method, samples=[pulse / 2], tolerance=1e-13)
     assert middle.force[0] == pytest.approx(peak * np.arange(n, 0, -1) / n, rel=1e-12)
@@ -66,11 +71,14 @@ def test_rigid_gears_to_round_off(method, part, n):
 @pytest.mark.parametrize("method", ["radau", "accurate"])
 @pytest.mark.parametrize("n", [1, 2, 4, 8])
 def test_the_limit_of_small_exponents_is_the_step_force(method, n):
-    """What is left falls faster than any power of alpha, as the deepest overlap does: n**(-1/alpha), Eq. (7)."""
+    """Check that the remaining difference decreases faster than any power of alpha, like the deepest overlap
+    n**(-1/alpha) of Eq. (7).
+    """
     stepped = one_on(n, step_force(1.0))
     limit = run(stepped, struck(stepped), method=method, tolerance=1e-8).final_velocity
     assert limit == pytest.approx(rigid_collision(stepped.mass, 1), abs=1e-7)
-    alphas = (1e-1, 3e-2, 1e-2, 3e-3, 1.5e-3, 1e-3)  # overlaps from 1e-1 to below the smallest number
+    # The overlaps range from 1e-1 to below the smallest floating-point number.
+    alphas = (1e-1, 3e-2, 1e-2, 3e-3, 1.5e-3, 1e-3)
     runs = (run(one_on(n, power_law(1.0, a)), struck(stepped), method=method, tolerance=1e-8) for a in alphas)
     gaps = [np.abs(found.final_velocity - limit).max() for found in runs]
     assert gaps[0] < 0.5
@@ -79,7 +87,7 @@ def test_the_limit_of_small_exponents_is_the_step_force(method, n):
 
 
 WALLS = motion("walls", 163)
-PASSED_OVER = {  # chain, start, duration, and how often each contact closes at least
+PASSED_OVER = {  # Chain, start velocities, duration, and the least number of closings of each contact.
     **{
         f"a collision after a flight of {gap:g} s": (Chain([1.0] * 3, hooke(1e4), gap), [1, 0, 0], 10.0 + 3.0 * gap, [1, 1])
         for gap in (0.1, 1.0, 1e3, 1e6)
@@ -90,11 +98,12 @@ PASSED_OVER = {  # chain, start, duration, and how often each contact closes at 
     ),
     "a collision in the middle of another": (Chain([1, 1, 2, 1], hertz(3.0), [0.5, 0.1, 0.0]), [2, 0, 0.5, -1], None, [2, 1, 2]),
     "a ceiling that a bead is thrown at": (Chain([1.0, math.inf], hooke(1e6), 4.9, drive=[-9.8, 0.0]), [10.0, 0.0], 5.0, [1]),
-    # tries to end a step at an event were all spent on a step far too long; the next, shorter one went past the closing
+    # All attempts to end a step at an event used a step that was far too long. The next, shorter step then passed the
+    # closing.
     "a closing": (Chain([math.inf, 1.0, 1.0, math.inf], hooke(0.149), [0.0, 0.213, 0.0]), [0, 1, 1, 0], 24.0, [1, 2, 1]),
-    # a light bead beside a heavy one shivers: whether a long step foretells its opening depends on the length of the step
+    # A light bead next to a heavy one oscillates fast. The length of a step decides if the step predicts the opening.
     "an opening": (Chain([3.4e-3, 9.8e3, 0.69], [hooke(12.7), hooke(19.4)]), [1, 1, 0], None, [1, 1]),
-    # tries that began far beyond an opening went to and fro before it, and the last of them went on past it
+    # Attempts that began far beyond an opening jumped around it, and the last one passed it.
     "a corner": (WALLS.chain, WALLS.velocity, WALLS.duration, [2, 2, 1, 1, 1]),
 }  # fmt: skip
 
@@ -102,7 +111,9 @@ PASSED_OVER = {  # chain, start, duration, and how often each contact closes at 
 @pytest.mark.parametrize(("chain", "start", "duration", "closings"), PASSED_OVER.values(), ids=PASSED_OVER)
 @pytest.mark.parametrize("method", KERNELS)
 def test_a_long_step_passes_over_no_switch(method, chain, start, duration, closings):
-    """A loose tolerance allows one as long as a flight, or as another contact; a collision takes a hundredth of a second."""
+    """Check that no mode change is missed. A loose tolerance allows a step as long as a flight, but a collision takes
+    0.01 s.
+    """
     fine = simulate_quietly(chain, start, duration, method, tolerance=1e-9, samples=2)
     for tolerance in (1e-2, 1e-3, 1e-4):
         found = simulate_quietly(chain, start, duration, method, tolerance=tolerance, samples=2)
@@ -117,13 +128,15 @@ def test_a_long_step_passes_over_no_switch(method, chain, start, duration, closi
 def test_a_thousand_contacts(law):
     short, found = (run(one_on(n, law), np.eye(1, n + 1)[0], 3.0, tolerance=1e-5) for n in (50, 1000))
     assert momentum(found.chain, found.final_velocity) == pytest.approx(1.0, abs=1e-5)
-    if not law.preload:  # a rigid train feels its end at once; a wave has not come that far
+    if not law.preload:  # A rigid train feels its end at once. A wave has not reached the end yet.
         assert found.final_velocity[:5] == pytest.approx(short.final_velocity[:5], abs=1e-4)
 
 
 @pytest.mark.parametrize(("n", "exponent", "tolerance"), [(684, 1.2, 3e-5), (772, 1.2, 7.9e-8)])
 def test_beads_that_a_wave_has_passed_do_not_rattle(n, exponent, tolerance):
-    """They differ in velocity by the noise of the run alone: each contact closes once, and few steps are taken."""
+    """Check beads whose velocities differ only by the noise of the run: each contact closes once, and the run takes few
+    steps.
+    """
     chain = one_on(n, power_law(100.0, exponent))
     found = run(chain, struck(chain), samples=2, tolerance=tolerance)
     assert {len(spans) for spans in found.contact_intervals} == {1}
@@ -133,8 +146,8 @@ def test_beads_that_a_wave_has_passed_do_not_rattle(n, exponent, tolerance):
 
 @pytest.mark.parametrize("method", KERNELS)
 @pytest.mark.parametrize("part", [0.2, 0.5, 0.9])
-def test_what_closes_too_slowly_to_count_gains_no_energy(method, part):
-    """Beads that are apart by next to nothing, beside a collision that lasts: a rate below the bound stays below itself."""
+def test_very_slow_closings_gain_no_energy(method, part):
+    """Check two beads with almost no gap, next to a long collision. A rate below the bound must stay below its value."""
     tolerance = 1e-6
     rate = part * TOLERANCE_PART**2 * tolerance
     chain = Chain([1.0] * 4, [hertz(1e-4), hertz(1.0), hertz(1e4)], [0.0, 1e6, 1e-9])
@@ -145,14 +158,16 @@ def test_what_closes_too_slowly_to_count_gains_no_energy(method, part):
 @pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("method", KERNELS)
 def test_rows_of_preloaded_soft_laws_are_not_given_up(method, seed):
-    """Of contacts that open together the last is at an overlap whose force is that of its preload to the last digit."""
+    """Check contacts that open together. The last one has an overlap at which the force equals the preload to the last
+    digit.
+    """
     draw = np.random.default_rng(seed)
     chain = Chain(np.ones(6), Contact(draw.uniform(0.05, 2.0), 10.0 ** draw.uniform(1.0, 4.0), draw.uniform(0.6, 0.95)))
     start = 3e-3 * np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
     assert run(chain, start, method=method, samples=2, tolerance=1e-8).velocity_error.max() < 3e-10
 
 
-COSTS = {  # chain, duration, tolerance, and steps and evaluations: twice what is measured
+COSTS = {  # Chain, duration, tolerance, and limits of steps and evaluations: twice the measured values.
     "soft": (one_on(4, power_law(1.0, 0.1)), None, 1e-6, 200, 2500),
     "deep": (one_on(10, power_law(1.0, 1 / 30)), None, 1e-6, 250, 4200),
     "wave": (one_on(100, hertz(1.0)), 200.0, 1e-6, 900, 20_000),
@@ -162,7 +177,9 @@ COSTS = {  # chain, duration, tolerance, and steps and evaluations: twice what i
 
 @pytest.mark.parametrize(("chain", "duration", "tolerance", "steps", "evaluations"), COSTS.values(), ids=COSTS)
 def test_cost_is_that_of_the_promise(chain, duration, tolerance, steps, evaluations):
-    """And no digit is another in the memory of another run, whatever that has left there."""
+    """Check the cost. Also check that a run has the same digits in the memory of another run, whatever that memory
+    contains.
+    """
     left = runner.Memory.of(chain.contacts, runner.FIRST_LOG)
     found = run(chain, struck(chain), duration, tolerance=tolerance)
     for rows in (*left.trial, *left.look, *left.scratch, left.mode, left.held, left.log.closed, left.log.counter):
@@ -175,8 +192,8 @@ def test_cost_is_that_of_the_promise(chain, duration, tolerance, steps, evaluati
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_what_dop853_misses_of_a_force_that_begins_or_ends_in_a_step(seed):
-    """Against the integral of (1 - t / part)**a, and of t**a, over the step."""
+def test_dop853_bounds_its_error_at_onsets_and_ends(seed):
+    """Compare the error bounds with the integrals of (1 - t / part)**a and of t**a over the step."""
     draw = np.random.default_rng(seed)
     for exponent, part in zip(1.0 + draw.uniform(0.001, 2.0, 50), draw.uniform(0.01, 1.0, 50), strict=True):
         ends, begins = np.maximum(1.0 - NODES / part, 0.0) ** exponent, NODES**exponent
@@ -188,8 +205,8 @@ def test_what_dop853_misses_of_a_force_that_begins_or_ends_in_a_step(seed):
 
 
 @pytest.mark.parametrize("stiffness", 10.0 ** np.arange(-9.0, 4.0))
-def test_a_step_goes_past_the_end_of_a_force_only_where_that_is_no_error(stiffness):
-    """Of two contacts between heavy beads, whose rates hardly change: a step of 1 s at the most."""
+def test_a_step_passes_the_end_of_a_force_only_if_the_error_is_small(stiffness):
+    """Check two contacts between heavy beads, whose rates hardly change, with a step of at most 1 s."""
     limited, wanted, mass = plain(limited_by_ends), 1e-12, 1e8
     for soon, late in np.random.default_rng(0).uniform(0.02, 1.2, (40, 2)):
         data, motion = pressed(Chain([mass] * 3, hertz(stiffness)), [-2.0, 0.0, 1.0], [2.0 * soon, late])
@@ -201,8 +218,10 @@ def test_a_step_goes_past_the_end_of_a_force_only_where_that_is_no_error(stiffne
 
 
 @pytest.mark.parametrize("law", [draft_gear(1.0, 0.1), step_force(1.0)])
-def test_a_preloaded_contact_takes_part_in_a_step_that_ends_as_it_opens(law):
-    """Left out of so short a step it would stand still, and so would the run: a coupler took 75 000 steps in place."""
+def test_a_preloaded_contact_is_active_until_it_opens(law):
+    """Check that a contact is active in a very short step. Otherwise the run would stand still: a coupler took 75 000
+    steps in place.
+    """
     data, motion = pressed(Chain([1.0, 1.0], law), [0.0, 0.0], [1e-17])
     assert plain(is_active)(0, 1e-12, 1e-9, data, motion)
     data, motion = pressed(Chain([1.0, 1.0], hertz(1.0)), [0.0, 0.0], [1e-17])
@@ -210,16 +229,18 @@ def test_a_preloaded_contact_takes_part_in_a_step_that_ends_as_it_opens(law):
 
 
 @pytest.mark.parametrize(("exponent", "tolerance"), [*product((1.2, 1.5, 2.3), (1e-7, 1e-9))])
-def test_few_tries_of_a_step_are_in_vain_where_contacts_close_and_open(exponent, tolerance):
+def test_few_steps_are_rejected_when_contacts_open_and_close(exponent, tolerance):
     draw = np.random.default_rng(5)
     chain = Chain(draw.uniform(0.5, 2.0, 21), power_law(100.0, exponent), gap=0.02)
     found = run(chain, struck(chain), tolerance=tolerance)
-    assert found.evaluations < 15 * 1.3 * found.steps  # 1.4 to 1.5 where nothing tells of an opening to come
+    assert found.evaluations < 15 * 1.3 * found.steps  # It is 1.4 to 1.5 if coming openings are not predicted.
 
 
 @pytest.mark.parametrize("method", KERNELS)
 def test_a_contact_with_a_largest_force_against_its_closed_form(method):
-    """A row of one's own, as in the documentation: a preloaded spring to the largest force, then a steady one, in closed form."""
+    """Compare the user-defined coupler of the documentation with its closed form: a preloaded spring up to the largest
+    force, then a steady force.
+    """
     preload, stiffness, most, speed = 0.2, 2.0, 1.0, 2.0
     crush = LargestForce(draft_gear(stiffness, preload / stiffness), most=most)
     way = (most - preload) / stiffness
@@ -229,7 +250,7 @@ def test_a_contact_with_a_largest_force_against_its_closed_form(method):
     turn = first + at_yield / most
     times = np.linspace(0.0, 2.5 * turn, 201)[:-1]
     found = run(Chain([1.0, math.inf], crush), [speed, 0.0], 2.5 * turn, method, tolerance=1e-10, samples=times)
-    at_turn = 80  # times[80] is the time of the largest overlap
+    at_turn = 80  # times[80] is the time of the largest overlap.
     assert found.overlap[at_turn, 0] == pytest.approx(way + at_yield**2 / 2.0 / most, abs=1e-8)
     assert found.force[at_turn, 0] == pytest.approx(most, abs=1e-12)
     assert found.velocity[at_turn, 0] == pytest.approx(0.0, abs=1e-8)
@@ -238,7 +259,7 @@ def test_a_contact_with_a_largest_force_against_its_closed_form(method):
     ((closed, opened),) = found.contact_intervals[0]
     assert (closed, opened) == (0.0, pytest.approx(2.0 * turn, abs=1e-8))
     np.testing.assert_allclose(found.ledger, found.ledger[0], atol=1e-8)
-    assert np.ptp(crush.energy(found.overlap[:, 0])) > 0.5  # the ledger has potential energy to account for
+    assert np.ptp(crush.energy(found.overlap[:, 0])) > 0.5  # Potential energy is a large part of the energy balance.
 
 
 def test_a_method_that_does_not_read_segments_is_refused():
@@ -251,8 +272,10 @@ def test_a_method_that_does_not_read_segments_is_refused():
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-7, 1e-10])
-def test_two_impacts_on_one_chain_do_what_each_does_alone(tolerance):
-    """Struck at both ends, before the waves meet: the left half is that of a chain struck once, the right its mirror."""
+def test_two_impacts_on_one_chain_are_independent(tolerance):
+    """Strike a chain at both ends. Before the waves meet, the left half moves like a chain struck once, and the right
+    half is its mirror image.
+    """
     chain, options = one_on(40, hertz(1.0)), {"method": "accurate", "tolerance": tolerance}
     both = run(chain, np.r_[1.0, np.zeros(39), -1.0], 15.0, **options)
     alone = run(chain, np.r_[1.0, np.zeros(40)], 15.0, **options)
@@ -267,24 +290,27 @@ COLLIDE_FOR_LONG = [(60, 1e-2, 1e-6, "accurate"), (80, 1e-6, 1e-6, "accurate"), 
 
 
 @pytest.mark.parametrize(("n", "unequal", "tolerance", "method"), WAVES + COLLIDE_FOR_LONG)
-def test_a_wave_through_a_row_keeps_energy_momentum_and_the_order_of_its_beads(n, unequal, tolerance, method):
-    """Contacts behind it move less than the tolerance can tell: a run once went on for them to 1e20 s. Of unequal ones beads that
-    part at 1e-8 m/s meet again after 1e6 s, and pressed far in: energy grew to 250 times what there was. A first step longer than
-    such a contact lasts took millions."""
+def test_a_wave_conserves_energy_momentum_and_order(n, unequal, tolerance, method):
+    """Check that contacts behind a wave do not disturb the run. They move less than the tolerance resolves, and a run
+    continued for them to 1e20 s.
+
+    Unequal beads that part at 1e-8 m/s met again after 1e6 s with a large overlap, and the energy grew to 250 times its
+    value. A first step longer than such a contact then caused millions of steps.
+    """
     chain = one_on(n, [hertz(1.0 + unequal * (-1.0) ** i) for i in range(n)])
     found = run(chain, struck(chain), method=method, tolerance=tolerance, samples=2)
     assert not found.warnings
     assert found.steps < 10_000
     assert unequal or n < found.time[-1] < 1.5 * n
     assert abs((found.final_velocity**2).sum() - 1.0) < 10.0 * tolerance
-    assert abs(found.final_velocity.sum() - 1.0) < EPSILON * n * n  # each velocity is a sum of up to n rates
+    assert abs(found.final_velocity.sum() - 1.0) < EPSILON * n * n  # Each velocity is a sum of up to n rates.
     assert (np.diff(found.final_velocity) > -(10.0 if unequal else 1.0) * tolerance).all()
 
 
 @pytest.mark.parametrize("method", KERNELS)
 @pytest.mark.parametrize("seed", range(8))
 def test_a_box_that_is_driven_ends_as_by_conserving(method, seed):
-    """Drives that the preload bears, and larger ones, by which contacts yield."""
+    """Compare with method conserving, for drives that the preload bears and for larger drives that make contacts yield."""
     draw = np.random.default_rng(seed)
     beads, size = int(draw.integers(1, 6)), 10.0 ** draw.uniform(-1.0, 1.0)
     drive = [0.0, *(size * draw.uniform(-1.0, 1.0, beads)), 0.0]
@@ -299,7 +325,9 @@ def test_a_box_that_is_driven_ends_as_by_conserving(method, seed):
 
 @pytest.mark.parametrize("seed", range(0, 400, 40))
 def test_no_contact_is_missed_under_random_drives_toward_a_wall(seed):
-    """One bead flies to a wall against or with a steady force; what is exact without the contact tells whether there is one."""
+    """Let a bead fly to a wall against or with a steady force. The exact flight without contact decides if there must
+    be one.
+    """
     for k in range(seed, seed + 40):
         draw = np.random.default_rng(k)
         gap, speed, pull = draw.uniform(0.1, 10.0), draw.uniform(0.0, 10.0), draw.uniform(-10.0, 10.0)
@@ -323,8 +351,10 @@ def test_touching_beads_that_are_pulled_apart_part_at_once(method, law):
 
 
 @pytest.mark.parametrize("seed", [*range(5), *(pytest.param(k, marks=pytest.mark.slow) for k in range(5, 12))])
-def test_step_forces_with_loss_turn_within_the_step_in_which_they_close(seed):
-    """Forces that are steady but for switches: a step reaches from one switch to the next, however far that is."""
+def test_step_forces_with_loss_reverse_within_a_step(seed):
+    """Check forces that are constant between mode changes. A step reaches from one mode change to the next, at any
+    distance.
+    """
     draw = np.random.default_rng(seed)
     beads = int(draw.integers(3, 7))
     laws = [step_force(1.0, loss=float(loss)) for loss in draw.uniform(0.1, 0.8, beads - 1)]
@@ -340,7 +370,9 @@ def test_step_forces_with_loss_turn_within_the_step_in_which_they_close(seed):
 )
 @pytest.mark.parametrize("method", ["radau", "accurate"])
 def test_beads_that_touch_at_rest_close_as_soon_as_a_neighbour_does(method, family, seed):
-    """What is handed on may be too small for a number; round-off closed what nothing pushed, seconds early."""
+    """Check that touching contacts close together with a neighbour. The transmitted force can be smaller than the
+    smallest number, and round-off closed contacts without force, seconds early.
+    """
     chosen = motion(family, seed)
     found = solve(chosen.chain, chosen.velocity, chosen.duration, method, samples=2)
     first = [spans[0][0] if spans else math.inf for spans in found.contact_intervals]
@@ -348,26 +380,26 @@ def test_beads_that_touch_at_rest_close_as_soon_as_a_neighbour_does(method, fami
     assert rests.any()
     for i in np.flatnonzero(rests):
         assert first[i] == min(first[max(i - 1, 0) : i] + first[i + 1 : i + 2]), i
-    if chosen.duration is None:  # the run ends when all have let go, also one that only touches
+    if chosen.duration is None:  # The run ends when all contacts have opened, including contacts that only touch.
         assert all(math.isfinite(opened) for spans in found.contact_intervals for _, opened in spans)
 
 
 def test_a_soft_contact_opens_inside_a_step_when_fine_runs_say():
-    for seed, contact in ((11, 4), (59, 2)):  # the quintic through the step has more than one root
+    for seed, contact in ((11, 4), (59, 2)):  # The quintic polynomial of the step has several roots here.
         one = motion("mixed", seed)
         found, fine = (solve(one.chain, one.velocity, one.duration, samples=2, tolerance=t) for t in (1e-8, 1e-9))
         assert found.contact_intervals[contact][-1] == pytest.approx(fine.contact_intervals[contact][-1], rel=3e-8)
 
 
-FAMILIES = ("hooke-hertz", "gears", "clusters", "walls", "extreme", "loss")  # of random chains
+FAMILIES = ("hooke-hertz", "gears", "clusters", "walls", "extreme", "loss")  # Families of random chains.
 LOOSE = [((family,), range(40), 0.0) for family in FAMILIES]
-# of sensitive motions a coarser run may agree with one by chance: one run in a thousand
+# In a sensitive motion, a coarser run can agree with a run by chance. This happens in one run of a thousand.
 LOOSE += [pytest.param(FAMILIES, range(40, 400), 1e-3, marks=pytest.mark.slow)]
 
 
 @pytest.mark.parametrize(("families", "seeds", "part"), LOOSE)
 def test_loose_tolerances_err_no_more_than_they_state(families, seeds, part):
-    """By more than ten tolerances, and than is stated, without a warning."""
+    """Count runs without a warning whose error exceeds ten tolerances and the estimated error."""
     silent, tolerances = [], (1e-3, 1e-4, 1e-5)
     for family, seed in product(families, seeds):
         chosen = motion(family, seed)
@@ -383,7 +415,9 @@ def test_loose_tolerances_err_no_more_than_they_state(families, seeds, part):
 
 
 @pytest.mark.parametrize(("family", "seed", "most"), [("friction", 5036, 100), ("bounded", 5030, 3000)])
-def test_what_is_held_well_within_its_range_costs_no_steps(family, seed, most):
-    """By the polynomials of their guards alone beads that stick and contacts that touch took 763 and 25 600 steps here."""
+def test_safely_held_contacts_cost_no_steps(family, seed, most):
+    """Check that held contacts cost no steps. With guard polynomials only, sticking beads and touching contacts took
+    763 and 25 600 steps.
+    """
     held = motion(family, seed)
     assert solve(held.chain, held.velocity, held.duration, samples=2, tolerance=1e-8).steps < most

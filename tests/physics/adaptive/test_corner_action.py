@@ -1,4 +1,4 @@
-"""What is decided and carried out at a corner: branches, segments, slides, contacts at rest, and what was passed over."""
+"""Tests of mode transitions at an event: branches, segments, sliding, contacts at rest, and missed events."""
 
 import numpy as np
 import pytest
@@ -17,13 +17,13 @@ from tests.helpers.plain_kernels import effective_records, only_plain, records_o
 
 pytestmark = only_plain
 BOUNDS = Bounds(1e-9, 1e-10, 1e-11, 1e-2)
-GEAR = draft_gear(2.0, 0.4)  # it touches with up to 0.8 N
+GEAR = draft_gear(2.0, 0.4)  # The gear touches with forces up to 0.8 N.
 COUPLER = Coupler(hooke(50.0, loss=0.3), pull=hooke(80.0, loss=0.5), slack=0.1, travel=0.05, stop=1e3)
-SOLID_PULL, PULL, PUSH, SOLID_PUSH = range(4)  # its segments
+SOLID_PULL, PULL, PUSH, SOLID_PUSH = range(4)  # Segments of the coupler.
 
 
 class Rows:
-    """A chain at rest on its corners, as the kernels see it."""
+    """A chain at rest with all contacts at their events, as kernel records."""
 
     def __init__(self, chain, velocity=None):
         n = chain.contacts
@@ -42,8 +42,10 @@ class Rows:
 @pytest.mark.parametrize(
     ("number", "then", "overlap"), [(SOLID_PUSH, PUSH, 0.05), (SOLID_PULL, PULL, -0.15), (PULL, PUSH, -0.1)]
 )
-def test_a_coupler_that_comes_out_of_a_segment_goes_to_the_end_of_the_one_before(number, then, overlap):
-    """Beside it is the way [m] of the coupler from where it pushes: it has not moved."""
+def test_an_unloading_coupler_enters_the_previous_segment(number, then, overlap):
+    """Check the new segment and the position of the coupler [m], measured from the overlap at which it begins to push.
+    The position must not change.
+    """
     rows = Rows(Chain([1.0, 1.0], COUPLER))
     put_segment(0, number, rows.regime, rows.motion)
     rows.motion.overlap[0], rows.motion.mode[0] = 0.0, TOUCHING
@@ -56,7 +58,7 @@ def test_a_coupler_that_comes_out_of_a_segment_goes_to_the_end_of_the_one_before
 
 @pytest.mark.parametrize(("acceleration", "slide"), [(0.5, 1), (-0.5, -1), (1e-9, 1), (-1e-9, -1), (0.0, 0)])
 @pytest.mark.parametrize("bead", [0, 1, 2])
-def test_a_bead_at_rest_slides_where_it_is_accelerated_and_else_has_no_velocity(acceleration, slide, bead):
+def test_only_an_accelerated_bead_starts_to_slide(acceleration, slide, bead):
     velocity = np.array([0.3, -0.2, 0.1])
     rows = Rows(Chain([1.0, 2.0, 1.0], hertz(1.0), gap=0.1, friction=0.1), velocity)
     work = rows.scratch.work
@@ -67,10 +69,13 @@ def test_a_bead_at_rest_slides_where_it_is_accelerated_and_else_has_no_velocity(
     assert rows.state.velocity(Chain([1.0, 2.0, 1.0], hertz(1.0))) == pytest.approx(wanted, abs=1e-15)
 
 
-@pytest.mark.parametrize(("part", "side", "mode"), [(1.0, 1, LOADED), (0.0, 0, OPEN)])  # of all it carries
+# `part` is the fraction of the largest force.
+@pytest.mark.parametrize(("part", "side", "mode"), [(1.0, 1, LOADED), (0.0, 0, OPEN)])
 @pytest.mark.parametrize("pulls", [False, True])
 def test_a_gear_that_is_still_held_at_its_bound_gives_way(part, side, mode, pulls):
-    """To the last digit nothing accelerates it, so it would be held for ever; one that pulls lies the other way round."""
+    """Check a gear that carries exactly its bound. Its acceleration is 0 to the last digit, so that it would be held
+    forever. A pulling gear has the opposite direction.
+    """
     push = -0.8 * part if pulls else 0.8 * part
     link = Coupler(hooke(50.0), pull=GEAR, slack=0.1, travel=0.05, stop=1e3) if pulls else GEAR
     rows = Rows(Chain([1.0, np.inf], link, gap=0.1 * pulls, drive=[push, 0.0]))
@@ -91,7 +96,7 @@ def test_a_gear_that_is_still_held_at_its_bound_gives_way(part, side, mode, pull
 
 @pytest.mark.parametrize("bead", [0, 1])
 @pytest.mark.parametrize("sign", [1, -1])
-def test_a_bead_that_needs_all_its_friction_slides_where_it_is_pushed(bead, sign):
+def test_a_bead_at_its_friction_limit_slides(bead, sign):
     chain = Chain([1.0, 2.0], hertz(1.0), gap=1.0, friction=0.1)
     drive = np.where(np.arange(2) == bead, sign * chain.bed * chain.mass, 0.0)
     rows = Rows(Chain(chain.mass, hertz(1.0), gap=1.0, friction=0.1, drive=drive)).decide()
@@ -100,19 +105,22 @@ def test_a_bead_that_needs_all_its_friction_slides_where_it_is_pushed(bead, sign
     assert rows.regime.slide.tolist() == [sign if j == bead else 0 for j in (0, 1)]
 
 
-def test_a_smooth_contact_with_loss_that_just_touches_is_pressed_by_no_force():
+def test_a_touching_contact_with_loss_has_no_force():
     rows = Rows(Chain([1.0, 1.0], hertz(1.0, loss=0.3))).decide()
     assert rows.motion.mode[0] == LOADED
     assert rows.motion.force[0] == rows.regime.easing[0] == 0.0
 
 
 PASSED = [
-    (LOADED, -1e-12, -1e-3, 0.3, OPEN, -1e-12),  # it opens
-    (LOADED, -1e-12, -1e-11, 0.3, LOADED, 0.0), (TOUCHING, 0.0, 0.0, 0.3, TOUCHING, 0.0),  # too slow to count; held
-    (LOADED, -1e-12, -1e-9, 0.0, OPEN, -1e-12), (LOADED, -1e-12, -1e-14, 0.0, LOADED, 0.0),  # and where none does
-    (OPEN, 1e-12, 1e-3, 0.3, LOADED, 1e-12), (OPEN, -1e-12, 1e-3, 0.3, OPEN, -1e-12),  # its event was not met, or is to come
-    (OPEN, 1e-14, 0.05 * BOUNDS.wanted, 0.3, OPEN, 0.0),  # it closes too slowly to count
-    (LOADED, -1e-3, 0.0, 0.0, OPEN, -1e-3), (LOADED, -1e-3, 0.0, 0.3, OPEN, -1e-3),  # at rest, but apart
+    (LOADED, -1e-12, -1e-3, 0.3, OPEN, -1e-12),  # The contact opens.
+    # Too slow to count. The second contact is held.
+    (LOADED, -1e-12, -1e-11, 0.3, LOADED, 0.0), (TOUCHING, 0.0, 0.0, 0.3, TOUCHING, 0.0),
+    # The same without neighbours' forces.
+    (LOADED, -1e-12, -1e-9, 0.0, OPEN, -1e-12), (LOADED, -1e-12, -1e-14, 0.0, LOADED, 0.0),
+    # The event was not found, or it comes later.
+    (OPEN, 1e-12, 1e-3, 0.3, LOADED, 1e-12), (OPEN, -1e-12, 1e-3, 0.3, OPEN, -1e-12),
+    (OPEN, 1e-14, 0.05 * BOUNDS.wanted, 0.3, OPEN, 0.0),  # It closes too slowly to count.
+    (LOADED, -1e-3, 0.0, 0.0, OPEN, -1e-3), (LOADED, -1e-3, 0.0, 0.3, OPEN, -1e-3),  # At rest, but apart.
     (OPEN, 1e-3, 0.0, 0.3, LOADED, 1e-3),
 ]  # fmt: skip
 
@@ -129,18 +137,23 @@ def test_contacts_that_a_step_has_carried_past_their_corner(mode, overlap, rate,
     assert passed == (mode == LOADED)
     assert (motion.mode.tolist(), motion.overlap.tolist()) == ([LOADED, then, LOADED], [0.5, at, 0.5])
     assert motion.rate[1] == (0.0 if then == LOADED and mode == LOADED else rate)
-    assert rows.scratch.parting[1] == (-rate if push == at == 0.0 else 0.0)  # what it is off by when it is pushed again
+    # Error that counts when the contact is pushed again.
+    assert rows.scratch.parting[1] == (-rate if push == at == 0.0 else 0.0)
 
 
 @pytest.mark.parametrize(("force", "found"), [([0.3], True), ([0.1, 0.7], True), ([0.5], False), ([0.3, -1.0], False)])
 def test_a_multiplier_well_within_its_range_needs_no_guard(force, found):
-    """It is looked at only in the half of the range, 0 to 0.8 N here, from which it yields, or where it may open."""
+    """Check that a guard is evaluated only in the half of the range (0 to 0.8 N) that is next to yielding, or near an
+    opening.
+    """
     step = Step(Chain([1.0, np.inf], GEAR), [0.0, 0.0], [0.0], [TOUCHING], [force])
     assert stays(0, H, step.data, step.regime, step.motion, step.trial, 0.0, 0.0) == found
 
 
 def test_a_contact_that_begins_to_leave_by_round_off_begins_at_rest():
-    """At d = 0 and a rate of 1e-12 inward the guard of an open contact begins with slope 0, not with one of its own."""
+    """Check an open contact at d = 0 with a rate of 1e-12 m/s inward. Its guard must begin with slope 0, not with the
+    slope of the rate.
+    """
     step = Step(Chain([1.0, np.inf], hertz(1.0)), [1e-12, 0.0], [0.0], [OPEN], [0.0])
     given = H, step.data, step.regime, step.motion, step.trial
     assert guard_of(0, 0, *given, 1e-10, np.zeros((WORK_ROWS, 2)))[:3] == (0.0, 0.0, 0.0)
@@ -152,11 +165,13 @@ def test_a_contact_that_begins_to_leave_by_round_off_begins_at_rest():
     [
         ((1e-9, 2e-9, 3e-9), 0.5, True), ((1e-9, 2e-9, 3e-9), -0.5, False), ((-1e-9, 2e-9, 3e-9), 0.5, False),
         ((2e-9, 1e-9, 3e-9), 0.5, False), ((1e-9, 3e-9, 2e-9), 0.5, False),
-        ((-1e-19, 1e-19, -1e-19), -1e-12, True),  # no more than round-off
+        ((-1e-19, 1e-19, -1e-19), -1e-12, True),  # These values are round-off.
     ],
 )  # fmt: skip
-def test_what_is_handed_on_to_a_contact_at_rest_begins_with_any_power_of_time(overlap, rate, found):
-    """Loaded, at d = 0 and no rate: pressed in all along, it leaves its branch nowhere, whatever a polynomial says."""
+def test_a_growing_contact_at_rest_stays_on_its_branch(overlap, rate, found):
+    """Check a loaded contact at d = 0 and rate 0. If its overlap grows at all nodes, it stays on its branch, whatever
+    the polynomial shows between them.
+    """
     step = Step(Chain([1.0, 1.0], hertz(1.0)), [0.0, 0.0], [0.0], [LOADED], [0.0])
     step.trial.overlap[:, 0], step.trial.rate[2, 0] = overlap, rate
     assert stays(0, H, step.data, step.regime, step.motion, step.trial, 0.0, 1e-11) == found
@@ -182,8 +197,8 @@ def test_the_conditions_of_a_bounded_multiplier_hold(first):
         a, f = np.zeros(n + 1), np.zeros(n)
         balance(inverse_mass, load, give, low, high, a, f, np.zeros((2, n + 1)), np.zeros((2, 4 * n + 8)))
         assert ((low <= f) & (f <= high)).all()
-        assert (f[a[:-1] > a[1:]] == high[a[:-1] > a[1:]]).all()  # pressed together: all they can carry
-        assert (f[a[:-1] < a[1:]] == low[a[:-1] < a[1:]]).all()  # drawn apart: the least
+        assert (f[a[:-1] > a[1:]] == high[a[:-1] > a[1:]]).all()  # Pressed together: the largest force.
+        assert (f[a[:-1] < a[1:]] == low[a[:-1] < a[1:]]).all()  # Pulled apart: the smallest force.
         assert (a[inverse_mass == 0.0] == 0.0).all()
         net = load - np.append(f, 0.0) + np.append(0.0, f)
         slides = a != 0.0
@@ -198,7 +213,7 @@ MASS, VELOCITY = np.array([1.0, 2.0, 0.5, 4.0, 1.5]), np.array([0.3, -0.1, 0.2, 
 
 
 def stopped(i, laws, anchor=4, beside=0, mode=LOADED):
-    """The motion after contact i has come to rest; contact `beside` is in that mode, all others are loaded."""
+    """Return the motion after contact `i` has come to rest. Contact `beside` is in `mode`, and all others are loaded."""
     chain = Chain(MASS, laws)
     data, motion = records_of(chain, State.at_start(chain, VELOCITY))
     motion.anchor[1], motion.mode[:], motion.mode[beside] = VELOCITY[anchor], LOADED, mode
@@ -208,7 +223,7 @@ def stopped(i, laws, anchor=4, beside=0, mode=LOADED):
 
 @pytest.mark.parametrize("anchor", range(5))
 @pytest.mark.parametrize("i", range(4))
-def test_beads_whose_contact_comes_to_rest_take_the_velocity_of_their_centre_of_mass(i, anchor):
+def test_resting_contacts_give_beads_their_common_velocity(i, anchor):
     motion = stopped(i, hertz(1.0), anchor)
     behind = np.append(0.0, -np.cumsum(motion.rate))
     wanted = VELOCITY.copy()
@@ -218,7 +233,7 @@ def test_beads_whose_contact_comes_to_rest_take_the_velocity_of_their_centre_of_
 
 
 @pytest.mark.parametrize(("i", "beside"), [(2, 1), (2, 2), (2, 3), (1, 2), (0, 1), (3, 2)])
-def test_beside_a_soft_or_touching_contact_it_alone_comes_to_rest(i, beside):
+def test_next_to_a_soft_contact_only_one_contact_comes_to_rest(i, beside):
     laws = [power_law(1.0, 0.1) if k == beside else hertz(1.0) for k in range(4)]
     for motion in (stopped(i, laws), stopped(i, hertz(1.0), beside=beside, mode=TOUCHING)):
         assert motion.rate == pytest.approx(np.where(np.arange(4) == i, 0.0, -np.diff(VELOCITY)), abs=0.0)

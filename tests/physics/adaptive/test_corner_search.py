@@ -1,4 +1,4 @@
-"""The search for corners: first roots of guards, and events of motions whose switches are known in closed form."""
+"""Tests of event location: first roots of guard functions, and motions whose mode changes are known in closed form."""
 
 import math
 from math import comb
@@ -16,12 +16,12 @@ from tests.helpers.given_steps import H, Step, at_wall, thrown
 from tests.helpers.plain_kernels import only_plain
 
 pytestmark = only_plain
-GEAR, LOSSY = draft_gear(2.0, 0.4), hooke(2.0, loss=0.4)  # the gear touches with up to 0.8 N
+GEAR, LOSSY = draft_gear(2.0, 0.4), hooke(2.0, loss=0.4)  # The gear touches with forces up to 0.8 N.
 PART = np.linspace(0.0, 1.0, 20001)
 
 
 def value(b, x):
-    """Of a quintic in Bernstein form."""
+    """Return the value at x of the quintic polynomial with the Bernstein coefficients b."""
     return sum(b[k] * comb(5, k) * x**k * (1.0 - x) ** (5 - k) for k in range(6))
 
 
@@ -34,7 +34,7 @@ def test_it_is_the_first_place_at_which_the_polynomial_turns_negative(seed):
     for k in range(100):
         b = draw.normal(size=6)
         b[0] = abs(b[0])
-        if k % 3 == 0:  # it begins at zero, and turns positive
+        if k % 3 == 0:  # The polynomial begins at 0 and rises.
             b[0], b[1] = 0.0, abs(b[1])
         values = b @ BASIS
         below = np.flatnonzero(values[1:] < -1e-9)
@@ -46,21 +46,21 @@ def test_it_is_the_first_place_at_which_the_polynomial_turns_negative(seed):
             assert abs(values[int(found * 20000)]) < 1e-3
 
 
-def test_a_touch_and_return_narrower_than_any_sampling_is_found():
+def test_a_very_short_contact_is_found():
     for width in (1e-3, 1e-5, 1e-7):
         middle = 0.371
         power = (middle**2 - width**2, -2.0 * middle, 1.0)  # (x - middle)² - width²
         b = tuple(sum(comb(k, j) / comb(5, j) * power[j] for j in range(3)) for k in range(6))
         assert first_root(b) == pytest.approx(middle - width, abs=1e-9 + 1e-15 / width)
-    # nor do four coefficients of 0 hide the root of 100 (1-x)**5 = x**5
+    # Four zero coefficients do not hide the root of 100 (1-x)**5 = x**5.
     assert first_root((100.0, 0.0, 0.0, 0.0, 0.0, -1.0)) == pytest.approx(1.0 / (1.0 + 100.0**-0.2), abs=1e-13)
 
 
-def test_a_start_at_zero_counts_where_the_polynomial_leaves_it_downward():
-    assert first_root((0.0, -1.0, 1.0, 1.0, 1.0, 1.0)) == 0.0  # negative at once by its slope
-    assert first_root((0.0, 0.0, -1.0, 1.0, 1.0, 1.0)) == 0.0  # by its curvature
+def test_a_polynomial_that_leaves_zero_downward_has_a_root_at_zero():
+    assert first_root((0.0, -1.0, 1.0, 1.0, 1.0, 1.0)) == 0.0  # Negative at once because of its slope.
+    assert first_root((0.0, 0.0, -1.0, 1.0, 1.0, 1.0)) == 0.0  # Negative at once because of its curvature.
     assert first_root((0.0, 0.0, 1.0, 1.0, 1.0, 0.0)) == NONE
-    falls = (0.0, 0.0, 1.0, 1.0, 1.0, -1.0)  # it begins with a double zero, rises, and falls
+    falls = (0.0, 0.0, 1.0, 1.0, 1.0, -1.0)  # It begins with a double zero, rises, and falls.
     found = first_root(falls)
     assert found > 0.5
     assert value(falls, found) == pytest.approx(0.0, abs=1e-12)
@@ -71,23 +71,25 @@ def test_a_start_at_zero_counts_where_the_polynomial_leaves_it_downward():
     [
         *((GEAR, 0.0, 0.2, peak, peak > SAFETY * 0.8) for peak in (0.5, 0.75, 0.79)),
         (draft_gear(0.02, 0.4), 0.0, 2e-3, 7.5e-3, True),
-        (LOSSY, 0.5, 0.7, 0.95, False),  # at 1 N it carries from 0.6 N on: a tenth of that range is 0.04 N
+        (LOSSY, 0.5, 0.7, 0.95, False),  # At 1 N it carries between 0.6 N and 1 N. A tenth of this range is 0.04 N.
         (LOSSY, 0.5, 0.7, 0.97, True),
     ],
 )
-def test_a_multiplier_that_comes_near_its_bound_is_looked_at_where_it_does(law, overlap, first, peak, near):
-    """At half the step; how near is a part of its range."""
+def test_a_multiplier_near_its_bound_is_examined(law, overlap, first, peak, near):
+    """Check that the step is examined again at its middle. The distance from the bound counts relative to the range."""
     rise = 4.0 * (peak - first)
     step = at_wall(law, 0.0, overlap, TOUCHING, [first, rise / H, -rise / H**2])
     assert step.corner()[4] == pytest.approx(0.5 if near else 1.0, abs=1e-9)
 
 
-def test_an_open_contact_that_nearly_touches_is_looked_at_and_a_loaded_one_is_not():
-    """Both ends tell less than what lies between: where quintic and cubic disagree by more than the gap that is left."""
+def test_a_nearly_touching_contact_is_examined():
+    """Check an open contact whose quintic and cubic polynomials differ by more than the remaining gap. The ends of the
+    step do not show this.
+    """
     assert at_wall(GEAR, -1.0, 0.6, LOADED, 0.8).corner()[4] == 1.0
     step = thrown(2.0, 0.5 * 4.0 / 9.8 + 1e-6)
     assert step.corner()[4] == 1.0
-    step.motion.force[0] = 3.0  # so the quintic differs from the cubic by h²/64 times the difference
+    step.motion.force[0] = 3.0  # Now the quintic differs from the cubic by h²/64 times this change.
     guard = guard_of(0, 0, H, step.data, step.regime, step.motion, step.trial, 0.0, step.work)
     found = step.corner()[4]
     assert 0.0 < found < 1.0
@@ -98,12 +100,12 @@ def test_a_bead_thrown_at_a_ceiling_closes_when_it_is_there():
     time = (3.0 - math.sqrt(9.0 - 2 * 9.8 * 0.4)) / 9.8
     assert thrown(3.0, 0.4).find() == (0, "closes", pytest.approx(time / H, abs=1e-13 / H))
     peak = 0.5 * 9.0 / 9.8
-    assert thrown(3.0, peak - 1e-9).find()[1] == "closes"  # there and back within the step
+    assert thrown(3.0, peak - 1e-9).find()[1] == "closes"  # The bead touches and returns within the step.
     assert thrown(3.0, peak + 1e-9).find() == (-1, "nothing", 1.0)
-    assert thrown(3.0, 0.4).find(landing=(0, 0))[1] == "closes"  # at the end of the step it is on its way back
+    assert thrown(3.0, 0.4).find(landing=(0, 0))[1] == "closes"  # At the end of the step the bead is on its way back.
     *_, miss, _ = thrown(3.0, 1.0).corner(landing=(0, 0))
     assert math.isnan(miss)
-    row, _, _, miss, _ = thrown(5.0, 1.6).corner(landing=(0, 0))  # 0.384 m before it, at 1.08 m/s
+    row, _, _, miss, _ = thrown(5.0, 1.6).corner(landing=(0, 0))  # The bead is 0.384 m before the wall, at 1.08 m/s.
     assert row == -1
     assert miss == pytest.approx((1.6 - 5.0 * H + 4.9 * H**2) / (5.0 - 9.8 * H), abs=1e-12)
 
@@ -111,21 +113,21 @@ def test_a_bead_thrown_at_a_ceiling_closes_when_it_is_there():
 MIDDLE = float(NODES[1])
 BEND = 0.65 / MIDDLE**2
 CURVED = np.polynomial.Polynomial([0.2, -2.0, 1.0, 3.0])
-EVENTS = [  # of a contact at a wall: law, speed, overlap, mode and force; what happens first, and when [s]
+EVENTS = [  # Contact at a wall: law, speed, overlap, mode, force, first event, and its time [s].
     (GEAR, -1.0, 0.3, LOADED, 0.8, "opens", (math.sqrt(1.0 + 2.0 * 0.8 * 0.3) - 1.0) / 0.8),
     (hooke(2.0), -1.0, 0.3, LOADED, 0.8, "opens", (math.sqrt(1.0 + 2.0 * 0.8 * 0.3) - 1.0) / 0.8),
     (Contact(0.5, 1.0, 0.5), -1.0, 0.3, LOADED, 0.8, "opens", (math.sqrt(1.0 + 2.0 * 0.8 * 0.3) - 1.0) / 0.8),
-    # laws without a preload that are no springs do not go on beyond zero
+    # Laws without preload that are not linear do not continue below overlap 0.
     (hertz(2.0), -1.0, 0.3, LOADED, 0.8, "nothing", H),
     (power_law(2.0, 0.5), -1.0, 0.3, LOADED, 0.8, "nothing", H),
-    # a multiplier within 0 and 0.8 N
+    # Multiplier between 0 and 0.8 N.
     (GEAR, 0.0, 0.0, TOUCHING, CURVED.coef, "opens", min(root.real for root in CURVED.roots() if root.real > 0.0)),
     (GEAR, 0.0, 0.0, TOUCHING, [0.2, -2.0], "opens", 0.1),
     (GEAR, 0.0, 0.0, TOUCHING, [0.2, 4.0], "yields", 0.15),
     (GEAR, 0.0, 0.0, TOUCHING, [0.2, 0.5], "nothing", H),
-    # 0.85 N at the middle stage, 0.475 N and 0.653 N at the others
+    # 0.85 N at the middle stage, and 0.475 N and 0.653 N at the others.
     (GEAR, 0.0, 0.0, TOUCHING, [0.2, 2.0 * BEND * MIDDLE / H, -BEND / H**2], "yields", H * (MIDDLE - math.sqrt(0.05 / BEND))),
-    # stands still at 1 N, with a loss of 0.4: the least is 0.6 N
+    # The contact stands still at 1 N with a loss of 0.4, so its smallest force is 0.6 N.
     (LOSSY, 0.0, 0.5, TOUCHING, [0.9, -1.0], "eases", 0.3),
     (LOSSY, 0.0, 0.5, TOUCHING, [0.9, 1.0], "yields", 0.1),
 ]  # fmt: skip
@@ -140,7 +142,8 @@ def test_a_contact_leaves_its_branch(law, speed, overlap, mode, force, kind, tim
 
 @pytest.mark.parametrize(("speed", "easing"), [(0.3, 0), (-0.3, 1)])
 def test_a_contact_with_loss_turns(speed, easing):
-    given = speed, 0.5, LOADED, 1.5 if speed > 0.0 else -1.5  # no force pulls, but a guard does not ask
+    # No contact force pulls, but the guard function does not check this.
+    given = speed, 0.5, LOADED, 1.5 if speed > 0.0 else -1.5
     found = at_wall(hertz(2.0, loss=0.4), *given, easing=[easing]).find()
     assert found == (0, "turns", pytest.approx(0.2 / H, abs=1e-12))
     assert at_wall(hertz(2.0), *given, easing=[easing]).find()[1] == "nothing"
@@ -149,7 +152,7 @@ def test_a_contact_with_loss_turns(speed, easing):
 def on_bed(velocity, slide, drive=(0.0, 0.0)):
     chain = Chain([1.0, 1.0], hertz(2.0), gap=5.0, friction=0.1, drive=list(drive))
     step = Step(chain, velocity, [-5.0], [OPEN], [0.0], slide)
-    push = np.array(drive) - chain.bed * slide  # as the effective chain has it
+    push = np.array(drive) - chain.bed * slide  # External force of the effective chain.
     gained = np.where(np.array(slide) == 0, 0.0, push)
     step.data = step.data._replace(external=np.append(gained[:1] - gained[1:], gained[chain.anchor]))
     ended = np.array(velocity) + H * gained
@@ -169,14 +172,17 @@ def test_a_sliding_bead_stops(sign):
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_bead_at_rest_slips_when_its_friction_does_not_suffice(sign):
-    """Forces of two contacts on a bead of 1 kg, at rest on its bed: their difference grows with time."""
+    """Apply two contact forces to a bead of 1 kg that rests on its bed. Their difference grows with time until the bead
+    slips.
+    """
     chain = Chain([10.0, 1.0, 10.0], hertz(2.0), friction=0.1)
     most = chain.bed[1]
     left, right = ([0.3, 4.0], [0.3]) if sign > 0.0 else ([0.3], [0.3, 4.0])
     step = Step(chain, [0.0, 0.0, 0.0], [0.2, 0.2], [LOADED, LOADED], [left, right], slide=[0, 0, 0])
     assert step.find() == (1, "slips", pytest.approx(most / 4.0 / H, abs=1e-10 / H))
     assert step.guard(3, 1 if sign > 0.0 else 0) == pytest.approx((most - 4.0 * H, -4.0))
-    value, _ = step.guard(2, 0)  # the left bead is pushed to the left, the less it needs the more it has
+    # The left bead is pushed to the left. The smaller the push is, the larger the reserve of friction.
+    value, _ = step.guard(2, 0)
     assert value == pytest.approx(10.0 * most - 0.3 - (4.0 * H if sign > 0.0 else 0.0))
     light = Chain([10.0, 0.01, 10.0], hertz(2.0), friction=0.1)
     pushed = [[0.3, 0.04 * most / H], [0.3]]
@@ -189,7 +195,7 @@ def test_a_bead_at_rest_slips_when_its_friction_does_not_suffice(sign):
     assert driven.guard(1, 1) == pytest.approx((driven.chain.bed[0] - 0.95, 0.0))
 
 
-def test_the_earliest_of_several_counts_and_the_first_of_two_at_once():
+def test_the_earliest_event_counts():
     chain = Chain([1.0, math.inf, 1.0], GEAR)
     for first, second in ((0.1, 0.2), (0.3, 0.2)):
         step = Step(chain, [0.0] * 3, [0.0] * 2, [TOUCHING] * 2, [[0.2, -0.2 / first], [0.2, -0.2 / second]])
@@ -200,19 +206,21 @@ def test_the_earliest_of_several_counts_and_the_first_of_two_at_once():
 
 
 def test_a_rate_or_velocity_just_outside_its_side_is_round_off():
-    """What begins no more than `slow` beyond zero, and stays there, has neither turned nor stopped."""
+    """Check that a rate or velocity that stays at most `slow` beyond zero causes no event."""
     pressing_in = at_wall(LOSSY, -0.04, 0.5, LOADED, 0.0, easing=[0])
     assert pressing_in.find(slow=0.05)[1] == "nothing"
     assert pressing_in.find(slow=0.03)[:2] == (0, "turns")
-    drive = on_bed([0.0, 0.0], [1, 1]).chain.bed[0]  # as much as the brake, so that nothing accelerates
+    drive = on_bed([0.0, 0.0], [1, 1]).chain.bed[0]  # The drive equals the brake force, so the bead is not accelerated.
     for speed, slow, kind in ((-0.04, 0.05, "nothing"), (-0.04, 0.03, "stops"), (0.04, 0.03, "nothing")):
         assert on_bed([speed, 1.0], [1, 1], drive=(drive, drive)).find(slow=slow)[1] == kind
 
 
 @pytest.mark.parametrize("neighbour", [0, 2])
 @pytest.mark.parametrize(("speed", "force"), [(6.0, [-60.0, 60.0 / H]), (2.0, [0.0, -60.0 / H])])
-def test_an_open_contact_that_is_pulled_back_within_the_step_has_closed(neighbour, speed, force):
-    """It overlaps in the middle of the step alone, for the force of one neighbour, which is zero at one end of the step."""
+def test_a_closing_and_reopening_within_a_step_is_found(neighbour, speed, force):
+    """Check a contact that overlaps only in the middle of the step, because of a neighbour's force that is 0 at one
+    end.
+    """
     chain = Chain([math.inf, 1.0, 1.0, math.inf], hertz(2.0))
     forces = [force if i == neighbour else 0.0 for i in range(3)]
     step = Step(chain, [0.0, speed, 0.0, 0.0], [0.1, -0.1, 0.1], [LOADED, OPEN, LOADED], forces)
@@ -235,8 +243,10 @@ def test_a_closing_that_does_not_count():
     assert not closes_inactive(at_wall(GEAR, 1e-3, -1e-5, OPEN, 0.0).data, 0, 1.0, 1e-9, 1e-9, 1e-8)
 
 
-def test_what_starts_at_rest_at_zero_is_no_event_of_the_start():
-    """What leaves d = 0 against its mode is round-off; what the forces drive back opens at once."""
+def test_a_start_at_rest_is_not_an_event():
+    """Check that leaving d = 0 against the mode by round-off is not an event, and that a contact driven back by forces
+    opens at once.
+    """
     assert at_wall(GEAR, -1e-12, 0.0, LOADED, -0.5).find(slow=1e-10)[1] == "nothing"
     assert at_wall(GEAR, 1e-12, 0.0, LOADED, 0.5).find(slow=0.0)[:2] == (0, "opens")
     sliding = on_bed([1.0, 0.0], [1, 1], drive=(0.0, 3.0))

@@ -1,4 +1,4 @@
-"""Thousands of bounces at full speed: pi from collisions, a bead between two walls, and budgets that end."""
+"""Tests of thousands of bounces at full speed: pi from collisions, a bead between two walls, and step budgets that end."""
 
 import math
 
@@ -9,12 +9,13 @@ from softcradle.physics.status import Status, WarningCode
 
 from tests.helpers.relations import PROMISE, simulate_quietly
 
-# Final velocity [m/s] of the light bead for heavy beads of 1e6 and 1e8 kg: each hit is a rotation of (sqrt(m) v, sqrt(M) V).
+# Final velocity [m/s] of the light bead for heavy beads of 1e6 and 1e8 kg. Each hit is a rotation of (sqrt(m) v,
+# sqrt(M) V).
 PI_SPEED = {1e6: 0.4062990663234393, 1e8: 0.07335938195382136}
 
 
 def pi_from_collisions(mass: float, **settings):
-    """Run a wall, a bead of 1 kg at rest, and a heavy bead that hits it."""
+    """Return the run of a wall, a bead of 1 kg at rest, and a heavy bead that hits it."""
     return simulate_quietly(
         Chain([math.inf, 1.0, mass], hooke(1e13 * mass), gap=1.0), [0.0, 0.0, -1.0], samples=2, **settings
     )
@@ -28,7 +29,9 @@ def hits(found) -> int:
     ("method", "tolerance"), [("accurate", 1e-8), ("accurate", 1e-6), ("accurate", 1e-4), ("dop853", 1e-8)]
 )
 def test_pi_from_3141_collisions_is_clean(method: str, tolerance: float) -> None:
-    """By default it was right to 4e-8 and reported 3 m/s: every bounce counted as an oscillation whose phase matters."""
+    """Check a run that was right to 4e-8 m/s but reported an error of 3 m/s, because each bounce counted as an
+    oscillation whose phase matters.
+    """
     found = pi_from_collisions(1e6, method=method, tolerance=tolerance)
     assert hits(found) == 3141
     assert (found.status, found.warnings) == (Status.SEPARATED, ())
@@ -46,21 +49,25 @@ def test_pi_from_31415_collisions_is_followed_to_its_end(method: str, tolerance:
 
 
 def test_round_off_of_a_heavy_bead_comes_back_to_a_light_one() -> None:
-    """On the way the light bead is a thousand times as fast, and the velocity of the heavy one is rebuilt from such rates."""
+    """Check the error of round-off. On the way the light bead is a thousand times as fast, and its rates determine the
+    velocity of the heavy bead.
+    """
     found = pi_from_collisions(1e6, tolerance=1e-12)
     assert hits(found) == 3141
     assert abs(found.final_velocity[1] - PI_SPEED[1e6]) < found.velocity_error[1] < 1e-6
 
 
 def bounced(bounces: int, tolerance: float):
-    """A bead between two walls a metre apart: it flies at 1 m/s before and after each bounce."""
+    """Return the run of a bead between two walls 1 m apart. It flies at 1 m/s before and after each bounce."""
     chain = Chain([math.inf, 1.0, math.inf], hooke(1e10), gap=0.5)
     return simulate_quietly(chain, [0.0, 1.0, 0.0], duration=bounces + 0.25, samples=2, tolerance=tolerance)
 
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
 def test_errors_of_like_bounces_add_up(tolerance: float) -> None:
-    """Each bounce loses the same energy: the root of the sum of the squares is less than the sum."""
+    """Check that errors of equal bounces are added linearly: each loses the same energy, so the root of the sum of
+    squares is too small.
+    """
     found = bounced(3000, tolerance)
     error = abs(abs(found.final_velocity[1]) - 1.0)
     assert hits(found) == 3000
@@ -71,7 +78,9 @@ def test_errors_of_like_bounces_add_up(tolerance: float) -> None:
 
 @pytest.mark.slow
 def test_a_finer_run_of_a_hundred_thousand_bounces_is_better() -> None:
-    """At 1e-10 the budget ended, and the result was off by 0.38 m/s."""
+    """Check that a finer tolerance gives a smaller error. At 1e-10 the budget ended, and the result was off by 0.38
+    m/s.
+    """
     errors = []
     for tolerance in (1e-6, 1e-10):
         found = bounced(100_000, tolerance)

@@ -1,4 +1,6 @@
-"""One step of radau, by the collocation equations that define it; its error estimate, written anew."""
+"""Tests of one step of radau: the collocation equations that define it, and an independent implementation of its error
+estimate.
+"""
 
 import math
 from unittest.mock import Mock
@@ -25,18 +27,20 @@ from tests.helpers.plain_kernels import only_plain, pressed, records_of, row_mat
 
 pytestmark = only_plain
 _POWERS = np.vander(NODES, 3, increasing=True)
-TABLEAU = (NODES[:, None] ** np.arange(1, 4) / np.arange(1, 4)) @ np.linalg.inv(_POWERS)  # exact for parabolas
+# Quadrature weights that are exact for parabolas.
+TABLEAU = (NODES[:, None] ** np.arange(1, 4) / np.arange(1, 4)) @ np.linalg.inv(_POWERS)
 INVERSE, SQUARE = np.linalg.inv(TABLEAU), TABLEAU @ TABLEAU
 GAMMA = 1.0 / (3.0 + 9.0 ** (1 / 3) - 3.0 ** (1 / 3))
-# In the stages' differences: a quadrature with the start, weight gamma, and the stages, exact for parabolas, against that of the
-# method; that of the method against one by the two last stages.
+# Quadratures in terms of the differences of the stages. EMBEDDED compares a formula with the start (weight gamma) and
+# the stages, exact for parabolas, with the method. COARSE compares the method with a formula that uses the two last
+# stages.
 EMBEDDED = (np.linalg.solve(_POWERS.T, [1.0 - GAMMA, 1.0 / 2.0, 1.0 / 3.0]) - TABLEAU[2]) @ INVERSE
 COARSE = (TABLEAU[2] - np.append(0.0, np.linalg.solve(_POWERS[1:, :2].T, [1.0, 0.5]))) @ INVERSE
 LAWS = (hooke(3.0), hertz(5.0), power_law(1.0, 0.1), power_law(2.0, 0.5), draft_gear(2.0, 0.4), Contact(0.5, 2.0, 0.3))
 
 
 def random_motion(seed):
-    """A chain amid a collision, each contact in a mode that fits, and a step."""
+    """Return a chain during a collision, with a consistent mode for each contact, and a step size."""
     draw = np.random.default_rng(seed)
     n = int(draw.integers(1, 6))
     mass = 10.0 ** draw.uniform(-0.5, 0.5, n + 1)
@@ -59,7 +63,9 @@ def random_motion(seed):
 
 
 def driven(data, seed, h):
-    """The records with forces from outside, if any, that grow or fall in the step; (3, n+1) accelerations at its nodes."""
+    """Return the records with external forces, if any, that change linearly in the step, and the (3, n+1) accelerations
+    at the nodes.
+    """
     if not data.external.size:
         return data, np.zeros((3, data.inverse_mass.size))
     bend = np.random.default_rng(seed).normal(size=data.inverse_mass.size) / h
@@ -67,7 +73,7 @@ def driven(data, seed, h):
 
 
 def memory(contacts):
-    """A trial and scratch memory, whose contents before a step say nothing."""
+    """Return a trial and scratch memory filled with NaN, because their contents before a step must not matter."""
     trial, scratch = empty_trial(contacts), empty_scratch(contacts)
     for rows in (*trial, scratch.along, scratch.across, scratch.correction, scratch.block, scratch.work):
         rows.fill(math.nan)
@@ -85,7 +91,7 @@ def test_a_step_solves_the_collocation_equations(seed):
     data, drive = driven(data, seed, h)
     used, trial = stepped(data, motion, h)
     assert 0 < used <= 8
-    push = trial.force @ row_matrix(chain) - drive[:, :-1]  # (3, n): - w'
+    push = trial.force @ row_matrix(chain) - drive[:, :-1]  # (3, n) array: minus the derivative of the rates.
     rate = motion.rate - h * TABLEAU @ push
     for i in range(chain.contacts):
         if motion.mode[i] in (OPEN, LOADED, TOUCHING):
@@ -100,7 +106,7 @@ def test_a_step_solves_the_collocation_equations(seed):
             assert (trial.force[:, i] == motion.force[i]).all()
         else:
             assert (trial.overlap[:, i] == 0.0).all()
-    bead, pushes = data.anchor_bead, np.pad(trial.force, [(0, 0), (1, 1)])  # none from beyond the ends
+    bead, pushes = data.anchor_bead, np.pad(trial.force, [(0, 0), (1, 1)])  # No forces act from beyond the ends.
     acceleration = (pushes[:, bead] - pushes[:, bead + 1]) * data.inverse_mass[bead] + drive[:, -1]
     position, velocity = motion.anchor
     assert trial.anchor[1] == pytest.approx(velocity + h * TABLEAU[2] @ acceleration, abs=1e-14)
@@ -110,7 +116,7 @@ def test_a_step_solves_the_collocation_equations(seed):
 
 @pytest.mark.parametrize("seed", range(30))
 def test_a_step_is_the_same_in_other_units(seed):
-    """With the steps of Euler that it may begin from, and its error."""
+    """Check a step, its error, and the implicit Euler steps with which it can begin."""
     chain, data, motion, h = random_motion(seed)
     ends, units = [], 10.0 ** np.random.default_rng(seed).uniform(-5.0, 5.0, 3)
     for meter, second, kilogram in ((1.0, 1.0, 1.0), units):
@@ -130,7 +136,7 @@ def test_a_step_is_the_same_in_other_units(seed):
 
 @pytest.mark.parametrize("law", [hooke(3.0), hertz(5.0), draft_gear(200.0, 0.4)], ids=str)
 def test_stages_converge_as_far_as_round_off_lets_them(law):
-    """At a precision finer than it: what a move misses by round-off is nothing."""
+    """Ask for a precision below round-off. Then the round-off of a move must not count as an error."""
     for d in (0.31, 0.47, 0.59):
         used, trial = stepped(*pressed(Chain([1.0, 0.7, 1.3], law), [0.3, 0.0, -0.2], [d, 0.9 * d]), 0.01, 1e-17)
         assert 0 < used <= 4
@@ -139,7 +145,7 @@ def test_stages_converge_as_far_as_round_off_lets_them(law):
 
 
 def test_on_springs_the_first_iteration_of_newton_is_exact():
-    """The equations are linear there, so the second iteration finds nothing to correct."""
+    """Check linear springs. The equations are linear, so the second iteration finds nothing to correct."""
     for gear in (hooke(3.0), draft_gear(2.0, 0.4)):
         chain = Chain([1.0, 3.0, 0.5, 2.0, 1.5, 1.0], gear, drive=[1.0, 0.0, -2.0, 0.0, 0.5, 0.0])
         data, motion = pressed(chain, [0.5, -0.2, 0.3, 0.1, 0.0, -0.4], [0.5, 0.3, 0.6, 0.4, 0.5])
@@ -156,7 +162,9 @@ def test_on_springs_the_first_iteration_of_newton_is_exact():
 
 @pytest.mark.parametrize("seed", range(30))
 def test_a_correction_is_that_of_a_dense_solve(seed):
-    """The linear equations of all stages, of a row or a part of it beside which nothing moves, by elimination and as a matrix."""
+    """Solve the linear equations of all stages by elimination and with a dense matrix, in a chain or in a part of it
+    with fixed ends.
+    """
     chain, data, motion, h = random_motion(seed)
     draw, n, matrix = np.random.default_rng(seed), chain.contacts, row_matrix(chain)
     first = int(draw.integers(0, n))
@@ -180,14 +188,16 @@ def test_a_correction_is_that_of_a_dense_solve(seed):
 
 
 def test_a_move_says_how_far_it_went_and_what_it_missed():
-    """The longer of what was asked for and what was done; what differs by more than round-off."""
+    """Check that a move returns the larger of the requested and the actual change, and their difference if it exceeds
+    round-off.
+    """
     draw, trial, scratch = np.random.default_rng(0), empty_trial(1), empty_scratch(1)
     rows = [[law.preload, law.stiffness, law.exponent] for law in LAWS]
     rows += [
         [0.5, 2.0, 1.5, 0.1, 3.0, -1.0],
         [0.5, 2.0, 0.5, 0.0, 0.0, 1.0],
         [0.5, 2.0, 1.0, 0.0, 3.0, 1.0],
-    ]  # of couplers
+    ]  # Rows of couplers.
     for case in range(720):
         data = ChainData(np.array(rows[case % 9 : case % 9 + 1]), np.array([1.0, 0.5]), np.zeros(0), np.zeros(0), 0)
         mode, start = np.full(1, case // 9 % 4), draw.uniform(0.2, 0.4)
@@ -210,8 +220,8 @@ def test_a_move_says_how_far_it_went_and_what_it_missed():
 
 
 @pytest.mark.parametrize("precision", [1e-2, 1e-4, 1e-6, 1e-9])
-def test_newton_goes_on_with_what_counts_and_ends_where_nothing_does(precision, monkeypatch):
-    """Its rules, written anew for what its moves say of themselves."""
+def test_newton_iterates_only_relevant_contacts(precision, monkeypatch):
+    """Compare Newton's iteration with an independent implementation of its rules, based on the results of its moves."""
     iterations, directions, move_stage = [], radau.directions, radau.move_stage
 
     def begun(h, first, last, *others):
@@ -257,7 +267,9 @@ def test_newton_goes_on_with_what_counts_and_ends_where_nothing_does(precision, 
 @pytest.mark.parametrize("mass", [0.3, 0.7, 1.1, 2.9])
 @pytest.mark.parametrize("h", [0.01, 30.0])
 def test_a_force_from_wall_to_wall_stays_as_it_is(mass, h):
-    """Two contacts touch, between two walls: a force through both moves nothing, so nothing determines it."""
+    """Check two touching contacts between two walls. A force through both of them does not move the bead, so the
+    equations do not determine it.
+    """
     data, motion = pressed(Chain([math.inf, mass, math.inf], draft_gear(2.0, 0.4)), [0.0] * 3, 0.0)
     motion.mode[:], motion.force[:] = TOUCHING, 0.5
     used, trial = stepped(data, motion, h)
@@ -268,8 +280,10 @@ def test_a_force_from_wall_to_wall_stays_as_it_is(mass, h):
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_rates_come_from_overlaps_where_a_contact_oscillates_in_the_step(seed):
-    """Of any stages: where all overlaps are smaller than what the largest of the forces above the preload moves."""
+def test_rates_follow_from_overlaps_for_oscillating_contacts(seed):
+    """Check arbitrary stages. Rates follow from overlaps if all overlaps are smaller than the largest change that
+    forces above the preload cause.
+    """
     draw, (chain, data, motion, h) = np.random.default_rng(seed), random_motion(seed)
     data, drive = driven(data, seed, h)
     data.law[:, 0] += 10.0
@@ -295,8 +309,8 @@ def test_stages_that_do_not_converge_are_said():
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_where_newton_fails_it_begins_again_from_implicit_euler_steps(seed, monkeypatch):
-    """Whatever has become of the stages."""
+def test_newton_restarts_from_implicit_euler_steps(seed, monkeypatch):
+    """Check that Newton's iteration restarts from implicit Euler steps, whatever the values of the failed stages are."""
     _, data, motion, h = random_motion(seed)
     _, wanted = stepped(data, motion, h)
     monkeypatch.setattr(radau, "first_guess", lambda h, chain, motion, trial: [rows.fill(math.nan) for rows in trial])
@@ -309,7 +323,9 @@ def test_where_newton_fails_it_begins_again_from_implicit_euler_steps(seed, monk
 
 @pytest.mark.parametrize("seed", range(40))
 def test_the_error_is_that_of_two_quadratures_filtered(seed):
-    """(C + (h gamma)² L) phi = e_d + h gamma e_w by a dense solve, in place of the elimination along the row."""
+    """Compare the error with a dense solve of (C + (h gamma)² L) phi = e_d + h gamma e_w. The kernel eliminates along
+    the row.
+    """
     chain, data, motion, h = random_motion(seed)
     data, _ = driven(data, seed, h)
     used, trial = stepped(data, motion, h)
@@ -347,7 +363,9 @@ def test_the_error_is_that_of_two_quadratures_filtered(seed):
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
 @pytest.mark.parametrize(("mode", "part"), [(LOADED, KINK), (OPEN, 0.0)])
 def test_a_bend_of_a_law_that_is_passed_counts_as_an_error(mode, part, sign):
-    """A flight that the quadratures take exactly: what is left is a part of the impulse beyond the bend, of loaded contacts."""
+    """Check a flight that the quadratures integrate exactly. The error is a fraction of the impulse beyond the
+    breakpoint, only for loaded contacts.
+    """
     law, h, rate, trial = OwnLaw(lambda d: d + 40.0 * max(d - 0.1, 0.0)), 0.03, 0.5 * sign, empty_trial(2)
     data, motion = pressed(Chain([3.0, 2.0, 0.5], [hooke(1.0), law]), [2.0 * rate, rate, 0.0], 0.1 - 0.3 * h * rate)
     motion.force[:], motion.mode[:] = 0.0, (OPEN, mode)
@@ -360,7 +378,7 @@ def test_compliance():
     law = np.array([[0.0, 2.0, 0.5], [0.5, 2.0, 1.0], [0.0, 2.0, 1.5]])
     data = ChainData(law, np.ones(2), np.zeros(0), np.zeros(0), 0)
     modes = np.array([LOADED, LOADED, LOADED])
-    assert compliance(data, modes, 0, 0.25, 1.0) == pytest.approx(0.5)  # of f = 2 sqrt(d)
+    assert compliance(data, modes, 0, 0.25, 1.0) == pytest.approx(0.5)  # Compliance of f = 2 sqrt(d).
     assert compliance(data, modes, 1, 0.25, 1.0) == 0.5
     assert compliance(data, modes, 2, -0.1, 0.0) == -1.0
     assert compliance(data, modes, 0, 0.0, 0.0) == 0.0
@@ -370,7 +388,9 @@ def test_compliance():
 
 @pytest.mark.parametrize("seed", range(8))
 def test_first_stages_are_implicit_euler_steps_to_each_node(seed, monkeypatch):
-    """From rest and from deep inside alike, for slopes over many decades: d = d0 + t w0 - t² (L f - e), on the curves."""
+    """Check d = d0 + t w0 - t² (L f - e) with forces on the curves, from small and large overlaps, for slopes of many
+    orders of magnitude.
+    """
     chain, data, motion, h = random_motion(seed)
     move_stage = Mock(wraps=radau.move_stage)
     monkeypatch.setattr(radau, "move_stage", move_stage)
@@ -397,7 +417,7 @@ def test_first_stages_are_implicit_euler_steps_to_each_node(seed, monkeypatch):
 
 @pytest.mark.parametrize("row", [0, 1, 2])
 def test_an_error_that_is_no_number_is_none_of_0(row):
-    """``max(0, nan)`` is 0: a step with a row that is no number would have been taken as exact."""
+    """Check that NaN is returned. ``max(0, nan)`` is 0, so a step with a NaN would have counted as exact."""
     data, motion = pressed(Chain([1.0] * 4, [hooke(3.0), hertz(5.0), power_law(1.0, 0.5)]), [1.0, 0.5, 0.0, -0.5], 0.4)
     trial = stepped(data, motion, 0.01)[1]
     trial.rate[:, row] = math.nan

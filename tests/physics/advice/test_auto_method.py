@@ -1,4 +1,4 @@
-"""Method auto: the wanted error holds, and the choice is said with its reason."""
+"""Tests of method auto: the error stays within the tolerance, and the result names the chosen method and the reason."""
 
 import json
 import math
@@ -19,12 +19,14 @@ from tests.helpers.relations import struck
 ERRORS, TIGHT = tuple(10.0**-k for k in range(3, 10)), np.geomspace(5e-10, 5e-9, 60)
 CASES = {definition.name: definition for definition in CASE_DEFINITIONS}
 SOFT, GEAR = power_law(1.0, 0.1), draft_gear(1.0, 1.0)
-CRITICAL = critical_speed(GEAR, np.ones(5), 1)  # of one on four
+CRITICAL = critical_speed(GEAR, np.ones(5), 1)  # Critical speed [m/s] of one on four.
 
 
 @pytest.mark.parametrize(("name", "errors"), [*((name, ERRORS) for name in CASES), ("one-on-5", TIGHT)])
 def test_the_wanted_error_holds_on_every_case_of_the_chart(name, errors):
-    """One on 5 bounces six times at the end: a run that nothing checks misses a bounce at one tolerance in some hundred."""
+    """Check the cases of the chart. One on 5 bounces six times at the end. An unchecked run misses a bounce at about
+    one tolerance in a hundred.
+    """
     case = CASES[name].solve(by_reference=errors is TIGHT)
     for error in errors:
         found = simulate(case.chain, case.velocity, case.duration, method="auto", tolerance=error, samples=2)
@@ -34,7 +36,7 @@ def test_the_wanted_error_holds_on_every_case_of_the_chart(name, errors):
         assert f"wanted error of {error:g}" in found.choice
 
 
-NOT_MADE_FOR = (  # chains, speeds and durations
+NOT_MADE_FOR = (  # Chains, speeds [m/s] and durations [s].
     *(
         (one_on(n, contact, mass=np.linspace(0.3, 2.0, n + 1)), 3.0, None)
         for contact in (power_law(1, 0.3), power_law(5, 0.7), hooke(2), hertz(50), power_law(1, 2))
@@ -80,8 +82,9 @@ def test_the_wanted_error_holds_on_chains_it_was_not_made_for(chain, speed, dura
         (Chain([1, 1, 1e-5, 1], SOFT), 6.0, 1e-2, "accurate", "far more fixed steps"),
         (Chain([5e5, 2e5, 1.6, 5e-6, 0.36], [hertz(9.0), hertz(0.2), SOFT, hertz(80.0)]), 6.0, 1e-3, "accurate", "far more"),
         (Chain([1, 1, 1e-4, 1], hertz(100.0)), 6.0, 1e-3, "accurate", "far more fixed steps"),
-        (Chain([1, 1, 0.2, 1], hertz(100.0)), 1e6, 1e-3, "conserving", "exact at any step"),  # a flight costs nothing
-        (Chain([1] * 4, [SOFT, draft_gear(1e6, 1.0), SOFT]), 9.0, 1e-3, "conserving", "exact at any step"),  # it never yields
+        (Chain([1, 1, 0.2, 1], hertz(100.0)), 1e6, 1e-3, "conserving", "exact at any step"),  # A flight costs nothing.
+        # The gear never yields.
+        (Chain([1] * 4, [SOFT, draft_gear(1e6, 1.0), SOFT]), 9.0, 1e-3, "conserving", "exact at any step"),
         (Chain([math.inf, 1, 1], SOFT), 3.0, 1e-3, "accurate", "collision after collision"),
         (Chain([1, 1, 1], hertz(1.0), [0.1, 0.2]), 3.0, 1e-3, "accurate", "collision after collision"),
         (Chain([1, 1, 1], hertz(1.0), drive=[1, 0, 0]), 3.0, 1e-3, "accurate", "collision after collision"),

@@ -1,4 +1,4 @@
-"""Failure is a value: what an explicit method cannot do is said by the trajectory, with what to use instead."""
+"""Tests of failures as values: if an explicit method fails, the trajectory says so and names a better method."""
 
 from dataclasses import replace
 
@@ -19,7 +19,9 @@ def test_a_draft_gear_that_should_rest_is_reported_to_chatter(method):
 
 
 def test_contacts_that_close_again_and_again_are_reported():
-    """At its default step the first is off by a hundredth, with 35 openings; the other, which opens as often, brakes."""
+    """Check the warning with the default step. The first run has an error of 1 % and 35 openings. The second run has as
+    many, but friction.
+    """
     chain, velocity = random_collision(64, 8)
     for friction, codes in ((0.0, ["returns"]), (1e-6, [])):
         run = solve(replace(chain, friction=friction), velocity, 0.3, "conserving", samples=2)
@@ -33,7 +35,7 @@ def test_within_the_estimate_the_error_holds(contact, error):
     chain, velocity = one_on(2, contact), [1.0, 0.0, 0.0]
     truth = simulate(chain, velocity, tolerance=1e-10).final_velocity
     result = simulate(chain, velocity, method="verlet", step=stable_step(chain, velocity, error))
-    assert np.abs(result.final_velocity - truth).max() < 3 * error  # "within a factor of a few"
+    assert np.abs(result.final_velocity - truth).max() < 3 * error  # The documentation says "within a factor of a few".
 
 
 def test_the_estimate_shrinks_with_the_error_and_with_the_mass():

@@ -1,4 +1,4 @@
-"""Matching: what is already of the family is found again, monotone facts, and honest distances."""
+"""Tests of matching: members of the family find themselves, results are monotone, and distances are correct."""
 
 import math
 
@@ -10,10 +10,10 @@ from softcradle.physics.analysis.closed_forms import critical_speed, rigid_strok
 from softcradle.physics.analysis.collision import collide
 from softcradle.physics.analysis.matching import DESCENTS, NEAR, RATIOS, Match, match
 
-pytestmark = pytest.mark.slow  # each match is a search of some seconds
+pytestmark = pytest.mark.slow  # Each match is a search that takes some seconds.
 
 GEAR, MASS = draft_gear(770.0, 0.0177), 0.396
-GEARS = one_on(3, GEAR, MASS)  # the paper's
+GEARS = one_on(3, GEAR, MASS)  # The chain of the paper.
 CRITICAL = critical_speed(GEAR, GEARS.mass, 1)
 
 
@@ -23,7 +23,7 @@ def soft_match(alpha: float, distance: str = "force") -> Match:
 
 @pytest.mark.parametrize(
     ("alpha", "distance"), [(1 / 14, "force")] + [(alpha, distance) for alpha in (0.4, 1.5) for distance in DESCENTS]
-)  # at 1/14 velocities are so near to rigid that the outcome cannot tell one small exponent from another
+)  # At 1/14 the velocities are so close to rigid that the outcome cannot distinguish small exponents.
 def test_a_power_law_finds_itself(alpha, distance):
     found = match(one_on(3, power_law(2.0, alpha)), [1, 0, 0, 0], distance, "power_law", start=power_law(3.0, 0.2))
     assert (found.contact.stiffness, found.contact.exponent) == pytest.approx((2.0, alpha), rel=1e-3)
@@ -52,20 +52,21 @@ def test_a_linear_spring_is_in_both_families():
     assert (as_power.contact.stiffness, as_power.contact.exponent) == pytest.approx((3.0, 1.0), rel=1e-3)
     assert as_gear.contact.stiffness == pytest.approx(3.0, rel=1e-3)
     assert as_gear.residual < 1e-3
-    assert as_gear.ends == ("precompression",)  # 0 is no number of the search
+    assert as_gear.ends == ("precompression",)  # 0 is not a value of the search.
 
 
-def test_the_softer_the_more_precompressed_and_the_nearer():
+def test_softer_contacts_match_gears_better():
     found = [soft_match(alpha) for alpha in (0.05, 0.1, 0.3, 1.5)]
     strokes = [f.contact.preload / f.contact.stiffness for f in found]
     assert strokes == sorted(strokes, reverse=True)
     residuals = [f.residual for f in found]
     assert residuals == sorted(residuals)
-    assert [f.near for f in found] == [True, True, True, False]  # Hertz is no draft gear
-    # equal forces are not equal outcomes, which stand beside every match: of 1/10 the gear leaves v1 at 0.400, not 0.174
+    assert [f.near for f in found] == [True, True, True, False]  # Hertz contacts are not similar to a draft gear.
+    # Equal forces do not imply equal outcomes, so every match also reports the outcome. For 1/10, v1 is 0.400 with the
+    # gear instead of 0.174.
     assert found[1].outcome > NEAR
     assert found[1].speed_ratio == pytest.approx(0.89, abs=0.02)
-    # the residual is the distance of the two pulses of the struck contact, as a part of the first one
+    # The residual is the distance of the two force pulses of the struck contact, relative to the first pulse.
     grid, pulses = np.linspace(0.0, 4.0, 40_001), []
     for contact in (found[2].given, found[2].contact):
         made = collide(one_on(4, contact), [1, 0, 0, 0, 0], samples=8001)
@@ -76,8 +77,10 @@ def test_the_softer_the_more_precompressed_and_the_nearer():
 
 
 @pytest.mark.parametrize("alpha", [0.1, 1 / 14])
-def test_the_outcome_is_met_above_the_critical_speed_where_a_search_from_below_stays(alpha):
-    """Below it every gear has the same outcome; one on 4 at 1/10 is met within 0.6 % by a gear at 1.26 v_c, not within 11 %."""
+def test_the_outcome_is_matched_above_the_critical_speed(alpha):
+    """Check that the search goes above the critical speed v_c. Below it, all gears have the same outcome. One on 4 with
+    1/10 agrees within 0.6 % with a gear at 1.26 v_c, instead of 11 %.
+    """
     found = soft_match(alpha, "outcome")
     assert found.residual < 0.007
     assert 1.05 < found.speed_ratio < 1.3

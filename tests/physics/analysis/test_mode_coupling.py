@@ -1,4 +1,4 @@
-"""The mode-coupling model: its equations, its overlaps, its accuracy, and the cases it is exact for."""
+"""Tests of the mode-coupling model: its equations, overlaps, accuracy, and the cases for which it is exact."""
 
 import math
 
@@ -16,7 +16,9 @@ HIT = [1.0, 0.0, 0.0, 0.0, 0.0]
 
 
 def test_the_modes_solve_the_equations_of_the_paper():
-    """Eq. (A3) with M = m2 + ... + mn, written out: its right-hand sides are the second differences of Phi and psi."""
+    """Compare with Eq. (A3), written out with M = m2 + ... + mn: its right-hand sides equal the second derivatives of
+    Phi and psi.
+    """
     times = np.linspace(0.3, 1.1, 161)
     found = mode_coupling(MIXED, HIT, 1.2, samples=times, tolerance=1e-10)
     m0, m1, *rest = MIXED.mass
@@ -29,8 +31,10 @@ def test_the_modes_solve_the_equations_of_the_paper():
     assert mode_coupling(cluster_on_cluster(4, 1, power_law(1.0, 0.1)), [1.0] * 4 + [0.0], 1.2).psi is None
 
 
-def test_overlaps_follow_the_first_one_and_forces_give_inner_beads_one_acceleration():
-    """Eq. (A1), written out; Eq. (7) is its homogeneous case. Eq. (5) from what it is for."""
+def test_inner_beads_have_one_acceleration():
+    """Compare with Eq. (A1), written out, and with Eq. (7), its homogeneous case. Eq. (5) follows from the equal
+    accelerations.
+    """
     found = mode_coupling(MIXED, HIT)
     psi, mass = np.maximum(found.psi, 0.0), MIXED.mass
     for i in (2, 3):
@@ -65,11 +69,12 @@ def test_two_targets_need_no_reduction():
 
 @pytest.mark.parametrize("alpha", [1 / 10, 1 / 30])
 def test_start_is_the_series(alpha):
-    """Phi ~ t, psi ~ t**(2 + alpha) / ((1 + alpha)(2 + alpha)), from times of 1e-30 on."""
+    """Compare with the series Phi ~ t, psi ~ t**(2 + alpha) / ((1 + alpha)(2 + alpha)), from t = 1e-30 on."""
     times = np.logspace(-30, -20, 11)
     found = mode_coupling(one_on(4, power_law(1.0, alpha)), HIT, 1.0, samples=times)
     np.testing.assert_allclose(found.phi, times, rtol=1e-9)
-    # the next term is smaller by t**(alpha (1 + alpha)); the method itself is asked for forces to a few 1e-3 here
+    # The next term is smaller by the factor t**(alpha (1 + alpha)). The method itself computes forces to a few 1e-3
+    # here.
     slack = alpha * 2.0 * times ** (alpha * (1 + alpha)) + 3e-3
     series = times ** (2 + alpha) / ((1 + alpha) * (2 + alpha))
     assert (np.abs((found.psi / series) ** alpha - 1.0) < slack).all()
@@ -105,8 +110,8 @@ def test_beads_that_are_modes_may_be_driven(driven):
     np.testing.assert_allclose(model.trajectory.force, full.force, atol=5e-4)
 
 
-def test_response_time_is_that_of_small_oscillations_a_pi_th_of_the_contact_time():
-    """Two unit beads on a linear contact: omega**2 = 2 k. A contact that never loads has none."""
+def test_the_response_time_is_that_of_small_oscillations():
+    """Check two unit beads on a linear contact with omega**2 = 2 k. A contact that never loads has the response time 0."""
     found = simulate(Chain([1.0, 1.0, 1.0], [hooke(8.0), hertz(8.0)], gap=[0.0, 9.0]), [1.0, 0.0, 0.0], 1.0)
     assert response_times(found) == pytest.approx([1.0 / 4.0, 0.0])
     assert time_scale_separation(found) == pytest.approx([1.0 / math.pi**2, 0.0])

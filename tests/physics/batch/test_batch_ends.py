@@ -1,4 +1,4 @@
-"""Ensembles, and the ends of very many chains: the digits of one at a time, whatever the number of threads."""
+"""Tests of ensembles and final states of many chains: bitwise equal to single runs, for any number of threads."""
 
 import itertools
 
@@ -17,35 +17,36 @@ CHAINS = [one_on(n, power_law(1.0, 1.0 / k)) for n in (1, 2, 4) for k in (3, 10)
     one_on(3, draft_gear(770.0, 0.0177), mass=0.396),
 ]
 STARTS = [[1.0] + [0.0] * chain.contacts for chain in CHAINS]
-COUNT = 40  # of random chains
-STEP = 1e-2  # s: some chains chatter, some blow up
+COUNT = 40  # Number of random chains.
+STEP = 1e-2  # Step [s]. Some chains chatter, and some blow up.
 
 
 def chains_of(maker, contacts, count=COUNT):
-    """The first `count` random chains with so many contacts, and their start velocities."""
+    """Return the first `count` random chains with this number of contacts, and their start velocities."""
     drawn = (maker(seed, 4) for seed in itertools.count())
     found = list(itertools.islice((one for one in drawn if one[0].contacts == contacts), count))
     return [chain for chain, _ in found], np.array([velocity for _, velocity in found])
 
 
 def each_alone(chains, velocities, settings):
-    """The run of each chain by itself, with what an ensemble is given for it."""
+    """Yield the single run of each chain with the settings that the ensemble uses for it."""
     for k, (chain, velocity) in enumerate(zip(chains, velocities, strict=True)):
         own = {name: np.broadcast_to(value, len(chains))[k].item() for name, value in settings.items()}
         yield solve(chain, velocity, samples=2, **own)
 
 
 def rattling():
-    """Errors have grown in most of these, so more than one run decides, and some are not determined."""
+    """Return chains with error amplification. Most of them need more than one run, and some are not determined."""
     draw = np.random.default_rng(3)
     masses, exponents = np.exp(draw.uniform(-1, 1, (25, 6))), draw.uniform(0.02, 0.12, (25, 5))
     chains = [Chain(mass, [power_law(1.0, a) for a in few]) for mass, few in zip(masses, exponents, strict=True)]
     return chains, -np.sort(-draw.normal(size=(25, 6)))
 
 
-SHORT = [Chain([1.0, 1.0], hooke(450.0), gap=gap) for gap in (0.43, 0.44, 3.0)]  # contacts that no step shows
+# Contacts that close and open within a step.
+SHORT = [Chain([1.0, 1.0], hooke(450.0), gap=gap) for gap in (0.43, 0.44, 3.0)]
 PRESSED = [Chain([1.0, 1.0, 2.0], hertz(k), [-0.1, 0.2], friction=0.1) for k in (1.0, 2.0)]
-BATCHES = [  # chains with their velocities, and what an ensemble is given
+BATCHES = [  # (chains, velocities), and the settings of the ensemble.
     *(
         (chains_of(random_collision, contacts), {"method": method, "step": STEP})
         for method in ("euler", "verlet", "yoshida4", "conserving") for contacts in (1, 3, 4)
@@ -73,11 +74,11 @@ def test_chains_end_as_they_would_alone(batch, settings):
         assert np.array_equal(ends.velocity_error[k], alone.velocity_error, equal_nan=True), k
         assert (ends.status[k], ends.time[k]) == (alone.status, alone.time[-1]), k
         assert ends.steps[k] == alone.steps, k
-        if "duration" not in settings:  # a sample at the end evaluates contacts, too
+        if "duration" not in settings:  # A sample at the end also evaluates contacts.
             assert ends.evaluations[k] == alone.evaluations, k
 
 
-def test_threads_and_neighbours_change_nothing_and_progress_counts_every_chain():
+def test_threads_and_neighbours_change_no_result():
     exponents = np.linspace(0.3, 1.5, 1500)
     batch, told = ChainBatch(np.ones((1500, 4)), 0.0, 1.0, exponents[:, None]), []
     start = [1.0, 0.0, 0.0, 0.0]
@@ -108,7 +109,9 @@ def test_a_batch_is_its_chains():
     ],
 )
 def test_each_chain_moves_as_it_would_alone(settings, workers):
-    """The dense solves of the reference keep to one thread of BLAS, a number that all runs of a process share."""
+    """Compare with single runs. The dense solves of the reference method use one BLAS thread, a setting that all runs
+    of a process share.
+    """
     found = ensemble(CHAINS, STARTS, **settings, workers=workers)
     assert [one.chain for one in found] == CHAINS
     for one, alone in zip(found, each_alone(CHAINS, STARTS, settings), strict=True):
@@ -124,7 +127,7 @@ def test_progress_counts_every_chain_once():
 
 
 def test_warnings_stay_on_their_trajectory(recwarn):
-    """The step is past the limit on the draft gear; the chain beside it is well."""
+    """Check that only the first chain warns: its step is above the limit of the draft gear."""
     found = ensemble([CHAINS[-1], CHAINS[0]], [STARTS[-1], STARTS[0]], method="verlet", step=[1e-3, 1e-4])
     assert "past its limit" in str(found[0].warnings[0])
     assert not found[1].warnings

@@ -1,4 +1,4 @@
-"""When contacts close and open under fixed steps: within a few steps of where the reference locates it, on random chains."""
+"""Tests of closing and opening times with fixed steps: within a few steps of the reference times, on random chains."""
 
 import math
 
@@ -9,12 +9,15 @@ from softcradle.physics.status import Status
 
 from tests.helpers.relations import simulate_quietly
 
-STEPS = 2000  # to the crossing of the largest gap
-SLACK = 2.5  # steps a contact by which a time may differ: in explicit steps a push passes one contact in two steps
+STEPS = 2000  # Number of steps in the time that the striker needs to cross the largest gap.
+# Allowed difference of a time, in steps per contact. With explicit steps a push passes one contact in two steps.
+SLACK = 2.5
 
 
 def random_chain(seed: int) -> tuple[Chain, np.ndarray, float]:
-    """A chain with gaps before its inner contacts, its start velocities, and a duration of two crossings of its gaps."""
+    """Return a chain with gaps before its inner contacts, its start velocities, and the time of two crossings of its
+    gaps.
+    """
     draw = np.random.default_rng(seed)
     n = int(draw.integers(2, 6))
     gear = draft_gear(draw.uniform(50.0, 200.0), draw.uniform(0.01, 0.1))
@@ -29,14 +32,16 @@ def random_chain(seed: int) -> tuple[Chain, np.ndarray, float]:
 
 
 def first_closings(chain: Chain, velocity: np.ndarray, duration: float, method: str, step: float | None) -> np.ndarray:
-    """(n,) when each contact first closes [s]; inf where it does not."""
+    """Return the (n,) times [s] at which each contact first closes, or infinity."""
     found = simulate_quietly(chain, velocity, duration, method, step, samples=2)
     return np.array([intervals[0][0] if intervals else np.inf for intervals in found.contact_intervals])
 
 
 @pytest.mark.parametrize("seed", [*range(20), *(pytest.param(k, marks=pytest.mark.slow) for k in range(20, 40))])
 def test_first_closings_are_those_of_the_reference(seed):
-    """An explicit step takes no force at overlap 0: with a preload, what touches closes late."""
+    """Compare with the reference. Explicit steps use no force at overlap 0, so touching contacts with a preload close
+    late and are left out.
+    """
     chain, velocity, duration = random_chain(seed)
     gears = any(contact.preload > 0.0 for contact in chain.contact)
     step = duration / STEPS
@@ -49,8 +54,8 @@ def test_first_closings_are_those_of_the_reference(seed):
         assert np.abs(found[both] - exact[both]).max(initial=0.0) <= slack, method
 
 
-STIFF = 450.0  # N/m: two beads of 1 kg are in contact for about a step of 0.1 s
-GAP = 0.43  # m: at 1 m/s the contact closes and opens between two ends of steps
+STIFF = 450.0  # Stiffness [N/m]. Two beads of 1 kg are in contact for about one step of 0.1 s.
+GAP = 0.43  # Gap [m]. At 1 m/s the contact closes and opens between the two ends of a step.
 CHAINS = {
     "free": Chain([1.0, 1.0], hooke(STIFF), gap=GAP),
     "one bead brakes": Chain([1.0, 1.0], hooke(STIFF), gap=GAP, brakes=TimedForce(0, 0.0, 1e-3)),
@@ -60,16 +65,16 @@ CHAINS = {
 
 @pytest.mark.parametrize("chain", CHAINS.values(), ids=CHAINS)
 def test_a_run_ends_soon_after_a_contact_that_no_step_shows(chain):
-    ahead = [1.0] * (chain.contacts - 1)  # the beads beyond, which nobody reaches
+    ahead = [1.0] * (chain.contacts - 1)  # No bead reaches the beads beyond.
     found = simulate_quietly(chain, [1.0, 0.0, *ahead], method="verlet", step=0.1, samples=2)
-    assert found.final_velocity[0] < 0.5  # it has struck
+    assert found.final_velocity[0] < 0.5  # The bead has hit.
     assert found.contact_intervals[0] == ()
     assert found.status == Status.SEPARATED
-    assert found.steps <= 20  # it flies to the contact in five, and is apart again
+    assert found.steps <= 20  # The bead reaches the contact in five steps, and then they separate.
 
 
-def test_flights_end_where_their_steps_are_no_longer_counted():
-    """Chatter leaves these beads with rates of round-off, by which they part for 1e18 steps and would meet again."""
+def test_endless_flights_are_ended():
+    """Check beads that chatter leaves with rates of round-off. They separate for 1e18 steps and would then meet again."""
     masses = [30.302047757650957, 0.06879557626047945, 33.32308902031443, 5.314720953392335]
     chain = Chain(masses, step_force(3.477215654725435))
     start = [-0.14915296, -0.14915296, -0.43683214, -0.43683214]
@@ -79,8 +84,10 @@ def test_flights_end_where_their_steps_are_no_longer_counted():
 
 
 @pytest.mark.parametrize("law", [draft_gear(100.0, 0.05), hertz(100.0), hooke(1.0), power_law(10.0, 0.1)], ids=str)
-def test_energy_and_the_distance_of_the_walls_over_a_hundred_thousand_steps(law):
-    """Without this the energy of the gears was off by 3e-10 here, and by 3e-8 after ten times as many steps."""
+def test_energy_is_conserved_over_a_hundred_thousand_steps(law):
+    """Check the correction of round-off. Without it, the energy of the gears had an error of 3e-10, and of 3e-8 after
+    ten times as many steps.
+    """
     chain = Chain([math.inf, 1.0, 2.0, 1.0, math.inf], law, gap=[0.02, 0.02, 0.02, 0.01])
     found = simulate_quietly(chain, [0.0, 1.0, 0.0, -0.3, 0.0], 3000.0, "conserving", step=0.03, samples=2)
     assert found.rate[-1].sum() == pytest.approx(0.0, abs=1e-15)

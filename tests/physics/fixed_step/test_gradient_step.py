@@ -1,4 +1,6 @@
-"""One step of conserving, by the equations that define it: contacts, loss, friction, external forces, and what is absorbed."""
+"""Tests of one step of conserving against its equations: contacts, loss, friction, external forces, and absorbed
+energy.
+"""
 
 import math
 from dataclasses import replace
@@ -41,7 +43,9 @@ def random_chain(seed, dissipative):
 
 
 def hard_chain(seed):
-    """Masses over four decades, walls, friction up to fifty times the weight, couplers in some: Newton alone does not do."""
+    """Return a chain for which Newton's method alone fails: masses of four orders of magnitude, walls, friction
+    coefficients up to 50, some couplers.
+    """
     draw = np.random.default_rng(seed)
     n = int(draw.integers(2, 9))
     mass = 10.0 ** draw.uniform(-2, 2, n + 1)
@@ -59,18 +63,18 @@ def hard_chain(seed):
 
 
 def records(chain, state):
-    """What a kernel is given: the chain, the motion of that state itself, and memory."""
+    """Return the arguments of a kernel: the chain, the Motion that uses the arrays of `state`, and work memory."""
     data, motion = records_of(chain, state)
     return data, motion, np.zeros((BEAD_ROWS, chain.contacts + 1)), np.zeros((WORK_ROWS, chain.contacts))
 
 
 def step(chain, state, h):
-    """One whole step in place; returns the iterations of its solver."""
+    """Take one whole step in place. Return the iterations of the solver."""
     return single_step(h, *records(chain, state), True, True)[0]
 
 
 def taken(chain, state, h):
-    """One step, in as many parts as it wants."""
+    """Take one step, divided at events if the method needs it."""
     return gradient_step(h, *records(chain, state))
 
 
@@ -83,11 +87,11 @@ def test_a_step_solves_its_equations(first, dissipative):
 
 def test_hard_steps_solve_their_equations():
     iterations = [check_step(*hard_chain(seed), seed) for seed in range(200)]
-    assert sum(iterations) < 3900  # they take 3530
+    assert sum(iterations) < 3900  # They take 3530.
 
 
 def check_step(chain, state, h, seed):
-    """One step against its equations; returns the iterations of its solver."""
+    """Check one step against its equations. Return the iterations of the solver."""
     before = state.copy()
     v0, push = before.velocity(chain), state.external(chain)
     used = step(chain, state, h)
@@ -97,7 +101,7 @@ def check_step(chain, state, h, seed):
     u = v0 + h * by_contacts * inverse_mass
     scale = 1.0 + np.abs(u).max() + h * (np.abs(by_contacts) * inverse_mass).max()
     braked = np.sign(u) * np.maximum(np.abs(u) - h * chain.bed, 0.0) if chain.on_bed else u
-    known = np.ones(chain.contacts + 1, dtype=bool)  # a coupler keeps the force at the end, not the mean force
+    known = np.ones(chain.contacts + 1, dtype=bool)  # A coupler stores the force at the end, not the mean force.
     for i, _ in chain.couplers:
         known[i : i + 2] = False
     assert v1[known] == pytest.approx(braked[known], abs=1e-10 * scale), seed
@@ -108,7 +112,7 @@ def check_step(chain, state, h, seed):
     for i in range(chain.contacts):
         if isinstance(chain.contact[i], Contact):
             check_contact(chain, i, before, state, h, seed)
-    # energy closes, and what the bed takes is the work of its friction
+    # Check the energy balance. The bed absorbs the work of its friction.
     work = 0.0 if push is None else 0.5 * h * float(push @ (v0 + v1))
     change, scale = state.energy(chain) - before.energy(chain), 1.0 + before.energy(chain) + abs(work)
     assert change + state.absorbed.sum() == pytest.approx(work, abs=1e-10 * scale), seed
@@ -120,7 +124,7 @@ def check_step(chain, state, h, seed):
 
 
 def check_contact(chain, i, before, state, h, seed):
-    """The force is the mean force of the step; loss leaves its part of it while the contact comes out."""
+    """Check that the force is the mean force of the step, reduced by the loss while the contact unloads."""
     d0, d1, force, energy = before.overlap[i], state.overlap[i], state.force[i], chain.contact[i].energy
     fall, size = energy(d1) - energy(d0), energy(d0) + energy(d1)
     kept = 1.0 - chain.contact[i].loss
@@ -142,7 +146,7 @@ def check_contact(chain, i, before, state, h, seed):
 
 
 @pytest.mark.parametrize("h", [0.3, 0.6, 1.0])
-def test_a_step_is_cut_where_a_bead_stops_and_slides_end_to_the_digit(h):
+def test_a_step_is_divided_when_a_bead_stops(h):
     chain, brake = Chain([2.0, 1.0], hooke(1.0), gap=10.0, friction=0.1), 0.1 * GRAVITY
     state = State.at_start(chain, [0.2 * brake, -0.1 * brake])
     given = records(chain, state)
@@ -157,7 +161,7 @@ def test_a_step_is_cut_where_a_bead_stops_and_slides_end_to_the_digit(h):
     assert state.absorbed[1] == pytest.approx(0.04 * brake**2 + 0.005 * brake**2, rel=1e-12)
 
 
-def test_a_step_is_cut_where_a_contact_turns_and_a_bounce_ends_to_the_digit():
+def test_a_step_is_divided_when_a_contact_reverses():
     chain = Chain([1.0, math.inf], step_force(2.0, loss=0.75))
     state = State.at_start(chain, [1.0, 0.0])
     state.overlap[0] = 1.0
@@ -165,13 +169,16 @@ def test_a_step_is_cut_where_a_contact_turns_and_a_bounce_ends_to_the_digit():
     assert used > 0
     assert part == pytest.approx(0.5 / 0.6)
     taken(chain, state, 0.6)
-    assert state.velocity(chain)[0] == pytest.approx(-0.5 * 0.1, rel=1e-12)  # 0.5 s in, then by a quarter of the force
+    # 0.5 s of loading, followed by unloading with a quarter of the force.
+    assert state.velocity(chain)[0] == pytest.approx(-0.5 * 0.1, rel=1e-12)
     assert state.overlap[0] == pytest.approx(1.25 - 0.25 * 0.01, rel=1e-12)
     assert state.absorbed[0] == pytest.approx(0.75 * 2.0 * 0.0025, rel=1e-10)
 
 
-def test_the_round_off_of_touching_is_no_overlap_and_a_small_overlap_is_no_round_off():
-    """A gear pressed at a wall by less than its preload stays there; one left alone gives back what little it holds."""
+def test_round_off_and_small_overlaps_are_distinguished():
+    """Check a gear that is pressed at a wall by less than its preload: it stays there. A free gear returns the small
+    energy that it stores.
+    """
     gear = draft_gear(2.0, 0.4)
     pressed = Chain([1.0, math.inf], gear, drive=[0.1, 0.0], friction=1e-9)
     for round_off in (1e-17, -1e-17):
@@ -190,7 +197,7 @@ def test_the_round_off_of_touching_is_no_overlap_and_a_small_overlap_is_no_round
 @pytest.mark.parametrize("loss", [0.0, 0.3])
 @pytest.mark.parametrize("friction", [0.0, 0.1])
 def test_a_chain_at_rest_under_a_push_is_found_so_at_once(friction, loss):
-    """From the forces that it has the solver has nothing to do, whatever the masses."""
+    """Check that the solver has nothing to do if it starts from the forces at rest, whatever the masses are."""
     law = hertz(50.0, loss=loss)
     chain = Chain([3.0, 0.2, math.inf], law, drive=[1.0, 2.0, 0.0], friction=friction)
     state = State.at_start(chain, [0.0, 0.0, 0.0])
@@ -203,7 +210,7 @@ def test_a_chain_at_rest_under_a_push_is_found_so_at_once(friction, loss):
 
 
 def test_a_step_that_is_cut_goes_on_from_the_forces_before_it():
-    """One try, the part up to where the last bead stops, the rest: each from the best forces there are."""
+    """Check one attempt, the part until the last bead stops, and the rest. Each starts from the best known forces."""
     chain = Chain([3.0, 0.2, 1.0, 1.0], power_law(50.0, 0.1), gap=[0.0, 0.0, 1.0], friction=0.1)
     one, other = (State.at_start(chain, [1.0, 1.0, 1.0, 0.05]) for _ in range(2))
     for state in (one, other):
@@ -220,18 +227,20 @@ def test_a_step_that_is_cut_goes_on_from_the_forces_before_it():
 
 @pytest.mark.parametrize("seed", range(80))
 def test_a_step_in_parts_keeps_the_ledger(seed):
-    """Long steps of chains that rub and lose, cut at every event: energy closes all the same."""
+    """Check the energy balance of long steps of chains with friction and loss, divided at every event."""
     chain, state, h = random_chain(seed, True)
     energy = state.energy(chain)
     for _ in range(3):
-        assert 0 < taken(chain, state, h) < 200  # they take 163
+        assert 0 < taken(chain, state, h) < 200  # They take 163.
     if chain.drive_force is None:
         assert state.energy(chain) + state.absorbed.sum() == pytest.approx(energy, abs=1e-10 * (1.0 + energy))
 
 
 @pytest.mark.parametrize(("friction", "most", "wanted"), [(0.0, 100, 8), (0.0, 5, 5), (0.01, 100, 8), (0.2, 100, 6)])
 def test_steps_end_where_a_contact_switches_or_all_beads_rest(friction, most, wanted):
-    """At 1 m/s over 0.75 m in steps of 0.1 s the contact closes in the eighth; a brake of 0.2 g ends the motion in the sixth."""
+    """Check two ends. At 1 m/s over 0.75 m with steps of 0.1 s, the contact closes in the eighth step. A brake of 0.2 g
+    stops the bead in the sixth.
+    """
     chain = Chain([1.0, math.inf], hertz(5.0), gap=0.75, friction=friction)
     state = State.at_start(chain, [1.0, 0.0])
     data, motion, *memory = records(chain, state)
@@ -246,7 +255,7 @@ def test_steps_end_where_a_contact_switches_or_all_beads_rest(friction, most, wa
 
 @pytest.mark.parametrize("off", [-3.0, -0.01, 0.01, 3.0])
 def test_a_sweep_solves_each_row_alone_from_either_side(off, monkeypatch):
-    """With beads on a bed; the first row is the last one visited, so nothing is left of what it lacks."""
+    """Check sweeps with beads on a bed. A sweep visits the first constraint last, so that its residual is 0."""
     solve, seen = discrete_gradient.solve_contacts, []
 
     def swept(*given):

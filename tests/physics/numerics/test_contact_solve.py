@@ -1,4 +1,6 @@
-"""Pieces of the solver of contact forces: resolvents and mean forces of contacts and of couplers, the way to the next bend."""
+"""Tests of parts of the contact force solver: resolvents and mean forces of contacts and couplers, and the distance to
+the next breakpoint.
+"""
 
 import numpy as np
 import pytest
@@ -23,13 +25,15 @@ STARTS = (0.0, 0.03, 0.2, -0.04, -SLACK, -0.3)
 
 
 def test_a_very_soft_contact_takes_any_push_without_a_guess():
-    """Without the push of the contact alone the guess of its overlap would be 1e350 m, which plain Python refuses."""
+    """Check the guess of the overlap. If only the push of the contact were used, it would be 1e350 m, which overflows
+    in plain Python.
+    """
     overlap, force, _ = resolvent(None, -1, 0.0, 1e-3, 0.02, 0.0, 0.0, 1e-4, 1.0, 0.0)
     assert overlap + 1e-4 * force == pytest.approx(1.0, rel=1e-15)
     assert force == pytest.approx(1e-3 * overlap**0.02 / 1.02, rel=1e-12)
 
 
-def test_a_contact_at_no_overlap_carries_all_of_a_push_and_none_of_a_pull():
+def test_a_touching_contact_carries_pushes_but_no_pulls():
     assert touching(2.0, 0.5) == (0.0, 0.25, 0.5)
     assert touching(2.0, 3.0) == (0.0, 1.5, 0.5)
     assert touching(2.0, -0.5) == (-0.5, 0.0, 0.0)
@@ -39,7 +43,9 @@ def test_a_contact_at_no_overlap_carries_all_of_a_push_and_none_of_a_pull():
 @pytest.mark.parametrize("exponent", [0.1, 0.5, 1.0, 1.5, 3.0])
 @pytest.mark.parametrize("part", [0.0, 1e-9, -1e-9, 1e-6, 1e-3, -0.1])
 def test_the_mean_force_of_a_short_way_and_its_slope(part, exponent):
-    """Over a way of x d the force K d**a has the mean K d**a (1 + a x/2 + a (a-1) x²/6 + ...), and this its slope."""
+    """Compare with the series. Over a distance x d, the force K d**a has the mean K d**a (1 + a x/2 + a (a-1) x²/6 +
+    ...).
+    """
     start, stiffness = 0.3, 2.0
     force = stiffness * start**exponent
     found, slope = mean_force(0.5, stiffness, exponent, start, start**exponent, start * (1.0 + part))
@@ -51,8 +57,10 @@ def test_the_mean_force_of_a_short_way_and_its_slope(part, exponent):
 
 @pytest.mark.parametrize("up", [True, False])
 @pytest.mark.parametrize("resting", [0.0, 3.0])
-def test_a_row_without_slope_moves_to_where_a_bead_breaks_loose_or_its_contact_does(up, resting):
-    """Forces of 2 N to 5 N hold the contact; its beads, on beds of 1 and 4 m/s², bound the way where they slip first."""
+def test_the_distance_to_the_next_event_is_exact(up, resting):
+    """Check the distance to the next event. Forces of 2 N to 5 N hold the contact. Beads on beds of 1 and 4 m/s² can
+    slip first.
+    """
     h, weight, s = 0.1, 0.02, resting * 0.02 + 0.05 * 0.6
     mass, bed, free = np.array([2.0, 0.5]), np.array([1.0, 4.0]), np.array([0.04, -0.1])
     beads, work = np.zeros((BEAD_ROWS, 2)), np.zeros((WORK_ROWS, 1))
@@ -63,7 +71,7 @@ def test_a_row_without_slope_moves_to_where_a_bead_breaks_loose_or_its_contact_d
     chain = ChainData(law, 1.0 / mass, NOTHING, NOTHING, 0, dissipation=Dissipation(np.zeros(1), bed))
     found = distance_to_bend(h, 0, chain, 0.6, up, beads, work)
     by_contact = weight * (5.0 - resting if up else resting - 2.0)
-    turn = 1.0 if up else -1.0  # more force brakes the left bead and drives the right one
+    turn = 1.0 if up else -1.0  # More force brakes the left bead and drives the right one.
     by_beads = weight * (h * bed + turn * free * [1.0, -1.0]) * mass / h
     assert found == pytest.approx(turn * max(min(by_contact, *by_beads), 0.0), rel=1e-8, abs=1e-15)
 
@@ -75,8 +83,10 @@ def joints(request):
 
 
 @pytest.mark.parametrize("start", STARTS)
-def test_the_mean_force_is_what_the_energy_rises_by_and_of_no_way_the_force(joints, start):
-    """On the way in pushing parts store all of it, pulling ones give back what their loss leaves; outward the other way."""
+def test_the_mean_force_times_the_distance_is_the_work(joints, start):
+    """Check the work. While a coupler is pushed in, pushing parts store all work and pulling parts return it reduced by
+    their loss. Outward it is the other way round.
+    """
     for moved in (0.01, 0.3, -0.02, -0.5):
         force, _ = joint_mean_force(joints, 0, start, moved, moved > 0.0)
         fall = joint_fall(joints, 0, start, start + moved, False) - joint_fall(joints, 0, start, start + moved, True)
@@ -84,7 +94,7 @@ def test_the_mean_force_is_what_the_energy_rises_by_and_of_no_way_the_force(join
     for side in (1.0, -1.0):
         force, slope = joint_mean_force(joints, 0, start, 0.0, side > 0.0)
         assert slope >= 0.0
-        if start not in (0.0, -SLACK):  # where a preload begins the force depends on the side
+        if start not in (0.0, -SLACK):  # At the beginning of a preload, the force depends on the direction.
             assert force == pytest.approx(joint_force(joints, 0, start, side), rel=1e-12)
 
 

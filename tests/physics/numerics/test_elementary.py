@@ -1,4 +1,6 @@
-"""Powers, exponentials, logarithms and matrices of our own: errors, edges, the same digits however and wherever they run."""
+"""Tests of our powers, exponentials, logarithms and matrices: errors, special values, and the same digits on every
+machine.
+"""
 
 import math
 from decimal import Decimal, localcontext
@@ -28,7 +30,7 @@ def either_sign(low, high):
     return lambda draw: draw.choice((-1.0, 1.0), COUNT) * sizes(low, high)(draw)
 
 
-FUNCTIONS = {  # kernel, truth, arguments, and units of the last place that it may be off
+FUNCTIONS = {  # Kernel, exact function, arguments, and allowed error in units of the last place.
     "exp": (elementary.exp, Decimal.exp, [within(-690.0, 690.0)], 0.51),
     "expm1": (elementary.expm1, lambda x: x.exp() - 1, [within(-2.0, 2.0)], 1.55),
     "expm1 of small numbers": (elementary.expm1, lambda x: x.exp() - 1, [either_sign(-12.0, -2.0)], 1.55),
@@ -82,7 +84,7 @@ def _all_of_them(x, exponent, found):
         found[4, i] = elementary.log(x[i])
 
 
-def test_machine_code_plain_python_and_arrays_have_the_same_digits():
+def test_compiled_and_plain_functions_have_the_same_digits():
     draw = np.random.default_rng(3)
     x, exponent = 10.0 ** draw.uniform(-12.0, 3.0, 3000), draw.choice([1.0, 1.5, 0.1, 2.3, 40.0, -0.7], 3000)
     compiled, plainly = np.empty((5, 3000)), np.empty((5, 3000))
@@ -99,7 +101,8 @@ def test_tables_are_those_that_their_command_writes():
 
 
 LAST_DIGIT = 2.3e-16
-CORES = ("Prescott", "Haswell", "SkylakeX", "Zen")  # processors whose routines the linear algebra library has
+# Processors for which the linear algebra library has special routines.
+CORES = ("Prescott", "Haswell", "SkylakeX", "Zen")
 
 PRINTED = """
 import hashlib

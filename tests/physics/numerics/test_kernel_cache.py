@@ -1,4 +1,6 @@
-"""The disk cache of compiled kernels: keyed by their sources, never stale, and the digits of plain Python."""
+"""Tests of the disk cache of compiled kernels: keyed by their sources, never stale, and with the digits of plain
+Python.
+"""
 
 import os
 import shutil
@@ -15,7 +17,7 @@ from tests.helpers.paths import ROOT
 
 PHYSICS = ROOT / "physics"
 
-# prints the bytes of a short run of every method of fixed steps
+# Print the bytes of a short run of every fixed-step method.
 DIGITS = """
 from softcradle import Chain, draft_gear, hertz, hooke, power_law, simulate
 chain = Chain([1, 2, 0.5, 1, 3], [power_law(1, 0.1), hertz(2.0), draft_gear(3, 0.1), hooke(4.0)], [0, 0.01, 0, 0])
@@ -32,7 +34,7 @@ def run(code: str, folder: Path = ROOT, **environment: str) -> str:
     return python("-c", code, cwd=folder, env=kept, **environment).stdout
 
 
-def test_the_key_follows_every_source_that_kernels_import_and_names_the_folder(monkeypatch, tmp_path):
+def test_the_cache_key_depends_on_all_kernel_sources(monkeypatch, tmp_path):
     names = {path.relative_to(PHYSICS).as_posix() for path in kernel_sources()}
     assert {"numerics/law_kernels.py", "adaptive/dop853.py", "pymunk_contacts/compiled_law.py"} <= names
     assert not names & {"chain.py", "simulation.py", "adaptive/runner.py", "reference/runner.py"}
@@ -58,7 +60,9 @@ def test_without_numba_the_same_functions_run(tmp_path):
 
 
 def test_an_edited_law_is_never_served_from_a_stale_cache(tmp_path):
-    """Doubling a power in a copy of the package, with the compiled originals in the same cache, doubles a mean force."""
+    """Double a power in a copy of the package that shares the cache with the compiled originals. The mean force must
+    double.
+    """
     pytest.importorskip("numba")
     home = tmp_path / "house"
     for name in ("physics", "softcradle"):
@@ -66,7 +70,7 @@ def test_an_edited_law_is_never_served_from_a_stale_cache(tmp_path):
     cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
     before = float(run(ONE_FORCE, home, **cache))
     (written,) = (tmp_path / "cache" / "kernels").iterdir()
-    assert list(written.rglob("*.nbi"))  # it was cached at all
+    assert list(written.rglob("*.nbi"))  # The kernel was really cached.
 
     law = home / "physics" / "numerics" / "law_kernels.py"
     times = law.stat()
@@ -74,7 +78,8 @@ def test_an_edited_law_is_never_served_from_a_stale_cache(tmp_path):
     line = "return preload + stiffness * power(overlap, exponent)\n"
     assert text.count(line) == 1
     law.write_text(text.replace(line, line.replace("stiffness", "2.0 * stiffness")))
-    os.utime(law, (times.st_atime, times.st_mtime))  # not even a changed time gives the edit away
+    # The time of the file stays the same, so the cache cannot use it to detect the edit.
+    os.utime(law, (times.st_atime, times.st_mtime))
     shutil.rmtree(law.parent / "__pycache__", ignore_errors=True)
     assert float(run(ONE_FORCE, home, **cache)) == 2.0 * before
     assert len(list((tmp_path / "cache" / "kernels").iterdir())) == 2
@@ -88,8 +93,10 @@ def test_compiling_leaves_other_users_of_numba_alone():
 
 
 @pytest.mark.skipif(not COMPILED, reason="machine code of numba")
-def test_what_a_whole_kernel_calls_is_private_to_it():
-    """LLVM inlines a private function that is called once, whatever its size: a quarter of the time of steps."""
+def test_functions_of_a_whole_kernel_are_private():
+    """Check that called functions are private. LLVM inlines a private function that is called once, whatever its size.
+    This saves a quarter of the time of steps.
+    """
     from numba import njit
     from softcradle.physics.numerics.jit import _Optimized, _Whole
 
@@ -110,7 +117,9 @@ def test_what_a_whole_kernel_calls_is_private_to_it():
 
 @pytest.mark.parametrize("order", ["adaptive fixed_step", pytest.param("fixed_step adaptive", marks=pytest.mark.slow)])
 def test_kernels_of_all_rooms_live_side_by_side(order):
-    """Whichever are loaded first: those that came later called functions of the others, which took other arguments."""
+    """Load the kernels of two folders in both orders. Kernels that were loaded later called functions of the others,
+    with other arguments.
+    """
     code = "from importlib import import_module\n"
     for room in order.split():
         code += f"for tiers in import_module('softcradle.physics.{room}.runner').TIERS.values(): tiers.load_made()\n"

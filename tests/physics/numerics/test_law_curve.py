@@ -1,4 +1,4 @@
-"""The curve of a contact law for implicit steps: values, slopes, and Newton's moves along it, against what defines them."""
+"""Tests of the curve of a contact law for implicit steps: values, slopes, and Newton's moves along the curve."""
 
 import math
 from itertools import product
@@ -18,7 +18,7 @@ LAWS = list(product((0.0, 0.3, 2.0), (1.0, 40.0), (1 / 30, 0.1, 0.5, 1.0, 1.5, 2
 
 
 def move_along(preload, stiffness, exponent, *moves):
-    """A move on the curve of one power law."""
+    """Return the result of a move on the curve of one power law."""
     return law_curve.move_along(np.array([[preload, stiffness, exponent]]), None, 0, *moves)
 
 
@@ -36,7 +36,7 @@ def test_the_curve_its_continuation_and_its_slope(law):
         rise = signed_force(*law, overlap + nudge) - signed_force(*law, overlap - nudge)
         found = slope_at(*law, overlap, signed_force(*law, overlap))
         assert found == pytest.approx(rise / (2.0 * nudge), rel=1e-6, abs=1e-12)
-    for overlap in (1e-6, 1e-12, 1e-33, 1e-200):  # where the force is the preload to round-off, too
+    for overlap in (1e-6, 1e-12, 1e-33, 1e-200):  # At these overlaps the force equals the preload up to round-off.
         slope = exponent * stiffness * overlap ** (exponent - 1.0)
         assert slope_at(*law, overlap, signed_force(*law, overlap)) == pytest.approx(slope, rel=1e-8)
     at_zero = stiffness if exponent == 1.0 else math.inf if exponent < 1.0 else 0.0
@@ -52,7 +52,9 @@ def test_the_weight_of_an_error():
 
 @pytest.mark.parametrize("law", LAWS, ids=str)
 def test_newton_reaches_the_one_point_whatever_it_begins_from(law):
-    """Moves as radau makes them, for d + weight f = s: each stays on the curve, and few are enough."""
+    """Solve d + weight f = s with moves like those of radau. Each move must stay on the curve, and few moves must be
+    enough.
+    """
     exponent = law[2]
     for weight in (1e-6, 1e-2, 1.0, 1e3):
         for wanted in (1e-12, 1e-4, 0.1, 2.0):
@@ -64,7 +66,7 @@ def test_newton_reaches_the_one_point_whatever_it_begins_from(law):
 
 
 def newton(law, weight, s, overlap):
-    """The overlap that Newton's moves reach, and how many they are."""
+    """Return the overlap that Newton's moves reach, and their number."""
     force = signed_force(*law, overlap)
     for move in range(200):
         lacks = s - overlap - weight * force
@@ -80,31 +82,32 @@ def newton(law, weight, s, overlap):
 
 
 SOFT, GEAR = (0.0, 2.0, 0.5), (1.0, 2.0, 0.5)
-VERTICAL = 1e-295  # m: so little pressed that the curve is
-SMALL = 2.0 * math.sqrt(1e-5)  # N at 1e-5 m, by SOFT
-MOVED = [  # law, weight, overlap, what Newton wants of overlap and of force, where it goes
-    # toward zero by the force: a soft contact takes the overlap of the force that is wanted; less than none opens it
+VERTICAL = 1e-295  # Overlap [m] so small that the curve is vertical there.
+SMALL = 2.0 * math.sqrt(1e-5)  # Force [N] of SOFT at 1e-5 m.
+# Law, weight, overlap, changes of overlap and force that Newton's method asks for, and the overlap after the move.
+MOVED = [
+    # Toward 0 by the force: a soft contact gets the overlap of the requested force. A negative force opens it.
     (SOFT, 1.0, 0.25, -0.1, -0.4, 0.09), (GEAR, 3.0, 0.25, -0.1, -0.4, 0.09), (GEAR, 1e-9, 0.25, -0.3, -1.4, -0.04),
     (SOFT, 1.0, 0.25, -0.5, -1.0, -0.25), (SOFT, 1.0, 0.25, -0.5, -2.0, -0.25), (SOFT, 1.0, 0.25, -0.1, -2.0, -SMALLEST),
     (GEAR, 1e-9, 0.25, -0.3, -1.0, 0.0), (SOFT, 1.0, 0.0, 0.0, 1.0, 0.25), (SOFT, 1.0, VERTICAL, 0.0, 1.0, 0.25),
     ((0.0, 2.0, 1.5), 1.0, 1.0, -0.75, -5.0, 0.25),
-    # away from zero by the overlap, or by a small force
+    # Away from 0 by the overlap, or by a small force.
     (SOFT, 1e-3, 1.0, 1.25, 1.25, 2.25), ((0.0, 2.0, 0.1), 1.0, 1e-20, 1e-19, 0.02, 0.02**10),
-    # one that moves its beads further than its overlap is small: a tenth of weight times force, 0.4 m and 0.04 mm here
+    # A contact whose force moves the beads further than its overlap is small. A tenth of weight times force is 0.4 m
+    # and 0.04 mm here.
     (SOFT, 100.0, 1e-4, 2e-4, 0.02, 4e-4),
     (SOFT, 0.01, 1e-5, 2e-5 * (0.04 / SMALL - 1.0), 0.04 - SMALL, 2e-5 * 0.04 / SMALL - 1e-5),
-    # by the overlap both ways where the contact is not soft: there Newton overshoots in neither direction
+    # By the overlap in both directions if the contact is not soft. Newton's method does not overshoot there.
     ((0.0, 5.0, 1.5), 1e3, 0.01, 1.0, 0.75, 1.01), ((0.0, 5.0, 2.0), 1e3, 0.01, 1.0, 0.75, 1.01),
     ((1.0, 2.0, 1.5), 0.01, 1.0, -0.98, -1.0, 0.02), ((1.0, 2.0, 2.0), 0.01, 1.0, -0.98, -1.0, 0.02),
-    # far beyond the solution to the bound of it: d + weight f stays what the move makes it, and one of the terms takes all
+    # Far beyond the solution, up to its bound: d + weight f has the value that the move gives, and one of the two terms
+    # takes all of it.
     (GEAR, 0.01, 4.0, -3.999, -1.0, 4.04 - 1.005 * 3.999), (GEAR, 0.9, 4.0, -3.9, -1.0, ((7.6 - 1.45 * 3.9) / 1.8) ** 2),
 ]  # fmt: skip
 
 
 @pytest.mark.parametrize(("law", "weight", "overlap", "by_overlap", "by_force", "wanted"), MOVED)
-def test_a_move_goes_by_the_force_or_by_the_overlap_and_stays_on_the_curve(
-    law, weight, overlap, by_overlap, by_force, wanted
-):
+def test_a_move_stays_on_the_curve(law, weight, overlap, by_overlap, by_force, wanted):
     moved = move_along(*law, weight, overlap, signed_force(*law, overlap), by_overlap, by_force)
     assert moved == pytest.approx((wanted, signed_force(*law, wanted)), rel=1e-6, abs=0.0)
 
@@ -112,7 +115,7 @@ def test_a_move_goes_by_the_force_or_by_the_overlap_and_stays_on_the_curve(
 @pytest.mark.parametrize("exponent", [0.02, 0.1, 0.5, 0.99])
 @pytest.mark.parametrize("part", [-4.99e-4, -1e-6, 1e-9, 4.99e-4])
 def test_a_short_move_of_a_soft_contact_needs_no_power(exponent, part):
-    """The series of the growth is the law to the last digits, so the contact stays on its curve."""
+    """Check that the series of the growth equals the law to the last digits, so that the contact stays on its curve."""
     law, overlap = (0.0, 2.0, exponent), 3e-7
     force = signed_force(*law, overlap)
     moved, pushes = move_along(*law, 1.0, overlap, force, part * overlap, exponent * part * force)
@@ -128,7 +131,9 @@ def test_forces_flow_as_the_matrix_of_the_chain_says():
 
 
 def test_nodes_and_cubic():
-    """Quadrature at Radau's nodes is exact to the fourth power; a cubic goes through the values it is given."""
+    """Check that quadrature at Radau's nodes is exact up to the fourth power, and that the cubic passes through its
+    given values.
+    """
     weights = np.linalg.solve(np.vander(NODES, increasing=True).T, [1.0, 1.0 / 2.0, 1.0 / 3.0])
     assert weights @ NODES**3 == pytest.approx(1.0 / 4.0)
     assert weights @ NODES**4 == pytest.approx(1.0 / 5.0)
@@ -141,7 +146,7 @@ POWERS = [(0.0, 2.0, 0.5), (1.0, 2.0, 0.5), (0.0, 3.0, 1.0), (0.0, 5.0, 1.5), (0
 
 
 def with_its_table(law):
-    """A power law as a row and as the tables of a law of one's own."""
+    """Return a power law as a row, and as the tables of a user-defined law."""
     preload, stiffness, exponent = law
     chain = Chain([1.0] * 3, [Contact(9.0, 0.0, 1.0), OwnLaw(lambda overlap: preload + stiffness * overlap**exponent)])
     return np.array([[9.0, 0.0, 1.0], law]), own_laws(chain)
@@ -172,7 +177,7 @@ def test_a_law_of_ones_own_that_is_a_power_law_is_followed_as_one(law):
         moved = law_curve.move_along(row, None, 1, *given)[0]
         crosses, continued = moved * overlap < 0.0 and by_overlap * overlap <= 0.0, preload or exponent == 1.0
         if crosses and continued and exponent >= 1.0:
-            moved = 0.0  # a law of one's own is not trusted beyond its beginning
+            moved = 0.0  # A user-defined law is not extrapolated below overlap 0.
         reached = law_curve.move_along(row, own, 1, *given)
         assert reached[0] == pytest.approx(moved, rel=1e-9), given
         assert reached[1] == pytest.approx(signed_force(*law, moved), rel=1e-9, abs=1e-12), given
@@ -198,16 +203,16 @@ def test_the_segments_of_a_coupler_are_its_graph(push):
                 low, high = (law_curve.segment_force(row, 0, side * way + nudge) for nudge in (-1e-6, 1e-6))
                 slope = law_curve.curve_slope(row, None, 0, side * way, force)
                 assert slope == pytest.approx(0.5e6 * (high - low), rel=1e-6)
-        if not before:  # oddly beyond its origin, where nothing but the stop has a slope
+        if not before:  # The segment is an odd function beyond its origin. There, only the stop has a slope.
             both = law_curve.segment_force(row, 0, 0.2) + law_curve.segment_force(row, 0, -0.2)
             assert both == pytest.approx(2.0 * side * preload)
             assert law_curve.segment_force(row, 0, 0.0) == side * preload
             assert law_curve.segment_slope(row, 0, 0.0) == (stiffness if exponent == 1.0 else 0.0) + stop
-    soft = np.array([[0.0, 2.0, 0.5, 0.0, 0.0, -1.0]])  # without a preload: open beyond its origin
+    soft = np.array([[0.0, 2.0, 0.5, 0.0, 0.0, -1.0]])  # Without a preload the segment is open beyond its origin.
     assert [law_curve.segment_force(soft, 0, way) for way in (0.25, -0.25)] == [0.0, -1.0]
 
 
-def test_the_depth_at_which_an_energy_is_stored_is_bounded_by_each_part_of_the_law():
+def test_the_depth_of_a_stored_energy_is_bounded():
     for exponent in (0.1, 1.0, 1.5):
         by_stiffness = (0.2 * (1.0 + exponent) / 0.5) ** (1.0 / (1.0 + exponent))
         assert law_curve.depth_at(0.0, 0.5, exponent, 0.2) == pytest.approx(by_stiffness)
@@ -215,7 +220,7 @@ def test_the_depth_at_which_an_energy_is_stored_is_bounded_by_each_part_of_the_l
     assert law_curve.depth_at(4.0, 0.0, 1.0, 0.2) == 0.05
 
 
-def test_the_larger_of_two_errors_is_no_number_where_either_is_none():
+def test_the_larger_of_two_errors_is_nan_if_either_is_nan():
     assert law_curve.larger(1.0, 2.0) == law_curve.larger(2.0, 1.0) == 2.0
     assert math.isnan(law_curve.larger(math.nan, 1.0))
     assert math.isnan(law_curve.larger(1.0, math.nan))

@@ -1,4 +1,6 @@
-"""SoftContact in a user's own Space: forces, geometry, errors, copies, and compiled callbacks with the digits of Python ones."""
+"""Tests of SoftContact in a Space: forces, geometry, errors, copies, and compiled callbacks with the digits of Python
+callbacks.
+"""
 
 import copy
 import math
@@ -25,11 +27,11 @@ def test_one_step_gives_the_impulse_of_the_law(law, native):
 
 
 def test_anchors_turn_with_their_bodies():
-    """Ends of two rods, both turned: the push goes along the line between the anchors and turns the bodies."""
+    """Check the ends of two turned rods. The push acts along the line between the anchors and turns the bodies."""
     space = pymunk.Space()
     a, b = pymunk.Body(1.0, 2.0), pymunk.Body(1.0, 2.0)
     a.angle, b.angle, b.position = math.pi / 2, math.pi, (1.0, 1.4)
-    contact = SoftContact(a, b, (1.0, 0.0), (1.0, 0.0), 0.5, hooke(10.0))  # ends at (0, 1) and (0, 1.4)
+    contact = SoftContact(a, b, (1.0, 0.0), (1.0, 0.0), 0.5, hooke(10.0))  # The ends are at (0, 1) and (0, 1.4).
     space.add(a, b, contact)
     assert contact.overlap == pytest.approx(0.1)
     space.step(1e-6)
@@ -41,7 +43,7 @@ def test_anchors_turn_with_their_bodies():
 
 
 @pytest.mark.parametrize("native", [None, False])
-def test_a_new_contact_or_distance_counts_at_once_and_no_contact_pulls(native):
+def test_a_new_contact_or_distance_takes_effect_at_once(native):
     space, _, contact = pair(0.75, hooke(10.0), native=native)
     space.step(1e-9)
     contact.contact = draft_gear(20.0, 0.1)
@@ -71,7 +73,7 @@ def test_a_law_that_is_no_contact_or_a_force_func_of_the_user(law):
     assert contact.native is False
 
 
-def test_errors_in_laws_reach_the_caller_of_step_as_one_and_an_interruption_too():
+def test_errors_in_laws_reach_the_caller_of_step():
     law = Quadratic(fails_at=0.2)
     space, bodies, contacts = cradle(law, speed=0.0)
 
@@ -124,7 +126,7 @@ def test_bad_contacts_and_distances_leave_the_old_ones():
 
 @pytest.mark.parametrize("collide", [False, True])
 def test_it_replaces_the_collision_of_shapes(collide):
-    """Discs that overlap are pushed by the contact alone, unless the user wants both."""
+    """Check that only the contact pushes overlapping discs, unless the user also wants collisions of shapes."""
     space, bodies, contact = pair(0.75, hooke(1e-6))
     assert not contact.collide_bodies
     contact.collide_bodies = collide
@@ -162,8 +164,11 @@ def test_a_contact_with_loss():
 
 
 def test_another_memory_layout_is_noticed(monkeypatch):
-    """As if pymunk kept something else in the slot: the callback is not used, the contact works."""
-    monkeypatch.setattr(compiled_force, "_callback", compiled_force._callback.__wrapped__)  # which is not kept
+    """Simulate another content of the memory slot of pymunk. The compiled callback is not used, and the contact still
+    works.
+    """
+    # This version is not cached.
+    monkeypatch.setattr(compiled_force, "_callback", compiled_force._callback.__wrapped__)
     monkeypatch.setattr(compiled_force, "LAW_SLOT", 17)
     with pytest.raises(RuntimeError, match=r"no compiled callback .* another way; native=None"):
         pair(native=True)

@@ -1,4 +1,4 @@
-"""Method `pymunk`: the digits, steps and switches of `euler`, from bodies in a Space."""
+"""Tests of method `pymunk`: with bodies in a Space it has the same digits, steps and contact changes as `euler`."""
 
 import math
 
@@ -10,16 +10,16 @@ from softcradle.physics.status import Status
 
 from tests.helpers.motions import CASES, runs, solved
 
-# where round-off decides what touches, or none is evaluated
+# Motions in which round-off decides which contacts touch, or which need no evaluation.
 UNLIKE_EULER = ("gears on straws", "step forces", "a ball that bounces to rest", "held by friction")
 
 
 @pytest.mark.parametrize("name", [name for name, _ in runs(CASES, ("pymunk",)) if name not in UNLIKE_EULER])
-def test_digits_steps_and_switches_of_pymunk_are_those_of_euler(name):
+def test_pymunk_agrees_with_euler(name):
     same_as_euler(*(solved(CASES[name], method) for method in ("euler", "pymunk")))
 
 
-def test_what_contacts_with_loss_absorb_is_that_of_euler():
+def test_absorbed_energy_agrees_with_euler():
     laws = [hertz(10.0, loss=0.6), hooke(30.0, loss=0.6), power_law(2.0, 1.2, loss=0.6)]
     same_as_euler(*both(Chain([1, 2, 0.5, 3], laws), [1, 0, 0, 0], step=2e-3, samples=57))
 
@@ -32,7 +32,8 @@ def same_as_euler(euler, pymunk):
     np.testing.assert_allclose(pymunk.force, euler.force, rtol=0, atol=1e-10 * euler.force.max())
     assert (pymunk.steps, pymunk.evaluations) == (euler.steps, euler.evaluations)
     for ours, theirs in zip(pymunk.contact_intervals, euler.contact_intervals, strict=True):
-        np.testing.assert_allclose(ours, theirs, atol=0.05)  # a contact that closes at speed 0 has no sharp time
+        # The closing time of a contact that closes at speed 0 is not sharp.
+        np.testing.assert_allclose(ours, theirs, atol=0.05)
         np.testing.assert_allclose([end for _, end in ours], [end for _, end in theirs], atol=1e-6)
 
 
@@ -41,13 +42,13 @@ def both(chain, velocity, **options):
 
 
 def test_touching_distance_fits_the_speed():
-    """Overlaps of 1e3 m: the anchors are always further apart."""
+    """Check overlaps of 1e3 m. The distance of the anchors must always be larger."""
     euler, pymunk = both(one_on(2, hertz(1.0)), [1e3, 0, 0])
     np.testing.assert_allclose(pymunk.velocity, euler.velocity, rtol=0, atol=1e-9)
 
 
 def test_anchors_move_apart_under_deep_overlaps():
-    """Two walls approach: overlaps grow to a hundred times those of the start."""
+    """Let two walls approach. The overlaps grow to a hundred times their initial values."""
     euler, pymunk = both(Chain([math.inf, 1.0, math.inf], hertz(100.0)), [1.0, 0.0, -1.0], duration=30.0, step=1e-3)
     assert euler.overlap[-1].max() > 25.0
     np.testing.assert_allclose(pymunk.overlap, euler.overlap, rtol=0, atol=1e-8)
@@ -61,7 +62,7 @@ def test_it_gives_up_after_the_steps_that_it_may_take():
 
 
 def test_a_time_that_has_no_digits_below_a_step_ends():
-    """Where a billionth of a step is less than the last digit of the time."""
+    """Check a run in which a billionth of a step is smaller than the last digit of the time."""
     found = simulate(one_on(1, hooke(1.0)), [1.0, 0.0], 1e6, "pymunk", step=0.02, samples=3)
     assert found.time.tolist() == [0.0, 5e5, 1e6]
     assert found.final_velocity == pytest.approx([0.0, 1.0], abs=1e-3)

@@ -1,4 +1,6 @@
-"""SoftChain in a user's own Space: energy and momentum at sixty steps a second, whatever the contacts and whatever changes."""
+"""Tests of SoftChain in a Space: energy and momentum at 60 steps per second, with all contacts and with changes by the
+user.
+"""
 
 import copy
 import itertools
@@ -21,8 +23,10 @@ LAW = hertz(100.0)
 
 @pytest.mark.parametrize("gap", [0.0, 0.3])
 @pytest.mark.parametrize("law", [*LAWS, power_law(1.0, 1 / 14), hertz(1e6), hooke(1e9)], ids=str)
-def test_a_collision_in_steps_of_a_frame_keeps_energy_and_momentum(law, gap):
-    """After a flight the energy in the contacts is that of the bodies alone, at x = X + (step/2) V."""
+def test_a_collision_at_frame_rate_conserves_energy_and_momentum(law, gap):
+    """Check energy and momentum. After a flight, the positions x = X + (step/2) V of the bodies give the energy in the
+    contacts.
+    """
     space, bodies, chain = chain_row(law, gap)
     largest = 0.0
     for _ in range(600):
@@ -39,9 +43,11 @@ def test_a_collision_in_steps_of_a_frame_keeps_energy_and_momentum(law, gap):
 
 @pytest.mark.parametrize("law", [power_law(1.0, 0.1), power_law(1.0, 1 / 30), hertz(20.0), step_force(1.0)], ids=str)
 def test_moves_as_method_conserving(law):
-    """The same equations from bodies as from overlaps, overlaps included that no position resolves."""
+    """Compare a chain of bodies with method conserving, including overlaps that are smaller than the resolution of
+    positions.
+    """
     step = 0.01
-    read_out = 0.5 * step  # bodies are half a step behind their velocities
+    read_out = 0.5 * step  # Positions of bodies are half a step behind their velocities.
     space, bodies, chain = chain_row(law, gap=0.3 + read_out, beads=8, masses=[1.0] * 8)
     model = Chain([1.0] * 8, law, [0.3, 0, 0, 0, 0, 0, 0])
     expected = simulate(model, [1.0] + [0.0] * 7, 1.5, "conserving", step, samples=step * np.arange(1, 151))
@@ -56,7 +62,9 @@ def test_moves_as_method_conserving(law):
 
 @pytest.mark.parametrize("law", [hooke(100.0), hertz(1e5), power_law(1.0, 0.1)], ids=str)
 def test_a_bent_row(law):
-    """Twenty degrees at every body: forces couple by the cosine; lines that turn cost second-order in the step."""
+    """Check a row with a bend of 20 degrees at every body. The cosine couples the forces. Turning lines cause an error
+    of second order in the step.
+    """
     lost = []
     for parts in (1, 10):
         space, bodies, chain = chain_row(law, beads=6, masses=[1.0] * 6)
@@ -73,7 +81,7 @@ def test_a_bent_row(law):
 
 
 def test_a_wall_that_moves():
-    """A kinematic body drives the row: bodies leave an elastic wall of speed u at 2 u."""
+    """Drive the row with a kinematic body. Bodies leave an elastic wall of speed u with 2 u."""
     space, bodies, chain = chain_row(hertz(1e5), beads=2, masses=[math.inf, 1.0], gap=0.5)
     run(space, FRAME, 120)
     assert bodies[0].velocity.x == 1.0
@@ -98,7 +106,7 @@ def test_a_column_bounces_without_loss_under_gravity(law):
 @pytest.mark.parametrize("step", [1 / 480, 1 / 120, 1 / 30])
 @pytest.mark.parametrize("loss", [0.3, 0.75])
 def test_a_column_that_loses_comes_to_rest(loss, step):
-    """Bounces shorter than a step would else turn round with each step, for ever."""
+    """Check that bounces shorter than a step lose energy. Otherwise the bodies would reverse with each step, forever."""
     law = Contact(200.0, 1e4, 1.0, loss)
     space, bodies, chain = chain_row(law, beads=4, direction=(0, 1), masses=[math.inf, 1, 1.3, 1.6], speed=0)
     space.gravity, bodies[3].velocity = (0.0, -10.0), (0.0, -1.0)
@@ -114,7 +122,7 @@ LOSING += [(law, 1e-3, 6000, 1e-2) for law in LOSSY.values()]
 
 @pytest.mark.parametrize(("law", "step", "count", "allowed"), LOSING)
 def test_a_collision_has_its_restitution(law, step, count, allowed):
-    """Also one that is shorter than a step."""
+    """Check collisions that last many steps and collisions shorter than a step."""
     space, bodies, chain = chain_row(law, beads=2, speed=0.5, masses=[1.0, 1.0])
     run(space, step, count)
     assert bodies[1].velocity.x - bodies[0].velocity.x == pytest.approx(0.5 * math.sqrt(1.0 - law.loss), rel=allowed)
@@ -130,8 +138,8 @@ def assert_energy_stays(space, bodies, chain, energy=0.5, frames=300):
 
 @pytest.mark.parametrize("sleeps", [False, True])
 @pytest.mark.parametrize("law", [power_law(1.0, 0.1), hertz(1e6), draft_gear(1e4, 0.02)], ids=str)
-def test_a_velocity_set_between_steps_adds_its_energy_alone(law, sleeps):
-    """It moves no body, so it may press no contact, however stiff; a row that sleeps wakes by it."""
+def test_a_velocity_set_between_steps_adds_only_its_energy(law, sleeps):
+    """Check that a set velocity moves no body and so presses no contact, however stiff. It wakes a sleeping row."""
     space, bodies, chain = chain_row(law, speed=0.0)
     space.sleep_time_threshold = 0.2 if sleeps else math.inf
     run(space, FRAME, 60)
@@ -167,7 +175,7 @@ def test_bodies_at_one_place_do_not_push_until_they_are_moved(law):
 
 
 def test_overlaps_follow_bodies_whose_positions_are_set():
-    """A body moved a little in every step: the overlaps that the chain sums up stay those of the positions."""
+    """Move a body a little in every step. The overlaps that the chain sums up must agree with the positions."""
     space, bodies, chain = chain_row(hooke(30.0), gap=0.1)
     for _ in range(200):
         space.step(FRAME)
@@ -179,7 +187,7 @@ def test_overlaps_follow_bodies_whose_positions_are_set():
 
 @pytest.mark.parametrize("law", [hertz(1e4), hooke(1e6), draft_gear(1e4, 0.02)], ids=str)
 def test_a_body_tied_along_the_row_is_a_wall(law):
-    """A body that strikes it comes back, and one between it and a real wall stays."""
+    """Check that a body bounces back from a tied body, and that a body between a tied body and a wall stays."""
     space, bodies, chain = chain_row(law, gap=[0.3, 0.0, 0.0], beads=4, masses=[1.0, 1.0, 1.0, math.inf])
     space.add(pymunk.PinJoint(space.static_body, bodies[2], (5.0, 0.0), (0.0, 0.0)))
     run(space, FRAME, 120)
@@ -202,7 +210,7 @@ def test_a_string_that_is_cut_or_has_no_force_holds_nothing(cut):
 
 @pytest.mark.parametrize("law", [hertz(1e4), power_law(50.0, 0.1), draft_gear(1e4, 0.02)], ids=str)
 def test_collisions_with_elastic_walls_add_no_energy(law):
-    """A blow of the wall is over with its step: the chain does not expect another one in the next."""
+    """Check that a blow of the wall ends with its step. The chain must not predict another blow in the next step."""
     space, bodies, chain = chain_row(law, gap=0.1, beads=3)
     ends = [pymunk.Segment(space.static_body, (x, -1), (x, 1), 0.5) for x in (-1.2, 3.4)]
     space.add(*ends, *(pymunk.Circle(body, 0.5) for body in bodies))
@@ -217,7 +225,7 @@ def test_collisions_with_elastic_walls_add_no_energy(law):
 
 @pytest.mark.parametrize("spring_first", [True, False])
 def test_a_spring_and_a_mouse_joint_add_no_energy(spring_first):
-    """A spring before or after the chain in the Space, and a joint of limited force on the last body."""
+    """Add a spring before or after the chain, and a joint of limited force on the last body."""
     space, bodies, chain = chain_row(hertz(1e4), gap=0.2)
     spring = pymunk.DampedSpring(space.static_body, bodies[0], (0, 0), (0, 0), 0.0, 20.0, 0.0)
     joint = pymunk.PivotJoint(space.static_body, bodies[4], (4.2, 0.0), (0.0, 0.0))
@@ -234,7 +242,9 @@ def test_a_spring_and_a_mouse_joint_add_no_energy(spring_first):
 
 
 def test_a_spring_between_bodies_keeps_the_energy_at_small_steps():
-    """Another force in the Space, kicked before the chain solves: second-order in the step, without a drift."""
+    """Add a spring force that acts before the chain solves its step. The energy error must be of second order, without
+    drift.
+    """
     drifts = []
     for step in (FRAME, FRAME / 8):
         space, bodies, chain = chain_row(hertz(100.0), gap=0.2, beads=3)
@@ -270,14 +280,14 @@ def test_contacts_and_touching_distance_changed_live():
     assert bodies[0].velocity.x < -0.1
 
 
-def test_links_that_are_taken_out_push_no_more_until_they_are_added_again():
+def test_removed_links_do_not_push():
     space, bodies, chain = chain_row(hertz(1e5), gap=0.5)
     chain.remove_from(space)
     run(space, FRAME, 60)
     assert bodies[0].position.x == pytest.approx(1.0)
     bodies[0].position = 0.0, 0.0
     space.add(*chain)
-    assert_energy_stays(space, bodies, chain, frames=31)  # till a contact is pressed
+    assert_energy_stays(space, bodies, chain, frames=31)  # Until a contact is pressed.
     assert chain.forces.max() > 0.0
     chain.remove_from(space)
     assert not space.constraints
@@ -289,7 +299,7 @@ def test_links_that_are_taken_out_push_no_more_until_they_are_added_again():
 @pytest.mark.parametrize("way", ["remove_from", "as every constraint", "contacts alone"])
 @pytest.mark.parametrize("law", [hertz(1e4), power_law(1.0, 0.1), draft_gear(1e3, 0.02)], ids=str)
 def test_a_middle_body_dies_and_two_rows_go_on(law, way):
-    """They move as two chains that were made so, digit for digit where the solver has no more to do than they."""
+    """Check that the two parts move like two separate chains, bitwise if the solver needs the same iterations."""
     space, (*first, dead, third, fourth, fifth), chain = chain_row(law, beads=6, masses=[1.0] * 6)
     if way == "remove_from":
         chain.remove_from(space, dead)
@@ -327,7 +337,7 @@ def test_a_body_that_left_may_join_another_chain():
 
 
 def frames(space, chain, count):
-    """Everything that moves in so many frames."""
+    """Return the state of everything that moves, in this number of frames."""
     found = []
     for _ in range(count):
         space.step(FRAME)
@@ -339,7 +349,9 @@ def frames(space, chain, count):
 @pytest.mark.parametrize("law", [power_law(1.0, 0.1), hertz(1e6), draft_gear(1e3, 0.02, 0.5)], ids=str)
 @pytest.mark.parametrize("before", [0, 12, 40])
 def test_ten_frames_rolled_back_to_the_bit(law, before):
-    """By the state of the chain, by a copy of the Space and by a pickle: before the first step, in a blow and after it."""
+    """Roll back with the chain's state, a copy of the Space, and a pickle: before the first step, during a blow and
+    after it.
+    """
     space, _, chain = chain_row(law, gap=0.1)
     run(space, FRAME, before)
     state = pickle.loads(pickle.dumps(chain.state))
@@ -371,7 +383,7 @@ def test_a_centre_of_gravity_that_is_not_the_origin():
 
 
 @pytest.mark.parametrize("i", [0, 4])
-def test_shapes_that_move_a_centre_of_gravity_after_the_chain_was_made_are_named(i):
+def test_a_moved_centre_of_gravity_is_reported(i):
     space, bodies, _ = chain_row(LAW)
     circle = pymunk.Circle(bodies[i], 0.5, (0.1, 0.0))
     circle.mass = 1.0
@@ -380,7 +392,7 @@ def test_shapes_that_move_a_centre_of_gravity_after_the_chain_was_made_are_named
         space.step(STEP)
 
 
-def test_what_goes_wrong_in_the_solver_reaches_the_caller_once(monkeypatch):
+def test_a_solver_error_reaches_the_caller_once(monkeypatch):
     space, bodies, _ = chain_row(hertz(1e4), gap=0.01)
     monkeypatch.setattr(soft_chain, "solve_chain_step", Mock(py_func=None, side_effect=FloatingPointError("no forces")))
     with pytest.raises(FloatingPointError, match="no forces") as caught:
@@ -395,7 +407,9 @@ def test_what_goes_wrong_in_the_solver_reaches_the_caller_once(monkeypatch):
 
 
 def test_a_link_takes_no_force_of_its_own():
-    """What pymunk lets a spring have would break the ledger of the chain, or be of no effect."""
+    """Check that a link rejects the attributes of a pymunk spring. They would break the energy balance or have no
+    effect.
+    """
     space, bodies, chain = chain_row(hertz(1e4), gap=0.1)
     of_a_spring = ("stiffness", "damping", "rest_length", "anchor_a", "anchor_b", "max_force", "force_func")
     for link, name in itertools.product(chain, of_a_spring):
@@ -422,7 +436,7 @@ BROKEN = {
     "the first removed": (lambda space, bodies: space.remove(bodies[0]), r"body 0 .* chain.remove_from\(space, body\)"),
     "one removed": (lambda space, bodies: space.remove(bodies[2]), r"body 2 .* chain.remove_from\(space, body\)"),
     "the last removed": (lambda space, bodies: space.remove(bodies[4]), r"body 4 .* chain.remove_from\(space, body\)"),
-    "two that nothing moves": (  # pymunk would give them velocities that are no numbers
+    "two that nothing moves": (  # pymunk would set their velocities to NaN.
         lambda _, bodies: [setattr(body, "body_type", pymunk.Body.STATIC) for body in bodies[1:3]],
         "bodies 1 and 2 are not any more; remove the contact",
     ),
@@ -441,7 +455,7 @@ def test_bodies_that_no_longer_are_a_row_are_named(breaks, sentence):
 
 @pytest.mark.parametrize("chained", [True, False])
 def test_the_only_body_before_a_wall_removed(chained):
-    """None of the two bodies is in the Space then, and yet it says so."""
+    """Check the error if neither of the two bodies is in the Space any more."""
     space, ball, wall = pymunk.Space(), pymunk.Body(1, 1), pymunk.Body(body_type=pymunk.Body.STATIC)
     wall.position = 0.99, 0
     links = SoftChain([ball, wall], LAW, 1.0) if chained else [SoftContact(ball, wall, (0, 0), (0, 0), 1.0, LAW, False)]
@@ -453,7 +467,7 @@ def test_the_only_body_before_a_wall_removed(chained):
 
 
 PIN, SLIDE = pymunk.PinJoint, lambda *ends: pymunk.SlideJoint(*ends, 0.0, 1.0)
-# the docstring of SoftChain says what pin joints lose; slide joints gain nothing
+# The docstring of SoftChain names the loss with pin joints. With slide joints the energy must not grow.
 STRINGS = [
     (PIN, hertz(1e7), 60.0, 240, pytest.approx(0.959, abs=0.01)),
     *((SLIDE, hertz(1e6), 30.0, rate, pytest.approx(0.9, abs=0.1)) for rate in (60, 120, 240)),
@@ -462,8 +476,8 @@ STRINGS = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("string", "law", "seconds", "rate", "kept"), STRINGS)
-def test_a_cradle_of_pendulums_keeps_its_energy_as_well_as_its_strings_do(string, law, seconds, rate, kept):
-    """Five of 1 m, the first of them released at 0.5 rad."""
+def test_a_cradle_of_pendulums_keeps_its_energy(string, law, seconds, rate, kept):
+    """Swing five pendulums of 1 m. The first is released at 0.5 rad."""
     space, step = pymunk.Space(), 1.0 / rate
     space.gravity = 0, -9.81
     bodies = [pymunk.Body(1, 1e9) for _ in range(5)]

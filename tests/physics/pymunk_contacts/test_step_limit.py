@@ -1,4 +1,4 @@
-"""SoftContacts in steps that are too long: a warning or little gain, substeps that avoid it, and the table of docs/games.md."""
+"""Tests of SoftContacts with steps that are too long: warnings, energy gain, substeps, and the table of docs/games.md."""
 
 import math
 import warnings
@@ -13,7 +13,8 @@ from tests.helpers.paths import ROOT
 from tests.helpers.spaces import FRAME, cradle, pair, run
 
 GROWING = {"hertz": hertz(1e6), "hooke": hooke(1e4), "power law": power_law(50.0, 0.1), "gear": draft_gear(1e3, 0.05)}
-pytestmark = pytest.mark.filterwarnings("default::RuntimeWarning")  # those that the settings leave out are tested
+# These tests examine the warnings that the project's settings ignore.
+pytestmark = pytest.mark.filterwarnings("default::RuntimeWarning")
 
 
 def warned(space, step, count):
@@ -36,7 +37,7 @@ def test_one_warning_at_the_first_step_past_the_limit(law, native):
     assert warned(space, FRAME, 150) == [], "once for each law"
 
 
-def test_the_warning_names_the_line_of_the_game_and_as_an_error_ends_the_step():
+def test_the_warning_names_the_calling_line():
     with pytest.warns(RuntimeWarning, match="SoftContact") as said:
         cradle(hertz(1e6))[0].step(FRAME)
     assert said[0].filename == __file__
@@ -55,7 +56,7 @@ def test_substeps_keep_the_energy_and_are_silent(law, native):
     assert kinetic + sum(contact.energy for contact in contacts) == pytest.approx(0.5, rel=soft_contacts.SAID)
 
 
-def test_a_faster_blow_and_a_longer_step_are_looked_at_again():
+def test_changed_speeds_and_steps_are_checked_again():
     space, bodies, contacts = cradle(Contact(0.0, 1e5, 3.0), beads=2)
     step = FRAME / contacts[0].substeps(FRAME, 1.0)
     assert warned(space, step, 2000) == []
@@ -64,7 +65,7 @@ def test_a_faster_blow_and_a_longer_step_are_looked_at_again():
     assert "m/s" in sentence
     space, bodies, contacts = cradle(hertz(1e4), beads=2)
     assert warned(space, 1e-4, 2000) == []
-    for law in (None, hertz(1e9)):  # another law of the same contact is looked at as well
+    for law in (None, hertz(1e9)):  # Another law of the same contact is checked again.
         if law:
             contacts[0].contact = law
         bodies[0].velocity, bodies[0].position = (bodies[1].velocity.x + 1.0, 0.0), bodies[1].position - (1.1, 0.0)
@@ -72,7 +73,7 @@ def test_a_faster_blow_and_a_longer_step_are_looked_at_again():
 
 
 def test_slow_contacts_beside_a_fast_blow_are_judged_by_it():
-    """The inner contacts of a row close slowly: what they err by is small against the blow."""
+    """Check the inner contacts of a row, which close slowly. Their errors are small relative to the blow."""
     space, _, contacts = cradle(power_law(50.0, 0.1))
     substeps = contacts[0].substeps(FRAME, 1.0)
     assert warned(space, FRAME / substeps, 10) == []

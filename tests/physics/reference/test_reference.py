@@ -1,4 +1,4 @@
-"""The reference itself: contact modes, located switches, pushes; random motions by other methods are compared with it."""
+"""Tests of the reference method: contact modes, event location, external forces, and comparisons of random motions."""
 
 import math
 
@@ -13,7 +13,7 @@ from softcradle.physics.status import Status
 from benchmarks.scan.families import motion
 from tests.helpers.relations import KERNELS, NAMES, PROMISE, assert_momentum, ledger_error, simulate_quietly
 
-FEW = {  # of each family those that the reference takes no long time for
+FEW = {  # Seeds of each family for which the reference is fast.
     "couplers": range(1, 10), "bounded": (1, 3, 5, 9, 12, 13), "timed": (2, 5, 8), "driven": (5, 7, 8, 9),
     "friction": (0, 3, 6, 7, 9), "loss": (1, 2, 3, 4, 7), "walls": (0, 2, 8), "own-laws": (1, 2, 3),
 }  # fmt: skip
@@ -23,8 +23,10 @@ CHOSEN += [pytest.param(family, seed, marks=pytest.mark.slow) for family, seeds 
 
 
 @pytest.mark.parametrize(("family", "seed"), CHOSEN)
-def test_random_motions_go_where_the_reference_goes_and_keep_their_ledger(family, seed):
-    """Ten tolerances at the most, and no more than is stated; conserving, in steps, keeps energy and momentum to round-off."""
+def test_random_motions_agree_with_the_reference(family, seed):
+    """Check that errors are at most ten tolerances and the estimated error, and that conserving keeps energy and
+    momentum up to round-off.
+    """
     chosen = motion(family, seed)
     chain, velocity, speed = chosen.chain, chosen.velocity, chosen.speed
     truth = simulate_quietly(chain, velocity, chosen.duration, "scipy", samples=5, tolerance=1e-9)
@@ -48,12 +50,14 @@ def test_random_motions_go_where_the_reference_goes_and_keep_their_ledger(family
 
 
 def ended(chain, velocity, duration=None):
-    """The end of a motion by the reference, as fine as it can be."""
+    """Return the run of the reference with the finest tolerance."""
     return simulate(chain, velocity, duration, "scipy", samples=2, tolerance=1e-11)
 
 
 def test_an_alpha_of_a_thirtieth_is_no_hindrance():
-    """Inner overlaps of 1e-29 count as touching, with a multiplier, until the tolerance distinguishes them from 0."""
+    """Check inner overlaps of 1e-29. They count as touching, with a multiplier, until the tolerance distinguishes them
+    from 0.
+    """
     chain, start = one_on(10, power_law(1.0, 1 / 30)), [1] + [0] * 10
     found, finer = (simulate(chain, start, method="scipy", tolerance=tolerance) for tolerance in (1e-7, 1e-8))
     assert found.final_velocity == pytest.approx(finer.final_velocity, abs=1e-6)
@@ -82,7 +86,7 @@ def test_a_motion_of_which_not_one_step_can_be_taken_is_a_value():
 
 @pytest.mark.parametrize("method", NAMES)
 def test_scales_of_length_and_time_do_not_matter(method):
-    """Grains of micrometres that touch for microseconds move as their image in metres and seconds."""
+    """Compare grains of micrometres with contacts of microseconds with the same motion in metres and seconds."""
     length, time = 1e-6, 1e-7
     large = simulate(one_on(3, hertz(1.0)), [1, 0, 0, 0], 4.0, method, samples=5)
     stiffness = 1.0 / (time**2 * math.sqrt(length))
@@ -92,40 +96,46 @@ def test_scales_of_length_and_time_do_not_matter(method):
 
 
 def test_parts_of_a_coupler_that_only_together_are_determined():
-    """Both gears of a coupler touch at the same overlap: the force between the beads is one, whichever part carries it."""
+    """Check a coupler whose two gears touch at the same overlap. Only the sum of their forces is determined."""
     link = Coupler(draft_gear(100.0, 0.05), pull=draft_gear(80.0, 0.05))
     found = ended(Chain([1.0, 2.0, 3.0], link, drive=[3.0, 0.0, 0.0]), [0.0, 0.0, 0.0], 2.0)
     assert found.final_velocity == pytest.approx([1.0, 1.0, 1.0], abs=1e-12)
     assert found.force[-1] == pytest.approx([2.5, 1.5], abs=1e-9)
 
 
-def test_a_solver_may_try_a_law_of_ones_own_where_that_has_no_number():
-    """Iterates of an implicit step went to 293 m, where exp ends: that step is tried again, shorter, and no run ends by it."""
+def test_the_solver_survives_overflow_of_a_law():
+    """Check a law that overflows. Iterates of an implicit step reached 293 m, beyond the range of exp. Such a step is
+    repeated as a shorter step, and the run continues.
+    """
     laws = Laws(one_on(1, OwnLaw(lambda overlap: math.expm1(50.0 * overlap))), 1.0)
     assert not np.isfinite(laws.force(np.array([293.0])))
     assert not np.isfinite(laws.slope(np.array([293.0])))
     assert laws.force(np.array([[0.1], [-0.1]])) == pytest.approx(np.array([[math.expm1(5.0)], [0.0]]))
 
 
-def test_what_is_pressed_at_the_start_is_closed_from_there_on():
-    """Also where friction holds it so that nothing moves."""
+def test_contacts_pressed_at_the_start_are_closed():
+    """Check contacts that are pressed at the start. Friction holds their beads, so nothing moves."""
     for method in ("scipy", "accurate", "conserving"):
         chain = Chain([1.0, 1.0], hooke(10.0), gap=-0.01, friction=0.5)
         assert simulate(chain, [0.0, 0.0], None, method, samples=2).contact_intervals == (((0.0, math.inf),),), method
 
 
-def test_what_touches_closes_as_soon_as_a_neighbour_pushes_it():
-    """Its force is 0 as the neighbour closes, and again as that opens: looked at there alone, it was never told of."""
+def test_a_touching_contact_closes_with_its_neighbour():
+    """Check a contact whose force is 0 both when its neighbour closes and when it opens. A check only at these times
+    did not find it.
+    """
     found = ended(one_on(2, [hooke(1.0), step_force(20.0)]), [1.0, 0.0, 0.0])
     (pushed,), (touching,) = found.contact_intervals
     assert pushed == pytest.approx((0.0, math.pi / math.sqrt(1.5)), abs=1e-9)
     assert touching == pytest.approx(pushed, abs=1e-9)
-    # beads that slide side by side push each other no more
+    # Beads that slide side by side do not push each other any more.
     sliding = Chain([1.0, 2.0, 1.0], [hooke(1.0), hertz(1.0)], friction=0.1)
     assert ended(sliding, [1.0, 1.0, 1.0], 0.5).contact_intervals == ((), ())
 
 
-def test_a_contact_that_is_pressed_in_slowly_is_not_held_by_the_switches_of_another():
-    """Two inner contacts begin to yield at forces of 1e-15 N; each switch began the motion of the other anew, 9500 times."""
+def test_slow_yielding_is_not_restarted_by_other_contacts():
+    """Check two inner contacts that yield at forces of 1e-15 N. Each mode change restarted the motion of the other one,
+    9500 times.
+    """
     chain = Chain([0.6256050420307148, 1.9966455213844647, 1.7485191867510559, 0.5551660365009872, 1.0], hooke(100.0))
     assert simulate(chain, [1.40621878, 0, 0, 0, 0], 0.12, "scipy", samples=2).steps < 100

@@ -1,4 +1,4 @@
-"""Mistakes of users: one sentence, exit code 2, no file left, no traceback."""
+"""Tests of mistakes of users: one sentence, exit code 2, no file left, no traceback."""
 
 import re
 from pathlib import Path
@@ -148,13 +148,13 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("line", "sentence"), REFUSED, ids=[line.replace(f"{ROOT}/", "") for line, _ in REFUSED])
-def test_what_a_command_does_not_take_is_refused(line, sentence, tmp_path, monkeypatch, refused):
+def test_wrong_arguments_of_a_command_are_rejected(line, sentence, tmp_path, monkeypatch, refused):
     monkeypatch.chdir(tmp_path)
     assert sentence in refused(*line.split())
     assert list(tmp_path.iterdir()) == []
 
 
-def test_files_that_have_no_name_get_their_folder_unless_they_are_refused(tmp_path, monkeypatch, refused):
+def test_a_rejected_command_creates_no_folder(tmp_path, monkeypatch, refused):
     refusing = Mock(side_effect=StudyError("cannot write"))
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("softcradle.sandbox.sweeps.run_sweep.checked_output", refusing)
@@ -199,20 +199,22 @@ def test_check_takes_folders_and_patterns(tmp_path, monkeypatch, softcradle, ref
     (folder / "b.toml").write_text(GOOD, encoding="utf-8")
     assert softcradle("check", "class").out.splitlines()[2] == "2 files: all ok"
     assert "there is no file *.toml" in refused("check", "*.toml")
-    (tmp_path / "[1].toml").write_text(GOOD, encoding="utf-8")  # its name is also a pattern
+    (tmp_path / "[1].toml").write_text(GOOD, encoding="utf-8")  # The name of this file is also a pattern.
     assert softcradle("check", "[1].toml").out == "[1].toml: ok, 'one on two' with 3 beads\n"
     (tmp_path / "empty").mkdir()
     assert "no file with the ending .toml in the folder empty" in refused("check", "empty")
 
 
 @pytest.mark.parametrize("compiled", [False, True])
-def test_an_interrupted_run_leaves_no_file_and_what_was_there(compiled, tmp_path, monkeypatch, softcradle):
-    """pybind11 makes an ImportError of Ctrl+C; the command said "initialization failed", with exit code 2."""
+def test_an_interrupted_run_leaves_the_old_file(compiled, tmp_path, monkeypatch, softcradle):
+    """Check Ctrl+C. pybind11 turns it into an ImportError, and the command printed "initialization failed" with exit
+    code 2.
+    """
     path = tmp_path / "out.csv"
     path.write_bytes(b"old")
 
     def interrupt(*_, **__):
-        assert len(list(tmp_path.iterdir())) == 2  # a file is opened before the run
+        assert len(list(tmp_path.iterdir())) == 2  # The output file is opened before the run.
         if compiled:
             raise ImportError("initialization failed") from KeyboardInterrupt()
         raise KeyboardInterrupt

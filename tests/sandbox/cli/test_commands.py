@@ -1,4 +1,6 @@
-"""The command: its help, what its subcommands print and write; narrow terminals, poor encodings, a full disk, no display."""
+"""Tests of the command: help, output and files of its subcommands; narrow terminals, limited encodings, a full disk, no
+display.
+"""
 
 import csv
 import io
@@ -56,10 +58,10 @@ def test_a_closed_pipe_is_no_error(words):
     shell = f"{sys.executable} -m softcradle {words} | true; exit ${{PIPESTATUS[0]}}"
     result = subprocess.run(["bash", "-c", shell], capture_output=True, text=True, check=False)
     assert result.stderr == ""
-    assert result.returncode in (0, 141)  # 0 where all was written before the other end closed
+    assert result.returncode in (0, 141)  # The code is 0 if everything was written before the reader closed the pipe.
 
 
-def test_methods_and_scenes_are_listed_and_scenes_printed_to_start_from(softcradle):
+def test_methods_and_scenes_are_listed(softcradle):
     text = softcradle("methods").out
     assert all(name in text for name in known_methods())
     listed = json.loads(softcradle("methods", "--json").out)
@@ -92,8 +94,8 @@ def test_run_prints_velocities_contacts_errors_and_cost(softcradle):
     assert [word for word in (*words, "verlet, step 0.0005 s") if word not in out] == []
 
 
-def test_large_forces_have_the_prefix_of_their_unit_and_pulls_a_column(softcradle):
-    """1.33 MN, not 1330980 N; what the bed takes of the momentum is no error."""
+def test_large_forces_have_a_unit_prefix(softcradle):
+    """Check that the unit is 1.33 MN, not 1330980 N, and that the momentum which the bed takes is not an error."""
     out = softcradle("run", "train-shunting").out
     assert "force [MN]" in out
     assert re.search(r"\b0-1 .* 1\.33\d* *$", out, re.MULTILINE)
@@ -103,7 +105,7 @@ def test_large_forces_have_the_prefix_of_their_unit_and_pulls_a_column(softcradl
     assert "pull [kN]" in softcradle("run", "train-starting").out
 
 
-def test_what_happens_is_said_in_words(softcradle):
+def test_the_motion_is_described_in_words(softcradle):
     said = softcradle("run", "one-on-four", "--describe").out
     assert "Bead 0 hit bead 1 at 1\u00a0s with 1\u00a0m/s." in said
     assert "Bead 1 goes to the right at 0.17\u00a0m/s. Beads 2 to 4 go together to the right at 0.46\u00a0m/s." in said
@@ -119,7 +121,8 @@ def test_results_say_how_well_the_final_velocities_are_known(softcradle):
     assert lane["momentum_error"] < 1e-12
     assert lane["contacts"][0]["closed"] == pytest.approx(1.0, abs=1e-3)
     for bead, exact in zip(lane["beads"], FINAL, strict=True):
-        assert abs(bead["final_velocity"] - exact) < bead["velocity_error"] + 1e-8  # these have eight digits
+        # The expected values have eight digits.
+        assert abs(bead["final_velocity"] - exact) < bead["velocity_error"] + 1e-8
         assert bead["velocity_error"] <= lane["velocity_error"] < 1e-6
     assert "velocity error" in softcradle("run", "one-on-four", "--method", "accurate").out
     (fixed,) = json.loads(softcradle("run", "one-on-four", "--json", "--method", "verlet").out)["lanes"]
@@ -140,7 +143,7 @@ def test_errors_are_relative_to_the_start():
         found, rate=found.rate * [[1.0], [0.5]], anchor=found.anchor * [[1.0, 1.0], [1.0, 0.5]],
         contact_intervals=(((0.1, 0.2), (0.9, math.inf)), (), (), ()),
     )  # fmt: skip
-    fast = replace(found, final_velocity=1e308 * np.ones(5))  # of which there is no mean
+    fast = replace(found, final_velocity=1e308 * np.ones(5))  # These velocities have no finite mean.
     assert describe("", fast) == "The motion by accurate did not stay finite: choose a smaller step."
     summary = summarise("lane", slowed)
     errors = summary.energy_error, summary.energy_error_at_end, summary.momentum_error
@@ -155,7 +158,9 @@ def test_errors_are_relative_to_the_start():
 
 @pytest.mark.parametrize("velocity", [[0.5, 0.0, -0.3], [0.0, 0.0, -0.3]], ids=["moving", "at rest"])
 def test_work_of_a_moving_wall_is_no_error_of_energy(velocity):
-    """Relative to the largest energy, for there may be none at the start; unknown where a bed takes momentum too."""
+    """Check errors relative to the largest energy, which can be 0 at the start. They are unknown if a bed also takes
+    momentum.
+    """
     chain = Chain([1.0, 1.0, math.inf], hertz(30.0), gap=[0.1, 0.0])
     known = summarise("", simulate(chain, velocity, 2.0))
     assert max(known.energy_error, known.energy_error_at_end) < 1e-6
@@ -163,9 +168,9 @@ def test_work_of_a_moving_wall_is_no_error_of_energy(velocity):
     assert (unknown.energy_error, unknown.energy_error_at_end) == (None, None)
 
 
-def test_a_run_that_gave_up_has_no_final_velocities_and_no_film_and_exit_code_3(softcradle, tmp_path, monkeypatch):
+def test_a_run_that_gave_up_has_exit_code_3(softcradle, tmp_path, monkeypatch):
     monkeypatch.setattr(runner, "MOST_FIXED_STEPS", 1000)
-    gives_up = ("--method", "verlet", "--step", "1e-12")  # of which a thousand end long before the beads touch
+    gives_up = ("--method", "verlet", "--step", "1e-12")  # A thousand such steps end long before the beads touch.
     out = " ".join(softcradle("run", "one-on-four", *gives_up, code=3).out.split())
     assert "velocity when it gave up" in out
     assert "final velocity" not in out
@@ -180,7 +185,7 @@ def test_a_run_that_gave_up_has_no_final_velocities_and_no_film_and_exit_code_3(
     softcradle("compare", "one-on-four", "--contact", "hertz(1)", *gives_up, "--json", code=3)
 
 
-def test_a_run_that_did_not_stay_finite_is_told_in_every_form(tmp_path, softcradle):
+def test_a_run_that_is_not_finite_is_reported_in_every_output(tmp_path, softcradle):
     path = tmp_path / "stiff.toml"
     path.write_text(
         'title = "A bead between walls"\nduration = 100.0\n[[lanes]]\nmass = [inf, 1.0, inf]\n'
@@ -214,7 +219,7 @@ def test_no_number_of_a_run_is_lost(width, monkeypatch):
         if terminal:
             assert max(map(len, text.splitlines())) <= width
             assert "final velocity [m/s]" in " ".join(text.split()) or text.count("[m/s]") == 2
-        else:  # a pipe has rows of the table as wide as they are
+        else:  # In a pipe, the rows of the table are as wide as needed.
             assert any({"1.00000000", numbers[0]} <= set(line.split()) for line in text.splitlines())
 
 
@@ -226,7 +231,7 @@ def test_progress_in_a_file_is_a_line_now_and_then(monkeypatch, capsys):
         told = ""
         while "135 of 2000" not in told:
             told += capsys.readouterr().err
-    told += capsys.readouterr().err  # no line comes after the end
+    told += capsys.readouterr().err  # No line may be printed after the end.
     assert all(line.startswith("softcradle: cases: ") for line in told.splitlines())
     assert progress.line(70.0) == "cases: 135 of 2000, after 1 min, 0.5 a second, about 1.0 h left"
 
@@ -237,7 +242,7 @@ def test_a_film_shows_how_far_it_is_unless_it_is_to_be_quiet(tmp_path, monkeypat
     film += ["--size", "320x180", "--fps", "5", "--slow", "0.5"]
     told = re.findall(r"frames: (\d+) of (\d+)", softcradle(*film).err)
     assert told
-    assert all(int(done) <= int(count) for done, count in told)  # also of a film that draws again what stays
+    assert all(int(done) <= int(count) for done, count in told)  # This also holds for a film that repeats a picture.
     assert softcradle(*film, "-q").err == ""
 
 
@@ -270,7 +275,7 @@ def test_a_full_disk_behind_standard_output(arguments):
         ("$0 -m softcradle check mixed <&- >&- 2>&-", 0, ""),
         ("$0 -m softcradle check nope 2>&-", 2, ""),
         ("$0 -m softcradle run nope 2>/dev/full", 2, ""),
-        ("$0 -m softcradle run mixed --method euler --step 0.1 --json 2>/dev/full", 0, ""),  # warns
+        ("$0 -m softcradle run mixed --method euler --step 0.1 --json 2>/dev/full", 0, ""),  # This run warns.
         ("set -o pipefail; { sleep 3; $0 -m softcradle run nope; } 2>&1 | true", 2, ""),
         ("$0 -m softcradle check /dev/zero", 2, "cannot read /dev/zero: file too large"),
         (
@@ -280,8 +285,8 @@ def test_a_full_disk_behind_standard_output(arguments):
         ),
     ],
 )
-def test_streams_may_be_closed_and_a_folder_that_is_gone_is_told(line, code, told, tmp_path):
-    """Without standard error a command ended before it began."""
+def test_closed_streams_and_missing_folders_are_handled(line, code, told, tmp_path):
+    """Check closed streams. Without standard error, a command ended before it began."""
     words, environment = ["bash", "-c", line, sys.executable], os.environ | {"PYTHONPATH": str(ROOT)}
     done = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
     assert (done.returncode, told in done.stderr) == (code, True)
@@ -289,7 +294,7 @@ def test_streams_may_be_closed_and_a_folder_that_is_gone_is_told(line, code, tol
 
 @pytest.mark.parametrize(("scene", "lacks"), [("mixed", "display"), ("x.toml", "file x.toml"), ("x.npz", "file x.npz")])
 def test_without_a_display_the_window_is_refused_at_once(scene, lacks):
-    """The scene is what is told of first."""
+    """Check that a wrong scene is reported before a missing display."""
     displays = ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER", "SDL_VIDEO_DRIVER")
     kept = {key: value for key, value in os.environ.items() if key not in displays}
     done = python("-m", "softcradle", "play", scene, check=False, env=kept)
@@ -297,7 +302,7 @@ def test_without_a_display_the_window_is_refused_at_once(scene, lacks):
     assert re.fullmatch(rf"softcradle: .*there is no {lacks}.*\n", done.stderr)
 
 
-def test_a_second_file_is_written_too_and_each_lane_has_its_own_and_what_is_replaced_is_said(tmp_path, softcradle):
+def test_several_files_are_written(tmp_path, softcradle):
     paths = [tmp_path / "a.npz", tmp_path / "b.csv"]
     arguments = ["run", "galilean", "--method", "verlet", "--step", "1e-2", "--duration", "1.5", "--samples", "4"]
     arguments += [word for path in paths for word in ("-o", str(path))]

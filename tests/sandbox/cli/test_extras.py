@@ -1,4 +1,4 @@
-"""Without the packages of an extra: what needs them says how to get them, in a sentence; the rest works."""
+"""Tests without the packages of an extra: commands that need it name the extra in one sentence, and the others work."""
 
 import pytest
 from softcradle.physics.extras import EXTRA_OF, needed_for
@@ -62,7 +62,7 @@ def test_games_and_commands_of_the_core_need_no_extra(program, tmp_path, monkeyp
 
 
 @pytest.mark.slow
-def test_every_method_runs_without_numba_and_says_that_it_is_slow():
+def test_every_method_runs_without_numba():
     done = run(("numba",), METHODS)
     assert done.returncode == 0, done.stderr
     assert done.stderr.count("pip install 'softcradle[fast]'") == 1

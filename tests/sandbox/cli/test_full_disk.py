@@ -1,10 +1,12 @@
-"""A full disk: every writer notices, says so in a sentence, and leaves nothing behind. Here files end after 400 bytes."""
+"""Tests of a full disk: every writer reports it in one sentence and leaves no file. Here, files are limited to 400
+bytes.
+"""
 
 import pytest
 
 from tests.helpers.own_process import python
 
-pytestmark = pytest.mark.slow  # every writer is a process of its own
+pytestmark = pytest.mark.slow  # Every writer runs in its own process.
 
 resource = pytest.importorskip("resource", reason="this system has no limit of file sizes")
 
@@ -21,7 +23,7 @@ OUTPUTS = {
     "npz": ("run", "one-on-four", *COARSE, "-o", "x.npz"),
     "numbers of a comparison": ("compare", "one-on-four", "--contact", "hertz(1)", *COARSE, "-o", "x.json"),
 }
-LIMIT = 400  # bytes
+LIMIT = 400  # Largest file size [bytes].
 
 
 @pytest.mark.parametrize("arguments", OUTPUTS.values(), ids=OUTPUTS)

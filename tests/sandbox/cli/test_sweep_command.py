@@ -1,4 +1,4 @@
-"""`softcradle sweep`: studies from files, refusals in a sentence, what is missing, what is there already."""
+"""Tests of `softcradle sweep`: studies from files, error messages, missing points, and points that exist already."""
 
 import re
 from unittest.mock import Mock
@@ -42,7 +42,8 @@ GRID, VALUES = GOOD.partition("[grid]")[2], "values = [0.5, 1]"
 @pytest.fixture
 def swept(tmp_path, softcradle):
     def run(*words, text=GOOD, code=0):
-        (tmp_path / "study.toml").write_text(text, encoding="utf-8-sig")  # by an editor that begins with a mark
+        # Some editors write a byte order mark at the beginning.
+        (tmp_path / "study.toml").write_text(text, encoding="utf-8-sig")
         return softcradle("sweep", f"{tmp_path}/study.toml", "-o", f"{tmp_path}/found.nc", *words, code=code)
 
     return run

@@ -1,4 +1,6 @@
-"""Pictures show what the motions contain and depend on the row alone; their texts fit, numbers are text, colours differ."""
+"""Tests of pictures: they show the motions, depend only on the sample, and have fitting texts, correct numbers and
+distinct colours.
+"""
 
 import math
 from dataclasses import replace
@@ -82,7 +84,7 @@ def near(pixels, colour, tolerance=6):
     return (np.abs(pixels - np.array(colour)) <= tolerance).all(axis=-1)
 
 
-def test_drawing_changes_nothing_and_depends_on_the_row_alone():
+def test_drawing_depends_only_on_the_sample():
     scene, motions, _ = pictured(TWO)
     for motion in motions:
         for values in (motion.time, motion.position, motion.overlap, motion.force):
@@ -100,7 +102,7 @@ def test_drawing_changes_nothing_and_depends_on_the_row_alone():
     assert 0 < np.abs(faded - first).sum() < np.abs(text - first).sum()
 
 
-def test_beads_are_at_their_positions_overlaps_are_darker_and_bars_as_high_as_the_forces():
+def test_beads_overlaps_and_bars_are_drawn_to_scale():
     _, motions, picture = pictured(SOFT)
     drawing, row = picture.lanes[0].drawing, strongest_row(motions)
     pixels = painted(picture, row)
@@ -114,7 +116,7 @@ def test_beads_are_at_their_positions_overlaps_are_darker_and_bars_as_high_as_th
     above = pixels[drawing.rect.top : math.floor(drawing.bar_base), drawing.rect.left : drawing.rect.right]
     heights = [near(above, colour).sum(axis=0).max() for colour in drawing.contact_colours]
     expected = drawing.bar_room * motions[0].force[row] / (picture.scales.force / FORCE_MARGIN)
-    lines_across = 3  # the line of the rigid cluster, and two partly covered pixels
+    lines_across = 3  # The line of the rigid cluster, and two partly covered pixels.
     assert heights == pytest.approx(expected, abs=lines_across)
     assert min(expected) > 10
 
@@ -137,7 +139,7 @@ def test_a_wall_has_no_piston():
     lane = f"mass = [inf, 1.0]\nvelocity = [0.0, -1.0]\ngap = 0.5\ncontact = {contact}"
     _, motions, picture = pictured(f'title = "Wall"\nduration = 2.0\nview = {{magnify = 1.0}}\n[[lanes]]\n{lane}')
     row, drawing = strongest_row(motions), picture.lanes[0].drawing
-    assert motions[0].overlap[row, 0] > 0.6  # of a bead's length
+    assert motions[0].overlap[row, 0] > 0.6  # Overlap relative to the length of a bead.
     beside = painted(picture, row)[: round(drawing.ground) - 5, : round(drawing.left() - 3)]
     assert (beside[round(drawing.bar_base) + 5 :, drawing.rect.left :] == tones.lane_background).all()
 
@@ -154,7 +156,7 @@ def test_piston_moves_in_by_the_magnified_overlap():
     assert rods[0] - rods[1] == pytest.approx(moved, abs=3)
 
 
-def test_lanes_share_times_axes_and_a_scale_in_which_everything_stays_in_view():
+def test_lanes_share_times_axes_and_scale():
     scene, motions, picture = pictured(TWO)
     first, second = picture.lanes
     assert first.drawing.scale == second.drawing.scale
@@ -180,7 +182,9 @@ def test_lanes_share_times_axes_and_a_scale_in_which_everything_stays_in_view():
     ],
 )
 def test_bars_and_times_hold_all_that_they_show(lane):
-    """What the bed has absorbed is in the bar of the energy too; that of a small momentum to the left is as long as it."""
+    """Check that the energy bar includes the energy absorbed by the bed, and that the bar fits a small momentum to the
+    left.
+    """
     scene = hertz_row(20.0, **lane)
     (motion,) = motions = scene_motions(scene, 30.0)
     scales, total = scales_of(scene, motions), motion.energy + (motion.absorbed if motion.absorbed.size else 0.0)
@@ -197,7 +201,7 @@ def test_magnified_overlaps_move_beads_about_their_mean():
     assert (edges - left_edges(position, overlap, 1.0, 1.0)).mean() == pytest.approx(0.0)
 
 
-def test_names_of_overlaps_stand_beside_the_greatest_though_beads_fly_far_apart():
+def test_overlap_labels_are_at_the_largest_overlaps():
     scene, motions, _ = pictured(SOFT)
     assert (motions[0].overlap.min(axis=0) < -motions[0].overlap.max(axis=0)).any()
     with drawn_texts(SIZE) as texts:
@@ -226,7 +230,7 @@ def test_any_chain_and_any_size(text, size):
         assert 0.02 < (~near(frame, tones.background)).mean() < 0.9
         assert near(frame[0, 0], tones.background)
     assert (frames[0] != frames[-1]).any()
-    for drawing in (lane.drawing for lane in picture.lanes):  # bars stand above the tallest body
+    for drawing in (lane.drawing for lane in picture.lanes):  # Force bars are above the tallest body.
         assert (
             min(drawing.body_shape(bead, 0.0)[0].top for bead in range(len(drawing.chain.mass))) >= drawing.bar_base - 1
         )
@@ -241,7 +245,7 @@ def test_camera_moves_the_beads_and_nothing_else():
     assert changed[:, 0].max() <= picture.lanes[0].insets.rect.bottom
 
 
-def test_drawings_are_kept_up_to_their_memory_and_the_oldest_is_dropped_first():
+def test_the_drawing_cache_drops_the_oldest_first():
     drawn = []
 
     @cached_surfaces(megabytes=1.0)
@@ -254,12 +258,13 @@ def test_drawings_are_kept_up_to_their_memory_and_the_oldest_is_dropped_first():
         assert all(square(side).get_size() == (side, side) for side in sides)
         return drawn
 
-    sides = [256, 255, 254]  # a quarter of a megabyte each
+    sides = [256, 255, 254]  # Each needs a quarter of a megabyte.
     assert drawn_anew(*sides, *sides) == sides
-    assert drawn_anew(400, 254, 255, 254) == [400, 255]  # 0.61 MB: two are dropped for it, and it for 255
-    assert drawn_anew(2000, 2000) == [2000]  # larger than the cache: it is kept until the next one
+    # 400 needs 0.61 MB: two drawings are dropped for it, and it is dropped for 255.
+    assert drawn_anew(400, 254, 255, 254) == [400, 255]
+    assert drawn_anew(2000, 2000) == [2000]  # It is larger than the cache, so it is kept only until the next drawing.
     clear_cached_surfaces()
-    assert drawn_anew(*sides, *sides) == sides  # room for three again: dropped drawings are not counted
+    assert drawn_anew(*sides, *sides) == sides  # There is room for three again, because dropped drawings do not count.
 
 
 @given(st.lists(st.floats(-50, 250, allow_nan=False), min_size=1, max_size=12), st.floats(1, 16), st.floats(100, 300))
@@ -270,30 +275,34 @@ def test_names_beside_curves_keep_order_and_distance(places, gap, high):
     assert (steps >= min(gap, high / max(1, len(places) - 1)) - 1e-6).all()
     assert min(moved) >= -1e-6
     assert max(moved) <= high + 1e-6
-    assert spread([10.0, 50.0, 90.0], 12.0, 0.0, 100.0) == [10.0, 50.0, 90.0]  # those with room stay
+    assert spread([10.0, 50.0, 90.0], 12.0, 0.0, 100.0) == [10.0, 50.0, 90.0]  # Names with enough room stay in place.
     assert spread([50.0, 50.0], 12.0, 0.0, 100.0) == [44.0, 56.0]
 
 
 CLOSED = [0.0] * 4
-CLUSTERS = [  # overlaps and velocities before, overlaps and forces now, forces of the rigid cluster by Eq. (5)
+# Overlaps and velocities before, overlaps and forces now, and the expected forces of the rigid cluster by Eq. (5).
+CLUSTERS = [
     ([-1, 0, 0, 0], [1, 0, 0, 0, 0], CLOSED, [0.8, 0.5, 0.3, 0.1], [0, 0.6, 0.4, 0.2]),
-    ([-1, 0, 0, -1], [1, 0, 0, 0, 0], [0, 0, 0, -1], [1, 1, 1, 0], [0, 2 / 3, 1 / 3, 0]),  # beyond a gap nothing pushes
+    # No contact pushes beyond a gap.
+    ([-1, 0, 0, -1], [1, 0, 0, 0, 0], [0, 0, 0, -1], [1, 1, 1, 0], [0, 2 / 3, 1 / 3, 0]),
     ([-1, -1, 0, 0], [1, 0, 0, 0, 0], [0, -1, 0, 0], [1, 0, 1, 1], [0, 0, 0, 0]),
     ([-1, 0, -1, 0], [1, 0, 0, 0, 0], [0, 0, -1, 0], [1, 1, 0, 1], [0, 0.5, 0, 0]),
-    ([0, -0.5, 0, -1], [0, 0, 0, 0, -1], [0, -0.5, 0, 0.1], [0, 0, 0.7, 1.0], [0, 0, 0.5, 0]),  # struck from the right
-    # three struck with 3 N on the left have run into a fourth, which pushes back with 1 N
+    ([0, -0.5, 0, -1], [0, 0, 0, 0, -1], [0, -0.5, 0, 0.1], [0, 0, 0.7, 1.0], [0, 0, 0.5, 0]),  # Struck from the right.
+    # Three beads that are hit with 3 N on the left have hit a fourth bead, which pushes back with 1 N.
     ([-1, 0, 0, -1e-3], [1, 0, 0, 0, 0], [0.1] * 4, [3, 2, 2, 1], [0, 3 * 2 / 3 + 1 / 3, 3 / 3 + 2 / 3, 0]),
 ]
 
 
 @pytest.mark.parametrize(("before", "velocity", "now", "force", "expected"), CLUSTERS)
-def test_forces_of_rigid_clusters_are_those_of_equation_5_and_end_at_a_gap(before, velocity, now, force, expected):
+def test_rigid_forces_follow_equation_5(before, velocity, now, force, expected):
     ends = cluster_ends(before, velocity, 1.0)
     assert rigid_forces([1.0] * 5, ends, now, force, 1.0) == pytest.approx(expected)
 
 
 def test_where_clusters_end_and_which_have_marks():
-    """Beads that touch already meet where their velocities differ; no marks beside a wall, without a blow, of one bead."""
+    """Check clusters. Touching beads belong together unless their velocities differ. There are no marks at a wall,
+    without a collision, or for one bead.
+    """
     assert cluster_ends(CLOSED, [1, 0, 0, 0, 0], 1.0) == (True, False, False, False)
     assert cluster_ends([0.0, -1e-17, 1e-30, 0.0], [0, 0, 0, 0, 1e-9], 1.0) == (False, False, False, True)
     two = cluster_ends([0.0, -1.0, 0.0], [1, 1, 0, 0], 1.0)
@@ -302,7 +311,7 @@ def test_where_clusters_end_and_which_have_marks():
     assert [has_marks(ends) for ends in ((False, False), (True,), (True, True), (True, False))] == [False] * 3 + [True]
 
 
-def test_a_mark_stands_over_a_contact_that_carries_something_and_its_meaning_beside_a_mark_alone():
+def test_only_loaded_contacts_have_marks_with_a_legend():
     row = [1.0] * 5, (True, False, False, False), [0.1] * 4
     assert visible_marks(*row, [4.0, 0.0, 0.0, 0.0], 1.0, 0.1) == [0.0] * 4, "steel: a wave that has not come yet"
     assert visible_marks(*row, [4.0, 3.0, 0.0, 0.0], 1.0, 0.1) == [0.0, 3.0, 0.0, 0.0]
@@ -346,11 +355,12 @@ def test_errors_are_those_of_the_motion():
     assert motion.momentum_error[-1] < 1e-12
     lost = replace(motion, balance=motion.balance * np.linspace(1.0, 0.9, len(motion.time))[:, None])
     assert lost.energy_error[-1] == pytest.approx(0.1)
-    assert 0.05 < lost.momentum_error[-1] < 0.1  # of all momenta without their sign: the striker comes back
+    # The error refers to the sum of absolute momenta, because the striker bounces back.
+    assert 0.05 < lost.momentum_error[-1] < 0.1
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.01])
-def test_work_of_a_wall_is_no_error_of_energy_and_what_is_not_known_has_no_badge(friction):
+def test_the_work_of_a_wall_is_not_an_energy_error(friction):
     pushed = {"mass": [1, 1, math.inf], "velocity": [0.5, 0, -0.3], "drive": [0, 0, 5], "friction": friction}
     _, (motion,), picture = pictured(hertz_row(duration=1.5, gap=[0.1, 0], **pushed))
     assert np.ptp(motion.energy) > 0.1
@@ -365,7 +375,7 @@ def test_work_of_a_wall_is_no_error_of_energy_and_what_is_not_known_has_no_badge
 @pytest.mark.parametrize(
     ("friction", "keys"), [(0.0, {"contacts": "steel"}), (0.1, {"contacts": "steel", "absorbed": "muted"})]
 )
-def test_what_is_absorbed_has_a_name_in_the_bar_of_energy(friction, keys):
+def test_the_energy_bar_names_the_absorbed_energy(friction, keys):
     scene, motions, _ = pictured(hertz_row(duration=1.5, beads=[1, 2], velocity=1.0, friction=friction))
     (texts,) = film_texts(scene, motions, (1280, 720), [-1])
     pixels = painted(Picture(scene, motions, (1280, 720)), -1)
@@ -417,7 +427,7 @@ def test_numbers(found, expected):
     assert found == expected
 
 
-# deuteranopia and protanopia after Machado et al. (2009), severity 1, on linear light
+# Deuteranopia and protanopia after Machado et al. (2009), severity 1, on linear light.
 COLOUR_BLIND = [
     [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
     [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
@@ -428,6 +438,7 @@ def test_colours_differ_for_the_colour_blind():
     linear = (np.array(BEAD_COLOURS) / 255.0) ** 2.2
     seen = np.clip(linear @ np.transpose(COLOUR_BLIND, (0, 2, 1)), 0.0, 1.0) ** (1 / 2.2) * 255.0
     distance = np.linalg.norm(seen[:, :, None] - seen[:, None], axis=-1)
-    assert (distance + 1e3 * np.eye(len(BEAD_COLOURS))).min() > 40.0  # twice the least that is told apart
+    # Twice the smallest distance that can be distinguished.
+    assert (distance + 1e3 * np.eye(len(BEAD_COLOURS))).min() > 40.0
     assert len(set(bead_colours(60))) == 60
     assert bead_colours(12) == BEAD_COLOURS

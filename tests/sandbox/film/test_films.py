@@ -1,4 +1,4 @@
-"""Films read back frame by frame, segments of several threads, refusals before any work, files complete or not there."""
+"""Tests of films: frames read back, segments of several threads, early error messages, files complete or missing."""
 
 import math
 import threading
@@ -28,7 +28,7 @@ from tests.helpers.drawn_text import colliding, film_texts
 
 SIZE = (480, 270)
 FPS = 12.0
-ROWS = math.ceil(scene_film.LEAST_ROWS / FPS)  # of the motion, a frame
+ROWS = math.ceil(scene_film.LEAST_ROWS / FPS)  # Samples of the motion per frame.
 LANES = """
 lanes = [{label = "soft", beads = [1, 3], velocity = 1.0, contact = {law = "power_law", f0 = 1.0, alpha = 0.25}},
          {label = "hard", beads = [1, 3], velocity = 1.0, contact = {law = "hertz", stiffness = 30.0}}]
@@ -52,7 +52,7 @@ def rendered(path, **options):
 
 
 def difference(found, expected):
-    """Mean difference of colour in the worst frame."""
+    """Return the mean colour difference of the worst frame."""
     return np.abs(found.astype(int) - expected).mean(axis=(1, 2, 3)).max()
 
 
@@ -86,7 +86,9 @@ def test_moving_pictures(tmp_path, frames, suffix, tolerance):
     places = np.searchsorted(ends, (np.arange(len(frames)) + 0.5) * 1000 / FPS)
     found = np.array([shown[min(k, len(shown) - 1)][0] for k in places])
     assert difference(found, frames) < tolerance
-    if suffix == ".gif":  # whose palette has the background exactly and other colours nearly: 33 is the most, measured
+    # The palette of a GIF contains the background exactly and other colours approximately: the largest difference
+    # measured is 33.
+    if suffix == ".gif":
         background = (frames == np.median(frames[-1], axis=(0, 1))).all(axis=-1)
         assert (found == frames)[background].all()
         assert np.abs(found.astype(int) - frames).max() < 36
@@ -100,7 +102,8 @@ def test_single_picture_is_the_moment_of_the_greatest_force(tmp_path):
     Picture(SCENE, motions, SIZE).paint(surface, strongest_row(motions))
     with Image.open(tmp_path / "still.png") as image:
         assert (np.asarray(image.convert("RGB")) == pixels_of(surface)[..., 2::-1]).all()
-    starting = scene_motions(scenes.load("train-starting"), 5.0)  # its couplers pull most
+    # The couplers of this scene pull with the largest forces.
+    starting = scene_motions(scenes.load("train-starting"), 5.0)
     for each in (motions, starting):
         strongest = max(np.abs(motion.force).max() for motion in each)
         assert any(np.abs(motion.force[strongest_row(each)]).max() == strongest for motion in each)
@@ -117,7 +120,7 @@ def test_folder_of_pictures(tmp_path, frames):
             assert (np.asarray(image.convert("RGB")) == frame).all()
 
 
-def test_the_last_frame_stays_for_a_moment_and_then_for_the_text():
+def test_the_last_frame_is_shown_long_enough():
     shots = shot_list(SCENE, 20, 10.0)
     opacity = [shot.text_opacity for shot in shots]
     assert opacity == sorted(opacity)
@@ -162,7 +165,7 @@ def test_no_text_of_a_film_lies_on_another(name, size):
         ("film.mp4", {"slow": 1e9}, "frames, more than"),
     ],
 )  # fmt: skip
-def test_refusals_leave_nothing_and_come_before_any_work_where_they_can(tmp_path, monkeypatch, name, options, sentence):
+def test_errors_come_early_and_leave_no_file(tmp_path, monkeypatch, name, options, sentence):
     if "slow" not in options:
         monkeypatch.setattr(scene_film, "scene_motions", lambda *_, **__: pytest.fail("worked"))
     with pytest.raises(UserError, match=sentence.replace(".", r"\.")) as refused:
@@ -180,7 +183,7 @@ def test_a_motion_that_is_not_finite_is_refused():
         blown_up.film()
 
 
-def test_a_folder_with_something_in_it_and_a_missing_codec_are_refused(tmp_path, monkeypatch):
+def test_a_full_folder_or_a_missing_codec_is_an_error(tmp_path, monkeypatch):
     (tmp_path / "mine.txt").write_text("mine")
     with pytest.raises(UserError, match="not an empty folder"):
         rendered(f"{tmp_path}/")
@@ -192,7 +195,9 @@ def test_a_folder_with_something_in_it_and_a_missing_codec_are_refused(tmp_path,
 
 
 def test_few_frames_show_the_same_curves(tmp_path, monkeypatch):
-    """Of 5 frames a second the force curves were ramps; the motion that is drawn has the rows of a fluent film."""
+    """Check a film with 5 frames per second. Its force curves were ramps. Now the motion has as many samples as a
+    fluent film.
+    """
     drawn = Mock(wraps=Picture)
     monkeypatch.setattr(scene_film, "Picture", drawn)
     report = rendered(tmp_path / "few.gif", fps=5, slow=1.0)
@@ -204,7 +209,7 @@ def test_few_frames_show_the_same_curves(tmp_path, monkeypatch):
 TIMED = parse(f'title = "Two lanes"\nduration = 2.0\n{LANES}')
 
 
-def test_the_end_of_a_motion_is_looked_for_once_and_not_where_it_is_given(monkeypatch, tmp_path):
+def test_the_end_of_a_motion_is_computed_once(monkeypatch, tmp_path):
     runs = Mock(wraps=solve)
     monkeypatch.setattr("softcradle.physics.simulation.solve", runs)
     scene_motions(TIMED, 20.0)
@@ -239,7 +244,7 @@ def three(law, stiffness, gap):
 
 
 def test_a_film_ends_before_a_pause_that_no_one_waits_for():
-    """Remnants of a collision by explicit steps approach each other a million times slower than the beads that collided."""
+    """Check the end of a film. Explicit steps leave relative velocities a million times smaller than the collision."""
     scene = three("hooke", 1e3, [0.7, 0.3])
     with pytest.warns(RuntimeWarning, match=r"shown up to t = .* slow beads would meet again at t = .*e\+0"):
         end = motion_end(scene, "verlet", 1 / 500)
@@ -250,7 +255,7 @@ def test_a_film_ends_before_a_pause_that_no_one_waits_for():
     assert page.time[-1] == end
 
 
-def test_frames_are_limited_and_one_picture_of_a_long_motion_has_fewer_rows_a_second(tmp_path, monkeypatch):
+def test_the_number_of_frames_is_limited(tmp_path, monkeypatch):
     monkeypatch.setattr(scene_motion, "MOST_FRAMES", 60)
     monkeypatch.setattr(scene_motion, "MOST_ROWS", 60)
     long = {"slow": 5.0, "size": (320, 180)}
@@ -260,7 +265,9 @@ def test_frames_are_limited_and_one_picture_of_a_long_motion_has_fewer_rows_a_se
     (motion, _) = scene_motions(SCENE, 60.0)
     assert len(motion.time) == pytest.approx(60, abs=2)
     assert 0.0 in motion.time
-    few = rendered(tmp_path / "few.gif", fps=1, **long)  # whose rows, of which curves are drawn, are more
+    few = rendered(
+        tmp_path / "few.gif", fps=1, **long
+    )  # Because of the curves, the motion has more samples than this film has frames.
     assert few.frames < 60
     with pytest.raises(
         UserError, match=r"the kymograph would have \d+ frames, .*: choose fewer frames a second \(--fps\)"
@@ -274,20 +281,20 @@ def test_beads_that_are_far_apart_have_all_the_time_that_they_need():
     assert scene_motions(far, 1.0)[0].time[-1] > 50.0
 
 
-# x264 with AVX-512 is reproducible only where half the width is a multiple of 64.
+# x264 with AVX-512 is bitwise reproducible only if half the width is a multiple of 64.
 WIDE = (640, 360)
 FRAMES = 130
 
 
 def six_segments(monkeypatch, cores):
-    """Cut films of FRAMES into six segments, which so many cores encode."""
+    """Divide films of FRAMES frames into six segments, and encode them on this number of cores."""
     monkeypatch.setattr(encoder, "SEGMENT_FRAMES", 22)
     monkeypatch.setattr(encoder, "SHORTEST_SEGMENT", 10)
     monkeypatch.setattr(encoder, "cores", lambda: cores)
 
 
 def paint(surface, number):
-    """A frame that no other is like: a bar that moves, and the number in the brightness of the ground."""
+    """Draw a unique frame: a moving bar, and a ground whose colour contains the frame number."""
     surface.fill((number, 40, 200 - number))
     surface.fill((250, 250, 120), (4 * number, 60, 80, 200))
 
@@ -299,7 +306,7 @@ def written(path, cores, monkeypatch):
     return path
 
 
-def test_frames_have_their_time_and_picture_and_players_begin_at_any_segment_on_any_cores(tmp_path, monkeypatch):
+def test_segments_of_a_film_are_equal_on_any_number_of_cores(tmp_path, monkeypatch):
     films = [written(tmp_path / f"{cores}.mp4", cores, monkeypatch) for cores in (1, 2, 3, 8)]
     assert len({film.read_bytes() for film in films}) == 1
     with av.open(str(films[0])) as container:
@@ -320,7 +327,9 @@ def test_frames_have_their_time_and_picture_and_players_begin_at_any_segment_on_
 
 
 def test_a_picture_that_stays_is_drawn_once_a_segment(tmp_path, monkeypatch):
-    """The film is the one in which every frame is drawn; what stays is drawn again only where a segment begins."""
+    """Compare with a film in which every frame is drawn. A repeated picture is drawn again only at the beginning of a
+    segment.
+    """
     pictures = [0] * 50 + list(range(1, 31)) + [30] * 49
     six_segments(monkeypatch, 2)
 
@@ -346,7 +355,7 @@ def left(folder):
 @pytest.mark.parametrize("failing", [0, 25, 60, 129])
 @pytest.mark.parametrize("cores", [1, 3])
 def test_an_error_of_any_encoder_reaches_the_caller(tmp_path, monkeypatch, failing, cores):
-    """The frame of that number, counted as they come to the encoders, meets a full disk."""
+    """Simulate a full disk at frame number `failing`, counted in the order of the encoders."""
     calls, make = iter(range(1000)), formats.FrameMaker.__call__
 
     def broken(maker, surface):
@@ -361,7 +370,7 @@ def test_an_error_of_any_encoder_reaches_the_caller(tmp_path, monkeypatch, faili
 
 
 @pytest.mark.parametrize("name", ["film.mp4", "film/"])
-def test_an_error_while_drawing_ends_all_threads_and_leaves_what_there_was(tmp_path, monkeypatch, name):
+def test_an_error_while_drawing_ends_all_threads(tmp_path, monkeypatch, name):
     def broken(surface, number):
         if number == 70:
             raise ZeroDivisionError

@@ -1,4 +1,4 @@
-"""Kymographs from camera frames agree with the motion to a pixel; scale bars, marks, and the command."""
+"""Tests of kymographs: camera frames agree with the motion to a pixel; scale bars, marks, and the command."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ IN_TOUCH = f'title = "x"\n[[lanes]]\nbeads = 2\nvelocity = [1.0, 0.0]\ncontact =
 
 
 def filmed(scene, rate=CAMERA_RATE):
-    """The scene as a kymograph has it, and its motions by a camera of that rate."""
+    """Return the scene of a kymograph, and its motions with the frame rate of this camera."""
     scene = filmed_scene(scene, motion_end(scene))
     return scene, scene_motions(scene, rate)
 
@@ -38,10 +38,11 @@ def test_frames_and_trajectory_agree_to_a_pixel(scene, rate, number):
     frames = kymograph.stacked(camera, motion)
     assert frames.shape == (len(motion.time), WIDTH, 3)
     places, marked = camera.markers(motion), np.isfinite(motion.chain.mass).sum()
-    assert np.ptp(places, axis=0).max() > 20.0  # a camera that shows no motion would fail here
-    for black, where in zip(frames.sum(axis=2, dtype=int) < 60, places, strict=True):  # so dark are markers alone
+    assert np.ptp(places, axis=0).max() > 20.0  # A camera that shows no motion would fail here.
+    # Only markers are as dark as this.
+    for black, where in zip(frames.sum(axis=2, dtype=int) < 60, places, strict=True):
         found = np.flatnonzero(np.diff(black, prepend=False, append=False)).reshape(-1, 2).mean(axis=1)
-        assert len(found) == len(where) == marked  # on every bead, none on a wall
+        assert len(found) == len(where) == marked  # Every bead has a marker, and walls have none.
         assert np.abs(found - where).max() <= 1.0
 
 
@@ -51,17 +52,18 @@ def test_the_paper_s_camera_where_units_are_the_paper_s():
     assert not {"one-on-four", "hooke-interface", "mixed"} & si
     scene = load("draft-gear-one-on-three")
     assert kymograph.camera_rate(filmed_scene(scene, 0.06), 0.06, 1137) == CAMERA_RATE
-    every = CAMERA_RATE / kymograph.camera_rate(filmed_scene(scene, 6.0), 6.0, 1137)  # of so many frames one
+    # The frame rate is reduced by this factor.
+    every = CAMERA_RATE / kymograph.camera_rate(filmed_scene(scene, 6.0), 6.0, 1137)
     assert every == pytest.approx(round(every), rel=1e-12)
-    for scene in load("one-on-four"), parse(IN_TOUCH):  # without a lead and with one
+    for scene in load("one-on-four"), parse(IN_TOUCH):  # Without and with a time before the motion.
         end = motion_end(scene)
         rows = scene_motions(scene, kymograph.camera_rate(scene, end, 1000), end=end)[0].time
-        assert len(rows) == pytest.approx(1000, abs=2)  # one to a column
+        assert len(rows) == pytest.approx(1000, abs=2)  # One frame per column.
 
 
-def test_the_picture_has_scale_bars_of_100_ms_and_12_cm_and_marks_release_and_first_touch(tmp_path, softcradle):
-    """Dotted lines of the foreground across the lane: at t = 0, and where 20 mm at 0.5 m/s are flown."""
-    path, rate = tmp_path / "x.kymograph.png", 1026.0  # frames a second: half of those of the paper's camera
+def test_a_kymograph_has_scale_bars_and_marks(tmp_path, softcradle):
+    """Check dotted lines across the lane: at t = 0, and at the time at which 20 mm are passed with 0.5 m/s."""
+    path, rate = tmp_path / "x.kymograph.png", 1026.0  # Frames per second, half of the rate of the paper's camera.
     scene, (motion,) = filmed(load("draft-gear-two-on-two"), rate)
     words = "--size", "1440x720", "--fps", str(rate)
     assert "camera frames" in softcradle("render", "draft-gear-two-on-two", "-o", str(path), *words).out
@@ -71,7 +73,7 @@ def test_the_picture_has_scale_bars_of_100_ms_and_12_cm_and_marks_release_and_fi
         picture = np.asarray(opened.convert("RGB"))
     assert picture.shape == (720, 1440, 3)
     black = (picture == np.array(tones.foreground)).all(axis=2)
-    across, tall = 1440 - 2 * 28 - 92, 720 - 80 - 58 - 24 - 14  # pixels of the kymograph
+    across, tall = 1440 - 2 * 28 - 92, 720 - 80 - 58 - 24 - 14  # Size of the kymograph [pixels].
     below, right = black[-60:-40].sum(axis=1).max(), black[100:-62, -118:-90].sum(axis=0).max()
     assert below == pytest.approx(0.1 * rate * across / frames, abs=2)
     assert right == pytest.approx(0.12 / np.ptp(scales_of(scene, [motion]).window) * tall, abs=2)
@@ -82,7 +84,7 @@ def test_the_picture_has_scale_bars_of_100_ms_and_12_cm_and_marks_release_and_fi
     assert [28, 28 + round(across * touch / frames)] == np.flatnonzero(dotted[: 28 + across]).tolist()
 
 
-def test_what_is_in_touch_at_the_start_is_not_released_nor_is_a_train_that_begins_to_pull():
+def test_beads_in_touch_at_the_start_have_no_release():
     _, (touching,) = filmed(parse(IN_TOUCH), 30.0)
     assert touching.time[0] < 0.0
     assert [name for name, _ in instants(touching)] == ["first touch"]

@@ -1,4 +1,4 @@
-"""Translations at work: plural forms, forms of numbers, the locale, words of scenes, refusals of the physics."""
+"""Tests of translations: plural forms, number formats, the locale, texts of scenes, error messages of the physics."""
 
 import math
 import string
@@ -60,7 +60,8 @@ def test_words_of_scenes_and_labels():
     assert languages.label_words("draft gear and Hooke, alpha = 1") == "amortisseur d'attelage et Hooke, alpha = 1"
     assert languages.label_words("alpha = 0.123") == "alpha = 0,123"
     assert languages.label_words("alpha = 1/10 and alpha = 0.12 ...") == "alpha = 1/10 et alpha = 0,12 …"
-    assert languages.label_words("version 1.2 and a half") == "version 1.2 and a half"  # a person's own
+    # A label of a user is not translated.
+    assert languages.label_words("version 1.2 and a half") == "version 1.2 and a half"
 
 
 MISTAKES = (
@@ -98,13 +99,14 @@ def test_refusals_are_translated(code, mistake):
     translated = refusal_words(sentence)
     assert translated != sentence
     assert not {"must", "key", "there", "be", "not", "two"} & set(translated.split())
-    named = getattr(mistake, "args", ())[-1:]  # a scene or its file
+    named = getattr(mistake, "args", ())[-1:]  # Name of a scene or of its file.
     assert all(name in translated for name in named)
-    assert refusal_words("mine.toml: key 'x' is unknown") == "mine.toml: key 'x' is unknown"  # other sentences stay
+    # Sentences without a translation stay the same.
+    assert refusal_words("mine.toml: key 'x' is unknown") == "mine.toml: key 'x' is unknown"
 
 
 def fields(text: str) -> set[tuple[str, str, str | None]]:
-    """Names, forms and conversions of the {placeholders} in a text."""
+    """Return the names, formats and conversions of the {placeholders} in a text."""
     parts = string.Formatter().parse(text)
     return {(name, form or "", conversion) for _, name, form, conversion in parts if name is not None}
 
@@ -125,15 +127,15 @@ SIGNS = "0123456789δvf₀₁₉₋⁰¹²⁹⁻·…✓µ()=!éüα\N{MULTIPLIC
 
 @pytest.mark.parametrize("bold", [False, True])
 @pytest.mark.parametrize("code", CODES)
-def test_the_fonts_have_every_letter_and_digits_of_one_width(code, bold):
+def test_the_fonts_have_every_letter(code, bold):
     letters = sorted(set(catalogue_path(code).read_text(encoding="utf-8") + SIGNS) - {"\n", "\0"})
     sizes = font(20, bold).metrics("".join(letters))
     assert not [letter for letter, size in zip(letters, sizes, strict=True) if size is None]
     assert len({font(40, bold).size(digit)[0] for digit in f"0123456789{MINUS}"}) == 1, "changing numbers do not move"
 
 
-def test_what_waits_for_a_translation_is_counted(tmp_path, monkeypatch, capsys):
-    """New messages come in empty, and only a release is held up by them."""
+def test_missing_translations_are_counted(tmp_path, monkeypatch, capsys):
+    """Check that new messages are empty, and that only a release needs all translations."""
     path = tmp_path / "de.po"
     for module in ("tools.update_catalogues", "softcradle.sandbox.languages.translation"):
         monkeypatch.setattr(f"{module}.catalogue_path", lambda code: path)
@@ -141,7 +143,7 @@ def test_what_waits_for_a_translation_is_counted(tmp_path, monkeypatch, capsys):
     path.write_text(text.replace('msgstr "Rückgängig"', 'msgstr ""'), encoding="utf-8")
     waiting = update("de")
     assert waiting > 0
-    german = translation.catalogue.__wrapped__("de")  # read anew, and not kept
+    german = translation.catalogue.__wrapped__("de")  # Read the file again, without the cache.
     assert german.gettext("Undo") == "Undo"
     assert german.gettext("Redo") != "Redo"
     monkeypatch.setattr("tools.update_catalogues.LANGUAGES", {"de": LANGUAGES["de"]})

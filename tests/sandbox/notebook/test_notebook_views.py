@@ -1,4 +1,6 @@
-"""What a notebook shows: short texts, tables with a picture, figures, films, tables of other libraries, and the window."""
+"""Tests of notebook views: short texts, tables with a picture, figures, films, tables for other libraries, and the
+window.
+"""
 
 import base64
 import math
@@ -22,7 +24,7 @@ def found() -> Trajectory:
     return simulate(CHAIN, [1, 0, 0, 0, 0], method="conserving", step=1e-2)
 
 
-def test_texts_are_short_and_chains_and_scenes_are_tables(found):
+def test_notebook_texts_are_short(found):
     assert repr(CHAIN).startswith("Chain(mass=5 x 1.0, contact=4 x Contact(")
     assert re.match(r"Trajectory of 5 beads, 0 to 2\.\d+ s in 201 samples, by conserving", repr(found))
     assert repr(scenes.load("galilean")) == "Scene('Who hits whom?', 5 beads and 5 beads)"
@@ -52,11 +54,12 @@ def test_a_figure_is_shown_without_any_setting(found, tmp_path):
     figure = found.plot()
     assert figure._repr_png_().startswith(b"\x89PNG")
     assert len(figure.axes) == 2
-    assert len(figure.axes[0].lines) == 6  # five beads and the line at 0
+    assert len(figure.axes[0].lines) == 6  # Five beads and the line at 0.
     np.testing.assert_array_equal(figure.axes[1].lines[0].get_ydata(), found.force[:, 0])
     figure.savefig(tmp_path / "figure.pdf")
     pulled = simulate(Chain([1, 1], Coupler(hertz(1), hertz(9))), [0, 1], 3.0)
-    for shown in (pulled, scenes.load("stiff-springs")):  # nothing is cut off, pulls and lanes with larger forces
+    # The axes must not cut off pulls, or lanes with larger forces.
+    for shown in (pulled, scenes.load("stiff-springs")):
         axes = shown.plot().axes
         for panel in axes[len(axes) // 2 :]:
             low, high = panel.get_ylim()
@@ -72,7 +75,7 @@ def test_a_film_is_shown_and_saved(found, tmp_path):
     with av.open(str(tmp_path / "film.mp4")) as container:
         frames = [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
     assert len(frames) == pytest.approx(30.0 * found.time[-1], abs=2)
-    assert np.abs(frames[0].astype(int) - frames[-1]).max() > 50  # something has moved
+    assert np.abs(frames[0].astype(int) - frames[-1]).max() > 50  # Something has moved.
 
 
 def test_a_page_plays_the_samples(found, tmp_path):
@@ -81,9 +84,9 @@ def test_a_page_plays_the_samples(found, tmp_path):
     assert "5 beads, by conserving" in text
     assert "power_law(1, 0.1)" in text
     assert 'data-say="file"' in text
-    with pytest.raises(UserError, match="slow motion must be from 1e-20"):  # as of a film
+    with pytest.raises(UserError, match="slow motion must be from 1e-20"):  # The same limits as for films.
         found.to_page(tmp_path / "page.html", slow=0.0)
-    late = simulate(CHAIN, [1, 0, 0, 0, 0], samples=np.linspace(1, 3, 51))  # which do not tell how it began
+    late = simulate(CHAIN, [1, 0, 0, 0, 0], samples=np.linspace(1, 3, 51))  # These samples do not include the start.
     late.to_page(tmp_path / "late.html")
     assert 'data-say="file"' not in (tmp_path / "late.html").read_text(encoding="utf-8")
     assert f"<td>0</td><td>1</td><td>-</td><td>{MINUS}0.56" in late._repr_html_()
@@ -94,13 +97,13 @@ def test_a_scene_lives_in_a_cell_and_in_a_file(tmp_path):
     cell = scene.live()
     shown = cell._repr_html_()
     assert shown.startswith("<iframe ")
-    assert shown.count("<") == 2  # the page is the text of an attribute
+    assert shown.count("<") == 2  # The page is the text of an attribute.
     scene.to_page(tmp_path / "page.html")
     cell.save(tmp_path / "cell.html")
     assert (tmp_path / "cell.html").read_text() == (tmp_path / "page.html").read_text()
 
 
-def test_xarray_and_pandas_have_the_samples_with_their_units(found, tmp_path):
+def test_exported_samples_have_units(found, tmp_path):
     data = found.to_xarray()
     assert dict(data.sizes) == {"time": 201, "bead": 5, "contact": 4}
     np.testing.assert_array_equal(data.force.sel(contact=2), found.force[:, 2])
@@ -113,7 +116,7 @@ def test_xarray_and_pandas_have_the_samples_with_their_units(found, tmp_path):
     assert frame.attrs["status"] == "separated"
 
 
-def test_the_window_hands_its_history_back_and_needs_a_display(monkeypatch, own_folder):
+def test_the_window_returns_its_history(monkeypatch, own_folder):
     def run(app):
         for _ in range(30):
             app.frame(1 / 60, [])

@@ -15,7 +15,7 @@ from tools.browser import Browser
 
 SOFT = {"law": "power_law", "f0": 1.0, "alpha": 0.1}
 SCENE = "one-on-four"
-BOOKED = 1e-10  # relative error of the energy
+BOOKED = 1e-10  # Largest allowed relative error of the energy.
 SAID = "document.getElementById('words').textContent"
 LEDGER = "document.getElementById('energy').textContent"
 NOTICE = "document.getElementById('notice').innerText"
@@ -26,7 +26,7 @@ VOID = frozenset({"meta", "link", "img", "br", "path", "rect", "input"})
 
 
 class TagChecker(HTMLParser):
-    """Checks that every tag is closed, and collects what the page would load and the ids that it has."""
+    """A parser that checks that every tag is closed, and collects the links and the ids of the page."""
 
     def __init__(self, text):
         super().__init__()
@@ -51,7 +51,7 @@ def page_data(text):
 
 @pytest.fixture(scope="session")
 def pages(tmp_path_factory):
-    """A function: the page of a scene, written once, and what `render_page` reports of it."""
+    """Return a function that writes the page of a scene once and returns the report of `render_page`."""
     folder = tmp_path_factory.mktemp("pages")
     return cache(lambda name: render_page(load_scene(name), folder / f"{name}.html"))
 
@@ -64,7 +64,9 @@ def process(tmp_path_factory):
 
 @pytest.fixture
 def browser(process):
-    """An empty page for each test. At its end the energy is balanced, and nothing but reading canvases was complained of."""
+    """Return an empty page for each test. At the end, its energy must be balanced and its console empty, except for a
+    hint about reading canvases.
+    """
     process.fresh()
     yield process
     assert process.run("typeof page === 'object' && page.source.live") is False or error(process) < BOOKED
@@ -73,13 +75,15 @@ def browser(process):
 
 @pytest.fixture
 def live(pages, browser):
-    """The browser at the page of one bead on four."""
+    """Return the browser with the page of one bead on four."""
     browser.visit(pages(SCENE).output, "")
     return browser
 
 
 def error(browser):
-    """The greatest relative error of the energy of a row; a wall that moves gives some that nobody counts."""
+    """Return the largest relative energy error of the rows. Rows whose energy balance is unknown because a wall moves
+    are left out.
+    """
     return browser.run("Math.max(...page.source.rows.map((row) => (row.balanced ? row.energyError() : 0)))")
 
 
@@ -88,12 +92,12 @@ def velocities(browser, lane=0):
 
 
 def hold_the_clock(browser):
-    """Let no time pass from now on but what `pictures` gives, however busy the machine is."""
+    """Stop the clock of the page, so that time advances only by `pictures`, whatever the load of the machine is."""
     browser.run("page.again(), page.pause(), page.next = () => 0, window.clock = 0")
 
 
 def pictures(browser, count):
-    """Let so many pictures of the motion come, a sixtieth of a second after each other."""
+    """Draw this number of frames of the motion, 1/60 s apart."""
     browser.run(f"for (let k = 0; k < {count}; k++) page.picture(window.clock += 1000 / 60)")
 
 
@@ -103,7 +107,7 @@ def run_to_the_end(browser):
 
 
 def visit_row(browser, folder, duration=None, fragment="", method=None, **lane):
-    """Open the page of a row, whose contacts are soft unless told; recorded by a `method`, if there is one."""
+    """Open the page of a row, with soft contacts by default. With a `method`, the page plays a recorded motion."""
     scene = Scene(title="a row", lanes=(Lane(**{"contact": SOFT} | lane),), duration=duration)
     browser.visit(render_page(scene, folder / "page.html", method=method).output, fragment)
     browser.run("page.pause()")

@@ -1,4 +1,4 @@
-"""The controls of the page as their users find them: names, roles and keys, touch, contrast, sizes, and what links ask for."""
+"""Tests of the controls of the page: names, roles and keys, touch, contrast, sizes, and requests of links."""
 
 import http.server
 import threading
@@ -40,7 +40,7 @@ CONTROLS = [
     ("slider", "Energy lost in each contact"), ("checkbox", "forces"), ("checkbox", "magnifiers"),
     ("checkbox", "energy and momentum bars"), ("checkbox", "graphs"), ("button", "Copy link"), ("combobox", "Language"),
 ]  # fmt: skip
-SLIDERS = {  # key pressed, and the text of the value after it
+SLIDERS = {  # Key to press, and the text of the value after it.
     "alpha": [("ArrowRight", "1/9"), ("Home", "1/40"), ("ArrowRight", "1/35"), ("End", "1.5")],
     "targets": [*[("ArrowRight", str(n)) for n in range(5, 10)], ("ArrowLeft", "8"), ("Home", "1"), ("End", "49")],
     "strikers": [("ArrowRight", "2"), ("ArrowUp", "3"), ("ArrowDown", "2"), ("End", "10"), ("Home", "1")],
@@ -50,7 +50,7 @@ SLIDERS = {  # key pressed, and the text of the value after it
 }
 AT = """(() => { const box = document.getElementById('%s').getBoundingClientRect();
   return [box.left, box.top, box.width, box.height]; })()"""
-# The texts on canvases from now on with their colour, and the most frequent colour of what is behind them.
+# Record texts drawn on canvases from now on, with their colour and the most frequent colour behind them.
 WRITTEN = """(() => {
   const pen = CanvasRenderingContext2D.prototype, text = pen.fillText;
   window.written = [];
@@ -71,7 +71,7 @@ WRITTEN = """(() => {
 
 
 def tree(browser):
-    """Role, name and properties of all that assistive technology finds, in the browser's own accessibility tree."""
+    """Return role, name and properties of everything in the browser's own accessibility tree."""
     browser.call("Accessibility.enable")
     nodes = browser.call("Accessibility.getFullAXTree")["nodes"]
     return [
@@ -154,7 +154,7 @@ def test_nothing_that_is_read_aloud_changes_while_the_motion_plays(live):
     assert live.run("spoken") == 0
     assert "timer" in [role for role, _, _ in tree(live)]
     lengths = {len(live.run(f"page.pause(), page.go({t}), part('clock').textContent")) for t in np.linspace(0.9, 4, 30)}
-    assert len(lengths) == 1  # digits do not come and go
+    assert len(lengths) == 1  # The number of digits does not change.
 
 
 @pytest.mark.parametrize("size", SIZES)
@@ -169,12 +169,12 @@ def test_beads_and_softness_are_seen_together(pages, browser, size, fragment):
         assert browser.run(seen)
     x, y, wide, high = browser.run(AT % "alpha")
     assert browser.run(f"document.elementFromPoint({x + wide / 2}, {y + high / 2}).id") == "alpha"
-    assert browser.run("page.stages.every(({view}) => view.barRoom > 12)")  # and forces can be told apart
+    assert browser.run("page.stages.every(({view}) => view.barRoom > 12)")  # The forces can be distinguished.
 
 
 @pytest.mark.parametrize("size", [(320, 256), (390, 664), (844, 390), (320, 640), (640, 400)])
 def test_the_first_screen_shows_beads_and_no_bar_lies_on_them(pages, browser, size):
-    """320 by 256 is a screen of 1280 by 1024 at 400 %."""
+    """Check small screens: 320 by 256 is a screen of 1280 by 1024 at a zoom of 400 %."""
     browser.device(*size)
     browser.visit(pages(SCENE).output, "")
     x, y, high = browser.run(PLACE % 2)
@@ -183,7 +183,7 @@ def test_the_first_screen_shows_beads_and_no_bar_lies_on_them(pages, browser, si
     browser.run("page.pause(), scrollTo(0, 1e6)")
     fixed = "[...document.querySelectorAll('#bench, .transport')].filter((one) => getComputedStyle(one).display !== 'contents')"
     boxes = browser.run(f"{fixed}.map((one) => one.getBoundingClientRect()).map(({{top, bottom}}) => [top, bottom])")
-    wide = size[0] >= 640  # the settings scroll to the right of the beads
+    wide = size[0] >= 640  # The settings scroll to the right of the beads.
     for top, bottom in boxes:
         assert min(bottom, size[1]) - max(top, 0) <= (size[1] if wide else 0.7 * size[1])
 
@@ -218,7 +218,7 @@ def test_texts_of_canvases_and_edges_of_controls_stand_out(pages, browser, name,
         ground = tuple(behind) if opacity == 255 else paper
         assert contrast(ImageColor.getrgb(colour), ground) >= 4.5, words
     for one, other in ((edge, paper), (edge, card), (ink, paper)):
-        assert contrast(one, other) >= 3.0  # WCAG 1.4.11
+        assert contrast(one, other) >= 3.0  # WCAG 1.4.11.
     used = browser.run("['toggle', 'back', 'law'].map((id) => getComputedStyle(part(id)).borderColor)")
     assert all(contrast(ImageColor.getrgb(colour), paper) >= 3.0 for colour in used)
 
@@ -321,7 +321,7 @@ def test_all_that_a_link_asks_is_done_or_named_in_one_line(pages, browser, name,
     }
     assert browser.run(NOTICE) == notice
     browser.run("page.edit('pace', 1)")
-    assert "This link" not in browser.run(NOTICE)  # a change by hand ends what the link asked for
+    assert "This link" not in browser.run(NOTICE)  # A change by hand cancels the request of the link.
 
 
 def test_what_a_link_asks_is_named_once_if_webassembly_is_refused(pages, browser, tmp_path):
@@ -332,7 +332,7 @@ def test_what_a_link_asks_is_named_once_if_webassembly_is_refused(pages, browser
     assert said.startswith("Your browser or this website blocks WebAssembly.")
     assert said.endswith(
         "This link asks for n = 9 (here 4), with = steel, which this page cannot do."
-    )  # a = 0.1 is the scene's
+    )  # a = 0.1 is the value of the scene.
     assert browser.run("part('title').textContent") == "One bead on four"
     browser.run(SET.format("language", "de", "change"))
     assert "n = 9 (hier 4), with = steel" in browser.run(NOTICE)
@@ -359,7 +359,7 @@ def test_a_link_of_a_web_page_is_copied_whole_and_of_a_file_what_stands_after_it
             assert process.until("document.getElementById('link').click(), window.copied") == f"{address}#n=2"
             assert process.run(NOTICE) == ""
             process.run("Object.defineProperty(navigator, 'clipboard', {value: undefined}), part('link').click()")
-            assert process.until(NOTICE) == f"{address}#n=2"  # to be copied by hand
+            assert process.until(NOTICE) == f"{address}#n=2"  # The user can copy this text by hand.
         finally:
             server.shutdown()
     process.fresh()

@@ -1,4 +1,6 @@
-"""The page in a real browser: beads thrown by mouse, finger and keys, wound back, compared, linked, without an error."""
+"""Tests of the page in a real browser: throwing beads by mouse, touch and keys, rewinding, comparing, links, and no
+errors.
+"""
 
 import re
 import time
@@ -52,7 +54,7 @@ COVERED = """(() => [...document.querySelectorAll('button, input, select, summar
 }))()"""
 CHART = """(() => { const {canvas} = page.charts[0], {width, height} = canvas;
   return Array.from(canvas.getContext("2d").getImageData(0, 0, width, height).data); })()"""
-# Boxes of the texts, and of the thin lines, that are drawn with the beads from now on.
+# Record the boxes of texts and thin lines that are drawn together with the beads from now on.
 SPY = """(() => {
   const pen = CanvasRenderingContext2D.prototype, text = pen.fillText, box = pen.fillRect;
   const staged = (found) => page.stages.some(({pen, layer}) => found === pen || found === layer);
@@ -68,7 +70,7 @@ SPY = """(() => {
     box.call(this, x, y, wide, high);
   };
 })()"""
-# Whether curves are inside their charts.
+# True if all curves are inside their charts.
 INSIDE = """page.charts.every(({lane, channel, low, high}) => {
   const count = page.source.values(lane)[channel].length, found = [];
   page.source.trace(lane, channel, 400, -Infinity, (_, values, at) => found.push(...values.slice(at, at + count)));
@@ -77,14 +79,14 @@ INSIDE = """page.charts.every(({lane, channel, low, high}) => {
 
 
 def seen(browser, folder):
-    """(height, width, 3) the colours that the browser shows."""
+    """Return the colours that the browser shows, (height, width, 3)."""
     browser.picture(folder / "page.png")
     with Image.open(folder / "page.png") as opened:
         return np.asarray(opened.convert("RGB"), dtype=int)
 
 
 def test_the_browser_reports_mistakes(process, tmp_path):
-    """Every test of this file can fail."""
+    """Check that errors of a page are found, so that every test of this file can fail."""
     (tmp_path / "bad.html").write_text("<!doctype html><link rel=icon href='data:,'><script>nothing.there()</script>")
     process.fresh()
     process.open(tmp_path / "bad.html")
@@ -93,7 +95,9 @@ def test_the_browser_reports_mistakes(process, tmp_path):
 
 @pytest.mark.parametrize(("fragment", "name", "apart"), [("", SCENE, 5e-3), ("#n=5&m=3&a=0.05", "three-on-five", 0.02)])
 def test_the_rows_end_as_simulate_says(pages, browser, fragment, name, apart):
-    """Of a long contact with 64 steps, velocities are right to some thousandths; energy and momentum to round-off."""
+    """Compare with `simulate`. With 64 steps per contact, velocities are accurate to a few thousandths. Energy and
+    momentum are exact up to round-off.
+    """
     browser.visit(pages(SCENE).output, fragment)
     (lane,) = scenes.load(name).lanes
     assert browser.run("page.specs[0].velocity") == list(lane.velocity)
@@ -103,7 +107,7 @@ def test_the_rows_end_as_simulate_says(pages, browser, fragment, name, apart):
     assert error(browser) < 1e-13
 
 
-def test_it_plays_to_the_same_end_at_every_pace_tells_it_in_words_and_begins_again(pages, browser):
+def test_a_page_plays_to_the_same_end_at_every_pace(pages, browser):
     browser.visit(pages(SCENE).output, "#pace=4")
     browser.until("!page.playing")
     said, last = browser.run(f"[{SAID}, page.source.last]")
@@ -124,7 +128,7 @@ def test_a_run_too_long_to_be_followed_goes_on_to_its_end(browser, tmp_path, row
     stopped = (
         "page.go(page.source.last), [page.playing, page.toggle(), page.playing, page.source.time < page.source.last]"
     )
-    assert browser.run(stopped) == [True, None, False, True]  # on its way, picture by picture
+    assert browser.run(stopped) == [True, None, False, True]  # It is advancing frame by frame.
     run_to_the_end(browser)
     if "duration" in row:
         assert followed < browser.run("page.source.time") == pytest.approx(6.0, abs=0.01)
@@ -137,7 +141,9 @@ def test_a_run_too_long_to_be_followed_goes_on_to_its_end(browser, tmp_path, row
 
 
 def test_the_ground_follows_a_row_that_is_driven_for_very_long(browser, tmp_path):
-    """It is looked ahead for 60 s, and the ground was at most four times as long as the way of these."""
+    """Check a long motion. Only 60 s are computed in advance, and the ground was at most four times as long as the
+    distance in this time.
+    """
     visit_row(browser, tmp_path, 200.0, velocity=[0, 0], drive=[1, 1])
     run_to_the_end(browser)
     seen = "page.stages.every(({edges, view}) => edges[0] >= 0 && edges.at(-1) + view.size <= view.width)"
@@ -150,8 +156,8 @@ def test_the_ground_follows_a_row_that_is_driven_for_very_long(browser, tmp_path
     ("row", "last"),
     [
         ({"velocity": [0, 0, 0], "gap": [0.5, 0], "drive": [1, 0, 0], "duration": 5.0}, 5.0),
-        ({"velocity": [0, 0, 0], "gap": [-0.2, -0.2]}, 2.19),  # released, apart after 0.69 s
-        ({"velocity": [1, 0, 0], "gap": [1, 0], "friction": 0.05}, 3.86),  # at rest after 2.36 s
+        ({"velocity": [0, 0, 0], "gap": [-0.2, -0.2]}, 2.19),  # Released, and apart after 0.69 s.
+        ({"velocity": [1, 0, 0], "gap": [1, 0], "friction": 0.05}, 3.86),  # At rest after 2.36 s.
     ],
 )
 def test_a_run_is_followed_until_nothing_moves_any_more(browser, tmp_path, row, last):
@@ -160,16 +166,16 @@ def test_a_run_is_followed_until_nothing_moves_any_more(browser, tmp_path, row, 
 
 
 @pytest.mark.parametrize(("duration", "fragment"), [(10.0, ""), (None, "#mu=0.02")])
-def test_a_wall_that_moves_over_a_bed_reaches_again_what_it_has_struck(browser, tmp_path, duration, fragment):
+def test_a_moving_wall_on_a_bed_hits_again(browser, tmp_path, duration, fragment):
     friction = 0.02 if duration else 0.0
     visit_row(browser, tmp_path, duration, fragment, mass=[inf, 1], velocity=[2, 1], friction=friction)
     run_to_the_end(browser)
     assert browser.run("page.source.time") > 9.9
-    assert browser.run("page.source.rows[0].velocity[1]") < 2.0  # at 2.7 after 4.3 s
+    assert browser.run("page.source.rows[0].velocity[1]") < 2.0  # It moves at 2.7 m/s after 4.3 s.
     assert browser.run("document.getElementById('words').className") == ""
 
 
-def test_a_row_that_friction_holds_while_it_is_pressed_has_come_to_its_end(pages, browser):
+def test_a_pressed_row_held_by_friction_has_ended(pages, browser):
     rest = "Beads 0 to 4 are almost at rest."
     browser.visit(pages(SCENE).output, "#loss=0.9&mu=0.02")
     run_to_the_end(browser)
@@ -185,7 +191,7 @@ def test_a_row_that_friction_holds_while_it_is_pressed_has_come_to_its_end(pages
     ("row", "rigid"),
     [({}, True), ({"gap": [0.5, 0.3, 0.3]}, False), (PUSHED, False), ({"duration": 0.4, "method": "radau"}, False)],
 )
-def test_what_rigid_bodies_would_do_is_told_where_two_of_them_would_meet_alone(browser, tmp_path, row, rigid):
+def test_the_rigid_outcome_is_shown_for_two_bodies_only(browser, tmp_path, row, rigid):
     visit_row(browser, tmp_path, **({"velocity": [1, 0, 0, 0], "gap": [0.5, 0, 0]} | row))
     run_to_the_end(browser)
     assert browser.run(SAID).startswith("Bead")
@@ -210,7 +216,7 @@ def test_nobody_who_wants_less_motion_gets_some(pages, browser):
 
 
 @pytest.mark.parametrize(("device", "bead", "pull"), [("desk", 4, -0.1), ("telephone", 0, 0.2)])
-def test_a_bead_is_thrown_with_the_mouse_or_a_finger_and_the_page_stays(pages, browser, device, bead, pull):
+def test_a_bead_is_thrown_by_mouse_and_finger(pages, browser, device, bead, pull):
     browser.device(*DEVICES[device])
     browser.visit(pages(SCENE).output, "")
     hold_the_clock(browser)
@@ -225,19 +231,19 @@ def test_a_bead_is_thrown_with_the_mouse_or_a_finger_and_the_page_stays(pages, b
     pointer(up, x + 11 * pull * size, y)
     assert browser.run("page.source.hand") is None
     browser.run("page.pause()")
-    assert (velocities(browser).sum() - 1.0) * pull > 0.0  # the way in which it was pulled
+    assert (velocities(browser).sum() - 1.0) * pull > 0.0  # The momentum has the direction of the pull.
     assert browser.run("page.source.rows[0].given") != 0.0
     assert browser.run("scrollY") == 0
     if device == "telephone":
         browser.swipe((195.0, 160.0), (195.0, 20.0))
-        browser.until("scrollY > 50")  # a finger that moves up next to the beads scrolls the page
+        browser.until("scrollY > 50")  # A finger that moves up next to the beads scrolls the page.
 
 
 def test_a_bead_is_chosen_pulled_and_thrown_by_keys(live):
     hold_the_clock(live)
     live.run("page.stages[0].canvas.focus()")
     for _ in range(3):
-        live.key("ArrowRight")  # the first one chooses bead 0
+        live.key("ArrowRight")  # The first key press selects bead 0.
     assert live.run("document.getElementById('said').textContent").startswith("bead 2, ")
     live.key("Enter")
     chosen, held, before = live.run("[page.chosen.bead, page.source.hand.bead, page.source.hand.place]")
@@ -251,7 +257,7 @@ def test_a_bead_is_chosen_pulled_and_thrown_by_keys(live):
     live.run("page.again(), page.pause()")
     live.key("ArrowLeft", shift=True)
     live.run("page.pause()")
-    assert live.run("page.source.rows[0].given") == pytest.approx(0.5)  # a kilogram thrown at a metre a second
+    assert live.run("page.source.rows[0].given") == pytest.approx(0.5)  # A mass of 1 kg is thrown at 1 m/s.
 
 
 @pytest.mark.parametrize(("mass", "chosen"), [([1, 1, inf], [0, 1, 1, 0, 0]), ([inf, 1, inf, 1], [1, 3, 3, 1, 1])])
@@ -265,10 +271,10 @@ def test_no_key_takes_a_wall(browser, tmp_path, mass, chosen):
     assert found == chosen
 
 
-def test_what_a_hand_gives_is_told_of_all_rows_and_apart_from_the_drive(pages, browser, tmp_path):
+def test_the_energy_given_by_hand_is_shown_separately(pages, browser, tmp_path):
     browser.visit(pages("steel-and-soft").output, "")
     browser.run("page.pause(), page.go(0.9), page.chosen = {lane: 1, bead: 3}, page.throwChosen(1), page.pause()")
-    steel, soft = browser.run(LEDGER).split("\n")  # a line for each row
+    steel, soft = browser.run(LEDGER).split("\n")  # One line per row.
     assert re.fullmatch(r"steel balls: Total energy 0\.5 J · .*made up", steel)
     assert re.fullmatch(r"soft beads, .*: Total energy 1 J .* · you added 0\.5 J", soft)
     visit_row(browser, tmp_path, duration=5.0, velocity=[0, 0, 0], gap=[0.5, 0], drive=[1, 0, 0])
@@ -279,7 +285,7 @@ def test_what_a_hand_gives_is_told_of_all_rows_and_apart_from_the_drive(pages, b
     browser.run("for (let k = 0; k < 50; k++) page.source.next(); page.step(-1)")
 
 
-def test_a_wall_that_moves_is_told_of_and_no_balance_of_the_energy_that_it_gives(browser, tmp_path):
+def test_a_moving_wall_has_no_energy_balance(browser, tmp_path):
     for mass, balanced in ([inf, 1, 1], False), ([1, 1, inf], True):
         visit_row(browser, tmp_path, mass=mass, velocity=[1, 0, 0], gap=[0.5, 0])
         run_to_the_end(browser)
@@ -293,7 +299,7 @@ def test_a_bead_in_hand_stays_there_when_the_pace_changes(pages, browser):
     browser.run("page.pause(), page.grab(0, 2, null), page.pause(), page.source.hand.place += 0.2")
     browser.run(SET.format("pace", 4, "change"))
     browser.run("page.pause(); for (let k = 0; k < 300; k++) page.source.next()")
-    assert np.abs(velocities(browser)).max() < 4.0  # the hand can give twice the closing speed of 1 m/s
+    assert np.abs(velocities(browser)).max() < 4.0  # The hand can give at most twice the closing speed of 1 m/s.
 
 
 def test_energy_is_balanced_wherever_soft_contacts_stand_in_the_row(browser, tmp_path):
@@ -306,14 +312,14 @@ def test_energy_is_balanced_wherever_soft_contacts_stand_in_the_row(browser, tmp
 
 
 @pytest.mark.parametrize(("name", "fragment"), [("steel-and-soft", ""), ("hertz-cradle", "#law=soft&with=gear")])
-def test_rows_that_were_edited_as_they_moved_are_those_that_begin_anew(pages, browser, name, fragment):
+def test_edited_rows_restart_with_their_edits(pages, browser, name, fragment):
     browser.visit(pages(name).output, fragment)
     laws = "page.source.rows.map(({kernel}) => [...kernel.law, ...kernel.loss, ...kernel.bed])"
     before = browser.run(f"page.pause(), page.go(1.9), {laws}")
-    assert max(browser.run("page.source.rows.map((row) => row.stored(0))")) > 0.1  # they touch
+    assert max(browser.run("page.source.rows.map((row) => row.stored(0))")) > 0.1  # The beads touch.
     browser.run("page.edit('alpha', 0.5), page.edit('loss', 0.5), page.edit('friction', 0.01), page.pause()")
     edited = browser.run(laws)
-    assert error(browser) < BOOKED  # the restarted rows are balanced as well
+    assert error(browser) < BOOKED  # The energy of the restarted rows is also balanced.
     assert edited == browser.run(f"page.restart(), {laws}") != before
 
 
@@ -325,14 +331,14 @@ def test_the_slider_tells_the_alpha_that_acts(pages, browser):
     assert browser.run("document.getElementById('alpha-value').textContent") == "1/40"
     assert browser.run("page.source.rows[0].kernel.law[2]") == 1 / 40
     text = "document.getElementById('text').textContent"
-    assert "as one body" not in browser.run(text)
+    assert "solid block" not in browser.run(text)
     assert "changed the settings" in browser.run(text)
     browser.visit(pages(SCENE).output, "#pace=4&with=steel")
-    assert "as one body" in browser.run(text)
+    assert "solid block" in browser.run(text)
 
 
-def test_a_row_that_touches_has_not_ended_and_what_is_edited_at_rest_is_shown_at_once(live, pages, browser):
-    assert not live.run("page.source.apart")  # the beads just touch, and the first one comes
+def test_edits_of_a_paused_page_are_shown_at_once(live, pages, browser):
+    assert not live.run("page.source.apart")  # The beads just touch, and the first one approaches.
     live.run("page.pause(), page.go(1.5), page.show(false)")
     forces = "[page.source.rows[0].kernel.force[3], page.source.rows[0].lawForce(3)]"
     before, _ = live.run(forces)
@@ -342,7 +348,7 @@ def test_a_row_that_touches_has_not_ended_and_what_is_edited_at_rest_is_shown_at
     assert "1/n" not in browser.run("page.looks[0].label")
 
 
-def test_another_law_for_the_row_and_steel_balls_beside_it(live):
+def test_the_law_and_the_compared_row_are_changed(live):
     live.run("document.getElementById('contrast').click()")
     assert live.run("page.stages.length") == 2
     run_to_the_end(live)
@@ -386,12 +392,12 @@ def test_a_row_is_compared_with_rows_of_other_contacts_only(pages, browser, name
             "[page.looks.map(({label}) => label), page.stages.map(({view}) => (view.ground - view.base) / view.size)]"
         )
         assert labels[0] != labels[1]
-        assert min(rooms) > 0.66  # the tallest bodies end below the axis of forces
+        assert min(rooms) > 0.66  # The tallest bodies end below the axis of forces.
     browser.run("page.edit('beside', 'gear'), page.edit('law', 'gear'), page.pause()")
     assert browser.run("page.experiment.beside") != "gear"
 
 
-def test_winding_back_and_on_within_the_last_minute_gives_the_same_motion_to_the_bit(live):
+def test_rewinding_a_page_gives_bitwise_the_same_motion(live):
     state = "[page.source.count, page.source.values(0), page.source.time]"
     run_to_the_end(live)
     kept = live.run(state)
@@ -400,26 +406,28 @@ def test_winding_back_and_on_within_the_last_minute_gives_the_same_motion_to_the
     run_to_the_end(live)
     assert live.run(state) == kept
     live.run("page.go(1.5), page.chosen = {lane: 0, bead: 4}, page.throwChosen(-1), page.pause()")
-    assert live.run("page.source.last") < 2.0  # what comes after an edit is another motion
+    assert live.run("page.source.last") < 2.0  # The motion after an edit is another motion.
     live.run("page.source.apartFor = -1e9; for (let k = 0; k < 9000; k++) page.source.next()")
-    assert live.run("page.source.count - page.source.first") == 3600  # kept states: no more are remembered
+    assert live.run("page.source.count - page.source.first") == 3600  # Number of stored states, which is limited.
     assert live.run("page.go(-1e9), page.source.time === page.source.begun")
 
 
 @pytest.mark.parametrize(
     "edit", ["0", "page.throwChosen(1)", "page.go(1.2), page.source.forget(), page.throwChosen(-1)"]
 )
-def test_a_chart_that_grew_piece_by_piece_is_the_one_that_is_drawn_at_once(live, edit):
+def test_a_chart_drawn_in_pieces_equals_a_chart_drawn_at_once(live, edit):
     live.run(f"page.pause(), page.go(1.5), page.chosen = {{lane: 0, bead: 4}}, {edit}, page.pause()")
     live.run("for (let k = 0; k < 150; k++) { page.source.next(); page.source.next(); page.show(false); }")
     grown = np.array(live.run(CHART))
     live.run("page.dress()")
-    assert (np.abs(grown - live.run(CHART)) > 64).mean() < 0.004  # where pieces were joined
+    assert (np.abs(grown - live.run(CHART)) > 64).mean() < 0.004  # Differences where pieces of curves are joined.
     assert (grown > 0).mean() > 0.02
 
 
-def test_a_picture_of_play_changes_canvases_alone_and_draws_what_moves(pages, browser):
-    """Other changes would cost another layout of the page. Captions, axes and the ground stay as they are."""
+def test_a_frame_changes_only_canvases(pages, browser):
+    """Check that a frame changes nothing that makes the browser compute the layout again. Captions, axes and the ground
+    stay.
+    """
     browser.visit(pages(SCENE).output, "#t=1.5")
     browser.run(SPY)
     browser.run("page.play(), page.pause(), page.playing = true, window.still = new MutationObserver(() => 0), 0")
@@ -432,7 +440,7 @@ def test_a_picture_of_play_changes_canvases_alone_and_draws_what_moves(pages, br
 
 
 @pytest.mark.parametrize(("then", "density"), [(15.0, 1), (33.0, 3)])
-def test_play_draws_nothing_out_of_sight_and_fewer_pixels_where_that_helps(pages, browser, then, density):
+def test_play_skips_invisible_parts_and_reduces_pixels(pages, browser, then, density):
     browser.device(390, 844, 3)
     browser.visit(pages(SCENE).output, "#t=1.5")
     browser.until("page.unseen.has(page.charts[1].canvas)")
@@ -458,7 +466,7 @@ def test_a_cluster_ends_at_its_first_open_contact(live):
     ("name", "moment", "expected"),
     [(SCENE, "0", ["apart", *3 * ["touching"]]), ("train-starting", "page.source.last", 8 * ["pulled"])],
 )
-def test_beads_that_just_touch_and_couplers_that_pull_are_said_to(pages, browser, name, moment, expected):
+def test_the_state_of_each_contact_is_described(pages, browser, name, moment, expected):
     browser.visit(pages(name).output, "")
     browser.run(f"{SPY}, page.pause(), page.edit('shown', ['loupes'])")
     browser.run(f"page.go({moment}), document.getElementById('numbers').open = true")
@@ -478,7 +486,7 @@ def test_what_is_copied_of_a_file_opens_the_experiment(pages, browser):
     browser.run(SET.format("beside", "gear", "change"))
     experiment = browser.run("document.getElementById('link').click(), page.experiment")
     link = browser.until("navigator.clipboard.readText().then((text) => text.includes('#') && text)")
-    assert link.startswith("#")  # the place of the file on this device is of use to nobody else
+    assert link.startswith("#")  # The path of the file on this device is useless to other people.
     assert link in browser.run(NOTICE)
     browser.visit(page, f"#{link.removeprefix('#')}")
     opened = browser.run("page.experiment")
@@ -488,7 +496,7 @@ def test_what_is_copied_of_a_file_opens_the_experiment(pages, browser):
     assert opened["beside"] == "gear"
 
 
-def test_an_address_that_changes_is_followed_and_keeps_up_with_what_is_chosen(live):
+def test_the_address_follows_the_settings_and_back(live):
     live.run("location.hash = '#n=2&t=1.2&lang=de'")
     live.until("page.specs[0].mass.length === 3")
     assert live.run("[page.language, page.playing, page.source.time]") == ["de", False, pytest.approx(1.2, abs=0.02)]
@@ -516,7 +524,7 @@ def test_an_address_that_changes_is_followed_and_keeps_up_with_what_is_chosen(li
         (SCENE, "#%E0%A4%A&a=%", {}),
     ],
 )
-def test_an_address_is_taken_as_far_as_the_scene_and_the_ranges_go(pages, browser, tmp_path, name, fragment, expected):
+def test_values_of_an_address_are_limited(pages, browser, tmp_path, name, fragment, expected):
     if name:
         browser.visit(pages(name).output, fragment)
     else:
@@ -527,7 +535,7 @@ def test_an_address_is_taken_as_far_as_the_scene_and_the_ranges_go(pages, browse
     assert browser.run("document.querySelectorAll('main script, main img').length") == 0
 
 
-def test_a_softness_that_the_law_does_not_have_changes_nothing_and_is_left_out_of_a_link(pages, browser):
+def test_a_softness_without_meaning_is_ignored(pages, browser):
     said = "[document.getElementById('text').textContent, page.looks[0].label]"
     browser.visit(pages("hertz-cradle").output, "")
     before = browser.run(said)
@@ -537,9 +545,9 @@ def test_a_softness_that_the_law_does_not_have_changes_nothing_and_is_left_out_o
     assert browser.run("location.hash") == "#law=soft&a=0.5"
 
 
-def test_a_recorded_page_reads_and_writes_what_can_be_chosen_in_it_and_promises_no_more(pages, browser):
+def test_a_recorded_page_offers_only_what_can_be_changed(pages, browser):
     browser.visit(pages("train-solid").output, "#t=0&pace=0.25&show=charts&mu=0.1&with=steel&lang=en")
-    assert browser.run("[page.source.begun, page.source.time]") == [0, 0]  # its wagons touch
+    assert browser.run("[page.source.begun, page.source.time]") == [0, 0]  # The wagons of this scene touch.
     experiment, own = browser.run("[page.experiment, page.own]")
     assert experiment == own | {"pace": 0.25, "shown": ["charts"]}
     browser.run("page.edit('pace', 0.5)")
@@ -584,7 +592,7 @@ def test_a_recorded_motion_is_shown_as_it_was(browser, tmp_path, own):
     run_to_the_end(browser)
     assert browser.run(SAID).startswith("Beads 0 to 2 are almost at rest. " if own else ENDED)
     assert browser.run("page.looks[0].marks")
-    for samples, start in ([0.0, 2.0], "1.000"), ([1.0, 2.0], "-"):  # which do not tell how it began
+    for samples, start in ([0.0, 2.0], "1.000"), ([1.0, 2.0], "-"):  # These samples do not include the start.
         simulate(chain, scene.lanes[0].velocity, samples=samples).to_page(tmp_path / "page.html")
         browser.visit(tmp_path / "page.html", "#show=nothing")
         browser.run("part('numbers').open = true, page.show(true)")
@@ -619,7 +627,8 @@ def test_every_word_is_there_in_every_language(live):
       return ['de', 'fr'].some((code) => holes(code) !== holes('en'));
     })"""
     assert live.run(wrong) == []
-    assert live.run("Object.values(WORDS.fr).filter((words) => / [:;!?]/.test(words))") == []  # which begins a line
+    # The sign would begin a new line.
+    assert live.run("Object.values(WORDS.fr).filter((words) => / [:;!?]/.test(words))") == []
 
 
 @pytest.mark.parametrize("fragment", ["", "#with=steel&show=forces.loupes.balance.charts", "#n=49&lang=de"])
@@ -629,18 +638,19 @@ def test_it_fits(pages, browser, width, fragment):
     browser.visit(pages("draft-gear-two-on-two").output, "#with=steel&lang=de")
     assert browser.run(
         "page.stages.every(({view}) => view.barRoom > 17)"
-    )  # forces have room between captions and beads
+    )  # The forces have room between captions and beads.
     browser.visit(pages(SCENE).output, fragment)
     assert browser.run(FITS)
-    assert browser.run("document.getElementById('toggle').getBoundingClientRect().bottom") <= 844  # Play is in sight
+    # The Play button is visible without scrolling.
+    assert browser.run("document.getElementById('toggle').getBoundingClientRect().bottom") <= 844
     for name, free, height in browser.run(COVERED):
         assert free, name
-        assert height >= 24.0, name  # WCAG 2.2, target size
+        assert height >= 24.0, name  # WCAG 2.2, target size.
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("device", DEVICES)
-def test_it_is_drawn_texts_stand_out_and_axe_finds_nothing(pages, browser, tmp_path, device, scheme):
+def test_the_page_is_drawn_accessibly(pages, browser, tmp_path, device, scheme):
     browser.device(*DEVICES[device])
     browser.media("screen", scheme)
     browser.visit(pages(SCENE).output, "#t=1.9")
@@ -649,9 +659,9 @@ def test_it_is_drawn_texts_stand_out_and_axe_finds_nothing(pages, browser, tmp_p
     assert (ground > 230).all() if scheme == "light" else (ground < 40).all()
     beads = browser.run("[0, 1, 2, 3, 4].map((k) => page.theme.bead(k))")
     areas = [(np.abs(picture - ImageColor.getrgb(bead)).max(axis=2) < 3).sum() for bead in beads]
-    assert min(areas) > 100  # each bead has its part of the bars
+    assert min(areas) > 100  # Each bead has a part of the bars.
     style = "getComputedStyle(document.documentElement).getPropertyValue('--{}').trim()"
-    # text before ground, in the style sheet; texts of canvases and SVG have the same colours
+    # Text colour and background colour of the style sheet. Texts of canvases and SVG have the same colours.
     for pair in ("ink", "paper"), ("muted", "paper"), ("ink", "card"), ("muted", "card"), ("alarm", "paper"):
         colours = [ImageColor.getrgb(browser.run(style.format(name))) for name in pair]
         assert contrast(*colours) >= 4.5, pair
@@ -672,7 +682,7 @@ def covering(one, other):
 @pytest.mark.parametrize("name", ["one-on-four", "one-on-ten", "three-on-five", "train-shunting", "train-starting"])
 @pytest.mark.parametrize("language", ["en", "de"])
 def test_no_text_of_the_drawing_covers_another_or_leaves_it(pages, browser, name, width, language):
-    """The numbers on beads are left out: they move over each other with the beads."""
+    """Check overlaps of texts. Bead numbers are left out because they move across each other with the beads."""
     browser.device(width, 844)
     browser.visit(pages(name).output, f"#t=0&lang={language}")
     browser.run(SPY)
@@ -688,7 +698,7 @@ def test_no_text_of_the_drawing_covers_another_or_leaves_it(pages, browser, name
         assert [text for text in words if text[1] < -1 or text[3] > room + 1] == []
 
 
-def test_beside_a_wall_forces_stand_above_it_and_cover_no_words(browser, tmp_path):
+def test_force_bars_next_to_a_wall_cover_no_text(browser, tmp_path):
     visit_row(browser, tmp_path, 8.0, mass=[1, 1, 1, inf], velocity=[1, 0, 0, 0], gap=[0.5, 0, 0.3])
     browser.device(1100, 900)
     texts = browser.run(f"{SPY}, page.go(3.6), texts.length = 0, page.dress(), texts")
@@ -718,7 +728,7 @@ def test_beads_smaller_than_a_pixel_are_drawn(browser, tmp_path):
 
 
 def test_it_lives_in_a_frame_that_may_do_nothing_else(browser, tmp_path):
-    """A cell of a notebook has no address, no clipboard and no storage."""
+    """Check a notebook cell. It has neither an address nor a clipboard nor storage."""
     cell = scenes.load(SCENE).live()._repr_html_()
     (tmp_path / "notebook.html").write_text(f"<!doctype html><title>cell</title>{cell}", encoding="utf-8")
     browser.open(tmp_path / "notebook.html")

@@ -1,4 +1,4 @@
-"""Tests of the page in Firefox, if it is installed: it computes and draws on a desk and on a telephone without an error."""
+"""Tests of the page in Firefox, if it is installed: it computes and draws on a desktop and on a phone, without errors."""
 
 import json
 import os
@@ -13,13 +13,13 @@ from softcradle import scenes, simulate
 
 FIREFOX = next((path for name in ("firefox", "firefox-esr") if (path := shutil.which(name))), None)
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(FIREFOX is None, reason="there is no Firefox")]
-# Nothing moves by itself, and what the page writes to its console is printed.
+# Disable animations, and print the console messages of the page.
 SETTINGS = """
 user_pref("ui.prefersReducedMotion", 1);
 user_pref("ui.systemUsesDarkTheme", %d);
 user_pref("devtools.console.stdout.content", true);
 """
-# Whether the kernels run, what the motion ends in, and how many pixels of the drawing have the colour of each bead.
+# Report if kernels run, the final state, and the number of drawn pixels in the colour of each bead.
 LOOK = """<script>
 window.addEventListener('error', (event) => console.log('FOUND ' + JSON.stringify({thrown: String(event.error)})));
 started.then((page) => {
@@ -40,7 +40,7 @@ started.then((page) => {
 
 
 @pytest.mark.parametrize("dark", [0, 1], ids=["light", "dark"])
-@pytest.mark.parametrize("size", [(1280, 800), (500, 844)])  # it makes no narrower window
+@pytest.mark.parametrize("size", [(1280, 800), (500, 844)])  # Firefox cannot open a narrower window.
 def test_it_computes_and_draws(pages, tmp_path, size, dark):
     profile, page = tmp_path / "profile", tmp_path / "page.html"
     profile.mkdir()

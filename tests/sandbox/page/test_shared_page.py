@@ -1,4 +1,4 @@
-"""Tests of the page as a file: it plays recordings, loads nothing, and leaves nothing behind if it cannot be written."""
+"""Tests of the page as a file: it plays a recorded motion and loads nothing, and a failed write leaves no file."""
 
 import base64
 import gzip
@@ -30,10 +30,10 @@ SCENES = ("one-on-four", "galilean", "draft-gear-two-on-two", "hertz-cradle", "m
 
 
 @pytest.mark.parametrize("name", ["one-on-four", "two-on-two", "hertz-cradle", "draft-gear-one-on-three"])
-def test_a_page_in_which_beads_live_is_small_closes_its_tags_and_loads_nothing(pages, name):
+def test_a_live_page_is_small_and_loads_nothing(pages, name):
     report = pages(name)
     assert report.computed
-    assert report.size == report.output.stat().st_size < 150_000  # bytes
+    assert report.size == report.output.stat().st_size < 150_000  # Size in bytes.
     assert len(gzip.compress(report.output.read_bytes())) < 65_000
     text = report.output.read_text(encoding="utf-8")
     checker = TagChecker(text)
@@ -44,7 +44,7 @@ def test_a_page_in_which_beads_live_is_small_closes_its_tags_and_loads_nothing(p
 
 @pytest.mark.parametrize("name", SCRIPTS)
 def test_a_script_is_written_without_spaces_that_it_does_not_need_and_with_all_its_texts(name):
-    """A template in the hole of another one would lose spaces."""
+    """Check the removal of spaces. A template string inside another template string would lose spaces."""
     script, spaces = resource(f"page/{name}.js").read_text(encoding="utf-8"), re.compile(r"\s+")
     plain = re.sub(r"^\s*(//.*|/\*\*(.|\n)*?\*/)?[ \t]*\n?| +// .*", "", script, flags=re.MULTILINE)
     short, texts = shortened(plain), re.compile(r'"(?:[^"\\\n]|\\.)*"')
@@ -68,7 +68,7 @@ def test_a_lane_at_rest_has_no_part_in_the_speed_of_a_page(speeds):
     assert [data["speed"], data["own"]["speed"]] == [0.01, 0.01]
 
 
-def test_what_is_asked_of_a_method_is_recorded_and_the_page_says_how_and_with_what_warnings(tmp_path):
+def test_a_page_with_a_method_is_a_recording_with_its_warnings(tmp_path):
     scene = load_scene("one-on-four")
     chain, velocity = scene.lanes[0].chain(), scene.lanes[0].velocity
     report = render_page(scene, tmp_path / "page.html", method="radau")
@@ -84,7 +84,7 @@ def test_what_is_asked_of_a_method_is_recorded_and_the_page_says_how_and_with_wh
 
 
 @pytest.mark.parametrize("name", ["one-on-four", "train-starting"])
-def test_a_page_of_what_was_played_states_errors_that_are_known_alone(name):
+def test_a_played_page_shows_only_known_errors(name):
     session = opened(name, frames=20)
     session.apply(inputs.SetVelocity(0, 0, 6.0))
     session.step_frames(20)
@@ -124,7 +124,9 @@ def played(name):
 
 
 def unpacked(packed, scales, beads):
-    """Time, place of the anchor, energies, overlaps, velocities and forces of a lane, as the page's script finds them."""
+    """Return time, anchor position, energies, overlaps, velocities and forces of a lane, decoded like in the script of
+    the page.
+    """
     data, rows = base64.b64decode(packed["data"]), packed["rows"]
     split = 4 * rows * (beads + 3)
     floats = np.frombuffer(data[:split], "<f4").astype(float).reshape(-1, rows)
@@ -136,10 +138,10 @@ def unpacked(packed, scales, beads):
 @pytest.mark.parametrize(
     "name", [*SCENES[:6], pytest.param(SCENES[6], marks=pytest.mark.slow), "experiment-two-on-two"]
 )
-def test_lines_between_samples_follow_the_recorded_motion_and_deep_overlaps_keep_their_digits(name):
+def test_packed_samples_follow_the_recorded_motion(name):
     motion = played(name)
     scales = motion.scales
-    smallest = 10.0 ** (scales.decades[0] - 1)  # a decade below the axis of overlaps
+    smallest = 10.0 ** (scales.decades[0] - 1)  # A tenth of the lower end of the axis of overlaps.
     for found, packed in zip(motion.motions, packed_lanes(motion.motions, scales, USUAL_BYTES), strict=True):
         time, anchor, energies, overlap, velocity, force = unpacked(packed, scales, found.chain.contacts + 1)
         absorbed = found.absorbed if found.absorbed.size else np.zeros(found.time.size)
@@ -153,20 +155,20 @@ def test_lines_between_samples_follow_the_recorded_motion_and_deep_overlaps_keep
             for column, curve in zip(read.T, true.T, strict=True):
                 apart = np.abs(np.interp(found.time, time, column) - curve)
                 jumps = np.flatnonzero(np.abs(np.diff(curve)) > 5 * error)
-                # a jump lies between two times that are one as floats of the page
+                # A step lies between two times that are equal as floats of the page.
                 near_jump = np.abs(found.time[:, None] - found.time[jumps]).min(axis=1, initial=1e9)
                 assert apart[near_jump > 1e-6 * found.time[-1]].max() < 1.2 * error
         for read, true in zip(overlap.T, found.overlap.T, strict=True):
             deep = true > 1e-3 * true.max()
             lines = np.interp(found.time[deep], time, read)
             np.testing.assert_allclose(lines, true[deep], rtol=2 * SAME_DEPTH, atol=smallest)
-        # however few digits are kept, no bead that rests creeps
+        # Even with few digits, a bead at rest must not creep.
         assert (velocity[0, found.velocity[0] == 0.0] == 0.0).all()
         assert (force[0, found.force[0] == 0.0] == 0.0).all()
         assert len(time) < len(found.time) / 2
 
 
-def test_free_flight_leads_to_the_start_and_follows_the_end_and_few_samples_are_played_as_they_are():
+def test_a_page_adds_free_flight_before_and_after_the_samples():
     scene = Scene(title="in touch", lanes=(Lane(contact=SOFT, velocity=[1, 0, 0]),))
     (end,) = recorded(scene)
     (motion,) = played_motion(scene, [end]).motions
@@ -181,7 +183,7 @@ def test_free_flight_leads_to_the_start_and_follows_the_end_and_few_samples_are_
     assert motion.time[-3:].tolist() == [0.0, 0.5, 1.0]
 
 
-def test_lanes_that_were_edited_at_different_times_begin_with_the_last_of_them():
+def test_lanes_begin_at_the_last_edit_of_all():
     session = opened("steel-and-soft", frames=30)
     session.apply(inputs.SetFriction(1, 0.01))
     session.step_frames(30)
@@ -194,7 +196,7 @@ def test_lanes_that_were_edited_at_different_times_begin_with_the_last_of_them()
 
 @pytest.mark.parametrize("edits", [(), (inputs.SetVelocity(0, 4, 1.5),), (inputs.Drag(0, 4, 6.0), inputs.Drop())])
 def test_the_page_of_a_row_that_a_hand_has_moved_says_so(tmp_path, edits):
-    """Its end is not compared with two rigid bodies, which nobody pushed."""
+    """Check that a moved row is marked as driven, because the comparison with two rigid bodies does not apply to it."""
     session = opened(frames=20)
     for edit in edits:
         session.apply(edit)
@@ -204,7 +206,7 @@ def test_the_page_of_a_row_that_a_hand_has_moved_says_so(tmp_path, edits):
     assert lane["driven"] is bool(edits)
 
 
-def test_a_motion_that_needs_too_many_samples_gets_coarser_ones_or_is_refused(monkeypatch):
+def test_a_long_motion_gets_coarser_samples_or_is_rejected(monkeypatch):
     motion = played("one-on-four")
     (fine,) = packed_lanes(motion.motions, motion.scales, USUAL_BYTES)
     (coarse,) = packed_lanes(motion.motions, motion.scales, 8000)
@@ -227,7 +229,7 @@ def test_thinned_curves_keep_their_jumps():
 
 
 def test_rows_at_one_time_are_kept():
-    """A force that jumps has a row before and a row after; times of both may be the same number."""
+    """Check a force that steps. It has a sample before and a sample after the step, and both can have the same time."""
     time = np.array([0.0, 0.5, 0.5, 0.5, 1.0])
     values = np.array([[0.0], [0.0], [1.0], [3.0], [3.0]])
     assert needed_rows(time, values, np.full((5, 1), 1e-6)).tolist() == [0, 1, 2, 3, 4]

@@ -1,4 +1,4 @@
-"""Whatever is edited, in any order: no exception, no NaN, bounded memory, a balanced ledger, the same digits again."""
+"""Tests of any edits in any order: no exception, no NaN, bounded memory, a correct energy balance, reproducible digits."""
 
 from dataclasses import replace
 
@@ -11,7 +11,7 @@ from softcradle.sandbox.session.session import Session
 from softcradle import scenes
 from tests.helpers.sessions import INPUTS, check_invariants, check_replay, fitted, opened, picture, read_all
 
-# One row, two lanes, drives, laws side by side, couplers with friction and brakes, and beads pressed from the start.
+# One row, two lanes, drives, mixed laws, couplers with friction and brakes, and beads pressed from the start.
 SCENES = st.sampled_from(
     ("one-on-four", "beads-against-gear", "driven-cluster", "mixed", "train-braking", "prestressed")
 )
@@ -28,7 +28,7 @@ def given_to(session: Session, item: Input) -> bool:
 
 @given(name=SCENES, items=EDITS)
 @settings(max_examples=40)
-def test_inputs_in_any_order_which_are_undone_and_redone_in_turn_with_the_motion(name, items, tmp_path_factory):
+def test_inputs_in_any_order_are_undone_and_redone(name, items, tmp_path_factory):
     session, seen = Session(scenes.load(name), memory=100_000), []
     for k, item in enumerate(items):
         before = picture(session)
@@ -38,7 +38,7 @@ def test_inputs_in_any_order_which_are_undone_and_redone_in_turn_with_the_motion
         if k == 5:
             session.restart()
         session.step_frames(3)
-        session.step_frames(-1)  # a frame that the next edit drops
+        session.step_frames(-1)  # The next edit drops this frame.
         check_invariants(session)
     read_all(session)
     frames = sum(len(part.time) for part in session.history_slices(0, 10**6))
@@ -81,7 +81,7 @@ def test_the_scene_of_any_session_reads_back_as_its_start(name, items):
     assert labels == [lane.label for lane in again.scene.lanes] == [lane.setup.label for lane in again.lanes]
     for one, other in zip(session.lanes, again.lanes, strict=True):
         assert replace(one.chain, gap=0.0) == replace(other.chain, gap=0.0)
-        if len(labels) == 1:  # lanes of unlike methods have none in common
+        if len(labels) == 1:  # Lanes with different methods have no common method.
             assert (one.setup.method, one.setup.step_given) == (other.setup.method, other.setup.step_given)
             assert one.setup.step == other.setup.step or not one.setup.step_given
         assert np.allclose(one.state.overlap, other.state.overlap, rtol=1e-12, atol=1e-12)

@@ -1,4 +1,4 @@
-"""Edits: what they change and, above all, what they leave unchanged; where each editable number is found; undo and redo."""
+"""Tests of edits: what they change and what they must not change, where editable numbers appear, undo and redo."""
 
 import math
 import re
@@ -20,15 +20,15 @@ from tests.helpers.sessions import check_replay, opened, picture, pull
 
 PYTHON = re.compile(
     r"float64|np\.|\w+\(|[a-z]_[a-z]|\w+Error|Traceback|<|None|\bself\b|\n"
-)  # of no sentence for people
-LOADED = 280  # frames of one on four after which all contacts are
+)  # Parts of Python messages that a user must not see.
+LOADED = 280  # Number of frames after which all contacts of one on four are loaded.
 
 
 @pytest.mark.parametrize("bead", range(5))
 def test_a_new_mass_or_velocity_of_one_bead_changes_no_other(bead):
     session = opened(frames=LOADED)
     position, velocity = session.lanes[0].position, session.lanes[0].velocity
-    session.apply(inputs.SetMass(0, bead, 50.0))  # the heaviest
+    session.apply(inputs.SetMass(0, bead, 50.0))  # This makes the bead the heaviest one.
     assert session.lanes[0].chain.anchor == bead
     assert session.lanes[0].position == pytest.approx(position, abs=1e-15)
     assert session.lanes[0].velocity == pytest.approx(velocity, abs=1e-15)
@@ -40,28 +40,28 @@ def test_a_new_mass_or_velocity_of_one_bead_changes_no_other(bead):
 
 
 def test_gaps_go_until_a_coupler_that_pulls_is_solid():
-    """The slider, and a sweep of nine values, went up to two lengths of a wagon, by which the stop pulled."""
+    """Check the upper end of gaps. It was two lengths of a wagon, at which the stop pulled."""
     ends = [parameters(Session(load(name)), 0, "contact", 2)[-1].high for name in ("train-starting", "train-cut")]
     assert ends == pytest.approx([0.04 + 0.166, 2.0 * 14.0])
 
 
-def test_placement_pushes_neighbours_along_and_lets_no_bead_through():
+def test_a_placed_bead_pushes_its_neighbours_along():
     session = opened()
     session.drag(0, 0, 1.5)
     assert session.lanes[0].position.tolist() == [1.5] * 5
-    assert str(parameters(session, 0, "contact", 1)[-1].value) == "0.0"  # a gap of beads that touch has no sign
+    assert str(parameters(session, 0, "contact", 1)[-1].value) == "0.0"  # The gap of touching beads has no minus sign.
     session.drag(0, 4, -0.5)
     assert session.lanes[0].position == pytest.approx([-0.5] * 5)
     session.drag(0, 2, -0.25)
     assert session.lanes[0].position == pytest.approx([-0.5, -0.5, -0.25, -0.25, -0.25])
     assert (session.lanes[0].state.overlap <= 0.0).all()
     walled = opened("one-on-four", inputs.SetGap(0, 3, 0.5))
-    assert walled.lanes[0].position.tolist() == [0.0, 1.0, 1.0, 1.0, 1.5]  # all beads to the right of a gap move
+    assert walled.lanes[0].position.tolist() == [0.0, 1.0, 1.0, 1.0, 1.5]  # All beads to the right of a gap move.
     walled.apply(inputs.SetMass(0, 4, math.inf))
     walled.apply(inputs.Place(0, 0, 99.0))
     assert walled.lanes[0].position == pytest.approx([1.5] * 5)
     assert walled.lanes[0].state.overlap.max() <= 0.0
-    loaded = opened(frames=LOADED)  # ahead of a loaded bead no overlap is added
+    loaded = opened(frames=LOADED)  # Moving a loaded bead must not add overlap.
     before = loaded.lanes[0].state.overlap.copy()
     loaded.apply(inputs.Place(0, 2, loaded.lanes[0].position[2] + 0.3))
     after = loaded.lanes[0].state.overlap
@@ -85,7 +85,7 @@ def test_adding_and_removing_a_bead_changes_nothing(bead, heavy):
 
 @pytest.mark.parametrize("name", ["one-on-four", "draft-gear-one-on-three", "hertz-cradle"])
 @pytest.mark.parametrize("kind", ["power", "gear", "hard"])
-def test_a_converted_contact_stops_the_same_impact_and_comes_back_as_it_was(name, kind):
+def test_a_converted_contact_stops_the_same_impact(name, kind):
     session = opened(name)
     before = session.lanes[0].chain.contact
     own = kind_of(before[0])
@@ -101,7 +101,7 @@ def test_a_converted_contact_stops_the_same_impact_and_comes_back_as_it_was(name
     assert PASSED not in {item.cause for item in session.findings(0)}
 
 
-def test_locked_pistons_make_a_usual_cradle_and_unlocked_ones_have_their_laws_again():
+def test_pistons_are_locked_and_unlocked():
     session = opened("draft-gear-one-on-three", inputs.Lock(0, None), inputs.Lock(0, 1), frames=600)
     final = session.lanes[0].velocity
     assert final[3] > 0.45, "the last cylinder leaves with nearly all of the 0.5 m/s"
@@ -124,7 +124,7 @@ contact = {{law = "step_force", f0 = 2.0}}
 @pytest.mark.parametrize(
     "edit", [inputs.SetContact(0, None, power_law(20.0, 0.1)), inputs.SetKind(0, None, "power"), inputs.Lock(0, None)]
 )
-def test_a_pressed_contact_pushes_by_its_new_law_at_once_and_after_a_restart(edit, frames):
+def test_a_pressed_contact_uses_its_new_law_at_once(edit, frames):
     session = Session(parse(PRESSED.format(gap=-0.02)))
     session.step_frames(frames)
     session.apply(edit)
@@ -136,7 +136,7 @@ def test_a_pressed_contact_pushes_by_its_new_law_at_once_and_after_a_restart(edi
         session.restart()
 
 
-def test_what_a_touching_contact_carries_stays_as_far_as_its_new_law_has_it():
+def test_a_touching_contact_keeps_its_force_within_the_new_law():
     session = Session(parse(PRESSED.format(gap=0.0)))
     session.lanes[0].state.force[1] = 1.5
     for law, force in ((step_force(3.0), 1.5), (step_force(1.0), 1.0), (power_law(1.0, 0.1), 0.0)):
@@ -144,7 +144,7 @@ def test_what_a_touching_contact_carries_stays_as_far_as_its_new_law_has_it():
         assert session.lanes[0].state.force.tolist() == [2.0, force]
 
 
-def test_a_chosen_step_follows_edits_and_a_typed_one_stays():
+def test_only_an_automatic_step_follows_edits():
     session = opened("hertz-cradle")
     chosen = session.setup.lanes[0].step
     session.apply(inputs.SetContact(0, None, hertz(1e5)))
@@ -154,7 +154,7 @@ def test_a_chosen_step_follows_edits_and_a_typed_one_stays():
     assert session.setup.lanes[0].step == 0.003
     session.apply(inputs.SetStep(0, None))
     assert session.setup.lanes[0].step > chosen
-    session.apply(inputs.SetStep(0, 1e-12))  # bounded by the cost of a frame
+    session.apply(inputs.SetStep(0, 1e-12))  # The cost of a frame limits the step.
     session.step_frames(1)
     assert session.setup.lanes[0].step_for(session.setup.frame_time) > 1e-8
 
@@ -178,7 +178,7 @@ def test_a_chosen_step_follows_edits_and_a_typed_one_stays():
         (inputs.SetMass(3, 0, 1.0), "no lane 3"), (inputs.SetSlow(-1.0), "slow motion must be from"),
     ],
 )  # fmt: skip
-def test_a_refusal_names_what_is_wrong_and_changes_nothing(edit, sentence):
+def test_a_rejected_edit_changes_nothing(edit, sentence):
     session = opened(frames=20)
     session.scrub_frame(5)
     before = picture(session)
@@ -194,7 +194,7 @@ def test_a_number_is_wherever_numbers_are(number, tmp_path):
     def value_in(session, index):
         return number.values(session.lanes[0])[index]
 
-    # power laws, draft gears, open gaps
+    # Power laws, draft gears, open gaps.
     sessions = [opened(name) for name in ("one-on-four", "experiment-one-on-three", "galilean")]
     owners = [(one, index) for one in sessions for index, _ in enumerate(number.values(one.lanes[0]))]
     session, index = next(owner for owner in owners if not math.isnan(value_in(*owner)))
@@ -202,7 +202,8 @@ def test_a_number_is_wherever_numbers_are(number, tmp_path):
     parameter = next(one for one in parameters(session, 0, number.owner, index) if one.name == number.name)
     assert parameter.value == before
     columns, had = values_table(session, 0, number.owner).columns, np.nan_to_num(number.values(session.lanes[0])).any()
-    assert (number.column in columns) == (had or number.column not in SET_COLUMNS)  # what none has takes no room
+    # A column that is empty for all beads is not shown.
+    assert (number.column in columns) == (had or number.column not in SET_COLUMNS)
     value = parameter.at(0.3)
     assert value != before
     session.apply(parameter.edit(value))
@@ -218,7 +219,7 @@ def test_a_number_is_wherever_numbers_are(number, tmp_path):
     assert value_in(session, index) == before
 
 
-def test_a_gesture_is_one_step_and_a_throw_is_undone_to_the_frame_at_which_the_bead_was_taken():
+def test_a_gesture_is_one_undo_step():
     session = opened()
     start = session.lanes[0].position.copy()
     for k in range(20):
@@ -235,18 +236,18 @@ def test_a_gesture_is_one_step_and_a_throw_is_undone_to_the_frame_at_which_the_b
     assert session.undo() == "bead moved"
     assert np.array_equal(session.lanes[0].position, start)
     session.apply(inputs.SetMass(0, 1, 3.0))
-    assert not session.redo()  # what could be redone is dropped by an edit
+    assert not session.redo()  # An edit drops the steps that could be redone.
     session = opened(frames=30)
     before = picture(session)
     pull(session, 4, [5.0 + 0.1 * k for k in range(10)])
     session.drop()
     session.tick(0.1)
-    assert not session.undo_stack.unsaved  # the scene is as it was
+    assert not session.undo_stack.unsaved  # The scene has not changed.
     assert session.undo() == "bead pulled"
     assert picture(session) == before
 
 
-def test_several_inputs_are_refused_together_or_one_step_with_the_run_that_they_end_if_they_begin_anew(tmp_path):
+def test_several_inputs_are_one_undo_step(tmp_path):
     session = opened("one-on-four", 60, inputs.SetMass(0, 1, 2.0), 60)
     session.scrub_frame(50)
     before = picture(session)
@@ -258,7 +259,8 @@ def test_several_inputs_are_refused_together_or_one_step_with_the_run_that_they_
     for mass in (3.0, 4.0):
         session.apply_all([inputs.SetMass(0, bead, mass) for bead in (2, 3)], gesture=True, anew=True)
     assert (session.frame, session.history.last) == (0, 0)
-    assert session.lanes[0].chain.mass == (1.0, 2.0, 4.0, 4.0, 1.0)  # with the edit that is later than the frame shown
+    # The result includes an edit that is later than the frame shown.
+    assert session.lanes[0].chain.mass == (1.0, 2.0, 4.0, 4.0, 1.0)
     session.step_frames(30)
     check_replay(session, tmp_path / "replay.npz")
     assert session.undo() == "mass"
@@ -268,7 +270,7 @@ def test_several_inputs_are_refused_together_or_one_step_with_the_run_that_they_
 
 
 @pytest.mark.parametrize("saved", [False, True])
-def test_an_edit_is_as_unsaved_as_before_when_throws_have_pushed_its_step_out(saved):
+def test_an_edit_stays_unsaved_after_its_undo_step_is_dropped(saved):
     session = opened("one-on-four", inputs.SetMass(0, 1, 2.5))
     if saved:
         session.undo_stack.mark_saved()
@@ -285,7 +287,7 @@ def test_an_edit_is_as_unsaved_as_before_when_throws_have_pushed_its_step_out(sa
     assert session.undo_stack.unsaved is not saved
 
 
-def test_a_saved_edit_that_is_undone_or_played_away_leaves_the_scene_unsaved(tmp_path):
+def test_undoing_a_saved_edit_makes_the_scene_unsaved(tmp_path):
     session = opened("one-on-four", 5, inputs.SetMass(0, 1, 2.5), 2)
     for act, unsaved in ((session.undo, False), (session.redo, True)):
         act()
@@ -294,7 +296,7 @@ def test_a_saved_edit_that_is_undone_or_played_away_leaves_the_scene_unsaved(tmp
     session.undo()
     assert session.undo_stack.unsaved
     session.redo()
-    for frame, unsaved in ((6, False), (3, True)):  # where the edit is made already, and before it
+    for frame, unsaved in ((6, False), (3, True)):  # A frame after the edit, and a frame before it.
         session.scrub_frame(frame)
         assert not session.undo_stack.unsaved
         session.play()
@@ -313,7 +315,7 @@ def test_the_memory_of_steps_is_bounded(monkeypatch):
 
 
 def test_there_is_one_kind_of_steel():
-    """Compare the balls that are offered next to a row of soft beads with those of the scene of Newton's cradle."""
+    """Compare the steel balls offered next to a row of soft beads with the balls of the scene of Newton's cradle."""
     cradle, soft = load("hertz-cradle"), load("one-on-four")
     chain = soft.lanes[0].chain()
     law = steel_ball(chain, 1, 1.0, soft.view.length)

@@ -1,4 +1,4 @@
-"""The history of a session: its frames, the bound of its memory, and the contact events found in it and dropped with it."""
+"""Tests of the history of a session: its frames, the limit of its memory, and the contact events of its frames."""
 
 import math
 
@@ -38,7 +38,7 @@ def test_memory_is_bounded_and_the_oldest_is_dropped():
     assert session.frame == session.history.first
 
 
-def test_a_branch_is_another_one_where_frames_are_dropped_or_replaced_and_not_where_they_are_added():
+def test_only_dropped_or_replaced_frames_make_another_branch():
     session = opened()
     branch, version = session.history.branch, session.history.version
     session.step_frames(BLOCK_ROWS + 10)
@@ -91,7 +91,7 @@ def test_slices_are_the_frames_one_by_one_up_to_the_one_shown(edited):
     edited.scrub_frame(last)
 
 
-def test_slices_are_thinned_and_follow_changes_of_the_number_of_beads():
+def test_thinned_slices_follow_the_number_of_beads():
     session = opened("one-on-four", 700, inputs.AddBead(0, 5, 1.0), 50)
     thin = list(history_slices(session.history, 0, 0, session.history.last, 100))
     assert 90 <= sum(len(part.time) for part in thin) <= 200
@@ -104,7 +104,7 @@ def test_slices_are_thinned_and_follow_changes_of_the_number_of_beads():
 
 
 @pytest.mark.parametrize(("method", "error"), [("conserving", 1.5e-3), ("accurate", 1e-5)])
-def test_contact_events_and_exported_times_are_those_the_engine_located(method, error):
+def test_contact_events_have_the_located_times(method, error):
     session = opened("hertz-cradle", inputs.SetMethod(None, method), frames=2 * FRAMES)
     lane = session.scene.lanes[0]
     truth = simulate(lane.chain(), lane.velocity, session.time, "accurate", tolerance=1e-10)
@@ -143,7 +143,7 @@ def test_a_contact_that_an_edit_opens_does_so_at_its_frame():
 
 
 @pytest.mark.parametrize("rows", [BLOCK_ROWS, 1], ids=["inside a block", "at its beginning"])
-def test_an_impact_stays_where_beads_come_and_go_at_its_frame_and_is_undone_with_it(rows, monkeypatch):
+def test_an_impact_survives_edits_of_its_frame(rows, monkeypatch):
     monkeypatch.setattr(frame_history, "BLOCK_ROWS", rows)
     session = opened()
     while not session.contact_events().time.size:

@@ -1,4 +1,4 @@
-"""The verdict on a lane: good where the physics is right, with a sentence where it is not, now and in the whole run."""
+"""Tests of the verdict on a lane, now and over the whole run: good if the physics is right, and otherwise a sentence."""
 
 import re
 from functools import partial
@@ -26,20 +26,22 @@ def worst_of(session, frames=600):
     return max(found, key=lambda health: LEVELS.index(health.level))
 
 
-@pytest.mark.filterwarnings("ignore:final velocities are determined")  # of the train with loss, to 1e-3 m/s
+# Warning of the train with loss, whose velocities are determined to 1e-3 m/s.
+@pytest.mark.filterwarnings("ignore:final velocities are determined")
 @pytest.mark.parametrize("name", EVERY_SCENE)
-def test_a_played_scene_is_good_comes_back_equal_and_ends_with_the_velocities_of_the_reference(name):
+def test_every_played_scene_ends_like_the_reference(name):
     session, truths = opened(name), []
     for lane in session.scene.lanes:
         chain = lane.chain()
-        method = "accurate" if chain.dissipative and chain.contacts > 5 else "scipy"  # which follows trains for minutes
+        # `scipy` would need minutes for trains.
+        method = "accurate" if chain.dissipative and chain.contacts > 5 else "scipy"
         fine = {"method": "conserving", "step": 2e-5} if chain.couplers else {"method": method, "tolerance": 1e-4}
         truths.append(partial(simulate, chain, lane.velocity, **fine, samples=2))
-    # the duration is given for a driven scene, whose beads may never separate
+    # Driven scenes have a duration, because their beads may never separate.
     until = session.scene.duration or max(truth().time[-1] for truth in truths)
     health = worst_of(session, 900)
     assert health.energy_error < 1e-10
-    if name == "weak-contact":  # the cluster that breaks rattles shortly: its contacts do bounce within a step or two
+    if name == "weak-contact":  # The cluster that breaks chatters shortly: its contacts bounce within a step or two.
         assert health.level in ("good", "fair")
     else:
         assert (health.level, health.chatter < 0.5) == ("good", True)
@@ -60,7 +62,7 @@ def test_every_method_can_be_switched_to_while_it_runs(method):
     assert session.health(0).level == "good"
 
 
-def test_a_step_that_is_too_large_is_bad_and_one_longer_than_a_contact_makes_velocities_arbitrary():
+def test_too_large_steps_get_a_bad_verdict():
     fast = opened("hertz-cradle", inputs.SetSlow(1.0), inputs.SetContact(0, None, hertz(1e9)), inputs.SetStep(0, 1.0))
     arbitrary = fast.health(0)
     assert (arbitrary.level, arbitrary.sentence[:8], "arbitrary" in arbitrary.sentence) == ("bad", "0.05 ste", True)
@@ -71,7 +73,7 @@ def test_a_step_that_is_too_large_is_bad_and_one_longer_than_a_contact_makes_vel
     assert (unstable.level, "smaller step" in unstable.sentence) == ("bad", True)
     assert fast.health(0).energy_error > 0.01
     fast.apply(inputs.SetMethod(0, "accurate"))
-    assert fast.health(0).energy_error == 0.0  # it is not off by what euler was
+    assert fast.health(0).energy_error == 0.0  # The error of euler does not count for another method.
     assert "euler lost energy" in [item.cause for item in fast.findings(0)]
 
 
@@ -92,15 +94,15 @@ def test_a_method_that_blows_up_is_stopped_and_reported():
     assert session.failure == ""
 
 
-def test_the_badge_and_the_findings_of_a_run_are_one_verdict_also_after_chatter_has_ended():
+def test_badge_and_findings_agree_after_chattering_has_ended():
     session = opened("draft-gear-one-on-three", inputs.SetMethod(0, "verlet"))
     while_it_chatters = worst_of(session, 300)
     assert (while_it_chatters.level, while_it_chatters.chatter > MOST_CHATTER) == ("bad", True)
     assert re.search("verlet .*conserving", while_it_chatters.sentence)
-    for slow, frames in ((5.0, 300), (20.0, 4000)):  # a new setup begins a new slice, and chatter goes on
+    for slow, frames in ((5.0, 300), (20.0, 4000)):  # A new setup begins a new slice, and chattering continues.
         session.apply(inputs.SetSlow(slow))
         session.step_frames(frames)
-    assert session.health(0).level == "good"  # of the last second
+    assert session.health(0).level == "good"  # Verdict on the last second.
     found = next(item for item in session.findings(0) if "chattered" in item.cause)
     assert found.level == "bad"
     assert "Do not trust it: verlet chattered from " in summary_text(session)
@@ -129,7 +131,7 @@ def test_the_label_says_what_the_contacts_are_now():
     session.apply(inputs.SetMass(0, 1, 3.0))
     again = Session(session.to_scene())
     again.apply(inputs.SetMass(0, 1, 2.0))
-    assert again.label(0) == "alpha = 1/10, edited"  # once
+    assert again.label(0) == "alpha = 1/10, edited"  # The word occurs only once.
     laws = [inputs.SetContact(0, k, law) for k, law in enumerate((hertz(12.0), Contact(0.1, 0.3, 0.7)))]
     mixed = opened("beads-against-gear", *laws, inputs.Lock(1, 0))
     assert [mixed.label(lane) for lane in (0, 1)] == ["mixed contacts", "Hertz, alpha = 3/2 and draft gear"]
@@ -139,7 +141,7 @@ def test_the_label_says_what_the_contacts_are_now():
     assert [stiffer.label(lane) for lane in (0, 1)] == ["steel balls, edited", "soft beads, alpha = 1/10, edited"]
 
 
-def test_velocities_are_checked_by_an_accurate_run_from_where_the_motion_was_touched():
+def test_velocities_are_checked_since_the_last_edit():
     session = opened("one-on-four", inputs.SetMethod(0, "euler"), inputs.SetStep(0, 0.05))
     check = VelocityCheck(session, 0)
     assert check.job() is None
@@ -153,12 +155,12 @@ def test_velocities_are_checked_by_an_accurate_run_from_where_the_motion_was_tou
     session.apply(inputs.SetMethod(0, "auto"))
     session.restart()
     session.step_frames(600)
-    assert check.error() is None  # of another run
+    assert check.error() is None  # The check belongs to another run.
 
 
 @pytest.mark.parametrize(("share", "level"), [(1e-3, GOOD), (0.03, FAIR), (0.3, BAD)])
 def test_the_error_that_the_method_estimates_is_part_of_the_verdict(share, level):
-    """The history and exports contain the estimate, and it goes on from a frame of the history."""
+    """Check that the history and exports contain the estimate, and that it continues from a frame of the history."""
     session = opened("one-on-four", inputs.SetMethod(0, "accurate"))
     session.step_frames(30)
     lane = session.lanes[0]

@@ -1,4 +1,6 @@
-"""Sessions: time, history, branches, the pointer spring, what is told in words; what is shown is the result of the physics."""
+"""Tests of sessions: time, history, branches, the pointer spring, descriptions in words, and agreement with the
+physics.
+"""
 
 import math
 import re
@@ -34,8 +36,8 @@ from tests.helpers.sessions import EVERY_SCENE, check_replay, opened, pull
 PICTURE = 2.0 / FRAME_RATE
 
 
-def test_a_drive_stronger_than_soft_contacts_has_steps_for_the_speed_that_it_gives():
-    """It would press them in by astronomical lengths, at the speed of which a chosen step is 1e13 s."""
+def test_the_step_of_a_strong_drive_fits_its_speed():
+    """Check strong drives. They would cause astronomical overlaps, and the step chosen for that speed would be 1e13 s."""
     session = opened()
     session.apply_all([SetDrive(0, 0, 5.0), *(SetContact(0, k, power_law(1.0, 1 / 50)) for k in range(4))])
     setup = session.lanes[0].setup
@@ -61,13 +63,13 @@ def test_late_physics_slows_the_clock_and_is_reported():
     took = 3.0
     assert session.tick(PICTURE) == 1, "a frame beyond the budget is still computed"
     frame = session.frame
-    session.tick(3600.0)  # a program that was suspended does not catch up
+    session.tick(3600.0)  # A program that was suspended does not catch up.
     assert session.frame - frame <= 0.25 * FRAME_RATE
 
 
 @pytest.mark.parametrize(("name", "frame", "last"), [("one-on-four", 150, 400), ("experiment-two-on-two", 20, 60)])
-def test_playing_on_from_a_scrubbed_frame_is_a_new_branch_with_the_same_digits(name, frame, last, tmp_path):
-    """Also in its replay, in whose ledger what the bed had taken once had another last digit."""
+def test_playing_from_an_earlier_frame_gives_the_same_digits(name, frame, last, tmp_path):
+    """Check the branch and its replay. The energy absorbed by the bed had another last digit in the replay."""
     session = opened(name, frames=last)
     before = [snapshot_table(session.history.snapshot(k)) for k in range(last + 1)]
     session.scrub_frame(frame)
@@ -79,7 +81,7 @@ def test_playing_on_from_a_scrubbed_frame_is_a_new_branch_with_the_same_digits(n
     check_replay(session, tmp_path / "replay.npz")
 
 
-def test_a_restart_and_a_saved_scene_have_the_edits_of_the_beads_and_of_the_start(tmp_path):
+def test_restarts_and_saved_scenes_keep_edits(tmp_path):
     session = opened("one-on-four", SetVelocity(0, 0, 2.0), 100, SetMass(0, 2, 3.0), SetVelocity(0, 4, 9.0))
     session.restart()
     assert (session.frame, session.time, session.history.last) == (0, 0.0, 0)
@@ -89,7 +91,7 @@ def test_a_restart_and_a_saved_scene_have_the_edits_of_the_beads_and_of_the_star
     session.apply(SetVelocity(0, 4, 9.0))
     assert session.to_scene().lanes[0].velocity == (2.0, 0.0, 0.0, 0.0, 0.0)
     session.apply(RemoveBead(0, 4))
-    session.scrub_frame(20)  # before that edit
+    session.scrub_frame(20)  # A frame before this edit.
     assert len(session.shown_scene().lanes[0].velocity) == 5
     session.save_scene(tmp_path / "saved.toml")
     session.restart()
@@ -123,7 +125,7 @@ def test_a_released_bead_flies_on_at_the_speed_of_the_pointer():
     assert -11.0 < session.lanes[0].velocity[0] < -5.0, "the spring is no faster than ten times the scene"
 
 
-def test_uneven_pictures_lose_no_time_and_give_an_impact_once():
+def test_uneven_frame_times_lose_no_time():
     session = opened()
     session.play()
     found = []
@@ -139,7 +141,7 @@ def test_uneven_pictures_lose_no_time_and_give_an_impact_once():
     assert session.impacts == ()
 
 
-def test_the_last_frame_of_a_replay_is_of_its_tick_and_what_was_due_after_a_last_one_is_not_made_up_for(tmp_path):
+def test_a_replay_ends_at_its_last_frame(tmp_path):
     session = opened()
     while not session.contact_events().time.size:
         session.step_frames(1)
@@ -156,7 +158,9 @@ def test_the_last_frame_of_a_replay_is_of_its_tick_and_what_was_due_after_a_last
 
 @pytest.mark.parametrize("scene", ["train-solid", "train-shunting", "train-starting"])
 def test_the_reference_plays_trains_with_a_bounded_work_in_a_frame(scene, monkeypatch):
-    """Frames took it seconds. What it does not finish is moved on by `conserving`, and the lane says so."""
+    """Check the step limit of the reference. Its frames took seconds. Now `conserving` finishes a frame, and the lane
+    reports this.
+    """
     session = opened(scene, SetMethod(None, "scipy"))
     for _ in range(6):
         session.step_frames(1)
@@ -179,14 +183,14 @@ def test_a_collision_is_told_in_words():
     assert (float(together[1]), float(striker[1])) == pytest.approx((0.25, 0.25), abs=0.005)
     assert re.search(r"Bead 0 hit bead 1 at .* with 0\.5\u00a0m/s", text)
     assert "trust" not in text
-    last = f"{session.contact_events().time[-1]:.3g}"  # a time, and no duration
+    last = f"{session.contact_events().time[-1]:.3g}"  # A time, not a duration.
     assert f"The last contact opened at {last}\u00a0s." in text
     use_language("de")
     assert f"Der letzte Kontakt öffnete sich nach {last.replace('.', ',')}\u00a0s." in summary_text(session)
 
 
-def test_what_is_told_is_of_the_beads_that_there_are():
-    """The numbers of those before are of others now, or of none."""
+def test_descriptions_use_the_present_beads():
+    """Check hits after a bead is removed. Earlier bead numbers then refer to other beads or to none."""
     session = opened("one-on-four", SetVelocity(0, 0, 0.0), SetVelocity(0, 4, -1.0), frames=300)
     assert "Bead 3 hit bead 4" in summary_text(session)
     session.apply(RemoveBead(0, 4))
@@ -197,7 +201,7 @@ def test_what_is_told_is_of_the_beads_that_there_are():
 
 @pytest.mark.parametrize("name", ["driven-cluster", "train-starting"])
 def test_beads_that_are_pushed_or_pulled_hit_nobody(name):
-    """Contacts that touch close where a force pushes, and couplers where their slack is used up."""
+    """Check that neither a closing of touching contacts under a force nor the end of a coupler's slack counts as a hit."""
     session = opened(name, frames=300)
     assert session.contact_events().closed.any()
     assert " hit " not in summary_text(session)
@@ -205,7 +209,7 @@ def test_beads_that_are_pushed_or_pulled_hit_nobody(name):
 
 @pytest.mark.parametrize("name", EVERY_SCENE)
 def test_the_bead_that_hits_is_the_one_that_approached(name):
-    """Contacts that merely touch, or are pressed, close at the same time or before."""
+    """Check the beads of the first hit. Touching or pressed contacts close at the same time or earlier."""
     scene = scenes.load(name)
     for lane, found in zip(scene.lanes, run_scene(scene), strict=True):
         rate = -np.diff(lane.velocity)
@@ -214,8 +218,10 @@ def test_the_bead_that_hits_is_the_one_that_approached(name):
 
 
 @pytest.mark.parametrize(("method", "least", "most"), [("euler", 1e-6, 1e-3), ("conserving", 0.0, 1e-12)])
-def test_between_walls_that_move_alike_no_error_is_booked_as_their_work(method, least, most):
-    """The velocity of the second is a sum over the row: alike to round-off, which hid every error, and then that it is known."""
+def test_errors_between_equal_walls_are_not_booked_as_work(method, least, most):
+    """Check walls of equal velocity. The velocity of the second is a sum over the row and equal only up to round-off,
+    so errors counted as work of the walls.
+    """
     row = {"mass": [math.inf, 1, 1, 1, math.inf], "velocity": [0.1, 1, 0.3, 0.7, 0.1], "gap": [0.1, 0.2, 0.1, 0.3]}
     lane = Lane(**row, contact={"law": "hertz", "stiffness": 30.0})
     session = Session(Scene(title="moving box", lanes=(lane,), duration=5.0, method=method, step=0.01))
@@ -225,7 +231,8 @@ def test_between_walls_that_move_alike_no_error_is_booked_as_their_work(method, 
 
 def test_no_fault_is_told_before_it_comes():
     ends = simulate(scenes.load("one-on-four").lanes[0].chain(), [1, 0, 0, 0, 0], samples=2)
-    assert {contact.largest_force for contact in summarise("", ends).contacts} == {None}  # between two samples, not 0
+    # The force between two samples is unknown, not 0.
+    assert {contact.largest_force for contact in summarise("", ends).contacts} == {None}
     session = opened("draft-gear-one-on-three")
     for edit in (SetMethod(None, "euler"), SetStep(None, 0.01)):
         session.apply(edit)

@@ -1,4 +1,6 @@
-"""The outcome of a motion: one definition of *together* and of *still*, checked on end velocities of known motions."""
+"""Tests of the outcome of a motion: the definitions of *together* and *still*, checked with final velocities of known
+motions.
+"""
 
 import math
 
@@ -12,7 +14,7 @@ from softcradle.sandbox.story.lane_story import first_hit, story_of
 from softcradle.sandbox.story.outcome import MOVES, NEARLY_STILL, STILL, outcome_of
 from softcradle.sandbox.story.sentences import describe, outcome_words, story_words
 
-# End velocities from quadruple-precision solutions of one on four, alpha = 1/10, and of one on ten, alpha = 1/30.
+# Final velocities from quadruple-precision solutions of one on four, alpha = 1/10, and of one on ten, alpha = 1/30.
 ONE_ON_FOUR = (-0.567586, 0.173921, 0.454079, 0.469784, 0.469802)
 ONE_ON_TEN = (-0.7833, -0.0673, 0.1696, 0.2067, 0.2104, 0.2106, 0.2106, 0.2106, 0.2106, 0.2106, 0.2106)
 HERTZ_CRADLE = (-0.0711, -0.0303, -0.0145, 0.1270, 0.9888)
@@ -47,7 +49,7 @@ def test_groups_of_known_collisions(velocity, groups):
 
 @pytest.mark.parametrize("count", [3, 10, 49, 1000])
 def test_rigid_cluster_that_carries_the_momentum_is_not_still(count):
-    """One bead on a rigid cluster: the cluster is slow, and carries twice the striker's momentum."""
+    """Check one bead on a rigid cluster. The cluster is slow, but it carries twice the momentum of the striker."""
     speed = 2.0 / (count + 1)
     assert groups_of([speed - 1.0] + [speed] * count) == [(0, 0, MOVES), (1, count, MOVES)]
 
@@ -61,7 +63,7 @@ def test_one_on_49_soft_beads_moves():
 
 
 def test_slow_beads_that_together_carry_the_momentum_are_not_still():
-    """A hundred single beads, each with a fiftieth of the momentum, as behind a wave."""
+    """Check a hundred single beads, each with a fiftieth of the momentum, as behind a wave."""
     velocity = [-0.98] + [0.02 * (0.5 + (k % 7) / 6) for k in range(99)]
     found = outcome_of([1.0] * 100, strike(100), velocity)
     still = [group for group in found.groups if not group.moves]
@@ -118,7 +120,7 @@ ROWS = st.integers(2, 12).flatmap(
 
 @given(ROWS, st.floats(-3.0, 3.0))
 def test_groups_do_not_depend_on_the_frame_of_reference(rows, speed):
-    """Which beads move together is a fact of the row. Which of them stand still depends on the observer."""
+    """Check groups in several frames of reference. Only the beads at rest depend on the frame."""
 
     def spans(start, velocity):
         found = outcome_of([1.0] * len(start), start, velocity)
@@ -126,7 +128,7 @@ def test_groups_do_not_depend_on_the_frame_of_reference(rows, speed):
         return {(group.first, group.last) for group in found.groups if group.moves}
 
     start, velocity = (np.array(row) for row in rows)
-    fast = 100.0 + speed  # no bead stands still in this frame
+    fast = 100.0 + speed  # All beads move in this frame of reference.
     assert spans(start, velocity) <= spans(start + fast, velocity + fast)
 
 

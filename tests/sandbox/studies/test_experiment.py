@@ -1,4 +1,4 @@
-"""The paper's experiment on its bed, and the trains: the fit and the scenes."""
+"""Tests of the paper's experiment on its bed, and of the trains: the fit of friction, and the scenes."""
 
 import json
 import math
@@ -12,10 +12,10 @@ from softcradle.sandbox.studies.experiment import PISTON, PRECOMPRESSION, STIFFN
 
 from softcradle import scenes
 
-GEAR_TRAVEL = 0.083  # [m] of one draft gear; a coupling has two
+GEAR_TRAVEL = 0.083  # Travel [m] of one draft gear. A coupling has two gears.
 
 
-def test_scenes_have_the_fitted_friction_and_a_loss_that_takes_the_energy_and_come_to_rest():
+def test_scenes_of_the_experiment_have_the_fitted_values():
     (fit, _) = experiment.fit_friction(0.5)
     for name, strikers in (("experiment-one-on-three", 1), ("experiment-two-on-two", 2)):
         lane = scenes.load(name).lanes[0]
@@ -27,7 +27,7 @@ def test_scenes_have_the_fitted_friction_and_a_loss_that_takes_the_energy_and_co
         assert experiment.ENERGY_DEFICIT[0] <= lost.energy <= experiment.ENERGY_DEFICIT[1]
         found = simulate(chain, lane.velocity, 1.5)
         assert (found.velocity[-1] == 0.0).all()
-        assert np.ptp(found.position[-1, strikers:]) < 1e-6  # they came to rest together
+        assert np.ptp(found.position[-1, strikers:]) < 1e-6  # The targets came to rest together.
         assert found.absorbed_by_bed[-1] + found.absorbed_by_contacts[-1] == pytest.approx(found.ledger[0], rel=1e-9)
 
 
@@ -44,12 +44,14 @@ def test_draft_gears_of_the_train_have_the_data_of_railways(name):
     assert np.ptp(found.ledger) < 1e-10 * found.ledger[0]
     struck = int(np.argmax(np.diff(lane.velocity) != 0.0))
     peaks = found.force.max(axis=0)
-    assert (np.diff(peaks[struck:]) < 0.0).all()  # the peak force falls from gear to gear along the train
+    assert (np.diff(peaks[struck:]) < 0.0).all()  # The peak force decreases from gear to gear along the train.
     assert (np.diff([intervals[0][0] for intervals in found.contact_intervals[struck:]]) > 0.0).all()
 
 
 def test_caught_pistons_take_energy_and_no_momentum():
-    """20 g take 9.2 % of one on three's energy without a bed: m_p/(m + m_p) at each of two catches."""
+    """Check pistons of 20 g. Without a bed they take 9.2 % of the energy of one on three: m_p/(m + m_p) in each of two
+    catches.
+    """
     setup = Apparatus(STIFFNESS, PRECOMPRESSION, 0.0)
     momentum, energy = piston_deficits(1, 0.5, setup, PISTON, 0.0)
     assert abs(momentum) < 1e-12
@@ -57,12 +59,14 @@ def test_caught_pistons_take_energy_and_no_momentum():
     assert energy == pytest.approx(2.0 * share, rel=0.06)
     moments, lines = (piston_deficits(1, 0.5, setup, 1e-9, window) for window in (0.0, 0.02))
     assert moments == pytest.approx((0.0, 0.0), abs=1e-8)
-    assert lines == pytest.approx(moments, abs=1e-7)  # at the camera's frames, where nothing slows
+    assert lines == pytest.approx(moments, abs=1e-7)  # Measured at the camera's frames. No bed slows the beads.
 
 
 @pytest.mark.usefixtures("one_core")
-def test_the_command_finds_what_friction_and_pistons_explain_and_what_not(softcradle, tmp_path, monkeypatch):
-    """One coefficient gives both momenta but not the energies; with pistons both are those stated. v_c goes as sqrt(k) Delta0."""
+def test_the_experiment_command_reports_fits_and_pistons(softcradle, tmp_path, monkeypatch):
+    """Check the results: one friction coefficient explains both momenta but not the energies, and pistons explain both.
+    v_c is proportional to sqrt(k) Delta0.
+    """
     found = experiment.compute_experiment()
     monkeypatch.setattr(experiment, "compute_experiment", lambda **_: found)
     shown = softcradle("experiment", "-o", str(tmp_path / "x.json")).out
@@ -82,7 +86,7 @@ def test_the_command_finds_what_friction_and_pistons_explain_and_what_not(softcr
         assert experiment.MOMENTUM_DEFICIT[0] <= momentum["value"] <= experiment.MOMENTUM_DEFICIT[1]
         assert experiment.ENERGY_DEFICIT[0] <= energy["value"] <= experiment.ENERGY_DEFICIT[1]
         assert 0.005 < momentum["error"] < 0.02
-        assert pistons[*case, 0.04]["momentum"]["value"] > momentum["value"]  # beads slide on
+        assert pistons[*case, 0.04]["momentum"]["value"] > momentum["value"]  # The beads continue to slide.
     found = printed["critical speeds"]["one on three"]
     parts = 0.5 * experiment.STIFFNESS_ERROR / STIFFNESS, experiment.PRECOMPRESSION_ERROR / PRECOMPRESSION
     assert found["value"] == pytest.approx(1.013, abs=1e-3)

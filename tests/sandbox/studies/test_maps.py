@@ -1,4 +1,4 @@
-"""Maps of rigid-like behaviour: a point is what `simulate` gives, and gears are rigid below the critical speed."""
+"""Tests of maps of rigid-like behaviour: points agree with `simulate`, and gears are rigid below the critical speed."""
 
 import csv
 import itertools
@@ -55,7 +55,9 @@ def test_command_writes_picture_and_numbers(tmp_path, softcradle):
 
 
 def map_with(changes, monkeypatch, *size):
-    """Table and axes of a map whose runs have `changes`, by their number of contacts and whether they go to the end."""
+    """Return table and axes of a map whose runs get `changes`, a function of the number of contacts and of whether the
+    run goes to the end.
+    """
 
     def changed(chain, *arguments, **options):
         found = solve(chain, *arguments, **options)
@@ -68,8 +70,8 @@ def map_with(changes, monkeypatch, *size):
         return table, draw_map(scanned, table).axes[:2]
 
 
-def test_a_point_that_gives_up_is_hatched_and_the_map_complete(monkeypatch):
-    """The longest chains give up before anything has opened."""
+def test_a_point_that_gives_up_is_hatched(monkeypatch):
+    """Let the longest chains give up before a contact has opened."""
     lost = {"status": Status.OUT_OF_STEPS, "contact_intervals": ((),) * 3}
     table, (axes, _) = map_with(lambda contacts, _: lost if contacts == 3 else {}, monkeypatch, 4, 3)
     failed = table["n"] == 3
@@ -82,7 +84,9 @@ def test_a_point_that_gives_up_is_hatched_and_the_map_complete(monkeypatch):
 
 
 def test_the_reason_of_a_hatched_cell_is_that_of_the_run_that_gave_up(monkeypatch):
-    """The run to the end gives up at n = 2, that to the detachment at n = 3; what is undetermined is no reason."""
+    """Let the run to the end fail at n = 2, and the run to the detachment at n = 3. An undetermined run is not a
+    reason.
+    """
     lost = {True: {"status": Status.FAILED}, False: {"status": Status.UNDETERMINED}}
     table, both = map_with(lambda contacts, to_the_end: lost[to_the_end is (contacts == 2)], monkeypatch, 3, 2)
     assert (table["status"] == Status.FAILED).all()
@@ -90,21 +94,21 @@ def test_the_reason_of_a_hatched_cell_is_that_of_the_run_that_gave_up(monkeypatc
 
 
 @pytest.mark.parametrize("name", ["power", "gear"])
-def test_white_cells_mean_spreads_below_a_thousandth_alone(tables, name):
-    """Cells of other spreads are coloured, and those that are unknown are grey below their hatches."""
+def test_only_spreads_below_a_thousandth_are_white(tables, name):
+    """Check that cells with larger spreads are coloured, and that unknown cells are grey below their hatches."""
     scanned, table = tables[name]
     unknown = np.arange(len(table["n"])) % 5 == 2
     table = table | {"status": np.where(unknown, int(Status.FAILED), table["status"])}
     table |= {column: np.where(unknown, np.nan, table[column]) for column in COLUMNS}
     with styled():
         figure = draw_map(scanned, table)
-    assert figure.axes[1].collections[0].colorbar.extend == "both"  # greater spreads than it shows have its last colour
+    assert figure.axes[1].collections[0].colorbar.extend == "both"  # Spreads beyond the scale get its last colour.
     for axes, column in zip(figure.axes, COLUMNS, strict=False):
         cells, spreads = axes.collections[0], table[column].reshape(len(scanned.sizes), -1)
         assert (spreads < 1e-3).any()
         colours, unknown = cells.to_rgba(cells.get_array()), np.isnan(spreads)
         np.testing.assert_array_equal((colours == 1.0).all(axis=2), spreads < 1e-3)
-        assert (colours[unknown, 3] == 0.0).all()  # hatches below them are seen
+        assert (colours[unknown, 3] == 0.0).all()  # The hatches below these cells are visible.
         columns, rows = np.transpose([patch.get_center() for patch in axes.patches])
         hatched = np.rint(rows) - scanned.sizes[0], np.searchsorted(cells.get_coordinates()[0, :, 0], columns) - 1
         np.testing.assert_array_equal(hatched, np.nonzero(unknown))

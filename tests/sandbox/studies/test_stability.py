@@ -1,4 +1,6 @@
-"""The scans of failure: inside its limit a method holds its error; outside it fails as expected, with a warning."""
+"""Tests of the scans of failure: inside its limit, a method keeps its error bound; outside, it fails as expected and
+warns.
+"""
 
 import csv
 import math
@@ -31,7 +33,7 @@ def made_run(spread, energy=0.0, switches=0, fineness=0.1, warned=True):
     ("run", "failure"),
     [
         (made_run(1e-3), None),
-        (made_run(1e-3, switches=1000), None),  # harmless chatter
+        (made_run(1e-3, switches=1000), None),  # Harmless chattering.
         (made_run(0.1, switches=1000), Failure.CHATTER),
         (made_run(0.1), Failure.ERROR),
         (made_run(9.0, energy=9.0, switches=1000), Failure.BLOW_UP),
@@ -43,26 +45,27 @@ def test_how_a_run_fails(run, failure):
     assert run.failure is failure
 
 
-def test_verlet_on_five_very_soft_beads_fails_by_chatter_not_by_blow_up_and_warns():
-    """n = 5, alpha = 0.02: no step is stable, which shows as chatter and a spread of velocities."""
+def test_verlet_on_five_very_soft_beads_chatters_and_warns():
+    """Check n = 5, alpha = 0.02. No step is stable, which causes chattering and a spread of velocities."""
     scan = Scan("soft", "", (5.0,), lambda n: one_on(int(n), power_law(1.0, 0.02)))
     limit = stable_step(scan.chain(5.0), np.eye(1, 6)[0], TRUSTED_ERROR)
     verlet = find_method("verlet")
     coarser, coarse, fine = (scan_run(scan, 5.0, verlet, part * limit) for part in (10.0, 3.0, 1.0 / 30.0))
     for found in (coarser, coarse):
         assert found.failure is Failure.CHATTER
-        assert found.energy < 1.0  # bounded, because the force is
+        assert found.energy < 1.0  # Bounded, because the force is bounded.
     assert all(found.warned for found in (coarser, coarse, fine))
-    assert fine.switches > 200  # finer steps chatter as well, and more often
-    assert math.sqrt(5.0) * fine.spread < TRUSTED_ERROR  # but each changes less, so that no bead is off
+    assert fine.switches > 200  # Finer steps also chatter, and more often.
+    assert math.sqrt(5.0) * fine.spread < TRUSTED_ERROR  # Each chatter changes less, so no bead has a large error.
 
 
 @pytest.mark.parametrize("scan", SCANS, ids=lambda scan: scan.name)
 @pytest.mark.parametrize("method", EXPLICIT)
 def test_inside_the_estimate_the_error_holds(scan, method):
-    """Steps of a third of `stable_step` on every value of a scan: within twice the error that it was asked for.
+    """Take a third of `stable_step` for every value of a scan. The error must be within twice the requested error.
 
-    Each of four contacts may end its chatter anywhere within it: together they err by twice as much in the mean over steps.
+    Each of four contacts can end its chattering at any point of the error range, so the mean error over steps can be
+    twice as large.
     """
     for value in scan.values:
         chain = scan.chain(value)
@@ -74,17 +77,19 @@ def test_inside_the_estimate_the_error_holds(scan, method):
 
 @pytest.mark.parametrize("scan", SCANS, ids=lambda scan: scan.name)
 @pytest.mark.parametrize("method", [*EXPLICIT, "conserving"])
-def test_every_failure_of_a_fixed_step_is_warned_of_and_that_of_conserving_keeps_the_energy(scan, method):
+def test_every_failure_of_a_fixed_step_has_a_warning(scan, method):
     coarse = [step for step in STEPS if step > 0.02]
     found = [one for one in scan_runs(scan, find_method(method), coarse) if one.failure]
     assert found
     assert all(one.warned for one in found)
-    if method == "conserving":  # never chatter, never blow-up
+    if method == "conserving":  # conserving must never chatter or blow up.
         assert all(one.failure is Failure.ERROR and one.final_energy < 1e-10 for one in found)
 
 
 def test_rigid_contacts_of_pymunk_are_no_cradle_of_soft_beads():
-    """The energy of the cradle depends on the step, and one on four has the rigid-like outcome at none."""
+    """Check that the energy of the cradle depends on the step, and that one on four has the rigid-like outcome at no
+    step.
+    """
     coarse, fine = rigid_cradle.remaining_energy(1 / 60), rigid_cradle.remaining_energy(1 / 600)
     assert abs(coarse - 1.0) > 0.03
     assert abs(fine - 1.0) < abs(coarse - 1.0)
@@ -102,7 +107,7 @@ def test_summary_counts_failures_and_names_the_finest():
     assert dict(found.kinds) == {Failure.CHATTER: 1, Failure.ERROR: 1}
 
 
-def test_a_scan_is_written_and_drawn_as_a_map_for_each_method_with_the_limit_on_top(tmp_path, softcradle, monkeypatch):
+def test_a_scan_is_written_and_drawn_as_maps(tmp_path, softcradle, monkeypatch):
     scan = Scan("alpha", "exponent", (0.05, 1.0), next(one for one in SCANS if one.name == "alpha").chain)
     monkeypatch.setattr(failure_scans, "STEPS", (0.01, 0.3))
     monkeypatch.setattr(failure_scans, "TOLERANCES", (1e-3, 1e-2))
@@ -116,7 +121,7 @@ def test_a_scan_is_written_and_drawn_as_a_map_for_each_method_with_the_limit_on_
     found = [one for method in METHODS for one in scan_runs(scan, method)]
     with (tmp_path / "x.csv").open() as file:
         assert [row["failure"] for row in csv.DictReader(file)] == [one.failure or "" for one in found]
-    failure_scans.write_csv(found, tmp_path / "alone.csv")  # runs of a sweep are those of a scan
+    failure_scans.write_csv(found, tmp_path / "alone.csv")  # Runs of a sweep equal those of a scan.
     assert (tmp_path / "alone.csv").read_text() == (tmp_path / "x.csv").read_text()
     with styled():
         details, overview = draw_details(found, [scan]), draw_overview(found, [scan])

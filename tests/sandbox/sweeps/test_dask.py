@@ -1,4 +1,4 @@
-"""A sweep on a real Dask scheduler with real workers: a worker and the scheduler are killed, and it is resumed."""
+"""Tests of a sweep on a real Dask scheduler with workers: a worker and the scheduler are killed, and the sweep resumes."""
 
 import os
 import socket
@@ -14,7 +14,7 @@ from tests.helpers.paths import ROOT
 from tests.helpers.swept import LOG, logged
 
 json_load_robust = pytest.importorskip("distributed.utils").json_load_robust
-# Dask keeps threads and connections, which are cut on purpose; both end with the process.
+# Dask keeps threads and connections, which the test cuts on purpose. Both end with the process.
 pytestmark = [pytest.mark.own_process, pytest.mark.filterwarnings("ignore")]
 
 COUNT = 300
@@ -23,7 +23,7 @@ QUICK = {"COMM__TIMEOUTS__CONNECT": "20s", "SCHEDULER__WORKER_TTL": "120s", "SCH
 
 
 class Cluster:
-    """A scheduler on a port that is free, which it writes into a file, and two workers, each a process."""
+    """A scheduler on a free port, which it writes into a file, and two workers. Each is a process."""
 
     def __init__(self, folder: Path) -> None:
         self._place = folder / "scheduler.json"
@@ -61,7 +61,7 @@ def cluster(tmp_path, monkeypatch):
 
 @pytest.mark.slow
 def test_killed_and_resumed_it_is_equal_bit_for_bit(cluster, tmp_path, caplog):
-    """A worker is killed; then the scheduler with all of them; the same sweep goes on."""
+    """Kill a worker, then the scheduler with all workers, and continue the same sweep."""
     output, log, kept = tmp_path / "swept.zarr", tmp_path / "log", tmp_path / "swept.zarr.partial"
     reached: list[int] = []
 
@@ -96,7 +96,7 @@ def test_no_scheduler_is_told_at_once(tmp_path, monkeypatch):
         address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
         with pytest.raises(StudyError, match=f"no Dask scheduler answers at '{address}'"):
             sweep(logged, POINTS, output=tmp_path / "x.zarr", scheduler=address)
-    monkeypatch.setattr("distributed.Client", None)  # which would end half a minute later, with a traceback
+    monkeypatch.setattr("distributed.Client", None)  # Dask would fail half a minute later, with a traceback.
     with pytest.raises(StudyError, match="no Dask scheduler at 'nonsense': missing port number"):
         sweep(logged, POINTS, output=tmp_path / "x.zarr", scheduler="nonsense")
     assert list(tmp_path.iterdir()) == []

@@ -1,4 +1,6 @@
-"""Sample points: each follows from its number alone, whatever the chunk; SciPy's samples; refusals."""
+"""Tests of sample points: each follows only from its number, for any chunk; agreement with SciPy's samples; error
+messages.
+"""
 
 import pickle
 
@@ -25,14 +27,14 @@ DESIGNS = {
 @pytest.mark.parametrize("points", DESIGNS.values(), ids=DESIGNS)
 def test_chunks_do_not_change_the_points(points):
     whole = points.columns(0, 42)
-    # as after a resumption
+    # Chunks like those after a resumption.
     for begin, end in ((0, 1), (1, 2), (2, 20), (20, 42), (0, 41), (41, 42), (30, 42), (5, 10)):
         chunk = points.columns(begin, end)
         for path, values in whole.items():
             np.testing.assert_array_equal(chunk[path], values[begin:end])
 
 
-def test_a_grid_has_every_combination_the_last_fastest_and_points_far_out_need_no_others():
+def test_a_grid_has_every_combination_in_order():
     columns = DESIGNS["grid"].columns(0, 42)
     expected = [(0.0, y, z) for y in (1, 2, 3) for z in "ab"]
     assert list(zip(columns["x"][:6], columns["y"][:6], columns["z"][:6], strict=True)) == expected
@@ -80,7 +82,7 @@ def at(path):
         (lambda: at("lanes.0.contact.alpha.1"), "there is nothing below 'lanes.0.contact.alpha', which is 0.1"),
     ],
 )
-def test_what_cannot_be_is_refused_in_a_sentence(make, sentence):
+def test_invalid_sample_points_are_rejected(make, sentence):
     with pytest.raises((StudyError, SceneError), match=sentence):
         make()
 
@@ -111,8 +113,10 @@ velocity = [1.0, 0.0, 0.0]
         ({"mass.2": 5.0, "velocity.1": 0.5}, (1.0, 0.5, 0.0, 0.0, 0.0), (1.0, 1.0, 5.0, 1.0, 1.0)),
     ],
 )
-def test_numbers_are_those_of_as_many_beads_as_a_point_has_in_whatever_order(values, velocity, mass):
-    """Two on three of one on four are five beads too, and once only the first of them moved."""
+def test_values_fit_the_number_of_beads_in_any_order(values, velocity, mass):
+    """Check values with other bead numbers. Two on three has five beads like one on four, and only its first bead
+    moved.
+    """
     gap = np.eye(1, len(mass) - 1, values.get("beads.0", 1) - 1)[0]
     chain = Chain(mass, power_law(1.0, values.get("contact.alpha", 0.1)), gap)
     values = {f"lanes.0.{path}": value for path, value in values.items()}
@@ -127,7 +131,7 @@ def test_velocities_of_ones_own_stay_with_their_beads():
 
 @pytest.mark.parametrize("paths", [("lanes.0.mass", "lanes.0.mass.2"), ("lanes.0.mass.*", "lanes.0.mass.2")])
 def test_of_two_values_for_one_number_the_last_counts(paths):
-    """And the numbers of one point are not those of the next."""
+    """Check that the last value counts, and that values of one point do not remain in the next one."""
     points = ScenePoints(SCENE)
     for bead in (5.0, 6.0):
         (found,) = points.starts(dict(zip(paths, (2.0, bead), strict=True)))

@@ -1,4 +1,4 @@
-"""`sweep`: the same Dataset bit for bit by any executor, chunking and resumption; what fails is marked; disks and files."""
+"""Tests of `sweep`: bitwise equal Datasets by any executor, chunks and resumption; marked failures; disks and files."""
 
 import errno
 import os
@@ -42,7 +42,7 @@ ONE_BY_ONE = {"executor": "here", "chunk_seconds": 0.0}
 
 @pytest.fixture(scope="module", autouse=True)
 def _loop_of_zarr(tmp_path_factory):
-    """Zarr keeps a thread with two sockets from its first use on."""
+    """Use Zarr once. From its first use it keeps a thread with two sockets."""
     zarr.create_group(tmp_path_factory.mktemp("zarr"))
 
 
@@ -51,14 +51,14 @@ def alone():
     return sweep(numbers, GRID, executor="here", units={"product": "m"})
 
 
-def test_numbers_stand_where_they_belong_and_a_point_that_fails_is_marked_with_its_reason(alone):
+def test_results_have_their_place_and_failures_their_reason(alone):
     assert alone["product"].dims == ("a", "n")
     np.testing.assert_array_equal(alone["product"][:18], np.outer(A[:18], [1, 2, 3]))
     np.testing.assert_array_equal(alone["powers"].sel(n=3)[4], A[4] ** np.arange(3))
     assert np.isnan(alone["powers"].sel(n=2)[4, 2])
     assert alone["product"].attrs["units"] == "m"
     own = sweep(lambda k: {"contact_time": k}, {"k": [1]}, executor="here", units={"contact_time": "ms"})
-    assert own["contact_time"].attrs == {"units": "ms"}  # not those of the measure of that name
+    assert own["contact_time"].attrs == {"units": "ms"}  # Not the unit of the built-in measure with this name.
     assert {"softcradle", "numpy", "python", "scipy", "source", "study"} <= alone.attrs.keys()
     failed = A > 0.9
     assert (alone["status"].to_numpy() == np.where(failed, PointStatus.REFUSED, PointStatus.DONE)[:, None]).all()
@@ -68,7 +68,7 @@ def test_numbers_stand_where_they_belong_and_a_point_that_fails_is_marked_with_i
     assert alone["status"].attrs["flag_meanings"].split()[PointStatus.REFUSED] == "refused"
 
 
-def test_what_is_no_number_is_marked_and_truth_values_are_kept(tmp_path):
+def test_non_numbers_are_marked_and_booleans_kept(tmp_path):
     found = sweep(lambda k: {"y": [1.0, "one", np.array([1j])][k]}, {"k": range(3)}, executor="here")
     refused = "'y' must be a number or a list of numbers, not "
     assert found["reason"].values.tolist() == ["", f"{refused}'one'", f"{refused}array([0.+1.j])"]
@@ -95,7 +95,9 @@ def test_it_is_equal_however_it_is_computed(kind, output, alone, tmp_path):
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="no signal is blocked there")
 def test_no_process_is_begun_in_the_thread_that_hears_an_interruption(monkeypatch):
-    """It would be left half begun, and tell of that in a traceback; nor does it hear one while it begins."""
+    """Check that no process starts in the main thread. An interruption would leave it half started, with a traceback. A
+    process must also ignore interruptions while it starts.
+    """
     begun, start = [], SpawnProcess.start
 
     def noted(process):
@@ -118,8 +120,8 @@ print(*(found[name].to_numpy().ravel().tolist() for name in ("status", "product"
 
 
 @pytest.mark.slow
-def test_a_point_that_kills_its_process_is_marked_and_the_others_are_found(tmp_path):
-    """ "auto" tries the first points in the process of the caller, and leaves a note that the next start heeds."""
+def test_a_point_that_kills_its_process_is_marked(tmp_path):
+    """Check "auto", which computes the first points in this process and leaves a note for the next start."""
     x, y = (str(tmp_path / name) for name in ("x.nc", "y.nc"))
     options = {"check": False, "timeout": 300, "PYTHONPATH": str(ROOT)}
     died, *others = (python("-c", DEADLY, *words, **options) for words in ((x, "auto"), (x, "auto"), (y, "processes")))
@@ -132,7 +134,7 @@ def test_a_point_that_kills_its_process_is_marked_and_the_others_are_found(tmp_p
 
 @pytest.mark.parametrize("fresh", [True, False])
 @pytest.mark.parametrize("replaced", [[0.7], [0.5, 0.6]], ids=["another study", "the same study"])
-def test_a_sweep_that_begins_afresh_goes_on_before_what_it_replaces(replaced, fresh, tmp_path, monkeypatch, caplog):
+def test_a_fresh_sweep_keeps_the_old_output_until_it_is_done(replaced, fresh, tmp_path, monkeypatch, caplog):
     log = tmp_path / "log"
     monkeypatch.setenv("SWEPT_LOG", str(log))
     stop = Mock(side_effect=[None, KeyboardInterrupt])
@@ -158,7 +160,7 @@ def test_a_dataset_that_cannot_be_written_leaves_the_one_before(tmp_path, monkey
     output = tmp_path / "x.zarr"
     sweep(numbers, {"a": [0.5], "n": [1]}, output=output, executor="here").close()
     new = sweep(numbers, {"a": [0.7], "n": [1]}, executor="here")
-    gone = Mock(side_effect=lambda folder, **_: folder.rmdir())  # leaves nothing to be moved there
+    gone = Mock(side_effect=lambda folder, **_: folder.rmdir())  # It leaves no file that could be moved.
     for written in (Mock(side_effect=OSError(errno.ENOSPC, "full")), gone):
         with monkeypatch.context() as patched:
             patched.setattr(xr.Dataset, "to_zarr", written)
@@ -170,7 +172,7 @@ def test_a_dataset_that_cannot_be_written_leaves_the_one_before(tmp_path, monkey
     assert list(tmp_path.iterdir()) == [output]
 
 
-def test_what_is_no_place_for_an_output_is_refused_before_any_work(tmp_path):
+def test_an_invalid_output_path_is_rejected_early(tmp_path):
     (tmp_path / "x.zarr").touch()
     (tmp_path / "x.nc").mkdir()
     (tmp_path / "link.zarr").symlink_to(tmp_path / "x.nc")
@@ -184,7 +186,7 @@ def test_what_is_no_place_for_an_output_is_refused_before_any_work(tmp_path):
             sweep(lambda a: pytest.fail("computed"), {"a": [1]}, output=tmp_path / name, executor="here", fresh=True)
 
 
-def test_what_an_output_is_a_link_to_is_written(tmp_path):
+def test_an_output_link_is_followed(tmp_path):
     (tmp_path / "far").mkdir()
     for name in ("x.zarr", "x.nc"):
         (tmp_path / name).symlink_to(tmp_path / "far" / name)
@@ -195,19 +197,21 @@ def test_what_an_output_is_a_link_to_is_written(tmp_path):
     assert sorted(path.name for path in (tmp_path / "far").iterdir()) == ["x.nc", "x.zarr"]
 
 
-def test_a_point_of_a_study_that_fails_ends_it_and_is_tried_again(tmp_path):
+def test_a_failed_point_ends_a_study_and_is_repeated(tmp_path):
     kept, points = tmp_path / "kept", grid({"a": [0.5, 0.95], "n": [2]})
     for _ in range(2):
         with pytest.raises(StudyError, match=r"^a 0.95, n 2: a must be at most 0.9, not 0.95; 1 point is kept in"):
             map_points(numbers, points, kept, executor="here", chunk_seconds=0.0)
-    (row,) = map_points(numbers, grid({"a": [0.5], "n": [3]}), kept, executor="here")  # another study begins anew
+    (row,) = map_points(numbers, grid({"a": [0.5], "n": [3]}), kept, executor="here")  # Another study starts again.
     assert (row["product"], partial_folder(kept).is_dir()) == (1.5, True)
     drop_kept(kept)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_points_of_a_study_come_one_by_one_and_unlike_ones_begin_with_processes(monkeypatch):
-    """None of its points is tried in this process first, which would let the other cores wait for the longest."""
+def test_points_of_a_study_arrive_one_by_one(monkeypatch):
+    """Check that no point of a study is tried in this process first. Otherwise the other cores would wait for the
+    slowest point.
+    """
     begun, taken = [], []
     options = {"workers": 2, "chunk_seconds": 0.0, "each": lambda number, row: taken.append((number, row["product"]))}
     monkeypatch.setattr(run_sweep, "processes_or_threads", lambda work, _: begun.append(work) or here(work))
@@ -243,7 +247,7 @@ def test_functions_with_other_values_are_other_studies(make):
 
 
 def test_how_values_came_about_makes_no_other_study(caplog):
-    assert [*{0, 8}] != [*{8, 0}]  # as sets of texts are in no order that another process has
+    assert [*{0, 8}] != [*{8, 0}]  # Like sets of texts, whose order differs between processes.
     assert code_digest({0, 8}) == code_digest({8, 0})
     used = one_on(4, power_law(1.0, 0.5))
     require_computable(used, [1.0] * 5)
@@ -266,7 +270,7 @@ def test_one_sweep_at_a_time(tmp_path):
         Store(tmp_path / "kept", "study")
 
 
-def test_a_full_disk_loses_nothing_and_no_other_study_goes_on(tmp_path, monkeypatch, alone, caplog):
+def test_a_full_disk_loses_no_points(tmp_path, monkeypatch, alone, caplog):
     output = tmp_path / "x.zarr"
     options = {"executor": "here", "output": output, "units": {"product": "m"}}
     full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
@@ -277,7 +281,7 @@ def test_a_full_disk_loses_nothing_and_no_other_study_goes_on(tmp_path, monkeypa
     for over, units in ({"a": [0.1], "n": [1]}, {"product": "m"}), (GRID, {"product": "mm"}):
         with pytest.raises(StudyError, match=r"x.zarr.partial was begun for another study"):
             sweep(numbers, over, executor="here", output=output, units=units)
-    (tmp_path / "x.zarr.partial" / ".2-9.123.part.npz").write_bytes(b"1234")  # a chunk that was cut off
+    (tmp_path / "x.zarr.partial" / ".2-9.123.part.npz").write_bytes(b"1234")  # A chunk whose writing was interrupted.
     begun: list[int] = []
     options["executor"] = "threads"
     with sweep(numbers, GRID, progress=lambda _, done, __: begun.append(done), **options) as found:
@@ -290,7 +294,7 @@ def test_a_full_disk_loses_nothing_and_no_other_study_goes_on(tmp_path, monkeypa
 @pytest.mark.parametrize(
     ("methods", "fineness"), [(["accurate", "auto"], {"tolerance": 1e-3}), (["conserving"], {"step": 1e-3})]
 )
-def test_a_scene_gives_what_simulate_and_the_table_of_its_collision_give(methods, fineness):
+def test_a_swept_scene_agrees_with_simulate(methods, fineness):
     over = {"lanes.0.contact.alpha": [0.5, 1.5], "lanes.0.beads.1": [2, 3], "method": methods}
     (name, value), *_ = fineness.items()
     measures = ["final_velocity", "rigidity", "contact_time", "peak_force", "contact_peak_force"]
@@ -314,7 +318,7 @@ def test_a_scene_gives_what_simulate_and_the_table_of_its_collision_give(methods
     "settings",
     [{"duration": 0.5, "tolerance": 1e-6}, {"duration": 3.0, "method": "verlet", "step": 0.01}, {"tolerance": 1e-3}],
 )
-def test_a_trajectory_is_measured_as_what_it_was_computed_from(settings):
+def test_a_trajectory_is_measured_like_its_scene(settings):
     measures = ["end", "peak_force", "momentum", "energy_inside", "rigidity_at_detachment", "steps"]
     start = one_on(2, power_law(1.0, 1.0)), [1.0, 0.0, 0.0]
     makes = lambda k: simulate(*start, **settings), lambda k: (*start, settings)
@@ -358,10 +362,10 @@ def test_a_measure_that_no_point_has_is_there_without_numbers():
     assert (none["rigidity"].dims, none["contact_turns"].shape) == ((SPEED,), (2, 4))
     assert np.isnan(none["contact_turns"]).all()
     one = sweep("weak-contact", {SPEED: [-1.0]}, ["rigidity", "restitution", "closings"], executor="here")
-    assert np.isnan(one["rigidity"]).values.tolist() == [[True, False]]  # of the lanes
+    assert np.isnan(one["rigidity"]).values.tolist() == [[True, False]]  # Values of the two lanes.
     refused = sweep(lambda k: [k], {"k": [1]}, ["rigidity", "final_velocity"], executor="here")
     assert np.isnan(refused["rigidity"].item())
-    assert "final_velocity" not in refused  # of how many beads, nothing tells
+    assert "final_velocity" not in refused  # The number of beads is unknown.
 
 
 @pytest.mark.parametrize(
@@ -384,7 +388,7 @@ def test_a_measure_that_no_point_has_is_there_without_numbers():
         ("one-on-four", {"lanes.0.beads.1": [4, 4.0, 4]}, {1: "beads[1] must be a whole number, not 4.0"}),
     ],
 )
-def test_every_value_of_a_list_is_checked_as_a_file_is_and_whole_numbers_stay_whole_beside_others(scene, over, wrong):
+def test_every_value_of_a_list_is_checked(scene, over, wrong):
     found = sweep(scene, listed(over), ["end"], executor="here")
     told = {number: f"the scene: lanes[0].{reason}" for number, reason in wrong.items()}
     assert {number: reason for number, reason in enumerate(found["reason"].values) if reason} == told
@@ -413,7 +417,7 @@ def test_every_value_of_a_list_is_checked_as_a_file_is_and_whole_numbers_stay_wh
         ),
     ],
 )
-def test_what_cannot_be_is_refused_before_any_work(arguments, options, sentence, tmp_path, monkeypatch):
+def test_invalid_sweeps_are_rejected_early(arguments, options, sentence, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(ValueError, match=sentence):
         sweep(*arguments, **options)
@@ -430,7 +434,7 @@ def test_an_executor_of_the_caller_is_given_as_much_as_it_has_workers():
 
 
 def test_a_command_that_is_a_package_gets_processes(tmp_path, monkeypatch):
-    """`python -m package` is not begun again in them; what stands in its `__main__` is not there."""
+    """Check `python -m package`. Child processes do not run it again, so they cannot import names of its `__main__`."""
     main = ModuleType("__main__")
     main.__file__, main.__spec__ = str(tmp_path / "__main__.py"), ModuleSpec("package.__main__", None)
     (tmp_path / "__main__.py").write_text("main()")
@@ -484,7 +488,7 @@ SPEED = "lanes.0.velocity.0"
     ],
     ids=["gears, and a mass that cannot be", "motions of several runs", "chains of two shapes", "no blow to measure"],
 )
-def test_points_that_run_side_by_side_have_the_digits_of_those_alone(scene, over, computed_alone, monkeypatch):
+def test_points_computed_together_have_the_same_digits(scene, over, computed_alone, monkeypatch):
     measures = ("final_velocity", "velocity_error", "end", "steps", "evaluations", "rigidity")
     work = sweep_work(scene, grid(over), measures)
     columns = {path: values.tolist() for path, values in work.points.columns(0, work.points.count).items()}
@@ -492,7 +496,9 @@ def test_points_that_run_side_by_side_have_the_digits_of_those_alone(scene, over
     alone, beside = packed(0, [*map(work.outcome, points)]), packed(0, work._at_once(points))
     for name, column in alone.columns.items():
         np.testing.assert_array_equal(beside.columns[name], column, err_msg=name)
-    asked = []  # those of one shape are computed together, whatever stands between them, and alone what cannot be
+    # Points of one shape are computed together, even if other points are between them. Invalid points are computed one
+    # by one.
+    asked = []
     monkeypatch.setattr(Work, "outcome", lambda _, values: asked.append(values))
     work._at_once(points)
     assert len(asked) == computed_alone

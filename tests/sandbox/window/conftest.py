@@ -1,4 +1,6 @@
-"""What all tests of the window share: settings of a first start, and rare collections of garbage, which take half of the time."""
+"""Fixtures for tests of the window: settings of a first start, and fewer garbage collections, which take half of the
+time.
+"""
 
 from collections.abc import Iterator
 
@@ -13,8 +15,8 @@ COLLECT = rarely(collect_garbage)
 
 @pytest.fixture(autouse=True)
 def own_windows(own_folder: None, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Settings of the first start, which keys change, a folder for what is written, and no window that stays open."""
-    if "freed" not in request.node.name:  # but for the tests of the collection itself
+    """Use the settings of a first start and a new folder for written files, and close all windows at the end."""
+    if "freed" not in request.node.name:  # Tests of the garbage collection itself are left out.
         monkeypatch.setattr(app, "collect_garbage", COLLECT)
     yield
     for driver in list(Driver.opened):

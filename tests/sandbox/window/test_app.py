@@ -1,4 +1,4 @@
-"""The application: help, sizes and scales, messages, themes, settings, the end of the loop."""
+"""Tests of the application: help, sizes and scales, messages, themes, settings, the end of the loop."""
 
 import io
 import locale
@@ -26,7 +26,7 @@ from tests.helpers.windows import FRAME, Driver, pressed
 CTRL = pygame.KMOD_CTRL
 
 
-def test_help_covers_the_page_grows_with_the_scale_is_scrolled_and_closed_and_the_loop_ends(driver: Driver) -> None:
+def test_the_help_is_shown_scrolled_and_closed(driver: Driver) -> None:
     def shown() -> dict[str, pygame.Rect]:
         return {one.text: one.rect for one in driver.texts()}
 
@@ -62,7 +62,7 @@ def test_a_tip_goes_when_a_menu_opens_or_its_button_is_pressed(driver: Driver) -
     assert not tips()
     driver.key(pygame.K_ESCAPE)
     driver.click(driver.page.time_controls.buttons["play_pause"].rect.center)
-    driver.app.rebuild()  # as the card at the end does
+    driver.app.rebuild()  # The outcome card at the end also rebuilds the widgets.
     driver.frames(120)
     assert not tips()
 
@@ -71,14 +71,14 @@ def test_the_window_is_resized_and_scaled_and_its_panel_hidden(driver: Driver) -
     for size in ((800, 480), (1280, 720)):
         driver.resize(size)
         assert driver.app.size == size
-    driver.key(pygame.K_F11, times=2)  # the whole screen, and back
+    driver.key(pygame.K_F11, times=2)  # Full screen and back.
     assert driver.app.size == (1280, 720)
     driver.resize((300, 200))
     assert driver.app.size == SMALLEST
     for key in (pygame.K_EQUALS, pygame.K_EQUALS, pygame.K_MINUS, pygame.K_0):
         driver.key(key, CTRL)
     assert driver.app.scale == 1.0
-    assert driver.messages == ["scale 100 %"]  # in place of those before
+    assert driver.messages == ["scale 100 %"]  # It replaces the previous messages.
     wide = driver.page.view.places.lanes[0].width
     driver.key(pygame.K_i)
     assert driver.page.view.places.lanes[0].width > wide
@@ -86,11 +86,11 @@ def test_the_window_is_resized_and_scaled_and_its_panel_hidden(driver: Driver) -
     driver.key(pygame.K_EQUALS, CTRL, times=3)
     assert driver.messages == ["scale 144 %: there is no room for more in this window"]
     driver.close()
-    assert Driver("one-on-four").app.scale == 1.5  # remembered
+    assert Driver("one-on-four").app.scale == 1.5  # The scale is stored in the settings.
 
 
 @pytest.mark.parametrize("form", ["text", "toml", "shared", "dropped"])
-def test_a_scene_is_read_from_standard_input_the_command_line_or_a_drop(form, monkeypatch):
+def test_a_scene_is_read_from_every_source(form, monkeypatch):
     scene = scenes.load("galilean")
     text = scene.to_toml() if form == "toml" else "\n ".join(textwrap.wrap(shared_text(scene)))
     assert len(text) < 2000
@@ -102,7 +102,7 @@ def test_a_scene_is_read_from_standard_input_the_command_line_or_a_drop(form, mo
     assert driver.session.scene == scene
 
 
-def test_the_chooser_of_files_opens_where_the_locale_is_not_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_file_dialog_opens_without_an_installed_locale(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("LC_ALL", "xx_YY")
     used = locale.setlocale(locale.LC_ALL)
     driver = Driver()
@@ -136,9 +136,9 @@ def test_messages_lie_on_neither_plots_nor_beads_nor_controls(start: str, scale:
 @pytest.mark.parametrize(
     ("size", "letters"), [(SMALLEST, "x"), (SMALLEST, "x "), ((850, 500), "x"), ((641, 1400), "x "), ((1280, 720), "x")]
 )
-def test_a_name_of_any_length_is_refused_in_a_message_that_the_window_has_room_for(size, letters: str) -> None:
+def test_a_message_about_a_long_name_fits_the_window(size, letters: str) -> None:
     driver = Driver("one-on-four", size)
-    driver.app.open(letters * 10_000)  # as a text that is no scene and is pasted
+    driver.app.open(letters * 10_000)  # Like a pasted text that is not a scene.
     with patch.object(text, "width", Mock(wraps=text.width)) as measured:
         driver.frames(2)
     assert measured.call_count < 5000
@@ -147,11 +147,11 @@ def test_a_name_of_any_length_is_refused_in_a_message_that_the_window_has_room_f
     assert pygame.Rect((0, 0), size).contains(rect)
 
 
-def test_what_is_shown_is_made_anew_where_something_it_is_made_of_has_changed_and_only_there(driver: Driver) -> None:
+def test_widgets_and_plots_are_rebuilt_only_after_a_change(driver: Driver) -> None:
     view, session = driver.page.view, driver.session
 
     def made() -> tuple[int, int]:
-        """How often widgets, and beads with plots, were made until now."""
+        """Return how often widgets, and beads with plots, were built so far."""
         return driver.app.widgets.version, view.drawn.version
 
     driver.play_to_the_end()
@@ -163,12 +163,13 @@ def test_what_is_shown_is_made_anew_where_something_it_is_made_of_has_changed_an
     driver.frames(2)
     assert made() == begin
     for change, widgets, beads in (
-        (partial(setattr, view, "panel_shown", False), 1, 1),  # beads and plots become wider
+        (partial(setattr, view, "panel_shown", False), 1, 1),  # Beads and plots become wider.
         (view.fit, 0, 1),
-        (partial(driver.page.editor.apply, SetMethod(0, "verlet")), 1, 1),  # the menu; an edit drops later frames
+        # The menu changes, and the edit drops later frames.
+        (partial(driver.page.editor.apply, SetMethod(0, "verlet")), 1, 1),
         (partial(setattr, view, "arrows", "momentum"), 0, 1),
         (partial(setattr, driver.app, "scale", 0.8), 1, 1),
-        (partial(session.scrub_frame, 5), 1, 0),  # before the edit of the method
+        (partial(session.scrub_frame, 5), 1, 0),  # A frame before the change of the method.
     ):
         before = made()
         change()
@@ -176,7 +177,7 @@ def test_what_is_shown_is_made_anew_where_something_it_is_made_of_has_changed_an
         assert made() == (before[0] + widgets, before[1] + beads), change
 
 
-def test_what_is_below_a_dialog_is_dimmed_and_at_rest(driver: Driver) -> None:
+def test_the_page_below_a_dialog_is_dimmed(driver: Driver) -> None:
     def times() -> int:
         return sum(one.text.startswith("t = ") for one in driver.texts())
 
@@ -187,7 +188,7 @@ def test_what_is_below_a_dialog_is_dimmed_and_at_rest(driver: Driver) -> None:
     driver.move(driver.page.board.plots[0].area.center)
     driver.frames(3)
     disabled, bright = button(), brightness(driver)
-    assert times() == 2  # at the pointer, and that of the clock
+    assert times() == 2  # The time at the pointer, and the time of the clock.
     driver.key(pygame.K_w)
     assert times() == 1
     assert brightness(driver) < 0.75 * bright
@@ -241,7 +242,7 @@ def test_settings_that_cannot_be_read_are_the_usual_ones(text: str) -> None:
     assert Settings.load() == Settings()
 
 
-def test_a_window_keeps_what_it_has_changed_and_leaves_what_others_have(tmp_path):
+def test_a_window_saves_only_its_changed_settings(tmp_path):
     files = [tmp_path / name for name in ("one.toml", "other.toml")]
     windows = Settings.load(), Settings.load()
     windows[0].keep(theme="dark")
@@ -269,7 +270,7 @@ def test_the_open_dialog_offers_the_files_of_before(driver: Driver, tmp_path):
 def test_no_widget_of_a_selection_that_is_gone_stays_behind_a_dialog(driver: Driver):
     driver.click(driver.bead(2))
     assert driver.page.inspector.controls
-    # deselects, and asks the question of a lesson
+    # These keys clear the selection and ask the question of a lesson.
     driver.app.frame(FRAME, [*pressed(pygame.K_ESCAPE), *pressed(pygame.K_q)])
     driver.frames(2)
     assert driver.page.editor.selection is None
@@ -290,7 +291,7 @@ def test_a_window_is_no_larger_than_a_desktop_shows(desktop: tuple[int, int], ex
 
 
 def test_a_tick_stands_before_what_was_done_alone(driver: Driver) -> None:
-    driver.key(pygame.K_y)  # nothing is selected
+    driver.key(pygame.K_y)  # Nothing is selected.
     driver.key(pygame.K_z, pygame.KMOD_CTRL)
     assert [one.kind for one in driver.app.messages.visible] == [HINT, HINT]
     driver.select("bead", 1)
@@ -299,5 +300,5 @@ def test_a_tick_stands_before_what_was_done_alone(driver: Driver) -> None:
     assert driver.app.messages.visible[-1].kind == DONE
     assert "undid: bead added" in driver.messages
     driver.app.show_gallery()
-    driver.key(pygame.K_F3)  # whose cards are the same at both levels
+    driver.key(pygame.K_F3)  # The cards of the gallery are the same in both views.
     assert driver.messages[-1] == "Explore: few controls"

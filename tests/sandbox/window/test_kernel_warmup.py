@@ -1,4 +1,4 @@
-"""The warm-up of kernels behind the window."""
+"""Tests of loading kernels in the background of the window."""
 
 import sys
 
@@ -21,8 +21,10 @@ driver.close()
 """
 
 
-def test_all_kernels_are_loaded_jobs_done_between_and_the_last_window_gives_back_the_usual_interval():
-    """Python's own five milliseconds, some ten times a frame, made frames late while modules were imported."""
+def test_warmup_loads_all_kernels_and_restores_the_switch_interval():
+    """Check the switch interval of threads. With Python's default of 5 ms, used about ten times per frame, imports made
+    frames late.
+    """
     usual, warmup, other, done = sys.getswitchinterval(), KernelWarmup(), KernelWarmup(), []
     warmup.start()
     warmup.submit(done.append, lambda: 7)
@@ -38,7 +40,7 @@ def test_all_kernels_are_loaded_jobs_done_between_and_the_last_window_gives_back
     assert all(map(warmup.is_warm, ("conserving", "accurate", "pymunk")))
 
 
-def test_without_machine_code_few_contacts_can_be_moved_and_a_clock_too_fast_pauses(driver, monkeypatch) -> None:
+def test_without_machine_code_only_few_contacts_can_move(driver, monkeypatch) -> None:
     for kernels in TIERS.values():
         monkeypatch.setattr(kernels, "_loaded", False)
     warmup, lanes, time = driver.app.warmup, driver.session.lanes, driver.session.setup.frame_time
@@ -60,7 +62,7 @@ def test_without_machine_code_few_contacts_can_be_moved_and_a_clock_too_fast_pau
 
 
 @pytest.mark.slow
-def test_a_scene_is_played_before_anything_is_compiled_with_the_same_digits(driver, tmp_path):
+def test_plain_python_plays_a_scene_with_the_same_digits(driver, tmp_path):
     drivers = {"SDL_VIDEODRIVER": "dummy", "SDL_AUDIODRIVER": "dummy"}
     plain = python("-c", PLAYED, cwd=ROOT, NUMBA_CACHE_DIR=str(tmp_path), **drivers)
     driver.run(60)

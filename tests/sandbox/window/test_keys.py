@@ -1,4 +1,4 @@
-"""The table of keys, every control without a mouse, and what the window says to a screen reader."""
+"""Tests of the table of keys, of using every control without a mouse, and of the text for a screen reader."""
 
 from unittest.mock import Mock, patch
 
@@ -16,7 +16,7 @@ from softcradle.sandbox.window.widgets import KEYS, REPEAT
 from tests.helpers.windows import FRAME, Driver, pressed
 
 
-def test_every_key_has_one_action_and_every_action_is_offered(driver: Driver) -> None:
+def test_every_key_has_one_action(driver: Driver) -> None:
     keys = [key for binding in bindings() for key in binding.keys]
     assert len(keys) == len(set(keys))
     offered = set(driver.app.actions) | set(driver.page.actions)
@@ -26,7 +26,7 @@ def test_every_key_has_one_action_and_every_action_is_offered(driver: Driver) ->
 
 
 def test_a_key_that_is_held_repeats_only_what_is_gradual(driver: Driver) -> None:
-    """The system sends it again and again, as one that was pressed."""
+    """Hold a key. The system repeats its key-down event."""
 
     def hold(code, times=5):
         driver.app.frame(FRAME, pressed(code, times=times))
@@ -42,7 +42,7 @@ def test_a_key_that_is_held_repeats_only_what_is_gradual(driver: Driver) -> None
     assert len(driver.session.lanes[0].chain.mass) == beads + 1
     driver.click(driver.page.inspector.controls["mass"].entry.rect.center)
     driver.key(pygame.K_RETURN)
-    assert pygame.key.get_repeat() == REPEAT  # also after something was typed
+    assert pygame.key.get_repeat() == REPEAT  # The repeat rate is also restored after typing.
     hold(pygame.K_SPACE, 4)
     assert driver.session.playing
 
@@ -54,7 +54,7 @@ def test_a_key_that_is_held_repeats_only_what_is_gradual(driver: Driver) -> None
         ("larger", [(pygame.K_PLUS, CTRL, "+"), (pygame.K_KP_PLUS, CTRL, "+")]),  # German
         ("smaller", [(pygame.K_KP_MINUS, CTRL, "-"), (pygame.K_MINUS, CTRL, "")]),
         ("faster", [(pygame.K_KP_PLUS, 0, "+")]),
-        ("slower", [(pygame.K_MINUS, SHIFT, "")]),  # on keyboards where the sign needs Shift
+        ("slower", [(pygame.K_MINUS, SHIFT, "")]),  # Keyboards on which the sign needs Shift.
         ("forward", [(pygame.K_SEMICOLON, SHIFT, ".")]),  # French
         ("back", [(pygame.K_COMMA, 0, ",")]),
         ("next_event", [(pygame.K_PERIOD, SHIFT, ">"), (pygame.K_PERIOD, SHIFT, ":")]),  # English, German
@@ -63,7 +63,7 @@ def test_a_key_that_is_held_repeats_only_what_is_gradual(driver: Driver) -> None
         (None, [(pygame.K_QUOTE, SHIFT, "*"), (pygame.K_s, 0, ""), (pygame.K_r, pygame.KMOD_ALT, "")]),
     ],
 )
-def test_a_sign_is_the_same_on_every_keyboard_and_modifiers_distinguish_keys(action, keys):
+def test_keys_work_on_every_keyboard_layout(action, keys):
     assert [action_of(*key) for key in keys] == [action] * len(keys)
 
 
@@ -97,7 +97,7 @@ def test_escape_closes_an_open_list_and_nothing_else(driver: Driver) -> None:
 
 
 @pytest.mark.parametrize("code", LANGUAGES)
-def test_every_group_is_shown_and_every_text_fits_into_its_column(code):
+def test_every_help_text_fits_its_column(code):
     assert sorted(ORDER) == sorted([*groups(), "Mouse"])
     use_language(code)
     bindings = [binding for group in groups().values() for binding in group]
@@ -122,14 +122,14 @@ def test_every_kind_of_control_is_used_by_keys(driver: Driver) -> None:
     assert driver.session.playing
     driver.key(pygame.K_RETURN)
     assert not driver.session.playing
-    driver.key(pygame.K_RIGHT, times=3)  # bead 0, contact 01, bead 1
+    driver.key(pygame.K_RIGHT, times=3)  # Bead 0, contact 01, bead 1.
     focus(driver, lambda one: isinstance(one, UITextEntryLine))
     driver.page.inspector.controls["mass"].entry.set_text("2.5")
     driver.key(pygame.K_RETURN)
     assert driver.session.lanes[0].chain.mass[1] == 2.5
     slider = driver.page.inspector.controls["velocity"].slider
     focus(driver, lambda one: one is slider)
-    driver.key(pygame.K_UP)  # away from its middle, at which a value is 0
+    driver.key(pygame.K_UP)  # Move away from the middle of the slider, which means the value 0.
     for key, by in KEYS.items():
         before, speed = slider.get_current_value(), driver.session.lanes[0].velocity[1]
         driver.key(key)
@@ -144,9 +144,9 @@ def test_every_kind_of_control_is_used_by_keys(driver: Driver) -> None:
 
 
 @pytest.mark.parametrize("name", ["one-on-four", "beads-against-gear", "hanging-cradle"])
-def test_tab_reaches_every_control_which_has_a_name_and_comes_back(name: str) -> None:
+def test_tab_reaches_every_control(name: str) -> None:
     driver = Driver(name)
-    driver.key(pygame.K_RIGHT)  # a bead, with controls of its own
+    driver.key(pygame.K_RIGHT)  # Select a bead, which has its own controls.
     controls, reached = driver.app.focus.controls(), []
     assert len(controls) > 4
     for _ in controls:
@@ -166,7 +166,7 @@ def test_messages_dialogs_and_controls_are_said_once(driver: Driver, monkeypatch
     driver.app.reader = ScreenReader("softcradle")
 
     def said() -> Spoken:
-        """What the tree has that accesskit takes."""
+        """Return the contents of the tree that accesskit gets."""
         update = adapter.update_if_active.call_args.args[0]()
         nodes = dict(update.nodes)
         assert list(nodes[ROOT].children) == [STATUS, CONTROL]

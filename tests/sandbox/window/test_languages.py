@@ -1,4 +1,6 @@
-"""The languages of the window: chosen by the locale or a key, at once and for all that is shown; numbers with their mark."""
+"""Tests of the languages of the window: the locale or a key chooses one, which changes all texts at once, and numbers
+get its decimal mark.
+"""
 
 import re
 from types import SimpleNamespace
@@ -19,21 +21,21 @@ from softcradle.sandbox.window.settings import Settings, system_language
 from tests.helpers.windows import Driver
 
 
-def test_a_key_takes_the_next_language_at_once_and_for_the_next_start(driver: Driver) -> None:
+def test_a_key_changes_the_language(driver: Driver) -> None:
     driver.key(pygame.K_F8)
     assert driver.page.toolbar.buttons["undo"].text == "Rückgängig"
     assert driver.messages == ["Deutsch"]
     assert Settings.load().language == language() == "de"
     assert "One bead on four" not in {one.text for one in driver.texts()}
     driver.app.close()
-    assert language() == "en"  # what the window alone has
+    assert language() == "en"  # Only the window uses the other language.
     again = Driver()
     for code in ("de", "fr", "en"):
         assert language() == code
         again.key(pygame.K_F8)
 
 
-def test_the_locale_chooses_also_where_no_variable_has_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_system_locale_chooses_the_language(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in VARIABLES:
         monkeypatch.delenv(name, raising=False)
     for preferred, code in (([{"language": "ja"}, {"language": "fr"}], "fr"), ([], "en")):
@@ -50,7 +52,7 @@ def german(monkeypatch: pytest.MonkeyPatch) -> Driver:
     return Driver("one-on-four")
 
 
-def test_boxes_take_and_show_the_mark_of_the_language_and_refusals_and_verdicts_follow_it(german: Driver) -> None:
+def test_numbers_and_messages_follow_the_language(german: Driver) -> None:
     german.select("contact", 1)
     assert german.page.inspector.controls["exponent"].entry.get_text() == "0,1"
     german.enter("exponent", "0,25")
@@ -58,11 +60,11 @@ def test_boxes_take_and_show_the_mark_of_the_language_and_refusals_and_verdicts_
     assert german.page.inspector.controls["exponent"].entry.get_text() == "0,25"
     german.enter("loss", "1,5")
     assert german.messages[-1].startswith("der Verlust eines Kontakts muss >= 0 und unter 1 sein, nicht 1,5")
-    assert error_words(ValueError(TWO_WALLS)).startswith("zwei Wände")  # within another message
-    assert german.page.cards.health[0].sentence.endswith("hält seine Fehler klein")
+    assert error_words(ValueError(TWO_WALLS)).startswith("zwei Wände")  # The error message inside another message.
+    assert german.page.cards.health[0].sentence == "Genauigkeit in Ordnung (conserving)"
     german.key(pygame.K_F8)
     german.frames(30)
-    assert german.page.cards.health[0].sentence.endswith("garde ses erreurs petites")
+    assert german.page.cards.health[0].sentence == "précision tenue (conserving)"
 
 
 def test_words_are_taken_in_the_language_and_in_english(german: Driver) -> None:
@@ -76,7 +78,7 @@ def test_words_are_taken_in_the_language_and_in_english(german: Driver) -> None:
 
 
 @pytest.mark.parametrize("code", [code for code in LANGUAGES if code != "en"])
-def test_what_methods_and_choices_are_called_fits_its_place(code: str) -> None:
+def test_names_of_methods_fit_their_place(code: str) -> None:
     translation.use_language(code)
     summaries = [translation.gettext(method.summary) for method in METHODS]
     assert not [text for text in summaries if width(text, 13.0) > page_geometry.PANEL - 24]
@@ -85,7 +87,7 @@ def test_what_methods_and_choices_are_called_fits_its_place(code: str) -> None:
 
 
 def cyrillic(message: str) -> str:
-    """Every letter is moved on to one of Cyrillic; placeholders stay."""
+    """Return the message with each letter replaced by a Cyrillic one. Placeholders stay."""
     return re.sub(r"\{[^{}]*\}|[A-Za-z]", lambda one: one[0] if one[0][1:] else chr(ord(one[0]) + 0x3CF), message)
 
 
@@ -98,17 +100,18 @@ OTHER = SimpleNamespace(
 
 NAMES = {"softcradle", "auto", "SoftChain", "SoftContact", *(method.name.strip("4") for method in METHODS)}
 NAMES |= {language.name for language in LANGUAGES.values()}
-LEAVING = ("quit", "fullscreen", "language", "leave", "paste", "compare")  # actions that leave the page or the language
+# Actions that leave the page or change the language.
+LEAVING = ("quit", "fullscreen", "language", "leave", "paste", "compare")
 
 
 def english_words(text: str) -> list[str]:
-    """Words in English letters, apart from names and paths."""
+    """Return the words in English letters, except names and paths."""
     tokens = [token for token in text.split() if not re.search(r"/|^.?\.\w|\w\.\w", token)]
     return [word for token in tokens for word in re.findall(r"[A-Za-z]{3,}", token) if word not in NAMES]
 
 
 def shown_texts(driver: Driver) -> list[str]:
-    """All that is written, the texts and tooltips of widgets, messages and dialogs."""
+    """Return all drawn texts, and the texts and tooltips of widgets, messages and dialogs."""
     app = driver.app
     found = [one.text for one in driver.texts()] + driver.messages
     managers = [app.manager] + ([app.dialog.manager] if app.dialog is not None and app.dialog.open else [])
@@ -120,7 +123,7 @@ def shown_texts(driver: Driver) -> list[str]:
 
 @pytest.fixture
 def other(monkeypatch: pytest.MonkeyPatch) -> Driver:
-    """The window in a language in which every message differs from the source in each letter."""
+    """Return the window in a language in which every message differs from the source in every letter."""
     monkeypatch.setattr(translation, "catalogue", lambda code: OTHER)
     monkeypatch.setenv("LANGUAGE", "de")
     return Driver()

@@ -1,4 +1,6 @@
-"""The layout: at six sizes and five scales no widget or text of any page leaves the window, lies on another or is clipped."""
+"""Tests of the layout: at six sizes and five scales, no widget or text of a page is clipped, overlaps another or leaves
+the window.
+"""
 
 from types import SimpleNamespace
 
@@ -17,13 +19,14 @@ from tests.helpers.windows import Driver, faults, widget_name, widgets
 pytestmark = pytest.mark.slow
 
 SIZES = ((800, 600), (1000, 600), (1280, 720), (1366, 768), (1920, 1080), (2560, 1440))
-AMID = 60  # frames after which contacts of every scene here push: forces are written, plots have curves
+# Number of frames after which contacts push in every scene used here, so that forces are drawn and plots have curves.
+AMID = 60
 SCALES = (0.8, 1.0, 1.3, 1.5, 2.0)
-# German has the longest words; the smallest size and that of the design are the narrowest.
+# German has the longest words. The smallest size and the design size are the narrowest.
 CASES = [
     *((size, "en", True) for size in SIZES),
     *((size, code, True) for code in ("de", "fr") for size in (SIZES[0], SIZES[2])),
-    # few controls, at true 200 %
+    # Few controls, at a real scale of 200 %.
     *((size, code, False) for code in ("de", "fr") for size in ((1024, 600), (1280, 800))),
 ]
 
@@ -39,7 +42,7 @@ def _select(driver: Driver, pick: Pick | None, plots: bool = False, values: bool
 
 
 def _film(driver: Driver) -> None:
-    """A film of an hour, which writes nothing."""
+    """Simulate a film of an hour, without writing it."""
     _select(driver, None)
     film = driver.page.film
     film.film, film.seconds = SimpleNamespace(free_surface=lambda: pygame.Surface((2, 2)), add=lambda frame: None), 3599
@@ -51,7 +54,7 @@ def _end(driver: Driver) -> None:
     driver.page.outcome.show_outcome()
 
 
-PAGES = {  # the scene that is opened, and what is done there
+PAGES = {  # Scene to open, and actions on its page.
     "gallery": (None, lambda driver: None),
     "scene": ("one-on-four", lambda driver: _select(driver, None)),
     "a bead": ("one-on-four", lambda driver: _select(driver, Pick(0, "bead", 1), plots=True)),
@@ -84,9 +87,10 @@ def faults_of_texts(driver: Driver) -> list[str]:
         return [f"{one.text!r} leaves its box" for one in texts if not box.contains(one.rect)]
     found = [f"{one!r} lies on {other!r}" for one, other in colliding(texts)]
     places = app.page.view.places if hasattr(app.page, "view") else getattr(app.page, "places", None)
-    scrolled = isinstance(app.page, GalleryPage)  # its cards leave the window below
+    scrolled = isinstance(app.page, GalleryPage)  # Cards of the gallery extend below the window.
     for words, rect in texts:
-        shown = rect.inflate(-2, -round(0.3 * rect.height))  # without what a font has above and below its letters
+        # Leave out the space of the font above and below its letters.
+        shown = rect.inflate(-2, -round(0.3 * rect.height))
         if shown.left < 0 or shown.right > window.right or not (scrolled or window.contains(shown)):
             found.append(f"{words!r} leaves the window: {rect}")
         panel = places.panel if places is not None else window
@@ -143,7 +147,7 @@ def test_nothing_overlaps_or_is_cut(size, code, lab, monkeypatch) -> None:
         driver.app.scale = scale
         driver.app.rebuild()
         if driver.app.unit in looked_at:
-            continue  # it is the largest scale that fits, and was looked at
+            continue  # This is the largest scale that fits, and it was checked already.
         looked_at.add(driver.app.unit)
         for name, (start, prepare) in PAGES.items():
             driver.app.show(pages[start])

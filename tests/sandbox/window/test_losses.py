@@ -1,4 +1,6 @@
-"""Nothing is lost: edits are undone and asked for, files are saved and not replaced unasked, drags end, films are written."""
+"""Tests that nothing is lost: undo, questions before edits or files are discarded, drags that end, and films that are
+written.
+"""
 
 import os
 import signal
@@ -31,7 +33,7 @@ def edited(driver: Driver) -> None:
 
 
 @pytest.mark.parametrize("end", ["killed", "crash"])
-def test_a_window_that_ends_offers_its_edits_at_the_next_start_unless_they_are_saved(driver, monkeypatch, end) -> None:
+def test_unsaved_edits_are_offered_at_the_next_start(driver, monkeypatch, end) -> None:
     edited(driver)
     driver.frames(90)
     assert unsaved_paths()
@@ -40,7 +42,7 @@ def test_a_window_that_ends_offers_its_edits_at_the_next_start_unless_they_are_s
     assert not unsaved_paths()
     driver.key(pygame.K_a)
     driver.frames(90)
-    for mass in range(2, 92):  # a slider that is dragged for longer than the file waits
+    for mass in range(2, 92):  # Drag a slider longer than the delay of the file.
         driver.session.apply(SetMass(0, 0, float(mass)), gesture=True)
         driver.frames()
     driver.frames(70)
@@ -67,7 +69,7 @@ def test_a_window_that_ends_offers_its_edits_at_the_next_start_unless_they_are_s
 
 
 def written(number: int) -> UnsavedFile:
-    """The file of a window that has ended, the later the newer."""
+    """Return the file of a window that has ended. A larger number means a newer file."""
     file = UnsavedFile()
     file.write(load("one-on-four").model_copy(update={"title": f"scene {number}"}).to_toml())
     os.utime(file.path, (number, number))
@@ -76,7 +78,7 @@ def written(number: int) -> UnsavedFile:
 
 
 @pytest.mark.parametrize("leave", ["quit", "page", "edit"])
-def test_an_unsaved_scene_that_is_neither_opened_nor_discarded_is_offered_again(leave: str) -> None:
+def test_an_ignored_unsaved_scene_is_offered_again(leave: str) -> None:
     kept = written(1)
     driver = Driver("one-on-four")
     assert driver.app.dialog.title == "An unsaved scene"
@@ -98,16 +100,16 @@ def test_an_unsaved_scene_that_is_neither_opened_nor_discarded_is_offered_again(
     assert again.page.title == "scene 1"
 
 
-def test_of_several_unsaved_scenes_the_newest_is_offered_first_and_one_that_is_no_scene_stays() -> None:
+def test_the_newest_unsaved_scene_is_offered_first() -> None:
     files = [written(number).path for number in (2, 3, 1)]
-    no_scene = settings_path().with_name("unsaved.toml")  # the name that earlier versions gave
+    no_scene = settings_path().with_name("unsaved.toml")  # The file name of earlier versions.
     no_scene.write_text("title =")
     os.utime(no_scene, (0, 0))
     for path in (files[1], files[0], files[2]):
         assert path in unsaved_paths()
         driver = Driver()
         driver.key(pygame.K_RIGHT)
-        driver.key(pygame.K_RETURN)  # Discard it
+        driver.key(pygame.K_RETURN)  # Choose "Discard it".
         driver.close()
         assert path not in unsaved_paths()
     driver = Driver()
@@ -128,13 +130,13 @@ def test_the_edits_of_a_window_that_runs_are_no_other_windows(driver: Driver) ->
     second.app.quit()
     second.close()
     assert unsaved_paths() == [own]
-    driver.app.close()  # as a process that is killed lets go of it
+    driver.app.close()  # Like a killed process, this releases the file.
     found = left_over()
     assert found.path == own
     found.release()
 
 
-def test_buttons_undo_and_redo_a_drag_in_one_step_and_the_motion_stays(driver: Driver) -> None:
+def test_buttons_undo_and_redo_edits(driver: Driver) -> None:
     driver.play(60)
     last, buttons = driver.session.history.last, driver.page.toolbar.buttons
     edited(driver)
@@ -146,7 +148,7 @@ def test_buttons_undo_and_redo_a_drag_in_one_step_and_the_motion_stays(driver: D
     driver.key(pygame.K_z, CTRL | SHIFT)
     assert "nothing to redo" in driver.messages
     slider = driver.page.inspector.controls["mass"].slider.sliding_button.rect
-    driver.pull(slider.center, (slider.centerx - 60, slider.centery))  # a drag is one step
+    driver.pull(slider.center, (slider.centerx - 60, slider.centery))  # A drag is one undo step.
     bead = driver.page.editor.selection.index
     assert driver.session.lanes[0].chain.mass[bead] < 0.5
     driver.key(pygame.K_z, CTRL)
@@ -172,19 +174,19 @@ def test_edits_are_not_lost_unasked(driver: Driver, leave) -> None:
     assert driver.app.page is page
     assert driver.app.running
     assert driver.app.dialog is not None
-    driver.key(pygame.K_ESCAPE)  # stay
+    driver.key(pygame.K_ESCAPE)  # Stay on the page.
     assert driver.app.page is page
     leave(driver)
-    driver.key(pygame.K_RETURN)  # Save ...
+    driver.key(pygame.K_RETURN)  # Choose "Save ...".
     driver.answer("kept")
     assert Path("kept.toml").exists()
     driver.key(pygame.K_ESCAPE)
     assert isinstance(driver.app.page, GalleryPage)
     driver.key(pygame.K_ESCAPE)
-    assert driver.app.running  # Esc does not quit
+    assert driver.app.running  # Esc does not quit.
 
 
-def test_a_file_is_replaced_only_when_asked_for_and_a_folder_of_the_home_is_understood(driver, tmp_path, monkeypatch):
+def test_a_file_is_replaced_only_after_a_question(driver, tmp_path, monkeypatch):
     monkeypatch.setenv("HOME", str(tmp_path))
     driver.page.dialogs.save("save_scene", "~/mine")
     assert driver.messages == ["saved ~/mine.toml"]
@@ -199,13 +201,13 @@ def test_a_file_is_replaced_only_when_asked_for_and_a_folder_of_the_home_is_unde
 
 
 @pytest.mark.parametrize("away", [pygame.WINDOWMINIMIZED, pygame.WINDOWFOCUSLOST, pygame.MOUSEMOTION, pygame.KEYDOWN])
-def test_a_bead_let_go_where_no_event_tells_does_not_stick(driver: Driver, away: int) -> None:
+def test_a_bead_released_without_an_event_is_let_go(driver: Driver, away: int) -> None:
     driver.key(pygame.K_SPACE)
     x, y = driver.bead(4)
     driver.drag((x, y), (x + 60, y))
     assert driver.session.held.lane == 0.0
     if away == pygame.KEYDOWN:
-        driver.key(pygame.K_F7)  # a menu, which takes the release of the button
+        driver.key(pygame.K_F7)  # A menu opens and receives the release of the button.
         driver.release((x + 60, y))
     else:
         driver.post(away, pos=(x, y), rel=(0, 0), buttons=(0, 0, 0))
@@ -214,7 +216,7 @@ def test_a_bead_let_go_where_no_event_tells_does_not_stick(driver: Driver, away:
     assert driver.session.held == NOTHING_HELD
 
 
-def test_nothing_moves_while_minimised_and_a_paused_window_needs_no_frames(driver: Driver) -> None:
+def test_an_inactive_window_does_no_work(driver: Driver) -> None:
     driver.frames(150)
     assert driver.app.still
     driver.run(120)
@@ -240,10 +242,10 @@ def test_a_film_keeps_all_of_a_window_that_is_resized(driver: Driver, tmp_path: 
     assert any("saved" in text and "mine.mp4" in text for text in driver.messages)
     with av.open(str(tmp_path / "mine.mp4")) as film:
         pictures = [frame.to_ndarray(format="rgb24") for frame in film.decode(video=0)]
-    assert 15 <= len(pictures) <= 25  # every other one
+    assert 15 <= len(pictures) <= 25  # The film contains every second frame.
     assert driver.page.film.seconds == pytest.approx(len(pictures) / 30)
     corners = [picture[-20:, -20:] for picture in pictures]
-    assert np.abs(corners[0].astype(int) - corners[-1]).mean() < 20  # the foot of the page is in both
+    assert np.abs(corners[0].astype(int) - corners[-1]).mean() < 20  # Both contain the bottom of the page.
 
 
 @pytest.mark.parametrize("name", ["one-on-four", "hanging-cradle"])
@@ -261,28 +263,28 @@ def test_the_button_of_a_film_says_stop_and_the_time(name: str, monkeypatch: pyt
         room = button.rect.width
         page.film.seconds = 59 * 60 + 59
         driver.frames()
-    assert texts == ["Stop 0:01", "Stop 0:02", "Stop 0:03", "Stop 59:59"]  # drawn once a second
+    assert texts == ["Stop 0:01", "Stop 0:02", "Stop 0:03", "Stop 59:59"]  # The text is drawn once per second.
     assert width(button.text, 13 * driver.app.unit, bold=True) < room == button.rect.width
     driver.click(button.rect.center)
     assert "film" not in page.toolbar.buttons
     page.dialogs.save("film", "second.mp4")
     monkeypatch.setattr(page.film.film, "add", Mock(side_effect=OSError("no room is left")))
-    driver.frames(3)  # the film stops by itself
+    driver.frames(3)  # The film stops by itself.
     assert "film" not in page.toolbar.buttons
     assert "the film stopped: no room is left" in driver.messages
-    assert any("second.mp4" in text for text in driver.messages)  # what there was until then
+    assert any("second.mp4" in text for text in driver.messages)  # The part until then is saved.
     page.dialogs.save("film", "third.mp4")
     driver.frames(10)
-    driver.key(pygame.K_ESCAPE)  # leaving writes it
+    driver.key(pygame.K_ESCAPE)  # Leaving the page writes the film.
     assert Path("third.mp4").exists()
 
 
-@pytest.mark.own_process  # which a signal that nothing takes would end
+@pytest.mark.own_process  # An unhandled signal would end the process.
 @pytest.mark.parametrize("number", [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.slow)])
 def test_a_signal_while_filming_keeps_the_film(driver: Driver, monkeypatch, number: signal.Signals) -> None:
     import av
 
-    edited(driver)  # who closes the window would be asked
+    edited(driver)  # Closing the window normally would ask a question.
     driver.page.dialogs.save("film", "mine.mp4")
     driver.frames(20)
     signals = iter([number] * 9)
@@ -292,7 +294,7 @@ def test_a_signal_while_filming_keeps_the_film(driver: Driver, monkeypatch, numb
         assert sum(1 for _ in film.decode(video=0)) >= 5
 
 
-def test_a_session_is_saved_and_replayed_with_the_same_digits_and_can_be_paused(driver: Driver, tmp_path: Path) -> None:
+def test_a_saved_session_replays_with_the_same_digits(driver: Driver, tmp_path: Path) -> None:
     driver.run(40)
     x, y = driver.bead(4)
     driver.pull((x, y), (x + 80, y), steps=20)
@@ -304,7 +306,7 @@ def test_a_session_is_saved_and_replayed_with_the_same_digits_and_can_be_paused(
     driver.frames(5)
     assert driver.page.clock.activity() == "replaying"
     said = next(one for one in driver.texts() if one.text.startswith("replay, frame"))
-    assert driver.page.view.places.footer.contains(said.rect)  # on no bead and no force
+    assert driver.page.view.places.footer.contains(said.rect)  # The text is not on a bead or a force.
     driver.key(pygame.K_SPACE)
     frame = driver.session.frame
     driver.frames(5)
@@ -313,7 +315,7 @@ def test_a_session_is_saved_and_replayed_with_the_same_digits_and_can_be_paused(
         driver.page.actions[name]()
     assert driver.session.frame == 97
     driver.page.actions["slower"]()
-    driver.run(5)  # from the newest frame on, slower, and a bead is held
+    driver.run(5)  # Continue from the newest frame with slower motion, while a bead is held.
     assert 100 < driver.session.frame < 108
     assert driver.session.held.bead == 4.0
     driver.until(lambda: driver.page.replay.done, most=800)
@@ -328,7 +330,7 @@ def test_a_session_is_saved_and_replayed_with_the_same_digits_and_can_be_paused(
     assert driver.page.clock.note() == (f"replay left at frame {driver.session.frame} of {last}", False)
 
 
-def test_the_history_is_exported_and_a_screenshot_written(driver: Driver, tmp_path, monkeypatch) -> None:
+def test_history_and_screenshot_are_saved(driver: Driver, tmp_path, monkeypatch) -> None:
     driver.run(60)
     driver.page.dialogs.save("export", "motion.csv")
     assert len((tmp_path / "motion.csv").read_text().splitlines()) > 60
@@ -339,13 +341,13 @@ def test_the_history_is_exported_and_a_screenshot_written(driver: Driver, tmp_pa
     assert driver.app.settings.recent == [str(tmp_path / "session.npz")]
     driver.key(pygame.K_p)
     assert pygame.image.load(str(tmp_path / "one-bead-on-four.png")).get_size() == (1280, 720)
-    monkeypatch.setattr(os.path, "expanduser", lambda path: path)  # as for a user without a home folder
+    monkeypatch.setattr(os.path, "expanduser", lambda path: path)  # Like a user without a home folder.
     driver.key(pygame.K_p)
     assert driver.messages[-1] == f"saved {tmp_path / 'one-bead-on-four-2.png'}"
 
 
 @pytest.mark.parametrize(("action", "frames"), [("share_page", 0), ("share_page", 60), ("live_page", 60)])
-def test_what_was_played_is_shared_or_the_experiment_itself(driver: Driver, tmp_path, action: str, frames: int) -> None:
+def test_a_motion_or_an_experiment_is_shared(driver: Driver, tmp_path, action: str, frames: int) -> None:
     driver.session.apply(SetContact(0, 1, power_law(3.0, 0.3)))
     driver.session.step_frames(frames)
     driver.app.act(action)
@@ -360,7 +362,8 @@ def test_what_was_played_is_shared_or_the_experiment_itself(driver: Driver, tmp_
     else:
         recorded = driver.session.trajectory(0)
         assert recorded.time[-1] == driver.session.time > 0.0
-        assert 2 <= lane["recorded"]["rows"] <= recorded.time.size + 2  # and free flight before the start
+        # The samples include free flight before the start.
+        assert 2 <= lane["recorded"]["rows"] <= recorded.time.size + 2
 
 
 def test_a_bad_file_gives_a_message_and_no_crash(driver: Driver, tmp_path) -> None:
@@ -373,7 +376,7 @@ def test_a_bad_file_gives_a_message_and_no_crash(driver: Driver, tmp_path) -> No
         assert driver.app.page is page
         assert name in driver.messages[-1]
         assert driver.app.messages.visible[-1].warning
-    driver = Driver(str(tmp_path / "bad.toml"))  # at once, in the gallery
+    driver = Driver(str(tmp_path / "bad.toml"))  # Opened at the start, in the gallery.
     assert isinstance(driver.app.page, GalleryPage)
     assert any("bad.toml" in text for text in driver.messages)
 
@@ -400,7 +403,7 @@ def test_a_name_that_no_file_can_have_is_refused_in_a_sentence(driver: Driver) -
             assert driver.page is page
 
 
-def test_a_film_that_leaving_the_page_ends_and_files_of_two_rows_are_told_of(tmp_path: Path) -> None:
+def test_saved_files_are_reported(tmp_path: Path) -> None:
     driver = Driver("steel-and-soft")
     driver.run(30)
     driver.page.dialogs.save("export", "motion.csv")

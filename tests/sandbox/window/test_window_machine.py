@@ -1,4 +1,4 @@
-"""The window as a state machine, short runs; one that shrinks what it finds is `python -m tests.helpers.window_machine`."""
+"""Short runs of the window as a state machine. `python -m tests.helpers.window_machine` also shrinks failures."""
 
 import pytest
 from hypothesis import Phase, settings
@@ -9,7 +9,7 @@ from tests.helpers.window_machine import WindowMachine
 
 @pytest.mark.parametrize(("examples", "steps"), [(6, 25), pytest.param(20, 40, marks=pytest.mark.slow)])
 def test_no_order_of_inputs_breaks_the_window(examples: int, steps: int) -> None:
-    """Without shrinking, which takes minutes: the command does that."""
+    """Run without shrinking, which takes minutes. The command does that."""
     phases = (Phase.explicit, Phase.generate)
     wanted = settings(max_examples=examples, stateful_step_count=steps, database=None, phases=phases)
     run_state_machine_as_test(WindowMachine, settings=wanted)

@@ -1,4 +1,6 @@
-"""The claims: verdicts are those of the documentation, and follow from cases and error bars; numbers known from outside."""
+"""Tests of the claims: verdicts agree with the documentation and follow from cases and error bars; numbers known from
+elsewhere.
+"""
 
 import importlib
 import json
@@ -28,7 +30,7 @@ KEPT = ROOT / "docs" / "measured" / "verdicts.md"
 QUICK = ("contact-duration", "draft-gears", "kicked-out", "phi-first")
 NAMES = [claim.name if claim.name in QUICK else pytest.param(claim.name, marks=pytest.mark.slow) for claim in CLAIMS]
 VALUE = re.compile(r"(\S+) ± \S+")
-BAR = re.compile(r"\.? by the bar: .*?(?=\. |$)")  # numbers of many digits
+BAR = re.compile(r"\.? by the bar: .*?(?=\. |$)")  # Numbers with many digits.
 
 
 def rows(text: str) -> dict[str, list[str]]:
@@ -39,7 +41,9 @@ def rows(text: str) -> dict[str, list[str]]:
 @pytest.mark.usefixtures("one_core")
 @pytest.mark.parametrize("name", NAMES)
 def test_the_command_finds_the_verdict_of_the_documentation(name, tmp_path):
-    """By two methods and, at the paper's own case, the independent reference; the numbers to a hundredth."""
+    """Check verdicts by two methods. The independent reference also judges the paper's own case. Numbers must agree to
+    1 %.
+    """
     assert main(["claims", name, "--json", "--markdown", str(tmp_path / "table.md")]) == 0
     row, kept = rows((tmp_path / "table.md").read_text())[name], rows(KEPT.read_text())[name]
     assert [VALUE.sub("", BAR.sub("", cell)) for cell in row] == [VALUE.sub("", BAR.sub("", cell)) for cell in kept]
@@ -86,7 +90,7 @@ def study(*cases):
     return JudgedClaim("name", "statement", "Sec. I", "quantity", "x", "how", "", {"x": 2.0}, cases)
 
 
-def test_error_bars_decide_cases_and_the_failing_one_nearest_to_the_papers_own_is_the_example():
+def test_error_bars_decide_cases():
     assert [case(1.0, *one).side for one in ((0.5, 0.4), (1.0, 0.0))] == [CaseOutcome.HOLDS] * 2
     assert case(1.0, 1.5, 0.4).side is CaseOutcome.FAILS
     undetermined = (0.5, 0.6), (1.5, 0.6), (math.nan, 0.0), (0.5, math.nan)
@@ -124,7 +128,7 @@ def made_claim(measure, **options):
     )  # fmt: skip
 
 
-def test_the_error_bar_is_the_difference_of_two_methods_and_the_reference_widens_it(monkeypatch):
+def test_the_error_bar_covers_methods_and_reference(monkeypatch):
     errors = {MEASURING.method: 0.0, "conserving": 0.1, "scipy": 0.3}
     claim = made_claim(lambda case, solver: case["x"] + errors[solver.method])
     monkeypatch.setattr(catalogue, "CLAIMS", (claim,))
@@ -134,7 +138,7 @@ def test_the_error_bar_is_the_difference_of_two_methods_and_the_reference_widens
     assert [one.side for one in found.cases] == [CaseOutcome.HOLDS, CaseOutcome.HOLDS, CaseOutcome.FAILS]
 
 
-def test_a_case_that_is_not_solved_is_not_determined_and_keeps_its_reason(monkeypatch):
+def test_an_unsolved_case_is_not_determined(monkeypatch):
     def measure(parameters, solver):
         if parameters["x"] == 2.0:
             raise NotSolvedError("too many steps")
@@ -183,7 +187,9 @@ def verdicts(bars, *values):
 
 
 def test_a_verdict_says_how_it_moves_with_the_bar():
-    """At each bar that is named the study says so itself; it holds where no case fails and the paper's own is determined."""
+    """Check that the text agrees with the verdict at each named bar. A claim holds if no case fails and the paper's own
+    case is determined.
+    """
     text, found = verdicts((0.54, 0.6, 0.66, 1.4, 1.6), (0.4,), (0.6, 0.05), (2.0, 0.5))
     assert text == "by the bar: fails beyond below 0.55, holds within from 0.65, holds from 1.5"
     assert found == [Verdict.BEYOND, Verdict.UNDETERMINED, Verdict.WITHIN, Verdict.WITHIN, Verdict.HOLDS]
@@ -209,7 +215,7 @@ def test_a_number_that_is_missed_is_said(softcradle, monkeypatch):
     monkeypatch.setattr(verify, "known_numbers", lambda: [wrong])
     shown = softcradle("verify", code=1).out
     assert "missed" in shown
-    assert "1e-02" in shown  # the bound, of every row
+    assert "1e-02" in shown  # The bound in every row.
     row = json.loads(softcradle("verify", "--json", code=1).out)["numbers"][0]
     assert row["allowed"] == 0.01
     assert row["met"] is False
@@ -217,18 +223,18 @@ def test_a_number_that_is_missed_is_said(softcradle, monkeypatch):
 
 
 def named(kind: str) -> set[str]:
-    """The names in backticks after `kind`, or its plural, up to the next semicolon or cell."""
+    """Return the names in backticks after `kind` or its plural, up to the next semicolon or cell."""
     lists = re.findall(rf"\b{kind}s? ((?:`[^`]+`(?:, | and | to )?)+)", PAGE)
     return {name for text in lists for name in re.findall(r"`([^`]+)`", text)}
 
 
-def test_what_the_page_names_exists_by_the_names_of_a_wheel():
+def test_names_in_the_documentation_exist():
     assert list(rows(KEPT.read_text())) == [claim.name for claim in CLAIMS]
-    assert named("claim") == {claim.name for claim in CLAIMS}  # and none is missing
+    assert named("claim") == {claim.name for claim in CLAIMS}  # No claim is missing.
     assert named("figure") == {figure.name for figure in FIGURES}
     assert named("scene") <= set(scenes.names())
     for path in re.findall(r"`([a-z]+/[\w/]+\.py)`", PAGE):
-        assert path.startswith("tests/")  # what is no test is named as it is imported
+        assert path.startswith("tests/")  # Modules that are not tests are named as they are imported.
         assert (ROOT / path).is_file(), path
     for module in re.findall(r"`(softcradle\.[\w.]+)`", PAGE):
         importlib.import_module(module)

@@ -1,4 +1,6 @@
-"""`softcradle compare`: numbers against the truth, the nearest contact; its report as text, film and in a browser."""
+"""Tests of `softcradle compare`: numbers against reference values, the nearest contact, the report as text, film and
+page.
+"""
 
 import json
 import re
@@ -26,7 +28,7 @@ from tools.browser import Browser, found
 def compared(softcradle):
     def run(*arguments):
         printed, errors = softcradle("compare", *arguments, "--json")
-        assert errors.strip() == ""  # the progress bar of a film leaves an empty line
+        assert errors.strip() == ""  # The progress bar of a film leaves an empty line.
         return json.loads(printed)
 
     return run
@@ -35,7 +37,7 @@ def compared(softcradle):
 PAIR = ["one-on-four", "--contact", "power_law(1,0.1)", "--contact", "draft_gear(5,0.2)"]
 
 
-def test_one_scene_with_contacts_comes_first_equal_contacts_once_and_another_method_is_named(compared):
+def test_sides_of_a_comparison_are_ordered_and_named(compared):
     content, by_step = compared(*PAIR), compared(*PAIR, "--method", "conserving")
     for key in ("name", "contact"):
         assert [side[key] for side in content["sides"]] == ["power_law(1, 0.1)", "draft_gear(5, 0.2)"]
@@ -53,7 +55,7 @@ def test_the_nearest_contact_is_one_more_side(compared, tmp_path):
     content = compared(*arguments)
     names = [side["name"] for side in content["sides"]]
     assert names[:2] == ["draft_gear(770, 0.0177)", "hertz(1e+06)"]
-    assert names[2] == f"nearest: {short_text(content['match']['contact'])}"  # no raw digits in the film
+    assert names[2] == f"nearest: {short_text(content['match']['contact'])}"  # The film shows a rounded number.
     assert content["match"]["near"]
     assert content["match"]["residual"] < 0.05
     given, _, nearest = (side["measures"] for side in content["sides"])
@@ -75,13 +77,13 @@ def test_where_no_contact_is_near_a_sentence_says_so(compared, monkeypatch):
     assert compared("one-on-four", "--match", "outcome")["match"]["distance"] == "outcome"
 
 
-def test_scenes_with_couplers_lanes_and_the_same_scene_twice(compared):
+def test_scenes_of_every_kind_are_compared(compared):
     names = [s["name"] for s in compared("one-on-four", "one-on-four", "two-on-two")["sides"]]
     assert names == ["one-on-four", "one-on-four (2)", "two-on-two"]
     sides = compared("galilean")["sides"]
     assert [s["name"] for s in sides] == ["four on one", "one on four"]
     a, b = (s["measures"] for s in sides)
-    assert a["restitution"] == pytest.approx(b["restitution"], rel=1e-6)  # Galilean invariance
+    assert a["restitution"] == pytest.approx(b["restitution"], rel=1e-6)  # Galilean invariance.
     assert a["peak_force"] == pytest.approx(b["peak_force"], rel=1e-6)
     gears, solid = (side["measures"] for side in compared("train-shunting", "train-solid")["sides"])
     assert solid["peak_force"] > 1.5 * gears["peak_force"]
@@ -106,7 +108,7 @@ def test_page_closes_its_tags_loads_nothing_and_has_every_number(page):
         for value in result.measures.final_velocity:
             assert number_text(value) in text
         assert number_text(result.measures.restitution) in text
-    assert "share of all energy" not in text  # of that at the start, to which a drive may add
+    assert "share of all energy" not in text  # The share refers to the energy at the start, to which a drive may add.
     bars = re.findall(r"<title>0-1 (open|touching) (\S+) to (\S+) ms</title>", text)[:3]
     assert [state for state, *_ in bars] == ["open", "touching", "open"]
     assert bars[0][2] == bars[1][1]
@@ -140,9 +142,9 @@ def test_page_in_a_browser(page, tmp_path):
             rows = [np.interp(moment, result.trajectory.time, column) for column in result.trajectory.velocity.T]
             np.testing.assert_allclose(shown, rows, atol=2e-3)
         times = browser.run("page.charts.map((chart) => chart.timeAt(chart.across(page.source.time)))")
-        assert times == pytest.approx([moment] * 2 * len(results))  # velocities and forces of each lane
+        assert times == pytest.approx([moment] * 2 * len(results))  # Velocities and forces of each lane.
         tables = browser.run("[...document.querySelectorAll('table')].map((t) => t.rows.length)")
-        assert tables == [1 + 13 + 5, 4, 4, 4]  # nobody rings; four velocities and how well they are known
+        assert tables == [1 + 13 + 5, 4, 4, 4]  # No contact rings; there are four velocities and their accuracy.
         fits = "document.documentElement.scrollWidth <= document.documentElement.clientWidth"
         assert browser.run(fits)
         browser.device(390, 844)
@@ -156,7 +158,7 @@ APART = (
 )
 
 
-def test_where_no_side_touches_there_is_no_chart_of_the_law(tmp_path, compared):
+def test_without_contact_there_is_no_chart_of_the_law(tmp_path, compared):
     (tmp_path / "apart.toml").write_text(APART.format(settings=""))
     content = compared(str(tmp_path / "apart.toml"), "--contact", "hertz(10)", "-o", str(tmp_path / "x.html"))
     assert [side["measures"]["peak_force"] for side in content["sides"]] == [0.0, 0.0]
@@ -180,8 +182,10 @@ pull = {law = "draft_gear", stiffness = 10.0, precompression = 0.1, loss = 0.5}
 """
 
 
-def test_charts_of_couplers_show_the_states_and_the_loss_that_tables_have(tmp_path):
-    """Pulled contacts were shown as touching, and pushing ones let go with the loss of the gear that pulls."""
+def test_charts_of_couplers_agree_with_tables(tmp_path):
+    """Check couplers. Pulled contacts were shown as touching, and pushing contacts unloaded with the loss of the
+    pulling gear.
+    """
     path = tmp_path / ("pulled\udcff.toml" if sys.platform == "linux" else "pulled.toml")
     path.write_text(PULLED)
     comparison = comparison_of([str(path), "one-on-four"], [])
@@ -196,7 +200,7 @@ def test_charts_of_couplers_show_the_states_and_the_loss_that_tables_have(tmp_pa
     assert [law.released(d) for d in (1.0, -1.0)] == pytest.approx([0.9 * law.force(1.0), 0.5 * law.force(-1.0)])
 
 
-def test_the_film_is_by_the_method_and_magnification_on_which_all_scenes_agree(tmp_path):
+def test_a_film_uses_the_common_method_and_magnification(tmp_path):
     path = tmp_path / "own.toml"
     path.write_text(APART.format(settings='method = "euler"\nstep = 0.01\nview = {magnify = 50.0}'))
     scene = comparison_of([str(path)], ["hertz(10)"]).as_scene(1.0)
@@ -206,7 +210,7 @@ def test_the_film_is_by_the_method_and_magnification_on_which_all_scenes_agree(t
     assert (scene.method, scene.step, scene.view.magnify) == (None, None, None)
 
 
-def test_a_law_that_the_given_method_takes_and_not_that_of_the_scene_is_compared(tmp_path, compared):
+def test_a_given_method_replaces_that_of_the_scene(tmp_path, compared):
     path, page = tmp_path / "own.toml", tmp_path / "x.html"
     path.write_text(APART.format(settings='method = "yoshida4"\nstep = 0.01'))
     content = compared(str(path), "--contact", "hertz(1, loss=0.1)", "--method", "verlet", "-o", str(page))
@@ -218,7 +222,7 @@ def outputs(folder, *names):
     return [word for name in names for word in ("-o", str(folder / name))]
 
 
-def test_a_film_has_the_given_method_and_when_it_fails_no_file_is_half_written(softcradle, tmp_path, monkeypatch):
+def test_a_failed_film_leaves_no_partial_file(softcradle, tmp_path, monkeypatch):
     rendered = Mock(side_effect=UserError("the film has failed"))
     monkeypatch.setattr("softcradle.sandbox.studies.compare.report.render_scene", rendered)
     (tmp_path / "old.html").write_text("old")
@@ -257,7 +261,7 @@ def test_film_report_and_numbers_in_one_run(softcradle, tmp_path):
     ],
     ids="-".join,
 )
-def test_the_film_begins_near_the_hit_and_no_text_lies_on_another(names, contacts):
+def test_texts_of_a_comparison_film_do_not_overlap(names, contacts):
     comparison, settings = comparison_of(names, contacts), FilmSettings()
     scene, size = comparison.as_scene(2.0), settings.pixels(comparison)
     motions, _ = scene_motions_quietly(scene, 30.0 * scene.view.slow)

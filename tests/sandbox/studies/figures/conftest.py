@@ -1,4 +1,4 @@
-"""The tables of all figures, each computed when a test first asks for it."""
+"""The tables of all figures. Each is computed when a test first needs it."""
 
 from functools import cache
 
@@ -13,10 +13,10 @@ def tables():
 
 
 def columns(table, name, count):
-    """(T, count): the columns of beads 0 to count - 1."""
+    """Return the columns of beads 0 to count - 1, (T, count)."""
     return np.column_stack([table[f"{name}{i}"] for i in range(count)])
 
 
 def forces(table, kind, count=4):
-    """(T, count): the forces of all contacts, of the model or the full equations."""
+    """Return the forces of all contacts, by the model or by the full equations, (T, count)."""
     return np.column_stack([table[f"f{i}{i + 1} {kind}"] for i in range(count)])

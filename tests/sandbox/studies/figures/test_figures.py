@@ -1,4 +1,6 @@
-"""The files of figures are whole and can be read in print; captions of Figs. 1 and 2, App. B and trains agree with tables."""
+"""Tests of figures: complete files, readable in print; captions of Figs. 1 and 2, App. B and of the trains agree with
+the tables.
+"""
 
 from dataclasses import replace
 from unittest.mock import Mock
@@ -19,14 +21,17 @@ from softcradle.sandbox.studies.verify import FINAL
 from tests.helpers.figure_layout import keys_on_curves, unnamed_colours, unreadable
 from tests.sandbox.studies.figures.conftest import columns, forces
 
-# A table of one curve, of two methods, of a mode, and of a coupler; the others in `make test-all`.
+# A table of one curve, of two methods, of a mode, and of a coupler. The other figures are slow tests, run by `make
+# test-all`.
 KINDS = ("2a", "1b", "exchange", "stop")
 NAMES = [one.name if one.name in KINDS else pytest.param(one.name, marks=pytest.mark.slow) for one in FIGURES]
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_files_are_whole_and_a_printed_figure_can_be_read(tables, name, tmp_path):
-    """Every curve is named; no text below 6 points or beyond the edge, none on another one or on a curve, no key on a curve."""
+def test_figure_files_are_complete_and_readable(tables, name, tmp_path):
+    """Check the layout: every curve has a name; no text below 6 points, outside the figure, on other text or on a
+    curve; no key on a curve.
+    """
     (figure,), table = figures_named([name]), tables(name)
     paths = write_figure(replace(figure, table=lambda: table), tmp_path)
     assert [path.suffix for path in paths] == list(SUFFIXES)
@@ -34,7 +39,7 @@ def test_files_are_whole_and_a_printed_figure_can_be_read(tables, name, tmp_path
         assert min(image.size) > 700
         dark = np.asarray(image.convert("L")) < 128
         assert 0.002 < dark.mean() < 0.3
-        assert not dark[[0, -1]].any()  # nothing is cut off at the edges
+        assert not dark[[0, -1]].any()  # Nothing is cut off at the edges.
         assert not dark[:, [0, -1]].any()
     assert paths[1].read_bytes().startswith(b"%PDF")
     header, _, rows = paths[2].read_text(encoding="utf-8").partition("\n")
@@ -48,15 +53,16 @@ def test_files_are_whole_and_a_printed_figure_can_be_read(tables, name, tmp_path
     assert not [axes for axes in picture.axes if axes.xaxis_inverted() or axes.yaxis_inverted()]
     width, height = picture.get_size_inches() * 25.4
     assert width <= 178.0 + 1e-9
-    assert height <= 240.0  # of the page
+    assert height <= 240.0  # Height of the page [mm].
 
 
-def test_the_command_lists_all_and_does_not_compute_again_what_is_kept(tables, tmp_path, monkeypatch, softcradle):
-    listed = " ".join(softcradle("figures", "--list").out.split())  # long captions go on in the next line
+def test_the_figures_command_reuses_stored_tables(tables, tmp_path, monkeypatch, softcradle):
+    listed = " ".join(softcradle("figures", "--list").out.split())  # Long captions continue in the next line.
     assert all(figure.caption in listed for figure in FIGURES)
     stop = Mock(side_effect=[None, KeyboardInterrupt])
     wanted, folder = figures_named(["2a", "exchange", "2a"]), tmp_path / "new" / "folder"
-    expected = [[*tables(figure.name).items()] for figure in wanted]  # before one can no longer be computed
+    # Compute it before one of the tables can no longer be computed.
+    expected = [[*tables(figure.name).items()] for figure in wanted]
     with filled_folder(folder), pytest.raises(KeyboardInterrupt):
         list(compute_tables(wanted, folder / KEPT, stop, 1))
     again = [replace(wanted[0], table=lambda: pytest.fail("computed again")), wanted[1]]
@@ -67,10 +73,10 @@ def test_the_command_lists_all_and_does_not_compute_again_what_is_kept(tables, t
     assert written == [f"figure-{name}{suffix}" for name in ("2a", "exchange") for suffix in sorted(SUFFIXES)]
 
 
-def test_1_beads_stay_in_order_and_v1_deviates_less_at_the_smaller_alpha(tables):
+def test_figure_1_shows_ordered_beads_and_a_smaller_deviation_of_v1(tables):
     table = tables("1b")
     positions = columns(table, "x", 5)
-    assert (np.diff(positions, axis=1) > 0.0).all()  # x0 ... x4 from bottom to top
+    assert (np.diff(positions, axis=1) > 0.0).all()  # x0 ... x4 from bottom to top.
     before = table["t"] <= 0.0
     np.testing.assert_array_equal(positions[before, 1:], positions[:1, 1:].repeat(before.sum(), axis=0))
     behind = []
@@ -104,8 +110,8 @@ def test_2c_a_thousandth_but_for_the_last_part(tables):
     assert np.abs(table["f12"]).max() < 1e-3
     early = table["t"] < 0.97 * table["t"][-1]
     assert np.abs(table["f01"][early]).max() < 1e-3
-    assert (table["f01"] < 1e-8).all()  # the model's striker pushes longer
-    assert (np.diff(np.sign(table["f12"])) != 0).sum() == 1  # from - to +
+    assert (table["f01"] < 1e-8).all()  # The striker of the model pushes longer.
+    assert (np.diff(np.sign(table["f12"])) != 0).sum() == 1  # From - to +.
     assert table["f12"][0] < 0.0 < table["f12"][-1]
 
 
@@ -115,15 +121,17 @@ def test_2d_rises_as_powers(tables):
     assert (np.diff(full, axis=1) < 0.0).all()
     np.testing.assert_allclose(model[:, 0], full[:, 0], rtol=1e-4)
     np.testing.assert_allclose(model[:, 1], full[:, 1], rtol=3e-3)
-    first = slice(0, 41)  # two decades
+    first = slice(0, 41)  # Two decades.
     for i, power in enumerate((0.1, 0.21)):
         slope = np.polyfit(np.log(table["t"][first]), np.log(full[first, i]), 1)[0]
         assert slope == pytest.approx(power, abs=2e-3)
 
 
 @pytest.mark.slow
-def test_b_is_small_and_its_sign_change_of_small_clusters_is_real(tables):
-    """The sign change near the end at (1/10, 3) is no artefact: the inner contact opens before the striker leaves."""
+def test_the_discrepancy_of_appendix_b_is_small(tables):
+    """Check the sign change near the end at (1/10, 3). It is real, because the inner contact opens before the striker
+    leaves.
+    """
     assert np.nanmax(np.abs(rows_where(tables("B"), alpha=1 / 14)["discrepancy"])) < 0.13
     curve = rows_where(tables("B"), n=3, alpha=1 / 10, i=2)
     late = curve["fraction of contact"] > 0.97
@@ -132,10 +140,12 @@ def test_b_is_small_and_its_sign_change_of_small_clusters_is_real(tables):
     assert opening_time(3, 1 / 10, contact=1) < opening_time(3, 1 / 10, contact=0)
 
 
-def test_the_stop_multiplies_the_force_where_the_gear_is_full_and_stiffness_of_wagons_matters_there(tables):
-    """Wagons that give take a twentieth of the force below, a sixth above: the figure says so, and so do the docs."""
+def test_the_solid_stop_multiplies_the_force(tables):
+    """Check the share of force that elastic wagons take: a twentieth below the stop and a sixth above, as the figure
+    and the docs say.
+    """
     endless, rigid, elastic = (rows_where(tables("stop"), train=number) for number in range(3))
-    below = endless["speed"] < 2.54  # [m/s] at which one wagon on ten presses the first gear in by its whole travel
+    below = endless["speed"] < 2.54  # Speed [m/s] at which one wagon on ten uses the whole travel of the first gear.
     np.testing.assert_allclose(rigid["force"][below], endless["force"][below], rtol=1e-6)
     assert rigid["force"][-1] > 2.3 * endless["force"][-1]
     less = 1.0 - elastic["force"] / rigid["force"]
@@ -143,11 +153,11 @@ def test_the_stop_multiplies_the_force_where_the_gear_is_full_and_stiffness_of_w
     assert less[~below] == pytest.approx(0.175, abs=0.015)
 
 
-def test_a_blow_has_in_train_forces_that_gears_absorb_and_wagons_start_one_after_another(tables):
+def test_trains_have_in_train_forces_and_start_in_turn(tables):
     assert tables("train")["five on ten: force 5-6"].max() == pytest.approx(1335.0, rel=0.02)
     assert (tables("train")["one on ten: absorbed by gears"] >= -1e-9).all()
     table = tables("starting")
     wagons = [name for name in table if name not in ("t", "locomotive")]
     starts = [table["t"][np.argmax(table[name] > 0.01)] for name in wagons]
     np.testing.assert_allclose(np.diff(starts), 0.175, atol=0.075)
-    assert np.ptp([table[name][-1] for name in table if name != "t"]) < 1e-3  # in the end all have one velocity
+    assert np.ptp([table[name][-1] for name in table if name != "t"]) < 1e-3  # At the end all have the same velocity.

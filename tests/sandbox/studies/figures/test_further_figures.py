@@ -1,4 +1,4 @@
-"""What the captions of the other figures say is seen in their tables: limits, scans, variants, trains."""
+"""Tests of the other figures: their tables agree with their captions. They show limits, scans, variants and trains."""
 
 import numpy as np
 import pytest
@@ -9,15 +9,15 @@ from softcradle.scenes import load
 
 from tests.sandbox.studies.figures.conftest import columns, forces
 
-pytestmark = pytest.mark.slow  # tables of seconds to a minute
+pytestmark = pytest.mark.slow  # The tables take seconds to a minute.
 
 
-# of 1/alpha: lines between samples so near to each other miss velocities by less than 0.005, half a line where curves
-# jag; in steps of 0.4 they miss more
+# Step of 1/alpha. Lines between samples this close miss velocities by less than 0.005, half a line width where curves
+# are jagged. With steps of 0.4 they miss more.
 DENSE = 0.11
 
 
-def test_spread_vanishes_with_alpha_and_says_how_well_it_is_known(tables):
+def test_the_spread_vanishes_with_alpha(tables):
     for n in rigidity.SPREAD_SIZES:
         points = rows_where(tables("spread"), n=n)
         assert points["spread"][-1] > 0.5
@@ -47,26 +47,27 @@ def test_limits_of_small_alpha(tables):
         assert (np.diff(points["max psi"]) < 0.0).all()
         assert points["contact time"][-1] == pytest.approx(scaling.contact_time_limit(n), rel=0.02)
         assert np.isfinite(points["contact time"]).all()
-        assert 0.1 < points["max psi"][-1] / scaling.psi_limit(n, 1 / 200) < 10.0  # over dozens of decades
+        # Over the sizes, psi itself varies by dozens of orders of magnitude.
+        assert 0.1 < points["max psi"][-1] / scaling.psi_limit(n, 1 / 200) < 10.0
         response = points["response time"] * np.sqrt(points["alpha"]) * (n / (n - 1)) ** (0.5 / points["alpha"])
         assert response[-2] == pytest.approx(response[-1], rel=0.05)
 
 
-def test_in_train_forces_grow_with_the_blow_and_fall_along_the_train(tables):
+def test_in_train_forces_decrease_along_the_train(tables):
     table, coupling = tables("envelopes"), load(train.SOLID).lanes[0].chain().contact[0]
     for number, (struck, last) in enumerate(((1, 10), (5, 14))):
         blows = rows_where(table, train=number, coupling=struck)
         assert (np.diff(blows["force"]) > 0.0).all()
-        assert (blows["travel"] <= 1e3 * coupling.travel).sum() == 5  # up to 2.5 m/s
+        assert (blows["travel"] <= 1e3 * coupling.travel).sum() == 5  # Up to 2.5 m/s.
         for speed in train.SPEEDS:
             behind = rows_where(table, train=number, speed=speed)["force"][struck - 1 : last]
             assert (np.diff(behind) <= 1e-9).all()
-    # below the preload a gear only touches
+    # Below the preload a gear only touches.
     forces = np.maximum(coupling.preload, coupling.force(1e-3 * table["travel"]))
     np.testing.assert_allclose(np.maximum(table["force"], 1e-3 * coupling.preload), 1e-3 * forces, rtol=5e-3)
 
 
-def test_driven_cluster_oscillates_about_the_uniform_acceleration_as_the_model_does(tables):
+def test_a_driven_cluster_oscillates_like_the_model(tables):
     table = tables("driven")
     np.testing.assert_allclose(table["V"], DRIVE / wave.SHOWN_BEADS * table["t"], atol=1e-9)
     psi, model = table["psi full"], table["psi model"]
@@ -74,7 +75,8 @@ def test_driven_cluster_oscillates_about_the_uniform_acceleration_as_the_model_d
     assert (np.diff(np.sign(np.diff(psi))) < 0).sum() == wave.PERIODS
     beads = np.column_stack([table[f"v{i} - V"] for i in (1, 2, 3, 4)])
     np.testing.assert_allclose(beads.sum(axis=1), 0.0, atol=1e-9)
-    assert np.ptp(beads[:, 1:], axis=1).max() < 0.1 * np.ptp(beads[:, 0])  # beads 2 to 4 move as one against the first
+    # Beads 2 to 4 move together relative to the first bead.
+    assert np.ptp(beads[:, 1:], axis=1).max() < 0.1 * np.ptp(beads[:, 0])
     table = tables("driven-scan")
     np.testing.assert_allclose(table["period full"], table["period model"], rtol=0.06)
     np.testing.assert_allclose(table["amplitude full"], table["amplitude model"], rtol=0.03)
@@ -83,7 +85,7 @@ def test_driven_cluster_oscillates_about_the_uniform_acceleration_as_the_model_d
     assert own["psi at the fifth return"] < 2e-5
 
 
-def test_spreads_collapse_and_the_threshold_falls_with_the_logarithm(tables):
+def test_spreads_collapse_onto_one_curve(tables):
     table = tables("collapse")
     thresholds = {n: scaling.threshold(table, n, "n alpha") for n in scaling.COLLAPSE_SIZES}
     assert (np.diff(list(thresholds.values())) < 0.0).all()
@@ -106,14 +108,15 @@ def test_the_softer_the_slower_the_gear_that_does_the_same(tables):
     at_tenth = int(np.argmin(np.abs(four["alpha"] - 0.1)))
     assert four["V over v_c"][at_tenth] == pytest.approx(1.26, abs=0.08)
     assert np.nanmax(table["apart"]) < 0.07
-    assert np.nanmax(table["V over v_c"]) < coupler.RATIOS[-1]  # what is nearest there may not be the nearest
+    # At the end of the range, the best ratio may lie outside it.
+    assert np.nanmax(table["V over v_c"]) < coupler.RATIOS[-1]
 
 
-def test_disorder_breaks_the_cradle_and_clusters_with_weak_contacts(tables):
+def test_disorder_breaks_the_cradle_and_weak_clusters(tables):
     table = tables("disorder")
     load, spreads = disorder.loads_and_spreads(table, disorder.SOFT)
-    assert spreads[load < 0.84].max() < 0.01  # contacts that are strong enough: rigid-like
-    assert spreads[load > 1.0].min() > 0.1  # and that are not
+    assert spreads[load < 0.84].max() < 0.01  # Contacts that are strong enough: rigid-like.
+    assert spreads[load > 1.0].min() > 0.1  # Contacts that are too weak.
     assert disorder.loads_and_spreads(table, disorder.CRADLE)[1].min() > 0.5
     homogeneous = rows_where(table, kind=disorder.CRADLE, chain=0)["v"]
     last = [rows_where(table, kind=disorder.CRADLE, chain=k)["v"][-1] for k in range(1, disorder.CHAINS + 1)]
@@ -121,7 +124,7 @@ def test_disorder_breaks_the_cradle_and_clusters_with_weak_contacts(tables):
     assert np.std(last) > 0.1
 
 
-def test_the_model_follows_cluster_on_cluster_and_a_hooke_interface_which_opens_last(tables):
+def test_the_model_follows_cluster_on_cluster(tables):
     both = variant.STRIKERS + variant.TARGETS - 1
     for name, count, begin, end, apart in (("clusters", both, 0.1, 3.7, 0.01), ("interface", 4, 0.2, 2.2, 0.02)):
         table = tables(name)
@@ -132,14 +135,14 @@ def test_the_model_follows_cluster_on_cluster_and_a_hooke_interface_which_opens_
     assert table["t"][table["f12 full"] > 0.0][-1] < table["t"][table["f01 full"] > 0.0][-1]
 
 
-def test_evanescent_clusters_have_no_waves_springs_fast_and_prestressed_ones_slow_waves(tables):
+def test_only_evanescent_clusters_carry_no_waves(tables):
     table = tables("roads")
     turns = {kind: (np.diff(np.sign(np.diff(table[f"f23 {kind}"]))) != 0).sum() for kind in wave.STRUCK_CLUSTERS}
     assert turns["soft"] <= 2
     assert turns["springs"] > 10
     assert turns["prestressed"] > 4
     for kind, prestress in (("springs", wave.SPRING_PRESTRESS), ("prestressed", wave.SOFT_PRESTRESS)):
-        assert all((table[f"f{i}{i + 1} {kind}"] > -prestress).all() for i in (1, 2, 3))  # no contact ever opens
+        assert all((table[f"f{i}{i + 1} {kind}"] > -prestress).all() for i in (1, 2, 3))  # No contact ever opens.
     late = table["t springs"] > 2.0
     assert np.column_stack([table[f"v{i} springs"][late].mean() for i in range(1, 5)]) == pytest.approx(0.4, abs=0.02)
 

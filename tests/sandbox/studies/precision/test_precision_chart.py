@@ -1,4 +1,6 @@
-"""The work-precision chart: what is measured of solvers, ours and peers, its picture, and the command that makes it."""
+"""Tests of the work-precision chart: measured points of our solvers and of peers, its picture, and the command that
+draws it.
+"""
 
 import csv
 import math
@@ -51,8 +53,8 @@ def test_every_method_has_a_solver(case):
         assert peer_solvers(taken) == []
 
 
-def test_errors_are_distances_from_the_truth_and_average_over_the_start_phase(case):
-    truth = next(truth for truth in ELASTIC if truth.name == "one on 4, alpha 1/10")  # in quadruple precision
+def test_errors_are_averaged_over_the_start_phase(case):
+    truth = next(truth for truth in ELASTIC if truth.name == "one on 4, alpha 1/10")  # Solution in quadruple precision.
     assert (case.truth == truth.final).all()
     assert case.uncertainty == 0.0
     assert case.error(case.truth + np.array([0, 0, 1e-3, 0, 0])) == pytest.approx(1e-3)
@@ -60,7 +62,7 @@ def test_errors_are_distances_from_the_truth_and_average_over_the_start_phase(ca
     solver, steps = our_solver(case, "verlet", 120.0), 120.0
     (point,) = measure_series(case, solver, limits=SHORT_LIMITS).points
     errors = [case.error(solver.run(steps, start, NO_SAMPLES).velocity) for start in solver.starts(case, steps)]
-    assert np.ptp(errors) > 0.1 * point.error  # the error at one phase alone is a matter of chance
+    assert np.ptp(errors) > 0.1 * point.error  # The error at a single phase of the start is a matter of chance.
     assert point.error == pytest.approx(np.sqrt(np.mean(np.square(errors))))
     assert point.evaluations == pytest.approx(120, abs=3)
 
@@ -76,7 +78,7 @@ def test_forces_and_overlaps_have_errors_of_their_own(case, quantity):
     assert 0.002 < error_of(pulled, quantity, off) <= 0.0101
 
 
-def test_a_series_ends_at_its_time_limit_and_a_case_shares_its_time_among_its_solvers(case, monkeypatch):
+def test_series_and_cases_keep_their_time_limits(case, monkeypatch):
     solver = our_solver(case, "verlet")
     found = measure_series(case, solver, limits=TimeLimits(run=1e-4, series=10.0))
     assert found.out_of_time
@@ -88,10 +90,10 @@ def test_a_series_ends_at_its_time_limit_and_a_case_shares_its_time_among_its_so
     monkeypatch.setattr(measurement, "measure_series", lambda *a: shares.append(a[3].series) or made)
     measurement.measure_case(case, [solver] * 4, limits=TimeLimits(1.0, 10.0, 8.0))
     assert shares[0] == pytest.approx(2.0)
-    assert shares[-1] == pytest.approx(8.0, abs=0.5)  # what the others have not used
+    assert shares[-1] == pytest.approx(8.0, abs=0.5)  # It gets the time that the others have not used.
 
 
-def test_a_peer_that_raises_has_given_up_and_a_method_of_ours_has_a_bug(case, tmp_path):
+def test_a_peer_that_raises_has_given_up(case, tmp_path):
     broken = Mock(side_effect=ValueError("array must not contain infs or NaNs"))
     (series,) = measurement.measure_case(case, [Solver("peer", "", (1e-2, 1e-3), broken)], limits=SHORT_LIMITS)
     assert all(point.error == math.inf for point in series.points)
@@ -105,7 +107,7 @@ def test_a_peer_that_raises_has_given_up_and_a_method_of_ours_has_a_bug(case, tm
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["one-on-5", "hertz-100", "gear-above"])
 def test_every_truth_is_from_outside(name):
-    """Two of our own methods are as near as they say."""
+    """Compare the reference solutions with two of our methods, within their estimated errors."""
     solved, ours = DEFINITIONS[name].solve(), DEFINITIONS[name].solve(by_reference=False)
     assert 0.0 < solved.uncertainty < 1e-10
     assert "scipy at" in solved.source
@@ -113,7 +115,7 @@ def test_every_truth_is_from_outside(name):
 
 
 @pytest.mark.parametrize("name", ["one-on-10", "gear-below", "step-force"])
-def test_extended_precision_and_closed_forms_are_what_radau_finds(name):
+def test_radau_agrees_with_extended_precision(name):
     solved = DEFINITIONS[name].solve()
     found = simulate(solved.chain, solved.velocity, method="radau", tolerance=1e-11)
     exact = "exact" in solved.source
@@ -130,15 +132,16 @@ def test_an_earlier_start_ends_the_same(case):
         assert found.contact_intervals[0][0][0] == pytest.approx(start.early, abs=1e-12)
     verlet = our_solver(case, "verlet")
     first, second = (verlet.run(30000.0, start, case.sample_times) for start in case.starts([0.0, 0.25]))
-    assert np.median(np.abs(first.force - second.force)) < 1e-3  # samples are as much later
+    assert np.median(np.abs(first.force - second.force)) < 1e-3  # The samples are shifted by the same time.
     assert error_of(case, "forces", second) < 0.02
-    velocity = np.array([1.0, 0.0, 0.1])  # it cannot begin earlier
+    velocity = np.array([1.0, 0.0, 0.1])  # These beads cannot start earlier.
     parting = CaseDefinition("parting", "parting", lambda: one_on(2, power_law(1.0, 0.1)), velocity=velocity)
     solved = parting.solve(by_reference=False)
-    assert 0.0 < solved.uncertainty < 1e-10  # two ways to the truth agree
+    assert 0.0 < solved.uncertainty < 1e-10  # Two ways to the reference solution agree.
     assert f"radau at {TRUTH_TOLERANCE:g}" in solved.source
     assert len(solved.starts([0.1, 0.2])) == 1
-    for chain in (SLIDING, PUSHED, BRAKED, PULLED):  # nor where it would not be in free flight until then
+    # The same holds for chains that would not be in free flight before.
+    for chain in (SLIDING, PUSHED, BRAKED, PULLED):
         acted_on = replace(case, chain=chain, velocity=np.eye(1, chain.contacts + 1)[0])
         assert len(acted_on.starts([0.1, 0.2])) == 1
 
@@ -164,10 +167,10 @@ needs_numba = pytest.mark.skipif(
 
 
 @needs_numba
-def test_peers_integrate_unlike_laws_masses_and_drives_too(monkeypatch):
+def test_peers_integrate_mixed_chains(monkeypatch):
     monkeypatch.setattr(
         "softcradle.sandbox.studies.precision.peers.integrators.TIME_LIMIT", np.inf
-    )  # a second, which is short beside other work
+    )  # Remove the limit of one second, which is too short on a busy machine.
     contacts = [power_law(1.0, 0.1), hertz(2.0), power_law(3.0, 1.0)]
     chain = Chain([1, 2, 0.5, np.inf], contacts, 0.0, [0.5, 0, 0.25, 0])
     unlike = CaseDefinition("unlike", "unlike", lambda: chain, 1.0, velocity=np.array([1.0, 0.5, 0.3, 0.0])).solve()
@@ -185,14 +188,15 @@ def test_verlet_by_hand_is_verlet(case):
     assert found == pytest.approx(our_solver(case, "verlet").run(500.0, start, NO_SAMPLES).velocity, abs=1e-12)
 
 
-# CyRK compiles for half a minute, in `make bench` alone; Radau of SciPy reaches no small error in its time
+# CyRK compiles for half a minute and runs only in `make bench`. Radau of SciPy does not reach a small error in the time
+# limit.
 @needs_numba
 @pytest.mark.parametrize("peer", [peer for peer in PEERS if peer.name != "CyRK"], ids=lambda peer: peer.name)
 def test_an_installed_peer_reaches_the_truth(case, peer, monkeypatch):
     pytest.importorskip(peer.package)
     monkeypatch.setattr(
         "softcradle.sandbox.studies.precision.peers.integrators.TIME_LIMIT", np.inf
-    )  # a second, which is short beside other work
+    )  # Remove the limit of one second, which is too short on a busy machine.
     solver = next(solver for solver in peer.solvers(case)[::-1] if solver.name != "SciPy Radau")
     fineness = 30000.0 if solver.steps else 1e-12 if solver.name == "CVODE BDF" else 1e-10
     start = case.starts([0.0])[0]
@@ -219,7 +223,7 @@ def test_missing_peers_are_left_out(monkeypatch):
     assert peer_solvers(SimpleNamespace(chain=one_on(2, hertz(1.0)))) == []
 
 
-def test_labels_and_where_it_was_measured_can_be_read_in_a_chart_and_methods_differ_without_colour(case):
+def test_labels_and_stamp_of_a_chart_are_readable(case):
     ends = [(1e-5 if k % 2 else 1e-7, 2e-3) for k in range(24)]
     series = [made_series(f"method {k}", k < 9, (1e-2, 1e-4), (1e-5, 1e-3), end) for k, end in enumerate(ends)]
     stamp = measurement.machine_stamp(["no such package"])
@@ -234,7 +238,7 @@ def test_labels_and_where_it_was_measured_can_be_read_in_a_chart_and_methods_dif
         (shown,) = [text for text in picture.texts if text.get_gid() == "stamp"]
         place = shown.get_window_extent()
     labels = [box for text, box in zip(texts, boxes, strict=True) if text.get_gid() == "label"]
-    assert [box.count_overlaps(labels) for box in labels] == [1] * 2 * len(series)  # with itself
+    assert [box.count_overlaps(labels) for box in labels] == [1] * 2 * len(series)  # Each label overlaps only itself.
     assert max(box.x1 for box in labels) < picture.bbox.x1
     assert shown.get_text() == stamp
     assert place.count_overlaps(boxes) == 0
@@ -244,7 +248,7 @@ def test_labels_and_where_it_was_measured_can_be_read_in_a_chart_and_methods_dif
     assert len(styles) == len(series)
 
 
-def test_the_command_draws_a_scene_of_your_own_and_lists_the_cases(tmp_path, monkeypatch, softcradle):
+def test_the_chart_command_accepts_scene_files(tmp_path, monkeypatch, softcradle):
     monkeypatch.setattr(measurement.measure_case, "__defaults__", ("velocities", SHORT_LIMITS, lambda _: None))
     picture = tmp_path / "chart.png"
     printed = softcradle("chart", "one-on-four", "--ours", "--csv", "-o", str(picture)).out
@@ -260,7 +264,7 @@ def test_the_command_draws_a_scene_of_your_own_and_lists_the_cases(tmp_path, mon
     assert all(name in printed for name in DEFINITIONS)
 
 
-def test_points_count_that_no_other_beats_and_not_by_chance_and_an_order_needs_three_of_them():
+def test_only_best_points_count_for_orders():
     series = made_series("x", True, (1e-7, 1e-3), (1e-2, 2e-3), (1e-6, 3e-3), (1e-8, 4e-3))
     assert fastest([series], 1e-6) is series.points[2]
     assert fastest([series], 1e-9) is None

@@ -1,4 +1,4 @@
-"""The gallery, driven by mouse and keys, and the memory of pages that were left."""
+"""Tests of the gallery with mouse and keys, and of the memory of pages that were left."""
 
 import weakref
 from unittest.mock import Mock
@@ -21,20 +21,23 @@ def gallery() -> Driver:
     return Driver()
 
 
-def test_the_card_on_which_a_click_begins_and_ends_is_opened_and_what_is_left_is_freed(gallery, monkeypatch) -> None:
-    """They refer to each other in cycles and hold their surfaces: some 100 MB in an hour of use."""
+def test_a_clicked_card_opens_and_the_old_page_is_freed(gallery, monkeypatch) -> None:
+    """Check memory: pages and widgets refer to each other in cycles and hold their surfaces, about 100 MB in an hour of
+    use.
+    """
     page = gallery.app.page
     gallery.pull(page.grid.place(0).center, page.grid.place(1).center)
-    gallery.click((page.grid.place(0).centerx, 8))  # the header
+    gallery.click((page.grid.place(0).centerx, 8))  # Click on the header.
     assert gallery.app.page is page
     page.grid.scroll_by(page.grid.place(4).top - page.grid.place(0).top)
-    gallery.click((page.grid.place(0).centerx, round(90 * page.host.unit)))  # a card that is scrolled below the header
+    # Click on a card that is scrolled below the header.
+    gallery.click((page.grid.place(0).centerx, round(90 * page.host.unit)))
     assert gallery.app.page is page
     page.grid.scroll = 0.0
     gallery.click(page.grid.place(1).center)
     assert gallery.page.title == page.scenes[page.names[1]].title
     old_page = weakref.ref(gallery.page)
-    # systems that cannot trim the heap say so in different ways
+    # Systems that cannot trim the heap raise different errors.
     for action, refusal in (("larger", AttributeError), ("smaller", TypeError), ("larger", OSError)):
         monkeypatch.setattr("ctypes.CDLL", Mock(side_effect=refusal))
         old_widget = weakref.ref(next(iter(gallery.page.time_controls.buttons.values())))
@@ -46,8 +49,10 @@ def test_the_card_on_which_a_click_begins_and_ends_is_opened_and_what_is_left_is
     assert old_page() is None
 
 
-def test_every_scene_has_a_picture_at_once_a_section_and_whole_words_in_every_language(gallery: Driver) -> None:
-    """What is ours of a scene stands at the end of its source, of which no list is cut: "launch speed and loss ours"."""
+def test_every_scene_has_a_complete_card_in_every_language(gallery: Driver) -> None:
+    """Check that no list in a source is cut. Its end names what this project added, for example "launch speed and loss
+    ours".
+    """
     page = gallery.app.page
     assert not page.moving
     listed = [name for section in SECTIONS for name in section.names]
@@ -67,7 +72,8 @@ def test_every_scene_has_a_picture_at_once_a_section_and_whole_words_in_every_la
                 title, text, source = page.captions[name]
                 assert " ".join(words).startswith(title), (code, title)
                 said = " ".join(words).removeprefix(title).strip()
-                ends = (".",) if code == "en" and k < 4 else (".", "?", "…")  # of some scenes one sentence is too long
+                # In some scenes, one sentence is too long.
+                ends = (".",) if code == "en" and k < 4 else (".", "?", "…")
                 assert said.endswith(ends), (code, said)
                 assert text.startswith(said.removesuffix("…")), (code, text, said)
                 assert source.startswith(shown), (code, source, shown)
@@ -75,7 +81,7 @@ def test_every_scene_has_a_picture_at_once_a_section_and_whole_words_in_every_la
                 assert rest == "" or rest[0] == ";" or ";" not in shown.removesuffix(";"), (code, source, shown)
 
 
-def test_shipped_pictures_are_those_that_are_drawn_now_of_motions_that_hold_no_window_up() -> None:
+def test_shipped_thumbnails_are_up_to_date() -> None:
     for name in scenes.names():
         scene = scenes.load(name)
         motions = motions_ahead(scene, MOST_AT_ONCE)
@@ -83,7 +89,7 @@ def test_shipped_pictures_are_those_that_are_drawn_now_of_motions_that_hold_no_w
             use_theme(theme)
             drawn, shipped = thumbnails.paint(scene, motions), thumbnails.shipped(name, theme)
             one, other = (pygame.surfarray.array3d(picture).astype(float) for picture in (drawn, shipped))
-            assert np.abs(one - other).mean() < 1.0, (name, theme)  # of 255
+            assert np.abs(one - other).mean() < 1.0, (name, theme)  # Mean colour difference, on a scale from 0 to 255.
 
 
 def searched(gallery: Driver, words: str) -> tuple[str, ...]:
@@ -92,7 +98,7 @@ def searched(gallery: Driver, words: str) -> tuple[str, ...]:
     return gallery.app.page.names
 
 
-def test_a_search_finds_scenes_by_words_and_enter_opens_the_first(gallery: Driver) -> None:
+def test_the_gallery_search_finds_scenes(gallery: Driver) -> None:
     page = gallery.app.page
     count = len(page.names)
     trains = {f"train-{kind}" for kind in ("braking", "cut", "shunting", "solid", "starting")}
@@ -107,12 +113,13 @@ def test_a_search_finds_scenes_by_words_and_enter_opens_the_first(gallery: Drive
     assert len(page.names) == count
     assert searched(gallery, "qqq") == ()
     gallery.key(pygame.K_RETURN)
-    assert searched(gallery, "newton")[:3] == ("hertz-cradle", "steel-and-soft", "hanging-cradle")  # in its place
+    # Their order is the same as in the gallery.
+    assert searched(gallery, "newton")[:3] == ("hertz-cradle", "steel-and-soft", "hanging-cradle")
     gallery.key(pygame.K_RETURN)
     assert gallery.page.title == "Newton's cradle: steel balls"
 
 
-def test_pictures_with_english_numbers_are_drawn_anew_in_another_language_and_kept(gallery: Driver) -> None:
+def test_thumbnails_with_numbers_are_drawn_for_each_language(gallery: Driver) -> None:
     page = gallery.app.page
     page.scenes = {name: page.scenes[name] for name in ("one-on-four", "mixed")}
     gallery.app.act("language")
@@ -134,7 +141,7 @@ def test_scenes_of_ones_own_have_cards_below_the_first(gallery: Driver, tmp_path
     assert gallery.app.page.names[4] == str(tmp_path / "mine.toml")
     assert "Mine" in [one.text for one in gallery.texts()]
     (tmp_path / "mine.toml").write_text(scenes.load("one-on-ten").model_copy(update={"title": "Again"}).to_toml())
-    gallery.app.rebuild()  # while the first picture may still be drawn
+    gallery.app.rebuild()  # The first picture may still be in progress.
     page = gallery.app.page
     gallery.until(lambda: not page.moving)
     assert "Again" in [one.text for one in gallery.texts()]
@@ -143,13 +150,14 @@ def test_scenes_of_ones_own_have_cards_below_the_first(gallery: Driver, tmp_path
     gallery.app.rebuild()
     (tmp_path / "mine.toml").unlink()
     gallery.app.rebuild()
-    gallery.app.warmup.submit(lambda _: done.append(True), lambda: None)  # after the picture that nobody waits for
+    # This job runs after the picture that is no longer needed.
+    gallery.app.warmup.submit(lambda _: done.append(True), lambda: None)
     done: list[bool] = []
     gallery.until(lambda: done)
     assert set(page.pictures) == set(page.names)
 
 
-def test_a_scene_whose_motion_cannot_be_had_is_shown_as_it_begins_and_the_page_rests(gallery: Driver, tmp_path) -> None:
+def test_a_scene_without_a_motion_is_shown_at_its_start(gallery: Driver, tmp_path) -> None:
     page, scene = gallery.app.page, scenes.load("mixed").model_copy(update={"method": "conserving", "step": 1e-9})
     (tmp_path / "mine.toml").write_text(scene.to_toml())
     gallery.app.settings.remember(tmp_path / "mine.toml")
@@ -160,7 +168,7 @@ def test_a_scene_whose_motion_cannot_be_had_is_shown_as_it_begins_and_the_page_r
     assert thumbnails.load(scene, "light") is None, "it is no picture of the motion"
 
 
-def test_keys_and_the_bar_scroll_to_every_card_and_it_stays_where_it_was(gallery: Driver) -> None:
+def test_keys_and_bar_scroll_to_every_card(gallery: Driver) -> None:
     page = gallery.app.page
     gallery.key(pygame.K_END)
     last, scroll = len(page.names) - 1, page.grid.scroll
@@ -182,7 +190,7 @@ def test_keys_and_the_bar_scroll_to_every_card_and_it_stays_where_it_was(gallery
     assert page.grid.place(last).bottom <= gallery.app.size[1]
 
 
-def test_thumbnails_of_others_have_other_files_and_a_cache_that_cannot_be_written_is_no_error(tmp_path, monkeypatch):
+def test_each_scene_and_theme_has_its_own_thumbnail(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("in the way")
     monkeypatch.setenv("SOFTCRADLE_CACHE", str(tmp_path / "file" / "cache"))
     scene = scenes.load("one-on-four")

@@ -1,4 +1,4 @@
-"""The hanging cradle: its energy, its motion, what it says of both, and its page."""
+"""Tests of the hanging cradle: its energy, its motion, its texts and its page."""
 
 import pygame
 from softcradle.sandbox.draw.palette import bead_colours
@@ -13,8 +13,10 @@ def advance(model: HangingModel, seconds: float) -> None:
         model.advance()
 
 
-def test_soft_balls_gain_no_energy_and_of_a_small_exponent_swing_off_nearly_as_one_body():
-    """Shortly after the first impact the four balls that were hit move alike; of steel balls only the last moves."""
+def test_soft_balls_swing_off_nearly_as_one_body():
+    """Check the velocities after the first impact: four soft balls move together. With steel balls, only the last one
+    moves.
+    """
     spreads = {}
     for law in LAWS:
         model = HangingModel(law)
@@ -27,12 +29,12 @@ def test_soft_balls_gain_no_energy_and_of_a_small_exponent_swing_off_nearly_as_o
     assert spreads["soft, alpha 1/14"] < 0.5 * spreads["steel balls (Hertz)"]
 
 
-def test_the_hanging_page_numbers_balls_as_beads_and_is_driven_by_mouse_menus_and_keys():
+def test_the_hanging_page_works_by_mouse_menus_and_keys():
     driver = Driver("hanging-cradle")
     page, pixels = driver.app.page, pygame.surfarray.array3d(driver.app.surface).astype(int)
     for number, (place, colour) in enumerate(zip(page.model.cradles[0].places(), bead_colours(5), strict=True)):
         x, y = map(round, to_screen(page.pictures[0], place))
-        # not the picture of its neighbour in another colour: the number is light on dark, or dark on light
+        # The picture differs from a bead of another colour, because the number is light on dark or dark on light.
         assert (abs(pixels[x - 7 : x + 7, y - 7 : y + 7] - colour).sum(axis=2) > 150).any(), number
     driver.run(30)
     assert page.model.time > 0.4
@@ -43,7 +45,7 @@ def test_the_hanging_page_numbers_balls_as_beads_and_is_driven_by_mouse_menus_an
     driver.release(ball)
     driver.key(pygame.K_MINUS)
     assert page.time_controls.slow == 2.0
-    driver.key(pygame.K_F7)  # a menu of which nothing is here
+    driver.key(pygame.K_F7)  # This menu has no items on this page.
     assert driver.app.dialog is None
     driver.key(pygame.K_PERIOD)
     assert not page.playing
@@ -56,7 +58,7 @@ def test_the_hanging_page_numbers_balls_as_beads_and_is_driven_by_mouse_menus_an
     assert driver.app.page is driver.app.gallery
 
 
-def test_what_is_said_of_the_energy_is_what_became_of_it():
+def test_the_verdict_of_the_cradle_follows_its_energy():
     kept, lost = HangingModel("steel balls (Hertz)", rate=240), HangingModel("steel balls (Hertz)", rate=60)
     for model in (kept, lost):
         advance(model, 4.0)
@@ -68,7 +70,7 @@ def test_what_is_said_of_the_energy_is_what_became_of_it():
     assert "more steps" in other.sentence
 
 
-def test_balls_that_have_passed_each_other_are_a_fault_and_a_copy_of_a_held_one_is_free():
+def test_balls_that_passed_each_other_are_a_fault():
     model = HangingModel("soft, alpha 1/14")
     advance(model, 0.1)
     assert model.cradles[0].verdict().level == "good"
@@ -77,7 +79,7 @@ def test_balls_that_have_passed_each_other_are_a_fault_and_a_copy_of_a_held_one_
         model.advance()
     copied = model.copy()
     model.release()
-    model = model.copy()  # which begins without what the joints remember, as the other
+    model = model.copy()  # The copy starts without the memory of the joints, like the other copy.
     for one in (model, copied):
         advance(one, 0.5)
     assert state(copied) == state(model)
@@ -92,18 +94,18 @@ def state(model: HangingModel) -> list[object]:
     return [model.time, model.law, moving, [cradle.energy() for cradle in model.cradles]]
 
 
-def test_throws_choices_and_restarts_are_undone_to_the_last_digit():
+def test_actions_on_the_hanging_page_are_undone_exactly():
     driver = Driver("hanging-cradle")
     page = driver.app.page
     driver.play(70)
     before, expected = state(page.model), page.model.copy()
     advance(expected, 0.5)
     ball = to_screen(page.pictures[0], page.model.cradles[0].places()[4])
-    driver.click(ball)  # which moves nothing: no step
+    driver.click(ball)  # The click moves nothing, so it is not an undo step.
     driver.pull(ball, (ball[0] + 60, ball[1] - 40), steps=5)
     driver.frames(20)
     driver.key(pygame.K_SPACE)
-    driver.key(pygame.K_r, times=2)  # of which the second changes nothing: no step
+    driver.key(pygame.K_r, times=2)  # The second press changes nothing, so it is not an undo step.
     driver.choose(page.menus["law"], "draft gear")
     for _ in range(3):
         assert state(page.model) != before
@@ -116,7 +118,7 @@ def test_throws_choices_and_restarts_are_undone_to_the_last_digit():
     assert driver.messages == ["nothing to undo"]
 
 
-def test_the_fastest_motion_takes_no_more_of_a_picture_than_its_budget_and_is_said_to_be_late():
+def test_the_fastest_motion_stays_within_the_frame_budget():
     driver = Driver("hanging-cradle")
     page = driver.app.page
     advance = page.model.advance

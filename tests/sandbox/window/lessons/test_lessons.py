@@ -1,4 +1,4 @@
-"""The lessons: predicted, run, and answered by what was measured."""
+"""Tests of the lessons: a prediction, a run, and an answer from measured values."""
 
 import pygame
 import pytest
@@ -24,9 +24,9 @@ def test_the_answer_is_that_of_an_accurate_run(lesson, answer):
 
 
 def answered(driver: Driver, choice: int) -> str:
-    """What is said of a lesson after that choice."""
+    """Return the text of a lesson after this choice."""
     driver.key(pygame.K_q)
-    assert driver.app.dialog.focus == -1  # no choice is marked
+    assert driver.app.dialog.focus == -1  # No choice is marked.
     driver.key(pygame.K_RETURN)
     assert driver.app.dialog.open
     driver.key(pygame.K_DOWN, times=choice)
@@ -38,7 +38,7 @@ def answered(driver: Driver, choice: int) -> str:
     return f"{title}. {note}"
 
 
-def test_a_lesson_is_predicted_run_and_answered_with_a_reason_and_in_an_edited_scene_in_words(driver: Driver) -> None:
+def test_a_lesson_is_predicted_run_and_answered(driver: Driver) -> None:
     said = answered(driver, 1)
     assert said.startswith("Not as you predicted. What happened:")
     assert "half as hard" in said
@@ -53,7 +53,7 @@ def test_a_lesson_is_predicted_run_and_answered_with_a_reason_and_in_an_edited_s
 def test_a_lesson_whose_choices_are_all_wrong_is_answered_in_words() -> None:
     driver = Driver("locked-pistons")
     driver.select("contact", 1)
-    driver.key(pygame.K_l, pygame.KMOD_SHIFT)  # now no row leaves together
+    driver.key(pygame.K_l, pygame.KMOD_SHIFT)  # Now the beads leave together in neither row.
     assert answered(driver, 3).startswith("What happened. You predicted: in both. What happened: ")
 
 
@@ -77,20 +77,20 @@ def test_a_scene_without_lessons_names_those_that_have_some() -> None:
 
 
 @pytest.mark.parametrize("lab", [False, True], ids=["explore", "lab"])
-def test_the_text_of_a_scene_is_read_after_its_question_and_not_said_of_an_edited_one(lab: bool) -> None:
+def test_the_text_of_a_scene_appears_after_its_question(lab: bool) -> None:
     driver = Driver("one-on-four", lab=lab)
     assert "What leaves on the right?" in driver.said()
-    assert "solid" not in driver.said()
+    assert "rigid-like" not in driver.said()
     driver.key(pygame.K_SPACE)
     driver.until(lambda: driver.page.lessons.answered)
-    assert "solid" in driver.said()
+    assert "rigid-like" in driver.said()
     driver.key(pygame.K_r)
-    assert "solid" in driver.said()  # it is known by now
+    assert "rigid-like" in driver.said()  # The answer is known by now.
     before = driver.page.view.backdrop.version
     driver.page.editor.apply(SetVelocity(0, 0, 0.7))
     driver.frames(2)
     assert driver.page.view.backdrop.version == before + 1
-    assert "solid" not in driver.said()
+    assert "rigid-like" not in driver.said()
     assert "You have changed this scene" in driver.said()
 
 
@@ -99,7 +99,7 @@ def test_the_text_of_a_scene_is_read_after_its_question_and_not_said_of_an_edite
     [("duration = 0.5", "drive = [1.0, 0, 0]"), ('text = "They go."', "friction = 0.3")],
     ids=["goes on", "rests"],
 )
-def test_a_question_is_answered_where_no_motion_parts_the_beads_for_good(tmp_path, last, more) -> None:
+def test_a_question_is_answered_if_the_beads_never_separate(tmp_path, last, more) -> None:
     lane = f'[[lanes]]\nvelocity = [1.0, 0, 0]\ncontact = {{law = "power_law", f0 = 9.0, alpha = 0.1}}\n{more}'
     file = tmp_path / "asked.toml"
     file.write_text(f'title = "T"\nquestion = "Who goes?"\n{last}\n{lane}')
@@ -114,7 +114,7 @@ def test_a_question_is_answered_where_no_motion_parts_the_beads_for_good(tmp_pat
     assert driver.session.time == pytest.approx(0.5, abs=0.02) if lane.chain.driven else not lane.velocity.any()
 
 
-def test_words_and_a_question_of_ones_own_are_in_the_scene_the_window_the_film_and_the_page(driver, tmp_path) -> None:
+def test_texts_of_a_user_appear_in_all_outputs(driver, tmp_path) -> None:
     driver.click(driver.bead(1))
     driver.key(pygame.K_a)
     driver.session.step_frames(100)
@@ -126,7 +126,8 @@ def test_words_and_a_question_of_ones_own_are_in_the_scene_the_window_the_film_a
     scene = driver.session.scene
     assert (scene.title, scene.text) == ("Five at rest", "They all go.")
     assert (scene.question, scene.lanes[0].label) == ("Who goes?", "my row")
-    assert (driver.session.lanes[0].chain.contacts, driver.session.frame) == (5, 100)  # with the edit, and where it was
+    # The edit and the present frame are kept.
+    assert (driver.session.lanes[0].chain.contacts, driver.session.frame) == (5, 100)
     assert driver.page.unsaved
     driver.key(pygame.K_z, pygame.KMOD_CTRL)
     assert (driver.session.scene.title, driver.session.frame) == ("One bead on four", 100)
@@ -135,7 +136,7 @@ def test_words_and_a_question_of_ones_own_are_in_the_scene_the_window_the_film_a
     assert driver.session.scene == scene
     driver.page.dialogs.save("save_scene", "mine")
     assert scenes.load(str(tmp_path / "mine.toml")) == scene
-    driver.key(pygame.K_ESCAPE)  # nothing is selected
+    driver.key(pygame.K_ESCAPE)  # Nothing is selected.
     assert "Who goes?" in driver.said()
     assert "They all go." not in driver.said()
     driver.page.dialogs.save("share_page", "mine")
@@ -154,7 +155,7 @@ def test_words_and_a_question_of_ones_own_are_in_the_scene_the_window_the_film_a
 def test_a_text_is_typed_in_several_lines_and_kept_as_one(driver: Driver) -> None:
     driver.key(pygame.K_F4)
     driver.key(pygame.K_RETURN)
-    assert not driver.page.unsaved  # nothing was typed
+    assert not driver.page.unsaved  # Nothing was typed.
     assert not driver.page.toolbar.buttons["undo"].is_enabled
     driver.key(pygame.K_F4)
     box = driver.app.dialog.entries["text"]

@@ -1,4 +1,6 @@
-"""The live plots: curves, cursor, energies, kymograph, two lanes; signals that are chosen, and data of one's own over plots."""
+"""Tests of the live plots: curves, cursor, energies, kymograph, two lanes; selected signals, and measured data over
+plots.
+"""
 
 from dataclasses import replace
 from unittest.mock import Mock
@@ -25,8 +27,10 @@ from tests.helpers.sessions import opened
 from tests.helpers.windows import Driver
 
 
-def test_plots_and_their_cursor_show_frames_from_before_beads_were_removed() -> None:
-    """There are then more values than names, and more than are listed; a plot that opens later has layers of these beads."""
+def test_plots_show_frames_with_more_beads_than_now() -> None:
+    """Check frames with more beads than now. There are more values than names, and a plot that opens later also draws
+    these beads.
+    """
     driver = Driver("one-on-ten")
     board = driver.page.board
     board.pair = Signal("v", 13), Signal("t")
@@ -49,7 +53,7 @@ def test_plots_and_their_cursor_show_frames_from_before_beads_were_removed() -> 
     assert {bead_colours(14)[0]} <= {tuple(colour) for colour in column.tolist()}
 
 
-def test_every_plot_has_its_curves_can_be_hidden_and_shown_and_overlaps_on_a_linear_axis(driver: Driver) -> None:
+def test_plots_are_hidden_and_shown(driver: Driver) -> None:
     assert driver.page.board.plots[2].axis.logarithmic
     driver.key(pygame.K_o)
     assert not driver.page.board.plots[2].axis.logarithmic
@@ -82,16 +86,16 @@ def test_the_kymograph_shows_where_the_beads_were(driver: Driver) -> None:
     values = plot.values_at(frame)
     length = session.scene.view.length
     overlap = slice_at(session.history, 0, frame).overlap[0]
-    assert np.diff(values) == pytest.approx(length - overlap, abs=1e-9)  # the distance of neighbours
+    assert np.diff(values) == pytest.approx(length - overlap, abs=1e-9)  # Distance of neighbours.
     x = round(plot.span.x(session.history.snapshot(frame).time))
     column = pygame.surfarray.array3d(plot.curves.surface)[x].sum(axis=1)
     for place in plot.y(values):
-        assert column[max(round(place) - 1, 0) : round(place) + 2].min() < 250  # a marker
+        assert column[max(round(place) - 1, 0) : round(place) + 2].min() < 250  # A marker.
     band = plot.y(values + 0.25 * length).round().astype(int)
-    assert all(300 < column[row] < 740 for row in band)  # the pale colour of a bead
+    assert all(300 < column[row] < 740 for row in band)  # The pale colour of a bead.
 
 
-def test_two_lanes_share_the_clock_and_show_their_difference() -> None:
+def test_two_lanes_show_their_difference() -> None:
     driver = Driver("steel-and-soft")
     driver.run(120)
     first, second = driver.session.lanes
@@ -101,7 +105,7 @@ def test_two_lanes_share_the_clock_and_show_their_difference() -> None:
     assert np.allclose(difference.values_at(driver.session.frame), second.velocity - first.velocity)
     assert difference.span is board.plots[0].span
     driver.session.apply(RemoveBead(1, 0))
-    assert "difference" not in board.shown  # of rows that cannot be compared
+    assert "difference" not in board.shown  # These rows cannot be compared.
     driver.session.undo()
     assert "difference" in board.shown
     driver.key(PLOT_KINDS["difference"].key)
@@ -110,7 +114,7 @@ def test_two_lanes_share_the_clock_and_show_their_difference() -> None:
 
 
 def numbered(first: int, last: int) -> pygame.Surface:
-    """Columns whose pixels have their number."""
+    """Return a surface whose columns contain their number."""
     return pygame.surfarray.make_surface(np.array([[(x % 256, 1, 0)] * 4 for x in range(first, last)]))
 
 
@@ -118,7 +122,7 @@ def pixels(surface):
     return [tuple(surface.surface.get_at((x, 0)))[:2] for x in range(surface.width)]
 
 
-def test_the_time_axis_scrolls_only_when_it_must_and_every_column_is_then_in_its_place():
+def test_the_time_axis_scrolls_only_if_needed():
     span = TimeSpan(8.0, 400)
     span.follow(7.0)
     assert span.left == 0
@@ -136,7 +140,7 @@ def test_the_time_axis_scrolls_only_when_it_must_and_every_column_is_then_in_its
         assert pixels(surface) == [(x % 256, 1) if int(first) <= x <= int(last) else (0, 0) for x in columns]
 
 
-def test_an_update_stays_within_its_budget_draws_nothing_twice_and_clears_a_dropped_branch():
+def test_an_update_of_plots_stays_within_its_budget():
     draw = Mock(side_effect=numbered)
     surface = ScrollingSurface(pygame.Surface((50, 4), 0, 32), draw)
     surface.update(0.0, 49.0, True, 10)
@@ -156,7 +160,8 @@ def test_the_choice_of_plots_is_remembered() -> None:
         driver = Driver("one-on-four")
         driver.key(PLOT_KINDS[name].key)
         driver.close()
-    for scene, more in (("one-on-four", []), ("beads-against-gear", ["difference"])):  # which one lane cannot show
+    # A single lane cannot show this plot.
+    for scene, more in (("one-on-four", []), ("beads-against-gear", ["difference"])):
         driver = Driver(scene)
         assert sorted(driver.page.board.shown) == sorted(["velocities", "overlaps", "energy", *more])
 
@@ -195,25 +200,27 @@ def test_space_time_has_a_scale_of_its_shades(driver):
     plot = next(plot for plot in driver.page.board.plots if isinstance(plot, StripPlot))
     x = plot.area.right + round(6 * plot.unit) + 3
     column = [sum(driver.app.surface.get_at((x, y))[:3]) for y in range(plot.area.top + 2, plot.area.bottom - 2)]
-    assert column[0] < 200  # the greatest force is dark
+    assert column[0] < 200  # The largest force is dark.
     assert column[-1] > 700
     assert min(np.diff(column)) >= -3
 
 
 @pytest.fixture
 def played(driver: Driver) -> Driver:
-    driver.session.step_frames(300)  # into the middle of the collision
+    driver.session.step_frames(300)  # Frame in the middle of the collision.
     driver.frames(3)
     return driver
 
 
 def test_a_table_that_is_dropped_lies_over_the_velocities(played: Driver, tmp_path) -> None:
-    """What the session itself did between its frames, also of two blocks, as if measured with an error of 0.25 m/s."""
+    """Drop values of the session between its frames, with an error of 0.25 m/s. They also cross the border of two
+    history blocks.
+    """
     played.session.step_frames(300)
     played.frames(3)
     motion = played.session.trajectory(0)
     rows = np.column_stack([motion.time, motion.velocity + 0.25])
-    table = 0.5 * (rows[1:] + rows[:-1])[11::20]  # one is between the 512th and the next
+    table = 0.5 * (rows[1:] + rows[:-1])[11::20]  # One value lies between samples 512 and 513.
     np.savetxt(tmp_path / "track.csv", table, delimiter=",", header="t,v0,v1,v2,v3,v4", comments="")
     plot = played.page.board.plots[0]
     played.move(plot.area.center)
@@ -224,11 +231,11 @@ def test_a_table_that_is_dropped_lies_over_the_velocities(played: Driver, tmp_pa
     x = round(plot.area.left + plot.span.x(float(overlay.time[3])))
     y = round(plot.area.top + float(plot.y(overlay.values[3, 1])))
     ring = pygame.surfarray.array3d(played.app.surface)[x - 5 : x + 6, y - 5 : y + 6].astype(int)
-    assert (np.ptp(ring, axis=2) > 40).any()  # in the colour of the bead
+    assert (np.ptp(ring, axis=2) > 40).any()  # The ring has the colour of the bead.
     played.key(pygame.K_x)
     assert not played.page.board.overlays
     played.key(pygame.K_5)
-    strip = played.page.board.plots[-1]  # whose rows are no heights of values
+    strip = played.page.board.plots[-1]  # The height in this plot does not show a value.
     played.move(strip.area.center)
     played.drop_file(tmp_path / "track.csv")
     assert [kind for kind, _ in played.page.board.overlays] == ["velocities"]
@@ -252,7 +259,7 @@ def test_positions_are_not_laid_over_velocities(played: Driver, tmp_path) -> Non
     assert not played.page.board.overlays
 
 
-def test_a_picture_lies_over_the_kymograph_where_its_edges_are_said_to_be(played: Driver, tmp_path) -> None:
+def test_a_picture_is_placed_on_the_kymograph(played: Driver, tmp_path) -> None:
     picture = pygame.Surface((40, 20))
     picture.fill((255, 0, 0))
     pygame.image.save(picture, str(tmp_path / "camera.png"))
@@ -276,7 +283,7 @@ LARGE = [(pygame.K_d, pygame.KMOD_CTRL), *[(pygame.K_PLUS, pygame.KMOD_CTRL)] * 
 
 @pytest.mark.parametrize("keys", [[(pygame.K_F3, 0)], LARGE])
 def test_a_picture_finds_the_kymograph_that_is_not_on_screen(driver: Driver, tmp_path, keys) -> None:
-    """At the first level, which shows one plot, and in a row that is scrolled to."""
+    """Check the view with few controls, which shows one plot, and a row of plots outside the visible area."""
     pygame.image.save(pygame.Surface((4, 4)), str(tmp_path / "camera.png"))
     for code, modifiers in keys:
         driver.key(code, modifiers)
@@ -302,7 +309,7 @@ def test_any_signal_is_plotted_against_any(played: Driver) -> None:
     assert "the contacts of this lane are numbered 0 to 3" in played.messages[-1]
 
 
-def test_signals_are_read_and_what_are_no_signals_or_edges_is_refused():
+def test_signals_and_edges_are_parsed():
     assert [str(signal_of(str(signal_of(letter + "0", 3)), 3)) for letter in "xvpedrf"] == [f"{k}0" for k in "xvpedrf"]
     assert pair_of("f1-2, d1", 3) == (Signal("f", 1), Signal("d", 1))
     assert set(kinds.QUANTITIES) == set("txvpedrfs")
@@ -315,15 +322,15 @@ def test_signals_are_read_and_what_are_no_signals_or_edges_is_refused():
             edges_of(text)
 
 
-def test_curves_stay_while_an_axis_changes_and_are_then_drawn_again(driver: Driver) -> None:
-    """With 8 columns a picture, as on a slow machine, a plot of 300 columns takes dozens of pictures."""
+def test_curves_stay_visible_while_an_axis_changes(driver: Driver) -> None:
+    """Draw 8 columns per frame, as on a slow machine. A plot of 300 columns then takes dozens of frames."""
     driver.play(200)
     board = driver.page.board
     plot, span, zero = board.plots[0], replace(board.span), driver.session.history
     assert plot.complete
 
     def left(one) -> int:
-        """Return how many pixels of a curve are in the older half of what was played."""
+        """Return how many pixels of a curve are in the older half of the plot."""
         end = round(one.span.x(zero.last_time) / 2)
         part = one.curves.surface.subsurface((0, 0, end, one.area.height))
         return pygame.mask.from_threshold(part, one.content.colours[0], (60, 60, 60, 255)).count()
@@ -349,7 +356,7 @@ def test_curves_stay_while_an_axis_changes_and_are_then_drawn_again(driver: Driv
     assert left(taller) > 0
 
 
-def test_a_reading_of_round_off_is_0_and_is_in_the_unit_of_the_axis(driver: Driver) -> None:
+def test_a_reading_uses_the_unit_of_the_axis(driver: Driver) -> None:
     plot = driver.page.board.plots[0]
     with drawn_texts(driver.app.size) as texts:
         paint_readout(driver.app.surface, plot, plot.area.center, 0.0, np.array([1.0, 1.11e-16, 0.0, -1e-15, 0.25]))

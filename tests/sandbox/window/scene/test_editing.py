@@ -1,4 +1,6 @@
-"""Edits by pointer, keys, inspector, sweep and cards of the lanes; axes, loupes, the badge and the look ahead follow them."""
+"""Tests of edits by pointer, keys, inspector, sweep and lane cards, and of axes, loupes, badge and look-ahead after
+edits.
+"""
 
 from dataclasses import replace
 from unittest.mock import Mock
@@ -26,7 +28,7 @@ from tests.helpers.windows import FRAME, Driver, pressed
 CTRL, SHIFT = pygame.KMOD_CTRL, pygame.KMOD_SHIFT
 
 
-def test_a_bead_is_placed_while_paused_and_pulled_and_thrown_while_running(driver: Driver) -> None:
+def test_a_bead_is_placed_pulled_and_thrown(driver: Driver) -> None:
     x, y = driver.bead(0)
     before = driver.session.lanes[0].position.copy()
     driver.pull((x, y), (x - 60, y))
@@ -41,7 +43,7 @@ def test_a_bead_is_placed_while_paused_and_pulled_and_thrown_while_running(drive
     assert driver.session.held == NOTHING_HELD
 
 
-def test_keys_edit_what_is_selected_and_with_shift_all_contacts(driver: Driver) -> None:
+def test_keys_edit_the_selection_or_all_contacts(driver: Driver) -> None:
     before = driver.session.setup
     for key in (pygame.K_a, pygame.K_m, pygame.K_g, pygame.K_l):
         driver.key(key)
@@ -60,12 +62,12 @@ def test_keys_edit_what_is_selected_and_with_shift_all_contacts(driver: Driver) 
         assert [law != old for law, old in zip(driver.session.lanes[0].chain.contact, soft, strict=True)] == locked
 
 
-def test_numbers_that_are_refused_or_not_taken_do_not_stay_and_keys_type_no_command(driver: Driver) -> None:
+def test_rejected_numbers_do_not_stay_in_their_box(driver: Driver) -> None:
     driver.click(driver.bead(2))
     entry = driver.page.inspector.controls["mass"].entry
     driver.click(entry.rect.center)
     driver.key(pygame.K_RETURN)
-    assert not driver.page.unsaved  # nothing was typed
+    assert not driver.page.unsaved  # Nothing was typed.
     driver.click(entry.rect.center)
     driver.type("r a")
     assert driver.session.lanes[0].chain.contacts == 4
@@ -78,7 +80,7 @@ def test_numbers_that_are_refused_or_not_taken_do_not_stay_and_keys_type_no_comm
         assert not driver.page.typing
     driver.click(entry.rect.center)
     entry.set_text("5")
-    driver.click(driver.bead(3))  # the number is taken when its box is left
+    driver.click(driver.bead(3))  # The number is accepted when its box is left.
     assert driver.session.lanes[0].chain.mass[2] == 5.0
     for typed, mass in (("0,5", 0.5), ("1/14", 1 / 14), (" 7 ", 7.0)):
         driver.enter("mass", typed)
@@ -105,7 +107,7 @@ def test_the_slider_goes_where_its_number_is(driver: Driver) -> None:
 
 
 def test_the_kind_of_a_contact_says_what_its_law_is() -> None:
-    """A spring of 1 N/m is not hard; wagons are coupled, which is none of the three kinds, and none of them is offered."""
+    """Check kinds of contacts. A spring of 1 N/m is not hard. The three kinds are not offered for couplers of wagons."""
     for scene, law, expected in (("one-on-four", power_law(1.0, 1.0), ["alpha ≥ 1"]), ("train-starting", None, [])):
         driver = Driver(scene)
         if law:
@@ -113,10 +115,10 @@ def test_the_kind_of_a_contact_says_what_its_law_is() -> None:
         driver.select("contact", 1)
         buttons = driver.page.inspector.buttons
         assert [button.text for button in buttons if button.is_selected] == expected
-        assert len(buttons) == (5 if law else 0)  # three kinds, lock, all alike
+        assert len(buttons) == (5 if law else 0)  # Three kinds, lock, all alike.
 
 
-def test_the_menu_switches_the_method_while_running_and_follows_keys_undo_and_redo(driver: Driver) -> None:
+def test_the_method_menu_follows_keys_undo_and_redo(driver: Driver) -> None:
     menu = driver.page.cards.menus[0]
     driver.key(pygame.K_SPACE)
     driver.click(menu.rect.center)
@@ -131,7 +133,7 @@ def test_the_menu_switches_the_method_while_running_and_follows_keys_undo_and_re
         assert driver.page.cards.menus[0].selected_option[0] == name
 
 
-def test_the_badge_is_red_when_the_method_is_past_its_limit_and_goes_to_the_fault_of_the_run() -> None:
+def test_the_badge_is_red_beyond_the_limit_of_the_method() -> None:
     driver = Driver("draft-gear-one-on-three")
     for edit in (SetMethod(None, "euler"), SetStep(None, 0.01)):
         driver.session.apply(edit)
@@ -148,7 +150,7 @@ def test_the_badge_is_red_when_the_method_is_past_its_limit_and_goes_to_the_faul
     assert driver.session.frame == driver.session.findings(0)[0].first
 
 
-def test_no_fault_is_said_of_the_frames_that_are_kept_alone() -> None:
+def test_a_verdict_on_stored_frames_names_their_beginning() -> None:
     driver = Driver("one-on-four")
     driver.session.history.bound = 0
     said = [driver.page.cards.verdicts[0].text]
@@ -168,7 +170,7 @@ def test_no_badge_advises_the_method_that_failed() -> None:
     assert "take conserving" not in session.health(0).sentence
 
 
-def test_nine_values_have_the_motions_that_they_make_and_one_is_taken_by_key_or_click(driver: Driver) -> None:
+def test_one_of_nine_values_is_chosen_by_key_or_click(driver: Driver) -> None:
     def swept() -> SweepBoard:
         board = driver.app.dialog
         assert isinstance(board, SweepBoard)
@@ -186,14 +188,14 @@ def test_nine_values_have_the_motions_that_they_make_and_one_is_taken_by_key_or_
         chain = one_on(4, power_law(1.0, 0.1), mass=[variant.value, 1.0, 1.0, 1.0, 1.0])
         exact = simulate(chain, [1.0, 0.0, 0.0, 0.0, 0.0])
         assert variant.motion.velocity[-1] == pytest.approx(exact.final_velocity, abs=5e-3)
-    assert board.focus == 4  # the present mass
-    assert [one.text for one in driver.texts()].count("v\N{SUBSCRIPT FOUR}") >= COUNT  # each curve is named
+    assert board.focus == 4  # The present mass.
+    assert [one.text for one in driver.texts()].count("v\N{SUBSCRIPT FOUR}") >= COUNT  # Each curve has a name.
     driver.key(pygame.K_DOWN)
     driver.key(pygame.K_RETURN)
     assert driver.session.lanes[0].chain.mass[0] == masses[7]
     driver.select("contact", 1)
     driver.click(driver.page.inspector.controls["preload"].slider.rect.center)
-    driver.key(pygame.K_y)  # the slider used last
+    driver.key(pygame.K_y)  # The slider that was used last.
     board = swept()
     assert board.parameter.key == "preload"
     driver.click(board.places[8].center)
@@ -206,16 +208,17 @@ def test_nine_values_have_the_motions_that_they_make_and_one_is_taken_by_key_or_
 
 
 @pytest.mark.parametrize(("kind", "key"), [("bead", "velocity"), ("contact", "gap"), ("bead", "mass")])
-def test_one_of_nine_values_gives_the_motion_that_is_shown_in_the_middle_of_another(driver: Driver, kind, key) -> None:
+def test_choosing_one_of_nine_values_gives_the_motion_shown(driver: Driver, kind, key) -> None:
     driver.session.step_frames(300)
     before = driver.session.time, driver.session.setup
     driver.select(kind, 1)
     driver.page.inspector.sweep(key)
     board = driver.app.dialog
     driver.until(lambda: board.found)
-    assert len(board.found) < COUNT  # each is shown as soon as it is there
+    assert len(board.found) < COUNT  # Each variant is shown as soon as it is computed.
     driver.until(lambda: len(board.found) == COUNT)
-    assert board.parameter.value == {"velocity": 0.0, "gap": 0.0, "mass": 1.0}[key]  # with which this motion began
+    # The value at the start of this motion.
+    assert board.parameter.value == {"velocity": 0.0, "gap": 0.0, "mass": 1.0}[key]
     driver.click(board.places[6].center)
     assert driver.session.frame == 0
     shown = board.found[6].motion
@@ -226,7 +229,7 @@ def test_one_of_nine_values_gives_the_motion_that_is_shown_in_the_middle_of_anot
     assert (driver.session.time, driver.session.setup) == before
 
 
-def test_a_value_whose_motion_is_given_up_is_one_of_nine_and_says_why() -> None:
+def test_a_value_whose_run_gives_up_shows_the_reason() -> None:
     gives_up = Mock(side_effect=GaveUpError("no end"))
     found = variant_of(scenes.load("one-on-four"), 0, 2.0, lambda mass: [SetMass(0, 0, mass)], gives_up)
     assert (found.value, found.motion) == (2.0, None)
@@ -288,8 +291,8 @@ def test_scales_of_what_is_undone_go_with_it(driver: Driver, change) -> None:
 EDITS = {"remove": (pygame.K_DELETE, 0), "undo": (pygame.K_z, pygame.KMOD_CTRL), "redo": (pygame.K_y, pygame.KMOD_CTRL)}
 
 
-def test_an_edit_that_is_undone_in_the_frame_in_which_the_page_was_built_anew(driver) -> None:
-    """The page was then built of beads that there are no more."""
+def test_an_edit_is_undone_in_the_frame_of_a_rebuild(driver) -> None:
+    """Check a page that is built in the same frame. It was built from beads that no longer existed."""
     driver.click(driver.bead(2))
     driver.session.step_frames(200)
     driver.frames(2)
@@ -301,7 +304,7 @@ def test_an_edit_that_is_undone_in_the_frame_in_which_the_page_was_built_anew(dr
 
 
 @pytest.mark.parametrize("edit", EDITS)
-def test_a_click_meets_the_chain_that_an_edit_of_the_same_frame_has_left(driver, edit: str) -> None:
+def test_a_click_uses_the_chain_after_an_edit_of_the_same_frame(driver, edit: str) -> None:
     driver.session.apply(AddBead(0, 5, 1.0))
     if edit == "redo":
         driver.session.apply(RemoveBead(0, 5))
@@ -315,7 +318,7 @@ def test_a_click_meets_the_chain_that_an_edit_of_the_same_frame_has_left(driver,
 
 
 def test_the_look_ahead_does_not_touch_the_warning_filters(monkeypatch):
-    """It runs on a thread, and the filters are those of all threads."""
+    """Check the look-ahead, which runs in a thread. The warning filters belong to all threads."""
     scene = scenes.load("one-on-four").model_copy(update={"method": "euler", "step": 1e-3})
     for name in ("catch_warnings", "simplefilter", "filterwarnings", "warn"):
         monkeypatch.setattr(f"warnings.{name}", Mock(side_effect=AssertionError("a thread used the warnings")))
@@ -324,13 +327,15 @@ def test_the_look_ahead_does_not_touch_the_warning_filters(monkeypatch):
 
 @pytest.mark.parametrize("method", ["pymunk", "scipy", "euler"])
 def test_a_run_ahead_is_none_of_a_method_in_python(method):
-    """A comparison by pymunk held the window up for more than ten minutes."""
+    """Check the method of the look-ahead. A comparison with pymunk blocked the window for more than ten minutes."""
     motions = motions_ahead(scenes.load("one-on-four").model_copy(update={"method": method}), MOST_AT_ONCE)
     assert motions[0].method.split(",")[0] == ("conserving" if method in ("pymunk", "scipy") else method)
 
 
 def test_a_run_ahead_that_takes_long_does_not_hold_up_the_window(driver):
-    """Its scales are estimated, and follow from a thread, which gives up as well where a step was mistyped."""
+    """Check a slow look-ahead. The scales are estimated until a thread has computed them. The thread gives up if the
+    step is far too small.
+    """
     scene = scenes.load("one-on-four").model_copy(update={"method": "conserving", "step": 1e-9})
     driver.page.show_scene(scene)
     assert driver.page.view.follower.pending
@@ -339,8 +344,8 @@ def test_a_run_ahead_that_takes_long_does_not_hold_up_the_window(driver):
     driver.until(lambda: not driver.page.view.follower.pending)
 
 
-def test_a_method_that_does_not_carry_the_chain_is_left_out_by_the_key_and_by_the_menu_once_refused() -> None:
-    driver, walked = Driver("experiment-one-on-three"), []  # on a bed
+def test_methods_that_reject_the_chain_are_not_offered() -> None:
+    driver, walked = Driver("experiment-one-on-three"), []  # The scene has a bed.
     for _ in range(len(SUMMARIES)):
         driver.key(pygame.K_m, SHIFT)
         walked.append(driver.page.cards.method(0))

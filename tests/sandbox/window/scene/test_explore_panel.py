@@ -1,4 +1,6 @@
-"""The first level of the window with few controls, the same blow among steel balls, and the card at the end of a motion."""
+"""Tests of the view with few controls, of the comparison with steel balls, and of the outcome card at the end of a
+motion.
+"""
 
 import math
 import re
@@ -35,13 +37,13 @@ def laws(driver: Driver, lane: int = 0) -> list:
     return list(driver.session.lanes[lane].chain.contact)
 
 
-def test_a_newcomer_sees_few_controls_and_one_switch_leads_to_the_lab_and_is_remembered(explorer: Driver) -> None:
+def test_few_controls_are_shown_until_the_lab_is_opened(explorer: Driver) -> None:
     assert len(explorer.app.focus.controls()) <= MOST_CONTROLS
     places = explorer.page.view.places
     assert places.lanes[0].height > 0.45 * explorer.app.size[1]
     assert [len(row) for row in places.plots] == [1]
     assert not places.insets.height
-    for level in ("good", "bad"):  # the badge speaks where all is not well
+    for level in ("good", "bad"):  # The badge shows a sentence only if the verdict is not good.
         state = replace(explorer.session.health(0), level=level, sentence="beads are off")
         explorer.page.explore.health = lambda found=state: [found]
         assert ("beads are off" in explorer.said()) == (level == "bad")
@@ -54,16 +56,16 @@ def test_a_newcomer_sees_few_controls_and_one_switch_leads_to_the_lab_and_is_rem
     assert explorer.page.cards.menus
     explorer.key(pygame.K_F3)
     assert explorer.page.explore.controls
-    explorer.key(pygame.K_F7)  # a menu that has no button at this level
+    explorer.key(pygame.K_F7)  # In this view, the menu has no button.
     assert explorer.app.dialog.names[0] in PLOT_KINDS
 
 
-def test_alpha_is_that_of_the_row_or_of_a_selected_contact_and_the_blow_goes_as_deep(explorer: Driver) -> None:
+def test_alpha_is_set_for_the_row_or_a_selected_contact(explorer: Driver) -> None:
     lane = explorer.session.lanes[0]
     before = impact_energy(lane.chain, 1, lane.setup.speed)
     explorer.run(60)
     explorer.enter("alpha", "1")
-    assert explorer.session.frame == 0  # begun anew
+    assert explorer.session.frame == 0  # The motion starts again.
     assert [law.exponent for law in laws(explorer)] == [1.0] * 4
     lane = explorer.session.lanes[0]
     assert impact_energy(lane.chain, 1, lane.setup.speed) == pytest.approx(before)
@@ -84,11 +86,11 @@ def test_alpha_is_that_of_the_row_or_of_a_selected_contact_and_the_blow_goes_as_
         assert laws(explorer) == before
 
 
-def test_an_action_on_two_rows_is_one_undo_step_and_every_row_moves_again_after_speed_0() -> None:
+def test_an_action_on_two_rows_is_one_undo_step() -> None:
     driver = Driver("locked-pistons", lab=False)
     undo = driver.session.undo
     before = [lane.velocity.tolist() for lane in driver.session.lanes]
-    for speed in ("0", "-1", "0.5"):  # that of the scene
+    for speed in ("0", "-1", "0.5"):  # 0.5 is the speed of the scene.
         driver.enter("speed", speed)
     assert [lane.velocity.tolist() for lane in driver.session.lanes] == before
     for _ in range(3):
@@ -99,7 +101,7 @@ def test_an_action_on_two_rows_is_one_undo_step_and_every_row_moves_again_after_
     driver.session.scrub_frame(10)
     driver.page.editor.lock_all()
     driver.session.step_frames(20)
-    driver.session.scrub_frame(5)  # before that edit
+    driver.session.scrub_frame(5)  # A frame before this edit.
     driver.enter("speed", "2")
     assert all(lane.setup.locked[0] for lane in driver.session.lanes)
     for contacts, locked in ((4, True), (4, True), (4, False), (3, False)):
@@ -117,11 +119,11 @@ def test_beads_come_and_go_before_a_wall_at_the_end(explorer: Driver) -> None:
         assert [math.isinf(mass) for mass in explorer.session.lanes[0].chain.mass] == walls
 
 
-def test_the_same_blow_among_steel_balls_plays_below_is_told_and_left_for_one_row(explorer: Driver) -> None:
+def test_a_row_is_compared_with_steel_balls(explorer: Driver) -> None:
     before = explorer.session.scene
     press(explorer, "Compare with steel balls")
     assert [law.exponent for law in laws(explorer, 1)] == [1.5] * 4
-    assert "softness, upper row" in explorer.said()  # the slider leaves the steel balls as they are
+    assert "softness, upper row" in explorer.said()  # The slider does not change the steel balls.
     assert explorer.session.playing
     assert len(explorer.app.focus.controls()) <= MOST_CONTROLS
     explorer.play_to_the_end()
@@ -134,7 +136,8 @@ def test_the_same_blow_among_steel_balls_plays_below_is_told_and_left_for_one_ro
     explorer.enter("speed", "2")
     press(explorer, "Back to one row")
     scene = explorer.session.scene
-    assert (scene.title, scene.text, scene.question) == (before.title, "", before.question)  # it is another speed
+    # The scene has another speed.
+    assert (scene.title, scene.text, scene.question) == (before.title, "", before.question)
     assert [lane.velocity.tolist() for lane in explorer.session.lanes] == [[2.0, 0.0, 0.0, 0.0, 0.0]]
     assert not explorer.page.unsaved, "another speed is a trial, no work to be lost"
     explorer.app.act("compare_balls")
@@ -151,7 +154,7 @@ def test_a_text_without_room_is_read_whole_below_the_pointer(explorer: Driver) -
         explorer.move(explorer.page.explore._about.center)
         with drawn_texts(explorer.app.size) as texts:
             explorer.app.paint()
-        shown = " ".join(one.text for one in texts)  # over the backdrop, which is drawn already
+        shown = " ".join(one.text for one in texts)  # The text over the backdrop, which is already drawn.
         assert ("but not quite" in shown) == cut
 
 
@@ -178,11 +181,11 @@ def test_the_card_at_the_end_leaves_room_for_beads_and_forces(size, scale, lab, 
         assert drawing.rect.height >= (120 if compared else 180) * unit
     drawing = view.lanes[0].drawing
     greatest = float(driver.session.lanes[0].state.force.max())
-    if not compared:  # the rigid marks are at 3/4, 1/2, 1/4
+    if not compared:  # The rigid marks are at 3/4, 1/2 and 1/4.
         assert drawing.bar_base - drawing._bar_top(greatest) > 45 * unit
 
 
-def test_what_happened_is_said_in_a_box_where_no_card_fits(explorer: Driver) -> None:
+def test_the_outcome_is_shown_in_a_dialog_if_the_card_does_not_fit(explorer: Driver) -> None:
     explorer.resize((1280, 800))
     explorer.app.scale = 2.0
     explorer.run(0)
@@ -199,7 +202,7 @@ def test_what_happened_is_said_in_a_box_where_no_card_fits(explorer: Driver) -> 
     assert explorer.messages == ["there is no room for plots: make the window larger, or the scale smaller"]
 
 
-def test_the_clock_pauses_once_when_the_beads_are_apart_and_it_is_said_what_happened_and_how_exactly(driver) -> None:
+def test_the_clock_pauses_once_at_the_end_of_the_motion(driver) -> None:
     driver.play_to_the_end()
     overlap, page = driver.session.lanes[0].state.overlap, driver.page
     assert overlap.max() < 0.0
@@ -209,7 +212,8 @@ def test_the_clock_pauses_once_when_the_beads_are_apart_and_it_is_said_what_happ
     driver.until(lambda: page.cards.health[0].velocity_error is not None)
     assert page.cards.health[0].velocity_error < 1e-3
     stopped, seconds = driver.session.time, page.board.span.seconds
-    assert 0.0 <= page.board.span.x(0.0) < page.board.span.x(stopped) <= page.board.span.width  # all that was played
+    # The plot shows everything that was played.
+    assert 0.0 <= page.board.span.x(0.0) < page.board.span.x(stopped) <= page.board.span.width
     driver.run(100)
     assert driver.session.playing
     assert driver.session.time > stopped
@@ -229,10 +233,11 @@ def test_the_greatest_force_of_a_train_that_starts_is_a_pull() -> None:
     driver.session.apply(SetVelocity(0, 10, -1.0))
     driver.session.step_frames(600)
     driver.page.outcome.show_forces()
-    assert f" {driver.session.lanes[0].state.force[-1]:.3f} N." in driver.page.outcome.text  # of the last contact
+    # Force of the last contact.
+    assert f" {driver.session.lanes[0].state.force[-1]:.3f} N." in driver.page.outcome.text
 
 
-def test_forces_are_told_where_a_frame_shows_some_with_their_digits_and_without_marks_that_are_not_there(
+def test_the_card_describes_the_forces_of_a_frame(
     tmp_path,
 ) -> None:
     for stiffness, push, told in ((3e7, 1e-6, r"carry \d\.\d·10⁻⁵, \S+ N\.$"), (1e9, 1.0, "")):
@@ -251,7 +256,7 @@ def test_forces_are_told_where_a_frame_shows_some_with_their_digits_and_without_
             assert re.search(told, driver.page.outcome.text)
 
 
-def test_the_card_goes_to_the_greatest_force_and_to_steel_balls(driver: Driver) -> None:
+def test_the_card_leads_to_forces_and_steel_balls(driver: Driver) -> None:
     driver.play_to_the_end()
     page, card = driver.page, driver.page.outcome
     driver.click(card.buttons["Why? The forces"].rect.center)
@@ -260,7 +265,7 @@ def test_the_card_goes_to_the_greatest_force_and_to_steel_balls(driver: Driver) 
     driver.click(card.buttons["Close"].rect.center)
     assert not card.buttons
     card.show_outcome()
-    driver.key(pygame.K_ESCAPE)  # closes the card, not the page
+    driver.key(pygame.K_ESCAPE)  # This closes the card, not the page.
     assert not card.text
     assert driver.app.page is page
     card.show_outcome()
@@ -270,7 +275,7 @@ def test_the_card_goes_to_the_greatest_force_and_to_steel_balls(driver: Driver) 
     assert driver.session.playing
 
 
-def test_each_drag_of_a_slider_is_a_step_of_its_own_and_nothing_is_dragged_once_the_button_is_up(
+def test_each_drag_of_a_slider_is_one_undo_step(
     explorer: Driver,
 ) -> None:
     for share in (0.2, 0.6, 0.9):
@@ -282,7 +287,7 @@ def test_each_drag_of_a_slider_is_a_step_of_its_own_and_nothing_is_dragged_once_
     assert len(explorer.session.undo_stack.done) == 3
     line = explorer.page.timeline
     explorer.drag((line.x(15), line.rect.centery), (line.x(5), line.rect.centery))
-    explorer.key(pygame.K_w)  # a dialog lies over the time line
+    explorer.key(pygame.K_w)  # A dialog covers the timeline.
     explorer.release(line.rect.center)
     assert not line.dragged
 
@@ -296,7 +301,7 @@ def test_a_slider_is_dragged_all_the_way_after_the_end_of_a_motion(explorer: Dri
     before, (x, y) = control.parameter.value, control.slider.sliding_button.rect.center
     explorer.press((x, y))
     values = [before]
-    for moved in range(10, 101, 10):  # the card goes at the first pixel; the slider in the hand stays
+    for moved in range(10, 101, 10):  # The card closes with the first pixel. The dragged slider stays.
         explorer.move((x + moved, y), (1, 0, 0))
         explorer.frames(1)
         assert explorer.page.explore.controls[key] is control
@@ -322,7 +327,7 @@ def test_a_slider_stays_in_the_hand_while_the_motion_ends(explorer: Driver) -> N
     explorer.release((x + 40, y))
 
 
-def test_a_blow_from_the_right_stays_one_at_another_speed_and_each_row_is_explained_at_its_own_force(tmp_path) -> None:
+def test_rows_struck_from_the_right_are_explained(tmp_path) -> None:
     scene = scenes.load("one-on-four")
     weak = scene.lanes[0].model_copy(update={"velocity": (0.0, 0.0, 0.0, 0.0, -0.1), "label": "weak"})
     strong = weak.model_copy(update={"velocity": (0.0, 0.0, 0.0, 0.0, -1.0), "label": "strong"})
@@ -333,14 +338,15 @@ def test_a_blow_from_the_right_stays_one_at_another_speed_and_each_row_is_explai
     driver.session.step_frames(600)
     driver.page.outcome.show_forces()
     weak_row, strong_row = driver.page.outcome.text.split("\n")
-    for text, name, lane in ((weak_row, "weak", 0), (strong_row, "strong", 1)):  # each at its own greatest force
+    # Each row is described at its own largest force.
+    for text, name, lane in ((weak_row, "weak", 0), (strong_row, "strong", 1)):
         force = last_slice(driver.session.history, lane, driver.session.history.last).force
         assert text.startswith(f"{name}: When the push is strongest, the contacts carry ")
         greatest = float(force.max())
         assert beside(greatest, greatest) in text
 
 
-def test_a_click_on_a_bead_offers_its_mass_and_velocity_at_the_start(explorer: Driver) -> None:
+def test_a_clicked_bead_offers_its_mass_and_start_velocity(explorer: Driver) -> None:
     explorer.session.step_frames(200)
     explorer.frames(2)
     explorer.click(explorer.bead(2))
@@ -374,7 +380,7 @@ def test_numbers_that_were_tried_are_left_without_a_question(explorer: Driver) -
     assert explorer.app.page is explorer.app.gallery
 
 
-def test_the_row_is_framed_again_after_an_undo_and_after_a_restart(explorer: Driver) -> None:
+def test_the_view_is_fitted_after_an_undo_or_restart(explorer: Driver) -> None:
     def settle(seen: object) -> None:
         explorer.until(lambda: explorer.page.view.scales.ahead is not seen)
 
@@ -402,7 +408,7 @@ def test_the_row_is_framed_again_after_an_undo_and_after_a_restart(explorer: Dri
 
 
 @pytest.mark.parametrize("size", [(1280, 720), (1024, 528)])
-def test_at_the_largest_scale_beads_plot_and_text_are_still_there(size: tuple[int, int]) -> None:
+def test_nothing_disappears_at_the_largest_scale(size: tuple[int, int]) -> None:
     driver = Driver("one-on-four", size=size, lab=False)
     driver.key(pygame.K_PLUS, pygame.KMOD_CTRL, times=6)
     assert driver.app.unit > 1.7 * driver.app._usual_unit

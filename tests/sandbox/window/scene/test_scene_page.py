@@ -1,4 +1,6 @@
-"""The scene page, driven by posted events: time, slow motion, sound; beads, forces, marks, labels, plots that are scrolled to."""
+"""Tests of the scene page with posted events: time, slow motion, sound; beads, forces, marks, labels, scrolling of
+plots.
+"""
 
 import math
 import re
@@ -18,7 +20,7 @@ from tests.helpers.drawn_text import colliding
 from tests.helpers.windows import Driver
 
 
-def test_the_timeline_and_keys_look_back_and_playing_on_starts_a_new_branch(driver: Driver) -> None:
+def test_the_timeline_goes_back_and_playing_starts_a_new_branch(driver: Driver) -> None:
     driver.run(200)
     last = driver.session.history.last
     line = driver.page.timeline
@@ -29,18 +31,18 @@ def test_the_timeline_and_keys_look_back_and_playing_on_starts_a_new_branch(driv
     assert not driver.session.playing
     last = driver.session.history.last
     driver.key(pygame.K_HOME)
-    driver.key(pygame.K_PERIOD, pygame.KMOD_SHIFT)  # to the next contact event
+    driver.key(pygame.K_PERIOD, pygame.KMOD_SHIFT)  # Go to the next contact event.
     before, after = driver.session.history.snapshot(driver.session.frame - 1), driver.session.lanes[0].state
     assert before.states[0].overlap[0] <= 0.0 < after.overlap[0]
-    assert abs(after.time - 1.0) < 0.02  # the striker flies 1 m at 1 m/s
-    driver.key(pygame.K_MINUS)  # slower, which drops no frame
+    assert abs(after.time - 1.0) < 0.02  # The striker flies 1 m at 1 m/s.
+    driver.key(pygame.K_MINUS)  # Slower motion, which drops no frame.
     assert driver.session.history.last == last
     driver.run(3)
     assert driver.session.slow == 5.0
     assert driver.session.history.last < last
 
 
-def test_keys_and_the_slider_set_the_slow_motion_and_slower_is_never_faster(driver: Driver) -> None:
+def test_keys_and_slider_set_the_slow_motion(driver: Driver) -> None:
     assert driver.session.slow == driver.session.scene.view.slow
     driver.key(pygame.K_MINUS)
     assert driver.session.slow == 5.0
@@ -49,7 +51,8 @@ def test_keys_and_the_slider_set_the_slow_motion_and_slower_is_never_faster(driv
     slider = driver.page.time_controls.slider
     driver.pull(slider.sliding_button.rect.center, (slider.rect.right - 5, slider.rect.centery))
     assert driver.session.slow > 500.0
-    driver.press((slider.rect.left + 3 * slider.rect.width // 4, slider.rect.centery))  # on its track
+    # Press on the track of the slider.
+    driver.press((slider.rect.left + 3 * slider.rect.width // 4, slider.rect.centery))
     driver.frames(2)
     assert 40.0 < driver.session.slow < 80.0
     driver.move((slider.rect.right, slider.rect.centery), (1, 0, 0))
@@ -57,11 +60,12 @@ def test_keys_and_the_slider_set_the_slow_motion_and_slower_is_never_faster(driv
     assert driver.session.slow == 1000.0
     driver.release((slider.rect.right, slider.rect.centery))
     driver.key(pygame.K_EQUALS, times=20)
-    assert driver.session.slow == 0.01  # faster than real time
+    assert driver.session.slow == 0.01  # Faster than real time.
     driver.run(10)
     assert driver.session.time > 5.0
     scene = driver.session.scene
-    for slow, slower, faster in ((5000.0, 5000.0, 1000.0), (0.001, 0.01, 0.001)):  # a scene may be beyond the slider
+    # The value of a scene can be outside the range of the slider.
+    for slow, slower, faster in ((5000.0, 5000.0, 1000.0), (0.001, 0.01, 0.001)):
         for key, expected in ((pygame.K_MINUS, slower), (pygame.K_EQUALS, faster)):
             driver.page.show_scene(scene.model_copy(update={"view": scene.view.model_copy(update={"slow": slow})}))
             driver.frames(2)
@@ -69,7 +73,7 @@ def test_keys_and_the_slider_set_the_slow_motion_and_slower_is_never_faster(driv
             assert driver.session.slow == expected
 
 
-def test_a_click_is_short_and_decays_and_a_tone_goes_on_without_a_jump():
+def test_sounds_have_no_jumps():
     wave = np.frombuffer(click(880.0), np.int16).astype(float)
     assert 0.03 < len(wave) / RATE < 0.2
     assert np.abs(wave[:200]).max() > 8000
@@ -81,7 +85,7 @@ def test_a_click_is_short_and_decays_and_a_tone_goes_on_without_a_jump():
         assert np.argmax(np.abs(np.fft.rfft(wave))) * RATE / len(wave) == pytest.approx(pitch)
 
 
-def test_one_key_goes_from_silence_to_clicks_to_tones_and_back(driver: Driver):
+def test_one_key_changes_the_sound(driver: Driver):
     sound = driver.page.sound
     driver.key(pygame.K_n)
     assert sound.clicks is not None
@@ -110,14 +114,14 @@ def test_a_motion_is_not_over_while_couplers_may_pull() -> None:
     assert not session.lanes[0].over
 
 
-def test_a_motion_is_over_when_its_last_force_has_ended_and_beads_are_apart() -> None:
+def test_a_motion_is_over_after_its_last_force() -> None:
     force = {"beads": 0, "time": [0.5, 1.0, 1.0], "force": [-1.0, -1.0, 0.0]}
     lane = {"velocity": [0.0, 1.0], "contact": {"law": "hertz", "stiffness": 1.0}, "forces": [force]}
     session = Session(Scene.model_validate({"title": "Apart", "lanes": [lane]}))
     for frames, over in ((59, False), (62, True)):
         session.step_frames(frames)
         assert session.lanes[0].over == over
-    stiff = {"law": "hertz", "stiffness": 1e6}  # two rest in the end, but for round-off
+    stiff = {"law": "hertz", "stiffness": 1e6}  # Two beads are at rest at the end, up to round-off.
     for velocity, gap, frames in (([-1.0, 0.0, 0.0], 0.0, 0), ([1.0, 0.0, 0.0], 0.1, 60)):
         lane = {"velocity": velocity, "contact": stiff, "gap": gap}
         session = Session(Scene.model_validate({"title": "Two rest", "lanes": [lane]}))
@@ -148,7 +152,7 @@ def in_sight(driver: Driver) -> bool:
     return bool((lane.edges >= rect.left).all() and (lane.edges + lane.drawing.bead <= rect.right + 1).all())
 
 
-def test_wheel_and_drag_take_the_view_an_arrow_counts_beads_outside_and_fit_keeps_all_in_sight(driver: Driver) -> None:
+def test_the_view_is_zoomed_dragged_and_fitted(driver: Driver) -> None:
     def counted() -> list[pygame.Rect]:
         high = driver.page.view.lanes[0].drawing.ground - 14
         return [one.rect for one in driver.texts() if one.text == "5" and abs(one.rect.centery - high) < 4]
@@ -174,7 +178,7 @@ def test_wheel_and_drag_take_the_view_an_arrow_counts_beads_outside_and_fit_keep
     driver.key(pygame.K_SPACE)
     for _ in range(20):
         driver.frames(30)
-        assert in_sight(driver)  # by itself
+        assert in_sight(driver)  # Beads stay visible automatically.
     assert driver.session.time > 4.0
     lane = {"velocity": [1e-6, 0.0], "contact": {"law": "hertz", "stiffness": 1.0}}
     small = Scene.model_validate({"title": "Micrometres", "lanes": [lane], "view": {"length": 1e-6}})
@@ -189,11 +193,12 @@ def test_marks_of_rigid_clusters_are_of_the_beads_that_there_are(driver: Driver)
     assert len(driver.page.view.lanes[0].drawing.ends) == 4
     driver.select("bead", 4)
     driver.key(pygame.K_DELETE)
-    assert driver.page.view.lanes[0].drawing.ends == (True, False, False)  # of three beads that are pushed, Eq. (5)
+    # Marks of the three beads that are pushed, Eq. (5).
+    assert driver.page.view.lanes[0].drawing.ends == (True, False, False)
 
 
 @pytest.mark.parametrize("name", ["train-shunting", "train-braking", "train-cut"])
-def test_force_labels_of_a_train_are_in_kilonewtons_and_have_room(name: str) -> None:
+def test_force_labels_of_a_train_fit(name: str) -> None:
     driver, seen = Driver(name), 0
     for _ in range(12):
         driver.session.step_frames(40)
@@ -243,7 +248,7 @@ def test_a_selection_has_the_shape_of_its_body() -> None:
     assert 2 * corner < rect.width
     frame = rect.inflate(2 * gap, 2 * gap)
     assert has_colour(driver, [(frame.centerx, frame.top), (frame.left, frame.centery)], tones.foreground)
-    driver.app.act("law_all")  # power laws are drawn as round beads
+    driver.app.act("law_all")  # Power laws are drawn as round beads.
     driver.frames(2)
     lane = driver.page.view.lanes[0]
     rect, corner = lane.drawing.body_shape(1, float(lane.edges[1]))

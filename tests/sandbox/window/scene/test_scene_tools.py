@@ -1,4 +1,6 @@
-"""The tools of the page: arrows, tables of values, sharing, comparison, stopwatch, ruler, and their menu by keys."""
+"""Tests of the tools of the page: arrows, tables of values, sharing, comparison, stopwatch, ruler, and their menu by
+keys.
+"""
 
 import pygame
 import pytest
@@ -30,7 +32,7 @@ def test_arrows_show_what_is_chosen(driver: Driver) -> None:
     assert not seen["none"].any()
 
 
-def test_the_table_of_values_and_what_happened_are_shown_and_copied(driver: Driver) -> None:
+def test_values_and_outcome_are_shown_and_copied(driver: Driver) -> None:
     driver.key(pygame.K_t)
     beads, contacts = driver.page.tools.values.places
     assert (beads.kind, beads.count, contacts.kind, contacts.count) == ("bead", 5, "contact", 4)
@@ -41,14 +43,14 @@ def test_the_table_of_values_and_what_happened_are_shown_and_copied(driver: Driv
     table = [line.split(",") for line in pygame.scrap.get_text().splitlines()]
     assert table[0] == ["time (s)", "0.0"]
     assert table[2][:3] == ["alpha = 1/10", "0", "1.0"]
-    assert float(table[2][4]) == 1.0  # velocity of the striker
+    assert float(table[2][4]) == 1.0  # Velocity of the striker [m/s].
     assert len(table) == 1 + 6 + 5
     driver.key(pygame.K_w)
     assert "Bead 0 goes to the right at 1 metre a second." in driver.app.dialog.note
     driver.key(pygame.K_LEFT)
     driver.key(pygame.K_RETURN)
     assert pygame.scrap.get_text().startswith("At 0 seconds.")
-    for key in (pygame.K_b, pygame.K_t, pygame.K_t):  # no plots: the table has no place
+    for key in (pygame.K_b, pygame.K_t, pygame.K_t):  # Without plots there is no room for the table.
         driver.key(key)
 
 
@@ -66,11 +68,11 @@ def test_a_scene_is_copied_as_text_and_pasted(driver: Driver) -> None:
     assert any("not a whole scene" in text for text in driver.messages)
     pygame.scrap.put_text(" ")
     driver.key(pygame.K_v, CTRL)
-    driver.app.open("")  # as where nothing was typed
+    driver.app.open("")  # Like an empty input.
     assert [text[:22] for text in driver.messages[-2:]] == ["the clipboard is empty", "there is no scene '' ("]
 
 
-def test_a_scene_is_compared_with_a_copy_and_edits_stay_unsaved(driver: Driver) -> None:
+def test_a_scene_is_compared_with_an_edited_copy(driver: Driver) -> None:
     driver.key(pygame.K_d, CTRL)
     assert [lane.chain for lane in driver.session.lanes] == [driver.session.lanes[0].chain] * 2
     assert not driver.page.unsaved
@@ -79,8 +81,8 @@ def test_a_scene_is_compared_with_a_copy_and_edits_stay_unsaved(driver: Driver) 
     driver.run(60)
     assert driver.session.lanes[0].chain.mass[1] == 1.0
     driver.session.apply(SetMass(0, 2, 3.0))
-    driver.key(pygame.K_d, CTRL)  # the first lane of the two
-    driver.click(driver.app.dialog.buttons["Don't save"].rect.center)  # of the second
+    driver.key(pygame.K_d, CTRL)  # Compare the first of the two lanes.
+    driver.click(driver.app.dialog.buttons["Don't save"].rect.center)  # Discard the edits of the second lane.
     assert "• One bead on four, compared" in [one.text for one in driver.texts()]
     assert [driver.session.label(k) for k in (0, 1)] == ["alpha = 1/10, edited", "alpha = 1/10, edited, the other"]
     assert driver.session.lanes[1].chain.mass == (1.0, 1.0, 3.0, 1.0, 1.0)
@@ -94,12 +96,12 @@ def test_edits_of_a_row_that_would_go_are_asked_for(action: str) -> None:
     driver.session.apply(SetMass(1, 1, 7.0))
     driver.app.act(action)
     assert driver.app.dialog.title == "Save your changes?"
-    driver.key(pygame.K_ESCAPE)  # stay
+    driver.key(pygame.K_ESCAPE)  # Stay on the page.
     assert driver.app.page is page
     assert driver.session.lanes[1].chain.mass[1] == 7.0
     driver.page.dialogs.save("save_scene", "mine")
     driver.session.undo()
-    driver.session.apply(SetMass(0, 1, 7.0))  # this one goes with the first row
+    driver.session.apply(SetMass(0, 1, 7.0))  # This edit is kept with the first row.
     driver.app.act(action)
     assert driver.app.page is not page
     assert driver.session.lanes[0].chain.mass[1] == 7.0
@@ -113,7 +115,7 @@ def test_masses_of_two_low_rows_do_not_lie_on_each_other() -> None:
     assert not colliding(driver.texts())
 
 
-def test_what_the_catalogue_says_of_its_lanes_is_not_said_of_one_of_them_or_of_an_edited_one() -> None:
+def test_the_catalogue_text_is_shown_only_for_the_unchanged_scene() -> None:
     for edited in (False, True):
         page = Driver("one-on-four")
         if edited:
@@ -130,11 +132,12 @@ def test_what_the_catalogue_says_of_its_lanes_is_not_said_of_one_of_them_or_of_a
         assert "About this scene" not in [one.text for one in page.texts()], "nothing is said"
 
 
-def test_stopwatch_and_ruler_measure_and_the_ruler_lies_on_no_force() -> None:
+def test_stopwatch_and_ruler_measure() -> None:
     driver = Driver("steel-and-soft", size=(1280, 800))
     watch, ruler = driver.page.tools.stopwatch, driver.page.tools.ruler
     driver.key(pygame.K_k)
-    assert "stopwatch 0.000 s (running)" in [one.text for one in driver.texts()]  # in the unit of the clock, as later
+    # The unit is the unit of the clock, as it is later.
+    assert "stopwatch 0.000 s (running)" in [one.text for one in driver.texts()]
     driver.run(30)
     driver.key(pygame.K_k)
     elapsed = watch.elapsed
@@ -169,7 +172,7 @@ def test_a_menu_does_its_actions_by_keys_and_clicks(driver: Driver, menu: str) -
 
 
 def test_a_menu_marks_what_is_shown_and_is_clicked(driver: Driver) -> None:
-    driver.key(pygame.K_3)  # overlaps go
+    driver.key(pygame.K_3)  # Hide the overlaps.
     driver.app.act("plots_menu")
     marked = [button.text.split("  ")[1] for button in driver.app.dialog.buttons if button.text.startswith("✓")]
     assert marked == ["velocities", "forces"]
@@ -186,11 +189,11 @@ def test_rows_are_selected_and_scrolled_to() -> None:
     values = driver.page.tools.values
     place = values.places[0]
     assert not place.whole
-    driver.click((place.rect.centerx, place.rect.top + 2))  # among the names of columns
+    driver.click((place.rect.centerx, place.rect.top + 2))  # Click on the names of columns.
     assert driver.page.editor.selection is None
     driver.click(place.strip(1).center)
     assert driver.page.editor.selection == Pick(0, "bead", 1)
     driver.wheel(place.rect.center, -9)
     assert values.places[0].last == 11
-    driver.key(pygame.K_LEFT, times=2)  # the selection comes into view
+    driver.key(pygame.K_LEFT, times=2)  # The table scrolls to the selection.
     assert values.places[0].first == 0
