@@ -370,7 +370,7 @@ def _headers(path: Path, lines: list[str], layout: Layout) -> list[Header]:
 
 
 def _require_units(path: Path, line: int, headers: list[Header]) -> None:
-    """Raise UserError if a column has no unit and another column of the same quantity has a unit other than SI."""
+    """Raise UserError if the unit of a column is missing and another column of the same quantity is not in SI units."""
     for k, one in enumerate(headers):
         other = next((two for two in headers if two.quantity == one.quantity and two.factor != 1.0), None)
         if one.quantity and not one.unit and other is not None:

@@ -27,7 +27,7 @@ class BeadSummary:
         mass: mass [kg]; None for a wall.
         start_velocity: velocity at the start [m/s]; None if the samples begin later.
         final_velocity: velocity at the end [m/s]; None if the motion did not stay finite.
-        velocity_error: estimated error of the final velocity [m/s]; None if the method has no estimate (fixed steps).
+        velocity_error: estimated error of the final velocity [m/s]; None if the method does not estimate it (fixed steps).
     """
 
     mass: float | None
@@ -67,7 +67,7 @@ class Summary:
         label: label of the lane.
         beads, contacts: results from left to right.
         end: time of the last sample [s].
-        velocity_error: largest estimated error of a velocity [m/s]; None if the method has no estimate.
+        velocity_error: largest estimated error of a velocity [m/s]; None if the method does not estimate errors.
         energy_error: largest change of the energy balance (:attr:`Trajectory.ledger`) relative to the energy at the
             start.
             In a driven motion (drive, forces, moving walls, pointer or edits) it is relative to the largest energy.

@@ -178,7 +178,7 @@ class Lane(Table):
 
     @classmethod
     def of(cls, chain: physics.Chain, velocity: Sequence[float], label: str = "") -> Self:
-        """Return the lane of a chain and its start. A user-defined contact law has no table in a scene file."""
+        """Return the lane of a chain and its start. User-defined contact laws cannot be written to a scene file."""
         laws = [table_of(contact) for contact in chain.contact if not isinstance(contact, physics.OwnLaw)]
         table = {name: getattr(chain, name) for name in ("mass", "gap", "drive", "friction")}
         table |= {name: tuple(map(asdict, getattr(chain, name))) for name in ("forces", "brakes")}
@@ -259,7 +259,7 @@ class Scene(notebook_views.Moving, Table):
     step : float or None
         Time step of a fixed-step method [s]; None means the default of `simulate`.
     tolerance : float or None
-        Tolerance of an adaptive method; None means the default of `simulate`. Fixed-step methods have no tolerance.
+        Tolerance of an adaptive method; None means the default of `simulate`. It is not allowed with a fixed-step method.
     view : View
         Settings of the picture.
     """

@@ -233,7 +233,7 @@ def _missing_quote(line: str) -> Iterator[Repair]:
         yield Repair(line[: start.end()] + '"' + line[start.end() :], hint)
 
 
-# The order matters: a repair of a special mistake must come before a general one that would also change its line.
+# The order matters: a repair of a special mistake comes before a general repair that would also change its line.
 REPAIRS = (
     _typographic_quotes,
     _colon,

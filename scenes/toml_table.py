@@ -82,7 +82,7 @@ def details_again(detail: ErrorDetails) -> InitErrorDetails:
 
 
 def raise_problems(title: str, sentences: Iterable[str], value: Any) -> None:
-    """Raise a ValidationError with each different sentence. Do nothing if there are no sentences."""
+    """Raise a ValidationError with each different sentence. Do nothing if `sentences` is empty."""
     found = [sentence_details(sentence, value) for sentence in dict.fromkeys(sentences)]
     if found:
         raise ValidationError.from_exception_data(title, found)
@@ -103,7 +103,7 @@ def unknown_key(
 
 
 def problem(sentence: str) -> PydanticCustomError:
-    """Return a validation error with this sentence. Messages put the place in the file before it."""
+    """Return a validation error with this sentence. The place in the file is put before the sentence."""
     return PydanticCustomError("scene", "{sentence}", {"sentence": sentence})
 
 

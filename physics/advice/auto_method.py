@@ -125,8 +125,8 @@ def nearly_yields(chain: Chain, velocity: ArrayLike) -> bool:
     """Return True if a preloaded contact inside a cluster comes so close to its preload that it may yield only for a
     moment.
 
-    The struck contact s pushes with at most ``sqrt(F_s**2 + K_s mu v**2)``, where F is the preload, K the stiffness, mu
-    the reduced mass of the two sides and v the closing speed. Contact i inside a cluster transmits the share r_i of
+    The struck contact s pushes with at most ``sqrt(F_s**2 + K_s mu v**2)``. F is the preload, K the stiffness, mu the
+    reduced mass of the two sides and v the closing speed. Contact i inside a cluster transmits the share r_i of
     this force (:func:`softcradle.physics.chain.mass_shares`). It yields above the critical speed, at which this share
     equals F_i.
     """

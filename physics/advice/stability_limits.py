@@ -33,9 +33,9 @@ MOST_CHATTER = 10  # Number of switches by chatter in a run without a warning.
 def stable_step(chain: Chain, velocity: ArrayLike, error: float = 1e-3) -> float:
     """Estimate the longest step [s] at which euler, verlet and yoshida4 stay within `error` of the closing speed.
 
-    For an exponent a < 1, explicit steps h have no strict stability limit: h² L a K d**(a-1) exceeds 4 as the overlap d
-    -> 0. There the contact chatters. L is the inverse reduced mass of the two beads, K the stiffness, F the preload and
-    v the closing speed. The shortest of four steps is returned::
+    For an exponent a < 1, a strict stability limit of explicit steps h does not exist: h² L a K d**(a-1) exceeds 4 at
+    small overlaps d, where the contact chatters. L is the inverse reduced mass of the two beads, K the stiffness, F the
+    preload and v the closing speed. The shortest of four steps is returned::
 
         stiffness  h = 2 / sqrt(2 L a K d**(a-1)) at the largest overlap, for a >= 1
         chatter    the same at the overlap whose energy gives the velocity `error`, for a < 1

@@ -69,7 +69,7 @@ class EnsembleEnds:
     final_velocity : ndarray, shape (C, n+1)
         Velocities of the beads [m/s] at the end.
     velocity_error : ndarray, shape (C, n+1)
-        Estimated errors of these velocities [m/s]; NaN for fixed-step methods, which have no estimate.
+        Estimated errors of these velocities [m/s]; NaN for fixed-step methods, which do not estimate errors.
     time : ndarray, shape (C,)
         Time of the end of the run [s].
     status : ndarray, shape (C,)
@@ -101,8 +101,8 @@ def ensemble_ends(
     """Simulate very many short chains of one shape and return their ends as arrays.
 
     The results are bitwise equal to those of `simulate`. Most chains run one after the other in compiled code, on all
-    cores. `simulate` runs those that are driven or have overlaps at the start. It also runs those that need more than
-    one run, because they chatter or because errors have grown. There are no warnings: check `status` and
+    cores. `simulate` runs the chains with a drive or with overlaps at the start. It also runs the chains that need more than one
+    run, because they chatter or because errors have grown. The function does not warn: check `status` and
     `velocity_error`, and run a doubtful chain, ``batch.chain(k)``, with `simulate`.
 
     Parameters
@@ -390,7 +390,7 @@ def _method(name: str, batch: ChainBatch) -> Method:
 
 
 def _require_end(batch: ChainBatch, velocity: Array, duration: ArrayLike | None) -> None:
-    """Raise ValueError if there is no duration and a chain may never separate."""
+    """Raise ValueError if the duration is None and a chain may never separate."""
     if duration is not None:
         return
     if (np.isinf(batch.mass).sum(axis=1) > 1).any():

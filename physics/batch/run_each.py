@@ -30,7 +30,7 @@ class BatchData(NamedTuple):
     lossy: NDArray[np.bool_]  # (C,) True if a contact has loss
     braked: NDArray[np.bool_]  # (C,) True if the bed brakes beads
     step: Array  # (C,) time step [s]; 0 for adaptive methods
-    end: Array  # (C,) end time [s]; infinity if there is no limit
+    end: Array  # (C,) end time [s]; infinity means until the beads separate
 
 
 class BatchMotion(NamedTuple):

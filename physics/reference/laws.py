@@ -68,9 +68,7 @@ class Laws:
         return found
 
     def slope(self, overlap: Array) -> Array:
-        """Return the (m,) slopes df/dd [N/m]. At overlap 0, where the slope of a power law may be infinite, the result
-        is 0.
-        """
+        """Return the (m,) slopes df/dd [N/m]. At overlap 0 the slope of a power law may be infinite; the result is then 0."""
         found = np.zeros(overlap.size)
         pressed = overlap > LEAST_OVERLAP
         factor = self.exponent[pressed] * self.stiffness[pressed]

@@ -45,7 +45,7 @@ FIXED = TOUCHING, HELD, STICKS
 # Modes for each kind of constraint: at the smallest multiplier, between the bounds, and at the largest multiplier.
 AT_REST = {"corner": (OPEN, TOUCHING, LOADED), "turn": (RELEASED, HELD, LOADED), "bed": (BACKWARD, STICKS, FORWARD)}
 
-# Local error of a step, relative to the wanted error. Thousands of steps then stay below the wanted error.
+# Local error of a step, relative to the wanted error. It is so small that thousands of steps together stay below it.
 RELATIVE_SMOOTH = 1e-4
 RELATIVE_STIFF = 1e-3  # The same for stiff contacts. Their steps damp errors, so they may be larger.
 FINEST = 3e-14  # Smallest relative tolerance that double precision allows.
@@ -81,8 +81,7 @@ class System:
         external = state.external(chain)
         self.steady = np.zeros(self.n + 1) if external is None else external
         self.bed = chain.finite_mass * GRAVITY * chain.friction
-        # Velocities of the constraints from those of the beads: differences of neighbours for contacts, and on a bed
-        # each bead.
+        # Matrix from the velocities of beads to those of constraints: differences of neighbours, and on a bed also each bead.
         difference = np.eye(self.n, self.n + 1) - np.eye(self.n, self.n + 1, 1)
         contacts = laws.side[:, None] * difference[laws.joint]
         self.rows = np.vstack((contacts, np.eye(self.n + 1))) if chain.on_bed else contacts
@@ -113,8 +112,8 @@ class System:
         return from_anchor(y[..., self.m : self.m + self.n], y[..., -1], self.chain.anchor)
 
     def row_velocity(self, y: Array) -> Array:
-        """Return the (..., p) velocities [m/s] of the constraints. Those of contacts come from the rates, which are
-        accurate if small.
+        """Return the (..., p) velocities [m/s] of the constraints. The velocities of contacts come from the rates,
+        because small rates are accurate.
         """
         rate = self.laws.side * y[..., self.m : self.m + self.n][..., self.laws.joint]
         return np.concatenate((rate, self.velocity(y)), axis=-1) if self.chain.on_bed else rate
@@ -160,7 +159,7 @@ class Phase:
         self.fixed = fixed
         self.part = np.select([mode[:m] == LOADED, mode[:m] == RELEASED], [np.ones(m), 1.0 - system.laws.loss], 0.0)
         self.side = np.where(mode[m:] == FORWARD, 1.0, np.where(mode[m:] == BACKWARD, -1.0, 0.0))
-        # sign with which the guard of the overlap is positive; 0 if the mode has no such guard
+        # sign with which the guard of the overlap is positive; 0 without a guard
         self.way = np.where(self.part > 0.0, 1.0, np.where(mode[:m] == OPEN, -1.0, 0.0))
         turn = np.where(mode[:m] == RELEASED, -1.0, (mode[:m] == LOADED) * 1.0) * (system.laws.loss > 0.0)
         self.turn = np.concatenate((turn, self.side))
@@ -228,8 +227,8 @@ class Phase:
         """Return the distances of the constraints from their next switch, by overlap (..., m), velocity (..., p) and
         multiplier (..., p).
 
-        They are relative to the depth, the speed and the bound. They are negative after the switch, and infinite if
-        this switch is impossible. A small tolerance prevents a constraint that has just switched from switching back by
+        The distances are relative to the depth, the speed and the bound. A distance is negative after the switch, and infinite
+        if the switch is impossible. A small tolerance prevents a constraint that has just switched from switching back by
         rounding errors.
         """
         system, m = self.system, self.system.m

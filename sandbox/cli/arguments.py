@@ -14,7 +14,7 @@ from pathlib import Path
 from softcradle.sandbox.console import note
 from softcradle.sandbox.user_error import UserError
 
-DEFAULT_FOLDER = Path("out")  # Folder for output files if the user gives no path.
+DEFAULT_FOLDER = Path("out")  # Default folder for output files.
 LISTED = "--list computes nothing: {option} is for what is computed"
 
 
@@ -157,7 +157,7 @@ class WrittenFiles:
 
 
 def open_with_desktop(path: Path) -> None:
-    """Open a file or folder with the default program of the desktop. Raise UserError if there is none."""
+    """Open a file or folder with the default program of the desktop. Raise UserError if that program is missing."""
     if not webbrowser.open(path.absolute().as_uri()):
         raise UserError(f"{path} is written, but no program was found to open it with")
 

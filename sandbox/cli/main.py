@@ -257,7 +257,7 @@ def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
 
 
 def _module(name: str) -> CommandModule:
-    """Return the module of the command `name`. Raise UserError if there is no such command."""
+    """Return the module of the command `name`. Raise UserError if the command does not exist."""
     for command in COMMANDS:
         if command.name == name:
             return command.load()

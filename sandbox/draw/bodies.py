@@ -17,7 +17,9 @@ CYLINDER_LENGTH = 0.80  # Length of the cylinder, relative to the length of the 
 CYLINDER_HEIGHT = 0.66  # Height of the cylinder, relative to the length of the draft gear.
 WALL_HEIGHT = 1.2  # Height of a wall, relative to the length of a bead.
 HEAVY = 1e4  # Mass [kg] from which all masses of a chain are written in tonnes.
-EQUAL_MASSES = 1.02  # Largest ratio of two masses at which beads look the same and have no mass labels.
+EQUAL_MASSES = (
+    1.02  # Ratio of the largest to the smallest mass up to which beads look the same and their masses are not written.
+)
 
 
 def is_gear(joint: Joint) -> bool:

@@ -13,7 +13,7 @@ from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.story.numbers import scientific
 from softcradle.sandbox.story.verdict import GOOD, level_of
 
-# Titles of the energy bar and of the momentum bar. The longest one that fits is used.
+# Titles of the energy bar and of the momentum bar. The longest title that fits is used.
 ENERGY_TITLES = (N_("energy: motion of each bead, stored in contacts"), N_("energy, stored in contacts"), N_("energy"))
 ABSORBED = N_("absorbed")  # Name of the energy that contacts with loss and the bed absorb.
 KEY_WIDTH = 14.0  # Room for the coloured square that follows a word [design pixels].

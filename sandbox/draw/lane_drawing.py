@@ -297,7 +297,7 @@ class LaneDrawing:
 
     def _is_gear(self, bead: int) -> bool:
         """Return True if the bead pushes its right neighbour with a piston. The last bead looks like its left
-        neighbour; a wall has no piston.
+        neighbour; a wall is drawn without a piston.
         """
         return math.isfinite(self.chain.mass[bead]) and is_gear(self.chain.contact[min(bead, self.chain.contacts - 1)])
 
@@ -350,7 +350,9 @@ class LaneDrawing:
         """
         size, visible, taken = 13 * self.unit, VISIBLE_FORCE * self.scales.force, list(self.heading)
         prefix = axis_prefix(self.scales.force)[1]
-        unit = f" {prefix}N" if prefix and not self.heading else ""  # a thumbnail has no heading that names the unit
+        unit = (
+            f" {prefix}N" if prefix and not self.heading else ""
+        )  # in a thumbnail, which lacks a heading with the unit
         for i in sorted(range(len(forces)), key=lambda i: -abs(forces[i])):
             if abs(forces[i]) <= visible:
                 return

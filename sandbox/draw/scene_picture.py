@@ -111,7 +111,7 @@ class Picture:
         scene: the scene.
         motions: one Motion for each lane, all with the same times.
         size: width and height [pixels].
-        scales: common scales of all lanes; None fits them to the motions.
+        scales: common scales of all lanes; None computes them from the motions.
         slow: seconds of film per second of motion, for the label; None takes the value of the scene.
         ahead: strength of the curves beyond the cursor, from 0 to 1.
     """

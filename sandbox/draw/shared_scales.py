@@ -143,7 +143,7 @@ def _decades(deepest: tuple[tuple[float, ...], ...]) -> tuple[int, int]:
     return max(math.floor(math.log10(min(depths))) - 1, high - MOST_DECADES), high
 
 
-@np.errstate(over="ignore", invalid="ignore")  # Values that are not finite are rejected where they are shown.
+@np.errstate(over="ignore", invalid="ignore")  # Values that are not finite are rejected by the code that shows them.
 def motion_of(trajectory: Trajectory, lead: Array | None = None) -> Motion:
     """Return the motion of `trajectory`, preceded by free flight at the times `lead` < 0 [s] (see
     :func:`longest_lead`).

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 DOMAIN = "softcradle"
 ENGLISH = "en"
 Said = TypeVar("Said")
-# Environment variables of the locale. The first one that is set counts, as in gettext.
+# Environment variables of the locale. As in gettext, the first variable that is set counts.
 VARIABLES = ("LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG")
 
 
@@ -99,7 +99,7 @@ def catalogue(code: str) -> NullTranslations:
 
 
 def language_of_environment(environment: Mapping[str, str] = os.environ) -> str:
-    """Return the first available language of the locale of the environment; English if there is none."""
+    """Return the first available language of the locale of the environment; the default is English."""
     wished = next((environment[name] for name in VARIABLES if environment.get(name)), "")
     codes = (one.partition(".")[0].partition("_")[0].lower() for one in wished.split(":"))
     return next((code for code in codes if code in LANGUAGES), ENGLISH)

@@ -1,4 +1,4 @@
-"""The story of a motion: what has happened and who goes where, as values, with one definition of each term.
+"""Story of a motion as values: its events, and which beads move where. Each term has a single definition here.
 
 Window, terminal, films, lessons, notebooks and pages report these values. Pages read the bounds from `assets/page/story.js`,
 which `make story` writes.

@@ -36,7 +36,7 @@ def signed(number: str) -> str:
 
 
 def fixed(value: float, decimals: int) -> str:
-    """Return `value` with `decimals` digits after the decimal mark. Zero has no minus sign."""
+    """Return `value` with `decimals` digits after the decimal mark. Zero is written without a minus sign."""
     text = f"{value:.{decimals}f}"
     if float(text) == 0.0:
         text = text.lstrip("-")
@@ -79,7 +79,7 @@ def prefixed(value: float, digits: int = 3) -> str:
 def axis_prefix(largest: float) -> tuple[float, str]:
     """Return (size, prefix) of the unit of an axis whose values reach `largest`: (1e3, "k") for 253 000.
 
-    The unit has no prefix below LARGEST_PLAIN, nor if no prefix makes the numbers short.
+    The prefix is empty below LARGEST_PLAIN, and also if the numbers stay long with every prefix.
     """
     if not LARGEST_PLAIN <= largest < LARGEST_PREFIXED:
         return 1.0, ""
@@ -92,8 +92,8 @@ def with_prefix(title: str, prefix: str) -> str:
 
 
 def beside(value: float, greatest: float) -> str:
-    """Return `value` with as many decimals as `greatest`, the largest value of its kind, needs: 0.24 beside 1.08, 60
-    beside 240.
+    """Return `value` with as many decimals as `greatest`, the largest value of its kind, needs: 0.24 if `greatest` is
+    1.08, 60 if it is 240.
 
     The number is in the unit of :func:`axis_prefix`. The axis or the sentence must name this unit.
     """

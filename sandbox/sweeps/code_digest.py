@@ -110,7 +110,7 @@ class _Digest:
     def _cell(self, cell: Any) -> str:
         try:
             return self.of(cell.cell_contents)
-        except ValueError:  # The cell is still empty.
+        except ValueError:  # The closure variable has not been assigned yet.
             return "empty"
 
     def _read(self, name: str, value: Any) -> str:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 ENGINES = {".zarr": "zarr", ".nc": "h5netcdf"}  # Storage engine of xarray for each file suffix.
 COMPRESSION = 4  # Compression level of numbers in NetCDF, from 1 to 9.
-NO_NUMBERS = (2, 3, 5, 6)  # Values of `status` at which a point has no numbers, or lacks those of its end.
+NO_NUMBERS = (2, 3, 5, 6)  # Values of `status` of points that lack all numbers or those of the end of the run.
 
 
 def dataset_of(chunk: Chunk, work: Work, units: Mapping[str, str], attributes: Mapping[str, str]) -> xr.Dataset:

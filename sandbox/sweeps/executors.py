@@ -153,7 +153,7 @@ def _leave_interruptions() -> None:
 
 def _begin_worker() -> None:
     """Initialise a worker process: ignore Ctrl+C, and exit when the parent process ends, even if it was killed."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # for platforms where the signal is not blocked
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # for platforms that do not block the signal
 
     def end_with_parent() -> None:
         multiprocessing.parent_process().join()  # type: ignore[union-attr]
@@ -369,7 +369,7 @@ class ChunkSchedule:
             self._todo.appendleft((begin, end))
 
     def _begin_anew(self, place: Workplace) -> None:
-        """Replace a broken executor. Each chunk that it had is computed again alone; a chunk that was already alone
+        """Replace a broken executor. Each of its chunks is computed again separately. A chunk that was already separate
         caused the failure.
         """
         place.renew()

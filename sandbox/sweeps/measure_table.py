@@ -110,7 +110,7 @@ class RunEnd(NamedTuple):
 
 
 def ends_of(starts: Sequence[LaneStart]) -> list[RunEnd]:
-    """Compute the ends of runs whose chains have one shape and the same settings, bitwise equal to those of `solve`.
+    """Compute the ends of runs whose chains have one shape and the same settings. The results are bitwise equal to `solve`.
 
     Raise ValueError if these runs cannot be computed together.
     """
@@ -200,7 +200,7 @@ MEASURE_BY_NAME = {measure.name: measure for measure in MEASURES}
 
 
 def find_measure(name: str) -> Measure:
-    """Return the measure `name`. Raise StudyError if there is none."""
+    """Return the measure `name`. Raise StudyError if it does not exist."""
     if name not in MEASURE_BY_NAME:
         raise StudyError(f"there is no measure {name!r}{suggestion(name, MEASURE_BY_NAME)}")
     return MEASURE_BY_NAME[name]

@@ -83,7 +83,7 @@ def sweep(
     [sweep].
 
     If a point is invalid, or if its run gives up, the variable `status` marks it and `reason` contains the cause. The
-    Dataset does not depend on where the points were computed, in which chunks, or how often the sweep was interrupted.
+    Dataset does not depend on the executor, the chunks and the interruptions of the sweep.
 
     Parameters
     ----------
@@ -208,8 +208,8 @@ def map_points(
     each: Callable[[int, dict[str, Any]], None] | None = None,
     chunk_seconds: float = 1.0,
 ) -> list[dict[str, Any]]:
-    """Return the results of `function` at all points in their order. Use processes if that saves time. This does not
-    need xarray.
+    """Return the results of `function` at all points in their order. Use processes if that saves time. This function
+    works without xarray.
 
     Each row contains the numbers, lists as arrays padded with NaN to a common length, and the "reason" of an Outcome.
 
@@ -221,7 +221,7 @@ def map_points(
             there. The folder stays until `drop_kept`. Points of another study in it are deleted.
         progress: called with ("points", done, all).
         workers: number of threads or processes.
-        executor: where the points are computed, as for `sweep`.
+        executor: as for `sweep`.
         alike: True if all points cost about the same, so that the first ones predict the total; otherwise the most
             expensive points must come first.
         each: called with the number and the row of each finished point.

@@ -1,6 +1,4 @@
-"""Sample points of a sweep: grids, lists, Latin hypercubes and Sobol sequences. Each point follows from its index
-alone.
-"""
+"""Sample points of a sweep: grids, lists, Latin hypercubes and Sobol sequences. A point depends only on its index."""
 
 import math
 import warnings

@@ -145,7 +145,7 @@ def locked(folder: Path) -> IO[bytes] | None:
 
 
 def study_in(folder: Path) -> str | None:
-    """Return the study of the folder, or None if there is none."""
+    """Return the study of the folder, or None if it does not contain one."""
     with suppress(OSError, UnicodeDecodeError):
         return (folder / STUDY).read_text(encoding="utf-8")
     return None

@@ -108,7 +108,7 @@ class Work:
 
     @property
     def lanes(self) -> list[str]:
-        """Labels of the lanes of the scene, or their numbers if they have no label; a single empty label for a
+        """Labels of the lanes of the scene, or their numbers if the labels are empty; a single empty label for a
         function.
         """
         lanes = self.source.scene.lanes if isinstance(self.source, ScenePoints) else ()
@@ -163,7 +163,7 @@ class Work:
         alike: dict[Any, list[LaneStart]] = {}
         for start in (start for own in lanes for start in own):
             alike.setdefault((start.chain.contacts, *sorted(start.settings.items())), []).append(start)
-        ends: dict[int, RunEnd] = {}  # by the identity of a LaneStart
+        ends: dict[int, RunEnd] = {}  # the key is the identity of a LaneStart
         for group in alike.values():
             if len(group) >= LEAST_ALIKE:
                 with suppress(Exception):  # Some chain cannot run in this way. Its separate run reports the problem.
@@ -205,7 +205,7 @@ class Work:
             return Outcome({}, PointStatus.REFUSED, 0, _sentence_of(error))
 
     def _measured(self, runs: Sequence[Run]) -> Outcome:
-        """Take all measures of the runs of all lanes at a point. A measure that fails for a run has no number there."""
+        """Take all measures of the runs of all lanes at a point. A measure that fails becomes NaN."""
         measures = [find_measure(item) if isinstance(item, str) else item for item in self.measures]
         numbers: dict[str, Array] = {}
         without: dict[str, dict[str, None]] = {}  # reasons why measures fail, each with the names of the measures
@@ -332,7 +332,7 @@ def current_versions() -> dict[str, str]:
 
 
 def compute_checked(work: Work, begin: int, end: int, seconds: float) -> Chunk:
-    """Compute a chunk in another process. Raise StudyError if a version in that process differs from that of the sweep."""
+    """Compute a chunk in another process. Raise StudyError if that process has another version of the code than the sweep."""
     own = current_versions()
     for name, wanted in work.versions.items():
         if own[name] != wanted:

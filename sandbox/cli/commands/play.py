@@ -44,7 +44,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _require_scene(wanted: str) -> None:
-    """Raise UserError if there is no scene or file named `wanted`. The window reports problems inside a file."""
+    """Raise UserError if a scene or file named `wanted` does not exist. The window reports problems inside a file."""
     from softcradle.sandbox.session.export import is_shared_text
     from softcradle.sandbox.window.app import STANDARD_INPUT
     from softcradle.sandbox.window.hanging.page import HANGING_NAME

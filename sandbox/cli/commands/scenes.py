@@ -23,7 +23,7 @@ def main(args: argparse.Namespace) -> int:
     if args.scene is not None:
         from softcradle.scenes import text_of
 
-        scene = load_scene(args.scene)  # Raises UserError if there is no such scene.
+        scene = load_scene(args.scene)  # Raises UserError if the scene does not exist.
         _print_file(scene.model_dump_json(indent=2) + "\n" if args.json else text_of(args.scene))
         return 0
     from softcradle.scenes import load, names

@@ -1,5 +1,5 @@
-"""`softcradle sweep`: compute a study of many points on this machine or with a Dask scheduler. An interrupted study
-continues where it stopped.
+"""`softcradle sweep`: compute a study of many points on this machine or with a Dask scheduler. An interrupted study can
+be continued.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from softcradle.sandbox.sweeps.study_file import SweepStudy
 
 MOST_WORKERS = 1024
-REASONS_SHOWN = 3  # Largest number of printed reasons why points have no numbers.
+REASONS_SHOWN = 3  # Largest number of printed reasons why points lack numbers.
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -100,7 +100,7 @@ def _compute(args: argparse.Namespace, study: SweepStudy, output: Path) -> int:
 
 
 def _print_summary(found: xr.Dataset) -> None:
-    """Print the size of the Dataset, the range of every measure, and the reasons why points have no numbers."""
+    """Print the size of the Dataset, the range of every measure, and the reasons why points lack numbers."""
     from softcradle.sandbox.sweeps.dataset import reasons_of, summary_rows
 
     output = console()
