@@ -1,8 +1,8 @@
 """The reference in extended precision: Radau collocation of a chain whose mode changes are events of monotone graphs.
 
 A step is accepted if its local error is small and no guard can have changed its sign inside. Near an event, steps
-become geometrically shorter. Finally a very short step crosses the event, in which nothing can change a velocity by
-more than the tolerance.
+become geometrically shorter. Finally a step crosses the event. This step is so short that no velocity can change by
+more than the tolerance in it.
 """
 
 from __future__ import annotations
@@ -214,7 +214,7 @@ class ExtendedRun:
             slows = (point.velocity != 0.0) & (acceleration > 1e-12 * self.rows.bed * self.rows.inverse_mass)
             if (slides & slows).any() or self._moves(point.velocity[slides]):
                 return False
-            # A chain at rest may push.
+            # Contacts of a chain at rest may push, if friction holds the beads.
             pushes &= bool((acceleration > 1e-12 * self.rows.bed * self.rows.inverse_mass).any())
         return not (pushes or self._moves(np.maximum(point.rate, 0.0)))
 

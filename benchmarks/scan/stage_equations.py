@@ -84,8 +84,8 @@ class Stages:
         self.round_off = 8.0 * EPSILON * (np.abs(start.overlap) + np.abs(h * start.rate))
         diagonal = rows.response.diagonal()[: rows.contacts]
         self.yielding = 0.5 * (h * tableau.node[:, None]) ** 2 * diagonal  # Overlap [m] that a force of 1 N takes away.
-        # `firm` (n+1,) marks beads that do not move in this step; it is empty without a bed. `free` has these beads as
-        # walls.
+        # `firm` (n+1,) marks beads that do not move in this step; it is empty without a bed. `free` holds the rows in
+        # which these beads are walls.
         self.firm, self.free = np.zeros(rows.bed.shape[-1], dtype=bool), rows
         self.once_double, self.twice_double = self.once.astype(np.float64), self.twice.astype(np.float64)
 

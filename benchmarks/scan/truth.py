@@ -60,7 +60,7 @@ LEAST_FINE_RUNS = 3
 FINE_RUNS, REFERENCE, FINE_SPREAD, SPREAD, BY_SCIPY = SOURCES = (
     "fine runs", "reference", "spread of fine runs", "spread", "scipy",
 )  # fmt: skip
-BY_REFERENCE = 20  # One chain of this number is solved by the reference in any case.
+BY_REFERENCE = 20  # The reference solves each chain whose seed is a multiple of this number.
 BEDS = (
     "bed-struck",
     "bed-pressed",
@@ -109,7 +109,7 @@ class Truth:
     path: Path | None = None
 
     def as_json(self) -> dict[str, Any]:
-        """Return the truth as values that JSON can hold."""
+        """Return the reference solution as values that JSON can hold."""
         found = {"velocity": self.velocity.tolist(), "doubt": self.doubt.tolist(), "source": self.source}
         if self.path is None:
             return found

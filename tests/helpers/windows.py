@@ -124,7 +124,7 @@ class Driver:
     def move(self, point: tuple[float, float], buttons: tuple[int, int, int] = (0, 0, 0)) -> None:
         place = (round(point[0]), round(point[1]))
         pygame.mouse.set_pos(place)
-        pygame.event.clear(pygame.MOUSEMOTION)  # Remove the motion event of the system. Its button state is wrong.
+        pygame.event.clear(pygame.MOUSEMOTION)  # The system's own event has wrong buttons.
         self.app.manager.mouse_position = place
         pygame.event.post(pygame.Event(pygame.MOUSEMOTION, pos=place, rel=(0, 0), buttons=buttons))
         self.frames()

@@ -71,8 +71,8 @@ def test_a_motion_that_only_round_off_determines_says_so(method: str) -> None:
 @pytest.mark.parametrize("method", ["accurate", "radau"])
 @pytest.mark.parametrize("n", [4, 5, 8, 13])
 def test_two_strikers_on_a_row_of_gears_are_a_mirror(n: int, method: str) -> None:
-    """Check contacts that reach their preload at the same time and yield together. Round-off chose one of them, and the
-    run ended with NaN.
+    """Check contacts that reach their preload at the same time and yield together. Once, round-off chose one of the
+    contacts to yield first, and the run ended with NaN.
     """
     found = hit_from_both_sides(n, 1.0, 1.0, -1.0, 1e-6, method)
     assert not found.warnings
@@ -134,8 +134,8 @@ def test_every_run_that_confirms_is_finer(tolerance: float, other_runs) -> None:
 
 
 def test_a_finer_run_that_follows_more_confirms_nothing(other_runs) -> None:
-    """Check chattering that a run and a finer run both damp. A still finer run follows. Many more steps show that a run
-    resolves the chattering.
+    """Check chattering that a run and a finer run both damp. The finer run confirms nothing, so a third run, still
+    finer, must follow. Many more steps show that a run resolves the chattering.
     """
     # With this amplification, one finer run with similar steps is enough.
     first = replace(to_its_end(hit()), growth=100.0, velocity_error=np.full(3, 0.1))
@@ -186,8 +186,8 @@ def truths():
 
 @pytest.mark.parametrize(("family", "seed", "tolerance"), DAMPED)
 def test_damping_common_to_all_runs_is_estimated(family: str, seed: int, tolerance: float, truths) -> None:
-    """Check beads that chatter between neighbours, or that separate too slowly to count. Coarser and finer runs had the
-    same wrong end.
+    """Check beads that chatter between neighbours, or that separate too slowly to count. Coarser and finer runs once
+    ended with the same wrong velocities.
     """
     drawn = motion(family, seed)
     found = simulate_quietly(drawn.chain, drawn.velocity, drawn.duration, samples=2, tolerance=tolerance)

@@ -65,8 +65,8 @@ def test_a_brake_stops_a_bead_and_holds_it(method):
 
 @pytest.mark.parametrize("method", [one for one in METHODS if one.dissipative], ids=lambda one: one.name)
 def test_beads_on_a_bed_that_wait_for_a_force_are_shown_at_rest(method):
-    """Check samples before a force begins. They were on the path extrapolated back from it, on which a bead moved into
-    its wall and out again.
+    """Check samples before a force begins. They were once extrapolated from the motion after the beginning, and a bead
+    moved into its wall and out again.
     """
     chain = Chain([math.inf, 1.0], hooke(4.0), friction=0.05, forces=TimedForce(1, [0.5, 0.5], [0.0, -2.0]))
     found = simulate(chain, [0.0, 0.0], 1.0, **settings(method))

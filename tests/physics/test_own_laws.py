@@ -221,7 +221,9 @@ def test_a_force_that_falls_is_told():
 
 @pytest.mark.parametrize("at", [0.3, 0.5, 1.0, 2.0])
 def test_the_overlap_from_which_a_force_falls_is_located(at):
-    """Check the overlap in the warning. It named the probe before the decrease, up to 43 % too small."""
+    """Check the overlap in the warning. The warning once named the last overlap tried before the decrease, which was up
+    to 43 % too small.
+    """
     chain = Chain([15.0, math.inf], OwnLaw(lambda d: d if d < at else 0.5 * at))
     warning = next(w for w in solve(chain, [2.0, 0.0]).warnings if "falls from an overlap of" in w.sentence)
     assert warning.numbers["overlap"] == pytest.approx(at, rel=1e-5)

@@ -271,7 +271,7 @@ def test_a_signal_is_heard_within_a_run(monkeypatch):
     signal.setitimer(signal.ITIMER_REAL, 0.3)
     try:
         with pytest.raises(InterruptedError, match="heard"):
-            deque(map(confirm.run, repeat(problem)), maxlen=0)  # This loop ends only by the signal.
+            deque(map(confirm.run, repeat(problem)), maxlen=0)  # Only the signal ends this loop.
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
@@ -291,7 +291,7 @@ def test_samples_of_an_end_in_steps_that_double_are_those_asked_for(monkeypatch)
     assert doubled.overlap.shape == plain.overlap.shape
 
 
-# Among others, the seeds whose error was undetected, up to 2e-4 of their speed.
+# The first seeds once had undetected errors, up to 2e-4 of the speed.
 @pytest.mark.parametrize("seed", [18, 29, 51, 93, 98, 140, 144, *range(200, 216)])
 def test_no_error_of_a_return_at_rest_is_silent(seed):
     """Check a drive just above the preload of a spring at a wall. After each period the bead is at rest at d = 0, where

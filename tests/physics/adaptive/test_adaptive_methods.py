@@ -233,7 +233,7 @@ def test_few_steps_are_rejected_when_contacts_open_and_close(exponent, tolerance
     draw = np.random.default_rng(5)
     chain = Chain(draw.uniform(0.5, 2.0, 21), power_law(100.0, exponent), gap=0.02)
     found = run(chain, struck(chain), tolerance=tolerance)
-    assert found.evaluations < 15 * 1.3 * found.steps  # It is 1.4 to 1.5 if coming openings are not predicted.
+    assert found.evaluations < 15 * 1.3 * found.steps  # Without predictions of openings, 1.4 to 1.5 instead of 1.3.
 
 
 @pytest.mark.parametrize("method", KERNELS)
@@ -325,8 +325,8 @@ def test_a_box_that_is_driven_ends_as_by_conserving(method, seed):
 
 @pytest.mark.parametrize("seed", range(0, 400, 40))
 def test_no_contact_is_missed_under_random_drives_toward_a_wall(seed):
-    """Let a bead fly to a wall against or with a steady force. The exact flight without contact decides if there must
-    be one.
+    """Let a bead fly to a wall against or with a steady force. The bead must touch the wall if its exact flight without
+    a wall goes further than the gap.
     """
     for k in range(seed, seed + 40):
         draw = np.random.default_rng(k)

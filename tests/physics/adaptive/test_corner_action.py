@@ -115,7 +115,7 @@ PASSED = [
     (LOADED, -1e-12, -1e-3, 0.3, OPEN, -1e-12),  # The contact opens.
     # Too slow to count. The second contact is held.
     (LOADED, -1e-12, -1e-11, 0.3, LOADED, 0.0), (TOUCHING, 0.0, 0.0, 0.3, TOUCHING, 0.0),
-    # The same without neighbours' forces.
+    # The contact opens, or is too slow to count, without forces of its neighbours.
     (LOADED, -1e-12, -1e-9, 0.0, OPEN, -1e-12), (LOADED, -1e-12, -1e-14, 0.0, LOADED, 0.0),
     # The event was not found, or it comes later.
     (OPEN, 1e-12, 1e-3, 0.3, LOADED, 1e-12), (OPEN, -1e-12, 1e-3, 0.3, OPEN, -1e-12),
@@ -137,7 +137,7 @@ def test_contacts_that_a_step_has_carried_past_their_corner(mode, overlap, rate,
     assert passed == (mode == LOADED)
     assert (motion.mode.tolist(), motion.overlap.tolist()) == ([LOADED, then, LOADED], [0.5, at, 0.5])
     assert motion.rate[1] == (0.0 if then == LOADED and mode == LOADED else rate)
-    # Error that counts when the contact is pushed again.
+    # This rate counts as an error when the contact is pushed again.
     assert rows.scratch.parting[1] == (-rate if push == at == 0.0 else 0.0)
 
 

@@ -20,7 +20,7 @@ def test_a_draft_gear_that_should_rest_is_reported_to_chatter(method):
 
 def test_contacts_that_close_again_and_again_are_reported():
     """Check the warning with the default step. The first run has an error of 1 % and 35 openings. The second run has as
-    many, but friction.
+    many openings, and friction.
     """
     chain, velocity = random_collision(64, 8)
     for friction, codes in ((0.0, ["returns"]), (1e-6, [])):

@@ -93,8 +93,7 @@ MOVED = [
     ((0.0, 2.0, 1.5), 1.0, 1.0, -0.75, -5.0, 0.25),
     # Away from 0 by the overlap, or by a small force.
     (SOFT, 1e-3, 1.0, 1.25, 1.25, 2.25), ((0.0, 2.0, 0.1), 1.0, 1e-20, 1e-19, 0.02, 0.02**10),
-    # A contact whose force moves the beads further than its overlap is small. A tenth of weight times force is 0.4 m
-    # and 0.04 mm here.
+    # Contacts whose overlap is small compared with weight times force, the distance by which the force moves the beads.
     (SOFT, 100.0, 1e-4, 2e-4, 0.02, 4e-4),
     (SOFT, 0.01, 1e-5, 2e-5 * (0.04 / SMALL - 1.0), 0.04 - SMALL, 2e-5 * 0.04 / SMALL - 1e-5),
     # By the overlap in both directions if the contact is not soft. Newton's method does not overshoot there.

@@ -84,8 +84,8 @@ def test_a_point_that_gives_up_is_hatched(monkeypatch):
 
 
 def test_the_reason_of_a_hatched_cell_is_that_of_the_run_that_gave_up(monkeypatch):
-    """Let the run to the end fail at n = 2, and the run to the detachment at n = 3. An undetermined run is not a
-    reason.
+    """Let the run to the end fail at n = 2, and the run to the detachment at n = 3. The other runs are undetermined,
+    which is not given as a reason.
     """
     lost = {True: {"status": Status.FAILED}, False: {"status": Status.UNDETERMINED}}
     table, both = map_with(lambda contacts, to_the_end: lost[to_the_end is (contacts == 2)], monkeypatch, 3, 2)

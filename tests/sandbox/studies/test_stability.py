@@ -56,7 +56,8 @@ def test_verlet_on_five_very_soft_beads_chatters_and_warns():
         assert found.energy < 1.0  # Bounded, because the force is bounded.
     assert all(found.warned for found in (coarser, coarse, fine))
     assert fine.switches > 200  # Finer steps also chatter, and more often.
-    assert math.sqrt(5.0) * fine.spread < TRUSTED_ERROR  # Each chatter changes less, so no bead has a large error.
+    # Each switch changes velocities less, so no bead has a large error.
+    assert math.sqrt(5.0) * fine.spread < TRUSTED_ERROR
 
 
 @pytest.mark.parametrize("scan", SCANS, ids=lambda scan: scan.name)

@@ -90,7 +90,7 @@ def test_series_and_cases_keep_their_time_limits(case, monkeypatch):
     monkeypatch.setattr(measurement, "measure_series", lambda *a: shares.append(a[3].series) or made)
     measurement.measure_case(case, [solver] * 4, limits=TimeLimits(1.0, 10.0, 8.0))
     assert shares[0] == pytest.approx(2.0)
-    assert shares[-1] == pytest.approx(8.0, abs=0.5)  # It gets the time that the others have not used.
+    assert shares[-1] == pytest.approx(8.0, abs=0.5)  # The last series gets the time that the others have not used.
 
 
 def test_a_peer_that_raises_has_given_up(case, tmp_path):

@@ -50,8 +50,8 @@ def test_a_clicked_card_opens_and_the_old_page_is_freed(gallery, monkeypatch) ->
 
 
 def test_every_scene_has_a_complete_card_in_every_language(gallery: Driver) -> None:
-    """Check that no list in a source is cut. Its end names what this project added, for example "launch speed and loss
-    ours".
+    """Check that a card shortens a list of sources only at a semicolon. The end of such a list names what this project
+    added, for example "launch speed and loss ours".
     """
     page = gallery.app.page
     assert not page.moving
@@ -113,7 +113,7 @@ def test_the_gallery_search_finds_scenes(gallery: Driver) -> None:
     assert len(page.names) == count
     assert searched(gallery, "qqq") == ()
     gallery.key(pygame.K_RETURN)
-    # Their order is the same as in the gallery.
+    # A search keeps the order of the gallery.
     assert searched(gallery, "newton")[:3] == ("hertz-cradle", "steel-and-soft", "hanging-cradle")
     gallery.key(pygame.K_RETURN)
     assert gallery.page.title == "Newton's cradle: steel balls"

@@ -34,7 +34,7 @@ def test_the_hanging_page_works_by_mouse_menus_and_keys():
     page, pixels = driver.app.page, pygame.surfarray.array3d(driver.app.surface).astype(int)
     for number, (place, colour) in enumerate(zip(page.model.cradles[0].places(), bead_colours(5), strict=True)):
         x, y = map(round, to_screen(page.pictures[0], place))
-        # The picture differs from a bead of another colour, because the number is light on dark or dark on light.
+        # The number on a bead is light on dark or dark on light, so some pixels differ from the colour of the bead.
         assert (abs(pixels[x - 7 : x + 7, y - 7 : y + 7] - colour).sum(axis=2) > 150).any(), number
     driver.run(30)
     assert page.model.time > 0.4
