@@ -1,31 +1,30 @@
-"""A user-defined force graph: the force grows up to a largest value, as in a crush zone, and no energy is lost."""
+"""A contact of two segments: the force grows to a largest value, as in a crush zone, and the contact dissipates no energy."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from softcradle.physics.coupler import gear_segment
-from softcradle.physics.segments import Segment
+from softcradle.physics.segments import PiecewiseContact, Segment
 
-from softcradle import Chain, Coupler, draft_gear, simulate
+from softcradle import Chain, Contact, draft_gear, simulate
 
 
 @dataclass(frozen=True)
-class LargestForce(Coupler):
-    """A linear gear ``push`` whose force is limited to `most` [N]: a second segment cancels the stiffness."""
+class LargestForce(PiecewiseContact):
+    """A linear gear whose force stays at `most` [N] from there on."""
 
-    most: float = 0.0
-
-    @property
-    def yields_at(self) -> float:
-        """The overlap [m] at which the force reaches `most`."""
-        return (self.most - self.push.preload) / self.push.stiffness
+    gear: Contact
+    most: float
 
     @property
     def segments(self) -> list[Segment]:
-        """The segment of the gear, followed by a segment of constant force."""
-        law, way = self.push, self.yields_at
-        return [gear_segment(law, 1.0, 0.0, length=way), gear_segment(law, 1.0, way, way, -law.stiffness)]
+        """The gear, and from its largest force on a constant one."""
+        preload, stiffness = self.gear.preload, self.gear.stiffness
+        yields_at = (self.most - preload) / stiffness
+        return [
+            Segment(side=1.0, origin=0.0, preload=preload, stiffness=stiffness, exponent=1.0, length=yields_at),
+            Segment(side=1.0, origin=yields_at, preload=self.most, stiffness=0.0, exponent=1.0),
+        ]
 
 
 if __name__ == "__main__":

@@ -24,13 +24,16 @@ from softcradle.physics.contact import Contact, stored_energy
 from softcradle.physics.coupler import Coupler
 from softcradle.physics.notebook_views import Shown
 from softcradle.physics.own_law import Law, OwnLaw, is_law
+from softcradle.physics.segments import PiecewiseContact, Segment, require_graph
 from softcradle.physics.timed_force import TimedForce, checked_forces, summed
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
 
-Joint = Contact | OwnLaw | Coupler  # what a chain holds between two beads
-OneLaw = Contact | Coupler | Law | Callable[[float], SupportsFloat]  # what it takes: a law of one's own as it is, too
+Joint = Contact | OwnLaw | PiecewiseContact  # what a chain holds between two beads
+OneLaw = (
+    Contact | PiecewiseContact | Law | Callable[[float], SupportsFloat]
+)  # what it takes: a law of one's own as it is, too
 Laws = OneLaw | Sequence[OneLaw]  # one for all contacts, or one for each
 
 MOST_SHOWN = 4  # different values in the text of a chain
@@ -168,13 +171,28 @@ class Chain(Shown):
 
     @per_chain
     def couplers(self) -> tuple[tuple[int, Coupler], ...]:
-        """The contacts that are couplers: which, and the coupler."""
-        return tuple((i, contact) for i, contact in enumerate(self.contact) if isinstance(contact, Coupler))
+        """Number and coupler of each contact that is one."""
+        return tuple((i, contact) for i, contact in self.piecewise if isinstance(contact, Coupler))
+
+    @per_chain
+    def piecewise(self) -> tuple[tuple[int, PiecewiseContact], ...]:
+        """Number and contact of each contact that is given by segments, as couplers are."""
+        return tuple((i, contact) for i, contact in enumerate(self.contact) if isinstance(contact, PiecewiseContact))
+
+    @per_chain
+    def graphs(self) -> tuple[tuple[Segment, ...], ...]:
+        """The segments of each contact, from left to right."""
+        return tuple(tuple(contact.segments) for contact in self.contact)
+
+    @per_chain
+    def has_segments(self) -> bool:
+        """Whether the graph of a contact has more segments than one law from overlap 0 on."""
+        return any(len(graph) > 1 or not graph[0].is_whole_law for graph in self.graphs)
 
     @per_chain
     def pulls(self) -> bool:
-        """Whether a coupler pulls."""
-        return any(coupler.pull is not None for _, coupler in self.couplers)
+        """Whether a contact pulls."""
+        return any(contact.pulling for _, contact in self.piecewise)
 
     @per_chain
     def power_laws(self) -> tuple[Contact, ...]:
@@ -184,7 +202,7 @@ class Chain(Shown):
             ValueError: one is a coupler or has a law of its own; what asks for this needs preload, stiffness and exponent.
         """
         others = [(i, f"has a law of its own, {law.name!r}") for i, law in self.own_contacts]
-        for i, what in [*others, *((i, "is a coupler") for i, _ in self.couplers)]:
+        for i, what in [*others, *((i, f"is a {type(one).__name__}") for i, one in self.piecewise)]:
             raise ValueError(
                 f"contact {i}-{i + 1} {what}: this takes contacts force = preload + stiffness * overlap**exponent only"
             )
@@ -200,9 +218,9 @@ class Chain(Shown):
     def law_rows(self) -> Array:
         """(n, 3) preload, stiffness, exponent of each contact, read-only; the last two are nan for a law of one's own.
 
-        Those of a coupler are of the gear that it pushes with.
+        Those of a contact with several segments are of the first one that pushes.
         """
-        laws = [contact.push if isinstance(contact, Coupler) else contact for contact in self.contact]
+        laws = [contact.pushing[0] if isinstance(contact, PiecewiseContact) else contact for contact in self.contact]
         rows = [(c.preload, getattr(c, "stiffness", math.nan), getattr(c, "exponent", math.nan)) for c in laws]
         return _read_only(np.array(rows))
 
@@ -216,10 +234,16 @@ class Chain(Shown):
         """(n+1,) [kg], read-only; 0 for a wall, which has no kinetic energy that counts."""
         return _read_only(np.array([mass if mass < math.inf else 0.0 for mass in self.mass]))
 
-    def stored_energy(self, overlap: ArrayLike, power: Callable[..., Any] = np.power) -> Array:
-        """(..., n) energy [J] in each contact at overlaps (..., n) [m], see :meth:`Contact.energy`; `power` as there."""
+    def stored_energy(
+        self, overlap: ArrayLike, power: Callable[..., Any] = np.power, force: ArrayLike | None = None
+    ) -> Array:
+        """(..., n) energy [J] in each contact at overlaps (..., n) [m], see :meth:`Contact.energy`; `power` as there.
+
+        With the `force` (..., n) [N] of the contacts, a coupler that is stretched beyond its slack and does not pull, because it
+        has not coupled yet, stores nothing.
+        """
         apart = np.asarray(overlap) <= 0.0
-        if not self.couplers and apart.all():  # as at the start and the end of most motions
+        if not self.piecewise and apart.all():  # as at the start and the end of most motions
             return apart * np.zeros(self.contacts)
         preload, stiffness, exponent = self.law_rows.T
         if self.own_laws:  # whose energy follows
@@ -227,8 +251,12 @@ class Chain(Shown):
         found = stored_energy(preload, stiffness, exponent, overlap, power)
         for i, law in self.own_contacts:
             found[..., i] = law.energy(np.asarray(overlap)[..., i])
-        for i, coupler in self.couplers:
-            found[..., i] = coupler.stored_energy(np.asarray(overlap)[..., i], power)
+        for i, contact in self.piecewise:
+            way = np.asarray(overlap)[..., i]
+            found[..., i] = contact.stored_energy(way, power)
+            if force is not None and contact.pulling:
+                free = (way < contact.pulls_below) & (np.asarray(force)[..., i] >= 0.0)
+                found[..., i] = np.where(free, 0.0, found[..., i])
         return found
 
     @per_chain
@@ -346,13 +374,15 @@ def _checked_contacts(contact: Laws, n: int) -> tuple[Joint, ...]:
             f"contact must be a Contact or a list of them, such as power_law(1.0, 0.1); not {shown(contact)}"
         )
     contacts = (_contact(contact),) * n if one else tuple(map(_contact, cast("Sequence[object]", contact)))
+    for law in {id(law): law for law in contacts if isinstance(law, PiecewiseContact)}.values():
+        require_graph(f"contact {type(law).__name__}", law)
     if len(contacts) != n:
         raise ValueError(f"{n + 1} masses need one contact for all or {n} contacts, not {len(contacts)}")
     return contacts
 
 
 def _contact(item: object) -> Joint:
-    """A contact or a coupler as it is, a law of one's own as an OwnLaw."""
+    """Return a Contact or a contact of several segments as it is, a user-defined law as an OwnLaw."""
     if isinstance(item, Joint):
         return item
     if is_law(item):

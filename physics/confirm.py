@@ -38,13 +38,13 @@ from softcradle.physics.adaptive.usual_budget import STEPS_A_CONTACT, usual_step
 from softcradle.physics.chain import Chain, Joint, per_chain
 from softcradle.physics.checked_input import LARGEST, SMALLEST
 from softcradle.physics.contact import Contact
-from softcradle.physics.coupler import Coupler
 from softcradle.physics.fixed_step import runner as fixed_step
 from softcradle.physics.kernel_records import law_rows
 from softcradle.physics.numerics.records import Samples
 from softcradle.physics.problem import NO_TIMES, Problem, Record, first_samples, with_ends_as_samples
 from softcradle.physics.scales import default_step, is_possible, largest_error
-from softcradle.physics.state import State, Switches, energies
+from softcradle.physics.segments import PiecewiseContact, SegmentTable
+from softcradle.physics.state import State, Switches
 from softcradle.physics.status import CodedWarning, Status, WarningCode
 
 Array = NDArray[np.float64]
@@ -82,7 +82,7 @@ advance = adaptive.advance
 
 def run(problem: Problem) -> Record:
     """Compute the whole motion; ``problem.state`` stays as it is."""
-    adaptive.kernels_of(problem.chain).load_made()  # so that the cost measured is that of the motion
+    adaptive.KERNELS.load_made()  # so that the cost measured is that of the motion
     record = to_its_end(problem)
     if problem.most_steps is None:
         record = confirmed(problem, record)
@@ -234,10 +234,15 @@ def _shaken(chain: Chain, part: float) -> Chain:
 
 
 def _stronger(contact: Joint, factor: float) -> Joint:
-    """A contact or coupler with forces times a factor."""
-    if isinstance(contact, Coupler):
-        pull = contact.pull and _times(contact.pull, factor)
-        return replace(contact, push=_times(contact.push, factor), pull=pull, stop=_scaled(contact.stop, factor))
+    """Return the contact with its forces times a factor."""
+    if isinstance(contact, PiecewiseContact):
+        rows = (
+            one._replace(
+                preload=_scaled(one.preload, factor), stiffness=_scaled(one.stiffness, factor), stop=one.stop * factor
+            )
+            for one in contact.segments
+        )
+        return SegmentTable(tuple(rows), contact.coupled)
     assert isinstance(contact, Contact)
     return _times(contact, factor)
 
@@ -295,8 +300,8 @@ def _rattling(chain: Chain, end: State) -> Array:
     A step of the discrete gradient that ends at a touch where it began ends at the opposite rate: all runs may agree in its sign.
     """
     pulls_below = np.full(chain.contacts, -np.inf)
-    for i, coupler in chain.couplers:
-        pulls_below[i] = coupler.pulls_below
+    for i, contact in chain.piecewise:
+        pulls_below[i] = contact.pulls_below
     touches = ((end.overlap == 0.0) | (end.overlap == pulls_below)) & (end.force != 0.0)
     rate = np.pad(np.where(touches, np.abs(end.rate), 0.0), 1)
     return np.maximum(rate[:-1], rate[1:])
@@ -379,8 +384,7 @@ def _ledger(problem: Problem, record: Record) -> tuple[float, float]:
     wall_moves = chain.walls > 0 and bool((np.isinf(chain.mass) & (problem.velocity != 0.0)).any())
     if wall_moves or chain.forces or start.external(chain) is not None:
         return 0.0, 0.0
-    moving = np.array((problem.velocity, record.velocity)), np.array((start.overlap, end.overlap))
-    before, after = energies(chain, *moving).tolist()
+    before, after = start.energy(chain), end.energy(chain)
     absorbed = float((end.absorbed - start.absorbed).sum()) if chain.dissipative else 0.0
     return before, abs(after + absorbed - before)
 

@@ -22,6 +22,7 @@ from typing import Any, ParamSpec, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.checked_input import magnitude, real_number, shown
+from softcradle.physics.segments import Segment
 
 Numbers = NDArray[np.float64] | float
 P = ParamSpec("P")
@@ -165,6 +166,11 @@ class Contact:
         if not curvature or not yielding:
             raise ValueError("two flat walls, or two bodies with a poisson of -1, have no Hertz contact")
         return cls(0.0, 4.0 / 3.0 / yielding / math.sqrt(curvature), 1.5, loss)
+
+    @property
+    def segments(self) -> tuple[Segment]:
+        """Its graph: one segment."""
+        return (Segment(1.0, 0.0, self.preload, self.stiffness, self.exponent, self.loss),)
 
     @overload
     def force(self, overlap: float) -> float: ...

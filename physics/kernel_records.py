@@ -7,21 +7,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import GRAVITY, Chain, per_chain
-from softcradle.physics.coupler import Coupler
-from softcradle.physics.numerics.own_contacts import OwnLaws
 from softcradle.physics.numerics.records import (
     COUNTERS,
     NO_DISSIPATION,
-    NO_JOINTS,
+    NO_FLAGS,
+    NO_GRAPHS,
     NO_KNOTS,
     NOTHING,
+    POWER,
+    SEGMENTS,
     SWITCH,
+    TABLE,
     Dissipation,
-    Joints,
+    Graphs,
     Knots,
     SwitchLog,
 )
-from softcradle.physics.state import State
+from softcradle.physics.segments import Segment
+from softcradle.physics.state import State, coupled_of
 from softcradle.physics.status import CodedWarning, WarningCode, Warnings
 
 Array = NDArray[np.float64]
@@ -30,8 +33,6 @@ FIRST_LOG = 4096  # rows of the log of contact switches at first
 FRAME_LOG = 256  # of `advance`: more switches within a frame are chatter, which is counted and not kept
 ROWS_A_STEP = 4  # of it for each step until a pause, at which it grows
 MOST_LOG = 4_000_000  # rows at the most: 64 MB
-NO_FLAGS = np.zeros(0, dtype=np.int8)
-NO_SEGMENTS = (NO_FLAGS, np.zeros((0, 9)), np.zeros(0, dtype=np.int64))  # of a chain without couplers
 
 
 def chain_records(chain: Chain, state: State) -> tuple[Any, ...]:
@@ -40,9 +41,9 @@ def chain_records(chain: Chain, state: State) -> tuple[Any, ...]:
     All arrays can be written to, as those that kernels make: for read-only ones every kernel would be compiled once more.
     """
     law, inverse_mass = law_rows(chain).copy(), chain.inverse_mass.copy()
-    dissipates = chain.dissipative or chain.couplers  # couplers are solved as if they lost something
+    dissipates = chain.dissipative or chain.has_segments  # several segments are solved as if they dissipated energy
     dissipation = Dissipation(chain.loss.copy(), chain.bed.copy()) if dissipates else NO_DISSIPATION
-    special = own_laws(chain), _joints(chain), knots_of(chain, state), dissipation
+    special = graphs_of(chain, state), knots_of(chain, state), dissipation
     push = state.external(chain)
     if chain.timed:
         push = np.zeros(chain.contacts + 1) if push is None else push.copy()
@@ -63,34 +64,46 @@ def law_rows(chain: Chain) -> Array:
 
 
 @per_chain
-def own_laws(chain: Chain) -> OwnLaws | None:
-    """The record of the laws of one's own as they are for this chain; None for a chain without."""
-    if not chain.own_laws:
-        return None
-    numbers, tables = np.full(chain.contacts, -1, dtype=np.int64), [law.table for law in chain.own_laws]
-    for i, law in chain.own_contacts:
-        numbers[i] = chain.own_laws.index(law)
-    return OwnLaws(
-        numbers,
-        np.cumsum([0, *(len(table.force) for table in tables)]),
-        np.concatenate([table.edge[:-1] for table in tables]),
-        np.array([table.edge[-1] for table in tables]),
-        np.array([(law.digits_from, law.onset[1] * law.digits_from ** law.onset[2]) for law in chain.own_laws]),
-        np.concatenate([table.force for table in tables]),
-        np.concatenate([table.energy for table in tables]),
-        np.cumsum([0, *(len(table.bend) for table in tables)]),
-        np.concatenate([table.bend for table in tables]),
+def graph_rows(chain: Chain) -> tuple[Any, ...]:
+    """The fields of Graphs without `coupled`; without rows if each contact is one power law from overlap 0 on."""
+    if not (chain.has_segments or chain.own_laws):
+        kind, _, *rows = NO_GRAPHS
+        return kind, rows
+    tables = {id(one.table): one.table for graph in chain.graphs for one in graph if one.table is not None}
+    pieces = np.cumsum([0, *(len(table.force) for table in tables.values())]).tolist()
+    points = np.cumsum([0, *(len(table.bend) for table in tables.values())]).tolist()
+    places = dict(zip(tables, zip(pieces, pieces[1:], points, points[1:], strict=False), strict=True))
+    kind = np.array([_kind(graph) for graph in chain.graphs], dtype=np.int8)
+    segments = [segment for graph in chain.graphs for segment in graph]
+    force_from = [one.stiffness * one.table_from**one.exponent for one in segments]
+    segment = np.array([(*one[:9], one.table_from, force) for one, force in zip(segments, force_from, strict=True)])
+    table = np.array([places.get(id(one.table), (0, 0, 0, 0)) for one in segments], dtype=np.int64)
+    edges = [np.column_stack((table.edge[:-1], table.edge[1:])) for table in tables.values()]
+    parts = zip(*((table.force, table.energy, table.bend) for table in tables.values()), strict=True)
+    force, energy, breakpoint = map(np.concatenate, parts) if tables else (np.zeros((0, 0)),) * 3
+    first = np.cumsum([0, *map(len, chain.graphs)])
+    return kind, (
+        first,
+        segment,
+        table,
+        np.concatenate(edges) if tables else np.zeros((0, 2)),
+        force,
+        energy,
+        breakpoint,
     )
 
 
-def _joints(chain: Chain) -> Joints:
-    if not chain.couplers:
-        return NO_JOINTS
-    count, below, rows = np.zeros(chain.contacts + 1, dtype=np.int64), np.full(chain.contacts, -np.inf), []
-    for i, coupler in chain.couplers:
-        count[i + 1], below[i] = len(coupler.parts), coupler.pulls_below
-        rows += [(law.preload, law.stiffness, law.exponent, law.loss, side, at) for law, side, at in coupler.parts]
-    return Joints(np.cumsum(count), np.array(rows), below)
+def _kind(graph: tuple[Segment, ...]) -> int:
+    """The kind of a graph in kernels."""
+    if len(graph) > 1 or not graph[0].is_whole_law:
+        return SEGMENTS
+    return POWER if graph[0].table is None else TABLE
+
+
+def graphs_of(chain: Chain, state: State) -> Graphs:
+    """The Graphs of a chain; contacts couple in the arrays of the State."""
+    kind, rows = graph_rows(chain)
+    return Graphs(kind, coupled_of(chain, state), *rows) if kind.size else NO_GRAPHS
 
 
 def knots_of(chain: Chain, state: State) -> Knots:
@@ -105,48 +118,21 @@ def knots_of(chain: Chain, state: State) -> Knots:
 
 def chain_and_regime(chain: Chain, state: State) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """The fields of the effective chain of adaptive steps and of its Regime; without dissipation they share their arrays."""
-    law, inverse_mass, push, external, anchor, *others, dissipation = chain_records(chain, state)
-    others.append(NO_DISSIPATION)
-    if not (chain.dissipative or chain.couplers):
-        regime = (law, inverse_mass, NOTHING, NOTHING, NO_FLAGS, NO_FLAGS, *NO_SEGMENTS)
+    law, inverse_mass, push, external, anchor, graph, knots, dissipation = chain_records(chain, state)
+    others = graph, knots, NO_DISSIPATION
+    if not (chain.dissipative or chain.has_segments):
+        regime = (law, inverse_mass, NOTHING, NOTHING, NO_FLAGS, NO_FLAGS, NO_FLAGS, graph)
         return (law, inverse_mass, push, external, anchor, *others), regime
-    loss = dissipation.loss if dissipation.loss.any() or chain.couplers else NOTHING
+    loss = dissipation.loss if dissipation.loss.any() or chain.has_segments else NOTHING
     bed = dissipation.bed if dissipation.bed.any() else NOTHING
-    slide, easing = np.zeros(bed.size, dtype=np.int8), np.zeros(loss.size, dtype=np.int8)
-    joints = NO_SEGMENTS
-    if chain.couplers:
-        joints, law = _segments(chain), np.zeros((chain.contacts, 6))
-    regime = (law, inverse_mass, loss, bed, slide, easing, *joints)
+    slide, easing, segment = np.zeros(bed.size, dtype=np.int8), np.zeros(loss.size, dtype=np.int8), NO_FLAGS
+    if chain.has_segments:  # each contact is first on the innermost segment that pushes
+        segment = np.array([sum(one.side < 0.0 for one in graph) for graph in chain.graphs], dtype=np.int8)
+        law = np.zeros((chain.contacts, 6))
+    regime = (law, inverse_mass, loss, bed, slide, easing, segment, graph)
     if bed.size and not external.size:
         external = np.zeros(bed.size)
     return (law.copy(), inverse_mass.copy(), push, external, anchor, *others), regime
-
-
-def _segments(chain: Chain) -> tuple[Any, ...]:
-    """The segments of all contacts, each on the one in which it pushes first."""
-    rows: list[tuple[float, ...]] = []
-    first, segment = np.zeros(chain.contacts + 1, dtype=np.int64), np.zeros(chain.contacts, dtype=np.int8)
-    for i, contact in enumerate(chain.contact):
-        if isinstance(contact, Coupler):
-            rows += [
-                (
-                    one.side,
-                    one.origin,
-                    one.preload,
-                    one.stiffness,
-                    one.exponent,
-                    one.before,
-                    one.stop,
-                    one.loss,
-                    one.length,
-                )
-                for one in contact.segments
-            ]
-            segment[i] = sum(one.side < 0.0 for one in contact.segments)
-        else:
-            rows.append((1.0, 0.0, *law_rows(chain)[i].tolist(), 0.0, 0.0, float(chain.loss[i]), np.inf))
-        first[i + 1] = len(rows)
-    return segment, np.array(rows), first
 
 
 def require_finite_motion(chain: Chain, state: State) -> None:

@@ -133,19 +133,13 @@ def known_methods() -> list[str]:
 def refusal_of(method: str, chain: Chain) -> str:
     """Why `method`, a name that there is or "auto", does not take `chain`, and what does; empty where it does."""
     found = None if method == AUTO else find_method(method)
-    if found and chain.couplers and not found.couplers:
+    if found and chain.piecewise and not found.couplers:
         return (
             f"method {method!r} takes contacts that only push, with one law from overlap 0 on, not couplers: "
             "take 'accurate', 'conserving' or 'scipy'"
         )
-    special = next((type(one).__name__ for _, one in chain.couplers if one.by_segments), "")
-    if special and found and found.family is not Family.ADAPTIVE:
-        return (
-            f"method {method!r} does not read the segments by which {special} defines its graph: take 'accurate', 'radau' or "
-            "'dop853'"
-        )
     events = found is None or found.family is Family.ADAPTIVE
-    if events and not all(coupler.smooth for _, coupler in chain.couplers):
+    if events and not all(coupler.smooth for _, coupler in chain.piecewise):
         return (
             f"method {method!r} takes couplers whose gears that pull or go solid have exponents of 1 or more: "
             "take 'conserving' or 'scipy'"
@@ -153,7 +147,7 @@ def refusal_of(method: str, chain: Chain) -> str:
     if found and chain.dissipative and not found.dissipative:
         return (
             f"method {method!r} steps back in time, in which friction would feed the motion, and carries neither bed friction "
-            f"nor contacts with loss: take 'conserving' or {'scipy' if chain.couplers else 'accurate'!r}"
+            f"nor contacts with loss: take 'conserving' or {'scipy' if chain.piecewise else 'accurate'!r}"
         )
     return ""
 

@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.checked_input import shown
 from softcradle.physics.contact import Contact, Numbers
-from softcradle.physics.coupler import Coupler
-from softcradle.physics.own_law_table import LawTable, law_table
+from softcradle.physics.law_table import LawTable, law_table
+from softcradle.physics.segments import PiecewiseContact, Segment
 
 Array = NDArray[np.float64]
 
@@ -97,7 +97,7 @@ class OwnLaw:
     def __init__(
         self, law: Law | Callable[[float], SupportsFloat], energy: Callable[[float], SupportsFloat] | None = None
     ) -> None:
-        if isinstance(law, (Contact, Coupler)):
+        if isinstance(law, (Contact, PiecewiseContact)):
             raise ValueError(f"a chain takes {shown(law)} as it is: a law of your own is something else")
         if not is_law(law) or isinstance(law, OwnLaw):
             raise ValueError(f"a law of your own must be a function or have a method force(overlap), not {shown(law)}")
@@ -172,6 +172,11 @@ class OwnLaw:
         exponent = math.log2(twice / once)
         exponent = 1.0 if abs(exponent - 1.0) < NEARLY_LINEAR else exponent
         return (preload, once / at**exponent, exponent), at if preload > 0.0 else 0.0
+
+    @property
+    def segments(self) -> tuple[Segment]:
+        """Its graph: one segment with a table."""
+        return (Segment(1.0, 0.0, *self.onset, table=self.table, table_from=self.digits_from),)
 
     @cached_property
     def table(self) -> LawTable:

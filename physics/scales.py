@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.chain import Chain, per_chain
 from softcradle.physics.checked_input import SMALLEST
-from softcradle.physics.coupler import Coupler
+from softcradle.physics.contact import Contact
 from softcradle.physics.numerics.plain_kernels import powers
 from softcradle.physics.state import State, start_of
 
@@ -115,7 +115,7 @@ def largest_error(chain: Chain, start: State, end: State) -> Array:
     walls = np.unique(start.velocity(chain)[np.isinf(chain.mass)])
     if walls.size > 1 or chain.forces or (walls.any() and chain.on_bed):
         return np.full(push.size, np.inf)
-    stored = chain.stored_energy(start.overlap).sum()
+    stored = chain.stored_energy(start.overlap, force=start.force).sum()
     mean, room = velocity_room(
         np.asarray(chain.mass), np.asarray(chain.on_bed), start.velocity(chain), stored, push, passed
     )
@@ -236,9 +236,9 @@ def scales_at(chain: Chain, speed: float) -> tuple[Array, Array]:
     for i, law in chain.own_contacts:
         depth[i] = law.depth(float(energy[i]))
     times = 2.0 * depth / speed
-    for i, coupler in chain.couplers:
-        if coupler.stop:
-            times[i] = min(times[i], math.pi / math.sqrt(coupler.stop * chain.inverse_reduced_mass[i]))
+    for i, contact in chain.piecewise:
+        if contact.stop_stiffness:
+            times[i] = min(times[i], math.pi / math.sqrt(contact.stop_stiffness * chain.inverse_reduced_mass[i]))
     pulling = as_it_pulls(chain)
     return depth, times if pulling is None else np.minimum(times, scales_at(pulling, speed)[1])
 
@@ -260,7 +260,7 @@ def stays_touching(chain: Chain, velocity: ArrayLike) -> NDArray[np.bool_]:
     """
     speeds, stays = np.asarray(velocity, dtype=np.float64), np.zeros(chain.contacts, dtype=np.bool_)
     walls = np.isinf(chain.mass)
-    if chain.driven or chain.on_bed or chain.couplers or chain.own_laws or np.unique(speeds[walls]).size > 1:
+    if chain.driven or chain.on_bed or chain.piecewise or chain.own_laws or np.unique(speeds[walls]).size > 1:
         return stays
     mass = chain.finite_mass
     mean = float(speeds[walls][0]) if walls.any() else float(speeds @ mass / mass.sum())
@@ -280,10 +280,13 @@ def stays_touching(chain: Chain, velocity: ArrayLike) -> NDArray[np.bool_]:
 
 @per_chain
 def as_it_pulls(chain: Chain) -> Chain | None:
-    """The chain with the gear that pulls in place of each coupler; None where none pulls."""
+    """Return the chain with the gear that pulls in place of each contact that does; None if none pulls."""
     if not chain.pulls:
         return None
-    contacts = [joint.pull or joint.push if isinstance(joint, Coupler) else joint for joint in chain.contact]
+    contacts = list(chain.contact)
+    for i, contact in chain.piecewise:
+        gear = (contact.pulling or contact.pushing)[0]
+        contacts[i] = Contact(gear.preload, gear.stiffness, gear.exponent, gear.loss)
     return Chain(chain.mass, contacts)
 
 

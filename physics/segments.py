@@ -1,25 +1,32 @@
-"""Segments: the pieces of the monotone graph of a contact, force over overlap, and what they give in NumPy.
+"""Segments: the pieces of the monotone graph of a contact, and contacts that are given by a table of them.
 
-Each segment reaches from its origin outward, to the right if it pushes (side 1), to the left if it pulls (side -1). With the
+Each segment reaches from its origin outward: to the right if it pushes (side 1), to the left if it pulls (side -1). With the
 displacement x = side (d - origin) >= 0 and y = x + before,
 
     loading      f = side (F + K y**a + S x)
     unloading    f = side ((1 - l) (F + K y**a) + S x)
 
-up to x = length, where the next segment begins. `before` is the displacement of a gear at the origin of a segment on which it
-goes on, beside a stop of stiffness S without loss.
+up to x = length. The next segment begins there. If a gear goes on from one segment to the next, `before` is its displacement at
+the origin, and a stop of stiffness S without loss is added. A user-defined law has a table of polynomials instead of a power law.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from softcradle.physics.law_table import LawTable
 
 Array = NDArray[np.float64]
+
+# Fraction of a force: a fall from one segment to the next by less is round-off of the numbers that define them.
+CONTINUOUS = 1e-9
 
 
 class Segment(NamedTuple):
@@ -29,10 +36,12 @@ class Segment(NamedTuple):
         side: 1.0 if it pushes, -1.0 if it pulls.
         origin: overlap [m] at which it begins.
         preload, stiffness, exponent: F [N], K [N/m**a] and a of its power law.
-        loss: part l of the energy of the power law that it absorbs on unloading.
+        loss: part l of the energy of the power law that it dissipates on unloading.
         length: displacement [m] at which the next segment begins; inf on the last one.
         before: displacement [m] of the power law at the origin.
         stop: stiffness S [N/m] of a spring without loss, which is added.
+        table: polynomials that replace the power law, or None.
+        table_from: displacement [m] below which the power law replaces the table.
     """
 
     side: float
@@ -44,14 +53,25 @@ class Segment(NamedTuple):
     length: float = math.inf
     before: float = 0.0
     stop: float = 0.0
+    table: LawTable | None = None
+    table_from: float = 0.0
 
-    def shares(self, overlap: ArrayLike) -> tuple[Array, Array]:
-        """Force [N] of the power law and of the stop at `overlap` [m], without the side; 0 if that is outside the segment."""
-        x = self.side * (np.asarray(overlap, dtype=np.float64) - self.origin)
-        inside = (x > 0.0) & (x <= self.length)
-        x = np.where(inside, x, 0.0)
-        law = self.preload + self.stiffness * (x + self.before) ** self.exponent
-        return np.where(inside, law, 0.0), self.stop * x
+    @property
+    def is_whole_law(self) -> bool:
+        """Whether this segment alone is a contact that only pushes, from overlap 0 on."""
+        return self.side > 0.0 and self.origin == self.before == self.stop == 0.0 and self.length == math.inf
+
+    @property
+    def end(self) -> float:
+        """Overlap [m] at which the next segment begins."""
+        return self.origin + self.side * self.length
+
+    def force_at(self, x: ArrayLike, unloading: bool = False) -> Array:
+        """Force [N] at the displacement `x` >= 0 [m], without the side; the limit from the right at 0."""
+        way = np.asarray(x, dtype=np.float64)
+        law = self.preload + self.stiffness * (way + self.before) ** self.exponent
+        found: Array = (1.0 - self.loss if unloading else 1.0) * law + self.stop * way
+        return found
 
     def energy(self, overlap: ArrayLike, power: Callable[..., Any] = np.power) -> Array:
         """Energy [J] that this segment stores between its origin and `overlap` [m], its end at most; `power` takes powers."""
@@ -62,15 +82,145 @@ class Segment(NamedTuple):
         return found
 
 
-def graph_force(segments: Sequence[Segment], overlap: ArrayLike, unloading: bool = False) -> Array:
-    """Force [N] of a graph at `overlap` [m], any shape, on loading or unloading; negative if it pulls, 0 between segments."""
-    found = np.zeros(np.shape(overlap))
-    for segment in segments:
-        law, stop = segment.shares(overlap)
-        found += segment.side * ((1.0 - segment.loss if unloading else 1.0) * law + stop)
-    return found + 0.0
+class PiecewiseContact:
+    """A contact given by a table of segments; a subclass defines `segments`, and every method but pymunk carries it.
+
+    The segments stand from left to right: first the pulling ones, then the pushing ones, of which the first begins at overlap 0.
+    Each segment begins at the end of its inner neighbour, and the force never falls with the overlap.
+    """
+
+    # Whether it is coupled at the start, so that it pulls. None: unless the beads are further apart than its slack.
+    coupled: bool | None = None
+
+    @property
+    def segments(self) -> Sequence[Segment]:
+        """The pieces of its graph from left to right."""
+        raise NotImplementedError(f"class {type(self).__name__} must define segments, the pieces of its graph")
+
+    @cached_property
+    def pushing(self) -> tuple[Segment, ...]:
+        """The segments that push, from overlap 0 outward."""
+        return tuple(segment for segment in self.segments if segment.side > 0.0)
+
+    @cached_property
+    def pulling(self) -> tuple[Segment, ...]:
+        """The segments that pull, from the slack outward."""
+        return tuple(segment for segment in self.segments if segment.side < 0.0)[::-1]
+
+    @property
+    def pulls_below(self) -> float:
+        """Overlap [m] below which it pulls; -inf if it never does."""
+        return self.pulling[0].origin if self.pulling else -math.inf
+
+    @property
+    def smooth(self) -> bool:
+        """Whether each segment that pulls, or belongs to a side of several, has an exponent of 1 or more."""
+        return all(
+            segment.exponent >= 1.0
+            for side in (self.pushing[1:] and self.pushing, self.pulling)
+            for segment in side or ()
+        )
+
+    @property
+    def preload(self) -> float:
+        """Force [N] at which it begins to yield when it is pressed."""
+        return self.pushing[0].preload
+
+    @property
+    def loss(self) -> float:
+        """The largest loss of its segments."""
+        return max(segment.loss for segment in self.segments)
+
+    @property
+    def stop_stiffness(self) -> float:
+        """Largest stiffness [N/m] at the origins of outer segments; 0 without outer segments."""
+        return max(
+            (_stiffness_at_origin(one) for side in (self.pushing, self.pulling) for one in side[1:]), default=0.0
+        )
+
+    def starts_coupled(self, overlap: float) -> bool:
+        """Whether it is coupled at the start, at `overlap` [m]; beads that touch are."""
+        return overlap >= 0.0 or (overlap >= self.pulls_below if self.coupled is None else self.coupled)
+
+    @overload
+    def force(self, overlap: float) -> float: ...
+    @overload
+    def force(self, overlap: ArrayLike) -> Array: ...
+
+    def force(self, overlap: ArrayLike) -> Array | float:
+        """Force [N] at `overlap` [m], any shape, on loading; negative if it pulls."""
+        return self._force(overlap, unloading=False)
+
+    def released(self, overlap: ArrayLike) -> Array | float:
+        """Force [N] at `overlap` [m], any shape, on unloading."""
+        return self._force(overlap, unloading=True)
+
+    def _force(self, overlap: ArrayLike, unloading: bool) -> Array | float:
+        overlaps = np.asarray(overlap, dtype=np.float64)
+        found = np.zeros(overlaps.shape)
+        for segment in (*self.pushing, *self.pulling):  # outward, so that the outermost one counts
+            x = segment.side * (overlaps - segment.origin)
+            found = np.where(x > 0.0, segment.side * segment.force_at(np.maximum(x, 0.0), unloading), found)
+        return _like(overlap, found + 0.0)
+
+    @overload
+    def energy(self, overlap: float) -> float: ...
+    @overload
+    def energy(self, overlap: ArrayLike) -> Array: ...
+
+    def energy(self, overlap: ArrayLike) -> Array | float:
+        """Energy stored [J] at `overlap` [m], any shape."""
+        return self.stored_energy(overlap)
+
+    def stored_energy(self, overlap: ArrayLike, power: Callable[..., Any] = np.power) -> Array | float:
+        """Energy stored [J] at `overlap` [m], any shape; `power` as of :func:`softcradle.physics.contact.stored_energy`."""
+        return _like(overlap, sum(segment.energy(overlap, power) for segment in self.segments))
 
 
-def graph_energy(segments: Sequence[Segment], overlap: ArrayLike, power: Callable[..., Any] = np.power) -> Array:
-    """Energy [J] that a graph stores at `overlap` [m], any shape."""
-    return sum((segment.energy(overlap, power) for segment in segments), np.zeros(np.shape(overlap)))
+@dataclass(frozen=True)
+class SegmentTable(PiecewiseContact):
+    """A contact given by the rows of its table; see :class:`PiecewiseContact`."""
+
+    rows: tuple[Segment, ...]
+    coupled: bool | None = None
+
+    @property
+    def segments(self) -> tuple[Segment, ...]:
+        """The rows."""
+        return self.rows
+
+
+def require_graph(what: str, contact: PiecewiseContact) -> None:
+    """Raise ValueError if the segments of `contact` are not one monotone graph; `what` names the contact."""
+    if not contact.pushing or contact.pushing[0].origin != 0.0:
+        raise ValueError(f"{what} must have a segment that pushes from overlap 0 on")
+    if list(contact.segments) != [*contact.pulling[::-1], *contact.pushing]:
+        raise ValueError(f"{what} must have its segments from left to right, those that pull first")
+    for side in (contact.pushing, contact.pulling):
+        for inner, outer in pairwise(side):
+            if not math.isclose(inner.end, outer.origin, rel_tol=CONTINUOUS):
+                raise ValueError(
+                    f"{what}: a segment ends at {inner.end:g} m, and the next begins at {outer.origin:g} m"
+                )
+            before, after = float(inner.force_at(inner.length)), float(outer.force_at(0.0))
+            if after < before * (1.0 - CONTINUOUS):
+                raise ValueError(f"{what}: the force falls from {before:g} to {after:g} N at {outer.origin:g} m")
+        if side and side[-1].length != math.inf:
+            raise ValueError(f"{what}: the last segment must have the length inf, not {side[-1].length:g} m")
+    for segment in contact.segments:
+        if segment.table is not None and not (segment.is_whole_law and len(contact.segments) == 1 and not segment.loss):
+            raise ValueError(f"{what}: a segment with a table must be the only one, and without loss")
+        if segment.stop < 0.0 and _stiffness_at_origin(segment) < 0.0:
+            raise ValueError(f"{what}: the force falls on the segment from {segment.origin:g} m on")
+
+
+def _stiffness_at_origin(segment: Segment) -> float:
+    """Slope df/dd [N/m] of a segment at its origin, 0 if it is infinite there."""
+    y, a = segment.before, segment.exponent
+    by_law = segment.stiffness if a == 1.0 else a * segment.stiffness * y ** (a - 1.0) if y else 0.0
+    return by_law + segment.stop
+
+
+def _like(overlap: ArrayLike, found: Any) -> Array | float:
+    """Return `found` as an array, or as a float if `overlap` was a number."""
+    return float(found) if np.ndim(overlap) == 0 else found

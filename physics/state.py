@@ -30,7 +30,7 @@ class Switches(NamedTuple):
 
 
 NO_SWITCHES = Switches.of(())
-MOVING = "overlap", "rate", "anchor", "force", "taken"  # the arrays of a State, and with the time those of samples
+MOVING = "overlap", "rate", "anchor", "force", "taken"  # arrays of a State of which samples have rows
 
 
 @dataclass
@@ -56,6 +56,8 @@ class State:
         How often contacts have closed or opened in all `advance` so far.
     switched : Switches
         Which of them did in the last `advance`, and when; of more than FRAME_LOG changes the first.
+    coupled : ndarray, shape (n,) or (0,)
+        Whether each contact has coupled: a coupler that has not yet only pushes. Without rows if no contact has several segments.
     taken : ndarray, shape (4,)
         What `absorbed` and `given` are parts of.
     velocity_error : float
@@ -79,6 +81,7 @@ class State:
     push: Array | None = None
     switches: int = 0
     switched: Switches = NO_SWITCHES
+    coupled: NDArray[np.int8] = field(default_factory=lambda: np.zeros(0, dtype=np.int8))
     taken: Array = field(default_factory=lambda: np.zeros(4))
     velocity_error: float = 0.0
     status: Status = Status.DONE
@@ -90,9 +93,9 @@ class State:
         """The start of a scene: bead 0 at position 0, the chain's gaps between neighbours, `velocity` (n+1,) [m/s]."""
         require_kind("chain", chain, Chain)
         speeds = checked_velocity(chain, velocity)
-        overlap, place, force = start_of(chain)
+        overlap, place, force, coupled = start_of(chain)
         anchor = np.array([place, speeds[chain.anchor]])
-        return cls(0.0, overlap.copy(), speeds[:-1] - speeds[1:], anchor, force.copy())
+        return cls(0.0, overlap.copy(), speeds[:-1] - speeds[1:], anchor, force.copy(), coupled=coupled.copy())
 
     @property
     def absorbed(self) -> Array:
@@ -119,7 +122,8 @@ class State:
 
     def energy(self, chain: Chain) -> float:
         """Kinetic and contact energy [J], walls left out."""
-        return float(energies(chain, self.velocity(chain), self.overlap))
+        kinetic = 0.5 * (chain.finite_mass * self.velocity(chain) ** 2).sum()
+        return float(kinetic + chain.stored_energy(self.overlap, force=self.force).sum())
 
     def external(self, chain: Chain) -> Array | None:
         """(n+1,) steady external force on each bead [N], the chain's drive and the push; None where there is neither.
@@ -135,9 +139,15 @@ class State:
         """An independent copy, without the scratch memory."""
         return State(
             self.time, self.overlap.copy(), self.rate.copy(), self.anchor.copy(), self.force.copy(),
-            None if self.push is None else self.push.copy(), self.switches, self.switched, self.taken.copy(),
-            self.velocity_error, self.status, self.warnings,
+            None if self.push is None else self.push.copy(), self.switches, self.switched, self.coupled.copy(),
+            self.taken.copy(), self.velocity_error, self.status, self.warnings,
         )  # fmt: skip
+
+    def put_force(self, chain: Chain, contact: int) -> None:
+        """Set the force of a contact whose overlap or law has been changed to that at its overlap."""
+        overlap, law = float(self.overlap[contact]), chain.contact[contact]
+        free = overlap < 0.0 and chain.has_segments and not coupled_of(chain, self)[contact]
+        self.force[contact] = 0.0 if free else law.force(overlap)
 
     def note_switches(self, contact: ArrayLike, time: ArrayLike, count: int | None = None) -> None:
         """Append switches to those of this `advance`; they were `count` in truth where the log had no room for all."""
@@ -149,17 +159,35 @@ class State:
 
 
 @per_chain
-def start_of(chain: Chain) -> tuple[Array, float, Array]:
-    """Overlaps (n,) [m] at the start, the position [m] of the anchor bead, and contact forces (n,) [N]."""
+def start_of(chain: Chain) -> tuple[Array, float, Array, NDArray[np.int8]]:
+    """Overlaps (n,) [m] at the start, the position [m] of the anchor bead, contact forces (n,) [N], and which have coupled."""
     force = np.zeros(chain.contacts)
-    if not any(chain.gap) and not chain.couplers:
-        return np.zeros(chain.contacts), 0.0, force
+    if not any(chain.gap) and not chain.piecewise:
+        return np.zeros(chain.contacts), 0.0, force, np.zeros(0, dtype=np.int8)
     gap = np.array(chain.gap)
-    pulled = [i for i, coupler in chain.couplers if -gap[i] < coupler.pulls_below]
+    coupled = coupled_at(chain, -gap, force)
+    pulled = (
+        [i for i, contact in chain.piecewise if -gap[i] < contact.pulls_below and coupled[i]] if coupled.size else []
+    )
     for i in [*np.flatnonzero(gap < 0.0).tolist(), *pulled]:
         force[i] = float(chain.contact[i].force(-gap[i]))
     position = np.concatenate(([0.0], np.cumsum(gap)))
-    return 0.0 - gap, float(position[chain.anchor]), force
+    return 0.0 - gap, float(position[chain.anchor]), force, coupled
+
+
+def coupled_at(chain: Chain, overlap: Array, force: Array) -> NDArray[np.int8]:
+    """Return which contacts are coupled at overlaps and forces (n,) if nothing is known of the time before."""
+    found = np.ones(chain.contacts if chain.has_segments else 0, dtype=np.int8)
+    for i, contact in chain.piecewise if found.size else ():
+        found[i] = force[i] < 0.0 or contact.starts_coupled(float(overlap[i]))
+    return found
+
+
+def coupled_of(chain: Chain, state: State) -> NDArray[np.int8]:
+    """Return ``state.coupled``; a State that was made without it gets what its overlaps tell."""
+    if state.coupled.size != (chain.contacts if chain.has_segments else 0):
+        state.coupled = coupled_at(chain, state.overlap, state.force)
+    return state.coupled
 
 
 @np.errstate(invalid="ignore")  # of a motion that has blown up some are nan
@@ -172,12 +200,6 @@ def from_anchor(difference: Array, value: Any, anchor: int) -> Array:
         down -= down[..., anchor, None].copy() if down.ndim > 1 else down[anchor]
     down += np.asarray(value)[..., None] if down.ndim > 1 else value
     return down
-
-
-def energies(chain: Chain, velocity: Array, overlap: Array) -> Any:
-    """(...) kinetic and contact energy [J] at `velocity` (..., n+1) and `overlap` (..., n), walls left out."""
-    kinetic = 0.5 * (chain.finite_mass * velocity**2).sum(axis=-1)
-    return kinetic + chain.stored_energy(overlap).sum(axis=-1)
 
 
 def checked_velocity(chain: Chain, velocity: ArrayLike) -> Array:

@@ -171,7 +171,7 @@ class Trajectory(Moving):
     @cached_property
     def contact_energy(self) -> Array:
         """(T,) energy [J] taken up by the contacts; those with loss give only a part of it back."""
-        return self.chain.stored_energy(self.overlap).sum(axis=1)
+        return self.chain.stored_energy(self.overlap, force=self.force).sum(axis=1)
 
     @cached_property
     def momentum(self) -> Array:

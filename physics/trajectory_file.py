@@ -22,8 +22,9 @@ from softcradle.physics.chain import Chain, Joint
 from softcradle.physics.contact import Contact, hooke
 from softcradle.physics.coupler import Coupler
 from softcradle.physics.extras import needed_for
+from softcradle.physics.law_table import table_of
 from softcradle.physics.own_law import OwnLaw, TabledLaw
-from softcradle.physics.own_law_table import table_of
+from softcradle.physics.segments import PiecewiseContact, Segment, SegmentTable
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
 from softcradle.physics.timed_force import TimedForce
 from softcradle.physics.version import version
@@ -33,8 +34,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 # Version of the file format. Format 1 lacks loss and friction, 2 status and codes of warnings, 3 forces over time, 4 couplers,
-# 5 user-defined laws, 6 the speed that the tolerance is relative to.
-FORMAT = 7
+# 5 user-defined laws, 6 the speed that the tolerance is relative to, 7 contacts of segments and couplers that couple later.
+FORMAT = 8
 # key of a contact with a law of one's own, and what the names of the arrays of its table begin with
 OWN_LAW = "own_law"
 
@@ -154,11 +155,18 @@ def _interval_rows(intervals: Intervals) -> Array:
 
 def _chain_table(chain: Chain) -> dict[str, Any]:
     """What JSON can say of a chain: ``asdict(chain)``, with the number and the name of a law of one's own in its place."""
-    contacts = [
-        {OWN_LAW: chain.own_laws.index(item), "name": item.name} if isinstance(item, OwnLaw) else asdict(item)
-        for item in chain.contact
-    ]
+    contacts = [_contact_table(item, chain) for item in chain.contact]
     return {**asdict(replace(chain, contact=(hooke(1.0),) * chain.contacts)), "contact": contacts}
+
+
+def _contact_table(item: Joint, chain: Chain) -> dict[str, Any]:
+    if isinstance(item, OwnLaw):
+        return {OWN_LAW: chain.own_laws.index(item), "name": item.name}
+    if (
+        isinstance(item, PiecewiseContact) and type(item) is not Coupler
+    ):  # its class may not exist when the file is read
+        return {"segments": [segment[:9] for segment in item.segments], "coupled": item.coupled}
+    return asdict(item)
 
 
 def _law_arrays(chain: Chain) -> dict[str, Array]:
@@ -186,6 +194,8 @@ def _contact(stored: dict[str, Any], laws: dict[int, OwnLaw], arrays: Mapping[st
             fields = (arrays[f"{OWN_LAW}{number}_{name}"] for name in ("edge", "force", "error", "bend"))
             laws[number] = OwnLaw(TabledLaw(stored["name"], table_of(*fields)))
         return laws[number]
+    if "segments" in stored:
+        return SegmentTable(tuple(Segment(*row) for row in stored["segments"]), stored["coupled"])
     if "push" not in stored:
         return Contact(**stored)
     gears = {name: None if stored[name] is None else Contact(**stored[name]) for name in ("push", "pull")}

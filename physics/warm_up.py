@@ -8,7 +8,7 @@ from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.methods import METHODS, Family, Method, find_method
 
 # what else has kernels, by its name in Python
-SOFT_CHAIN, ENSEMBLE_ENDS, OWN_LAW = OTHERS = "SoftChain", "ensemble_ends", "OwnLaw"
+SOFT_CHAIN, ENSEMBLE_ENDS = OTHERS = "SoftChain", "ensemble_ends"
 
 
 def warm(methods: Iterable[str] | str | None = None) -> None:
@@ -19,7 +19,7 @@ def warm(methods: Iterable[str] | str | None = None) -> None:
     Parameters
     ----------
     methods : str or iterable of str, optional
-        One name or several, "SoftChain", "ensemble_ends" and "OwnLaw" (laws of one's own, by all methods) among them; None: all.
+        One name or several, "SoftChain" and "ensemble_ends" among them; None: all.
 
     Raises
     ------
@@ -48,17 +48,12 @@ def _kernels_called(name: str) -> list[KernelTiers]:
         from softcradle.physics.batch.ends import TIERS
 
         return list(TIERS.values())
-    if name == OWN_LAW:
-        from softcradle.physics.adaptive import runner as adaptive
-        from softcradle.physics.fixed_step import runner as fixed_step
-
-        return [adaptive.TIERS["adaptive-own-laws"], fixed_step.TIERS["fixed-step-own-laws"]]
     found = kernels_of(find_method(name, OTHERS))
     return [] if found is None else [found]
 
 
 def kernels_of(method: Method) -> KernelTiers | None:
-    """The kernels of a method; None where it has none. Those for laws of one's own are apart."""
+    """Return the kernels of a method; None if it has none."""
     if method.family is Family.FIXED_STEP:
         from softcradle.physics.fixed_step.runner import TIERS
 

@@ -58,7 +58,7 @@ class Motion:
     @cached_property
     def stored(self) -> Array:
         """The (T,) energy stored in all contacts [J]."""
-        energy: Array = self.chain.stored_energy(self.overlap).sum(axis=1)
+        energy: Array = self.chain.stored_energy(self.overlap, force=self.force).sum(axis=1)
         return energy
 
     @cached_property

@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any, NoReturn, Self
 
-from pydantic import BeforeValidator, SerializeAsAny, ValidationError, create_model, model_validator
+from pydantic import BeforeValidator, SerializeAsAny, StrictBool, ValidationError, create_model, model_validator
 from softcradle.scenes.contact_kinds import KIND_BY_NAME, KINDS, ContactKind
 from softcradle.scenes.other_names import SAME_LAWS
 from softcradle.scenes.toml_table import (
@@ -115,6 +115,7 @@ class CouplerTable(AnyLaw):
         slack: distance between pushing and pulling [m].
         travel: compression of a gear at which it becomes solid [m]; requires `stop`.
         stop: stiffness added to the law of the gear beyond the travel [N/m]; requires `travel`.
+        coupled: whether it is coupled at the start; by default, unless the gap there is larger than the slack.
     """
 
     push: GearTable
@@ -122,6 +123,7 @@ class CouplerTable(AnyLaw):
     slack: NotNegative = 0.0
     travel: Positive | None = None
     stop: NotNegative = 0.0
+    coupled: StrictBool | None = None
 
     def contact(self) -> physics.Coupler:
         """Return the coupler that the table describes."""
@@ -129,7 +131,7 @@ class CouplerTable(AnyLaw):
             None if self.pull is None else self.pull.contact(),
             math.inf if self.travel is None else self.travel,
         )
-        return physics.Coupler(self.push.contact(), pull, self.slack, travel, self.stop)
+        return physics.Coupler(self.push.contact(), pull, self.slack, travel, self.stop, self.coupled)
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -151,7 +153,15 @@ def table_of(contact: physics.Contact | physics.Coupler, accuracy: float = 0.0) 
     pull = None if contact.pull is None else law_of(contact.pull, accuracy)
     travel = None if math.isinf(contact.travel) else contact.travel
     push = law_of(contact.push, accuracy)
-    return CouplerTable(law=COUPLER, push=push, pull=pull, slack=contact.slack, travel=travel, stop=contact.stop)
+    return CouplerTable(
+        law=COUPLER,
+        push=push,
+        pull=pull,
+        slack=contact.slack,
+        travel=travel,
+        stop=contact.stop,
+        coupled=contact.coupled,
+    )
 
 
 def law_of(contact: physics.Contact, accuracy: float = 0.0) -> Law:

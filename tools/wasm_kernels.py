@@ -47,9 +47,10 @@ def march({names}):
     no_flags, none, none_2 = view(closed, (0,)), view(law, (0,)), view(law, (0, 1))
     m = n + 1 if pushed else 0
     knots = Knots(none, view(law, (0, 0)), view(law, (0, 0)), none, none, none, none, none)
-    joints = Joints(view(counter, (0,)), view(law, (0, 6)), none)
+    rows_2, whole = view(law, (0, 0)), view(counter, (0,))
+    graph = Graphs(no_flags, no_flags, whole, rows_2, view(counter, (0, 4)), rows_2, rows_2, rows_2, rows_2)
     outside = view(push, (m,)), view(push, (m,))
-    chain = view(law, (n, 3)), view(inverse_mass, (n + 1,)), *outside, int64(anchor_bead), None, joints, knots, {dissipation}
+    chain = view(law, (n, 3)), view(inverse_mass, (n + 1,)), *outside, int64(anchor_bead), graph, knots, {dissipation}
     motion = (
         view(overlap, (n,)), view(rate, (n,)), view(anchor, (2,)), view(force, (n,)), view(absorbed, (2,)), no_flags, no_flags
     )
@@ -127,7 +128,7 @@ def kernel(name: str) -> tuple[Any, Any]:
     from softcradle.physics.fixed_step import step_loop
     from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
     from softcradle.physics.numerics.contact_solve import BEAD_ROWS
-    from softcradle.physics.numerics.records import COUNTERS, Dissipation, Joints, Knots
+    from softcradle.physics.numerics.records import COUNTERS, Dissipation, Graphs, Knots
 
     floats, flags, counts = (types.CPointer(kind) for kind in (types.float64, types.int8, types.int64))
     whole, number = types.int32, types.float64
@@ -138,27 +139,28 @@ def kernel(name: str) -> tuple[Any, Any]:
     names, dissipation = KERNELS[name]
     found: dict[str, Any] = {
         "view": view_intrinsic(), "int64": int64, "step_loop": step_loop, "WORK_ROWS": WORK_ROWS, "COUNTERS": COUNTERS,
-        "Dissipation": Dissipation, "Joints": Joints, "Knots": Knots, "BEAD_ROWS": BEAD_ROWS,
+        "Dissipation": Dissipation, "Graphs": Graphs, "Knots": Knots, "BEAD_ROWS": BEAD_ROWS,
     }  # fmt: skip
     exec(KERNEL.format(names=names, dissipation=dissipation), found)
     return found["march"], types.int32(*(kinds.get(each, floats) for each in names.split(", ")))
 
 
 def leave_out() -> None:
-    """Exclude couplers, forces over time, explicit steps, pauses and checkpoints, which a page does not use.
+    """Exclude tables of segments, forces over time, explicit steps, pauses and checkpoints, which a page does not use.
 
     They would be three tenths of the file.
     """
     from softcradle.physics.fixed_step import explicit_steps, step_loop
-    from softcradle.physics.numerics import coupler_kernels, knots
+    from softcradle.physics.numerics import graph_kernels, knots, table_kernels
     from softcradle.physics.numerics.jit import inlined
 
     @inlined
     def nothing(*_: Any) -> bool:
         return False
 
-    left_out = coupler_kernels.is_joint, coupler_kernels.settle_joint_forces, knots.put_mean, knots.add_half_work
-    left_out += knots.steady_until, explicit_steps.split_steps, step_loop.keep_pause, step_loop.keep_checkpoint
+    left_out = graph_kernels.has_segments, graph_kernels.settle_graph_forces, table_kernels.has_table, knots.put_mean
+    left_out += knots.add_half_work, knots.steady_until, explicit_steps.split_steps, step_loop.keep_pause
+    left_out += (step_loop.keep_checkpoint,)
     for module in [module for name, module in sys.modules.items() if name.startswith("softcradle.physics")]:
         for name, value in list(vars(module).items()):
             if any(value is each for each in left_out):

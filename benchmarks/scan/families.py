@@ -280,6 +280,7 @@ def _coupler(draw: Draw) -> Coupler:
     return Coupler(
         gear(), pull, float(draw.choice([0.0, draw.uniform(0.0, 0.2)])) if pull else 0.0,
         float(draw.uniform(0.02, 0.3)) if solid else math.inf, float(_log(draw, 1e3, 1e5)) if solid else 0.0,
+        coupled=True if pull else None,
     )  # fmt: skip
 
 

@@ -19,7 +19,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import GRAVITY, Chain, Joint
-from softcradle.physics.contact import Contact
+from softcradle.physics.contact import Contact, hooke
 from softcradle.physics.coupler import Coupler
 from softcradle.physics.own_law import OwnLaw
 
@@ -225,4 +225,9 @@ def _parts(contact: Joint) -> tuple[tuple[Contact, float, float], ...]:
     """Return (law, side, origin) of each contact between two neighbours."""
     if isinstance(contact, OwnLaw):
         raise ValueError(f"the reference in extended precision takes no law of your own, {contact.name!r}")
-    return contact.parts if isinstance(contact, Coupler) else ((contact, 1.0, 0.0),)
+    if not isinstance(contact, Coupler):
+        assert isinstance(contact, Contact)
+        return ((contact, 1.0, 0.0),)
+    gears = [(contact.push, 1.0, 0.0), *([(contact.pull, -1.0, -contact.slack)] if contact.pull else [])]
+    stops = [(hooke(contact.stop), side, at + side * contact.travel) for _, side, at in gears] if contact.stop else []
+    return *gears, *stops

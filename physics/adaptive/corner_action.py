@@ -19,9 +19,8 @@ from softcradle.physics.adaptive.row_graphs import (
     find_segment,
     friction_needed,
     is_at_rest,
-    is_coupler,
     is_firm,
-    is_gear,
+    is_innermost,
     length_of,
     loss_of,
     most_friction,
@@ -41,6 +40,7 @@ from softcradle.physics.adaptive.step_records import (
 from softcradle.physics.adaptive.switch_log import begin_estimate, log_switches
 from softcradle.physics.adaptive.yield_or_slip import balance
 from softcradle.physics.numerics.bead_velocities import bead_velocities
+from softcradle.physics.numerics.graph_kernels import has_segments
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.law_curve import acceleration_of, is_continued, is_smooth
 from softcradle.physics.numerics.records import FROZEN, LOADED, NO_CONTACT, OPEN, TOUCHING
@@ -84,7 +84,7 @@ def classify(late, chain, regime, motion, slow, work):
     for i in range(mode.size):
         candidate[i] = 0.0
         if motion.held[i] == 0:
-            if is_coupler(regime, i):
+            if has_segments(chain.graph, i):
                 find_segment(i, regime, motion, slow)
             x, w = side_of(regime, i) * overlap[i], side_of(regime, i) * rate[i]
             at_rest = x == 0.0 and abs(w) <= slow
@@ -92,7 +92,9 @@ def classify(late, chain, regime, motion, slow, work):
             mode[i] = LOADED
             if x < 0.0 or (x == 0.0 and w < 0.0 and not at_rest):
                 mode[i] = OPEN
-            elif (at_rest and (regime.law[i, 0] != 0.0 or is_coupler(regime, i) or chain.external.size > 0)) or stands:
+            elif (
+                at_rest and (regime.law[i, 0] != 0.0 or has_segments(chain.graph, i) or chain.external.size > 0)
+            ) or stands:
                 mode[i], candidate[i], undetermined = TOUCHING, 1.0, True
             if regime.easing.size:
                 eases = mode[i] == LOADED and loss_of(regime, i) > 0.0 and x > 0.0 and w < 0.0
@@ -148,7 +150,7 @@ def settle_contact(i, regime, motion, work):
 def ease(i, regime, motion):
     """Let contact i come out, from rest."""
     side = side_of(regime, i)
-    if motion.overlap[i] == 0.0 and not is_gear(regime, i):
+    if motion.overlap[i] == 0.0 and not is_innermost(regime, i):
         put_segment(i, regime.segment[i] - (1 if side > 0.0 else -1), regime, motion)
         motion.overlap[i] = side * length_of(regime, i)
     motion.mode[i] = LOADED if motion.overlap[i] != 0.0 else OPEN
@@ -338,11 +340,15 @@ def open_passed(row, h, time, chain, regime, motion, trial, bounds, scratch):
         if motion.mode[i] == OPEN:
             rate, touches = motion.rate[i], is_touch(i, h, motion, trial, inactive)
             # at d > 0, where nothing has pushed it back yet, it would gain energy
-            if touches and is_smooth(chain.law, i) and closes_inactive(chain, i, inactive, rate, rate, inward):
+            if (
+                touches
+                and is_smooth(chain.law, chain.graph, i)
+                and closes_inactive(chain, i, inactive, rate, rate, inward)
+            ):
                 motion.overlap[i] = 0.0
             else:  # its event could not be met
                 motion.mode[i] = LOADED
-        elif motion.mode[i] == LOADED and not is_continued(chain.law, i):
+        elif motion.mode[i] == LOADED and not is_continued(chain.law, chain.graph, i):
             any_passed = True
             motion.force[i] = 0.0
             bend = acceleration_of(i, chain, motion.force, 0.0)

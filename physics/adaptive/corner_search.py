@@ -49,8 +49,8 @@ def closes_inactive(chain, i, inactive, rate, end_rate, end_overlap):
     if law[i, 0] > 0.0 or max(rate, end_rate) > inactive:
         return False
     if end_overlap <= 0.0:
-        return is_smooth(law, i)
-    push = (inverse_mass[i] + inverse_mass[i + 1]) * curve_force(law, chain.own, i, end_overlap)
+        return is_smooth(law, chain.graph, i)
+    push = (inverse_mass[i] + inverse_mass[i + 1]) * curve_force(law, chain.graph, i, end_overlap)
     return push * end_overlap <= inactive * inactive
 
 
@@ -82,7 +82,7 @@ def sides_of(row, chain, regime, motion, slow):
     if motion.mode[row] != LOADED:
         return 0, 0
     end = 3 if length_of(regime, row) < math.inf else 2 if turns(row, regime, motion, slow) else 1
-    return 0 if is_continued(chain.law, row) else 1, end
+    return 0 if is_continued(chain.law, chain.graph, row) else 1, end
 
 
 @inlined

@@ -18,6 +18,7 @@ from softcradle.physics.adaptive.constants import BEGINS, ENDS, GRAZE, KINK, MAR
 from softcradle.physics.adaptive.corner_search import halves, hermite_quintic
 from softcradle.physics.adaptive.step_records import STAGES
 from softcradle.physics.numerics.exact_matrices import exact_product
+from softcradle.physics.numerics.graph_kernels import has_segments
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at
 from softcradle.physics.numerics.law_curve import NODES as OUTPUT_NODES
@@ -30,8 +31,8 @@ from softcradle.physics.numerics.law_curve import (
     larger,
     pressed_force,
 )
-from softcradle.physics.numerics.own_contacts import bend_passed
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING, ZERO
+from softcradle.physics.numerics.table_kernels import breakpoint_force
 
 # fmt: off
 NODES = np.array([
@@ -93,17 +94,15 @@ def is_active(i, h, inactive, chain, motion):
     law, rate = chain.law, motion.rate[i]
     if motion.mode[i] == TOUCHING or law[i, 0] > 0.0:
         return True
-    if law.shape[1] > 3 and (
-        motion.overlap[i] < 0.0 or (motion.overlap[i] == 0.0 and rate < 0.0)
-    ):  # a coupler that pulls
-        return True
+    if has_segments(chain.graph, i) and (motion.overlap[i] < 0.0 or (motion.overlap[i] == 0.0 and rate < 0.0)):
+        return True  # it pulls
     weight, push = chain.inverse_mass[i] + chain.inverse_mass[i + 1], max(motion.force[i], 0.0)
     if rate > inactive or weight * push * h > inactive:
         return True
     reach = motion.overlap[i] + max(rate, 0.0) * h
     if reach <= 0.0:
         return False
-    push = weight * max(push, curve_force(law, chain.own, i, reach))
+    push = weight * max(push, curve_force(law, chain.graph, i, reach))
     return push * h > inactive or push * reach > inactive * inactive
 
 
@@ -146,10 +145,10 @@ def accelerate(first, last, passed, chain, mode, carried, overlap, force, accele
     touching = False
     for i in range(first, last):
         force[i] = carried[i] if mode[i] == FROZEN else 0.0
-        if mode[i] == LOADED and overlap[i] > 0.0 and law.shape[1] == 3:
-            force[i] = pressed_force(law, chain.own, i, overlap[i])
+        if mode[i] == LOADED and overlap[i] > 0.0 and not has_segments(chain.graph, i):
+            force[i] = pressed_force(law, chain.graph, i, overlap[i])
         elif mode[i] == LOADED:
-            force[i] = curve_force(law, chain.own, i, overlap[i])
+            force[i] = curve_force(law, chain.graph, i, overlap[i])
         touching |= mode[i] == TOUCHING
     if first > 0:  # the edge of a range in mid-chain is inactive: the bead beyond would not feel it
         force[first] = 0.0
@@ -203,7 +202,7 @@ def dop853_step(h, inactive, firm, chain, motion, trial, scratch):
     for i in range(n):
         force[i] = 0.0
         way = h * rate[i]
-        if rate[i] <= inactive and is_smooth(chain.law, i):  # it stays at d = 0, see `open_passed`
+        if rate[i] <= inactive and is_smooth(chain.law, chain.graph, i):  # it stays at d = 0, see `open_passed`
             way = min(way, max(-overlap[i], 0.0))
         trial.overlap[2, i], trial.rate[2, i] = overlap[i] + way, rate[i]
         for k in range(2):
@@ -224,7 +223,7 @@ def dop853_step(h, inactive, firm, chain, motion, trial, scratch):
     for i in range(n):
         trial.force[2, i] = force[i]
         if force[i] == 0.0 and mode[i] == LOADED and trial.overlap[2, i] > 0.0:  # an inactive contact
-            trial.force[2, i] = curve_force(chain.law, chain.own, i, trial.overlap[2, i])
+            trial.force[2, i] = curve_force(chain.law, chain.graph, i, trial.overlap[2, i])
         if mode[i] == FROZEN:
             trial.force[2, i] = motion.force[i]
     if touching or firm:
@@ -305,11 +304,11 @@ def error_of_range(h, first, last, chain, motion, trial, force):
                     part = KINK if grazes else BEGINS
                     if opens:
                         part = ENDS[0] if 4.0 * (d0 + d1) < h * (w1 - w0) else ENDS[1]  # by the cubic in the middle
-                    push = curve_force(law, chain.own, i, d0 if opens else d1)
+                    push = curve_force(law, chain.graph, i, d0 if opens else d1)
                     worst = larger(worst, part * h * (inverse_mass[i] + inverse_mass[i + 1]) * push)
     for i in range(first, last):
         if mode[i] == LOADED:
-            push = bend_passed(chain.own, i, overlap[i], end_overlap[i])
+            push = breakpoint_force(chain.graph, i, overlap[i], end_overlap[i])
             worst = larger(worst, KINK * h * (inverse_mass[i] + inverse_mass[i + 1]) * push)
     slowest = math.inf
     error, frequency = fifth, third  # from here on of each contact: its error, and its local frequency squared
@@ -318,8 +317,8 @@ def error_of_range(h, first, last, chain, motion, trial, force):
         frequency[i] = 0.0
         # where a smooth contact begins to push, its end tells: errors of rates alone vanish at some lengths of a step
         at = overlap[i] if overlap[i] > 0.0 or law[i, 2] < 1.0 else end_overlap[i]
-        if mode[i] == LOADED and (at > 0.0 or (law.shape[1] > 3 and law[i, 2] >= 1.0)):
-            slope = curve_slope(law, chain.own, i, at, curve_force(law, chain.own, i, at))
+        if mode[i] == LOADED and (at > 0.0 or (has_segments(chain.graph, i) and law[i, 2] >= 1.0)):
+            slope = curve_slope(law, chain.graph, i, at, curve_force(law, chain.graph, i, at))
             frequency[i] = (inverse_mass[i] + inverse_mass[i + 1]) * slope  # squared [1/s²]
             of_overlap = abs(fifth_overlap[i]) if rough else combined(fifth_overlap[i], third_overlap[i])
             error[i] = larger(error[i], math.sqrt(frequency[i]) * of_overlap)

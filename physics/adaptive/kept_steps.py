@@ -115,4 +115,4 @@ class KeptSteps:
 
 
 def _steps(chain: Chain, rows: int) -> Steps:
-    return empty_steps(rows, chain.contacts, chain.dissipative or bool(chain.couplers))
+    return empty_steps(rows, chain.contacts, chain.dissipative or chain.has_segments)

@@ -42,8 +42,8 @@ from softcradle.physics.numerics.law_curve import (
     move_along,
     pressed_force,
 )
-from softcradle.physics.numerics.own_contacts import bend_passed, number_of
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING, ZERO
+from softcradle.physics.numerics.table_kernels import breakpoint_force, has_table
 
 TABLEAU = np.array(
     [
@@ -83,7 +83,7 @@ def first_guess(h, chain, motion, trial):
     """Put first stages into `trial`: soft contacts go on as a power of the time since an onset, d (1 + t/T)**(w T/d), others
     keep their rate. To extrapolate the step before would save 3 % of the iterations.
     """
-    law, own_laws, inverse_mass = chain.law, chain.own, chain.inverse_mass
+    law, graph, inverse_mass = chain.law, chain.graph, chain.inverse_mass
     overlap, rate, force, mode = motion.overlap, motion.rate, motion.force, motion.mode
     stage_overlap, stage_force = trial.overlap, trial.force
     since = time_since_onset(law, mode, overlap, rate, force)
@@ -108,17 +108,17 @@ def first_guess(h, chain, motion, trial):
                 growth = min(max(power * log_grown(NODES[k] * times), -most), most)
                 stage_overlap[k, i] = overlap[i] * exp_near(growth)
                 stage_force[k, i] = preload + (force[i] - preload) * exp_near(exponent * growth)
-                if number_of(own_laws, i) >= 0:  # the guess was that of a power law
-                    stage_force[k, i] = curve_force(law, own_laws, i, stage_overlap[k, i])
+                if has_table(graph, i):  # the guess was that of a power law
+                    stage_force[k, i] = curve_force(law, graph, i, stage_overlap[k, i])
             elif grows:
                 stage_overlap[k, i], stage_force[k, i] = overlap[i], force[i]
             elif overlap[i] == 0.0 and rate[i] == 0.0:
-                stage_overlap[k, i], stage_force[k, i] = 0.0, curve_force(law, own_laws, i, 0.0)
+                stage_overlap[k, i], stage_force[k, i] = 0.0, curve_force(law, graph, i, 0.0)
                 if i > 0 and preload == 0.0:
                     set_pushed(h, chain, i, k, i, stage_force[k, i - 1], stage_overlap, stage_force)
             else:
                 stage_overlap[k, i] = flown
-                stage_force[k, i] = curve_force(law, own_laws, i, flown)
+                stage_force[k, i] = curve_force(law, graph, i, flown)
     for i in range(overlap.size - 2, -1, -1):
         for k in range(3):
             if mode[i] == LOADED and overlap[i] == 0.0 and rate[i] == 0.0 and stage_force[k, i] == 0.0:
@@ -146,8 +146,8 @@ def set_pushed(h, chain, i, k, bead, push, stage_overlap, stage_force):
         return
     time = h * NODES[k]
     flown = 0.5 * (time * time) * chain.inverse_mass[bead] * push
-    stage_force[k, i] = min(0.8 * push, pressed_force(chain.law, chain.own, i, flown))
-    stage_overlap[k, i] = curve_overlap(chain.law, chain.own, i, stage_force[k, i], 1.0)
+    stage_force[k, i] = min(0.8 * push, pressed_force(chain.law, chain.graph, i, flown))
+    stage_overlap[k, i] = curve_overlap(chain.law, chain.graph, i, stage_force[k, i], 1.0)
 
 
 @inlined
@@ -155,7 +155,7 @@ def direction(i, chain, mode, weight, overlap, force):
     """Direction (dd, df) = (along, across) z of the curve of a contact, scaled so that d + `weight` f moves by z."""
     if mode in (OPEN, FROZEN):
         return 1.0, 0.0
-    slope = curve_slope(chain.law, chain.own, i, overlap, force) if mode == LOADED else math.inf
+    slope = curve_slope(chain.law, chain.graph, i, overlap, force) if mode == LOADED else math.inf
     if slope > HUGE:
         return 0.0, 1.0 / weight
     along = 1.0 / (1.0 + weight * slope)
@@ -182,7 +182,7 @@ def move_stage(k, i, weight, change, chain, mode, trial, scratch):
     d, f = trial.overlap[k, i], trial.force[k, i]
     by_overlap, by_force = scratch.along[k, i] * change, scratch.across[k, i] * change
     if mode[i] == LOADED:
-        end, pushes = move_along(chain.law, chain.own, i, weight, d, f, by_overlap, by_force)
+        end, pushes = move_along(chain.law, chain.graph, i, weight, d, f, by_overlap, by_force)
         trial.overlap[k, i], trial.force[k, i] = end, pushes
         dd, df = end - d, pushes - f
         missed_d = max(abs(dd - by_overlap) - ROUND_OFF * abs(end), 0.0)
@@ -417,7 +417,7 @@ def compliance(chain, mode, i, overlap, force):
         return -1.0
     if mode[i] == TOUCHING:
         return 0.0
-    slope = curve_slope(chain.law, chain.own, i, overlap, force)
+    slope = curve_slope(chain.law, chain.graph, i, overlap, force)
     return 1.0 / slope if slope > 0.0 else -1.0
 
 
@@ -475,7 +475,7 @@ def embedded_error(h, chain, motion, trial, work):
         by_coarse = abs(coarse_rate[i] - reach * flow_into(i, inverse_mass, coarse))
         times = 1.0
         if mode[i] == LOADED:
-            push = bend_passed(chain.own, i, overlap[i], stage_overlap[2, i])
+            push = breakpoint_force(chain.graph, i, overlap[i], stage_overlap[2, i])
             worst = larger(worst, KINK * h * (inverse_mass[i] + inverse_mass[i + 1]) * push)
         if gives[i] > 0.0:
             weight = inverse_mass[i] + inverse_mass[i + 1]

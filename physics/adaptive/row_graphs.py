@@ -4,84 +4,101 @@ contact  OPEN      d < 0   f = 0                     LOADED   d > 0   f = F + K 
          TOUCHING  the overlap is held: 0 <= f <= F at d = 0, (1 - l) f(d) <= f <= f(d) where one with loss stands still
 bed      slides    v != 0  friction mu m g against v    sticks  v = 0, friction within -+ mu m g
 
-A coupler is a contact whose graph has more segments, one beside the other: solid and pulling, pulling, solid and pushing beside
-pushing. On each, x = side (d - origin) is the way since its origin, and f = side (F + K (x + before)**a + S x): `before` is the
-way of the gear until it is solid, and the stop S loses nothing. After a `length` the next begins. While a contact is on a segment
-its overlap is counted from the origin; between them, in the slack, it is OPEN on the one that pushes.
+A contact with several segments is on one of them: its overlap counts from the origin of this segment, its row of `law` has the
+numbers of this segment, and past the ends of the segment it goes on to the next one. Between the innermost segments, in the
+slack, it is OPEN on the innermost one that pushes. See `softcradle.physics.segments`.
 """
 
 from __future__ import annotations
 
 import math
 
+from softcradle.physics.numerics.graph_kernels import segment_force
 from softcradle.physics.numerics.jit import inlined
 from softcradle.physics.numerics.knots import put_values
-from softcradle.physics.numerics.law_curve import BEFORE, LAW_SIDE, STOP, curve_force
-
-SIDE, ORIGIN, LAW, LOSS, LENGTH = 0, 1, 2, 7, 8  # columns of the segments; from LAW on F, K, a, and
+from softcradle.physics.numerics.law_curve import LAW_BEFORE, LAW_SIDE, LAW_STOP, curve_force
+from softcradle.physics.numerics.records import (
+    BEFORE,
+    EXPONENT,
+    LENGTH,
+    LOSS,
+    ORIGIN,
+    PRELOAD,
+    SIDE,
+    STIFFNESS,
+    STOP,
+)
 
 
 @inlined
-def is_coupler(regime, i):
-    """Whether contact i has more than one segment."""
-    return regime.segment.size > 0 and regime.first[i + 1] > regime.first[i] + 1
+def row_of_segment(regime, i):
+    """Return the row of the segment that contact i is on, in a chain in which a contact has several."""
+    return regime.graph.first[i] + regime.segment[i]
 
 
 @inlined
 def of_segment(regime, i, column):
-    """An entry of the segment that contact i of a chain with couplers is on."""
-    return regime.segments[regime.first[i] + regime.segment[i], column]
+    """Return an entry of the segment that contact i is on, in a chain in which a contact has several."""
+    return regime.graph.segment[row_of_segment(regime, i), column]
 
 
 @inlined
 def side_of(regime, i):
-    """1 where contact i pushes, or does nothing, -1 where it pulls: what makes of its overlap and rate those of a contact."""
+    """Return -1 if contact i is on a segment that pulls, else 1: times this, overlap and rate are those of a push."""
     return of_segment(regime, i, SIDE) if regime.segment.size else 1.0
 
 
 @inlined
 def length_of(regime, i):
-    """The overlap at which the next segment begins; inf without one."""
+    """Return the displacement at which the next segment begins; inf if there is none."""
     return of_segment(regime, i, LENGTH) if regime.segment.size else math.inf
 
 
 @inlined
-def slack_of(regime, i):
-    """The way that contact i can go apart until it pulls; inf where it does not."""
-    if regime.segment.size == 0 or regime.segment[i] == 0 or regime.segments[regime.first[i], SIDE] > 0.0:
-        return math.inf
-    return -regime.segments[regime.first[i] + regime.segment[i] - 1, ORIGIN] if is_gear(regime, i) else math.inf
+def is_innermost(regime, i):
+    """Return whether contact i is on the segment of its side that ends at no force."""
+    if regime.segment.size == 0:
+        return True
+    p, side = row_of_segment(regime, i), of_segment(regime, i, SIDE)
+    inner = p - 1 if side > 0.0 else p + 1
+    inside = regime.graph.first[i] <= inner < regime.graph.first[i + 1]
+    return not inside or regime.graph.segment[inner, SIDE] != side
 
 
 @inlined
-def is_gear(regime, i):
-    """Whether contact i is on a segment that ends at no force, not a solid one."""
-    return regime.segment.size == 0 or of_segment(regime, i, LAW + BEFORE) == 0.0
+def slack_of(regime, i):
+    """Return how far contact i can go apart until it pulls; inf if it does not pull, or has not coupled yet."""
+    if regime.segment.size == 0 or regime.segment[i] == 0 or regime.graph.coupled[i] == 0:
+        return math.inf
+    p = row_of_segment(regime, i)
+    if regime.graph.segment[p, SIDE] < 0.0 or regime.graph.segment[p - 1, SIDE] > 0.0:
+        return math.inf
+    return -regime.graph.segment[p - 1, ORIGIN]
 
 
 @inlined
 def put_segment(i, number, regime, motion):
-    """Put contact i on a segment: law and loss are those of it, and its overlap counts from there."""
+    """Put contact i on a segment: take its law and loss, and count the overlap from its origin."""
     before = of_segment(regime, i, ORIGIN)
     regime.segment[i] = number
-    row = regime.segments[regime.first[i] + number]
-    for k in range(5):
-        regime.law[i, k] = row[LAW + k]
-    regime.law[i, LAW_SIDE], regime.loss[i] = row[SIDE], row[LOSS]
+    row, law = regime.graph.segment[row_of_segment(regime, i)], regime.law[i]
+    law[0], law[1], law[2] = row[PRELOAD], row[STIFFNESS], row[EXPONENT]
+    law[LAW_BEFORE], law[LAW_STOP], law[LAW_SIDE] = row[BEFORE], row[STOP], row[SIDE]
+    regime.loss[i] = row[LOSS]
     motion.overlap[i] += before - row[ORIGIN]
 
 
 @inlined
 def find_segment(i, regime, motion, slow):
     """Put contact i on the segment that it is on, or moves to from an end of one."""
-    for _ in range(4):
+    for _ in range(regime.graph.first[i + 1] - regime.graph.first[i] + 2):
         side, number = side_of(regime, i), regime.segment[i]
         x, w = side * motion.overlap[i], side * motion.rate[i]
         outward = 1 if side > 0.0 else -1
         if x > length_of(regime, i) or (x == length_of(regime, i) and w >= 0.0):
             put_segment(i, number + outward, regime, motion)
             motion.overlap[i] = side * max(side * motion.overlap[i], 0.0)
-        elif not is_gear(regime, i) and (x < 0.0 or (x == 0.0 and w < 0.0)):
+        elif not is_innermost(regime, i) and (x < 0.0 or (x == 0.0 and w < 0.0)):
             put_segment(i, number - outward, regime, motion)
             motion.overlap[i] = side * min(side * motion.overlap[i], length_of(regime, i))
         elif side < 0.0 and (x < 0.0 or (x == 0.0 and w < -slow)):
@@ -94,24 +111,32 @@ def find_segment(i, regime, motion, slow):
 
 @inlined
 def loss_of(regime, i):
-    """The part of its energy that contact i loses."""
+    """Return the part of its energy that contact i dissipates."""
     return regime.loss[i] if regime.loss.size else 0.0
 
 
 @inlined
 def both_forces(chain, regime, i, overlap):
-    """Force of contact i as it is pressed in, and as it comes out: the stop of a coupler loses nothing."""
-    pressed = curve_force(regime.law, chain.own, i, overlap)
-    stop = regime.loss[i] * regime.law[i, STOP] * overlap if regime.segment.size else 0.0
+    """Return the force of contact i on loading and on unloading; the stop of a segment dissipates nothing."""
+    pressed = curve_force(regime.law, chain.graph, i, overlap)
+    stop = regime.loss[i] * regime.law[i, LAW_STOP] * overlap if regime.segment.size else 0.0
     return pressed, (1.0 - loss_of(regime, i)) * pressed + stop
 
 
 @inlined
+def inner_force(regime, i):
+    """Return the force on unloading at the end of the segment inside that of contact i."""
+    p, side = row_of_segment(regime, i), side_of(regime, i)
+    row = regime.graph.segment[p - 1 if side > 0.0 else p + 1]
+    return side * segment_force(row, row[LENGTH], True)
+
+
+@inlined
 def multiplier_bounds(chain, regime, i, overlap):
-    """(least, largest) force that contact i may carry while its overlap is held."""
+    """Return the least and the largest force that contact i may carry while its overlap is held."""
     full, least = both_forces(chain, regime, i, overlap)
-    if overlap == 0.0 and is_gear(regime, i):
-        least = 0.0
+    if overlap == 0.0:
+        least = 0.0 if is_innermost(regime, i) else inner_force(regime, i)
     return (least, full) if full >= 0.0 else (full, least)
 
 

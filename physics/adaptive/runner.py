@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import threading
 from dataclasses import dataclass, replace
-from functools import partial
 from time import perf_counter
 from typing import Any
 
@@ -33,7 +32,7 @@ from softcradle.physics.adaptive.step_records import (
 )
 from softcradle.physics.adaptive.usual_budget import followed_steps, step_budget
 from softcradle.physics.chain import Chain
-from softcradle.physics.contact import Contact, power_law
+from softcradle.physics.contact import power_law
 from softcradle.physics.kernel_records import (
     FIRST_LOG,
     FRAME_LOG,
@@ -50,7 +49,6 @@ from softcradle.physics.kernel_records import (
 from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.numerics.plain_kernels import plain
 from softcradle.physics.numerics.records import EVALUATION, OUT_OF_STEPS, PAUSED, REJECTED, STEP, SWITCH, SwitchLog
-from softcradle.physics.own_law import OwnLaw
 from softcradle.physics.problem import NO_SAMPLES, Problem, Record, with_ends_as_samples
 from softcradle.physics.scales import SPEED_ROUND_OFF, is_possible, largest_error
 from softcradle.physics.state import State
@@ -108,11 +106,6 @@ class _LastRun(threading.local):
 
 
 _last_run = _LastRun()
-
-
-def kernels_of(chain: Chain) -> KernelTiers:
-    """The kernels for such a chain: they are compiled for what they need not ask for."""
-    return TIERS["adaptive-own-laws" if chain.own_laws else "adaptive"]
 
 
 def sampled(record: Record, times: Array) -> Record:
@@ -231,7 +224,7 @@ def one_run(problem: Problem, log_size: int = FIRST_LOG) -> Record:
         memory = Memory.of(contacts, log_size)
     memory.scratch.control[[CONTINUES, CARRIED_SQUARE]] = 0.0
     wanted = TOLERANCE_PART * problem.tolerance * problem.scale
-    kept = KeptSteps(problem, wanted, kernels_of(problem.chain), memory.spare)
+    kept = KeptSteps(problem, wanted, KERNELS, memory.spare)
     began = perf_counter()
     code, state.time = _integrate(problem, state, memory, kept)
     seconds = perf_counter() - began - memory.waited
@@ -264,11 +257,7 @@ def _integrate(problem: Problem, state: State, memory: Memory, kept: KeptSteps |
     code, time, resumed, end = PAUSED, state.time, False, problem.end
     motion = tuple(motion_record(state, memory.mode, memory.held))
     records: Any = data, regime, motion, tuple(memory.trial), tuple(memory.look), tuple(memory.scratch)
-    scratch, tiers, accuracy = (
-        memory.scratch,
-        kernels_of(problem.chain),
-        (ALLOWED[problem.method], problem.tolerance, problem.scale),
-    )
+    scratch, tiers, accuracy = memory.scratch, KERNELS, (ALLOWED[problem.method], problem.tolerance, problem.scale)
     while code == PAUSED:
         memory.log = with_free_rows(memory.log) if kept else memory.log  # that of a frame stays as long as it is
         most_now = min(PAUSE, memory.log.contact.size // ROWS_A_STEP or PAUSE) if kept else PAUSE
@@ -311,14 +300,12 @@ def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> 
     return (*found, *log_warnings(log))
 
 
-def _call_kernels(contact: Contact | OwnLaw) -> None:
-    """Call every kernel once for such contacts."""
-    chain = Chain([1.0, 1.0, 1.0], contact)
+def _call_kernels() -> None:
+    """Call every kernel once."""
+    chain = Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1))
     problem = Problem(chain, State.at_start(chain, [1.0, 0.0, 0.0]), "accurate", 1e-3, tolerance=1e-8, samples=3)
     sampled(one_run(problem), problem.sample_times(problem.end))
 
 
-TIERS = {
-    name: KernelTiers(name, __name__, partial(_call_kernels, contact))
-    for name, contact in (("adaptive", power_law(1.0, 0.1)), ("adaptive-own-laws", OwnLaw(lambda overlap: overlap)))
-}
+KERNELS = KernelTiers("adaptive", __name__, _call_kernels)
+TIERS = {KERNELS.name: KERNELS}

@@ -8,7 +8,6 @@ from __future__ import annotations
 from softcradle.physics.adaptive.constants import ROUND_OFF, SAFETY
 from softcradle.physics.adaptive.flight import drift
 from softcradle.physics.adaptive.row_graphs import (
-    ORIGIN,
     bead_acceleration,
     of_segment,
     put_drive,
@@ -19,9 +18,19 @@ from softcradle.physics.adaptive.step_control import take_step
 from softcradle.physics.adaptive.step_records import FLOWN, RESTED, Regime, Scratch, Steps, Trial
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece, whole
-from softcradle.physics.numerics.law_curve import BEFORE
+from softcradle.physics.numerics.law_curve import LAW_BEFORE
 from softcradle.physics.numerics.law_kernels import energy
-from softcradle.physics.numerics.records import FROZEN, KEPT, SAMPLE, TOUCHING, ChainData, Motion, Samples, SwitchLog
+from softcradle.physics.numerics.records import (
+    FROZEN,
+    KEPT,
+    ORIGIN,
+    SAMPLE,
+    TOUCHING,
+    ChainData,
+    Motion,
+    Samples,
+    SwitchLog,
+)
 from softcradle.physics.numerics.switches import copy_into, copy_motion, row_of
 
 
@@ -34,7 +43,7 @@ def absorb(h, chain, regime, motion, trial, work, taken):
     by_contacts, by_bed, moved, law = 0.0, 0.0, work[0], regime.law
     for i in range(regime.easing.size):
         if regime.easing[i] != 0:
-            side, way = side_of(regime, i), law[i, BEFORE] if regime.segment.size else 0.0
+            side, way = side_of(regime, i), law[i, LAW_BEFORE] if regime.segment.size else 0.0
             fall = energy(law[i, 0], law[i, 1], law[i, 2], way + side * motion.overlap[i])
             fall -= energy(law[i, 0], law[i, 1], law[i, 2], way + side * trial.overlap[2, i])
             by_contacts += regime.loss[i] * fall

@@ -82,7 +82,7 @@ def first_step(chain, motion, scale):
         weight = chain.inverse_mass[i] + chain.inverse_mass[i + 1]
         preload, stiffness = chain.law[i, 0], chain.law[i, 1]
         if motion.mode[i] == LOADED and motion.overlap[i] != 0.0:
-            slope = curve_slope(chain.law, chain.own, i, motion.overlap[i], motion.force[i])
+            slope = curve_slope(chain.law, chain.graph, i, motion.overlap[i], motion.force[i])
             fastest = max(fastest, math.sqrt(weight * slope))
         if motion.mode[i] != OPEN:
             push = max(abs(motion.force[i]), abs(preload))
@@ -105,7 +105,7 @@ def soft_contacts(chain, motion, wanted):
             stiffest = math.inf
             continue
         weight = chain.inverse_mass[i] + chain.inverse_mass[i + 1]
-        stiff = weight * curve_slope(chain.law, chain.own, i, overlap, motion.force[i])
+        stiff = weight * curve_slope(chain.law, chain.graph, i, overlap, motion.force[i])
         stiffest = max(stiffest, stiff)
         if rate < 0.0:
             time = -overlap / rate
@@ -141,7 +141,7 @@ def limited_by_ends(h, chain, motion, wanted):
     """The length of a step of dop853, `h` at the most, that the next openings of contacts with a > 1 allow, by parabolas."""
     for i in range(motion.mode.size):
         overlap, rate = motion.overlap[i], motion.rate[i]
-        if motion.mode[i] == LOADED and is_smooth(chain.law, i) and rate < 0.0 < overlap:
+        if motion.mode[i] == LOADED and is_smooth(chain.law, chain.graph, i) and rate < 0.0 < overlap:
             square = rate * rate - 2.0 * overlap * acceleration_of(i, chain, motion.force, 0.0)
             left = 2.0 * overlap / (math.sqrt(square) - rate) if square > 0.0 else math.inf
             push = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * motion.force[i]
@@ -224,7 +224,11 @@ def opened_early(h, chain, motion, trial, wanted):
     """
     part, d = 1.0, trial.overlap
     for i in range(motion.mode.size):
-        if motion.mode[i] == LOADED and motion.overlap[i] > 0.0 > d[2, i] and not is_continued(chain.law, i):
+        if (
+            motion.mode[i] == LOADED
+            and motion.overlap[i] > 0.0 > d[2, i]
+            and not is_continued(chain.law, chain.graph, i)
+        ):
             soft = chain.law[i, 2] < 1.0
             x = first_root(stage_cubic(motion.overlap[i], d[0, i], d[1, i], d[2, i]))
             push = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * motion.force[i] * h

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from softcradle.physics.numerics.records import Graphs
 
 Array = NDArray[np.float64]
 
@@ -83,15 +84,14 @@ class Regime(NamedTuple):
     see a chain without dissipation, and only switches change it.
     """
 
-    law: Array  # (n, 3), with couplers (n, 6): see `row_graphs`
+    law: Array  # (n, 3), or (n, 6) if contacts have several segments: see `row_graphs`
     inverse_mass: Array  # (n+1,)
     loss: Array  # (n,) part of its energy that each contact loses; (0,) without any
     bed: Array  # (n+1,) deceleration of a sliding bead [m/s²]; (0,) without friction
     slide: NDArray[np.int8]  # (n+1,) direction in which each bead slides, 0 for one that sticks; (0,) without friction
     easing: NDArray[np.int8]  # (n,) nonzero where a contact with loss comes out; (0,) without any
-    segment: NDArray[np.int8]  # (n,) on which of its segments each contact is; this and all below (0,) without couplers
-    segments: Array  # (m, 9) of all contacts, see `row_graphs`
-    first: NDArray[np.int64]  # (n+1,) row of the first segment of each contact
+    segment: NDArray[np.int8]  # (n,) the segment that each contact is on; (0,) if none has several
+    graph: Graphs  # that of the chain
 
 
 class Scratch(NamedTuple):

@@ -10,7 +10,7 @@ import math
 
 from softcradle.physics.adaptive.constants import FEW_TRIES, ROUND_OFF, TOLERANCE_PART
 from softcradle.physics.adaptive.corner_search import first_root, halves, hermite_quintic
-from softcradle.physics.adaptive.row_graphs import LAW, is_coupler, is_firm, is_gear, side_of
+from softcradle.physics.adaptive.row_graphs import is_firm, is_innermost, side_of
 from softcradle.physics.adaptive.step_control import take_step
 from softcradle.physics.adaptive.step_records import (
     CARRIED_SQUARE,
@@ -22,17 +22,18 @@ from softcradle.physics.adaptive.step_records import (
     START,
     UNSEEN_SQUARE,
 )
+from softcradle.physics.numerics.graph_kernels import has_segments
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at
 from softcradle.physics.numerics.law_curve import (
-    STOP,
+    LAW_STOP,
     acceleration_of,
     curve_depth,
     curve_force,
     is_continued,
     pressed_force,
 )
-from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
+from softcradle.physics.numerics.records import LOADED, OPEN, PRELOAD, TOUCHING
 from softcradle.physics.numerics.switches import log_switch
 
 # of the push against which a contact would swing as fast as it has: where less pushes it back, the wave has gone on
@@ -72,6 +73,8 @@ def log_switches(before, time, landed, chain, regime, motion, bounds, scratch, l
             if not now and time > before and scratch.opening[i] >= 0.0:
                 when = before + scratch.opening[i]
             log_switch(log, i, now, when)
+            if now and regime.segment.size:
+                regime.graph.coupled[i] = 1
             put_bounce(i, now, w, when, regime, bounds, scratch)
         elif now and regime.segment.size and regime.segment[i] != scratch.segment[i]:
             put_bounce(i, now, w, time, regime, bounds, scratch)
@@ -126,7 +129,7 @@ def takes_on(i, neighbour, chain, regime, motion, slow, since):
 def rests(i, chain, regime, motion, since):
     """Whether contact i, which nothing pushes, touches at rest: what overlap it gets so is round-off."""
     at_zero = since[i] == AT_REST or (motion.overlap[i] == 0.0 == motion.rate[i])
-    if not at_zero or motion.mode[i] != LOADED or is_coupler(regime, i) or drive_at(chain, i, 0.0) != 0.0:
+    if not at_zero or motion.mode[i] != LOADED or has_segments(chain.graph, i) or drive_at(chain, i, 0.0) != 0.0:
         return False
     return chain.knots.bend.size == 0 or chain.knots.bend[i] == 0.0
 
@@ -147,8 +150,8 @@ def put_bounce(i, now, speed, when, regime, bounds, scratch):
         scratch.control[IMPACTS] += 1.0
     if now and regime.segment.size:
         scratch.segment[i] = regime.segment[i]
-        if before >= 0 and is_gear(regime, i) and scratch.lateness[i] > 0.0:
-            jump = abs(regime.law[i, 0]) + abs(regime.segments[regime.first[i] + before, LAW])
+        if before >= 0 and is_innermost(regime, i) and scratch.lateness[i] > 0.0:
+            jump = abs(regime.law[i, 0]) + abs(regime.graph.segment[regime.graph.first[i] + before, PRELOAD])
             jump *= regime.inverse_mass[i] + regime.inverse_mass[i + 1]
             scratch.grown[i] = min(scratch.lateness[i] * jump, scratch.most_grown[i])
 
@@ -192,8 +195,8 @@ def grow_errors(row, side, before, chain, regime, motion, wanted, scale, scratch
             least = overlap - (0.5 * rate * rate / bend if bend > 0.0 else 0.0)
             return_to_touch(i, fastest, 0.0, least, others, chain, scratch.control)
         if scratch.lateness[i] > 0.0:
-            if not is_gear(regime, i):  # the gear pushes beside the stop on which it bounces
-                others -= own - weight * regime.law[i, STOP] * overlap
+            if not is_innermost(regime, i):  # the gear pushes beside the stop on which it bounces
+                others -= own - weight * regime.law[i, LAW_STOP] * overlap
             grown = min(scratch.lateness[i] * abs(others), scratch.most_grown[i])
             scratch.grown[i] = max(scratch.grown[i], grown)
 
@@ -250,8 +253,8 @@ def begin_estimate(time, motion, scratch):
 @inlined
 def swing_push(i, weight, fastest, chain):
     """Acceleration by contact i where it holds the energy of the rate `fastest`: about that of the push it swings against."""
-    depth = curve_depth(chain.law, chain.own, i, 0.5 * fastest * fastest / weight)
-    return weight * pressed_force(chain.law, chain.own, i, depth)
+    depth = curve_depth(chain.law, chain.graph, i, 0.5 * fastest * fastest / weight)
+    return weight * pressed_force(chain.law, chain.graph, i, depth)
 
 
 @piece
@@ -271,7 +274,7 @@ def return_to_touch(i, fastest, rate, least, others, chain, control):
     square = fastest * error
     if bend * least > FEW_TRIES * square:
         return
-    missing = weight * pressed_force(chain.law, chain.own, i, square / bend)
+    missing = weight * pressed_force(chain.law, chain.graph, i, square / bend)
     grown = fastest / math.sqrt(max(rate * rate, 2.0 * square)) - 1.0
     if grown > 0.0:
         control[GROWTH] += 2.0 * missing / (bend + missing) * grown
@@ -293,7 +296,7 @@ def quintic_lacks(i, part, h, chain, motion, trial, look):
     for k in range(max(i - 1, 0), min(i + 2, motion.mode.size)):
         overlap, _ = in_the_middle(k, h, chain, motion, trial)
         if motion.mode[k] == LOADED:
-            look.force[0, k] = curve_force(chain.law, chain.own, k, overlap)
+            look.force[0, k] = curve_force(chain.law, chain.graph, k, overlap)
         else:
             look.force[0, k] = 0.5 * (motion.force[k] + trial.force[2, k])
     _, bend = in_the_middle(i, h, chain, motion, trial)
@@ -311,7 +314,7 @@ def find_openings(h, kind, firm, chain, motion, wanted, trial, look, scratch, lo
     for i in range(motion.mode.size):
         opening[i] = -1.0
         opens = motion.mode[i] == LOADED and motion.overlap[i] > 0.0 > trial.overlap[2, i]
-        if opens and not is_continued(chain.law, i):
+        if opens and not is_continued(chain.law, chain.graph, i):
             a0, a1 = acceleration_of(i, chain, motion.force, 0.0), acceleration_of(i, chain, trial.force[2], h)
             d0, d1 = motion.overlap[i], trial.overlap[2, i]
             guard = hermite_quintic(h, d0, motion.rate[i], a0, d1, trial.rate[2, i], a1)

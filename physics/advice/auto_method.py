@@ -63,7 +63,7 @@ def choose(chain: Chain, velocity: ArrayLike, duration: float | None, error: flo
     """Return the method for a wanted `error`, relative to the closing speed, on `chain` with start velocities (n+1,)
     [m/s].
     """
-    if chain.couplers:
+    if chain.piecewise:
         return _adaptive("accurate", error, error, "couplers close, yield and pull at events that it ends its steps at")
     if not (chain.dissipative or chain.own_laws) and nearly_yields(chain, velocity):
         return _adaptive(

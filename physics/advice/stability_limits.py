@@ -85,9 +85,9 @@ def _longest_step(chain: Chain, speed: float, small: float) -> float:
         push = small / (weight * preload)
     for i, law in chain.own_contacts:
         stiff[i], onset[i] = _bounds_of(law, float(weight[i]), speed, small, float(depth[i]))
-    for i, coupler in chain.couplers:
-        if coupler.stop:
-            stiff[i] = min(stiff[i], 2.0 / math.sqrt(2.0 * weight[i] * coupler.stop))
+    for i, contact in chain.piecewise:
+        if contact.stop_stiffness:
+            stiff[i] = min(stiff[i], 2.0 / math.sqrt(2.0 * weight[i] * contact.stop_stiffness))
     bounds = np.stack([stiff, np.where(stiffness != 0.0, onset, np.inf), push])
     return float(np.nanmin(bounds))
 
@@ -144,7 +144,7 @@ def returning_warnings(problem: Problem, record: Record) -> Warnings:
     so do 29 other runs. Chains with friction or loss are excluded, because there errors decay together with the motion.
     """
     again = int(np.maximum(np.bincount(record.switch_contact) - 2, 0).sum()) // 2
-    if again <= MOST_RETURNS or problem.chain.dissipative or problem.chain.couplers:
+    if again <= MOST_RETURNS or problem.chain.dissipative or problem.chain.piecewise:
         return ()
     sentence = (
         f"contacts closed again {again} times: each collision multiplies the errors of the ones before, and velocities by "

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.analysis.closed_forms import common_law, meets_freely
 from softcradle.physics.chain import Chain, Joint, mass_shares
-from softcradle.physics.coupler import Coupler
+from softcradle.physics.segments import PiecewiseContact
 from softcradle.physics.trajectory import Trajectory
 
 Array = NDArray[np.float64]
@@ -126,7 +126,7 @@ def energy_inside(trajectory: Trajectory, struck: int) -> Array:
     beads = target_beads(chain, struck)
     mass, velocity = np.array(chain.mass)[beads], trajectory.velocity[:, beads]
     own = velocity - (velocity @ mass / mass.sum())[:, None] if beads.size else velocity
-    stored = chain.stored_energy(trajectory.overlap)[:, struck + 1 :].sum(axis=1)
+    stored = chain.stored_energy(trajectory.overlap, force=trajectory.force)[:, struck + 1 :].sum(axis=1)
     total = trajectory.kinetic_energy[0] + trajectory.contact_energy[0]
     return (0.5 * own**2 @ mass + stored) / (total or math.nan)
 
@@ -164,7 +164,9 @@ def _integrated_force(trajectory: Trajectory, struck: int) -> Array:
     time, force = trajectory.time, trajectory.force
     middle, mean = 0.5 * (time[1:] + time[:-1]), 0.5 * (force[1:] + force[:-1])
     for k, spans in enumerate(trajectory.contact_intervals):
-        if not isinstance(trajectory.chain.contact[k], Coupler):  # a coupler may push before its switch is logged
+        if not isinstance(
+            trajectory.chain.contact[k], PiecewiseContact
+        ):  # a coupler may push before its switch is logged
             switches = np.array(spans).ravel()
             mean[:, k] = np.where(np.isin(time[1:], switches[1::2]), force[:-1, k], mean[:, k])
             mean[np.searchsorted(switches, middle) % 2 == 0, k] = 0.0
@@ -181,14 +183,17 @@ def first_touch(trajectory: Trajectory, struck: int) -> float:
 def loaded_samples(trajectory: Trajectory) -> NDArray[np.bool_]:
     """Return (T, n) True if a contact is pressed, or if one of the gears of a coupler is."""
     way = trajectory.overlap.copy()
-    for i, coupler in trajectory.chain.couplers:
-        way[:, i] = np.maximum(way[:, i], coupler.pulls_below - way[:, i])
+    for i, contact in trajectory.chain.piecewise:
+        pulled = np.where(trajectory.force[:, i] < 0.0, contact.pulls_below - way[:, i], 0.0)
+        way[:, i] = np.maximum(way[:, i], pulled)
     return way > LEAST_OVERLAP * max(float(way.max()), 0.0)
 
 
 def can_touch(joint: Joint) -> bool:
-    """Return True if the contact or coupler can carry a force without moving, because one of its gears has a preload."""
-    return joint.preload > 0.0 or bool(isinstance(joint, Coupler) and joint.pull and joint.pull.preload)
+    """Return True if the contact can carry a force without moving, because it has a preload where it begins to push or pull."""
+    return joint.preload > 0.0 or (
+        isinstance(joint, PiecewiseContact) and any(one.preload for one in joint.pulling[:1])
+    )
 
 
 def dwell(trajectory: Trajectory, struck: int) -> Array:

@@ -212,7 +212,7 @@ class ChainBatch:
 def _require_plain(chain: Chain) -> None:
     """Raise ValueError if the chain has a feature that the arrays of a batch cannot represent."""
     for found, what in (
-        (chain.couplers, "couplers"),
+        (chain.piecewise, "couplers"),
         (chain.own_laws, "laws of your own"),
         (chain.timed, "forces over time"),
     ):

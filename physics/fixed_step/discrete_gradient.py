@@ -30,7 +30,7 @@ from softcradle.physics.numerics.contact_solve import (
     loses,
     solve_contacts,
 )
-from softcradle.physics.numerics.coupler_kernels import is_joint, joint_fall, settle_joint_forces
+from softcradle.physics.numerics.graph_kernels import graph_fall, has_segments, settle_graph_forces
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.knots import add_half_work, put_mean
 from softcradle.physics.numerics.law_kernels import energy
@@ -105,8 +105,8 @@ def absorb(h, chain, motion, beads, work):
     """Add what contacts and bed absorb in the step: what they take of the motion less what is stored."""
     law, overlap, end, bed = chain.law, motion.overlap, work[END], chain.dissipation.bed
     for i in range(overlap.size):
-        if is_joint(chain.joints, i):
-            fall = joint_fall(chain.joints, i, overlap[i], end[i], False)
+        if has_segments(chain.graph, i):
+            fall = graph_fall(chain.graph, i, overlap[i], end[i], False)
             motion.taken[0] += motion.force[i] * (end[i] - overlap[i]) + fall
         elif loses(chain.dissipation.loss[i], overlap[i], motion.rate[i]):
             fall = energy(law[i, 0], law[i, 1], law[i, 2], overlap[i])
@@ -140,7 +140,7 @@ def rate_after(h, i, chain, motion, left, right, beads, work):
     start, rate, end = motion.overlap[i], motion.rate[i], work[END, i]
     slide, loss, bed = 0.0, chain.dissipation.loss, chain.dissipation.bed
     if loss.size:
-        lossy = is_joint(chain.joints, i) or loses(loss[i], start, rate)
+        lossy = has_segments(chain.graph, i) or loses(loss[i], start, rate)
         if lossy and is_held(i, motion, work):
             return 0.0
         if bed.size:
@@ -252,7 +252,7 @@ def single_step(h, chain, motion, beads, work, forced, whole):
     move(h, chain, motion, beads, work)
     if timed:
         add_half_work(h, chain, motion, beads[START_VELOCITY])
-    settle_joint_forces(chain.joints, motion)
+    settle_graph_forces(chain.graph, motion)
     return used, 1.0
 
 

@@ -24,12 +24,13 @@ import math
 
 import numpy as np
 from softcradle.physics.numerics.bead_velocities import bead_velocities
-from softcradle.physics.numerics.coupler_kernels import is_joint, joint_fall, joint_force, settle_joint_forces
+from softcradle.physics.numerics.graph_kernels import graph_fall, graph_force, has_segments, settle_graph_forces
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.knots import add_half_work, put_mean
 from softcradle.physics.numerics.law_kernels import energy
-from softcradle.physics.numerics.own_contacts import force_at
+from softcradle.physics.numerics.law_kernels import force as power_force
 from softcradle.physics.numerics.switches import has_stopped
+from softcradle.physics.numerics.table_kernels import has_table, table_value
 
 _OUTER = 1.0 / (2.0 - 1.2599210498948732)
 _INNER = 1.0 - 2.0 * _OUTER
@@ -53,8 +54,8 @@ def drift(part, chain, motion):
     for i in range(loss.size):
         before = overlap[i]
         overlap[i] += part * rate[i]
-        if is_joint(chain.joints, i):
-            motion.taken[0] += joint_fall(chain.joints, i, before, overlap[i], True)
+        if has_segments(chain.graph, i):
+            motion.taken[0] += graph_fall(chain.graph, i, before, overlap[i], True)
         elif loss[i] > 0.0 and rate[i] < 0.0 and before > 0.0:
             fall = energy(law[i, 0], law[i, 1], law[i, 2], before)
             fall -= energy(law[i, 0], law[i, 1], law[i, 2], overlap[i])
@@ -63,17 +64,25 @@ def drift(part, chain, motion):
 
 
 @inlined
+def loading_force(chain, i, overlap):
+    """Return the force of contact i, a power law or a table, at `overlap` on loading; 0 if it is open."""
+    if has_table(chain.graph, i):
+        return table_value(chain.graph, chain.graph.force, chain.graph.first[i], overlap) if overlap > 0.0 else 0.0
+    return power_force(chain.law[i, 0], chain.law[i, 1], chain.law[i, 2], overlap)
+
+
+@inlined
 def push(chain, motion):
-    """The contact forces at the present overlaps."""
-    law, own, loss, force = chain.law, chain.own, chain.dissipation.loss, motion.force
+    """Update the contact forces to the present overlaps."""
+    loss, force = chain.dissipation.loss, motion.force
     if loss.size == 0:
         for i in range(force.size):
-            force[i] = force_at(law, own, i, motion.overlap[i])
+            force[i] = loading_force(chain, i, motion.overlap[i])
     for i in range(loss.size):
-        if is_joint(chain.joints, i):
-            force[i] = joint_force(chain.joints, i, motion.overlap[i], motion.rate[i])
+        if has_segments(chain.graph, i):
+            force[i] = graph_force(chain.graph, i, motion.overlap[i], 0.0, motion.rate[i] >= 0.0)
             continue
-        force[i] = force_at(law, own, i, motion.overlap[i])
+        force[i] = loading_force(chain, i, motion.overlap[i])
         if motion.rate[i] < 0.0:
             force[i] *= 1.0 - loss[i]
 
@@ -147,7 +156,7 @@ def split_steps(most, time, h, drifts, kicks, chain, motion, closed, beads):
                 add_half_work(length, chain, motion, beads[0])
         if drifts[stages] != 0.0:
             drift(h * drifts[stages], chain, motion)
-        settle_joint_forces(chain.joints, motion)
+        settle_graph_forces(chain.graph, motion)
         if has_stopped(chain, motion, closed):
             return step + 1
     return most

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
-from softcradle.physics.contact import Contact, power_law
+from softcradle.physics.contact import power_law
 from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
 from softcradle.physics.fixed_step.explicit_steps import EULER, VERLET, YOSHIDA4
 from softcradle.physics.fixed_step.step_loop import (
@@ -36,7 +35,6 @@ from softcradle.physics.kernel_records import (
     require_finite_motion,
 )
 from softcradle.physics.kernel_tiers import KernelTiers
-from softcradle.physics.methods import refusal_of
 from softcradle.physics.numerics.contact_solve import BEAD_ROWS
 from softcradle.physics.numerics.records import (
     EVALUATION,
@@ -48,7 +46,6 @@ from softcradle.physics.numerics.records import (
     Samples,
     SwitchLog,
 )
-from softcradle.physics.own_law import OwnLaw
 from softcradle.physics.problem import NO_TIMES, Problem, Record, empty_samples, first_samples, run_to_end
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
@@ -94,7 +91,7 @@ class Scratch:
 
 def run(problem: Problem) -> Record:
     """Compute the whole motion; ``problem.state`` stays as it is."""
-    _kernels(problem.chain).load_made()  # so that the cost measured is that of the motion
+    KERNELS.load_made()  # so that the cost measured is that of the motion
     return run_to_end(problem, _pass)
 
 
@@ -107,7 +104,7 @@ def advance(problem: Problem) -> Status:
     log = scratch.log
     log.counter[:] = 0
     log.closed[:] = state.closed
-    kernel = _kernels(problem.chain).of_frame(march)
+    kernel = KERNELS.of_frame(march)
     status, state.time = _march_chain(kernel, MOST_FIXED_STEPS, problem, state, scratch)
     state.note_switches(*kept_switches(log), int(log.counter[SWITCH]))
     return Status(status)
@@ -125,7 +122,7 @@ def _pass(problem: Problem, times: Array, log_size: int = FIRST_LOG, plain: bool
     status, state.time = _march_chain(kernel, most, problem, state, scratch)
     seconds = perf_counter() - began
     if kernel is not march:
-        _kernels(problem.chain).spent += float(scratch.log.counter[STEP] * problem.chain.contacts)
+        KERNELS.spent += float(scratch.log.counter[STEP] * problem.chain.contacts)
     if most < (problem.most_steps or MOST_FIXED_STEPS) and Status(status).gave_up:
         return _pass(problem, times, log_size, plain=False)
     larger = larger_log(scratch.log)
@@ -155,9 +152,9 @@ class _KeptRun:
         state, late = problem.state.copy(), max(float(times[-1]) - found.end.time, 0.0) if times.size else 0.0
         again = min(found.steps, times.size * int(scratch.plan[SPACING])) + late / problem.step
         work = again * chain.contacts
-        kernel = _kernels(chain).of(sample_between, work)
+        kernel = KERNELS.of(sample_between, work)
         if kernel is not sample_between:
-            _kernels(chain).spent += work
+            KERNELS.spent += work
         most, counts = problem.most_steps or MOST_FIXED_STEPS, scratch.pause.counts
         counts[AT], counts[BEGUN], counts[NEXT] = _steps_at_once(problem), 0, 0
         began = perf_counter()
@@ -167,16 +164,11 @@ class _KeptRun:
         return found.with_samples(first_samples(scratch.samples, int(scratch.log.counter[SAMPLE])))
 
 
-def _kernels(chain: Chain) -> KernelTiers:
-    """The kernels for such a chain: those without laws of one's own need not ask for them."""
-    return TIERS["fixed-step-own-laws" if chain.own_laws else "fixed-step"]
-
-
 def _kernel_and_steps(problem: Problem, plain: bool) -> tuple[Any, int]:
     """The tier of the kernel for a run, and the steps that it may take."""
     chain, duration, most = problem.chain, problem.duration, problem.most_steps or MOST_FIXED_STEPS
     steps = PLAIN_STEPS / chain.contacts if duration is None else duration / problem.step + 1.0
-    kernel = _kernels(chain).of(march, steps * chain.contacts if plain else np.inf)
+    kernel = KERNELS.of(march, steps * chain.contacts if plain else np.inf)
     return kernel, most if kernel is march or duration is not None else min(most, int(steps))
 
 
@@ -198,9 +190,6 @@ def _steps_at_once(problem: Problem) -> int:
 def _call(kernel: Any, span: Any, problem: Problem, state: State, scratch: Scratch) -> Any:
     """Call a tier of a kernel on `state` with its `span`, or most steps."""
     chain, kept = problem.chain, (tuple(scratch.checkpoints), scratch.plan)
-    unread = refusal_of(problem.method, chain)  # if another method hands over to this one
-    if unread:
-        raise ValueError(unread)
     records = motion_record(state), tuple(scratch.samples), tuple(scratch.log), kept, tuple(scratch.pause)
     task = (*DRIFTS_AND_KICKS[problem.method], problem.step), span, chain_records(chain, state)
     found = kernel(*task, *records, (scratch.beads, scratch.work))
@@ -222,16 +211,14 @@ def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> 
     return (*found, *log_warnings(log))
 
 
-def _call_kernels(contact: Contact | OwnLaw) -> None:
-    """Call every kernel once for such contacts."""
-    chain = Chain([1.0, 1.0, 1.0], contact)
+def _call_kernels() -> None:
+    """Call every kernel once."""
+    chain = Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1))
     state = State.at_start(chain, [1.0, 0.0, 0.0])
     run(Problem(chain, state, "verlet", 1e-3, 1e-3))
     run(Problem(chain, state, "conserving", 1e-3, 1e-3))
     run(Problem(chain, state, "conserving", None, 1e-3, samples=3))
 
 
-TIERS = {
-    name: KernelTiers(name, __name__, partial(_call_kernels, contact))
-    for name, contact in (("fixed-step", power_law(1.0, 0.1)), ("fixed-step-own-laws", OwnLaw(lambda overlap: overlap)))
-}
+KERNELS = KernelTiers("fixed-step", __name__, _call_kernels)
+TIERS = {KERNELS.name: KERNELS}

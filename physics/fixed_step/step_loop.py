@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from softcradle.physics.fixed_step.discrete_gradient import gradient_steps
 from softcradle.physics.fixed_step.explicit_steps import split_steps
 from softcradle.physics.numerics.bead_velocities import at_rest
-from softcradle.physics.numerics.coupler_kernels import crossed_overlap, settle_joint_forces
+from softcradle.physics.numerics.graph_kernels import closing_overlap, settle_graph_forces
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.knots import put_mean, steady_until
 from softcradle.physics.numerics.law_kernels import EPSILON
@@ -166,7 +166,7 @@ def look_ahead(time, end, until, steady, h, most_steps, over, free, rests, still
     ahead = until - time
     if rests or free:
         ahead = min(ahead, steady - time)
-        flight = math.inf if rests else flight_time(chain.joints, motion.overlap, motion.rate, still)
+        flight = math.inf if rests else flight_time(chain.graph, motion.overlap, motion.rate, still)
         whole = (
             0.0
             if chain.dissipation.bed.size > 0 and not rests
@@ -184,8 +184,10 @@ def look_ahead(time, end, until, steady, h, most_steps, over, free, rests, still
 
 
 @inlined
-def log_switches(before, time, joints, motion, log):
-    """Log every contact that has left the state of its flag since `before`. Returns the number of closed contacts.
+def log_switches(before, time, graph, motion, log):
+    """Log every contact that has left the state of its flag since `before`. Return the number of closed contacts.
+
+    A coupler that closes couples.
 
     Its time is that of the straight line through the new overlap with the new rate, second order in the step; a contact
     that closes without overlap touches from the start of the step, at time `before`, on.
@@ -195,10 +197,12 @@ def log_switches(before, time, joints, motion, log):
         now = is_closed(overlap[i], motion.force[i])
         if now:
             closed += 1
+            if graph.kind.size:
+                graph.coupled[i] = 1
         if now != (log.closed[i] != 0):
             when = before if now and overlap[i] == 0.0 else time
             if overlap[i] != 0.0 and rate[i] != 0.0:
-                past = overlap[i] - crossed_overlap(joints, i, overlap[i], rate[i])
+                past = overlap[i] - closing_overlap(graph, i, overlap[i], rate[i])
                 when = min(max(before, time - past / rate[i]), time)
             log_switch(log, i, now, when)
     return closed
@@ -242,8 +246,8 @@ def march(
     else:
         still, left, rests = STANDSTILL * largest(motion.rate), ZERO, False
         rates, overlaps = exact_sum(motion.rate), exact_sum(motion.overlap)
-        settle_joint_forces(chain.joints, motion)
-        closed, flown, look = log_switches(start, start, chain.joints, motion, log), ZERO, ONE * FIRST_LOOK
+        settle_graph_forces(chain.graph, motion)
+        closed, flown, look = log_switches(start, start, chain.graph, motion, log), ZERO, ONE * FIRST_LOOK
     time, knots = start + counter[STEP] * h, chain.knots
     calm = (
         -1.0 if knots.time.size else math.inf
@@ -309,7 +313,7 @@ def march(
         before, now = start + (counter[STEP] - 1) * h, min(end, start + counter[STEP] * h)
         if between_walls:
             keep_wall_distance(now - start, motion, rates, overlaps)
-        closed = log_switches(before, now, chain.joints, motion, log)  # a run of steps ends with the first switch
+        closed = log_switches(before, now, chain.graph, motion, log)  # a run of steps ends with the first switch
         if last:
             return DONE, end
         time = start + counter[STEP] * h

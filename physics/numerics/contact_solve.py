@@ -18,8 +18,8 @@ Friction acts by the velocity at the end of the step: it stops a bead and holds 
 w1 = 2 (d1 - d0)/h - w0, a contact with loss has a vertical piece at d0 + (h/2) w0, one more branch of its resolvent. The step
 minimises a strictly convex function of v1, so v1 is unique; forces between beads that all stick need not be.
 
-The unknown s_i is then taken less d0_i in couplers and where a contact with loss is loaded, so that the force of one that
-is held does not drown in its overlap; the matrix has 0 in place of 1/m_j where bead j sticks. Where that leaves a contact
+The unknown s_i is then taken less d0_i in contacts with several segments and in loaded contacts with loss, so that the force of
+a held contact does not drown in its overlap; the matrix has 0 in place of 1/m_j where bead j sticks. Where that leaves a contact
 between two sticking beads without any slope, its row is moved to the next place at which it bends. Where Newton's iteration
 cycles, sweeps that solve each row alone follow.
 """
@@ -28,11 +28,10 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.numerics.coupler_kernels import is_joint, joint_mean_force, joint_resolvent
 from softcradle.physics.numerics.elementary import power
+from softcradle.physics.numerics.graph_kernels import graph_mean, graph_resolvent, has_segments
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_kernels import EPSILON
-from softcradle.physics.numerics.own_contacts import number_of
 from softcradle.physics.numerics.resolvent import mean_force, resolvent
 from softcradle.physics.numerics.switches import copy_into
 
@@ -41,7 +40,7 @@ FREE = 0  # h w0 + (h²/2) e
 END = 1  # d1
 DIAGONAL = 2  # L_ii
 # and what the solver keeps
-UNKNOWN = 3  # s, or s - d0 in couplers and where a contact with loss is loaded
+UNKNOWN = 3  # s, or s - d0 in contacts with several segments and where a contact with loss is loaded
 RESIDUAL = 4
 SLOPE = 5  # dg/ds
 START_POWER = 6  # d0**a
@@ -98,10 +97,10 @@ def begin_solve(h, chain, motion, work):
         ahead = 0.5 * h * rate[i]
         work[HOLD, i] = start[i] + ahead
         work[FORCE_AT_HOLD, i], work[LEAST_AT_HOLD, i] = 0.0, 0.0
-        if is_joint(chain.joints, i):
+        if has_segments(chain.graph, i):
             work[OFFSET, i] = start[i]
-            work[LEAST_AT_HOLD, i], _ = joint_mean_force(chain.joints, i, start[i], ahead, False)
-            work[FORCE_AT_HOLD, i], _ = joint_mean_force(chain.joints, i, start[i], ahead, True)
+            work[LEAST_AT_HOLD, i], _ = graph_mean(chain.graph, i, start[i], ahead, False)
+            work[FORCE_AT_HOLD, i], _ = graph_mean(chain.graph, i, start[i], ahead, True)
             work[UNKNOWN, i] = work[END, i] - start[i] + half * work[DIAGONAL, i] * force[i]
             continue
         work[OFFSET, i] = start[i] if loss[i] > 0.0 and start[i] > 0.0 else 0.0
@@ -163,8 +162,8 @@ def solve_contact(h, i, chain, motion, work):
     weight, start, rate = 0.5 * h * h * work[DIAGONAL, i], motion.overlap[i], motion.rate[i]
     s, guess, ahead = work[UNKNOWN, i], work[END, i], 0.5 * h * rate
     least, full = work[LEAST_AT_HOLD, i], work[FORCE_AT_HOLD, i]
-    if is_joint(chain.joints, i):
-        moved, force, slope = joint_resolvent(chain.joints, i, start, ahead, least, full, weight, s)
+    if has_segments(chain.graph, i):
+        moved, force, slope = graph_resolvent(chain.graph, i, start, ahead, least, full, weight, s)
         end = start + moved
     else:
         lossy, past = loses(loss[i], start, rate), s - ahead
@@ -175,7 +174,7 @@ def solve_contact(h, i, chain, motion, work):
             end, force, slope = start + ahead, past / weight, 1.0 / weight
         else:
             end, force, slope = resolvent(
-                chain.own, number_of(chain.own, i), kept * law[i, 0], kept * law[i, 1], law[i, 2], start, start_power,
+                chain.graph, i, kept * law[i, 0], kept * law[i, 1], law[i, 2], start, start_power,
                 weight, begin + s, guess,
             )  # fmt: skip
     work[END, i], motion.force[i], work[SLOPE, i] = end, force, slope
@@ -221,7 +220,7 @@ def solve_all(h, chain, motion, beads, work):
         for i in range(start.size):
             weight, start_power = 0.5 * h * h * work[DIAGONAL, i], work[START_POWER, i]
             work[END, i], motion.force[i], work[SLOPE, i] = resolvent(
-                chain.own, number_of(chain.own, i), law[i, 0], law[i, 1], law[i, 2], start[i], start_power, weight,
+                chain.graph, i, law[i, 0], law[i, 1], law[i, 2], start[i], start_power, weight,
                 work[UNKNOWN, i], work[END, i],
             )  # fmt: skip
     for i in range(loss.size):

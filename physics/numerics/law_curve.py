@@ -5,8 +5,9 @@ Each contact is in one mode for a whole step, so that the step sees smooth motio
     OPEN      f = 0, whatever d does            LOADED    f = F + K d**a; with preload or a = 1 continued to d < 0,
     TOUCHING  d = 0, f any number                         else 0 there
 
-A law of one's own is the curve of its table. Its row of the law table holds what it begins like at d = 0: its preload, and the
-K and a of f - F there; by these the steps know whether it is soft, and whether it is continued.
+A user-defined law is the curve of its table. Its row of `law` holds the power law with which it begins at d = 0; F, K and a of
+this decide whether the contact is soft and whether the curve is continued. A contact with several segments is on one of them,
+whose numbers are in its row of `law`, and its overlap counts from the origin of this segment.
 """
 
 from __future__ import annotations
@@ -15,9 +16,11 @@ import math
 
 import numpy as np
 from softcradle.physics.numerics.elementary import power
+from softcradle.physics.numerics.graph_kernels import has_segments
 from softcradle.physics.numerics.jit import inlined, jit, piece
 from softcradle.physics.numerics.knots import drive_at
-from softcradle.physics.numerics.own_contacts import number_of, own_inverse, own_slope, table_value
+from softcradle.physics.numerics.records import FORCE_FROM, FROM
+from softcradle.physics.numerics.table_kernels import has_table, table_inverse, table_slope, table_value
 
 ROOT6 = math.sqrt(6.0)
 NODES = np.array([(4.0 - ROOT6) / 10.0, (4.0 + ROOT6) / 10.0, 1.0])  # of Radau IIA with three stages
@@ -27,7 +30,8 @@ LOST = 1e-6  # of a preload: in a smaller difference of a force from it round-of
 SHORT_MOVE = (
     5e-4  # of an overlap: over so short a way four terms of the binomial series are a power law to the last digit
 )
-BEFORE, STOP, LAW_SIDE = 3, 4, 5  # columns of a law with segments, after preload, stiffness, exponent
+# columns of `law` after preload, stiffness and exponent if contacts have several segments
+LAW_BEFORE, LAW_STOP, LAW_SIDE = 3, 4, 5
 
 
 @inlined
@@ -84,104 +88,106 @@ def depth_at(preload, stiffness, exponent, energy):
 
 
 @inlined
-def by_table(own, i, overlap):
-    """Whether contact i has a law of its own, beyond what it begins like."""
-    return own.number[i] >= 0 and abs(overlap) >= own.onset[own.number[i], 0]
+def by_table(graph, i, overlap):
+    """Return whether the force of contact i at `overlap` is that of a table, not of the power law with which it begins."""
+    return has_table(graph, i) and abs(overlap) >= graph.segment[graph.first[i], FROM]
 
 
 @inlined
-def pressed_force(law, own, i, overlap):
-    """Force of contact i at an overlap > 0."""
-    if own is not None and by_table(own, i, overlap):
-        return table_value(own, own.force, own.number[i], overlap)
+def pressed_force(law, graph, i, overlap):
+    """Return the force of contact i, a power law or a table, at an overlap > 0."""
+    if by_table(graph, i, overlap):
+        return table_value(graph, graph.force, graph.first[i], overlap)
     return law[i, 0] + law[i, 1] * power(overlap, law[i, 2])
 
 
 @inlined
-def is_continued(law, i):
-    """True where the force is continued beyond d = 0 within a step, so that a loaded contact opens at a corner."""
-    return law[i, 0] != 0.0 or law[i, 2] == 1.0 or (law.shape[1] > 3 and law[i, 2] > 1.0)
+def is_continued(law, graph, i):
+    """Return whether the force is continued beyond d = 0 within a step, so that a loaded contact opens at an event."""
+    return law[i, 0] != 0.0 or law[i, 2] == 1.0 or (has_segments(graph, i) and law[i, 2] > 1.0)
 
 
 @inlined
-def is_smooth(law, i):
-    """True where the force begins with no slope: a loaded contact then opens within a step, not at a corner."""
-    return law[i, 2] > 1.0 and not is_continued(law, i)
+def is_smooth(law, graph, i):
+    """Return whether the force begins without a slope: a loaded contact then opens within a step, not at an event."""
+    return law[i, 2] > 1.0 and not is_continued(law, graph, i)
 
 
 @inlined
-def curve_force(law, own, i, overlap):
-    """Force of contact i, LOADED, at any overlap; see `signed_force`, and `segment_force` of a coupler."""
-    if own is not None and overlap != 0.0 and by_table(own, i, overlap):
-        return own_signed_force(law, own, i, overlap)
-    if law.shape[1] > 3:
-        return segment_force(law, i, overlap)
+def curve_force(law, graph, i, overlap):
+    """Return the force of contact i, LOADED, at any overlap; see `signed_force`, `signed_table` and `signed_segment`."""
+    if graph.kind.size:
+        if overlap != 0.0 and by_table(graph, i, overlap):
+            return signed_table(law, graph, i, overlap)
+        if has_segments(graph, i):
+            return signed_segment(law, i, overlap)
     return signed_force(law[i, 0], law[i, 1], law[i, 2], overlap)
 
 
 @inlined
-def curve_slope(law, own, i, overlap, force):
-    """df/dd of contact i, LOADED, at a point of its curve, inf where that is vertical; see `slope_at`."""
-    if own is not None and abs(overlap) >= SMALLEST and by_table(own, i, overlap):
-        continued = overlap > 0.0 or is_continued(law, i)
-        return own_slope(own, own.number[i], abs(overlap)) if continued else 0.0
-    if law.shape[1] > 3 and law[i, 2] >= 1.0:
-        return segment_slope(law, i, overlap)
+def curve_slope(law, graph, i, overlap, force):
+    """Return df/dd of contact i, LOADED, at a point of its curve, inf if that is vertical; see `slope_at`."""
+    if graph.kind.size:
+        if abs(overlap) >= SMALLEST and by_table(graph, i, overlap):
+            continued = overlap > 0.0 or is_continued(law, graph, i)
+            return table_slope(graph, graph.first[i], abs(overlap)) if continued else 0.0
+        if has_segments(graph, i) and law[i, 2] >= 1.0:
+            return segment_slope(law, i, overlap)
     return slope_at(law[i, 0], law[i, 1], law[i, 2], overlap, force)
 
 
 @inlined
-def segment_force(law, i, overlap):
-    """Force of a coupler's segment at `overlap` from its origin; beyond that it goes on oddly for a >= 1."""
+def signed_segment(law, i, overlap):
+    """Return the force of a segment at `overlap` from its origin, continued oddly beyond it for a >= 1."""
     x = law[i, LAW_SIDE] * overlap
-    y = x + law[i, BEFORE]
+    y = x + law[i, LAW_BEFORE]
     if y <= 0.0 and law[i, 0] == 0.0 and law[i, 2] < 1.0:
         return 0.0
     own = law[i, 1] * power(abs(y), law[i, 2]) if y != 0.0 else 0.0
-    return law[i, LAW_SIDE] * (law[i, 0] + (own if y > 0.0 else -own) + law[i, STOP] * x)
+    return law[i, LAW_SIDE] * (law[i, 0] + (own if y > 0.0 else -own) + law[i, LAW_STOP] * x)
 
 
 @inlined
 def segment_slope(law, i, overlap):
-    """Its slope, for a >= 1."""
-    y = abs(law[i, LAW_SIDE] * overlap + law[i, BEFORE])
+    """Return the slope of `signed_segment` for a >= 1."""
+    y = abs(law[i, LAW_SIDE] * overlap + law[i, LAW_BEFORE])
     if law[i, 2] == 1.0:
-        return law[i, 1] + law[i, STOP]
-    return law[i, STOP] + (law[i, 2] * law[i, 1] * power(y, law[i, 2] - 1.0) if y > SMALLEST else 0.0)
+        return law[i, 1] + law[i, LAW_STOP]
+    return law[i, LAW_STOP] + (law[i, 2] * law[i, 1] * power(y, law[i, 2] - 1.0) if y > SMALLEST else 0.0)
 
 
 @inlined
-def curve_overlap(law, own, i, excess, part):
-    """Overlap of contact i, LOADED, at ``excess / part`` > 0 of its force over its preload."""
-    if own is not None and own.number[i] >= 0 and excess / part >= own.onset[own.number[i], 1]:
-        return own_inverse(own, own.force, own.number[i], law[i, 0] + excess / part)
+def curve_overlap(law, graph, i, excess, part):
+    """Return the overlap of contact i, LOADED, at ``excess / part`` > 0 of its force over its preload."""
+    if has_table(graph, i) and excess / part >= graph.segment[graph.first[i], FORCE_FROM]:
+        return table_inverse(graph, graph.force, graph.first[i], law[i, 0] + excess / part)
     return power(excess / (part * law[i, 1]), 1.0 / law[i, 2])
 
 
 @inlined
-def curve_depth(law, own, i, energy):
-    """Overlap at which contact i stores `energy`; see `depth_at`."""
-    if own is not None and own.number[i] >= 0:
-        return own_inverse(own, own.energy, own.number[i], energy)
+def curve_depth(law, graph, i, energy):
+    """Return the overlap at which contact i stores `energy`; see `depth_at`."""
+    if has_table(graph, i):
+        return table_inverse(graph, graph.energy, graph.first[i], energy)
     return depth_at(law[i, 0], law[i, 1], law[i, 2], energy)
 
 
 @inlined
-def local_exponent(law, own, i, overlap, force):
-    """d f'/(f - F) of contact i at an overlap > 0: the exponent of a power law."""
-    if own is not None and force != law[i, 0] and by_table(own, i, overlap):
-        return overlap * own_slope(own, own.number[i], overlap) / (force - law[i, 0])
+def local_exponent(law, graph, i, overlap, force):
+    """Return d f'/(f - F) of contact i at an overlap > 0: the exponent of a power law."""
+    if force != law[i, 0] and by_table(graph, i, overlap):
+        return overlap * table_slope(graph, graph.first[i], overlap) / (force - law[i, 0])
     return law[i, 2]
 
 
 @jit
-def own_signed_force(law, own, i, overlap):
-    """`signed_force` of a law of one's own at overlaps other than 0."""
+def signed_table(law, graph, i, overlap):
+    """Return the force of a table at an overlap other than 0, continued as `signed_force`."""
     if overlap > 0.0:
-        return table_value(own, own.force, own.number[i], overlap)
-    if not is_continued(law, i):
+        return table_value(graph, graph.force, graph.first[i], overlap)
+    if not is_continued(law, graph, i):
         return 0.0
-    return 2.0 * law[i, 0] - table_value(own, own.force, own.number[i], -overlap)
+    return 2.0 * law[i, 0] - table_value(graph, graph.force, graph.first[i], -overlap)
 
 
 @inlined
@@ -191,46 +197,46 @@ def short_growth(x, a):
 
 
 @inlined
-def move_along(law, own, i, weight, overlap, force, by_overlap, by_force):
+def move_along(law, graph, i, weight, overlap, force, by_overlap, by_force):
     """One Newton move on the curve, on the side where it cannot overshoot: for a < 1 towards d = 0 in force, else in d.
 
     Away from 0 in force too as long as d stays small against `weight` f, what the force moves in the step (h² L_ii).
     """
     preload, exponent = law[i, 0], law[i, 2]
     # beside a preload the last digits of the rest would be lost
-    soft = exponent < 1.0 and preload == 0.0 and number_of(own, i) < 0
+    soft = exponent < 1.0 and preload == 0.0 and not has_table(graph, i)
     if soft and by_overlap != 0.0 and abs(by_overlap) < SHORT_MOVE * overlap:
         return overlap + by_overlap, force + force * short_growth(by_overlap / overlap, exponent)
-    continued = is_continued(law, i)
+    continued = is_continued(law, graph, i)
     excess = force + by_force - preload
     if exponent < 1.0 and by_overlap > 0.0 and 0.0 < overlap < 0.1 * weight * excess:
-        reach = curve_overlap(law, own, i, excess, 1.0)
+        reach = curve_overlap(law, graph, i, excess, 1.0)
         if reach < 0.1 * weight * excess:
             return reach, preload + excess
     if exponent < 1.0 and by_overlap < 0.0 and overlap > 0.0:
-        slope = 1.0 + weight * local_exponent(law, own, i, overlap, force) * (force - preload) / overlap
+        slope = 1.0 + weight * local_exponent(law, graph, i, overlap, force) * (force - preload) / overlap
         # far to the right of the solution: d + weight K d**a = rest bounds both terms
         if slope < 2.0 and preload > 0.0:
             rest = overlap + weight * (force - preload) + slope * by_overlap
             if rest > 0.0:
-                reach = curve_overlap(law, own, i, rest, weight)
+                reach = curve_overlap(law, graph, i, rest, weight)
                 far = 2.0 * min(rest, reach) < overlap
                 if far and rest < reach:
-                    return rest, pressed_force(law, own, i, rest)
+                    return rest, pressed_force(law, graph, i, rest)
                 if far:
                     return reach, preload + rest / weight
     towards_zero = (by_overlap < 0.0) == (overlap > 0.0) and (overlap > 0.0 or continued)
     if exponent < 1.0 and (overlap == 0.0 or by_overlap == 0.0 or towards_zero):  # by_overlap 0: the curve is vertical
         if excess > 0.0 or (continued and excess < 0.0):
-            reach = curve_overlap(law, own, i, abs(excess), 1.0)
+            reach = curve_overlap(law, graph, i, abs(excess), 1.0)
             return (reach if excess > 0.0 else -reach), preload + excess
         if not continued and excess <= 0.0:
             return min(overlap + by_overlap, -SMALLEST), 0.0
         return 0.0, preload
     moved = overlap + by_overlap
-    if number_of(own, i) >= 0 and moved * overlap < 0.0 and continued:
-        moved = 0.0  # a law of one's own may be flat behind a steep beginning, and a Newton that passes d = 0 swings
-    return moved, curve_force(law, own, i, moved)
+    if has_table(graph, i) and moved * overlap < 0.0 and continued:
+        moved = 0.0  # a table may be flat behind a steep beginning, and a Newton iteration that passes d = 0 oscillates
+    return moved, curve_force(law, graph, i, moved)
 
 
 @inlined

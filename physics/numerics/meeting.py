@@ -5,26 +5,27 @@ from __future__ import annotations
 import math
 
 from softcradle.physics.numerics.bead_velocities import bead_velocities
+from softcradle.physics.numerics.graph_kernels import pulls_below
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.law_kernels import energy
 
 
 @inlined
-def flight_time(joints, overlap, rate, still):
-    """Time until the first contact closes, or coupler pulls, if no force acts; inf when none closes faster than `still`."""
+def flight_time(graph, overlap, rate, still):
+    """Return the time until the first contact closes or pulls if no force acts; inf if none closes faster than `still`."""
     first = math.inf
     for i in range(overlap.size):
         if rate[i] > still:
             first = min(first, -overlap[i] / rate[i])
-        elif joints.first.size and rate[i] < -still:
-            first = min(first, (joints.pulls_below[i] - overlap[i]) / rate[i])
+        elif graph.kind.size and rate[i] < -still:
+            first = min(first, (pulls_below(graph, i) - overlap[i]) / rate[i])
     return first
 
 
 @inlined
 def pushes_no_more(chain, motion, still):
-    """Whether closed contacts can change no velocity by more than `still`; of laws of one's own and couplers it is not known."""
-    if chain.own is not None or chain.joints.first.size > 0:
+    """Return whether no closed contact can change a velocity by more than `still`; False if a graph is not a power law."""
+    if chain.graph.kind.size > 0:
         return False
     for i in range(motion.overlap.size):
         if motion.overlap[i] > 0.0:
@@ -74,7 +75,7 @@ def meets_again(chain, bed, motion, still, velocity):
     `bed` (n+1,) are the decelerations of sliding beads, (0,) without friction. `velocity` (n+1,) is scratch memory.
     """
     if bed.size == 0:
-        return flight_time(chain.joints, motion.overlap, motion.rate, still) < math.inf
+        return flight_time(chain.graph, motion.overlap, motion.rate, still) < math.inf
     bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], velocity)
     for i in range(motion.overlap.size):
         if slides_into(motion.overlap[i], motion.rate[i], velocity[i], bed[i], velocity[i + 1], bed[i + 1], still):

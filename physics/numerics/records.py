@@ -23,6 +23,18 @@ NO: Any = np.bool_(False)
 DONE, SEPARATED, OUT_OF_STEPS, FAILED = 0, 1, 2, 3
 PAUSED = 9  # a kernel hands back now and then, so that Python can be interrupted; it is called again
 
+# kinds of graph of a contact
+POWER = 0  # one segment from overlap 0 on, a power law
+TABLE = 1  # one segment from overlap 0 on, whose force and energy are a table of polynomials
+SEGMENTS = 2  # any other table of segments
+
+# columns of a segment, see `softcradle.physics.segments`
+SIDE, ORIGIN, PRELOAD, STIFFNESS, EXPONENT, LOSS, LENGTH, BEFORE, STOP = 0, 1, 2, 3, 4, 5, 6, 7, 8
+FROM, FORCE_FROM = (
+    9,
+    10,
+)  # of a table: the displacement [m] from which on it counts, and its force above the preload there [N]
+
 # modes of a contact in an adaptive step
 OPEN = 0  # no force
 TOUCHING = 1  # the overlap is held, the force is a multiplier
@@ -66,36 +78,48 @@ class Knots(NamedTuple):
 NO_KNOTS = Knots(*(np.zeros(shape) for shape in (0, (0, 0), (0, 0), 0, 0, 0, 0, 0)))
 
 
-class Joints(NamedTuple):
-    """The parts of the couplers of a chain; no rows where no contact is a coupler."""
+class Graphs(NamedTuple):
+    """The graphs of all contacts as tables of segments; without rows if each contact is one power law from overlap 0 on."""
 
-    first: NDArray[np.int64]  # (n+1,) row of the first part of each contact; as that of the next where it is no coupler
-    part: Array  # (m, 6) preload [N], stiffness, exponent, loss, side, and origin [m] of each part
-    pulls_below: Array  # (n,) overlap below which each contact pulls; -inf where it never does
+    kind: Flags  # (n,) POWER, TABLE or SEGMENTS
+    coupled: Flags  # (n,) zero: a coupler that has not coupled yet, which does not pull; the array of the State
+    first: NDArray[np.int64]  # (n+1,) row of the first segment of each contact
+    segment: Array  # (m, 11) columns below, from left to right in each graph
+    table: NDArray[
+        np.int64
+    ]  # (m, 4) first piece and the one after the last, first breakpoint and the one after the last
+    edge: Array  # (p, 2) displacements [m] between which each piece of a table lies
+    force: Array  # (p, degree+1) coefficients of the force on each piece, see `law_table`
+    energy: Array  # (p, degree+2) those of the energy
+    breakpoint: Array  # (b, 3) displacement [m], and by how much the force [N] and its slope [N/m] jump there
 
 
 class Dissipation(NamedTuple):
     """What takes energy."""
 
-    loss: Array  # (n,) part of its energy that each contact loses; (0,) where nothing takes energy, and no coupler is
+    loss: Array  # (n,) part of its energy that each contact dissipates; (0,) if nothing dissipates and no contact has segments
     bed: Array  # (n+1,) deceleration of a sliding bead [m/s²]; (0,) without friction
 
 
 NOTHING = np.zeros(0)
-NO_JOINTS = Joints(np.zeros(0, dtype=np.int64), np.zeros((0, 6)), NOTHING)
+NO_FLAGS = np.zeros(0, dtype=np.int8)
+_NO_ROWS = np.zeros(0, dtype=np.int64)
+NO_GRAPHS = Graphs(
+    NO_FLAGS, NO_FLAGS, _NO_ROWS, np.zeros((0, 11)), np.zeros((0, 4), dtype=np.int64), *(np.zeros((0, 0)),) * 4
+)
 NO_DISSIPATION = Dissipation(NOTHING, NOTHING)
 
 
 class ChainData(NamedTuple):
     """A chain as arrays, and the forces on it: what does not move in a run."""
 
-    law: Array  # (n, 3) preload [N], stiffness [N/m**exponent] and exponent of each contact
+    # (n, 3) preload [N], stiffness [N/m**exponent] and exponent of each contact, of a table those that it begins with
+    law: Array
     inverse_mass: Array  # (n+1,) [1/kg], 0 for a wall
     push: Array  # (n+1,) external force on each bead [N]; (0,) without any
     external: Array  # (n+1,) accelerations by it of the overlaps, then of the anchor [m/s²]; (0,) without any
     anchor_bead: int  # index of the bead whose position and velocity are kept
-    own: Any = None  # OwnLaws, or None where no contact has a law of one's own
-    joints: Joints = NO_JOINTS
+    graph: Graphs = NO_GRAPHS
     knots: Knots = NO_KNOTS  # forces at one time, or in the mean of a step, are put into the push and the bed
     dissipation: Dissipation = NO_DISSIPATION  # the effective chain of adaptive steps has none
 

@@ -1,8 +1,8 @@
 """The resolvent of one contact: (d1, g) with d1 + weight g(d1) = s, where g is the mean force from d0 to d1.
 
 `g = (E(d1) - E(d0)) / (d1 - d0)` grows with d1 for every law, set-valued ones too, so there is one solution for every s:
-closed where the law is linear or the contact opens, a safeguarded scalar Newton elsewhere. A law of one's own brings its table
-and its number there; `number` is -1 where force and energy are those of the power law, and `own` may be None.
+closed if the law is linear or the contact opens, a safeguarded scalar Newton iteration else. It is one segment from overlap 0 on,
+a power law or a table; `softcradle.physics.numerics.graph_kernels` has the resolvent of a graph with several segments.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import math
 from softcradle.physics.numerics.elementary import exp, expm1, log1p, power
 from softcradle.physics.numerics.jit import inlined
 from softcradle.physics.numerics.law_kernels import EPSILON, MOST_SCALAR
-from softcradle.physics.numerics.own_contacts import own_mean_force, table_value
+from softcradle.physics.numerics.table_kernels import has_table, table_mean, table_value
 
 SMALLEST = 1e-280  # overlaps and energies below are zero: what is computed from them would be denormal
 
@@ -51,33 +51,33 @@ def quadratic_root(a, b, c):
 
 
 @inlined
-def mean_of_law(own, number, preload, stiffness, exponent, start, start_power, overlap):
-    """`mean_force` of either kind of law."""
-    if own is not None and number >= 0:
-        return own_mean_force(own, number, start, overlap)
+def mean_of_law(graph, i, preload, stiffness, exponent, start, start_power, overlap):
+    """Return `mean_force` of contact i, a power law or a table."""
+    if has_table(graph, i):
+        return table_mean(graph, graph.first[i], start, overlap)
     return mean_force(preload, stiffness, exponent, start, start_power, overlap)
 
 
 @inlined
-def mean_on_opening(own, number, preload, stiffness, exponent, start, start_power):
-    """Mean force from an overlap `start` > 0 to 0."""
-    if own is not None and number >= 0:
-        return table_value(own, own.energy, number, start) / start
+def mean_on_opening(graph, i, preload, stiffness, exponent, start, start_power):
+    """Return the mean force of contact i from an overlap `start` > 0 to 0."""
+    if has_table(graph, i):
+        return table_value(graph, graph.energy, graph.first[i], start) / start
     return preload + stiffness * start_power / (1.0 + exponent)
 
 
 @inlined
-def solve_loaded(own, number, preload, stiffness, exponent, start, start_power, weight, s, guess):
-    """d1 > 0 with d1 + weight g(d1) = s by a bracketed Newton: to smaller d1 in its logarithm, to larger in d1 itself.
+def solve_loaded(graph, i, preload, stiffness, exponent, start, start_power, weight, s, guess):
+    """Solve d1 + weight g(d1) = s for d1 > 0 by Newton's method with a bracket. Return d1, g and dg/dd1.
 
-    Returns d1, g, dg/dd1.
+    To smaller d1 it iterates in the logarithm of d1, to larger d1 in d1 itself.
     """
     low, high = 0.0, s
     overlap = guess if 0.0 < guess < s else 0.5 * s
     precision = 4.0 * EPSILON * max(1.0, 1.0 / exponent)
     force, slope = 0.0, 0.0
     for _ in range(MOST_SCALAR):
-        force, slope = mean_of_law(own, number, preload, stiffness, exponent, start, start_power, overlap)
+        force, slope = mean_of_law(graph, i, preload, stiffness, exponent, start, start_power, overlap)
         excess = overlap + weight * force - s
         if excess > 0.0:
             high = overlap
@@ -111,12 +111,12 @@ def resolvent_slope(slope, weight):
 
 
 @inlined
-def resolvent(own, number, preload, stiffness, exponent, start, start_power, weight, s, guess):
-    """The one (d1, g) with d1 + weight g = s, and dg/ds; `start` is d0, `guess` a d1 to begin from."""
+def resolvent(graph, i, preload, stiffness, exponent, start, start_power, weight, s, guess):
+    """Return the one (d1, g) of contact i with d1 + weight g = s, and dg/ds; `start` is d0, `guess` a d1 to begin from."""
     if abs(start) < SMALLEST:
         start = 0.0
     if start > 0.0:
-        mean = mean_on_opening(own, number, preload, stiffness, exponent, start, start_power)
+        mean = mean_on_opening(graph, i, preload, stiffness, exponent, start, start_power)
         if s <= weight * mean:  # the contact opens within the step: g = E(d0) / (d0 - d1)
             energy = mean * start
             if weight * energy < SMALLEST:
@@ -129,7 +129,8 @@ def resolvent(own, number, preload, stiffness, exponent, start, start_power, wei
         return 0.0, s / weight, 1.0 / weight
     elif s == 0.0:  # at the kink: the slope on the side of contact, so that one Newton step reaches a whole cluster
         return 0.0, 0.0, 1.0 / weight if start == 0.0 and exponent < 1.0 else 0.0
-    if number < 0 and exponent == 1.0:
+    table = has_table(graph, i)
+    if not table and exponent == 1.0:
         half = 0.5 * stiffness
         if start >= 0.0:
             overlap = max((s - weight * (preload + half * start)) / (1.0 + weight * half), 0.0)
@@ -139,10 +140,8 @@ def resolvent(own, number, preload, stiffness, exponent, start, start_power, wei
         return overlap, force, resolvent_slope(slope, weight)
     if s < SMALLEST:
         return 0.0, 0.0, 0.0
-    if number < 0 and not 0.0 < guess < s:
+    if not table and not 0.0 < guess < s:
         reach = (s / weight - preload) * (1.0 + exponent) / stiffness
         guess = power(reach, 1.0 / exponent) if 0.0 < reach < power(s, exponent) else 0.5 * s
-    overlap, force, slope = solve_loaded(
-        own, number, preload, stiffness, exponent, start, start_power, weight, s, guess
-    )
+    overlap, force, slope = solve_loaded(graph, i, preload, stiffness, exponent, start, start_power, weight, s, guess)
     return overlap, force, resolvent_slope(slope, weight)

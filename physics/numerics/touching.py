@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.numerics.coupler_kernels import is_joint, joint_edges
+from softcradle.physics.numerics.graph_kernels import graph_force, has_segments
 from softcradle.physics.numerics.jit import inlined, jit
 
 # of what a preload moves in a step: an overlap this small, of either sign, is the round-off of touching
@@ -58,15 +58,15 @@ def settle_touching(h, before, weight, coupling, chain, motion, absorbed):
     """
     overlap, rate, force = motion.overlap, motion.rate, motion.force
     for i in range(rate.size):
-        joint = is_joint(chain.joints, i)
-        stays = before[i] == overlap[i] and force[i] != 0.0 and (joint or overlap[i] == 0.0)
+        several = has_segments(chain.graph, i)
+        stays = before[i] == overlap[i] and force[i] != 0.0 and (several or overlap[i] == 0.0)
         if not stays or rate[i] == 0.0 or weight[i] == 0.0:
             continue
         full, least = chain.law[i, 0], (1.0 - chain.dissipation.loss[i]) * chain.law[i, 0]
-        if joint:
-            below_in, above_in = joint_edges(chain.joints, i, overlap[i], force[i] > 0.0)
-            below_out, above_out = joint_edges(chain.joints, i, overlap[i], force[i] < 0.0)
-            full, least = (above_in, above_out) if force[i] > 0.0 else (-below_in, -below_out)
+        if several:
+            side = math.copysign(1.0, force[i])
+            full = side * graph_force(chain.graph, i, overlap[i], side, side > 0.0)
+            least = side * graph_force(chain.graph, i, overlap[i], side, side < 0.0)
         if least >= full:
             continue
         turned = 2.0 * rate[i] / (h * weight[i])  # the force that has turned it round

@@ -13,7 +13,6 @@ from softcradle.physics.advice.stability_limits import TRUSTED_ERROR, stable_ste
 from softcradle.physics.chain import Chain
 from softcradle.physics.checked_input import magnitude, number_array, require_kind, shown
 from softcradle.physics.contact import Contact
-from softcradle.physics.coupler import Coupler
 from softcradle.physics.numerics import law_kernels
 from softcradle.physics.numerics.plain_kernels import plain
 from softcradle.physics.own_law import Law, OwnLaw, is_law
@@ -33,6 +32,7 @@ from softcradle.physics.pymunk_contacts.post_step import (
     settled,
     space_of,
 )
+from softcradle.physics.segments import PiecewiseContact
 
 Pair = tuple[float, float]
 LawLike = Law | Callable[[float], SupportsFloat]
@@ -388,7 +388,7 @@ def _scalar_law(contact: LawLike) -> Callable[[float], float]:
         raise ValueError(
             f"contact must be a Contact, a function of the overlap or have a method force(overlap), not {shown(contact)}"
         )
-    if isinstance(contact, Coupler):
+    if isinstance(contact, PiecewiseContact):
         raise ValueError(
             "a SoftContact only pushes, a coupler pulls and goes solid: take simulate(..., method='conserving')"
         )

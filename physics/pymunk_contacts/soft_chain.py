@@ -18,7 +18,7 @@ from softcradle.physics.contact import Contact, power_law
 from softcradle.physics.coupler import Coupler
 from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.numerics.contact_solve import BEAD_ROWS
-from softcradle.physics.numerics.records import NO_JOINTS, NOTHING
+from softcradle.physics.numerics.records import NO_GRAPHS, NOTHING
 from softcradle.physics.own_law import is_law
 from softcradle.physics.pymunk_contacts.blow_watch import (
     FASTER,
@@ -397,7 +397,7 @@ class SoftChain:
         contacts = self._lag, self._outside, self._overlap, self._rate, self._force
         loss, memory = self._loss if self._loss.any() else NOTHING, (self._beads, self._work)
         overlap, rate = self._overlap.copy(), self._rate.copy()
-        solved = _tier(solve_chain_step)(step, self._law, NO_JOINTS, loss, self._absorbed, moving, *contacts, memory)
+        solved = _tier(solve_chain_step)(step, self._law, NO_GRAPHS, loss, self._absorbed, moving, *contacts, memory)
         self._unread = self._force.tolist()
         self._check_step(link, overlap, rate)
         if not solved:

@@ -110,12 +110,12 @@ def along(i, direction, j, mobility):
 
 
 @jit
-def solve_chain_step(h, law, joints, loss, absorbed, bodies, lag, outside, overlap, rate, force, memory):
+def solve_chain_step(h, law, graph, loss, absorbed, bodies, lag, outside, overlap, rate, force, memory):
     """Mean forces of the step into `force`; overlaps and rates to its end. Returns False where it did not converge.
 
     Of the `bodies`: (n+1, 2, 2) what impulses change of their velocities, (n+1, 2) these at the end of the step without
     contacts, (n+1, 2) those of the drift, (n, 2) directions of contacts; `outside` (n,) is what others did to the rates in the
-    last step beyond this. `joints` are none; `loss` (n,), or (0,) where nothing is lost. What contacts with loss take is added to
+    last step beyond this. `graph` has no rows; `loss` (n,), or (0,) if nothing is lost. The dissipated energy is added to
     `absorbed` (1,); `memory` is scratch, (BEAD_ROWS, n+1) and (CHAIN_ROWS, n).
     """
     mobility, expected, velocity, direction = bodies
@@ -133,7 +133,7 @@ def solve_chain_step(h, law, joints, loss, absorbed, bodies, lag, outside, overl
         end[i] = overlap[i] if overlap[i] > 0.0 else overlap[i] + free[i]
     coupling[n] = 0.0
     none = coupling[:0]
-    chain = ChainData(law, coupling, none, none, 0, None, joints, none, Dissipation(loss, none))
+    chain = ChainData(law, coupling, none, none, 0, graph, none, Dissipation(loss, none))
     motion = Motion(overlap, rate, none, force, none, none, none)
     used = solve_contacts(h, chain, motion, beads, work)
     for i in range(n):

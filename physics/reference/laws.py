@@ -1,7 +1,7 @@
-"""Contact laws of a chain for the reference: power laws in NumPy, user-defined laws through their own functions.
+"""The contacts of a chain as the reference evaluates them: segments in NumPy, user-defined laws by their functions.
 
-A coupler consists of several contacts between the same two beads. Each has its own overlap, side * (overlap of the
-joint - origin).
+A contact has one row for the pushing segments and one for the pulling segments. The displacement of a row is side (d - origin) of
+its first segment. The sections of a row are its segments.
 """
 
 from __future__ import annotations
@@ -9,85 +9,121 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
-from softcradle.physics.contact import Contact, stored_energy
-from softcradle.physics.coupler import Coupler
+from softcradle.physics.contact import stored_energy
 from softcradle.physics.own_law import LEAST_OVERLAP, OwnLaw
+from softcradle.physics.segments import Segment
 
 Array = NDArray[np.float64]
+Whole = NDArray[np.int64]
 
-# Fraction of the depth. A user-defined law is stiff if its slope grows between this overlap and a thousandth of it.
+# Fraction of the depth: a user-defined law whose slope grows from there on down to a thousandth of it is stiff.
 SHALLOW = 1e-3
-GROWS = 1.5  # Smallest growth of the slope of a stiff law. It is that of a power law with the exponent 0.94.
+# Factor by which it grows at least: that of a power law with the exponent 0.94.
+GROWS = 1.5
 
 
 class Laws:
-    """Force, slope, energy and overlap of all m contacts at once. Each part of a coupler is a separate contact.
+    """Force, slope, energy and overlap of all m rows at once.
 
     Attributes:
-        joint: (m,) index of the pair of neighbours of each contact.
-        side, origin: (m,) sign and shift of the overlap; 1 and 0 for a contact that is not part of a coupler.
-        preload: (m,) force [N] up to which each contact does not yield.
-        loss: (m,) share of the stored energy that each contact absorbs.
-        depth: (m,) largest overlap [m] if the contact alone is struck at the speed of the motion.
-        stiff: True if the slope of a force is unbounded at small overlaps.
+        joint: (m,) number of the contact that each row belongs to.
+        side, origin: (m,) of its first segment.
+        preload: (m,) force [N] at which each row begins to yield.
+        loss: (sections, m) part of its energy that each segment dissipates.
+        begin, end: (sections, m) displacements [m] between which each segment lies; inf for unused sections.
+        depth: (m,) displacement [m] of a row that is struck alone at the speed of the motion.
+        stiff: whether the slope of a force has no bound at small overlaps.
     """
 
     def __init__(self, chain: Chain, speed: float) -> None:
-        parts = [
-            (i, *part)
-            for i, contact in enumerate(chain.contact)
-            for part in (contact.parts if isinstance(contact, Coupler) else ((contact, 1.0, 0.0),))
+        sides = [
+            (i, list(side))
+            for i, graph in enumerate(chain.graphs)
+            for side in (
+                [one for one in graph if one.side > 0.0],
+                [one for one in graph if one.side < 0.0][::-1],
+            )
+            if side
         ]
-        self.joint = np.array([i for i, *_ in parts])
-        self.side, self.origin = np.array([part[2:] for part in parts]).T
-        laws: list[Contact | OwnLaw] = [law for _, law, _, _ in parts]
-        self.preload, self.loss = np.array([(law.preload, law.loss) for law in laws]).T
-        self.stiffness, self.exponent = np.array(
-            [(law.stiffness, law.exponent) if isinstance(law, Contact) else (np.nan, np.nan) for law in laws]
-        ).T
+        self.joint = np.array([i for i, _ in sides])
+        self.side, self.origin = np.array([side[0][:2] for _, side in sides]).T
+        sections = max(len(side) for _, side in sides)
+        unused = Segment(1.0, 0.0, 0.0, 0.0, 1.0)
+        rows = np.array([[one[:9] for one in (*side, *[unused] * (sections - len(side)))] for _, side in sides])
+        _, _, force, stiffness, exponent, loss, length, before, stop = rows.transpose(2, 1, 0)
+        self._terms = np.array((force, stiffness, exponent, before, stop))
+        self.loss, self.end = loss, np.cumsum(length, axis=0)
+        self.begin = np.vstack((np.zeros(self.joint.size), self.end[:-1]))
+        self.preload, self.stiffness, self.exponent = force[0], stiffness[0].copy(), exponent[0].copy()
+        own = dict(chain.own_contacts)
+        laws: list[OwnLaw | None] = [own.get(i) for i in self.joint.tolist()]
         self.own = [(law, np.flatnonzero([law == one for one in laws])) for law in chain.own_laws]
+        for _, rows_of_law in self.own:
+            self._terms[:, :, rows_of_law] = np.nan
         energy, power = 0.5 * speed**2 / chain.inverse_reduced_mass[self.joint], 1.0 + self.exponent
         # The smaller of the solutions for the preload alone and for the power law alone.
         with np.errstate(divide="ignore"):
             self.depth = np.minimum(energy / self.preload, (power * energy / self.stiffness) ** (1.0 / power))
-        for law, at in self.own:
-            self.depth[at] = [law.depth(value) for value in energy[at].tolist()]
+        for law, of_law in self.own:
+            self.depth[of_law] = [law.depth(value) for value in energy[of_law].tolist()]
+            self.preload[of_law], self.stiffness[of_law], self.exponent[of_law] = law.preload, np.nan, np.nan
         by_power = (self.stiffness * (self.exponent < 1.0) > 0.0).any()
-        deep = [(law, float(self.depth[i])) for law, at in self.own for i in at]
+        deep = [(law, float(self.depth[i])) for law, of_law in self.own for i in of_law]
         self.stiff = bool(by_power) or any(
             law.slope(SHALLOW**2 * d) > GROWS * law.slope(SHALLOW * d) for law, d in deep
         )
 
-    def force(self, overlap: Array) -> Array:
-        """Return the (..., m) forces [N] of loaded contacts at overlaps (..., m). They are not finite beyond the range
-        of a law.
-        """
-        found: Array = self.preload + self.stiffness * np.maximum(overlap, 0.0) ** self.exponent
+    def section(self, overlap: Array, velocity: Array, least: Array) -> Whole:
+        """Return the (m,) sections that the rows are in or move into. Within `least` (m,) [m] of an end the velocity decides."""
+        outside = np.where(
+            np.abs(overlap - self.begin) <= least, (velocity > 0.0) & np.isfinite(self.begin), overlap > self.begin
+        )
+        found: Whole = outside[1:].sum(axis=0)
+        return found
+
+    def force(self, overlap: Array, section: Whole, unloading: NDArray[np.bool_]) -> Array:
+        """Return the (..., m) forces [N] of loaded rows. They are not finite beyond the range of a user-defined law."""
+        preload, stiffness, exponent, before, stop = self._terms[:, section, np.arange(section.size)]
+        way = np.where(section > 0, overlap - self.begin[section, np.arange(section.size)], np.maximum(overlap, 0.0))
+        share = np.where(unloading, 1.0 - self.loss_in(section), 1.0)
+        found: Array = share * (preload + stiffness * np.maximum(way + before, 0.0) ** exponent) + stop * way
         for law, at in self.own:
             found[..., at] = law.tried(np.maximum(overlap[..., at], LEAST_OVERLAP))
         return found
 
-    def slope(self, overlap: Array) -> Array:
-        """Return the (m,) slopes df/dd [N/m]. At overlap 0 the slope of a power law may be infinite; the result is then 0."""
-        found = np.zeros(overlap.size)
-        pressed = overlap > LEAST_OVERLAP
-        factor = self.exponent[pressed] * self.stiffness[pressed]
-        found[pressed] = factor * overlap[pressed] ** (self.exponent[pressed] - 1.0)
+    def loss_in(self, section: Whole) -> Array:
+        """Return the (m,) losses of the segments that the rows are on."""
+        found: Array = self.loss[section, np.arange(section.size)]
+        return found
+
+    def slope(self, overlap: Array, section: Whole, unloading: NDArray[np.bool_]) -> Array:
+        """Return the (m,) slopes df/dd [N/m]; 0 at overlap 0, because the slope of a power law can be infinite there."""
+        _, stiffness, exponent, before, stop = self._terms[:, section, np.arange(section.size)]
+        found, pressed = np.zeros(overlap.size), overlap > LEAST_OVERLAP
+        way = (overlap - self.begin[section, np.arange(section.size)] + before)[pressed]
+        share = np.where(unloading, 1.0 - self.loss_in(section), 1.0)[pressed]
+        found[pressed] = (
+            share * exponent[pressed] * stiffness[pressed] * way ** (exponent[pressed] - 1.0) + stop[pressed]
+        )
         for law, at in self.own:
             found[at] = [law.slope(d) if d > LEAST_OVERLAP else 0.0 for d in overlap[at].tolist()]
         return found
 
-    def energy(self, overlap: Array) -> Array:
-        """Return the (..., m) energies [J] stored at overlaps (..., m)."""
-        found = stored_energy(self.preload, self.stiffness, self.exponent, overlap)
-        for law, at in self.own:
-            found[..., at] = law.energy(overlap[..., at])
+    def dissipable(self, overlap: Array) -> Array:
+        """Return the (..., m) energies [J] stored at displacements (..., m) that are dissipated on unloading."""
+        found = np.zeros(overlap.shape)
+        for terms, loss, begin, end in zip(
+            self._terms.transpose(1, 0, 2), self.loss, self.begin, self.end, strict=True
+        ):
+            at = np.flatnonzero(loss)
+            preload, stiffness, exponent, before, _ = terms[:, at]
+            way = np.clip(overlap[..., at] - begin[at], 0.0, end[at] - begin[at])
+            gained = stored_energy(preload, stiffness, exponent, way + before)
+            found[..., at] += loss[at] * (gained - stored_energy(preload, stiffness, exponent, before))
         return found
 
     def resting_overlap(self, force: Array, overlap: Array) -> Array:
-        """Return the (m,) overlaps [m] at which contacts carry `force` (m,). Contacts with preload keep the given
-        `overlap`.
-        """
+        """Return the (m,) overlaps [m] at which rows carry `force` (m,). Rows with preload keep the given `overlap`."""
         found, pushed = overlap.copy(), np.maximum(force, 0.0)
         small = self.preload == 0.0
         found[small] = (pushed[small] / self.stiffness[small]) ** (1.0 / self.exponent[small])

@@ -1,8 +1,8 @@
 """Phases of the reference. During a phase no unilateral constraint changes its mode, so the right-hand side is smooth.
 
-A constraint ("row") is a contact, a part of a coupler, or a bead on the bed. A contact has the overlap d, its rate w
-and the force f; a bead has the velocity v and the friction r. The modes are, with the preload F, the stiffness K, the
-exponent a, the loss l, the largest friction R and the capacity C:
+A constraint ("row") is one side of a contact, either the pushing or the pulling one, or a bead on the bed. A side has the
+displacement d, its rate w and the force f; a bead has the velocity v and the friction r. The modes are, with the preload F,
+the stiffness K, the exponent a, the loss l, the largest friction R and the capacity C:
 
     OPEN      d < 0           f = 0                       until d = 0
     TOUCHING  d = 0, w = 0    f the multiplier of w' = 0  until f leaves [0, C]
@@ -11,6 +11,9 @@ exponent a, the loss l, the largest friction R and the capacity C:
     RELEASED  d > 0, w < 0    f = (1 - l) (F + K d**a)    until d = 0 or w > 0
     SLIDES    v != 0          r = R sign(v)               until v = 0
     STICKS    v = 0           r the multiplier of v' = 0  until r leaves [-R, R]
+
+A side with several segments is on one of them, and a phase ends where it passes on to the next. A side that pulls is OPEN until
+its coupler has coupled.
 
     d' = w,   w' = B M^-1 (push - B^T f)          B: (p, n+1), the velocities of the rows from those of the beads
 
@@ -33,7 +36,7 @@ from softcradle.physics.chain import GRAVITY, Chain
 from softcradle.physics.reference.laws import Laws
 from softcradle.physics.reference.spans import Span
 from softcradle.physics.scales import speed_scale
-from softcradle.physics.state import State, from_anchor
+from softcradle.physics.state import State, coupled_of, from_anchor
 
 Array = NDArray[np.float64]
 Modes = NDArray[np.int8]
@@ -48,6 +51,8 @@ AT_REST = {"corner": (OPEN, TOUCHING, LOADED), "turn": (RELEASED, HELD, LOADED),
 # Local error of a step, relative to the wanted error. It is so small that thousands of steps together stay below it.
 RELATIVE_SMOOTH = 1e-4
 RELATIVE_STIFF = 1e-3  # The same for stiff contacts. Their steps damp errors, so they may be larger.
+# Factor of the local error if a side has several segments: beyond a stop, a small part of the displacement counts.
+OUTER = 0.1
 FINEST = 3e-14  # Smallest relative tolerance that double precision allows.
 SLACK = 1e-12  # Distance from its bounds, relative to the largest multiplier, at which a multiplier ends the phase.
 BALANCE_ROUND_OFF = 1e-15  # Rounding error of a multiplier, relative to the forces that it balances.
@@ -91,12 +96,17 @@ class System:
         # An overlap d with the energy F d changes velocities in proportion to the square root of d.
         self.least_overlap = laws.depth * tolerance**2
         self.least_rate = 1e-3 * tolerance * speed
-        self.capacity = laws.force(self.least_overlap)
+        self.coupled = np.ones(self.n, dtype=bool)
+        if chain.has_segments:
+            self.coupled = coupled_of(chain, state) != 0
+        first = np.zeros(self.m, dtype=np.int64)
+        self.capacity = laws.force(self.least_overlap, first, first > 0)
         # With loss, a slower bounce would not exceed the least overlap, which is also the error of its located start.
         with np.errstate(divide="ignore", invalid="ignore"):
-            square = SETTLED * self.response[: self.m] * self.capacity * self.least_overlap / laws.loss
-        self.least_bounce = np.where(laws.loss > 0.0, np.sqrt(square), 0.0)
-        self.relative = relative = max((RELATIVE_STIFF if laws.stiff else RELATIVE_SMOOTH) * tolerance, FINEST)
+            square = SETTLED * self.response[: self.m] * self.capacity * self.least_overlap / laws.loss[0]
+        self.least_bounce = np.where(laws.loss[0] > 0.0, np.sqrt(square), 0.0)
+        part = (RELATIVE_STIFF if laws.stiff else RELATIVE_SMOOTH) * (OUTER if len(laws.begin) > 1 else 1.0)
+        self.relative = relative = max(part * tolerance, FINEST)
         # Absolute tolerances of the integrator for the overlaps, the rates, and the position and velocity of the anchor
         # bead.
         anchor = [float(laws.depth.max()) * relative, speed * relative]
@@ -118,12 +128,20 @@ class System:
         rate = self.laws.side * y[..., self.m : self.m + self.n][..., self.laws.joint]
         return np.concatenate((rate, self.velocity(y)), axis=-1) if self.chain.on_bed else rate
 
+    def section(self, y: Array) -> NDArray[np.int64]:
+        """(m,) the segment of its side that each row is on, or moves into."""
+        return self.laws.section(y[: self.m], self.row_velocity(y)[: self.m], 2.0 * self.least_overlap)
+
     def on_joints(self, force: Array) -> Array:
         """Return the (..., n) forces between neighbours [N] from those of contacts (..., m or p); negative if they
         pull.
         """
         on = (self.laws.joint[:, None] == np.arange(self.n)) * self.laws.side[:, None]
         return force[..., : self.m] @ on + 0.0
+
+    def acts(self) -> Which:
+        """(m,) whether each row takes part: one that pulls does if its contact has coupled."""
+        return (self.laws.side > 0.0) | self.coupled[self.laws.joint]
 
     def push(self, time: Any, span: Span) -> Array:
         """Return the (..., n+1) external forces [N] at `time` (...)."""
@@ -142,7 +160,7 @@ class System:
 
 @dataclass
 class Phase:
-    """Interval of time in which no constraint changes its mode.
+    """Interval of time in which no constraint changes its mode or its segment, see `section` (m,).
 
     `solved` (p, p) maps the pushes to the multipliers of fixed constraints, and `carried` (p, p) maps the forces of the
     other constraints to them. These multipliers prevent motion of the joints marked in `stands` (n,) and of the beads
@@ -152,16 +170,21 @@ class Phase:
     system: System
     span: Span
     mode: Modes
+    section: NDArray[np.int64]
 
     def __post_init__(self) -> None:
         system, mode, m = self.system, self.mode, self.system.m
+        pushes = (system.laws.side > 0.0) & (mode[:m] != OPEN)
+        system.coupled[system.laws.joint[pushes]] = True
+        self.loss = system.laws.loss_in(self.section)
         fixed = np.isin(mode, FIXED)
         self.fixed = fixed
-        self.part = np.select([mode[:m] == LOADED, mode[:m] == RELEASED], [np.ones(m), 1.0 - system.laws.loss], 0.0)
+        self.unloading = mode[:m] == RELEASED
+        self.pressed = self.unloading | (mode[:m] == LOADED)
         self.side = np.where(mode[m:] == FORWARD, 1.0, np.where(mode[m:] == BACKWARD, -1.0, 0.0))
-        # sign with which the guard of the overlap is positive; 0 without a guard
-        self.way = np.where(self.part > 0.0, 1.0, np.where(mode[:m] == OPEN, -1.0, 0.0))
-        turn = np.where(mode[:m] == RELEASED, -1.0, (mode[:m] == LOADED) * 1.0) * (system.laws.loss > 0.0)
+        # sign with which the guard of the overlap is positive; 0 if the mode has no such guard
+        self.way = np.where(self.pressed, 1.0, np.where((mode[:m] == OPEN) & system.acts(), -1.0, 0.0))
+        turn = np.where(mode[:m] == RELEASED, -1.0, (mode[:m] == LOADED) * 1.0) * (self.loss > 0.0)
         self.turn = np.concatenate((turn, self.side))
         self.stands = np.zeros(system.n, dtype=bool)
         self.stands[system.laws.joint[fixed[:m]]] = True
@@ -180,7 +203,8 @@ class Phase:
     def given(self, time: Any, y: Array) -> Array:
         """Return the (..., p) forces [N] of all constraints that are not fixed, by contact laws and friction."""
         system = self.system
-        found: Array = np.where(self.part > 0.0, self.part * system.laws.force(y[..., : system.m]), 0.0)
+        force = system.laws.force(y[..., : system.m], self.section, self.unloading)
+        found: Array = np.where(self.pressed, force, 0.0)
         if not self.side.size:
             return found
         brake = np.broadcast_to(self.side * system.brake(time, self.span), (*found.shape[:-1], self.side.size))
@@ -212,7 +236,7 @@ class Phase:
     def jacobian(self, y: Array) -> Array:
         """Return the (m+n+2, m+n+2) derivative of the right-hand side."""
         system, m, n = self.system, self.system.m, self.system.n
-        stiffness = self.part * system.laws.slope(y[:m])
+        stiffness = self.pressed * system.laws.slope(y[:m], self.section, self.unloading)
         by_overlap = (np.eye(self.mode.size, m) + self.carried[:, :m]) * stiffness
         acceleration = -(system.rows.T @ by_overlap) * system.chain.inverse_mass[:, None]
         acceleration[self.still] = 0.0
@@ -246,6 +270,14 @@ class Phase:
         inside = (np.minimum(force - low, high - force) + self.noise(force)) / np.maximum(high, TINY) + SLACK
         return by_overlap, by_velocity, np.where(self.fixed, inside, np.inf)
 
+    def by_section(self, y: Array) -> Array:
+        """(..., m) how far each row is from the ends of its segment, in parts of its depth, as `guards`."""
+        system, m = self.system, self.system.m
+        laws, rows, overlap = system.laws, np.arange(m), y[..., :m]
+        begin, end = laws.begin[self.section, rows], laws.end[self.section, rows]
+        inside = np.minimum(np.where(self.section > 0, overlap - begin, np.inf), end - overlap)
+        return np.where(self.mode[:m] >= LOADED, (inside + system.least_overlap) / laws.depth, np.inf)
+
     def noise(self, force: Array) -> Array:
         """Return the (..., p) rounding errors of the multipliers among the `force` (..., p) of all constraints."""
         return BALANCE_ROUND_OFF * (np.abs(force) @ np.abs(self.system.coupling)) / self.system.response
@@ -256,15 +288,15 @@ class Phase:
         """
         force, m = self.force(time, y), self.system.m
         held: Which = (force > self.noise(force))[..., :m] & self.fixed[:m]
-        pressed: Which = (self.part > 0.0) & (y[..., :m] > 2.0 * self.system.least_overlap)
+        pressed: Which = self.pressed & (y[..., :m] > 2.0 * self.system.least_overlap)
         return held | pressed
 
     def bounds(self, time: Any, y: Array) -> tuple[Array, Array]:
         """Return the (..., p) smallest and largest multipliers [N] of fixed constraints."""
         system, m = self.system, self.system.m
         held = self.mode[:m] == HELD
-        law = np.where(held, system.laws.force(y[..., :m]), system.capacity)
-        low = np.where(held, (1.0 - system.laws.loss) * law, 0.0)
+        law = np.where(held, system.laws.force(y[..., :m], self.section, ~held), system.capacity)
+        low = np.where(held, system.laws.force(y[..., :m], self.section, held), 0.0)
         if not self.side.size:
             return low, law
         brake = np.maximum(system.brake(time, self.span), TINY)
@@ -275,6 +307,7 @@ class Phase:
         """Return the (..., p) smallest of the `guards` of each constraint."""
         by_overlap, by_velocity, inside = self.guards(time, y)
         found: Array = np.minimum(by_velocity, inside)
+        by_overlap = np.minimum(by_overlap, self.by_section(y))
         found[..., : self.system.m] = np.minimum(found[..., : self.system.m], by_overlap)
         return found
 
@@ -292,15 +325,17 @@ def first_phase(system: System, span: Span, time: float, y: Array) -> Phase:
     """Return the phase at the start of a run, from overlaps and velocities alone."""
     m = system.m
     mode = np.full(system.rows.shape[0], FREE, dtype=np.int8)
-    backs = (system.laws.loss > 0.0) & (system.row_velocity(y)[:m] < 0.0)
-    mode[:m] = np.where(y[:m] > 0.0, np.where(backs, RELEASED, LOADED), OPEN)
-    return next_phase(Phase(system, span, mode), span, time, y, np.abs(y[:m]) <= system.least_overlap)
+    backs = (system.laws.loss_in(system.section(y)) > 0.0) & (system.row_velocity(y)[:m] < 0.0)
+    pressed = (y[:m] > 0.0) & system.acts()
+    mode[:m] = np.where(pressed, np.where(backs, RELEASED, LOADED), OPEN)
+    phase = Phase(system, span, mode, system.section(y))
+    return next_phase(phase, span, time, y, (np.abs(y[:m]) <= system.least_overlap) & system.acts())
 
 
 def switched_phase(phase: Phase, time: float, y: Array) -> Phase:
     """Return the phase right after the switch of those constraints that are closest to their switch or past it."""
     by_overlap, by_velocity, inside = phase.guards(time, y)
-    past = max(0.0, float(min(by_overlap.min(), by_velocity.min(), inside.min())))
+    past = max(0.0, float(min(by_overlap.min(), by_velocity.min(), inside.min(), phase.by_section(y).min())))
     return next_phase(phase, phase.span, time, y, by_overlap <= past, by_velocity <= past)
 
 
@@ -315,16 +350,20 @@ def next_phase(before: Phase, span: Span, time: float, y: Array, closing: Which,
     if turning is not None:
         velocity[turning] = 0.0
     _brake(system, span, time, mode, velocity)
+    section = system.section(y)
+    loss = system.laws.loss_in(section)
     # Constraints whose velocity the tolerance does not distinguish from 0, and contacts whose next bounce would be too
     # small.
     slow = np.abs(velocity) <= 2.0 * system.least_rate
     slow[:m] |= np.abs(velocity[:m]) <= system.least_bounce
     # The contact is being compressed from overlap 0. The switch of another constraint must not stop it.
     yields = (mode[:m] == LOADED) & (velocity[:m] > 0.0)
-    corner = (mode[:m] == TOUCHING) | (slow[:m] & ~yields & (np.abs(overlap) <= 2.0 * system.least_overlap))
+    corner = (mode[:m] == TOUCHING) | (
+        slow[:m] & ~yields & (np.abs(overlap) <= 2.0 * system.least_overlap) & system.acts()
+    )
     # Contacts with loss that come to rest while compressed, between loading and unloading.
     turns = (mode[:m] == LOADED) | (mode[:m] == RELEASED)
-    turns &= (system.laws.loss > 0.0) & (np.abs(velocity[:m]) <= 2.0 * system.least_turn(overlap))
+    turns &= (loss > 0.0) & (np.abs(velocity[:m]) <= 2.0 * system.least_turn(overlap))
     turns |= mode[:m] == HELD
     # Contacts that reach overlap 0 at a speed pass straight on to LOADED or OPEN.
     overlap[closing | corner] = 0.0
@@ -341,14 +380,14 @@ def next_phase(before: Phase, span: Span, time: float, y: Array, closing: Which,
     if resting.any():
         for kind, rows in kinds.items():
             mode[rows] = AT_REST[kind][1]
-        rests = Phase(system, span, mode)
+        rests = Phase(system, span, mode, section)
         _stop(rests, y)
         overlap[corner] = system.least_overlap[corner]
         chosen = _moving(rests, time, y, resting)
         for kind, rows in kinds.items():
             mode[rows] = np.array(AT_REST[kind])[1 + chosen[rows]]
         overlap[corner & (mode[:m] != LOADED)] = 0.0
-    return Phase(system, span, mode)
+    return Phase(system, span, mode, section)
 
 
 def _brake(system: System, span: Span, time: float, mode: Modes, velocity: Array) -> None:

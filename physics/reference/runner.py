@@ -153,6 +153,9 @@ class _Run:
 
     def _one_phase(self, end: float) -> None:
         system, phase, scale, start = self.system, self.phase, self.scale, self.time
+        if not np.isfinite(self.y).all():
+            self._give_up(Status.FAILED, f"scipy failed at t = {start:.6g} s: a number is too large")
+            return
 
         def slope(time: float, y: Array) -> Array:
             return scale * phase.slope(start + time * scale, y)
@@ -264,7 +267,8 @@ class _Run:
     def end(self) -> State:
         """Return the current state."""
         rows = self.samples(np.array([self.time]))
-        return State(self.time, **{name: rows[name][0] for name in MOVING})
+        coupled = self.system.coupled.astype(np.int8) if self.chain.has_segments else np.zeros(0, dtype=np.int8)
+        return State(self.time, **{name: rows[name][0] for name in MOVING}, coupled=coupled)
 
     def taken_at(self, times: Array) -> Array:
         """Return the (T, 4) absorbed energies and work of forces over time [J] up to `times`, in the order of
@@ -297,7 +301,7 @@ class _Run:
         # Unloading contacts with loss absorb a share of the stored energy that they release.
         back = phase.mode[: system.m] == RELEASED
         if back.any():
-            stored = (system.laws.loss * back * system.laws.energy(segment.at(edges)[:, : system.m])).sum(axis=1)
+            stored = (back * system.laws.dissipable(segment.at(edges)[:, : system.m])).sum(axis=1)
             given[:, 0] += stored[0] - stored
         return given[np.searchsorted(edges, np.minimum(times, segment.end))], given[-1]
 
@@ -336,6 +340,7 @@ def advance(problem: Problem) -> Status:
     end = solved.end()
     state.time = end.time
     state.note_switches(*Switches.of(solved.switches))
+    state.coupled = end.coupled
     for name in MOVING:
         getattr(state, name)[:] = getattr(end, name)
     return solved.status

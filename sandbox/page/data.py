@@ -32,7 +32,7 @@ def can_be_computed(scene: Scene) -> bool:
     """Whether a page can compute the scene: preloaded power laws, loss, friction and a steady drive."""
     chains = [lane.chain() for lane in scene.lanes]
     return len(chains) <= 2 and all(
-        not (chain.couplers or chain.own_laws or chain.timed or chain.brakes) and chain.contacts < MOST_COMPUTED
+        not (chain.piecewise or chain.own_laws or chain.timed or chain.brakes) and chain.contacts < MOST_COMPUTED
         for chain in chains
     )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections import deque
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, TypeVar
 
@@ -16,6 +16,7 @@ from softcradle.sandbox.session.ledger import LEDGER_COLUMNS
 from softcradle.sandbox.session.snapshots import STATE_ARRAYS, HeldBead, Snapshot
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.int8]
 Found = TypeVar("Found")
 
 BLOCK_ROWS = 512
@@ -57,6 +58,7 @@ class Block:
         setups: (first row, Setup), ascending.
         switches: of the frames in which contacts switched, by row: those of each lane.
         replaced: contact events of its first frame, before an edit changed the number of beads.
+        coupled: (first row, which contacts of each lane have coupled), ascending.
     """
 
     first: int
@@ -69,6 +71,7 @@ class Block:
     setups: list[tuple[int, Setup]] = field(default_factory=list)
     switches: dict[int, tuple[Switches, ...]] = field(default_factory=dict)
     replaced: tuple[Any, ...] = ()
+    coupled: list[tuple[int, tuple[Flags, ...]]] = field(default_factory=list)
     _found: dict[Hashable, tuple[tuple[int, int], Any]] = field(default_factory=dict, repr=False)
 
     def found(self, what: Hashable, find: Callable[[], Found]) -> Found:
@@ -103,6 +106,9 @@ class Block:
             for name in STATE_ARRAYS:
                 getattr(lane, name)[row] = getattr(state, name)
             lane.ledger[row] = ledger
+        coupled = tuple(state.coupled.copy() for state in snapshot.states)
+        if not self.coupled or not all(map(np.array_equal, self.coupled[-1][1], coupled)):
+            self.coupled.append((row, coupled))
         switched = tuple(state.switched for state in snapshot.states)
         if any(own.time.size for own in switched):
             self.switches[row] = switched
@@ -110,15 +116,20 @@ class Block:
 
     def setup(self, row: int) -> Setup:
         """The setup of `row`."""
-        return self.setups[bisect_right(self.setups, row, key=lambda item: item[0]) - 1][1]
+        return _at_row(self.setups, row)
 
     def snapshot(self, row: int) -> Snapshot:
         """Read `row` back; arrays are copies."""
         time = float(self.time[row])
         switches = self.switches.get(row, (NO_SWITCHES,) * len(self.lanes))
         states = tuple(
-            State(time, **{name: getattr(lane, name)[row].copy() for name in STATE_ARRAYS}, switched=own)
-            for lane, own in zip(self.lanes, switches, strict=True)
+            State(
+                time,
+                **{name: getattr(lane, name)[row].copy() for name in STATE_ARRAYS},
+                switched=own,
+                coupled=coupled.copy(),
+            )
+            for lane, own, coupled in zip(self.lanes, switches, _at_row(self.coupled, row), strict=True)
         )
         ledgers = tuple(lane.ledger[row].copy() for lane in self.lanes)
         return Snapshot(time, self.setup(row), HeldBead(*self.held[row].tolist()), states, ledgers)
@@ -128,15 +139,22 @@ class Block:
         self.used -= 1
         self.revision += 1
         self.switches.pop(self.used, None)
-        if self.setups[-1][0] == self.used:
-            self.setups.pop()
+        for items in (self.setups, self.coupled):
+            if items[-1][0] == self.used:
+                items.pop()
 
     def cut(self, rows: int) -> Block:
         """A copy of the first `rows` rows, without the room for more."""
         lanes, setups = [lane.cut(rows) for lane in self.lanes], [item for item in self.setups if item[0] < rows]
         switches = {row: lanes for row, lanes in self.switches.items() if row < rows}
         columns = self.time[:rows].copy(), self.held[:rows].copy()
-        return Block(self.first, self.widths, *columns, lanes, rows, 0, setups, switches, self.replaced)
+        coupled = [item for item in self.coupled if item[0] < rows]
+        return Block(self.first, self.widths, *columns, lanes, rows, 0, setups, switches, self.replaced, coupled)
+
+
+def _at_row(items: Sequence[tuple[int, Found]], row: int) -> Found:
+    """Return what is valid at `row` of `items` (first row, value), ascending."""
+    return items[bisect_right(items, row, key=lambda item: item[0]) - 1][1]
 
 
 class History:

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import Contact
-from softcradle.physics.state import State
+from softcradle.physics.state import State, coupled_of
 from softcradle.physics.timed_force import on_other_beads
 from softcradle.sandbox.languages import N_, gettext
 from softcradle.sandbox.session.contact_conversion import converted_contact, hard_contact, kind_of, plain_contact
@@ -321,14 +321,15 @@ class RemoveBead(LaneInput):
         if 0 < self.bead < n:
             overlap[self.bead - 1] += state.overlap[self.bead]
             rate[self.bead - 1] += state.rate[self.bead]
-            force[self.bead - 1] = shorter.contact[self.bead - 1].force(float(overlap[self.bead - 1]))
         start = 1 if self.bead == 0 else 0
         first = float(position[start]), float(velocity[start])
         locked, origin = tuple(setup.locked[i] for i in rest), tuple(setup.origin_of(i) for i in rest)
-        kept = origin if any(origin) else ()
-        return setup.with_chain(shorter, locked, kept), state_from_bead_0(
-            shorter, state.time, (overlap, rate, force), first
-        )
+        kept, coupled = origin if any(origin) else (), coupled_of(chain, state)
+        coupled = coupled[rest] if shorter.has_segments else coupled[:0]
+        found = state_from_bead_0(shorter, state.time, (overlap, rate, force), first, coupled)
+        if 0 < self.bead < n:
+            found.put_force(shorter, self.bead - 1)
+        return setup.with_chain(shorter, locked, kept), found
 
 
 @dataclass(frozen=True)

@@ -42,7 +42,7 @@ def measure(chain: Chain, state: State, ledger: Array) -> None:
     mass = np.where(np.isfinite(chain.mass), chain.mass, 0.0)
     momenta = mass * state.velocity(chain)
     ledger[KINETIC] = 0.5 * float(momenta @ state.velocity(chain))
-    ledger[STORED] = float(chain.stored_energy(state.overlap).sum())
+    ledger[STORED] = float(chain.stored_energy(state.overlap, force=state.force).sum())
     ledger[MOMENTUM] = momenta.sum()
     ledger[ENERGY_SCALE] = max(ledger[ENERGY_SCALE], ledger[KINETIC] + ledger[STORED])
     ledger[MOMENTUM_SCALE] = max(ledger[MOMENTUM_SCALE], np.abs(momenta).sum())

@@ -98,12 +98,13 @@ def _lane(table: dict[str, Any], scene: Scene) -> LaneSetup:
 
 
 def _state_table(state: State) -> dict[str, Any]:
-    return {"time": state.time, **{name: getattr(state, name).tolist() for name in STATE_ARRAYS}}
+    coupled = {"coupled": state.coupled.tolist()} if state.coupled.size else {}
+    return {"time": state.time, **{name: getattr(state, name).tolist() for name in STATE_ARRAYS}, **coupled}
 
 
 def _state(table: dict[str, Any]) -> State:
     arrays: dict[str, Any] = {name: np.array(table[name], dtype=np.float64) for name in STATE_ARRAYS}
-    return State(float(table["time"]), **arrays)
+    return State(float(table["time"]), **arrays, coupled=np.array(table.get("coupled", ()), dtype=np.int8))
 
 
 _NO_STATE = State(0.0, np.zeros(0), np.zeros(0), np.zeros(2), np.zeros(0))

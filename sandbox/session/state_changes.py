@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain, Joint
 from softcradle.physics.contact import Contact
-from softcradle.physics.state import State, from_anchor
+from softcradle.physics.state import State, coupled_at, coupled_of, from_anchor
 from softcradle.sandbox.languages import N_, gettext
 from softcradle.sandbox.session.lane_setup import LaneSetup
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.int8]
 
 
 def place_bead(chain: Chain, state: State, bead: int, position: float) -> None:
@@ -37,7 +38,7 @@ def displace(chain: Chain, state: State, displacement: Array) -> None:
     state.overlap += change
     state.anchor[0] += displacement[chain.anchor]
     for contact in np.flatnonzero(change).tolist():
-        state.force[contact] = chain.contact[contact].force(float(state.overlap[contact]))
+        state.put_force(chain, contact)
 
 
 def set_velocity(chain: Chain, state: State, bead: int | None, velocity: float) -> None:
@@ -56,14 +57,17 @@ def set_velocity(chain: Chain, state: State, bead: int | None, velocity: float) 
 
 
 def state_from_bead_0(
-    chain: Chain, time: float, contacts: tuple[Array, Array, Array], bead_0: tuple[float, float]
+    chain: Chain, time: float, contacts: tuple[Array, Array, Array], bead_0: tuple[float, float], coupled: Flags
 ) -> State:
-    """A State of `chain` from overlaps, rates and forces (n,), with bead 0 at position and velocity `bead_0`."""
+    """Return a State of `chain` from overlaps, rates and forces (n,), with bead 0 at position and velocity `bead_0`.
+
+    `coupled` (n,) or (0,) are the flags of contacts that have coupled.
+    """
     overlap, rate, force = contacts
     anchor = np.array(
         [from_anchor(values, start, 0)[chain.anchor] for values, start in zip((overlap, rate), bead_0, strict=True)]
     )
-    return State(time, overlap, rate, anchor, force)
+    return State(time, overlap, rate, anchor, force, coupled=coupled)
 
 
 MOST_BEADS = 400  # of a lane that beads are added to
@@ -83,7 +87,7 @@ def inserted(chain: Chain, longer: Chain, state: State, bead: int, gap: float) -
     """The state with one bead more, which has the mean velocity of its neighbours."""
     n = chain.contacts
     position, velocity = state.position(chain), state.velocity(chain)
-    first = float(position[0]), float(velocity[0])
+    first, coupled = (float(position[0]), float(velocity[0])), coupled_of(chain, state)
     if bead in (0, n + 1):
         at = 0 if bead == 0 else n
         overlap, rate = np.insert(state.overlap, at, -gap), np.insert(state.rate, at, 0.0)
@@ -95,8 +99,12 @@ def inserted(chain: Chain, longer: Chain, state: State, bead: int, gap: float) -
         overlap, rate = np.insert(state.overlap, at, shared), np.insert(state.rate, at, 0.5 * state.rate[bead - 1])
         overlap[bead - 1], rate[bead - 1] = shared, 0.5 * state.rate[bead - 1]
     force = np.insert(state.force, at, 0.0)
-    force[at] = longer.contact[at].force(float(overlap[at]))
-    return state_from_bead_0(longer, state.time, (overlap, rate, force), first)
+    if coupled.size:  # both halves of a contact are what it was; a contact at an end begins as one of the chain does
+        begins = bead in (0, n + 1) and coupled_at(longer, overlap, force)[at]
+        coupled = np.insert(coupled, at, begins if bead in (0, n + 1) else coupled[bead - 1])
+    found = state_from_bead_0(longer, state.time, (overlap, rate, force), first, coupled)
+    found.put_force(longer, at)
+    return found
 
 
 def with_contacts(setup: LaneSetup, state: State, index: int | None, change: Callable[[int], ContactChange]) -> Changed:

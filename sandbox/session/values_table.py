@@ -57,7 +57,7 @@ def values_table(session: Session, lane: int, kind: str) -> ValuesTable:
         for inertia in columns[3:]:  # a wall has no momentum or energy of its own
             inertia[np.isinf(live.chain.mass)] = np.nan
     else:
-        columns.append(live.chain.stored_energy(live.state.overlap))
+        columns.append(live.chain.stored_energy(live.state.overlap, force=live.state.force))
     columns += map(np.array, _set_numbers(live, kind).values())
     rows = zip(*(column.tolist() for column in columns), strict=True)
     return ValuesTable(columns_of(live, kind), [(float(k), *row) for k, row in enumerate(rows)])

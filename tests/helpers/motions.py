@@ -123,7 +123,7 @@ CASES = {
         [0.0] * 3, 0.6, 1e-3,
     ),
     "a coupler torn open from a touch, whose pull alone has a preload": Case(
-        Chain([5.6, 0.2, 0.4], Coupler(Contact(0.0, 14.7, 0.89), Contact(3.95, 39.5, 1.0)), gap=[0.274, 0.0]),
+        Chain([5.6, 0.2, 0.4], Coupler(Contact(0.0, 14.7, 0.89), Contact(3.95, 39.5, 1.0), coupled=True), gap=[0.274, 0.0]),
         [0.3, -1.0, -1.0], 1e-4, 1e-6,
     ),
     "friction holds a bead where it turns": Case(

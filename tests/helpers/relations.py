@@ -68,7 +68,9 @@ def kinetic_energy(chain: Chain, velocity: ArrayLike) -> float:
 
 
 def total_energy(chain: Chain, state: State) -> float:
-    return kinetic_energy(chain, state.velocity(chain)) + float(chain.stored_energy(state.overlap).sum())
+    return kinetic_energy(chain, state.velocity(chain)) + float(
+        chain.stored_energy(state.overlap, force=state.force).sum()
+    )
 
 
 def energy_error(found: Trajectory, velocity: ArrayLike) -> float:

@@ -2,14 +2,15 @@
 
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from softcradle.physics.contact import Contact, hooke, power_law
-from softcradle.physics.methods import METHODS
+from softcradle.physics.methods import METHODS, find_method
 from softcradle.physics.simulation import solve
 
-from softcradle import Chain, Coupler, TimedForce, simulate, stable_step
+from softcradle import Chain, Coupler, State, TimedForce, advance, simulate, stable_step
 from tests.helpers.relations import fineness
 
 CARRY = [method.name for method in METHODS if method.couplers]
@@ -112,3 +113,87 @@ def test_the_stable_step_knows_the_stop():
     chain = Chain([1.0, 1.0], Coupler(hooke(10.0), pull=hooke(1e6), slack=0.1))
     assert stable_step(chain, [0, 1], 0.5) < 1e-2 * stable_step(Chain([1.0, 1.0], hooke(10.0)), [1, 0], 0.5)
     assert solve(chain, [0.0, 1.0], 0.15, "verlet").final_velocity == pytest.approx([1.0, 0.0], abs=1e-3)
+
+
+WAGONS = Coupler(hooke(1e7), pull=hooke(1e7), slack=0.02)  # of 30 t that meet at 1.5 m/s: sqrt(mu k) v is 580 948 N
+BLOW = 1.5 * math.sqrt(1.5e4 * 1e7)
+
+
+@pytest.mark.parametrize("method", CARRY)
+def test_a_wagon_that_rolls_up_couples_when_it_meets_the_other(method):
+    """Nothing pulls across the gap; after the blow the couplers run through their slack, and pull as hard."""
+    found = simulate(
+        Chain([3e4, 3e4], WAGONS, gap=0.05), [1.5, 0.0], 0.3, method, samples=301, **fineness(method, 1e-5)
+    )
+    error = 1e-3 if method == "euler" else 1e-5
+    meets, lasts = 0.05 / 1.5, math.pi * math.sqrt(1.5e4 / 1e7)
+    assert not found.force[found.time < meets - 1e-3].any()
+    assert not found.contact_energy[found.time < meets - 1e-3].any()
+    (push, pull) = found.contact_intervals[0]
+    assert push == pytest.approx((meets, meets + lasts), abs=1e-4)
+    assert pull == pytest.approx((meets + lasts + 0.02 / 1.5, meets + 2.0 * lasts + 0.02 / 1.5), abs=2e-4)
+    assert (found.force.max(), found.force.min()) == pytest.approx((BLOW, -BLOW), rel=1e-3)  # between samples
+    np.testing.assert_allclose(found.ledger, found.ledger[0], rtol=error)
+
+
+@pytest.mark.parametrize("method", CARRY)
+def test_wagons_that_part_before_they_met_are_not_held(method):
+    found = simulate(Chain([1.0, 1.0], WAGONS, gap=0.05), [0.0, 1.0], 0.1, method, samples=3, **fineness(method, 1e-4))
+    assert not found.force.any()
+    assert found.final_velocity.tolist() == [0.0, 1.0]
+    held = replace(WAGONS, coupled=True)
+    found = simulate(Chain([1.0, 1.0], held, gap=0.05), [0.0, 1.0], 1e-4, method, samples=3, **fineness(method, 1e-6))
+    assert found.force[0, 0] == pytest.approx(-1e7 * 0.03)
+
+
+@pytest.mark.parametrize(
+    ("coupled", "gap", "at_start"),
+    [
+        (None, 0.0, 1),
+        (None, 0.02, 1),
+        (None, 0.021, 0),
+        (None, -0.01, 1),
+        (False, 0.01, 0),
+        (False, 0.0, 1),
+        (True, 0.05, 1),
+    ],
+)
+def test_the_option_tells_whether_a_coupler_is_coupled_at_the_start(coupled, gap, at_start):
+    chain = Chain([1.0, 1.0], replace(WAGONS, coupled=coupled), gap=gap)
+    assert State.at_start(chain, [0.0, 0.0]).coupled.tolist() == [at_start]
+    assert bool(simulate(chain, [0.0, 0.5], 0.2, "conserving", samples=2).contact_intervals[0]) == bool(at_start)
+
+
+@pytest.mark.parametrize("method", CARRY)
+def test_frames_of_live_use_couple_as_a_run_does(method):
+    """The State carries which couplers have coupled from one frame to the next; a copy and a run go on from there."""
+    chain = Chain([3e4, 2e4, 3e4], WAGONS, gap=[0.05, 0.03])
+    state, end = State.at_start(chain, [1.5, 0.0, 0.0]), 0.35
+    whole = simulate(chain, [1.5, 0.0, 0.0], end, method, samples=2, **fineness(method, 1e-4))
+    seen = [state.coupled.tolist()]
+    for _ in range(35):
+        state = state.copy()
+        advance(chain, state, 0.01, method, **fineness(method, 1e-4))
+        seen.append(state.coupled.tolist())
+    assert [seen[k] for k in range(1, 36) if seen[k] != seen[k - 1]] == [[1, 0], [1, 1]]
+    assert state.velocity(chain) == pytest.approx(
+        whole.final_velocity, abs=1e-6 if find_method(method).adaptive else 1e-9
+    )
+    assert whole.force.min() <= 0.0
+
+
+def test_couplers_of_a_long_row_couple_one_after_another():
+    """A wagon pushed through a row of standing ones: each pair couples when it meets, and the row ends as one train."""
+    chain = Chain([3e4] * 6, replace(WAGONS, push=hooke(1e7, 0.5), pull=hooke(1e7, 0.5)), gap=0.05, friction=0.0)
+    found = simulate(chain, [1.5, *[0.0] * 5], 12.0, "conserving", samples=601)
+    first = [spans[0][0] for spans in found.contact_intervals]
+    assert first == sorted(first)
+    assert found.overlap[-1].min() > -0.02 - 1e-3
+    assert np.ptp(found.final_velocity) < 0.1
+
+
+def test_wrong_options_of_coupling_are_refused():
+    with pytest.raises(ValueError, match="coupler coupled must be True, False or None, not 'yes'"):
+        replace(WAGONS, coupled="yes")
+    with pytest.raises(ValueError, match="with the option coupled needs a pull"):
+        Coupler(hooke(1.0), coupled=False)

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from softcradle.physics import Contact, kernel_records
 from softcradle.physics.contact import hertz, hooke, power_law, step_force
-from softcradle.physics.numerics.own_contacts import own_inverse, own_slope, table_value
 from softcradle.physics.numerics.plain_kernels import plain
+from softcradle.physics.numerics.table_kernels import table_inverse, table_slope, table_value
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.notebook.views import html_of
 
-from softcradle import Chain, OwnLaw, Trajectory, one_on, stable_step
+from softcradle import Chain, OwnLaw, State, Trajectory, one_on, stable_step
 
 START = [1.0, 0.0, 0.0, 0.0, 0.0]
 
@@ -164,15 +164,16 @@ def test_the_table_of_a_law_is_the_law_at_random_overlaps_of_all_sizes(force, en
     few = [1e-3, 0.05, 0.1, 0.11, 0.3, 0.99]
     assert law.energy(few) == pytest.approx([energy(d) for d in few], rel=2e-14)
     assert (np.diff(table.edge) > 0.0).all()
-    own = kernel_records.own_laws(Chain([1.0, 1.0], law))
+    chain = Chain([1.0, 1.0], law)
+    graph = kernel_records.graphs_of(chain, State.at_start(chain, [0.0, 0.0]))
     for overlap in overlaps[overlaps > 1e-8][:50]:
-        for rows in (own.force, own.energy):
-            assert own_inverse(own, rows, 0, plain(table_value)(own, rows, 0, overlap)) == pytest.approx(
+        for rows in (graph.force, graph.energy):
+            assert table_inverse(graph, rows, 0, plain(table_value)(graph, rows, 0, overlap)) == pytest.approx(
                 overlap, rel=1e-9
             )
         digits = 1e-10 * force(overlap) / overlap  # Precision of a difference of forces.
-        assert own_slope(own, 0, overlap) == pytest.approx(law.slope(overlap), rel=1e-5, abs=digits)
-    assert own_inverse(own, own.force, 0, 1e300) == math.inf
+        assert table_slope(graph, 0, overlap) == pytest.approx(law.slope(overlap), rel=1e-5, abs=digits)
+    assert table_inverse(graph, graph.force, 0, 1e300) == math.inf
 
 
 def test_a_law_without_digits_is_taken_as_it_is():

@@ -191,7 +191,7 @@ def test_the_clock_of_a_run_counts_its_samples_too(module, method):
 
 
 def test_a_run_that_waits_for_kernels_does_not_count_that_as_its_cost(monkeypatch):
-    clock, kernels = [0.0], runner.kernels_of(CRADLE)
+    clock, kernels = [0.0], runner.KERNELS
     kernels.load_made()
     monkeypatch.setattr(runner, "perf_counter", lambda: clock[0])
     monkeypatch.setattr(kernels, "of", lambda kernel, work=0.0: clock.append(clock.pop() + 60.0) or kernel)
@@ -201,8 +201,8 @@ def test_a_run_that_waits_for_kernels_does_not_count_that_as_its_cost(monkeypatc
 
 @pytest.mark.parametrize("name", ADAPTIVE)
 def test_samples_cost_no_second_run_of_an_adaptive_method(name, monkeypatch):
-    kernels, counted, begun = runner.kernels_of(ENDED[name][0]), Mock(wraps=runner.integrate), []
-    kernels.load_made()  # Loading calls each kernel once.
+    kernels, counted, begun = runner.KERNELS, Mock(wraps=runner.integrate), []
+    kernels.load_made()  # each kernel is called once as it is loaded
     monkeypatch.setattr(runner, "integrate", counted)
     monkeypatch.setattr(kernels, "of", lambda kernel, work=0.0: kernel)
     for samples in (2, 50):

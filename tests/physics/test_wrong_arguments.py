@@ -172,7 +172,7 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "a match of beads that are driven": (lambda: match(Chain([1, 1], LAW, 0.0, [1.0, 0.0]), [1, 0]), "no drive"),
     "a match between walls": (lambda: match(Chain([math.inf, 1, math.inf], LAW, 0.5), [0, 1, 0]), "second wall"),
     "no end of a train that pulls": (lambda: simulate(TRAIN, [1, 0], method="conserving"), "never comes apart: give a duration"),
-    "couplers as power laws": (lambda: TRAIN.power_law_rows, "contact 0-1 is a coupler: this takes"),
+    "couplers as power laws": (lambda: TRAIN.power_law_rows, "contact 0-1 is a Coupler: this takes"),
     "a coupler for a body": (lambda: SoftContact(*BODIES[:2], (0, 0), (0, 0), 1, TRAIN.contact[0]), "a coupler pulls"),
     "loss by yoshida4": (lambda: simulate(one_on(1, GEAR), [1, 0], method="yoshida4"), NO_BACK),
     "a frame of friction by yoshida4": (lambda: advance(RUBS, State.at_start(RUBS, [1, 0]), 0.1, "yoshida4"), NO_BACK),

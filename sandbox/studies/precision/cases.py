@@ -122,7 +122,7 @@ class ChartCase:
         rate, gap = -np.diff(self.velocity), np.array(self.chain.gap)
         gaps = gap + np.outer(lead_times, rate)
         free = np.full(gap.size, np.inf)
-        for contact, coupler in self.chain.couplers:
+        for contact, coupler in self.chain.piecewise:
             free[contact] = -coupler.pulls_below
         if _acts_from_outside(self.chain) or ((gaps < 0.0) | (gaps > free)).any():
             return [Start(self.chain, self.velocity)]

@@ -118,7 +118,7 @@ class ExplorePanel(Inspector):
         chain, knob = self.session.lanes[0].chain, None
         if len(self.session.lanes) > 1:
             knob = _("Back to one row"), partial(self.host.act, "alone"), hint("alone")
-        elif not chain.couplers:
+        elif not chain.piecewise:
             text = _("Compare with steel balls") if has_soft_contacts(chain) else _("Compare with soft beads")
             knob = text, partial(self.host.act, "compare_balls"), _("the same blow in a second row below")
         knobs: list[Knob] = [] if knob is None else [knob]

@@ -10,7 +10,6 @@ import pytest
 from softcradle.physics import (
     Chain,
     Contact,
-    Coupler,
     State,
     advance,
     draft_gear,
@@ -29,7 +28,6 @@ from softcradle.physics.numerics.plain_kernels import plain
 from softcradle.physics.simulation import solve
 
 from benchmarks.scan.families import motion
-from examples.largest_force import LargestForce
 from tests.helpers.plain_kernels import pressed
 from tests.helpers.relations import EPSILON, KERNELS, PROMISE, momentum, run, simulate_quietly, struck
 from tests.helpers.truth import GEAR
@@ -234,41 +232,6 @@ def test_few_steps_are_rejected_when_contacts_open_and_close(exponent, tolerance
     chain = Chain(draw.uniform(0.5, 2.0, 21), power_law(100.0, exponent), gap=0.02)
     found = run(chain, struck(chain), tolerance=tolerance)
     assert found.evaluations < 15 * 1.3 * found.steps  # Without predictions of openings, 1.4 to 1.5 instead of 1.3.
-
-
-@pytest.mark.parametrize("method", KERNELS)
-def test_a_contact_with_a_largest_force_against_its_closed_form(method):
-    """Compare the user-defined coupler of the documentation with its closed form: a preloaded spring up to the largest
-    force, then a steady force.
-    """
-    preload, stiffness, most, speed = 0.2, 2.0, 1.0, 2.0
-    crush = LargestForce(draft_gear(stiffness, preload / stiffness), most=most)
-    way = (most - preload) / stiffness
-    at_yield = math.sqrt(speed**2 - 2.0 * preload * way - stiffness * way**2)
-    swing, begin = math.sqrt(stiffness), preload / stiffness
-    first = (math.atan2(swing * (way + begin), at_yield) - math.atan2(swing * begin, speed)) / swing
-    turn = first + at_yield / most
-    times = np.linspace(0.0, 2.5 * turn, 201)[:-1]
-    found = run(Chain([1.0, math.inf], crush), [speed, 0.0], 2.5 * turn, method, tolerance=1e-10, samples=times)
-    at_turn = 80  # times[80] is the time of the largest overlap.
-    assert found.overlap[at_turn, 0] == pytest.approx(way + at_yield**2 / 2.0 / most, abs=1e-8)
-    assert found.force[at_turn, 0] == pytest.approx(most, abs=1e-12)
-    assert found.velocity[at_turn, 0] == pytest.approx(0.0, abs=1e-8)
-    np.testing.assert_allclose(found.force[1:, 0], crush.force(found.overlap[1:, 0]), atol=1e-9)
-    assert found.final_velocity[0] == pytest.approx(-speed, abs=1e-8)
-    ((closed, opened),) = found.contact_intervals[0]
-    assert (closed, opened) == (0.0, pytest.approx(2.0 * turn, abs=1e-8))
-    np.testing.assert_allclose(found.ledger, found.ledger[0], atol=1e-8)
-    assert np.ptp(crush.energy(found.overlap[:, 0])) > 0.5  # Potential energy is a large part of the energy balance.
-
-
-def test_a_method_that_does_not_read_segments_is_refused():
-    crush = LargestForce(draft_gear(2.0, 0.1), most=1.0)
-    for method in ("euler", "verlet", "conserving", "scipy"):
-        with pytest.raises(ValueError, match="does not read the segments by which LargestForce defines its graph"):
-            run(Chain([1.0, 1.0], crush), [2.0, 0.0], 4.0, method)
-    with pytest.raises(TypeError, match="overrides parts of Coupler: override segments"):
-        type("Wrong", (Coupler,), {"parts": property(lambda self: ())})
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-7, 1e-10])

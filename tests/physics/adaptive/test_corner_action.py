@@ -6,11 +6,11 @@ from softcradle.physics import Chain, Coupler, State, draft_gear, hertz, hooke, 
 from softcradle.physics.adaptive import corner_action
 from softcradle.physics.adaptive.corner_action import cross, decide, ease, open_passed, settle_bead, stop_rate
 from softcradle.physics.adaptive.corner_search import guard_of, stays
-from softcradle.physics.adaptive.row_graphs import ORIGIN, of_segment, put_segment
+from softcradle.physics.adaptive.row_graphs import of_segment, put_segment
 from softcradle.physics.adaptive.step_records import WORK_ROWS, Bounds, empty_scratch, empty_trial
 from softcradle.physics.adaptive.yield_or_slip import balance
 from softcradle.physics.kernel_records import empty_log
-from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
+from softcradle.physics.numerics.records import LOADED, OPEN, ORIGIN, TOUCHING
 
 from tests.helpers.given_steps import H, Step
 from tests.helpers.plain_kernels import effective_records, only_plain, records_of

@@ -21,7 +21,7 @@ from softcradle.physics.adaptive.radau import (
 )
 from softcradle.physics.adaptive.step_records import empty_scratch, empty_trial
 from softcradle.physics.numerics.law_curve import NODES, care, signed_force
-from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING, ChainData, Motion
+from softcradle.physics.numerics.records import FROZEN, LOADED, NO_GRAPHS, OPEN, SEGMENTS, TOUCHING, ChainData, Motion
 
 from tests.helpers.plain_kernels import only_plain, pressed, records_of, row_matrix
 
@@ -197,11 +197,13 @@ def test_a_move_says_how_far_it_went_and_what_it_missed():
         [0.5, 2.0, 1.5, 0.1, 3.0, -1.0],
         [0.5, 2.0, 0.5, 0.0, 0.0, 1.0],
         [0.5, 2.0, 1.0, 0.0, 3.0, 1.0],
-    ]  # Rows of couplers.
+    ]  # Rows of contacts with several segments.
     for case in range(720):
-        data = ChainData(np.array(rows[case % 9 : case % 9 + 1]), np.array([1.0, 0.5]), np.zeros(0), np.zeros(0), 0)
+        row, kind = rows[case % 9], np.array([SEGMENTS], dtype=np.int8)
+        graph = NO_GRAPHS._replace(kind=kind) if len(row) > 3 else NO_GRAPHS
+        data = ChainData(np.array([row]), np.array([1.0, 0.5]), np.zeros(0), np.zeros(0), 0, graph)
         mode, start = np.full(1, case // 9 % 4), draw.uniform(0.2, 0.4)
-        start = np.array([start, radau.curve_force(data.law, None, 0, start)])
+        start = np.array([start, radau.curve_force(data.law, data.graph, 0, start)])
         trial.overlap[1], trial.force[1] = start
         ways = np.array(radau.direction(0, data, mode[0], 0.3, *start))
         scratch.along[1], scratch.across[1] = ways
@@ -213,7 +215,7 @@ def test_a_move_says_how_far_it_went_and_what_it_missed():
         longer = np.maximum(np.abs(asked), loaded * np.abs(went))
         assert found == pytest.approx([*longer, *(loaded * missed)], rel=1e-12, abs=1e-18)
         if loaded:
-            assert end[1] == pytest.approx(radau.curve_force(data.law, None, 0, end[0]), rel=1e-12, abs=1e-15)
+            assert end[1] == pytest.approx(radau.curve_force(data.law, data.graph, 0, end[0]), rel=1e-12, abs=1e-15)
             assert data.law[0, 2] < 1.0 or end[0] == start[0] + asked[0]
         else:
             assert went == pytest.approx(asked, rel=1e-9, abs=1e-15)

@@ -8,8 +8,8 @@ from softcradle.physics import Chain, Coupler, State, draft_gear, hertz, hooke
 from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
 from softcradle.physics.numerics import contact_solve
 from softcradle.physics.numerics.contact_solve import BEAD_ROWS, DIAGONAL, UNKNOWN, distance_to_bend
-from softcradle.physics.numerics.coupler_kernels import joint_fall, joint_force, joint_mean_force, joint_resolvent
-from softcradle.physics.numerics.records import NOTHING, ChainData, Dissipation
+from softcradle.physics.numerics.graph_kernels import graph_fall, graph_force, graph_mean, graph_resolvent
+from softcradle.physics.numerics.records import NO_GRAPHS, NOTHING, ChainData, Dissipation
 from softcradle.physics.numerics.resolvent import mean_force, resolvent, touching
 
 from tests.helpers.plain_kernels import only_plain, records_of
@@ -28,7 +28,7 @@ def test_a_very_soft_contact_takes_any_push_without_a_guess():
     """Check the guess of the overlap. If only the push of the contact were used, it would be 1e350 m, which overflows
     in plain Python.
     """
-    overlap, force, _ = resolvent(None, -1, 0.0, 1e-3, 0.02, 0.0, 0.0, 1e-4, 1.0, 0.0)
+    overlap, force, _ = resolvent(NO_GRAPHS, 0, 0.0, 1e-3, 0.02, 0.0, 0.0, 1e-4, 1.0, 0.0)
     assert overlap + 1e-4 * force == pytest.approx(1.0, rel=1e-15)
     assert force == pytest.approx(1e-3 * overlap**0.02 / 1.02, rel=1e-12)
 
@@ -77,38 +77,38 @@ def test_the_distance_to_the_next_event_is_exact(up, resting):
 
 
 @pytest.fixture(params=COUPLERS.values(), ids=COUPLERS.keys())
-def joints(request):
+def graph(request):
     chain = Chain([1.0, 1.0], request.param)
-    return records_of(chain, State.at_start(chain, [0.0, 0.0]))[0].joints
+    return records_of(chain, State.at_start(chain, [0.0, 0.0]))[0].graph
 
 
 @pytest.mark.parametrize("start", STARTS)
-def test_the_mean_force_times_the_distance_is_the_work(joints, start):
+def test_the_mean_force_times_the_distance_is_the_work(graph, start):
     """Check the work. While a coupler is pushed in, pushing parts store all work and pulling parts return it reduced by
     their loss. Outward it is the other way round.
     """
     for moved in (0.01, 0.3, -0.02, -0.5):
-        force, _ = joint_mean_force(joints, 0, start, moved, moved > 0.0)
-        fall = joint_fall(joints, 0, start, start + moved, False) - joint_fall(joints, 0, start, start + moved, True)
+        force, _ = graph_mean(graph, 0, start, moved, moved > 0.0)
+        fall = graph_fall(graph, 0, start, start + moved, False) - graph_fall(graph, 0, start, start + moved, True)
         assert force * moved == pytest.approx(-fall, rel=1e-9, abs=1e-12)
     for side in (1.0, -1.0):
-        force, slope = joint_mean_force(joints, 0, start, 0.0, side > 0.0)
+        force, slope = graph_mean(graph, 0, start, 0.0, side > 0.0)
         assert slope >= 0.0
         if start not in (0.0, -SLACK):  # At the beginning of a preload, the force depends on the direction.
-            assert force == pytest.approx(joint_force(joints, 0, start, side), rel=1e-12)
+            assert force == pytest.approx(graph_force(graph, 0, start, 0.0, side > 0.0), rel=1e-12)
 
 
 @pytest.mark.parametrize("start", STARTS)
-def test_the_resolvent_solves_its_equation_whichever_way_it_goes(joints, start):
+def test_the_resolvent_solves_its_equation_whichever_way_it_goes(graph, start):
     draw = np.random.default_rng(5)
     for _ in range(200):
         weight, ahead = 10.0 ** draw.uniform(-3, 1), draw.choice([0.0, 0.2, -0.2]) * draw.random()
         s = draw.choice([-1.0, 1.0]) * 10.0 ** draw.uniform(-3, 1)
-        ends = (joint_mean_force(joints, 0, start, ahead, up)[0] for up in (False, True))
-        moved, force, slope = joint_resolvent(joints, 0, start, ahead, *ends, weight, s)
+        ends = (graph_mean(graph, 0, start, ahead, up)[0] for up in (False, True))
+        moved, force, slope = graph_resolvent(graph, 0, start, ahead, *ends, weight, s)
         assert moved + weight * force == pytest.approx(s, rel=1e-9, abs=1e-12)
-        least, _ = joint_mean_force(joints, 0, start, moved, False)
-        most, _ = joint_mean_force(joints, 0, start, moved, True)
+        least, _ = graph_mean(graph, 0, start, moved, False)
+        most, _ = graph_mean(graph, 0, start, moved, True)
         if moved not in (0.0, ahead):
             assert force == pytest.approx(most if moved > ahead else least, rel=1e-7, abs=1e-9)
         elif moved == ahead:

@@ -5,11 +5,12 @@ from itertools import product
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, Contact, Coupler, OwnLaw, hooke
+from softcradle.physics import Chain, Contact, Coupler, OwnLaw, State, hooke
 from softcradle.physics.adaptive.corner_search import halves, stage_cubic
-from softcradle.physics.kernel_records import own_laws
+from softcradle.physics.kernel_records import graphs_of
 from softcradle.physics.numerics import law_curve
 from softcradle.physics.numerics.law_curve import NODES, SMALLEST, care, flow_into, signed_force, slope_at
+from softcradle.physics.numerics.records import FROM, NO_GRAPHS
 
 from tests.helpers.plain_kernels import only_plain, row_matrix
 
@@ -19,7 +20,7 @@ LAWS = list(product((0.0, 0.3, 2.0), (1.0, 40.0), (1 / 30, 0.1, 0.5, 1.0, 1.5, 2
 
 def move_along(preload, stiffness, exponent, *moves):
     """Return the result of a move on the curve of one power law."""
-    return law_curve.move_along(np.array([[preload, stiffness, exponent]]), None, 0, *moves)
+    return law_curve.move_along(np.array([[preload, stiffness, exponent]]), NO_GRAPHS, 0, *moves)
 
 
 @pytest.mark.parametrize("law", LAWS, ids=str)
@@ -148,67 +149,68 @@ def with_its_table(law):
     """Return a power law as a row, and as the tables of a user-defined law."""
     preload, stiffness, exponent = law
     chain = Chain([1.0] * 3, [Contact(9.0, 0.0, 1.0), OwnLaw(lambda overlap: preload + stiffness * overlap**exponent)])
-    return np.array([[9.0, 0.0, 1.0], law]), own_laws(chain)
+    return np.array([[9.0, 0.0, 1.0], law]), graphs_of(chain, State.at_start(chain, [0.0] * 3))
 
 
 @pytest.mark.parametrize("law", POWERS, ids=str)
 def test_a_law_of_ones_own_that_is_a_power_law_is_followed_as_one(law):
-    row, own = with_its_table(law)
+    row, graph = with_its_table(law)
     preload, stiffness, exponent = law
-    assert own.onset[0, 0] < 1e-3
+    assert graph.segment[1, FROM] < 1e-3
     for overlap in (-2.0, -0.2, 0.0, 0.2, 1.0, 3.0):
         force = signed_force(*law, overlap)
-        assert law_curve.curve_force(row, own, 1, overlap) == pytest.approx(force, rel=1e-12)
-        slope = law_curve.curve_slope(row, None, 1, overlap, force)
-        assert law_curve.curve_slope(row, own, 1, overlap, force) == pytest.approx(slope, rel=1e-9)
+        assert law_curve.curve_force(row, graph, 1, overlap) == pytest.approx(force, rel=1e-12)
+        slope = law_curve.curve_slope(row, NO_GRAPHS, 1, overlap, force)
+        assert law_curve.curve_slope(row, graph, 1, overlap, force) == pytest.approx(slope, rel=1e-9)
     for overlap in (0.2, 1.0, 3.0):
-        force = law_curve.pressed_force(row, None, 1, overlap)
-        assert law_curve.pressed_force(row, own, 1, overlap) == pytest.approx(force, rel=1e-12)
-        assert law_curve.local_exponent(row, own, 1, overlap, force) == pytest.approx(exponent, rel=1e-9)
-        assert law_curve.local_exponent(row, own, 1, overlap, preload) == exponent
+        force = law_curve.pressed_force(row, NO_GRAPHS, 1, overlap)
+        assert law_curve.pressed_force(row, graph, 1, overlap) == pytest.approx(force, rel=1e-12)
+        assert law_curve.local_exponent(row, graph, 1, overlap, force) == pytest.approx(exponent, rel=1e-9)
+        assert law_curve.local_exponent(row, graph, 1, overlap, preload) == exponent
         for part in (0.3, 2.0):
-            reached = law_curve.curve_overlap(row, own, 1, part * (force - preload), part)
+            reached = law_curve.curve_overlap(row, graph, 1, part * (force - preload), part)
             assert reached == pytest.approx(overlap, rel=1e-9)
         energy = (preload + stiffness * overlap**exponent / (1.0 + exponent)) * overlap
-        assert law_curve.curve_depth(row, own, 1, energy) == pytest.approx(overlap, rel=1e-9)
+        assert law_curve.curve_depth(row, graph, 1, energy) == pytest.approx(overlap, rel=1e-9)
     for _, weight, overlap, by_overlap, by_force, _ in MOVED:
-        given = weight, overlap, law_curve.curve_force(row, None, 1, overlap), by_overlap, by_force
-        moved = law_curve.move_along(row, None, 1, *given)[0]
+        given = weight, overlap, law_curve.curve_force(row, NO_GRAPHS, 1, overlap), by_overlap, by_force
+        moved = law_curve.move_along(row, NO_GRAPHS, 1, *given)[0]
         crosses, continued = moved * overlap < 0.0 and by_overlap * overlap <= 0.0, preload or exponent == 1.0
         if crosses and continued and exponent >= 1.0:
             moved = 0.0  # A user-defined law is not extrapolated below overlap 0.
-        reached = law_curve.move_along(row, own, 1, *given)
+        reached = law_curve.move_along(row, graph, 1, *given)
         assert reached[0] == pytest.approx(moved, rel=1e-9), given
         assert reached[1] == pytest.approx(signed_force(*law, moved), rel=1e-9, abs=1e-12), given
 
 
 def test_a_contact_beside_a_law_of_ones_own_keeps_its_row():
-    row, own = with_its_table((0.0, 2.0, 0.5))
-    assert law_curve.curve_force(row, own, 0, 0.3) == 9.0
-    assert law_curve.curve_depth(row, own, 0, 4.5) == 0.5
-    assert law_curve.local_exponent(row, own, 0, 0.3, 9.0) == 1.0
+    row, graph = with_its_table((0.0, 2.0, 0.5))
+    assert law_curve.curve_force(row, graph, 0, 0.3) == 9.0
+    assert law_curve.curve_depth(row, graph, 0, 4.5) == 0.5
+    assert law_curve.local_exponent(row, graph, 0, 0.3, 9.0) == 1.0
 
 
 @pytest.mark.parametrize("push", [Contact(1.0, 2.0, 1.5), Contact(0.0, 2.0, 1.0), Contact(3.0, 0.5, 2.0)], ids=str)
 def test_the_segments_of_a_coupler_are_its_graph(push):
     link = Coupler(push, pull=Contact(0.5, 20.0, 1.5), slack=0.5, travel=1.0, stop=1000.0)
     assert len(link.segments) == 4
-    for side, origin, preload, stiffness, exponent, before, stop, _loss, length in link.segments:
+    graph = graphs_of(Chain([1.0, 1.0], link), State.at_start(Chain([1.0, 1.0], link), [0.0, 0.0]))
+    for side, origin, preload, stiffness, exponent, _loss, length, before, stop, *_ in link.segments:
         row = np.array([[preload, stiffness, exponent, before, stop, side]])
         for way in (0.01, 0.3, 0.9, 1.7):
             if way < length:
-                force = law_curve.curve_force(row, None, 0, side * way)
+                force = law_curve.curve_force(row, graph, 0, side * way)
                 assert force == pytest.approx(link.force(origin + side * way), rel=1e-12)
-                low, high = (law_curve.segment_force(row, 0, side * way + nudge) for nudge in (-1e-6, 1e-6))
-                slope = law_curve.curve_slope(row, None, 0, side * way, force)
+                low, high = (law_curve.signed_segment(row, 0, side * way + nudge) for nudge in (-1e-6, 1e-6))
+                slope = law_curve.curve_slope(row, graph, 0, side * way, force)
                 assert slope == pytest.approx(0.5e6 * (high - low), rel=1e-6)
         if not before:  # The segment is an odd function beyond its origin. There, only the stop has a slope.
-            both = law_curve.segment_force(row, 0, 0.2) + law_curve.segment_force(row, 0, -0.2)
+            both = law_curve.signed_segment(row, 0, 0.2) + law_curve.signed_segment(row, 0, -0.2)
             assert both == pytest.approx(2.0 * side * preload)
-            assert law_curve.segment_force(row, 0, 0.0) == side * preload
+            assert law_curve.signed_segment(row, 0, 0.0) == side * preload
             assert law_curve.segment_slope(row, 0, 0.0) == (stiffness if exponent == 1.0 else 0.0) + stop
     soft = np.array([[0.0, 2.0, 0.5, 0.0, 0.0, -1.0]])  # Without a preload the segment is open beyond its origin.
-    assert [law_curve.segment_force(soft, 0, way) for way in (0.25, -0.25)] == [0.0, -1.0]
+    assert [law_curve.signed_segment(soft, 0, way) for way in (0.25, -0.25)] == [0.0, -1.0]
 
 
 def test_the_depth_of_a_stored_energy_is_bounded():

@@ -108,9 +108,10 @@ def test_the_solver_survives_overflow_of_a_law():
     repeated as a shorter step, and the run continues.
     """
     laws = Laws(one_on(1, OwnLaw(lambda overlap: math.expm1(50.0 * overlap))), 1.0)
-    assert not np.isfinite(laws.force(np.array([293.0])))
-    assert not np.isfinite(laws.slope(np.array([293.0])))
-    assert laws.force(np.array([[0.1], [-0.1]])) == pytest.approx(np.array([[math.expm1(5.0)], [0.0]]))
+    on = np.zeros(1, dtype=int), np.zeros(1, dtype=bool)  # the first segment, on loading
+    assert not np.isfinite(laws.force(np.array([293.0]), *on))
+    assert not np.isfinite(laws.slope(np.array([293.0]), *on))
+    assert laws.force(np.array([[0.1], [-0.1]]), *on) == pytest.approx(np.array([[math.expm1(5.0)], [0.0]]))
 
 
 def test_contacts_pressed_at_the_start_are_closed():

@@ -56,7 +56,7 @@ def peer_solvers(case: ChartCase) -> list[Solver]:
     dissipation.
     """
     chain = case.chain
-    if chain.dissipative or chain.timed or chain.couplers or chain.own_laws or not _numba_compiles():
+    if chain.dissipative or chain.timed or chain.piecewise or chain.own_laws or not _numba_compiles():
         return []
     missing = missing_peers()
     return [solver for peer in PEERS if peer not in missing for solver in peer.solvers(case)]

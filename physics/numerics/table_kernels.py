@@ -1,0 +1,155 @@
+"""Segments whose force and energy are tables of polynomials, in kernels: value, slope, inverse and mean force.
+
+Each function takes the Graphs and the row p of the segment; `softcradle.physics.law_table` makes the tables.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from softcradle.physics.numerics.jit import inlined, jit
+from softcradle.physics.numerics.law_kernels import EPSILON, MOST_SCALAR
+from softcradle.physics.numerics.records import TABLE
+
+Array = NDArray[np.float64]
+
+# Distance of the end of a step from its start, as a fraction of the overlap there, below which the mean force is a mean of
+# forces: the difference of energies would cancel.
+NEAR = 0.05
+# Fraction of the overlap below which the force between both ends is a straight line.
+SAME = 1e-9
+# Round-off of the difference of two energies, as a fraction of the larger one. The mean of forces must agree to that.
+DOUBT = 8.0 * EPSILON
+
+_points, _weights = np.polynomial.legendre.leggauss(4)
+# nodes and weights of the mean of forces: up to a distance of NEAR it is exact to round-off
+NODES: Array = 0.5 * (_points + 1.0)
+WEIGHTS: Array = 0.5 * _weights
+
+
+@inlined
+def has_table(graph, i):
+    """Return whether the graph of contact i is a table."""
+    return graph.kind.size > 0 and graph.kind[i] == TABLE
+
+
+@jit
+def piece_of(graph, p, overlap):
+    """Return the piece of segment p in which an overlap > 0 lies."""
+    low, high = graph.table[p, 0], graph.table[p, 1]
+    while high - low > 1:
+        middle = (low + high) // 2
+        if graph.edge[middle, 0] <= overlap:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@inlined
+def polynomial(row, place):
+    """Return the value of a polynomial at `place` in [-1, 1]."""
+    value = row[row.size - 1]
+    for k in range(row.size - 2, -1, -1):
+        value = value * place + row[k]
+    return value
+
+
+@inlined
+def polynomial_slope(row, place):
+    """Return the derivative of a polynomial at `place`."""
+    slope = 0.0
+    for k in range(row.size - 1, 0, -1):
+        slope = slope * place + k * row[k]
+    return slope
+
+
+@inlined
+def end_of(graph, p):
+    """Return the overlap at which the table of segment p ends."""
+    return graph.edge[graph.table[p, 1] - 1, 1]
+
+
+@jit
+def table_value(graph, coefficients, p, overlap):
+    """Return the polynomial of the piece in which an overlap > 0 lies; NaN beyond the table."""
+    if not overlap <= end_of(graph, p):
+        return math.nan
+    piece = piece_of(graph, p, overlap)
+    begin, end = graph.edge[piece, 0], graph.edge[piece, 1]
+    return polynomial(coefficients[piece], (2.0 * overlap - begin - end) / (end - begin))
+
+
+@jit
+def table_slope(graph, p, overlap):
+    """Return the slope df/dd >= 0 at an overlap > 0; NaN beyond the table."""
+    if not overlap <= end_of(graph, p):
+        return math.nan
+    piece = piece_of(graph, p, overlap)
+    begin, end = graph.edge[piece, 0], graph.edge[piece, 1]
+    place = (2.0 * overlap - begin - end) / (end - begin)
+    return max(2.0 * polynomial_slope(graph.force[piece], place) / (end - begin), 0.0)
+
+
+@jit
+def table_inverse(graph, coefficients, p, value):
+    """Return the overlap at which the force or the energy of segment p reaches `value`; inf if it does not."""
+    low, high = graph.table[p, 0], graph.table[p, 1]
+    if not polynomial(coefficients[high - 1], 1.0) >= value:
+        return math.inf
+    while high - low > 1:  # the last piece that begins below the value, or the first
+        middle = (low + high) // 2
+        if polynomial(coefficients[middle], -1.0) < value:
+            low = middle
+        else:
+            high = middle
+    row, begin, end = coefficients[low], graph.edge[low, 0], graph.edge[low, 1]
+    left, right, place, following = -1.0, 1.0, 0.0, 0.0
+    for _ in range(MOST_SCALAR):
+        lacks = value - polynomial(row, place)
+        if lacks > 0.0:
+            left = place
+        else:
+            right = place
+        slope = polynomial_slope(row, place)
+        following = place + lacks / slope if slope > 0.0 else right
+        if not left < following < right:
+            following = 0.5 * (left + right)
+        if abs(following - place) <= EPSILON or not left < following < right:
+            break
+        place = following
+    return 0.5 * (begin + end + following * (end - begin))
+
+
+@inlined
+def breakpoint_force(graph, i, start, end):
+    """Return how much of the force [N] at overlap `end` is due to breakpoints of the table between `start` and `end`."""
+    found = 0.0
+    if has_table(graph, i):
+        p = graph.first[i]
+        for k in range(graph.table[p, 2], graph.table[p, 3]):
+            at = graph.breakpoint[k, 0]
+            if min(start, end) < at < max(start, end):
+                found = max(found, graph.breakpoint[k, 1] + graph.breakpoint[k, 2] * abs(end - at))
+    return found
+
+
+@jit
+def table_mean(graph, p, start, overlap):
+    """Return the mean force (E(d1)-E(d0))/(d1-d0) and its slope by d1 > 0, without cancellation if d1 is near d0."""
+    distance = overlap - start
+    if start > 0.0 and abs(distance) < SAME * start:
+        middle = 0.5 * (start + overlap)
+        return table_value(graph, graph.force, p, middle), 0.5 * table_slope(graph, p, middle)
+    end = table_value(graph, graph.energy, p, overlap)
+    begin = table_value(graph, graph.energy, p, start) if start > 0.0 else 0.0
+    mean = (end - begin) / distance
+    if start > 0.0 and abs(distance) < NEAR * start:
+        smooth = 0.0
+        for q in range(NODES.size):
+            smooth += WEIGHTS[q] * table_value(graph, graph.force, p, start + distance * NODES[q])
+        if abs(smooth - mean) * abs(distance) <= DOUBT * max(begin, end):
+            mean = smooth
+    return mean, max((table_value(graph, graph.force, p, overlap) - mean) / distance, 0.0)
