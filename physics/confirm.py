@@ -1,14 +1,17 @@
-"""Adaptive runs above their runner: samples, what one run states of its error, and other runs where that is not enough.
+"""Runner of the adaptive methods: one integration, an error estimate and, if that is not trustworthy, further runs that
+confirm it.
 
-    one run          states DOUBT * growth * sqrt(sum of the squares of its local errors, of bounces left out and of round-off)
-    grown errors     another run of a slightly different chain has to agree: a coarser one, which is cheap, else finer ones
-    rattling         where following each bounce stops paying, several runs of `conserving` carry the motion to its end
+    one run          estimates DOUBT * amplification * sqrt(sum of squared local errors, neglected bounces and
+        round-off)
+    amplification    above MOST_GROWN, another run of a slightly perturbed chain must agree: a coarser run, which is
+                     cheap, or otherwise finer runs
+    chattering       if following each bounce does not pay any more, several runs of `conserving` finish the motion
 
-Over the random chains of `benchmarks scan` no run whose errors grew by less than MOST_GROWN was silent. That one states little
-tells nothing: gears far below their preload make no local error, and round-off decides which of them yields. Bounces by the
-thousand at a millionth of the closing speed determine no digit of the end that a finer run would confirm. Energy and momentum
-are kept by every step of the discrete gradient, so it carries such a motion on in bounded time, and how far runs of unlike steps
-differ says how well the end is determined.
+In the random chains of `benchmarks scan`, no run whose errors were amplified by less than MOST_GROWN had an undetected
+error. A small estimate is not sufficient: draft gears far below their preload do not make local errors, but round-off
+decides which of them yields. Thousands of bounces at a millionth of the closing speed determine no digit of the end
+that a finer run could confirm. Each step of the discrete gradient keeps energy and momentum, so `conserving` finishes
+such a motion in bounded time. The difference between its runs with unlike steps shows how well the end is determined.
 """
 
 from __future__ import annotations
@@ -49,47 +52,55 @@ from softcradle.physics.status import CodedWarning, Status, WarningCode
 
 Array = NDArray[np.float64]
 
-# Other runs
-FINER = 10.0  # ratio of the tolerances of successive runs
-# Where errors grow by more, or where a run states more than this part of the closing speed, another run may agree with it by
-# chance: differences tell of errors as long as these are small. A coarser one then confirms nothing, and two finer ones have to.
+# Confirmation by other runs
+FINER = 10.0  # Ratio of the tolerances of successive runs
+# Error amplification, and estimated error as a fraction of the closing speed, above which another run may agree by
+# chance. The difference between runs shows their errors only as long as these are small. Above these limits a coarser
+# run does not confirm anything, and two finer runs must.
 MOST_TRUSTED = FINER**3
 MOST_STATED = 0.3
-# Part of the first run's own estimate below which no confirmed error falls. Another run can agree with the first by chance, or
-# because both damp what neither follows; the first run's estimate was exceeded in none of 1 900 runs whose errors grew by
-# more than MOST_GROWN, but it is often ten times too large.
+# Smallest confirmed error, as a fraction of the estimate of the first run. Another run can agree with the first by
+# chance, or because both damp a motion that neither resolves. None of 1 900 runs with an amplification above MOST_GROWN
+# had an error above the estimate of the first run, but that estimate is often ten times too large.
 LEAST_OF_ESTIMATE = 0.1
-# Times the steps of a run that the order of radau asks for in one as much finer. A finer one that takes more of them may follow
-# what the other damped: a coarser run then confirms nothing, and with the square of it a finer one neither.
+# Ratio of the steps of two successive runs that the order of radau predicts. If a run takes more than this many times
+# the steps of a coarser run, the coarser one may have damped a motion and does not confirm it. A finer run does not
+# confirm either if it takes more than the square of this ratio.
 ALIKE = FINER ** ERROR_EXPONENT[RADAU]
-# Runs of `conserving` to the end
-STEP_PART = 0.25  # of the default step: the longest step of these runs, or
-ELAPSED_PART = 1.0 / 1500.0  # of the time that the motion took so far, where that is longer
-PARTS = (1.0, 0.83, 0.61, 0.5)  # of the longest step, one for each run; the last one is the result
-STEPS_ALIKE = 12_000  # of one of these runs, after which they are twice as long: a long end takes few more
-# The ledger
-SOFTEST = 0.02  # exponent of contacts below which the ledger bounds the error too
-# Steps of a run above which its error is at least what the change of its energy shows. Local errors of many like bounces have one
-# sign and add up to more than the root of the sum of their squares.
+# Runs of `conserving` that finish a motion
+STEP_PART = 0.25  # Longest step of these runs, as a fraction of the default step
+# The same as a fraction of the elapsed time of the motion; the longer one counts. The number of steps stays bounded.
+ELAPSED_PART = 1.0 / 1500.0
+# Step of each run, as a fraction of the longest step. The fractions are unlike so that the runs differ; the last run
+# gives the result.
+PARTS = (1.0, 0.83, 0.61, 0.5)
+# Steps of such a run after which its step length doubles, so that a long end takes only few more steps
+STEPS_ALIKE = 12_000
+# Energy balance
+SOFTEST = 0.02  # Exponent of contacts below which the energy balance bounds the error as well
+# Steps of a run above which its error is at least what the change of its energy shows. Local errors of many similar
+# bounces have one sign, so their sum is larger than the root of the sum of their squares.
 LONG_RUN = 10_000
-MOST_ENERGY = 100.0  # tolerances: a larger relative error of the energy gives a warning
+MOST_ENERGY = 100.0  # Largest relative error of the energy without a warning, in tolerances
 
-# Statuses of a run whose end is known less well than the tolerance
+# Statuses of a run whose end is less accurate than the tolerance
 UNCERTAIN = (Status.UNDETERMINED, Status.BUDGET_SPENT)
 
 advance = adaptive.advance
 
 
 def run(problem: Problem) -> Record:
-    """Compute the whole motion; ``problem.state`` stays as it is."""
-    adaptive.KERNELS.load_made()  # so that the cost measured is that of the motion
+    """Compute the whole motion and confirm its end; ``problem.state`` stays unchanged."""
+    adaptive.KERNELS.load_made()  # the measured cost should not contain the time to load kernels
     record = to_its_end(problem)
     if problem.most_steps is None:
         record = confirmed(problem, record)
+    # Samples are taken from the confirmed run only.
     if record.kept is not None:
         began = perf_counter()
         record = sampled(record, problem.sample_times(record.end.time))
         record.seconds += perf_counter() - began
+    # The energy balance reveals errors that all runs have in common; energy and momentum also limit the error.
     before, change = _ledger(problem, record)
     record.velocity_error = record.velocity_error + _unresolved(problem.chain, change)
     if record.steps > LONG_RUN:
@@ -103,16 +114,19 @@ def run(problem: Problem) -> Record:
 
 
 def to_its_end(problem: Problem) -> Record:
-    """One run to the end of the problem, by `conserving` from where contacts only rattle; samples may be still to be taken."""
+    """Run to the end of the problem; if the method gives up because contacts chatter, `conserving` finishes the motion.
+
+    Samples are computed later.
+    """
     record = adaptive.one_run(problem)
     return _finished(problem, record) if record.status.gave_up and problem.most_steps is None else record
 
 
-# ---- another run
+# ---- confirmation by another run
 
 
 def confirmed(problem: Problem, record: Record) -> Record:
-    """Return the record that another run confirms, with an error of at least a tenth of what the first run estimates."""
+    """Return the confirmed record, with an error of at least a tenth of the estimate of the first run."""
     least = LEAST_OF_ESTIMATE * record.velocity_error
     found = _confirmed(problem, record)
     found.velocity_error = np.maximum(found.velocity_error, least)
@@ -120,25 +134,31 @@ def confirmed(problem: Problem, record: Record) -> Record:
 
 
 def _confirmed(problem: Problem, record: Record) -> Record:
-    """The record, if its errors hardly grow or another run of a slightly different chain agrees with it; else a finer one.
+    """Return the record if its errors are hardly amplified or another run of a slightly perturbed chain agrees,
+    otherwise a finer one.
 
-    The other run is a coarser one, which takes the fewest steps: where it ends within half of what is promised of the record,
-    errors do not grow beyond what the record states. Where it does not, finer ones decide; and where the record states more than
-    is promised, for then a coarser one states ten times as much, and agrees by chance or because both damp what neither follows.
+    The other run is coarser, because it takes the fewest steps. If it ends within half of the guaranteed error of the
+    record, errors do not grow beyond the estimate. If the two runs disagree, finer runs decide. The same holds if the
+    first run already estimates an error above the guarantee: a coarser run would estimate ten times as much, and the
+    two could agree by chance, or because both damp a motion that neither resolves.
     """
+    # Small amplification: the estimate of the run itself is reliable.
     if record.growth <= MOST_GROWN or record.warnings:
         return record
-    # one that is not was carried to its end by several runs from one state: the other one has a state of its own
+    # An undetermined motion was finished by several runs from one state. The other run reaches another state, so the
+    # comparison shows the spread of the end.
     determined = record.status != Status.BUDGET_SPENT
     promised = guaranteed_error(problem.tolerance, problem.scale)
+    # Large amplification or a large estimate: only finer runs can confirm.
     if determined and (record.growth > MOST_TRUSTED or record.velocity_error.max() > promised):
         return _finer(problem, record)
     most = 2 * record.steps + STEPS_A_CONTACT if determined else None
-    # steps of `conserving` are no measure of what another run may take: it counts those of flights that it skips
+    # The steps of `conserving` are not a measure for other runs, because flights that it skips count as steps.
     budget = min(record.steps, usual_steps(problem, problem.end))
     coarse = _shaken_run(problem, FINER * problem.tolerance, 0, samples=2, budget=budget, most_steps=most)
     other = to_its_end(coarse)
     apart = np.abs(other.velocity - record.velocity)
+    # The coarser run failed, disagrees, or took so few steps that it may have damped what the finer one follows.
     if determined and (other.warnings or record.steps > ALIKE * other.steps or not apart.max() <= 0.5 * promised):
         finest = _finer(problem, record)
         return _beside(finest, other, finest.velocity_error)
@@ -146,71 +166,88 @@ def _confirmed(problem: Problem, record: Record) -> Record:
 
 
 def _finer(problem: Problem, record: Record) -> Record:
-    """The first record with which a finer one agrees, or the finest, which is undetermined.
+    """Return the first record that a finer run confirms, or the finest record, which is then undetermined.
 
-    The usual budget bounds the steps of each finer run, and those of all runs before another is tried.
+    The usual budget limits the steps of each finer run, and those of all runs before another one is tried.
     """
+    # `confirming` counts consecutive agreements, `chance` is true if the last run may agree by chance, `surprised` if a
+    # run differed by more than it had estimated, and `alone` is the estimate of the last run itself.
     allowed = max(problem.tolerance, LEAST_GUARANTEED) * problem.scale
     usual, steps, tolerance = usual_steps(problem, problem.end), record.steps, problem.tolerance
     runs, confirming, chance = 0, 0, _agrees_by_chance(record, problem)
     alone, surprised = record.velocity_error, False
     while not record.warnings:
         tolerance, runs = max(tolerance / FINER, ROUND_OFF), runs + 1
-        finest = tolerance < 2.0 * ROUND_OFF  # a run as fine as another agrees with it, whatever both are off by
+        # A run with the same tolerance agrees with this one, whatever error both have.
+        finest = tolerance < 2.0 * ROUND_OFF
         budget = min(int(FINER * (record.steps + STEPS_A_CONTACT)), usual)
         finer = to_its_end(_shaken_run(problem, tolerance, runs, budget=budget))
         apart = np.abs(finer.velocity - record.velocity)
         error, agrees = _error_of(apart) + _error_anyway(finer), apart.max() <= allowed
+        # The finer run did not reach the end within its budget: the record stays unconfirmed.
         if finer.status == Status.BUDGET_SPENT:
             record.status = Status.BUDGET_SPENT
             return _beside(record, finer, error)
+        # A finer run that takes many more steps than predicted may follow a motion that the other run damped.
         confirming = confirming + 1 if agrees and finer.steps <= ALIKE**2 * steps else 0
-        surprised = surprised or (not agrees and apart.max() > alone.max())  # errors grow by more than it knows of
+        # errors are amplified by more than the run has estimated
+        surprised = surprised or (not agrees and apart.max() > alone.max())
         before, chance = chance, surprised or _agrees_by_chance(finer, problem)
+        # Two agreements are needed if either run may agree by chance.
         if confirming >= (2 if chance or before else 1):
             return _beside(record, finer, error)
+        # Continue with the finer run, until round-off limits the tolerance or the budget is used up.
         alone, steps, record = finer.velocity_error, finer.steps, _beside(finer, record, error)
         if finest or record.steps + steps > usual:
             if apart.max() > GUARANTEED * allowed:
                 record.status = Status.UNDETERMINED
-            elif not finest:  # unconfirmed: it may be off by more than a difference that is small by chance
+            elif not finest:  # Unconfirmed: the error may be larger than a difference that is small by chance.
                 record.velocity_error = np.maximum(error if agrees else FINER * error, alone if chance else 0.0)
             return record
     return record
 
 
 def _agrees_by_chance(record: Record, problem: Problem) -> bool:
-    """Whether a run as fine as the record's may agree with it by chance."""
+    """Return whether another run of the same accuracy may agree with the record by chance."""
     return record.growth > MOST_TRUSTED or float(record.velocity_error.max()) > MOST_STATED * problem.scale
 
 
 def _error_of(apart: Array) -> Array:
-    """What runs state that end `apart` (n+1,) [m/s]: that of one bead may be small by chance, where those of others are not."""
+    """Return the estimated error of two runs whose ends differ by `apart` (n+1,) [m/s].
+
+    The difference of one bead may be small by chance, so the largest difference of all beads is a lower limit.
+    """
     return np.maximum(DOUBT * apart, apart.max())
 
 
 def _error_anyway(record: Record) -> Array:
-    """What a record whose growth of errors another run has shown, or bounded, may be off by beside their difference.
+    """Return the error that a record may have in addition to the difference from another run, which showed its error
+    amplification.
 
-    One that several runs carried to its end states what these differ by, which is of no growth.
+    For a motion that several runs finished, the estimate already is the difference between those runs, so it is not
+    amplified.
     """
+    # The other run shows all amplification above MOST_GROWN.
     grown = record.growth if record.status != Status.BUDGET_SPENT else 1.0
     return np.maximum(record.velocity_error * (min(grown, MOST_GROWN) / grown), record.unseen)
 
 
 def _shaken_run(problem: Problem, tolerance: float, runs: int, **other: Any) -> Problem:
-    """The problem at another tolerance, of a chain that differs by a part of it; `other` fields replace its own.
+    """Return the problem with another tolerance and a chain that is perturbed by a fraction of it. `other` fields
+    replace its own.
 
-    Steps between sharp events are the same at all tolerances, so two runs of one chain are off alike; and so are two that are
-    shaken alike: this goes to and fro with the number of `runs` so far.
+    Steps between sharp events (jumps of a force) are the same at all tolerances, so two runs of one chain have the same
+    errors; so do two runs with the same perturbation. Therefore the sign of the perturbation alternates with the number
+    of `runs`.
     """
     chain, state = _shaken(problem.chain, (-1) ** runs * TOLERANCE_PART * tolerance), problem.state.copy()
+    # Rates are perturbed as well, by a few units of round-off.
     state.rate *= _up_and_down(runs * float_info.epsilon, state.rate.size)
     return replace(problem, tolerance=tolerance, chain=chain, state=state, **other)
 
 
 def _beside(record: Record, other: Record, error: Array) -> Record:
-    """The record with the cost of another run too, beside which it states `error` (n+1,) [m/s]."""
+    """Return the record with the cost of another run added, and with the `error` (n+1,) [m/s] that both together show."""
     record.steps += other.steps
     record.evaluations += other.evaluations
     record.seconds += other.seconds
@@ -219,14 +256,16 @@ def _beside(record: Record, other: Record, error: Array) -> Record:
 
 
 def _shaken(chain: Chain, part: float) -> Chain:
-    """The chain with forces that differ by a part of them; where a law is one's own, with masses that do.
+    """Return the chain with forces perturbed by the fraction `part`; with user-defined laws, masses are perturbed
+    instead.
 
-    Masses turn the phase of a bead that is pressed from both sides, forces hardly do: so these where they can be changed. The
-    heaviest bead stays the heaviest, for its velocity is the one that a State holds.
+    Forces are preferred, because they hardly change the phase of a bead that is pressed from both sides; masses do.
+    The heaviest bead stays the heaviest, because a State stores its velocity.
     """
     if not chain.own_laws:
         factors = _up_and_down(part, chain.contacts).tolist()
         return replace(chain, contact=tuple(map(_stronger, chain.contact, factors)))
+    # Alternating perturbations of the masses, within the range that a chain accepts.
     mass = np.array(chain.mass) * _up_and_down(part, len(chain.mass))
     np.clip(mass, SMALLEST, (1.0 - 4.0 * float_info.epsilon) * LARGEST, out=mass, where=np.isfinite(mass))
     mass[chain.anchor] = (1.0 + float_info.epsilon) * mass.max()
@@ -234,7 +273,7 @@ def _shaken(chain: Chain, part: float) -> Chain:
 
 
 def _stronger(contact: Joint, factor: float) -> Joint:
-    """Return the contact with its forces times a factor."""
+    """Return the contact with its forces multiplied by `factor`."""
     if isinstance(contact, PiecewiseContact):
         rows = (
             one._replace(
@@ -253,30 +292,36 @@ def _times(contact: Contact, factor: float) -> Contact:
 
 
 def _scaled(number: float, factor: float) -> float:
-    """The number times a factor, but no further than what a chain takes; 0 stays 0."""
+    """Return the number multiplied by `factor`, within the range that a chain accepts; 0 stays 0."""
     return number and min(max(number * factor, SMALLEST), LARGEST)
 
 
 def _up_and_down(part: float, size: int) -> Array:
-    """(size,) factors 1 + part, 1 - part, 1 + part, ..."""
+    """Return (size,) factors 1 + part, 1 - part, 1 + part, ..."""
     factors = np.full(size, 1.0 + part)
     factors[1::2] = 1.0 - part
     return factors
 
 
-# ---- the end of a motion that rattles
+# ---- the end of a chattering motion
 
 
 def _finished(problem: Problem, given_up: Record) -> Record:
-    """The whole record of a motion that the adaptive method gave up at ``given_up.end``; its error is the spread of the runs."""
+    """Return the whole record of a motion that the adaptive method gave up at ``given_up.end``. Its error is the spread
+    of several runs.
+    """
+    # Longest step: short compared with a contact, but long enough that the number of steps stays bounded.
     start = given_up.end
     elapsed = start.time - problem.state.time
     step = STEP_PART * default_step(problem.chain, problem.velocity, touching=True)
     step = max(step, ELAPSED_PART * elapsed)
+    # Several runs of `conserving` with unlike steps, in parallel.
     with ThreadPoolExecutor(min(len(PARTS), os.cpu_count() or 1)) as threads:
         ends = list(threads.map(lambda part: _run_on(problem, start, part * step, problem.end, NO_TIMES), PARTS))
+    # The spread of their ends, plus rates whose sign is the same in all runs by the nature of the method.
     velocities = np.array([end.velocity for end in ends])
     error = _error_anyway(given_up) + _error_of(np.ptp(velocities, axis=0) + _rattling(problem.chain, ends[-1].end))
+    # Samples before the switch come from the adaptive run, the others from the last run of `conserving`.
     times, last = problem.sample_times(ends[-1].end.time), ends[-1]
     early, late = times[times <= start.time], times[times > start.time]
     if (late < last.end.time).any():
@@ -295,9 +340,10 @@ def _finished(problem: Problem, given_up: Record) -> Record:
 
 
 def _rattling(chain: Chain, end: State) -> Array:
-    """(n+1,) the largest rate [m/s] of a contact beside each bead that touches under load: it may be of the other sign.
+    """Return (n+1,) the largest rate [m/s] of a contact at each bead that touches under load: its sign is not reliable.
 
-    A step of the discrete gradient that ends at a touch where it began ends at the opposite rate: all runs may agree in its sign.
+    A step of the discrete gradient that starts and ends at the touching position ends with the opposite rate. So all
+    runs may agree in the sign of this rate.
     """
     pulls_below = np.full(chain.contacts, -np.inf)
     for i, contact in chain.piecewise:
@@ -308,9 +354,10 @@ def _rattling(chain: Chain, end: State) -> Array:
 
 
 def _run_on(problem: Problem, start: State, step: float, end: float, times: Array) -> Record:
-    """`conserving` from `start` to `end` in steps that double again and again."""
+    """Run `conserving` from `start` to `end`, with a step length that doubles after every STEPS_ALIKE steps."""
     state, left = start, times
     records: list[Record] = []
+    # Each part runs at most STEPS_ALIKE steps; the next part has twice the step length.
     while not records or records[-1].status.gave_up:
         duration = None if np.isinf(end) else end - state.time
         if duration is not None and state.time + duration < end:  # the last sample is at the end
@@ -321,14 +368,14 @@ def _run_on(problem: Problem, start: State, step: float, end: float, times: Arra
         )
         found = fixed_step.run(part)
         records.append(replace(found, samples=first_samples(found.samples, left.size)))
-        left = left[records[-1].samples.time.size :]  # samples within the step after the last one are taken too
+        left = left[records[-1].samples.time.size :]  # samples within the step after the last one are included
         state, step = found.end, 2.0 * step
     starts = [start.time, *(record.end.time for record in records[:-1])]
     return records[0] if len(records) == 1 else _in_a_row(problem.chain, starts, records)
 
 
 def _in_a_row(chain: Chain, starts: list[float], records: list[Record]) -> Record:
-    """Records of runs that go on from each other, each from its start [s], as one."""
+    """Join the records of consecutive runs, each with its start time [s], into one."""
     closed, switches = np.zeros(chain.contacts, dtype=bool), []
     for start, record in zip(starts, records, strict=True):
         switches += _continued_switches(closed, start, record)
@@ -346,10 +393,11 @@ def _in_a_row(chain: Chain, starts: list[float], records: list[Record]) -> Recor
 
 
 def _continued_switches(closed: NDArray[np.bool_], start: float, record: Record) -> list[tuple[int, float]]:
-    """(contact, time) of the switches in the `record` of a run that goes on from `start` [s]; `closed` (n,) is updated.
+    """Return (contact, time) of the switches in the `record` of a run that continues another at `start` [s]. Updates
+    `closed` (n,).
 
-    A run logs its closed contacts as closing at its start: those that were `closed` before have not switched, and those that
-    were and are not logged have opened.
+    A run logs closed contacts as closing at its start. Contacts that were `closed` before have not switched then.
+    Contacts that were closed and are not logged have opened.
     """
     begun, now = np.zeros(closed.size, dtype=bool), np.zeros(closed.size, dtype=bool)
     kept = []
@@ -365,13 +413,16 @@ def _continued_switches(closed: NDArray[np.bool_], start: float, record: Record)
     return [*((int(contact), start) for contact in opened), *kept]
 
 
-# ---- what energy tells
+# ---- energy balance
 
 
 def _bound_by_energy(problem: Problem, record: Record) -> None:
-    """State no error that energy and momentum do not allow; a motion that these determine is determined."""
+    """Limit the estimated error to what energy and momentum allow. If this limit is below the tolerance, the motion is
+    determined.
+    """
     if is_possible(problem.chain, problem.state, max(record.velocity_error.tolist())):
         return
+    # The bound of each bead; a motion whose bounds are below the tolerance is determined.
     most = largest_error(problem.chain, problem.state, record.end)
     record.velocity_error = np.minimum(record.velocity_error, most)
     if record.status in UNCERTAIN and most.max() <= problem.tolerance * problem.scale:
@@ -379,8 +430,11 @@ def _bound_by_energy(problem: Problem, record: Record) -> None:
 
 
 def _ledger(problem: Problem, record: Record) -> tuple[float, float]:
-    """The energy [J] of a chain at the start, and by how much it is off in the end; both 0 where work is done on it."""
+    """Return the energy [J] of a chain at the start, and its error at the end; both 0 if external work is done on the
+    chain.
+    """
     chain, start, end = problem.chain, problem.state, record.end
+    # Without external work the energy must stay constant; otherwise it is not checked.
     wall_moves = chain.walls > 0 and bool((np.isinf(chain.mass) & (problem.velocity != 0.0)).any())
     if wall_moves or chain.forces or start.external(chain) is not None:
         return 0.0, 0.0
@@ -392,7 +446,7 @@ def _ledger(problem: Problem, record: Record) -> tuple[float, float]:
 def _least_error(chain: Chain, energy: float, change: float) -> float:
     """Return an error [m/s] of the bead velocities that explains the `change` [J] of the `energy` [J].
 
-    Errors up to e change the kinetic energy by e times the sum of m abs(v) at the most, where sqrt(m) abs(v) <= sqrt(2 E).
+    Errors up to e change the kinetic energy by at most e times the sum of m abs(v), where sqrt(m) abs(v) <= sqrt(2 E).
     """
     if not energy > 0.0:
         return 0.0
@@ -400,17 +454,18 @@ def _least_error(chain: Chain, energy: float, change: float) -> float:
 
 
 def _unresolved(chain: Chain, change: float) -> float:
-    """What velocities [m/s] the energy `change` of a run could be, where contacts are so soft that they rattle.
+    """Return the velocity [m/s] that the energy `change` of a run corresponds to if contacts are so soft that they
+    chatter, else 0.
 
-    A cluster of such contacts is all but rigid: rattling far below the closing speed can be damped in every run alike, so that
-    none tells of it, and of its energy alone is known that it is no more than what the ledger lacks.
+    A cluster of such contacts is nearly rigid. Chattering far below the closing speed can be damped in every run alike,
+    so that no comparison shows it. Its energy is then only known to be at most the error of the energy balance.
     """
     return float(np.sqrt(2.0 * change * chain.inverse_reduced_mass.max())) if _rattles(chain) else 0.0
 
 
 @per_chain
 def _rattles(chain: Chain) -> bool:
-    """Whether contacts are so soft that a cluster of them rattles."""
+    """Return whether contacts are so soft that a cluster of them chatters."""
     return any(preload == 0.0 and exponent < SOFTEST for preload, _, exponent in law_rows(chain).tolist())
 
 
@@ -423,7 +478,7 @@ def _energy_warning(problem: Problem, error: float) -> CodedWarning:
 
 
 def _uncertain_warning(record: Record) -> CodedWarning:
-    """Report why the end of a motion is known less well than the tolerance, and how well."""
+    """Return the warning that the end of a motion is less accurate than the tolerance, with its cause and its error."""
     worst = float(record.velocity_error.max())
     if record.status == Status.UNDETERMINED:
         sentence = f"final velocities are determined to {worst:.1g} m/s only: finer runs differ by as much"

@@ -1,6 +1,7 @@
-"""The loop around `radau` and `dop853`: step sizes, contact switches, free flight, the end of a collision.
+"""Main loop of the adaptive methods: step size, steps of `radau` and `dop853`, events, free flight, and the end of a
+collision.
 
-Steps grade themselves into the singular times of soft contacts (onset, loss) by factors of up to 8.
+Step lengths follow the singular times of soft contacts (onset, opening) by factors of up to 8 from step to step.
 """
 
 from __future__ import annotations
@@ -58,15 +59,19 @@ from softcradle.physics.numerics.records import (
 
 @piece
 def nothing_moves(least, chain, regime, motion, velocity):
-    """True where no bead is faster than `least` [m/s], and friction holds each, or forces balance on it where no bed brakes it.
+    """Return True if all beads have come to rest: none is faster than `least` [m/s], and friction or a balance of
+    forces holds each.
 
-    A bead that creeps as a soft contact damps it would do so for ever, for it never turns; and one that sticks beside it has
-    a velocity within the precision of the stages. `velocity` (n+1,) is scratch.
+    A bead that creeps while a soft contact damps it never turns, so it would creep forever. Therefore beads slower than
+    `least` count as resting on a bed. `velocity` (n+1,) is scratch memory.
     """
+    # The difference of two bead velocities is at most twice the limit. This test is cheap and fails for most motions.
     for i in range(motion.rate.size):
         if abs(motion.rate[i]) > 2.0 * least:
             return False
     bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], velocity)
+    # Friction can hold a bead if it can balance all other forces. Without friction on a bead, only round-off may
+    # remain.
     for j in range(velocity.size):
         held = ROUND_OFF * largest_force(j, chain, motion)
         if regime.bed[j] > 0.0:
@@ -79,7 +84,7 @@ def nothing_moves(least, chain, regime, motion, velocity):
 
 @inlined
 def largest_force(j, chain, motion):
-    """The largest of the forces on bead j."""
+    """Return the largest force [N] that acts on bead j."""
     found = abs(chain.push[j]) if chain.push.size else 0.0
     for i in range(max(j - 1, 0), min(j + 1, motion.force.size)):
         found = max(found, abs(motion.force[i]), abs(chain.law[i, 0]))
@@ -88,7 +93,7 @@ def largest_force(j, chain, motion):
 
 @inlined
 def put_to_rest(regime, motion):
-    """Take all velocities: friction holds all beads."""
+    """Set all velocities to 0, because friction holds all beads."""
     for i in range(motion.rate.size):
         motion.rate[i] = 0.0
     for j in range(regime.slide.size):
@@ -98,7 +103,7 @@ def put_to_rest(regime, motion):
 
 @inlined
 def any_frozen(motion):
-    """Whether a contact is held closed between beads that do not move."""
+    """Return whether a contact is closed between two beads that do not move."""
     found = False
     for i in range(motion.mode.size):
         found |= motion.mode[i] == FROZEN and motion.overlap[i] > 0.0
@@ -110,39 +115,47 @@ def integrate(
     extent_fields, pause, accuracy_fields, chain_fields, regime_fields, motion_fields, trial_fields, look_fields,
     scratch_fields, steps_fields, log_fields,
 ):  # fmt: skip
-    """Integrate over an Extent; the motion is moved in place.
+    """Integrate from the start to the end of an Extent, and change the motion in place.
 
-    `pause` is whether the run is resumed, and the steps, rejected ones included, after which it hands back: the status then, or
-    where no row for another step is left, is PAUSED, and a call that is resumed goes on from the time reached.
-    Records come as plain tuples of their fields; `look` is a second Trial, for what happens inside a step. Returns the status
-    and the time reached. Overlaps of couplers are left as they are counted here, from the origins of their segments.
+    `pause` contains whether the run is resumed, and the number of steps (including rejected ones) after which control
+    returns to Python. Then, or when no row for another stored step is left, the status is PAUSED; a resumed call
+    continues at that time. Records are passed as plain tuples of their fields; `look` is a second Trial for probe steps
+    inside a step. Returns the status and the time reached. Overlaps of contacts with several segments are counted from
+    the origins of their segments.
     """
     (time, end, stop, most_steps), (resumed, budget) = Extent(*extent_fields), pause
     allowed, tolerance, scale = Accuracy(*accuracy_fields)
     chain, motion, steps = ChainData(*chain_fields), Motion(*motion_fields), Steps(*steps_fields)
     regime, trial, look = Regime(*regime_fields), Trial(*trial_fields), Trial(*look_fields)
     scratch, log = Scratch(*scratch_fields), SwitchLog(*log_fields)
+    # Limits of velocities that follow from the tolerance, see `Bounds`. The error bound of a step is the unit of the
+    # others.
     wanted = TOLERANCE_PART * tolerance * scale
     least = max(TOLERANCE_PART * wanted, ROUND_OFF * scale)
     bounds = Bounds(wanted, NEWTON_PART * wanted, least, FULL_SPEED * scale)
     control, counter, firm = scratch.control, log.counter, regime.bed.size > 0
+    # `until` is the next breakpoint of a force over time, at which a step must end. `acts` is true if beads in free
+    # flight do not move along parabolas.
     timed, acts, until = chain.knots.time.size > 0, False, next_knot(time, end, chain.knots)
     if timed:
         acts = put_drive(time, chain, regime)
     if not resumed:
         begin(time, chain, regime, motion, bounds, scratch, log)
     while True:
+        # 1. The end time, and breakpoints of forces over time.
         if time >= end:
             end_within_bounces(end - control[START], chain, motion, wanted, scratch)
             return DONE, end
         if time >= until:
             acts = pass_knot(time, chain, regime, motion, bounds, scratch, log)
             until = next_knot(time, end, chain.knots)
+        # 2. The budget of steps: give up, or return to Python and be called again.
         spent = counter[STEP] + counter[REJECTED]
         if spent >= most_steps:
             return OUT_OF_STEPS, time
         if spent >= budget or (steps.time.size > 0 and counter[KEPT] == steps.time.size):
             return PAUSED, time
+        # 3. Friction holds all beads: nothing changes until the next breakpoint.
         if firm and not acts and nothing_moves(bounds.negligible, chain, regime, motion, scratch.work[0]):
             put_to_rest(regime, motion)
             if until == end:
@@ -150,8 +163,10 @@ def integrate(
             keep_step(time, until - time, RESTED, chain, regime, motion, steps, counter)
             time = until
             continue
+        # 4. No contact pushes: overlaps are parabolas, and the time of the next event is a closed form.
         if not acts and nothing_pushes(chain, regime, motion, bounds.negligible):
-            apart = stop and firm and until == end and not any_frozen(motion)  # what stays closed may only come to rest
+            # a closed contact between fixed beads does not separate
+            apart = stop and firm and until == end and not any_frozen(motion)
             if apart and not meets_again(chain, regime.bed, motion, bounds.negligible, scratch.work[0]):
                 return SEPARATED, back_to_opening(time, chain, regime, motion, scratch)
             time, row = fly_to_event(time, until, chain, regime, motion, bounds, scratch, steps, log)
@@ -161,18 +176,23 @@ def integrate(
             if counter[FLIGHT] >= most_steps:
                 return OUT_OF_STEPS, time
             continue
+        # 5. A step: choose its kind and length, and shorten it until its error holds and it ends at the first event.
         if not math.isfinite(control[NEXT]):
             restart_control(control, first_step(chain, motion, scale))
         kind, proposed, near = propose_step(control, until - time, allowed, chain, motion, wanted)
         h, error, row, side, rejected = find_step(
             time, proposed, kind, allowed == DOP853, most_steps, chain, regime, motion, bounds, trial, scratch, log
         )
+        # Length 0 with an event: the event is at the start. Allow a few such events for each contact and bead; an
+        # endless sequence of them (Zeno behaviour) ends the run below.
         if h == 0.0 and row >= 0 and control[AT_ONCE] < FEW_TRIES * (motion.mode.size + regime.bed.size):
             control[AT_ONCE] += 1.0
             cross(row, side, time, chain, regime, motion, bounds, scratch, log)
             continue
+        # Length 0 without an event: no step converges, or the budget is used up.
         if h == 0.0:
             return OUT_OF_STEPS, time
+        # 6. Accept the step: controller, error estimate, openings within the step, dense output, energy balance.
         update_control(control, h, kind, error, near and h == proposed, row, rejected, wanted)
         control[AT_ONCE] = 0.0
         control[LOCAL_SQUARE] += error * error
@@ -181,9 +201,13 @@ def integrate(
         absorb(h, chain, regime, motion, trial, scratch.work, motion.taken)
         accept_step(motion, trial)
         before, time = time, time + h if h < until - time else until
-        if timed:  # at a knot those just before it, even where the step to it is as short as the last digit of the time
+        # At a breakpoint use the values just before it, even if the step to it is as short as the last digit of the
+        # time.
+        if timed:
             beside = time if time < until else before + (1.0 - BESIDE) * (time - before)
             acts = put_drive(beside if beside < until else before, chain, regime)
+        # 7. Contact modes at the end of the step: openings without an event, the log of switches, error amplification,
+        # and the mode transition if the step ended at an event.
         counter[STEP] += 1
         if open_passed(row, h, time, chain, regime, motion, trial, bounds, scratch):
             control[LAST] = 0.0

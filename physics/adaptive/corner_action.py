@@ -1,9 +1,11 @@
-"""The one action at a corner: the row is put on it, then the problem of accelerations tells the branch of every row at rest.
+"""Mode transition at an event: the constraint is put on its corner, then one complementarity problem decides all
+constraints at rest.
 
-Three kinds of row are held by a bounded multiplier: a contact that touches, a contact with loss that stands still, and a bead
-that sticks. Which of them give way is one problem for all, see `yield_or_slip`. Its known forces are those of a moment later: at
-the corner itself a contact that has just closed does not push yet, and rows that reach their bounds together are on them to the
-last digit, so that each could give way in place of the other for ever.
+Three kinds of constraint carry a bounded multiplier: a touching contact, a contact with loss that stands still, and a
+sticking bead. One complementarity problem decides for all of them together which ones yield, see `yield_or_slip`. Its
+known forces are those a moment later. At the event itself a contact that has just closed does not push yet, and
+constraints that reach their bounds together are exactly on them. Without the delay each of them could yield instead of
+the other, forever.
 """
 
 from __future__ import annotations
@@ -45,15 +47,18 @@ from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.law_curve import acceleration_of, is_continued, is_smooth
 from softcradle.physics.numerics.records import FROZEN, LOADED, NO_CONTACT, OPEN, TOUCHING
 
-# rows (n+1,) of the work array: velocities of beads; known forces on them and the static friction of those at rest; bounds of the
-# contact forces, accelerations and forces that the problem gives; 1 for contacts that may be held
+# Rows (n+1,) of the work array: velocities of the beads; known forces on them, and static friction of beads at rest;
+# bounds of the contact forces; accelerations and forces that solve the problem; 1 for contacts that may be held
 VELOCITY, LOAD, GIVE, LOW, HIGH, ACCELERATION, CARRIED, CANDIDATE = 0, 5, 6, 7, 8, 9, 10, 11
 
 
 @inlined
 def moment_of(chain, regime, motion, slow):
-    """How much later [s] forces are taken: until the largest of them gives a velocity well above `slow` [m/s]."""
+    """Return the delay [s] after which forces are evaluated: the largest force changes a velocity by more than `slow`
+    [m/s] in it.
+    """
     largest = 0.0
+    # Largest acceleration by a contact force or a preload, then by external forces and friction.
     for i in range(motion.mode.size):
         weight = regime.inverse_mass[i] + regime.inverse_mass[i + 1]
         largest = max(largest, weight * max(abs(motion.force[i]), abs(regime.law[i, 0])))
@@ -67,16 +72,17 @@ def moment_of(chain, regime, motion, slow):
 
 @inlined
 def known_force(i, late, chain, regime, motion):
-    """Force of contact i, loaded, `late` [s] after now."""
+    """Return the force of loaded contact i `late` [s] after now."""
     pressed, eased = both_forces(chain, regime, i, motion.overlap[i] + late * motion.rate[i])
     return eased if regime.easing.size and regime.easing[i] != 0 else pressed
 
 
 @inlined
 def classify(late, chain, regime, motion, slow, work):
-    """Modes as far as overlaps and rates tell them, and bounds of the forces `late` [s] after now.
+    """Set the modes that overlaps and rates determine, and the bounds of all contact forces `late` [s] after now.
 
-    A contact that has just been moved over a corner keeps its mode (``motion.held`` nonzero). Returns whether any may be held.
+    A contact whose mode an event has just set keeps this mode (``motion.held`` nonzero). Returns whether the mode of
+    any contact is undetermined, so that the complementarity problem must decide it.
     """
     overlap, rate, force, mode = motion.overlap, motion.rate, motion.force, motion.mode
     low, high, candidate = work[LOW], work[HIGH], work[CANDIDATE]
@@ -84,14 +90,17 @@ def classify(late, chain, regime, motion, slow, work):
     for i in range(mode.size):
         candidate[i] = 0.0
         if motion.held[i] == 0:
+            # A contact with several segments is first put on the segment of its overlap.
             if has_segments(chain.graph, i):
                 find_segment(i, regime, motion, slow)
             x, w = side_of(regime, i) * overlap[i], side_of(regime, i) * rate[i]
+            # A contact may be held at d = 0, or at d > 0 on the vertical part of the graph of a contact with loss.
             at_rest = x == 0.0 and abs(w) <= slow
             stands = x > 0.0 and w == 0.0 and loss_of(regime, i) > 0.0
             mode[i] = LOADED
             if x < 0.0 or (x == 0.0 and w < 0.0 and not at_rest):
                 mode[i] = OPEN
+            # At d = 0 without a preload the force is 0 whatever the mode, unless external forces or segments act.
             elif (
                 at_rest and (regime.law[i, 0] != 0.0 or has_segments(chain.graph, i) or chain.external.size > 0)
             ) or stands:
@@ -99,6 +108,7 @@ def classify(late, chain, regime, motion, slow, work):
             if regime.easing.size:
                 eases = mode[i] == LOADED and loss_of(regime, i) > 0.0 and x > 0.0 and w < 0.0
                 regime.easing[i] = 1 if eases else 0
+        # A contact that may be held is bounded by its graph. A contact with a known force gets equal bounds.
         if candidate[i] != 0.0:
             low[i], high[i] = multiplier_bounds(chain, regime, i, overlap[i])
             continue
@@ -109,18 +119,21 @@ def classify(late, chain, regime, motion, slow, work):
 
 @inlined
 def load_beads(late, slipping, chain, regime, motion, slow, work):
-    """Known forces on beads `late` [s] after now, and the static friction of those at rest; returns whether any is.
+    """Compute the known forces on the beads `late` [s] after now, and the static friction of beads at rest. Return
+    whether any rests.
 
-    Bead `slipping` is not, however slow it is.
+    Bead `slipping` counts as sliding, however slow it is.
     """
     load, give, resting, knots = work[LOAD], work[GIVE], False, chain.knots
     if regime.bed.size:
         bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], work[VELOCITY])
     for j in range(regime.inverse_mass.size):
+        # External force, which may change linearly in time.
         load[j] = chain.push[j] if chain.push.size else 0.0
         if knots.push_slope.size:
             load[j] += late * knots.push_slope[j]
         give[j] = 0.0
+        # A bead at rest gets static friction as a bound, a sliding bead gets kinetic friction as a known force.
         if regime.bed.size and regime.bed[j] > 0.0:
             most = most_friction(j, chain, regime, late)
             if j != slipping and (regime.slide[j] == 0 or abs(work[VELOCITY, j]) <= slow):
@@ -132,8 +145,11 @@ def load_beads(late, slipping, chain, regime, motion, slow, work):
 
 @inlined
 def settle_contact(i, regime, motion, work):
-    """The mode of a contact that may be held, from the accelerations of its beads."""
+    """Set the mode of a contact that may be held, from the accelerations of its two beads."""
     side, low, high = side_of(regime, i), work[LOW, i], work[HIGH, i]
+    # Complementarity: if the beads accelerate towards each other, the force is at its upper bound and the contact is
+    # loaded. If they accelerate apart, it is at its lower bound and the contact opens or unloads. Otherwise it stays
+    # held.
     pressed = side * (work[ACCELERATION, i] - work[ACCELERATION, i + 1])
     none = ROUND_OFF * (regime.inverse_mass[i] + regime.inverse_mass[i + 1]) * max(high, -low)
     motion.force[i] = work[CARRIED, i]
@@ -148,21 +164,24 @@ def settle_contact(i, regime, motion, work):
 
 @inlined
 def ease(i, regime, motion):
-    """Let contact i come out, from rest."""
+    """Let contact i unload, starting with zero rate."""
     side = side_of(regime, i)
+    # At the origin of an outer segment, unloading moves the contact to the end of the inner segment.
     if motion.overlap[i] == 0.0 and not is_innermost(regime, i):
         put_segment(i, regime.segment[i] - (1 if side > 0.0 else -1), regime, motion)
         motion.overlap[i] = side * length_of(regime, i)
     motion.mode[i] = LOADED if motion.overlap[i] != 0.0 else OPEN
     if regime.easing.size:
         regime.easing[i] = 1 if motion.overlap[i] != 0.0 and loss_of(regime, i) > 0.0 else 0
+    # A contact that stops pulling is in its slack; an open contact is on its innermost pushing segment.
     if motion.mode[i] == OPEN and side < 0.0:
         put_segment(i, regime.segment[i] + 1, regime, motion)
 
 
 @inlined
 def take_velocity(left, first, last, chain, motion):
-    """Take the velocity `left` from beads `first` to `last`, which move as one."""
+    """Subtract the velocity `left` from the beads `first` to `last`, which move as one body."""
+    # Only the rates at both ends of the group change; the anchor bead stops if it belongs to the group.
     if first > 0:
         motion.rate[first - 1] += left
     if last < motion.rate.size:
@@ -173,9 +192,12 @@ def take_velocity(left, first, last, chain, motion):
 
 @inlined
 def stop_bead(j, chain, regime, motion, velocity):
-    """Take the velocity that bead j still has from it and from all that move as one with it; `velocity` (n+1,) is scratch."""
+    """Subtract the remaining velocity of bead j from it and from all beads that move as one body with it. `velocity`
+    (n+1,) is scratch memory.
+    """
     n, rate = motion.rate.size, motion.rate
     bead_velocities(rate, chain.anchor_bead, motion.anchor[1], velocity)
+    # The group: all neighbours with rate 0.
     first, last = j, j
     while first > 0 and rate[first - 1] == 0.0:
         first -= 1
@@ -186,7 +208,8 @@ def stop_bead(j, chain, regime, motion, velocity):
 
 @inlined
 def settle_bead(j, chain, regime, motion, work):
-    """Which way a bead slides that may stick, from its acceleration; one that sticks has no velocity at all."""
+    """Set the direction in which a bead on a bed slides, from its acceleration. A sticking bead gets velocity 0."""
+    # A bead at rest slides in the direction of its acceleration, or sticks if static friction balances the forces.
     a = work[ACCELERATION, j]
     regime.slide[j] = 1 if a > 0.0 else (-1 if a < 0.0 else 0)
     if regime.slide[j] == 0 and work[VELOCITY, j] != 0.0:
@@ -195,14 +218,16 @@ def settle_bead(j, chain, regime, motion, work):
 
 @inlined
 def make_effective(chain, regime, motion):
-    """The chain that the next steps see."""
+    """Compute the effective chain, without dissipation, that the next steps integrate."""
     n = motion.mode.size
+    # Unloading with loss l: the power law is weaker by the factor 1 - l.
     if regime.loss.size:
         for i in range(n):
             part = 1.0 - regime.loss[i] if regime.easing[i] != 0 else 1.0
             chain.law[i, 0], chain.law[i, 1] = part * regime.law[i, 0], part * regime.law[i, 1]
             for k in range(2, chain.law.shape[1]):
                 chain.law[i, k] = regime.law[i, k]
+    # A sticking bead is a wall: its inverse mass is 0, and rates between two of them are round-off.
     if regime.bed.size:
         for j in range(n + 1):
             chain.inverse_mass[j] = 0.0 if is_firm(regime, j) else regime.inverse_mass[j]
@@ -213,6 +238,7 @@ def make_effective(chain, regime, motion):
             motion.anchor[1] = 0.0
     if regime.bed.size or chain.knots.bend.size:
         drive_overlaps(chain, regime)
+    # A closed contact between two fixed beads does not move, and its force is not determined: take it out.
     for i in range(n):
         held = motion.mode[i] == LOADED or motion.mode[i] == TOUCHING
         if held and motion.rate[i] == 0.0 and chain.inverse_mass[i] == 0.0 and chain.inverse_mass[i + 1] == 0.0:
@@ -221,16 +247,21 @@ def make_effective(chain, regime, motion):
 
 @piece
 def decide(slipping, chain, regime, motion, slow, scratch):
-    """The branch of every row, forces and the effective chain, from overlaps, rates and slides; at rest is what is slower than
-    `slow` [m/s]. Bead `slipping` (-1: none) slides already."""
+    """Decide the mode of every contact and bead, the forces and the effective chain, from overlaps, rates and
+    directions of sliding.
+
+    Rates and velocities below `slow` [m/s] count as zero. Bead `slipping` (-1: none) counts as sliding.
+    """
     work, late = scratch.work, moment_of(chain, regime, motion, slow)
     undetermined = classify(late, chain, regime, motion, slow, work)
+    # Solve the complementarity problem only if a mode is undetermined.
     if load_beads(late, slipping, chain, regime, motion, slow, work) or undetermined:
         n = motion.mode.size
         balance(
             regime.inverse_mass, work[LOAD], work[GIVE], work[LOW, :n], work[HIGH, :n], work[ACCELERATION],
             work[CARRIED, :n], scratch.bounds, scratch.knots,
         )  # fmt: skip
+        # The signs of the relative accelerations give the modes, see `settle_contact` and `settle_bead`.
         for i in range(n):
             if work[CANDIDATE, i] != 0.0:
                 settle_contact(i, regime, motion, work)
@@ -242,7 +273,9 @@ def decide(slipping, chain, regime, motion, slow, scratch):
 
 @inlined
 def carried(row, chain, regime, motion):
-    """What a row carries, force of a contact or friction of a bead, and the most that it can; 0 if it is not held."""
+    """Return the force of a contact, or the friction of a bead [N], and its largest possible value; 0 if the row is not
+    held.
+    """
     n = motion.mode.size
     if row >= n:
         most = most_friction(row - n, chain, regime, 0.0) if regime.slide[row - n] == 0 else 0.0
@@ -253,28 +286,38 @@ def carried(row, chain, regime, motion):
 
 @piece
 def cross(row, side, time, chain, regime, motion, bounds, scratch, log):
-    """Move a row over its corner on that side, and decide all rows anew.
+    """Carry out the mode transition of a contact or bed at its event, and decide all modes again.
 
-    One that was held gives way, unless another that did has relieved it.
+    A held constraint yields, unless another constraint has yielded and relieved it.
     """
     n, control = motion.mode.size, scratch.control
+    # Put the constraint exactly on its corner, by kind of event. A held constraint is there already: its force is at a
+    # bound.
     before, held = carried(row, chain, regime, motion)
     if held > 0.0:
         held *= FORCE_PRECISION
+    # A sliding bead has stopped.
     elif row >= n:
         stop_bead(row - n, chain, regime, motion, scratch.work[VELOCITY])
+    # A contact with loss has reached a turning point.
     elif motion.mode[row] == LOADED and side == 1:
         motion.rate[row] = 0.0
+    # The end of a segment.
     elif side == 2:
         motion.overlap[row] = side_of(regime, row) * length_of(regime, row)
+    # The end of the slack: a coupler begins to pull.
     elif side == 1:
         put_segment(row, regime.segment[row] - 1, regime, motion)
         motion.overlap[row] = 0.0
+    # Overlap 0. A contact that closes starts with a step short enough for the onset of its force.
     else:
         motion.overlap[row] = 0.0
         if motion.mode[row] == OPEN:
             restart_control(control, min(control[NEXT], onset_step(chain, row, motion.rate[row], bounds.wanted)))
     decide(NO_CONTACT, chain, regime, motion, bounds.slow, scratch)
+    # The constraint was at its bound, is still held, and carries the same force as before: the delay was too short to
+    # show that it yields. Then force it to slip or yield in the direction of the bound, and decide the others again.
+    # Example: a bead whose friction limit is reached by a force that grows very slowly.
     after, most = carried(row, chain, regime, motion)
     if held > 0.0 and most > 0.0 and abs(after - before) <= held:
         slipping = NO_CONTACT
@@ -293,15 +336,18 @@ def cross(row, side, time, chain, regime, motion, bounds, scratch, log):
 
 @piece
 def stop_rate(i, chain, motion):
-    """Give the two beads of contact i the velocity of their centre of mass: this takes its rate and leaves momentum alone.
+    """Set the rate of contact i to 0 and conserve momentum: both beads get the velocity of their centre of mass.
 
-    Beside soft contacts, which are stiff where they are deep, and touching ones only the rate itself is set to 0.
+    If this contact or a neighbour is soft or touching, only its own rate is set to 0. Soft contacts are stiff if they
+    are deep, so a change of a neighbour's rate would excite them.
     """
     inverse_mass, rate = chain.inverse_mass, motion.rate
+    # The impulse would excite soft neighbours, and it is not known how touching neighbours share it.
     for k in range(max(i - 1, 0), min(i + 2, motion.mode.size)):
         if chain.law[k, 2] < 1.0 or motion.mode[k] == TOUCHING:
             rate[i] = 0.0
             return
+    # The impulse between the two beads also changes the rates of the neighbours and the velocity of the anchor bead.
     weight = inverse_mass[i] + inverse_mass[i + 1]
     impulse = rate[i] / weight if weight > 0.0 else 0.0
     if i > 0:
@@ -317,9 +363,11 @@ def stop_rate(i, chain, motion):
 
 @inlined
 def is_touch(i, h, motion, trial, slow):
-    """Return True if the overlap of contact i, of either sign, is that of a touch after a step of length `h`.
+    """Return True if the overlap of contact i (of either sign) after a step of length `h` is round-off of a touching
+    contact.
 
-    That is at most what a rate of `slow` [m/s], which counts as none, moves in the step, and the round-off of its overlaps.
+    The limit is the distance that a rate of `slow` [m/s], which counts as zero, moves in the step, plus the round-off
+    of the overlaps.
     """
     depth = max(abs(trial.overlap[0, i]), abs(trial.overlap[1, i]))
     return abs(motion.overlap[i]) <= slow * h + ROUND_OFF * depth
@@ -327,27 +375,30 @@ def is_touch(i, h, motion, trial, slow):
 
 @inlined
 def open_passed(row, h, time, chain, regime, motion, trial, bounds, scratch):
-    """Open the contacts that the step of length `h`, the `trial`, has carried past d = 0; return True if there are any.
+    """Open the contacts that the step of length `h` (the `trial`) has moved past d = 0. Return True if there are any.
 
-    A gap or overlap larger than round-off stays as it is. A force with an exponent above 1 vanishes so smoothly that a step goes
-    far past the opening, and the beads may stop there: on a bed they are then at rest, and apart.
+    A gap or overlap larger than round-off stays as it is. A force with an exponent above 1 vanishes so smoothly that a
+    step can go far past the opening, and the beads may stop there: on a bed they are then at rest, and apart.
     """
     any_passed, inactive = False, TOLERANCE_PART * bounds.wanted
     for i in range(motion.mode.size):
+        # Skip contacts whose mode agrees with their overlap, and the contact whose event ends the step.
         inward = side_of(regime, i) * motion.overlap[i]
         if inward == 0.0 or (inward < 0.0) == (motion.mode[i] == OPEN) or i == row:
             continue
         if motion.mode[i] == OPEN:
             rate, touches = motion.rate[i], is_touch(i, h, motion, trial, inactive)
-            # at d > 0, where nothing has pushed it back yet, it would gain energy
+            # An open contact has closed. If it is too slow to count, put it back to d = 0. At d > 0 it would gain
+            # energy, because nothing has pushed it back yet.
             if (
                 touches
                 and is_smooth(chain.law, chain.graph, i)
                 and closes_inactive(chain, i, inactive, rate, rate, inward)
             ):
                 motion.overlap[i] = 0.0
-            else:  # its event could not be met
+            else:  # the step could not end at the event
                 motion.mode[i] = LOADED
+        # A loaded contact has opened without an event: its force vanishes.
         elif motion.mode[i] == LOADED and not is_continued(chain.law, chain.graph, i):
             any_passed = True
             motion.force[i] = 0.0
@@ -355,7 +406,9 @@ def open_passed(row, h, time, chain, regime, motion, trial, bounds, scratch):
             touches = is_touch(i, h, motion, trial, bounds.slow) and abs(motion.rate[i]) <= bounds.slow
             if not touches or bend < 0.0:
                 motion.mode[i] = OPEN
-            else:  # pushed from both sides, or not at all, and too slow to count: it stays at 0
+            else:  # pushed from both sides, or not at all, and too slow to count: the contact stays at d = 0
+                # Record the rate that is set to 0: the error estimate counts it when the contact is pushed again
+                # (`count_parting`).
                 if bend == 0.0 and scratch.parting[i] == 0.0:
                     scratch.parting[i], scratch.parted[i] = abs(motion.rate[i]), time
                 motion.overlap[i] = 0.0
@@ -368,15 +421,20 @@ def open_passed(row, h, time, chain, regime, motion, trial, bounds, scratch):
 
 @piece
 def fly_to_event(time, end, chain, regime, motion, bounds, scratch, steps, log):
-    """Open all loaded contacts, fly to the first event, and carry it out. Returns the time and the row (-1: none)."""
+    """Open all loaded contacts, fly to the first event, and carry out its transition. Return the time and the row of
+    the event (-1: none).
+    """
+    # Contacts that are still loaded push too little to count: open them.
     for i in range(motion.mode.size):
         if motion.mode[i] == LOADED:
             motion.mode[i], motion.force[i] = OPEN, 0.0
             if side_of(regime, i) < 0.0:
                 put_segment(i, regime.segment[i] + 1, regime, motion)
     log_switches(time, time, NO_CONTACT, chain, regime, motion, bounds, scratch, log)
+    # After a flight, no earlier step predicts the length of the next one.
     scratch.control[NEXT] = math.inf
     until, row, side = next_event(time, end, chain, regime, motion, bounds.negligible, scratch.work[0])
+    # Without any further event the beads fly apart forever.
     if until < math.inf:
         keep_step(time, until - time, FLOWN, chain, regime, motion, steps, log.counter)
         drift(until - time, chain, regime, motion, scratch.work[0])
@@ -388,27 +446,30 @@ def fly_to_event(time, end, chain, regime, motion, bounds, scratch, steps, log):
 
 @piece
 def find_slides(begins, chain, regime, motion, velocity):
-    """Which way each bead slides, from the velocities; after the run `begins` only events change it where it is braked already.
+    """Set the directions of sliding from the velocities of the beads. `begins` is true at the start of a run.
 
-    `velocity` (n+1,) is scratch memory.
+    Later, only events change the direction of a bead that friction already brakes. `velocity` (n+1,) is scratch memory.
     """
     if regime.bed.size:
         bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], velocity)
         for j in range(velocity.size):
+            # A bead without friction so far takes the direction of its velocity, so that a brake acts against it.
             if begins or regime.bed[j] == 0.0:
                 regime.slide[j] = 1 if velocity[j] > 0.0 else (-1 if velocity[j] < 0.0 else 0)
 
 
 @piece
 def begin(time, chain, regime, motion, bounds, scratch, log):
-    """Modes, first step and log at the start of a run."""
+    """Set the modes, the first step length and the log of switches at the start of a run."""
     first = math.inf
+    # Take the law of the segment on which each contact is, and no mode from an earlier run.
     for i in range(motion.mode.size):
         motion.held[i] = 0
         if regime.segment.size:
             put_segment(i, regime.segment[i], regime, motion)
     find_slides(True, chain, regime, motion, scratch.work[0])
     decide(NO_CONTACT, chain, regime, motion, bounds.slow, scratch)
+    # The first step must resolve the onset of each contact that is about to close.
     for i in range(motion.mode.size):
         if motion.mode[i] == LOADED and motion.overlap[i] == 0.0:
             first = min(first, onset_step(chain, i, max(motion.rate[i], 0.0), bounds.wanted))
@@ -422,8 +483,10 @@ def begin(time, chain, regime, motion, bounds, scratch, log):
 
 @piece
 def pass_knot(time, chain, regime, motion, bounds, scratch, log):
-    """Go on under the forces and brakes after a knot; what is held is resolved anew. Returns what `put_drive` does."""
-    find_slides(False, chain, regime, motion, scratch.work[0])  # by the brakes before the knot
+    """Continue after a breakpoint of the forces over time: held contacts are decided again. Return what `put_drive`
+    returns.
+    """
+    find_slides(False, chain, regime, motion, scratch.work[0])  # with the brakes before the breakpoint
     acts = put_drive(time, chain, regime)
     for i in range(motion.mode.size):
         motion.held[i] = 0

@@ -1,19 +1,21 @@
-"""Corners: where within a step the first row leaves its branch.
+"""Event search: the first time within a step at which a contact or a bed changes its mode.
 
-A row sits on a monotone graph and moves over its corners. Each side of a branch has its guard, a polynomial over the step that is
-positive while the row stays:
+Each unilateral constraint (row) is on one branch of its monotone graph during a step. Each side of a branch has a
+guard: a polynomial over the step that is positive while the constraint stays on the branch.
 
-    contact  OPEN      side 0   -d        closes, d the quintic through both ends of the step
+    contact  OPEN      side 0   -d        closes; d is the quintic through both ends of the step
                        side 1    d + s    a coupler comes to the end s of its slack, and pulls
-             LOADED    side 0    d        opens, where its law goes on to d < 0
-                       side 1    w or -w  with loss: turns from pressing in to coming out, or back; cubic through both ends
-                       side 2    t - d    a coupler's gear goes solid at its travel t
-             TOUCHING  side 0   f - low   opens, or comes out;  side 1  high - f  yields; cubic through the stages
+             LOADED    side 0    d        opens, if its law is continued to d < 0
+                       side 1    w or -w  with loss: turns from loading to unloading, or back; cubic through both ends
+                       side 2    t - d    comes to the end t of its segment (a coupler goes solid)
+             TOUCHING  side 0   f - low   opens, or unloads;  side 1  high - f  yields; cubic through the stages
     bed      slides    side 0    v or -v  stops; cubic through both ends
-             sticks    side 0    R + q    slips back;  side 1  R - q  slips on; q the friction it needs, cubic through the stages
+             sticks    side 0    R + q    slips back;  side 1  R - q  slips forward; q is the friction that the bead
+                                          needs, R the largest friction; cubic through the stages
 
-Rows 0 to n-1 are the contacts, rows n to 2n the beds under the beads. In Bernstein form a guard whose coefficients have one sign
-has no root, and the convex hull of them gives a time before which it cannot vanish: the search never passes a root.
+Rows 0 to n-1 are the contacts, rows n to 2n the beds under the beads. The guards are in Bernstein form. A guard whose
+coefficients have one sign has no root, and the convex hull of the coefficients gives a time before which it cannot
+vanish. So the search never passes a root.
 """
 
 from __future__ import annotations
@@ -36,14 +38,15 @@ from softcradle.physics.numerics.jit import inlined
 from softcradle.physics.numerics.law_curve import NODES, acceleration_of, curve_force, is_continued, is_smooth
 from softcradle.physics.numerics.records import LOADED, NO_CONTACT, OPEN, TOUCHING, ZERO
 
-BEFORE, AFTER = 5, 6  # rows (n+1,) of the work array: velocities of the beads at both ends of a step
+BEFORE, AFTER = 5, 6  # Rows (n+1,) of the work array: velocities of the beads at the start and at the end of a step
 
 
 @inlined
 def closes_inactive(chain, i, inactive, rate, end_rate, end_overlap):
-    """True where a contact closes so slowly, and has so little energy at the end, that its closing may be passed over.
+    """Return True if a contact closes so slowly, and with so little energy at the end of the step, that the event can
+    be ignored.
 
-    `inactive` [m/s] is the velocity that does not count.
+    `inactive` [m/s] is the velocity that counts as zero.
     """
     law, inverse_mass = chain.law, chain.inverse_mass
     if law[i, 0] > 0.0 or max(rate, end_rate) > inactive:
@@ -56,7 +59,7 @@ def closes_inactive(chain, i, inactive, rate, end_rate, end_overlap):
 
 @inlined
 def flies_apart(i, chain, regime, motion, trial):
-    """True where open contact i is open at the end of the step too, and nothing pushes its beads at either end."""
+    """Return True if open contact i is also open at the end of the step, and nothing pushes its beads at either end."""
     if trial.overlap[2, i] >= 0.0 or chain.external.size or trial.overlap[2, i] <= -slack_of(regime, i):
         return False
     before = motion.force[i - 1] == 0.0 == trial.force[2, i - 1] if i > 0 else True
@@ -65,14 +68,17 @@ def flies_apart(i, chain, regime, motion, trial):
 
 @inlined
 def turns(i, regime, motion, slow):
-    """Whether loaded contact i has loss, and is pressed in: it may turn."""
+    """Return whether loaded contact i has hysteretic loss and is pressed in, so that it can turn from loading to
+    unloading.
+    """
     return loss_of(regime, i) > 0.0 and (motion.overlap[i] != 0.0 or side_of(regime, i) * motion.rate[i] > slow)
 
 
 @inlined
 def sides_of(row, chain, regime, motion, slow):
-    """(first, end) of the sides on which a row may leave its branch."""
+    """Return the range (first, end) of sides on which a contact or bed can leave its branch."""
     n = motion.mode.size
+    # A bed: a sliding bead can stop (one side), a sticking bead can slip in either direction (two sides).
     if row >= n:
         return (0, 0) if regime.bed[row - n] == 0.0 else (0, 1 if regime.slide[row - n] != 0 else 2)
     if motion.mode[row] == OPEN:
@@ -81,25 +87,31 @@ def sides_of(row, chain, regime, motion, slow):
         return 0, 2
     if motion.mode[row] != LOADED:
         return 0, 0
+    # A loaded contact that is not continued to d < 0 opens without an event, see `find_openings`; so its side 0 is left
+    # out.
     end = 3 if length_of(regime, row) < math.inf else 2 if turns(row, regime, motion, slow) else 1
     return 0 if is_continued(chain.law, chain.graph, row) else 1, end
 
 
 @inlined
 def guard_of(row, side, h, chain, regime, motion, trial, slow, work):
-    """Bernstein coefficients, of degree 5, of the guard of a row on that side; bead velocities at both ends are in `work`.
+    """Return the Bernstein coefficients (degree 5) of the guard of a row on a side. `work` contains the bead velocities
+    at both ends.
 
-    A contact that begins at a corner from rest leaves it as its mode tells; a rate or velocity no more than `slow` outside counts
-    as inside.
+    A contact that starts at an event with zero rate is assumed to move as its mode implies. Violations of at most
+    `slow` are treated as round-off.
     """
     n, f = motion.mode.size, trial.force
     if row >= n:
+        # A sliding bead stops when its velocity changes sign.
         j = row - n
         if regime.slide[j] != 0:
             sign, v0, v1 = float(regime.slide[j]), work[BEFORE, j], work[AFTER, j]
             a0 = bead_acceleration(j, chain, regime, motion.force, 0.0)
             a1 = bead_acceleration(j, chain, regime, f[2], h)
             return rate_guard(h, sign, v0, a0, v1, a1, slow)
+        # A sticking bead slips when the friction that it needs exceeds the largest friction, which brakes change
+        # linearly in time. The margin of ROUND_OFF keeps a bead that is exactly at its limit at rest.
         sign = 1.0 if side == 0 else -1.0
         first, last = most_friction(j, chain, regime, 0.0), most_friction(j, chain, regime, h)
         room, wider = first * (1.0 + ROUND_OFF), (last - first) * (1.0 + ROUND_OFF)
@@ -110,6 +122,7 @@ def guard_of(row, side, h, chain, regime, motion, trial, slow, work):
             room + wider + sign * friction_needed(j, chain, regime, f[2], h),
         )
     if motion.mode[row] == TOUCHING:
+        # The multiplier of a touching contact reaches its lower or upper bound. The margin is that of friction.
         low, high = multiplier_bounds(chain, regime, row, motion.overlap[row])
         slack = ROUND_OFF * max(high, -low)
         sign, offset = (1.0, slack - low) if side == 0 else (-1.0, high + slack)
@@ -117,8 +130,11 @@ def guard_of(row, side, h, chain, regime, motion, trial, slow, work):
             sign * motion.force[row] + offset, sign * f[0, row] + offset, sign * f[1, row] + offset,
             sign * f[2, row] + offset,
         )  # fmt: skip
+    # A contact that moves. Multiplied by `sign`, the guard is positive inside the branch; `offset` moves its zero to
+    # the slack or to the end of the segment.
     a0, a1 = acceleration_of(row, chain, motion.force, 0.0), acceleration_of(row, chain, f[2], h)
     sign, offset = side_of(regime, row), 0.0
+    # With loss: the turning point between loading and unloading is the zero of the rate.
     if motion.mode[row] == LOADED and side == 1:
         sign = -sign if regime.easing[row] != 0 else sign
         return rate_guard(h, sign, motion.rate[row], a0, trial.rate[2, row], a1, slow)
@@ -126,6 +142,8 @@ def guard_of(row, side, h, chain, regime, motion, trial, slow, work):
         offset = slack_of(regime, row)
     elif motion.mode[row] == OPEN or side == 2:
         sign, offset = -sign, length_of(regime, row) if side == 2 else 0.0
+    # Otherwise the zero of the overlap, by the quintic through values, rates and accelerations of both ends. At an
+    # event the contact leaves inward.
     start, rate, bend = sign * motion.overlap[row] + offset, sign * motion.rate[row], sign * a0
     if start == 0.0 and rate <= slow:
         rate, bend = max(rate, 0.0), max(bend, 0.0)
@@ -136,7 +154,8 @@ def guard_of(row, side, h, chain, regime, motion, trial, slow, work):
 
 @inlined
 def rate_guard(h, sign, v0, a0, v1, a1, slow):
-    """The guard ``sign v`` of a rate or velocity: the cubic through both ends."""
+    """Return the guard ``sign v`` of a rate or velocity: the cubic through both ends of the step."""
+    # A velocity that is zero at the start up to round-off must not be found as an event.
     lift = slow if sign * v0 <= slow else 0.0
     y0, y1 = sign * v0 + lift, sign * v1 + lift
     return elevated(y0, y0 + h * (sign * a0) / 3.0, y1 - h * (sign * a1) / 3.0, y1)
@@ -144,13 +163,15 @@ def rate_guard(h, sign, v0, a0, v1, a1, slow):
 
 @inlined
 def stays(row, h, chain, regime, motion, trial, inactive, slow):
-    """True where a row leaves no branch, whatever its guard says: the polynomial of one that is held may be wrong by far.
+    """Return True if the contact or bed surely keeps its mode during the step, even if its guard has a root.
 
-    Friction and multipliers that are well within their range at all nodes yield nowhere between them: without this, chains of
-    random clusters, beds and couplers take up to a hundred times the steps.
+    The polynomial through the stages of a held contact can be badly wrong. But friction and multipliers that are well
+    within their range at all nodes do not leave it in between. Without this rule, chains of random clusters, beds and
+    couplers take up to a hundred times as many steps.
     """
     n, f = motion.mode.size, trial.force
     if row >= n:
+        # A sticking bead stays at rest if it needs less than half of the largest friction at all nodes.
         j = row - n
         if regime.slide[j] != 0:
             return False
@@ -161,18 +182,21 @@ def stays(row, h, chain, regime, motion, trial, inactive, slow):
         return needed < 0.5 * least
     if motion.mode[row] == OPEN:
         if motion.rate[row] == 0.0 == trial.rate[2, row] and trial.overlap[2, row] == motion.overlap[row]:
-            return True  # far from all that moves
+            return True  # no neighbour moves it
         return flies_apart(row, chain, regime, motion, trial) or closes_inactive(
             chain, row, inactive, motion.rate[row], trial.rate[2, row], trial.overlap[2, row]
         )
     if motion.mode[row] == TOUCHING:
+        # A touching contact stays if its force at all nodes is in the half of its range that is away from yielding. For
+        # a pushing contact this is the lower half.
         low, high = multiplier_bounds(chain, regime, row, motion.overlap[row])
         least, most = min(f[0, row], f[1, row], f[2, row]), max(f[0, row], f[1, row], f[2, row])
         half = 0.5 * (low + high)
         if low < 0.0:  # it pulls
             return least >= half and most <= high - ROUND_OFF * low
         return least >= low - ROUND_OFF * high and most <= half
-    # one that begins at d = 0 from rest, and is pressed in at the end: what neighbours hand on begins with any power of time
+    # A loaded contact that starts at d = 0 with zero rate. It stays if it is pressed in at the end. Its polynomial does
+    # not help here, because the push that a neighbour passes on can start with any power of time.
     inward, at_start = side_of(regime, row), motion.overlap[row] == 0.0 and abs(motion.rate[row]) <= slow
     d0, d1, d2 = inward * trial.overlap[0, row], inward * trial.overlap[1, row], inward * trial.overlap[2, row]
     pressed = 0.0 <= d0 <= d1 <= d2 and inward * trial.rate[2, row] >= 0.0
@@ -182,15 +206,18 @@ def stays(row, h, chain, regime, motion, trial, inactive, slow):
 
 @inlined
 def first_corner(h, chain, regime, motion, trial, landing, landing_side, inactive, slow, work):
-    """The first corner within the step: (row, side, part of the step, miss [s], near); row -1 where there is none.
+    """Return the first event within the step as (row, side, fraction of the step, miss [s], near); row -1 without an
+    event.
 
-    `landing` and its side are a corner at which the step is to end: where its guard falls at the end, `miss` is what the step
-    lacks by the slope there, and the row is passed over; else `miss` is nan. `near` is the part of the step at which a guard
-    comes so near to 0 that the polynomial may be wrong about it, 1 where none does. `inactive` [m/s] see `closes_inactive`;
-    `slow` [m/s]: a rate or velocity this small that begins at 0 is round-off.
+    `landing` and `landing_side` are the event at which the step is supposed to end. If its guard decreases at the end
+    of the step, `miss` is the time by which the step is too short, computed from the end slope of the guard. Otherwise
+    `miss` is NaN, and the guard is searched like all others. `near` is the fraction of the step at which a guard comes
+    so close to 0 that its polynomial may be wrong; 1 if no guard does. `inactive` [m/s] is as for `closes_inactive`.
+    Rates and velocities up to `slow` [m/s] at the start of a guard are round-off.
     """
     row, at, part, miss, near = NO_CONTACT, ZERO, 1.0, math.nan, 1.0
     beds = regime.bed.size
+    # The velocities of the beads are needed only for the guards of beds.
     if beds:
         bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], work[BEFORE])
         bead_velocities(trial.rate[2], chain.anchor_bead, trial.anchor[1], work[AFTER])
@@ -199,12 +226,16 @@ def first_corner(h, chain, regime, motion, trial, landing, landing_side, inactiv
         if first == end or (r != landing and stays(r, h, chain, regime, motion, trial, inactive, slow)):
             continue
         for side in range(first, end):
+            # Side 1 of a loaded contact exists only with loss.
             if side == 1 and r < motion.mode.size and motion.mode[r] == LOADED and not turns(r, regime, motion, slow):
                 continue
             b = guard_of(r, side, h, chain, regime, motion, trial, slow, work)
+            # The event at which the step is supposed to end: Newton's step for the end time, with the end slope of the
+            # guard (5 (b5 - b4) per unit of the step).
             if r == landing and side == landing_side and b[5] < b[4]:
                 miss = 0.2 * h * b[5] / (b[4] - b[5])
                 continue
+            # Any other guard: its first root by subdivision. The earliest root of all is the event.
             x = first_root(b)
             if x < part:
                 row, at, part = ZERO + r, ZERO + side, x
@@ -215,19 +246,27 @@ def first_corner(h, chain, regime, motion, trial, landing, landing_side, inactiv
 
 @inlined
 def nearest(i, side, h, b, chain, regime, motion, trial):
-    """Where in the step the guard `b` of contact i comes nearer to 0 than its polynomial may be wrong; 1 where it does not."""
+    """Return the fraction of the step at which the guard `b` of contact i is closer to 0 than its polynomial is
+    accurate; 1 if nowhere.
+
+    A step that ends there is checked exactly, so a grazing event is not missed.
+    """
+    # The possible error of the polynomial, by the mode of the contact.
     d0, d1, w0, w1 = motion.overlap[i], trial.overlap[2, i], motion.rate[i], trial.rate[2, i]
     low, high = multiplier_bounds(chain, regime, i, d0)
-    if motion.mode[i] == TOUCHING and (side == 1) == (low >= 0.0):  # it all but yields
+    if motion.mode[i] == TOUCHING and (side == 1) == (low >= 0.0):  # the contact nearly yields
         margin = (1.0 - SAFETY) * (high - low)
-    elif motion.mode[i] == OPEN and side == 0 and w0 > 0.0 > w1:  # by what cubic and quintic differ in the middle
+    # the contact nearly closes: difference of cubic and quintic in the middle
+    elif motion.mode[i] == OPEN and side == 0 and w0 > 0.0 > w1:
         middle = (b[0] + b[5] + 5.0 * (b[1] + b[4]) + 10.0 * (b[2] + b[3])) / 32.0
         margin = abs(middle + 0.5 * (d0 + d1) + 0.125 * h * (w0 - w1))
     else:
         return 1.0
     if min(b[1], b[2], b[3], b[4]) >= margin:
         return 1.0
-    c0, c1, c2, c3, c4 = b[0] - b[1], b[1] - b[2], b[2] - b[3], b[3] - b[4], b[4] - b[5]  # of its fall
+    # differences of the coefficients: the derivative of the guard, with negative sign
+    c0, c1, c2, c3, c4 = b[0] - b[1], b[1] - b[2], b[2] - b[3], b[3] - b[4], b[4] - b[5]
+    # The minimum of the guard is the first root of its derivative, raised to degree 5.
     fall = (c0, 0.2 * c0 + 0.8 * c1, 0.4 * c1 + 0.6 * c2, 0.6 * c2 + 0.4 * c3, 0.8 * c3 + 0.2 * c4, c4)
     part = first_root(fall)
     if part >= 1.0:
@@ -235,15 +274,17 @@ def nearest(i, side, h, b, chain, regime, motion, trial):
     left = halves(part, b)[0][5]
     return (
         part if left < min(margin, min(b[0], b[5]) - left) else 1.0
-    )  # a dip less deep than what is left decides nothing
+    )  # A shallow dip is ignored: the guard must fall by more than it has left.
 
 
-NONE = 2.0  # in place of a part of the step: there is no root
+NONE = 2.0  # Value of `first_root` for a polynomial without a root
 
 
 @inlined
 def hermite_quintic(h, y0, v0, a0, y1, v1, a1):
-    """Bernstein coefficients of the quintic through values, rates and accelerations of both ends of a step of length h."""
+    """Return the Bernstein coefficients of the quintic through values, rates and accelerations at both ends of a step
+    of length h.
+    """
     return (
         y0,
         y0 + h * v0 / 5.0,
@@ -256,7 +297,7 @@ def hermite_quintic(h, y0, v0, a0, y1, v1, a1):
 
 @inlined
 def elevated(b0, b1, b2, b3):
-    """The coefficients of degree 5 of a cubic."""
+    """Return the coefficients of degree 5 of a cubic (degree elevation)."""
     return (
         b0,
         0.4 * b0 + 0.6 * b1,
@@ -269,7 +310,8 @@ def elevated(b0, b1, b2, b3):
 
 @inlined
 def stage_cubic(y0, y1, y2, y3):
-    """Bernstein coefficients, of degree 5, of the cubic through the start and the stages of a step."""
+    """Return the Bernstein coefficients (degree 5) of the cubic through the start and the three stages of a step."""
+    # Newton's divided differences at 0, c1, c2 and 1, then conversion to Bernstein form.
     c1, c2 = NODES[0], NODES[1]
     first, second, third = (y1 - y0) / c1, (y2 - y1) / (c2 - c1), (y3 - y2) / (1.0 - c2)
     left, right = (second - first) / c2, (third - second) / (1.0 - c1)
@@ -282,7 +324,7 @@ def stage_cubic(y0, y1, y2, y3):
 
 @inlined
 def halves(x, b):
-    """Coefficients of the parts [0, x] and [x, 1] by de Casteljau's scheme."""
+    """Return the coefficients of the parts [0, x] and [x, 1] by de Casteljau's algorithm."""
     b0, b1, b2, b3, b4, b5 = b
     c0, c1, c2, c3, c4 = (
         b0 + x * (b1 - b0),
@@ -300,8 +342,11 @@ def halves(x, b):
 
 @inlined
 def hull_crossing(c, points):
-    """Where the convex hull of the first control `points` of c first reaches 0; 1 where it does not."""
+    """Return the first fraction at which the convex hull of the first control `points` of c reaches 0; 1 if it does
+    not.
+    """
     found = 1.0
+    # The hull crosses 0 on a line from a control point above 0 to a later one below it.
     for k in range(1, points):
         if c[k] < 0.0:
             for j in range(k):
@@ -312,22 +357,28 @@ def hull_crossing(c, points):
 
 @inlined
 def safe_move(b):
-    """A part of the interval within which the polynomial does not turn negative; b0 >= 0."""
+    """Return a fraction of the interval within which the polynomial stays positive. b0 must be >= 0."""
     if b[0] > 0.0:
         return hull_crossing(b, 6)
-    if b[1] > 0.0:  # the root at 0 is divided out
+    if b[1] > 0.0:  # A root at 0 is divided out.
         return hull_crossing((b[1], b[2] / 2.0, b[3] / 3.0, b[4] / 4.0, b[5] / 5.0, 0.0), 5)
+    # Value and slope are 0 at the start: the event is now if the guard falls, otherwise skip a short part.
     return 0.0 if b[1] < 0.0 or b[2] < 0.0 else FIRST_PART
 
 
 @inlined
 def first_root(b):
-    """The first part x in [0, 1] at which the quintic with coefficients `b` turns from positive to negative; NONE without."""
+    """Return the first x in [0, 1] at which the quintic with coefficients `b` changes from positive to negative; NONE
+    without a root.
+    """
     left, width = 0.0, 1.0
+    # Round-off below 0 at the start is not a root.
     b = (max(b[0], 0.0), b[1], b[2], b[3], b[4], b[5])
     for _ in range(MOST_MOVES):
+        # No coefficient is negative: by the convex hull property the rest of the interval contains no root.
         if min(b[1], b[2], b[3], b[4], b[5]) >= 0.0:
             return NONE
+        # Move to the crossing of the hull. The search has converged if this does not move any more.
         move = safe_move(b)
         if move * width <= ROUND_OFF and (b[1] < 0.0 or width <= ROUND_OFF):
             return left
@@ -335,6 +386,8 @@ def first_root(b):
         b = (max(b[0], 0.0), b[1], b[2], b[3], b[4], b[5])
         left += move * width
         width *= 1.0 - move
+        # Then bisect, once in the middle and once just behind the start: keep the first part that contains a sign
+        # change.
         for part in (0.5, min(0.5, max(2.0 * move, ROUND_OFF))):
             near, far = halves(part, b)
             if near[5] < 0.0:

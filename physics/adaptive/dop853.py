@@ -1,12 +1,14 @@
-"""One step of DOP853, the explicit method of order 8 of Dormand and Prince, for the overlaps: for contacts that are not stiff.
+"""One step of DOP853, the explicit method of order 8 by Dormand and Prince, in overlap coordinates. For contacts that
+are not stiff.
 
     d_s = d0 + c_s h w0 + h² sum_k (A²)_sk a_k,   a_k = e - L f(d_k),   s = 1..12
 
-For y'' = f(y) the stages of the rates drop out; A and b are the coefficients of the method (Hairer, Norsett & Wanner, Solving
-ODEs I, 2nd ed., II.10). Forces of touching contacts are multipliers: they solve (L f)_i = e_i at every stage, one tridiagonal
-system.
+For y'' = f(y) the stages of the rates drop out. A and b are the coefficients of the method (Hairer, Norsett & Wanner,
+Solving ODEs I, 2nd ed., II.10). Forces of touching contacts are multipliers: at every stage they solve (L f)_i = e_i,
+one tridiagonal system.
 
-Only ranges of active contacts take part; between them no contact pushes enough to matter, and overlaps change at their rates.
+Only ranges of active contacts are integrated. Between them no contact pushes enough to matter, and overlaps change at
+constant rates.
 """
 
 from __future__ import annotations
@@ -39,6 +41,7 @@ NODES = np.array([
     0.0, 0.05260015195876773, 0.0789002279381516, 0.1183503419072274, 0.2816496580927726, 0.3333333333333333, 0.25,
     0.3076923076923077, 0.6512820512820513, 0.6, 0.8571428571428571, 1.0,
 ])
+# Nodes c, matrix A and weights b of the method
 _TABLEAU = np.zeros((STAGES, STAGES))
 _TABLEAU[1, [0]] = [0.05260015195876773]
 _TABLEAU[2, [0, 1]] = [0.0197250569845379, 0.0591751709536137]
@@ -70,32 +73,39 @@ WEIGHTS[[0, 5, 6, 7, 8, 9, 10, 11]] = [
     0.054293734116568765, 4.450312892752409, 1.8915178993145003, -5.801203960010585, 0.3111643669578199,
     -0.1521609496625161, 0.20136540080403034, 0.04471061572777259,
 ]
-THIRD = WEIGHTS.copy()  # error by the embedded formula of order three
+THIRD = WEIGHTS.copy()  # Weights of the embedded error of order 3
 THIRD[[0, 8, 11]] -= [0.2440944881889764, 0.7338466882816118, 0.022058823529411766]
-FIFTH = np.zeros(STAGES)  # error by the embedded formula of order five
+FIFTH = np.zeros(STAGES)  # Weights of the embedded error of order 5
 FIFTH[[0, 5, 6, 7, 8, 9, 10, 11]] = [
     0.01312004499419488, -1.2251564463762044, -0.4957589496572502, 1.6643771824549864, -0.35032884874997366,
     0.3341791187130175, 0.08192320648511571, -0.022355307863886294,
 ]
 # fmt: on
 
-SQUARE = exact_product(_TABLEAU, _TABLEAU)  # from accelerations to stage overlaps
-WEIGHTS_SQUARE = exact_product(WEIGHTS, _TABLEAU)  # and to the overlap at the end
+SQUARE = exact_product(_TABLEAU, _TABLEAU)  # A²: overlaps of the stages from the accelerations
+WEIGHTS_SQUARE = exact_product(WEIGHTS, _TABLEAU)  # b A: overlap at the end from the accelerations
+# The same products for the errors of the overlap at the end
 THIRD_SQUARE, FIFTH_SQUARE = exact_product(THIRD, _TABLEAU), exact_product(FIFTH, _TABLEAU)  # and to its errors
 
 
 @inlined
 def is_active(i, h, inactive, chain, motion):
-    """False for a contact that closes no faster than `inactive` [m/s], and neither now nor at the end of a step at this rate
-    holds more energy or changes velocities by more. One with preload that pushes is active, however short the step to its opening
-    is: left out, it would stand still. A contact that touches passes on at once what pushes it: it is active."""
+    """Return whether contact i takes part in the step.
+
+    A contact is inactive if it closes no faster than `inactive` [m/s] and, now and at the end of a step at this rate,
+    neither stores more energy nor changes velocities by more than that. A pushing contact with preload is active
+    however short the step to its opening is; if it were left out, it would stand still. A touching contact is active
+    because it passes on every push at once.
+    """
     if motion.mode[i] == OPEN:
         return False
     law, rate = chain.law, motion.rate[i]
+    # Touching contacts, and contacts with preload that push, see above.
     if motion.mode[i] == TOUCHING or law[i, 0] > 0.0:
         return True
     if has_segments(chain.graph, i) and (motion.overlap[i] < 0.0 or (motion.overlap[i] == 0.0 and rate < 0.0)):
-        return True  # it pulls
+        return True  # the contact pulls
+    # Velocity changes and energies now, then with the overlap at the end of the step.
     weight, push = chain.inverse_mass[i] + chain.inverse_mass[i + 1], max(motion.force[i], 0.0)
     if rate > inactive or weight * push * h > inactive:
         return True
@@ -108,24 +118,29 @@ def is_active(i, h, inactive, chain, motion):
 
 @inlined
 def next_range(after, h, inactive, chain, motion):
-    """The next range [first, last) of active contacts from contact `after` on, with a margin; (n, n) where there is none.
+    """Return the next range [first, last) of active contacts from contact `after` on, with a margin; (n, n) if none is
+    left.
 
-    The margin ends with the first open contact, which passes nothing on.
+    The margin ends at the first open contact, because an open contact passes nothing on.
     """
     n = motion.mode.size
+    # External forces move all beads.
     if chain.external.size:
         return after, n
+    # Find the first active contact.
     first = after
     while first < n and not is_active(first, h, inactive, chain, motion):
         first += 1
     if first == n:
         return n, n
+    # Join active contacts that are closer than two margins.
     last = first + 1
     for i in range(first + 1, n):
         if i >= last + 2 * MARGIN:
             break
         if is_active(i, h, inactive, chain, motion):
             last = i + 1
+    # Add a margin on both sides, up to the first open contact.
     start, end = max(first - MARGIN, after), min(last + MARGIN, n)
     while first > start and motion.mode[first] != OPEN:
         first -= 1
@@ -136,12 +151,14 @@ def next_range(after, h, inactive, chain, motion):
 
 @inlined
 def accelerate(first, last, passed, chain, mode, carried, overlap, force, acceleration, upper):
-    """Forces (n,) and overlap accelerations (n,) in a range, from the overlaps of one stage, `passed` [s] after now.
+    """Compute forces (n,) and overlap accelerations (n,) in a range from the overlaps of a stage, `passed` [s] after
+    now.
 
-    A contact that is frozen keeps what it has `carried` (n,). So does the last of contacts that all touch from one wall to
-    another: a force through all of them moves nothing.
+    A frozen contact keeps the force that it has `carried` (n,). So does the last one in a series of touching contacts
+    from wall to wall, because a force through all of them does not move anything.
     """
     law, inverse_mass = chain.law, chain.inverse_mass
+    # Forces of contacts that follow their law.
     touching = False
     for i in range(first, last):
         force[i] = carried[i] if mode[i] == FROZEN else 0.0
@@ -150,14 +167,17 @@ def accelerate(first, last, passed, chain, mode, carried, overlap, force, accele
         elif mode[i] == LOADED:
             force[i] = curve_force(law, chain.graph, i, overlap[i])
         touching |= mode[i] == TOUCHING
-    if first > 0:  # the edge of a range in mid-chain is inactive: the bead beyond would not feel it
+    if first > 0:  # The edge of a range inside the chain is inactive: the bead beyond would not feel it.
         force[first] = 0.0
     if last < mode.size:
         force[last - 1] = 0.0
+    # Multipliers of touching contacts: their relative acceleration is 0, (L f)_i = e_i. Thomas algorithm over each
+    # series of touching contacts, with the forces of the neighbours as loads.
     if touching:
         for i in range(first, last):
             upper[i] = 0.0
             if mode[i] == TOUCHING:
+                # Forward sweep: a neighbour that follows its law is a load, a touching one is eliminated.
                 pivot = inverse_mass[i] + inverse_mass[i + 1]
                 load = drive_at(chain, i, passed)
                 if i > 0:
@@ -167,15 +187,17 @@ def accelerate(first, last, passed, chain, mode, carried, overlap, force, accele
                 if i < mode.size - 1:
                     if mode[i + 1] != TOUCHING:
                         load += inverse_mass[i + 1] * force[i + 1]
-                    elif inverse_mass[i + 1] > 0.0:  # a wall takes all, and between two of them the pivot is 0
+                    elif inverse_mass[i + 1] > 0.0:  # A wall takes every force; between two walls the pivot would be 0.
                         upper[i] = inverse_mass[i + 1] / pivot
                 free = pivot <= ROUND_OFF * (inverse_mass[i] + inverse_mass[i + 1])
                 force[i] = carried[i] if free else load / pivot
+        # Backward sweep.
         for i in range(last - 2, first - 1, -1):
             if mode[i] == TOUCHING and mode[i + 1] == TOUCHING:
                 force[i] += upper[i] * force[i + 1]
+    # Accelerations of the overlaps. Those of touching contacts are exactly 0.
     left = ((force[first - 1] if first > 0 else 0.0) - force[first]) * inverse_mass[first]
-    for i in range(first, last):  # by the accelerations of the two beads, w' = a_i - a_(i+1)
+    for i in range(first, last):  # From the accelerations of the two beads, w' = a_i - a_(i+1)
         right = (force[i] - (force[i + 1] if i + 1 < force.size else 0.0)) * inverse_mass[i + 1]
         acceleration[i] = left - right
         left = right
@@ -190,42 +212,50 @@ def accelerate(first, last, passed, chain, mode, carried, overlap, force, accele
 
 @inlined
 def dop853_step(h, inactive, firm, chain, motion, trial, scratch):
-    """One step into `trial`: overlaps, rates and forces at its end, and for the event finder at the nodes of `radau`.
+    """Take one step into `trial`: overlaps, rates and forces at its end, and at the nodes of `radau` for the event
+    search.
 
-    `inactive` [m/s] is the velocity that a contact beside the active ranges may change by; `firm`: beads may stick.
-    Returns the error as a velocity [m/s], of order 8: err5² / sqrt(err5² + 0.01 err3²).
+    `inactive` [m/s] is the largest velocity change of contacts outside the active ranges. `firm` is true if beads may
+    stick. Returns the error as a velocity [m/s], of order 8: err5² / sqrt(err5² + 0.01 err3²).
     """
     overlap, rate, mode, end_anchor = motion.overlap, motion.rate, motion.mode, trial.anchor
     force, of_anchor = scratch.correction[1], scratch.anchor_acceleration
     n = overlap.size
     touching, worst = False, 0.0
+    # Start with free motion of all contacts; active ranges are replaced below.
     for i in range(n):
         force[i] = 0.0
         way = h * rate[i]
-        if rate[i] <= inactive and is_smooth(chain.law, chain.graph, i):  # it stays at d = 0, see `open_passed`
+        # a slow contact stays at d = 0, see `open_passed`
+        if rate[i] <= inactive and is_smooth(chain.law, chain.graph, i):
             way = min(way, max(-overlap[i], 0.0))
         trial.overlap[2, i], trial.rate[2, i] = overlap[i] + way, rate[i]
         for k in range(2):
             trial.overlap[k, i] = overlap[i] + OUTPUT_NODES[k] * way
         touching |= mode[i] == TOUCHING
+    # The anchor bead is accelerated by external forces; the range that contains it replaces these values.
     for s in range(STAGES):
         of_anchor[s] = anchor_acceleration(chain, force, h * NODES[s])
     last = ZERO
+    # Integrate one active range after the other.
     while last < n:
         first, last = next_range(last, h, inactive, chain, motion)
         if first == n:
             break
         worst = larger(worst, step_of_range(h, first, last, chain, motion, trial, scratch))
+    # The anchor bead, by the same weights as the overlaps.
     end_anchor[0], end_anchor[1] = motion.anchor[0] + h * motion.anchor[1], motion.anchor[1]
     for k in range(STAGES):
         end_anchor[0] += h * h * WEIGHTS_SQUARE[k] * of_anchor[k]
         end_anchor[1] += h * WEIGHTS[k] * of_anchor[k]
+    # Forces at the end of the step.
     for i in range(n):
         trial.force[2, i] = force[i]
         if force[i] == 0.0 and mode[i] == LOADED and trial.overlap[2, i] > 0.0:  # an inactive contact
             trial.force[2, i] = curve_force(chain.law, chain.graph, i, trial.overlap[2, i])
         if mode[i] == FROZEN:
             trial.force[2, i] = motion.force[i]
+    # Held contacts and sticking beads have guards through the forces at the nodes, so these are needed as well.
     if touching or firm:
         stage, upper = scratch.correction[0], scratch.correction[2]
         for k in range(2):
@@ -236,10 +266,13 @@ def dop853_step(h, inactive, firm, chain, motion, trial, scratch):
 
 @inlined
 def step_of_range(h, first, last, chain, motion, trial, scratch):
-    """The step of contacts [first, last): the forces of their end stay in scratch. Returns the error as `dop853_step`."""
+    """Take the step of contacts [first, last). Their forces at the end stay in scratch memory. Return the error as
+    `dop853_step`.
+    """
     overlap, rate, mode = motion.overlap, motion.rate, motion.mode
     stage, force, upper = scratch.correction[0], scratch.correction[1], scratch.correction[2]
     acceleration, square, moves_anchor = scratch.acceleration, h * h, first <= chain.anchor_bead <= last
+    # The twelve stages: overlaps by A², then forces and accelerations.
     for s in range(STAGES):
         for i in range(first, last):
             stage[i] = overlap[i] + NODES[s] * h * rate[i]
@@ -248,6 +281,8 @@ def step_of_range(h, first, last, chain, motion, trial, scratch):
         accelerate(first, last, h * NODES[s], chain, mode, motion.force, stage, force, acceleration[s], upper)
         if moves_anchor:
             scratch.anchor_acceleration[s] = anchor_acceleration(chain, force, h * NODES[s])
+    # Overlap and rate at the end, and their embedded errors of orders 5 and 3. The errors use rows of the trial that
+    # are still free.
     end_overlap, end_rate, fifth, third = trial.overlap[2], trial.rate[2], trial.overlap[0], trial.overlap[1]
     fifth_overlap, third_overlap = trial.rate[0], trial.rate[1]
     for i in range(first, last):
@@ -262,10 +297,12 @@ def step_of_range(h, first, last, chain, motion, trial, scratch):
             w3 += h * THIRD[k] * a
         end_overlap[i], end_rate[i] = d, w
         fifth_overlap[i], fifth[i], third_overlap[i], third[i] = d5, w5, d3, w3
+    # Touching contacts do not move.
     for i in range(first, last):
         if mode[i] == TOUCHING:
             end_overlap[i], end_rate[i] = overlap[i], 0.0
     worst = error_of_range(h, first, last, chain, motion, trial, force)
+    # Forces at the end, then the overlaps at the nodes of `radau` by the quintic through both ends.
     accelerate(first, last, h, chain, mode, motion.force, end_overlap, force, stage, upper)
     for i in range(first, last):
         path = hermite_quintic(h, overlap[i], rate[i], acceleration[0, i], end_overlap[i], end_rate[i], stage[i])
@@ -276,23 +313,32 @@ def step_of_range(h, first, last, chain, motion, trial, scratch):
 
 @inlined
 def nearly_opens(h, overlap, rate, end_overlap, end_rate):
-    """Whether a contact comes out and goes in again within a step, and is all but open between: its law is not smooth there."""
+    """Return whether a contact unloads and loads again within a step and is nearly open in between. Its law is not
+    smooth there.
+    """
+    # Only contacts that first unload and then load can nearly open.
     if not (overlap > 0.0 and end_overlap > 0.0 and rate < 0.0 < end_rate):
         return False
+    # Smallest overlap of the parabola through both rates.
     least = overlap + 0.5 * h * rate * rate / (rate - end_rate)
     return least < GRAZE * max(overlap, end_overlap)
 
 
 @inlined
 def error_of_range(h, first, last, chain, motion, trial, force):
-    """Error of a step as a velocity [m/s]; of order 5 alone where a soft contact begins to push in it, ceases to, or nearly does.
+    """Return the error of a step as a velocity [m/s].
 
-    Errors of order 5 and 3 stand in the first two rows of the trial: of rates in its overlaps, of overlaps in its rates.
+    The error of order 5 alone is used if a soft contact begins or ceases to push within the step, or nearly does; the
+    law is not smooth enough for order 8 there. The errors of orders 5 and 3 are in the first two rows of the trial:
+    errors of rates in its overlaps, errors of overlaps in its rates.
     """
     law, inverse_mass, overlap, mode = chain.law, chain.inverse_mass, motion.overlap, motion.mode
     end_overlap, fifth, third = trial.overlap[2], trial.overlap[0], trial.overlap[1]
     fifth_overlap, third_overlap = trial.rate[0], trial.rate[1]
     rough, worst = False, 0.0
+    # Contacts whose force begins or ends within the step. The nodes miss a part of its impulse that the embedded errors
+    # do not show. For a > 1 this part is a known fraction (see `constants`); for a < 1 the embedded error of order 5
+    # must show it.
     for i in range(first, last):
         if mode[i] == LOADED and law[i, 2] != 1.0:
             d0, d1, w0, w1 = overlap[i], end_overlap[i], motion.rate[i], trial.rate[2, i]
@@ -303,19 +349,24 @@ def error_of_range(h, first, last, chain, motion, trial, force):
                 else:
                     part = KINK if grazes else BEGINS
                     if opens:
-                        part = ENDS[0] if 4.0 * (d0 + d1) < h * (w1 - w0) else ENDS[1]  # by the cubic in the middle
+                        # the sign of the cubic in the middle of the step tells in which half the force ends
+                        part = ENDS[0] if 4.0 * (d0 + d1) < h * (w1 - w0) else ENDS[1]
                     push = curve_force(law, chain.graph, i, d0 if opens else d1)
                     worst = larger(worst, part * h * (inverse_mass[i] + inverse_mass[i + 1]) * push)
+    # A kink of a tabulated law within the step.
     for i in range(first, last):
         if mode[i] == LOADED:
             push = breakpoint_force(chain.graph, i, overlap[i], end_overlap[i])
             worst = larger(worst, KINK * h * (inverse_mass[i] + inverse_mass[i + 1]) * push)
+    # Error of each contact: of its rate, and of its overlap times its local frequency (its energy as a velocity).
     slowest = math.inf
-    error, frequency = fifth, third  # from here on of each contact: its error, and its local frequency squared
+    # From here on these rows contain the error and the local frequency squared of each contact.
+    error, frequency = fifth, third
     for i in range(first, last):
         error[i] = abs(fifth[i]) if rough else combined(fifth[i], third[i])
         frequency[i] = 0.0
-        # where a smooth contact begins to push, its end tells: errors of rates alone vanish at some lengths of a step
+        # If a smooth contact begins to push, take the slope at the end of the step: errors of rates alone vanish for
+        # some step lengths.
         at = overlap[i] if overlap[i] > 0.0 or law[i, 2] < 1.0 else end_overlap[i]
         if mode[i] == LOADED and (at > 0.0 or (has_segments(chain.graph, i) and law[i, 2] >= 1.0)):
             slope = curve_slope(law, chain.graph, i, at, curve_force(law, chain.graph, i, at))
@@ -324,6 +375,7 @@ def error_of_range(h, first, last, chain, motion, trial, force):
             error[i] = larger(error[i], math.sqrt(frequency[i]) * of_overlap)
             if law[i, 2] < 1.0:
                 slowest = min(slowest, frequency[i])
+    # The largest error counts, weighted for soft contacts that oscillate (see `care`).
     for i in range(first, last):
         faster = frequency[i] / slowest if math.isfinite(slowest) else 1.0
         worst = larger(worst, error[i] * care(law[i, 2], h * h * frequency[i], faster))
@@ -332,7 +384,7 @@ def error_of_range(h, first, last, chain, motion, trial, force):
 
 @piece
 def add_scaled(factor, source, first, last, target):
-    """``target += factor * source`` in a range."""
+    """Compute ``target += factor * source`` in a range."""
     if factor != 0.0:
         for i in range(first, last):
             target[i] += factor * source[i]
@@ -340,6 +392,6 @@ def add_scaled(factor, source, first, last, target):
 
 @piece
 def combined(fifth, third):
-    """The error of order 8 from those of orders 5 and 3, as in the authors' code."""
+    """Return the error of order 8 from the errors of orders 5 and 3, as in the code of Hairer, Norsett & Wanner."""
     scale = fifth * fifth + 0.01 * third * third
     return fifth * fifth / math.sqrt(scale) if scale != 0.0 else 0.0

@@ -1,4 +1,6 @@
-"""Free flight: no contact pushes, forces are steady, so overlaps are parabolas and the next event is a closed form."""
+"""Free flight: no contact pushes and the external forces are steady. Overlaps are parabolas, and the next event is a
+closed form.
+"""
 
 from __future__ import annotations
 
@@ -14,9 +16,13 @@ from softcradle.physics.numerics.records import FROZEN, LOADED, NO_CONTACT, OPEN
 
 @piece
 def nothing_pushes(chain, regime, motion, negligible):
-    """True where no contact pushes a bead that can move, or only with what gives less than `negligible` [m/s]."""
+    """Return True if no contact pushes a bead that can move, or if all pushes change velocities by less than
+    `negligible` [m/s].
+    """
     driven = chain.external.size > 0
     for i in range(motion.mode.size):
+        # A loaded contact is negligible if its stored energy and its closing rate are. Under external forces it must
+        # also move apart, because such a force could press it for any time.
         if motion.mode[i] == LOADED:
             weight, side = chain.inverse_mass[i] + chain.inverse_mass[i + 1], side_of(regime, i)
             x, w, f = side * motion.overlap[i], side * motion.rate[i], side * motion.force[i]
@@ -24,6 +30,8 @@ def nothing_pushes(chain, regime, motion, negligible):
                 return False
             if driven and (x > 0.0 or w > 0.0 or f > 0.0 or side * chain.external[i] > 0.0):
                 return False
+        # A touching contact pushes if its force is more than the round-off of its preload, or if external forces press
+        # its beads together.
         pressed = driven and side_of(regime, i) * chain.external[i] > 0.0
         if motion.mode[i] == TOUCHING and (pressed or abs(motion.force[i]) > ROUND_OFF * abs(chain.law[i, 0])):
             return False
@@ -32,7 +40,9 @@ def nothing_pushes(chain, regime, motion, negligible):
 
 @piece
 def flown(overlap, rate, bend, time):
-    """The overlap after `time` of free flight; one that is too slow to close stops at 0, however long the flight is."""
+    """Return the overlap after `time` of free flight. A contact that closes too slowly to count stops at overlap 0,
+    however long the flight is.
+    """
     if bend == 0.0:
         return min(overlap + time * rate, max(overlap, 0.0)) if rate > 0.0 else overlap + time * rate
     return overlap + time * (rate + 0.5 * time * bend)
@@ -40,11 +50,14 @@ def flown(overlap, rate, bend, time):
 
 @piece
 def closing_time(overlap, rate, bend):
-    """When ``overlap + rate t + bend t²/2`` turns positive, from overlap <= 0; inf where it does not."""
+    """Return the time at which ``overlap + rate t + bend t²/2`` becomes positive, starting from overlap <= 0; inf if it
+    never does.
+    """
     if overlap >= 0.0 and (rate > 0.0 or (rate == 0.0 and bend > 0.0)):
         return 0.0
     if bend == 0.0:
         return -overlap / rate if rate > 0.0 else math.inf
+    # The first root of the parabola. Of the two equivalent formulas take the one without cancellation of rate and root.
     square = rate * rate - 2.0 * bend * overlap
     if square < 0.0 or (bend < 0.0 and rate <= 0.0):
         return math.inf
@@ -56,11 +69,13 @@ def closing_time(overlap, rate, bend):
 
 @piece
 def next_event(time, end, chain, regime, motion, negligible, velocity):
-    """Until when free flight lasts, to the first corner or to `end`: a contact closes, a coupler pulls, or a bead stops.
+    """Return the end time of the free flight, and the row and side of the event there (row -1: none before `end`).
 
-    With row and side of the corner (-1: none before `end`); `velocity` (n+1,) is scratch memory.
+    A flight ends if a contact closes, a coupler begins to pull, or a sliding bead stops. `velocity` (n+1,) is scratch
+    memory.
     """
     flight, row, at = math.inf, NO_CONTACT, ZERO
+    # Contacts: side 0 closes at overlap 0, side 1 comes to the end of the slack of a coupler.
     for i in range(motion.mode.size):
         if motion.mode[i] == OPEN and (chain.external.size or motion.rate[i] > negligible):
             passed = closing_time(motion.overlap[i], motion.rate[i], drive_at(chain, i, 0.0))
@@ -71,6 +86,7 @@ def next_event(time, end, chain, regime, motion, negligible, velocity):
             passed = max(closing_time(-motion.overlap[i] - slack, -motion.rate[i], -drive_at(chain, i, 0.0)), 0.0)
             if passed < flight:
                 flight, row, at = passed, ZERO + i, ZERO + 1
+    # Beads on a bed: friction stops a sliding bead if its acceleration is against its velocity.
     if regime.bed.size:
         bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], velocity)
         for j in range(regime.bed.size):
@@ -87,7 +103,7 @@ def next_event(time, end, chain, regime, motion, negligible, velocity):
 
 @piece
 def drift(passed, chain, regime, motion, velocity):
-    """Move all overlaps and the anchor on by `passed` [s] of free flight, or back."""
+    """Move all overlaps and the anchor bead forward by `passed` [s] of free flight (backward if it is negative)."""
     if regime.bed.size:
         motion.taken[1] += flight_work(passed, chain, regime, motion, velocity)
     for i in range(motion.mode.size):
@@ -102,9 +118,9 @@ def drift(passed, chain, regime, motion, velocity):
 
 @piece
 def back_to_opening(time, chain, regime, motion, scratch):
-    """Go back to when the last contact opened, from the end of the step in which it did; returns this time.
+    """Move the motion back from the end of the step to the time at which the last contact opened, and return this time.
 
-    A motion on a bed is over then: its velocities go on to change.
+    Needed on a bed only: the motion ends at this opening, but friction still changes the velocities.
     """
     last = -math.inf
     for i in range(motion.mode.size):
@@ -118,7 +134,7 @@ def back_to_opening(time, chain, regime, motion, scratch):
 
 @inlined
 def flight_work(passed, chain, regime, motion, velocity):
-    """Energy [J] that the bed absorbs in `passed` [s] of free flight."""
+    """Return the energy [J] that bed friction dissipates in `passed` [s] of free flight."""
     found = 0.0
     bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], velocity)
     for j in range(regime.bed.size):

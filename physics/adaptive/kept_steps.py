@@ -1,4 +1,4 @@
-"""The samples of a run of the adaptive methods: as it goes where their times are known, else from its steps when it is over."""
+"""Samples of adaptive runs, from stored steps: during the run if the sample times are known, otherwise after its end."""
 
 from __future__ import annotations
 
@@ -17,24 +17,29 @@ from softcradle.physics.problem import Problem, Record, empty_samples, first_sam
 
 Array = NDArray[np.float64]
 
-MOST_ROWS, MOST_NUMBERS = 256, 2**18  # steps between two samplings, and numbers that these take
-MOST_SPARE = 4  # blocks of steps that are kept for the next run
-MOST_KEPT = 2**30  # bytes of steps that a run without a duration keeps; a longer one is run again for its samples
-NO_STEPS = empty_steps(0, 0, False)  # where none are kept
+# Rows of a block of stored steps, and most numbers in it. Samples are computed each time a block is full. 2**18 numbers
+# are 2 MB.
+MOST_ROWS, MOST_NUMBERS = 256, 2**18
+MOST_SPARE = 4  # Number of blocks that are reused by the next run
+# Most memory for stored steps [bytes] of a run without a duration. A longer run is repeated to compute its samples.
+MOST_KEPT = 2**30
+NO_STEPS = empty_steps(0, 0, False)  # Rows of a run that stores no steps
 
 
 class KeptSteps:
-    """Rows for the steps of a run, and the samples taken from them.
+    """Stored steps of a run, and the samples computed from them.
 
     Attributes:
-        steps: what the kernel fills; without rows where no samples are wanted.
-        known: whether the times of the samples were known at the start.
-        ends: whether the samples wanted are the start and the end of the run.
-        overflows: whether the run had more steps than are kept.
+        steps: rows that the kernel fills; no rows if no samples are wanted.
+        known: whether the sample times were known at the start.
+        ends: whether only the start and the end of the run are wanted as samples.
+        overflows: whether the run had more steps than the memory limit allows.
     """
 
     def __init__(self, problem: Problem, wanted: float, tiers: KernelTiers, spare: list[Steps]) -> None:
-        """`wanted` [m/s] bounds the error of a step; `spare` are blocks of steps that runs before have left."""
+        """Create the memory. `wanted` [m/s] is the error bound of a step; `spare` contains blocks of steps of earlier
+        runs.
+        """
         self.problem, self.wanted, self.tiers, self.spare = problem, wanted, tiers, spare
         self.known = problem.duration is not None
         self.ends = not (self.known or problem.keeps)
@@ -42,6 +47,7 @@ class KeptSteps:
         self._chunks: list[tuple[Steps, int]] = []
         if self.known:
             self._want(problem.sample_times(problem.end))
+        # Steps are not stored if only the ends are wanted, or no samples at all.
         needless = self.ends or (self.known and not self.times.size)
         self.steps = NO_STEPS if needless else self._block()
 
@@ -51,8 +57,11 @@ class KeptSteps:
         self._samples = empty_samples(times, contacts)
 
     def take(self, log: SwitchLog) -> None:
-        """Take the samples in the steps that the kernel has filled, or keep these."""
+        """Compute the samples within the steps that the kernel has filled, or store these steps until the end of the
+        run.
+        """
         count, log.counter[KEPT] = int(log.counter[KEPT]), 0
+        # Sample times known: sample now and reuse the block. Otherwise store the block.
         if self.known:
             self._sample(self.steps, count)
         elif count:
@@ -64,7 +73,7 @@ class KeptSteps:
             self.steps = NO_STEPS if self.overflows else self._block()
 
     def _block(self) -> Steps:
-        """Rows for some steps: those of a run before, where they fit."""
+        """Return an empty block of steps, reusing one from an earlier run if its shape fits."""
         chain, none = self.problem.chain, _steps(self.problem.chain, 0)
         wide = none.values.shape[1], none.flags.shape[1]
         while self.spare:
@@ -74,13 +83,14 @@ class KeptSteps:
         return _steps(chain, min(MOST_ROWS, MOST_NUMBERS // wide[0] + 1))
 
     def _sample(self, steps: Steps, count: int) -> None:
-        """Take the samples in `count` steps."""
+        """Compute the samples within the first `count` of the `steps`."""
         done = int(self._log.counter[SAMPLE])
         last = steps.time[count - 1] + steps.length[count - 1] if count else -np.inf
+        # Number of wanted samples within these steps.
         many = int(np.searchsorted(self.times[done:], last))
         if many == 0:
             return
-        work = float(many * self.problem.chain.contacts)  # a sample costs plain Python as much as a fixed step
+        work = float(many * self.problem.chain.contacts)  # in plain Python a sample costs as much as a fixed step
         kernel: Any = self.tiers.of(sample_steps, work)
         if kernel is not sample_steps:
             self.tiers.spent += work
@@ -88,7 +98,7 @@ class KeptSteps:
 
     @cached_property
     def _memory(self) -> Any:
-        """Fields of the chain, its Regime, a motion and scratch memory, for the kernel to fill from the steps."""
+        """Fields of a chain, its Regime, a motion and scratch memory, which the sampling kernel fills from the steps."""
         chain, motion = self.problem.chain, self.problem.state.copy()
         n = chain.contacts
         mode, held = np.zeros(n, dtype=np.int8), np.zeros(n, dtype=np.int8)
@@ -96,11 +106,13 @@ class KeptSteps:
         return *chain_and_regime(chain, motion), motion_record(motion, mode, held), *records
 
     def record(self, found: Record, times: Array) -> Record:
-        """The record `found` of the run with its samples at `times`, as far as it got."""
+        """Return the record `found` of the run with its samples at `times`, up to the time that the run reached."""
         if not self.known:
             self._want(times)
             for steps, count in self._chunks:
                 self._sample(steps, count)
+        # Samples after the last stored step: the beads move on with constant velocities. A run that gave up has no
+        # samples after the time that it reached.
         state, done, rows = found.end, int(self._log.counter[SAMPLE]), self.times.size
         if found.status.gave_up:
             rows = max(done, int(np.searchsorted(self.times, state.time, side="right")))

@@ -1,10 +1,11 @@
-"""One step of Radau IIA with three stages (order 5), solved for force and overlap together, and its error.
+"""One step of Radau IIA with three stages (order 5), solved for force and overlap together, and its error estimate.
 
     d_k = d0 + h c_k w0 - h² sum_j (A²)_kj (L f_j)        w_k = w0 - h sum_j A_kj (L f_j),   k = 1..3
 
-In the variables (d, f) on the curve of the law a step costs one block-tridiagonal solve an iteration, with 3x3 blocks
-and diagonal couplings. A touching contact is the vertical part of the curve: its d stays and its f is a multiplier.
-The error is that of two embedded quadratures, filtered by the stiff part of the motion.
+The unknowns (d, f) lie on the curve of the contact law, so an iteration costs one block-tridiagonal solve with 3x3
+blocks and diagonal couplings. A touching contact is on the vertical part of its curve: its d stays, and its f is a
+multiplier (Signorini condition). The error estimate compares two embedded quadratures with the step and filters their
+difference by the stiff part of the motion (Hairer & Wanner, Solving ODEs II, IV.8).
 """
 
 from __future__ import annotations
@@ -45,6 +46,7 @@ from softcradle.physics.numerics.law_curve import (
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING, ZERO
 from softcradle.physics.numerics.table_kernels import breakpoint_force, has_table
 
+# Butcher matrix A of Radau IIA with three stages (Hairer & Wanner, Solving ODEs II, table IV.5.6)
 TABLEAU = np.array(
     [
         [(88.0 - 7.0 * ROOT6) / 360.0, (296.0 - 169.0 * ROOT6) / 1800.0, (-2.0 + 3.0 * ROOT6) / 225.0],
@@ -52,18 +54,26 @@ TABLEAU = np.array(
         [(16.0 - ROOT6) / 36.0, (16.0 + ROOT6) / 36.0, 1.0 / 9.0],
     ]
 )
-INVERSE = exact_inverse(TABLEAU)  # stage rates from stage overlaps
+INVERSE = exact_inverse(TABLEAU)  # A^-1: rates of the stages from their overlaps
+# A^-2, the matrix Q of docs/rows.md
 SQUARE_INVERSE = exact_product(INVERSE, INVERSE)
-GAMMA = 1.0 / 3.637834252744496  # the one real eigenvalue of the inverse is 3 + 9**(1/3) - 3**(1/3)
-EMBEDDED = GAMMA / 3.0 * np.array([-13.0 - 7.0 * ROOT6, -13.0 + 7.0 * ROOT6, -1.0])  # Hairer & Wanner, IV.8
-_COARSE = np.array([0.0, 0.5 / (1.0 - NODES[1]), (0.5 - NODES[1]) / (1.0 - NODES[1])])  # quadrature of two nodes
-COARSE = exact_product(TABLEAU[2] - _COARSE, INVERSE)  # its error, of one order less than the embedded one
-SHORT_EXPONENT = 1.0 / 32.0  # an exponent up to which seven terms of the series are as good as all
+GAMMA = 1.0 / 3.637834252744496  # 1 / real eigenvalue of A^-1, which is 3 + 9**(1/3) - 3**(1/3)
+# Weights of the embedded error of order h**4 (Hairer & Wanner, IV.8)
+EMBEDDED = GAMMA / 3.0 * np.array([-13.0 - 7.0 * ROOT6, -13.0 + 7.0 * ROOT6, -1.0])
+# Weights of the quadrature through the last two nodes
+_COARSE = np.array([0.0, 0.5 / (1.0 - NODES[1]), (0.5 - NODES[1]) / (1.0 - NODES[1])])
+# Weights of its error, which is one order lower than the embedded error
+COARSE = exact_product(TABLEAU[2] - _COARSE, INVERSE)
+SHORT_EXPONENT = 1.0 / 32.0  # Largest argument for which the short series of exp and log are accurate to the last digit
 
 
 @inlined
 def log_grown(x):
-    """ln(1 + x), of no less than ROUND_OFF, for a guess: most contacts hardly change in most steps."""
+    """Return ln(1 + x), where 1 + x counts as at least ROUND_OFF. For small x a short series is accurate enough for a
+    guess.
+
+    The short series is fast, and most contacts hardly change in most steps.
+    """
     if abs(x) < SHORT_EXPONENT:
         return x * (1.0 - x * (1.0 / 2.0 - x * (1.0 / 3.0 - x * (1.0 / 4.0))))
     return log(max(1.0 + x, ROUND_OFF))
@@ -71,7 +81,7 @@ def log_grown(x):
 
 @inlined
 def exp_near(x):
-    """e**x; where x is short its series gives all digits."""
+    """Return e**x. For small x a short series gives all digits."""
     if abs(x) < SHORT_EXPONENT:
         fourth = x * (1.0 / 24.0 + x * (1.0 / 120.0 + x * (1.0 / 720.0 + x * (1.0 / 5040.0))))
         return 1.0 + x * (1.0 + x * (1.0 / 2.0 + x * (1.0 / 6.0 + fourth)))
@@ -80,59 +90,74 @@ def exp_near(x):
 
 @inlined
 def first_guess(h, chain, motion, trial):
-    """Put first stages into `trial`: soft contacts go on as a power of the time since an onset, d (1 + t/T)**(w T/d), others
-    keep their rate. To extrapolate the step before would save 3 % of the iterations.
+    """Put initial guesses of the stages into `trial`.
+
+    Soft contacts continue as a power of the time since an onset, d (1 + t/T)**(w T/d); the others keep their rate.
+    Extrapolating the previous step instead would save only 3 % of the iterations.
     """
     law, graph, inverse_mass = chain.law, chain.graph, chain.inverse_mass
     overlap, rate, force, mode = motion.overlap, motion.rate, motion.force, motion.mode
     stage_overlap, stage_force = trial.overlap, trial.force
     since = time_since_onset(law, mode, overlap, rate, force)
+    # First sweep: guesses from the motion of each contact itself.
     for i in range(overlap.size):
         preload, exponent, times, power, most, own = law[i, 0], law[i, 2], 0.0, 1.0, 0.0, False
         grows = mode[i] == LOADED and exponent < 1.0 and force[i] > preload
+        # A soft contact that opens soon keeps its rate until d = 0, because its force has too little time to change it.
+        # Any other soft contact varies with the time since the onset of the strongest contact.
         if grows and overlap[i] > SMALLEST:
             weight = inverse_mass[i] + inverse_mass[i + 1]
-            stiff = weight * exponent * (force[i] - preload)  # times d: it keeps its rate until d = 0 where small
+            stiff = weight * exponent * (force[i] - preload)  # local frequency squared times d
             own = rate[i] < 0.0 and overlap[i] * stiff < 4.0 * rate[i] * rate[i]
             time = overlap[i] / rate[i] if own else since
             times, power, most = h / time, 1.0 if own else rate[i] * time / overlap[i], MOST_GUESSED / exponent
         for k in range(3):
             flown = overlap[i] + h * NODES[k] * rate[i]
+            # An open contact moves freely, a held one does not move.
             if mode[i] == OPEN:
                 stage_overlap[k, i], stage_force[k, i] = flown, 0.0
             elif mode[i] == TOUCHING or mode[i] == FROZEN:
                 stage_overlap[k, i], stage_force[k, i] = overlap[i], force[i]
+            # A soft contact that will have opened before the node carries no force there.
             elif grows and own and flown <= 0.0 and preload == 0.0:
                 stage_overlap[k, i], stage_force[k, i] = flown, 0.0
+            # A soft contact: the power law in time. Its force grows with the power `exponent` of the overlap.
             elif grows and overlap[i] > SMALLEST:
                 growth = min(max(power * log_grown(NODES[k] * times), -most), most)
                 stage_overlap[k, i] = overlap[i] * exp_near(growth)
                 stage_force[k, i] = preload + (force[i] - preload) * exp_near(exponent * growth)
-                if has_table(graph, i):  # the guess was that of a power law
+                if has_table(graph, i):  # the guess above is that of a power law
                     stage_force[k, i] = curve_force(law, graph, i, stage_overlap[k, i])
             elif grows:
                 stage_overlap[k, i], stage_force[k, i] = overlap[i], force[i]
+            # A contact at d = 0 with zero rate: it starts to move if its left neighbour pushes.
             elif overlap[i] == 0.0 and rate[i] == 0.0:
                 stage_overlap[k, i], stage_force[k, i] = 0.0, curve_force(law, graph, i, 0.0)
                 if i > 0 and preload == 0.0:
                     set_pushed(h, chain, i, k, i, stage_force[k, i - 1], stage_overlap, stage_force)
+            # Any other contact keeps its rate.
             else:
                 stage_overlap[k, i] = flown
                 stage_force[k, i] = curve_force(law, graph, i, flown)
+    # Second sweep, from right to left: contacts at rest that a right neighbour or an external force pushes.
     for i in range(overlap.size - 2, -1, -1):
         for k in range(3):
             if mode[i] == LOADED and overlap[i] == 0.0 and rate[i] == 0.0 and stage_force[k, i] == 0.0:
                 set_pushed(h, chain, i, k, i + 1, stage_force[k, i + 1], stage_overlap, stage_force)
                 drive = drive_at(chain, i, h * NODES[k])
-                if law[i, 0] == 0.0:  # of two halves the lighter bead's mass
+                # force that gives the two beads this relative acceleration: reduced mass times acceleration
+                if law[i, 0] == 0.0:
                     push = drive / (inverse_mass[i] + inverse_mass[i + 1])
                     set_pushed(h, chain, i, k, i + 1, push, stage_overlap, stage_force)
 
 
 @inlined
 def time_since_onset(law, mode, overlap, rate, force):
-    """Time since the overlap of the soft contact that pushes most was zero, had its rate been constant; negative until then."""
+    """Return the time [s] since the overlap of the strongest soft contact was zero, assuming a constant rate; negative
+    before its opening.
+    """
     largest, since = 0.0, 1e30
+    # The strongest soft contact determines the time scale on which all forces grow.
     for i in range(overlap.size):
         if mode[i] == LOADED and law[i, 2] < 1.0 and overlap[i] > 0.0 and force[i] > largest and rate[i] != 0.0:
             largest, since = force[i], overlap[i] / rate[i]
@@ -141,9 +166,14 @@ def time_since_onset(law, mode, overlap, rate, force):
 
 @inlined
 def set_pushed(h, chain, i, k, bead, push, stage_overlap, stage_force):
-    """Guess for contact i at rest when its neighbour pushes `bead`: what the bead would fly, at most most of the push."""
+    """Put the guess for contact i at rest whose neighbour pushes `bead`: the overlap after free motion of the bead
+    under the push.
+
+    The contact passes on at most 80 % of the push.
+    """
     if push <= 0.0:
         return
+    # Free motion of the bead under the push would give this overlap; the force cannot exceed the push.
     time = h * NODES[k]
     flown = 0.5 * (time * time) * chain.inverse_mass[bead] * push
     stage_force[k, i] = min(0.8 * push, pressed_force(chain.law, chain.graph, i, flown))
@@ -152,9 +182,14 @@ def set_pushed(h, chain, i, k, bead, push, stage_overlap, stage_force):
 
 @inlined
 def direction(i, chain, mode, weight, overlap, force):
-    """Direction (dd, df) = (along, across) z of the curve of a contact, scaled so that d + `weight` f moves by z."""
+    """Return the direction (dd, df) of the curve of a contact, per unit of the variable z = d + `weight` f.
+
+    In z the curve is never steep: dd/dz = 1 / (1 + weight s) and df/dz = s / (1 + weight s) with the slope s of the law
+    (docs/rows.md).
+    """
     if mode in (OPEN, FROZEN):
         return 1.0, 0.0
+    # The graph of a touching contact is vertical: only its force changes.
     slope = curve_slope(chain.law, chain.graph, i, overlap, force) if mode == LOADED else math.inf
     if slope > HUGE:
         return 0.0, 1.0 / weight
@@ -164,7 +199,7 @@ def direction(i, chain, mode, weight, overlap, force):
 
 @inlined
 def directions(h, first, last, chain, mode, trial, scratch):
-    """The direction of contacts [first, last) at every stage."""
+    """Compute the directions of contacts [first, last) at every stage."""
     for i in range(first, last):
         weight = h * h * (chain.inverse_mass[i] + chain.inverse_mass[i + 1])
         for k in range(3):
@@ -175,12 +210,14 @@ def directions(h, first, last, chain, mode, trial, scratch):
 
 @inlined
 def move_stage(k, i, weight, change, chain, mode, trial, scratch):
-    """Move contact i at stage k along its curve by the Newton change.
+    """Move contact i at stage k along its curve by a Newton change of z.
 
-    Returns (|dd|, |df|), what was asked for where that is more; and of both by how much more than round-off the move is another.
+    Returns (|dd|, |df|), at least the changes that were wanted, and by how much more than round-off the move differs
+    from both of them.
     """
     d, f = trial.overlap[k, i], trial.force[k, i]
     by_overlap, by_force = scratch.along[k, i] * change, scratch.across[k, i] * change
+    # On a curve the Newton step is corrected so that it stays on the curve; see `move_along`.
     if mode[i] == LOADED:
         end, pushes = move_along(chain.law, chain.graph, i, weight, d, f, by_overlap, by_force)
         trial.overlap[k, i], trial.force[k, i] = end, pushes
@@ -197,16 +234,20 @@ def move_stage(k, i, weight, change, chain, mode, trial, scratch):
 
 @inlined
 def eliminate(h, first, last, chain, motion, trial, scratch):
-    """Newton correction z (3, n) of all stages of contacts [first, last): block Thomas, M = D'^-1 kept in `scratch.block` (n, 9).
+    """Compute the Newton corrections z (3, n) of all stages of contacts [first, last) by block elimination (Thomas
+    algorithm).
 
-    Row (k, i): sum_j (A^-2)_kj (d_j - b_j) + h² (L f_k - e) = 0 with b_j = d0 + h c_j w0 and external acceleration e.
+    Equation (k, i) is sum_j (A^-2)_kj (d_j - b_j) + h² (L f_k - e) = 0 with b_j = d0 + h c_j w0 and external
+    acceleration e. The inverse diagonal blocks M = D'^-1 are kept in `scratch.block` (n, 9).
     """
     inverse_mass, overlap, rate = chain.inverse_mass, motion.overlap, motion.rate
     stage_overlap, stage_force, mode = trial.overlap, trial.force, motion.mode
     along, across, block, z = scratch.along, scratch.across, scratch.block, scratch.correction
     square = h * h
+    # Forward sweep over the contacts.
     for i in range(first, last):
         left, right = square * inverse_mass[i], square * inverse_mass[i + 1]
+        # Right-hand side: minus the residuals of the three stage equations of contact i.
         e0 = stage_overlap[0, i] - overlap[i] - h * NODES[0] * rate[i]
         e1 = stage_overlap[1, i] - overlap[i] - h * NODES[1] * rate[i]
         e2 = stage_overlap[2, i] - overlap[i] - h * NODES[2] * rate[i]
@@ -214,12 +255,16 @@ def eliminate(h, first, last, chain, motion, trial, scratch):
             flow = square * flow_into(i, inverse_mass, stage_force[k])
             flow -= square * drive_at(chain, i, h * NODES[k])
             z[k, i] = -(SQUARE_INVERSE[k, 0] * e0 + SQUARE_INVERSE[k, 1] * e1 + SQUARE_INVERSE[k, 2] * e2 + flow)
+        # Diagonal block: A^-2 couples the stages of one contact through its overlaps, and h² L_ii acts on the force of
+        # each stage.
         m00 = SQUARE_INVERSE[0, 0] * along[0, i] + (left + right) * across[0, i]
         m11 = SQUARE_INVERSE[1, 1] * along[1, i] + (left + right) * across[1, i]
         m22 = SQUARE_INVERSE[2, 2] * along[2, i] + (left + right) * across[2, i]
         m01, m02 = SQUARE_INVERSE[0, 1] * along[1, i], SQUARE_INVERSE[0, 2] * along[2, i]
         m10, m12 = SQUARE_INVERSE[1, 0] * along[0, i], SQUARE_INVERSE[1, 2] * along[2, i]
         m20, m21 = SQUARE_INVERSE[2, 0] * along[0, i], SQUARE_INVERSE[2, 1] * along[1, i]
+        # Eliminate the left neighbour. The coupling h²/m acts on forces of the same stage only, so the coupling blocks
+        # are diagonal. A wall (left = 0) separates the chain.
         if i > first and left != 0.0:
             b0, b1, b2 = left * across[0, i - 1], left * across[1, i - 1], left * across[2, i - 1]
             c0, c1, c2 = left * across[0, i], left * across[1, i], left * across[2, i]
@@ -236,20 +281,24 @@ def eliminate(h, first, last, chain, motion, trial, scratch):
             z[0, i] += b0 * z[0, i - 1]
             z[1, i] += b1 * z[1, i - 1]
             z[2, i] += b2 * z[2, i - 1]
+        # Invert the block by its adjugate.
         i00, i01, i02 = m11 * m22 - m12 * m21, m02 * m21 - m01 * m22, m01 * m12 - m02 * m11
         i10, i11, i12 = m12 * m20 - m10 * m22, m00 * m22 - m02 * m20, m02 * m10 - m00 * m12
         i20, i21, i22 = m10 * m21 - m11 * m20, m01 * m20 - m00 * m21, m00 * m11 - m01 * m10
         free = mode[i] == TOUCHING and m00 <= ROUND_OFF * (left + right) * across[0, i]
-        # a force from wall to wall is not determined, and stays as it is
+        # A force from wall to wall through touching contacts does not move anything, so it is not determined. Leave it
+        # unchanged.
         scale = 0.0 if free else 1.0 / (m00 * i00 + m01 * i10 + m02 * i20)
         m = block[i]
         m[0], m[1], m[2] = i00 * scale, i01 * scale, i02 * scale
         m[3], m[4], m[5] = i10 * scale, i11 * scale, i12 * scale
         m[6], m[7], m[8] = i20 * scale, i21 * scale, i22 * scale
+        # Reduced right-hand side.
         r = (z[0, i], z[1, i], z[2, i])
         z[0, i] = m[0] * r[0] + m[1] * r[1] + m[2] * r[2]
         z[1, i] = m[3] * r[0] + m[4] * r[1] + m[5] * r[2]
         z[2, i] = m[6] * r[0] + m[7] * r[1] + m[8] * r[2]
+    # Backward sweep: substitute the correction of the right neighbour.
     for i in range(last - 2, first - 1, -1):
         right = square * inverse_mass[i + 1]
         m = block[i]
@@ -261,29 +310,35 @@ def eliminate(h, first, last, chain, motion, trial, scratch):
 
 @inlined
 def solve_stages(h, chain, motion, precision, trial, scratch):
-    """Newton on all stages from the guess in `trial`; `precision` is the velocity [m/s] to converge to.
+    """Solve the stage equations by Newton's iteration, starting from the guess in `trial`. `precision` [m/s] is the
+    wanted accuracy.
 
-    A correction counts by the velocity it gives, h L df, and by that of its energy, sqrt(L dd df); one that a move along the
-    curve makes shorter counts in full, and what the last move has missed may count no more than the precision. After the
-    first iteration only contacts whose corrections count go on, and those around them: all again where a correction at the
-    edge of these counts. Returns the iterations used, 0 where they did not converge.
+    A correction is measured as a velocity: by the force change, h L df, and by its energy, sqrt(L dd df). If a move
+    along the curve is shorter than the wanted correction, the wanted one counts. The part that the last move missed may
+    not exceed the precision. After the first iteration, only contacts whose corrections are significant are solved
+    again, with their neighbours; all are solved again if a significant correction reaches the edge of this range.
+    Returns the number of iterations, 0 if they did not converge.
     """
     law, inverse_mass, force, mode = chain.law, chain.inverse_mass, motion.force, motion.mode
     n = mode.size
     before, strongest, first, last = math.inf, 0.0, ZERO, n
+    # Reference force of the convergence test: the largest force in the step so far.
     for i in range(n):
         strongest = max(strongest, abs(force[i]))
     for iteration in range(MOST_TRIES):
+        # One iteration on the contacts [first, last).
         directions(h, first, last, chain, mode, trial, scratch)
         eliminate(h, first, last, chain, motion, trial, scratch)
         size, missed, settled, low, high = 0.0, 0.0, True, n, ZERO
+        # Move each contact along its curve, and measure the corrections.
         for i in range(first, last):
-            deep = (
-                law[i, 0] == 0.0 and law[i, 2] < 1.0
-            )  # forces of such contacts span decades; touching ones may be undetermined
+            # Forces of soft contacts without preload differ by many orders of magnitude, so each has its own reference.
+            # A touching contact may have an undetermined force.
+            deep = law[i, 0] == 0.0 and law[i, 2] < 1.0
             own, changed, largest = 0.0, 0.0, max(abs(force[i]), FORCE_PRECISION * strongest) if deep else strongest
             weight = inverse_mass[i] + inverse_mass[i + 1]
             for k in range(3):
+                # The iteration has diverged: the caller starts again from implicit Euler steps.
                 if not math.isfinite(scratch.correction[k, i]):
                     return 0
                 by_overlap, by_force, missed_d, missed_f = move_stage(
@@ -295,14 +350,17 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
                 missed = max(missed, h * weight * missed_f, math.sqrt(weight * (missed_d * missed_f)))
                 changed, largest = max(changed, by_force), max(largest, abs(trial.force[k, i]))
             size, strongest = max(size, own), max(strongest, largest)
+            # `settled`: all forces have converged. Contacts whose correction is not negligible form the next range.
             rests = changed <= FORCE_PRECISION * largest
             settled &= rests
             if own > NEWTON_PART * precision or not rests:
                 low, high = min(low, i), i + 1
+        # Converged if the corrections are below the precision, or shrink so quadratically that the next ones would be.
         shrinks = iteration > 0 and size <= 1e-2 * before and size * size <= precision * before
         if settled and (size <= precision or (shrinks and missed <= precision)):
             return iteration + 1
         before = size
+        # Restrict the next iteration to the changing contacts, unless the change reached the edge of the range.
         at_edge = (low == first and first > 0) or (high == last and last < n)
         first, last = (ZERO, n) if at_edge else (max(low - MARGIN, 0), min(high + MARGIN, n))
     return 0
@@ -310,37 +368,47 @@ def solve_stages(h, chain, motion, precision, trial, scratch):
 
 @inlined
 def euler_change(k, time, chain, motion, trial, scratch):
-    """Newton change of stage k as an implicit Euler step of that `time`: d - d0 - t w0 + t² (L f - e) = 0, tridiagonal."""
+    """Compute the Newton change of stage k as an implicit Euler step of length `time`.
+
+    Its equation, d - d0 - t w0 + t² (L f - e) = 0, is tridiagonal and solved by the Thomas algorithm.
+    """
     inverse_mass, along, across, z = chain.inverse_mass, scratch.along[k], scratch.across[k], scratch.correction[k]
     n, square, upper = motion.mode.size, time * time, scratch.block
+    # Directions of the curves, as for the three-stage step.
     for i in range(n):
         weight = square * (inverse_mass[i] + inverse_mass[i + 1])
         along[i], across[i] = direction(i, chain, motion.mode[i], weight, trial.overlap[k, i], trial.force[k, i])
     for i in range(n):
         left, right = square * inverse_mass[i], square * inverse_mass[i + 1]
+        # Residual, and elimination of the left neighbour.
         pushed = square * acceleration_of(i, chain, trial.force[k], time)
         z[i] = motion.overlap[i] + time * motion.rate[i] - trial.overlap[k, i] + pushed
         pivot = along[i] + (left + right) * across[i]
         if i > 0:
             pivot -= left * across[i - 1] * upper[i - 1, 0]
             z[i] += left * across[i - 1] * z[i - 1]
-        free = pivot <= ROUND_OFF * (left + right) * across[i]  # from wall to wall: not determined
+        free = pivot <= ROUND_OFF * (left + right) * across[i]  # a force from wall to wall is not determined
         z[i] = 0.0 if free else z[i] / pivot
         upper[i, 0] = 0.0 if free or i == n - 1 else right * across[i + 1] / pivot
+    # Backward sweep.
     for i in range(n - 2, -1, -1):
         z[i] += upper[i, 0] * z[i + 1]
 
 
 @piece
 def euler_stages(h, chain, motion, trial, scratch):
-    """Put first stages into `trial`: an implicit Euler step to each node, which has one solution, whatever the laws.
+    """Put initial guesses into `trial` by an implicit Euler step to each node. Its equation is monotone, so it has one
+    solution for every law.
 
-    Collocation of three stages is not monotone where the slopes of the stages differ by much: Newton's iteration may go astray.
+    Collocation with three stages is not monotone if the slopes at the stages differ much, and Newton's iteration can
+    diverge. Starting from the Euler solutions it converges.
     """
     for k in range(3):
         time = h * NODES[k]
+        # Start from the present state.
         for i in range(motion.mode.size):
             trial.overlap[k, i], trial.force[k, i] = motion.overlap[i], motion.force[i]
+        # Newton's iteration for one node, until all forces have converged.
         for _ in range(MOST_TRIES * MOST_TRIES):
             euler_change(k, time, chain, motion, trial, scratch)
             changed, largest = 0.0, 0.0
@@ -358,19 +426,23 @@ def euler_stages(h, chain, motion, trial, scratch):
 
 @inlined
 def stage_rates(h, chain, motion, trial):
-    """Rates of all stages: w0 - h sum_j A_kj (L f_j - e), or (1/h) sum_j (A^-1)_kj (d_j - d0) where that is finer.
+    """Compute the rates of all stages, by w0 - h sum_j A_kj (L f_j - e) or by (1/h) sum_j (A^-1)_kj (d_j - d0),
+    whichever is more accurate.
 
-    An error of d is one of d / h in the latter and of h weight slope d in the former, so the latter is finer where a contact
-    oscillates in the step: where the overlaps are smaller than what the forces above the preload move, deep inside a cluster.
+    An error of d becomes an error d / h in the second formula, and h weight slope d in the first. So the second formula
+    is more accurate for contacts that oscillate within the step, deep inside a cluster. These are the contacts whose
+    overlaps are smaller than the displacements by their forces above the preload.
     """
     law, inverse_mass = chain.law, chain.inverse_mass
     overlap, rate, mode = motion.overlap, motion.rate, motion.mode
     stage_overlap, stage_force, stage_rate = trial.overlap, trial.force, trial.rate
     for i in range(overlap.size):
+        # Accelerations at the stages, for the first formula; displacements `moved`, for the second one.
         a0 = acceleration_of(i, chain, stage_force[0], h * NODES[0])
         a1 = acceleration_of(i, chain, stage_force[1], h * NODES[1])
         a2 = acceleration_of(i, chain, stage_force[2], h * NODES[2])
         moved = (stage_overlap[0, i] - overlap[i], stage_overlap[1, i] - overlap[i], stage_overlap[2, i] - overlap[i])
+        # Compare the overlap with the displacement h² L_ii (f - F), as explained above.
         largest = max(abs(overlap[i]), abs(stage_overlap[0, i]), abs(stage_overlap[1, i]), abs(stage_overlap[2, i]))
         pushed = h * h * (inverse_mass[i] + inverse_mass[i + 1])
         f0, f1, f2 = stage_force[0, i] - law[i, 0], stage_force[1, i] - law[i, 0], stage_force[2, i] - law[i, 0]
@@ -384,10 +456,11 @@ def stage_rates(h, chain, motion, trial):
 
 @inlined
 def move_anchor(h, chain, anchor, trial):
-    """Position and velocity of the anchor bead at the end of the step."""
+    """Compute position and velocity of the anchor bead at the end of the step."""
     end_anchor = trial.anchor
     end_anchor[0], end_anchor[1] = anchor[0] + h * anchor[1], anchor[1]
     for j in range(3):
+        # The same quadrature as for the overlaps: row 3 of A² for the position, of A for the velocity.
         acceleration = anchor_acceleration(chain, trial.force[j], h * NODES[j])
         square = TABLEAU[2, 0] * TABLEAU[0, j] + TABLEAU[2, 1] * TABLEAU[1, j] + TABLEAU[2, 2] * TABLEAU[2, j]
         end_anchor[0] += h * h * square * acceleration
@@ -396,10 +469,13 @@ def move_anchor(h, chain, anchor, trial):
 
 @inlined
 def radau_step(h, chain, motion, precision, trial, scratch):
-    """One step into `trial`. Returns the iterations used, 0 where the stages did not converge, and how many were tried."""
+    """Take one step into `trial`. Return the iterations of the solution (0 if the stages did not converge) and of all
+    attempts.
+    """
     first_guess(h, chain, motion, trial)
     used = solve_stages(h, chain, motion, precision, trial, scratch)
     tried = used
+    # The fast guess failed: start again from implicit Euler steps.
     if used == 0:
         euler_stages(h, chain, motion, trial, scratch)
         used = solve_stages(h, chain, motion, precision, trial, scratch)
@@ -412,7 +488,7 @@ def radau_step(h, chain, motion, precision, trial, scratch):
 
 @inlined
 def compliance(chain, mode, i, overlap, force):
-    """dd/df of contact i: 0 while it touches, -1 for a contact that carries no force at all."""
+    """Return dd/df of contact i: 0 if it touches, -1 if it carries no force (a placeholder for an infinite value)."""
     if mode[i] == OPEN or mode[i] == FROZEN:
         return -1.0
     if mode[i] == TOUCHING:
@@ -423,20 +499,25 @@ def compliance(chain, mode, i, overlap, force):
 
 @inlined
 def embedded_error(h, chain, motion, trial, work):
-    """Error of the step as a velocity [m/s] from two embedded quadratures, of orders h**4 and h**3; `work` (4 or more, n+1).
+    """Return the error of the step as a velocity [m/s] from two embedded quadratures, of orders h**4 and h**3. `work`
+    has 4 or more rows (n+1,).
 
-    Each is filtered through (I - h gamma J)^-1. With the compliance C = dd/df and the force error phi:
-    (C + (h gamma)² L) phi = e_d + h gamma e_w; then the errors are e_w - h gamma L phi in the rate and C phi in the
-    overlap, which counts by its energy, sqrt(L C) phi. Of each contact counts its own ratio of the two.
+    Both are filtered through (I - h gamma J)^-1, so that stiff contacts do not make the estimate too large (Hairer &
+    Wanner, IV.8). With the compliance C = dd/df and the force error phi: (C + (h gamma)² L) phi = e_d + h gamma e_w.
+    The errors are then e_w - h gamma L phi in the rate, and C phi in the overlap, which counts by its energy as sqrt(L
+    C) phi. The error of each contact is corrected by its own ratio of the two estimates.
     """
     law, inverse_mass = chain.law, chain.inverse_mass
     overlap, rate, force, mode = motion.overlap, motion.rate, motion.force, motion.mode
     stage_overlap, stage_rate, stage_force = trial.overlap, trial.rate, trial.force
     n = overlap.size
     fine, coarse, upper, gives, slowest = work[0, :n], work[1, :n], work[2, :n], work[3, :n], math.inf
+    # h gamma, the length in the filter (I - h gamma J)^-1.
     reach = h * GAMMA
-    fine_rate, coarse_rate = stage_rate[0], stage_rate[1]  # free by now: the end of the step is the third row
+    # These rows are free now: the end of the step is the third row.
+    fine_rate, coarse_rate = stage_rate[0], stage_rate[1]
     for i in range(n):
+        # Unfiltered errors e_w and e_d of contact i, from the differences of the stages to the start.
         fine_w = reach * acceleration_of(i, chain, force, 0.0)
         fine_d = reach * rate[i]
         coarse_w, coarse_d = 0.0, 0.0
@@ -449,8 +530,10 @@ def embedded_error(h, chain, motion, trial, work):
         fine_rate[i], coarse_rate[i] = fine_w, coarse_w
         give = compliance(chain, mode, i, stage_overlap[2, i], stage_force[2, i])
         gives[i], upper[i], fine[i], coarse[i] = give, 0.0, 0.0, 0.0
+        # `slowest` is the lowest local frequency squared, which weights the errors of faster contacts (see `care`).
         if give > 0.0:
             slowest = min(slowest, (inverse_mass[i] + inverse_mass[i + 1]) / give)
+        # Tridiagonal system for the force errors of both estimates: forward sweep. Contacts without force are left out.
         if give >= 0.0:
             lower = -reach * reach * inverse_mass[i] if i > 0 else 0.0
             pivot = reach * reach * (inverse_mass[i] + inverse_mass[i + 1]) + give
@@ -464,12 +547,15 @@ def embedded_error(h, chain, motion, trial, work):
                 fine[i] *= part
                 coarse[i] *= part
                 upper[i] = -reach * reach * inverse_mass[i + 1] * part
-            else:  # a force through all beads from wall to wall moves nothing, and is not determined
+            else:  # A force from wall to wall through all beads does not move anything, so its error is not determined.
                 fine[i], coarse[i] = 0.0, 0.0
+    # Backward sweep.
     for i in range(n - 2, -1, -1):
         fine[i] -= upper[i] * fine[i + 1]
         coarse[i] -= upper[i] * coarse[i + 1]
     worst = 0.0
+    # Error of each contact: of its rate, of its overlap by energy, of a kink of its law within the step. The largest
+    # one counts.
     for i in range(n):
         by_fine = abs(fine_rate[i] - reach * flow_into(i, inverse_mass, fine))
         by_coarse = abs(coarse_rate[i] - reach * flow_into(i, inverse_mass, coarse))

@@ -1,12 +1,16 @@
-"""Rows of a chain: which branch of its graph each contact and each bed is on, and the forces and accelerations that go with it.
+"""Modes of the unilateral constraints of a chain: the branch of the graph on which each contact and each bed is, with
+forces and accelerations.
 
-contact  OPEN      d < 0   f = 0                     LOADED   d > 0   f = F + K d**a, (1 - l) times that as it comes out
-         TOUCHING  the overlap is held: 0 <= f <= F at d = 0, (1 - l) f(d) <= f <= f(d) where one with loss stands still
+contact  OPEN      d < 0   f = 0                     LOADED   d > 0   f = F + K d**a, unloading: (1 - l) times that
+         TOUCHING  the overlap is held: 0 <= f <= F at d = 0, (1 - l) f(d) <= f <= f(d) with loss and w = 0
 bed      slides    v != 0  friction mu m g against v    sticks  v = 0, friction within -+ mu m g
 
-A contact with several segments is on one of them: its overlap counts from the origin of this segment, its row of `law` has the
-numbers of this segment, and past the ends of the segment it goes on to the next one. Between the innermost segments, in the
-slack, it is OPEN on the innermost one that pushes. See `softcradle.physics.segments`.
+These graphs are the maximal monotone graphs of the contact laws (Signorini condition with preload) and of Coulomb
+friction.
+
+A contact with several segments is on one of them: its overlap counts from the origin of this segment, and its row of
+`law` contains the numbers of this segment. Past the ends of the segment it moves to the next one. Between the innermost
+segments, in the slack, it is OPEN on the innermost segment that pushes. See `softcradle.physics.segments`.
 """
 
 from __future__ import annotations
@@ -50,7 +54,7 @@ def side_of(regime, i):
 
 @inlined
 def length_of(regime, i):
-    """Return the displacement at which the next segment begins; inf if there is none."""
+    """Return the displacement at which the next segment begins; inf for the last segment."""
     return of_segment(regime, i, LENGTH) if regime.segment.size else math.inf
 
 
@@ -95,14 +99,18 @@ def find_segment(i, regime, motion, slow):
         side, number = side_of(regime, i), regime.segment[i]
         x, w = side * motion.overlap[i], side * motion.rate[i]
         outward = 1 if side > 0.0 else -1
+        # Past the outer end of the segment: continue on the outer neighbour.
         if x > length_of(regime, i) or (x == length_of(regime, i) and w >= 0.0):
             put_segment(i, number + outward, regime, motion)
             motion.overlap[i] = side * max(side * motion.overlap[i], 0.0)
+        # Past the inner end: return to the inner neighbour.
         elif not is_innermost(regime, i) and (x < 0.0 or (x == 0.0 and w < 0.0)):
             put_segment(i, number - outward, regime, motion)
             motion.overlap[i] = side * min(side * motion.overlap[i], length_of(regime, i))
+        # A coupler that pulled has come to its slack.
         elif side < 0.0 and (x < 0.0 or (x == 0.0 and w < -slow)):
             put_segment(i, number + 1, regime, motion)
+        # A coupler has come to the end of its slack, and pulls.
         elif x < -slack_of(regime, i) or (x == -slack_of(regime, i) and w < -slow):
             put_segment(i, number - 1, regime, motion)
         else:
@@ -142,19 +150,19 @@ def multiplier_bounds(chain, regime, i, overlap):
 
 @inlined
 def is_firm(regime, j):
-    """Whether bead j does not change its velocity: a wall, or a bead that sticks."""
+    """Return whether bead j cannot change its velocity, because it is a wall or sticks to its bed."""
     return regime.inverse_mass[j] == 0.0 or (regime.bed.size > 0 and regime.bed[j] > 0.0 and regime.slide[j] == 0)
 
 
 @inlined
 def is_at_rest(regime, j):
-    """Whether bead j sticks on its bed."""
+    """Return whether bead j sticks to its bed."""
     return regime.bed[j] > 0.0 and regime.slide[j] == 0
 
 
 @inlined
 def bead_push(chain, regime, j):
-    """Acceleration of bead j by what pushes it from outside and by kinetic friction [m/s²]."""
+    """Return the acceleration of bead j by external forces and kinetic friction [m/s²]."""
     if chain.inverse_mass[j] == 0.0:
         return 0.0
     found = chain.push[j] * regime.inverse_mass[j] if chain.push.size else 0.0
@@ -163,7 +171,7 @@ def bead_push(chain, regime, j):
 
 @inlined
 def bead_bend(chain, regime, j):
-    """By how much that acceleration changes [m/s³]."""
+    """Return the time derivative of this acceleration [m/s³]."""
     knots = chain.knots
     if knots.bend.size == 0 or chain.inverse_mass[j] == 0.0:
         return 0.0
@@ -173,7 +181,7 @@ def bead_bend(chain, regime, j):
 
 @inlined
 def drive_overlaps(chain, regime):
-    """What all contacts and the anchor bead see of the forces from outside, and of friction of beads that slide."""
+    """Compute the accelerations of all overlaps and of the anchor bead by external forces and kinetic friction."""
     n, bend = regime.inverse_mass.size - 1, chain.knots.bend
     for i in range(n):
         chain.external[i] = bead_push(chain, regime, i) - bead_push(chain, regime, i + 1)
@@ -186,7 +194,7 @@ def drive_overlaps(chain, regime):
 
 @inlined
 def put_drive(time, chain, regime):
-    """Let forces and brakes be those at `time`; returns whether beads that nothing touches move otherwise than in parabolas."""
+    """Set forces and brakes to their values at `time`. Return whether free beads do not move along parabolas."""
     acts = put_values(time, chain.knots, chain.push, regime.bed)
     drive_overlaps(chain, regime)
     return acts
@@ -194,7 +202,7 @@ def put_drive(time, chain, regime):
 
 @inlined
 def bead_acceleration(j, chain, regime, force, passed):
-    """Acceleration of bead j under the contact forces (n,), `passed` [s] after now."""
+    """Return the acceleration of bead j by the contact forces (n,) and external forces, `passed` [s] after now."""
     before = force[j - 1] if j > 0 else 0.0
     after = force[j] if j < force.size else 0.0
     found = (before - after) * chain.inverse_mass[j] + bead_push(chain, regime, j)
@@ -203,7 +211,7 @@ def bead_acceleration(j, chain, regime, force, passed):
 
 @inlined
 def friction_needed(j, chain, regime, force, passed):
-    """The friction [N] that bead j needs to stay at rest under the contact forces (n,), `passed` [s] after now."""
+    """Return the friction [N] that bead j needs to stay at rest under the contact forces (n,), `passed` [s] after now."""
     found = chain.push[j] if chain.push.size else 0.0
     if chain.knots.push_slope.size:
         found += passed * chain.knots.push_slope[j]
@@ -214,7 +222,7 @@ def friction_needed(j, chain, regime, force, passed):
 
 @inlined
 def most_friction(j, chain, regime, passed):
-    """The friction [N] that bead j can have, `passed` [s] after now."""
+    """Return the largest friction [N] that bead j can have, `passed` [s] after now."""
     found = regime.bed[j]
     if chain.knots.brake_slope.size:
         found += passed * chain.knots.brake_slope[j]

@@ -1,4 +1,4 @@
-"""Runner of the adaptive methods: radau, dop853, accurate."""
+"""Runner of a single run of the adaptive methods radau, dop853 and accurate, and its error estimate."""
 
 from __future__ import annotations
 
@@ -56,28 +56,32 @@ from softcradle.physics.status import CodedWarning, Status, WarningCode, Warning
 
 Array = NDArray[np.float64]
 
-# Growth of errors by each oscillation of a loaded contact: all errors made before it have moved its phase.
+# Error amplification by each oscillation of a loaded contact: all earlier errors have shifted its phase.
 TURN_GROWTH = 1.0 / 8.0
-PAUSE = 20_000  # steps, rejected ones included, after which a kernel hands back, so that a signal is heard
-LONGER = 1.1  # a budget of steps that has grown by this since it was asked for is worth another call
-PLAIN_PAUSE = 50  # steps likewise as plain Python, so that machine code is taken when it comes
-PLAIN_COST = 3.0  # fixed steps that cost plain Python as much as one of these
-LONGEST_REUSED = 1000  # contacts of a chain whose memory the thread keeps for its next run
-# Tolerances: velocity errors up to this are guaranteed.
+# Steps (including rejected ones) after which a kernel returns to Python, so that Python can handle signals
+PAUSE = 20_000
+LONGER = 1.1  # Growth of the step budget during a run that is worth another call of the kernel
+# The same limit as PAUSE in plain Python, so that a run switches to machine code as soon as it is available
+PLAIN_PAUSE = 50
+PLAIN_COST = 3.0  # Cost of an adaptive step in plain Python, in fixed steps
+LONGEST_REUSED = 1000  # Largest number of contacts of a chain whose memory a thread keeps for its next run
+# Largest guaranteed velocity error, in tolerances
 GUARANTEED = 10.0
-# Relative round-off of one operation
+# Largest relative round-off of one floating-point operation
 HALF_DIGIT = 0.5 * float(np.finfo(np.float64).eps)
-# Smallest tolerance that the guarantee refers to. Below it round-off decides; the estimated error says how far it goes.
+# Smallest tolerance that the guarantee refers to. Below it round-off dominates, and the estimated error shows how much.
 LEAST_GUARANTEED = 1e-11
-# Largest growth of errors at which a run needs no confirmation: `mixed` is off by 40 tolerances at 10. The growth that another
-# run may show again is no larger, because it is the same in both.
+# Largest error amplification at which a run needs no confirmation. At an amplification of 10 the chain `mixed` has an
+# error of 40 tolerances. Another run may show the same amplification again up to this limit, because it is the same in
+# both.
 MOST_GROWN = 8.0
-DOUBT = 3.0  # times the sum of all local errors of a run, or the difference between runs: the error that is stated
+# Safety factor of the estimated error: times the sum of all local errors of a run, or times the difference between runs
+DOUBT = 3.0
 
 
 @dataclass
 class Memory:
-    """Memory of the kernels beside the state: made once for a run, or once for all frames of live use."""
+    """Memory of the kernels in addition to the state. It is created once for a run, or once for all frames of live use."""
 
     mode: NDArray[np.int8]
     held: NDArray[np.int8]
@@ -85,31 +89,37 @@ class Memory:
     look: Trial
     scratch: Scratch
     log: SwitchLog
-    spare: list[Steps]  # see `KeptSteps`
-    waited: float = 0.0  # seconds for kernels, in the last run
-    # of live use: time [s] and error [m/s] of the state after the last frame, and the largest scale of all frames [m/s]
+    spare: list[Steps]  # blocks of stored steps for reuse, see `KeptSteps`
+    waited: float = 0.0  # time [s] that the last run waited for compiled kernels
+    # Live use: time [s] and error [m/s] of the state after the last frame, and the largest speed scale of all frames
+    # [m/s].
     reached: tuple[float, float] = (math.nan, math.nan)
     scale: float = 0.0
 
     @classmethod
     def of(cls, contacts: int, log_size: int) -> Memory:
-        """Memory for a chain with `contacts`."""
+        """Return the memory for a chain with `contacts`."""
         mode, held = np.zeros((2, contacts), dtype=np.int8)
         trial, look = empty_trial(contacts), empty_trial(contacts)
         return cls(mode, held, trial, look, empty_scratch(contacts), empty_log(contacts, log_size), [])
 
 
 class _LastRun(threading.local):
-    """Memory of the last run of a thread, for its next one with as many contacts: fresh memory costs as much as some steps."""
+    """Memory of the last run of a thread, reused by its next run with the same number of contacts.
 
-    memory: Memory | None = None  # None while it is in use
+    New memory costs as much as some steps.
+    """
+
+    memory: Memory | None = None  # None while a run uses it
 
 
 _last_run = _LastRun()
 
 
 def sampled(record: Record, times: Array) -> Record:
-    """The record with its samples; from another run where it ended before the last, or did not keep its steps."""
+    """Return the record with its samples. Repeat the run if it ended before the last sample, or did not store its
+    steps.
+    """
     kept = record.kept
     if not isinstance(kept, KeptSteps):
         return record
@@ -118,30 +128,35 @@ def sampled(record: Record, times: Array) -> Record:
     late = not isinstance(kept.problem.samples, int) and times.size > 0 and times[-1] > record.end.time
     if kept.known or not (kept.overflows or late):
         return kept.record(record, times)
+    # Repeat the run with known sample times, up to the last of them.
     end = max(record.end.time, float(times[-1])) if times.size else record.end.time
     again = one_run(replace(kept.problem, duration=end - kept.problem.state.time, samples=times))
     return record.with_samples(sampled(again, times).samples)
 
 
 def error_growth(before: Any, grown: Array, turns: Array) -> Any:
-    """The factor by which errors have grown: by bounces `before`, by the last ones and by the turns of contacts (..., n)."""
+    """Return the error amplification: by bounces `before`, by the present ones, and by the turns of contacts (..., n)."""
     return 1.0 + before + grown.sum(axis=-1) + TURN_GROWTH * turns.max(axis=-1)
 
 
 def stated_error(growth: Any, local_square: Any, roundings: Any, rounding: Any) -> Any:
-    """Return the estimated error [m/s]: local errors and `roundings` times the `rounding` of one step, and their growth."""
+    """Return the estimated error [m/s]: the sum of local errors and of `roundings` rounding errors of size `rounding`,
+    amplified.
+    """
     return DOUBT * growth * np.sqrt(local_square + roundings * (rounding * rounding))
 
 
 def rounding_of(mass: Array, velocity: Array) -> Any:
-    """Return the round-off (...) [m/s] of a step of beads of `mass` (..., n+1) at `velocity` (..., n+1).
+    """Return the round-off (...) [m/s] of a step for beads of `mass` (..., n+1) at `velocity` (..., n+1).
 
-    A light bead can get all the kinetic energy, and velocities of heavy beads are rebuilt from rates that are as fast then. Their
-    round-off returns to the light bead amplified by the square root of the mass ratio. Walls count neither way.
+    A light bead can receive all the kinetic energy. The velocities of heavy beads are then rebuilt from rates as fast
+    as that bead, and their round-off returns to the light bead amplified by the square root of the mass ratio. Walls do
+    not count.
     """
     finite = np.isfinite(mass)
     inertia = np.where(finite, mass, 0.0)
     lightest, heaviest = np.where(finite, mass, np.inf).min(axis=-1), inertia.max(axis=-1)
+    # Round-off of the fastest bead, and of the lightest one as derived above.
     own = SPEED_ROUND_OFF * np.abs(velocity).max(axis=-1)
     return np.maximum(own, HALF_DIGIT * np.sqrt(heaviest * (inertia * velocity**2).sum(axis=-1)) / lightest)
 
@@ -152,11 +167,12 @@ def guaranteed_error(tolerance: float, scale: float) -> float:
 
 
 def advance(problem: Problem) -> Status:
-    """Move ``problem.state`` on by the duration in place; the memory of the kernels stays with the state."""
+    """Move ``problem.state`` forward by the duration in place. The memory of the kernels stays with the state."""
     state = problem.state
     memory = state.work.get("adaptive")
     if memory is None:
         memory = state.work["adaptive"] = Memory.of(problem.chain.contacts, FRAME_LOG)
+    # The estimate of the last frame continues unless the state was changed meanwhile.
     _carry_estimate(state, memory)
     before = rounding_of(np.asarray(problem.chain.mass), problem.velocity)
     status, state.time = _integrate(problem, state, memory)
@@ -166,9 +182,12 @@ def advance(problem: Problem) -> Status:
 
 
 def _carry_estimate(state: State, memory: Memory) -> None:
-    """Let the estimate of the frame before go on; a state that was copied or edited begins a new one with its own error."""
+    """Continue the error estimate of the previous frame. A state that was copied or edited begins a new estimate with
+    its own error.
+    """
     control = memory.scratch.control
     control[CONTINUES] = float(memory.reached == (state.time, state.velocity_error))
+    # A new estimate starts with the error that the state has, converted to a sum of squared local errors.
     if not control[CONTINUES]:
         control[CARRIED_SQUARE] = (state.velocity_error / DOUBT) ** 2 if math.isfinite(state.velocity_error) else 0.0
         memory.scale = 0.0
@@ -177,16 +196,18 @@ def _carry_estimate(state: State, memory: Memory) -> None:
 def _update_estimate(problem: Problem, memory: Memory, before: float) -> None:
     """Put the error after the frame into the state; `before` is the `rounding_of` [m/s] its start.
 
-    Local errors of all frames add up as those of one run do, and grow by all bounces since the estimate began. Energy and
-    momentum bound the error. An error that is not known (NaN) stays so.
+    The local errors of all frames add up as in a single run, and grow by all bounces since the estimate began. Energy
+    and momentum bound the error. An unknown error (NaN) stays unknown.
     """
     state, control, counter = problem.state, memory.scratch.control, memory.log.counter
     velocity = state.velocity(problem.chain)
     rounding = max(before, rounding_of(np.asarray(problem.chain.mass), velocity))
+    # Every step of the frame adds a rounding error.
     control[LOCAL_SQUARE] += int(counter[STEP]) * rounding * rounding
     growth = error_growth(control[GROWTH] + control[ENDING], memory.scratch.grown, memory.scratch.turns)
     error = float(stated_error(growth, control[LOCAL_SQUARE], problem.chain.contacts, rounding))
     memory.scale = max(memory.scale, problem.scale, float(np.ptp(velocity)))
+    # No larger error than energy and momentum allow.
     if not is_possible(problem.chain, state, error):
         error = min(error, float(largest_error(problem.chain, state, state).max()))
     state.velocity_error = error if math.isfinite(state.velocity_error) else math.nan
@@ -204,12 +225,17 @@ def _estimate_warning(problem: Problem, error: float) -> CodedWarning:
 
 
 def _note_switches(state: State, log: SwitchLog) -> None:
-    """Hand out the switches of a frame: the next begins with what the state tells, where a contact at d = 0 does not push yet."""
+    """Add the switches of a frame to the state. The log and the state must agree about which contacts are closed.
+
+    The next frame begins with the contacts that the state shows as closed; a contact at d = 0 that does not push yet is
+    not among them.
+    """
     contact, time = kept_switches(log)
     more = int(log.counter[SWITCH]) - contact.size
+    # Correct the log where it differs from the state at the end of the frame.
     for i in np.flatnonzero(log.closed != state.closed):
         last = np.flatnonzero(contact == i)[-1:]
-        if last.size and time[last[0]] == state.time:  # it closes at the start of the next
+        if last.size and time[last[0]] == state.time:  # the contact closes at the start of the next frame
             contact, time = np.delete(contact, last), np.delete(time, last)
         else:
             contact, time = np.append(contact, i), np.append(time, state.time)
@@ -217,11 +243,15 @@ def _note_switches(state: State, log: SwitchLog) -> None:
 
 
 def one_run(problem: Problem, log_size: int = FIRST_LOG) -> Record:
-    """One run of the kernel, samples still to be taken; again with a larger log of switches where the first was too small."""
+    """Run the kernel once; samples are computed later. Repeat the run with a larger log of switches if the log was too
+    small.
+    """
     state = problem.state.copy()
     contacts, memory, _last_run.memory = problem.chain.contacts, _last_run.memory, None
+    # Reuse the memory of the last run if its shape fits.
     if memory is None or (memory.mode.size, memory.log.contact.size) != (contacts, log_size):
         memory = Memory.of(contacts, log_size)
+    # A whole run begins a new error estimate.
     memory.scratch.control[[CONTINUES, CARRIED_SQUARE]] = 0.0
     wanted = TOLERANCE_PART * problem.tolerance * problem.scale
     kept = KeptSteps(problem, wanted, KERNELS, memory.spare)
@@ -231,6 +261,7 @@ def one_run(problem: Problem, log_size: int = FIRST_LOG) -> Record:
     larger = larger_log(memory.log)
     if larger:
         return one_run(problem, larger)
+    # Error estimate of the run: local errors and round-off, times the error amplification.
     counter, control, status = memory.log.counter.tolist(), memory.scratch.control.tolist(), Status(code)
     growth = float(error_growth(control[GROWTH] + control[ENDING], memory.scratch.grown, memory.scratch.turns))
     contact, at = kept_switches(memory.log)
@@ -243,29 +274,37 @@ def one_run(problem: Problem, log_size: int = FIRST_LOG) -> Record:
     error = stated_error(growth, control[LOCAL_SQUARE], counter[STEP] + contacts, rounding)
     record.velocity_error = np.full(contacts + 1, error)
     record.unseen = DOUBT * growth * math.sqrt(control[UNSEEN_SQUARE])
+    # Keep the memory for the next run of this thread, unless it is large.
     _last_run.memory = memory if contacts <= LONGEST_REUSED else None
     return record
 
 
 def _integrate(problem: Problem, state: State, memory: Memory, kept: KeptSteps | None = None) -> Any:
-    """Run the kernel on `state`; by the tier at hand where it is live and nothing is `kept`. Returns its status and the time."""
+    """Run the kernel on `state`, and return its status and the time reached.
+
+    In live use (`kept` is None) it uses the compiled kernels if they are available, and plain Python otherwise.
+    """
     data, regime = chain_and_regime(problem.chain, state)
     memory.log.counter[:] = 0
     memory.log.closed[:] = 0 if kept else state.closed
     memory.waited = 0.0
     most, counter, stop = step_budget(problem, state.time), memory.log.counter, problem.duration is None
     code, time, resumed, end = PAUSED, state.time, False, problem.end
+    # The kernels change the arrays of the state in place.
     motion = tuple(motion_record(state, memory.mode, memory.held))
     records: Any = data, regime, motion, tuple(memory.trial), tuple(memory.look), tuple(memory.scratch)
     scratch, tiers, accuracy = memory.scratch, KERNELS, (ALLOWED[problem.method], problem.tolerance, problem.scale)
+    # The kernel returns after some steps, so that Python can handle signals, enlarge the log, and switch to compiled
+    # kernels.
     while code == PAUSED:
-        memory.log = with_free_rows(memory.log) if kept else memory.log  # that of a frame stays as long as it is
+        memory.log = with_free_rows(memory.log) if kept else memory.log  # the log of a frame keeps its length
         most_now = min(PAUSE, memory.log.contact.size // ROWS_A_STEP or PAUSE) if kept else PAUSE
         work = PLAIN_COST * PLAIN_PAUSE * problem.chain.contacts
         asked = perf_counter()
         kernel: Any = tiers.of(integrate, work) if kept else tiers.of_frame(integrate)
         memory.waited += perf_counter() - asked
         compiled = kernel is integrate
+        # In plain Python the pause comes early, so that the run switches to machine code soon.
         pause = int(counter[STEP] + counter[REJECTED]) + (most_now if compiled else min(most_now, PLAIN_PAUSE))
         if kept and not compiled:
             tiers.spent += work
@@ -274,6 +313,7 @@ def _integrate(problem: Problem, state: State, memory: Memory, kept: KeptSteps |
             (time, end, stop, most), (resumed, pause), accuracy, *records, tuple(steps), tuple(memory.log)
         )
         resumed = True
+        # The budget depends on the time reached and on the number of impacts at full speed. If it has grown, continue.
         if code == OUT_OF_STEPS:
             growth = error_growth(scratch.control[GROWTH], scratch.grown, scratch.turns)
             followed = followed_steps(problem, int(scratch.control[IMPACTS])) if growth <= MOST_GROWN else 0
@@ -283,12 +323,13 @@ def _integrate(problem: Problem, state: State, memory: Memory, kept: KeptSteps |
         require_finite_motion(problem.chain, state)
         if kept:
             kept.take(memory.log)
+    # Inside the kernel overlaps count from the origins of segments; the state counts them from touching.
     plain(count_from_touch)(state.overlap, Regime(*regime))
     return code, time
 
 
 def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> Warnings:
-    """What a run could not do."""
+    """Return the warnings for a run that gave up or whose log was too small."""
     found = []
     if status.gave_up:
         steps = int(log.counter[STEP] + log.counter[REJECTED])

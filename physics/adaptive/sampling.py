@@ -1,6 +1,7 @@
-"""Samples inside the steps of a run, taken when it is over: each is a shorter step of the method, or a flight.
+"""Dense output of adaptive runs, and the energy balance of a step.
 
-A run keeps its steps, for without a duration it does not know before its end which samples are wanted.
+A sample inside a stored step is computed by a shorter step of the same method, or by a flight. A run stores its steps
+because without a duration the sample times are known only at its end.
 """
 
 from __future__ import annotations
@@ -36,22 +37,27 @@ from softcradle.physics.numerics.switches import copy_into, copy_motion, row_of
 
 @inlined
 def absorb(h, chain, regime, motion, trial, work, taken):
-    """Add to `taken` (4,) [J] what contacts and bed absorb in the step of length `h` to the `trial`, and the work of forces.
+    """Add the energies [J] of the step of length `h` to `taken` (4,): dissipated by contacts, by the bed, and the work
+    of forces over time.
 
-    Modes are those of now, so what is absorbed is a difference of potentials; `work` (3 or more, n+1) is scratch memory.
+    `trial` is the end of the step. The modes are those during the step, so the dissipated energy is a difference of
+    potentials. `work` (3 or more rows, n+1) is scratch memory.
     """
     by_contacts, by_bed, moved, law = 0.0, 0.0, work[0], regime.law
+    # An unloading contact dissipates the fraction `loss` of the energy that its power law releases.
     for i in range(regime.easing.size):
         if regime.easing[i] != 0:
             side, way = side_of(regime, i), law[i, LAW_BEFORE] if regime.segment.size else 0.0
             fall = energy(law[i, 0], law[i, 1], law[i, 2], way + side * motion.overlap[i])
             fall -= energy(law[i, 0], law[i, 1], law[i, 2], way + side * trial.overlap[2, i])
             by_contacts += regime.loss[i] * fall
+    # Displacements of the beads, from the changes of the overlaps and of the anchor bead.
     if regime.bed.size or chain.knots.time.size:
         n = motion.mode.size
         for i in range(n):
             work[1, i] = trial.overlap[2, i] - motion.overlap[i]
         bead_velocities(work[1, :n], chain.anchor_bead, trial.anchor[0] - motion.anchor[0], moved)
+    # Kinetic friction is steady within a step: its work is force times displacement.
     for j in range(regime.bed.size):
         if regime.bed[j] > 0.0:
             by_bed += regime.slide[j] * regime.bed[j] / regime.inverse_mass[j] * moved[j]
@@ -65,10 +71,11 @@ def absorb(h, chain, regime, motion, trial, work, taken):
 
 @inlined
 def changing_work(h, chain, regime, motion, trial, work):
-    """(work of forces over time, what brakes absorb beyond their strength at the start) [J] in a step of length `h`.
+    """Return the work of forces over time, and the dissipation of brakes beyond that of their strength at the start
+    [J], in a step of length `h`.
 
-    With x the way of a bead, in the first row of `work`, a force p + s t gives it (p + s h) x - s times the integral of x, by the
-    quintic through both ends.
+    A force p + s t does the work p x + s times the integral of t v, where x is the displacement of the bead (first row
+    of `work`) and v its velocity. The integral is that of the quintic through both ends of the step.
     """
     moved, v0, v1, knots = work[0], work[1], work[2], chain.knots
     bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], v0)
@@ -76,6 +83,8 @@ def changing_work(h, chain, regime, motion, trial, work):
     given, braked = 0.0, 0.0
     for j in range(moved.size):
         if chain.inverse_mass[j] > 0.0:
+            # `late` is the integral of t v. Integration by parts gives h x(h) minus the integral of x. For a quintic
+            # the latter is h x(h)/2 + h² (v0 - v1)/10 + h³ (a0 + a1)/120.
             bend = bead_acceleration(j, chain, regime, motion.force, 0.0)
             bend += bead_acceleration(j, chain, regime, trial.force[2], h)
             late = h * (0.5 * moved[j] - h * (0.1 * (v0[j] - v1[j]) + h / 120.0 * bend))
@@ -87,7 +96,9 @@ def changing_work(h, chain, regime, motion, trial, work):
 
 @inlined
 def carry(keeps, row, at, values):
-    """Copy `values` (k,) into `row` from `at` on where it `keeps`, else out of it; returns where they end."""
+    """Copy `values` (k,) into `row` from position `at` on if `keeps` is true, otherwise out of it. Return the next
+    position.
+    """
     for i in range(values.size):
         if keeps:
             row[at + i] = values[i]
@@ -98,16 +109,21 @@ def carry(keeps, row, at, values):
 
 @inlined
 def carry_step(keeps, k, chain, regime, motion, steps):
-    """Put row k of `steps` there where it `keeps`, else into the motion and, where something dissipates, the effective chain."""
+    """Store the motion in row k of `steps` if `keeps` is true, otherwise restore it. With dissipation, do the same for
+    the effective chain.
+    """
     row, flags = steps.values[k], steps.flags[k]
+    # The motion: forces, overlaps, rates, anchor, energies, and modes.
     at = carry(keeps, row, carry(keeps, row, 0, motion.force), motion.overlap)
     at = carry(keeps, row, carry(keeps, row, at, motion.rate), motion.anchor)
     at, end = carry(keeps, row, at, motion.taken), carry(keeps, flags, 0, motion.mode)
+    # The effective chain, which changes at events.
     if regime.bed.size or regime.easing.size:
         for i in range(motion.mode.size):
             at = carry(keeps, row, at, chain.law[i])
         at = carry(keeps, row, carry(keeps, row, at, chain.inverse_mass), chain.external)
         end = carry(keeps, flags, carry(keeps, flags, end, regime.slide), regime.easing)
+        # To restore a segment, also restore its law; the overlap is already counted from its origin.
         for i in range(regime.segment.size):
             if keeps:
                 flags[end + i] = regime.segment[i]
@@ -119,7 +135,7 @@ def carry_step(keeps, k, chain, regime, motion, steps):
 
 @inlined
 def keep_step(time, length, kind, chain, regime, motion, steps, counter):
-    """Keep the step or flight from `time` of `length` [s], with the motion at its start, where steps are kept."""
+    """Store the step or flight from `time` of `length` [s] with the motion at its start, if steps are stored."""
     if steps.time.size:
         k = counter[KEPT]
         counter[KEPT] = k + 1
@@ -129,10 +145,11 @@ def keep_step(time, length, kind, chain, regime, motion, steps, counter):
 
 @inlined
 def accept_step(motion, trial):
-    """Make the end of the trial the motion."""
+    """Make the end of the trial the current motion."""
     for i in range(motion.mode.size):
         motion.overlap[i], motion.rate[i], motion.force[i] = trial.overlap[2, i], trial.rate[2, i], trial.force[2, i]
         motion.held[i] = 0
+        # A held contact has rate 0; its computed rate is round-off.
         if motion.mode[i] == TOUCHING or motion.mode[i] == FROZEN:
             motion.rate[i] = 0.0
     copy_into(motion.anchor, trial.anchor)
@@ -143,13 +160,16 @@ def sample_steps(
     count, wanted, chain_fields, regime_fields, motion_fields, trial_fields, scratch_fields, steps_fields, sample_fields,
     log_fields,
 ):  # fmt: skip
-    """Fill the rows of all samples before the end of the last of `count` steps; `wanted` [m/s] was their error bound."""
+    """Fill the rows of all samples before the end of the last of `count` steps; `wanted` [m/s] is the error bound of
+    these steps.
+    """
     chain, regime, motion = ChainData(*chain_fields), Regime(*regime_fields), Motion(*motion_fields)
     trial, scratch, steps = Trial(*trial_fields), Scratch(*scratch_fields), Steps(*steps_fields)
     samples, log = Samples(*sample_fields), SwitchLog(*log_fields)
     counter = log.counter
     for k in range(count):
         end = steps.time[k] + steps.length[k]
+        # Restore the motion, the effective chain and the forces at the start of the step, once for all samples in it.
         if counter[SAMPLE] < samples.time.size and samples.time[counter[SAMPLE]] < end:
             carry_step(False, k, chain, regime, motion, steps)
             if chain.knots.time.size:
@@ -157,12 +177,13 @@ def sample_steps(
         while counter[SAMPLE] < samples.time.size and samples.time[counter[SAMPLE]] < end:
             row = row_of(samples, counter[SAMPLE], motion)
             copy_motion(row, motion)
+            # Move a copy of this motion forward to the sample time.
             passed = 0.0 if steps.kind[k] == RESTED else max(samples.time[counter[SAMPLE]] - steps.time[k], 0.0)
             if steps.kind[k] == FLOWN or passed == 0.0:
                 drift(passed, chain, regime, row, scratch.work[0])
             else:
                 move_inside(passed, steps.kind[k], wanted, chain, regime, motion, trial, scratch, row, log)
-            for i in range(row.force.size):  # without what a law that goes on beyond d = 0 has there
+            for i in range(row.force.size):  # Without the continuation of a law beyond d = 0
                 row.force[i] = min(row.force[i], 0.0) if side_of(regime, i) < 0.0 else max(row.force[i], 0.0)
             count_from_touch(row.overlap, regime)
             counter[SAMPLE] += 1
@@ -170,22 +191,28 @@ def sample_steps(
 
 @inlined
 def count_from_touch(overlap, regime):
-    """Let overlaps (n,) of couplers count from where they touch, no longer from the origins of their segments."""
+    """Count the overlaps (n,) of contacts with several segments from the position at which the beads touch, not from
+    the origins of their segments.
+    """
     for i in range(regime.segment.size):
         overlap[i] += of_segment(regime, i, ORIGIN)
 
 
 @piece
 def move_inside(passed, kind, wanted, chain, regime, motion, trial, scratch, row, log):
-    """Move `row`, a copy of the motion at the start of a step, on by `passed` [s] in it: by a shorter step into `trial`.
+    """Move `row`, a copy of the motion at the start of a step, forward by `passed` [s] in it: by a shorter step into
+    `trial`.
 
-    Where its stages do not converge, the step is made a little shorter and the rest drifts.
+    If the stages of this step do not converge, a slightly shorter step is taken and the rest is a drift with constant
+    velocities.
     """
     length, firm = passed, regime.bed.size > 0
+    # Try the step to the sample, and shorten it a little until its stages converge.
     while take_step(length, kind, firm, chain, motion, wanted, trial, scratch, log) < 0.0:
         length *= SAFETY
         if length < ROUND_OFF * passed:
             break
+    # Drift over the rest.
     rest = passed - length
     for i in range(motion.mode.size):
         trial.overlap[2, i] += rest * trial.rate[2, i]

@@ -1,7 +1,8 @@
-"""The controller of the step size of `radau` and `dop853`, and which of them takes the next step.
+"""Step size controller of `radau` and `dop853`, the choice between the two, and the search for an accepted step.
 
-Errors near a singular time grade the steps: they shrink like the time that is left to an opening, and grow like the time
-since an onset. So the next step is predicted from the last two (Gustafsson), and from when the next contact will open.
+Near a singular time the errors determine the step lengths: the steps shrink like the time left until an opening, and
+grow like the time since an onset. So the next step is predicted from the last two (controller of Gustafsson; Hairer &
+Wanner, Solving ODEs II, IV.8) and from the time of the next opening.
 """
 
 from __future__ import annotations
@@ -53,20 +54,22 @@ from softcradle.physics.numerics.records import EVALUATION, LOADED, NO_CONTACT, 
 
 @inlined
 def restart_control(control, h):
-    """Forget the past; the next step is `h` at the most (inf: not known)."""
+    """Forget the previous steps. The next step is at most `h` (inf: not known)."""
     control[NEXT], control[RADAU_NEXT], control[LAST] = h, h, 0.0
     control[LEFT] = math.inf
 
 
 @piece
 def onset_step(chain, i, speed, wanted):
-    """First step after contact i closes at `speed`; inf if smooth.
+    """Return the length of the first step after contact i closes at `speed`; inf if its law is linear.
 
-    The error is its impulse L K (v h)**a h / (1+a); where a > 1 what dop853 misses of it, and half of the speed at the most.
+    The error of the step is the impulse L K (v h)**a h / (1+a). For a > 1 it is only the part of the impulse that
+    dop853 misses, and at most half of the speed.
     """
     exponent, stiffness = chain.law[i, 2], chain.law[i, 1]
     if exponent == 1.0 or stiffness == 0.0 or speed <= 0.0:
         return math.inf
+    # Solve error(h) = `wanted` for h.
     weight = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * stiffness * power(speed, exponent)
     impulse = (1.0 + exponent) * wanted
     if exponent > 1.0:
@@ -76,14 +79,16 @@ def onset_step(chain, i, speed, wanted):
 
 @piece
 def first_step(chain, motion, scale):
-    """A step to begin with where no onset gives one: a hundredth of the fastest local period or crossing."""
+    """Return a first step if no onset gives one: a hundredth of the fastest local period or crossing time."""
     fastest = 0.0
     for i in range(motion.mode.size):
         weight = chain.inverse_mass[i] + chain.inverse_mass[i + 1]
         preload, stiffness = chain.law[i, 0], chain.law[i, 1]
+        # Local period of a loaded contact.
         if motion.mode[i] == LOADED and motion.overlap[i] != 0.0:
             slope = curve_slope(chain.law, chain.graph, i, motion.overlap[i], motion.force[i])
             fastest = max(fastest, math.sqrt(weight * slope))
+        # Time in which the force of a closed contact changes the velocities by the scale.
         if motion.mode[i] != OPEN:
             push = max(abs(motion.force[i]), abs(preload))
             fastest = max(fastest, weight * push / scale, 1e-3 * math.sqrt(weight * stiffness))
@@ -94,19 +99,26 @@ def first_step(chain, motion, scale):
 
 @inlined
 def soft_contacts(chain, motion, wanted):
-    """(reach, left, push): longest step of dop853, beyond which a soft contact is stiff; time to the next opening of a soft
-    contact if its rate stays, inf where none is near, and what this contact pushes until then [m/s]."""
+    """Return (reach, left, push) of the soft contacts.
+
+    `reach` is the longest step of dop853, beyond which a soft contact is stiff. `left` is the time to the next opening
+    of a soft contact at its present rate, inf if none is near. `push` is the velocity change by this contact until then
+    [m/s].
+    """
     stiffest, left, push = 0.0, math.inf, 0.0
     for i in range(motion.mode.size):
         if motion.mode[i] != LOADED or chain.law[i, 2] >= 1.0:
             continue
         overlap, rate = motion.overlap[i], motion.rate[i]
+        # At d = 0 the law of a soft contact is vertical: infinitely stiff.
         if overlap <= 0.0:
             stiffest = math.inf
             continue
         weight = chain.inverse_mass[i] + chain.inverse_mass[i + 1]
         stiff = weight * curve_slope(chain.law, chain.graph, i, overlap, motion.force[i])
         stiffest = max(stiffest, stiff)
+        # An opening is predicted if the contact cannot oscillate before it (time² times frequency² < 4) and its push
+        # matters.
         if rate < 0.0:
             time = -overlap / rate
             pushes = weight * motion.force[i] * time
@@ -118,19 +130,27 @@ def soft_contacts(chain, motion, wanted):
 
 @inlined
 def before_opening(left, push, wanted):
-    """A step that ends just before an opening, the closer the less it matters: its error is that of (t_o - t)**a."""
+    """Return the length of a step that ends just before an opening. Its error is that of a force (t_o - t)**a.
+
+    The smaller the remaining push is, the closer to the opening the step may end.
+    """
     return left * (0.9 if push > 1e3 * wanted else 0.99 if push > 10.0 * wanted else 0.999)
 
 
 @piece
 def limited_by_end(left, push, h, wanted):
-    """The length of a step, `h` at the most, that a force like (t_o - t)**a, a > 1, allows which ends in the time `left`.
+    """Return the longest allowed step, at most `h`, if a force like (t_o - t)**a with a > 1 ends after the time `left`.
 
-    It goes past the end where what is missed of the force is an error that holds, else as near to it as such errors allow.
+    The step goes past the end of the force if the missed part of the force is a tolerable error. Otherwise it ends as
+    close to the end as the error allows.
     """
+    # The force ends in the first half, in the second half, or after the step: the missed fraction differs (see
+    # `constants`).
     missed = ENDS[0] if 2.0 * left < h else ENDS[1] if left < h else NEARS
     if SAFETY * left >= h or missed * push * h <= wanted:
         return h
+    # Put the end of the force into the second half of a longer step if that error is tolerable; otherwise stop before
+    # it.
     if 2.0 * ENDS[1] * push * left <= PAST * wanted:
         return left / PAST
     return left * min(SAFETY, power(wanted / (NEARS * push * left), 1.0 / 15.0))
@@ -138,10 +158,11 @@ def limited_by_end(left, push, h, wanted):
 
 @inlined
 def limited_by_ends(h, chain, motion, wanted):
-    """The length of a step of dop853, `h` at the most, that the next openings of contacts with a > 1 allow, by parabolas."""
+    """Return the longest step of dop853, at most `h`, that the next openings of contacts with a > 1 allow."""
     for i in range(motion.mode.size):
         overlap, rate = motion.overlap[i], motion.rate[i]
         if motion.mode[i] == LOADED and is_smooth(chain.law, chain.graph, i) and rate < 0.0 < overlap:
+            # Time of the opening, by the parabola through overlap, rate and acceleration.
             square = rate * rate - 2.0 * overlap * acceleration_of(i, chain, motion.force, 0.0)
             left = 2.0 * overlap / (math.sqrt(square) - rate) if square > 0.0 else math.inf
             push = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * motion.force[i]
@@ -151,28 +172,33 @@ def limited_by_ends(h, chain, motion, wanted):
 
 @inlined
 def propose_step(control, rest, allowed, chain, motion, wanted):
-    """(kind, h, near): the kind of the next step, its length, `rest` at the most, and whether a near opening limits it.
+    """Return (kind, h, near): the kind of the next step, its length (at most `rest`), and whether a near opening limits
+    it.
 
-    `allowed` is the one kind that the method takes, or EITHER. dop853 alone lets soft contacts oscillate, so no opening of
-    theirs predicts anything.
+    `allowed` is the only kind that the method takes, or EITHER. dop853 as the only method lets soft contacts oscillate,
+    so their openings predict nothing.
     """
     reach, left, push = soft_contacts(chain, motion, wanted)
     if allowed != EITHER:
         reach = math.inf if allowed == DOP853 else 0.0
     alone = allowed == DOP853
+    # Steps shrink in proportion to the time left until an opening.
     if left < control[LEFT] < math.inf and not alone:
         control[NEXT] = min(control[NEXT], control[UNLIMITED] * left / control[LEFT])
     control[LEFT], control[REACH] = left, reach
+    # dop853 takes the step unless the step of radau would be much longer, see COST_RATIO.
     longest = min(control[RADAU_NEXT], control[NEXT])
     kind, h = RADAU, min(longest, rest)
     if min(reach, control[NEXT]) >= COST_RATIO * longest:
         kind, h = DOP853, min(reach, control[NEXT], rest)
+    # A soft contact opens within the step: end just before it.
     if left < h:
         return kind, SAFETY * left if alone else before_opening(left, push, wanted), not alone
     if kind == DOP853:
         limited = limited_by_ends(h, chain, motion, wanted)
         if limited < h:
             return kind, limited, True
+        # Only stiffness limits dop853, so the step of radau may grow meanwhile.
         if h == reach:
             control[RADAU_NEXT] *= FURTHER_GROWTH
     return kind, h, False
@@ -180,17 +206,22 @@ def propose_step(control, rest, allowed, chain, motion, wanted):
 
 @inlined
 def update_control(control, h, kind, error, near, landing, rejected, wanted):
-    """Set the next step from the error of this one, of length `h`. One that an opening or an event cut short predicts little.
+    """Set the next step from the error of this step of length `h`. A step that an opening or an event cut short
+    predicts little.
 
-    `rejected` is the length of the last step rejected for its error just before this one (inf: none): the next stays well below.
+    `rejected` is the length of the last attempt that was rejected for its error just before this step (inf: none). The
+    next step stays well below it.
     """
+    # Standard controller: the error varies with a power of the step length.
     exponent, error = ERROR_EXPONENT[kind], max(error, 1e-300)
     grow = min(MOST_GROWTH, SAFETY * power(wanted / error, exponent))
     control[UNLIMITED] = h * grow
+    # A step cut short by an event never makes the next one shorter.
     if landing >= 0 or near:
         control[LAST] = 0.0
         control[NEXT] = max(control[NEXT], h * grow) if math.isfinite(control[NEXT]) else h * grow
         return
+    # Controller of Gustafsson: if the error changed faster than the step length, the next error will do the same.
     if control[LAST] > 0.0:
         predicted = (h / control[LAST]) * power(control[ERROR] / error, exponent)
         if h < control[LAST]:
@@ -200,13 +231,16 @@ def update_control(control, h, kind, error, near, landing, rejected, wanted):
     control[LAST], control[ERROR], control[NEXT] = h, max(error, NEWTON_PART * wanted), h * grow
     if kind == RADAU:
         control[RADAU_NEXT] = h * grow
+    # Do not repeat a rejected length at once.
     elif rejected < math.inf:
         control[NEXT] = min(control[NEXT], max(h, SAFETY * SAFETY * rejected))
 
 
 @piece
 def take_step(h, kind, firm, chain, motion, wanted, trial, scratch, log):
-    """One step into `trial`; returns -1 where its stages do not converge, else the error of dop853. `firm`: beads may stick."""
+    """Take one step into `trial`. Return -1 if its stages do not converge, else the error of dop853. `firm` is true if
+    beads may stick.
+    """
     log.counter[EVALUATION] += TRY_EVALUATIONS[kind]
     if kind == DOP853:
         return dop853_step(h, TOLERANCE_PART * wanted, firm, chain, motion, trial, scratch)
@@ -218,9 +252,10 @@ def take_step(h, kind, firm, chain, motion, wanted, trial, scratch, log):
 
 @inlined
 def opened_early(h, chain, motion, trial, wanted):
-    """The part of the step at which a contact opens that still pushes enough to matter; 1 where none does.
+    """Return the fraction of the step at which a contact opens that still pushes enough to matter; 1 without such a
+    contact.
 
-    No error estimate sees a force that ends between its nodes.
+    No error estimate shows a force that ends between the nodes of a step.
     """
     part, d = 1.0, trial.overlap
     for i in range(motion.mode.size):
@@ -230,6 +265,8 @@ def opened_early(h, chain, motion, trial, wanted):
             and not is_continued(chain.law, chain.graph, i)
         ):
             soft = chain.law[i, 2] < 1.0
+            # Opening time by the cubic through the stages, and the velocity change by the force at the start of the
+            # step.
             x = first_root(stage_cubic(motion.overlap[i], d[0, i], d[1, i], d[2, i]))
             push = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * motion.force[i] * h
             if x < part and ((soft and x < SAFETY and x * push > wanted) or (not soft and KINK * push > wanted)):
@@ -239,7 +276,7 @@ def opened_early(h, chain, motion, trial, wanted):
 
 @inlined
 def measured_exponent(exponent, h, error, length_before, error_before):
-    """One over the order of the error as two rejected tries of a step show it: at a soft onset it is 1 + a, no more."""
+    """Return 1 / order of the error as two rejected attempts show it. At a soft onset the order is only 1 + a."""
     if error < error_before and h < length_before:
         return max(exponent, min(1.0, log(length_before / h) / log(error_before / error)))
     return exponent
@@ -247,32 +284,44 @@ def measured_exponent(exponent, h, error, length_before, error_before):
 
 @inlined
 def find_step(time, h, kind, alone, most_steps, chain, regime, motion, bounds, trial, scratch, log):
-    """Find the step that holds the error and ends at the first event in it, if any; `alone`: dop853 takes every step.
+    """Find a step whose error is small enough and that ends at the first event in it, if there is any.
 
-    Returns its length (0 with a corner: it is now; 0 without: its stages do not converge, or out of steps), error, the row and
-    side of the corner, and the length of the last step rejected for its error (inf: none).
+    Returns the step length, the error, row and side of the event, and the length of the last attempt that was rejected
+    for its error (inf: none). Length 0 with an event: the event is now. Length 0 without an event: the stages do not
+    converge, or the step budget is used up. `alone` is true if dop853 takes every step.
     """
     wanted, counter = bounds.wanted, log.counter
+    # State of the search: `row` and `side` are the event at which the step is supposed to end, `tries` counts the
+    # attempts to end there, `ceiling` is the step that contains the event, `looked` counts the probe steps at near
+    # events, and `least` is a length of the order of round-off.
     rejected, inactive, length_before, error_before = math.inf, TOLERANCE_PART * wanted, h, 0.0
     row, side, tries, ceiling, looked, least = NO_CONTACT, ZERO, 0, h, 0, ROUND_OFF * h
     firm = regime.bed.size > 0
     while counter[STEP] + counter[REJECTED] < most_steps:
+        # 1. Attempt a step, and estimate its error.
         error = take_step(h, kind, firm, chain, motion, wanted, trial, scratch, log)
         if kind == RADAU and error == 0.0:
             error = embedded_error(h, chain, motion, trial, scratch.work)
+        # It does not converge: try a much shorter step.
         if error < 0.0 or not math.isfinite(error):
             counter[REJECTED] += 1
             row, h = NO_CONTACT, SHRINK * h
             if time + h <= time:
                 return 0.0, 0.0, NO_CONTACT, ZERO, rejected
             continue
+        # 2. Search the first event in the step. `miss` is the time by which the step misses the event at its end.
         found, its_side, part, miss, near = first_corner(
             h, chain, regime, motion, trial, row, side, inactive, bounds.slow, scratch.work
         )
-        if math.isnan(miss):  # none is landed on, or what looked like one from further off
+        # The step is not supposed to end at an event, or the event that a longer step showed has gone.
+        if math.isnan(miss):
             row, tries, miss = NO_CONTACT, tries + (1 if row >= 0 else 0), 0.0
+        # An event now: its time is not distinguishable from the start.
         if found >= 0 and row < 0 and time + part * h <= time and (error <= wanted or h <= least):
             return 0.0, 0.0, found, its_side, rejected
+        # 3a. The step is supposed to end at an event: shorten it to an earlier event, or move its end by Newton's
+        # iteration until the miss is round-off. A slowly closing contact gets only a few tries, because it hardly
+        # matters.
         if row >= 0:
             closes = row < motion.mode.size and motion.mode[row] == OPEN
             is_inactive = closes and abs(trial.rate[2, row]) <= inactive
@@ -285,32 +334,38 @@ def find_step(time, h, kind, alone, most_steps, chain, regime, motion, bounds, t
                 h = min(max(h + miss, LEAST_PART * h), ceiling)
                 tries += 1
                 continue
+        # 3b. The first attempt with an event in it: let the next one end there.
         elif found >= 0 and tries < MOST_TRIES:
             ceiling, tries = h, tries + 1
             if part < LEAST_PART and h > least and time + LEAST_PART * h > time:
-                h *= LEAST_PART  # the polynomial of a long step is coarse near its start
+                h *= LEAST_PART  # the polynomial of a long step is inaccurate near its start
             else:
                 row, side, h = found, its_side, part * h
             continue
+        # 3c. The tries are used up, and an event still lies inside the step. No step may pass over an event.
         if ((found >= 0 and part * h < h + min(miss, 0.0)) or miss < -FIRST_PART * h) and h > least:
-            # an event that was not met in so many tries, or that at which the step was to end: no step passes over it
             counter[REJECTED] += 1
             row, tries, h = NO_CONTACT, 0, SHRINK * h
             continue
+        # 4. Error control. A force that ends within the step is an error that the estimate does not show.
         early = 1.0 if alone else opened_early(h, chain, motion, trial, wanted)
         if (error <= wanted and early == 1.0) or time + h <= time:
-            if near < 1.0 and looked < FEW_TRIES and time + near * h > time:  # what is at the end of a step is exact
+            # A guard comes close to 0: end a probe step there, because the end of a step is exact.
+            if near < 1.0 and looked < FEW_TRIES and time + near * h > time:
                 looked, row, tries, h = looked + 1, NO_CONTACT, 0, near * h
                 continue
-            if miss > FIRST_PART * h:  # all tries are spent, and the step does not reach the corner
+            if miss > FIRST_PART * h:  # All tries are used up, and the step ends before the event.
                 row = NO_CONTACT
             return h, error, row, side, rejected
+        # 5. The error is too large: shorten the step. A shorter step has other events.
         counter[REJECTED] += 1
-        row, tries = NO_CONTACT, 0  # a shorter step has events of its own
+        row, tries = NO_CONTACT, 0
+        # End just before the early opening if that is the only reason.
         if early < 1.0 and error <= 10.0 * wanted:
             h *= SAFETY * early
             continue
         rejected = h if early == 1.0 else rejected
+        # The error can have a lower order than the method, see `measured_exponent`.
         exponent = measured_exponent(ERROR_EXPONENT[kind], h, error, length_before, error_before)
         length_before, error_before = h, error
         h *= max(LEAST_PART, SAFETY * power(wanted / error, exponent))

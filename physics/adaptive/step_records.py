@@ -1,4 +1,4 @@
-"""What adaptive kernels share beside the records of all kernels: kinds of step, a step tried, scratch memory."""
+"""Records and constants of the adaptive kernels: kinds of step, attempted steps, stored steps and scratch memory."""
 
 from __future__ import annotations
 
@@ -10,123 +10,135 @@ from softcradle.physics.numerics.records import Graphs
 
 Array = NDArray[np.float64]
 
-RADAU, DOP853 = 0, 1  # kinds of step; tables below are indexed by them
-EITHER = 2  # in place of a kind, for a method that takes whichever is cheaper
-ALLOWED = {"radau": RADAU, "dop853": DOP853, "accurate": EITHER}  # kinds of step that a method takes
-# in place of a kind among the steps that are kept: a free flight, and a time in which nothing moves
+RADAU, DOP853 = 0, 1  # Kinds of step. The tables below are indexed by them.
+EITHER = 2  # Kind of a method that uses the cheaper of both
+ALLOWED = {"radau": RADAU, "dop853": DOP853, "accurate": EITHER}  # Kind of step of each method
+# Kinds of stored intervals that are not integration steps: a free flight, and a time in which no bead moves
 FLOWN, RESTED = 2, 3
-ERROR_EXPONENT = (0.2, 0.125)  # by kind: one over the order of the error estimate, for the next step size
-TRY_EVALUATIONS = (0, 15)  # by kind: evaluations of all contacts in one try; radau counts its iterations itself
+# By kind of step: 1 / order of the error estimate, to choose the next step length
+ERROR_EXPONENT = (0.2, 0.125)
+# By kind of step: force evaluations of all contacts in one attempt. Zero for radau, because its iterations are counted.
+TRY_EVALUATIONS = (0, 15)
 
-# entries of the control array of step sizes
-NEXT = 0  # longest next step [s]; inf: not known
-RADAU_NEXT = 1  # longest next step of radau [s]
-LAST = 2  # length of the step before [s]; 0: there is none to predict from
-ERROR = 3  # its error [m/s]
-LEFT = 4  # time left to an opening at its start [s]
-UNLIMITED = 5  # next step had no event or opening come near [s]
-REACH = 6  # longest step of dop853, beyond which a soft contact is stiff [s]
-AT_ONCE = 7  # events one after another without a step between them
-LOCAL_SQUARE = 8  # sum of the squares of the errors of all steps
-GROWTH = 9  # by what factor, beside 1, bounces have made errors grow
-START = 10  # when the run began [s]
-UNSEEN_SQUARE = 11  # the part of LOCAL_SQUARE that finer runs make alike
-CONTINUES = 12  # nonzero if the error estimate of the frame before goes on, see `begin_estimate`
-CARRIED_SQUARE = 13  # what LOCAL_SQUARE begins with if it does not
-ENDING = 14  # growth of errors by the bounces within which the run ends
-IMPACTS = 15  # number of contacts that closed at full speed
+# Entries of the array `control` of the step size controller
+NEXT = 0  # Longest next step [s]; inf if it is unknown
+RADAU_NEXT = 1  # Longest next step of radau [s]
+LAST = 2  # Length of the previous step [s]; 0 if it predicts nothing
+ERROR = 3  # Error of the previous step [m/s]
+LEFT = 4  # Time from the start of the previous step to the next opening of a soft contact [s]
+UNLIMITED = 5  # Next step if no event or opening shortened the previous one [s]
+REACH = 6  # Longest step of dop853 [s], beyond which a soft contact is stiff
+AT_ONCE = 7  # Number of consecutive events without a step between them
+LOCAL_SQUARE = 8  # Sum of the squared errors of all steps [m²/s²]
+GROWTH = 9  # Error amplification by all completed bounces, minus 1
+START = 10  # Start time of the run [s]
+# Part of LOCAL_SQUARE that finer runs contain as well, so that a comparison of runs does not show it
+UNSEEN_SQUARE = 11
+CONTINUES = 12  # Nonzero if the error estimate of the previous frame continues, see `begin_estimate`
+CARRIED_SQUARE = 13  # Initial value of LOCAL_SQUARE if the estimate does not continue
+ENDING = 14  # Error amplification by the bounces in progress at the end of the run
+IMPACTS = 15  # Number of contacts that closed at full speed
+# Number of entries
 CONTROLS = 16
 
-STAGES = 12  # of dop853
-WORK_ROWS = 12  # rows of scratch memory that steps of radau, corners and what is decided at them name
+STAGES = 12  # Number of stages of dop853
+# Number of rows of `Scratch.work`. Steps of radau, the event search and mode transitions give names to these rows.
+WORK_ROWS = 12
 
 
 class Accuracy(NamedTuple):
-    """What is asked for."""
+    """Allowed kinds of step, and the accuracy of a run."""
 
-    allowed: int  # a kind of step, or EITHER
-    tolerance: float  # of the scale
-    scale: float  # [m/s]
+    allowed: int  # RADAU, DOP853 or EITHER
+    tolerance: float  # wanted error, relative to the scale
+    scale: float  # speed that the tolerance is relative to [m/s]
 
 
 class Bounds(NamedTuple):
-    """The velocities [m/s] that follow from the tolerance."""
+    """Limits of velocities [m/s] that follow from the tolerance."""
 
-    wanted: float  # the largest error of a step
-    slow: float  # a rate at a corner, or the velocity of a bead, that counts as none
-    negligible: float  # a push, or a rate of closing, that counts as none where nothing else pushes
-    full: float  # a contact that closes faster closes at full speed
+    wanted: float  # largest error of one step
+    slow: float  # largest rate at an event, or velocity of a bead, that counts as zero
+    negligible: float  # largest velocity change or closing rate that counts as zero if no other contact pushes
+    full: float  # least closing speed of an impact at full speed
 
 
 class Trial(NamedTuple):
-    """A step tried: the motion at its three output nodes, the last of which is its end."""
+    """Result of an attempted step: the motion at its three output nodes. The last node is the end of the step."""
 
     overlap: Array  # (3, n)
     rate: Array  # (3, n)
     force: Array  # (3, n)
-    anchor: Array  # (2,) at the end
+    anchor: Array  # (2,) position and velocity of the anchor bead at the end
 
 
 class Steps(NamedTuple):
-    """Steps and flights of a run, each with the motion and the chain at its start, so that samples in it can be taken later."""
+    """Stored steps and flights of a run (dense output): each row contains the motion and the effective chain at its
+    start.
+    """
 
-    time: Array  # (R,) start [s]
-    length: Array  # (R,) [s]
+    time: Array  # (R,) start time [s]
+    length: Array  # (R,) length [s]
     kind: NDArray[np.int8]  # (R,) RADAU, DOP853, FLOWN or RESTED
-    values: Array  # (R, K) what `keep_step` puts there
-    flags: NDArray[np.int8]  # (R, F) modes, then directions of sliding and easing
+    values: Array  # (R, K) numbers at the start, in the order of `sampling.carry_step`
+    flags: NDArray[np.int8]  # (R, F) contact modes, then directions of sliding, of unloading, and segments
 
 
 class Regime(NamedTuple):
-    """What the effective chain of the steps is made from: the chain itself, friction, loss, and which modes these are in.
+    """Contact modes of dissipative contacts and beads, and the chain from which the effective chain of the steps is
+    made.
 
-    A bead that sticks is a wall, friction of one that slides a steady force, and a contact that eases has a weaker law: steps
-    see a chain without dissipation, and only switches change it.
+    In the effective chain a sticking bead is a wall, the friction of a sliding bead is a steady force, and an unloading
+    contact with hysteretic loss has a weaker law. So every step integrates a chain without dissipation; only events
+    change the effective chain.
     """
 
-    law: Array  # (n, 3), or (n, 6) if contacts have several segments: see `row_graphs`
-    inverse_mass: Array  # (n+1,)
-    loss: Array  # (n,) part of its energy that each contact loses; (0,) without any
+    law: Array  # (n, 3) power laws, or (n, 6) if contacts have several segments: see `row_graphs`
+    inverse_mass: Array  # (n+1,) [1/kg], 0 for a wall
+    loss: Array  # (n,) hysteretic loss of each contact, as a fraction of the stored energy; (0,) without loss
     bed: Array  # (n+1,) deceleration of a sliding bead [m/s²]; (0,) without friction
-    slide: NDArray[np.int8]  # (n+1,) direction in which each bead slides, 0 for one that sticks; (0,) without friction
-    easing: NDArray[np.int8]  # (n,) nonzero where a contact with loss comes out; (0,) without any
-    segment: NDArray[np.int8]  # (n,) the segment that each contact is on; (0,) if none has several
-    graph: Graphs  # that of the chain
+    slide: NDArray[np.int8]  # (n+1,) direction in which each bead slides, 0 for a sticking bead; (0,) without friction
+    easing: NDArray[np.int8]  # (n,) nonzero if a contact with loss is unloading; (0,) without loss
+    segment: NDArray[np.int8]  # (n,) segment of each contact; (0,) if no contact has several segments
+    graph: Graphs  # graphs of the contacts of the chain
 
 
 class Scratch(NamedTuple):
-    """Memory of the steps between one call and the next, and within a step."""
+    """Memory that the steps keep between calls, and temporary arrays of a single step."""
 
-    control: Array  # (CONTROLS,) of the step sizes
-    opening: Array  # (n,) when within the step a contact opens [s], -1 where it does not
-    bounced: Array  # (n,) when the last bounce of each contact began or ended [s]; inf where none has
-    pressed: Array  # (n,) since when a contact pushes, or a neighbour presses it [s]; inf or AT_REST where neither does
-    segment: Array  # (n,) the segment of a coupler that this was on; -1 where it was open
-    lateness: Array  # (n,) of each closed contact, how much later it closed per velocity error before: flight over speed [s²/m]
-    grown: Array  # (n,) growth of errors by the present bounce of each contact
-    most_grown: Array  # (n,) what that can be at the most: a mistimed bounce changes velocities by twice its speed
-    parting: Array  # (n,) the rate [m/s] that was taken from a contact which nothing has pushed since, at d = 0; else 0
-    parted: Array  # (n,) since when [s]
-    course: Array  # (n,) the fastest rate of each loaded contact since it turned, if above the tolerance; 0 where there is none
-    turns: Array  # (n,) how often a loaded contact that came out was pushed in again before it opened
-    along: Array  # (3, n)
-    across: Array  # (3, n)
-    correction: Array  # (3, n)
-    block: Array  # (n, 9)
-    acceleration: Array  # (STAGES, n)
-    anchor_acceleration: Array  # (STAGES,)
-    work: Array  # (WORK_ROWS, n+1)
-    bounds: Array  # (2, n+1) of `yield_or_slip`
-    knots: Array  # (2, 4n+8) of `yield_or_slip`
+    control: Array  # (CONTROLS,) state of the step size controller
+    opening: Array  # (n,) time from the start of the step to the opening of a contact [s]; -1 if it does not open
+    bounced: Array  # (n,) time at which the last bounce of each contact began or ended [s]; inf before the first bounce
+    pressed: Array  # (n,) time since which a contact pushes or is pressed by a neighbour [s]; otherwise inf or AT_REST
+    segment: Array  # (n,) segment on which the last bounce of the contact began; -1 after the contact opened
+    # (n,) delay of the last closing per velocity error before the flight: flight time over closing speed [s²/m]
+    lateness: Array
+    grown: Array  # (n,) error amplification by the present bounce of each contact
+    most_grown: Array  # (n,) upper limit of `grown`: a mistimed bounce changes velocities by at most twice its speed
+    # (n,) rate [m/s] that was set to 0 when a contact was put to rest at d = 0; 0 if it has been pushed since
+    parting: Array
+    parted: Array  # (n,) time at which that happened [s]
+    # (n,) fastest rate of each loaded contact since its last turning point [m/s], if above the tolerance, else 0
+    course: Array
+    turns: Array  # (n,) number of times that a loaded contact turned from unloading to loading without opening
+    along: Array  # (3, n) change of overlap along the curve of a contact, per unit of `correction`
+    across: Array  # (3, n) change of force along the curve of a contact, per unit of `correction`
+    correction: Array  # (3, n) Newton corrections of the stages
+    block: Array  # (n, 9) inverse diagonal blocks of the elimination
+    acceleration: Array  # (STAGES, n) overlap accelerations at the stages of dop853
+    anchor_acceleration: Array  # (STAGES,) accelerations of the anchor bead at these stages
+    work: Array  # (WORK_ROWS, n+1) temporary rows
+    bounds: Array  # (2, n+1) bounds of accelerations in `yield_or_slip`
+    knots: Array  # (2, 4n+8) breakpoints of a piecewise linear function in `yield_or_slip`
 
 
 def empty_trial(contacts: int) -> Trial:
-    """Memory of one step tried."""
+    """Return the memory of one attempted step."""
     return Trial(np.zeros((3, contacts)), np.zeros((3, contacts)), np.zeros((3, contacts)), np.zeros(2))
 
 
 def empty_steps(rows: int, contacts: int, dissipative: bool) -> Steps:
-    """Memory of `rows` steps."""
+    """Return the memory of `rows` stored steps."""
     values, flags = 3 * contacts + 6, contacts
     if dissipative:
         values, flags = values + 8 * contacts + 2, flags + 3 * contacts + 1
@@ -135,7 +147,7 @@ def empty_steps(rows: int, contacts: int, dissipative: bool) -> Steps:
 
 
 def empty_scratch(contacts: int) -> Scratch:
-    """Scratch memory of a chain with `contacts`."""
+    """Return the scratch memory of a chain with `contacts`."""
     n, each = contacts, [np.zeros(contacts) for _ in range(11)]  # from `opening` to `turns`
     shapes = (3, n), (3, n), (3, n), (n, 9), (STAGES, n), STAGES, (WORK_ROWS, n + 1), (2, n + 1), (2, 4 * n + 8)
     return Scratch(np.zeros(CONTROLS), *each, *(np.zeros(shape) for shape in shapes))

@@ -1,7 +1,11 @@
-"""The log of contact switches of the adaptive methods, and when within a step contacts open without an event.
+"""Log of contact switches of the adaptive methods, openings within a step, and error amplification by bounces.
 
-Contacts with preload and linear ones open by an event that ends a step; a step passes over the opening of others, whose
-force vanishes smoothly or with the smallest of overlaps, and it is located afterwards.
+Contacts with preload and linear contacts open at an event that ends a step. A step passes over the opening of other
+contacts, whose force vanishes smoothly or at the smallest overlaps; their opening time is computed afterwards.
+
+Error amplification: a velocity error before a bounce changes the time of the bounce, and the forces that act meanwhile
+turn this delay into another velocity error. To first order the factor is that of the saltation matrix of the event. The
+factors of all bounces of a run are added up in `GROWTH`.
 """
 
 from __future__ import annotations
@@ -36,27 +40,33 @@ from softcradle.physics.numerics.law_curve import (
 from softcradle.physics.numerics.records import LOADED, OPEN, PRELOAD, TOUCHING
 from softcradle.physics.numerics.switches import log_switch
 
-# of the push against which a contact would swing as fast as it has: where less pushes it back, the wave has gone on
+# Part of the push of a steady force, relative to the force against which a contact oscillates at its present speed. If
+# less pushes the contact back, it is not a bounce: the wave has passed on.
 STEADY = 0.3
-PRESSED = 5  # row (n+1,) of the work array: which contacts push, or are pressed by one that does, as
+# Row (n+1,) of the work array: which contacts push (PUSHES), or touch and are pressed by a pushing neighbour
+# (IS_PUSHED)
+PRESSED = 5
 PUSHES, IS_PUSHED = 1.0, 2.0
-AT_REST = -math.inf  # in place of a time: the contact touches, and nothing has pushed it
+AT_REST = -math.inf  # Value in place of a time: the contact touches, and nothing has pushed it
 
 
 @inlined
 def log_switches(before, time, landed, chain, regime, motion, bounds, scratch, log):
     """Log the contacts that have begun or ceased to push in the step from `before` to `time`.
 
-    One that has begun does so at the start: steps end where contacts close. One that touched at rest has begun when a neighbour
-    did, see `find_pressed`, however late its overlap is a number. One that has opened did so at `opening` (n,) after the start,
-    or at the end where that is negative. What opens where it has `landed` on a corner is told of when it is over it.
-    One that closes and opens within one step has next to no force, and is not told.
-    Flights between bounces, on contacts and on each segment of couplers, count in how errors grow, see `grow_errors`.
+    A contact closes at the start of a step, because steps end at closings. A contact that touched at rest closes when a
+    neighbour begins to push it (see `find_pressed`), however long its overlap stays below the smallest float. A contact
+    opens at `opening` (n,) after the start of the step, or at its end if that entry is negative. If the step ended at
+    the event of contact `landed`, its opening is logged after the mode transition. A contact that closes and opens
+    within one step has nearly no force and is not logged. Flights between bounces, on contacts and on each segment of
+    couplers, enter the error amplification, see `grow_errors`.
     """
     pressed, since = scratch.work[PRESSED], scratch.pressed
     find_pressed(chain, regime, motion, bounds.slow, since, pressed)
     for i in range(motion.mode.size):
         closed = log.closed[i] != 0
+        # `since`: time since which the contact pushes or is pressed; AT_REST if it touches and nothing has pushed it
+        # yet.
         if pressed[i] == 0.0:
             since[i] = AT_REST if rests(i, chain, regime, motion, since) else math.inf
             if not closed:
@@ -66,7 +76,7 @@ def log_switches(before, time, landed, chain, regime, motion, bounds, scratch, l
         if (i == landed) if closed else (pressed[i] != PUSHES):
             continue
         w = side_of(regime, i) * motion.rate[i]
-        # a coupler without slack may go over from pulling to pushing
+        # A coupler without slack can change from pulling to pushing without opening.
         now = not closed or pressed[i] != 0.0 or (motion.mode[i] == LOADED and w > 0.0)
         if now != closed:
             when = min(before, since[i]) if now else time
@@ -76,13 +86,16 @@ def log_switches(before, time, landed, chain, regime, motion, bounds, scratch, l
             if now and regime.segment.size:
                 regime.graph.coupled[i] = 1
             put_bounce(i, now, w, when, regime, bounds, scratch)
+        # The contact stays closed but has reached another segment: a bounce on this segment begins.
         elif now and regime.segment.size and regime.segment[i] != scratch.segment[i]:
             put_bounce(i, now, w, time, regime, bounds, scratch)
 
 
 @inlined
 def pushes(i, regime, motion):
-    """Whether contact i pushes or pulls; one that touches carries nothing where its force is the round-off of its preload."""
+    """Return whether contact i pushes or pulls. A touching contact carries nothing if its force is round-off of its
+    preload.
+    """
     if motion.mode[i] == OPEN:
         return False
     if side_of(regime, i) * motion.overlap[i] > 0.0:
@@ -93,13 +106,15 @@ def pushes(i, regime, motion):
 
 @inlined
 def find_pressed(chain, regime, motion, slow, since, pressed):
-    """Which contacts push, and which touch and are pressed by a neighbour that does, into `pressed` (n,): 0 for others.
+    """Put into `pressed` (n,) which contacts push, and which contacts touch and are pressed by a pushing neighbour; 0
+    for the others.
 
-    What a neighbour hands on begins with it, however high the power of time is with which it grows: it may be far too small for
-    a number, or for the precision of the stages, which leave round-off of either sign where nothing pushes. A rate up to `slow`
-    [m/s] at d = 0 is none.
+    A push that a neighbour passes on begins when the neighbour begins to push, even if it grows with a high power of
+    time. It may be too small for a float, or smaller than the precision of the stages, which leave round-off of either
+    sign without any push. Rates up to `slow` [m/s] at d = 0 count as zero.
     """
     back, before = False, 0.0
+    # Sweep to the right: a push is passed on to touching right neighbours.
     for i in range(motion.mode.size):
         now = PUSHES if pushes(i, regime, motion) else IS_PUSHED
         found = now if now == PUSHES and since[i] != AT_REST else 0.0
@@ -109,6 +124,7 @@ def find_pressed(chain, regime, motion, slow, since, pressed):
         pressed[i] = before = found
     if not back:
         return
+    # Sweep to the left, only if a push can be passed on to a left neighbour.
     for i in range(motion.mode.size - 2, -1, -1):
         if pressed[i] == 0.0 != pressed[i + 1] and takes_on(i, i + 1, chain, regime, motion, slow, since):
             pressed[i] = PUSHES if pushes(i, regime, motion) else IS_PUSHED
@@ -116,7 +132,7 @@ def find_pressed(chain, regime, motion, slow, since, pressed):
 
 @inlined
 def takes_on(i, neighbour, chain, regime, motion, slow, since):
-    """Whether contact i touches and the `neighbour`, which pushes, pushes the bead between them into it."""
+    """Return whether contact i touches and the pushing `neighbour` presses the bead between them into it."""
     if side_of(regime, neighbour) < 0.0 or side_of(regime, i) < 0.0:
         return False
     touches = since[i] == AT_REST or (motion.overlap[i] == 0.0 and motion.rate[i] >= -slow)
@@ -127,7 +143,7 @@ def takes_on(i, neighbour, chain, regime, motion, slow, since):
 
 @inlined
 def rests(i, chain, regime, motion, since):
-    """Whether contact i, which nothing pushes, touches at rest: what overlap it gets so is round-off."""
+    """Return whether contact i touches at rest and nothing pushes it, so that any overlap that it gets is round-off."""
     at_zero = since[i] == AT_REST or (motion.overlap[i] == 0.0 == motion.rate[i])
     if not at_zero or motion.mode[i] != LOADED or has_segments(chain.graph, i) or drive_at(chain, i, 0.0) != 0.0:
         return False
@@ -136,18 +152,23 @@ def rests(i, chain, regime, motion, since):
 
 @inlined
 def put_bounce(i, now, speed, when, regime, bounds, scratch):
-    """A bounce of contact i on a segment begins, or ends where that is not `now` entered at that `speed`.
+    """Start a bounce of contact i on a segment at the time `when`, or end it if `now` is false.
 
-    Errors of velocity make one late that comes after another. A coupler without slack that goes over from pulling to pushing gets
-    its preloads late.
+    Velocity errors delay a bounce after a flight. For a coupler without slack that changes from pulling to pushing, the
+    preloads act with this delay.
     """
+    # End the previous bounce or flight: add its error amplification to the sum of the run.
     flight, before = when - scratch.bounced[i], int(scratch.segment[i])
     scratch.control[GROWTH] += scratch.grown[i]
     scratch.bounced[i], scratch.grown[i], scratch.segment[i] = when, 0.0, -1.0
+    # Delay of this closing per velocity error: flight time over closing speed. `most_grown` is the change of velocity
+    # by a bounce that does not happen at all, 2 u, per error.
     scratch.lateness[i] = flight / speed if now and flight > 0.0 and speed > 0.0 else 0.0
     scratch.most_grown[i] = 2.0 * speed / bounds.wanted
     if now and speed > bounds.full:
         scratch.control[IMPACTS] += 1.0
+    # A coupler without slack changes from pulling to pushing: the force jumps by both preloads, so the error is the
+    # delay times this jump.
     if now and regime.segment.size:
         scratch.segment[i] = regime.segment[i]
         if before >= 0 and is_innermost(regime, i) and scratch.lateness[i] > 0.0:
@@ -158,34 +179,41 @@ def put_bounce(i, now, speed, when, regime, bounds, scratch):
 
 @inlined
 def grow_errors(row, side, before, chain, regime, motion, wanted, scale, scratch):
-    """How the bounces that now go on, and returns to d = 0, make errors grow, and how often loaded contacts have turned.
+    """Update the error amplification by the bounces in progress and by returns to d = 0, and count the turns of loaded
+    contacts.
 
-    A velocity error e before a flight of duration T closes the contact T e / u later, at closing speed u. What else pushes its
-    beads meanwhile, at acceleration a, makes that a velocity error of a T e / u. The step, which began at `before`, has ended at
-    the corner of `row` on that `side`.
+    A velocity error e before a flight of duration T delays the closing by T e / u, where u is the closing speed. Other
+    forces that accelerate the beads of the contact by a turn this delay into a velocity error a T e / u. The step began
+    at `before` and ended at the event of `row` on that `side`.
     """
     course, slowest = scratch.course, wanted / TOLERANCE_PART
     for i in range(motion.mode.size):
         inward = side_of(regime, i)
         loaded, rate, overlap = motion.mode[i] == LOADED, inward * motion.rate[i], inward * motion.overlap[i]
+        # A contact that was put to rest is pushed again, or has opened.
         if scratch.parting[i] > 0.0 and (not loaded or overlap > 0.0):
             count_parting(i, before, chain, regime, motion, ROUND_OFF * scale, scratch)
         fastest = course[i]
+        # Skip slow contacts without a bounce in progress.
         quiet = abs(rate) <= slowest if loaded else fastest == 0.0
         if quiet and i != row and scratch.lateness[i] == 0.0:
             continue
+        # Follow the oscillation of a loaded contact: its fastest rate since its last turning point.
         turned = abs(rate) > slowest and fastest * rate < 0.0
         if not loaded:
             course[i] = 0.0
         elif abs(rate) > slowest:
-            # only a turn back inwards: the phase of a single bounce, after which the contact opens, moves nothing
+            # Count only turns back inward. The phase of a single bounce, after which the contact opens, does not
+            # matter.
             scratch.turns[i] += 1.0 if turned and rate > 0.0 else 0.0
             if turned or abs(rate) > abs(fastest):
                 course[i] = rate
+        # The contact returns to d = 0, or turns before it.
         returns = (loaded and i == row and side == 0) or (motion.mode[i] == OPEN and fastest < 0.0)
         turns_back = loaded and turned and rate > 0.0 and not returns
         if not (returns or turns_back or scratch.lateness[i] > 0.0):
             continue
+        # `others` is the acceleration by all forces but that of the contact itself.
         weight = chain.inverse_mass[i] + chain.inverse_mass[i + 1]
         own, bend = inward * weight * motion.force[i], inward * acceleration_of(i, chain, motion.force, 0.0)
         others = own + bend
@@ -194,8 +222,10 @@ def grow_errors(row, side, before, chain, regime, motion, wanted, scale, scratch
         elif turns_back:
             least = overlap - (0.5 * rate * rate / bend if bend > 0.0 else 0.0)
             return_to_touch(i, fastest, 0.0, least, others, chain, scratch.control)
+        # Bounce in progress: the largest acceleration by other forces so far, times the delay.
         if scratch.lateness[i] > 0.0:
-            if not is_innermost(regime, i):  # the gear pushes beside the stop on which it bounces
+            # the draft gear pushes in parallel with the stop on which the contact bounces
+            if not is_innermost(regime, i):
                 others -= own - weight * regime.law[i, LAW_STOP] * overlap
             grown = min(scratch.lateness[i] * abs(others), scratch.most_grown[i])
             scratch.grown[i] = max(scratch.grown[i], grown)
@@ -203,11 +233,12 @@ def grow_errors(row, side, before, chain, regime, motion, wanted, scale, scratch
 
 @inlined
 def count_parting(i, before, chain, regime, motion, least, scratch):
-    """Count as an error what contact i would bounce at, which was put to rest and is pushed again in the step from `before`.
+    """Add the error of contact i, which was put to rest at d = 0 and is pushed again in the step from `before`, to the
+    local errors.
 
-    At the rate e it would have parted by e T in the time T since. The acceleration a of its beads closes that at sqrt(2 a e T); a
-    bounce changes velocities by twice as much. What parts at `least` [m/s] at the most rests in finer runs, too: no difference
-    between them tells of it.
+    At the neglected rate e it would have opened by e T in the time T since then. The acceleration a of its beads closes
+    this gap at the speed sqrt(2 a e T), and a bounce changes velocities by twice as much. If the neglected rate is at
+    most `least` [m/s], finer runs neglect it as well, so the difference between runs does not show this error.
     """
     pushed = 0.0
     if motion.mode[i] == LOADED:
@@ -223,13 +254,15 @@ def count_parting(i, before, chain, regime, motion, least, scratch):
 
 @inlined
 def end_within_bounces(passed, chain, motion, wanted, scratch):
-    """Add up how errors have grown by contacts that are closed when a run ends, `passed` [s] after its start.
+    """Sum up the error amplification by contacts that are closed when a run ends, `passed` [s] after its start.
 
-    All velocity errors e made a contact that closed at speed u late by T e / u. Its rate is off by its acceleration times that.
+    The sum e of all velocity errors delayed a contact that closed at speed u by at most T e / u, with the time T since
+    the start. Its rate is wrong by its acceleration times this delay.
     """
     scratch.control[ENDING] = 0.0
     for i in range(motion.mode.size):
         if scratch.lateness[i] > 0.0:
+            # The closing speed u, from the stored limit 2 u / wanted.
             speed = 0.5 * wanted * scratch.most_grown[i]
             grown = passed / speed * abs(acceleration_of(i, chain, motion.force, 0.0))
             scratch.control[ENDING] += max(min(grown, scratch.most_grown[i]) - scratch.grown[i], 0.0)
@@ -237,7 +270,7 @@ def end_within_bounces(passed, chain, motion, wanted, scratch):
 
 @inlined
 def begin_estimate(time, motion, scratch):
-    """Begin the estimate of the error that the run makes; in a frame of live use that of the frame before may go on."""
+    """Begin the error estimate of a run. In a frame of live use, the estimate of the previous frame may continue."""
     control = scratch.control
     control[ENDING] = 0.0
     if control[CONTINUES] != 0.0:
@@ -252,28 +285,35 @@ def begin_estimate(time, motion, scratch):
 
 @inlined
 def swing_push(i, weight, fastest, chain):
-    """Acceleration by contact i where it holds the energy of the rate `fastest`: about that of the push it swings against."""
+    """Return the acceleration by contact i at the overlap at which it stores the energy of the rate `fastest`."""
     depth = curve_depth(chain.law, chain.graph, i, 0.5 * fastest * fastest / weight)
     return weight * pressed_force(chain.law, chain.graph, i, depth)
 
 
 @piece
 def return_to_touch(i, fastest, rate, least, others, chain, control):
-    """Growth of errors where contact i comes back to d = 0 at `rate`, or turns at the overlap `least` before it.
+    """Add the error amplification of contact i that returns to d = 0 at `rate`, or turns before it at the overlap
+    `least`.
 
-    A velocity error e in a swing whose largest rate was u is one u e of half the rate squared, so one u e / w of the rate w here,
-    and sqrt(2 u e) of none. That moves the time spent beyond d = 0, where the force of the contact is missing among the `others`.
+    A velocity error e in an oscillation whose largest rate was u is an error u e of half the squared rate. So it is an
+    error u e / w of the rate w here, or sqrt(2 u e) if this rate is 0. It changes the time spent beyond d = 0, and
+    there the force of the contact is missing among the `others`.
     """
-    if chain.external.size == 0:  # nothing pushes steadily: what comes back does so by bounces, which are counted
+    # Without a steady force a contact returns only by bounces, which are counted elsewhere.
+    if chain.external.size == 0:
         return
     weight, fastest = chain.inverse_mass[i] + chain.inverse_mass[i + 1], abs(fastest)
+    # The contact must be pressed by steady forces that are not small compared with its own oscillation.
     bend = others - weight * abs(chain.law[i, 0])
     if bend <= 0.0 or fastest == 0.0 or others < STEADY * swing_push(i, weight, fastest, chain):
         return
+    # Velocity error of the oscillation so far. If the smallest overlap is much larger than its error, the contact does
+    # not reach d = 0.
     error = max(math.sqrt(control[LOCAL_SQUARE]), ROUND_OFF * fastest)
     square = fastest * error
     if bend * least > FEW_TRIES * square:
         return
+    # Missing force at the largest wrong depth, and amplification of the rate.
     missing = weight * pressed_force(chain.law, chain.graph, i, square / bend)
     grown = fastest / math.sqrt(max(rate * rate, 2.0 * square)) - 1.0
     if grown > 0.0:
@@ -283,7 +323,9 @@ def return_to_touch(i, fastest, rate, least, others, chain, control):
 
 @inlined
 def in_the_middle(i, h, chain, motion, trial):
-    """Overlap [m] and its second derivative in the middle of the step, by the quintic of contact i through both ends."""
+    """Return overlap [m] and its second derivative in the middle of the step, by the quintic of contact i through both
+    ends.
+    """
     d0, d1, turned = motion.overlap[i], trial.overlap[2, i], trial.rate[2, i] - motion.rate[i]
     bends = acceleration_of(i, chain, motion.force, 0.0) + acceleration_of(i, chain, trial.force[2], h)
     return 0.5 * (d0 + d1) + h * (h * bends / 64.0 - 5.0 / 32.0 * turned), 1.5 * turned / h - 0.25 * bends
@@ -291,8 +333,12 @@ def in_the_middle(i, h, chain, motion, trial):
 
 @inlined
 def quintic_lacks(i, part, h, chain, motion, trial, look):
-    """What the quintic of contact i lacks [m] at a part of the step: by the acceleration in its middle, which is not that of the
-    forces there. An error c x³ (1-x)³ has -24 times its value as second derivative in the middle. `look` is scratch."""
+    """Return the error [m] of the quintic of contact i at the fraction `part` of the step.
+
+    The acceleration in the middle of the quintic differs from that by the forces there. An error c x³ (1-x)³ has -24
+    times its value as second derivative in the middle. `look` is scratch memory.
+    """
+    # Forces in the middle of the step, of the contact and its neighbours.
     for k in range(max(i - 1, 0), min(i + 2, motion.mode.size)):
         overlap, _ = in_the_middle(k, h, chain, motion, trial)
         if motion.mode[k] == LOADED:
@@ -307,14 +353,18 @@ def quintic_lacks(i, part, h, chain, motion, trial, look):
 
 @inlined
 def find_openings(h, kind, firm, chain, motion, wanted, trial, look, scratch, log):
-    """When within the step contacts open without an event, into `scratch.opening`: by the quintic of both ends and what it lacks,
-    then, where that is much, by shorter steps of the method, tried in `look`."""
+    """Put into `scratch.opening` the time within the step at which contacts open without an event.
+
+    The time comes from the quintic through both ends and its estimated error. If that error is large, it comes from
+    shorter steps of the method, taken into `look`.
+    """
     doubtful, allowed = False, TOLERANCE_PART * wanted * h
     opening = scratch.opening
     for i in range(motion.mode.size):
         opening[i] = -1.0
         opens = motion.mode[i] == LOADED and motion.overlap[i] > 0.0 > trial.overlap[2, i]
         if opens and not is_continued(chain.law, chain.graph, i):
+            # Root of the quintic, corrected by one Newton step with the error of the quintic there.
             a0, a1 = acceleration_of(i, chain, motion.force, 0.0), acceleration_of(i, chain, trial.force[2], h)
             d0, d1 = motion.overlap[i], trial.overlap[2, i]
             guard = hermite_quintic(h, d0, motion.rate[i], a0, d1, trial.rate[2, i], a1)
@@ -325,10 +375,12 @@ def find_openings(h, kind, firm, chain, motion, wanted, trial, look, scratch, lo
             if at < before:
                 part = min(max(part + 0.2 * part * lacks / (before - at), 0.5 * part), 1.0)
             opening[i] = part * h
+    # Only if that error matters: Newton's iteration on the opening time, with a step of the method for each function
+    # value.
     if not doubtful:
         return
     for i in range(motion.mode.size):
-        for _ in range(FEW_TRIES):  # Newton on the time at which contact i opens
+        for _ in range(FEW_TRIES):  # Newton's iteration for the time at which contact i opens
             part = opening[i]
             if part <= 0.0:
                 break
