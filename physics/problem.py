@@ -1,4 +1,4 @@
-"""What a runner gets and what it gives back: one Problem in, one Record out, whatever the method."""
+"""Interface of the runners: one Problem in, one Record out, for every method."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from softcradle.physics.status import Status, Warnings
 
 Array = NDArray[np.float64]
 
-MOST_STEPS = 200_000  # steps of an adaptive method, rejected ones included, before a run gives up
+MOST_STEPS = 200_000  # Steps of an adaptive method, including rejected ones, before a run gives up
 NO_TIMES = np.zeros(0)
 
 
@@ -28,12 +28,12 @@ class Problem:
     Attributes:
         chain, state: the chain and its start.
         method: name of the method.
-        duration: time to run [s], or None: until every contact is open and none can close again.
+        duration: time to run [s]; None: until every contact is open and none can close again.
         step: fixed step [s]; 0 for adaptive methods.
         tolerance: wanted error; 0 for fixed steps.
         samples: number of evenly spaced samples, or their times (T,) [s].
-        budget: steps after which an adaptive run rattles more than it determines; None: what its chain and tolerance tell.
-        most_steps: what an adaptive method may take for a frame of live use; None: a whole motion, as long as it takes.
+        budget: steps after which an adaptive run counts as chattering; None: from its chain and tolerance.
+        most_steps: largest number of adaptive steps in a frame of live use; None: a whole motion without this limit.
     """
 
     chain: Chain
@@ -48,32 +48,32 @@ class Problem:
 
     @cached_property
     def velocity(self) -> Array:
-        """(n+1,) bead velocities [m/s] at the start."""
+        """Bead velocities [m/s] at the start, shape (n+1,)."""
         return self.state.velocity(self.chain)
 
     @cached_property
     def scale(self) -> float:
-        """The speed [m/s] that the tolerance is relative to: that of the fastest closing there can be, see `closing_scale`."""
+        """Speed [m/s] that the tolerance is relative to: the largest possible closing speed, see `closing_scale`."""
         external = self.state.external(self.chain)
         return closing_scale(self.chain, self.velocity, self.state.overlap, external, self.duration, self.tolerance)
 
     @property
     def end(self) -> float:
-        """When the run ends [s]; inf without a duration."""
+        """End time of the run [s]; inf without a duration."""
         return np.inf if self.duration is None else self.state.time + self.duration
 
     @property
     def ends_alone(self) -> bool:
-        """Whether the samples wanted are the start and the end of the run."""
+        """Whether only the start and the end of the run are wanted as samples."""
         return isinstance(self.samples, int) and self.samples == 2
 
     @property
     def keeps(self) -> bool:
-        """Whether the run has to keep what samples are taken from when it is over."""
+        """Whether the run has to store data from which samples are computed after its end."""
         return self.duration is None and not self.ends_alone
 
     def sample_times(self, end: float) -> Array:
-        """(T,) sample times [s] for a run that ends at `end`."""
+        """Return the (T,) sample times [s] of a run that ends at `end`."""
         start = self.state.time
         if self.ends_alone:
             return np.array((start, start + (end - start)))
@@ -84,22 +84,22 @@ class Problem:
 
 @dataclass
 class Record:
-    """What a runner found: samples, contact switches in order of time, the end, the cost.
+    """Result of a runner: samples, contact switches in order of time, the end, the cost.
 
     Attributes:
-        chain: whose motion it is.
-        samples: fewer than wanted where it gave up.
+        chain: the chain.
+        samples: fewer than wanted if the run gave up.
         switch_contact, switch_time: every change of a contact between open and closed (all start open).
         end: State at the end of the run.
         steps, evaluations: cost.
         status: how the run ended.
-        warnings: what may be wrong.
-        seconds: wall time of the solver, loading of kernels left out; 0 where the runner leaves the clock to `simulate`.
-        velocity_error: (n+1,) estimated error [m/s] of the bead velocities at the end; empty where none is estimated.
-        growth: factor by which errors of velocities grow along the motion, as far as its bounces tell.
-        carried_from: time [s] from which `conserving` computed the rest because the step budget ended; NaN if it did not.
-        unseen: the part of that error [m/s] that finer runs make as well, so that it is no difference between them.
-        kept: what the run kept of its motion, while samples are still to be taken from it.
+        warnings: possible problems.
+        seconds: wall time of the solver without loading of kernels; 0 if `simulate` has to measure it.
+        velocity_error: (n+1,) estimated error [m/s] of the bead velocities at the end; empty without an estimate.
+        growth: error amplification along the motion by its bounces.
+        carried_from: time [s] from which `conserving` computed the rest because the step budget ended; NaN otherwise.
+        unseen: part of that error [m/s] that finer runs contain as well, so that it is not a difference between runs.
+        kept: stored data of the run, as long as samples are still to be computed.
     """
 
     chain: Chain
@@ -120,48 +120,48 @@ class Record:
 
     @cached_property
     def velocity(self) -> Array:
-        """(n+1,) bead velocities [m/s] at the end."""
+        """Bead velocities [m/s] at the end, shape (n+1,)."""
         return self.end.velocity(self.chain)
 
     def with_samples(self, samples: Samples) -> Record:
-        """This record, with the samples that were still to be taken."""
+        """Return this record with its samples, which are complete now."""
         self.samples, self.kept = samples, None
         return self
 
 
 class KeptRun(Protocol):
-    """What a run without a duration keeps of its motion, for the times of its samples are known at its end alone."""
+    """Stored data of a run without a duration, whose sample times are known only at its end."""
 
     def record(self, found: Record, times: Array, /) -> Record:
-        """The record `found` of the run with its samples at `times` (T,) [s]."""
+        """Return the record `found` of the run with its samples at `times` (T,) [s]."""
 
 
 class Runner(Protocol):
-    """What moves chains by the methods of one family; a module with these two functions is one."""
+    """A runner moves chains with the methods of one family. A module with these two functions is a runner."""
 
     def run(self, problem: Problem, /) -> Record:
-        """Compute the whole motion; ``problem.state`` stays as it is."""
+        """Compute the whole motion; ``problem.state`` stays unchanged."""
 
     def advance(self, problem: Problem, /) -> Status:
-        """Move ``problem.state`` on by the duration in place; it stops early with a status that says so."""
+        """Move ``problem.state`` forward by the duration in place. The status shows if it stopped early."""
 
 
 def empty_samples(times: Array, contacts: int) -> Samples:
-    """Rows for the samples at `times` (T,) [s]."""
+    """Return empty rows for the samples at `times` (T,) [s]."""
     count, wide = times.size, (times.size, contacts)
     return Samples(times, np.zeros(wide), np.zeros(wide), np.zeros((count, 2)), np.zeros(wide), np.zeros((count, 4)))
 
 
-NO_SAMPLES = empty_samples(NO_TIMES, 0)  # where they are still to be taken
+NO_SAMPLES = empty_samples(NO_TIMES, 0)  # Samples of a record while they are still to be computed
 
 
 def first_samples(samples: Samples, count: int) -> Samples:
-    """The first `count` of the samples."""
+    """Return the first `count` samples."""
     return Samples(*(rows[:count] for rows in samples))
 
 
 def run_to_end(problem: Problem, once: Callable[[Problem, Array], Record]) -> Record:
-    """Run `once(problem, sample times)`; without a duration, samples between are taken from what the run kept."""
+    """Run `once(problem, sample times)`. Without a duration, the samples are computed from the stored data of the run."""
     if problem.duration is not None:
         return once(problem, problem.sample_times(problem.end))
     found = once(problem, NO_TIMES)
@@ -170,7 +170,7 @@ def run_to_end(problem: Problem, once: Callable[[Problem, Array], Record]) -> Re
 
 
 def with_ends_as_samples(found: Record, start: State, times: Array) -> Record:
-    """The record with its `start` or its end as the samples at `times`, none of which lies between them."""
+    """Return the record with its `start` or its end as samples at `times`; none of these times is in between."""
     states = [found.end if time > start.time else start for time in times.tolist()]
     if not states:
         return found.with_samples(empty_samples(times, start.overlap.size))

@@ -28,11 +28,13 @@ TWO_WALLS = "a chain with two walls may never come apart: give a duration"
 PUSHED_ON_A_BED = "beads on a bed may never come apart from a wall that moves: give a duration"
 DRIVEN = "a driven chain may never come apart: give a duration"
 PULLED = "a chain whose couplers pull never comes apart: give a duration"
-LEAST_TOLERANCE = 1e-16  # nothing finer can be told from round-off
-LEAST_TIME = 1e-100  # [s] of a sample: overlaps then are products of such times, and far earlier ones underflow
-MOST_SAMPLED = 100_100_000  # samples times beads, 1001 of the longest lane: about 3 GB; more would fill the memory
-FALLBACK_METHOD = "conserving"  # finishes a frame that an adaptive method could not
-FALLBACK_STEPS = 100  # steps in which it does
+LEAST_TOLERANCE = 1e-16  # Smallest tolerance. A smaller error is not distinguishable from round-off.
+# Smallest sample time other than 0 [s]. Overlaps at earlier times underflow, because they are products of such times.
+LEAST_TIME = 1e-100
+# Largest number of samples times beads, about 3 GB: 1001 samples of the longest lane. More would not fit in memory.
+MOST_SAMPLED = 100_100_000
+FALLBACK_METHOD = "conserving"  # Method that finishes a frame if an adaptive method gives up
+FALLBACK_STEPS = 100  # Number of steps for the rest of that frame
 
 
 def simulate(
@@ -44,7 +46,7 @@ def simulate(
     samples: int | ArrayLike = 201,
     tolerance: float = 1e-8,
 ) -> Trajectory:
-    """Let `chain` move from its start with the given bead velocities, Eq. (3).
+    """Simulate the motion of `chain` from its start with the given bead velocities, Eq. (3).
 
     Parameters
     ----------
@@ -52,15 +54,16 @@ def simulate(
     velocity : array_like, shape (n+1,)
         Start velocities [m/s].
     duration : float, optional
-        Time to run [s]; None runs until every contact is open and none can close again (on a bed: none until the
-        beads have slid to rest), or all beads rest. A chain with a force that lasts needs one, and beads on a bed to which a
-        wall moves.
+        Time to run [s]. None runs until every contact is open and none can close again (on a bed: none before the beads
+        have slid to rest), or until all beads rest. A chain with a permanent force needs a duration, and so do beads on
+        a bed to which a wall moves.
     method : str, optional
-        A name from METHODS, or "auto": a method and fineness that hold `tolerance` as the wanted error on this
-        chain, by a rule that is the same on every machine; the Trajectory says which, and why. Explicit methods (euler,
-        verlet, yoshida4, pymunk) take f = 0 at overlap 0, so a contact with preload that should rest there chatters.
+        A name from METHODS, or "auto": a method and its step or tolerance such that this chain is computed with an
+        error of `tolerance`. The rule is the same on every machine; the Trajectory contains the choice and its reason.
+        Explicit methods (euler, verlet, yoshida4, pymunk) use f = 0 at overlap 0, so a contact with preload that should
+        rest there chatters.
     step : float, optional
-        Step [s] of a fixed-step method; None takes a thousandth of the shortest contact.
+        Step [s] of a fixed-step method; None means a thousandth of the shortest contact.
     samples : int or array_like, optional
         Number of evenly spaced samples from start to end, or their times (T,) [s], ascending.
     tolerance : float, optional
@@ -69,12 +72,13 @@ def simulate(
     Returns
     -------
     Trajectory
-        What comes out, with its cost, status and warnings.
+        Samples of the motion, with cost, status and warnings.
 
     Raises
     ------
     ValueError
-        A value out of range, or duration None for a chain that may never come apart (two walls, a drive, a piston on a bed).
+        If a value is out of range, or if duration is None for a chain that may never come apart (two walls, a drive, a
+        piston on a bed).
 
     Examples
     --------
@@ -98,16 +102,18 @@ def solve(
     tolerance: float = 1e-8,
     most_steps: int | None = None,
 ) -> Trajectory:
-    """What :func:`simulate` does, with its warnings on the Trajectory alone: Python's own are not for threads.
+    """Simulate as :func:`simulate` does, with warnings on the Trajectory only, because Python warnings are not
+    thread-safe.
 
-    After `most_steps` the method gives up, and its end is not confirmed; None: as many as it takes.
+    After `most_steps` the method gives up, and its end is not confirmed; None means no limit.
     """
     if method == AUTO:
         require_kind("chain", chain, Chain)
         _refuse(refusal_of(AUTO, chain))
         _refuse(refusal_of_fineness(AUTO, step, None))
-        # refuses what is out of range
+        # raises ValueError for values out of range
         _problem(chain, velocity, duration, find_method("accurate"), None, samples, tolerance)
+        # Choose a method for this chain, and run it.
         auto = choose(chain, velocity, duration, tolerance)
         found = solve(chain, velocity, duration, auto.method, auto.step or None, samples, auto.tolerance or tolerance)
         return replace(found, choice=auto.reason)
@@ -115,14 +121,15 @@ def solve(
     problem = _problem(chain, velocity, duration, chosen, step, samples, tolerance)
     if most_steps is not None:
         problem = replace(problem, most_steps=most_steps)
-    runner = runner_of(method)  # which may take the import of a library
+    runner = runner_of(method)  # a first call may import a library, which does not count as computing time
     began = perf_counter()
     record = runner.run(problem)
     record.seconds = record.seconds or perf_counter() - began
+    # Warnings that depend on the chain, the method and the step, after those of the runner.
     record.warnings += unusual_warnings(chain, velocity, problem.tolerance)
     if not chosen.set_valued:
         record.warnings += explicit_warnings(problem, record)
-    elif step is not None:  # a default one is not coarse
+    elif step is not None:  # a default step is never too coarse
         record.warnings += coarse_warnings(problem)
     if problem.step and not any(warning.code is WarningCode.CHATTER for warning in record.warnings):
         record.warnings += returning_warnings(problem, record)
@@ -138,13 +145,14 @@ def advance(
     tolerance: float = 1e-8,
     most_steps: int = MOST_STEPS,
 ) -> None:
-    """Move `state` on by `duration` [s] in place, for live use; fixed-step kernels allocate nothing.
+    """Move `state` forward by `duration` [s] in place, for live use; fixed-step kernels allocate no memory.
 
-    Arguments as in :func:`simulate`; ``state.push`` (n+1,) [N] acts on the beads all along, with the chain's drive. A
-    duration that is not a whole number of steps ends in a shorter step. If an adaptive method has not reached the end after
-    `most_steps` (chattering contacts), `conserving` moves on to it; a Python warning, ``state.status`` and ``state.warnings``
-    report it. ``state.velocity_error`` [m/s] is the estimated error of the velocities since the start; a warning reports an
-    estimate above the guarantee, ten times the `tolerance` relative to the closing speed.
+    Arguments are as in :func:`simulate`. ``state.push`` (n+1,) [N] acts on the beads for the whole duration, in
+    addition to the drive of the chain. A duration that is not a whole number of steps ends with a shorter step. If an
+    adaptive method has not reached the end after `most_steps` (chattering contacts), `conserving` continues to it; a
+    Python warning, ``state.status`` and ``state.warnings`` report this. ``state.velocity_error`` [m/s] is the estimated
+    error of the velocities since the start; a warning reports an estimate above the guarantee, ten times the
+    `tolerance` relative to the closing speed.
     """
     move(chain, state, duration, method, step, tolerance, most_steps)
     for warning in state.warnings:
@@ -154,7 +162,7 @@ def advance(
 def move(
     chain: Chain, state: State, duration: float, method: str, step: float | None, tolerance: float, most_steps: int
 ) -> None:
-    """What :func:`advance` does, with its warnings in ``state.warnings`` alone."""
+    """Move `state` as :func:`advance` does, with warnings in ``state.warnings`` only."""
     require_kind("chain", chain, Chain)
     require_kind("state", state, State)
     _require(
@@ -172,10 +180,13 @@ def move(
     problem = Problem(chain, state, method, duration, length, fineness, most_steps=most_steps)
     end = problem.end
     state.warnings, state.switched = (), NO_SWITCHES
+    # The impulse of forces over time is an integral known in advance.
     before = chain.impulse(state.time)
+    # Other methods do not estimate their error.
     if chosen.family is not Family.ADAPTIVE:
         state.velocity_error = math.nan
     state.status = runner_of(method).advance(problem)
+    # The frame must reach its end: `conserving` moves on, and the error is unknown.
     if state.status.gave_up:
         state.warnings = (_gave_up(method, state.time, most_steps),)
         state.velocity_error = math.nan
@@ -185,7 +196,9 @@ def move(
 
 @cache
 def runner_of(method: str) -> Runner:
-    """What moves chains by `method`, imported on first use: numba, pymunk and SciPy load with theirs."""
+    """Return the runner of `method`. It is imported on first use, because numba, pymunk and SciPy load with their
+    runners.
+    """
     match find_method(method).family:
         case Family.FIXED_STEP:
             from softcradle.physics.fixed_step import runner as fixed_step
@@ -229,7 +242,7 @@ def _refuse(reason: str) -> None:
 
 
 def checked_tolerance(tolerance: float) -> float:
-    """The tolerance as a float that a method can hold. Raises ValueError."""
+    """Return the tolerance as a float. Raise ValueError if a method cannot hold it."""
     found = magnitude("tolerance", tolerance)
     if found < LEAST_TOLERANCE:
         raise ValueError(f"tolerance must be at least {LEAST_TOLERANCE:g}, not {found:g}")
@@ -237,7 +250,7 @@ def checked_tolerance(tolerance: float) -> float:
 
 
 def endless(chain: Chain, velocity: ArrayLike) -> str:
-    """Why a run of the chain may have no end of its own; empty where it has one."""
+    """Return the reason why a run of the chain may never end by itself; an empty string if it ends."""
     if chain.walls > 1:
         return TWO_WALLS
     if chain.lasts:
@@ -248,7 +261,9 @@ def endless(chain: Chain, velocity: ArrayLike) -> str:
 
 
 def pushes_on_a_bed(mass: ArrayLike, on_bed: ArrayLike, velocity: ArrayLike) -> NDArray[np.bool_]:
-    """(...) whether a wall moves towards beads of `mass` (..., n+1) that rub on a bed: these may stay at it for ever."""
+    """Return (...) whether a wall moves towards beads of `mass` (..., n+1) on a bed. These may stay in contact with it
+    forever.
+    """
     walls, speeds = np.isinf(np.asarray(mass)), np.asarray(velocity)
     ahead = (walls & (speeds > 0.0))[..., :-1].any(axis=-1) | (walls & (speeds < 0.0))[..., 1:].any(axis=-1)
     return ahead & np.asarray(on_bed)
@@ -257,7 +272,9 @@ def pushes_on_a_bed(mass: ArrayLike, on_bed: ArrayLike, velocity: ArrayLike) -> 
 def _step(
     chain: Chain, state: State, method: Method, step: float | None, duration: float | None = None, whole: bool = False
 ) -> float:
-    """Return the step [s] of a fixed-step method, 0 of an adaptive one. `whole`: `state` is the start of the chain."""
+    """Return the step [s] of a fixed-step method, 0 for an adaptive one. `whole` is true if `state` is the start of the
+    chain.
+    """
     if step is not None:
         length = magnitude("step", step)
         _refuse(refusal_of_fineness(method.name, step, None))
@@ -276,6 +293,7 @@ def _problem(
 ) -> Problem:
     state = State.at_start(chain, velocity)
     _refuse(refusal_of(method.name, chain))
+    # A run without a duration must have an end.
     if duration is None:
         _refuse(endless(chain, velocity))
     else:
@@ -300,11 +318,13 @@ def _samples(samples: int | ArrayLike, duration: float | None, chain: Chain, gra
         if not 2 <= count <= most:
             raise ValueError(f"samples must be from 2 (start and end) to {most} of these beads, not {shown(samples)}")
         return count
+    # A list of sample times.
     times = number_array("samples", samples).copy()
     _require(times.ndim == 1 and 0 < times.size <= most, f"sample times must be a list of 1 to {most} times")
     _require((np.diff(times) >= 0.0).all() and times[0] >= 0.0, "sample times must be >= 0 and ascending")
-    magnitude("sample times", max(times[-1], 1.0))  # no more than can be
-    # adaptive steps are graded into the onset down to the first sample
+    # Raise ValueError for times beyond the range of floats that can be computed with.
+    magnitude("sample times", max(times[-1], 1.0))
+    # adaptive steps resolve an onset down to the first sample
     least = float(times[times > 0.0].min(initial=np.inf))
     _require(
         not graded or least >= LEAST_TIME,
@@ -344,10 +364,11 @@ def _trajectory(problem: Problem, record: Record) -> Trajectory:
 
 
 def _intervals(contacts: int, record: Record) -> tuple[tuple[Interval, ...], ...]:
-    """Pair the switches of each contact into (closed, opened); inf for one that never opens."""
+    """Pair the switches of each contact into intervals (closed, opened); opened is inf if the contact never opens."""
     found: list[list[Interval]] = [[] for _ in range(contacts)]
     for contact, time in zip(record.switch_contact.tolist(), record.switch_time.tolist(), strict=True):
         own = found[contact]
+        # The second switch of a pair closes the interval.
         if own and own[-1][1] == math.inf:
             own[-1] = own[-1][0], time
         else:

@@ -1,4 +1,6 @@
-"""The state: what moves. Overlaps and their rates, because deep overlaps drown when taken as differences of positions."""
+"""State of a chain: overlaps and their rates instead of positions, because deep overlaps are lost in differences of
+positions.
+"""
 
 from __future__ import annotations
 
@@ -18,59 +20,62 @@ Array = NDArray[np.float64]
 
 
 class Switches(NamedTuple):
-    """Changes of contacts between open and closed, in order of time for each contact: (S,) which, (S,) when [s]."""
+    """Changes of contacts between open and closed: (S,) contacts and (S,) times [s], in order of time within each
+    contact.
+    """
 
     contact: NDArray[np.int64]
     time: Array
 
     @classmethod
     def of(cls, pairs: Sequence[tuple[int, float]]) -> Switches:
-        """Those of (contact, time) for each."""
+        """Return the switches given as (contact, time) pairs."""
         return cls(np.array([contact for contact, _ in pairs], dtype=np.int64), np.array([time for _, time in pairs]))
 
 
 NO_SWITCHES = Switches.of(())
-MOVING = "overlap", "rate", "anchor", "force", "taken"  # arrays of a State of which samples have rows
+MOVING = "overlap", "rate", "anchor", "force", "taken"  # Arrays of a State that have one row for each sample
 
 
 @dataclass
 class State:
-    """Time, overlaps, rates and one anchor bead; everything else is rebuilt from them by summation.
+    """Time, overlaps, overlap rates and one anchor bead. All other positions and velocities are sums of these.
 
     Attributes
     ----------
     time : float
         Time [s].
     overlap : ndarray, shape (n,)
-        Overlaps d_i = u_i - u_(i+1) [m], Eq. (1); negative where the beads are apart.
+        Overlaps d_i = u_i - u_(i+1) [m], Eq. (1); negative if the beads are apart.
     rate : ndarray, shape (n,)
         Overlap rates w_i = v_i - v_(i+1) [m/s].
     anchor : ndarray, shape (2,)
         Position [m] and velocity [m/s] of bead ``chain.anchor``.
     force : ndarray, shape (n,)
-        Contact forces [N] of the last step: what a touching contact carries is not in its overlap.
+        Contact forces [N] of the last step. The overlap of a touching contact does not determine its force.
     push : ndarray or None, shape (n+1,)
-        External force on each bead [N] for the next `advance` (a spring to the pointer), or None; it adds to the
-        chain's drive.
+        External force on each bead [N] for the next `advance` (such as a spring to the pointer), or None. It is added
+        to the drive of the chain.
     switches : int
-        How often contacts have closed or opened in all `advance` so far.
+        Number of closings and openings of contacts in all `advance` so far.
     switched : Switches
-        Which of them did in the last `advance`, and when; of more than FRAME_LOG changes the first.
+        Closings and openings in the last `advance`, at most the first FRAME_LOG.
     coupled : ndarray, shape (n,) or (0,)
-        Whether each contact has coupled: a coupler that has not yet only pushes. Without rows if no contact has several segments.
+        Whether each contact has coupled; a coupler that has not coupled yet only pushes. Without rows if no contact has
+        several segments.
     taken : ndarray, shape (4,)
-        What `absorbed` and `given` are parts of.
+        Array that contains `absorbed` and `given`.
     velocity_error : float
-        Estimated error [m/s] of the bead velocities, accumulated over all `advance` since the start by the methods accurate,
-        radau and dop853. It grows by local errors, by round-off and by what the bounces of contacts amplify; no finer run
-        confirms it. NaN after an `advance` by another method, which estimates none. A copy goes on from the error that it has
-        at its time; set it to 0 to begin anew.
+        Estimated error [m/s] of the bead velocities, accumulated over all `advance` since the start, for the methods
+        accurate, radau and dop853. It grows by local errors, by round-off, and by the bounces of contacts, which
+        amplify errors. No finer run confirms it. NaN after an `advance` by another method, because other methods do not
+        estimate errors. A copy continues from the error at its time; set it to 0 to start again.
     status : Status
-        How the last `advance` ended; where its method gave up, `conserving` went on to the end.
+        How the last `advance` ended. If its method gave up, `conserving` continued to the end.
     warnings : tuple of CodedWarning
-        What the last `advance` could not do; empty where it did as it should.
+        Problems of the last `advance`; empty without problems.
     work : dict
-        Scratch memory of the methods, theirs alone.
+        Scratch memory for internal use of the methods.
     """
 
     time: float
@@ -90,7 +95,9 @@ class State:
 
     @classmethod
     def at_start(cls, chain: Chain, velocity: ArrayLike) -> State:
-        """The start of a scene: bead 0 at position 0, the chain's gaps between neighbours, `velocity` (n+1,) [m/s]."""
+        """Return the start of a scene: bead 0 at position 0, the gaps of the chain between neighbours, `velocity`
+        (n+1,) [m/s].
+        """
         require_kind("chain", chain, Chain)
         speeds = checked_velocity(chain, velocity)
         overlap, place, force, coupled = start_of(chain)
@@ -99,44 +106,46 @@ class State:
 
     @property
     def absorbed(self) -> Array:
-        """(2,) energy [J] that contacts with loss and the bed have absorbed so far."""
+        """Energy [J] that contacts with loss and the bed have dissipated so far, shape (2,)."""
         return self.taken[:2]
 
     @property
     def given(self) -> Array:
-        """(2,) work [J] and impulse [N s] of the chain's forces over time so far."""
+        """Work [J] and impulse [N s] of the forces over time of the chain so far, shape (2,)."""
         return self.taken[2:]
 
     @property
     def closed(self) -> NDArray[np.bool_]:
-        """(n,) whether each contact pushes: it overlaps, or it touches and carries a force."""
+        """Whether each contact is closed, shape (n,): it overlaps, or it touches and carries a force."""
         return is_closed(self.overlap, self.force)
 
     def position(self, chain: Chain) -> Array:
-        """(n+1,) positions [m], bead lengths taken out: two beads that just touch have the same position."""
+        """Return the (n+1,) positions [m] without the bead lengths: two beads that just touch have the same position."""
         return from_anchor(self.overlap, self.anchor[0], chain.anchor)
 
     def velocity(self, chain: Chain) -> Array:
-        """(n+1,) bead velocities [m/s]."""
+        """Return the (n+1,) bead velocities [m/s]."""
         return from_anchor(self.rate, self.anchor[1], chain.anchor)
 
     def energy(self, chain: Chain) -> float:
-        """Kinetic and contact energy [J], walls left out."""
+        """Return the kinetic energy plus the contact energy [J], without walls."""
         kinetic = 0.5 * (chain.finite_mass * self.velocity(chain) ** 2).sum()
         return float(kinetic + chain.stored_energy(self.overlap, force=self.force).sum())
 
     def external(self, chain: Chain) -> Array | None:
-        """(n+1,) steady external force on each bead [N], the chain's drive and the push; None where there is neither.
+        """Return the (n+1,) steady external force on each bead [N], the drive of the chain plus `push`; None without
+        both.
 
-        An array that can be written to: to a kernel one that cannot is of another type, for which all of it would be
-        compiled anew.
+        The array is always writable: for a read-only array, which is of another type, every kernel would be compiled
+        again.
         """
         if chain.drive_force is None:
             return self.push
+        # A new array, because the drive of the chain is read-only.
         return chain.drive_force + (0.0 if self.push is None else self.push)
 
     def copy(self) -> State:
-        """An independent copy, without the scratch memory."""
+        """Return an independent copy, without the scratch memory."""
         return State(
             self.time, self.overlap.copy(), self.rate.copy(), self.anchor.copy(), self.force.copy(),
             None if self.push is None else self.push.copy(), self.switches, self.switched, self.coupled.copy(),
@@ -144,13 +153,16 @@ class State:
         )  # fmt: skip
 
     def put_force(self, chain: Chain, contact: int) -> None:
-        """Set the force of a contact whose overlap or law has been changed to that at its overlap."""
+        """Set the force of a contact to that at its overlap, after its overlap or law was changed."""
         overlap, law = float(self.overlap[contact]), chain.contact[contact]
+        # A coupler that has not coupled yet does not pull.
         free = overlap < 0.0 and chain.has_segments and not coupled_of(chain, self)[contact]
         self.force[contact] = 0.0 if free else law.force(overlap)
 
     def note_switches(self, contact: ArrayLike, time: ArrayLike, count: int | None = None) -> None:
-        """Append switches to those of this `advance`; they were `count` in truth where the log had no room for all."""
+        """Append switches to `switched`. `count` is their true number if the log did not have room for
+        all.
+        """
         contact, time = np.array(contact, dtype=np.int64), np.array(time, dtype=np.float64)
         self.switches += contact.size if count is None else count
         if contact.size:
@@ -160,12 +172,15 @@ class State:
 
 @per_chain
 def start_of(chain: Chain) -> tuple[Array, float, Array, NDArray[np.int8]]:
-    """Overlaps (n,) [m] at the start, the position [m] of the anchor bead, contact forces (n,) [N], and which have coupled."""
+    """Return overlaps (n,) [m] at the start, position [m] of the anchor bead, contact forces (n,) [N], and coupled
+    contacts.
+    """
     force = np.zeros(chain.contacts)
     if not any(chain.gap) and not chain.piecewise:
         return np.zeros(chain.contacts), 0.0, force, np.zeros(0, dtype=np.int8)
     gap = np.array(chain.gap)
     coupled = coupled_at(chain, -gap, force)
+    # Contacts that overlap or pull at the start carry the force of their law.
     pulled = (
         [i for i, contact in chain.piecewise if -gap[i] < contact.pulls_below and coupled[i]] if coupled.size else []
     )
@@ -176,7 +191,7 @@ def start_of(chain: Chain) -> tuple[Array, float, Array, NDArray[np.int8]]:
 
 
 def coupled_at(chain: Chain, overlap: Array, force: Array) -> NDArray[np.int8]:
-    """Return which contacts are coupled at overlaps and forces (n,) if nothing is known of the time before."""
+    """Return which contacts are coupled at the given overlaps and forces (n,), without knowledge of earlier times."""
     found = np.ones(chain.contacts if chain.has_segments else 0, dtype=np.int8)
     for i, contact in chain.piecewise if found.size else ():
         found[i] = force[i] < 0.0 or contact.starts_coupled(float(overlap[i]))
@@ -184,15 +199,18 @@ def coupled_at(chain: Chain, overlap: Array, force: Array) -> NDArray[np.int8]:
 
 
 def coupled_of(chain: Chain, state: State) -> NDArray[np.int8]:
-    """Return ``state.coupled``; a State that was made without it gets what its overlaps tell."""
+    """Return ``state.coupled``. If a State was made without it, derive it from the overlaps."""
     if state.coupled.size != (chain.contacts if chain.has_segments else 0):
         state.coupled = coupled_at(chain, state.overlap, state.force)
     return state.coupled
 
 
-@np.errstate(invalid="ignore")  # of a motion that has blown up some are nan
+@np.errstate(invalid="ignore")  # a diverged motion contains NaN
 def from_anchor(difference: Array, value: Any, anchor: int) -> Array:
-    """Rebuild (..., n+1) bead values from (..., n) neighbour differences and the anchor bead's `value` (...)."""
+    """Compute (..., n+1) bead values from (..., n) differences between neighbours and the `value` (...) of the anchor
+    bead.
+    """
+    # Sum the differences from the first bead on, then shift all values by that of the anchor bead.
     down = np.zeros((*difference.shape[:-1], difference.shape[-1] + 1))
     down[..., 1:] = difference
     np.subtract.accumulate(down, axis=-1, out=down)
@@ -203,7 +221,7 @@ def from_anchor(difference: Array, value: Any, anchor: int) -> Array:
 
 
 def checked_velocity(chain: Chain, velocity: ArrayLike) -> Array:
-    """`velocity` as (n+1,) finite floats, or a ValueError that says what is wrong."""
+    """Return `velocity` as (n+1,) finite floats. Raise ValueError if it has another shape or other values."""
     speeds = number_array("velocity", velocity)
     if speeds.shape != (chain.contacts + 1,):
         raise ValueError(f"{chain.contacts + 1} beads need {chain.contacts + 1} velocities, not {shown(velocity)}")

@@ -1,4 +1,6 @@
-"""The trajectory: what a simulation returns. Arrays with shapes and units, the switches of every contact, and the cost."""
+"""Trajectory: the result of a simulation. Sampled arrays with shapes and units, the switches of each contact, and the
+cost.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Interval = tuple[float, float]
 
-# of the greatest speed: walls whose velocities, sums over the chain, differ by no more move as one
+# Largest difference of wall velocities, relative to the largest speed, at which walls move as one. Such velocities are
+# sums over the chain and contain round-off.
 ALIKE = 1e-9
 
 
@@ -30,16 +33,17 @@ def _nothing() -> Array:
 
 
 def work_of_walls(chain: Chain, velocity: Array, momentum: Array) -> Array:
-    """(T,) work [J] of the walls of `chain` on its beads since the first of T times; nan where it is not known.
+    """Return (T,) the work [J] of the walls of `chain` on its beads since the first of T times; NaN if it is unknown.
 
-    Walls give the `momentum` (T,) [N s] of the beads that nothing else has given. Their work follows from it where all move at
-    one speed and no bed takes momentum too; walls at rest do none.
+    Walls give the beads the part of their `momentum` (T,) [N s] that nothing else gives. The work follows from it if
+    all walls move at one speed and no bed takes momentum. Walls at rest do no work.
 
     Parameters
     ----------
     velocity : ndarray, shape (T, n+1)
-        [m/s], of walls too.
+        [m/s], including walls.
     """
+    # Velocities of the walls, which must agree.
     speeds = velocity[:, np.isinf(chain.mass)]
     if not speeds.any():
         return np.zeros(len(velocity))
@@ -51,11 +55,11 @@ def work_of_walls(chain: Chain, velocity: Array, momentum: Array) -> Array:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Trajectory(Moving):
-    """Samples of a motion, when each contact closed and opened, and what it cost.
+    """Samples of a motion, the times at which each contact closed and opened, and the cost.
 
-    `velocity_error` is the estimated error of `final_velocity`, and `position_error` that of the positions. Velocities at samples
-    and contact times have no estimate. Their error is that of the steps, and larger while contacts push or if they close slowly;
-    compare runs at two tolerances.
+    `velocity_error` is the estimated error of `final_velocity`, and `position_error` that of the positions. Velocities
+    at samples and contact times have no error estimate. Their error is that of the steps; it is larger while contacts
+    push, or if they close slowly. Compare runs at two tolerances to measure it.
 
     Attributes
     ----------
@@ -65,50 +69,52 @@ class Trajectory(Moving):
     overlap : ndarray, shape (T, n)
         Overlaps [m], Eq. (1).
     rate : ndarray, shape (T, n)
-        Overlap rates [m/s]; finer than differences of `velocity` deep inside a cluster.
+        Overlap rates [m/s]; more accurate than differences of `velocity` deep inside a cluster.
     anchor : ndarray, shape (T, 2)
         Position [m] and velocity [m/s] of bead ``chain.anchor``.
     force : ndarray, shape (T, n)
         Contact forces [N].
     final_velocity : ndarray, shape (n+1,)
-        Bead velocities [m/s] at the end of the run, wherever the samples lie.
+        Bead velocities [m/s] at the end of the run, independent of the samples.
     contact_intervals : tuple of tuples
-        Per contact a tuple of (closed, opened) times [s]; opened is inf where it never opens. What touches at rest closes as
-        soon as a neighbour pushes it, long before a wave brings a force that counts; by fixed steps up to two steps a contact
-        later. Not determined are how often a soft contact opens and closes while it lets go, when contacts open between beads
-        that a wave leaves all but at rest, and whether beads that friction holds at rest push each other: adaptive methods take
-        a force in the middle of what it may be. By fixed steps beads beside such a bead may close by round-off, and an adaptive
-        step tells of no bounce within it, which has next to no force.
+        For each contact a tuple of (closed, opened) times [s]; opened is inf if the contact never opens. A contact that
+        touches at rest closes as soon as a neighbour pushes it, long before a wave brings a significant force; with
+        fixed steps up to two steps per contact later. Some times are not determined: how often a soft contact opens and
+        closes while it separates, when contacts open between beads that a wave leaves nearly at rest, and whether beads
+        that friction holds at rest push each other. Adaptive methods then use the middle of the possible range of a
+        force. With fixed steps, beads next to such a bead may close by round-off. An adaptive step does not report
+        bounces within it, because their force is nearly zero.
     method : str
         Name of the method.
     step : float
-        Step of a fixed-step method [s]; 0 for adaptive ones.
+        Step of a fixed-step method [s]; 0 for adaptive methods.
     tolerance : float
         Tolerance of an adaptive method; 0 for fixed steps.
     speed_scale : float
-        Speed [m/s] that `tolerance` is relative to: the largest closing speed that the motion can have. 0 for fixed steps.
+        Speed [m/s] that `tolerance` is relative to: the largest closing speed that the motion can have. 0 for fixed
+        steps.
     steps : int
         Number of steps taken.
     evaluations : int
-        How often all contact forces were evaluated.
+        Number of evaluations of all contact forces.
     seconds : float
         Wall time of the solver [s].
     status : Status
-        How the run ended; where it gave up, `final_velocity` is that of the time it reached.
+        How the run ended. If it gave up, `final_velocity` belongs to the time that it reached.
     velocity_error : ndarray, shape (n+1,)
-        Estimated error [m/s] of `final_velocity`; nan where the method estimates none (fixed steps).
+        Estimated error [m/s] of `final_velocity`; NaN if the method does not estimate errors (fixed steps).
     warnings : tuple of CodedWarning
-        What may be wrong with it, each with a code, a sentence and its numbers; empty when nothing is.
+        Possible problems, each with a code, a sentence and its numbers; empty without problems.
     choice : str
-        What method "auto" chose and why; "" where the method was given.
+        Choice of the method "auto" and its reason; "" for other methods.
     absorbed_by_contacts : ndarray, shape (T,)
-        Energy [J] that contacts with loss have taken since t = 0.
+        Energy [J] that contacts with loss have dissipated since t = 0.
     absorbed_by_bed : ndarray, shape (T,)
-        Energy [J] that bed friction has taken since t = 0. Kinetic + contact energy + both = that at the start +
-        `driven` + `by_walls`.
+        Energy [J] that bed friction has dissipated since t = 0. Kinetic energy + contact energy + both dissipated
+        energies = energy at the start + `driven` + `by_walls`.
     given : ndarray, shape (T, 2)
-        Work [J] and impulse [N s] of the chain's forces over time since t = 0, walls left out; in a motion that was played in
-        the window also those of the pointer and of edits, since its first sample.
+        Work [J] and impulse [N s] of the forces over time of the chain since t = 0, without walls. In a motion that was
+        recorded in the window, also those of the pointer and of edits since the first sample.
     """
 
     chain: Chain
@@ -135,6 +141,7 @@ class Trajectory(Moving):
     given: Array = field(default_factory=lambda: np.zeros((0, 2)))
 
     def __post_init__(self) -> None:
+        # Arrays that a caller did not give: errors are unknown, energies are 0.
         if self.velocity_error.size != self.final_velocity.size:
             object.__setattr__(self, "velocity_error", np.full(self.final_velocity.size, np.nan))
         for name in ("absorbed_by_contacts", "absorbed_by_bed"):
@@ -145,51 +152,53 @@ class Trajectory(Moving):
 
     @cached_property
     def position(self) -> Array:
-        """(T, n+1) positions [m], bead lengths taken out; two beads that just touch have the same position."""
+        """Positions [m] without the bead lengths, shape (T, n+1): two beads that just touch have the same position."""
         return from_anchor(self.overlap, self.anchor[:, 0], self.chain.anchor)
 
     @property
     def position_error(self) -> Array:
         """Estimated error [m] of the positions, shape (T,): the time since the start times a velocity error.
 
-        That error is the largest `velocity_error`, but at least the tolerance times `speed_scale`. Beads that have come to rest
-        have hardly any error of velocity left, and still the positions that earlier errors gave them.
+        This velocity error is the largest `velocity_error`, but at least the tolerance times `speed_scale`. Beads that
+        have come to rest have hardly any velocity error, but their positions still contain earlier errors.
         """
+        # An estimate: the velocity error acts during the whole time.
         return np.maximum(self.velocity_error.max(), self.tolerance * self.speed_scale) * self.time
 
     @cached_property
     def velocity(self) -> Array:
-        """(T, n+1) bead velocities [m/s]."""
+        """Bead velocities [m/s], shape (T, n+1)."""
         return from_anchor(self.rate, self.anchor[:, 1], self.chain.anchor)
 
     @cached_property
     def kinetic_energy(self) -> Array:
-        """(T,) kinetic energy [J] of the beads, walls left out."""
-        with np.errstate(over="ignore"):  # of a motion that has blown up it is inf
+        """Kinetic energy [J] of the beads, shape (T,), without walls."""
+        with np.errstate(over="ignore"):  # inf for a diverged motion
             return 0.5 * self.velocity[:, self._bead] ** 2 @ self.chain.finite_mass[self._bead]
 
     @cached_property
     def contact_energy(self) -> Array:
-        """(T,) energy [J] taken up by the contacts; those with loss give only a part of it back."""
+        """Energy [J] stored in the contacts, shape (T,); contacts with loss return only a part of it."""
         return self.chain.stored_energy(self.overlap, force=self.force).sum(axis=1)
 
     @cached_property
     def momentum(self) -> Array:
-        """(T,) momentum [N s] of the beads, walls left out."""
+        """Momentum [N s] of the beads, shape (T,), without walls."""
         return self.velocity[:, self._bead] @ self.chain.finite_mass[self._bead]
 
     @property
     def ledger(self) -> Array:
-        """(T,) energy [J] that must not change, kinetic + of contacts + absorbed by them and by the bed - `driven` - `by_walls`.
+        """Energy balance [J], shape (T,), which must stay constant.
 
-        Not known, nan, where `by_walls` is not.
+        It is kinetic energy + contact energy + energy dissipated by contacts and bed - `driven` - `by_walls`; NaN if
+        `by_walls` is unknown.
         """
         energy = self.kinetic_energy + self.contact_energy - self.driven - self.by_walls
         return energy + self.absorbed_by_contacts + self.absorbed_by_bed
 
     @cached_property
     def driven(self) -> Array:
-        """(T,) work [J] of the drive and forces over time on the beads since t = 0, walls left out."""
+        """Work [J] of the drive and of forces over time on the beads since t = 0, shape (T,), without walls."""
         if self.chain.drive_force is None:
             return self.given[:, 0]
         start = np.concatenate(([0.0], np.cumsum(self.chain.gap)))
@@ -198,14 +207,16 @@ class Trajectory(Moving):
 
     @cached_property
     def impulse(self) -> Array:
-        """(T,) momentum [N s] that the drive and forces over time have given to the beads since t = 0, walls left out."""
+        """Momentum [N s] that the drive and forces over time have given to the beads since t = 0, shape (T,), without
+        walls.
+        """
         if self.chain.drive_force is None:
             return self.given[:, 1]
         return self.time * self.chain.drive_force[self._bead].sum() + self.given[:, 1]
 
     @cached_property
     def by_walls(self) -> Array:
-        """(T,) work [J] of moving walls on the beads since the first sample, see ``work_of_walls``."""
+        """Work [J] of moving walls on the beads since the first sample, shape (T,), see ``work_of_walls``."""
         return work_of_walls(self.chain, self.velocity, self.momentum - self.impulse)
 
     @cached_property
@@ -240,33 +251,39 @@ class Trajectory(Moving):
         return hits(self)
 
     def save(self, path: trajectory_file.Path) -> None:
-        """Write everything, the chain and the versions included, to an .npz file that :meth:`load` reads back."""
+        """Write all data, including the chain and the versions, to an .npz file, which :meth:`load` reads."""
         values = {item.name: getattr(self, item.name) for item in fields(self)}
         trajectory_file.save_motion(path, values, {"position": self.position, "velocity": self.velocity})
 
     @staticmethod
     def load(path: trajectory_file.Path) -> Trajectory:
-        """Read what :meth:`save` wrote.
+        """Read a file that :meth:`save` wrote.
 
         Raises
         ------
         OSError
-            The file cannot be read.
+            If the file cannot be read.
         ValueError
-            It is no trajectory of softcradle, or one of a later version.
+            If the file is not a trajectory of softcradle, or was written by a later version.
         """
         return trajectory_file.load_motion(path, Trajectory)
 
     def to_csv(self, path: trajectory_file.Path) -> None:
-        """Write one row a sample: time, positions, velocities, overlaps, forces, energies, momentum; header with units."""
+        """Write one row per sample: time, positions, velocities, overlaps, forces, energies, momentum. The header
+        contains units.
+        """
         trajectory_file.write_csv(path, self._columns())
 
     def to_xarray(self) -> xr.Dataset:
-        """The samples as an xarray Dataset, over time, bead and contact; units are attributes. Extra [notebook]."""
+        """Return the samples as an xarray Dataset over time, bead and contact, with units as attributes. Needs the
+        extra [notebook].
+        """
         return trajectory_file.dataset(self._columns(), self._attributes())
 
     def to_pandas(self) -> pd.DataFrame:
-        """The samples as a pandas DataFrame with the columns of :meth:`to_csv`, time as the index. Extra [notebook]."""
+        """Return the samples as a pandas DataFrame with the columns of :meth:`to_csv` and time as index. Needs the
+        extra [notebook].
+        """
         return trajectory_file.data_frame(self._columns(), self._attributes())
 
     def __repr__(self) -> str:

@@ -1,8 +1,9 @@
-"""Files and tables of trajectories: an .npz file that holds everything and is read back equal, .csv, xarray and pandas.
+"""Files and tables of trajectories: a complete .npz file, which is read back equal, .csv files, xarray and pandas.
 
-The .npz file holds one array per array of a Trajectory, `position` and `velocity` for readers without softcradle,
-`contact_intervals` (K, 3) with rows (contact, closed [s], opened [s]), and `metadata`, a JSON text in which numbers may be
-`Infinity`, as the mass of a wall is, and `NaN`: Python's json reads them, strict readers do not. Nothing is pickled.
+The .npz file contains one array for each array of a Trajectory, `position` and `velocity` for readers without
+softcradle, `contact_intervals` (K, 3) with rows (contact, closed [s], opened [s]), and `metadata`. The metadata is a
+JSON text in which numbers may be `Infinity` (such as the mass of a wall) or `NaN`. Python's json reads them, but strict
+JSON readers do not. Nothing is pickled.
 """
 
 from __future__ import annotations
@@ -33,10 +34,11 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-# Version of the file format. Format 1 lacks loss and friction, 2 status and codes of warnings, 3 forces over time, 4 couplers,
-# 5 user-defined laws, 6 the speed that the tolerance is relative to, 7 contacts of segments and couplers that couple later.
+# Version of the file format. Older formats lack: 1 loss and friction, 2 status and codes of warnings, 3 forces over
+# time, 4 couplers, 5 user-defined laws, 6 the speed that the tolerance is relative to, 7 contacts of segments and
+# couplers that couple later.
 FORMAT = 8
-# key of a contact with a law of one's own, and what the names of the arrays of its table begin with
+# Key of a contact with a user-defined law, and prefix of the names of the arrays of its table
 OWN_LAW = "own_law"
 
 DIMENSIONS = {"bead": ("time", "bead"), "contact": ("time", "contact"), "": ("time",)}
@@ -49,9 +51,9 @@ Intervals = tuple[tuple[tuple[float, float], ...], ...]
 
 
 class Columns(NamedTuple):
-    """Columns of a table: ``quantity + name [unit]`` for each of the names, and their values (T,) or (T, len(names)).
+    """Columns of a table: titles ``quantity + name [unit]`` for each of the names, and values (T,) or (T, len(names)).
 
-    `each` is what the names number: "bead", "contact", or "" for a single column.
+    `each` is the kind of thing that the names number: "bead", "contact", or "" for a single column.
     """
 
     quantity: str
@@ -62,11 +64,13 @@ class Columns(NamedTuple):
 
 
 def save_motion(path: Path, values: Mapping[str, Any], extra: Mapping[str, Array]) -> None:
-    """Write the fields of a Trajectory, and arrays for other readers, to the .npz file `path`, whole or not at all.
+    """Write the fields of a Trajectory, and arrays for other readers, to the .npz file `path`. The file is written
+    whole or not at all.
 
     Raises:
-        OSError: it cannot be written.
+        OSError: the file cannot be written.
     """
+    # Arrays are stored as they are, everything else as JSON.
     both = {**values, **extra}
     arrays: dict[str, Any] = {name: value for name, value in both.items() if isinstance(value, np.ndarray)}
     plain = {name: value for name, value in values.items() if name not in arrays}
@@ -82,11 +86,11 @@ def save_motion(path: Path, values: Mapping[str, Any], extra: Mapping[str, Array
 
 
 def load_motion(path: Path, make: Callable[..., T]) -> T:
-    """What `make` makes of the fields that :func:`save_motion` wrote to `path`.
+    """Read the fields that :func:`save_motion` wrote to `path`, and return ``make(**fields)``.
 
     Raises:
         OSError: the file cannot be read.
-        ValueError: it is no trajectory of softcradle, or one of a later version.
+        ValueError: the file is not a trajectory of softcradle, or was written by a later version.
     """
     try:
         with open(path, "rb") as opened, np.load(opened, allow_pickle=False) as file:
@@ -98,13 +102,14 @@ def load_motion(path: Path, make: Callable[..., T]) -> T:
     except OSError:
         raise
     except Exception:
-        # a torn file fails in whatever reads it: zip, its compression, arrays, JSON, or what is made of them
+        # A damaged file can fail in any reader: zip, decompression, arrays, JSON, or `make`.
         raise ValueError(f"{path}: not a trajectory that softcradle saved") from None
     raise ValueError(f"{path}: saved in format {found}, this softcradle reads formats up to {FORMAT}")
 
 
 def _fields(arrays: dict[str, Array], plain: dict[str, Any]) -> dict[str, Any]:
-    """The fields of a Trajectory from the arrays and the metadata of a file."""
+    """Return the fields of a Trajectory from the arrays and the metadata of a file."""
+    # These two arrays are for other readers only.
     for name in ("position", "velocity"):
         arrays.pop(name, None)
     chain = chain_from_table(plain.pop("chain"), arrays)
@@ -120,7 +125,7 @@ def _fields(arrays: dict[str, Array], plain: dict[str, Any]) -> dict[str, Any]:
 
 
 def write_csv(path: Path, columns: Sequence[Columns]) -> None:
-    """Write one row a sample to the .csv file `path`, whole or not at all; the header names quantity and unit."""
+    """Write one row per sample to the .csv file `path`, whole or not at all. The header contains quantities and units."""
     with output_file(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(titles(columns))
@@ -128,17 +133,19 @@ def write_csv(path: Path, columns: Sequence[Columns]) -> None:
 
 
 def titles(columns: Sequence[Columns]) -> list[str]:
-    """The title of each column: quantity, name and unit."""
+    """Return the title of each column: quantity, name and unit."""
     return [f"{part.quantity}{name} [{part.unit}]" for part in columns for name in part.names]
 
 
 def versions() -> dict[str, str]:
-    """Versions of what made a result: softcradle, numpy, python."""
+    """Return the versions of the software that made a result: softcradle, numpy, python."""
     return {"softcradle": version(), "numpy": np.__version__, "python": platform.python_version()}
 
 
 def _warnings(stored: list[Any]) -> Warnings:
-    """The warnings of a file; those of format 1 and 2 are sentences without a code, a later version may have more codes."""
+    """Return the warnings of a file. Files of formats 1 and 2 contain sentences without codes; later versions may have
+    more codes.
+    """
     codes = {code.value: code for code in WarningCode}
     return tuple(
         CodedWarning(WarningCode.UNKNOWN, entry)
@@ -154,7 +161,7 @@ def _interval_rows(intervals: Intervals) -> Array:
 
 
 def _chain_table(chain: Chain) -> dict[str, Any]:
-    """What JSON can say of a chain: ``asdict(chain)``, with the number and the name of a law of one's own in its place."""
+    """Return a chain as a table for JSON: ``asdict(chain)`` with number and name in place of a user-defined law."""
     contacts = [_contact_table(item, chain) for item in chain.contact]
     return {**asdict(replace(chain, contact=(hooke(1.0),) * chain.contacts)), "contact": contacts}
 
@@ -164,13 +171,13 @@ def _contact_table(item: Joint, chain: Chain) -> dict[str, Any]:
         return {OWN_LAW: chain.own_laws.index(item), "name": item.name}
     if (
         isinstance(item, PiecewiseContact) and type(item) is not Coupler
-    ):  # its class may not exist when the file is read
+    ):  # the class may not exist when the file is read
         return {"segments": [segment[:9] for segment in item.segments], "coupled": item.coupled}
     return asdict(item)
 
 
 def _law_arrays(chain: Chain) -> dict[str, Array]:
-    """The tables of the laws of one's own; the energy is the integral of the force."""
+    """Return the tables of the user-defined laws. The energy is not stored, because it is the integral of the force."""
     return {
         f"{OWN_LAW}{k}_{name}": getattr(law.table, name)
         for k, law in enumerate(chain.own_laws)
@@ -179,7 +186,9 @@ def _law_arrays(chain: Chain) -> dict[str, Array]:
 
 
 def chain_from_table(stored: dict[str, Any], arrays: Mapping[str, Array] = NO_LAWS) -> Chain:
-    """The chain that `_chain_table` and `_law_arrays` say; keys that earlier versions did not write have their defaults."""
+    """Return the chain from the results of `_chain_table` and `_law_arrays`. Keys that earlier versions did not write
+    get their defaults.
+    """
     timed = {name: [TimedForce(**item) for item in stored.get(name, ())] for name in ("forces", "brakes")}
     laws: dict[int, OwnLaw] = {}
     contacts = [_contact(item, laws, arrays) for item in stored["contact"]]
@@ -187,15 +196,18 @@ def chain_from_table(stored: dict[str, Any], arrays: Mapping[str, Array] = NO_LA
 
 
 def _contact(stored: dict[str, Any], laws: dict[int, OwnLaw], arrays: Mapping[str, Array]) -> Joint:
-    """The contact of the file; one law for all contacts that have it is in `laws` by its number."""
+    """Return the contact of a file. `laws` collects the user-defined laws by number, so that contacts share one law."""
+    # User-defined law: its table is read once, and shared by its contacts.
     if OWN_LAW in stored:
         number = stored[OWN_LAW]
         if number not in laws:
             fields = (arrays[f"{OWN_LAW}{number}_{name}"] for name in ("edge", "force", "error", "bend"))
             laws[number] = OwnLaw(TabledLaw(stored["name"], table_of(*fields)))
         return laws[number]
+    # Contact from a table of segments.
     if "segments" in stored:
         return SegmentTable(tuple(Segment(*row) for row in stored["segments"]), stored["coupled"])
+    # Power law, otherwise a coupler with its gears.
     if "push" not in stored:
         return Contact(**stored)
     gears = {name: None if stored[name] is None else Contact(**stored[name]) for name in ("push", "pull")}
@@ -210,9 +222,10 @@ def _intervals(rows: Array, contacts: int) -> Intervals:
 
 
 def dataset(columns: Sequence[Columns], attributes: Mapping[str, Any]) -> xr.Dataset:
-    """One variable a quantity, over time and bead or contact."""
+    """Return a Dataset with one variable per quantity, over time and bead or contact."""
     with needed_for("to_xarray()", "notebook"):
         import xarray as xr
+    # Variables over time, and over the beads or contacts that they belong to.
     time, *others = columns
     variables = {
         part.quantity.replace(" ", "_"): (DIMENSIONS[part.each], part.values, {"units": part.unit}) for part in others
@@ -226,7 +239,7 @@ def dataset(columns: Sequence[Columns], attributes: Mapping[str, Any]) -> xr.Dat
 
 
 def data_frame(columns: Sequence[Columns], attributes: Mapping[str, Any]) -> pd.DataFrame:
-    """One row a sample, the columns of the .csv file, time as the index."""
+    """Return a table with one row per sample, the columns of the .csv file, and time as index."""
     with needed_for("to_pandas()", "notebook"):
         import pandas as pd
     values: Array = np.column_stack([part.values for part in columns])
