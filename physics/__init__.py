@@ -1,4 +1,4 @@
-"""softcradle's physics: contacts, chains, and the methods that move them. Public names load on first use."""
+"""Physics of softcradle: contacts, chains, and the methods that move them. Public names are imported on first use."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ _HOME = {name: module for module, names in _NAMES.items() for name in names.spli
 __all__ = list(_HOME)
 
 
-if not TYPE_CHECKING:  # a type checker that sees it takes every name for one that exists
+if not TYPE_CHECKING:  # a type checker that sees this function accepts every name
 
     def __getattr__(name: str) -> object:
         if name not in _HOME:

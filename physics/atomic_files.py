@@ -1,4 +1,4 @@
-"""Files and folders written whole or not at all: under another name first, moved into place at the end."""
+"""Files and folders that are written whole or not at all: under a temporary name first, then moved into place."""
 
 from __future__ import annotations
 
@@ -11,19 +11,20 @@ from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
 
-TOLD = 16  # letters of a name that its temporary one has too: the whole could be too long for the file system with more added
+# Number of letters that a temporary name takes from the final one. With the whole name the path could be too long.
+TOLD = 16
 
 
 @contextmanager
 def output_file(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Yield a temporary path with the suffix of `path`; the file there replaces `path` when the block ends without error.
+    """Yield a temporary path with the suffix of `path`. Its file replaces `path` when the block ends without an error.
 
-    The temporary file exists, empty, when the block begins: a folder that cannot be written to is an error before any work.
-    Its name is its own: of several that write to one path the last to end is kept. A link stays, and what it leads to is written.
-    A pipe or a device stays too: the whole file is written to it at the end.
+    The temporary file exists and is empty when the block begins, so a folder without write permission is an error
+    before any work is done. Its name is unique: if several processes write to one path, the last to finish is kept. A
+    link stays, and its target is written. A pipe or a device stays as well: the whole file is written to it at the end.
 
     Raises:
-        OSError: `path` is a folder, or its folder is missing or cannot be written to; the message is one sentence.
+        OSError: `path` is a folder, or its folder is missing or not writable; the message is one sentence.
     """
     target = Path(path)
     if os.path.isdir(target):
@@ -31,6 +32,7 @@ def output_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     if os.path.exists(target) and not os.path.isfile(target):
         yield from _written_through(target)
         return
+    # Write next to the final place, because moving is atomic only within one file system.
     place = followed(target)
     temporary = _made_beside(place, target, partial(Path.touch, exist_ok=False))
     try:
@@ -41,7 +43,7 @@ def output_file(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def _written_through(target: Path) -> Iterator[Path]:
-    """Yield a temporary path whose content goes to a pipe or a device when the block ends without error."""
+    """Yield a temporary path whose content is copied to a pipe or a device when the block ends without an error."""
     if not os.access(target, os.W_OK):
         raise PermissionError(f"cannot write {target}: permission denied")
     with tempfile.TemporaryDirectory() as folder:
@@ -54,13 +56,13 @@ def _written_through(target: Path) -> Iterator[Path]:
 
 @contextmanager
 def output_folder(path: str | os.PathLike[str], replaces: bool = False) -> Iterator[Path]:
-    """Yield an empty temporary folder that becomes `path` when the block ends without error.
+    """Yield an empty temporary folder that becomes `path` when the block ends without an error.
 
-    Where it `replaces` a folder, that stays until the new one is whole.
+    If it `replaces` a folder, that folder stays until the new one is complete.
 
     Raises:
-        OSError: `path` exists and is not an empty folder, or none that may be replaced, or its parent cannot be written to; one
-            sentence.
+        OSError: `path` exists and is not an empty folder, or must not be replaced, or its parent is not writable; the
+            message is one sentence.
     """
     target = Path(path)
     if os.path.exists(target) and not (target.is_dir() and (replaces or not any(target.iterdir()))):
@@ -75,10 +77,13 @@ def output_folder(path: str | os.PathLike[str], replaces: bool = False) -> Itera
 
 
 def _exchange(new: Path, place: Path, before: Path) -> None:
-    """Move a folder to its `place`, in which a folder goes by way of `before`; where that fails, all is as it was."""
+    """Move a folder to its `place`. A folder there is moved to `before` first; if something fails, everything is
+    restored.
+    """
     replaced = place.exists()
     if replaced:
-        place.rename(before)  # some systems do not move a folder onto another, be it empty
+        place.rename(before)  # some systems do not move a folder onto another one, even if it is empty
+    # Restore the replaced folder if the new one cannot be moved.
     try:
         new.rename(place)
     except OSError:
@@ -89,16 +94,20 @@ def _exchange(new: Path, place: Path, before: Path) -> None:
 
 
 def followed(target: Path) -> Path:
-    """The path itself, or what it leads to, if it is a link: that is written, and what is kept lies beside it."""
+    """Return the path, or the target of the path if it is a link. The target is written, and temporary files are put
+    next to it.
+    """
     return Path(os.path.realpath(target)) if os.path.islink(target) else target
 
 
 def _made_beside(place: Path, target: Path, make: Callable[[Path], None]) -> Path:
-    """What `make` makes beside `place`, to which `target` leads; OSError of one sentence where nothing can be written there."""
+    """Create a temporary file or folder next to `place` with `make`, and return its path. Raise OSError with one
+    sentence on failure.
+    """
     temporary = _hidden_sibling(target, place.parent)
     try:
         with suppress(FileNotFoundError):
-            place.lstat()  # an error where the file system takes no such name, be it too long
+            place.lstat()  # raises an error if the file system does not accept the name, for example if it is too long
         make(temporary)
     except OSError as error:
         raise _refusal(target, place, error) from None
@@ -106,14 +115,15 @@ def _made_beside(place: Path, target: Path, make: Callable[[Path], None]) -> Pat
 
 
 def _hidden_sibling(target: Path, folder: Path) -> Path:
-    """A name that nothing else has, in the folder where `target` is: a move on one file system is atomic."""
+    """Return a unique name in the folder of `target`, because moving within one file system is atomic."""
     return folder / f".{target.stem[:TOLD]}.{secrets.token_hex(8)}.part{target.suffix}"
 
 
 def _refusal(target: Path, place: Path, error: OSError) -> OSError:
     folder = place.absolute().parent
+    # A missing folder has its own message.
     if not folder.is_dir():
         return FileNotFoundError(f"cannot write {target}: there is no folder {folder}")
-    if isinstance(error, FileNotFoundError):  # the error of file systems such as /proc
+    if isinstance(error, FileNotFoundError):  # error of file systems such as /proc
         return PermissionError(f"cannot write {target}: nothing can be written to {folder}")
     return type(error)(f"cannot write {target}: {(error.strerror or str(error)).lower()}")

@@ -1,4 +1,6 @@
-"""Numbers that users give: as floats and arrays, or refused in a sentence that says what is allowed and what was given."""
+"""Validation of numbers from users: converted to floats and arrays, or rejected with a sentence about allowed and given
+values.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-SMALLEST, LARGEST = 1e-30, 1e30  # a mass, speed, force ... beyond these would leave the range of floats when multiplied
+# Range of a mass, speed, force etc. Products of numbers beyond it would leave the range of floats.
+SMALLEST, LARGEST = 1e-30, 1e30
 
 
 def real_number(what: str, value: object) -> float:
-    """`value` as a float. Raises ValueError where it is no number."""
+    """Return `value` as a float. Raise ValueError if it is not a number."""
     if not isinstance(value, (str, bytes)):
         try:
             return float(value)  # type: ignore[arg-type]  # what it cannot take is refused below
@@ -23,7 +26,9 @@ def real_number(what: str, value: object) -> float:
 
 
 def magnitude(what: str, value: object, zero: bool = False) -> float:
-    """`value` as a float > 0, or >= 0 if `zero`, in the range that can be computed with. Raises ValueError."""
+    """Return `value` as a float > 0, or >= 0 if `zero`. Raise ValueError if it is not, or beyond the range SMALLEST to
+    LARGEST.
+    """
     number = real_number(what, value)
     if (zero and number == 0.0) or SMALLEST <= number <= LARGEST:
         return number
@@ -33,7 +38,7 @@ def magnitude(what: str, value: object, zero: bool = False) -> float:
 
 
 def number_array(what: str, value: ArrayLike) -> NDArray[np.float64]:
-    """`value` as an array of floats of any shape. Raises ValueError where it is none."""
+    """Return `value` as an array of floats of any shape. Raise ValueError if that is not possible."""
     try:
         found = np.asarray(value)
         if found.dtype.kind in "biufO":
@@ -44,7 +49,7 @@ def number_array(what: str, value: ArrayLike) -> NDArray[np.float64]:
 
 
 def whole_number(what: str, value: object) -> int:
-    """`value` as an int. Raises ValueError where it is no whole number."""
+    """Return `value` as an int. Raise ValueError if it is not a whole number."""
     try:
         return operator.index(value)  # type: ignore[arg-type]  # what it cannot take is refused below
     except TypeError:
@@ -52,19 +57,19 @@ def whole_number(what: str, value: object) -> int:
 
 
 def require_kind(what: str, value: object, kind: type) -> None:
-    """Raise ValueError where `value` is no instance of `kind`."""
+    """Raise ValueError if `value` is not an instance of `kind`."""
     if not isinstance(value, kind):
         article = "an" if kind.__name__[0] in "AEIOU" else "a"
         raise ValueError(f"{what} must be {article} {kind.__name__}, not {shown(value)}")
 
 
 def finite_or_none(value: Any) -> float | None:
-    """`value` as a float, None where it is no finite number."""
+    """Return `value` as a float, or None if it is not finite."""
     return float(value) if math.isfinite(value) else None
 
 
 def shown(value: Any) -> str:
-    """`value` as it stands in a sentence: numbers without the type that NumPy adds, long texts cut."""
+    """Return `value` as text for a message: numbers without their NumPy type, long texts shortened."""
     plain = value.item() if isinstance(value, np.generic) else value
     text = " ".join(repr(plain).split())
     return text if len(text) <= 60 else f"{text[:57]}..."

@@ -1,4 +1,4 @@
-"""Many chains at once, on all cores. Kernels run outside Python's lock, so threads share the cores."""
+"""Simulation of many chains on all cores. Kernels run without Python's lock, so threads can use all cores."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from softcradle.physics.checked_input import shown, whole_number
 from softcradle.physics.simulation import solve
 from softcradle.physics.trajectory import Trajectory
 
-PARTS = 8  # of the work for each core: chains differ in cost, so the last core to finish should not have much left
-MOST_AT_ONCE = 64  # chains in a part, so that progress is told often
+PARTS = 8  # Parts of the work for each core. Chains differ in cost, so small parts keep all cores busy until the end.
+MOST_AT_ONCE = 64  # Largest number of chains in a part, so that progress is reported often
 
 Item = TypeVar("Item")
 Found = TypeVar("Found")
-Each = float | Sequence[float | None] | None  # one for all chains, or one for each
+Each = float | Sequence[float | None] | None  # one value for all chains, or one for each
 
 
 def ensemble(
@@ -37,9 +37,9 @@ def ensemble(
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> list[Trajectory]:
-    """Let many chains move, each as `simulate` would, to the last digit and in any order.
+    """Simulate many chains, bitwise as `simulate` would, in any order.
 
-    Warnings stand on each Trajectory; no Python warning is given.
+    Warnings are on each Trajectory; no Python warnings are issued.
 
     Parameters
     ----------
@@ -47,21 +47,22 @@ def ensemble(
     velocities : sequence of array_like, length C
         ``velocities[k]``, shape (n+1,), are the start velocities of ``chains[k]`` [m/s].
     duration, method, step, samples, tolerance : optional
-        As for `simulate`, duration and step [s] one for all or C of them; two samples are the start and the end.
+        As for `simulate`. Duration and step [s] are one number for all chains or C numbers. Two samples are the start
+        and the end.
     workers : int, optional
-        Number of threads; None takes one for each core that this process may use.
+        Number of threads; None means one for each core that this process may use.
     progress : callable, optional
-        Called from the calling thread with the number of chains that have been done since the last call.
+        Called in the calling thread with the number of chains finished since the last call.
 
     Returns
     -------
     list of Trajectory
-        One for each chain, in their order.
+        One for each chain, in the order of `chains`.
 
     Raises
     ------
     ValueError
-        Lists of different length, or what `simulate` raises for one of the chains.
+        If the lists have different lengths, or as `simulate` for one of the chains.
 
     Examples
     --------
@@ -82,9 +83,10 @@ def ensemble(
         return [solve(chains[k], velocities[k], durations[k], method, steps[k], samples, tolerance) for k in indices]
 
     tell = progress or (lambda count: None)
-    found = part(range(min(1, count)))  # loads the kernels once, before threads would all wait for it
+    found = part(range(min(1, count)))  # load the kernels once, before all threads would wait for them
     if found:
         tell(1)
+    # Small parts of the other chains, in threads.
     blocks = parts(len(found), count, threads)
     done: list[list[Trajectory]] = [[] for _ in blocks]
     for k, runs in in_threads(part, blocks, threads):
@@ -94,7 +96,7 @@ def ensemble(
 
 
 class DaemonThreads(Executor):
-    """`count` threads that nobody waits for: kernels hear no signal, and a program that is stopped ends without them."""
+    """Pool of `count` daemon threads. Kernels do not react to signals, so a program that is stopped ends without them."""
 
     def __init__(self, count: int) -> None:
         self._waiting: SimpleQueue[tuple[Future[Any], Callable[[], Any]] | None] = SimpleQueue()
@@ -103,13 +105,14 @@ class DaemonThreads(Executor):
             threading.Thread(target=self._work, name="softcradle", daemon=True).start()
 
     def submit(self, function: Callable[..., Any], /, *args: Any, **keywords: Any) -> Future[Any]:
-        """Let a thread call a function."""
+        """Call a function in a thread."""
         future: Future[Any] = Future()
         self._waiting.put((future, partial(function, *args, **keywords)))
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """End the threads after what they are at; `cancel_futures` is meant in any case, and none is waited for."""
+        """End the threads after their current calls, without waiting for them. Futures are always cancelled."""
+        # Cancel the calls that have not begun.
         with suppress(Empty):
             while (task := self._waiting.get_nowait()) is not None:
                 task[0].cancel()
@@ -119,6 +122,7 @@ class DaemonThreads(Executor):
     def _work(self) -> None:
         while (task := self._waiting.get()) is not None:
             future, call = task
+            # A cancelled future is skipped; an exception belongs to the future, not to the thread.
             if not future.set_running_or_notify_cancel():
                 continue
             try:
@@ -128,7 +132,9 @@ class DaemonThreads(Executor):
 
 
 def in_threads(function: Callable[[Item], Found], items: Sequence[Item], count: int) -> Iterator[tuple[int, Found]]:
-    """Number and result of `function` for all items, as they come; the first error is raised."""
+    """Yield number and result of `function` for all items, in the order in which they finish. The first error is
+    raised.
+    """
     with DaemonThreads(min(count, len(items))) as pool:
         numbers = {pool.submit(function, item): k for k, item in enumerate(items)}
         for future in as_completed(numbers):
@@ -136,19 +142,19 @@ def in_threads(function: Callable[[Item], Found], items: Sequence[Item], count: 
 
 
 def cores() -> int:
-    """Cores that this process may use."""
+    """Return the number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def threads_of(workers: int | None) -> int:
-    """Number of threads: `workers`, or one for each core. ValueError where they are none."""
+    """Return the number of threads: `workers`, or one for each core. Raise ValueError if `workers` is less than 1."""
     if workers is not None and whole_number("workers", workers) < 1:
         raise ValueError(f"workers must be at least 1, not {shown(workers)}")
     return workers or cores()
 
 
 def parts(begin: int, end: int, threads: int, least: int = 1) -> list[range]:
-    """The chains from `begin` to `end` in parts of nearly the same number, `least` of them or more."""
+    """Return the chains from `begin` to `end` in parts of nearly equal size, at least `least` chains each."""
     size = max(least, min(MOST_AT_ONCE, (end - begin) // (threads * PARTS)))
     return [range(first, min(end, first + size)) for first in range(begin, end, size)]
 

@@ -1,11 +1,11 @@
-"""The extras: packages that are not installed with softcradle alone, and the sentence that says how to get them."""
+"""Optional packages (extras), and the error message that explains how to install a missing one."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-EXTRA_OF = {  # package: the extra of pyproject.toml that brings it
+EXTRA_OF = {  # Package: extra of pyproject.toml that installs it
     "numba": "fast",
     "av": "film",
     "PIL": "film",
@@ -25,11 +25,11 @@ EXTRA_OF = {  # package: the extra of pyproject.toml that brings it
 
 @contextmanager
 def needed_for(what: str, extra: str | None = None) -> Iterator[None]:
-    """Raise an ImportError of one sentence where a package of an extra is missing in the block.
+    """Raise an ImportError with one sentence if a package of an extra is missing in the block.
 
     Arguments:
         what: what needs the package, the subject of the sentence.
-        extra: the extra that brings all that `what` needs; None: the one that brings the missing package.
+        extra: the extra that installs everything that `what` needs; None: the extra of the missing package.
     """
     try:
         yield

@@ -1,4 +1,4 @@
-"""From a Chain and a State to the records of the kernels, and from the log of switches back; the arithmetic around them."""
+"""Conversion from a Chain and a State to the records of the kernels, and from the log of switches back."""
 
 from __future__ import annotations
 
@@ -29,26 +29,30 @@ from softcradle.physics.status import CodedWarning, WarningCode, Warnings
 
 Array = NDArray[np.float64]
 
-FIRST_LOG = 4096  # rows of the log of contact switches at first
-FRAME_LOG = 256  # of `advance`: more switches within a frame are chatter, which is counted and not kept
-ROWS_A_STEP = 4  # of it for each step until a pause, at which it grows
-MOST_LOG = 4_000_000  # rows at the most: 64 MB
+FIRST_LOG = 4096  # Initial number of rows of the log of contact switches
+# Rows of the log of `advance`. More switches within a frame are chattering; they are counted but not stored.
+FRAME_LOG = 256
+ROWS_A_STEP = 4  # Free rows of the log for each step until the next pause, at which the log grows
+MOST_LOG = 4_000_000  # Largest number of rows of the log: 64 MB
 
 
 def chain_records(chain: Chain, state: State) -> tuple[Any, ...]:
-    """The fields of ChainData; forces from outside are those of `state` now.
+    """Return the fields of ChainData. External forces are those of `state` now.
 
-    All arrays can be written to, as those that kernels make: for read-only ones every kernel would be compiled once more.
+    All arrays are writable, like the arrays that kernels create. Read-only arrays would make numba compile every kernel
+    again.
     """
     law, inverse_mass = law_rows(chain).copy(), chain.inverse_mass.copy()
     dissipates = chain.dissipative or chain.has_segments  # several segments are solved as if they dissipated energy
     dissipation = Dissipation(chain.loss.copy(), chain.bed.copy()) if dissipates else NO_DISSIPATION
     special = graphs_of(chain, state), knots_of(chain, state), dissipation
     push = state.external(chain)
+    # Kernels put forces over time into this array.
     if chain.timed:
         push = np.zeros(chain.contacts + 1) if push is None else push.copy()
     if push is None:
         return law, inverse_mass, NOTHING, NOTHING, chain.anchor, *special
+    # Accelerations of the overlaps and of the anchor bead by the external forces.
     acceleration = push * inverse_mass
     external = np.append(acceleration[:-1] - acceleration[1:], acceleration[chain.anchor])
     return law, inverse_mass, push, external, chain.anchor, *special
@@ -56,7 +60,7 @@ def chain_records(chain: Chain, state: State) -> tuple[Any, ...]:
 
 @per_chain
 def law_rows(chain: Chain) -> Array:
-    """(n, 3) preload, stiffness, exponent of each contact; of a law of one's own those that it begins with."""
+    """Return (n, 3) preload, stiffness and exponent of each contact; for a user-defined law those of its onset."""
     rows = chain.law_rows.copy()
     for i, law in chain.own_contacts:
         rows[i] = law.onset
@@ -65,15 +69,17 @@ def law_rows(chain: Chain) -> Array:
 
 @per_chain
 def graph_rows(chain: Chain) -> tuple[Any, ...]:
-    """The fields of Graphs without `coupled`; without rows if each contact is one power law from overlap 0 on."""
+    """Return the fields of Graphs without `coupled`; without rows if each contact is one power law from overlap 0 on."""
     if not (chain.has_segments or chain.own_laws):
         kind, _, *rows = NO_GRAPHS
         return kind, rows
+    # Each table is stored once: rows of its pieces and breakpoints, counted over all tables.
     tables = {id(one.table): one.table for graph in chain.graphs for one in graph if one.table is not None}
     pieces = np.cumsum([0, *(len(table.force) for table in tables.values())]).tolist()
     points = np.cumsum([0, *(len(table.bend) for table in tables.values())]).tolist()
     places = dict(zip(tables, zip(pieces, pieces[1:], points, points[1:], strict=False), strict=True))
     kind = np.array([_kind(graph) for graph in chain.graphs], dtype=np.int8)
+    # The segments of all contacts, one after the other, with the range of rows of their tables.
     segments = [segment for graph in chain.graphs for segment in graph]
     force_from = [one.stiffness * one.table_from**one.exponent for one in segments]
     segment = np.array([(*one[:9], one.table_from, force) for one, force in zip(segments, force_from, strict=True)])
@@ -94,20 +100,21 @@ def graph_rows(chain: Chain) -> tuple[Any, ...]:
 
 
 def _kind(graph: tuple[Segment, ...]) -> int:
-    """The kind of a graph in kernels."""
+    """Return the kind of a graph in kernels."""
+    # Kernels have faster paths for a single power law or table.
     if len(graph) > 1 or not graph[0].is_whole_law:
         return SEGMENTS
     return POWER if graph[0].table is None else TABLE
 
 
 def graphs_of(chain: Chain, state: State) -> Graphs:
-    """The Graphs of a chain; contacts couple in the arrays of the State."""
+    """Return the Graphs of a chain. Couplers couple in the array of the State."""
     kind, rows = graph_rows(chain)
     return Graphs(kind, coupled_of(chain, state), *rows) if kind.size else NO_GRAPHS
 
 
 def knots_of(chain: Chain, state: State) -> Knots:
-    """The Knots; without rows for a chain on which nothing changes with time."""
+    """Return the Knots; without rows for a chain without forces or brakes over time."""
     if not chain.timed:
         return NO_KNOTS
     push, beads = state.external(chain), chain.contacts + 1
@@ -117,26 +124,31 @@ def knots_of(chain: Chain, state: State) -> Knots:
 
 
 def chain_and_regime(chain: Chain, state: State) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-    """The fields of the effective chain of adaptive steps and of its Regime; without dissipation they share their arrays."""
+    """Return the fields of the effective chain of adaptive steps and of its Regime. Without dissipation they share
+    their arrays.
+    """
     law, inverse_mass, push, external, anchor, graph, knots, dissipation = chain_records(chain, state)
     others = graph, knots, NO_DISSIPATION
+    # Without dissipation the effective chain never changes.
     if not (chain.dissipative or chain.has_segments):
         regime = (law, inverse_mass, NOTHING, NOTHING, NO_FLAGS, NO_FLAGS, NO_FLAGS, graph)
         return (law, inverse_mass, push, external, anchor, *others), regime
+    # Empty arrays mark what the chain does not have; kernels skip it then.
     loss = dissipation.loss if dissipation.loss.any() or chain.has_segments else NOTHING
     bed = dissipation.bed if dissipation.bed.any() else NOTHING
     slide, easing, segment = np.zeros(bed.size, dtype=np.int8), np.zeros(loss.size, dtype=np.int8), NO_FLAGS
-    if chain.has_segments:  # each contact is first on the innermost segment that pushes
+    if chain.has_segments:  # Each contact starts on its innermost pushing segment.
         segment = np.array([sum(one.side < 0.0 for one in graph) for graph in chain.graphs], dtype=np.int8)
         law = np.zeros((chain.contacts, 6))
     regime = (law, inverse_mass, loss, bed, slide, easing, segment, graph)
+    # Kinetic friction is an external acceleration of the effective chain.
     if bed.size and not external.size:
         external = np.zeros(bed.size)
     return (law.copy(), inverse_mass.copy(), push, external, anchor, *others), regime
 
 
 def require_finite_motion(chain: Chain, state: State) -> None:
-    """ValueError where a contact has been pressed beyond what a law of one's own has a number for."""
+    """Raise ValueError if a contact has been pressed to an overlap at which its user-defined law is not finite."""
     if chain.own_laws and not (np.isfinite(state.overlap).all() and np.isfinite(state.rate).all()):
         names = " or ".join(repr(law.name) for law in chain.own_laws)
         raise ValueError(
@@ -146,24 +158,24 @@ def require_finite_motion(chain: Chain, state: State) -> None:
 
 
 def motion_record(state: State, mode: Any = NO_FLAGS, held: Any = NO_FLAGS) -> tuple[Any, ...]:
-    """The fields of Motion: the arrays of `state` itself."""
+    """Return the fields of Motion: the arrays of `state` itself."""
     return state.overlap, state.rate, state.anchor, state.force, state.taken, mode, held
 
 
 def empty_log(contacts: int, size: int) -> SwitchLog:
-    """A log with `size` rows for a chain whose contacts are all open."""
+    """Return a log with `size` rows for a chain whose contacts are all open."""
     closed, counter = np.zeros(contacts, dtype=np.int8), np.zeros(COUNTERS, dtype=np.int64)
     return SwitchLog(np.empty(size, dtype=np.int64), np.empty(size), closed, counter)
 
 
 def larger_log(log: SwitchLog) -> int:
-    """The rows that a run needs whose log was too small; 0 where it was not, or where it may not be larger."""
+    """Return the number of rows that a run needs whose log was too small; 0 if it was large enough or may not grow."""
     wanted, size = int(log.counter[SWITCH]), log.contact.size
     return min(4 * wanted, MOST_LOG) if wanted > size and size < MOST_LOG else 0
 
 
 def with_free_rows(log: SwitchLog) -> SwitchLog:
-    """The log, with four times the rows where half of them are taken, and more are allowed."""
+    """Return the log, with four times as many rows if half of them are used and it may grow."""
     size = log.contact.size
     if not 0 < size < min(2 * int(log.counter[SWITCH]), MOST_LOG):
         return log
@@ -172,13 +184,13 @@ def with_free_rows(log: SwitchLog) -> SwitchLog:
 
 
 def kept_switches(log: SwitchLog) -> tuple[NDArray[np.int64], Array]:
-    """(S,) contacts that switched and (S,) when [s]."""
+    """Return (S,) contacts that switched and (S,) times [s]."""
     kept = min(int(log.counter[SWITCH]), log.contact.size)
     return log.contact[:kept], log.time[:kept]
 
 
 def log_warnings(log: SwitchLog) -> Warnings:
-    """A warning where contacts switched more often than the log has rows."""
+    """Return a warning if contacts switched more often than the log has rows."""
     switches, kept = int(log.counter[SWITCH]), log.contact.size
     if switches <= kept:
         return ()

@@ -1,8 +1,10 @@
-"""Two tiers of the kernels that Python calls: machine code, and the same source as plain Python until that is at hand.
+"""Kernels in two versions: compiled machine code, and the same source as plain Python until the machine code is
+available.
 
-Machine code is made once a machine, which takes up to a minute or so. Plain Python gives the same digits at once, some hundred
-times slower. So a run begins in plain Python while a process behind compiles into the cache on the disk; what is too long for
-plain Python waits for it. SOFTCRADLE_COMPILE=first compiles before the first run, in its own process.
+Compiling takes up to about a minute, once per machine. Plain Python gives bitwise the same results immediately, but
+some hundred times slower. So a run starts in plain Python while a background process compiles into the cache on disk. A
+run that is too long for plain Python waits for the machine code. SOFTCRADLE_COMPILE=first compiles before the first
+run, in the same process.
 """
 
 from __future__ import annotations
@@ -26,16 +28,17 @@ from softcradle.physics.numerics.plain_kernels import plain
 
 Kernel = TypeVar("Kernel", bound=Callable[..., Any])
 
-# fixed steps times contacts that a process runs as plain Python, about three seconds, before it waits
+# Work that a process does in plain Python before it waits, in fixed steps times contacts: about three seconds
 PLAIN_WORK = 80_000
-LOOKING = 0.25  # seconds between two looks whether machine code has come
-YIELDING = 10  # niceness of a process that compiles behind frames, which are to be drawn in time
-# of that process
+LOOKING = 0.25  # Time between two checks for machine code [s]
+YIELDING = 10  # Niceness of a process that compiles while frames are drawn, so that the frames stay smooth
+# Program of the process that compiles
 PROGRAM = "import os; getattr(os, 'nice', int)({}); from {} import TIERS; TIERS[{!r}].compile_and_unlock()"
-HEARTBEAT = 5.0  # seconds between two signs of life of a process that compiles
-# Seconds without a sign of life after which it is given up: one that yields to others may be heard of late.
+HEARTBEAT = 5.0  # Time between two signs of life of that process [s]
+# Time without a sign of life after which the process counts as dead [s]. A process with high niceness can be delayed
+# for long.
 LONGEST_SILENCE = 600.0
-TOLD_AFTER = 60.0  # seconds of waiting, after which that is said
+TOLD_AFTER = 60.0  # Waiting time after which a message is logged [s]
 WAITING = (
     "waiting for kernels (%s) that process %d compiles, for %.0f s so far: other work on this machine slows it down; "
     "Ctrl+C is harmless"
@@ -49,36 +52,39 @@ logger = logging.getLogger("softcradle")
 
 @cache
 def tell_once(what: str) -> None:
-    """Say it once in a process."""
+    """Log a message once per process."""
     logger.warning(what)
 
 
 class KernelTiers:
-    """Kernels that are compiled together, and which of their tiers is to be called.
+    """Kernels that are compiled together, and the choice between their two versions.
 
     Attributes:
-        name: of the files that tell of them.
-        spent: fixed steps times contacts, or what costs as much, run as plain Python so far, live frames left out.
+        name: part of the names of the files on disk.
+        spent: work done in plain Python so far, in fixed steps times contacts or equivalent, without live frames.
     """
 
     def __init__(self, name: str, module: str, call_all: Callable[[], None]) -> None:
-        """`call_all` calls every kernel once; a process that compiles finds this object as TIERS[name] of `module`."""
+        """`call_all` calls every kernel once. A process that compiles finds this object as TIERS[name] of `module`."""
         self.name, self.module, self.call_all = name, module, call_all
         self.spent = 0.0
         self._loaded, self._looked = not COMPILED, -LOOKING
         self._first = os.environ.get("SOFTCRADLE_COMPILE") == "first"
         self._process: _Detached | None = None
         self._loader: threading.Thread | None = None
-        self._here = threading.local()  # of the thread that loads: its calls run machine code
+        self._here = threading.local()  # state of the loading thread, whose calls run machine code
         if not INSTALLED:
             tell_once(SLOW)
 
-    # ---- which tier
+    # ---- choice of the version
 
     def of(self, kernel: Kernel, work: float = 0.0) -> Kernel:
-        """The tier of `kernel` for a run of `work`, counted as `spent`, of which plain Python does no more than it should."""
+        """Return the version of `kernel` for a run of size `work`. Wait for the machine code if plain Python would take
+        too long.
+        """
         self.load_made()
         if not self.in_memory:
+            # Plain Python as long as its total work is small, otherwise wait for the machine code.
             self.compile_behind()
             if self.spent + work <= PLAIN_WORK:
                 return quiet(kernel)
@@ -88,11 +94,12 @@ class KernelTiers:
         return kernel if COMPILED else quiet(kernel)
 
     def of_frame(self, kernel: Kernel) -> Kernel:
-        """The tier of `kernel` for a frame of live use, which waits for nothing: machine code is loaded on a thread."""
+        """Return the version of `kernel` for a frame of live use, without waiting: a thread loads the machine code."""
         if self._first:
             self.load()
         if self.in_memory:
             return kernel if COMPILED else quiet(kernel)
+        # Look for machine code now and then, and load it in a thread while frames go on.
         if self._loader is None and monotonic() - self._looked > LOOKING:
             self._looked = monotonic()
             if self.on_disk:
@@ -106,18 +113,21 @@ class KernelTiers:
 
     @property
     def in_memory(self) -> bool:
-        """Whether kernels are called as they are: with machine code in memory, or compiled by nothing."""
+        """Whether kernels are called directly: their machine code is in memory, or numba is not installed."""
         return self._loaded or getattr(self._here, "forced", False)
 
     @property
     def on_disk(self) -> bool:
-        """Whether the machine code has been made."""
+        """Whether the machine code exists in the cache on disk."""
         return COMPILED and self._made.exists()
 
     def load(self) -> None:
-        """Load the machine code; where there is none it is compiled, in a process behind, because that hears signals."""
+        """Load the machine code. If it does not exist, compile it in a background process, because only that can be
+        interrupted.
+        """
         if self.in_memory:
             return
+        # Compile in another process and wait for it; an interrupt ends that process.
         if not self.on_disk:
             tell_once(FIRST)
             logger.info("compiling the kernels of %s", self.name)
@@ -127,6 +137,7 @@ class KernelTiers:
             except BaseException:
                 self._stop()
                 raise
+        # Calling each kernel once loads it from the cache, or compiles it.
         self._here.forced = True
         try:
             self.call_all()
@@ -135,23 +146,23 @@ class KernelTiers:
         self._loaded = True
         try:
             self._made.parent.mkdir(parents=True, exist_ok=True)
-            self._made.touch()  # each time: kernels that are used are kept
+            self._made.touch()  # every time, because kernels in use are kept
         except OSError:
             logger.info("%s: compiled kernels cannot be kept", self._made.parent)
 
     def load_made(self) -> None:
-        """Load the machine code if it has been made, or is to be made first, and is not in memory."""
+        """Load the machine code if it is not in memory but exists on disk, or must be compiled first."""
         if not self.in_memory and (self._first or self.on_disk):
             self.load()
 
     def compile_behind(self, niceness: int = 0) -> bool:
-        """Begin to compile in a process of its own, unless one does already; whether one does."""
+        """Start to compile in a background process, unless one does already. Return whether such a process runs."""
         if self._process is not None:
             return self._process.poll() is None
         return _is_alive(self._lock) or self._begin(niceness)
 
     def _begin(self, niceness: int = 0) -> bool:
-        """Begin to compile in a process of its own; whether that went."""
+        """Start a background process that compiles. Return whether this was possible."""
         if getattr(sys, "frozen", False) or not sys.executable:
             return False
         try:
@@ -162,16 +173,19 @@ class KernelTiers:
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
-                process_group=0,  # which no Ctrl+C reaches, but in our session: where these share the processors, niceness counts
+                # Ctrl+C does not reach the new group. It stays in our session, so that niceness is effective where
+                # sessions share processors.
+                process_group=0,
             )
             self._lock.write_text(f"{self._process.pid} {niceness}")
-            threading.Thread(target=self._process.wait, name="reap compiler", daemon=True).start()  # no zombie is left
-        except OSError:  # no room, or no right to write: this process compiles for itself when it has to
+            # reap the process when it ends
+            threading.Thread(target=self._process.wait, name="reap compiler", daemon=True).start()
+        except OSError:  # No space or no permission to write: this process compiles itself when it has to.
             return False
         return True
 
     def compile_and_unlock(self) -> None:
-        """What the process behind does."""
+        """Compile and remove the lock (main function of the background process)."""
         threading.Thread(target=self._live, name="heartbeat", daemon=True).start()
         try:
             self.load()
@@ -189,10 +203,12 @@ class KernelTiers:
 
     def wait(self) -> None:
         """Wait until no process compiles these kernels any more."""
-        # one that yields hardly goes on where others take all processors
+        # A process with high niceness makes hardly any progress while others use all processors, so start one without
+        # it.
         if self.compile_behind() and _holder(self._lock)[1] > 0:
             self._begin()
         began = told = monotonic()
+        # Poll, because the process may belong to another program.
         while self.compile_behind() and not self.on_disk:
             sleep(0.05)
             if monotonic() - told > TOLD_AFTER:
@@ -200,28 +216,28 @@ class KernelTiers:
                 logger.warning(WAITING, self.name, _holder(self._lock)[0], told - began)
 
     def _stop(self) -> None:
-        """End the process behind, if it is one of ours."""
+        """End the background process if this process started it."""
         if self._process is not None and self._process.poll() is None:
             self._process.kill()
             self._lock.unlink(missing_ok=True)
 
     @cached_property
     def _made(self) -> Path:
-        """A file that is there when the machine code is, which numba keeps for this very folder of sources."""
+        """File that exists if the machine code does. numba stores the code for this folder of sources only."""
         place = crc32(str(Path(__file__).resolve().parent).encode())
         return cache_folder() / f"{self.name}.{target()}.{place:08x}.made"
 
     @cached_property
     def _lock(self) -> Path:
-        """A file with the number of the process that compiles, and its niceness."""
+        """File that contains the number of the process that compiles, and its niceness."""
         return self._made.with_suffix(".compiling")
 
 
 class _Detached(subprocess.Popen[bytes]):
-    """A process that may outlive this one, which is no reason for a warning."""
+    """Process that may outlive this one without a ResourceWarning."""
 
     def __del__(self) -> None:
-        """Let it run on."""
+        """Let the process run on."""
 
 
 # ---- plain Python
@@ -229,7 +245,7 @@ class _Detached(subprocess.Popen[bytes]):
 
 @cache
 def quiet(kernel: Any) -> Any:
-    """The kernel as plain Python, to be called from outside: it warns no more of infinite results than machine code does."""
+    """Return the kernel as plain Python, without warnings about infinite results, as in machine code."""
     return np.errstate(all="ignore")(plain(kernel))
 
 
@@ -237,7 +253,9 @@ def quiet(kernel: Any) -> Any:
 
 
 def entry_of(kernel: Any, arguments: tuple[Any, ...]) -> Any:
-    """Where the machine code of `kernel` for arguments like these begins, for `called_at`; the kernel itself as plain Python."""
+    """Return the address of the machine code of `kernel` for such arguments, for `called_at`; in plain Python the
+    kernel itself.
+    """
     if not COMPILED:
         return kernel
     import numba
@@ -252,13 +270,13 @@ def entry_of(kernel: Any, arguments: tuple[Any, ...]) -> Any:
 
 
 def _search_path() -> str:
-    """Where the process behind finds this package, whatever folder it runs in."""
+    """Return the PYTHONPATH with which the background process finds this package from any folder."""
     here = str(Path(str(sys.modules["softcradle"].__file__)).parent.parent)
     return os.pathsep.join([here, *filter(None, [os.environ.get("PYTHONPATH")])])
 
 
 def _holder(lock: Path) -> tuple[int, int]:
-    """The number of the process that compiles and its niceness, as `lock` tells; (0, 0) where there is none."""
+    """Return number and niceness of the process that compiles, from the file `lock`; (0, 0) without a process."""
     try:
         number, niceness = lock.read_text().split()
         return int(number), int(niceness)
@@ -267,10 +285,11 @@ def _holder(lock: Path) -> tuple[int, int]:
 
 
 def _is_alive(lock: Path) -> bool:
-    """Whether the process that `lock` names still compiles: it is there, and gave a sign of life."""
+    """Return whether the process in `lock` still compiles: it exists, and has given a sign of life recently."""
     number = _holder(lock)[0]
     try:
         silence = time() - lock.stat().st_mtime
+        # Signal 0 only checks that the process exists.
         if os.name == "posix" and number:
             os.kill(number, 0)
     except OSError:

@@ -1,4 +1,4 @@
-"""The one tuple of methods: it parametrises `simulate`, tests, charts, menus and documentation alike."""
+"""Table of all methods. `simulate`, tests, charts, menus and documentation are parametrised by it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class Family(Enum):
-    """Methods that one runner carries out, see `softcradle.physics.simulation`."""
+    """Groups of methods that one runner carries out, see `softcradle.physics.simulation`."""
 
     FIXED_STEP = "fixed_step"
     ADAPTIVE = "adaptive"
@@ -23,17 +23,17 @@ class Family(Enum):
 
 @dataclass(frozen=True)
 class Method:
-    """A way to integrate a chain.
+    """Method that integrates the motion of a chain.
 
     Attributes:
-        name: what `simulate(method=...)` takes.
+        name: the argument of `simulate(method=...)`.
         order: order of convergence on smooth motion.
-        set_valued: True: a contact with preload may rest at overlap 0; False: it chatters there.
+        set_valued: True: a contact with preload can rest at overlap 0 (Signorini condition); False: it chatters there.
         family: the runner that carries it out.
         summary: one line for menus.
-        purpose: what to take it for.
-        dissipative: True: carries bed friction and contacts with loss.
-        couplers: True: carries couplers.
+        purpose: recommended use.
+        dissipative: True: supports bed friction and contacts with loss.
+        couplers: True: supports couplers.
     """
 
     name: str
@@ -47,7 +47,7 @@ class Method:
 
     @property
     def adaptive(self) -> bool:
-        """Whether it takes a tolerance and chooses its steps; else it takes a fixed step."""
+        """Whether it has a tolerance and chooses its steps; otherwise it has a fixed step."""
         return self.family in (Family.ADAPTIVE, Family.REFERENCE)
 
 
@@ -122,22 +122,25 @@ METHODS: tuple[Method, ...] = (
 )
 
 
-AUTO = "auto"  # for `simulate`: chosen by the rule of softcradle.physics.advice.auto_method
+AUTO = "auto"  # Name for `simulate`: the rule of softcradle.physics.advice.auto_method chooses the method
 
 
 def known_methods() -> list[str]:
-    """What `simulate` takes as a method, "auto" first."""
+    """Return the names that `simulate` accepts as method, "auto" first."""
     return [AUTO, *(method.name for method in METHODS)]
 
 
 def refusal_of(method: str, chain: Chain) -> str:
-    """Why `method`, a name that there is or "auto", does not take `chain`, and what does; empty where it does."""
+    """Return the reason why `method` (an existing name or "auto") does not support `chain`, with an alternative; "" if
+    it does.
+    """
     found = None if method == AUTO else find_method(method)
     if found and chain.piecewise and not found.couplers:
         return (
             f"method {method!r} takes contacts that only push, with one law from overlap 0 on, not couplers: "
             "take 'accurate', 'conserving' or 'scipy'"
         )
+    # Adaptive methods continue a segment smoothly beyond its ends, which needs an exponent of 1 or more.
     events = found is None or found.family is Family.ADAPTIVE
     if events and not all(coupler.smooth for _, coupler in chain.piecewise):
         return (
@@ -153,7 +156,11 @@ def refusal_of(method: str, chain: Chain) -> str:
 
 
 def refusal_of_fineness(method: str, step: object, tolerance: object) -> str:
-    """Why `method`, a name that there is or "auto", does not take the step or tolerance that is not None; empty where it does."""
+    """Return the reason why `method` (an existing name or "auto") does not accept the given step or tolerance; "" if it
+    does.
+
+    None means that the step or the tolerance is not given.
+    """
     fixed = any(one.name == method and not one.adaptive for one in METHODS)
     if fixed and tolerance is not None:
         return f"method {method!r} takes a step, not a tolerance"
@@ -163,13 +170,17 @@ def refusal_of_fineness(method: str, step: object, tolerance: object) -> str:
 
 
 def find_method(name: str, others: Sequence[str] = (AUTO,)) -> Method:
-    """The Method called `name`; ValueError with the nearest name and all names there are, with `others` that the caller takes."""
+    """Return the Method called `name`.
+
+    Raise ValueError for unknown names, with the nearest name and all names, including `others` that the caller accepts.
+    """
     if not isinstance(name, str):
         raise ValueError(f"method must be a name such as 'accurate', not a {type(name).__name__}")
     for method in METHODS:
         if method.name == name:
             return method
     known = [*others, *(method.name for method in METHODS)]
+    # Suggest the most similar name.
     near = difflib.get_close_matches(name, known, n=1)
     hint = f"did you mean {near[0]!r}? " if near else ""
     raise ValueError(f"unknown method {name!r}; {hint}there are {', '.join(known)}")

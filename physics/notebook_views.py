@@ -1,4 +1,4 @@
-"""Views of a notebook: physics asks for them, the sandbox, which lies above, draws them."""
+"""Notebook views of chains and trajectories. The sandbox, a layer above the physics, draws them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class InlineFilm:
-    """An .mp4 film that a notebook plays. `data` are its bytes, `size` its pixels."""
+    """An .mp4 film that a notebook plays. `data` contains its bytes, `size` its pixels."""
 
     data: bytes
     size: tuple[int, int]
@@ -37,10 +37,10 @@ class InlineFilm:
 
 @dataclass(frozen=True, repr=False)
 class InlinePage:
-    """A page in which beads live, in a cell of a notebook: a frame of its own, `text` is all that is in it."""
+    """A live page in a cell of a notebook, in its own frame. `text` is its complete HTML."""
 
     text: str
-    height: int = 760  # pixels of the cell
+    height: int = 760  # height of the cell [pixels]
 
     def __repr__(self) -> str:
         return f"InlinePage of {len(self.text) / 1e3:.0f} kB"
@@ -55,38 +55,47 @@ class InlinePage:
 
 
 class Shown:
-    """What a notebook shows as a table, with a picture where something moves and matplotlib is installed."""
+    """Object that a notebook shows as a table, with a picture if something moves and matplotlib is installed."""
 
     def _repr_html_(self) -> str:
         return _module("views").html_of(self)
 
 
 class Moving(Shown):
-    """A Trajectory or a Scene: what can be plotted and played."""
+    """Trajectory or Scene: an object that can be plotted and played."""
 
     def plot(self) -> Figure:
-        """Velocities and forces over time, of each lane of a scene, in the style of the paper's figures. Extra [figures]."""
+        """Plot velocities and forces of each lane of a scene over time, in the style of the figures of the paper.
+        Needs the extra [figures].
+        """
         with needed_for("plot()", "figures"):
             return _module("figure_view").figure_of(self)
 
     def film(self, slow: float | None = None, size: tuple[int, int] = (800, 450)) -> InlineFilm:
-        """A film that a notebook plays: `slow` seconds for one of motion, else as the scene says, or six in all. Extra [film]."""
+        """Return a film that a notebook plays. Needs the extra [film].
+
+        `slow` is the number of seconds for one second of motion; the default is that of the scene, or six seconds in
+        total.
+        """
         with needed_for("film()", "film"):
             return _module("views").film_of(self, slow, size)
 
     def to_page(self, path: str | PathLike[str], slow: float | None = None) -> None:
-        """Write an HTML page that plays it, `slow` seconds for one of motion, else as the scene says, or six in all.
+        """Write an HTML page that plays the motion.
+
+        `slow` is the number of seconds for one second of motion; the default is that of the scene, or six seconds in
+        total.
 
         Raises
         ------
         UserError
-            It cannot be written, or the motion is too long for a page.
+            If the page cannot be written, or the motion is too long for a page.
         """
         _module("views").write_page_of(self, path, slow)
 
 
 def live_of(shown: object, slow: float | None) -> InlinePage:
-    """The page of a Scene, which a notebook shows in a cell."""
+    """Return the page of a Scene for a cell of a notebook."""
     return InlinePage(import_module("softcradle.sandbox.page").scene_text(shown, slow)[0])
 
 

@@ -1,4 +1,4 @@
-"""Digests of source files: names under which whatever is made from these sources may be kept."""
+"""Digests of source files, used as names of results that are cached for these sources."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _JIT = "numerics.jit"
 
 
 def digest_of(paths: Iterable[Path], *more: str) -> str:
-    """16 hexadecimal digits that follow the names and contents of all files, and the texts `more`."""
+    """Return 16 hexadecimal digits computed from the names and contents of all files and from the texts `more`."""
     digest = hashlib.sha256()
     for path in sorted(paths):
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
@@ -23,7 +23,7 @@ def digest_of(paths: Iterable[Path], *more: str) -> str:
 
 
 def kernel_sources(physics: Path = PHYSICS) -> list[Path]:
-    """Every file of the folder `physics` that holds compiled code, with all that these files import of it."""
+    """Return every file of the folder `physics` that contains compiled code, and all files that these import from it."""
     imports = {path: set(_IMPORTS.findall(path.read_text(encoding="utf-8"))) for path in physics.rglob("*.py")}
     found = {path for path, names in imports.items() if _JIT in names}
     waiting = list(found)

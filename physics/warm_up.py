@@ -1,4 +1,4 @@
-"""`warm`: compile or load all kernels of a method ahead of its first use."""
+"""`warm`: compile or load all kernels of a method before its first use."""
 
 from __future__ import annotations
 
@@ -7,24 +7,26 @@ from collections.abc import Iterable
 from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.methods import METHODS, Family, Method, find_method
 
-# what else has kernels, by its name in Python
+# Other users of kernels, by their names in Python
 SOFT_CHAIN, ENSEMBLE_ENDS = OTHERS = "SoftChain", "ensemble_ends"
 
 
 def warm(methods: Iterable[str] | str | None = None) -> None:
-    """Compile what `simulate` and `advance` need for these methods, or load it where it has been compiled before.
+    """Compile the kernels that `simulate` and `advance` need for these methods, or load them if they are compiled
+    already.
 
-    On a new machine this takes about a minute a method, later a fraction of a second; the logger ``softcradle`` tells of it.
+    On a new machine this takes about a minute per method, later a fraction of a second. The logger ``softcradle``
+    reports it.
 
     Parameters
     ----------
     methods : str or iterable of str, optional
-        One name or several, "SoftChain" and "ensemble_ends" among them; None: all.
+        One or several names, which may include "SoftChain" and "ensemble_ends"; None: all.
 
     Raises
     ------
     ValueError
-        There is no such method.
+        If a method does not exist.
 
     Examples
     --------
