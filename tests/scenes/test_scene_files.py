@@ -78,7 +78,7 @@ def test_texts_agree_with_the_motions():
     assert np.ptp(mixed[1:]) / mixed[1:].mean() < 0.03  # "almost as one body"
     four_on_one, one_on_four = final_velocities("galilean")
     np.testing.assert_allclose(four_on_one, 1.0 - one_on_four[::-1], atol=1e-9)
-    assert four_on_one[-1] > 1.5  # "one and a half times as fast as they came"
+    assert four_on_one[-1] > 1.5  # "one and a half times as fast as the four came"
     assert (four_on_one[:4] > 0.5).all()
     rigid, usual = final_velocities("locked-pistons")
     assert rigid[1:] == pytest.approx(0.25, abs=2e-3)
