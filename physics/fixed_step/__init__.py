@@ -1,1 +1,1 @@
-"""Methods of fixed steps: one loop, and the families of steps it takes."""
+"""Fixed-step methods: one step loop and the kinds of steps that it can take."""

@@ -1,13 +1,16 @@
-"""Discrete gradient: energy and momentum to round-off at any step, for set-valued contacts, friction and loss too.
+"""Discrete-gradient steps, which conserve energy and momentum to round-off with any step size.
+
+They handle contacts with vertical pieces of their graph (maximal monotone), friction and hysteretic loss:
 
     verlet        d1 = d0 + h w0 - (h²/2) L f(midpoint)      w1 = w0 - h L f(midpoint)
     conserving    d1 = d0 + h w0 - (h²/2) L g                w1 = w0 - h L g,     g = (E(d1) - E(d0)) / (d1 - d0)
 
-A step is one solve of `contact_solve`; a contact that touches (d0 = d1 = 0, 0 <= g <= preload) is one branch of its resolvent.
-Where a bead turns round or stops in a step, or a contact with loss turns from pressing in to coming out, the step is cut there in
-two: friction then acts on either side of the event as it should, and the order stays 2. What contacts and bed absorb is the
-work of their mean forces, so energy closes to round-off at any step. What bounces within a step lose, to contacts and to the bed,
-is taken after it, see `touching` and `settle_rubbing`.
+A step is one solve of `contact_solve`. A touching contact (d0 = d1 = 0, 0 <= g <= preload) is one branch of its
+resolvent. If a bead reverses or stops within a step, or a contact with loss changes from loading to unloading, the step
+is cut in two at this event. Friction and loss then have the right direction on both sides of it, so the order stays 2.
+The dissipated energy is the work of the mean forces of contacts and bed, so the energy balance closes to round-off with
+any step size. Bounces shorter than a step lose energy as well; this loss is applied after the step, see `touching` and
+`settle_rubbing`.
 """
 
 from __future__ import annotations
@@ -39,29 +42,34 @@ from softcradle.physics.numerics.resolvent import SMALLEST
 from softcradle.physics.numerics.switches import copy_into, has_stopped
 from softcradle.physics.numerics.touching import TOUCHES, put_impulse, settle_touching
 
-FIRST_FORCE = SOLVER_ROWS  # row (n,) of scratch memory beside those of the solver: forces before a step that may be cut
+# Row (n,) of the work array after those of the solver: the forces before a step that may be cut.
+FIRST_FORCE = SOLVER_ROWS
 WORK_ROWS = SOLVER_ROWS + 1
-# of a step: where the solver does not converge, shorter steps, which conserve no less, down to this
+# Fraction of a step. If the solver does not converge, the step is divided down to this length. Shorter steps conserve
+# energy just as well.
 SMALLEST_PART = 2.0**-10
-MOST_CUTS = 4  # of one step at events
-NEAR_END = 0.02  # of a step: an event this near to its ends needs no cut
-# of the slope that one which touches has in a step, and of the way at its rate: a contact as steep that moves no further bounces
+MOST_CUTS = 4  # Largest number of cuts of one step at events. Later events in the same step are not located.
+NEAR_END = 0.02  # Fraction of the step. An event this near to either end of the step needs no cut.
+# A contact counts as bouncing within a step if its slope dg/ds is at least the fraction RIGID of a touching contact's
+# slope, and if its overlap changes by at most the fraction RETURNED of the distance that its rate would cover.
 RIGID, RETURNED = 0.99, 0.01
-ROUND_OFF_MOVED = 1e-14  # of an overlap: one that a step moves by less tells nothing of its rate
-ROUND_OFF_LEFT = 1e-12  # of a step: a rest this short after cuts is round-off
+# Fraction of the overlap. A smaller change in a step is round-off and does not show whether the contact still moves.
+ROUND_OFF_MOVED = 1e-14
+ROUND_OFF_LEFT = 1e-12  # Fraction of the step. A remainder this short after cuts is round-off and is skipped.
 
 
 @inlined
 def velocity_after(h, j, beads):
-    """Velocity of bead j, on a bed, at the end of the step."""
+    """Return the velocity [m/s] of bead j on a bed at the end of the step; 0 if friction stops it."""
     return 0.0 if math.isnan(beads[FRICTION, j]) else beads[FREE_VELOCITY, j] + h * beads[FRICTION, j]
 
 
 @inlined
 def is_held(i, motion, work):
-    """Whether contact i ends the step where its loss holds it, and came to stand there.
+    """Return True if contact i ends the step at rest, held between its unloading and its loading force.
 
-    An overlap that a short step moves by its round-off alone is found there too, however fast it goes on.
+    The solver also finds that overlap if a short step changes the overlap only by round-off. Such a contact still
+    moves, so it does not count as held.
     """
     overlap, hold = motion.overlap[i], work[HOLD, i]
     return work[END, i] == hold and (motion.rate[i] == 0.0 or abs(hold - overlap) > ROUND_OFF_MOVED * abs(overlap))
@@ -69,30 +77,40 @@ def is_held(i, motion, work):
 
 @inlined
 def returns(h, i, moved, rate, work):
-    """Whether contact i, which the step has `moved`, has bounced within it: it is where it was, as fast the other way."""
+    """Return True if contact i has bounced within the step: its overlap is the same, and its rate is reversed.
+
+    `moved` is the change of its overlap [m] during the step.
+    """
     rigid = 0.5 * h * h * work[DIAGONAL, i] * work[SLOPE, i] >= RIGID
     return rigid and rate != 0.0 and abs(moved) <= RETURNED * h * abs(rate)
 
 
 @inlined
 def first_event(h, chain, motion, beads, work):
-    """Part of the step after which the first bead turns or contact with loss reverses, 1 where none does; an estimate."""
+    """Return an estimate of the first event, as a fraction of the step; 1 without an event.
+
+    An event is a bead that stops or reverses, or a contact with loss that changes between loading and unloading.
+    """
     first = 1.0
     bed, overlap, rate = chain.dissipation.bed, motion.overlap, motion.rate
+    # contacts with loss: assume the force before the reversal for the whole step, and interpolate the rate to 0
     for i in range(overlap.size):
         least, full = work[LEAST_AT_HOLD, i], work[FORCE_AT_HOLD, i]
         if full > least and rate[i] != 0.0:
             ended = 2.0 * (work[END, i] - overlap[i]) / h - rate[i]
+            # the rate has changed its sign, or the contact is held at rest
             if (ended < 0.0) == (rate[i] > 0.0) or is_held(i, motion, work):
-                kept = full if rate[i] > 0.0 else least  # the force until it reverses
+                kept = full if rate[i] > 0.0 else least  # force of the contact before its rate changes sign
                 free = ended - h * work[DIAGONAL, i] * (kept - motion.force[i])
                 if (free < 0.0) == (rate[i] > 0.0):
                     first = min(first, rate[i] / (rate[i] - free))
+    # beads on the bed: assume the friction before the reversal for the whole step, and interpolate the velocity to 0
     for j in range(bed.size):
         before = beads[START_VELOCITY, j]
         if bed[j] > 0.0 and before != 0.0:
             free = beads[FREE_VELOCITY, j] - math.copysign(h * bed[j], before)
             turns = (free < 0.0) == (before > 0.0)
+            # the bounce of a touching contact reverses a bead as well, but `settle_rubbing` accounts for its friction
             for i in range(max(j - 1, 0), min(j + 1, rate.size)):
                 turns = turns and not returns(h, i, work[END, i] - overlap[i], rate[i], work)
             if turns:
@@ -102,8 +120,9 @@ def first_event(h, chain, motion, beads, work):
 
 @inlined
 def absorb(h, chain, motion, beads, work):
-    """Add what contacts and bed absorb in the step: what they take of the motion less what is stored."""
+    """Add the energy [J] that contacts and bed dissipate in the step to ``motion.taken``."""
     law, overlap, end, bed = chain.law, motion.overlap, work[END], chain.dissipation.bed
+    # work of the mean force on the motion, less the increase of the stored energy
     for i in range(overlap.size):
         if has_segments(chain.graph, i):
             fall = graph_fall(chain.graph, i, overlap[i], end[i], False)
@@ -112,6 +131,7 @@ def absorb(h, chain, motion, beads, work):
             fall = energy(law[i, 0], law[i, 1], law[i, 2], overlap[i])
             fall -= energy(law[i, 0], law[i, 1], law[i, 2], end[i])
             motion.taken[0] += motion.force[i] * (end[i] - overlap[i]) + fall
+    # braking force times the mean velocity of the bead times the step
     for j in range(bed.size):
         if bed[j] > 0.0:
             before, ended = beads[START_VELOCITY, j], velocity_after(h, j, beads)
@@ -122,7 +142,7 @@ def absorb(h, chain, motion, beads, work):
 
 @inlined
 def bead_acceleration(j, chain, force):
-    """Acceleration of bead j by the contact forces (n,) and the push."""
+    """Return the acceleration [m/s²] of bead j by the contact forces (n,) and the external force."""
     found = force[j - 1] * chain.inverse_mass[j] if j > 0 else 0.0
     if j < force.size:
         found -= force[j] * chain.inverse_mass[j]
@@ -133,12 +153,15 @@ def bead_acceleration(j, chain, force):
 
 @inlined
 def rate_after(h, i, chain, motion, left, right, beads, work):
-    """Rate of contact i at the end of the step by its finest formula, from the accelerations of its two beads.
+    """Return the rate [m/s] of contact i at the end of the step, by the formula with the smaller round-off error.
 
-    It is w0 - h L g, or 2 (d1 - d0)/h - w0 where the overlap is so small that this is the finer number.
+    The formulas are w0 - h L g, with the accelerations `left` and `right` of both beads, and 2 (d1 - d0)/h - w0, which
+    is more accurate for very small overlaps.
     """
     start, rate, end = motion.overlap[i], motion.rate[i], work[END, i]
     slide, loss, bed = 0.0, chain.dissipation.loss, chain.dissipation.bed
+    # special cases with dissipation: exactly 0 if the contact is held, or the difference of both velocities if a bead
+    # sticks
     if loss.size:
         lossy = has_segments(chain.graph, i) or loses(loss[i], start, rate)
         if lossy and is_held(i, motion, work):
@@ -154,9 +177,10 @@ def rate_after(h, i, chain, motion, left, right, beads, work):
 
 @inlined
 def move(h, chain, motion, beads, work):
-    """Put the end of the step into the motion."""
+    """Write the state at the end of the step into `motion`."""
     n, overlap, rate, anchor, bead = motion.rate.size, motion.overlap, motion.rate, motion.anchor, chain.anchor_bead
     by_velocity = chain.dissipation.bed.size > 0
+    # anchor bead: by its velocities if there is friction, else by the acceleration
     if by_velocity:
         ended = velocity_after(h, bead, beads)
         anchor[0] += 0.5 * h * (anchor[1] + ended)
@@ -165,11 +189,13 @@ def move(h, chain, motion, beads, work):
         acceleration = bead_acceleration(bead, chain, motion.force)
         anchor[0] += h * (anchor[1] + 0.5 * h * acceleration)
         anchor[1] += h * acceleration
+    # contacts: `left` and `right` are the accelerations of both beads
     left = bead_acceleration(0, chain, motion.force)
     for i in range(n):
         right = bead_acceleration(i + 1, chain, motion.force)
         before = rate[i]
         rate[i] = rate_after(h, i, chain, motion, left, right, beads, work)
+        # Two beads that stick slow down evenly from the rate w0 to 0.
         firm = by_velocity and math.isnan(beads[FRICTION, i]) and math.isnan(beads[FRICTION, i + 1])
         overlap[i] = overlap[i] + 0.5 * h * before if firm else work[END, i]
         left = right
@@ -177,19 +203,23 @@ def move(h, chain, motion, beads, work):
 
 @inlined
 def settle_rubbing(h, given, chain, motion, beads, work):
-    """Take what friction takes of bounces within the step; by the velocity at its end it takes nothing of them.
+    """Apply the friction losses of bounces within the step, which the velocity at the end of the step does not contain.
 
-    Under a steady load velocities go evenly from one end of a bounce to the other, which tells how far its beads go.
+    Under constant load the velocity of each bead changes linearly between the ends of a bounce, which gives the
+    distance that the bead slides.
     """
     bed, rate = chain.dissipation.bed, motion.rate
     for i in range(rate.size):
         weight, lost = given[i] + given[i + 1], 0.0
         if weight > 0.0 and returns(h, i, motion.overlap[i] - work[FREE, i], rate[i], work):
+            # each bead oscillates about the velocity `centre` with the amplitude `swing`; friction acts against it in
+            # both directions
             for j in range(i, i + 2):
                 swing = given[j] * abs(rate[i]) / weight
                 centre = velocity_after(h, j, beads) - math.copysign(swing, rate[i] if j == i else -rate[i])
                 if abs(centre) < swing:
                     lost += 0.5 * h * bed[j] * (centre * centre + swing * swing) / (swing * given[j])
+            # at most the impulse that stops the contact
             impulse = min(lost / abs(rate[i]), abs(rate[i]) / weight)
             motion.taken[1] += impulse * (abs(rate[i]) - 0.5 * weight * impulse)
             put_impulse(i, math.copysign(impulse, rate[i]), weight, given, chain, motion)
@@ -197,15 +227,18 @@ def settle_rubbing(h, given, chain, motion, beads, work):
 
 @inlined
 def settle(h, chain, motion, beads, work):
-    """Take what the bed and contacts take of bounces where a step, from overlaps in row FREE on, came back to them; a bead that
-    sticks stays so.
+    """Apply the losses of bounces within the step, by friction and by contacts. Beads that stick stay at rest.
+
+    The row FREE of `work` holds the overlaps at the start of the step.
     """
     given, weight = beads[START_VELOCITY], work[DIAGONAL]
+    # velocity change of each bead per impulse; 0 for beads that stick
     for j in range(given.size):
         sticks = chain.dissipation.bed.size > 0 and math.isnan(beads[FRICTION, j])
         given[j] = 0.0 if sticks else chain.inverse_mass[j]
     if chain.dissipation.bed.size:
         settle_rubbing(h, given, chain, motion, beads, work)
+    # change of each rate per impulse of its contact
     for i in range(weight.size):
         weight[i] = given[i] + given[i + 1]
     settle_touching(h, work[FREE], weight, given, chain, motion, motion.taken)
@@ -213,16 +246,19 @@ def settle(h, chain, motion, beads, work):
 
 @inlined
 def single_step(h, chain, motion, beads, work, forced, whole):
-    """One step in place. Returns the iterations used, negative where they did not converge, and the part of the step at
-    which it should be cut (1: nowhere). The motion stays as it was where it is not `forced` and did not converge, or where it
-    should be cut and is not `whole`.
+    """Take one step in place. Return the number of iterations (negative: not converged) and the place of a cut.
+
+    The second result is a fraction of the step, 1 without a cut. The motion stays unchanged if the step did not
+    converge and is not `forced`, or if it should be cut and is not `whole`.
     """
     overlap, rate, outside, inverse_mass = motion.overlap, motion.rate, chain.push, chain.inverse_mass
     free, end, diagonal, dissipates = work[FREE], work[END], work[DIAGONAL], chain.dissipation.loss.size > 0
+    # motion without contact forces, and a guess of the overlaps at the end
     for i in range(overlap.size):
         weight = inverse_mass[i] + inverse_mass[i + 1]
-        # between beads that no force moves a row of its own, without effect
+        # A contact between two beads that no force can move gets a dummy row without effect.
         diagonal[i] = weight if weight > 0.0 else 1.0
+        # overlaps that are round-off of a touch are set to exactly 0, so that the resolvent finds the vertical piece
         if 0.0 < overlap[i] < SMALLEST:
             overlap[i] = 0.0
         if dissipates and abs(overlap[i]) < TOUCHES * h * h * diagonal[i] * chain.law[i, 0]:
@@ -233,12 +269,15 @@ def single_step(h, chain, motion, beads, work, forced, whole):
         end[i] = overlap[i] if overlap[i] > 0.0 else overlap[i] + free[i]
     if chain.dissipation.bed.size:
         bead_velocities(rate, chain.anchor_bead, motion.anchor[1], beads[START_VELOCITY])
+    # the solver also decides which beads stick and which contacts open
     used = solve_contacts(h, chain, motion, beads, work)
     if used < 0 and not forced:
         return used, 1.0
+    # the overlap between two such beads changes without regard to forces
     for i in range(overlap.size):
         if inverse_mass[i] + inverse_mass[i + 1] == 0.0:
             end[i] = overlap[i] + free[i]
+    # cut the step at an event, unless it is too near to an end of the step
     if dissipates:
         if not whole:
             part = first_event(h, chain, motion, beads, work)
@@ -246,6 +285,7 @@ def single_step(h, chain, motion, beads, work, forced, whole):
                 return used, part
         absorb(h, chain, motion, beads, work)
         copy_into(free, overlap)
+    # the work of forces over time is half from the velocities before and half from those after the step
     timed = chain.knots.time.size > 0
     if timed:
         add_half_work(h, chain, motion, beads[START_VELOCITY])
@@ -258,10 +298,10 @@ def single_step(h, chain, motion, beads, work, forced, whole):
 
 @inlined
 def gradient_step(h, chain, motion, beads, work):
-    """One step in place, in shorter ones where it does not converge and cut where a bead stops or a contact reverses.
+    """Take one step in place. Divide it if it does not converge, and cut it when a bead stops or a contact reverses.
 
-    `work` (WORK_ROWS, n), `beads` (BEAD_ROWS, n+1). Returns the iterations used, negative where even the shortest step did
-    not converge.
+    `work` (WORK_ROWS, n) and `beads` (BEAD_ROWS, n+1) are scratch memory. Return the number of iterations, negative if
+    even the shortest step did not converge.
     """
     first_force, force = work[FIRST_FORCE], motion.force
     total, left, part, failed, cuts, event = 0, h, h, False, 0, False
@@ -271,12 +311,14 @@ def gradient_step(h, chain, motion, beads, work):
         shortest = part <= SMALLEST_PART * h
         used, cut = single_step(part, chain, motion, beads, work, shortest, event or cuts >= MOST_CUTS)
         total += abs(used)
+        # not converged: repeat with half the length, starting from zero forces
         if used < 0 and not shortest:
             part *= 0.5
             for i in range(force.size):
                 force[i] = 0.0
             continue
         failed |= used < 0
+        # event within the step: repeat up to the event, which then ends the step
         if cut < 1.0:
             part *= cut
             cuts += 1
@@ -284,6 +326,7 @@ def gradient_step(h, chain, motion, beads, work):
             copy_into(force, first_force)
             continue
         event = False
+        # the step is accepted: apply the losses of bounces, then go on with the rest
         if chain.dissipation.loss.size:
             settle(part, chain, motion, beads, work)
         left -= part
@@ -295,16 +338,19 @@ def gradient_step(h, chain, motion, beads, work):
 
 @jit
 def gradient_steps(most, time, h, chain, motion, closed, beads, work, counter):
-    """Up to `most` steps from `time` on in place, until a contact leaves the state in `closed` or, with dissipation, all rest.
+    """Take up to `most` steps from `time` on in place. Return the number of steps taken.
 
-    Counts evaluations and steps that did not converge in `counter`. Returns the steps taken.
+    Stop earlier if a contact leaves the state in `closed` or, with dissipation, if all beads rest. Evaluations and
+    steps that did not converge are counted in `counter`.
     """
     for step in range(most):
+        # forces over time act with their mean over the step
         if chain.knots.time.size:
             put_mean(time + step * h, h, chain.knots, chain.push, chain.dissipation.bed)
         used = gradient_step(h, chain, motion, beads, work)
         counter[EVALUATION] += abs(used)
         counter[UNCONVERGED] += 1 if used < 0 else 0
+        # the caller handles switches and the end of the motion
         if has_stopped(chain, motion, closed):
             return step + 1
     return most

@@ -1,8 +1,8 @@
-"""Explicit steps in overlap coordinates: every method is a row of drifts and kicks of different length.
+"""Explicit steps in overlap coordinates (symplectic splitting): each method is a sequence of drifts and kicks.
 
     drift(c h)   d += c h w              kick(c h)   w -= c h L f(d)
 
-    euler        drift(1) kick(1)                                        order 1; what one pymunk step does
+    euler        drift(1) kick(1)                                        order 1; equal to a pymunk step
     verlet       drift(1/2) kick(1) drift(1/2)                           order 2
     yoshida4     drift(a/2) kick(a) drift((a+b)/2) kick(b) drift((a+b)/2) kick(a) drift(a/2)
                  order 4: three leapfrogs, the middle one backwards; a = 1/(2 - 2**(1/3)), b = 1 - 2a (Yoshida 1990)
@@ -10,12 +10,14 @@
 With dissipation, for methods without a backward part:
 
     force        f(d) if w >= 0, (1 - loss) f(d) if w < 0
-    kick(c h)    v -= c h (forces);  then |v| falls by c h mu g, to 0 at most: the bed stops a bead, never turns it round
+    kick(c h)    v -= c h (forces);  then |v| decreases by c h mu g, at most to 0: friction stops a bead but never
+        reverses it
 
-Contacts absorb loss * (fall of the stored energy) in a drift, the bed in a kick the impulse of its brake times the mean of the
-velocities before and after it: nothing from a bead that it holds.
+In a drift, contacts dissipate loss * (decrease of the stored energy). In a kick, the bed dissipates the impulse of
+friction times the mean of the velocities before and after it, so nothing for a bead that stays at rest.
 
-A preload is set-valued at overlap 0; these methods take f = 0 there, so a contact that should only touch chatters.
+With a preload the force jumps at overlap 0. These methods take f = 0 there, so a contact that should stay in touch
+chatters.
 """
 
 from __future__ import annotations
@@ -32,10 +34,11 @@ from softcradle.physics.numerics.law_kernels import force as power_force
 from softcradle.physics.numerics.switches import has_stopped
 from softcradle.physics.numerics.table_kernels import has_table, table_value
 
+# step fractions a and b of `yoshida4`
 _OUTER = 1.0 / (2.0 - 1.2599210498948732)
 _INNER = 1.0 - 2.0 * _OUTER
 
-# (drifts, kicks) as parts of the step; one drift more than kicks
+# Drifts and kicks as fractions of the step. There is one drift more than kicks.
 EULER = np.array([1.0, 0.0]), np.array([1.0])
 VERLET = np.array([0.5, 0.5]), np.array([1.0])
 YOSHIDA4 = (
@@ -46,14 +49,15 @@ YOSHIDA4 = (
 
 @inlined
 def drift(part, chain, motion):
-    """Move on for the time `part` at the present rates; add what contacts with loss take to what they absorbed."""
+    """Move the overlaps for the time `part` [s] at the present rates. Add the energy that contacts with loss dissipate."""
     law, loss, overlap, rate = chain.law, chain.dissipation.loss, motion.overlap, motion.rate
-    if loss.size == 0:  # a loop of its own: long chains take it several contacts at a time
+    if loss.size == 0:  # a separate loop, which the compiler can vectorise for long chains
         for i in range(overlap.size):
             overlap[i] += part * rate[i]
     for i in range(loss.size):
         before = overlap[i]
         overlap[i] += part * rate[i]
+        # loss occurs while a contact unloads
         if has_segments(chain.graph, i):
             motion.taken[0] += graph_fall(chain.graph, i, before, overlap[i], True)
         elif loss[i] > 0.0 and rate[i] < 0.0 and before > 0.0:
@@ -65,7 +69,7 @@ def drift(part, chain, motion):
 
 @inlined
 def loading_force(chain, i, overlap):
-    """Return the force of contact i, a power law or a table, at `overlap` on loading; 0 if it is open."""
+    """Return the force [N] of contact i, a power law or a table, at `overlap` during loading; 0 if it is open."""
     if has_table(chain.graph, i):
         return table_value(chain.graph, chain.graph.force, chain.graph.first[i], overlap) if overlap > 0.0 else 0.0
     return power_force(chain.law[i, 0], chain.law[i, 1], chain.law[i, 2], overlap)
@@ -73,8 +77,9 @@ def loading_force(chain, i, overlap):
 
 @inlined
 def push(chain, motion):
-    """Update the contact forces to the present overlaps."""
+    """Update the contact forces to the present overlaps and rates."""
     loss, force = chain.dissipation.loss, motion.force
+    # without dissipation the force depends only on the overlap
     if loss.size == 0:
         for i in range(force.size):
             force[i] = loading_force(chain, i, motion.overlap[i])
@@ -83,19 +88,22 @@ def push(chain, motion):
             force[i] = graph_force(chain.graph, i, motion.overlap[i], 0.0, motion.rate[i] >= 0.0)
             continue
         force[i] = loading_force(chain, i, motion.overlap[i])
+        # unloading
         if motion.rate[i] < 0.0:
             force[i] *= 1.0 - loss[i]
 
 
 @inlined
 def kick(part, chain, motion):
-    """Change the rates by all forces during `part`, by way of the bead accelerations: w_i += h (a_i - a_(i+1))."""
+    """Change the rates by all forces during `part` [s], through the accelerations of the beads: w_i += h (a_i - a_(i+1))."""
     n, inverse_mass, outside = motion.rate.size, chain.inverse_mass, chain.push
     rate, anchor, force, bead = motion.rate, motion.anchor, motion.force, chain.anchor_bead
+    # external forces
     if outside.size:
         anchor[1] += part * outside[bead] * inverse_mass[bead]
         for i in range(n):
             rate[i] += part * (outside[i] * inverse_mass[i] - outside[i + 1] * inverse_mass[i + 1])
+    # contact forces on the anchor bead, then on all contacts from left to right
     before = force[bead - 1] if bead > 0 else 0.0
     after = force[bead] if bead < n else 0.0
     anchor[1] += part * (before - after) * inverse_mass[bead]
@@ -109,15 +117,17 @@ def kick(part, chain, motion):
 
 @inlined
 def kick_and_brake(part, chain, motion, beads):
-    """Change bead velocities by all forces during `part`, then brake them on the bed; `beads` (2 or more, n+1) scratch."""
+    """Change the bead velocities by all forces during `part` [s], then apply friction. `beads` (2 or more, n+1) is scratch."""
     n, inverse_mass, bed = motion.rate.size, chain.inverse_mass, chain.dissipation.bed
     rate, anchor, force = motion.rate, motion.anchor, motion.force
     if bed.size:
         bead_velocities(rate, chain.anchor_bead, anchor[1], beads[0])
+    # beads[0]: velocities before; beads[1]: velocity changes
     for j in range(n + 1):
         net = (force[j - 1] if j > 0 else 0.0) - (force[j] if j < n else 0.0)
         net += chain.push[j] if chain.push.size else 0.0
         beads[1, j] = part * net * inverse_mass[j]
+        # friction reduces the speed, and holds the bead if it would reverse it
         if bed.size and bed[j] > 0.0:
             pushed, brake = beads[0, j] + beads[1, j], part * bed[j]
             ended = 0.0 if abs(pushed) <= brake else pushed - math.copysign(brake, pushed)
@@ -126,16 +136,18 @@ def kick_and_brake(part, chain, motion, beads):
     anchor[1] += beads[1, chain.anchor_bead]
     for i in range(n):
         rate[i] += beads[1, i] - beads[1, i + 1]
+        # between two beads at rest the rate is exactly 0
         if bed.size and beads[1, i] == -beads[0, i] and beads[1, i + 1] == -beads[0, i + 1]:
             rate[i] = 0.0
 
 
 @jit
 def split_steps(most, time, h, drifts, kicks, chain, motion, closed, beads):
-    """Up to `most` steps from `time` on in place, until a contact leaves the state in `closed` or, with dissipation, all rest.
+    """Take up to `most` steps from `time` on in place. Return the number of steps taken.
 
-    `drifts`, `kicks` are the method's, none negative with dissipation. The kicks of a step follow each other in time: each gives
-    the impulse that forces over time have in its part of the step. Returns the steps taken.
+    Stop earlier if a contact leaves the state in `closed` or, with dissipation, if all beads rest. `drifts` and `kicks`
+    are those of the method; with dissipation none may be negative. Each kick gives the impulse that forces over time
+    have in its part of the step.
     """
     stages, timed, dissipates = kicks.size, chain.knots.time.size > 0, chain.dissipation.loss.size > 0
     for step in range(most):
@@ -144,9 +156,11 @@ def split_steps(most, time, h, drifts, kicks, chain, motion, closed, beads):
             drift(h * drifts[stage], chain, motion)
             push(chain, motion)
             length = h * kicks[stage]
+            # mean of the forces over time during this kick
             if timed:
                 put_mean(begun, length, chain.knots, chain.push, chain.dissipation.bed)
                 begun += length
+                # their work is the impulse times the mean velocity: half before and half after the kick
                 add_half_work(length, chain, motion, beads[0])
             if dissipates:
                 kick_and_brake(length, chain, motion, beads)
@@ -156,6 +170,7 @@ def split_steps(most, time, h, drifts, kicks, chain, motion, closed, beads):
                 add_half_work(length, chain, motion, beads[0])
         if drifts[stages] != 0.0:
             drift(h * drifts[stages], chain, motion)
+        # after a step the forces must agree with the overlaps, because their signs show which contacts are closed
         settle_graph_forces(chain.graph, motion)
         if has_stopped(chain, motion, closed):
             return step + 1

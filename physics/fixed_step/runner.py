@@ -1,4 +1,4 @@
-"""Runner of the methods of fixed steps: euler, verlet, yoshida4, conserving."""
+"""Runner of the fixed-step methods: euler, verlet, yoshida4 and conserving."""
 
 from __future__ import annotations
 
@@ -52,21 +52,23 @@ from softcradle.physics.status import CodedWarning, Status, WarningCode, Warning
 
 Array = NDArray[np.float64]
 
-# none of a discrete gradient
+# Drifts and kicks of each method; empty for a discrete gradient.
 DRIFTS_AND_KICKS = {"euler": EULER, "verlet": VERLET, "yoshida4": YOSHIDA4, "conserving": (NO_TIMES, NO_TIMES)}
-MOST_FIXED_STEPS = 100_000_000  # of a run; one that needs more has a step that does not fit its motion
+# Largest number of steps of a run. A run that needs more has a step that is too small for its motion.
+MOST_FIXED_STEPS = 100_000_000
 
-# Steps of a contact between two looks at signals, which Python hears between two calls of a kernel: some 0.1 s.
+# Steps times contacts after which a kernel returns so that Python can handle signals: about 0.1 s.
 PAUSE = 2_000_000
-MOST_ROWS, MOST_NUMBERS = 1024, 2**22  # checkpoints of a run, and numbers that they take: 32 MB
-# steps between two at first; to leave the loop of steps after each one would cost a short chain half of a run
+MOST_ROWS, MOST_NUMBERS = 1024, 2**22  # Largest number of checkpoints of a run, and of the numbers in them (32 MB).
+# Steps between two checkpoints at the start. Leaving the step loop after each step would take half the time of a short
+# chain.
 FIRST_SPACING = 4
-PLAIN_STEPS = 20_000  # of a run without a duration, times its contacts: how far plain Python tries, in about a second
+PLAIN_STEPS = 20_000  # Steps times contacts that plain Python tries in a run without a duration, about one second.
 
 
 @dataclass
 class Scratch:
-    """Memory of the kernels beside the state: made once for a run, or once for all frames of live use."""
+    """Scratch memory of the kernels, created once for a run, or once for all frames of live use."""
 
     beads: Array
     work: Array
@@ -80,8 +82,12 @@ class Scratch:
     def of(
         cls, method: str, contacts: int, times: Array = NO_TIMES, log_size: int = 0, checkpoints: bool = False
     ) -> Scratch:
-        """Memory for a chain with `contacts`; sample rows at `times`, and rows of `checkpoints` where samples come later."""
+        """Return memory for a chain with this number of `contacts`.
+
+        It has sample rows at `times`, and rows for `checkpoints` if the sample times are only known after the run.
+        """
         solver_rows = WORK_ROWS if method == "conserving" else 0
+        # each checkpoint stores overlaps, rates and forces
         rows = min(MOST_ROWS, max(2, MOST_NUMBERS // (3 * contacts))) if checkpoints else 0
         plan = np.array([0, 0 if checkpoints else NEVER, FIRST_SPACING])
         beads, work = np.zeros((BEAD_ROWS, contacts + 1)), np.empty((solver_rows, contacts))
@@ -90,17 +96,18 @@ class Scratch:
 
 
 def run(problem: Problem) -> Record:
-    """Compute the whole motion; ``problem.state`` stays as it is."""
-    KERNELS.load_made()  # so that the cost measured is that of the motion
+    """Compute the whole motion. ``problem.state`` is not changed."""
+    KERNELS.load_made()  # so that the measured time is that of the motion only
     return run_to_end(problem, _pass)
 
 
 def advance(problem: Problem) -> Status:
-    """Move ``problem.state`` on by the duration in place; the scratch memory stays with the state."""
+    """Advance ``problem.state`` in place by the duration. The scratch memory is stored in the state for the next call."""
     state = problem.state
     scratch = state.work.get(problem.method)
     if scratch is None:
         scratch = state.work[problem.method] = Scratch.of(problem.method, problem.chain.contacts, NO_TIMES, FRAME_LOG)
+    # each frame begins with an empty log, which keeps the state of the contacts
     log = scratch.log
     log.counter[:] = 0
     log.closed[:] = state.closed
@@ -111,9 +118,10 @@ def advance(problem: Problem) -> Status:
 
 
 def _pass(problem: Problem, times: Array, log_size: int = FIRST_LOG, plain: bool = True) -> Record:
-    """One run of the kernel; again with a larger log of switches where the first was too small.
+    """Run the kernel once, and once more with a larger log if the log of switches was too small.
 
-    Plain Python tries a run without an end for some steps, if `plain`; machine code begins it anew.
+    For a run without a duration, plain Python tries some steps if `plain`; if they do not suffice, machine code starts
+    again.
     """
     state = problem.state.copy()
     kernel, most = _kernel_and_steps(problem, plain)
@@ -123,13 +131,15 @@ def _pass(problem: Problem, times: Array, log_size: int = FIRST_LOG, plain: bool
     seconds = perf_counter() - began
     if kernel is not march:
         KERNELS.spent += float(scratch.log.counter[STEP] * problem.chain.contacts)
+    # plain Python did not reach the end within its budget: start again with machine code
     if most < (problem.most_steps or MOST_FIXED_STEPS) and Status(status).gave_up:
         return _pass(problem, times, log_size, plain=False)
+    # the log of switches was too small: run again with a larger one
     larger = larger_log(scratch.log)
     if larger:
         return _pass(problem, times, larger, plain)
     counter = scratch.log.counter
-    samples = first_samples(scratch.samples, int(counter[SAMPLE]))  # fewer than wanted where the run gave up
+    samples = first_samples(scratch.samples, int(counter[SAMPLE]))  # fewer samples than wanted if the run gave up
     return Record(
         problem.chain, samples, *kept_switches(scratch.log), state, int(counter[STEP]), int(counter[EVALUATION]),
         Status(status), _warnings(problem, Status(status), state.time, scratch.log), seconds,
@@ -139,17 +149,18 @@ def _pass(problem: Problem, times: Array, log_size: int = FIRST_LOG, plain: bool
 
 @dataclass
 class _KeptRun:
-    """A run that kept checkpoints."""
+    """A run with checkpoints, from which samples can be computed."""
 
     problem: Problem
     scratch: Scratch
 
     def record(self, found: Record, times: Array) -> Record:
-        """The record `found` of the run with its samples at `times`, which may lie beyond its end."""
+        """Return the record `found` of the run with its samples at `times`, which may lie beyond its end."""
         problem, scratch, chain = self.problem, self.scratch, self.problem.chain
         scratch.samples = empty_samples(times, chain.contacts)
         scratch.log = empty_log(chain.contacts, 0)
         state, late = problem.state.copy(), max(float(times[-1]) - found.end.time, 0.0) if times.size else 0.0
+        # number of steps to repeat, which decides between compiled and plain code
         again = min(found.steps, times.size * int(scratch.plan[SPACING])) + late / problem.step
         work = again * chain.contacts
         kernel = KERNELS.of(sample_between, work)
@@ -158,22 +169,24 @@ class _KeptRun:
         most, counts = problem.most_steps or MOST_FIXED_STEPS, scratch.pause.counts
         counts[AT], counts[BEGUN], counts[NEXT] = _steps_at_once(problem), 0, 0
         began = perf_counter()
+        # the kernel returns False when its step budget is used up
         while not _call(kernel, most, problem, state, scratch):
-            pass  # signals are heard here
+            pass  # Python handles signals here
         found.seconds += perf_counter() - began
         return found.with_samples(first_samples(scratch.samples, int(scratch.log.counter[SAMPLE])))
 
 
 def _kernel_and_steps(problem: Problem, plain: bool) -> tuple[Any, int]:
-    """The tier of the kernel for a run, and the steps that it may take."""
+    """Return the compiled or plain kernel for a run, and the largest number of steps it may take."""
     chain, duration, most = problem.chain, problem.duration, problem.most_steps or MOST_FIXED_STEPS
+    # without a duration the number of steps is unknown: plain Python tries a limited number
     steps = PLAIN_STEPS / chain.contacts if duration is None else duration / problem.step + 1.0
     kernel = KERNELS.of(march, steps * chain.contacts if plain else np.inf)
     return kernel, most if kernel is march or duration is not None else min(most, int(steps))
 
 
 def _march_chain(kernel: Any, most: int, problem: Problem, state: State, scratch: Scratch) -> tuple[int, float]:
-    """Run a tier of `march` on `state` for `most` steps. Returns its status and the time reached."""
+    """Run a version of `march` on `state` for at most `most` steps. Return its status and the time it reached."""
     span, counts = (state.time, problem.end, problem.duration is None, most), scratch.pause.counts
     code, time, counts[BEGUN] = PAUSED, state.time, 0
     while code == PAUSED:
@@ -183,12 +196,12 @@ def _march_chain(kernel: Any, most: int, problem: Problem, state: State, scratch
 
 
 def _steps_at_once(problem: Problem) -> int:
-    """Steps after which a kernel hands back."""
+    """Return the number of steps after which a kernel returns to Python."""
     return max(1, PAUSE // problem.chain.contacts)
 
 
 def _call(kernel: Any, span: Any, problem: Problem, state: State, scratch: Scratch) -> Any:
-    """Call a tier of a kernel on `state` with its `span`, or most steps."""
+    """Call a version of a kernel on `state`. `span` is its time span, or its largest number of steps."""
     chain, kept = problem.chain, (tuple(scratch.checkpoints), scratch.plan)
     records = motion_record(state), tuple(scratch.samples), tuple(scratch.log), kept, tuple(scratch.pause)
     task = (*DRIFTS_AND_KICKS[problem.method], problem.step), span, chain_records(chain, state)
@@ -198,7 +211,7 @@ def _call(kernel: Any, span: Any, problem: Problem, state: State, scratch: Scrat
 
 
 def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> Warnings:
-    """What a run could not do."""
+    """Return the warnings of a run that gave up or whose steps did not converge."""
     found = []
     if status.gave_up:
         steps = problem.most_steps or MOST_FIXED_STEPS
@@ -212,7 +225,7 @@ def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> 
 
 
 def _call_kernels() -> None:
-    """Call every kernel once."""
+    """Call every kernel once, so that all are compiled."""
     chain = Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1))
     state = State.at_start(chain, [1.0, 0.0, 0.0])
     run(Problem(chain, state, "verlet", 1e-3, 1e-3))

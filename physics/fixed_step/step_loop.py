@@ -1,9 +1,9 @@
-"""The loop around a fixed-step method: steps, samples, contact switches, the end of a collision. One for all methods.
+"""Step loop of all fixed-step methods: steps, samples, contact switches and the end of a collision.
 
-Samples between steps are one shorter step of the same method from the last grid state, so they carry its accuracy and
-leave the path itself alone. While no contact is closed and no bed brakes, whole steps of free flight are taken at once: drift
-is exact. On a bed a run to the end stops when no contact pushes and none can close any more before the beads have slid to
-rest, or when all beads rest.
+A sample between two steps is one shorter step of the same method from the last grid point. It has the accuracy of the
+method and does not change the path. While all contacts are open and no bed brakes, whole steps of free flight are taken
+at once, because the drift is exact. A run to the end on a bed stops when all beads rest, or when no contact pushes and
+none can close before the beads have slid to rest.
 """
 
 from __future__ import annotations
@@ -42,39 +42,42 @@ from softcradle.physics.numerics.switches import copy_motion, has_stopped, is_cl
 
 Array = NDArray[np.float64]
 
-STANDSTILL = 1e-14  # of the fastest rate at the start: a slower one is round-off and closes nothing
-RUNNING = -1  # in place of a status: there are steps to take
-FLOWN = -2  # in place of a status: it looks ahead once more
+# Fraction of the largest rate at the start. A smaller rate is round-off and does not close a contact.
+STANDSTILL = 1e-14
+RUNNING = -1  # In place of a status: there are steps to take.
+FLOWN = -2  # In place of a status: a flight has been done, the loop looks ahead again.
 
-GRID_TOLERANCE = 1e-9  # of a step: what is this near to the grid is on it
-FIRST_LOOK = 256  # steps after which a run looks if closed contacts still push; then twice as many, and so on
-NEVER = 2**62  # steps: more than any run takes, those of flights included, so that their number stays one of 64 bits
-MOST_AT_ONCE = 2.0**61  # steps, those of a flight too, for the same reason
+GRID_TOLERANCE = 1e-9  # Fraction of a step. A time this near to a grid point counts as on the grid.
+# Steps after which a run first tests if closed contacts still push. The interval then doubles each time.
+FIRST_LOOK = 256
+NEVER = 2**62  # More steps than any run takes, including steps of free flight. It fits into 64 bits with room for sums.
+# Largest number of steps in one go, including free flight, so that step counts fit into 64 bits.
+MOST_AT_ONCE = 2.0**61
 
-# entries of the plan
-COUNT = 0  # checkpoints kept
-DUE = 1  # steps after which the next one is kept
-SPACING = 2  # steps between two
+# Entries of the plan of checkpoints.
+COUNT = 0  # stored checkpoints
+DUE = 1  # step count at which the next checkpoint is stored
+SPACING = 2  # steps between two checkpoints
 
-# entries of the counts of a pause
-AT = 0  # steps at which the loop hands back; for samples, steps that are made before it does
-BEGUN = 1  # nonzero: the run has paused and goes on
-LEFT = 2  # steps that were left when it paused, before it looks up again; 0: it paused where it looks up
-LOOK, FLOWN_STEPS, CLOSED, RESTS = 3, 4, 5, 6  # what the loop knew then
-NEXT = 7  # for samples: the checkpoint to go on from
-# entries of its numbers
+# Entries of ``Pause.counts``.
+AT = 0  # step count at which the loop returns to Python; for samples, the number of steps before it returns
+BEGUN = 1  # nonzero: the run was paused and resumes
+LEFT = 2  # steps that were left of the current sequence of steps at the pause; 0: the pause was between two sequences
+LOOK, FLOWN_STEPS, CLOSED, RESTS = 3, 4, 5, 6  # state of the loop at the pause
+NEXT = 7  # for samples: the checkpoint from which to resume
+# Entries of ``Pause.numbers``.
 STILL, RATES, OVERLAPS = 0, 1, 3  # rates up to which nothing closes; exact sums at the start, two numbers each
 
 
 class Pause(NamedTuple):
-    """When a run hands back, and what it needs to go on."""
+    """When a run returns to Python, and the data it needs to resume."""
 
     counts: NDArray[np.int64]  # (8,)
     numbers: Array  # (5,)
 
 
 def no_pause() -> Pause:
-    """Memory for the pauses of a run; as it is there are none."""
+    """Return memory for the pauses of a run, set so that it never pauses."""
     counts = np.zeros(8, dtype=np.int64)
     counts[AT] = NEVER
     return Pause(counts, np.zeros(5))
@@ -82,7 +85,8 @@ def no_pause() -> Pause:
 
 @inlined
 def keep_checkpoint(time, motion, kept, plan, counter):
-    """Keep the motion at `time` in a row of `kept`; where there is none left, first leave every second one out."""
+    """Store the motion at `time` in a row of `kept`. If all rows are full, first drop every second checkpoint."""
+    # memory is full: keep every second checkpoint and double the spacing
     if plan[COUNT] == kept.time.size:
         left = (kept.time.size + 1) // 2
         for k in range(1, left):
@@ -97,7 +101,7 @@ def keep_checkpoint(time, motion, kept, plan, counter):
 
 @inlined
 def keep_pause(pause, left, look, flown, closed, rests, still, rates, overlaps):
-    """Keep what the loop knows, `left` steps before it looks up again."""
+    """Store the state of the loop, `left` steps before the end of the current sequence of steps."""
     counts, numbers = pause.counts, pause.numbers
     counts[BEGUN], counts[LEFT], counts[LOOK], counts[FLOWN_STEPS] = 1, left, look, flown
     counts[CLOSED], counts[RESTS] = closed, 1 if rests else 0
@@ -107,10 +111,11 @@ def keep_pause(pause, left, look, flown, closed, rests, still, rates, overlaps):
 
 @inlined
 def exact_sum(values):
-    """The sum as a number and what it lacks of being exact (Neumaier)."""
+    """Return the rounded sum of `values` and its rounding error (Neumaier's summation)."""
     total, rest = 0.0, 0.0
     for i in range(values.size):
         found = total + values[i]
+        # the smaller term loses digits in the sum; add what it has lost
         larger = abs(total) >= abs(values[i])
         rest += (total - found) + values[i] if larger else (values[i] - found) + total
         total = found
@@ -119,15 +124,18 @@ def exact_sum(values):
 
 @inlined
 def keep_wall_distance(elapsed, motion, rates, overlaps):
-    """Take what sums of rates and overlaps are off after `elapsed` [s] from the open contact that is slowest.
+    """Correct the drift of the distance between two walls, `elapsed` [s] after the start, in the slowest open contact.
 
-    `rates` and `overlaps` are their exact sums at the start.
+    `rates` and `overlaps` are the exact sums of both quantities at the start. Between two walls the sum of the rates is
+    constant, and the sum of the overlaps changes linearly with time.
     """
     overlap, rate, slowest = motion.overlap, motion.rate, -1
+    # find the slowest open contact, which takes the correction
     for i in range(overlap.size):
         if overlap[i] < 0.0 and rate[i] != 0.0 and (slowest < 0 or abs(rate[i]) < abs(rate[slowest])):
             slowest = i
     if slowest >= 0:
+        # the difference to the exact sums is the accumulated round-off
         total, rest = exact_sum(rate)
         rate[slowest] -= (total - rates[0]) + (rest - rates[1])
         total, rest = exact_sum(overlap)
@@ -136,13 +144,13 @@ def keep_wall_distance(elapsed, motion, rates, overlaps):
 
 @inlined
 def is_before(sample, time, h):
-    """Whether the time of a sample, or of the end of a run, is before the end of the step from `time` on."""
+    """Return True if `sample`, the time of a sample or of the end of a run, lies before the end of the step from `time` on."""
     return sample - time < h * (1.0 - GRID_TOLERANCE)
 
 
 @inlined
 def fly(steps, h, motion):
-    """Take whole steps of free flight at once."""
+    """Take a number of whole steps of free flight in one go."""
     for i in range(motion.overlap.size):
         motion.overlap[i] += steps * h * motion.rate[i]
     motion.anchor[0] += steps * h * motion.anchor[1]
@@ -152,17 +160,20 @@ def fly(steps, h, motion):
 def look_ahead(time, end, until, steady, h, most_steps, over, free, rests, still, chain, motion, counter):
     """Return how a run continues from `time`. A flight or rest in which no contact closes and no force changes is one step.
 
-    `until` is the next sample or the end, `steady` the time until which forces and brakes do not change. `over` is True if the
-    run ends now, `free` if no force acts, `rests` if all beads rest under the present forces.
-    Returns a status, or RUNNING or FLOWN; how many steps to take at the most, or have been flown; their length; and whether they
-    end at `end`, off the grid.
+    `until` is the next sample or the end, `steady` the time until which forces and brakes do not change. `over` is True
+    if the run ends now, `free` if no force acts, `rests` if all beads rest under the present forces.
+
+    Return four values: a status, RUNNING or FLOWN; the number of steps to take at most, or of steps flown; their
+    length; and True if they end at `end`, off the grid.
     """
+    # the run is over: end time, end of the collision, or limit of steps
     if time > end - h * GRID_TOLERANCE:
         return DONE, ONE, h, True
     if over:
         return SEPARATED, ONE, h, True
     if counter[STEP] >= min(most_steps, NEVER):
         return OUT_OF_STEPS, ONE, h, True
+    # a chain at rest or in free flight: take the whole steps before the next closing at once
     ahead = until - time
     if rests or free:
         ahead = min(ahead, steady - time)
@@ -176,8 +187,10 @@ def look_ahead(time, end, until, steady, h, most_steps, over, free, rests, still
             fly(whole, h, motion)
             counter[STEP] += int(whole)
             return FLOWN, np.int64(whole), h, False
-        # A contact may close and open within one step, where no flag tells of it.
+        # A contact may close and open within one step, so that no flag shows it: go at most one step beyond the
+        # closing.
         ahead = min(ahead, flight + h)
+    # the last step is shorter if the end is not on the grid
     if is_before(end, time, h):
         return RUNNING, ONE, end - time, True
     return RUNNING, np.int64(min(max(1.0, ahead / h), MOST_AT_ONCE, most_steps - counter[STEP])), h, False
@@ -185,21 +198,22 @@ def look_ahead(time, end, until, steady, h, most_steps, over, free, rests, still
 
 @inlined
 def log_switches(before, time, graph, motion, log):
-    """Log every contact that has left the state of its flag since `before`. Return the number of closed contacts.
+    """Log every contact that has changed between open and closed since `before`. Return the number of closed contacts.
 
-    A coupler that closes couples.
-
-    Its time is that of the straight line through the new overlap with the new rate, second order in the step; a contact
-    that closes without overlap touches from the start of the step, at time `before`, on.
+    A coupler that closes couples. The time of a switch is the zero of the straight line through the new overlap with
+    the new rate, which is second order in the step. A contact that closes without overlap touches from the start of the
+    step, `before`, on.
     """
     overlap, rate, closed = motion.overlap, motion.rate, 0
     for i in range(overlap.size):
         now = is_closed(overlap[i], motion.force[i])
         if now:
             closed += 1
+            # a coupler couples as soon as it closes
             if graph.kind.size:
                 graph.coupled[i] = 1
         if now != (log.closed[i] != 0):
+            # extrapolate back along the straight line, but not beyond this step
             when = before if now and overlap[i] == 0.0 else time
             if overlap[i] != 0.0 and rate[i] != 0.0:
                 past = overlap[i] - closing_overlap(graph, i, overlap[i], rate[i])
@@ -210,7 +224,7 @@ def log_switches(before, time, graph, motion, log):
 
 @inlined
 def largest(values):
-    """The largest absolute value."""
+    """Return the largest absolute value."""
     found = 0.0
     for i in range(values.size):
         found = max(found, abs(values[i]))
@@ -221,13 +235,13 @@ def largest(values):
 def march(
     stepper, extent_fields, chain_fields, motion_fields, sample_fields, log_fields, checkpoints, pause_fields, memory
 ):
-    """Step over an Extent; the motion is moved in place. Where the pause wants it, the status is PAUSED, and a call with the same
-    arguments goes on.
+    """Take steps over an Extent and update the motion in place. Return the status and the time reached.
 
-    Records come as plain tuples of their fields. `stepper` is what a step is: its drifts and kicks as of `explicit_steps`, none
-    of a discrete gradient, and its length [s]. `checkpoints` are Samples and the plan, which tells how many of these rows are
-    kept and when the next is due; `memory` scratch memory of the steps: (BEAD_ROWS, n+1) and (WORK_ROWS, n). Returns the status
-    and the time reached.
+    The status is PAUSED when the step budget in `pause` is used up; call again with the same arguments to resume.
+
+    Records come as plain tuples of their fields. `stepper` holds the drifts and kicks of `explicit_steps`, empty for a
+    discrete gradient, and the step size [s]. `checkpoints` holds Samples and the plan, which gives the number of stored
+    rows and when the next one is due. `memory` is scratch memory of the steps: (BEAD_ROWS, n+1) and (WORK_ROWS, n).
     """
     (drifts, kicks, h), (beads, work), (kept_fields, plan) = stepper, memory, checkpoints
     start, end, stop, most_steps = Extent(*extent_fields)
@@ -237,6 +251,7 @@ def march(
     brakes = chain.dissipation.bed
     bed = brakes.size > 0
     between_walls = kicks.size == 0 and chain.inverse_mass[0] == 0.0 and chain.inverse_mass[-1] == 0.0
+    # Resume the run after a pause, or start it.
     if pause.counts[BEGUN] != 0:
         counts, numbers = pause.counts, pause.numbers
         still, left, rests = numbers[STILL], counts[LEFT], counts[RESTS] != 0
@@ -248,72 +263,86 @@ def march(
         rates, overlaps = exact_sum(motion.rate), exact_sum(motion.overlap)
         settle_graph_forces(chain.graph, motion)
         closed, flown, look = log_switches(start, start, chain.graph, motion, log), ZERO, ONE * FIRST_LOOK
+    # without forces over time the external forces never change
     time, knots = start + counter[STEP] * h, chain.knots
     calm = (
         -1.0 if knots.time.size else math.inf
-    )  # until when forces kept their values in the step before; unknown at first
+    )  # time until which the forces of the previous step are constant; unknown at first
     while True:
+        # forces over time: mean over the next step, and how long all forces stay constant
         pushed, steady, waits = chain.push.size > 0, math.inf, False
         if knots.time.size:
             put_mean(time, h, knots, chain.push, brakes)
             steady, waits = steady_until(time, knots), time < knots.time[-1]
             pushed = steady < time + h or largest(chain.push) > 0.0
-        changing = steady < time + h  # in the next step
-        rests = rests and not changing and steady == calm  # other forces may end a rest
+        changing = steady < time + h  # a force changes in the next step
+        rests = rests and not changing and steady == calm  # a changed force may end the rest
         calm = steady
+        # the step budget is used up between two sequences of steps
         if left == 0 and counter[STEP] >= pause.counts[AT]:
             keep_pause(pause, ZERO, look, flown, closed, rests, still, rates, overlaps)
             return PAUSED, time
         sampling = left == 0 and counter[SAMPLE] < wanted.size and is_before(wanted[counter[SAMPLE]], time, h)
+        # next: a sample, the rest of a paused sequence, or a new sequence of steps
         moved, most, length, last = motion, ONE, 0.0, False
-        if sampling:  # a row of samples is a motion: it is moved by what moves that of the run
+        if sampling:  # A row of the samples is a motion: the same steps move it.
             moved = row_of(samples, counter[SAMPLE], motion)
             copy_motion(moved, motion)
             length = wanted[counter[SAMPLE]] - time
         elif left > 0:
             most, length = left, h
         else:
+            # plan the next sequence of steps: checkpoint, end of the collision, length
             if kept.time.size > 0 and time <= end - h * GRID_TOLERANCE and counter[STEP] >= plan[DUE]:
                 keep_checkpoint(time, motion, kept, plan, counter)
             until = end if counter[SAMPLE] == wanted.size else min(end, wanted[counter[SAMPLE]])
+            # without closed contacts and forces the beads are in free flight
             over = free = closed == 0 and not pushed
+            # from time to time test if the closed contacts still push noticeably
             if stop and not bed and not pushed and counter[STEP] >= look:
                 over, look = pushes_no_more(chain, motion, still), 2 * counter[STEP]
             over = stop and not waits and (rests or (over and not meets_again(chain, brakes, motion, still, beads[0])))
             status, most, length, last = look_ahead(
                 time, end, until, steady, h, most_steps + flown, over, free, rests, still, chain, motion, counter
             )
+            # free flight over whole steps: plan again from its end
             if status == FLOWN:
                 flown += most
                 time = start + counter[STEP] * h
                 continue
             if status != RUNNING:
                 return status, end if status == DONE else time
+            # a sequence ends at the next checkpoint
             if not last:
                 most = min(most, plan[DUE] - counter[STEP])
             rests = bed and not changing and at_rest(motion)
+        # steps of the current sequence until the pause
         whole, left, taken = most, ZERO, ZERO
         if not (sampling or last):
             most = min(most, max(pause.counts[AT] - counter[STEP], ONE))
+        # take the steps; on the grid they end early at the first switch
         if not sampling or length > h * GRID_TOLERANCE:
             if kicks.size == 0:
                 taken = gradient_steps(most, time, length, chain, moved, log.closed, beads, work, counter)
             else:
                 taken = split_steps(most, time, length, drifts, kicks, chain, moved, log.closed, beads)
                 counter[EVALUATION] += taken * kicks.size
+        # a sample does not change the run itself
         if sampling:
             take_no_pull(moved)
             counter[SAMPLE] += 1
             continue
         counter[STEP] += taken
+        # the step budget is used up within a sequence of steps
         if taken == most and most < whole and not has_stopped(chain, motion, log.closed):
             keep_pause(pause, whole - taken, look, flown, closed, rests, still, rates, overlaps)
             return PAUSED, start + counter[STEP] * h
+        # end of a sequence: log switches, and correct the sum of overlaps between walls
         rests = rests and at_rest(motion)
         before, now = start + (counter[STEP] - 1) * h, min(end, start + counter[STEP] * h)
         if between_walls:
             keep_wall_distance(now - start, motion, rates, overlaps)
-        closed = log_switches(before, now, chain.graph, motion, log)  # a run of steps ends with the first switch
+        closed = log_switches(before, now, chain.graph, motion, log)  # a sequence of steps ends with the first switch
         if last:
             return DONE, end
         time = start + counter[STEP] * h
@@ -323,9 +352,9 @@ def march(
 def sample_between(
     stepper, most_steps, chain_fields, motion_fields, sample_fields, log_fields, checkpoints, pause_fields, memory
 ):
-    """Fill the samples of a run by going on from the last of its checkpoints before each.
+    """Compute the samples of a run, each from the last checkpoint before it. Return True if all samples are complete.
 
-    Returns whether all are filled; a call with the same arguments goes on after a pause between two checkpoints.
+    After a pause between two checkpoints, call again with the same arguments to resume.
     """
     (kept_fields, plan), h = checkpoints, stepper[2]
     kept, motion, counter = Samples(*kept_fields), Motion(*motion_fields), SwitchLog(*log_fields).counter
@@ -333,21 +362,25 @@ def sample_between(
     budget, pause.counts[AT], plan[DUE] = pause.counts[AT], NEVER, NEVER
     for k in range(pause.counts[NEXT], count):
         begun, until = kept.time[k], kept.time[k + 1] if k + 1 < count else math.inf
+        # samples between this checkpoint and the next
         last = counter[SAMPLE]
         while last < wanted.size and wanted[last] < until:
             last += 1
         if last == counter[SAMPLE]:
             continue
+        # repeat the steps from the checkpoint to the last of these samples
         copy_motion(motion, row_of(kept, k, motion))
         counter[STEP] = 0
         end = begun + h * math.floor((wanted[last - 1] - begun) / h + GRID_TOLERANCE)
-        if EPSILON * end > GRID_TOLERANCE * h:  # no time is known as well as that: one more step passes the sample
+        # At such a large time the round-off exceeds the tolerance: one more step makes sure that the sample is passed.
+        if EPSILON * end > GRID_TOLERANCE * h:
             end += h
         march(
             stepper, (begun, end, NO, most_steps), chain_fields, motion_fields, sample_fields, log_fields, checkpoints,
             pause_fields, memory,
         )  # fmt: skip
         made += counter[STEP]
+        # step budget used up
         if made >= budget:
             pause.counts[AT], pause.counts[NEXT] = budget, k + 1
             return k + 1 == count

@@ -1,1 +1,1 @@
-"""What all methods share inside compiled loops: jit, the contact law, its resolvent, powers, the contact solver."""
+"""Kernels that several methods share: compilation, contact laws and their resolvents, powers, the solver of contact forces."""

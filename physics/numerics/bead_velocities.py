@@ -1,4 +1,4 @@
-"""Velocities or ways of the beads from those of overlaps and the anchor, and whether all beads rest."""
+"""Velocities or displacements of all beads, computed from the overlaps and the anchor bead; test for a chain at rest."""
 
 from __future__ import annotations
 
@@ -8,15 +8,21 @@ from softcradle.physics.numerics.law_kernels import EPSILON
 
 @jit
 def bead_velocities(rate, anchor_bead, anchor_velocity, velocity):
-    """Rebuild the velocities (n+1,) of the beads, or their ways; one that is no more than the round-off of its sum is 0."""
+    """Write the velocities (n+1,) of the beads into `velocity`: sums of the rates (n,), from the anchor bead outwards.
+
+    Also used for displacements. A result that is not larger than the round-off of its sum is set to 0.
+    """
     velocity[anchor_bead] = anchor_velocity
     terms = abs(anchor_velocity)
+    # rate_i = v_i - v_(i+1), so v_i = v_(i+1) + rate_i to the left of the anchor bead
     for j in range(anchor_bead - 1, -1, -1):
         velocity[j] = velocity[j + 1] + rate[j]
         terms += abs(rate[j])
+    # and v_(i+1) = v_i - rate_i to the right of it
     for j in range(anchor_bead, rate.size):
         velocity[j + 1] = velocity[j] - rate[j]
         terms += abs(rate[j])
+    # A bead at rest must have exactly the velocity 0: friction and the end of a run test for it.
     for j in range(velocity.size):
         if abs(velocity[j]) <= 2.0 * EPSILON * terms:
             velocity[j] = 0.0
@@ -24,7 +30,7 @@ def bead_velocities(rate, anchor_bead, anchor_velocity, velocity):
 
 @inlined
 def at_rest(motion):
-    """Whether no bead moves."""
+    """Return True if no bead moves."""
     resting = motion.anchor[1] == 0.0
     for i in range(motion.rate.size):
         resting &= motion.rate[i] == 0.0

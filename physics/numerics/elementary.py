@@ -1,13 +1,13 @@
-"""Powers, exponentials and logarithms by sums, products and tables: the same digits on every machine and in every browser.
+"""Powers, exponentials and logarithms that are bitwise reproducible on every machine and in every browser.
 
-    ln x = k ln 2 - ln v + ln(1 + r),   x = 2**k z,  r = z v - 1:  v has few bits, one for each 128th of an octave
+    ln x = k ln 2 - ln v + ln(1 + r),   x = 2**k z,  r = z v - 1:  v has few bits, one value for each 128th of an octave
     e**x = 2**k 2**(j/128) e**r,        r = x - (128 k + j) ln(2)/128
     b**a = e**(a ln b),                 ln b and a ln b as sums of two floats
 
-The C library of each system rounds them in its own way, and so does each processor with fused products; here every operation is
-one of IEEE 754, in a fixed order. Largest errors in units of the last place (``python -m tools.elementary_errors``): exp and
-log near 1 .51 and .75, log1p .75, expm1 1.5; powers .51 for exponents below 3, .7 below 30, 1.7 where a result is near the
-largest or the least float.
+The C libraries of different systems round these functions differently, and so do processors with fused multiply-add.
+Here each operation is one of IEEE 754, in a fixed order. Largest errors in units of the last place (``python -m
+tools.elementary_errors``): exp, and log near 1: 0.51 and 0.75; log1p 0.75; expm1 1.5. Powers: 0.51 for exponents below
+3, 0.7 below 30, and 1.7 if the result is near the largest or the smallest float.
 """
 
 from __future__ import annotations
@@ -40,39 +40,46 @@ from softcradle.physics.numerics.elementary_tables import (
 from softcradle.physics.numerics.float_bits import bits_of, float_of
 from softcradle.physics.numerics.jit import jit
 
-UPPER, HALF = -(1 << 32), 1 << 31  # bits of a float that keep 21 significant ones; half of the last of them
-HEAD = -(1 << 27)  # 26 significant ones: products of two such floats are exact
-LEAST, MOST = 2.0**-1022, 1.7976931348623157e308  # floats with all their bits
-LIFT = 2.0**54  # makes smaller ones such
-ROUND = 1.5 * 2.0**52  # added, it leaves the nearest integer in the last bits
+# Mask that keeps the upper 21 significant bits of a float, and half a unit of the last of them, for rounding.
+UPPER, HALF = -(1 << 32), 1 << 31
+HEAD = -(1 << 27)  # Mask that keeps the upper 26 significant bits: the product of two such floats is exact.
+LEAST, MOST = 2.0**-1022, 1.7976931348623157e308  # Smallest and largest float with full precision (normal floats).
+LIFT = 2.0**54  # Factor that turns a subnormal float into a normal one.
+ROUND = 1.5 * 2.0**52  # Adding this number rounds to the nearest integer, which then stands in the last bits.
+# bits of ROUND: subtracting them leaves that integer
 ROUND_BITS = 0x4338000000000000
-USUAL = 700.0  # exponents up to which no factor of a result is too large or too small for a float
+USUAL = 700.0  # Largest exponent of e for which neither the result nor an intermediate factor overflows or underflows.
 
 
 @jit
 def curved(r):
-    """r - ln(1 + r) for small r."""
+    """Return r - ln(1 + r) for small r, by a polynomial."""
     r2 = r * r
     return r2 * (((P0 + r * P1) + r2 * (P2 + r * P3)) + (r2 * r2) * (P4 + r * P5))
 
 
 @jit
 def log(x):
-    """ln x for a float x > 0 that has all its bits; larger ones are taken as the largest."""
+    """Return ln x of a normal float x > 0. Values above the largest float count as the largest."""
+    # x = 2**k z with z near 1, and v close to 1/z from the table: r = z v - 1 is small
     bits = bits_of(min(x, MOST))
     k, part = (bits - OFFSET) >> 52, ((bits - OFFSET) >> 45) & 127
     z, v = float_of(bits - (k << 52)), INVERSE(part)
+    # z is split so that both products with v are exact
     upper = float_of((bits_of(z) + HALF) & UPPER)
     head, tail = upper * v - 1.0, (z - upper) * v  # both exact
+    # sum the small terms first
     rest = ((k * LN2_TAIL + LOG_TAIL(part)) + tail) - curved(head + tail)
     return (k * LN2_HEAD + LOG_HEAD(part)) + head + rest
 
 
 @jit
 def log1p(x):
-    """ln(1 + x) for -0.5 <= x <= 1."""
+    """Return ln(1 + x) for -0.5 <= x <= 1."""
+    # 1 + x is rounded to u; `lost` is what the rounding has cut off
     u = 1.0 + x
     lost = x - (u - 1.0)
+    # the rest as in `log`, with `lost` carried along in the lower part
     bits = bits_of(u)
     k, part = (bits - OFFSET) >> 52, ((bits - OFFSET) >> 45) & 127
     if k != 0:
@@ -86,13 +93,15 @@ def log1p(x):
 
 @jit
 def reduced(about, x, more):
-    """Factor f = 2**(n/128) and e**(x + more) / f - 1, for abs(x + more) <= USUAL; `about` is the rounded sum."""
+    """Return a factor f = 2**(n/128) and e**(x + more) / f - 1, for abs(x + more) <= USUAL. `about` is the rounded sum."""
+    # n is the integer nearest to 128 (x + more) / ln 2
     shifted = about * PARTS_BY_LN2 + ROUND
     number = shifted - ROUND
     n = bits_of(shifted) - ROUND_BITS
-    head, tail = x - number * STEP_HEAD, number * STEP_TAIL - more  # the first is exact
+    head, tail = x - number * STEP_HEAD, number * STEP_TAIL - more  # the first difference is exact
     r = head - tail
     r2 = r * r
+    # 2**(n/128) = 2**(n // 128) times a value from the table, and e**r by a polynomial
     part = n & 127
     factor = POWER(part) * float_of(((n >> 7) + 1023) << 52)
     return factor, head + ((POWER_TAIL(part) - tail) + r2 * ((Q0 + r * Q1) + r2 * (Q2 + r * Q3)))
@@ -100,9 +109,10 @@ def reduced(about, x, more):
 
 @jit
 def unusual_exp(about, x, more):
-    """e**(x + more) for any x: below the least float 0, above the largest infinite; `about` is the rounded sum."""
+    """Return e**(x + more) for any x: 0 below the smallest float, infinity above the largest. `about` is the rounded sum."""
     if not abs(about) < 2.0 * USUAL:
         return 0.0 if about < 0.0 else math.inf if about > 0.0 else about
+    # the square of e**(x/2), because the factor of e**x itself might overflow or underflow
     factor, rest = reduced(0.5 * about, 0.5 * x, 0.5 * more)
     root = factor + factor * rest
     return root * root
@@ -110,7 +120,7 @@ def unusual_exp(about, x, more):
 
 @jit
 def exp(x):
-    """e**x: 0 below the least float, infinite above the largest."""
+    """Return e**x: 0 below the smallest float, infinity above the largest."""
     if not -USUAL <= x <= USUAL:
         return unusual_exp(x, x, 0.0)
     factor, rest = reduced(x, x, 0.0)
@@ -119,29 +129,33 @@ def exp(x):
 
 @jit
 def expm1(x):
-    """e**x - 1 for abs(x) <= USUAL."""
+    """Return e**x - 1 for abs(x) <= USUAL."""
     factor, rest = reduced(x, x, 0.0)
     return (factor - 1.0) + factor * rest
 
 
 @jit
 def times_log(exponent, base, lifted):
-    """``exponent ln(2**-lifted base)`` as a sum of two floats, the first exact; the base has all its bits."""
+    """Return ``exponent ln(2**-lifted base)`` as a sum of two floats, the first exact, for a normal float `base`."""
     bits = bits_of(base)
     k, part = (bits - OFFSET) >> 52, ((bits - OFFSET) >> 45) & 127
+    # the logarithm as in `log`, as a sum `main` + `rest`
     z, v = float_of(bits - (k << 52)), INVERSE(part)
     upper = float_of((bits_of(z) + HALF) & UPPER)
     head, tail = upper * v - 1.0, (z - upper) * v  # both exact
     k -= lifted
-    main = k * LN2_HEAD + LOG_HEAD(part)  # of 27 bits
+    main = k * LN2_HEAD + LOG_HEAD(part)  # 27 significant bits
     rest = head + (((k * LN2_TAIL + LOG_TAIL(part)) + tail) - curved(head + tail))
     short = float_of(bits_of(exponent) & HEAD)
     return short * main, (exponent - short) * main + exponent * rest
 
 
+# the leading 26 bits of the exponent times the 27 bits of `main` are exact
+
+
 @jit
 def usual_power(base, lifted, exponent):
-    """``(2**-lifted base)**exponent`` for a base with all its bits."""
+    """Return ``(2**-lifted base)**exponent`` for a normal float `base`."""
     x, more = times_log(exponent, base, lifted)
     about = x + more
     if not -USUAL < about < USUAL:
@@ -152,7 +166,7 @@ def usual_power(base, lifted, exponent):
 
 @jit
 def power(base, exponent):
-    """``base**exponent`` for base >= 0 and an exponent that is not 0; the exponents 1 and 3/2 take no logarithm."""
+    """Return ``base**exponent`` for base >= 0 and an exponent other than 0. The exponents 1 and 3/2 need no logarithm."""
     if exponent == 1.0:
         return base
     if exponent == 1.5:

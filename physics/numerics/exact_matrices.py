@@ -1,6 +1,6 @@
-"""Products and inverses of small matrices of coefficients, each entry rounded once.
+"""Products and inverses of small coefficient matrices in rational arithmetic, each entry rounded once.
 
-NumPy's take what the linear algebra library does on this processor, whose last digits differ from one processor to another.
+NumPy's linear algebra depends on the library and the processor, so its last digits differ between machines.
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ Array = NDArray[np.float64]
 
 
 def exact_product(left: Array, right: Array) -> Array:
-    """The product of `left` (m, k) or (k,) and `right` (k, n)."""
+    """Return the product of `left`, (m, k) or (k,), and `right` (k, n)."""
+    # fractions are exact, so each sum is rounded only once, by float()
     columns = [_fractions(column) for column in right.T]
     rows = [_fractions(row) for row in np.atleast_2d(left)]
     found = [
@@ -24,9 +25,14 @@ def exact_product(left: Array, right: Array) -> Array:
 
 
 def exact_inverse(matrix: Array) -> Array:
-    """The inverse of `matrix` (n, n), by elimination; ZeroDivisionError where there is none or a pivot is 0."""
+    """Return the inverse of `matrix` (n, n), by Gauss-Jordan elimination without pivoting.
+
+    Raises ZeroDivisionError if the matrix is singular or a pivot is 0.
+    """
     size = len(matrix)
+    # matrix and unit matrix side by side
     rows = [_fractions(row) + [Fraction(int(i == k)) for k in range(size)] for i, row in enumerate(matrix)]
+    # scale row i by its pivot, then subtract it from all other rows
     for i in range(size):
         rows[i] = [value / rows[i][i] for value in rows[i]]
         for k in range(size):

@@ -1,4 +1,4 @@
-"""The bits of a float as an integer, and back: one move between registers; tables of floats among the machine code."""
+"""Bits of a float as an integer and back, and constant tables of floats inside the machine code."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ _packed, _unpacked = struct.Struct("<d"), struct.Struct("<q")
 
 
 def _plain_bits(number, pack=_packed.pack, unpack=_unpacked.unpack):
-    """The 64 bits of a float as an integer."""
+    """Return the 64 bits of a float as an integer."""
     return unpack(pack(number))[0]
 
 
 def _plain_float(bits, pack=_unpacked.pack, unpack=_packed.unpack):
-    """The float that has these 64 bits."""
+    """Return the float with these 64 bits."""
     return unpack(pack(bits))[0]
 
 
@@ -35,7 +35,7 @@ if COMPILED:
 
     @intrinsic
     def bits_of(typing_context, number):
-        """The 64 bits of a float as an integer."""
+        """Return the 64 bits of a float as an integer."""
 
         def generate(context, builder, signature, arguments):
             return builder.bitcast(arguments[0], ir.IntType(64))
@@ -44,23 +44,24 @@ if COMPILED:
 
     @intrinsic
     def float_of(typing_context, bits):
-        """The float that has these 64 bits."""
+        """Return the float with these 64 bits."""
 
         def generate(context, builder, signature, arguments):
             return builder.bitcast(arguments[0], ir.DoubleType())
 
         return types.float64(types.int64), generate
 
-    # what plain Python calls in their place, as of a kernel
+    # functions for plain Python, under the attribute name that numba's kernels use
     bits_of.py_func, float_of.py_func = _plain_bits, _plain_float
 
     def table(values: tuple[float, ...]) -> Callable[[int], float]:
-        """A function that gives the float at an index, from constants of the machine code; the index is not checked."""
-        name = f"table.{sha256(repr(values).encode()).hexdigest()[:16]}"  # one of its kind, whoever calls the function
+        """Return a function that returns the float at an index, from constants in the machine code. The index is not checked."""
+        # A name made from the values: all kernels that use this table then share one copy.
+        name = f"table.{sha256(repr(values).encode()).hexdigest()[:16]}"
 
         @intrinsic
         def at(typing_context, index):
-            """The float at `index`."""
+            """Return the float at `index`."""
 
             def generate(context, builder, signature, arguments):
                 rows = builder.module.globals.get(name) or cgutils.global_constant(
@@ -80,5 +81,5 @@ else:
     bits_of, float_of = _plain_bits, _plain_float
 
     def table(values: tuple[float, ...]) -> Callable[[int], float]:
-        """A function that gives the float at an index."""
+        """Return a function that returns the float at an index."""
         return lambda index: values[index]

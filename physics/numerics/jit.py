@@ -1,6 +1,7 @@
-"""`jit`: numba's njit with a disk cache that an edit of any kernel empties; plain Python where numba is not to be had.
+"""Decorators that compile kernels with numba and cache them on disk. Without numba the kernels run as plain Python.
 
-What a kernel calls becomes part of its machine code, but for a kernel that it calls by its entry.
+The cache is discarded after an edit of any kernel source, because the machine code of a kernel contains the kernels
+that it calls. Kernels called by their entry address (`called_at`) are the exception.
 """
 
 from __future__ import annotations
@@ -23,23 +24,24 @@ try:
     from numba.core import cgutils
     from numba.core.compiler import Compiler
     from numba.extending import intrinsic
-except ImportError:  # no wheel for this machine: the same functions run as plain Python
+except ImportError:  # Numba is not available for this machine: the same functions run as plain Python.
 
     def jit(function: Kernel) -> Kernel:
-        """The function itself, uncompiled."""
+        """Return the function itself, uncompiled."""
         return function
 
     inlined = piece = whole = jit
 
 else:
-    # references to arrays: kernels make no array, and counting references to views took half of the time
+    # Reference counts of arrays are switched off. Kernels allocate no arrays, and counting references to views took
+    # half of the run time.
     COUNTED = False
     _FOLDER = str(cache_folder())
-    ENVIRONMENT = "_ZN08NumbaEnv"  # what numba's names of environments begin with
+    ENVIRONMENT = "_ZN08NumbaEnv"  # prefix of the names of numba's environment variables in the machine code
 
     @contextmanager
     def _own_folder() -> Iterator[None]:
-        """Within it, what is decorated is kept in our folder; other users of numba keep theirs."""
+        """Within this context, store compiled code in our own folder. Other users of numba keep their setting."""
         before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, _FOLDER
         try:
             yield
@@ -47,7 +49,8 @@ else:
             numba.config.CACHE_DIR = before
 
     def _compiled(function: Kernel, **options: object) -> Kernel:
-        # said even where False: what is compiled on behalf of an inlined caller would be inlined as that is
+        # The option is set even if it is False: code compiled on behalf of an inlined caller would otherwise be inlined
+        # as well.
         options = {"forceinline": False, **options}
         with _own_folder():
             compiled: Kernel = numba.njit(cache=True, nogil=True, error_model="numpy", _nrt=COUNTED, **options)(
@@ -56,9 +59,10 @@ else:
         return compiled
 
     class _Optimized(Compiler):  # type: ignore[misc]  # numba has no types
-        """The usual compiler, but for what is done with the code of a function and of all that it calls."""
+        """Numba's compiler with hooks that change how the code of a function and of its callees is optimised."""
 
         def compile_extra(self, function: Any) -> Any:
+            # a library that is stored in the cache, with our own optimisation step
             library = self.state.targetctx.codegen().create_library(function.__qualname__)
             library.enable_object_caching()
             library._optimize_final_module = partial(self.optimize, library)
@@ -67,19 +71,22 @@ else:
             return super().compile_extra(function)
 
         def prepare(self, library: Any) -> None:
-            """Nothing more."""
+            """Do nothing; a subclass may change how the library is finalised."""
 
         def optimize(self, library: Any) -> None:
-            """Leave the code as it comes, for those who call the function."""
+            """Leave the code unoptimised: it is optimised together with the functions that call it."""
 
     class _Inlined(_Optimized):
-        """For what its callers alone take: no machine code is made of it, which saves a fifth of the time."""
+        """Compiler for functions that only exist inside their callers.
+
+        Skipping the machine code of these functions saves a fifth of the compile time.
+        """
 
         def prepare(self, library: Any) -> None:
             library._finalize_final_module = partial(self.finish, library)
 
         def finish(self, library: Any) -> None:
-            """Keep the code for those that call it; what is compiled is the environment, of which numba keeps note."""
+            """Keep the intermediate code for the callers. Compile only the environment variables, which numba has registered."""
             library._finalized = True
             library._shared_module = library._get_module_for_linking()
             names = [found.name for found in library._final_module.global_variables]
@@ -90,11 +97,13 @@ else:
 
     class _Whole(_Optimized):
         def optimize(self, library: Any) -> None:
-            """Optimise what is called as private to the function: LLVM then inlines all that is called but once.
+            """Make all called functions private to this one and optimise.
 
-            Private, not internal: kernels that are loaded later would find an internal name, and call what LLVM has made of it.
-            Rows are short: vector code would cost more than it brings.
+            LLVM then inlines every function that is called only once. The linkage is private, not internal: a kernel
+            loaded later would find an internal name and call the optimised version. Vectorisation is off because rows
+            of beads are short, so vector code would cost more than it saves.
             """
+            # linkonce_odr is the linkage that numba gives to called functions
             for called in library._final_module.functions:
                 if not called.is_declaration and called.linkage == Linkage.linkonce_odr:
                     called.linkage = Linkage.private
@@ -106,32 +115,36 @@ else:
                 numba.config.LOOP_VECTORIZE, numba.config.SLP_VECTORIZE = before
 
     def jit(function: Kernel) -> Kernel:
-        """Compile `function` on its first call; keep the result on disk under the digest of all kernel sources.
+        """Compile `function` on its first call and store the result on disk under the digest of all kernel sources.
 
-        Kernels touch nothing of Python's, so other threads run on beside them.
+        Kernels do not touch Python objects and release the interpreter lock, so other threads keep running.
         """
         return _compiled(function)
 
     def inlined(function: Kernel) -> Kernel:
-        """`jit`, put into its caller: a call that passes whole records costs as much as a step of a few contacts.
+        """Compile `function` into its callers.
 
-        Python cannot call it; code for that would take a tenth of the time to compile.
+        A real call that passes whole records would cost as much as a step of a few contacts. Python cannot call the
+        result: a wrapper for that would take a tenth of the compile time.
         """
         return _compiled(
             function, forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, pipeline_class=_Inlined
         )
 
     def whole(function: Kernel) -> Kernel:
-        """`jit` for a kernel that Python calls, optimised together with its pieces: it runs in three quarters of the time."""
+        """Compile a kernel that Python calls, optimised together with its `piece` functions.
+
+        The kernel then takes three quarters of the time.
+        """
         return _compiled(function, pipeline_class=_Whole)
 
     def piece(function: Kernel) -> Kernel:
-        """`jit` for what a `whole` kernel calls: slow where Python calls it."""
+        """Compile a function that a `whole` kernel calls. It is slow if Python calls it directly."""
         return _compiled(function, pipeline_class=_Optimized)
 
 
 def _called_here(entry: Any, arguments: tuple[Any, ...]) -> Any:
-    """What a kernel gives that is called as plain Python."""
+    """Call a kernel directly; the plain-Python form of `called_at`."""
     return entry(*arguments)
 
 
@@ -139,14 +152,19 @@ if COMPILED:
 
     @intrinsic
     def called_at(typing_context, entry, arguments):
-        """The status and the time that a kernel gives whose machine code begins at `entry`: it is not made once more here."""
+        """Call the kernel whose machine code begins at address `entry`; return its status and time.
+
+        The kernel is not compiled again into the caller.
+        """
         found = types.Tuple((types.int64, types.float64))
 
         def generate(context, builder, signature, values):
             kinds, convention = list(signature.args[1]), context.call_conv
+            # turn the address into a function pointer with the calling convention of numba
             kernel = builder.inttoptr(values[0], convention.get_function_type(found, kinds).as_pointer())
             unpacked = [builder.extract_value(values[1], k) for k in range(len(kinds))]
             status, result = convention.call_function(builder, kernel, found, kinds, unpacked)
+            # pass an error of the kernel on to the caller
             with cgutils.if_unlikely(builder, status.is_error):
                 convention.return_status_propagate(builder, status)
             return result
@@ -159,9 +177,9 @@ else:
 
 
 def c_function(function: Kernel, signature: Any) -> Any:
-    """`function` as machine code that C calls by its ``address``, compiled at once and kept on disk with the kernels.
+    """Return `function` as machine code that C code can call by its ``address``. It is compiled at once and cached on disk.
 
-    Raises ImportError without numba, RuntimeError where NUMBA_DISABLE_JIT switches it off.
+    Raises ImportError without numba, and RuntimeError if NUMBA_DISABLE_JIT is set.
     """
     import numba
 

@@ -1,4 +1,4 @@
-"""Forces and brakes over time, linear between knots, on the beads of a chain: their values, their means, their work."""
+"""Forces and brakes over time on the beads: values, means over a step and work. They are piecewise linear between breakpoints."""
 
 from __future__ import annotations
 
@@ -7,13 +7,15 @@ import math
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, jit
 
-# of the time between two knots: values at a knot are taken so far beside it, so that what begins there at 0 has its sign
+# Fraction of the time between two breakpoints. At a breakpoint, values are taken this much inside the interval, so that
+# a force that starts there at 0 already has its sign.
 BESIDE = 1e-13
 
 
 @inlined
 def knots_until(time, knots):
-    """How many knots lie at `time` or before."""
+    """Return the number of breakpoints at `time` or earlier."""
+    # binary search
     first, last = 0, knots.time.size
     while first < last:
         middle = (first + last) // 2
@@ -26,7 +28,10 @@ def knots_until(time, knots):
 
 @inlined
 def drive_at(chain, i, passed):
-    """w' of contact i by forces from outside, `passed` [s] after now; a' of the anchor bead where i is the number of contacts."""
+    """Return the acceleration w' [m/s²] of contact i by external forces, `passed` [s] from now.
+
+    If i is the number of contacts, return the acceleration of the anchor bead.
+    """
     if chain.external.size == 0:
         return 0.0
     found = chain.external[i]
@@ -37,14 +42,14 @@ def drive_at(chain, i, passed):
 
 @inlined
 def next_knot(time, end, knots):
-    """The first knot after `time`, or `end` where that is earlier."""
+    """Return the first breakpoint after `time`, or `end` if that is earlier."""
     k = knots_until(time, knots)
     return min(end, knots.time[k]) if k < knots.time.size else end
 
 
 @inlined
 def rows_differ(k, knots):
-    """Return True if a force or a brake changes from knot k - 1 to knot k."""
+    """Return True if a force or a brake changes from breakpoint k - 1 to breakpoint k."""
     differ = False
     for j in range(knots.push.shape[1]):
         differ |= knots.push[k - 1, j] != knots.push[k, j]
@@ -55,10 +60,14 @@ def rows_differ(k, knots):
 
 @jit
 def steady_until(time, knots):
-    """Return the time until which all forces and brakes keep their values: `time` if they change now, inf after the last knot."""
+    """Return the time until which all forces and brakes keep their values.
+
+    The result is `time` if they change now, and inf after the last breakpoint.
+    """
     k, count = knots_until(time, knots), knots.time.size
-    if k == 0:  # they are 0 before the first knot
+    if k == 0:  # all forces over time are 0 before the first breakpoint
         return knots.time[0]
+    # skip breakpoints at which nothing changes
     last = time
     while k < count and not rows_differ(k, knots):
         last = knots.time[k]
@@ -68,7 +77,7 @@ def steady_until(time, knots):
 
 @inlined
 def add_row(part, k, knots, push, bed):
-    """Add a part of the forces and brakes at knot k."""
+    """Add a fraction `part` of the forces and brakes at breakpoint k to `push` and `bed`."""
     if part != 0.0:
         for j in range(push.size):
             push[j] += part * knots.push[k, j]
@@ -78,7 +87,7 @@ def add_row(part, k, knots, push, bed):
 
 @inlined
 def put_steady(knots, push, bed):
-    """Put what does not change into `push` (n+1,) [N] and `bed` (n+1,) [m/s²]."""
+    """Write the constant forces into `push` (n+1,) [N] and the constant decelerations into `bed` (n+1,) [m/s²]."""
     for j in range(push.size):
         push[j] = knots.drive[j]
     for j in range(min(bed.size, knots.brake.shape[1])):
@@ -87,17 +96,23 @@ def put_steady(knots, push, bed):
 
 @jit
 def put_mean(begun, h, knots, push, bed):
-    """Put the means of all forces from `begun` on over `h` [s] into `push` and `bed`: of what is linear, and over knots too."""
+    """Write the mean values of all forces from time `begun` over the step `h` [s] into `push` and `bed`.
+
+    The means are exact, even if the step contains breakpoints.
+    """
     first, last, count = min(begun, begun + h), max(begun, begun + h), knots.time.size
     put_steady(knots, push, bed)
     k = knots_until(first, knots)
     while True:
+        # the part of the step between breakpoints k - 1 and k
         low = max(first, knots.time[k - 1]) if k > 0 else first
         high = min(last, knots.time[k]) if k < count else last
         part = (high - low) / (last - first) if last > first else 1.0
+        # after the last breakpoint the forces keep their last value
         if k == count:
             add_row(part, k - 1, knots, push, bed)
             return
+        # the mean of a linear function is its value in the middle of the interval
         if k > 0 and part > 0.0:
             late = (0.5 * (low + high) - knots.time[k - 1]) / (knots.time[k] - knots.time[k - 1])
             add_row(part * (1.0 - late), k - 1, knots, push, bed)
@@ -109,12 +124,14 @@ def put_mean(begun, h, knots, push, bed):
 
 @jit
 def put_values(time, knots, push, bed):
-    """Put all forces at `time` into `push` and `bed`, and by how much they change a second into the slopes of `knots`.
+    """Write all forces at `time` into `push` and `bed`, and their time derivatives into the slopes of `knots`.
 
-    Returns whether they do, or a force over time acts: whether beads that nothing touches do not move under steady forces.
+    Return True if a force changes or a force over time acts, so that beads in free flight do not move under constant
+    forces.
     """
     k, count = knots_until(time, knots), knots.time.size
     put_steady(knots, push, bed)
+    # weights of the breakpoints before and after `time`
     length, late, before, after = 1.0, 0.0, k - 1, k - 1
     if 0 < k < count:
         length, after = knots.time[k] - knots.time[k - 1], k
@@ -122,6 +139,7 @@ def put_values(time, knots, push, bed):
     if k > 0:
         add_row(1.0 - late, before, knots, push, bed)
         add_row(late, after, knots, push, bed)
+    # slopes, and whether any force differs from its constant part
     acts = False
     for j in range(push.size):
         knots.push_slope[j] = (knots.push[after, j] - knots.push[before, j]) / length if k > 0 else 0.0
@@ -134,7 +152,10 @@ def put_values(time, knots, push, bed):
 
 @inlined
 def add_half_work(h, chain, motion, velocity):
-    """Add what forces over time, now means of a step, give in half of it at the present velocities; `velocity` (n+1,) scratch."""
+    """Add the work [J] of the forces over time during half a step at the present velocities to ``motion.taken[2]``.
+
+    The forces must already be means over the step. `velocity` (n+1,) is scratch memory.
+    """
     bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], velocity)
     for j in range(velocity.size):
         if chain.inverse_mass[j] > 0.0:

@@ -1,13 +1,15 @@
-"""The contact law as a curve of (overlap, force) for implicit steps, and the collocation nodes these steps have.
+"""Contact law as a curve of (overlap, force) for implicit steps, and the collocation nodes of these steps.
 
-Each contact is in one mode for a whole step, so that the step sees smooth motion; the caller ends steps where modes do:
+Each contact is in one mode during a whole step, so the motion within a step is smooth. The caller ends a step when a
+mode ends:
 
-    OPEN      f = 0, whatever d does            LOADED    f = F + K d**a; with preload or a = 1 continued to d < 0,
+    OPEN      f = 0 for any d                   LOADED    f = F + K d**a; with preload or a = 1 continued to d < 0,
     TOUCHING  d = 0, f any number                         else 0 there
 
-A user-defined law is the curve of its table. Its row of `law` holds the power law with which it begins at d = 0; F, K and a of
-this decide whether the contact is soft and whether the curve is continued. A contact with several segments is on one of them,
-whose numbers are in its row of `law`, and its overlap counts from the origin of this segment.
+For a user-defined contact law the curve is its table. Its row of `law` holds the power law with which the table begins
+at d = 0; the F, K and a of this row decide if the contact counts as soft and if the curve is continued. A contact with
+several segments is on one of them: its row of `law` holds the numbers of this segment, and its overlap counts from the
+origin of it.
 """
 
 from __future__ import annotations
@@ -23,22 +25,27 @@ from softcradle.physics.numerics.records import FORCE_FROM, FROM
 from softcradle.physics.numerics.table_kernels import has_table, table_inverse, table_slope, table_value
 
 ROOT6 = math.sqrt(6.0)
-NODES = np.array([(4.0 - ROOT6) / 10.0, (4.0 + ROOT6) / 10.0, 1.0])  # of Radau IIA with three stages
-MOST_CARE = 1e4  # largest weight of the error of a soft contact that oscillates many times
-SMALLEST = 1e-290  # an overlap below is zero: the contact then is vertical, whatever its law
-LOST = 1e-6  # of a preload: in a smaller difference of a force from it round-off would be seen
+# Nodes of the three-stage Radau IIA method (Hairer & Wanner, Solving Ordinary Differential Equations II, IV.5).
+NODES = np.array([(4.0 - ROOT6) / 10.0, (4.0 + ROOT6) / 10.0, 1.0])
+MOST_CARE = 1e4  # Upper limit of the weight that a soft contact with many oscillations has in the error norm.
+SMALLEST = 1e-290  # Overlap [m] below which a contact counts as having overlap 0; its curve is vertical there.
+# Fraction of the preload. A force that differs less from the preload would show round-off in the difference.
+LOST = 1e-6
 SHORT_MOVE = (
-    5e-4  # of an overlap: over so short a way four terms of the binomial series are a power law to the last digit
+    # Fraction of the overlap. For a smaller relative change, four terms of the binomial series give a power to full
+    # precision.
+    5e-4
 )
-# columns of `law` after preload, stiffness and exponent if contacts have several segments
+# Further columns of `law`, after preload, stiffness and exponent, if contacts have several segments.
 LAW_BEFORE, LAW_STOP, LAW_SIDE = 3, 4, 5
 
 
 @inlined
 def signed_force(preload, stiffness, exponent, overlap):
-    """``F + K d**a``, continued oddly to d < 0 where the law has a preload or a = 1, else 0 there."""
+    """Return ``F + K d**a``. For d < 0 it is continued as an odd function if there is a preload or a = 1, else it is 0."""
     if overlap > 0.0:
         return preload + stiffness * power(overlap, exponent)
+    # no continuation: the force of an open contact is 0
     if preload == 0.0 and exponent != 1.0:
         return 0.0
     if overlap == 0.0:
@@ -48,13 +55,15 @@ def signed_force(preload, stiffness, exponent, overlap):
 
 @inlined
 def slope_at(preload, stiffness, exponent, overlap, force):
-    """df/dd on the curve; inf where it is vertical, 0 where the contact is open."""
+    """Return df/dd on the curve: inf if the curve is vertical, 0 if the contact is open."""
     if exponent == 1.0:
         return stiffness
+    # at overlap 0 a power law with a < 1 is vertical, and one with a > 1 is flat
     if abs(overlap) < SMALLEST:
         return math.inf if exponent < 1.0 else 0.0
     if overlap < 0.0 and preload == 0.0:
         return 0.0
+    # d f/dd = a (f - F) / d; the power is computed anew if f - F has lost its digits
     own = force - preload
     if abs(own) < LOST * preload:
         own = math.copysign(stiffness * power(abs(overlap), exponent), overlap)
@@ -63,24 +72,29 @@ def slope_at(preload, stiffness, exponent, overlap, force):
 
 @inlined
 def care(exponent, swing, faster):
-    """Weight of a contact's error: 1 + min(h²ω², 1) min(ω/ω_slowest, MOST_CARE) for a < 1, else 1.
+    """Return the weight of a contact in the error norm: 1 + min(h²ω², 1) min(ω/ω_slowest, MOST_CARE) for a < 1, else 1.
 
-    `swing` is h²ω², (step times local frequency)², `faster` is (ω/ω_slowest)². A soft contact deep in a cluster oscillates
-    about its quasi-static overlap, the more often the faster it is. A step as long as a period damps this oscillation, each
-    time; at the end what is lost is a velocity, which openings magnify.
+    `swing` is h²ω², the squared product of the step and the local angular frequency. `faster` is (ω/ω_slowest)². A soft
+    contact deep inside a cluster oscillates about its quasi-static overlap, and the faster it is, the more often it
+    does so. A step as long as a period damps this oscillation each time. The loss appears at the end as an error of a
+    velocity, which openings amplify.
     """
     return 1.0 + min(swing, 1.0) * min(math.sqrt(faster), MOST_CARE) if exponent < 1.0 else 1.0
 
 
 @inlined
 def larger(a, b):
-    """The larger of two errors; nan where either is none, which ``max`` may pass over."""
+    """Return the larger error, or NaN if either is NaN. (``max`` can drop a NaN.)"""
     return b if b > a or math.isnan(b) else a
 
 
 @jit
 def depth_at(preload, stiffness, exponent, energy):
-    """An overlap at which a contact stores `energy`: the smaller of what its preload and its stiffness alone would need."""
+    """Return an upper bound of the overlap [m] at which a contact stores `energy` [J].
+
+    It is the smaller of the overlaps that the preload or the power law would need for this energy without the other.
+    """
+    # E >= F d and E >= K d**(1+a) / (1+a) each bound the overlap
     depth = energy / preload if preload > 0.0 else math.inf
     if stiffness > 0.0:
         depth = min(depth, power((1.0 + exponent) * energy / stiffness, 1.0 / (1.0 + exponent)))
@@ -89,13 +103,16 @@ def depth_at(preload, stiffness, exponent, energy):
 
 @inlined
 def by_table(graph, i, overlap):
-    """Return whether the force of contact i at `overlap` is that of a table, not of the power law with which it begins."""
+    """Return True if the force of contact i at `overlap` comes from a table.
+
+    Below the first accurate overlap of a table, the power law with which it begins is used instead.
+    """
     return has_table(graph, i) and abs(overlap) >= graph.segment[graph.first[i], FROM]
 
 
 @inlined
 def pressed_force(law, graph, i, overlap):
-    """Return the force of contact i, a power law or a table, at an overlap > 0."""
+    """Return the force [N] of contact i, a power law or a table, at an overlap > 0."""
     if by_table(graph, i, overlap):
         return table_value(graph, graph.force, graph.first[i], overlap)
     return law[i, 0] + law[i, 1] * power(overlap, law[i, 2])
@@ -103,19 +120,19 @@ def pressed_force(law, graph, i, overlap):
 
 @inlined
 def is_continued(law, graph, i):
-    """Return whether the force is continued beyond d = 0 within a step, so that a loaded contact opens at an event."""
+    """Return True if the curve is continued beyond d = 0 within a step, so that the opening of a loaded contact is an event."""
     return law[i, 0] != 0.0 or law[i, 2] == 1.0 or (has_segments(graph, i) and law[i, 2] > 1.0)
 
 
 @inlined
 def is_smooth(law, graph, i):
-    """Return whether the force begins without a slope: a loaded contact then opens within a step, not at an event."""
+    """Return True if the force begins with slope 0. A loaded contact then opens within a step, without an event."""
     return law[i, 2] > 1.0 and not is_continued(law, graph, i)
 
 
 @inlined
 def curve_force(law, graph, i, overlap):
-    """Return the force of contact i, LOADED, at any overlap; see `signed_force`, `signed_table` and `signed_segment`."""
+    """Return the force of contact i in mode LOADED at any overlap; see `signed_force`, `signed_table` and `signed_segment`."""
     if graph.kind.size:
         if overlap != 0.0 and by_table(graph, i, overlap):
             return signed_table(law, graph, i, overlap)
@@ -126,7 +143,7 @@ def curve_force(law, graph, i, overlap):
 
 @inlined
 def curve_slope(law, graph, i, overlap, force):
-    """Return df/dd of contact i, LOADED, at a point of its curve, inf if that is vertical; see `slope_at`."""
+    """Return df/dd of contact i in mode LOADED at a point of its curve, inf if the curve is vertical there; see `slope_at`."""
     if graph.kind.size:
         if abs(overlap) >= SMALLEST and by_table(graph, i, overlap):
             continued = overlap > 0.0 or is_continued(law, graph, i)
@@ -138,9 +155,13 @@ def curve_slope(law, graph, i, overlap, force):
 
 @inlined
 def signed_segment(law, i, overlap):
-    """Return the force of a segment at `overlap` from its origin, continued oddly beyond it for a >= 1."""
+    """Return the force of a segment at `overlap` from its origin.
+
+    If a >= 1, the force is continued beyond the origin as an odd function.
+    """
     x = law[i, LAW_SIDE] * overlap
     y = x + law[i, LAW_BEFORE]
+    # for a < 1 without preload the force is not continued beyond the origin
     if y <= 0.0 and law[i, 0] == 0.0 and law[i, 2] < 1.0:
         return 0.0
     own = law[i, 1] * power(abs(y), law[i, 2]) if y != 0.0 else 0.0
@@ -149,7 +170,7 @@ def signed_segment(law, i, overlap):
 
 @inlined
 def segment_slope(law, i, overlap):
-    """Return the slope of `signed_segment` for a >= 1."""
+    """Return the derivative of `signed_segment` by the overlap if a >= 1."""
     y = abs(law[i, LAW_SIDE] * overlap + law[i, LAW_BEFORE])
     if law[i, 2] == 1.0:
         return law[i, 1] + law[i, LAW_STOP]
@@ -158,7 +179,7 @@ def segment_slope(law, i, overlap):
 
 @inlined
 def curve_overlap(law, graph, i, excess, part):
-    """Return the overlap of contact i, LOADED, at ``excess / part`` > 0 of its force over its preload."""
+    """Return the overlap of contact i in mode LOADED at which its force exceeds the preload by ``excess / part`` > 0."""
     if has_table(graph, i) and excess / part >= graph.segment[graph.first[i], FORCE_FROM]:
         return table_inverse(graph, graph.force, graph.first[i], law[i, 0] + excess / part)
     return power(excess / (part * law[i, 1]), 1.0 / law[i, 2])
@@ -174,7 +195,7 @@ def curve_depth(law, graph, i, energy):
 
 @inlined
 def local_exponent(law, graph, i, overlap, force):
-    """Return d f'/(f - F) of contact i at an overlap > 0: the exponent of a power law."""
+    """Return d f'/(f - F) of contact i at an overlap > 0. For a power law this is the exponent a."""
     if force != law[i, 0] and by_table(graph, i, overlap):
         return overlap * table_slope(graph, graph.first[i], overlap) / (force - law[i, 0])
     return law[i, 2]
@@ -182,7 +203,7 @@ def local_exponent(law, graph, i, overlap, force):
 
 @jit
 def signed_table(law, graph, i, overlap):
-    """Return the force of a table at an overlap other than 0, continued as `signed_force`."""
+    """Return the force of a table at an overlap other than 0. For d < 0 it is continued like `signed_force`."""
     if overlap > 0.0:
         return table_value(graph, graph.force, graph.first[i], overlap)
     if not is_continued(law, graph, i):
@@ -192,30 +213,35 @@ def signed_table(law, graph, i, overlap):
 
 @inlined
 def short_growth(x, a):
-    """(1 + x)**a - 1 for abs(x) < SHORT_MOVE."""
+    """Return (1 + x)**a - 1 for abs(x) < SHORT_MOVE, by four terms of the binomial series."""
     return a * x * (1.0 + (a - 1.0) * x * (1.0 / 2.0 + (a - 2.0) * x * (1.0 / 6.0 + (a - 3.0) * x * (1.0 / 24.0))))
 
 
 @inlined
 def move_along(law, graph, i, weight, overlap, force, by_overlap, by_force):
-    """One Newton move on the curve, on the side where it cannot overshoot: for a < 1 towards d = 0 in force, else in d.
+    """Return overlap and force after one Newton move along the curve, in the variable in which the move cannot overshoot.
 
-    Away from 0 in force too as long as d stays small against `weight` f, what the force moves in the step (h² L_ii).
+    For a < 1 the force is the variable for moves towards d = 0. It is also used for moves away from 0 as long as d is
+    small compared with `weight` f, where `weight` = h² L_ii is the change of the overlap per unit of force in a step.
+    Otherwise the variable is d.
     """
     preload, exponent = law[i, 0], law[i, 2]
-    # beside a preload the last digits of the rest would be lost
+    # Not with a preload: the series would lose the last digits of the small rest of the force.
     soft = exponent < 1.0 and preload == 0.0 and not has_table(graph, i)
     if soft and by_overlap != 0.0 and abs(by_overlap) < SHORT_MOVE * overlap:
         return overlap + by_overlap, force + force * short_growth(by_overlap / overlap, exponent)
     continued = is_continued(law, graph, i)
+    # away from 0, a < 1: the force decides the motion while weight f is much larger than d
     excess = force + by_force - preload
     if exponent < 1.0 and by_overlap > 0.0 and 0.0 < overlap < 0.1 * weight * excess:
         reach = curve_overlap(law, graph, i, excess, 1.0)
         if reach < 0.1 * weight * excess:
             return reach, preload + excess
+    # towards 0 from far away, a < 1
     if exponent < 1.0 and by_overlap < 0.0 and overlap > 0.0:
         slope = 1.0 + weight * local_exponent(law, graph, i, overlap, force) * (force - preload) / overlap
-        # far to the right of the solution: d + weight K d**a = rest bounds both terms
+        # The point lies far to the right of the solution. The solution satisfies d + weight K d**a = rest, so neither
+        # term exceeds `rest`. This gives a better point than Newton's move.
         if slope < 2.0 and preload > 0.0:
             rest = overlap + weight * (force - preload) + slope * by_overlap
             if rest > 0.0:
@@ -226,22 +252,26 @@ def move_along(law, graph, i, weight, overlap, force, by_overlap, by_force):
                 if far:
                     return reach, preload + rest / weight
     towards_zero = (by_overlap < 0.0) == (overlap > 0.0) and (overlap > 0.0 or continued)
-    if exponent < 1.0 and (overlap == 0.0 or by_overlap == 0.0 or towards_zero):  # by_overlap 0: the curve is vertical
+    # Move in the force. If `by_overlap` is 0, the curve is vertical and the force is the only variable.
+    if exponent < 1.0 and (overlap == 0.0 or by_overlap == 0.0 or towards_zero):
         if excess > 0.0 or (continued and excess < 0.0):
             reach = curve_overlap(law, graph, i, abs(excess), 1.0)
             return (reach if excess > 0.0 else -reach), preload + excess
+        # the force has fallen below 0 on a curve that is not continued: the contact has opened
         if not continued and excess <= 0.0:
             return min(overlap + by_overlap, -SMALLEST), 0.0
         return 0.0, preload
+    # move in the overlap
     moved = overlap + by_overlap
     if has_table(graph, i) and moved * overlap < 0.0 and continued:
-        moved = 0.0  # a table may be flat behind a steep beginning, and a Newton iteration that passes d = 0 oscillates
+        # A table may be flat after a steep beginning. Newton's iteration would oscillate if it could pass d = 0.
+        moved = 0.0
     return moved, curve_force(law, graph, i, moved)
 
 
 @inlined
 def flow_into(i, inverse_mass, force):
-    """(L f)_i, the rate at which the contact forces (n,) pull overlap i apart."""
+    """Return (L f)_i [m/s²], the acceleration with which the contact forces (n,) separate the beads of contact i."""
     flow = (inverse_mass[i] + inverse_mass[i + 1]) * force[i]
     if i > 0:
         flow -= inverse_mass[i] * force[i - 1]
@@ -252,13 +282,13 @@ def flow_into(i, inverse_mass, force):
 
 @inlined
 def acceleration_of(i, chain, force, passed):
-    """w' of contact i under the contact forces (n,), `passed` [s] after now."""
+    """Return w' [m/s²] of contact i under the contact forces (n,) and the external forces, `passed` [s] from now."""
     return drive_at(chain, i, passed) - flow_into(i, chain.inverse_mass, force)
 
 
 @piece
 def anchor_acceleration(chain, force, passed):
-    """Acceleration of the anchor bead by the contact forces (n,) and from outside, `passed` [s] after now."""
+    """Return the acceleration [m/s²] of the anchor bead by the contact forces (n,) and external forces, `passed` [s] from now."""
     inverse_mass, anchor_bead = chain.inverse_mass, chain.anchor_bead
     net = force[anchor_bead - 1] if anchor_bead > 0 else 0.0
     if anchor_bead < force.size:

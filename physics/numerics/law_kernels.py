@@ -1,17 +1,19 @@
-"""The contact law inside kernels: force and energy of one contact from its row (F, K, a) of the law table."""
+"""Contact law inside kernels: force and energy of one contact from its row (F, K, a) of the law table."""
 
 from __future__ import annotations
 
 from softcradle.physics.numerics.elementary import power
 from softcradle.physics.numerics.jit import jit
 
+# relative spacing of floats at 1
 EPSILON = 2.220446049250313e-16
-MOST_SCALAR = 100  # iterations of one contact; a bracket halved that often is closed
+# Largest number of iterations for one contact. A bracket that is halved that often has shrunk to round-off.
+MOST_SCALAR = 100
 
 
 @jit
 def force(preload, stiffness, exponent, overlap):
-    """``F + K d**a`` for d > 0, else 0."""
+    """Return the force ``F + K d**a`` [N] for d > 0, else 0."""
     if overlap <= 0.0:
         return 0.0
     if stiffness == 0.0:
@@ -21,7 +23,7 @@ def force(preload, stiffness, exponent, overlap):
 
 @jit
 def energy(preload, stiffness, exponent, overlap):
-    """``F d + K d**(1+a) / (1+a)`` for d > 0, else 0."""
+    """Return the stored energy ``F d + K d**(1+a) / (1+a)`` [J] for d > 0, else 0."""
     if overlap <= 0.0:
         return 0.0
     return (preload + stiffness * power(overlap, exponent) / (1.0 + exponent)) * overlap

@@ -1,6 +1,7 @@
-"""Records that all kernels share: what does not move, what moves, samples, the log of contact switches, codes and counters.
+"""Records that all kernels share: constant data of a chain, its motion, samples, the log of contact switches, and codes.
 
-A kernel that Python calls takes their fields as plain tuples, which cost less to pass, and makes records of them at once.
+A kernel that Python calls receives the fields as plain tuples, which are cheaper to pass, and builds the records from
+them.
 """
 
 from __future__ import annotations
@@ -13,91 +14,93 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Flags = NDArray[np.int8]
 
-# whole numbers with a type: kernels would be compiled once more for a literal among their arguments
+# Typed integers: a literal among the arguments would make numba compile a kernel once more.
 ZERO: Any = np.int64(0)
 ONE: Any = np.int64(1)
 NO_CONTACT: Any = np.int64(-1)
 NO: Any = np.bool_(False)
 
-# how a kernel ended; physics.status gives them names for everybody else
+# How a kernel ended; `physics.status` names these codes for all other modules.
 DONE, SEPARATED, OUT_OF_STEPS, FAILED = 0, 1, 2, 3
-PAUSED = 9  # a kernel hands back now and then, so that Python can be interrupted; it is called again
+PAUSED = 9  # The kernel returns now and then so that Python can be interrupted, and is then called again.
 
-# kinds of graph of a contact
+# Kinds of the graph of a contact.
 POWER = 0  # one segment from overlap 0 on, a power law
-TABLE = 1  # one segment from overlap 0 on, whose force and energy are a table of polynomials
+TABLE = 1  # one segment from overlap 0 on, with tables of polynomials for force and energy
 SEGMENTS = 2  # any other table of segments
 
-# columns of a segment, see `softcradle.physics.segments`
+# Columns of a segment, see `softcradle.physics.segments`.
 SIDE, ORIGIN, PRELOAD, STIFFNESS, EXPONENT, LOSS, LENGTH, BEFORE, STOP = 0, 1, 2, 3, 4, 5, 6, 7, 8
-FROM, FORCE_FROM = (
-    9,
-    10,
-)  # of a table: the displacement [m] from which on it counts, and its force above the preload there [N]
+# Columns for a table: displacement [m] from which on the table is used, and its force above the preload there [N].
+FROM, FORCE_FROM = 9, 10
 
-# modes of a contact in an adaptive step
+# Modes of a contact in an adaptive step.
 OPEN = 0  # no force
-TOUCHING = 1  # the overlap is held, the force is a multiplier
+TOUCHING = 1  # the overlap is held at 0, the force is a multiplier (Signorini condition)
 LOADED = 2  # on the curve of its law
-FROZEN = 3  # between two beads that do not move: overlap and force are held
+FROZEN = 3  # between two fixed beads: overlap and force are constant
 
-# entries of the counter array
+# Entries of the counter array.
 EVALUATION = 0  # evaluations of all contact forces
-STEP = 1  # steps taken
-REJECTED = 2  # steps tried and rejected
-UNCONVERGED = 3  # steps taken although the solver of the contact forces did not converge
-SAMPLE = 5  # sample rows filled
-SWITCH = 6  # contact switches, those beyond the end of the log included
+STEP = 1  # accepted steps
+REJECTED = 2  # rejected steps
+UNCONVERGED = 3  # steps accepted although the solver of the contact forces did not converge
+SAMPLE = 5  # sample rows written
+SWITCH = 6  # contact switches, including switches that did not fit into the log
 FLIGHT = 7  # free flights
-KEPT = 8  # rows of steps kept for samples
+KEPT = 8  # stored steps, from which samples are taken (dense output)
 COUNTERS = 9
 
 
 class Extent(NamedTuple):
-    """How far a run goes."""
+    """Time span and limits of a run."""
 
-    start: float  # [s]
-    end: float  # [s]; inf: as far as the motion goes
-    stop: bool  # whether it ends where no contact can close again
-    most_steps: int  # rejected ones included, those of free flight that are taken at once not
+    start: float  # start time [s]
+    end: float  # end time [s]; inf: until the motion ends
+    stop: bool  # if True, the run ends when no contact can close again
+    # Limit of the number of steps, including rejected ones. Steps of free flight that are done in one go do not count.
+    most_steps: int
 
 
 class Knots(NamedTuple):
-    """Forces and brakes over time, linear between K knots, 0 before the first and kept after the last; K = 0 without any."""
+    """Forces and brakes over time. They are linear between K breakpoints, 0 before the first and constant after the last.
 
-    time: Array  # (K,) [s], ascending; two alike make a jump
+    K is 0 without forces over time.
+    """
+
+    time: Array  # (K,) [s], ascending; two equal times make a step
     push: Array  # (K, n+1) forces on the beads [N]
     brake: Array  # (K, n+1) decelerations of sliding beads [m/s²]; (K, 0) without brakes
-    drive: Array  # (n+1,) steady forces on the beads [N]
-    friction: Array  # (n+1,) steady decelerations [m/s²]; (0,) without brakes
-    push_slope: Array  # (n+1,) scratch: by how much forces change [N/s]
-    brake_slope: Array  # (n+1,) scratch: the same of decelerations [m/s³]; (0,) without brakes
-    bend: Array  # (n+1,) scratch: by how much `ChainData.external` changes [m/s³]; (0,) without knots
+    drive: Array  # (n+1,) constant forces on the beads [N]
+    friction: Array  # (n+1,) constant decelerations [m/s²]; (0,) without brakes
+    push_slope: Array  # (n+1,) scratch: time derivatives of the forces [N/s]
+    brake_slope: Array  # (n+1,) scratch: time derivatives of the decelerations [m/s³]; (0,) without brakes
+    bend: Array  # (n+1,) scratch: time derivative of `ChainData.external` [m/s³]; (0,) without breakpoints
 
 
 NO_KNOTS = Knots(*(np.zeros(shape) for shape in (0, (0, 0), (0, 0), 0, 0, 0, 0, 0)))
 
 
 class Graphs(NamedTuple):
-    """The graphs of all contacts as tables of segments; without rows if each contact is one power law from overlap 0 on."""
+    """Graphs of all contacts as tables of segments. Empty if each contact is a single power law from overlap 0 on."""
 
     kind: Flags  # (n,) POWER, TABLE or SEGMENTS
-    coupled: Flags  # (n,) zero: a coupler that has not coupled yet, which does not pull; the array of the State
+    coupled: Flags  # (n,) zero: a coupler that has not coupled yet and does not pull; this array belongs to the State
     first: NDArray[np.int64]  # (n+1,) row of the first segment of each contact
-    segment: Array  # (m, 11) columns below, from left to right in each graph
-    table: NDArray[
-        np.int64
-    ]  # (m, 4) first piece and the one after the last, first breakpoint and the one after the last
-    edge: Array  # (p, 2) displacements [m] between which each piece of a table lies
-    force: Array  # (p, degree+1) coefficients of the force on each piece, see `law_table`
-    energy: Array  # (p, degree+2) those of the energy
-    breakpoint: Array  # (b, 3) displacement [m], and by how much the force [N] and its slope [N/m] jump there
+    segment: Array  # (m, 11) columns as above, from left to right in each graph
+    # (m, 4) first piece and the one after the last, first breakpoint and the one after the last
+    table: NDArray[np.int64]
+    edge: Array  # (p, 2) displacements [m] at which each piece of a table begins and ends
+    force: Array  # (p, degree+1) polynomial coefficients of the force on each piece, see `law_table`
+    energy: Array  # (p, degree+2) polynomial coefficients of the energy
+    breakpoint: Array  # (b, 3) displacement [m], and the steps of the force [N] and of its slope [N/m] there
 
 
 class Dissipation(NamedTuple):
-    """What takes energy."""
+    """Hysteretic loss of the contacts and friction of the bed."""
 
-    loss: Array  # (n,) part of its energy that each contact dissipates; (0,) if nothing dissipates and no contact has segments
+    # (n,) fraction of its energy that each contact dissipates; (0,) if nothing dissipates and no contact has segments
+    loss: Array
     bed: Array  # (n+1,) deceleration of a sliding bead [m/s²]; (0,) without friction
 
 
@@ -111,33 +114,38 @@ NO_DISSIPATION = Dissipation(NOTHING, NOTHING)
 
 
 class ChainData(NamedTuple):
-    """A chain as arrays, and the forces on it: what does not move in a run."""
+    """A chain and the forces on it as arrays: the data that do not change during a run."""
 
-    # (n, 3) preload [N], stiffness [N/m**exponent] and exponent of each contact, of a table those that it begins with
+    # (n, 3) preload [N], stiffness [N/m**exponent] and exponent of each contact; for a table, of the power law it
+    # begins with
     law: Array
     inverse_mass: Array  # (n+1,) [1/kg], 0 for a wall
-    push: Array  # (n+1,) external force on each bead [N]; (0,) without any
-    external: Array  # (n+1,) accelerations by it of the overlaps, then of the anchor [m/s²]; (0,) without any
-    anchor_bead: int  # index of the bead whose position and velocity are kept
+    push: Array  # (n+1,) external force on each bead [N]; (0,) without forces
+    # (n+1,) accelerations by the external forces, of the overlaps, then of the anchor bead [m/s²]; (0,) without forces
+    external: Array
+    anchor_bead: int  # index of the reference bead: its position and velocity are stored
     graph: Graphs = NO_GRAPHS
-    knots: Knots = NO_KNOTS  # forces at one time, or in the mean of a step, are put into the push and the bed
-    dissipation: Dissipation = NO_DISSIPATION  # the effective chain of adaptive steps has none
+    # Forces over time. Their values at one time, or their means over a step, are written into `push` and `bed`.
+    knots: Knots = NO_KNOTS
+    dissipation: Dissipation = NO_DISSIPATION  # empty in the effective chain of the adaptive steps
 
 
 class Motion(NamedTuple):
-    """What moves, in place."""
+    """The motion of a chain, updated in place."""
 
     overlap: Array  # (n,) [m]
     rate: Array  # (n,) [m/s]
     anchor: Array  # (2,) position [m] and velocity [m/s] of the anchor bead
     force: Array  # (n,) contact forces [N] of the last step
-    taken: Array  # (4,) energy [J] absorbed by contacts, by the bed, work [J] of forces over time; their impulse Python knows
+    # (4,) energy [J] dissipated by contacts and by the bed, work [J] of forces over time, and their impulse, which only
+    # Python updates
+    taken: Array
     mode: Flags  # (n,) OPEN, TOUCHING, LOADED or FROZEN; (0,) for fixed steps
-    held: Flags  # (n,) nonzero: this mode has just been set by an event; (0,) for fixed steps
+    held: Flags  # (n,) nonzero: an event has just set this mode; (0,) for fixed steps
 
 
 class Samples(NamedTuple):
-    """Times (T,) at which samples are wanted, and one row of the motion for each."""
+    """Sample times (T,) [s], and a row of the motion for each of them."""
 
     time: Array
     overlap: Array  # (T, n)
@@ -148,9 +156,9 @@ class Samples(NamedTuple):
 
 
 class SwitchLog(NamedTuple):
-    """Every change of a contact between open and closed, up to the size of the log, and the counters of the run."""
+    """Log of all changes of contacts between open and closed, as long as it has room, and the counters of the run."""
 
-    contact: NDArray[np.int64]  # (S,) which contact
-    time: Array  # (S,) when [s]
-    closed: Flags  # (n,) nonzero: closed now
+    contact: NDArray[np.int64]  # (S,) index of the contact
+    time: Array  # (S,) time [s] of the change
+    closed: Flags  # (n,) nonzero: the contact is closed now
     counter: NDArray[np.int64]  # (COUNTERS,)

@@ -1,4 +1,4 @@
-"""Kernels on the switches of contacts between open and closed, and on copies of a motion."""
+"""Kernels that test and log switches of contacts between open and closed, and that copy a motion."""
 
 from __future__ import annotations
 
@@ -9,14 +9,15 @@ from softcradle.physics.numerics.records import SWITCH, Motion
 
 @inlined
 def is_closed(overlap, force):
-    """Whether a contact pushes: it overlaps, or it touches and carries a force; or pulls, as couplers alone do."""
+    """Return True if a contact pushes (it overlaps, or touches and carries a force) or pulls, as only couplers do."""
     return overlap > 0.0 or (overlap == 0.0 and force > 0.0) or force < 0.0
 
 
 @inlined
 def log_switch(log, i, now, time):
-    """Log that contact i closes (`now` true) or opens at `time`; what the log has no row for is counted all the same."""
+    """Log that contact i closes (`now` true) or opens at `time` [s]. Switches are counted even if the log is full."""
     log.closed[i] = 1 if now else 0
+    # the counter runs on if the log is full, so that the caller can provide a larger one
     k = log.counter[SWITCH]
     if k < log.contact.size:
         log.contact[k], log.time[k] = i, time
@@ -25,8 +26,11 @@ def log_switch(log, i, now, time):
 
 @inlined
 def has_stopped(chain, motion, closed):
-    """Whether a run of steps ends: a contact has left the state that its flag in `closed` (n,) says, or all beads of a chain
-    with dissipation rest."""
+    """Return True if a sequence of steps has to end.
+
+    This is so if a contact has left the state that its flag in `closed` (n,) gives, or if all beads of a chain with
+    dissipation are at rest.
+    """
     stopped = chain.dissipation.loss.size > 0 and at_rest(motion)
     for i in range(closed.size):
         stopped |= is_closed(motion.overlap[i], motion.force[i]) != (closed[i] != 0)
@@ -35,14 +39,17 @@ def has_stopped(chain, motion, closed):
 
 @inlined
 def copy_into(target, source):
-    """``target[:] = source`` of arrays (k,): a slice that takes an array might overlap it, so numba would allocate."""
+    """Copy an array (k,) element by element.
+
+    For ``target[:] = source`` numba would allocate memory, because both slices might overlap.
+    """
     for i in range(source.size):
         target[i] = source[i]
 
 
 @inlined
 def copy_motion(target, source):
-    """Copy overlaps, rates, forces, anchor and absorbed energy of one Motion into another."""
+    """Copy overlaps, rates, forces, anchor and energy balance from one Motion into another."""
     copy_into(target.overlap, source.overlap)
     copy_into(target.rate, source.rate)
     copy_into(target.force, source.force)
@@ -52,13 +59,16 @@ def copy_motion(target, source):
 
 @inlined
 def row_of(rows, k, motion):
-    """Row k of Samples as a Motion, with the modes of `motion`."""
+    """Return row k of some Samples as a Motion, with the modes of `motion`."""
     return Motion(rows.overlap[k], rows.rate[k], rows.anchor[k], rows.force[k], rows.taken[k], motion.mode, motion.held)
 
 
 @inlined
 def take_no_pull(motion):
-    """An open contact does not push, whatever its mean force in the last step was."""
+    """Set the force of each open contact to at most 0, because an open contact does not push.
+
+    Its mean force in the last step may have been larger.
+    """
     for i in range(motion.force.size):
         if motion.overlap[i] < 0.0:
             motion.force[i] = min(motion.force[i], 0.0)

@@ -1,13 +1,15 @@
-"""What bounces that a step of the discrete gradient does not tell apart lose.
+"""Energy loss of bounces that are too short for a step of the discrete gradient.
 
-A contact that a step carries from a touch to that touch ends at the opposite rate, for it stores nothing at either. With loss it
-has bounced in between, pressed in against its preload P and come out by what the loss leaves of that, kP. Under the load f of
-its beads' other forces one such bounce leaves
+If a step begins and ends at the same touch, the contact stores no energy at either end, so its rate is exactly
+reversed. A contact with loss has bounced in between: it was loaded against its preload P and unloaded against the
+fraction k of it that the loss leaves, kP. If the other forces on its beads give the load f, one such bounce multiplies
+the rate by
 
-    e = sqrt((kP - f) / (P - f))      of the rate, sqrt(k) without load; 0 where f >= kP, for there it is held
+    e = sqrt((kP - f) / (P - f))      or sqrt(k) without load; e = 0 for f >= kP, because the contact is then held
 
-and bounces follow each other in times that fall by the same factor, so that the rate falls evenly with time, to 0. What they
-lose is taken after the step, by an impulse between the two beads: momentum stays, and the ledger has it.
+The durations of successive bounces shrink by the same factor, so the rate falls linearly with time to 0 (chattering).
+The step applies this loss afterwards as an impulse between both beads: momentum is conserved, and the energy balance
+contains the loss.
 """
 
 from __future__ import annotations
@@ -17,32 +19,43 @@ import math
 from softcradle.physics.numerics.graph_kernels import graph_force, has_segments
 from softcradle.physics.numerics.jit import inlined, jit
 
-# of what a preload moves in a step: an overlap this small, of either sign, is the round-off of touching
+# Fraction of the overlap that the preload causes in a step. An overlap this small, of either sign, is the round-off of
+# a touch.
 TOUCHES = 1e-14
 
 
 @inlined
 def rate_left(h, rate, load, full, least, weight):
-    """What bounces within a step of length `h` leave of a `rate` without sign; `load`, `full`, `least` are f, P and kP above."""
+    """Return how much of `rate` >= 0 [m/s] is left after the bounces within a step of length `h` [s].
+
+    `load`, `full` and `least` are f, P and kP of the module docstring [N].
+    """
     if load >= least:
         return 0.0
     part = math.sqrt((least - load) / (full - load))
+    # without load on the contact the beads separate after one bounce
     if load <= 0.0:
         return part * rate
     in_and_out = 1.0 / (full - load) + part / (least - load)
-    bounces = part * rate / weight * (2.0 / load + in_and_out) / (1.0 - part)  # how long they last, all of them
+    # duration of the infinite sequence of bounces, a geometric series
+    bounces = part * rate / weight * (2.0 / load + in_and_out) / (1.0 - part)
     return part * rate * max(0.0, 1.0 - h / bounces)
 
 
 @jit
 def put_impulse(i, impulse, weight, coupling, chain, motion):
-    """Push the beads of contact i apart by an impulse, which changes its rate by `weight`, others by `coupling` as below."""
+    """Apply an impulse [N s] that separates the beads of contact i.
+
+    It changes the rate of the contact by `weight` per impulse, and the rates of its neighbours by `coupling`.
+    """
     rate, anchor = motion.rate, motion.anchor
+    # the contact itself, then both neighbours
     rate[i] -= impulse * weight
     if i > 0:
         rate[i - 1] += coupling[i] * impulse
     if i < rate.size - 1:
         rate[i + 1] += coupling[i + 1] * impulse
+    # the velocity of the anchor bead is stored separately
     if anchor.size and chain.anchor_bead == i:
         anchor[1] -= coupling[i] * impulse
     elif anchor.size and chain.anchor_bead == i + 1:
@@ -51,17 +64,19 @@ def put_impulse(i, impulse, weight, coupling, chain, motion):
 
 @jit
 def settle_touching(h, before, weight, coupling, chain, motion, absorbed):
-    """Take what bounces have lost where a step went from a touch, overlaps `before` (n,), to that touch, into `absorbed`.
+    """Apply the loss of unresolved bounces to each contact whose step began and ended at the same touch; add it to `absorbed`.
 
-    An impulse between its beads changes the rate of a contact by `weight` (n,), that of the one before by `coupling` (n+1,)
-    at its index, that of the one after by the next.
+    `before` (n,) are the overlaps at the start of the step. An impulse between its beads changes the rate of contact i
+    by `weight[i]`, that of the previous contact by `coupling[i]` and that of the next one by `coupling[i + 1]`.
     """
     overlap, rate, force = motion.overlap, motion.rate, motion.force
     for i in range(rate.size):
+        # A contact bounces if the step begins and ends at the same touch while it moves and pushes or pulls.
         several = has_segments(chain.graph, i)
         stays = before[i] == overlap[i] and force[i] != 0.0 and (several or overlap[i] == 0.0)
         if not stays or rate[i] == 0.0 or weight[i] == 0.0:
             continue
+        # forces of loading and unloading at the touch, P and kP above
         full, least = chain.law[i, 0], (1.0 - chain.dissipation.loss[i]) * chain.law[i, 0]
         if several:
             side = math.copysign(1.0, force[i])
@@ -69,9 +84,11 @@ def settle_touching(h, before, weight, coupling, chain, motion, absorbed):
             least = side * graph_force(chain.graph, i, overlap[i], side, side < 0.0)
         if least >= full:
             continue
-        turned = 2.0 * rate[i] / (h * weight[i])  # the force that has turned it round
+        # the mean force has reversed the rate; without this part it balances the load of the other forces
+        turned = 2.0 * rate[i] / (h * weight[i])  # force that has reversed the rate
         load = math.copysign(1.0, force[i]) * (force[i] + turned)
         ended = -math.copysign(rate_left(h, abs(rate[i]), load, full, least, weight[i]), force[i])
+        # impulse that leaves the rate after the bounces, and the energy that it takes
         impulse = (rate[i] - ended) / weight[i]
         absorbed[0] += 0.5 * impulse * (rate[i] + ended)
         force[i] += impulse / h
