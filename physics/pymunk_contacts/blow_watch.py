@@ -1,4 +1,4 @@
-"""Warnings about the blows in a Space: a step that is too long for them, and bodies that pass through each other."""
+"""Warnings about collisions in a Space: a step that is too long for them, and bodies that pass through each other."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from weakref import WeakKeyDictionary
 import pymunk
 from softcradle.physics.pymunk_contacts.post_step import call_after_step
 
-# Factor by which a blow must exceed the speed and step that were found short enough, before they are checked again.
+# Factor by which the speed or the step must exceed the values that were checked before, so that they are checked again.
 FASTER = 1.1
-# Part of the touching distance within which the recommended stiffness stores the energy of the blow. The rest is a margin
-# for the half step by which pymunk's positions are behind, and for forces that press while the blow lasts.
+# Fraction of the touching distance within which the recommended stiffness absorbs the energy of the blow. The rest is a
+# margin: pymunk's positions lag by half a step, and other forces may press the bodies together during the blow.
 HELD = 0.7
 
 
@@ -26,9 +26,9 @@ class BlowWatch:
     Attributes
     ----------
     fastest : float
-        Speed of the fastest blow of a SoftContact so far [m/s].
+        Speed of the fastest collision of a SoftContact so far [m/s].
     too_long, passed : set of str
-        Laws for which there has been a warning of that kind.
+        Contact laws for which the warning of this kind has been given.
     """
 
     fastest: float = 0.0
@@ -40,24 +40,26 @@ _watches: WeakKeyDictionary[pymunk.Space, BlowWatch] = WeakKeyDictionary()
 
 
 def watch_of(space: pymunk.Space) -> BlowWatch:
-    """Return the watch of a Space."""
+    """Return the BlowWatch of a Space."""
     return _watches.setdefault(space, BlowWatch())
 
 
 def warn_after_step(constraint: pymunk.Constraint, sentence: str) -> None:
-    """Warn at the end of the step under way, with the line that called ``space.step``."""
+    """Warn at the end of the current step, with the line that called ``space.step`` as its source."""
     call_after_step(constraint, lambda: warnings.warn(sentence, RuntimeWarning, stacklevel=5))
 
 
 def kinetic_energy(bodies: Iterable[pymunk.Body]) -> float:
-    """Return the kinetic energy [J] that the contacts between `bodies` can take up.
+    """Return the kinetic energy [J] that the contacts between `bodies` can absorb.
 
-    It is relative to a body that contacts cannot move, if there is one (the one that gives most), else to the centre of mass.
+    It is relative to a body that contacts cannot move, if there is one (the one with the largest result), else to the
+    centre of mass.
     """
     found = list(bodies)
     moving = [body for body in found if body.body_type == pymunk.Body.DYNAMIC]
     frames = [body.velocity for body in found if body.body_type != pymunk.Body.DYNAMIC]
     if not frames:
+        # without a fixed body the motion of the common centre of mass stays
         momentum = sum((body.mass * body.velocity for body in moving), pymunk.Vec2d(0.0, 0.0))
         frames = [momentum / sum(body.mass for body in moving)]
     turning = sum(0.5 * body.moment * body.angular_velocity**2 for body in moving if body.angular_velocity)
@@ -67,7 +69,7 @@ def kinetic_energy(bodies: Iterable[pymunk.Body]) -> float:
 
 
 def passing_sentence(what: str, law: Any, energy: float, touching: float) -> str:
-    """Return the warning that two bodies have passed through each other, with the stiffness that would hold.
+    """Return the warning that two bodies have passed through each other, with the stiffness that would have stopped them.
 
     Parameters
     ----------
@@ -80,11 +82,13 @@ def passing_sentence(what: str, law: Any, energy: float, touching: float) -> str
     touching : float
         Touching distance [m].
     """
+    # compare the energy of the blow with the energy that the contact stores within the fraction HELD
     held = law.energy(HELD * touching)
     times = energy / held if held > 0.0 else math.inf
     begin = f"{what} passed through each other"
     if times <= 1.0:
         return f"{begin} within one step, though the contact between them is stiff enough: take shorter steps"
+    # for a power law name the numbers to set, for any other law only the factor
     name = getattr(law, "name", None) or str(law)
     way_out = f"a force {times:.3g} times as large"
     if getattr(law, "stiffness", 0.0) and not law.preload:
@@ -99,7 +103,7 @@ def passing_sentence(what: str, law: Any, energy: float, touching: float) -> str
 
 
 def _rounded_up(value: float) -> float:
-    """Return `value` with two digits, not less than it is."""
+    """Return `value` rounded up to two digits."""
     if value == 0.0:
         return 0.0
     unit = 10.0 ** (math.floor(math.log10(value)) - 1)

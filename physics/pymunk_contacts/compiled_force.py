@@ -1,7 +1,7 @@
-"""Compiled force callbacks for pymunk springs, by way of pymunk's private C interface.
+"""Compiled force callbacks for pymunk springs, through pymunk's private C interface.
 
-pymunk does not promise the interface: every part that is used is checked once, with a spring made for that, and where a
-check fails Python callbacks are used instead.
+pymunk does not guarantee this interface. So each part that is used is checked once, on a spring made for the test. If a
+check fails, Python callbacks are used instead.
 """
 
 from __future__ import annotations
@@ -13,23 +13,24 @@ from typing import Any
 import pymunk
 from softcradle.physics.pymunk_contacts.compiled_law import LAW_SLOT, compiled_push
 
-# preload, stiffness, exponent, touching distance, overlap or NaN: it follows from the distance, 1 if the contact was closed,
-# and the address of pymunk's call of the Python callback
+# Fields: preload, stiffness, exponent, touching distance, overlap (NaN: computed from the distance), 1 if the contact
+# was closed, and the address of the C function that calls the Python callback.
 LAW_TYPE = "double[7]"
 
 
 def unavailable() -> str:
-    """Why there are no compiled callbacks here; empty where there are."""
+    """Return the reason why compiled callbacks are not available, or an empty string if they are."""
     return _callback()[1]
 
 
 def attach(spring: pymunk.DampedSpring) -> Any:
-    """Replace the force of `spring` by compiled code; returns its law, five numbers that may be written at any time.
+    """Replace the force of `spring` by compiled code. Return its law, an array of numbers that may be changed at any time.
 
-    The law must live as long as the spring: store a reference to it there.
+    The law must live as long as the spring: store a reference to it in the spring.
     """
     from pymunk._chipmunk_cffi import ffi, lib
 
+    # the law is a C array; its address is written into the unused stiffness slot
     law = ffi.new(LAW_TYPE)
     law[6] = _python_address()
     ffi.cast("double **", spring._constraint)[LAW_SLOT] = law
@@ -39,20 +40,20 @@ def attach(spring: pymunk.DampedSpring) -> Any:
 
 @cache
 def _callback() -> tuple[Any, str]:
-    """C function pointer and "", or None and the reason."""
+    """Return the C function pointer and "", or None and the reason for its absence."""
     try:
         from pymunk._chipmunk_cffi import ffi
 
         _check_layout(ffi)
         function = ffi.cast("cpDampedSpringForceFunc", compiled_push().address)
         _check_call(ffi, function)
-    except Exception as error:  # a private interface and a compiler may fail in any way
+    except Exception as error:  # a private interface and a compiler may raise any exception
         return None, f"{type(error).__name__}: {error}"
     return function, ""
 
 
 def _python_address() -> float:
-    """Address of the C function by which pymunk calls a spring's Python callback; a float holds those below 2**53."""
+    """Return the address of pymunk's C function that calls a Python callback, as a float (exact below 2**53)."""
     from pymunk._chipmunk_cffi import ffi, lib
 
     return float(int(ffi.cast("intptr_t", ffi.addressof(lib, "ext_cpDampedSpringForceFunc"))))
@@ -63,17 +64,23 @@ def _probe(stiffness: float) -> pymunk.DampedSpring:
 
 
 def _check_layout(ffi: Any) -> None:
-    """The slot for the law's address must be the spring's stiffness, which the compiled force does not use."""
+    """Raise RuntimeError unless the slot for the address of the law is the stiffness of the spring.
+
+    The compiled force does not use the stiffness.
+    """
+    # two unusual values: a wrong slot would hardly contain both
     for stiffness in (1.25e67, -3.5e-41):
         if ffi.cast("double *", _probe(stiffness)._constraint)[LAW_SLOT] != stiffness:
             raise RuntimeError(f"pymunk {pymunk.version} lays its springs out in another way")
 
 
 def _check_call(ffi: Any, function: Any) -> None:
+    # a closed and an open contact
     spring, law = _probe(0.0), ffi.new(LAW_TYPE, [0.5, 3.0, 1.0, 2.0, math.nan, 1.0, _python_address()])
     ffi.cast("double **", spring._constraint)[LAW_SLOT] = law
     if function(spring._constraint, 1.75) != 1.25 or function(spring._constraint, 2.5) != 0.0:
         raise RuntimeError("the compiled callback gives wrong forces")
+    # a contact that has just closed, or has a NaN distance, must call the Python function; all others must not
     spring.force_func = lambda _, distance: 8.0
     if [function(spring._constraint, distance) for distance in (1.75, 1.75, math.nan)] != [8.0, 1.25, 8.0]:
         raise RuntimeError("the compiled callback does not leave a contact that closes to Python")

@@ -1,4 +1,4 @@
-"""Soft contacts for pymunk: constraints that only push, ``force = F + K * overlap**a``, in anyone's Space."""
+"""Soft contacts for pymunk: constraints that only push, ``force = F + K * overlap**a``, in any Space."""
 
 from __future__ import annotations
 
@@ -39,22 +39,24 @@ LawLike = Law | Callable[[float], SupportsFloat]
 
 
 class SoftContact(pymunk.DampedSpring):
-    """Contact of two bodies, which pushes them apart while their anchors are nearer than `touching_distance`.
+    """A contact of two bodies, which pushes them apart while their anchors are nearer than `touching_distance`.
 
-    Works like a ``pymunk.DampedSpring`` whose force is that of a :class:`~softcradle.physics.contact.Contact`, and only
-    while ``overlap = touching_distance - distance > 0``. The force is evaluated once a step, after the bodies have moved, as
-    in symplectic Euler: use `substeps`, for contacts are short. If a contact closes in a step that is too long for it, there
-    is one RuntimeWarning for each law in a Space. The force acts along the line between the anchors, so the overlap must
-    stay smaller than `touching_distance`. If the bodies pass through each other, a RuntimeWarning gives the stiffness that
-    would hold them.
+    It works like a ``pymunk.DampedSpring`` with the force of a :class:`~softcradle.physics.contact.Contact`, which acts
+    only while ``overlap = touching_distance - distance > 0``. The force is evaluated once a step, after the bodies have
+    moved, as in symplectic Euler. Contacts are short, so use `substeps` to choose the step. If a contact closes in a
+    step that is too long for it, there is one RuntimeWarning for each law in a Space. The force acts along the line
+    between the anchors, so the overlap must stay smaller than `touching_distance`. If the bodies pass through each
+    other, a RuntimeWarning gives the stiffness that would have stopped them.
 
-    It replaces the collision between the two bodies' shapes: `collide_bodies` is False unless set to True.
+    The contact replaces the collision between the shapes of the two bodies: `collide_bodies` is False unless set to
+    True.
 
-    A Contact with loss pushes with a part of its force while the bodies move apart, and with anything between that part and
-    the whole while they are at rest: the force that holds them. To find it, the contact expects the other forces on the
-    bodies to stay as they were in the last step. Its force depends on velocities, so it is always a Python callback.
+    A Contact with loss pushes with a fraction of its force while the bodies separate. While they are at rest, its force
+    lies anywhere between this fraction and the whole: it is the force that keeps them at rest. To find it, the contact
+    assumes that the other forces on the bodies are the same as in the last step. This force depends on velocities, so
+    it is always a Python callback.
 
-    Copy and pickle include it, but not a `force_func` of your own.
+    Copies and pickles include the contact, but not a `force_func` that you have set.
 
     Parameters
     ----------
@@ -65,17 +67,18 @@ class SoftContact(pymunk.DampedSpring):
         Distance > 0 of the anchors at which the contact just touches [m]; for two balls with anchors in their
         centres the sum of their radii.
     contact : Contact or law
-        A Contact, or a function of an overlap > 0 [m] that returns a force [N], or an object with such a method ``force``.
+        A Contact, or a function of an overlap > 0 [m] that returns a force [N], or an object with such a method
+            ``force``.
     native : bool, optional
-        True: the force is compiled code, several times faster; False: a Python callback, same digits; None:
-        compiled where it can be had.
+        True: the force is compiled code, several times faster. False: a Python callback with bitwise the same results.
+        None: compiled if possible.
 
     Raises
     ------
     ValueError
         The distance is not a finite number > 0, an anchor is not two finite numbers, or `contact` has no force.
     RuntimeError
-        `native` is True and compiled code cannot be had; the message says why.
+        `native` is True and compiled code is not available; the message gives the reason.
 
     Examples
     --------
@@ -129,18 +132,20 @@ class SoftContact(pymunk.DampedSpring):
         self._known_overlap = self._known_rate = math.nan
         self._compiled_law: Any = None
         self._was_closed = False
-        self._others = 0.0  # change of the closing rate by all other forces in the last step, per second [m/s²]
-        self._looked_at: tuple[float, ...]  # step [s], and the speed [m/s] and 1/mass [1/kg] at which it was looked at
+        self._others = 0.0  # Change of the closing rate by all other forces in the last step, per second [m/s²].
+        # Step [s], speed [m/s] and 1/mass [1/kg] at which the step was last checked.
+        self._looked_at: tuple[float, ...]
         self.force_func = SoftContact.contact_force  # type: ignore[assignment]  # its first argument is narrower
         self.contact = contact
 
     @staticmethod
     def contact_force(spring: SoftContact, dist: float) -> float:
-        """Default force function: the contact's force at this distance of the anchors, 0 when they are apart.
+        """Return the force of the contact at this distance of the anchors, 0 if they are apart; the default force function.
 
-        An exception in it is raised by :py:meth:`pymunk.Space.step` at the end of the step; pymunk by itself prints it
-        and goes on with a wrong force.
+        An exception in it is raised by :py:meth:`pymunk.Space.step` at the end of the step. Without this, pymunk would
+        only print it and continue with a wrong force.
         """
+        # the method `pymunk` supplies the overlap; otherwise it follows from the distance
         overlap = spring._known_overlap
         if math.isnan(overlap):
             overlap = spring._touching_distance - dist
@@ -150,23 +155,24 @@ class SoftContact(pymunk.DampedSpring):
         try:
             _require_in_space(spring, overlap)
             step = space_of(spring).current_time_step
-            if step < 0.0:  # pymunk's springs then give velocities that are NaN
+            if step < 0.0:  # springs of pymunk would then give velocities that are NaN
                 raise ValueError(f"a SoftContact cannot step back in time: dt must be > 0, not {step:g}")
             force = spring._law(overlap)
             if not math.isfinite(force):
                 raise ValueError(f"a law must give a finite force, not {force!r} at an overlap of {overlap:.6g} m")
+            # checks: the step when a contact closes, passing when it is deep
             if not was_closed or spring._compiled_law is not None:
                 spring._look_at_step(overlap)
             if overlap > DEEP * spring._touching_distance:
                 spring._look_for_passing()
             return spring._push_with_loss(force, was_closed) if spring._loss else force
-        except BaseException as error:  # KeyboardInterrupt too, which pymunk would only print
+        except BaseException as error:  # including KeyboardInterrupt, which pymunk would only print
             raise_after_step(spring, error)
             return 0.0
 
     @property
     def contact(self) -> LawLike:
-        """The law of the contact; set it, and the new one counts from the next step on."""
+        """The law of the contact. A new law is used from the next step on."""
         return self._contact
 
     @contact.setter
@@ -194,13 +200,13 @@ class SoftContact(pymunk.DampedSpring):
 
     @property
     def overlap(self) -> float:
-        """Overlap of the bodies now [m]; negative where they are apart."""
+        """Present overlap of the bodies [m]; negative if they are apart."""
         ends = self.a.local_to_world(self.anchor_a), self.b.local_to_world(self.anchor_b)
         return self._touching_distance - (ends[1] - ends[0]).length
 
     @property
     def rate(self) -> float:
-        """Rate of the overlap now [m/s]; negative while the bodies move apart."""
+        """Present rate of the overlap [m/s]; negative while the bodies separate."""
         ends = self.a.local_to_world(self.anchor_a), self.b.local_to_world(self.anchor_b)
         line = ends[1] - ends[0]
         closing = self.a.velocity_at_world_point(ends[0]) - self.b.velocity_at_world_point(ends[1])
@@ -208,24 +214,25 @@ class SoftContact(pymunk.DampedSpring):
 
     @property
     def energy(self) -> float:
-        """Energy [J] stored now; contacts with loss give only a part of it back."""
+        """Energy [J] that is stored now; a contact with loss returns only a part of it."""
         return self._stores.energy(max(self.overlap, 0.0))
 
     def substeps(self, dt: float, speed: float, error: float = TRUSTED_ERROR) -> int:
-        """Number of equal steps to divide `dt` [s] into, so that a blow at `speed` [m/s] is right to `error` of the speed.
+        """Return the number of equal steps into which to divide `dt` [s] so that a collision at `speed` [m/s] is accurate.
 
-        See :func:`~softcradle.stable_step`; with the masses of the two bodies and the law as they are now. At the error of a
-        hundredth a blow gains or loses 3 % of its energy at most; errors of blows add up.
+        The error of the velocities is then at most `error`, relative to the speed; see :func:`~softcradle.stable_step`.
+        The masses of the bodies and the law are those at the time of the call. With an error of 0.01 a collision
+        changes the energy by at most 3 %. The errors of several collisions add up.
         """
         length = magnitude("dt", dt)
         return max(1, math.ceil(length / self._longest_step(magnitude("speed", speed), self._yielding(), error)))
 
     def _longest_step(self, speed: float, yielding: float, error: float = TRUSTED_ERROR) -> float:
-        """Longest step [s] for a blow at `speed` [m/s] on bodies that yield by `yielding` [1/kg]."""
+        """Return the longest step [s] for a collision at `speed` [m/s] with the inverse reduced mass `yielding` [1/kg]."""
         return stable_step(Chain([math.inf, 1.0 / yielding], self._stores), [0.0, -speed], error)
 
     def _yielding(self) -> float:
-        """Change of the closing speed by an impulse [1/kg]: both inverse masses, and what the bodies turn."""
+        """Return the change of the closing speed per impulse [1/kg]: both inverse masses, and the rotation of the bodies."""
         ends = self.a.local_to_world(self.anchor_a), self.b.local_to_world(self.anchor_b)
         line = (ends[1] - ends[0]).normalized()
         found = 0.0
@@ -235,6 +242,7 @@ class SoftContact(pymunk.DampedSpring):
                     raise ValueError(
                         "a body of a SoftContact has no mass or moment yet: give it both, or shapes with density"
                     )
+                # an impulse that does not pass through the centre of gravity also turns the body
                 arm = (end - body.local_to_world(body.center_of_gravity)).cross(line)
                 found += 1.0 / body.mass + arm * arm / body.moment
         if not found:
@@ -242,22 +250,25 @@ class SoftContact(pymunk.DampedSpring):
         return found
 
     def _look_at_step(self, overlap: float) -> None:
-        """Warn at the end of a step that is past its limit for the fastest blow of soft contacts in this Space so far."""
+        """Warn at the end of the step if it is too long for the fastest collision of soft contacts in this Space so far."""
         if not math.isnan(self._known_overlap):
             return
         space = space_of(self)
         watch = watch_of(space)
         step, rate, yielding = space.current_time_step, self.rate, self._yielding()
+        # speed of the collision: present rate, and the energy of bodies that were placed into each other
         before = overlap - step * rate
         released = 2.0 * yielding * self._stores.energy(before) if before > 1e-9 * overlap else 0.0
         watch.fastest = speed = max(watch.fastest, math.sqrt(rate * rate + released))
+        # check only if the step, the speed or the inverse mass has grown noticeably
         pairs = zip((step, speed, yielding), self._looked_at, strict=True)
         if all(now <= FASTER * then for now, then in pairs) or repr(self._contact) in watch.too_long:
             return
         self._looked_at = step, speed, yielding
         try:
             limit = self._longest_step(speed, yielding)
-        except (ValueError, ArithmeticError):  # a law of its own with no force or energy at some depths says so there
+        # a user-defined law without force or energy at some depth raises an error when it gets there
+        except (ValueError, ArithmeticError):
             return
         if step > limit:
             watch.too_long.add(repr(self._contact))
@@ -271,24 +282,28 @@ class SoftContact(pymunk.DampedSpring):
 
     @property
     def native(self) -> bool:
-        """True where the force is compiled code, False where it is a Python callback."""
+        """True if the force is compiled code, False if it is a Python callback."""
         return self._compiled_law is not None and self.force_func is SoftContact.contact_force
 
-    # C's own stiffness holds the address of the law
+    # The slot for the stiffness in C holds the address of the law.
     stiffness = settled(lambda _: 0.0, "a SoftContact has no stiffness of its own: set its contact")
     damping = settled(lambda _: 0.0, "a SoftContact has no damping: a damper would pull bodies that are apart")
 
     def _push_with_loss(self, force: float, was_closed: bool) -> float:
-        """Return what a contact with loss pushes with: `force`, what the loss leaves of it, or what keeps the bodies at rest."""
+        """Return the force of a contact with loss: `force`, the fraction that the loss leaves, or the force that keeps
+        it at rest.
+        """
+        # force on the unloading branch, the smallest that is possible
         least = (1.0 - self._loss) * force
         if not math.isnan(self._known_rate):
             return least if self._known_rate < 0.0 else force
         step, rate, yielding = space_of(self).current_time_step, self.rate, self._yielding()
+        # forces from before the contact was open are not a forecast for the next step
         if not was_closed:
             self._others = 0.0
         held = (rate / step + self._others) / yielding  # with this force the bodies are at rest at the end of the step
         push = min(max(held, least), force)
-        alone = rate - step * yielding * push  # the rate after the step, without the other forces
+        alone = rate - step * yielding * push  # rate after the step without the other forces
         call_after_step(self, lambda: setattr(self, "_others", (self.rate - alone) / step))
         return push
 
@@ -300,6 +315,7 @@ class SoftContact(pymunk.DampedSpring):
         ends = self.a.local_to_world(self.anchor_a), self.b.local_to_world(self.anchor_b)
         now = ends[1] - ends[0]
         moving = self.b.velocity_at_world_point(ends[1]) - self.a.velocity_at_world_point(ends[0])
+        # the line between the anchors has reversed its direction since the last step
         before = now - space.current_time_step * moving
         watch, law = watch_of(space), repr(self._contact)
         if now.dot(before) >= 0.0 or law in watch.passed:
@@ -312,7 +328,8 @@ class SoftContact(pymunk.DampedSpring):
         )
 
     def _energy_around(self, space: pymunk.Space) -> float:
-        """Return the energy [J] of the bodies that soft contacts join to the two, without what this contact stores."""
+        """Return the energy [J] of all bodies that soft contacts connect with the two, without that of this contact."""
+        # follow the soft contacts from body to body; fixed bodies end the search
         there = set(space.constraints)
         bodies: dict[pymunk.Body, None] = {}
         contacts: dict[SoftContact, None] = {}
@@ -329,15 +346,17 @@ class SoftContact(pymunk.DampedSpring):
         return kinetic_energy(bodies) + math.fsum(contact.energy for contact in contacts if contact is not self)
 
     def _take_overlap(self, overlap: float, rate: float) -> None:
-        """Use this overlap [m] and rate [m/s] from now on: the caller, who looks after steps, knows more digits of the one than
-        positions have, and the other before the contacts of the step have pushed.
+        """Use this overlap [m] and rate [m/s] from now on.
+
+        The caller, who manages the steps, knows the overlap with more digits than the positions have, and the rate
+        before any contact of the step has pushed.
         """
         self._known_overlap, self._known_rate = overlap, rate
         if self._compiled_law is not None:
             self._compiled_law[4], self._compiled_law[6] = overlap, 0.0
 
     def _wants_native(self, contact: LawLike) -> bool:
-        """Whether `contact` is to be compiled code; RuntimeError where it must be and cannot."""
+        """Return True if `contact` has to be compiled code; raise RuntimeError if it must be compiled and cannot be."""
         if self._native is False:
             return False
         reason = compiled.unavailable() if isinstance(contact, Contact) else f"{contact!r} is not a Contact"
@@ -383,7 +402,7 @@ def _checked_anchor(name: str, anchor: Pair) -> Pair:
 
 
 def _scalar_law(contact: LawLike) -> Callable[[float], float]:
-    """Force as a plain function of an overlap > 0, digit for digit that of softcradle.physics.numerics.law_kernels."""
+    """Return the force as a plain function of an overlap > 0, bitwise equal to softcradle.physics.numerics.law_kernels."""
     if not is_law(contact):
         raise ValueError(
             f"contact must be a Contact, a function of the overlap or have a method force(overlap), not {shown(contact)}"
@@ -392,6 +411,7 @@ def _scalar_law(contact: LawLike) -> Callable[[float], float]:
         raise ValueError(
             "a SoftContact only pushes, a coupler pulls and goes solid: take simulate(..., method='conserving')"
         )
+    # a user-defined law is called as it is, a Contact by the plain form of the compiled kernel
     if not isinstance(contact, Contact):
         return (lambda d: float(contact.force(d))) if isinstance(contact, Law) else (lambda d: float(contact(d)))
     return partial(plain(law_kernels.force), contact.preload, contact.stiffness, contact.exponent)

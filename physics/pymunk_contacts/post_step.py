@@ -1,4 +1,4 @@
-"""Tasks and errors that callbacks of a pymunk step leave for its end, where pymunk lets exceptions through."""
+"""Tasks and errors that callbacks of a pymunk step postpone to the end of the step, where pymunk passes exceptions on."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ def space_of(constraint: pymunk.Constraint) -> pymunk.Space:
     space = constraint.a.space or constraint.b.space
     if space is None:
         space = _spaces.get(constraint, lambda: None)()
-    if space is None:  # pymunk does not keep the Space in its constraints; this search is only for an error
+    # pymunk does not keep the Space in its constraints; this slow search is only used for an error message
+    if space is None:
         spaces = (found for found in gc.get_objects() if isinstance(found, pymunk.Space))
         space = next(found for found in spaces if constraint in found.constraints)
     _spaces[constraint] = ref(space)
@@ -27,14 +28,14 @@ def space_of(constraint: pymunk.Constraint) -> pymunk.Space:
 
 
 def call_after_step(constraint: pymunk.Constraint, task: Callable[[], None]) -> None:
-    """Call `task` at the end of the step under way."""
+    """Call `task` at the end of the current step."""
     space = space_of(constraint)
     space.add_post_step_callback(_finish, _finish)
     _pending.setdefault(space, []).append(task)
 
 
 def raise_after_step(constraint: pymunk.Constraint, error: BaseException) -> None:
-    """Raise `error` at the end of the step under way: pymunk prints errors in its callbacks and goes on."""
+    """Raise `error` at the end of the current step, because pymunk only prints errors in its callbacks and continues."""
 
     def fail() -> None:
         raise error
@@ -60,12 +61,12 @@ def settled(value: Callable[[Any], object], why: str) -> property:
 
 
 def _finish(space: pymunk.Space, key: object) -> None:
-    """Do the pending tasks and raise the first error. After an error pymunk calls this once more, with nothing pending."""
+    """Do the pending tasks and raise the first error. After an error pymunk calls this function again, with no pending tasks."""
     errors: list[BaseException] = []
     for task in _pending.pop(space, []):
         try:
             task()
-        except BaseException as error:  # KeyboardInterrupt too: the other tasks are still done
+        except BaseException as error:  # including KeyboardInterrupt: the other tasks are still done
             errors.append(error)
     if errors:
         if len(errors) > 1:

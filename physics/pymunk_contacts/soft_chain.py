@@ -1,4 +1,4 @@
-"""SoftChain: the contacts of a row of pymunk bodies, solved together so that no step is too large."""
+"""SoftChain: the contacts of a row of pymunk bodies, solved together so that any step size is stable."""
 
 from __future__ import annotations
 
@@ -47,27 +47,27 @@ from softcradle.physics.scales import scales_at
 Array = NDArray[np.float64]
 
 CHAIN_METHODS = ("conserving",)  # values of the argument `method`
-# Error of velocities after a blow, relative to its speed, that is allowed by default: what can be seen in a game.
+# Default limit of the velocity error after a collision, relative to its speed. Larger errors are visible in a game.
 VISIBLE_ERROR = 0.05
-# Error of velocities after a blow in steps as long as the shortest contact, relative to its speed. The error falls with the
-# square of the step. `python -m benchmarks soft-chains` scans random rows for it.
+# Velocity error after a collision, relative to its speed, if the step is as long as the shortest contact. The error
+# falls with the square of the step. `python -m benchmarks soft-chains` measures it with random rows.
 ERROR_AT_CONTACT_TIME = 3.0
-# what moves in a chain
+# arrays that describe the motion of a chain
 ROWS = ("_overlap", "_rate", "_lag", "_outside", "_acted", "_force", "_place", "_speed", "_absorbed")
 
 
 @dataclass(frozen=True)
 class SoftChainState:
-    """Motion of a SoftChain between two steps.
+    """State of motion of a SoftChain between two steps.
 
     Attributes
     ----------
     bodies : ndarray, shape (n+1, 6)
         Positions [m], velocities [m/s], angles and angular velocities of the bodies.
     rows : tuple of ndarray
-        What the chain keeps of its contacts.
+        The stored quantities of the contacts.
     step : float
-        The last step [s]; 0 before any.
+        The last step [s]; 0 before the first step.
     """
 
     bodies: Array
@@ -154,6 +154,7 @@ class SoftChain:
             raise ValueError("a SoftChain needs its touching_distance: one for all contacts or one for each")
         if method not in CHAIN_METHODS:
             raise ValueError(f"method of a SoftChain must be one of {', '.join(CHAIN_METHODS)}, not {shown(method)}")
+        # check the bodies: different ones, and a dynamic one in each pair
         require_kind("bodies", bodies, Sequence)
         for body in bodies:
             require_kind("every body", body, pymunk.Body)
@@ -165,32 +166,35 @@ class SoftChain:
         self.method = method
         self.bodies = tuple(bodies)
         n = len(bodies) - 1
+        # motion of the contacts and bodies, see ROWS
         self._overlap, self._rate, self._lag, self._force = np.zeros((4, n))
-        self._outside = np.zeros(n)  # changes of rates by others that are expected in a step
-        self._acted = np.zeros(n)  # and those of the last step
+        self._outside = np.zeros(n)  # expected changes of the rates by others in a step
+        self._acted = np.zeros(n)  # the changes of the last step
         self._place, self._speed, self._direction = np.zeros((n + 1, 2)), np.zeros((n + 1, 2)), np.zeros((n, 2))
+        # scratch memory of the solver
         self._work = np.zeros((CHAIN_ROWS, n))
         self._beads = np.zeros((BEAD_ROWS, n + 1))
         self._absorbed = np.zeros(1)
-        self._step = 0.0  # of the last step; 0 when there was none
-        self._gone: list[int] = []  # contacts that were not in the Space in the last step
-        self._pushed = np.zeros(n, dtype=bool)  # contacts that pushed in the last step
-        self._fastest = 0.0  # speed of the fastest blow so far [m/s]
-        self._unread: list[float | None] = [None] * n  # forces of the step under way that pymunk has not read yet
+        self._step = 0.0  # last step [s]; 0 before the first step
+        self._gone: list[int] = []  # contacts that were not in the Space during the last step
+        self._pushed = np.zeros(n, dtype=bool)  # contacts that pushed during the last step
+        self._fastest = 0.0  # speed of the fastest collision so far [m/s]
+        self._unread: list[float | None] = [None] * n  # forces of the current step that pymunk has not read yet
+        # the setters check their values
         self.contact = contact
         self.touching_distance = touching_distance if touching_distances is None else touching_distances  # type: ignore[assignment]
         self._links = tuple(_Link.between(self, i) for i in range(n))
 
     @classmethod
     def of(cls, space: pymunk.Space) -> list[SoftChain]:
-        """The chains in a Space, in the order in which they were added: those of a copy, for instance."""
+        """Return the chains in a Space in the order in which they were added, for example those of a copied Space."""
         require_kind("space", space, pymunk.Space)
         return list({link.chain: None for link in space.constraints if isinstance(link, _Link)})
 
     def remove_from(self, space: pymunk.Space, *bodies: pymunk.Body) -> None:
-        """Remove those contacts that are in the Space: all, or the ones of `bodies`, which other chains may then take.
+        """Remove the contacts that are in the Space: all, or those of `bodies`, which may then join other chains.
 
-        A contact comes back when it is added again: ``space.add(body, *(body.constraints - space.constraints))``.
+        A removed contact acts again if you add it again: ``space.add(body, *(body.constraints - space.constraints))``.
         """
         require_kind("space", space, pymunk.Space)
         for body in bodies:
@@ -202,20 +206,21 @@ class SoftChain:
 
     @property
     def state(self) -> SoftChainState:
-        """The motion now, of bodies and contacts, for `restore`; laws and touching distances are no part of it."""
+        """The present motion of bodies and contacts, for `restore`. Laws and touching distances are not included."""
         bodies = [(*body.position, *body.velocity, body.angle, body.angular_velocity) for body in self.bodies]
         return SoftChainState(np.array(bodies), tuple(getattr(self, row).copy() for row in ROWS), self._step)
 
     def restore(self, state: SoftChainState) -> None:
-        """Go back to a `state` of this chain, or of its copy: steps from there give the same digits again.
+        """Restore a `state` of this chain or of its copy. The steps from there are bitwise reproducible.
 
-        What others keep is no part of it: impulses that pymunk's joints and collisions begin the next step with.
+        Data of pymunk is not restored: the impulses with which its joints and collisions start the next step.
         """
         require_kind("state", state, SoftChainState)
         if len(state.bodies) != len(self.bodies):
             raise ValueError(
                 f"a state of {len(state.bodies)} bodies is none of a SoftChain of {len(self.bodies)}: take one of this chain"
             )
+        # the angle first: setting it moves bodies whose centre of gravity is not at their origin
         for body, (x, y, u, v, angle, spin) in zip(self.bodies, state.bodies.tolist(), strict=True):
             body.angle, body.angular_velocity = angle, spin
             body.position, body.velocity = (x, y), (u, v)
@@ -233,17 +238,18 @@ class SoftChain:
         return self._links[index]
 
     def substeps(self, dt: float, speed: float, error: float = VISIBLE_ERROR) -> int:
-        """Return the number of equal steps to divide `dt` into, so that a blow is resolved.
+        """Return the number of equal steps into which to divide `dt` so that a collision is resolved.
 
-        Energy and momentum need no substeps. The velocities of single bodies do: with this number they are right to `error`
-        after a blow in which each contact closes once. Errors of successive blows multiply.
+        Energy and momentum do not need substeps, but the velocities of single bodies do. With this number of steps
+        their error is at most `error` after a collision in which each contact closes once. Errors of successive
+        collisions multiply.
 
         Parameters
         ----------
         dt : float
-            Time [s] between two frames, for instance.
+            Time [s], for example between two frames.
         speed : float
-            Closing speed [m/s] of the fastest blow.
+            Closing speed [m/s] of the fastest collision.
         error : float, optional
             Allowed error of velocities, relative to `speed`. The number of substeps grows with its inverse square root.
 
@@ -256,7 +262,7 @@ class SoftChain:
         return max(1, math.ceil(length / self._longest_step(closing, magnitude("error", error))))
 
     def _longest_step(self, speed: float, error: float = VISIBLE_ERROR) -> float:
-        """Return the longest step [s] for a blow at `speed` [m/s]."""
+        """Return the longest step [s] for a collision at `speed` [m/s]."""
         for i, body in enumerate(self.bodies):
             if body.body_type == pymunk.Body.DYNAMIC and not body.mass:
                 raise ValueError(f"body {i} of a SoftChain has no mass yet: give it one, or shapes with density")
@@ -267,7 +273,7 @@ class SoftChain:
 
     @property
     def contact(self) -> tuple[Contact, ...]:
-        """The n laws; set one for all or n of them: they count from the next step on."""
+        """The laws of the n contacts. Assign one law for all contacts, or n laws. New laws are used from the next step on."""
         return self._contacts
 
     @contact.setter
@@ -288,13 +294,14 @@ class SoftChain:
             raise ValueError(
                 f"a SoftChain of {n + 1} bodies needs one Contact for all or {n} of them, not {shown(contact)}"
             )
+        # a new law needs a new check of the step
         self._contacts, self._checked = found, (0.0, 0.0)
         self._law = np.array([(contact.preload, contact.stiffness, contact.exponent) for contact in found])
         self._loss = np.array([contact.loss for contact in found])
 
     @property
     def touching_distance(self) -> Array:
-        """(n,) distances of the centres of two bodies that just touch [m]; set one for all or n: they count at once."""
+        """(n,) distances [m] of the centres of two bodies that just touch; set one for all or n. They are used at once."""
         return self._touching.copy()
 
     @touching_distance.setter
@@ -303,15 +310,16 @@ class SoftChain:
         found = number_array("touching_distance", distances).copy()
         if found.shape not in ((), (n,)) or not (np.isfinite(found) & (found > 0.0)).all():
             raise ValueError(f"touching_distance must be one or {n} finite numbers > 0, not {shown(distances)}")
+        # the stored overlaps follow the new distance
         if self._step:
             self._overlap += found - self._touching
         self._touching = np.broadcast_to(found, (n,)).copy()
 
     @property
     def overlaps(self) -> Array:
-        """(n,) overlaps [m] at the end of the last step, negative where bodies are apart; before any step, those now.
+        """(n,) overlaps [m] at the end of the last step, negative if bodies are apart; before the first step, the present ones.
 
-        Contacts that were not in the Space, or no longer are, have -inf.
+        Contacts that were not in the Space, or are no longer in it, have -inf.
         """
         if self._step:
             found = self._overlap.copy()
@@ -323,24 +331,24 @@ class SoftChain:
 
     @property
     def forces(self) -> Array:
-        """(n,) mean contact forces [N] of the last step; 0 for contacts that have been taken out of the Space since."""
+        """(n,) mean contact forces [N] of the last step; 0 for contacts that have been removed from the Space since then."""
         found = self._force.copy()
         found[self._taken_out()] = 0.0
         return found
 
     @property
     def energy(self) -> float:
-        """Energy [J] stored in the contacts; contacts with loss give only a part of it back."""
+        """Energy [J] stored in the contacts; contacts with loss return only a part of it."""
         return self._stored(self.overlaps)
 
     @property
     def absorbed(self) -> float:
-        """Energy [J] that contacts with loss have absorbed; with kinetic energy and `energy` it is a constant sum."""
+        """Energy [J] that contacts with loss have dissipated. The sum of it, the kinetic energy and `energy` is constant."""
         return float(self._absorbed[0])
 
     @property
     def positions(self) -> list[pymunk.Vec2d]:
-        """Centres of gravity [m] at the time of the bodies' velocities, half a step after ``position``."""
+        """Centres of gravity [m] at the time of the velocities of the bodies, half a step after ``position``."""
         position, velocity = centres(self.bodies)
         return [pymunk.Vec2d(*place) for place in (position + 0.5 * self._step * velocity).tolist()]
 
@@ -350,12 +358,12 @@ class SoftChain:
         return math.fsum(float(contact.energy(overlap)) for contact, overlap in pairs)
 
     def _taken_out(self) -> list[int]:
-        """The contacts that are in no Space now: of a chain without any in one, no step tells."""
+        """Return the contacts that are not in a Space now; the last step cannot show this if all were removed."""
         there = [space.constraints for space in {body.space for body in self.bodies} if space]
         return [i for i, link in enumerate(self._links) if not any(link in links for links in there)]
 
     def _take_force(self, link: _Link) -> float:
-        """Force of `link` for the step under way; the first call in a step solves all contacts."""
+        """Return the force of `link` for the current step. The first call in a step solves all contacts."""
         try:
             if self._unread[link.index] is None:
                 self._begin_step(link)
@@ -368,6 +376,7 @@ class SoftChain:
         self._unread = [0.0] * n  # if the solver raises, the other links push with 0 and there is one error
         space = space_of(link)
         there = space.constraints
+        # contacts that were removed from the Space do not push
         self._gone = [i for i, other in enumerate(self._links) if other not in there]
         self._require_own_bodies(space)
         step = space.current_time_step
@@ -375,11 +384,13 @@ class SoftChain:
             raise ValueError(
                 f"a SoftChain cannot step back in time: dt must be > 0, not {step:g}; chain.restore goes back to a chain.state"
             )
+        # other forces of the Space, and a check of the motion
         outside = SpaceForces.of(space, self.bodies, step)
         for i in np.flatnonzero(~np.isfinite(outside.position + outside.expected).all(axis=1)).tolist():
             require_finite(self.bodies[i], f"body {i} of a SoftChain")
         bodies = self._touching, outside.position, outside.velocity, self._place, self._speed
         own = self._overlap, self._rate, self._lag, self._outside
+        # adjust the overlaps to changes from outside since the last step
         if not self._step:
             _tier(start_chain_step)(step, *bodies, *own, self._force)
         before = self._step or step
@@ -388,11 +399,13 @@ class SoftChain:
         self._acted *= step / before
         self._step = step
         call_after_step(link, lambda: self._end_step(link))
-        at_one_place = np.flatnonzero(~self._direction.any(axis=1)).tolist()  # pymunk has no line along which to push
-        if apart := [*self._gone, *at_one_place]:  # whatever the bodies do in this step
+        # pymunk has no line along which it could push
+        at_one_place = np.flatnonzero(~self._direction.any(axis=1)).tolist()
+        if apart := [*self._gone, *at_one_place]:  # keep these contacts open during the step, whatever the bodies do
             fastest = np.abs(outside.velocity).max() + np.abs(outside.expected).max()
             self._overlap[apart] = -self._touching[apart] - 4.0 * step * fastest
             self._lag[apart] = self._outside[apart] = self._acted[apart] = 0.0
+        # solve all contacts
         moving = outside.mobility, outside.expected, outside.velocity, self._direction
         contacts = self._lag, self._outside, self._overlap, self._rate, self._force
         loss, memory = self._loss if self._loss.any() else NOTHING, (self._beads, self._work)
@@ -407,6 +420,7 @@ class SoftChain:
 
     def _require_own_bodies(self, space: pymunk.Space) -> None:
         """Raise RuntimeError if a body is not in the Space, if no contact can move it, or if two SoftChains share it."""
+        # bodies with at least one contact in the Space
         pushed = {
             i: body for i, body in enumerate(self.bodies) if not {i - 1, i} <= {-1, len(self._links), *self._gone}
         }
@@ -420,12 +434,14 @@ class SoftChain:
                 raise RuntimeError(
                     f"body {i} of a SoftChain is not in the Space, a contact of it is: add it, or chain.remove_from(space, body)"
                 )
+        # a contact between two bodies that cannot move has no solution
         for i in range(len(self._links)):
             if i not in self._gone and all(body.body_type != pymunk.Body.DYNAMIC for body in self.bodies[i : i + 2]):
                 raise RuntimeError(
                     f"of two neighbours in a SoftChain one at least must be dynamic: bodies {i} and {i + 1} are not any more; "
                     "remove the contact between them"
                 )
+        # the checks below are only needed before the first step
         if self._step:
             return
         for i, body in pushed.items():
@@ -434,6 +450,7 @@ class SoftChain:
                 raise RuntimeError(
                     f"the centre of gravity of body {i} has moved since its SoftChain was made: give it its shapes before"
                 )
+        # links of other chains at the same bodies
         links = {link for body in pushed.values() for link in body.constraints if isinstance(link, _Link)}
         others = links - {*self._links}
         if others and not others.isdisjoint(space.constraints):
@@ -443,15 +460,17 @@ class SoftChain:
             )
 
     def _check_step(self, link: _Link, overlap: Array, rate: Array) -> None:
-        """Warn if the step is too long for a blow that begins in it, from the `overlap` and `rate` before the step."""
+        """Warn if the step is too long for a collision that begins in it; `overlap` and `rate` are those before the step."""
         pushes = self._force > 0.0
         begins, self._pushed = pushes & ~self._pushed, pushes
         if not begins.any():
             return
+        # speed of each new collision, with the energy that is stored at its start
         for i in np.flatnonzero(begins).tolist():
-            stored = self._contacts[i].energy(float(overlap[i]))  # of bodies that were set into each other
+            stored = self._contacts[i].energy(float(overlap[i]))  # energy of bodies that were placed into each other
             yielding = sum(1.0 / body.mass for body in self.bodies[i : i + 2] if body.body_type == pymunk.Body.DYNAMIC)
             self._fastest = max(self._fastest, math.sqrt(float(rate[i]) ** 2 + 2.0 * yielding * stored))
+        # check only if step or speed have grown noticeably, and once for each law
         now = self._step, self._fastest
         if all(number <= FASTER * then for number, then in zip(now, self._checked, strict=True)):
             return
@@ -476,17 +495,19 @@ class SoftChain:
         before = now - step * moving
         passed = np.einsum("ij,ij->i", before, now) < 0.0
         if passed.any():
+            # the bodies must have met, not only passed at a distance
             aside = np.abs(before[:, 0] * now[:, 1] - before[:, 1] * now[:, 0])
             self._warn_of_passing(link, passed & (aside < self._touching * step * np.hypot(*moving.T)))
 
     def _warn_of_passing(self, link: _Link, passed: NDArray[np.bool_]) -> None:
-        """Warn, once for each law in a Space, that neighbours have passed through each other: those contacts that `passed`."""
+        """Warn, once for each law in a Space, that neighbours have passed through each other: those marked in `passed` (n,)."""
         passed[self._gone] = False
         for i in np.flatnonzero(passed).tolist():
             law, watch = self._contacts[i], watch_of(space_of(link))
             if str(law) in watch.passed:
                 continue
             watch.passed.add(str(law))
+            # the smallest touching distance with this law needs the largest stiffness
             touching = min(
                 float(self._touching[j])
                 for j, contact in enumerate(self._contacts)
@@ -502,6 +523,7 @@ class SoftChain:
 
     def _end_step(self, link: _Link) -> None:
         self._unread = [None] * len(self._links)
+        # an overlap beyond the touching distance means that the centres have passed each other
         if (self._overlap > self._touching).any():
             self._warn_of_passing(link, self._overlap > self._touching)
         _tier(end_chain_step)(
@@ -509,19 +531,20 @@ class SoftChain:
             self._rate, self._lag, self._outside,
         )  # fmt: skip
         acted, before = self._outside.copy(), self._acted
-        # what acted in two steps goes on; a collision, which acts in one, would be expected to come again
+        # A force that acted in two steps is expected to continue. A collision, which acts in one step, is not expected
+        # to recur.
         self._outside = np.maximum(np.minimum(acted, before), 0.0) + np.minimum(np.maximum(acted, before), 0.0)
         self._acted = acted
 
 
 def _of_the_chain(name: str) -> property:
-    """A property of a spring that a link of a chain has, but nobody sets."""
+    """Return a read-only property of a link of a chain, for an attribute of springs that belongs to the chain."""
     why = f"a link of a SoftChain takes no {name}: its force is the chain's; set chain.contact"
     return settled(getattr(pymunk.DampedSpring, name).fget, why)
 
 
 class _Link(pymunk.DampedSpring):
-    """One contact of a SoftChain: a spring whose force is the chain's."""
+    """One contact of a SoftChain: a spring whose force comes from the chain."""
 
     _pickle_attrs_init = pymunk.Constraint._pickle_attrs_init + ["anchor_a", "anchor_b"]  # noqa: RUF005 - as its base
     _pickle_attrs_general = ["error_bias", "max_bias", "collide_bodies"]  # noqa: RUF012 - not max_force
@@ -542,7 +565,7 @@ class _Link(pymunk.DampedSpring):
 
     @classmethod
     def between(cls, chain: SoftChain, index: int) -> _Link:
-        """The link between bodies `index` and `index` + 1."""
+        """Return the link between bodies `index` and `index` + 1."""
         a, b = chain.bodies[index : index + 2]
         link = cls(a, b, a.center_of_gravity, b.center_of_gravity)
         link.chain, link.index = chain, index
@@ -550,7 +573,7 @@ class _Link(pymunk.DampedSpring):
 
     @staticmethod
     def chain_force(link: _Link, dist: float) -> float:
-        """The force that the chain has solved for; an error is raised as in :meth:`SoftContact.contact_force`."""
+        """Return the force that the chain has computed; an error is raised as in :meth:`SoftContact.contact_force`."""
         try:
             return link.chain._take_force(link)
         except BaseException as error:
@@ -559,7 +582,7 @@ class _Link(pymunk.DampedSpring):
 
 
 def _step_once() -> None:
-    """A step of a chain: it calls every kernel."""
+    """Take one step of a small chain, which calls every kernel."""
     space, bodies = pymunk.Space(), [pymunk.Body(1, 1), pymunk.Body(1, 1)]
     bodies[1].position = 1, 0
     bodies[0].velocity = 1, 0
@@ -572,5 +595,8 @@ TIERS = {KERNELS.name: KERNELS}
 
 
 def _tier(kernel: Any) -> Any:
-    """The tier of a kernel that is at hand; Any, for its arguments are unpacked from tuples, which type checkers cannot count."""
+    """Return the compiled or plain version of a kernel that is available.
+
+    The type is Any because the arguments are unpacked from tuples, which type checkers cannot count.
+    """
     return KERNELS.of_frame(kernel)

@@ -1,7 +1,7 @@
-"""Forces of a Space on some bodies in the step under way, other than their contacts: gravity, damping, forces, strings.
+"""Forces of a Space on some bodies in the current step, except their contacts: gravity, damping, forces and strings.
 
-Without them the contacts of a SoftChain would be solved as if the bodies were free, and the part of an impulse that a string
-takes back would be energy lost.
+Without them the contacts of a SoftChain would be solved as if the bodies were free. The part of an impulse that a
+string takes back would then be lost energy.
 """
 
 from __future__ import annotations
@@ -15,19 +15,21 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-TAUT = 1e-6  # of the length of a string: nearer to its end than this it is taut
-STIFFNESS = 1.0 - 1e-4  # part of an impulse that a string takes; a body without any mobility would have no finite force
+TAUT = 1e-6  # Fraction of the length of a string. A string whose end is nearer to its full length than this is taut.
+# Fraction of an impulse along a string that it takes. With 1 the body could not move, and its contact force would be
+# infinite.
+STIFFNESS = 1.0 - 1e-4
 
 
 @dataclass
 class SpaceForces:
-    """Bodies in a step, after the drift and before the kick, and how they will respond to impulses of contacts.
+    """Bodies in a step, after the drift and before the kick, and their response to impulses of contacts.
 
     Attributes:
         position: (n, 2) centres of gravity [m].
         velocity: (n, 2) velocities [m/s].
         expected: (n, 2) velocities at the end of the step without contact forces [m/s].
-        mobility: (n, 2, 2) change of velocity at the end of the step by an impulse on the centre [1/kg].
+        mobility: (n, 2, 2) change of velocity at the end of the step per impulse on the centre [1/kg].
     """
 
     position: Array
@@ -37,16 +39,18 @@ class SpaceForces:
 
     @classmethod
     def of(cls, space: pymunk.Space, bodies: tuple[pymunk.Body, ...], step: float) -> SpaceForces:
-        """The forces on `bodies`, in a callback of a step of `space`."""
+        """Return the forces on `bodies`; call it in a callback of a step of `space`."""
         position, velocity = centres(bodies)
         inverse_mass = np.array([1.0 / body.mass if body.body_type == body.DYNAMIC else 0.0 for body in bodies])
         force = np.array([body.force for body in bodies])
+        # pymunk damps the velocity before it adds gravity and forces
         moved = (inverse_mass > 0.0)[:, None]
         damping = space.damping**step
         kicked = damping * velocity + step * (np.array(space.gravity) + inverse_mass[:, None] * force)
         found = cls(
             position, velocity, np.where(moved, kicked, velocity), damping * inverse_mass[:, None, None] * np.eye(2)
         )
+        # a taut string removes the motion and the mobility along its direction
         for i, body in enumerate(bodies):
             if inverse_mass[i]:
                 for direction, speed in _strings(space, body, position[i]):
@@ -55,19 +59,20 @@ class SpaceForces:
 
 
 def centres(bodies: tuple[pymunk.Body, ...]) -> tuple[Array, Array]:
-    """(n, 2) centres of gravity and (n, 2) their velocities."""
+    """Return the centres of gravity (n, 2) and their velocities (n, 2)."""
     position = np.array([body.local_to_world(body.center_of_gravity) for body in bodies])
     return position, np.array([body.velocity for body in bodies])
 
 
 def _strings(space: pymunk.Space, body: pymunk.Body, centre: Array) -> Iterator[tuple[Array, float]]:
-    """The direction of each string from the centre of a body to a kinematic or static one, and the speed [m/s] along it.
+    """Yield the direction of each string from the centre of a body to a kinematic or static body, and the speed [m/s] along it.
 
-    Pin joints are strings, and slide joints that are taut, where their force has no limit.
+    Strings are pin joints, and slide joints that are taut, if their force is not limited.
     """
     for joint in body.constraints:
         if not isinstance(joint, (pymunk.PinJoint, pymunk.SlideJoint)):
             continue
+        # a joint with a limited force may give way, so it is not a string
         if joint.max_force == np.inf and joint in space.constraints:
             other, anchor = (joint.b, joint.anchor_b) if joint.a is body else (joint.a, joint.anchor_a)
             end = other.local_to_world(anchor)
@@ -81,6 +86,7 @@ def _strings(space: pymunk.Space, body: pymunk.Body, centre: Array) -> Iterator[
 
 def _hold(expected: Array, mobility: Array, direction: Array, speed: float) -> None:
     """Remove the motion beyond `speed` and the mobility along a string, in place."""
+    # projection: the string takes the impulse that brings the velocity along it to `speed`
     pulled = mobility @ direction
     yielding = float(direction @ pulled)
     if yielding > 0.0:
