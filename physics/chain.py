@@ -1,4 +1,4 @@
-"""The chain: masses on a line and the contacts between neighbours. Immutable: what moves is the State."""
+"""Chain: masses on a line and the contacts between neighbours. A chain is immutable; its motion is in a State."""
 
 from __future__ import annotations
 
@@ -30,21 +30,21 @@ from softcradle.physics.timed_force import TimedForce, checked_forces, summed
 Array = NDArray[np.float64]
 T = TypeVar("T")
 
-Joint = Contact | OwnLaw | PiecewiseContact  # what a chain holds between two beads
+Joint = Contact | OwnLaw | PiecewiseContact  # Any contact between two beads, as a chain stores it.
 OneLaw = (
     Contact | PiecewiseContact | Law | Callable[[float], SupportsFloat]
-)  # what it takes: a law of one's own as it is, too
-Laws = OneLaw | Sequence[OneLaw]  # one for all contacts, or one for each
+)  # Any contact that the constructor accepts, including a user-defined law that is not yet an OwnLaw.
+Laws = OneLaw | Sequence[OneLaw]  # One contact for all neighbours, or one for each pair.
 
-MOST_SHOWN = 4  # different values in the text of a chain
-MOST_BEADS = 10_000_000  # of a cluster: a typing error must not fill the memory
-GRAVITY = 9.80665  # [m/s²], the standard value: bed friction is proportional to it
+MOST_SHOWN = 4  # Largest number of different values in the text of a chain.
+MOST_BEADS = 10_000_000  # Largest number of beads of a cluster: a typing error must not exhaust the memory.
+GRAVITY = 9.80665  # Standard gravity [m/s²]: bed friction is proportional to it.
 
 
 class per_chain(Generic[T]):  # noqa: N801 - it is written as a decorator
-    """What `compute` finds of a chain alone, found once for each: an attribute of Chain, or a function of one.
+    """Decorator for a value that depends only on the chain: computed once per chain, as an attribute of Chain or a function.
 
-    It is kept in the chain's own `__dict__`, where Python finds an attribute before it asks here again.
+    The value is stored in the `__dict__` of the chain, where Python finds it before it calls this descriptor again.
     """
 
     def __init__(self, compute: Callable[[Chain], T]) -> None:
@@ -55,13 +55,13 @@ class per_chain(Generic[T]):  # noqa: N801 - it is written as a decorator
         self.name = name
 
     def __get__(self, chain: Chain | None, owner: type) -> T:
-        if chain is None:  # asked of the class, as documentation does
+        if chain is None:  # accessed on the class, as documentation tools do
             return cast("T", self)
         found = chain.__dict__[self.name] = self.compute(chain)
         return found
 
     def __call__(self, chain: Chain) -> T:
-        """What is found of `chain`."""
+        """Return the value for `chain`."""
         known = chain.__dict__
         return known[self.name] if self.name in known else self.__get__(chain, Chain)
 
@@ -75,25 +75,26 @@ class Chain(Shown):
     mass : array_like, shape (n+1,)
         Masses [kg], n >= 1; ``math.inf`` is a wall, which keeps its velocity.
     contact : Contact, law or sequence of them
-        One Contact for all, or n of them; kinds mix freely. A law of your own, an :class:`OwnLaw` or what it
-        takes, is one too. A :class:`Coupler` pulls, too.
+        One contact for all pairs, or n of them; different kinds may be mixed. A user-defined law (an :class:`OwnLaw`,
+            or a
+        function or object from which an OwnLaw can be made) and a :class:`Coupler`, which also pulls, are allowed.
     gap : float or array_like, optional
-        Distance [m] between neighbours at the start, one for all or n of them; 0 is just touching, and below 0
-        the contact is pressed from the start, by the overlap -gap.
+        Distance [m] between neighbours at the start, one for all or n of them. With 0 they just touch. Below 0 the
+        contact is compressed at the start, by the overlap -gap.
     drive : array_like, shape (n+1,), optional
-        Steady external force on each bead [N], or None; it acts from t = 0 on.
+        Constant external force on each bead [N], or None; it acts from t = 0 on.
     friction : float, optional
-        Coulomb coefficient >= 0 of the bed: it holds a bead at rest with up to ``friction * mass * GRAVITY`` and
-        brakes a sliding one with that. It does not act on walls.
+        Coulomb coefficient >= 0 of the bed. Friction holds a bead at rest with a force of up to
+        ``friction * mass * GRAVITY`` and brakes a sliding bead with this force. It does not act on walls.
     forces : TimedForce or sequence of them, optional
-        Forces over time on chosen beads, a TimedForce or several; they add to the drive.
+        Forces over time on chosen beads, which add to the drive.
     brakes : TimedForce or sequence of them, optional
-        Brakes over time on chosen beads, the same: friction of its own for each bead, beside that of the bed.
+        Brakes over time on chosen beads: friction of single beads in addition to the bed.
 
     Raises
     ------
     ValueError
-        A number out of range, a wrong length, or two walls side by side.
+        A number is out of range, a length is wrong, or two walls are side by side.
 
     Examples
     --------
@@ -125,6 +126,7 @@ class Chain(Shown):
         object.__setattr__(self, "mass", masses)
         object.__setattr__(self, "contact", _checked_contacts(contact, n))
         object.__setattr__(self, "gap", _checked_gaps(gap, n))
+        # a drive of zeros counts as no drive
         driven = None if drive is None else bead_forces("drive", drive, n + 1)
         object.__setattr__(self, "drive", None if driven is None or not driven.any() else tuple(driven.tolist()))
         object.__setattr__(self, "friction", magnitude("friction", friction, zero=True))
@@ -141,7 +143,7 @@ class Chain(Shown):
         return f"Chain({', '.join(parts)})"
 
     def __getstate__(self) -> dict[str, Any]:
-        """What copies and pickles take along: they find the rest anew."""
+        """Return the fields for copies and pickles, without computed values."""
         return {item.name: getattr(self, item.name) for item in fields(self)}
 
     @per_chain
@@ -156,27 +158,27 @@ class Chain(Shown):
 
     @per_chain
     def anchor(self) -> int:
-        """Index of the heaviest bead (a wall if there is one): the bead whose position and velocity are in the State."""
+        """Index of the heaviest bead, or of a wall: the reference bead, whose position and velocity are in the State."""
         return self.mass.index(max(self.mass))
 
     @per_chain
     def own_laws(self) -> tuple[OwnLaw, ...]:
-        """The different laws of one's own among the contacts, in order; empty where all are preloaded power laws."""
+        """The different user-defined laws among the contacts, in order; empty without user-defined laws."""
         return tuple(dict.fromkeys(law for _, law in self.own_contacts))
 
     @per_chain
     def own_contacts(self) -> tuple[tuple[int, OwnLaw], ...]:
-        """The contacts with a law of their own: which, and the law."""
+        """Index and law of each contact that has a user-defined law."""
         return tuple((i, contact) for i, contact in enumerate(self.contact) if isinstance(contact, OwnLaw))
 
     @per_chain
     def couplers(self) -> tuple[tuple[int, Coupler], ...]:
-        """Number and coupler of each contact that is one."""
+        """Index and coupler of each contact that is a coupler."""
         return tuple((i, contact) for i, contact in self.piecewise if isinstance(contact, Coupler))
 
     @per_chain
     def piecewise(self) -> tuple[tuple[int, PiecewiseContact], ...]:
-        """Number and contact of each contact that is given by segments, as couplers are."""
+        """Index and contact of each contact that is defined by segments, such as a coupler."""
         return tuple((i, contact) for i, contact in enumerate(self.contact) if isinstance(contact, PiecewiseContact))
 
     @per_chain
@@ -186,12 +188,12 @@ class Chain(Shown):
 
     @per_chain
     def has_segments(self) -> bool:
-        """Whether the graph of a contact has more segments than one law from overlap 0 on."""
+        """True if the graph of a contact has more segments than one law from overlap 0 on."""
         return any(len(graph) > 1 or not graph[0].is_whole_law for graph in self.graphs)
 
     @per_chain
     def pulls(self) -> bool:
-        """Whether a contact pulls."""
+        """True if a contact can pull."""
         return any(contact.pulling for _, contact in self.piecewise)
 
     @per_chain
@@ -199,7 +201,7 @@ class Chain(Shown):
         """The contacts, if all are preloaded power laws.
 
         Raises:
-            ValueError: one is a coupler or has a law of its own; what asks for this needs preload, stiffness and exponent.
+            ValueError: a contact is a coupler or has a user-defined law, so preload, stiffness and exponent do not describe it.
         """
         others = [(i, f"has a law of its own, {law.name!r}") for i, law in self.own_contacts]
         for i, what in [*others, *((i, f"is a {type(one).__name__}") for i, one in self.piecewise)]:
@@ -210,15 +212,15 @@ class Chain(Shown):
 
     @property
     def power_law_rows(self) -> Array:
-        """The `law_rows` of a chain of preloaded power laws. ValueError for another, as of `power_laws`."""
+        """The `law_rows` of a chain with preloaded power laws only; otherwise a ValueError as for `power_laws`."""
         assert self.power_laws
         return self.law_rows
 
     @per_chain
     def law_rows(self) -> Array:
-        """(n, 3) preload, stiffness, exponent of each contact, read-only; the last two are nan for a law of one's own.
+        """(n, 3) preload, stiffness and exponent of each contact, read-only; the last two are NaN for a user-defined law.
 
-        Those of a contact with several segments are of the first one that pushes.
+        For a contact with several segments they belong to the first pushing segment.
         """
         laws = [contact.pushing[0] if isinstance(contact, PiecewiseContact) else contact for contact in self.contact]
         rows = [(c.preload, getattr(c, "stiffness", math.nan), getattr(c, "exponent", math.nan)) for c in laws]
@@ -231,22 +233,23 @@ class Chain(Shown):
 
     @per_chain
     def finite_mass(self) -> Array:
-        """(n+1,) [kg], read-only; 0 for a wall, which has no kinetic energy that counts."""
+        """(n+1,) [kg], read-only; 0 for a wall, whose kinetic energy is not counted."""
         return _read_only(np.array([mass if mass < math.inf else 0.0 for mass in self.mass]))
 
     def stored_energy(
         self, overlap: ArrayLike, power: Callable[..., Any] = np.power, force: ArrayLike | None = None
     ) -> Array:
-        """(..., n) energy [J] in each contact at overlaps (..., n) [m], see :meth:`Contact.energy`; `power` as there.
+        """Return the energy (..., n) [J] in each contact at overlaps (..., n) [m]; see :meth:`Contact.energy` for `power`.
 
-        With the `force` (..., n) [N] of the contacts, a coupler that is stretched beyond its slack and does not pull, because it
-        has not coupled yet, stores nothing.
+        If the `force` (..., n) [N] of the contacts is given, a coupler that is stretched beyond its slack but does not
+        pull, because it has not coupled yet, stores no energy.
         """
         apart = np.asarray(overlap) <= 0.0
         if not self.piecewise and apart.all():  # as at the start and the end of most motions
             return apart * np.zeros(self.contacts)
+        # all power laws at once; the other contacts are replaced below
         preload, stiffness, exponent = self.law_rows.T
-        if self.own_laws:  # whose energy follows
+        if self.own_laws:  # their energy is computed below
             exponent = np.where(np.isnan(exponent), 1.0, exponent)
         found = stored_energy(preload, stiffness, exponent, overlap, power)
         for i, law in self.own_contacts:
@@ -255,6 +258,7 @@ class Chain(Shown):
             way = np.asarray(overlap)[..., i]
             found[..., i] = contact.stored_energy(way, power)
             if force is not None and contact.pulling:
+                # not coupled: beyond the slack, but without a pull
                 free = (way < contact.pulls_below) & (np.asarray(force)[..., i] >= 0.0)
                 found[..., i] = np.where(free, 0.0, found[..., i])
         return found
@@ -271,8 +275,10 @@ class Chain(Shown):
 
     @per_chain
     def bed(self) -> Array:
-        """(n+1,) deceleration [m/s²] of a bead that slides, by the bed and by brakes, which count with the most that they
-        reach; 0 for a wall; empty without friction and brakes."""
+        """(n+1,) deceleration [m/s²] of a sliding bead by the bed and the brakes; 0 for a wall, empty without both.
+
+        Brakes over time count with their largest value.
+        """
         bed = np.where(np.isfinite(self.mass), self.friction * GRAVITY, 0.0) if self.on_bed else np.zeros(0)
         for brake in self.brakes:
             bed[list(brake.beads)] += max(brake.force) * self.inverse_mass[list(brake.beads)]
@@ -280,32 +286,32 @@ class Chain(Shown):
 
     @property
     def on_bed(self) -> bool:
-        """Whether beads are braked as they slide, by friction of the bed or by brakes of their own."""
+        """True if sliding beads are braked, by friction of the bed or by brakes."""
         return self.friction > 0.0 or bool(self.brakes)
 
     @per_chain
     def dissipative(self) -> bool:
-        """Whether beads are braked or a contact has loss."""
+        """True if beads are braked or a contact has loss."""
         return self.on_bed or any(contact.loss for contact in self.contact)
 
     @property
     def driven(self) -> bool:
-        """Whether a force from outside acts on a bead, steadily or over time."""
+        """True if an external force acts on a bead, constant or over time."""
         return self.drive is not None or bool(self.forces)
 
     @property
     def lasts(self) -> bool:
-        """Whether a force from outside goes on for ever."""
+        """True if an external force acts without end."""
         return self.drive is not None or any(item.lasts for item in self.forces)
 
     @per_chain
     def timed(self) -> bool:
-        """Whether anything from outside changes with time."""
+        """True if an external force or a brake changes with time."""
         return bool(self.forces) or not all(brake.steady for brake in self.brakes)
 
     @per_chain
     def knots(self) -> tuple[float, ...]:
-        """Times [s] at which a force or a brake over time bends or jumps, ascending."""
+        """Times [s] of the breakpoints of all forces and brakes over time, ascending."""
         return tuple(sorted({time for item in (*self.forces, *self.brakes) for time in item.time}))
 
     def impulse(self, time: ArrayLike) -> Any:
@@ -315,13 +321,15 @@ class Chain(Shown):
 
     @per_chain
     def knot_rows(self) -> tuple[Array, Array, Array]:
-        """Times (K,) [s] of the knots, a jump twice, and there forces (K, n+1) [N] and decelerations by brakes (K, n+1) [m/s²].
+        """Breakpoints (K,) [s], steps twice, with the forces (K, n+1) [N] and decelerations by brakes (K, n+1) [m/s²] there.
 
-        Between two knots they are linear; the decelerations have no columns where there are no brakes.
+        Between two breakpoints both are linear. Without brakes the array of decelerations has 0 columns.
         """
         beads, jumps = self.contacts + 1, {item.time[0] for item in (*self.forces, *self.brakes)}
         jumps |= {a for item in (*self.forces, *self.brakes) for a, b in pairwise(item.time) if a == b}
+        # The first breakpoint counts as a step from 0. A step appears twice in the list of times.
         times = sorted((*self.knots, *jumps))
+        # at a step, the first of its two times has the value just before it
         just_before = [
             math.nextafter(a, -math.inf) if a in jumps and a == b else a for a, b in pairwise((*times, math.nan))
         ]
@@ -330,7 +338,7 @@ class Chain(Shown):
 
     @per_chain
     def drives(self) -> Array:
-        """(K, n+1) external forces [N] on the beads at all times between which they are linear; no rows without any."""
+        """(K, n+1) external forces [N] on the beads at all breakpoints; no rows without external forces."""
         steady = np.zeros((1, self.contacts + 1)) if self.drive is None else np.array([self.drive])
         if not self.forces:
             return steady[: self.drive is not None]
@@ -338,7 +346,7 @@ class Chain(Shown):
 
     @per_chain
     def drive_force(self) -> Array | None:
-        """(n+1,) the drive as a read-only array [N]; None for a chain that is not driven."""
+        """(n+1,) the drive as a read-only array [N]; None for a chain without drive."""
         return None if self.drive is None else _read_only(np.array(self.drive))
 
 
@@ -348,7 +356,7 @@ def _read_only(values: Array) -> Array:
 
 
 def _shortened(values: Sequence[object]) -> str:
-    """The values as text: one with their number where all are the same, else the first ones."""
+    """Return the values as text: one with their number if all are equal, else the first ones."""
     if all(value == values[0] for value in values):
         return f"{len(values)} x {values[0]!r}"
     return f"[{', '.join(map(repr, values[:MOST_SHOWN]))}{', ...' if len(values) > MOST_SHOWN else ''}]"
@@ -382,7 +390,7 @@ def _checked_contacts(contact: Laws, n: int) -> tuple[Joint, ...]:
 
 
 def _contact(item: object) -> Joint:
-    """Return a Contact or a contact of several segments as it is, a user-defined law as an OwnLaw."""
+    """Return a Contact or a contact of several segments unchanged, and a user-defined law as an OwnLaw."""
     if isinstance(item, Joint):
         return item
     if is_law(item):
@@ -403,7 +411,7 @@ def _checked_gaps(gap: ArrayLike, n: int) -> tuple[float, ...]:
 
 
 def bead_forces(what: str, forces: ArrayLike, beads: int) -> Array:
-    """`forces` as (beads,) finite numbers [N]; ValueError where they are none."""
+    """Return `forces` as (beads,) finite numbers [N], or raise ValueError."""
     found = number_array(what, forces)
     if found.shape != (beads,):
         raise ValueError(f"{beads} masses need {beads} {what} forces, not {shown(forces)}")
@@ -413,12 +421,12 @@ def bead_forces(what: str, forces: ArrayLike, beads: int) -> Array:
 
 
 def one_on(n: int, contact: Laws, mass: ArrayLike = 1.0) -> Chain:
-    """A striker and a target cluster of `n` >= 1 beads, all just touching; Fig. 1. `mass` [kg]: one for all or n+1."""
+    """Return a striker and a target cluster of `n` >= 1 beads, all just touching; Fig. 1. `mass` [kg]: one for all or n+1."""
     return cluster_on_cluster(1, n, contact, mass)
 
 
 def cluster_on_cluster(m: int, n: int, contact: Laws, mass: ArrayLike = 1.0) -> Chain:
-    """`m` >= 1 beads that strike `n` >= 1 beads, all just touching; Appendix A (ii). `mass` [kg]: one for all or m+n."""
+    """Return `m` >= 1 beads that strike `n` >= 1 beads, all just touching; Appendix A (ii). `mass` [kg]: one for all or m+n."""
     m, n = whole_number("the number of strikers", m), whole_number("the number of targets", n)
     if m < 1 or n < 1:
         raise ValueError(f"a cluster needs at least one bead, not {min(m, n)}")

@@ -1,13 +1,13 @@
-"""The contact law: one preloaded power law covers every contact of the paper and of the railway draft gear.
+"""Contact law: one preloaded power law describes every contact of the paper and the railway draft gear.
 
 overlap d < 0   open      f = 0
-overlap d = 0   touching  f anywhere in [0, F]   (set-valued; fixed by the motion)
+overlap d = 0   touching  f anywhere in [0, F]   (Signorini condition: the motion determines f)
 overlap d > 0   loaded    f = F + K * d**a
 
-A contact is closed where it touches with a force > 0 or is loaded, else open.
+A contact is closed if it touches with a force > 0 or is loaded; otherwise it is open.
 
-A gear with friction inside gives back less energy than it stores: with `loss` l it pushes with f while it is pressed in, with
-(1 - l) f while it comes out, and with anything between while it is held at one overlap.
+A contact with hysteretic loss l returns less energy than it stores. It pushes with f during loading, with (1 - l) f
+during unloading, and with any force between both while its overlap is constant.
 """
 
 from __future__ import annotations
@@ -27,8 +27,11 @@ from softcradle.physics.segments import Segment
 Numbers = NDArray[np.float64] | float
 P = ParamSpec("P")
 
-LEAST_EXPONENT = 1e-6  # below, the force at any overlap is that of step_force to all digits that methods hold
-MOST_EXPONENT = 10.0  # methods were tried up to here; from 16 on, hardly pressed contacts never open again to a float
+# Smallest exponent. Below it the force at any overlap equals that of step_force to all digits that the methods keep.
+LEAST_EXPONENT = 1e-6
+# Largest exponent. The methods were tested up to here; from 16 on, a slightly pressed contact never opens again in
+# floating-point numbers.
+MOST_EXPONENT = 10.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,8 +47,8 @@ class Contact:
     exponent : float
         Power a of the overlap, from 1e-6 to 10; alpha in Eq. (2), 1 for Hooke and draft gear, 3/2 for Hertz.
     loss : float, optional
-        Part l in [0, 1) of the stored energy that the contact absorbs during unloading; 0 is elastic. For a restitution e it
-        is ``1 - e**2``.
+        Fraction l in [0, 1) of the stored energy that the contact dissipates during unloading; 0 is elastic. For a
+        coefficient of restitution e it is ``1 - e**2``.
 
     Raises
     ------
@@ -64,6 +67,7 @@ class Contact:
     loss: float = 0.0
 
     def __post_init__(self) -> None:
+        # a frozen dataclass can only be changed in this way
         for name in ("preload", "stiffness"):
             object.__setattr__(self, name, magnitude(f"contact {name}", getattr(self, name), zero=True))
         for name in ("exponent", "loss"):
@@ -82,23 +86,24 @@ class Contact:
     def by_contact_time(
         cls, duration: float, mass: float, speed: float, exponent: float = 1.5, loss: float = 0.0
     ) -> Contact:
-        """Contact without preload by how long it lasts when two bodies meet: ``T = (1 + 1/sqrt(1-l)) (d_max/v) B(1/p, 1/2)/p``.
+        """Return the contact without preload that lasts `duration` when two bodies collide.
 
-        With ``p = 1 + exponent`` and the largest overlap ``d_max = (p mass speed**2 / (2 K))**(1/p)``; solved for K. A Hooke
-        contact (exponent 1) lasts as long at any speed: half a period, ``1 / (2 frequency)``.
+        The contact time is ``T = (1 + 1/sqrt(1-l)) (d_max/v) B(1/p, 1/2)/p`` with ``p = 1 + exponent`` and the largest
+        overlap ``d_max = (p mass speed**2 / (2 K))**(1/p)``. This equation is solved for K. A Hooke contact (exponent
+        1) lasts equally long at any speed, half a period: ``1 / (2 frequency)``.
 
         Parameters
         ----------
         duration : float
             Contact time T > 0 [s].
         mass : float
-            Reduced mass m1 m2 / (m1 + m2) > 0 [kg]: half the mass of two like balls, the mass of a ball at a wall.
+            Reduced mass m1 m2 / (m1 + m2) > 0 [kg]: half the mass of two equal balls, or the mass of a ball at a wall.
         speed : float
-            Speed v > 0 at which they meet [m/s].
+            Relative speed v > 0 before the collision [m/s].
         exponent : float, optional
-            3/2: Hertz; 1: Hooke; 1/10: a power law whose rows move as one.
+            3/2: Hertz; 1: Hooke; 1/10: a power law with which a row of beads moves like a rigid body.
         loss : float, optional
-            Part l of the energy that the contact absorbs: a ball comes back with ``sqrt(1 - loss)`` of its speed.
+            Fraction l of the energy that the contact dissipates: a ball rebounds with ``sqrt(1 - loss)`` of its speed.
 
         Raises
         ------
@@ -114,7 +119,9 @@ class Contact:
         unit = cls(0.0, 1.0, exponent, loss)
         power = 1.0 + unit.exponent
         way = math.sqrt(math.pi) * math.gamma(1.0 / power) / (power * math.gamma(1.0 / power + 0.5))  # B(1/p, 1/2) / p
+        # largest overlap, from the equation for T
         depth = time * v / (way * (1.0 + 1.0 / math.sqrt(1.0 - unit.loss)))
+        # ln K, from the equation for d_max; it is limited to what a float can represent
         exact = math.log(0.5 * power * mu) + 2.0 * math.log(v) - power * math.log(depth)
         return cls(0.0, math.exp(min(max(exact, -700.0), 700.0)), exponent, loss)
 
@@ -128,8 +135,8 @@ class Contact:
     ) -> Contact:
         """Return the Hertz contact of two elastic spheres: ``stiffness = 4/3 E sqrt(R)``, ``exponent = 3/2``.
 
-        With ``1/E = (1 - nu1**2) / E1 + (1 - nu2**2) / E2`` and ``1/R = 1/R1 + 1/R2``. Each argument is one number for both
-        spheres or a pair of numbers.
+        With ``1/E = (1 - nu1**2) / E1 + (1 - nu2**2) / E2`` and ``1/R = 1/R1 + 1/R2``. Each argument is one number for
+        both spheres or a pair of numbers.
 
         Parameters
         ----------
@@ -140,7 +147,7 @@ class Contact:
         radius : float or pair of float
             Radius > 0 [m]; inf is a flat wall.
         loss : float, optional
-            Part of the stored energy that the contact absorbs: ``1 - e**2`` for a restitution e.
+            Fraction of the stored energy that the contact dissipates: ``1 - e**2`` for a coefficient of restitution e.
 
         Raises
         ------
@@ -157,11 +164,13 @@ class Contact:
         moduli, ratios, radii = (
             _pair(name, value) for name, value in (("young", young), ("poisson", poisson), ("radius", radius))
         )
+        # 1/E of both bodies, from Hertz's theory (Johnson, Contact Mechanics, section 4.2)
         yielding = 0.0
         for modulus, ratio in zip(moduli, ratios, strict=True):
             if not -1.0 <= ratio <= 0.5:
                 raise ValueError(f"poisson must be from -1 to 0.5, not {ratio!r}")
             yielding += (1.0 - ratio**2) / magnitude("young", modulus)
+        # 1/R of both bodies; a flat wall has curvature 0
         curvature = sum(0.0 if size == math.inf else 1.0 / magnitude("radius", size) for size in radii)
         if not curvature or not yielding:
             raise ValueError("two flat walls, or two bodies with a poisson of -1, have no Hertz contact")
@@ -169,7 +178,7 @@ class Contact:
 
     @property
     def segments(self) -> tuple[Segment]:
-        """Its graph: one segment."""
+        """The graph of the contact: one segment."""
         return (Segment(1.0, 0.0, self.preload, self.stiffness, self.exponent, self.loss),)
 
     @overload
@@ -178,7 +187,7 @@ class Contact:
     def force(self, overlap: ArrayLike) -> NDArray[np.float64]: ...
 
     def force(self, overlap: ArrayLike) -> Numbers:
-        """Force [N] at `overlap` [m] while pressed in, any shape; Eq. (2), Eq. (C1). At overlap 0 it is 0."""
+        """Return the force [N] at `overlap` [m] during loading, any shape; Eq. (2), Eq. (C1). At overlap 0 it is 0."""
         pressed = np.maximum(np.asarray(overlap, dtype=np.float64), 0.0)
         force = np.where(pressed > 0.0, self.preload + self.stiffness * pressed**self.exponent, 0.0)
         return _like(overlap, force)
@@ -189,9 +198,9 @@ class Contact:
     def energy(self, overlap: ArrayLike) -> NDArray[np.float64]: ...
 
     def energy(self, overlap: ArrayLike) -> Numbers:
-        """Energy stored [J] at `overlap` [m], any shape: ``F d + K d**(1+a) / (1+a)``, 0 while open.
+        """Return the stored energy [J] at `overlap` [m], any shape: ``F d + K d**(1+a) / (1+a)``, 0 while open.
 
-        When this falls, a contact with loss gives back (1 - loss) of the difference and absorbs the rest.
+        During unloading a contact with loss returns (1 - loss) of the decrease and dissipates the rest.
         """
         return _like(overlap, stored_energy(self.preload, self.stiffness, self.exponent, overlap))
 
@@ -201,9 +210,9 @@ class Contact:
     def overlap(self, force: ArrayLike) -> NDArray[np.float64]: ...
 
     def overlap(self, force: ArrayLike) -> Numbers:
-        """Overlap [m] at which the contact pushes with `force` [N], any shape: ``((f-F)/K)**(1/a)``.
+        """Return the overlap [m] at which the contact pushes with `force` [N], any shape: ``((f-F)/K)**(1/a)``.
 
-        0 for a force that the preload alone carries; inf for one that a step force can never reach.
+        The result is 0 for a force up to the preload, and inf for a force that a step force cannot reach.
         """
         excess = np.maximum(np.asarray(force, dtype=np.float64) - self.preload, 0.0)
         if self.stiffness == 0.0:
@@ -214,20 +223,20 @@ class Contact:
 def stored_energy(
     preload: Numbers, stiffness: Numbers, exponent: Numbers, overlap: ArrayLike, power: Callable[..., Any] = np.power
 ) -> NDArray[np.float64]:
-    """Energy [J] that contacts of these laws store at `overlap` [m]; the arguments are broadcast together.
+    """Return the energy [J] that contacts with these laws store at `overlap` [m]; the arguments are broadcast together.
 
-    NumPy's `power` is quick and has another last digit on another processor; `powers` has the same everywhere.
+    NumPy's `power` is fast, but its last digit depends on the processor. The function `powers` is bitwise reproducible.
     """
     pressed = np.maximum(np.asarray(overlap, dtype=np.float64), 0.0)
     more = 1.0 + exponent
-    with np.errstate(over="ignore", invalid="ignore"):  # of a motion that has blown up it is inf, or nan
+    with np.errstate(over="ignore", invalid="ignore"):  # if the motion has diverged, the energy is inf or NaN
         return preload * pressed + stiffness * power(pressed, more) / more
 
 
 def is_closed(overlap: ArrayLike, force: ArrayLike) -> NDArray[np.bool_]:
-    """Whether contacts at `overlap` [m] that push with `force` [N] are closed, any shape: loaded, or touching with a force.
+    """Return True for each contact at `overlap` [m] with `force` [N], any shape, that is loaded or touches with a force.
 
-    A coupler that pulls, with a force < 0, is closed, too.
+    A coupler that pulls, with a force < 0, is also closed.
 
     >>> is_closed([-1.0, 0.0, 0.0, 1.0, -1.0], [0.0, 0.0, 2.0, 3.0, -4.0])
     array([False, False,  True,  True,  True])
@@ -245,7 +254,7 @@ def _pair(name: str, value: object) -> tuple[float, float]:
 
 
 def _like(argument: ArrayLike, result: NDArray[np.float64]) -> Numbers:
-    """`result` as an array, or as a plain float where `argument` was a scalar."""
+    """Return `result` as an array, or as a float if `argument` was a scalar."""
     return float(result) if np.ndim(argument) == 0 else result
 
 
@@ -257,6 +266,7 @@ def explained(make: Callable[P, Contact]) -> Callable[P, Contact]:
         try:
             return make(*args, **keywords)
         except TypeError:
+            # an unknown keyword gives a special message; any other TypeError is passed on
             taken = list(signature(make).parameters)
             unknown = [name for name in keywords if name not in taken]
             if not unknown:
@@ -269,13 +279,16 @@ def explained(make: Callable[P, Contact]) -> Callable[P, Contact]:
 
 @explained
 def power_law(f0: float, alpha: float, loss: float = 0.0) -> Contact:
-    """Bead that pushes with ``f0 * overlap**alpha``, Eq. (2): f0 > 0 [N / m**alpha], alpha > 0."""
+    """Return the contact of a bead that pushes with ``f0 * overlap**alpha``, Eq. (2): f0 > 0 [N / m**alpha], alpha > 0."""
     return Contact(0.0, f0, alpha, loss)
 
 
 @explained
 def draft_gear(stiffness: float, precompression: float, loss: float = 0.0) -> Contact:
-    """Spring behind a piston, Eq. (C1): `stiffness` k > 0 [N/m], `precompression` Delta_0 >= 0 [m]; preload k Delta_0."""
+    """Return the contact of a draft gear, a spring behind a piston, Eq. (C1); its preload is k Delta_0.
+
+    The arguments are `stiffness` k > 0 [N/m] and `precompression` Delta_0 >= 0 [m].
+    """
     spring = magnitude("draft gear stiffness", stiffness)
     return Contact(spring * magnitude("draft gear precompression", precompression, zero=True), spring, 1.0, loss)
 
@@ -291,11 +304,11 @@ def hertz(stiffness: float, loss: float = 0.0) -> Contact:
 
 @explained
 def hooke(stiffness: float, loss: float = 0.0) -> Contact:
-    """One-sided linear spring: ``stiffness * overlap``, stiffness [N/m]; the interface of Appendix A (iii)."""
+    """Return a one-sided linear spring: ``stiffness * overlap``, stiffness [N/m]; the interface of Appendix A (iii)."""
     return Contact(0.0, stiffness, 1.0, loss)
 
 
 @explained
 def step_force(f0: float, loss: float = 0.0) -> Contact:
-    """The limit alpha -> 0 of :func:`power_law`: f0 [N] at any overlap, anything in [0, f0] while just touching."""
+    """Return the limit alpha -> 0 of :func:`power_law`: f0 [N] at any overlap, and any force in [0, f0] while touching."""
     return Contact(f0, 0.0, 1.0, loss)

@@ -1,12 +1,12 @@
-"""The coupler of a train: a contact of several segments that pushes, has slack, pulls, and goes solid.
+"""Coupler of a train: a contact with several segments that pushes, has slack (backlash), pulls, and has a solid stop.
 
     overlap d >= 0                  pushes by the gear `push`
     -slack < d < 0                  no force: the two beads are free
     d <= -slack                     pulls by the gear `pull`, whose displacement is -d - slack
     displacement of a gear > travel solid: a stop adds the force stop * (displacement - travel)
 
-A gear dissipates energy as that contact does by itself. A coupler that is not coupled at the start only pushes until its two
-beads meet; then it couples, and pulls from that time on.
+A gear dissipates energy in the same way as its contact law. A coupler that is not coupled at the start only pushes
+until its two beads meet. Then it couples, and pulls from that time on.
 """
 
 from __future__ import annotations
@@ -21,31 +21,34 @@ from softcradle.physics.segments import PiecewiseContact, Segment
 
 @dataclass(frozen=True)
 class Coupler(PiecewiseContact):
-    """A coupler between two beads that pushes and, after its slack, pulls; its gears go solid at full travel.
+    """A coupler between two beads that pushes and, after its slack, pulls; its gears become solid at full travel.
 
-    All methods but pymunk carry couplers (yoshida4 without loss). The adaptive ones and "auto" require exponents of 1 or more of
-    gears that pull or go solid. Others raise a ValueError. Pulls are negative forces in results.
+    All methods except pymunk support couplers (yoshida4 only without loss). The adaptive methods and "auto" require an
+    exponent of at least 1 for a gear that pulls or has a stop; otherwise they raise a ValueError. Pulling forces are
+    negative in results.
 
     Parameters
     ----------
     push : Contact
-        The contact law that it pushes with.
+        Contact law of the pushing gear.
     pull : Contact, optional
-        The contact law that it pulls with; None pulls nothing.
+        Contact law of the pulling gear; None: the coupler does not pull.
     slack : float, optional
         Free play [m] between pushing and pulling; only with `pull`.
     travel : float, optional
-        Displacement [m] at which a gear becomes solid, of the pushing and of the pulling one; inf: never.
+        Displacement [m] at which a gear becomes solid, both for pushing and for pulling; inf: never.
     stop : float, optional
-        Stiffness [N/m] of the stop beyond the travel, which adds to the law of the gear and dissipates nothing.
+        Stiffness [N/m] of the stop beyond the travel. It adds to the law of the gear and does not dissipate energy.
     coupled : bool, optional
-        Whether it is coupled at the start. If it is not, it is an open contact until its beads meet, and pulls from then on.
-        None: it is coupled unless the gap at the start is larger than the slack. Beads that touch at the start are coupled.
+        True if it is coupled at the start. If False, it is an open contact until its beads meet, and pulls from then
+            on.
+        None: it is coupled unless the gap at the start is larger than the slack. Beads that touch at the start are
+            coupled.
 
     Raises
     ------
     ValueError
-        A number out of range, slack or `coupled` without a pull, or one of travel and stop without the other.
+        A number is out of range, slack or `coupled` is given without a pull, or only one of travel and stop is given.
 
     Examples
     --------
@@ -70,6 +73,7 @@ class Coupler(PiecewiseContact):
             object.__setattr__(self, name, magnitude(f"coupler {name}", getattr(self, name), zero=True))
         if self.travel != math.inf:
             object.__setattr__(self, "travel", magnitude("coupler travel", self.travel))
+        # options that need each other
         if self.coupled not in (None, True, False):
             raise ValueError(f"coupler coupled must be True, False or None, not {self.coupled!r}")
         if self.coupled is not None and self.pull is None:
@@ -83,12 +87,12 @@ class Coupler(PiecewiseContact):
 
     @property
     def segments(self) -> list[Segment]:
-        """The pieces of its graph from left to right: solid and pulling first, solid and pushing last."""
+        """The segments of the graph from left to right: pulling ones from the solid stop inwards, then pushing ones outwards."""
         pulls = self._gear(self.pull, -1.0, -self.slack)[::-1] if self.pull else []
         return pulls + self._gear(self.push, 1.0, 0.0)
 
     def _gear(self, law: Contact, side: float, origin: float) -> list[Segment]:
-        """Return the segments of a gear from its origin outward: as it is pressed in, and solid."""
+        """Return the segments of a gear from its origin outward: up to full travel, and beyond it with the stop."""
         found = [gear_segment(law, side, origin, length=self.travel)]
         if self.stop:
             found.append(gear_segment(law, side, origin + side * self.travel, self.travel, self.stop))
@@ -98,5 +102,5 @@ class Coupler(PiecewiseContact):
 def gear_segment(
     law: Contact, side: float, origin: float, before: float = 0.0, stop: float = 0.0, length: float = math.inf
 ) -> Segment:
-    """Return the segment on which a gear with this `law` goes on from the displacement `before`, with an additional `stop`."""
+    """Return the segment on which a gear with this `law` continues from the displacement `before` [m], plus a `stop` [N/m]."""
     return Segment(side, origin, law.preload, law.stiffness, law.exponent, law.loss, length, before, stop)

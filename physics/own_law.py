@@ -1,9 +1,9 @@
-"""A contact law of one's own: any Python function of the overlap, or an object with `force` and, if it likes, `energy`.
+"""User-defined contact law: a Python function of the overlap, or an object with `force` and optionally `energy`.
 
 overlap d <= 0   f = 0            (at d = 0 anything up to the limit of the law there, its preload)
 overlap d > 0    f = force(d)     >= 0, finite as far as the contact is pressed; if it falls with d, a run warns
 
-Where the law has no `energy`, it is integrated from the force once.
+If the law has no `energy`, the force is integrated once.
 """
 
 from __future__ import annotations
@@ -25,61 +25,64 @@ from softcradle.physics.segments import PiecewiseContact, Segment
 
 Array = NDArray[np.float64]
 
-LEAST_OVERLAP = 2.0**-900  # [m] below 1e-270: the force there is the preload of the law
-PROBES = 33  # overlaps at which a law is looked at before a run, evenly spaced, and as many by powers
-PROBED_DECADES = 12  # below the depth that is expected
-FALL_WIDTH = 1e-6  # relative precision of the overlap from which a force falls, which a warning reports
-RISE = 1e-9  # of the largest force: a fall by more than that is none of round-off
-TRUE_ENERGY = 1e-6  # relative: what the energy of a law may differ from the integral of its force
-OWN_DIGITS = 1e-9  # relative: a force that its table does not give so well has no digits of its own
-FEW_DIGITS = 1e-6  # of the preload: by so much the force is above it where its growth is seen
-LEAST_FORCE = 1e-250  # [N] smaller ones may have lost digits
-NEARLY_LINEAR = 1e-4  # an exponent so near 1 is 1
-SLOPE_WIDTH = 1e-5  # of the overlap: over which the slope of the force is taken
+LEAST_OVERLAP = 2.0**-900  # [m] Overlap at which the force counts as the preload of the law; it is below 1e-270.
+# Number of evenly spaced overlaps, and of logarithmically spaced ones, at which a law is tested before a run.
+PROBES = 33
+PROBED_DECADES = 12  # Decades below the expected depth that the logarithmic test points cover.
+FALL_WIDTH = 1e-6  # Relative precision of the overlap from which the force falls, as reported by a warning.
+RISE = 1e-9  # Fraction of the largest force. A larger decrease of the force is not round-off.
+TRUE_ENERGY = 1e-6  # Largest relative difference between the energy of a law and the integral of its force.
+# Largest relative error of the table of a law. If the error is larger, the computed force is mostly round-off.
+OWN_DIGITS = 1e-9
+FEW_DIGITS = 1e-6  # Fraction of the preload by which the force must exceed it so that its growth is visible.
+LEAST_FORCE = 1e-250  # Smallest force [N] with full precision; smaller ones may have lost digits.
+NEARLY_LINEAR = 1e-4  # An exponent that differs from 1 by less than this counts as 1.
+SLOPE_WIDTH = 1e-5  # Fraction of the overlap over which the slope of the force is computed as a difference.
 
 
 @runtime_checkable
 class Law(Protocol):
-    """What a contact law needs: a method that gives the force [N] at an overlap > 0 [m]."""
+    """Interface of a contact law: a method that returns the force [N] at an overlap > 0 [m]."""
 
     def force(self, overlap: Any, /) -> SupportsFloat:
-        """Force [N] at `overlap` > 0 [m]."""
+        """Return the force [N] at `overlap` > 0 [m]."""
 
 
 class TabledLaw:
-    """A law of one's own as its table alone, which is what a file holds of it."""
+    """A user-defined contact law that consists only of its table, as it is stored in a file."""
 
     def __init__(self, name: str, table: LawTable) -> None:
-        """`name` is that of the function or class that the table was made of."""
+        """Store the table and the name of the function or class from which it was made."""
         self.__name__, self.table = name, table
 
     def force(self, overlap: Any) -> Any:
-        """Force [N] at overlaps > 0 [m], any shape."""
+        """Return the force [N] at overlaps > 0 [m], any shape."""
         found = self.table.values(self.table.force, np.atleast_1d(overlap))
         return found if np.ndim(overlap) else float(found[0])
 
 
 @dataclass(frozen=True, repr=False)
 class OwnLaw:
-    """A contact that only pushes, with a force of your own: ``f = law.force(overlap)`` while the beads overlap.
+    """A user-defined contact that only pushes: ``f = law.force(overlap)`` while the beads overlap.
 
-    A Chain takes the law as it is, too. Every method carries such contacts.
+    A Chain also accepts the law itself. All methods support such contacts.
 
     Parameters
     ----------
     law : object or callable
-        An object with a method ``force(overlap)`` that gives the force [N] at an overlap > 0 [m], or that
-        function itself. Write it for one number; where it takes arrays too, its table is made faster. Steps take
-        the force from that table, made once: it is right to 1e-13 where the law is smooth, with bends kept.
+        An object with a method ``force(overlap)`` that returns the force [N] at an overlap > 0 [m], or that function
+        itself. It only needs to accept a single number; if it also accepts arrays, its table is built faster. The steps
+        take the force from this table, which is built once. It is accurate to 1e-13 if the law is smooth, and it
+        reproduces kinks.
     energy : callable, optional
-        Function that gives the stored energy [J], for results; None takes ``law.energy`` where there is one, else
-        the integral of the table. Steps take that integral in any case.
+        Function that returns the stored energy [J], used in results. None: ``law.energy`` if it exists, else the
+        integral of the table. The steps always use that integral.
 
     Raises
     ------
     ValueError
-        `law` is neither an object with a force nor a function, its force takes other arguments than one overlap, or it is a
-        Contact or Coupler, whose loss or pull a force has not.
+        `law` is neither an object with a force nor a function, its force does not take exactly one argument, or it is a
+        Contact or Coupler, whose loss or pull a force function cannot represent.
 
     Examples
     --------
@@ -92,7 +95,7 @@ class OwnLaw:
 
     law: Law | Callable[[float], SupportsFloat]
     energy_of: Callable[[float], SupportsFloat] | None = None
-    loss: ClassVar[float] = 0.0  # what it stores, it gives back
+    loss: ClassVar[float] = 0.0  # A user-defined law is elastic: it returns all the energy that it stores.
 
     def __init__(
         self, law: Law | Callable[[float], SupportsFloat], energy: Callable[[float], SupportsFloat] | None = None
@@ -101,6 +104,7 @@ class OwnLaw:
             raise ValueError(f"a chain takes {shown(law)} as it is: a law of your own is something else")
         if not is_law(law) or isinstance(law, OwnLaw):
             raise ValueError(f"a law of your own must be a function or have a method force(overlap), not {shown(law)}")
+        # the energy is optional; both functions must take exactly one argument
         found = getattr(law, "energy", None) if energy is None else energy
         if found is not None and not callable(found):
             raise ValueError(f"the energy of a law must be a function of the overlap, not {shown(found)}")
@@ -116,26 +120,28 @@ class OwnLaw:
     def __hash__(self) -> int:
         try:
             return hash((self.law, self.energy_of))
-        except TypeError:  # a law that compares by its numbers, such as a dataclass
+        except TypeError:  # a law that is compared by its numbers, such as a dataclass
             return hash(type(self.law))
 
     @property
     def name(self) -> str:
-        """The law in a word: the name of its function or class; "own law" for a lambda."""
+        """Name of the law: that of its function or class, and "own law" for a lambda."""
         name = str(getattr(self.law, "__name__", type(self.law).__name__))
         return "own law" if name == "<lambda>" else name
 
     @cached_property
     def force_of(self) -> Callable[[float], SupportsFloat]:
-        """The force as the function that was given."""
+        """The force as the function that the user supplied."""
         return self.law.force if isinstance(self.law, Law) else self.law
 
     @cached_property
     def preload(self) -> float:
-        """Force [N] at which the contact begins to yield, the limit of the law at overlap 0.
+        """Force [N] at which the contact begins to yield: the limit of the law at overlap 0.
 
-        Of ``F + K d**a`` it is F, however small the exponent is and however far from F the force at all overlaps.
+        For ``F + K d**a`` the result is F, even if the exponent is so small that the force at every overlap is far
+        above F.
         """
+        # Aitken extrapolation of the force at three tiny overlaps in geometric sequence.
         last, middle, first = self._force(np.array([LEAST_OVERLAP ** (k / 3.0) for k in (3, 2, 1)])).tolist()
         if first == 0.0 or middle == last:
             return last
@@ -145,27 +151,29 @@ class OwnLaw:
 
     @property
     def onset(self) -> tuple[float, float, float]:
-        """What the law begins like, ``F + K d**a``: preload F [N], stiffness K [N/m**a] and exponent a.
+        """The power law ``F + K d**a`` with which the law begins: preload F [N], stiffness K [N/m**a] and exponent a.
 
-        One that begins flat has K = 0 and a = 1.
+        A law that begins with slope 0 has K = 0 and a = 1.
         """
         return self._begins[0]
 
     @property
     def digits_from(self) -> float:
-        """Overlap [m] below which the force above a preload has no digits of its own: there the law is its onset."""
+        """Overlap [m] below which the force above a preload is only round-off: there `onset` replaces the table."""
         return self._begins[1]
 
     @cached_property
     def _begins(self) -> tuple[tuple[float, float, float], float]:
-        """The onset, and from which overlap [m] on the table is better."""
+        """The onset, and the overlap [m] from which the table is more accurate."""
         table, preload = self.table, self.preload
         overlaps = table.edge[1:-1]
+        # the first pieces whose force above the preload is larger than round-off
         above = table.values(table.force, overlaps) - preload
         seen = (above > max(FEW_DIGITS * preload, LEAST_FORCE)) & (table.error < OWN_DIGITS)[1:]
         if not seen.any():
             return (preload, 0.0, 1.0), 0.0
         at = float(overlaps[np.argmax(seen)])
+        # The exponent follows from the forces at this overlap and at twice this overlap.
         half, once, twice = (table.values(table.force, at * np.array([0.5, 1.0, 2.0])) - preload).tolist()
         if not 0.0 < half < once < twice:
             return (preload, 0.0, 1.0), 0.0
@@ -175,12 +183,12 @@ class OwnLaw:
 
     @property
     def segments(self) -> tuple[Segment]:
-        """Its graph: one segment with a table."""
+        """The graph of the contact: one segment with a table."""
         return (Segment(1.0, 0.0, *self.onset, table=self.table, table_from=self.digits_from),)
 
     @cached_property
     def table(self) -> LawTable:
-        """The law as kernels take it: polynomials that are the force to round-off wherever it has no jump, see its `error`."""
+        """The law as the kernels use it: polynomials that equal the force to round-off wherever it has no step, see `error`."""
         if isinstance(self.law, TabledLaw):
             return self.law.table
         return law_table(self.tried)
@@ -191,11 +199,14 @@ class OwnLaw:
     def force(self, overlap: ArrayLike) -> Array: ...
 
     def force(self, overlap: ArrayLike) -> Numbers:
-        """Force [N] at `overlap` [m], any shape; 0 while open. ValueError where the law gives no finite force >= 0."""
+        """Return the force [N] at `overlap` [m], any shape; 0 while open.
+
+        Raises ValueError if the law does not return a finite force >= 0.
+        """
         return self._where_pressed(overlap, self._force)
 
     def tried(self, overlap: Array) -> Array:
-        """Force [N] at overlaps > 0 [m] that a solver only tries, any shape; nan where the function gives none."""
+        """Return the force [N] at trial overlaps > 0 [m] of a solver, any shape; NaN if the function fails."""
         flat = self._values(self.force_of, overlap.ravel(), self._takes_arrays)
         return flat.reshape(overlap.shape)
 
@@ -205,7 +216,7 @@ class OwnLaw:
     def energy(self, overlap: ArrayLike) -> Array: ...
 
     def energy(self, overlap: ArrayLike) -> Numbers:
-        """Energy stored [J] at `overlap` [m], any shape; 0 while open."""
+        """Return the stored energy [J] at `overlap` [m], any shape; 0 while open."""
         return self._where_pressed(overlap, self._energy)
 
     @overload
@@ -214,9 +225,9 @@ class OwnLaw:
     def overlap(self, force: ArrayLike) -> Array: ...
 
     def overlap(self, force: ArrayLike) -> Numbers:
-        """Overlap [m] at which the contact pushes with `force` [N], any shape; 0 below the preload.
+        """Return the overlap [m] at which the contact pushes with `force` [N], any shape; 0 below the preload.
 
-        Out of reach it is inf, or where the numbers of a law end, the overlap at which they do.
+        For a force that is never reached the result is inf, or the last overlap at which the law has a value.
         """
         forces, table = np.asarray(force, dtype=np.float64), self.table
         found = [
@@ -225,11 +236,11 @@ class OwnLaw:
         return found[0] if forces.ndim == 0 else np.reshape(found, forces.shape)
 
     def depth(self, energy: float) -> float:
-        """Overlap [m] at which the contact stores `energy` [J]; inf where it never does."""
+        """Return the overlap [m] at which the contact stores `energy` [J], or inf if it never stores that much."""
         return self.table.overlap(self.table.energy, energy) if energy > 0.0 else 0.0
 
     def slope(self, overlap: float) -> float:
-        """Slope df/dd of the force [N/m] at an overlap > 0 [m], by a difference; nan where the function gives no number."""
+        """Return the slope df/dd [N/m] of the force at an overlap > 0 [m], by a difference; NaN if the function fails."""
         low, high = overlap * (1.0 - SLOPE_WIDTH), overlap * (1.0 + SLOPE_WIDTH)
         below, above = self.tried(np.array([low, high])).tolist()
         return float(max(above - below, 0.0) / (high - low))
@@ -243,14 +254,15 @@ class OwnLaw:
         return self.energy_of is not None and _takes_arrays(self.energy_of)
 
     def _force(self, overlaps: Array) -> Array:
-        """Forces (k,) at overlaps (k,) > 0, or a ValueError."""
+        """Return the forces (k,) at overlaps (k,) > 0, or raise a ValueError."""
         return self._checked("force", self.tried(overlaps), overlaps, "N")
 
     def _energy(self, overlaps: Array) -> Array:
         if self.energy_of is None:
             return self._checked("energy", self.table.values(self.table.energy, overlaps), overlaps, "J")
         found = self._values(self.energy_of, overlaps, self._energy_takes_arrays)
-        found = np.where(np.isfinite(found), np.maximum(found, 0.0), found)  # a difference may round to below 0
+        # an energy computed as a difference may be rounded to below 0
+        found = np.where(np.isfinite(found), np.maximum(found, 0.0), found)
         return self._checked("energy", found, overlaps, "J")
 
     def _checked(self, what: str, values: Array, overlaps: Array, unit: str) -> Array:
@@ -265,9 +277,9 @@ class OwnLaw:
 
     @staticmethod
     def _values(function: Callable[[float], SupportsFloat], overlaps: Array, arrays: bool) -> Array:
-        with np.errstate(all="ignore"):  # what is not finite is refused, or ends an integral
+        with np.errstate(all="ignore"):  # values that are not finite raise an error later, or end an integral
             if arrays:
-                with suppress(ArithmeticError, ValueError):  # of one number among them: the others have theirs
+                with suppress(ArithmeticError, ValueError):  # One element failed: compute the others one by one.
                     found: Any = cast(Any, function)(overlaps)
                     return np.array(np.broadcast_to(np.asarray(found, dtype=np.float64), overlaps.shape))
             return np.array([_number(function, overlap) for overlap in overlaps.tolist()])
@@ -282,15 +294,20 @@ class OwnLaw:
         return float(found) if overlaps.ndim == 0 else found
 
     def require_usable(self, depth: float) -> None:
-        """ValueError where force or energy are no numbers >= 0 up to `depth` [m], or the energy is not that of the force."""
+        """Raise ValueError if force or energy are not numbers >= 0 up to `depth` [m], or disagree with each other.
+
+        They agree if the energy is the integral of the force.
+        """
         overlaps = self.probes(depth)
         forces, energies = self._force(overlaps), self._energy(overlaps)
         if self.energy_of is None:
             return
+        # Gauss-Legendre quadrature of the force in each interval between the test points
         node, weight = np.polynomial.legendre.leggauss(20)
         low, high = overlaps[:-1], overlaps[1:]
         inside = 0.5 * (low + high)[:, None] + 0.5 * (high - low)[:, None] * node
         work = 0.5 * (high - low) * (self._force(inside.ravel()).reshape(inside.shape) @ weight)
+        # compare with the differences of the energy, and the first energy with force times overlap
         apart = np.abs(np.diff(energies) - work)
         least = float(forces[0] * overlaps[0])
         k = int(np.argmax(apart))
@@ -302,13 +319,14 @@ class OwnLaw:
             )
 
     def falls(self, depth: float) -> float:
-        """Return the overlap [m] from which the force first falls, searched up to `depth`; 0 if it never falls."""
+        """Return the overlap [m] from which the force first decreases, searched up to `depth`; 0 if it never decreases."""
         overlaps = self.probes(depth)
         forces = self._force(overlaps)
         down = np.flatnonzero(np.diff(forces) < -RISE * forces.max())
         if not down.size:
             return 0.0
-        # The largest force of the interval around the first fall: each pass narrows it by a factor of PROBES / 2.
+        # Find the largest force in the interval around the first decrease. Each pass shrinks the interval by a factor
+        # of PROBES / 2.
         low, high = float(overlaps[max(down[0] - 1, 0)]), float(overlaps[down[0] + 1])
         while high - low > FALL_WIDTH * high:
             overlaps = np.linspace(low, high, PROBES)
@@ -319,13 +337,13 @@ class OwnLaw:
 
     @staticmethod
     def probes(depth: float) -> Array:
-        """Overlaps (k,) [m] at which the law is looked at, ascending to `depth`."""
+        """Return the overlaps (k,) [m] at which the law is tested, ascending to `depth`."""
         by_power = depth * 10.0 ** np.linspace(-PROBED_DECADES, 0.0, PROBES)
         return np.unique(np.concatenate((by_power, np.linspace(0.0, depth, PROBES)[1:])))
 
 
 def is_law(value: object) -> bool:
-    """Whether `value` can be a contact law: an object with a force, or a function."""
+    """Return True if `value` can be a contact law: an object with a force, or a function."""
     if isinstance(value, type):
         return False
     return callable(getattr(value, "force", None)) or callable(value)
@@ -335,7 +353,7 @@ def _require_one_argument(what: str, function: Callable[[float], SupportsFloat])
     """Raise ValueError if `function`, the force or energy of a law, does not take exactly one argument, the overlap."""
     try:
         taken = inspect.signature(function)
-    except (TypeError, ValueError):  # some functions written in C have none
+    except (TypeError, ValueError):  # some functions written in C do not provide a signature
         return
     try:
         taken.bind(0.0)
@@ -347,21 +365,22 @@ def _require_one_argument(what: str, function: Callable[[float], SupportsFloat])
 
 
 def _number(function: Callable[[float], SupportsFloat], overlap: float) -> float:
-    """The value at one overlap; nan where the function has none there."""
+    """Return the value at one overlap, or NaN if the function fails there."""
     try:
         return float(function(overlap))
-    except (ArithmeticError, ValueError):  # too large a number for math.exp, one that math.log does not take
+    except (ArithmeticError, ValueError):  # for example an overflow in math.exp, or a domain error in math.log
         return math.nan
 
 
 def _takes_arrays(function: Callable[[float], SupportsFloat]) -> bool:
-    """Whether the function gives the same for an array as for its numbers one by one."""
+    """Return True if the function returns the same values for an array as for its elements one by one."""
     probe = np.array([1e-3, 0.1, 0.5])
     try:
         with np.errstate(all="ignore"):
             together: Any = cast(Any, function)(probe.copy())
             found = np.broadcast_to(np.asarray(together, dtype=np.float64), probe.shape)
-    except Exception:  # a function for numbers may refuse an array in any way
+    except Exception:  # a function for numbers may raise any exception for an array
         return False
+    # Evaluate the overlaps one by one as well. Only a function with equal results is called with arrays.
     alone = np.array([_number(function, value) for value in probe.tolist()])
     return bool(np.allclose(found, alone, rtol=1e-13, atol=0.0, equal_nan=True))

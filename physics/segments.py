@@ -1,13 +1,14 @@
-"""Segments: the pieces of the monotone graph of a contact, and contacts that are given by a table of them.
+"""Segments, the pieces of the monotone graph of a contact, and contacts that are defined by a table of segments.
 
-Each segment reaches from its origin outward: to the right if it pushes (side 1), to the left if it pulls (side -1). With the
-displacement x = side (d - origin) >= 0 and y = x + before,
+Each segment extends from its origin outward: to the right if it pushes (side 1), to the left if it pulls (side -1).
+With the displacement x = side (d - origin) >= 0 and y = x + before, the force is
 
     loading      f = side (F + K y**a + S x)
     unloading    f = side ((1 - l) (F + K y**a) + S x)
 
-up to x = length. The next segment begins there. If a gear goes on from one segment to the next, `before` is its displacement at
-the origin, and a stop of stiffness S without loss is added. A user-defined law has a table of polynomials instead of a power law.
+up to x = length, where the next segment begins. If a gear continues from one segment to the next, `before` is its
+displacement at the origin, and a stop of stiffness S without loss is added. A user-defined contact law has a table of
+polynomials instead of the power law.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from softcradle.physics.law_table import LawTable
 
 Array = NDArray[np.float64]
 
-# Fraction of a force: a fall from one segment to the next by less is round-off of the numbers that define them.
+# Fraction of a force. A smaller decrease from one segment to the next is round-off of the numbers that define them.
 CONTINUOUS = 1e-9
 
 
@@ -36,10 +37,10 @@ class Segment(NamedTuple):
         side: 1.0 if it pushes, -1.0 if it pulls.
         origin: overlap [m] at which it begins.
         preload, stiffness, exponent: F [N], K [N/m**a] and a of its power law.
-        loss: part l of the energy of the power law that it dissipates on unloading.
-        length: displacement [m] at which the next segment begins; inf on the last one.
+        loss: fraction l of the energy of the power law that it dissipates during unloading.
+        length: displacement [m] at which the next segment begins; inf for the last one.
         before: displacement [m] of the power law at the origin.
-        stop: stiffness S [N/m] of a spring without loss, which is added.
+        stop: stiffness S [N/m] of an additional spring without loss.
         table: polynomials that replace the power law, or None.
         table_from: displacement [m] below which the power law replaces the table.
     """
@@ -58,7 +59,7 @@ class Segment(NamedTuple):
 
     @property
     def is_whole_law(self) -> bool:
-        """Whether this segment alone is a contact that only pushes, from overlap 0 on."""
+        """True if this segment by itself is a contact that only pushes, from overlap 0 on."""
         return self.side > 0.0 and self.origin == self.before == self.stop == 0.0 and self.length == math.inf
 
     @property
@@ -67,14 +68,17 @@ class Segment(NamedTuple):
         return self.origin + self.side * self.length
 
     def force_at(self, x: ArrayLike, unloading: bool = False) -> Array:
-        """Force [N] at the displacement `x` >= 0 [m], without the side; the limit from the right at 0."""
+        """Return the force [N] at the displacement `x` >= 0 [m], without the sign of the side; at 0 the limit from the right."""
         way = np.asarray(x, dtype=np.float64)
         law = self.preload + self.stiffness * (way + self.before) ** self.exponent
         found: Array = (1.0 - self.loss if unloading else 1.0) * law + self.stop * way
         return found
 
     def energy(self, overlap: ArrayLike, power: Callable[..., Any] = np.power) -> Array:
-        """Energy [J] that this segment stores between its origin and `overlap` [m], its end at most; `power` takes powers."""
+        """Return the energy [J] that this segment stores between its origin and `overlap` [m], at most its end.
+
+        `power` is the function that computes powers.
+        """
         x = np.clip(self.side * (np.asarray(overlap, dtype=np.float64) - self.origin), 0.0, self.length)
         p = 1.0 + self.exponent
         gained = power(x + self.before, p) - (power(self.before, p) if self.before else 0.0)
@@ -83,38 +87,39 @@ class Segment(NamedTuple):
 
 
 class PiecewiseContact:
-    """A contact given by a table of segments; a subclass defines `segments`, and every method but pymunk carries it.
+    """A contact defined by a table of segments. A subclass defines `segments`; all methods except pymunk support it.
 
-    The segments stand from left to right: first the pulling ones, then the pushing ones, of which the first begins at overlap 0.
-    Each segment begins at the end of its inner neighbour, and the force never falls with the overlap.
+    The segments are listed from left to right: first the pulling ones, then the pushing ones, of which the first begins
+    at overlap 0. Each segment begins at the end of its inner neighbour, and the force never decreases with the overlap.
     """
 
-    # Whether it is coupled at the start, so that it pulls. None: unless the beads are further apart than its slack.
+    # True if the contact is coupled at the start, so that it pulls. None: coupled unless the gap is larger than the
+    # slack.
     coupled: bool | None = None
 
     @property
     def segments(self) -> Sequence[Segment]:
-        """The pieces of its graph from left to right."""
+        """The segments of the graph from left to right."""
         raise NotImplementedError(f"class {type(self).__name__} must define segments, the pieces of its graph")
 
     @cached_property
     def pushing(self) -> tuple[Segment, ...]:
-        """The segments that push, from overlap 0 outward."""
+        """The pushing segments, from overlap 0 outward."""
         return tuple(segment for segment in self.segments if segment.side > 0.0)
 
     @cached_property
     def pulling(self) -> tuple[Segment, ...]:
-        """The segments that pull, from the slack outward."""
+        """The pulling segments, from the end of the slack outward."""
         return tuple(segment for segment in self.segments if segment.side < 0.0)[::-1]
 
     @property
     def pulls_below(self) -> float:
-        """Overlap [m] below which it pulls; -inf if it never does."""
+        """Overlap [m] below which the contact pulls; -inf if it never pulls."""
         return self.pulling[0].origin if self.pulling else -math.inf
 
     @property
     def smooth(self) -> bool:
-        """Whether each segment that pulls, or belongs to a side of several, has an exponent of 1 or more."""
+        """True if each segment that pulls, or that is one of several on its side, has an exponent of at least 1."""
         return all(
             segment.exponent >= 1.0
             for side in (self.pushing[1:] and self.pushing, self.pulling)
@@ -123,7 +128,7 @@ class PiecewiseContact:
 
     @property
     def preload(self) -> float:
-        """Force [N] at which it begins to yield when it is pressed."""
+        """Force [N] at which the contact begins to yield when it is compressed."""
         return self.pushing[0].preload
 
     @property
@@ -139,7 +144,7 @@ class PiecewiseContact:
         )
 
     def starts_coupled(self, overlap: float) -> bool:
-        """Whether it is coupled at the start, at `overlap` [m]; beads that touch are."""
+        """Return True if the contact is coupled at the start, at `overlap` [m]. Beads that touch are coupled."""
         return overlap >= 0.0 or (overlap >= self.pulls_below if self.coupled is None else self.coupled)
 
     @overload
@@ -148,17 +153,18 @@ class PiecewiseContact:
     def force(self, overlap: ArrayLike) -> Array: ...
 
     def force(self, overlap: ArrayLike) -> Array | float:
-        """Force [N] at `overlap` [m], any shape, on loading; negative if it pulls."""
+        """Return the force [N] at `overlap` [m], any shape, during loading; negative if the contact pulls."""
         return self._force(overlap, unloading=False)
 
     def released(self, overlap: ArrayLike) -> Array | float:
-        """Force [N] at `overlap` [m], any shape, on unloading."""
+        """Return the force [N] at `overlap` [m], any shape, during unloading."""
         return self._force(overlap, unloading=True)
 
     def _force(self, overlap: ArrayLike, unloading: bool) -> Array | float:
         overlaps = np.asarray(overlap, dtype=np.float64)
+        # the slack between the first pushing and the first pulling segment has force 0
         found = np.zeros(overlaps.shape)
-        for segment in (*self.pushing, *self.pulling):  # outward, so that the outermost one counts
+        for segment in (*self.pushing, *self.pulling):  # outward, so that the outermost segment determines the force
             x = segment.side * (overlaps - segment.origin)
             found = np.where(x > 0.0, segment.side * segment.force_at(np.maximum(x, 0.0), unloading), found)
         return _like(overlap, found + 0.0)
@@ -169,33 +175,38 @@ class PiecewiseContact:
     def energy(self, overlap: ArrayLike) -> Array: ...
 
     def energy(self, overlap: ArrayLike) -> Array | float:
-        """Energy stored [J] at `overlap` [m], any shape."""
+        """Return the stored energy [J] at `overlap` [m], any shape."""
         return self.stored_energy(overlap)
 
     def stored_energy(self, overlap: ArrayLike, power: Callable[..., Any] = np.power) -> Array | float:
-        """Energy stored [J] at `overlap` [m], any shape; `power` as of :func:`softcradle.physics.contact.stored_energy`."""
+        """Return the stored energy [J] at `overlap` [m], any shape.
+
+        `power` computes powers, as in :func:`softcradle.physics.contact.stored_energy`.
+        """
         return _like(overlap, sum(segment.energy(overlap, power) for segment in self.segments))
 
 
 @dataclass(frozen=True)
 class SegmentTable(PiecewiseContact):
-    """A contact given by the rows of its table; see :class:`PiecewiseContact`."""
+    """A contact defined by the rows of its table; see :class:`PiecewiseContact`."""
 
     rows: tuple[Segment, ...]
     coupled: bool | None = None
 
     @property
     def segments(self) -> tuple[Segment, ...]:
-        """The rows."""
+        """The rows of the table."""
         return self.rows
 
 
 def require_graph(what: str, contact: PiecewiseContact) -> None:
-    """Raise ValueError if the segments of `contact` are not one monotone graph; `what` names the contact."""
+    """Raise ValueError if the segments of `contact` do not form one monotone graph; `what` names the contact in the message."""
+    # order of the segments
     if not contact.pushing or contact.pushing[0].origin != 0.0:
         raise ValueError(f"{what} must have a segment that pushes from overlap 0 on")
     if list(contact.segments) != [*contact.pulling[::-1], *contact.pushing]:
         raise ValueError(f"{what} must have its segments from left to right, those that pull first")
+    # each side is continuous in the overlap, its force does not decrease, and it extends to infinity
     for side in (contact.pushing, contact.pulling):
         for inner, outer in pairwise(side):
             if not math.isclose(inner.end, outer.origin, rel_tol=CONTINUOUS):
@@ -207,6 +218,7 @@ def require_graph(what: str, contact: PiecewiseContact) -> None:
                 raise ValueError(f"{what}: the force falls from {before:g} to {after:g} N at {outer.origin:g} m")
         if side and side[-1].length != math.inf:
             raise ValueError(f"{what}: the last segment must have the length inf, not {side[-1].length:g} m")
+    # restrictions of single segments
     for segment in contact.segments:
         if segment.table is not None and not (segment.is_whole_law and len(contact.segments) == 1 and not segment.loss):
             raise ValueError(f"{what}: a segment with a table must be the only one, and without loss")
@@ -215,7 +227,8 @@ def require_graph(what: str, contact: PiecewiseContact) -> None:
 
 
 def _stiffness_at_origin(segment: Segment) -> float:
-    """Slope df/dd [N/m] of a segment at its origin, 0 if it is infinite there."""
+    """Return the slope df/dd [N/m] of a segment at its origin; 0 if it is infinite there."""
+    # slope of the power law: K for a = 1, infinite (returned as 0) for a < 1 at the origin of the law
     y, a = segment.before, segment.exponent
     by_law = segment.stiffness if a == 1.0 else a * segment.stiffness * y ** (a - 1.0) if y else 0.0
     return by_law + segment.stop

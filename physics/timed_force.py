@@ -1,4 +1,4 @@
-"""Forces over time on chosen beads: piecewise linear, as traction and brakes of a train are given."""
+"""Forces over time on chosen beads, piecewise linear, such as traction and brakes of a train."""
 
 from __future__ import annotations
 
@@ -16,24 +16,25 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class TimedForce:
-    """A force on each of some beads, linear between points in time: 0 before the first point, kept after the last.
+    """A force on chosen beads that is linear between breakpoints in time, 0 before the first and constant after the last.
 
-    Two points at the same time make a jump. In ``Chain(forces=...)`` it pushes, to the right where it is positive; in
-    ``Chain(brakes=...)`` it is what a brake can hold: it acts against the motion, and a bead that stands stays where it is.
+    Two breakpoints at the same time make a step. In ``Chain(forces=...)`` a positive force pushes to the right. In
+    ``Chain(brakes=...)`` the force is the largest friction force of a brake: it acts against the motion, and it holds a
+    bead at rest.
 
     Parameters
     ----------
     beads : int or sequence of int
-        Indices of the beads, one or several; each of them gets all of the force.
+        Indices of the beads, one or several; the full force acts on each of them.
     time : array_like, shape (K,)
         Times [s] >= 0, ascending, K >= 1.
     force : float or array_like, shape (K,)
-        Force [N] at these times, or one number that is kept from the first time on.
+        Force [N] at these times, or one number for a constant force from the first time on.
 
     Raises
     ------
     ValueError
-        A bead that is no index, times that do not ascend, or a number out of range.
+        A bead is not an index, the times do not ascend, or a number is out of range.
 
     Examples
     --------
@@ -52,6 +53,7 @@ class TimedForce:
             raise ValueError(f"times of a force must be a list of numbers from 0 to {LARGEST:g}, not {shown(time)}")
         if (np.diff(times) < 0.0).any():
             raise ValueError(f"times of a force must ascend, not {shown(time)}")
+        # one force for all times, or one for each
         if forces.shape not in ((), times.shape):
             raise ValueError(f"{times.size} times of a force need {times.size} forces, not {shown(force)}")
         if not (np.abs(forces) <= LARGEST).all():
@@ -61,27 +63,28 @@ class TimedForce:
 
     @property
     def steady(self) -> bool:
-        """Whether it is the same from t = 0 on."""
+        """True if the force is the same from t = 0 on."""
         return self.time[0] == 0.0 and len(set(self.force)) == 1
 
     @property
     def lasts(self) -> bool:
-        """Whether it goes on after its last point."""
+        """True if the force is not 0 after its last breakpoint."""
         return self.force[-1] != 0.0
 
     def at(self, time: ArrayLike) -> Array:
-        """The force [N] at `time` [s], any shape; at a jump the value after it."""
+        """Return the force [N] at `time` [s], any shape; at a step the value after it."""
         return np.asarray(np.interp(np.asarray(time), *self._points[:2], left=0.0))
 
     @cached_property
     def _points(self) -> tuple[Array, Array, Array]:
-        """Times [s], forces [N] and the momentum [N s] given until each time, as arrays (K,)."""
+        """Times [s], forces [N] and impulse [N s] up to each time, as arrays (K,)."""
         time, force = np.array(self.time), np.array(self.force)
         return time, force, np.append(0.0, np.cumsum(0.5 * np.diff(time) * (force[1:] + force[:-1])))
 
     def impulse(self, end: ArrayLike) -> Array:
-        """The momentum [N s] that it has given to each of its beads by the time `end` [s], any shape."""
+        """Return the momentum [N s] that the force has given to each of its beads up to the time `end` [s], any shape."""
         ends, (time, force, given) = np.asarray(end, dtype=np.float64), self._points
+        # impulse up to the last breakpoint, plus the trapezium after it
         last = np.maximum(np.searchsorted(time, ends, side="right") - 1, 0)
         found: Array = given[last] + 0.5 * (ends - time[last]) * (force[last] + self.at(ends))
         return np.where(ends < time[0], 0.0, found)
@@ -96,7 +99,7 @@ def _checked_beads(beads: int | Sequence[int]) -> tuple[int, ...]:
 
 
 def checked_forces(what: str, forces: object, mass: Sequence[float], brakes: bool = False) -> tuple[TimedForce, ...]:
-    """Return `forces` as a tuple of TimedForce on beads of `mass` [kg]; brakes are nowhere negative.
+    """Return `forces` as a tuple of TimedForce on beads of `mass` [kg]; brakes must never be negative.
 
     Raises ValueError if an entry is not a TimedForce, or acts on a wall or on a bead that does not exist.
     """
@@ -108,6 +111,7 @@ def checked_forces(what: str, forces: object, mass: Sequence[float], brakes: boo
         require_kind(f"every entry of {what}", item, TimedForce)
         if max(item.beads) >= beads:
             raise ValueError(f"{what} act on bead {max(item.beads)}, but there are only beads 0 to {beads - 1}")
+        # no force can move a wall, and a brake never pushes
         walls = [bead for bead in item.beads if mass[bead] == math.inf]
         if walls:
             raise ValueError(f"{what} act on bead {walls[0]}, but it is a wall (infinite mass), which no force moves")
@@ -127,7 +131,7 @@ def summed(forces: Sequence[TimedForce], time: ArrayLike, beads: int) -> Array:
 
 
 def on_other_beads(forces: Sequence[TimedForce], new: Sequence[int | None]) -> tuple[TimedForce, ...]:
-    """`forces` where bead k of the chain is now bead ``new[k]``, None where it is gone."""
+    """Return `forces` for a chain in which bead k has become bead ``new[k]``; None means that it was removed."""
     found = []
     for item in forces:
         beads = [moved for bead in item.beads if (moved := new[bead]) is not None]

@@ -1,4 +1,4 @@
-"""The version of softcradle that is installed."""
+"""Version number of the installed package softcradle."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from importlib import metadata
 
 
 def version() -> str:
-    """Version as in pyproject.toml, or "not installed" in a bare checkout."""
+    """Return the version of pyproject.toml, or "not installed" if softcradle runs from a checkout without installation."""
     try:
         return metadata.version("softcradle")
     except metadata.PackageNotFoundError:
