@@ -1,4 +1,6 @@
-"""Conversion of contacts: a power law, a draft gear and a hard contact that stop an impact at the scene's speed alike."""
+"""Conversion between contact laws: a power law, a draft gear and a hard contact that stop an impact within the same
+depth.
+"""
 
 import math
 from dataclasses import replace
@@ -10,18 +12,22 @@ from softcradle.physics.scales import scales_at
 from softcradle.sandbox.languages import _ as gettext
 
 KINDS = ("power", "gear", "hard")
-SOFT_EXPONENT = 0.1  # of a power law converted from another kind: alpha = 1/10, the paper's first
-PRELOAD_SHARE = 0.9  # of the energy of an impact that the preload of a converted gear takes up
-HARD_DEPTH = 0.05  # of the depth of a soft contact: a locked piston yields twenty times less
-DEEPEST = 0.2  # of a bead's length: depth of a converted contact; clusters press theirs up to five times as deep
+SOFT_EXPONENT = 0.1  # Exponent of a power law converted from another kind: alpha = 1/10, the paper's first.
+PRELOAD_SHARE = 0.9  # Share of the impact energy that the preload of a converted gear absorbs.
+HARD_DEPTH = 0.05  # Depth of a hard contact relative to a soft one: a locked piston yields twenty times less.
+# Largest depth of a converted contact, as a fraction of a bead's length. Clusters press their contacts up to five times
+# as deep.
+DEEPEST = 0.2
 # Depth of a steel ball beside soft beads, of a bead's length. It is the depth of the steel balls of the scene hertz-cradle, in
 # which balls of 1 kg and 1 m with hertz(100) meet at 1 m/s: 100 * depth**2.5 / 2.5 = 1/4 J.
 STEEL_DEPTH = 0.00625**0.4
-HALVINGS = 60  # of the bracket of a depth: its last digit
+HALVINGS = 60  # Number of bisections of a depth, down to its last digit.
 
 
 def kind_of(contact: Joint) -> str:
-    """'gear' for a contact with preload, 'power' for an exponent below 1, else 'hard'; 'coupler', and 'own' for other laws."""
+    """Return 'gear' for a contact with preload, 'power' for an exponent below 1, else 'hard'; 'coupler', or 'own' for
+    other laws.
+    """
     if not isinstance(contact, Contact):
         return "coupler" if isinstance(contact, Coupler) else "own"
     if contact.preload > 0.0:
@@ -30,12 +36,12 @@ def kind_of(contact: Joint) -> str:
 
 
 def has_soft_contacts(chain: Chain) -> bool:
-    """Whether some contact is no usual cradle's: a power law below 1, or preloaded."""
+    """Return True if some contact is softer than in a usual cradle: a power law below 1, or preloaded."""
     return any(kind_of(contact) in ("power", "gear") for contact in chain.contact)
 
 
 def plain_contact(chain: Chain, index: int) -> Contact:
-    """Contact `index`. ValueError where it is a coupler or a law of one's own, which no edit turns into another kind."""
+    """Return contact `index`. Raise ValueError if it is a coupler or a user-defined law, which cannot be converted."""
     contact = chain.contact[index]
     if not isinstance(contact, Contact):
         raise ValueError(gettext("a coupler keeps its law: it is changed in the scene file"))
@@ -43,10 +49,12 @@ def plain_contact(chain: Chain, index: int) -> Contact:
 
 
 def converted_contact(chain: Chain, index: int, kind: str, speed: float, length: float = math.inf) -> Contact:
-    """Contact `index` of `chain` as `kind`: it stops the same impact at `speed` [m/s] within the same depth.
+    """Return contact `index` of `chain` converted to `kind`: it stops the same impact at `speed` [m/s] within the same
+    depth.
 
-    A hard one is Hertz's and does it within a twentieth of the depth. One made of a hard one has no depth beyond a fifth
-    of `length` [m], that of a bead: beads would pass through each other. ValueError for an unknown kind.
+    A hard contact is a Hertz contact and stops the impact within a twentieth of the depth. The depth of a contact
+    converted from a hard one is limited to a fifth of `length` [m], the length of a bead, because beads would pass
+    through each other. Raise ValueError for an unknown kind.
     """
     if kind not in KINDS:
         raise ValueError(f"unknown kind of contact {kind!r}; there are {', '.join(KINDS)}")
@@ -65,7 +73,9 @@ def converted_contact(chain: Chain, index: int, kind: str, speed: float, length:
 
 
 def at_the_same_depth(chain: Chain, index: int, alpha: float, speed: float) -> Contact:
-    """A power law `alpha` in place of contact `index`: it stops the same impact at `speed` [m/s] within the same depth."""
+    """Return a power law with exponent `alpha` that stops the same impact at `speed` [m/s] within the same depth as
+    contact `index`.
+    """
     return _power_law(*impact_energy(chain, index, speed), alpha, plain_contact(chain, index).loss)
 
 
@@ -78,7 +88,7 @@ def steel_ball(chain: Chain, index: int, speed: float, length: float) -> Contact
 
 
 def hard_contact(chain: Chain, index: int, speed: float) -> Contact:
-    """Hertz's contact in place of contact `index`: it stops the same impact within a twentieth of the depth."""
+    """Return a Hertz contact that stops the same impact within a twentieth of the depth of contact `index`."""
     energy, depth = impact_energy(chain, index, speed)
     return _hertz(energy, HARD_DEPTH * depth)
 
@@ -88,12 +98,14 @@ def _hertz(energy: float, depth: float) -> Contact:
 
 
 def _power_law(energy: float, depth: float, alpha: float, loss: float) -> Contact:
-    checked = power_law(1.0, alpha, loss)  # a power beyond the exponents of a Contact may be 0, or no float
+    checked = power_law(1.0, alpha, loss)  # a power with an invalid exponent may be 0 or not finite
     return replace(checked, stiffness=(1.0 + alpha) * energy / depth ** (1.0 + alpha))
 
 
 def impact_energy(chain: Chain, index: int, speed: float) -> tuple[float, float]:
-    """Energy [J] of two free beads that close at `speed` [m/s], and the depth [m] at which contact `index` stores it."""
+    """Return the energy [J] of two free beads that close at `speed` [m/s], and the depth [m] at which contact `index`
+    stores it.
+    """
     energy = 0.5 * speed**2 / float(chain.inverse_reduced_mass[index])
     low, high = 0.0, float(scales_at(chain, speed)[0][index])  # an upper bound of the depth
     for _ in range(HALVINGS):

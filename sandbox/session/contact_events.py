@@ -1,4 +1,4 @@
-"""Contact events: when contacts closed and opened, as the engine located it in each frame of the history."""
+"""Contact events: closings and openings of contacts, as the engine located them in each frame of the history."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ class ContactEvents(NamedTuple):
     """Closings and openings of contacts in order of time, (K,) each.
 
     Attributes:
-        time: [s], as the engine located it; that of the frame for a contact that an edit has closed or opened.
+        time: [s], as located by the engine; for a contact that an edit has closed or opened, the time of the frame.
         frame: the first frame after the event.
-        lane, contact: which contact of which lane.
-        closed: True: it closed; False: it opened.
-        speed: closing speed of its two beads at the frame before it closed, or, if it was closed or its beads parted
-            then, their speed at the frame after [m/s]; 0 for an opening, and for what an edit has closed.
-        approach: how fast its two beads approached each other at the frame before [m/s], negative where they parted; 0
-            for what an edit has switched.
+        lane, contact: indices.
+        closed: True for a closing, False for an opening.
+        speed: closing speed of its two beads at the frame before it closed; if it was closed or its beads separated
+            then, their speed at the frame after [m/s]. It is 0 for an opening, and for a closing by an edit.
+        approach: speed at which its two beads approached each other at the frame before [m/s], negative if they
+            separated; 0 for an event caused by an edit.
     """
 
     time: Array
@@ -38,12 +38,12 @@ class ContactEvents(NamedTuple):
     approach: Array
 
     def select(self, rows: Mask | Integers) -> ContactEvents:
-        """Some of them, by mask or index."""
+        """Return some of them, selected by mask or index."""
         return ContactEvents._make(array[rows] for array in self)
 
 
 class Impact(NamedTuple):
-    """A contact that closed, for a click. Closing speed in m/s."""
+    """A contact that closed, for a click sound. Closing speed in m/s."""
 
     time: float
     lane: int
@@ -52,7 +52,7 @@ class Impact(NamedTuple):
 
 
 def contact_events(history: History, after: int = -1) -> ContactEvents:
-    """The contact events of a history later than frame `after`."""
+    """Return the contact events of a history later than frame `after`."""
     events = _joined([_of(block, before) for before, block in history.pairs() if block.first + block.used - 1 > after])
     return events if after < history.first else events.select(events.frame > after)
 
@@ -66,7 +66,9 @@ def _of(block: Block, before: Block | None) -> ContactEvents:
 
 
 def _lane_events(block: Block, before: Block | None, lane: int) -> ContactEvents:
-    """Events of one lane in the rows of a block; in its first too where the block before it has the same beads."""
+    """Return the events of one lane in the rows of a block, including its first row if the previous block has the same
+    beads.
+    """
     rows, first = block.lanes[lane], 1
     columns = [array[: block.used] for array in (rows.overlap, rows.force, rows.rate)]
     if before is not None and before.widths[lane] == block.widths[lane] and not block.replaced:
@@ -80,8 +82,11 @@ def _lane_events(block: Block, before: Block | None, lane: int) -> ContactEvents
 
 
 def _events(lane: int, first: int, time: Array, closed: Mask, rate: Array, logs: dict[int, Switches]) -> ContactEvents:
-    """Events of frames `first` ... at `time` (R,) from their `logs` by row, with `closed` and `rate` (R+1, n) from the frame
-    before on. A contact that is not what its log leads to was switched by an edit, or beyond the rows of the log."""
+    """Return the events of frames `first` ... at `time` (R,) from their `logs` by row.
+
+    `closed` and `rate` (R+1, n) start at the previous frame. A contact whose state does not follow from its log was
+    switched by an edit, or after the log was full.
+    """
     row = np.repeat(np.array([*logs], dtype=np.int64), [own.time.size for own in logs.values()])
     contact, when = (np.concatenate(column) for column in zip(NO_SWITCHES, *logs.values(), strict=True))
     count = np.zeros((time.size, closed.shape[1]), dtype=np.int64)
@@ -98,7 +103,7 @@ def _events(lane: int, first: int, time: Array, closed: Mask, rate: Array, logs:
 
 
 def _rank(key: Integers) -> Integers:
-    """(S,) how many entries with the same key come before each."""
+    """Return (S,) how many entries with the same key precede each entry."""
     order = np.argsort(key, kind="stable")
     run_start = np.concatenate(([True], np.diff(key[order]) != 0))[: key.size]
     place = np.arange(key.size)
@@ -108,7 +113,7 @@ def _rank(key: Integers) -> Integers:
 
 
 def _joined(parts: list[ContactEvents]) -> ContactEvents:
-    """All `parts` in order of time."""
+    """Return all `parts` in order of time."""
     if not parts:
         empty, integers = np.empty(0), np.empty(0, dtype=np.int64)
         return ContactEvents(empty, integers, integers, integers, empty.astype(bool), empty, empty)

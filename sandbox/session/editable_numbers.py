@@ -1,6 +1,7 @@
-"""The table of editable numbers: each is declared once, and is then in the inspector, the table of values and sweeps of a slider.
+"""Table of editable numbers. Each is declared once and then appears in the inspector, the table of values and slider
+sweeps.
 
-Undo, recordings and replay follow from the edit that sets it, the scene file from the lane that the edit changes.
+Undo, recordings and replay follow from the edit that sets it, and the scene file from the lane that the edit changes.
 """
 
 import math
@@ -22,16 +23,16 @@ from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
 
-DECADES = 2.0  # of a logarithmic slider on either side of the scene's own value
-MOST_SPEED = 3.0  # of the slider, relative to the scene's closing speed
-MOST_LOSS = 0.95  # of the slider; draft gears absorb 0.8 and more
-MOST_FRICTION = 1.0  # of the slider
-MOST_GAP = 2.0  # of the slider, in lengths of a bead
-EXPONENTS = 0.01, 3.0  # of the slider
-# Exponents at which sliders of an exponent stop: those of the paper, of springs and of Hertz.
+DECADES = 2.0  # decades of a logarithmic slider on either side of the scene's value
+MOST_SPEED = 3.0  # largest speed of the slider, relative to the scene's closing speed
+MOST_LOSS = 0.95  # largest loss of the slider; draft gears absorb 0.8 and more
+MOST_FRICTION = 1.0  # largest friction coefficient of the slider
+MOST_GAP = 2.0  # largest gap of the slider, in bead lengths
+EXPONENTS = 0.01, 3.0  # range of exponents of the slider
+# Exponents at which sliders stop: values of the paper, springs and Hertz.
 ROUND_EXPONENTS = (1 / 40, 1 / 20, 1 / 14, 1 / 10, 1 / 5, 1 / 2, 1.0, 3 / 2)
-CATCH = 0.012  # of the length of a slider: so near to a round value it stops there
-FEWEST_STOPS = 50  # of a linear slider, from one end to the other
+CATCH = 0.012  # A slider this close to a round value stops there, as a fraction of its length.
+FEWEST_STOPS = 50  # fewest stops of a linear slider
 LEAST = 1e-6  # half the range of a slider whose values are all 0
 
 Ends = tuple[float, float]
@@ -39,7 +40,7 @@ Ends = tuple[float, float]
 
 @dataclass(frozen=True)
 class Owner:
-    """One bead or contact of a session: number `index` of those of a lane."""
+    """One bead or contact of a session, with its lane and index."""
 
     session: Session
     lane: int
@@ -52,7 +53,7 @@ class Owner:
 
     @property
     def impact_force(self) -> float:
-        """Force [N] of the contact, or of the one beside the bead, that is struck at the scene's speed."""
+        """Force [N] of the contact, or of a contact of the bead, in an impact at the scene's speed."""
         live = self.live
         contact = min(self.index, live.chain.contacts - 1)
         depth = scales_at(live.chain, live.setup.scale)[0][contact]
@@ -60,18 +61,18 @@ class Owner:
 
 
 class EditableNumber(NamedTuple):
-    """A number of every bead or contact that a person can change.
+    """A number of every bead or contact that the user can change.
 
     Attributes:
         key: name of its widgets.
-        owner: whose it is, 'bead' or 'contact'.
-        name, unit: written beside its slider; marked for translation.
-        column: its name and unit above a column of the table of values; marked in the context "column".
-        values: of all beads or contacts of a lane, nan where one has no such number.
-        ends: of its slider, for the present value; a typed number may be beyond.
-        edit: the input that sets it; ValueError where it cannot be.
-        logarithmic: whether the slider changes it by factors.
-        stops: values at which the slider stops, besides those of two digits.
+        owner: 'bead' or 'contact'.
+        name, unit: text at its slider; marked for translation.
+        column: name and unit as the header in the table of values; marked in the context "column".
+        values: values of all beads or contacts of a lane; NaN if one does not have this number.
+        ends: ends of its slider for the present value; a typed number may be outside.
+        edit: input that sets it; raises ValueError if it is invalid.
+        logarithmic: True if the slider is logarithmic.
+        stops: values at which the slider stops, in addition to values with two digits.
     """
 
     key: str
@@ -125,7 +126,7 @@ def _drive_ends(owner: Owner, _: float) -> Ends:
 
 
 def _stiffness_ends(owner: Owner, present: float) -> Ends:
-    """Around the scene's own, and wide enough for the present one."""
+    """Return ends around the scene's value that include the present one."""
     laws = owner.session.scene.lanes[owner.lane].chain().contact
     law = laws[min(owner.index, len(laws) - 1)]
     low, high = _decades_around((law.stiffness if isinstance(law, Contact) else 0.0) or present)
@@ -133,7 +134,7 @@ def _stiffness_ends(owner: Owner, present: float) -> Ends:
 
 
 def _gap_ends(owner: Owner, _: float) -> Ends:
-    """Up to where beads are far apart, or a coupler that pulls is solid."""
+    """Return ends up to a large distance, or up to the stop of a coupler that pulls."""
     law, most = owner.live.chain.contact[owner.index], MOST_GAP * owner.session.scene.view.length
     return 0.0, law.slack + min(law.travel, most) if isinstance(law, Coupler) and law.pull else most
 
@@ -221,7 +222,9 @@ NUMBERS = (
 
 @dataclass(frozen=True)
 class Parameter:
-    """An editable number of one bead or contact, with its value at present; see EditableNumber. nan: of several that differ."""
+    """An editable number of one bead or contact with its present value; NaN for several different values. See
+    EditableNumber.
+    """
 
     key: str
     name: str
@@ -269,7 +272,7 @@ def _round_step(most: float) -> float:
 
 
 def parameters(session: Session, lane: int, kind: str, index: int) -> list[Parameter]:
-    """The editable numbers that a bead or contact, as `kind` says, has."""
+    """Return the editable numbers of a bead or contact (`kind`)."""
     owner, found = Owner(session, lane, index), []
     for number in NUMBERS:
         values = number.values(owner.live)[index:] if number.owner == kind else ()
@@ -284,7 +287,7 @@ def parameters(session: Session, lane: int, kind: str, index: int) -> list[Param
 
 @dataclass(frozen=True, eq=False)
 class Variant:
-    """The scene with one value of a parameter; `motion` is that of the lane, None where it could not be computed."""
+    """The scene with one value of a parameter; `motion` is the motion of the lane, None if it could not be computed."""
 
     value: float
     motion: Motion | None

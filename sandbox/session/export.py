@@ -1,4 +1,4 @@
-"""Export of a session: its start with all edits as a scene, also as one line of letters; its history as a trajectory."""
+"""Export of a session: its start with all edits as a scene or as one line of text; its history as a trajectory."""
 
 import base64
 import binascii
@@ -29,27 +29,27 @@ from softcradle.sandbox.session.ledger import BY_BED, BY_CONTACTS, IMPULSE_GIVEN
 from softcradle.scenes import Lane, Scene, load, names, parse
 from softcradle.scenes.scene_errors import scene_error
 
-EDITED = ", edited"  # after the label of a lane that was edited in all but its contacts
-LARGEST_DENOMINATOR = 60  # of an exponent that is written as a fraction
+EDITED = ", edited"  # suffix of the label of a lane whose numbers other than its contacts were edited
+LARGEST_DENOMINATOR = 60  # largest denominator of an exponent that is written as a fraction
 EPSILON = float(np.finfo(float).eps)
 PREFIX = "softcradle:"
-MOST_BYTES = 2**20  # of a scene's text: more is no scene
+MOST_BYTES = 2**20  # largest size of a scene's text
 
 
 def lane_label(label: str, before: Chain, now: Chain) -> str:
-    """The label of a lane that was `label` with the chain `before`."""
+    """Return the label of a lane that was `label` with the chain `before`."""
     if (words := contacts_text(now.contact)) != contacts_text(before.contact):
         return words
     return label if _differ_by_gaps(before, now) or not label or label.endswith(EDITED) else label + EDITED
 
 
 def _differ_by_gaps(before: Chain, now: Chain) -> bool:
-    """Whether nothing but gaps tells the chains apart."""
+    """Return True if the chains differ only in their gaps."""
     return before.contacts == now.contacts and replace(before, gap=now.gap) == now
 
 
 def contacts_text(contacts: tuple[Joint, ...]) -> str:
-    """What contacts are, in some words: alpha = 1/50, draft gear, steps of contacts that differ."""
+    """Return a short description of contacts, such as "alpha = 1/50" or "draft gear"."""
     laws, kinds = list(dict.fromkeys(map(_law_text, contacts))), set(map(kind_of, contacts))
     if len(laws) <= 2 or kinds == {"power"}:
         return " and ".join(laws[:2]) + (" ..." if len(laws) > 2 else "")
@@ -66,17 +66,18 @@ def _law_text(law: Joint) -> str:
 
 
 def exponent_text(exponent: float) -> str:
-    """The exponent as a fraction where it is a simple one, else to three digits."""
+    """Return the exponent as a simple fraction if possible, else with three digits."""
     fraction = Fraction(exponent).limit_denominator(LARGEST_DENOMINATOR)
     simple = fraction.numerator in (1, 3) and abs(float(fraction) - exponent) < 1e-9 * exponent
     return str(fraction) if simple else f"{exponent:.3g}"
 
 
 def scene_of(scene: Scene, setup: Setup, labels: Sequence[str]) -> Scene:
-    """`scene` as `setup` has it now: lanes with `labels`, slow motion, method and step where all lanes share them.
+    """Return `scene` in the state `setup`: lanes with `labels`, and slow motion, method and step if all lanes share
+    them.
 
-    A lane that has not been edited keeps the form in which it was written. A locked piston is written as the hard
-    contact it is. SceneError where a scene file cannot say it.
+    A lane without edits keeps its original form. A locked piston is written as the hard contact that replaces it. Raise
+    SceneError if a scene file cannot express it.
     """
     try:
         return _scene_of(scene, setup, labels)
@@ -96,7 +97,9 @@ def _scene_of(scene: Scene, setup: Setup, labels: Sequence[str]) -> Scene:
 
 
 def words_for(scene: Scene, lanes: tuple[Lane, ...]) -> dict[str, str]:
-    """The words of `scene` for `lanes`: what the catalogue says of its own is not said of others; a person's own stay."""
+    """Return the texts of `scene` for `lanes`: texts of the catalogue are dropped for other lanes, texts of the user
+    stay.
+    """
     others = lanes != scene.lanes and scene.text in _catalogue_texts()
     said = {"text": "", "source": ""} if others else {"text": scene.text, "source": scene.source}
     return {"title": scene.title, "question": scene.question, **said}
@@ -108,7 +111,7 @@ def _catalogue_texts() -> frozenset[str]:
 
 
 def _lane(old: Lane, new: LaneSetup, label: str) -> Lane:
-    """`old` if `new` still begins like it, else a lane with a list of each quantity."""
+    """Return `old` if `new` still has the same start, else a lane with a list of each quantity."""
     chain, start = new.chain, new.start
     velocity = _velocity(old, chain, start)
     gap = tuple((0.0 - start.overlap).tolist())  # 0.0 - 0.0 is 0.0, not -0.0
@@ -119,8 +122,9 @@ def _lane(old: Lane, new: LaneSetup, label: str) -> Lane:
 
 
 def _velocity(old: Lane, chain: Chain, start: State) -> tuple[float, ...]:
-    """Velocities (n+1,) [m/s] at the start, as they were written where they are the same: sums of rates have digits of their
-    own, and zeros among them are none."""
+    """Return the (n+1,) initial velocities [m/s] in their original digits if they are equal, because sums of rates have
+    round-off.
+    """
     found = start.velocity(chain)
     for written in (np.array(old.velocity), found.round(12) + 0.0):  # -0.0 + 0.0 is 0.0
         if written.size == found.size:
@@ -132,9 +136,9 @@ def _velocity(old: Lane, chain: Chain, start: State) -> tuple[float, ...]:
 
 
 def _method(scene: Scene, setup: Setup) -> dict[str, Any]:
-    """Method and step, each where all lanes share it, else the scene's own; None for what is chosen automatically.
+    """Return method and step if all lanes share them, else the scene's; None for an automatic choice.
 
-    A tolerance stays where the method takes it.
+    A tolerance is kept if the method takes it.
     """
     method, *others = (None if lane.automatic else lane.method for lane in setup.lanes)
     if any(other != method for other in others):
@@ -147,7 +151,7 @@ def _method(scene: Scene, setup: Setup) -> dict[str, Any]:
 
 
 def trajectory_of(part: HistorySlice, lane: int, events: ContactEvents, kept: int) -> Trajectory:
-    """`part` of the history of lane number `lane` as a Trajectory; a warning says at which frame it begins.
+    """Return `part` of the history of lane number `lane` as a Trajectory; a warning gives the frame at which it begins.
 
     `kept` is the oldest frame of the history.
     """
@@ -173,13 +177,16 @@ def trajectory_of(part: HistorySlice, lane: int, events: ContactEvents, kept: in
         given=booked[:, [WORK_GIVEN, IMPULSE_GIVEN]],
         velocity_error=np.full(part.chain.contacts + 1, error if error >= 0.0 else np.nan),
     )
-    # of a steady drive it counts from t = 0 and the gaps of the chain, which are not where beads begin after an edit
+    # The work of a steady drive counts from t = 0 and from the gaps of the chain, but after an edit the beads start
+    # elsewhere.
     before = found.driven[0], found.impulse[0]
     return replace(found, given=found.given - before)
 
 
 def _intervals(part: HistorySlice, events: ContactEvents) -> tuple[tuple[Interval, ...], ...]:
-    """(closed, opened) times of every contact within `part`; one that is closed at its first row closes then."""
+    """Return the (closed, opened) times of every contact within `part`; a contact that is closed at its first row
+    closes then.
+    """
     closed_first = is_closed(part.overlap[0], part.force[0])
     last = part.first + part.time.size - 1
     within = events.select((events.frame > part.first) & (events.frame <= last))
@@ -195,18 +202,20 @@ def _intervals(part: HistorySlice, events: ContactEvents) -> tuple[tuple[Interva
 
 
 def shared_text(scene: Scene) -> str:
-    """The scene as text."""
+    """Return the scene as one line of text."""
     packed = zlib.compress(scene.to_toml().encode(), 9)
     return PREFIX + base64.urlsafe_b64encode(packed).decode().rstrip("=")
 
 
 def is_shared_text(text: str) -> bool:
-    """Whether `text` may be a shared scene."""
+    """Return True if `text` may be a shared scene."""
     return text.strip().startswith(PREFIX)
 
 
 def scene_from_text(text: str) -> Scene:
-    """The scene that :func:`shared_text` wrote; spaces and line breaks in it do no harm. ValueError where it is none."""
+    """Return the scene written by :func:`shared_text`; spaces and line breaks are ignored. Raise ValueError for other
+    text.
+    """
     letters = "".join(text.split()).removeprefix(PREFIX)
     try:
         packed = base64.urlsafe_b64decode(letters + "=" * (-len(letters) % 4))

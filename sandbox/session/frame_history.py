@@ -1,4 +1,4 @@
-"""The history: every frame of every lane in blocks of rows, bounded in memory; the oldest block is dropped first."""
+"""History: every frame of every lane in blocks of rows, with bounded memory; the oldest block is dropped first."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ Flags = NDArray[np.int8]
 Found = TypeVar("Found")
 
 BLOCK_ROWS = 512
-MEMORY = 32 * 2**20  # bytes of a history, unless given
-SETUP_MEMORY = 2048  # bytes that one setup in a block counts as
-SWITCHES_MEMORY = 400  # bytes that the arrays of one lane's switches in a frame count as, beside their numbers
+MEMORY = 32 * 2**20  # default memory of a history in bytes
+SETUP_MEMORY = 2048  # bytes counted for each setup in a block
+SWITCHES_MEMORY = 400  # bytes counted for the switch arrays of one lane in a frame, in addition to their data
 
 
 class LaneRows(NamedTuple):
@@ -36,29 +36,29 @@ class LaneRows(NamedTuple):
 
     @classmethod
     def empty(cls, rows: int, contacts: int) -> LaneRows:
-        """Room for `rows` frames of a lane of that many contacts."""
+        """Return empty arrays for `rows` frames of a lane with `contacts` contacts."""
         return cls(*(np.empty((rows, width)) for width in (contacts, contacts, contacts, 2, LEDGER_COLUMNS)))
 
     def cut(self, rows: int) -> LaneRows:
-        """A copy of the first `rows` rows, without the room for more."""
+        """Return a copy of the first `rows` rows, without spare capacity."""
         return LaneRows(*(array[:rows].copy() for array in self))
 
 
 @dataclass(eq=False)
 class Block:
-    """Up to BLOCK_ROWS frames of lanes whose numbers of contacts do not change.
+    """Up to BLOCK_ROWS frames of lanes with constant numbers of contacts.
 
     Attributes:
         first: frame of row 0.
         widths: number of contacts of each lane.
-        time, held: (R,) time [s], (R, 3) the bead that the pointer held.
+        time, held: (R,) time [s], (R, 3) the bead held by the pointer.
         lanes: the rows of each lane.
-        used: number of rows that are frames.
-        revision: grows when rows are taken out: what was made from them is stale.
+        used: number of rows that contain frames.
+        revision: increases when rows are removed, so that derived data are recomputed.
         setups: (first row, Setup), ascending.
-        switches: of the frames in which contacts switched, by row: those of each lane.
+        switches: contact switches of each lane, by row, for frames that have some.
         replaced: contact events of its first frame, before an edit changed the number of beads.
-        coupled: (first row, which contacts of each lane have coupled), ascending.
+        coupled: (first row, flags of coupled contacts of each lane), ascending.
     """
 
     first: int
@@ -75,7 +75,7 @@ class Block:
     _found: dict[Hashable, tuple[tuple[int, int], Any]] = field(default_factory=dict, repr=False)
 
     def found(self, what: Hashable, find: Callable[[], Found]) -> Found:
-        """What `find` gives of these rows, found once while they stay as they are."""
+        """Return the result of `find` for these rows; it is computed once while they stay the same."""
         version = self.revision, self.used
         known = self._found.get(what)
         if known is None or known[0] != version:
@@ -85,13 +85,13 @@ class Block:
 
     @classmethod
     def empty(cls, first: int, widths: tuple[int, ...]) -> Block:
-        """An empty block whose first row is frame `first`."""
+        """Return an empty block whose first row is frame `first`."""
         lanes = [LaneRows.empty(BLOCK_ROWS, width) for width in widths]
         return cls(first, widths, np.empty(BLOCK_ROWS), np.empty((BLOCK_ROWS, 3)), lanes)
 
     @property
     def memory(self) -> int:
-        """Bytes."""
+        """Size in bytes."""
         rows = sum(array.nbytes for lane in self.lanes for array in lane)
         switches = sum(SWITCHES_MEMORY + 2 * own.time.nbytes for lanes in self.switches.values() for own in lanes)
         return rows + switches + self.time.nbytes + self.held.nbytes + SETUP_MEMORY * len(self.setups)
@@ -115,11 +115,11 @@ class Block:
         self.used += 1
 
     def setup(self, row: int) -> Setup:
-        """The setup of `row`."""
+        """Return the setup of `row`."""
         return _at_row(self.setups, row)
 
     def snapshot(self, row: int) -> Snapshot:
-        """Read `row` back; arrays are copies."""
+        """Return `row` as a snapshot with copied arrays."""
         time = float(self.time[row])
         switches = self.switches.get(row, (NO_SWITCHES,) * len(self.lanes))
         states = tuple(
@@ -135,7 +135,7 @@ class Block:
         return Snapshot(time, self.setup(row), HeldBead(*self.held[row].tolist()), states, ledgers)
 
     def drop_last(self) -> None:
-        """Take the last row out."""
+        """Remove the last row."""
         self.used -= 1
         self.revision += 1
         self.switches.pop(self.used, None)
@@ -144,7 +144,7 @@ class Block:
                 items.pop()
 
     def cut(self, rows: int) -> Block:
-        """A copy of the first `rows` rows, without the room for more."""
+        """Return a copy of the first `rows` rows, without spare capacity."""
         lanes, setups = [lane.cut(rows) for lane in self.lanes], [item for item in self.setups if item[0] < rows]
         switches = {row: lanes for row, lanes in self.switches.items() if row < rows}
         columns = self.time[:rows].copy(), self.held[:rows].copy()
@@ -158,10 +158,10 @@ def _at_row(items: Sequence[tuple[int, Found]], row: int) -> Found:
 
 
 class History:
-    """Frames `first` ... `last`, in blocks. `memory` bounds its bytes; the oldest frames are dropped.
+    """Frames `first` ... `last`, in blocks. `memory` limits its bytes; the oldest frames are dropped.
 
     Attributes:
-        cuts: how often later frames were dropped or brought back, by a start, a new branch, an undo or a redo.
+        cuts: how often later frames were dropped or restored, by a start, a new branch, an undo or a redo.
         edits: how often the newest frame was replaced.
     """
 
@@ -181,21 +181,21 @@ class History:
 
     @property
     def newest_setup(self) -> Setup:
-        """The setup of the newest frame: with all edits."""
+        """Setup of the newest frame, with all edits."""
         return self.blocks[-1].setups[-1][1]
 
     @property
     def branch(self) -> tuple[int, int]:
-        """Another one where frames were dropped or replaced: what was made from them is stale."""
+        """Key that changes if frames are dropped or replaced, so that derived data are recomputed."""
         return self.cuts, self.edits
 
     @property
     def version(self) -> tuple[int, ...]:
-        """Another one after whatever has happened to the frames: views that were made of all of them are made anew."""
+        """Key that changes with every change of the frames, so that views of all frames are redrawn."""
         return *self.branch, self.first, self.last
 
     def pairs(self) -> list[tuple[Block | None, Block]]:
-        """Every block with the one before it."""
+        """Return every block with its predecessor."""
         blocks = list(self.blocks)
         return list(zip([None, *blocks[:-1]], blocks, strict=True))
 
@@ -215,7 +215,7 @@ class History:
         return sum(block.memory for block in self.blocks)
 
     def start(self, snapshot: Snapshot, frame: int = 0) -> None:
-        """Drop everything; `snapshot` is frame `frame`."""
+        """Drop all frames; `snapshot` becomes frame `frame`."""
         self.cuts += 1
         self.blocks.clear()
         self.blocks.append(Block.empty(frame, _widths(snapshot)))
@@ -230,7 +230,7 @@ class History:
         self.blocks[-1].add(snapshot)
 
     def replace_last(self, snapshot: Snapshot, events: Callable[[], Any]) -> None:
-        """Put `snapshot` in place of the newest frame: an edit. Its contact `events` stay those of its beads before."""
+        """Replace the newest frame by `snapshot` after an edit. Its contact `events` still refer to the previous beads."""
         self.edits += 1
         frame, block = self.last, self.blocks[-1]
         replaced = () if block.widths == _widths(snapshot) else (events(),)
@@ -245,11 +245,11 @@ class History:
         self.blocks[-1].add(snapshot)
 
     def _seal(self) -> None:
-        """Give back the room for more in the newest block."""
+        """Release the spare capacity of the newest block."""
         self.blocks[-1] = self.blocks[-1].cut(self.blocks[-1].used)
 
     def _add_block(self, first: int, snapshot: Snapshot) -> None:
-        """Begin a block at frame `first`, and drop the oldest blocks beyond the bound."""
+        """Start a block at frame `first`, and drop the oldest blocks beyond the memory limit."""
         self.blocks.append(Block.empty(first, _widths(snapshot)))
         while len(self.blocks) > 2 and self.memory > self.bound:
             self.blocks.popleft()
@@ -264,29 +264,29 @@ class History:
         self.blocks[-1] = self.blocks[-1].cut(frame - self.blocks[-1].first + 1)
 
     def copy_blocks(self) -> tuple[Block, ...]:
-        """All blocks as they are now; full ones are shared, for they never change again."""
+        """Return all blocks; full ones are shared because they never change again."""
         *full, newest = self.blocks
         return *full, newest.cut(newest.used)
 
     def restore(self, blocks: tuple[Block, ...]) -> None:
-        """Take the blocks that :meth:`copy_blocks` gave, which can be taken again."""
+        """Restore the blocks returned by :meth:`copy_blocks`; they can be restored again."""
         self.cuts += 1
         *full, newest = blocks
         self.blocks = deque((*full, newest.cut(newest.used)))
 
     def snapshot(self, frame: int) -> Snapshot:
-        """The frame `frame`. IndexError where it is not in the history."""
+        """Return the frame `frame`. Raise IndexError if it is not in the history."""
         block = self.block_of(frame)
         return block.snapshot(frame - block.first)
 
     def block_of(self, frame: int) -> Block:
-        """The block that holds `frame`. IndexError where none does."""
+        """Return the block that contains `frame`. Raise IndexError if there is none."""
         if not self.first <= frame <= self.last:
             raise IndexError(f"frame {frame} is not in the history, which has frames {self.first} to {self.last}")
         return self.blocks[bisect_right(self.blocks, frame, key=lambda block: block.first) - 1]
 
     def frame_at(self, time: float) -> int:
-        """The frame nearest to `time` [s]."""
+        """Return the frame nearest to `time` [s]."""
         starts = [float(block.time[0]) for block in self.blocks]
         block = self.blocks[max(0, bisect_right(starts, time) - 1)]
         after = block.first + int(np.searchsorted(block.time[: block.used], time))

@@ -1,22 +1,24 @@
-"""Frame pacing: wall time into whole frames within a budget. Frames beyond it are dropped: the clock slows down."""
+"""Frame pacing: convert wall time into whole frames within a budget. Frames beyond it are dropped, so the clock slows
+down.
+"""
 
 from collections.abc import Callable
 from time import perf_counter
 
 from softcradle.sandbox.session.lane_setup import FRAME_RATE
 
-BUDGET = 0.010  # wall seconds of physics in one tick: the rest of a 60th of a second is for drawing
-LONGEST_TICK = 0.25  # wall seconds: after a pause of the whole program the model does not catch up
+BUDGET = 0.010  # wall seconds of physics in one tick; the rest of a 60th of a second is for drawing
+LONGEST_TICK = 0.25  # longest tick in wall seconds; the model does not catch up after a pause of the whole program
 AVERAGED = 0.5  # wall seconds over which clock ratio and milliseconds are averaged
 
 
 class FramePacer:
-    """How many frames are due, and how well the clock is kept.
+    """Counter of due frames, and measure of the accuracy of the clock.
 
     Attributes:
-        clock_ratio: model time gone by over what the slow motion promised; 1.0 on time, averaged over half a second.
-        milliseconds: wall time a frame takes, averaged likewise.
-        due: frames not yet computed, within half of one of what the wall clock says.
+        clock_ratio: elapsed model time relative to the set slow motion; 1.0 is on time; averaged over half a second.
+        milliseconds: wall time of a frame, averaged in the same way.
+        due: frames not yet computed, within half a frame of the wall clock.
     """
 
     def __init__(self, budget: float = BUDGET, clock: Callable[[], float] = perf_counter) -> None:
@@ -25,9 +27,9 @@ class FramePacer:
         self.clock_ratio, self.milliseconds = 1.0, 0.0
 
     def run(self, wall_seconds: float, frame: Callable[[], bool], rate: float = FRAME_RATE) -> int:
-        """Call `frame` for every frame due in `wall_seconds` that fits the budget, the first always; returns how many ran.
+        """Call `frame` for every frame due in `wall_seconds` that fits the budget, at least once; return how many ran.
 
-        There are `rate` frames in a wall second. A `frame` that returns False did not run, and none is due any more.
+        There are `rate` frames in a wall second. If `frame` returns False, it did not run, and no more frames are due.
         """
         wanted = min(max(wall_seconds, 0.0), LONGEST_TICK) * rate
         self.due += wanted
@@ -56,5 +58,5 @@ class FramePacer:
             self.milliseconds += share * (milliseconds - self.milliseconds) if self.milliseconds else milliseconds
 
     def restart(self) -> None:
-        """Begin anew after a pause: no frame is due, and the clock is on time."""
+        """Reset after a pause: no frame is due, and the clock is on time."""
         self.due, self.clock_ratio = 0.0, 1.0

@@ -1,4 +1,4 @@
-"""Slices of the history: frames of one lane with one setup, as the arrays that plots and exports read."""
+"""Slices of the history: frames of one lane with one setup, as arrays for plots and exports."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -9,13 +9,13 @@ from softcradle.sandbox.session.frame_history import Block, History, LaneRows
 from softcradle.sandbox.session.lane_setup import LaneSetup
 from softcradle.sandbox.session.ledger import BY_BED, BY_CONTACTS
 
-ROWS = 512  # of the history that are searched at a time
+ROWS = 512  # rows of the history that are searched at a time
 
 
 def approach_of(history: History, lane: int, frame: int) -> tuple[Array, Array] | None:
-    """(n,) overlaps and (n+1,) velocities at the latest frame up to `frame` at which no contact of the lane carried a force.
+    """Return (n,) overlaps and (n+1,) velocities at the latest frame up to `frame` without a contact force in the lane.
 
-    None where there is no such frame since the number of beads changed last: no collision began there.
+    Return None if there is no such frame since the number of beads last changed, so that no collision began there.
     """
     last = frame
     while last >= history.first:
@@ -34,7 +34,7 @@ def approach_of(history: History, lane: int, frame: int) -> tuple[Array, Array] 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class HistorySlice(Motion):
-    """What one lane did from frame `first` on, frame by frame or thinned, with one setup.
+    """Motion of one lane from frame `first` on, complete or thinned out, with one setup.
 
     Attributes:
         first: frame of row 0.
@@ -50,10 +50,11 @@ class HistorySlice(Motion):
 
 
 def history_slices(history: History, lane: int, first: int, last: int, most: int = 0) -> Iterator[HistorySlice]:
-    """Frames `first` to `last` of a lane, as far as the history has them: a slice for each block and setup, ascending.
+    """Yield the available frames `first` to `last` of a lane: a slice for each block and setup, ascending.
 
-    With `most` > 0 some `most` frames to twice as many: every second, fourth, eighth ... of all there are, counted from frame
-    0. So those of a longer part are among those of a shorter one, and a curve drawn in pieces is the curve drawn at once.
+    With `most` > 0, yield between `most` and twice as many frames: every second, fourth, eighth ... counted from frame
+    0. So the frames of a longer part are a subset of those of a shorter one, and a curve drawn in pieces equals the
+    curve drawn at once.
     """
     first, last = max(first, history.first), min(last, history.last)
     stride = 1 << max(0, ((last - first) // most).bit_length() - 1) if most else 1
@@ -64,12 +65,14 @@ def history_slices(history: History, lane: int, first: int, last: int, most: int
 
 
 def slice_at(history: History, lane: int, frame: int) -> HistorySlice:
-    """One frame of a lane."""
+    """Return one frame of a lane."""
     return next(history_slices(history, lane, frame, frame))
 
 
 def last_slice(history: History, lane: int, last: int) -> HistorySlice:
-    """The frames up to `last` since the lane's chain or method was last changed, in one slice with the setup of `last`."""
+    """Return the frames up to `last` since the lane's chain or method last changed, in one slice with the setup of
+    `last`.
+    """
     setup, every = slice_at(history, lane, last).setup, list(history_slices(history, lane, history.first, last))
     alike = [part.chain is setup.chain and part.setup.method == setup.method for part in every]
     slices = every[len(every) - [*reversed(alike), False].index(False) :]
@@ -80,7 +83,7 @@ def last_slice(history: History, lane: int, last: int) -> HistorySlice:
 
 
 def _of_block(block: Block, lane: int, low: int, high: int, stride: int) -> Iterator[HistorySlice]:
-    """Rows `low` to `high` (not included) of a block, every `stride`-th, a slice for each setup."""
+    """Yield rows `low` to `high` (exclusive) of a block, every `stride`-th, a slice for each setup."""
     ends = [*(row for row, _ in block.setups[1:]), block.used]
     for (begin, setup), end in zip(block.setups, ends, strict=True):
         start, stop = max(low, begin), min(high, end)

@@ -1,6 +1,6 @@
-"""Inputs: everything a person can do to the model, as small frozen values that are applied, recorded and replayed.
+"""Inputs: all user actions on the model, as small immutable values that are applied, recorded and replayed.
 
-A recording names them by their classes: a renamed class could no longer be replayed.
+A recording refers to them by class name, so renaming a class would break replay.
 
 `lane` counts from 0; `bead` 0 ... n and `contact` 0 ... n-1 from left to right; None means all of them.
 """
@@ -38,33 +38,36 @@ from softcradle.sandbox.session.state_changes import (
 
 @dataclass(frozen=True)
 class Input:
-    """Anything that a person does to a session.
+    """User action on a session.
 
     Attributes:
-        undo_name: what the undo step before it is called; an input without a name is no step.
+        undo_name: name of the undo step before it; an input without a name does not start a step.
     """
 
     undo_name: ClassVar[str] = ""
 
 
 class LaneInput(Input):
-    """An edit of one lane, or of all of them.
+    """Edit of one lane, or of all of them.
 
     Attributes:
-        changes_start: whether it changes the start of the lane too, as masses, laws and the number of beads do.
+        changes_start: True if it also changes the start of the lane, as edits of masses, laws and the number of beads
+            do.
     """
 
     changes_start: ClassVar[bool] = False
     lane: int | None
 
     def edited(self, setup: LaneSetup, state: State) -> Changed:
-        """Setup and state after it; `state` may be changed in place. ValueError with a sentence: refused."""
+        """Return setup and state after the edit; `state` may be changed in place. Raise ValueError with a sentence if
+        it is invalid.
+        """
         raise NotImplementedError
 
 
 @dataclass(frozen=True)
 class Drag(Input):
-    """Pull a bead while the model runs: by a spring from it to the pointer at `position` [m]."""
+    """Pull a bead while the model runs, by a spring from the bead to the pointer at `position` [m]."""
 
     undo_name: ClassVar[str] = N_("bead pulled")
     lane: int
@@ -74,12 +77,12 @@ class Drag(Input):
 
 @dataclass(frozen=True)
 class Drop(Input):
-    """Release the bead that is pulled; it keeps its velocity: a throw."""
+    """Release the pulled bead; it keeps its velocity, as in a throw."""
 
 
 @dataclass(frozen=True)
 class Place(LaneInput):
-    """Put a bead at `position` [m] at once; beads in its way are pushed along, walls stop it."""
+    """Put a bead at `position` [m] at once; beads in its way are pushed along, and walls stop it."""
 
     undo_name: ClassVar[str] = N_("bead moved")
     lane: int
@@ -218,7 +221,7 @@ class SetGap(LaneInput):
 
 @dataclass(frozen=True)
 class SetDrive(LaneInput):
-    """Drive a bead (None: all) by a steady `force` [N]."""
+    """Apply a steady external `force` [N] to a bead (None: all)."""
 
     undo_name: ClassVar[str] = N_("drive")
     lane: int
@@ -237,7 +240,7 @@ class SetDrive(LaneInput):
 
 @dataclass(frozen=True)
 class SetFriction(LaneInput):
-    """Set the Coulomb coefficient of the bed of a lane, >= 0; 0 is a bed without friction."""
+    """Set the Coulomb coefficient of the bed of a lane, >= 0; 0 is a frictionless bed."""
 
     undo_name: ClassVar[str] = N_("friction")
     lane: int
@@ -255,9 +258,9 @@ class SetFriction(LaneInput):
 
 @dataclass(frozen=True)
 class AddBead(LaneInput):
-    """Insert a bead so that it becomes number `bead` (0 ... n+1), at the velocity of its neighbours.
+    """Insert a bead so that it becomes number `bead` (0 ... n+1), with the velocity of its neighbours.
 
-    `gap` [m] is its distance to the chain where it is added at an end; between two beads it halves their gap.
+    `gap` [m] is its distance to the chain if it is added at an end; between two beads it halves their gap.
     """
 
     undo_name: ClassVar[str] = N_("bead added")
@@ -275,7 +278,7 @@ class AddBead(LaneInput):
             raise ValueError(gettext("a lane holds at most {most} beads", most=MOST_BEADS))
         if not math.isinf(self.mass):
             finite(N_("mass"), self.mass)
-        near = min(max(self.bead - 1, 0), n - 1)  # the contact that it divides, or the one beside it
+        near = min(max(self.bead - 1, 0), n - 1)  # the contact that it divides, or its neighbour
         law = chain.contact[near] if self.law is None else self.law
         check_law(law)
         masses = [*chain.mass[: self.bead], self.mass, *chain.mass[self.bead :]]
@@ -334,7 +337,7 @@ class RemoveBead(LaneInput):
 
 @dataclass(frozen=True)
 class SetMethod(LaneInput):
-    """Integrate a lane (None: all) by the method of that name; 'auto': method and step are chosen."""
+    """Integrate a lane (None: all) with the named method; with 'auto', method and step are chosen."""
 
     undo_name: ClassVar[str] = N_("method")
     lane: int | None
@@ -346,7 +349,7 @@ class SetMethod(LaneInput):
 
 @dataclass(frozen=True)
 class SetStep(LaneInput):
-    """Use steps of at most `step` [s] in a lane (None: all); step None: it is chosen."""
+    """Use steps of at most `step` [s] in a lane (None: all); with None, the step is chosen."""
 
     undo_name: ClassVar[str] = N_("step")
     lane: int | None
@@ -376,12 +379,12 @@ INPUTS: dict[str, type[Input]] = {
 
 
 def to_table(item: Input) -> dict[str, Any]:
-    """The input as plain JSON."""
+    """Return the input as plain JSON."""
     return {"input": type(item).__name__, **asdict(item)}
 
 
 def from_table(table: dict[str, Any]) -> Input:
-    """The input that :func:`to_table` wrote. ValueError where it is none."""
+    """Return the input written by :func:`to_table`. Raise ValueError for another table."""
     input_class = INPUTS.get(str(table.get("input")))
     values = {key: value for key, value in table.items() if key != "input"}
     if input_class is None or set(values) - {field.name for field in fields(input_class)}:

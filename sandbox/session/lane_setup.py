@@ -1,4 +1,6 @@
-"""Setups of lanes: the immutable part of a session. An edit replaces a setup; the history holds the one of each frame."""
+"""Setups of lanes: the immutable part of a session. An edit replaces a setup; the history stores the setup of each
+frame.
+"""
 
 from __future__ import annotations
 
@@ -18,16 +20,20 @@ from softcradle.sandbox.languages import _
 from softcradle.sandbox.scene_runs import KEEPING, SHOWN
 from softcradle.scenes import Lane, Scene
 
-STEP_COST = {"euler": 0.015, "verlet": 0.015, "yoshida4": 0.045, "conserving": 0.3, "pymunk": 2.0}  # us a contact
-FRAME_COST = 1500.0  # us, the most with a chosen step: a picture takes two frames, and the time to draw it
-TYPED_STEP_FRAME_COST = 30_000.0  # us, the most with a typed step: beyond it a dragged bead lags behind the pointer
+# microseconds per contact and step
+STEP_COST = {"euler": 0.015, "verlet": 0.015, "yoshida4": 0.045, "conserving": 0.3, "pymunk": 2.0}
+# largest cost of a frame [us] with a chosen step: a picture needs two frames and the time to draw it
+FRAME_COST = 1500.0
+# largest cost of a frame [us] with an entered step; beyond it a dragged bead lags behind the pointer
+TYPED_STEP_FRAME_COST = 30_000.0
 
 
 def suitable_step(method: str, chain: Chain, speed: float) -> float:
-    """Step [s] with which `method` holds about ERROR in the final velocities; 0 for adaptive methods.
+    """Return the step [s] at which `method` has an error of about ERROR in the final velocities; 0 for adaptive
+    methods.
 
-    That of `conserving`, which is chosen where nobody has, follows the rule of method "auto" for this error. It holds it in
-    every scene of the catalogue, for 0.3 microseconds a contact and step.
+    The step of `conserving`, the default method, follows the rule of the method "auto" for this error. It keeps it in
+    every scene of the catalogue, for 0.3 microseconds per contact and step.
     """
     if find_method(method).adaptive:
         return 0.0
@@ -37,37 +43,39 @@ def suitable_step(method: str, chain: Chain, speed: float) -> float:
 
 
 def steps_in(frame_time: float, method: str, step: float, contacts: int, given: bool) -> int:
-    """Number of steps in a frame of `frame_time` [s]: none longer than `step` [s], as far as the frame's cost allows.
+    """Return the number of steps in a frame of `frame_time` [s]: none longer than `step` [s], if the frame's cost
+    allows it.
 
-    The cost is counted in steps, not measured: the same inputs give the same digits on a slow computer.
+    The cost is counted in steps, not measured, so that the same inputs give bitwise the same results on a slow
+    computer.
     """
     most = (TYPED_STEP_FRAME_COST if given else FRAME_COST) / (STEP_COST.get(method, 1.0) * contacts)
     return max(1, min(math.ceil(frame_time / step - 1e-9), int(most)))
 
 
-FRAME_RATE = 120  # model frames in a second of wall time: at 60 pictures a second each picture takes two
-TOLERANCE = 1e-8  # of adaptive methods where the scene has none
-DURATION = 10.0  # s, of a scene that no longer ends by itself after an edit
+FRAME_RATE = 120  # model frames in a second of wall time; at 60 pictures per second, each picture takes two
+TOLERANCE = 1e-8  # default tolerance of adaptive methods
+DURATION = 10.0  # duration [s] of a scene that no longer ends by itself after an edit
 
 
 @dataclass(frozen=True)
 class LaneSetup:
-    """How one lane moves.
+    """Settings that determine how one lane moves.
 
     Attributes:
-        label: of the scene's lane.
+        label: label of the scene's lane.
         chain: the Chain.
         method: a name from METHODS.
         step: longest step [s]; 0 for adaptive methods.
-        automatic: True: the method is that of all that is shown, as nobody has chosen one.
-        step_given: True: a person has typed the step; False: it is chosen, again after every edit.
+        automatic: True if the method is the default, not a choice of the user.
+        step_given: True if the user has entered the step; False if it is chosen, again after every edit.
         tolerance: of adaptive methods.
-        locked: per contact the law it had before its piston was locked, else None.
-        origin: per contact the law that it was converted from, which every further conversion starts from, else None.
+        locked: for each contact its law before its piston was locked, else None.
+        origin: for each contact the law that it was converted from, where every further conversion starts, else None.
         speed: closing speed [m/s] of this scene; it scales steps, the pointer spring and errors.
-        start: the State to which a restart goes back; never changed in place.
-        length: of a bead [m], beyond which no converted contact may be pressed.
-        duration: of the scene [s], within which a drive gives speed.
+        start: the State to which a restart returns; never changed in place.
+        length: length of a bead [m], the limit for the depth of a converted contact.
+        duration: of the scene [s], in which a drive accelerates beads.
     """
 
     label: str
@@ -86,11 +94,11 @@ class LaneSetup:
 
     @property
     def scale(self) -> float:
-        """Speed [m/s] of the fastest closing there can be: at the closing speed, or by the drive and what is pressed."""
+        """Speed [m/s] of the fastest possible closing: by the closing speed, by the drive, or by pressed contacts."""
         return speed_scale(self.chain, [0.0, self.speed], self.duration)
 
     def with_speed(self, velocity: NDArray[np.float64]) -> LaneSetup:
-        """The same lane at the closing speed of `velocity` (n+1,) [m/s]; a chosen step is chosen again."""
+        """Return the same lane at the closing speed of `velocity` (n+1,) [m/s]; a chosen step is chosen again."""
         return replace(self, speed=speed_scale(self.chain, velocity, self.duration)).with_choice()
 
     def with_chain(
@@ -99,29 +107,35 @@ class LaneSetup:
         locked: tuple[Contact | None, ...] | None = None,
         origin: tuple[Contact | None, ...] | None = None,
     ) -> LaneSetup:
-        """The same lane with another chain; a chosen step is chosen again. ValueError where the method refuses the chain."""
+        """Return the same lane with another chain; a chosen step is chosen again. Raise ValueError if the method
+        refuses the chain.
+        """
         _check_carried(chain, self.method)
         locked, origin = self.locked if locked is None else locked, self.origin if origin is None else origin
         return replace(self, chain=chain, locked=locked, origin=origin).with_choice()
 
     def origin_of(self, contact: int) -> Contact | None:
-        """The law that a contact was converted from; None where it has not been converted."""
+        """Return the law that a contact was converted from; None if it has not been converted."""
         return self.origin[contact] if self.origin else None
 
     def with_choice(self) -> LaneSetup:
-        """The same lane; method and step are chosen again where nobody has given them."""
+        """Return the same lane with a new choice of method and step, unless the user has set them."""
         if self.automatic:
             return replace(self, method=SHOWN, step=suitable_step(SHOWN, self.chain, self.scale))
         return self if self.step_given else replace(self, step=suitable_step(self.method, self.chain, self.scale))
 
     def with_method(self, name: str) -> LaneSetup:
-        """The same lane by method `name` ('auto': chosen) with a chosen step. ValueError for an unknown name."""
+        """Return the same lane with method `name` ('auto': chosen) and a chosen step. Raise ValueError for an unknown
+        name.
+        """
         method = self.method if name == "auto" else find_method(name).name
         _check_carried(self.chain, SHOWN if name == "auto" else method)
         return replace(self, method=method, automatic=name == "auto", step_given=False).with_choice()
 
     def with_step(self, step: float | None) -> LaneSetup:
-        """The same method with steps of at most `step` [s]; None: chosen. ValueError for an adaptive method."""
+        """Return the same method with steps of at most `step` [s]; None: chosen. Raise ValueError for an adaptive
+        method.
+        """
         if step is None:
             return replace(self, step_given=False).with_choice()
         if find_method(self.method).adaptive:
@@ -130,23 +144,25 @@ class LaneSetup:
 
     @property
     def finer(self) -> str:
-        """How the method of the lane is made more exact, in words."""
+        """Return a sentence on how to make the method of the lane more accurate."""
         return _("take a smaller step or more slow motion") if self.step_given else _("take more slow motion")
 
     @property
     def remedy(self) -> str:
-        """What helps where the method is off: the one that keeps energy and momentum, unless it is the one that failed."""
+        """Return advice for an inaccurate method: the method that conserves energy and momentum, unless that one
+        failed.
+        """
         return self.finer if self.method == KEEPING else _("take {method} or a smaller step", method=KEEPING)
 
     def step_for(self, frame_time: float) -> float | None:
-        """Step [s] in a frame of `frame_time` [s], see `steps_in`; None for an adaptive method."""
+        """Return the step [s] in a frame of `frame_time` [s], see `steps_in`; None for an adaptive method."""
         if self.step == 0.0:
             return None
         return frame_time / steps_in(frame_time, self.method, self.step, self.chain.contacts, self.step_given)
 
 
 def _check_carried(chain: Chain, method: str) -> None:
-    """Refuse a chain with friction, loss or couplers where the method takes none."""
+    """Refuse a chain with friction, loss or couplers if the method does not support them."""
     if reason := refusal_of(method, chain):
         raise ValueError(reason)
 
@@ -165,22 +181,22 @@ class Setup:
 
     @property
     def chains(self) -> list[tuple[Chain, tuple[object, ...]]]:
-        """Chain and locked pistons of each lane, to be compared."""
+        """Return chain and locked pistons of each lane, for comparison."""
         return [(lane.chain, lane.locked) for lane in self.lanes]
 
     @property
     def starts(self) -> list[tuple[list[float], ...]]:
-        """How each lane begins, to be compared."""
+        """Return the start of each lane, for comparison."""
         return [(s.overlap.tolist(), s.rate.tolist(), s.anchor.tolist()) for s in (lane.start for lane in self.lanes)]
 
 
 def setup_of(scene: Scene) -> Setup:
-    """The setup with which a scene opens."""
+    """Return the initial setup of a scene."""
     return Setup(tuple(lane_setup(scene, lane) for lane in scene.lanes), scene.view.slow)
 
 
 def lane_setup(scene: Scene, lane: Lane) -> LaneSetup:
-    """How `lane` moves in `scene`: by the scene's method and step where it names them."""
+    """Return the setup of `lane` in `scene`, with the scene's method and step if it has them."""
     chain, duration = lane.chain(), scene.duration or DURATION
     speed = speed_scale(chain, lane.velocity, duration)
     setup = LaneSetup(

@@ -1,11 +1,12 @@
-"""The ledger of a lane: its energy and momentum, and what the pointer, a drive, walls and edits have put in.
+"""Ledger (energy and momentum balance) of a lane: its energy and momentum, and the input of pointer, drive, walls and
+edits.
 
-What is put in is booked; an error is what neither the start, or that of another method, nor a booking explains: E - booked,
-relative to the largest energy so far. What contacts with loss and the bed absorb is booked as taken out, so it is no error.
-Columns: KINETIC, STORED [J], MOMENTUM [N s], ENERGY_BOOKED, MOMENTUM_BOOKED, ENERGY_SCALE, MOMENTUM_SCALE, SWITCHES,
-BY_CONTACTS, BY_BED [J] (absorbed since the lane began), WORK_GIVEN [J], IMPULSE_GIVEN [N s] (of the pointer, of forces over
-time and of edits since then: what is neither the drive's nor a wall's), VELOCITY_ERROR [m/s] (the estimate of the method;
-negative if the method has none).
+External input is booked. An error is the part that neither the start (or the start of another method) nor a booking
+explains: E - booked, relative to the largest energy so far. Energy absorbed by contacts with loss and by the bed is
+booked as taken out, so it is not an error. Columns: KINETIC, STORED [J], MOMENTUM [N s], ENERGY_BOOKED,
+MOMENTUM_BOOKED, ENERGY_SCALE, MOMENTUM_SCALE, SWITCHES, BY_CONTACTS, BY_BED [J] (absorbed since the lane began),
+WORK_GIVEN [J], IMPULSE_GIVEN [N s] (of the pointer, of forces over time and of edits since then, without drive and
+walls), VELOCITY_ERROR [m/s] (the estimate of the method; negative if the method has none).
 """
 
 import math
@@ -25,7 +26,7 @@ LEDGER_COLUMNS = 13
 
 
 def new_ledger(chain: Chain, state: State) -> Array:
-    """The ledger (13,) of a lane that begins now: its energy and momentum are booked."""
+    """Return the ledger (13,) of a lane that begins now, with its energy and momentum booked."""
     ledger = np.zeros(LEDGER_COLUMNS)
     measure(chain, state, ledger)
     book_all(ledger)
@@ -33,12 +34,12 @@ def new_ledger(chain: Chain, state: State) -> Array:
 
 
 def book_all(ledger: Array) -> None:
-    """Book energy and momentum as they are: errors begin here."""
+    """Book the present energy and momentum; errors count from here."""
     ledger[ENERGY_BOOKED], ledger[MOMENTUM_BOOKED] = ledger[KINETIC] + ledger[STORED], ledger[MOMENTUM]
 
 
 def measure(chain: Chain, state: State, ledger: Array) -> None:
-    """Write the energies and the momentum of `state` into `ledger`, and let their scales grow."""
+    """Write the energies and the momentum of `state` into `ledger`, and increase their scales."""
     mass = np.where(np.isfinite(chain.mass), chain.mass, 0.0)
     momenta = mass * state.velocity(chain)
     ledger[KINETIC] = 0.5 * float(momenta @ state.velocity(chain))
@@ -49,9 +50,9 @@ def measure(chain: Chain, state: State, ledger: Array) -> None:
 
 
 def book_edit(before: Array, ledger: Array, by_drive: float) -> None:
-    """Book what an edit has changed: the difference between `before` and `ledger`.
+    """Book the change by an edit: the difference between `before` and `ledger`.
 
-    `by_drive` [J] is the work of the drive on the way by which the edit has moved beads: it gives the rest.
+    `by_drive` [J] is the work of the drive along the displacement of the beads by the edit.
     """
     work = ledger[KINETIC] + ledger[STORED] - before[KINETIC] - before[STORED]
     impulse = ledger[MOMENTUM] - before[MOMENTUM]
@@ -61,12 +62,12 @@ def book_edit(before: Array, ledger: Array, by_drive: float) -> None:
 
 
 class External(NamedTuple):
-    """What came from outside in one frame.
+    """External input during one frame.
 
     Attributes:
         work, impulse: of the drive [J], [N s].
-        given: (2,) those of the pointer spring and of forces over time.
-        velocity: (n+1,) [m/s], after it; walls keep theirs.
+        given: (2,) of the pointer spring and of forces over time.
+        velocity: (n+1,) [m/s] after it; walls keep theirs.
         absorbed: (2,) energy [J] that contacts and the bed absorbed.
     """
 
@@ -78,10 +79,10 @@ class External(NamedTuple):
 
 
 def book_frame(chain: Chain, before: Array, ledger: Array, external: External) -> None:
-    """Book a frame: `before` and `ledger` are what was measured before and after it.
+    """Book a frame: `before` and `ledger` are the measurements before and after it.
 
-    Walls and a bed with friction give the momentum that is missing. Where the work of the walls does not follow from it, see
-    `work_of_walls`, the energy after the frame is booked as it is.
+    Walls and a bed with friction account for the missing momentum. If the work of the walls does not follow from it,
+    see `work_of_walls`, the energy after the frame is booked as it is.
     """
     ledger[[BY_CONTACTS, BY_BED]] += external.absorbed
     ledger[[WORK_GIVEN, IMPULSE_GIVEN]] += external.given
@@ -98,13 +99,13 @@ def book_frame(chain: Chain, before: Array, ledger: Array, external: External) -
 
 
 def energy_error(ledger: Array) -> float | Array:
-    """Unexplained energy relative to the largest energy so far; `ledger` (13,) or (R, 13)."""
+    """Return the unexplained energy relative to the largest energy so far; `ledger` (13,) or (R, 13)."""
     excess = ledger[..., KINETIC] + ledger[..., STORED] - ledger[..., ENERGY_BOOKED]
     return _relative(excess, ledger[..., ENERGY_SCALE])
 
 
 def momentum_error(ledger: Array) -> float | Array:
-    """Unexplained momentum relative to the largest sum of abs(m v) so far; `ledger` (13,) or (R, 13)."""
+    """Return the unexplained momentum relative to the largest sum of abs(m v) so far; `ledger` (13,) or (R, 13)."""
     return _relative(ledger[..., MOMENTUM] - ledger[..., MOMENTUM_BOOKED], ledger[..., MOMENTUM_SCALE])
 
 

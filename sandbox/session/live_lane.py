@@ -1,4 +1,4 @@
-"""A live lane: its setup, its state and its ledger, moved on by frames and changed by edits."""
+"""Live lane: its setup, its state and its ledger, advanced frame by frame and changed by edits."""
 
 from __future__ import annotations
 
@@ -30,30 +30,30 @@ from softcradle.sandbox.session.ledger import (
 )
 from softcradle.sandbox.story.ending import is_endless, is_over
 
-FREQUENCY = 12.0  # 1/s of wall time: the bead follows the pointer within about a sixth of a second
-MOST_SPEED = 10.0  # of the pull, relative to the scene's closing speed
+FREQUENCY = 12.0  # 1/s of wall time; the bead follows the pointer within about a sixth of a second
+MOST_SPEED = 10.0  # largest speed of the pull, relative to the scene's closing speed
 
 
 Array = NDArray[np.float64]
-LARGEST = 1e15  # m, m/s, N: beyond it energies would overflow
-LIVE_STEPS = 5_000  # most of an adaptive method in one frame: some 20 ms
-REFERENCE_STEPS = 700  # most of the reference, which is plain Python, in one frame: some 0.2 s
-WARNING_FRAMES = 60  # for which a warning of the method stays: half a second
+LARGEST = 1e15  # m, m/s, N; beyond it energies would overflow
+LIVE_STEPS = 5_000  # most steps of an adaptive method in one frame, about 20 ms
+REFERENCE_STEPS = 700  # most steps of the reference method, which is plain Python, in one frame, about 0.2 s
+WARNING_FRAMES = 60  # frames for which a warning of the method stays: half a second
 
 
 class BlownUpError(Exception):
-    """A method has gone past its limit; the message is a sentence."""
+    """A method has exceeded its limit; the message is a sentence."""
 
 
 @dataclass
 class LiveLane:
-    """One lane as it is now.
+    """Present state of one lane.
 
     Attributes:
         setup: the immutable part.
-        state: what moves.
+        state: the moving part.
         ledger: (13,) energy, momentum and estimated error, see :mod:`softcradle.sandbox.session.ledger`.
-        warning: what its method could not do of late, in a sentence; empty where there was nothing.
+        warning: recent problem of its method, in a sentence; empty without one.
         warning_age: frames since then.
     """
 
@@ -64,13 +64,13 @@ class LiveLane:
     warning_age: int = 0
 
     def __post_init__(self) -> None:
-        """Let the state go on from the error that its ledger has: a frame of the history does not keep it elsewhere."""
+        """Continue from the error in the ledger, because a frame of the history does not store it elsewhere."""
         estimate = float(self.ledger[VELOCITY_ERROR])
         self.state.velocity_error = math.nan if estimate < 0.0 else estimate
 
     @classmethod
     def at_start(cls, setup: LaneSetup) -> LiveLane:
-        """The lane as it begins."""
+        """Return the lane at its start."""
         state = setup.start.copy()
         return cls(setup, state, new_ledger(setup.chain, state))
 
@@ -81,7 +81,7 @@ class LiveLane:
 
     @property
     def position(self) -> Array:
-        """(n+1,) positions [m], bead lengths taken out."""
+        """(n+1,) positions [m], without bead lengths."""
         return self.state.position(self.chain)
 
     @property
@@ -101,7 +101,7 @@ class LiveLane:
 
     @property
     def motion(self) -> Motion:
-        """The state as a Motion of one row, for drawing."""
+        """Return the state as a Motion of one row, for drawing."""
         state, dissipative = self.state, self.chain.dissipative
         return Motion(
             chain=self.chain,
@@ -114,12 +114,14 @@ class LiveLane:
         )
 
     def changed(self, item: LaneInput, at_start: bool) -> LiveLane:
-        """The lane after an edit; one `at_start` of the session changes the lane's start too. ValueError: refused."""
+        """Return the lane after an edit; an edit `at_start` of the session also changes the lane's start. Raise
+        ValueError if it is refused.
+        """
         setup, state = item.edited(self.setup, self.state.copy())
         ledger = self.ledger.copy()
         measure(setup.chain, state, ledger)
         book_edit(self.ledger, ledger, self._by_drive(state) if setup.chain is self.chain else 0.0)
-        if setup.method != self.setup.method:  # which is not off by what the one before was
+        if setup.method != self.setup.method:  # the previous method's error does not count for the new one
             book_all(ledger)
             ledger[VELOCITY_ERROR] = 0.0
         if at_start:
@@ -131,18 +133,18 @@ class LiveLane:
         return LiveLane(replace(setup, start=start), state, ledger)
 
     def advance(self, whole: Setup, bead: int, pointer: float) -> None:
-        """Move on by one frame of the `whole` session; a spring pulls `bead` (-1: none) to `pointer` [m].
+        """Advance by one frame of the `whole` session; a spring pulls `bead` (-1: none) to `pointer` [m].
 
-        BlownUpError, with a useless state, where a number is not finite or beyond LARGEST.
+        Raise BlownUpError, with an unusable state, if a number is not finite or exceeds LARGEST.
         """
         chain, state, setup, duration = self.chain, self.state, self.setup, whole.frame_time
         before, closed, switches = self.position, state.closed, state.switches
-        state.taken[:] = 0.0  # of this frame alone: a difference of sums would depend on where they began
+        state.taken[:] = 0.0  # for this frame only, because differences of sums would depend on their start
         state.push = self._push(bead, pointer, FREQUENCY * whole.slow) if bead >= 0 else None
-        # after these steps of a frame `conserving` moves on: none freezes the window
+        # after these steps of a frame `conserving` finishes it, so that no method freezes the window
         most = REFERENCE_STEPS if find_method(setup.method).family is Family.REFERENCE else LIVE_STEPS
         move(chain, state, duration, setup.method, setup.step_for(duration), setup.tolerance, most)
-        # an estimate above the guarantee is far from visible: the verdict judges its size
+        # An estimate above the guarantee is far below anything visible; the verdict judges its size.
         self._take_warning(" ".join(str(one) for one in state.warnings if one.code is not WarningCode.ESTIMATE))
         if not all(
             (np.abs(values) < LARGEST).all() for values in (state.overlap, state.rate, state.anchor, state.force)
@@ -157,7 +159,7 @@ class LiveLane:
         self.ledger = ledger
 
     def _take_warning(self, warning: str) -> None:
-        """Keep a new warning of the method, and drop an old one."""
+        """Store a new warning of the method, and drop an old one."""
         if warning:
             self.warning, self.warning_age = warning, 0
             return
@@ -166,7 +168,9 @@ class LiveLane:
             self.warning = ""
 
     def _push(self, bead: int, pointer: float, frequency: float) -> Array:
-        """(n+1,) force [N] on each bead from a spring of that angular `frequency` [1/s] to the pointer; none on a wall."""
+        """Return the (n+1,) force [N] on each bead from a spring of angular `frequency` [1/s] to the pointer; 0 on a
+        wall.
+        """
         push, mass = np.zeros(self.chain.contacts + 1), self.chain.mass[bead]
         if math.isfinite(mass):
             offset, velocity = pointer - float(self.position[bead]), float(self.velocity[bead])
@@ -176,12 +180,14 @@ class LiveLane:
         return push
 
     def _external(self, before: Array, duration: float) -> External:
-        """What drive, pointer spring and forces over time did in a frame that began at the positions `before`."""
+        """Return the input of drive, pointer spring and forces over time during a frame that began at the positions
+        `before`.
+        """
         beads = np.isfinite(self.chain.mass)
         moved = (self.position - before)[beads]
 
         def of(force: Array | None) -> Array:
-            """(2,) work and impulse of a steady force on each bead."""
+            """Return (2,) work and impulse of a steady force on each bead."""
             return np.zeros(2) if force is None else np.array([force[beads] @ moved, duration * force[beads].sum()])
 
         work, impulse = of(self.chain.drive_force).tolist()
@@ -189,7 +195,7 @@ class LiveLane:
         return External(work, impulse, given, self.velocity, self.state.absorbed.copy())
 
     def _by_drive(self, state: State) -> float:
-        """Work [J] of the drive on the way from this state of the same chain to another."""
+        """Return the work [J] of the drive between this state and another state of the same chain."""
         if self.chain.drive_force is None:
             return 0.0
         moved = np.where(np.isfinite(self.chain.mass), state.position(self.chain) - self.position, 0.0)

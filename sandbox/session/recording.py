@@ -1,6 +1,7 @@
-"""Recordings: the snapshot that a session began with, every input with its frame, and a hash of every frame after it.
+"""Recordings: the first snapshot of a session, every input with its frame, and a hash of every following frame.
 
-The file is an .npz: `metadata`, a JSON text, and `hashes`, one 64-bit number a frame. Nothing in it is pickled.
+The file is an .npz with `metadata`, a JSON text, and `hashes`, one 64-bit number for each frame. It contains no pickled
+data.
 """
 
 from __future__ import annotations
@@ -20,18 +21,18 @@ from softcradle.sandbox.user_error import UserError, reason
 from softcradle.scenes import Scene, parse
 
 FORMAT = 1
-MOST_INPUTS = 50_000  # of one recording, before it begins anew: some 8 megabytes
-MOST_FRAMES = 1_000_000  # of one recording, before it begins anew: 8 megabytes of hashes
+MOST_INPUTS = 50_000  # most inputs of one recording before a new one starts, about 8 megabytes
+MOST_FRAMES = 1_000_000  # most frames of one recording before a new one starts: 8 megabytes of hashes
 
 Path = str | PathLike[str]
 
 
 class Recording:
-    """What is needed to run a session again, frame by frame.
+    """Data that are needed to run a session again, frame by frame.
 
     Attributes:
-        frame: the frame of `base`.
-        base: the Snapshot with which it begins.
+        frame: frame of `base`.
+        base: Snapshot with which it begins.
         inputs: list of (frame after which it was given, Input).
         hashes: of the states at `frame` + 1, `frame` + 2 ...
     """
@@ -43,16 +44,16 @@ class Recording:
 
     @property
     def last(self) -> int:
-        """The newest frame recorded."""
+        """Newest recorded frame."""
         return self.frame + len(self.hashes)
 
     @property
     def full(self) -> bool:
-        """Whether it is time to begin anew."""
+        """True if a new recording should be started."""
         return len(self.inputs) > MOST_INPUTS or len(self.hashes) > MOST_FRAMES
 
     def add_input(self, item: inputs.Input) -> None:
-        """Record an input given now; of several pointer positions in one frame only the last has an effect."""
+        """Record an input given now; of several pointer positions in one frame, only the last has an effect."""
         if isinstance(item, inputs.Drag) and self.inputs:
             frame, before = self.inputs[-1]
             if frame == self.last and isinstance(before, inputs.Drag):
@@ -65,23 +66,23 @@ class Recording:
 
     @property
     def memory(self) -> int:
-        """Bytes, about."""
+        """Approximate size in bytes."""
         return 8 * (len(self.inputs) + len(self.hashes))
 
     def copy(self) -> Recording:
-        """The same recording, to be gone on with apart."""
+        """Return an independent copy of the recording."""
         made = Recording(self.base, self.frame)
         made.inputs, made.hashes = self.inputs.copy(), self.hashes[:]
         return made
 
     def cut(self, frame: int) -> None:
-        """Drop what came after `frame`."""
+        """Drop everything after `frame`."""
         del self.hashes[max(0, frame - self.frame) :]
         while self.inputs and self.inputs[-1][0] > frame:
             self.inputs.pop()
 
     def save(self, path: Path, scene: Scene) -> None:
-        """Write it with its `scene`, whole or not at all. UserError where that cannot be."""
+        """Write it with its `scene`, completely or not at all. Raise UserError on failure."""
         metadata = {
             "softcradle recording": FORMAT,
             "versions": versions(),
@@ -96,7 +97,7 @@ class Recording:
 
 
 def load_recording(path: Path) -> tuple[Recording, Scene]:
-    """The recording and the scene that :meth:`Recording.save` wrote. UserError where the file is none."""
+    """Return the recording and the scene written by :meth:`Recording.save`. Raise UserError for another file."""
     try:
         with open(path, "rb") as opened, np.load(opened, allow_pickle=False) as file:
             metadata, hashes = json.loads(str(file["metadata"])), file["hashes"]
@@ -112,12 +113,12 @@ def load_recording(path: Path) -> tuple[Recording, Scene]:
         raise UserError(_("cannot read {path}: {error}", path=path, error=reason(error))) from None
     except UserError:
         raise
-    except Exception:  # a torn file fails in whatever reads it: zip, compression, arrays, JSON, or what these become
+    except Exception:  # a damaged file may fail in zip, compression, arrays, JSON, or the objects made from them
         raise UserError(_("{path}: not a recording of softcradle", path=path)) from None
 
 
 def hash_of(snapshot: Snapshot) -> int:
-    """64 bits that tell apart states which differ in any digit."""
+    """Return 64 bits that differ for states that differ in any bit."""
     digest = blake2b(np.float64(snapshot.time).tobytes(), digest_size=8)
     for state in snapshot.states:
         for values in (state.overlap, state.rate, state.anchor):

@@ -1,4 +1,4 @@
-"""Replay: a recording run again, frame by frame; it tells the first frame whose state differs in any digit."""
+"""Replay: run a recording again, frame by frame, and find the first frame whose state differs in any bit."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from softcradle.scenes import Scene
 
 
 class Replay:
-    """A recording that is being run again.
+    """Recording that is being run again.
 
-    Looking at earlier frames leaves it as it is. Whatever else moves or edits the session ends it.
+    Showing earlier frames does not change it. Any other motion or edit of the session ends it.
 
     Attributes:
         session: the Session that shows it.
-        playing: whether `tick` goes on.
+        playing: True if `tick` advances it.
         frame: the newest frame that was run.
-        diverged: the first frame whose state is not the recorded one; None as long as all agree.
+        diverged: the first frame whose state differs from the recorded one; None while all agree.
     """
 
     frame: int
@@ -38,11 +38,13 @@ class Replay:
 
     @classmethod
     def load(cls, path: Path, clock: Callable[[], float] = perf_counter) -> Replay:
-        """The replay of a file that `Session.save_recording` wrote, paced by `clock` [s]. UserError where it is none."""
+        """Return the replay of a file written by `Session.save_recording`, paced by `clock` [s]. Raise UserError for
+        another file.
+        """
         return cls(*load_recording(path), clock)
 
     def restart(self) -> None:
-        """Begin anew with the recorded start."""
+        """Restart from the recorded start."""
         self.session.begin(self.recording.base, self.recording.frame)
         self.frame, self.diverged = self.recording.frame, None
         self._complete = self.frame >= self.recording.last
@@ -50,22 +52,22 @@ class Replay:
 
     @property
     def done(self) -> bool:
-        """Whether every recorded frame has been run, or no further one can be."""
+        """True if every recorded frame has been run, or no further one can be."""
         return self._complete or self.left
 
     @property
     def left(self) -> bool:
-        """Whether the session was moved or edited by something else."""
+        """True if something else moved or edited the session."""
         return self._mark_of() != self._mark
 
     def _mark_of(self) -> tuple[Recording, int, int]:
-        """What every frame that is computed and every input changes."""
+        """Return a key that changes with every computed frame and every input."""
         made = self.session.recording
         return made, len(made.inputs), made.last
 
     @property
     def sentence(self) -> str:
-        """Its progress, for the screen."""
+        """Progress as a sentence for the screen."""
         frame, last = self.frame - self.recording.frame, self.recording.last - self.recording.frame
         if self.diverged is not None:
             return _("DIVERGED at frame {frame} of {last}", frame=self.diverged - self.recording.frame, last=last)
@@ -76,20 +78,20 @@ class Replay:
         return _("replay, frame {frame} of {last}", frame=frame, last=last)
 
     def tick(self, wall_seconds: float) -> int:
-        """Go on by `wall_seconds` of the wall clock; returns the frames run."""
+        """Advance by `wall_seconds` of the wall clock; return the number of frames run."""
         before = self.frame
         done = self.session.pacer.run(wall_seconds, self.step) if self.playing else 0
         self.session.last_tick = before, before + done
         return done
 
     def run(self) -> bool:
-        """Run to the end at once; True where every state is the recorded one."""
+        """Run to the end at once; return True if every state equals the recorded one."""
         while not self.done:
             self.step()
         return self.diverged is None
 
     def step(self) -> bool:
-        """Run the next frame, if there is one; whether there was."""
+        """Run the next frame; return False if there is none."""
         if self.done:
             return False
         session = self.session
@@ -108,10 +110,10 @@ class Replay:
             self.diverged = frame
 
     def _apply_inputs(self) -> None:
-        """Apply the inputs of the frame shown; they are in the file already, so none is an unsaved edit."""
+        """Apply the inputs of the frame shown; they are in the file, so they do not count as unsaved edits."""
         for item in self._inputs.get(self.session.frame, ()):
             try:
-                # pictures of one pull are one step, as they were
+                # the pictures of one pull are one undo step, as in the original
                 self.session.apply(item, gesture=isinstance(item, Drag))
                 if not isinstance(item, Drag):
                     self.session.end_gesture()

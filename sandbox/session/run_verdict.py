@@ -1,8 +1,8 @@
-"""The verdict on a run: when its errors, its chatter or its steps were past their limits, and what to do about it.
+"""Verdict on a run: when its errors, its chatter or its steps exceeded their limits, and what to do about it.
 
-One table of criteria judges every frame of a slice of the history. The badge shows the last frame, with what is known of it
-alone; the findings of the whole run are the frames at which a criterion held, so they are right after a scrub, a new branch,
-an undo and a redo.
+One table of criteria judges every frame of a slice of the history. The badge shows the last frame. The findings of the
+whole run are the frames at which a criterion was met, so they stay correct after a scrub, a new branch, an undo and a
+redo.
 """
 
 import math
@@ -25,12 +25,12 @@ from softcradle.sandbox.session.history_slices import HistorySlice, history_slic
 from softcradle.sandbox.session.ledger import SWITCHES, VELOCITY_ERROR, energy_error, momentum_error
 from softcradle.sandbox.story.verdict import BAD, BAD_ERROR, FAIR, FAIR_ERROR, GOOD, LEVELS, level_of
 
-FAIR_VELOCITY = 1e-2  # of the closing speed, the largest velocity error that is good
-BAD_VELOCITY = 0.1  # of the closing speed, the largest that is fair
-MOST_CHATTER = 1.0  # switches per plausible switch
-FINE_STEPS = 8.0  # to the shortest contact: with fewer, velocities lose digits
-COARSE_STEPS = 2.0  # to the shortest contact: with fewer, velocities are arbitrary
-ON_TIME = 0.9  # least clock ratio that is good
+FAIR_VELOCITY = 1e-2  # largest velocity error that is good, relative to the closing speed
+BAD_VELOCITY = 0.1  # largest velocity error that is fair, relative to the closing speed
+MOST_CHATTER = 1.0  # largest ratio of switches to plausible switches
+FINE_STEPS = 8.0  # steps in the shortest contact; with fewer, velocities lose digits
+COARSE_STEPS = 2.0  # steps in the shortest contact; with fewer, velocities are arbitrary
+ON_TIME = 0.9  # smallest clock ratio that is good
 WINDOW = 120  # frames over which chatter is counted: one second of wall time
 BOUNCING = N_(
     "contacts bounce {times:.0f} times faster than steps resolve: single beads may be off; take more slow motion"
@@ -44,13 +44,13 @@ COARSE = N_("steps were too long for the contacts")
 
 
 class Criterion(NamedTuple):
-    """Something that makes a motion worse than good.
+    """Reason for a verdict worse than good.
 
     Attributes:
         level: 'fair' or 'bad'.
-        holds: (T,) at which frames of a slice it does.
-        sentence: why, at the last of them, and what to do about it.
-        cause: in few words, for the findings of a run.
+        holds: (T,) True for each frame of a slice that meets it.
+        sentence: reason at the last of these frames, and remedy.
+        cause: short text for the findings of a run.
     """
 
     level: str
@@ -60,7 +60,7 @@ class Criterion(NamedTuple):
 
 
 def criteria(part: HistorySlice, chatter: Array, length: float) -> list[Criterion]:
-    """What may be wrong in one slice, the gravest first; `length` [m] is that of a bead."""
+    """Return the criteria of one slice, the most severe first; `length` [m] is the length of a bead."""
     setup, method = part.setup, part.setup.method
     steps = shortest_contact(part.chain, setup.scale) / part.step if part.step else math.inf
     found = _off(part, "energy", np.atleast_1d(energy_error(part.ledger)))
@@ -87,7 +87,7 @@ def criteria(part: HistorySlice, chatter: Array, length: float) -> list[Criterio
 
 
 def _off(part: HistorySlice, name: str, error: Array) -> list[Criterion]:
-    """Criteria of energy or momentum that nothing explains, relative to the largest so far."""
+    """Return the criteria of unexplained energy or momentum, relative to the largest so far."""
     setup, method = part.setup, part.setup.method
     fair, bad, lost = OFF[name]
     values = {"method": method, "error": _percent(float(error[-1])), "remedy": setup.remedy}
@@ -122,7 +122,7 @@ def estimated_error(part: HistorySlice) -> Array:
 
 
 def _passing(part: HistorySlice, length: float) -> Criterion:
-    """Whether an overlap is deeper than a bead is long: then one has passed its neighbour."""
+    """Return the criterion of overlaps beyond the length of a bead, at which a bead has passed its neighbour."""
     passed = part.overlap > length
     bead = int(np.argmax(passed[-1]))
     text = _(
@@ -134,8 +134,11 @@ def _passing(part: HistorySlice, length: float) -> Criterion:
 
 
 def _chatter(part: HistorySlice, before: Sequence[HistorySlice] = ()) -> Array:
-    """(T,) switches over the last WINDOW frames, over the most that is plausible: every contact closes and opens, and again
-    in every contact time. Frames `before` the slice count as far back as there are as many contacts."""
+    """Return the (T,) number of switches over the last WINDOW frames, relative to the largest plausible number.
+
+    Plausible is that every contact closes and opens once, and again in every contact time. Frames `before` the slice
+    count as far back as the number of contacts is the same.
+    """
     alike = list(takewhile(lambda one: one.chain.contacts == part.chain.contacts, reversed(before)))[::-1]
     time = np.concatenate([one.time for one in (*alike, part)])
     switches = np.concatenate([one.ledger[:, SWITCHES] for one in (*alike, part)])
@@ -169,19 +172,19 @@ OFF = {
 
 @dataclass(frozen=True)
 class Health:
-    """How far a lane can be trusted now.
+    """Present reliability of a lane.
 
     Attributes:
-        energy_error: energy that nothing explains, relative to the largest so far; pointer, drives, walls and edits are
-            booked apart. None where walls move differently: their work is not known.
-        momentum_error: likewise; None where a wall or a bed takes momentum.
-        chatter: contact switches over the last second of wall time, relative to the most that is plausible; above 1 a
-            method only seems to hold contacts closed.
-        velocity_error: difference to an accurate run behind, or else the estimate of the method itself, relative to the closing
-            speed; None if neither is known.
-        milliseconds: wall time of physics a frame, all lanes together.
+        energy_error: unexplained energy relative to the largest so far, without the booked input of pointer, drives,
+            walls and edits. None if walls move at different speeds, because their work is not known.
+        momentum_error: the same for momentum; None if a wall or a bed takes momentum.
+        chatter: contact switches over the last second of wall time relative to the largest plausible number; above 1, a
+            method only seems to keep contacts closed.
+        velocity_error: difference to an accurate run in the background, or else the estimate of the method, relative to
+            the closing speed; None if neither is known.
+        milliseconds: wall time of physics in a frame, all lanes together.
         level: 'good', 'fair' or 'bad'.
-        sentence: why, and what to do about it.
+        sentence: reason and remedy.
     """
 
     energy_error: float | None
@@ -200,10 +203,10 @@ def health_of(
     length: float = math.inf,
     velocity_error: float | None = None,
 ) -> Health:
-    """The health of a lane at the end of `slices`, its last :data:`WINDOW` frames.
+    """Return the health of a lane at the end of `slices`, its last :data:`WINDOW` frames.
 
-    `warning` is that of its method; `length` [m] that of a bead: a deeper overlap means that it has passed its neighbour;
-    `velocity_error` that of an accurate run behind, where it is known.
+    `warning` is the warning of its method. `length` [m] is the length of a bead; a larger overlap means that it has
+    passed its neighbour. `velocity_error` is the error found by an accurate run in the background, if known.
     """
     *before, part = slices
     ledger, chain = part.ledger[-1], part.chain
@@ -236,11 +239,11 @@ def health_of(
 
 @dataclass(frozen=True)
 class Finding:
-    """Something that was wrong for a while.
+    """Problem that lasted for a while.
 
     Attributes:
-        cause: in some words of the language in use.
-        level: 'fair' or 'bad', the worst of that while.
+        cause: short text in the current language.
+        level: 'fair' or 'bad', the worst of that time.
         first, last: frames.
         begin, end: times [s].
     """
@@ -254,7 +257,7 @@ class Finding:
 
 
 def run_findings(history: History, lane: int, length: float) -> list[Finding]:
-    """The findings of a lane, in order of time; those of one cause that follow each other closely are one.
+    """Return the findings of a lane in order of time; findings of one cause in close succession are merged.
 
     An overlap beyond the `length` [m] of a bead means that a bead has passed its neighbour.
     """
@@ -281,7 +284,7 @@ def _spells(part: HistorySlice, found: Criterion) -> list[Finding]:
 
 
 def _merged(found: list[Finding]) -> list[Finding]:
-    """Findings of one cause joined where less than WINDOW frames lie between them."""
+    """Return the findings with those of one cause joined if fewer than WINDOW frames lie between them."""
     joined: dict[str, list[Finding]] = {}
     for item in sorted(found, key=lambda one: one.first):
         own = joined.setdefault(item.cause, [])

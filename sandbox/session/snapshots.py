@@ -1,4 +1,4 @@
-"""Snapshots: one frame of a session, all of it, and as plain JSON with every digit: the base of a recording."""
+"""Snapshots: one complete frame of a session, also as plain JSON with every digit, which is the base of a recording."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ STATE_ARRAYS = ("overlap", "rate", "anchor", "force")
 
 
 class HeldBead(NamedTuple):
-    """The bead that the pointer holds: its lane (-1: none), its number, and the pointer's position [m]."""
+    """Bead held by the pointer: its lane (-1: none), its number, and the pointer's position [m]."""
 
     lane: float
     bead: float
@@ -32,7 +32,7 @@ NOTHING_HELD = HeldBead(-1.0, 0.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """One frame: time [s], setup, the bead held by the pointer, and per lane State and ledger (13,)."""
+    """One frame: time [s], setup, the bead held by the pointer, and for each lane State and ledger (13,)."""
 
     time: float
     setup: Setup
@@ -41,13 +41,13 @@ class Snapshot:
     ledgers: tuple[Array, ...]
 
     def copy(self) -> Snapshot:
-        """The same frame in arrays of its own, without the scratch memory of the methods."""
+        """Return the same frame in separate arrays, without the scratch memory of the methods."""
         states = tuple(state.copy() for state in self.states)
         return replace(self, states=states, ledgers=tuple(ledger.copy() for ledger in self.ledgers))
 
 
 def snapshot_table(snapshot: Snapshot) -> dict[str, Any]:
-    """`snapshot` as a table that JSON can hold."""
+    """Return `snapshot` as a table for JSON."""
     return {
         "time": snapshot.time,
         "slow": snapshot.setup.slow,
@@ -59,7 +59,9 @@ def snapshot_table(snapshot: Snapshot) -> dict[str, Any]:
 
 
 def snapshot_from_table(table: dict[str, Any], scene: Scene) -> Snapshot:
-    """The Snapshot that :func:`snapshot_table` wrote of that scene; ValueError, KeyError or TypeError where it is none."""
+    """Return the Snapshot of that scene written by :func:`snapshot_table`; raise ValueError, KeyError or TypeError
+    otherwise.
+    """
     lane, bead, position = table["hand"]
     return Snapshot(
         time=float(table["time"]),
@@ -80,10 +82,10 @@ def _ledger(columns: list[float]) -> Array:
 
 def _lane_table(setup: LaneSetup) -> dict[str, Any]:
     plain = asdict(replace(setup, start=_NO_STATE))
-    del plain["length"], plain["duration"]  # the scene beside it has them
-    if not setup.origin:  # earlier versions read lanes without it
+    del plain["length"], plain["duration"]  # the scene contains them
+    if not setup.origin:  # earlier versions do not read it
         del plain["origin"]
-    for name in ("forces", "brakes"):  # or without these
+    for name in ("forces", "brakes"):  # the same holds for these
         if not plain["chain"][name]:
             del plain["chain"][name]
     return {**plain, "start": _state_table(setup.start)}

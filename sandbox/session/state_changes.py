@@ -1,4 +1,4 @@
-"""Changes of a lane by edits: beads of a state are moved, immutable parts are replaced whole, numbers beyond use are refused."""
+"""Changes of a lane by edits: beads are moved, immutable parts are replaced, and unusable numbers are refused."""
 
 import math
 from collections.abc import Callable
@@ -18,7 +18,7 @@ Flags = NDArray[np.int8]
 
 
 def place_bead(chain: Chain, state: State, bead: int, position: float) -> None:
-    """Move `bead` to `position` [m], or up to a wall; beads in its way are pushed along, just touching."""
+    """Move `bead` to `position` [m], or up to a wall; beads in its way are pushed along until they just touch."""
     shift = position - float(state.position(chain)[bead])
     side = 1 if shift > 0.0 else -1
     ahead = np.arange(bead + side, chain.contacts + 1 if side > 0 else -1, side)
@@ -70,13 +70,13 @@ def state_from_bead_0(
     return State(time, overlap, rate, anchor, force, coupled=coupled)
 
 
-MOST_BEADS = 400  # of a lane that beads are added to
-LARGEST = 1e12  # of a typed number: beyond it sums of positions lose their digits
+MOST_BEADS = 400  # most beads of a lane
+LARGEST = 1e12  # largest entered number; beyond it sums of positions lose their digits
 Changed = tuple[LaneSetup, State]
 
 
 class ContactChange(NamedTuple):
-    """A contact after an edit: its law, the one to restore when it is unlocked, the one that it was converted from."""
+    """Contact after an edit: its law, the law to restore when it is unlocked, the law that it was converted from."""
 
     law: Contact
     locked: Contact | None = None
@@ -84,7 +84,7 @@ class ContactChange(NamedTuple):
 
 
 def inserted(chain: Chain, longer: Chain, state: State, bead: int, gap: float) -> State:
-    """The state with one bead more, which has the mean velocity of its neighbours."""
+    """Return the state with an additional bead, which has the mean velocity of its neighbours."""
     n = chain.contacts
     position, velocity = state.position(chain), state.velocity(chain)
     first, coupled = (float(position[0]), float(velocity[0])), coupled_of(chain, state)
@@ -99,7 +99,7 @@ def inserted(chain: Chain, longer: Chain, state: State, bead: int, gap: float) -
         overlap, rate = np.insert(state.overlap, at, shared), np.insert(state.rate, at, 0.5 * state.rate[bead - 1])
         overlap[bead - 1], rate[bead - 1] = shared, 0.5 * state.rate[bead - 1]
     force = np.insert(state.force, at, 0.0)
-    if coupled.size:  # both halves of a contact are what it was; a contact at an end begins as one of the chain does
+    if coupled.size:  # both halves of a contact keep its flag; a contact at an end starts like a contact of the chain
         begins = bead in (0, n + 1) and coupled_at(longer, overlap, force)[at]
         coupled = np.insert(coupled, at, begins if bead in (0, n + 1) else coupled[bead - 1])
     found = state_from_bead_0(longer, state.time, (overlap, rate, force), first, coupled)
@@ -108,10 +108,10 @@ def inserted(chain: Chain, longer: Chain, state: State, bead: int, gap: float) -
 
 
 def with_contacts(setup: LaneSetup, state: State, index: int | None, change: Callable[[int], ContactChange]) -> Changed:
-    """The lane with contact `index` (None: each) replaced by what `change` makes of it.
+    """Return the lane with contact `index` (None: each) replaced by the result of `change`.
 
-    Contacts that are pressed get the force of their new law; what one carries that just touches is not in its overlap, and
-    stays as far as the law has it.
+    Pressed contacts get the force of their new law. The force of a contact that just touches does not follow from its
+    overlap, so it stays, within the limits of the law.
     """
     check_index(N_("contact"), index, setup.chain.contacts)
     contacts, locked = list(setup.chain.contact), list(setup.locked)
@@ -126,12 +126,14 @@ def with_contacts(setup: LaneSetup, state: State, index: int | None, change: Cal
 
 
 def put(contacts: tuple[Joint, ...], index: int, law: Contact) -> tuple[Joint, ...]:
-    """The contacts with another law at `index`."""
+    """Return the contacts with another law at `index`."""
     return *contacts[:index], law, *contacts[index + 1 :]
 
 
 def with_chain(setup: LaneSetup, state: State, chain: Chain) -> Changed:
-    """The lane with `chain`, which has as many beads; the state follows to another anchor bead."""
+    """Return the lane with `chain`, which has the same number of beads; the state is converted if the anchor bead
+    changes.
+    """
     anchor = chain.anchor
     if anchor != setup.chain.anchor:
         both = state.position(setup.chain)[anchor], state.velocity(setup.chain)[anchor]
@@ -140,7 +142,7 @@ def with_chain(setup: LaneSetup, state: State, chain: Chain) -> Changed:
 
 
 def check_index(name: str, index: int | None, count: int) -> None:
-    """Refuse a number that none of `count` beads or contacts has."""
+    """Refuse an index outside `count` beads or contacts."""
     if index is not None and not 0 <= index < count:
         raise ValueError(
             gettext(
@@ -153,7 +155,7 @@ def check_index(name: str, index: int | None, count: int) -> None:
 
 
 def check_law(law: Joint) -> None:
-    """Refuse a law whose numbers are beyond any use, a slip of the keyboard; a Contact has checked its exponent itself."""
+    """Refuse a law whose numbers are unusable, such as a typing error; a Contact has checked its exponent itself."""
     if not isinstance(law, Contact):
         return
     for name, number in ((N_("preload"), law.preload), (N_("stiffness"), law.stiffness)):
@@ -161,7 +163,7 @@ def check_law(law: Joint) -> None:
 
 
 def finite(name: str, number: float) -> float:
-    """The number; refused where it is beyond LARGEST."""
+    """Return the number; refuse it if it exceeds LARGEST."""
     if not (math.isfinite(number) and abs(number) <= LARGEST):
         raise ValueError(
             gettext(

@@ -1,4 +1,4 @@
-"""The story of a session up to the frame shown: who hit whom, how long it lasted, who goes where."""
+"""Story of a session up to the frame shown: who hit whom, how long it lasted, and how all beads move."""
 
 from collections.abc import Callable
 from itertools import takewhile
@@ -21,7 +21,7 @@ def summary_text(session: Session) -> str:
 
 
 def outcome_text(session: Session) -> str:
-    """Return who goes where, in each lane."""
+    """Return how all beads move, for each lane."""
     return _of_lanes(session, lambda session, lane: ending_words(session_story(session, lane)))
 
 
@@ -38,7 +38,7 @@ def session_outcome(session: Session, lane: int) -> Outcome:
 def _told_velocity(session: Session, lane: int) -> Array:
     """Return the velocities now, or on a bed those at the frame in which the last contact opened.
 
-    A scene with a duration is told at its end.
+    The story of a scene with a duration is told at its end.
     """
     live = session.lanes[lane]
     if (

@@ -1,7 +1,7 @@
-"""Undo and redo: what a session was before each edit, its motion included, in bounded memory.
+"""Undo and redo: the session before each edit, including its motion, in bounded memory.
 
-An undo goes back to the frame at which the edit was made and brings back the frames that the edit dropped; a redo brings
-back the edit and the motion after it. No frame is lost by either.
+An undo returns to the frame at which the edit was made and restores the frames that the edit dropped. A redo restores
+the edit and the motion after it. Neither loses a frame.
 """
 
 from collections import deque
@@ -16,11 +16,11 @@ from softcradle.sandbox.session.recording import Recording
 from softcradle.scenes import Scene
 
 MOST_STEPS = 200
-MEMORY = 24 * 2**20  # bytes of blocks and recordings that only undo steps hold
+MEMORY = 24 * 2**20  # bytes of blocks and recordings held by undo steps only
 
 
 class FrozenSession(NamedTuple):
-    """A session as it is: the frame shown, the blocks of the history, the recording, the scene with its words."""
+    """A stored session: the frame shown, the blocks of the history, the recording, the scene with its texts."""
 
     frame: int
     blocks: tuple[Block, ...]
@@ -29,17 +29,17 @@ class FrozenSession(NamedTuple):
 
 
 class Checkpoint(NamedTuple):
-    """A session before an edit (or, to be redone, after it).
+    """A session before an edit (or, for a redo, after it).
 
     Attributes:
-        number: of the edit; it stays the same through undo and redo.
-        name: of the edit.
-        is_edit: whether it changes the scene; a bead pulled while the model runs changes only the motion.
-        target: what the edit changes: inputs of one gesture that change the same are one step.
-        lanes: those that it changes; empty for words, None among them for all.
-        session: as it was.
-        memory: bytes that the step before it does not hold too.
-        trial: whether it only tries another number from the start, which is no work that could be lost.
+        number: number of the edit; it stays the same through undo and redo.
+        name: name of the edit.
+        is_edit: True if it changes the scene; pulling a bead while the model runs changes only the motion.
+        target: the part that the edit changes; inputs of one gesture with the same target are one step.
+        lanes: lanes that it changes; empty for texts, None for all.
+        session: the stored session.
+        memory: bytes that the previous step does not share.
+        trial: True if it only tries another number from the start, which is not work that could be lost.
     """
 
     number: int
@@ -53,7 +53,7 @@ class Checkpoint(NamedTuple):
 
 
 def target_of(step: Sequence[inputs.Input] | Scene) -> tuple[object, ...]:
-    """What `step` changes; a bead may be pulled and placed in one gesture."""
+    """Return the target of `step`; a bead may be pulled and placed in one gesture."""
     if isinstance(step, Scene):
         return ("words",)
     names = ["bead" if isinstance(item, inputs.Drag | inputs.Place) else type(item).__name__ for item in step]
@@ -62,7 +62,7 @@ def target_of(step: Sequence[inputs.Input] | Scene) -> tuple[object, ...]:
 
 
 class UndoStack:
-    """The steps that can be undone and redone.
+    """Steps that can be undone and redone.
 
     Attributes:
         done, undone: checkpoints, the nearest last.
@@ -73,17 +73,17 @@ class UndoStack:
         self.undone: list[Checkpoint] = []
         self._numbers = count(1)
         self._saved = self._memory = 0
-        self._dropped = 0  # number of the last edit whose step is no longer kept
-        self._open = False  # whether the gesture of the last input still goes on
+        self._dropped = 0  # number of the last edit whose step was dropped
+        self._open = False  # True while the gesture of the last input continues
 
     def continues(self, items: Sequence[inputs.Input], gesture: bool) -> bool:
-        """Whether `items` belong to the last step: to the same gesture."""
+        """Return True if `items` belong to the last step, that is, to the same gesture."""
         return gesture and self._open and bool(self.done) and self.done[-1].target == target_of(items)
 
     def add(
         self, step: Sequence[inputs.Input] | Scene, gesture: bool, present: FrozenSession, trial: bool = False
     ) -> None:
-        """Remember the `present` before the inputs of a step, or before the words of a scene."""
+        """Store the `present` session before the inputs of a step, or before the texts of a scene."""
         is_edit = isinstance(step, Scene) or not all(isinstance(item, inputs.Drag) for item in step)
         own = _own_memory(present, self.done[-1].session.blocks if self.done else ())
         name = N_("words") if isinstance(step, Scene) else next(item.undo_name for item in step if item.undo_name)
@@ -98,44 +98,44 @@ class UndoStack:
             self._dropped = dropped.number if dropped.is_edit else self._dropped
 
     def end_gesture(self) -> None:
-        """Let the next input be a step of its own."""
+        """End the gesture, so that the next input starts a new step."""
         self._open = False
 
     def undo(self, present: FrozenSession) -> Checkpoint | None:
-        """The session before the last step; the `present` can be redone."""
+        """Return the session before the last step; the `present` session can be redone."""
         step = _move(self.done, self.undone, present)
         self._memory -= step.memory if step else 0
         return step
 
     def redo(self, present: FrozenSession) -> Checkpoint | None:
-        """The session after the step that was undone last."""
+        """Return the session after the step that was undone last."""
         step = _move(self.undone, self.done, present)
         self._memory += step.memory if step else 0
         return step
 
     def mark_saved(self) -> None:
-        """Take the scene as it is now for saved."""
+        """Mark the present scene as saved."""
         self._saved = self._last_edit()
 
     @property
     def unsaved(self) -> bool:
-        """Whether edits have not been saved."""
+        """True if there are unsaved edits."""
         return self._last_edit() != self._saved
 
     @property
     def unsaved_work(self) -> bool:
-        """Whether edits have not been saved that are more than trials of other numbers."""
+        """True if there are unsaved edits other than trials of numbers."""
         only_trials = self._saved == self._dropped == 0 and all(step.trial for step in self.done if step.is_edit)
         return self.unsaved and not only_trials
 
     @property
     def unsaved_beside_first(self) -> bool:
-        """Whether edits of other lanes than the first, which it did not share, have not been saved."""
+        """True if there are unsaved edits of lanes other than the first that the first lane does not share."""
         alone = (step.lanes and step.lanes.isdisjoint((0, None)) for step in self.done if step.is_edit)
         return self.unsaved and any(alone)
 
     def lose_what_was_saved(self) -> None:
-        """Call the state unsaved: it is that of no file."""
+        """Mark the state as unsaved, because no file contains it."""
         self._saved = -1
 
     def _last_edit(self) -> int:
@@ -143,7 +143,7 @@ class UndoStack:
 
 
 def _own_memory(present: FrozenSession, before: tuple[Block, ...]) -> int:
-    """Bytes of `present` that are not in the blocks `before`."""
+    """Return the bytes of `present` that are not in the blocks `before`."""
     shared = set(map(id, before))
     return present.recording.memory + sum(block.memory for block in present.blocks if id(block) not in shared)
 

@@ -1,6 +1,7 @@
-"""The table of values: every bead and every contact of a lane at the frame shown, and as CSV.
+"""Table of values: every bead and every contact of a lane at the frame shown, also as CSV.
 
-The position of a bead is that of its middle, which rulers and kymographs show; the chain's own leaves the lengths of beads out.
+The position of a bead is its centre, as in rulers and kymographs; positions of the chain leave out the lengths of
+beads.
 """
 
 import csv
@@ -33,28 +34,30 @@ BEAD_COLUMNS = (NP_("column", "bead"), *(one.column for one in OF_BEADS))
 CONTACT_COLUMNS = (NP_("column", "contact"), *(one.column for one in OF_CONTACTS), STORED.column)
 SET_COLUMNS = tuple(
     number.column for number in NUMBERS if number.column not in (*BEAD_COLUMNS, *CONTACT_COLUMNS)
-)  # that do not move of themselves
+)  # settings that do not change during the motion
 
 
 @dataclass(frozen=True)
 class ValuesTable:
-    """Headers, marked in the context "column", and a row of numbers for each bead or contact; the first number is its index."""
+    """Headers, marked in the context "column", and a row of numbers for each bead or contact; the first number is its
+    index.
+    """
 
     columns: tuple[str, ...]
     rows: list[tuple[float, ...]]
 
 
 def columns_of(live: LiveLane, kind: str) -> tuple[str, ...]:
-    """The headers of the beads or contacts of a lane: what moves, and what is set and not 0 for all."""
+    """Return the headers for the beads or contacts of a lane: moving quantities, and settings that are not 0 for all."""
     return (*(BEAD_COLUMNS if kind == BEAD else CONTACT_COLUMNS), *_set_numbers(live, kind))
 
 
 def values_table(session: Session, lane: int, kind: str) -> ValuesTable:
-    """The beads or contacts of a lane; contact k is between beads k and k + 1."""
+    """Return the table of the beads or contacts of a lane; contact k is between beads k and k + 1."""
     live = session.lanes[lane]
     columns = [one.values(live.motion, live.setup.length)[0] for one in (OF_BEADS if kind == BEAD else OF_CONTACTS)]
     if kind == BEAD:
-        for inertia in columns[3:]:  # a wall has no momentum or energy of its own
+        for inertia in columns[3:]:  # a wall does not have momentum or energy
             inertia[np.isinf(live.chain.mass)] = np.nan
     else:
         columns.append(live.chain.stored_energy(live.state.overlap, force=live.state.force))
@@ -64,13 +67,13 @@ def values_table(session: Session, lane: int, kind: str) -> ValuesTable:
 
 
 def _set_numbers(live: LiveLane, kind: str) -> dict[str, Sequence[float]]:
-    """The numbers that a person sets and no motion changes, by their columns, without those that are 0 or missing for all."""
+    """Return the numbers set by the user, by column, without columns that are 0 or missing for all."""
     found = {one.column: one.values(live) for one in NUMBERS if one.owner == kind and one.column in SET_COLUMNS}
     return {column: values for column, values in found.items() if np.nan_to_num(values).any()}
 
 
 def values_csv(session: Session) -> str:
-    """All lanes as CSV with every digit: the time, then beads, then contacts of each lane."""
+    """Return all lanes as CSV with every digit: the time, then beads, then contacts of each lane."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow((TIME.column, repr(session.time)))

@@ -1,4 +1,6 @@
-"""The check of velocities: an accurate run behind the live one, from where the motion was last touched, tells their error."""
+"""Check of velocities: an accurate background run, from the last change of the motion on, measures the error of the
+live run.
+"""
 
 import math
 from collections.abc import Callable
@@ -17,18 +19,19 @@ from softcradle.sandbox.session.recording import hash_of
 from softcradle.sandbox.session.session import Session
 
 METHOD = TOLD
-TOLERANCE = 1e-9  # of that run
-MOST_STEPS = 20_000  # of that run from one check to the next: some tenths of a second; beyond it the error is not known
-LEAST_FRAMES = 30  # between two checks: a quarter of a second
-# inputs after which the motion is the same
+TOLERANCE = 1e-9  # tolerance of that run
+# most steps of that run between two checks, some tenths of a second; beyond it the error is unknown
+MOST_STEPS = 20_000
+LEAST_FRAMES = 30  # fewest frames between two checks: a quarter of a second
+# inputs that do not change the motion
 UNTOUCHING = inputs.SetSlow, inputs.SetMethod, inputs.SetStep, inputs.Resume
 
 
 @dataclass(frozen=True)
 class CheckedFrame:
-    """The error at a frame, at which the live velocities were `velocity` (n+1,); `state` is that of the accurate run.
+    """Error at a frame with the live velocities `velocity` (n+1,); `state` is the state of the accurate run.
 
-    The error is the largest of the beads' velocities, relative to the closing speed; None: unknown.
+    The error is the largest error of a bead velocity, relative to the closing speed; None if it is unknown.
     """
 
     frame: int
@@ -38,10 +41,10 @@ class CheckedFrame:
 
 
 class VelocityCheck:
-    """The check of one lane; its jobs may run on another thread, one at a time.
+    """Check of one lane. Its jobs may run on another thread, one at a time.
 
     Attributes:
-        base: what the present checks begin with.
+        base: start of the present checks.
     """
 
     def __init__(self, session: Session, lane: int) -> None:
@@ -51,14 +54,14 @@ class VelocityCheck:
         self._busy = False
 
     def error(self) -> float | None:
-        """The error at the frame shown, as last checked; None where it is not known."""
+        """Error at the frame shown, from the last check; None if it is not known."""
         if self.base != self._present_base():
             return None
         self._drop_stale()
         return next((one.error for one in reversed(self._found) if one.frame <= self.session.frame), None)
 
     def job(self) -> Callable[[], CheckedFrame] | None:
-        """The next check, whose result :meth:`take` takes; None where none is due."""
+        """Return the next check, whose result goes to :meth:`take`; None if none is due."""
         session = self.session
         base = self._present_base()
         if self._busy or session.held.lane >= 0.0 or not base or session.frame != session.history.last:
@@ -79,13 +82,13 @@ class VelocityCheck:
         return lambda: checked(setup, state.copy(), frame, time, velocity)
 
     def take(self, base: tuple[object, ...], result: object) -> None:
-        """Take the result of a job that was begun for `base`."""
+        """Store the result of a job that was started for `base`."""
         self._busy = False
         if base == self.base and isinstance(result, CheckedFrame):
             self._found.append(result)
 
     def _drop_stale(self) -> None:
-        """Drop what was found on a branch that is gone: by another method, for example."""
+        """Drop results of a branch that no longer exists, for example with another method."""
         history, last = self.session.history, self.session.history.last
         while self._found and not (
             history.first <= self._found[-1].frame <= last
@@ -96,7 +99,7 @@ class VelocityCheck:
             self._found.pop()
 
     def _touched(self) -> int:
-        """The frame at which the motion was last touched."""
+        """Return the frame at which the motion was last changed by the user."""
         frames = (
             frame
             for frame, item in reversed(self.session.recording.inputs)
@@ -113,9 +116,9 @@ class VelocityCheck:
 
 
 def checked(setup: LaneSetup, state: State, frame: int, time: float, velocity: Array) -> CheckedFrame:
-    """Move `state` on accurately to `time` [s] and compare it with the live velocities (n+1,) there.
+    """Advance `state` accurately to `time` [s] and compare it with the live velocities (n+1,) there.
 
-    The error is the difference and what the accurate run estimates for itself.
+    The error is the difference plus the error estimate of the accurate run.
     """
     move(setup.chain, state, time - state.time, METHOD, None, TOLERANCE, MOST_STEPS)
     error = (float(np.abs(state.velocity(setup.chain) - velocity).max()) + state.velocity_error) / setup.speed
