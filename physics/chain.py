@@ -31,9 +31,8 @@ Array = NDArray[np.float64]
 T = TypeVar("T")
 
 Joint = Contact | OwnLaw | PiecewiseContact  # Any contact between two beads, as a chain stores it.
-OneLaw = (
-    Contact | PiecewiseContact | Law | Callable[[float], SupportsFloat]
-)  # Any contact that the constructor accepts, including a user-defined law that is not yet an OwnLaw.
+# Any contact that the constructor accepts, including a user-defined law that is not yet an OwnLaw.
+OneLaw = Contact | PiecewiseContact | Law | Callable[[float], SupportsFloat]
 Laws = OneLaw | Sequence[OneLaw]  # One contact for all neighbours, or one for each pair.
 
 MOST_SHOWN = 4  # Largest number of different values in the text of a chain.
@@ -201,7 +200,7 @@ class Chain(Shown):
         """The contacts, if all are preloaded power laws.
 
         Raises:
-            ValueError: a contact is a coupler or has a user-defined law, so preload, stiffness and exponent do not describe it.
+            ValueError: a contact is a coupler or has a user-defined law.
         """
         others = [(i, f"has a law of its own, {law.name!r}") for i, law in self.own_contacts]
         for i, what in [*others, *((i, f"is a {type(one).__name__}") for i, one in self.piecewise)]:
@@ -245,7 +244,7 @@ class Chain(Shown):
         pull, because it has not coupled yet, stores no energy.
         """
         apart = np.asarray(overlap) <= 0.0
-        if not self.piecewise and apart.all():  # as at the start and the end of most motions
+        if not self.piecewise and apart.all():  # all contacts are open, as at the start and the end of most motions
             return apart * np.zeros(self.contacts)
         # all power laws at once; the other contacts are replaced below
         preload, stiffness, exponent = self.law_rows.T
@@ -356,7 +355,7 @@ def _read_only(values: Array) -> Array:
 
 
 def _shortened(values: Sequence[object]) -> str:
-    """Return the values as text: one with their number if all are equal, else the first ones."""
+    """Return the values as text: a single value with the count if all are equal, otherwise the first values."""
     if all(value == values[0] for value in values):
         return f"{len(values)} x {values[0]!r}"
     return f"[{', '.join(map(repr, values[:MOST_SHOWN]))}{', ...' if len(values) > MOST_SHOWN else ''}]"

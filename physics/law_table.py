@@ -3,8 +3,9 @@
     f(d) = sum_k force_k u^k,   E(d) = sum_k energy_k u^k,   u = (2 d - d_j - d_(j+1)) / (d_(j+1) - d_j) on piece j
 
 Each piece interpolates the force at Chebyshev points, including its ends, so that the force is continuous and the
-energy is its integral. The first pieces reach from one power of two to the next. They are halved until the polynomial
-agrees with the force between the points. At a kink or a step of the force this ends with a piece of negligible width.
+energy is its integral. The first pieces reach from one power of two to the next. The pieces are halved until the
+polynomial agrees with the force between the points. At a kink or a step of the force this ends with a piece of
+negligible width.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ DEGREE = 12  # Degree of the force on a piece: from d to 1.4 d it represents pow
 WANTED = 2e-14  # Wanted error of the polynomial, as a fraction of the largest force of the piece.
 # Largest ratio of the forces on a piece. At its beginning at most three digits are lost relative to the largest force.
 MOST_RISE = 1e3
-STEEP = 8  # Halvings after which a force with a larger ratio counts as noise.
+STEEP = 8  # Number of halvings. If the forces on a piece still differ by more than MOST_RISE, they count as noise.
 MOST_HALVINGS = 48  # Largest number of halvings. The last piece around a kink is then as narrow as round-off.
 MOST_FORCE = 1e280  # Largest force [N]: sums of larger forces overflow.
 NO_WIDTH = 1e-6  # Fraction of its end. A narrower piece contains a kink or a step of the force.

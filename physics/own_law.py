@@ -34,7 +34,7 @@ RISE = 1e-9  # Fraction of the largest force. A larger decrease of the force is 
 TRUE_ENERGY = 1e-6  # Largest relative difference between the energy of a law and the integral of its force.
 # Largest relative error of the table of a law. If the error is larger, the computed force is mostly round-off.
 OWN_DIGITS = 1e-9
-FEW_DIGITS = 1e-6  # Fraction of the preload by which the force must exceed it so that its growth is visible.
+FEW_DIGITS = 1e-6  # Fraction of the preload by which the force must exceed it to be distinguished from round-off.
 LEAST_FORCE = 1e-250  # Smallest force [N] with full precision; smaller ones may have lost digits.
 NEARLY_LINEAR = 1e-4  # An exponent that differs from 1 by less than this counts as 1.
 SLOPE_WIDTH = 1e-5  # Fraction of the overlap over which the slope of the force is computed as a difference.

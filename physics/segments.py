@@ -206,7 +206,7 @@ def require_graph(what: str, contact: PiecewiseContact) -> None:
         raise ValueError(f"{what} must have a segment that pushes from overlap 0 on")
     if list(contact.segments) != [*contact.pulling[::-1], *contact.pushing]:
         raise ValueError(f"{what} must have its segments from left to right, those that pull first")
-    # each side is continuous in the overlap, its force does not decrease, and it extends to infinity
+    # each side must be continuous, its force must not decrease, and it must extend to infinity
     for side in (contact.pushing, contact.pulling):
         for inner, outer in pairwise(side):
             if not math.isclose(inner.end, outer.origin, rel_tol=CONTINUOUS):

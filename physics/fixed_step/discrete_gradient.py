@@ -68,8 +68,8 @@ def velocity_after(h, j, beads):
 def is_held(i, motion, work):
     """Return True if contact i ends the step at rest, held between its unloading and its loading force.
 
-    The solver also finds that overlap if a short step changes the overlap only by round-off. Such a contact still
-    moves, so it does not count as held.
+    In a short step the overlap may change only by round-off, and the solver then also returns this overlap. Such a
+    contact still moves, so it does not count as held.
     """
     overlap, hold = motion.overlap[i], work[HOLD, i]
     return work[END, i] == hold and (motion.rate[i] == 0.0 or abs(hold - overlap) > ROUND_OFF_MOVED * abs(overlap))
@@ -311,14 +311,14 @@ def gradient_step(h, chain, motion, beads, work):
         shortest = part <= SMALLEST_PART * h
         used, cut = single_step(part, chain, motion, beads, work, shortest, event or cuts >= MOST_CUTS)
         total += abs(used)
-        # not converged: repeat with half the length, starting from zero forces
+        # The solver did not converge: repeat the step with half its length, starting from zero forces.
         if used < 0 and not shortest:
             part *= 0.5
             for i in range(force.size):
                 force[i] = 0.0
             continue
         failed |= used < 0
-        # event within the step: repeat up to the event, which then ends the step
+        # There is an event within the step: repeat the step up to the event.
         if cut < 1.0:
             part *= cut
             cuts += 1

@@ -57,13 +57,14 @@ DRIFTS_AND_KICKS = {"euler": EULER, "verlet": VERLET, "yoshida4": YOSHIDA4, "con
 # Largest number of steps of a run. A run that needs more has a step that is too small for its motion.
 MOST_FIXED_STEPS = 100_000_000
 
-# Steps times contacts after which a kernel returns so that Python can handle signals: about 0.1 s.
+# Product of steps and contacts after which a kernel returns, about 0.1 s, so that Python can handle signals.
 PAUSE = 2_000_000
 MOST_ROWS, MOST_NUMBERS = 1024, 2**22  # Largest number of checkpoints of a run, and of the numbers in them (32 MB).
-# Steps between two checkpoints at the start. Leaving the step loop after each step would take half the time of a short
-# chain.
+# Number of steps between two checkpoints at the start of a run. Leaving the step loop after each step would take half
+# the time of a short chain.
 FIRST_SPACING = 4
-PLAIN_STEPS = 20_000  # Steps times contacts that plain Python tries in a run without a duration, about one second.
+# Product of steps and contacts that plain Python tries in a run without a duration, about one second.
+PLAIN_STEPS = 20_000
 
 
 @dataclass
@@ -120,8 +121,8 @@ def advance(problem: Problem) -> Status:
 def _pass(problem: Problem, times: Array, log_size: int = FIRST_LOG, plain: bool = True) -> Record:
     """Run the kernel once, and once more with a larger log if the log of switches was too small.
 
-    For a run without a duration, plain Python tries some steps if `plain`; if they do not suffice, machine code starts
-    again.
+    If `plain` is True, a run without a duration is first tried in plain Python. If the tried steps do not suffice,
+    compiled code starts the run again.
     """
     state = problem.state.copy()
     kernel, most = _kernel_and_steps(problem, plain)

@@ -130,7 +130,7 @@ def keep_wall_distance(elapsed, motion, rates, overlaps):
     constant, and the sum of the overlaps changes linearly with time.
     """
     overlap, rate, slowest = motion.overlap, motion.rate, -1
-    # find the slowest open contact, which takes the correction
+    # find the slowest open contact: the correction is applied there
     for i in range(overlap.size):
         if overlap[i] < 0.0 and rate[i] != 0.0 and (slowest < 0 or abs(rate[i]) < abs(rate[slowest])):
             slowest = i
@@ -187,7 +187,7 @@ def look_ahead(time, end, until, steady, h, most_steps, over, free, rests, still
             fly(whole, h, motion)
             counter[STEP] += int(whole)
             return FLOWN, np.int64(whole), h, False
-        # A contact may close and open within one step, so that no flag shows it: go at most one step beyond the
+        # A contact may close and open within one step without a change of its flag, so go at most one step beyond the
         # closing.
         ahead = min(ahead, flight + h)
     # the last step is shorter if the end is not on the grid
@@ -200,7 +200,7 @@ def look_ahead(time, end, until, steady, h, most_steps, over, free, rests, still
 def log_switches(before, time, graph, motion, log):
     """Log every contact that has changed between open and closed since `before`. Return the number of closed contacts.
 
-    A coupler that closes couples. The time of a switch is the zero of the straight line through the new overlap with
+    A coupler couples when it closes. The time of a switch is the zero of the straight line through the new overlap with
     the new rate, which is second order in the step. A contact that closes without overlap touches from the start of the
     step, `before`, on.
     """
@@ -263,11 +263,9 @@ def march(
         rates, overlaps = exact_sum(motion.rate), exact_sum(motion.overlap)
         settle_graph_forces(chain.graph, motion)
         closed, flown, look = log_switches(start, start, chain.graph, motion, log), ZERO, ONE * FIRST_LOOK
-    # without forces over time the external forces never change
     time, knots = start + counter[STEP] * h, chain.knots
-    calm = (
-        -1.0 if knots.time.size else math.inf
-    )  # time until which the forces of the previous step are constant; unknown at first
+    # time until which the forces of the previous step are constant; unknown at first
+    calm = -1.0 if knots.time.size else math.inf
     while True:
         # forces over time: mean over the next step, and how long all forces stay constant
         pushed, steady, waits = chain.push.size > 0, math.inf, False
@@ -312,11 +310,11 @@ def march(
                 continue
             if status != RUNNING:
                 return status, end if status == DONE else time
-            # a sequence ends at the next checkpoint
+            # a sequence of steps ends at the next checkpoint
             if not last:
                 most = min(most, plan[DUE] - counter[STEP])
             rests = bed and not changing and at_rest(motion)
-        # steps of the current sequence until the pause
+        # limit the sequence to the steps that are left before the pause
         whole, left, taken = most, ZERO, ZERO
         if not (sampling or last):
             most = min(most, max(pause.counts[AT] - counter[STEP], ONE))

@@ -68,8 +68,8 @@ NEGLIGIBLE = 1e-16
 NEARLY = 100.0  # Multiple of SOLVED that also counts as converged if the residual has stopped falling.
 # Newton iterations from the forces of the previous step. If they do not converge, the solver restarts from zero force.
 MOST_WARM = 14
-# Newton iterations of a restart; n more are allowed, because each iteration may open or close one contact. The first restart
-# begins without forces, the second one with the largest force on all beads.
+# Newton iterations of a restart; n more are allowed, because each iteration may open or close one contact. The first
+# restart begins without forces, the second one with the largest force on all beads.
 MOST_NEWTON = 40
 # Smallest damping factor of a Newton step. Once it is reached, the solver accepts a larger residual and takes the next
 # full step.
@@ -117,7 +117,7 @@ def begin_solve(h, chain, motion, work):
             work[FORCE_AT_HOLD, i], _ = graph_mean(chain.graph, i, start[i], ahead, True)
             work[UNKNOWN, i] = work[END, i] - start[i] + half * work[DIAGONAL, i] * force[i]
             continue
-        # s is counted from d0 if it has to resolve forces that are tiny compared with the overlap (see above)
+        # count s from d0 if forces may be tiny compared with the overlap (see the module docstring)
         work[OFFSET, i] = start[i] if loss[i] > 0.0 and start[i] > 0.0 else 0.0
         if loses(loss[i], start[i], rate[i]) and work[HOLD, i] > 0.0:
             work[FORCE_AT_HOLD, i], _ = mean_force(
@@ -337,9 +337,9 @@ def newton_shift(h, chain, motion, largest, beads, work):
 def solve_contacts(h, chain, motion, beads, work):
     """Solve one step for all contacts; the forces of `motion` are a guess of g on entry and g on return.
 
-    `motion` holds d0 and w0. ``chain.inverse_mass`` (n+1,) is -L_(i-1,i) by bead, in a straight row its inverse mass.
-    `beads` (BEAD_ROWS, n+1) holds v0 in its first row if there is a bed. `work` (SOLVER_ROWS, n) holds the rows that
-    the step writes; its row END returns d1.
+    `motion` holds d0 and w0. ``chain.inverse_mass`` (n+1,) is -L_(i-1,i) for each bead; in a straight row this is the
+    inverse mass of the bead. `beads` (BEAD_ROWS, n+1) holds v0 in its first row if there is a bed. `work` (SOLVER_ROWS,
+    n) holds the rows that the step writes; its row END returns d1.
 
     Return the number of iterations, negative if they did not converge.
     """

@@ -76,7 +76,7 @@ def log(x):
 @jit
 def log1p(x):
     """Return ln(1 + x) for -0.5 <= x <= 1."""
-    # 1 + x is rounded to u; `lost` is what the rounding has cut off
+    # u is 1 + x rounded, and `lost` is the rounding error
     u = 1.0 + x
     lost = x - (u - 1.0)
     # the rest as in `log`, with `lost` carried along in the lower part

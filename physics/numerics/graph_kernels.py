@@ -166,7 +166,7 @@ def graph_resolvent(graph, i, start, ahead, low_force, high_force, weight, s):
     # on the vertical piece at x = ahead
     if ahead + weight * low_force <= s <= ahead + weight * high_force and high_force > low_force:
         return ahead, (s - ahead) / weight, 1.0 / weight
-    # above that piece the graph for a rising overlap holds, below it the other one
+    # Above this vertical piece the overlap rises during the step, below it the overlap falls.
     up = s > ahead + weight * high_force
     low, high = (ahead, math.inf) if up else (-math.inf, ahead)
     # x = 0 lies within the range of this branch and may be a vertical piece (a step of the force at the start)
@@ -212,7 +212,7 @@ def search_resolvent(graph, i, start, up, low, high, weight, s):
             x = following
             break
         x = following
-    # if the graph is steep, (s - x) / weight has fewer round-off errors than the force itself
+    # If the graph is steep, (s - x) / weight gives the force with less round-off.
     g, slope = graph_mean(graph, i, start, x, up)
     return x, (s - x) / weight if weight * slope > 1.0 else g, resolvent_slope(slope, weight)
 

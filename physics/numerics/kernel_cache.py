@@ -17,7 +17,9 @@ UNUSED = 14 * 86400.0
 
 
 def cache_folder() -> Path:
-    """Return the folder with the compiled kernels of exactly this source. The variable NUMBA_CACHE_DIR moves it.
+    """Return the folder with the compiled kernels of exactly this source.
+
+    The environment variable NUMBA_CACHE_DIR changes its location.
 
     The folder name is a digest of all kernel sources, because numba itself only notices changes in the file that
     contains the kernel, not in the functions that the kernel calls.

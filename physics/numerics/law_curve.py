@@ -29,13 +29,11 @@ ROOT6 = math.sqrt(6.0)
 NODES = np.array([(4.0 - ROOT6) / 10.0, (4.0 + ROOT6) / 10.0, 1.0])
 MOST_CARE = 1e4  # Upper limit of the weight that a soft contact with many oscillations has in the error norm.
 SMALLEST = 1e-290  # Overlap [m] below which a contact counts as having overlap 0; its curve is vertical there.
-# Fraction of the preload. A force that differs less from the preload would show round-off in the difference.
+# Fraction of the preload. If a force differs less from the preload, the difference is mostly round-off.
 LOST = 1e-6
-SHORT_MOVE = (
-    # Fraction of the overlap. For a smaller relative change, four terms of the binomial series give a power to full
-    # precision.
-    5e-4
-)
+# Fraction of the overlap. For a smaller relative change, four terms of the binomial series give a power to full
+# precision.
+SHORT_MOVE = 5e-4
 # Further columns of `law`, after preload, stiffness and exponent, if contacts have several segments.
 LAW_BEFORE, LAW_STOP, LAW_SIDE = 3, 4, 5
 
@@ -92,7 +90,8 @@ def larger(a, b):
 def depth_at(preload, stiffness, exponent, energy):
     """Return an upper bound of the overlap [m] at which a contact stores `energy` [J].
 
-    It is the smaller of the overlaps that the preload or the power law would need for this energy without the other.
+    It is the smaller of two overlaps: one at which only the preload stores this energy, and one at which only the power
+    law does.
     """
     # E >= F d and E >= K d**(1+a) / (1+a) each bound the overlap
     depth = energy / preload if preload > 0.0 else math.inf

@@ -57,19 +57,18 @@ def slides_into(overlap, rate, ahead, brake_ahead, behind, brake_behind, still):
     """Return True if a bead with velocity `ahead` slides into the next bead, which has velocity `behind`.
 
     The gap between both is -`overlap`. If both brake equally, the faster bead approaches until both are at rest.
-    Otherwise the gap may be smallest earlier: when both are equally fast, or when one of them stops. If they are slower
-    than `still` there, they only touch.
+    Otherwise the gap may be smallest earlier: when both are equally fast, or when one of them stops. Beads that are
+    slower than `still` at this time only touch.
     """
     if brake_ahead == brake_behind and rate <= still:
         return False
     # times [s] at which each bead stops
     rest_ahead = abs(ahead) / brake_ahead if brake_ahead > 0.0 else math.inf
     rest_behind = abs(behind) / brake_behind if brake_behind > 0.0 else math.inf
-    if (ahead if brake_ahead == 0.0 else 0.0) - (
-        behind if brake_behind == 0.0 else 0.0
-    ) > still:  # a bead without friction still approaches after the other one has stopped
+    # a bead without friction still approaches after the other one has stopped
+    if (ahead if brake_ahead == 0.0 else 0.0) - (behind if brake_behind == 0.0 else 0.0) > still:
         return True
-    # the gap must close by more than what the round-off `still` of the rates can do
+    # the gap must close by more than the round-off `still` of the rates could cause
     least = 0.0 if rate > still else 0.5 * still * still / (brake_ahead + brake_behind)
     # the extrema of the gap: a bead stops, or both velocities are equal
     turn = math.copysign(brake_ahead, ahead) - math.copysign(brake_behind, behind)

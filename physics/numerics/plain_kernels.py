@@ -60,7 +60,7 @@ def powers(base: ArrayLike, exponent: ArrayLike) -> Array:
     usual &= np.abs(x + more) < elementary.USUAL
     x, more = np.where(usual, x, 0.0), np.where(usual, more, 0.0)
     factor, rest = of_arrays["reduced"](x + more, x, more)
-    # special cases: base 0, and one by one what lies outside of the usual range
+    # special cases: base 0, then each value outside the usual range by itself
     found = np.where(b == 0.0, np.where(a > 0.0, 0.0, np.inf), factor + factor * rest)
     for k in np.argwhere((~usual & (b != 0.0)) | (a == 1.0) | (a == 1.5)).tolist():
         found[tuple(k)] = power(float(b[tuple(k)]), float(a[tuple(k)]))

@@ -142,7 +142,7 @@ def resolvent(graph, i, preload, stiffness, exponent, start, start_power, weight
     # open or touching at the start: it stays open if s < 0
     elif s < 0.0:
         return s, 0.0, 0.0
-    # a touch held by the preload: d1 = 0 and any force up to the preload
+    # a touching contact stays at d1 = 0 while its force is at most the preload
     elif start == 0.0 and s <= weight * preload:
         return 0.0, s / weight, 1.0 / weight
     # At the kink the slope of the closed side is used, so that a single Newton step reaches a whole cluster.

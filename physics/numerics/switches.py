@@ -67,7 +67,7 @@ def row_of(rows, k, motion):
 def take_no_pull(motion):
     """Set the force of each open contact to at most 0, because an open contact does not push.
 
-    Its mean force in the last step may have been larger.
+    The mean force of a contact that opened during the last step can be positive.
     """
     for i in range(motion.force.size):
         if motion.overlap[i] < 0.0:

@@ -20,8 +20,8 @@ Array = NDArray[np.float64]
 NEAR = 0.05
 # Fraction of the overlap. For a shorter step the force between both ends is treated as a straight line.
 SAME = 1e-9
-# Round-off of the difference of two energies, as a fraction of the larger one. The quadrature of the force must agree
-# with the difference to this accuracy, otherwise a breakpoint lies between.
+# Round-off of the difference of two energies, as a fraction of the larger one. If the quadrature of the force differs
+# by more, a breakpoint lies between the ends of the step.
 DOUBT = 8.0 * EPSILON
 
 _points, _weights = np.polynomial.legendre.leggauss(4)

@@ -19,8 +19,7 @@ import math
 from softcradle.physics.numerics.graph_kernels import graph_force, has_segments
 from softcradle.physics.numerics.jit import inlined, jit
 
-# Fraction of the overlap that the preload causes in a step. An overlap this small, of either sign, is the round-off of
-# a touch.
+# Fraction of the overlap that the preload causes in a step. A smaller overlap, of either sign, counts as touching.
 TOUCHES = 1e-14
 
 
@@ -84,7 +83,7 @@ def settle_touching(h, before, weight, coupling, chain, motion, absorbed):
             least = side * graph_force(chain.graph, i, overlap[i], side, side < 0.0)
         if least >= full:
             continue
-        # the mean force has reversed the rate; without this part it balances the load of the other forces
+        # The mean force consists of the load of the other forces and of a part that reverses the rate.
         turned = 2.0 * rate[i] / (h * weight[i])  # force that has reversed the rate
         load = math.copysign(1.0, force[i]) * (force[i] + turned)
         ended = -math.copysign(rate_left(h, abs(rate[i]), load, full, least, weight[i]), force[i])

@@ -1,7 +1,7 @@
 """Compiled force callbacks for pymunk springs, through pymunk's private C interface.
 
-pymunk does not guarantee this interface. So each part that is used is checked once, on a spring made for the test. If a
-check fails, Python callbacks are used instead.
+pymunk does not guarantee this interface. Each part that softcradle uses is checked once, on a spring made for the test.
+If a check fails, Python callbacks are used instead.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ def _check_layout(ffi: Any) -> None:
 
 
 def _check_call(ffi: Any, function: Any) -> None:
-    # a closed and an open contact
+    # test the force of a closed and of an open contact
     spring, law = _probe(0.0), ffi.new(LAW_TYPE, [0.5, 3.0, 1.0, 2.0, math.nan, 1.0, _python_address()])
     ffi.cast("double **", spring._constraint)[LAW_SLOT] = law
     if function(spring._constraint, 1.75) != 1.25 or function(spring._constraint, 2.5) != 0.0:

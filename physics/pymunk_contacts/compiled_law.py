@@ -35,9 +35,9 @@ else:
 def push(spring, distance):
     """Return the force [N] at `distance` [m]; the law is found through the spring.
 
-    The law holds preload, stiffness, exponent, touching distance, overlap, the flag "was closed" and an address. An
-    overlap that is not NaN is used directly. If the address is not 0, the function there handles a contact that has
-    just closed, is deep, or has a NaN overlap.
+    The law holds preload, stiffness, exponent, touching distance, overlap, the flag "was closed" and an address. If the
+    stored overlap is not NaN, it is used instead of the distance. If the address is not 0, the function there handles a
+    contact that has just closed, is deep, or has a NaN overlap.
     """
     # the stiffness slot of the spring holds the address of the law
     law = spring[LAW_SLOT]

@@ -142,8 +142,8 @@ class SoftContact(pymunk.DampedSpring):
     def contact_force(spring: SoftContact, dist: float) -> float:
         """Return the force of the contact at this distance of the anchors, 0 if they are apart; the default force function.
 
-        An exception in it is raised by :py:meth:`pymunk.Space.step` at the end of the step. Without this, pymunk would
-        only print it and continue with a wrong force.
+        An exception in it is raised by :py:meth:`pymunk.Space.step` at the end of the step. Otherwise pymunk would only
+        print the exception and continue with a wrong force.
         """
         # the method `pymunk` supplies the overlap; otherwise it follows from the distance
         overlap = spring._known_overlap

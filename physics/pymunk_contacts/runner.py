@@ -46,7 +46,7 @@ class Row:
     def __init__(self, chain: Chain, state: State, step: float) -> None:
         velocity = state.velocity(chain)
         depth = float(contact_scales(chain, velocity)[0].max())
-        # larger than any expected overlap and any drift in one step
+        # touching distance of the bodies, larger than any expected overlap and any drift in one step
         reach = min(_power_of_two(8.0 * max(depth, step * speed_scale(chain, velocity))), MOST_REACH)
         self.chain = chain
         self.space = pymunk.Space()

@@ -78,34 +78,35 @@ class SoftChainState:
 class SoftChain:
     """Contacts between the neighbours in a row of bodies; other joints, shapes and gravity act as usual.
 
-    Iteration and ``chain[i]`` give its constraints, one between every two neighbours: ``space.add(*bodies, *chain)``. Only
-    constraints that are in the Space push. If one is removed, the row splits into two that move separately; `remove_from`
-    removes all of them, or those of one body. Shapes of neighbours do not collide. In every step of the Space, the first
-    constraint that is evaluated solves all contacts by the method `conserving`. A collision conserves energy and momentum to
-    round-off, with any step. The velocities of single bodies have a second-order error in the step: use `substeps`. If a
-    step is too long for a blow, or if bodies pass through each other, there is one RuntimeWarning.
+    Iteration and ``chain[i]`` give its constraints, one between every two neighbours: ``space.add(*bodies, *chain)``.
+    Only constraints that are in the Space push. If one is removed, the row splits into two that move separately;
+    `remove_from` removes all constraints, or those of one body. Shapes of neighbours do not collide. In every step of the
+    Space, the first constraint that is evaluated solves all contacts by the method `conserving`. A collision conserves
+    energy and momentum to round-off, with any step. The velocities of single bodies have a second-order error in the
+    step: use `substeps`. If a step is too long for a blow, or if bodies pass through each other, there is one
+    RuntimeWarning.
 
-    The positions of pymunk's bodies are half a step behind their velocities. At ``x = X + (step/2) V``, see `positions`,
-    kinetic energy (``m v**2 / 2``; pymunk's own leaves out the half) and `energy` have a constant sum.
+    The positions of pymunk's bodies are half a step behind their velocities. At ``x = X + (step/2) V``, see
+    `positions`, kinetic energy (``m v**2 / 2``; pymunk's own leaves out the half) and `energy` have a constant sum.
 
-    Bodies push through their centres of gravity, along the line between neighbours, which need not be straight. Gravity,
-    forces and strings (pin joints, taut slide joints, without a limit of force) to kinematic and static bodies are known
-    before the contacts are solved. Other joints are expected to act as in the last two steps, so a joint that stops a body
-    within a step dissipates energy. If a body is moved or gets another velocity between steps, the chain continues from
-    there. Copy and pickle of the Space include the chain, and `of` returns it. `state` and `restore` roll back only the
-    chain. A body belongs to one SoftChain.
+    Bodies push through their centres of gravity, along the line between neighbours, which need not be straight.
+    Gravity, forces and strings (pin joints, taut slide joints, without a limit of force) to kinematic and static bodies
+    are known before the contacts are solved. Other joints are expected to act as in the last two steps, so a joint that
+    stops a body within a step dissipates energy. If a body is moved or gets another velocity between steps, the chain
+    continues from there. Copies and pickles of the Space include the chain, and `of` finds it there. `state` and `restore`
+    roll back only the chain. A body belongs to one SoftChain.
 
-    Joints have errors: in 60 s at steps of 1/240 s a pendulum on a PinJoint, released at 0.5 rad, loses 5.5 % of its energy
-    in plain pymunk, and a cradle of five on such joints and a SoftChain 4.1 %.
+    Joints have errors: in 60 s at steps of 1/240 s a pendulum on a PinJoint, released at 0.5 rad, loses 5.5 % of its
+    energy in plain pymunk, and a cradle of five on such joints and a SoftChain 4.1 %.
 
     Parameters
     ----------
     bodies : sequence of pymunk.Body
-        Bodies in the order of the row, n+1 >= 2 of them; of two neighbours one at least must be dynamic.
+        Bodies in the order of the row, n+1 >= 2 of them; at least one of two neighbours must be dynamic.
     contact : Contact or sequence of Contact
-        One for all or n of them.
+        One contact law for all contacts, or n laws.
     touching_distance : float or array_like, shape (n,)
-        Distance > 0 [m] of the centres of two bodies that just touch: one for all or n.
+        Distance > 0 [m] of the centres of two bodies that just touch: one for all contacts, or n.
     method : str, optional
         "conserving", the only one so far.
     touching_distances : float or array_like, optional
@@ -213,7 +214,7 @@ class SoftChain:
     def restore(self, state: SoftChainState) -> None:
         """Restore a `state` of this chain or of its copy. The steps from there are bitwise reproducible.
 
-        Data of pymunk is not restored: the impulses with which its joints and collisions start the next step.
+        The impulses with which pymunk's joints and collisions start the next step are not restored.
         """
         require_kind("state", state, SoftChainState)
         if len(state.bodies) != len(self.bodies):
@@ -343,7 +344,10 @@ class SoftChain:
 
     @property
     def absorbed(self) -> float:
-        """Energy [J] that contacts with loss have dissipated. The sum of it, the kinetic energy and `energy` is constant."""
+        """Energy [J] that contacts with loss have dissipated.
+
+        The sum of this energy, the kinetic energy and `energy` is constant.
+        """
         return float(self._absorbed[0])
 
     @property
@@ -373,7 +377,8 @@ class SoftChain:
 
     def _begin_step(self, link: _Link) -> None:
         n = len(self._links)
-        self._unread = [0.0] * n  # if the solver raises, the other links push with 0 and there is one error
+        # if the solver raises an error, the other links push with force 0, so there is only one error
+        self._unread = [0.0] * n
         space = space_of(link)
         there = space.constraints
         # contacts that were removed from the Space do not push

@@ -50,7 +50,7 @@ def closing_rate(i, direction, velocity):
 
 @jit
 def extent(i, values):
-    """Return the sum of the absolute values in rows i and i+1, which scales the round-off of their difference."""
+    """Return the sum of the absolute values in rows i and i+1, the scale of the round-off of their difference."""
     return abs(values[i, 0]) + abs(values[i, 1]) + abs(values[i + 1, 0]) + abs(values[i + 1, 1])
 
 
@@ -63,7 +63,7 @@ def start_chain_step(h, touching, position, velocity, place, speed, overlap, rat
             place[b, axis] = position[b, axis] - h * velocity[b, axis]
             speed[b, axis] = velocity[b, axis]
     for i in range(overlap.size):
-        # distances that are 0 up to round-off count as touching
+        # overlaps that are 0 up to round-off count as touching
         overlap[i] = overlap_at(i, touching, 0.0, place, speed)
         if abs(overlap[i]) <= DRIFT_TOLERANCE * (touching[i] + extent(i, position)):
             overlap[i] = 0.0
@@ -79,8 +79,8 @@ def begin_chain_step(h, h_before, touching, position, velocity, place, speed, di
     """
     # bodies: find velocities that were changed after the drift
     for b in range(position.shape[0]):
-        # Was the drift done with the present velocity or with the one at the end of the last step? If with the latter,
-        # the velocity was changed after the drift.
+        # Compare the drift with the present velocity and with the velocity at the end of the last step. If only the
+        # latter matches, the velocity was changed after the drift.
         drifted, as_before = True, True
         for axis in range(2):
             slack = DRIFT_TOLERANCE * (abs(position[b, axis]) + abs(h * velocity[b, axis]) + abs(h * speed[b, axis]))
@@ -164,7 +164,7 @@ def solve_chain_step(h, law, graph, loss, absorbed, bodies, lag, outside, overla
         own = diagonal[i] * force[i]
         if held:
             rate[i] = 0.0
-        # very small overlaps: their difference is the more accurate number
+        # for very small overlaps, their difference gives the rate more accurately
         elif max(abs(overlap[i]), abs(end[i])) < h * h * own:
             rate[i] = 2.0 * (end[i] - overlap[i]) / h - rate[i]
         else:
