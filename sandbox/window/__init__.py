@@ -1,1 +1,1 @@
-"""The window: a gallery of scenes, and the pages on which they are played with. The only user of pygame's display."""
+"""The desktop window: a gallery of scenes and the pages that play them. Only this package uses pygame's display."""

@@ -1,4 +1,6 @@
-"""The application: it opens pages, passes events to them and frames to the display, and holds what all pages share."""
+"""The application: it opens pages, passes events to them, draws frames on the display, and holds the state shared by
+all pages.
+"""
 
 from __future__ import annotations
 
@@ -35,24 +37,28 @@ from softcradle.sandbox.window.unsaved_scene import UnsavedFile, left_over
 from softcradle.scenes import SceneError, load, names, parse
 
 STANDARD_INPUT = "-"
-DESIGN = (1280, 720)  # pixels of a window whose unit is 1
-# Design pixels into which every page fits, with all controls and with few: a larger scale is cut to what fits.
+DESIGN = (1280, 720)  # Size in pixels of a window in which one design pixel is one pixel.
+# Size in design pixels into which every page fits, in the Lab and in Explore. A larger scale is reduced until the page
+# fits.
 LEAST, LEAST_EXPLORED = (850, 500), (640, 400)
 FRAMES_A_SECOND = 60
-LONGEST_FRAME = 0.25  # seconds of wall time: a window that was suspended does not catch up
-LONGEST_WAIT = 500  # milliseconds: results of the thread behind the window are taken no later
-SETTLED = 1.5  # seconds after the last event, for tooltips and buttons, until frames end
-SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")  # each is there on some systems only
+# Longest time step of a frame in seconds of wall time. A window that was suspended does not catch up.
+LONGEST_FRAME = 0.25
+# Longest wait for an event in milliseconds. It limits the delay of results from the background thread.
+LONGEST_WAIT = 500
+# Seconds after the last event during which frames are still drawn. Tooltips and buttons change in this time.
+SETTLED = 1.5
+SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")  # Names of the signals that end the program; no system has all of them.
 
 
 class App:
-    """The window and its pages. `run` is the loop; tests and benchmarks call `frame` themselves.
+    """The window and its pages. `run` contains the main loop; tests and benchmarks call `frame` directly.
 
     Arguments:
-        size: of the window [pixels].
+        size: size of the window [pixels].
         start: name of a scene, or path of a scene or session file, to open; None shows the gallery.
-        lab: with all controls, whatever the level was at the end of the last start.
-        clock: wall time [s], by which physics and plots of a frame end when the frame's time is used up.
+        lab: if True, start with all controls (Lab), whichever level the settings file contains.
+        clock: returns the wall time [s]. The computation of a frame ends when the time for the frame is used up.
     """
 
     def __init__(
@@ -105,7 +111,9 @@ class App:
             self.choose(_("An unsaved scene"), _("softcradle closed before your changes were saved."), choices)
 
     def _open_unsaved(self, found: UnsavedFile) -> None:
-        """Open the scene that was not saved when the window crashed or was killed; its file is that of this window now."""
+        """Open the unsaved scene of a window that crashed or was killed. From now on its backup file belongs to this
+        window.
+        """
         page = self._opened(str(found.path))
         if page is not None:
             page.call_unsaved()
@@ -118,14 +126,14 @@ class App:
         return self._gallery() if page is None else page
 
     def _gallery(self) -> GalleryPage:
-        """The gallery, which stays as it was left."""
+        """Return the gallery page. It is made once, so that it keeps its state while other pages are visible."""
         if self.gallery is None:
             self.gallery = GalleryPage(self, self.open)
         return self.gallery
 
     @property
     def _usual_unit(self) -> float:
-        """The unit at a scale of 1."""
+        """Number of pixels per design pixel at a scale of 100 %."""
         return min(max(min(self.size[0] / DESIGN[0], self.size[1] / DESIGN[1]), 0.75), 2.5)
 
     def _unit(self) -> float:
@@ -134,19 +142,19 @@ class App:
 
     @property
     def look(self) -> tuple[object, ...]:
-        """What everything that is drawn depends on."""
+        """The window properties on which all drawn surfaces depend."""
         return self.size, self._unit(), self.explore, self.settings.theme, language()
 
     def _made_of(self) -> object:
         return self.page, self.look, self.page.made_of()
 
     def follow(self) -> None:
-        """Let widgets, and what the page draws, be of the present state."""
+        """Update the widgets and the drawings of the page if the state on which they depend has changed."""
         self.widgets.follow()
         self.page.follow()
 
     def show(self, page: Page) -> None:
-        """Bring `page` on screen."""
+        """Replace the current page by `page`."""
         if page is not self.page:
             self.messages.leave_page()
             self.page.close()
@@ -157,56 +165,59 @@ class App:
         self._page_left = True
 
     def rebuild(self) -> None:
-        """Make all widgets anew."""
+        """Remove all widgets and create them again."""
         self.manager.clear_and_reset()
-        collect_garbage()  # before new widgets are made, or there would be all surfaces twice
+        # Free the old widgets before new ones are made; otherwise all surfaces would exist twice for a moment.
+        collect_garbage()
         self._build()
-        gc.freeze()  # so that Python does not search the widgets in the middle of play
+        gc.freeze()  # Exclude the widgets from later garbage collections, which would interrupt the motion.
 
     def _build(self) -> None:
         if not self._shapes.follow():
             self.manager.set_window_resolution(self.size)
         pygame.display.set_caption(f"{scene_words(self.page.title)} - softcradle" if self.page.title else "softcradle")
         self.page.build()
-        self.manager.ui_group.update(0.0)  # what is disabled looks so, also below a dialog, where widgets are at rest
+        # Give disabled widgets their disabled look even below a dialog, where widgets are not updated.
+        self.manager.ui_group.update(0.0)
         self.focus.hide_tooltips()
         if self.dialog is not None and self.dialog.open:
             self.dialog.build()
         self.widgets.note()
 
     def _begin_shapes(self) -> None:
-        """Take a new manager, which draws the shapes of all widgets again."""
+        """Create a new widget manager, which draws the shapes of all widgets again."""
         clear_cached_surfaces()
         self.unit = self._unit()
         self.manager = theme.manager(self.size, self.unit)
 
     def toggle_theme(self) -> None:
-        """Draw everything in the other theme, now and after the next start."""
+        """Switch to the other theme and store it in the settings."""
         names = list(THEMES)
         self.settings.keep(theme=names[(names.index(self.settings.theme) + 1) % len(names)])
         use_theme(self.settings.theme)
 
     def toggle_level(self) -> None:
-        """Go from few controls to all of them, or back, now and after the next start."""
+        """Switch between Explore (few controls) and Lab (all controls) and store the choice in the settings."""
         self.explore = not self.explore
         self.settings.keep(explore=self.explore)
-        if self.page is self.gallery:  # whose cards look the same at both levels
+        # The cards of the gallery look the same at both levels, so a message has to show the change.
+        if self.page is self.gallery:
             shown = _("Explore: few controls") if self.explore else _("Lab: all controls")
             self.messages.show(shown, subject="level")
 
     def next_language(self) -> None:
-        """Take the next language, now and after the next start."""
+        """Switch to the next language and store it in the settings."""
         codes = list(LANGUAGES)
         self.settings.keep(language=codes[(codes.index(language()) + 1) % len(codes)])
         use_language(self.settings.language)
         self.messages.show(LANGUAGES[language()].name, subject="language")
 
     def show_gallery(self) -> None:
-        """Back to the gallery."""
+        """Return to the gallery."""
         self.show(self._gallery())
 
     def open(self, name_or_path: str) -> None:
-        """Open a scene by name, or a scene or session file; what is wrong with it is shown."""
+        """Open a scene by name, or open a scene or session file. Show a message if it cannot be opened."""
         page = self._opened(name_or_path)
         if page is not None:
             self.settings.remember(name_or_path)
@@ -220,7 +231,7 @@ class App:
             return None
 
     def paste(self) -> None:
-        """Open the scene or the path that is on the clipboard."""
+        """Open the scene or the path on the clipboard."""
         text = pygame.scrap.get_text().strip()
         if text:
             self.open(text)
@@ -228,7 +239,7 @@ class App:
             self.messages.show(_("the clipboard is empty: Ctrl+C copies a scene"), warning=True)
 
     def ask_path(self) -> None:
-        """Ask for the path of a file to open."""
+        """Ask the user for the path of a file to open."""
         note = _("a scene (.toml), a session (.npz), or the name of a scene")
         more: Choices = {_("Choose a file ..."): self._choose_file}
         take, title = self._take_line(self.open), _("Open")
@@ -241,22 +252,22 @@ class App:
         return lambda texts: take(next(iter(texts.values())))
 
     def ask(self, title: str, note: str, text: str, take: Callable[[str], None]) -> None:
-        """Ask for a line of text in a box over the page."""
+        """Ask the user for a line of text, in a dialog over the page."""
         self.put_over(EntryDialog(self, title, note, {title: text}, self._take_line(take)))
 
     def choose(self, title: str, note: str, choices: Choices, neutral: bool = False) -> None:
-        """Ask a question with a button for each of the choices; a `neutral` one marks none, and hides the page."""
+        """Ask a question with one button for each choice. A `neutral` dialog preselects no button and hides the page."""
         self.put_over(Dialog(self, title, note, choices, neutral))
 
     def put_over(self, modal: Overlay) -> None:
-        """Put a dialog or a menu over the page, in place of the present one."""
+        """Show a dialog or a menu over the page. An open dialog or menu is closed first."""
         self.focus.hide_tooltips()
         if self.dialog is not None and self.dialog.open:
             self.dialog.close()
         self.dialog = modal
 
     def ask_before_loss(self, go_on: Callable[[], object]) -> None:
-        """Do `go_on`, which leaves the page; ask first where edits would be lost."""
+        """Call `go_on`, which leaves the page. If the page has unsaved edits, ask the user first."""
         if not self.page.unsaved:
             go_on()
             return
@@ -272,7 +283,9 @@ class App:
         go_on()
 
     def quit(self, killed: bool = False) -> None:
-        """End at the end of this frame; what is unsaved is kept for the next start where the window is `killed`."""
+        """End the main loop after this frame. If the process is being `killed`, keep the backup of an unsaved scene for
+        the next start.
+        """
         self.running, self._quit_by_hand = False, not killed
 
     def toggle_help(self) -> None:
@@ -280,13 +293,13 @@ class App:
         self.help, self.help_scroll = not self.help, 0.0
 
     def toggle_fullscreen(self) -> None:
-        """Switch between the full screen and a window."""
+        """Switch between full screen and a window."""
         if not pygame.display.is_fullscreen():
             self._window_size = self.size
         self.fit(toggle_fullscreen(self._window_size))
 
     def rescale(self, by: int) -> None:
-        """Take the next larger or smaller scale; 0 is the normal one."""
+        """Switch to the next larger (1) or smaller (-1) scale; 0 restores 100 %."""
         place = min(range(len(SCALES)), key=lambda k: abs(SCALES[k] - self.scale))
         self.scale = SCALES[min(max(place + by, 0), len(SCALES) - 1)] if by else 1.0
         self.settings.keep(scale=self.scale)
@@ -298,7 +311,7 @@ class App:
             self.messages.show(_("scale {percent:.0f} %", percent=100 * shown), subject="scale")
 
     def run(self) -> None:
-        """Frames until the user quits; films and sounds are closed whatever ends the loop."""
+        """Draw frames until the user quits. Films and sounds are closed even if the loop ends with an exception."""
         clock = pygame.time.Clock()
         seconds = 1.0 / FRAMES_A_SECOND
         with _ending_at_signals(self):
@@ -314,7 +327,7 @@ class App:
                 self.close()
 
     def close(self) -> None:
-        """Close the page, the thread and the display."""
+        """Close the page, the background thread and the display."""
         self.page.close()
         if self._quit_by_hand:
             self.unsaved_file.forget()
@@ -322,28 +335,30 @@ class App:
             if file is not None:
                 file.release()
         self.warmup.stop()
-        use_language(ENGLISH)  # the window alone has another one
+        use_language(ENGLISH)  # Only the window uses another language; code that runs afterwards expects English.
         gc.unfreeze()
         pygame.display.quit()
 
     @property
     def still(self) -> bool:
-        """Whether no frame need be drawn before the next event."""
+        """True if no frame has to be drawn before the next event."""
         return self.minimised or (not self.page.moving and not self.page.typing and self._quiet > SETTLED)
 
     def pass_time(self, seconds: float) -> None:
-        """Let time pass without a frame: only messages end, and results of the thread come in."""
+        """Advance the time without drawing a frame: messages expire, and results of the background thread are
+        delivered.
+        """
         shown = len(self.messages.visible)
         self.messages.update(seconds)
         if self.warmup.deliver() or len(self.messages.visible) != shown:
             self._quiet = 0.0
 
     def frame(self, seconds: float, events: Iterable[pygame.Event] | None = None) -> None:
-        """One frame: take the events (those of the queue if None), let `seconds` pass, draw, show."""
+        """Compute and show one frame: process the events (those of pygame's queue if None), advance by `seconds`, draw."""
         self._quiet += seconds
         for event in pygame.event.get() if events is None else events:
             self._quiet = 0.0
-            self.follow()  # the event before may be of the same frame
+            self.follow()  # An earlier event of the same frame may have changed the state.
             self.router.take(event)
         if self.minimised:
             return
@@ -354,7 +369,8 @@ class App:
         self.messages.update(seconds)
         if self.dialog is not None and self.dialog.open:
             self.dialog.update(seconds)
-            self.manager.ui_group.update_visibility()  # widgets come and go below it; the pointer is that of the dialog
+            # Show and hide widgets below the dialog, but do not let them react: the pointer belongs to the dialog.
+            self.manager.ui_group.update_visibility()
         else:
             self.manager.update(seconds)
         self.focus.follow()
@@ -363,7 +379,7 @@ class App:
         pygame.display.flip()
         self.page.after_frame(self.surface, seconds)
         self.frames += 1
-        if self._page_left:  # only now does no pressed button refer to the page that was left
+        if self._page_left:  # Only now does no pressed button refer to the previous page any more.
             self._page_left = False
             collect_garbage()
 
@@ -381,18 +397,18 @@ class App:
 
     @property
     def pointer(self) -> tuple[int, int]:
-        """Place of the mouse; on nothing where a dialog lies over the page."""
+        """Position of the mouse, or NOWHERE if a dialog covers the page."""
         covered = self.dialog is not None and self.dialog.open
         return NOWHERE if covered else pygame.mouse.get_pos()
 
     def act(self, action: str | None) -> None:
-        """Do an action of the table of keys, if the page or the window has it."""
+        """Perform an action of the key table, if the page or the window has this action."""
         perform = self.page.actions.get(action or "") or self.actions.get(action or "")
         if perform is not None:
             perform()
 
     def fit(self, surface: pygame.Surface | None) -> None:
-        """Follow a new size of the display."""
+        """Adapt the window to a new size of the display."""
         if surface is None:
             return
         self.surface = not_too_small(surface)
@@ -400,9 +416,9 @@ class App:
 
 
 def page_of(host: App, name_or_path: str, leave: Callable[[], None]) -> Page:
-    """The page for the name of a scene, the path of a scene or session file, or a scene as text.
+    """Return the page for the name of a scene, the path of a scene or session file, or a scene as text.
 
-    SceneError, UserError, ValueError or OSError with a sentence where there is none.
+    Raise SceneError, UserError, ValueError or OSError if no page can be made; the message is one sentence for the user.
     """
     if name_or_path == HANGING_NAME:
         return HangingPage(host, leave)
@@ -425,14 +441,14 @@ def page_of(host: App, name_or_path: str, leave: Callable[[], None]) -> Page:
 
 
 def _wait() -> list[pygame.Event]:
-    """The events that come within LONGEST_WAIT."""
+    """Return the events that arrive within LONGEST_WAIT, or an empty list."""
     first = pygame.event.wait(LONGEST_WAIT)
     return [] if first.type == pygame.NOEVENT else [first, *pygame.event.get()]
 
 
 @contextmanager
 def _ending_at_signals(app: App) -> Iterator[None]:
-    """At a signal that asks the process to end, end the loop: an open film is then written."""
+    """End the main loop at a signal that asks the process to stop, so that a film in progress is still written."""
 
     def end(number: int, frame: FrameType | None) -> None:
         app.quit(killed=True)

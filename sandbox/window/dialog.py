@@ -1,4 +1,4 @@
-"""What lies over a page: menus, questions with buttons, a line to type."""
+"""Overlays over a page: menus, questions with buttons, and dialogs with text fields."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ KEY_EVENTS = (pygame.KEYDOWN, pygame.KEYUP, pygame.TEXTINPUT)
 
 
 class Overlay:
-    """A box with widgets; it takes every key and click while it is open.
+    """A box with widgets. While it is open, it receives every key and click.
 
     Attributes:
-        open: whether it is on screen.
-        manager: of its widgets.
-        box: its rectangle.
-        focus: number of the choice that Enter takes; -1: none.
-        choice_count: how many there are.
-        steps: by how many choices a key moves the focus.
+        open: True while the overlay is visible.
+        manager: manager of the overlay's widgets.
+        box: rectangle of the overlay.
+        focus: index of the choice that Enter selects; -1 if none is preselected.
+        choice_count: number of choices.
+        steps: for each key that moves the focus, the number of choices by which it moves.
     """
 
     focus, choice_count = 0, 0
@@ -48,19 +48,19 @@ class Overlay:
         self.build()
 
     def build(self) -> None:
-        """Make the widgets; again when the window has changed."""
+        """Create the widgets. This is called again if the window has changed."""
         self.manager = theme.manager(self.host.size, self.host.unit)
         self.make_widgets()
 
     def make_widgets(self) -> None:
-        """Take a place and make the widgets on it."""
+        """Set the position of the box and create its widgets."""
         raise NotImplementedError
 
     def take_choice(self) -> None:
-        """Take the choice that has the focus."""
+        """Perform the choice that has the focus."""
 
     def key(self, event: pygame.Event) -> None:
-        """Arrows and Tab move, Enter takes, Esc closes."""
+        """Handle a pressed key: arrows and Tab move the focus, Enter selects, Esc closes."""
         step = self.steps.get(event.key)
         if event.key == pygame.K_ESCAPE:
             self.close()
@@ -70,7 +70,7 @@ class Overlay:
             self.focus = ((max(self.focus, 0) if step < 0 else self.focus) + step) % self.choice_count
 
     def handle(self, event: pygame.Event) -> bool:
-        """Take every key and click: the page below gets none."""
+        """Handle every key and click, so that the page below receives none. Return True if the event was used."""
         if event.type == pygame.KEYDOWN:
             self.key(event)
         elif event.type in (*KEY_EVENTS, *POINTER_EVENTS):
@@ -78,28 +78,30 @@ class Overlay:
         return event.type in (*KEY_EVENTS, *POINTER_EVENTS)
 
     def update(self, seconds: float) -> None:
-        """Let time pass."""
+        """Advance the widgets by `seconds`."""
         self.manager.update(seconds)
 
     def close(self) -> None:
-        """Remove it."""
+        """Close the overlay."""
         self.open = False
-        set_default_manager(self.host.manager)  # pygame_gui would hold the other one
+        # Otherwise pygame_gui would keep the manager of the overlay as its default.
+        set_default_manager(self.host.manager)
 
     def paint(self, surface: pygame.Surface) -> None:
-        """Draw it over the page."""
+        """Draw the overlay over the page."""
         self.manager.draw_ui(surface)
 
 
-LEAST_WIDTH = 200.0  # design pixels of a column
-MENU_ROW = 30.0  # design pixels
+LEAST_WIDTH = 200.0  # Smallest width of a menu column in design pixels.
+MENU_ROW = 30.0  # Height of a menu entry in design pixels.
 
 
 class Menu(Overlay):
-    """The actions `names` of the page or the window, those `ticked` with a mark. A click elsewhere and Esc close it.
+    """A menu of actions, given by their `names`; the `ticked` ones have a check mark. A click outside or Esc closes the
+    menu.
 
     Attributes:
-        buttons: the rows.
+        buttons: the buttons of the entries, from top to bottom.
     """
 
     steps: ClassVar[Mapping[int, int]] = {pygame.K_DOWN: 1, pygame.K_TAB: 1, pygame.K_UP: -1}
@@ -110,7 +112,7 @@ class Menu(Overlay):
         super().__init__(host)
 
     def make_widgets(self) -> None:
-        """Take a place below the button and make the rows."""
+        """Place the menu below its button and create the entries."""
         unit, row, margin = self.host.unit, round(MENU_ROW * self.host.unit), round(6 * self.host.unit)
         columns = max(1, -(-row * len(self.names) // (self.host.size[1] - self.corner[1] - 2 * margin)))
         rows, texts = -(-len(self.names) // columns), [_(binding_of(name).text) for name in self.names]
@@ -132,22 +134,22 @@ class Menu(Overlay):
         ]
 
     def choose(self, name: str) -> None:
-        """Close the menu and do the action."""
+        """Close the menu and perform the action `name`."""
         self.close()
         self.host.act(name)
 
     def handle(self, event: pygame.Event) -> bool:
-        """A press elsewhere closes the menu."""
+        """Close the menu if the mouse is pressed outside; otherwise handle the event like every overlay."""
         if event.type == pygame.MOUSEBUTTONDOWN and not self.box.collidepoint(event.pos):
             self.close()
         return super().handle(event)
 
     def take_choice(self) -> None:
-        """Do the action of the row."""
+        """Perform the action of the entry that has the focus."""
         self.choose(self.names[self.focus])
 
     def paint(self, surface: pygame.Surface) -> None:
-        """Draw the box, the rows, and the ring of the row that Enter takes."""
+        """Draw the box, the entries, and the ring around the entry that Enter selects."""
         pygame.draw.rect(surface, tones.background, self.box, border_radius=6)
         pygame.draw.rect(surface, tones.faint, self.box, max(1, round(1.5 * self.host.unit)), border_radius=6)
         super().paint(surface)
@@ -159,29 +161,31 @@ class Menu(Overlay):
         pygame.draw.rect(surface, tones.foreground, self.buttons[self.focus].rect, 2, border_radius=4)
 
 
-WIDTH = 560.0  # design pixels
-MARGIN = 24.0  # design pixels inside the box
-LINE = 22.0  # design pixels of a line of the note
-ROW = 36.0  # design pixels of a button or of a line to type
-RECENT = 26.0  # design pixels of a recent file
-LONG = 64.0  # design pixels of lines to type
-SHADE_OPACITY = 110  # of 255, over the page
+WIDTH = 560.0  # Width of a dialog in design pixels.
+MARGIN = 24.0  # Margin inside the dialog box in design pixels.
+LINE = 22.0  # Height of a line of the note in design pixels.
+ROW = 36.0  # Height of a row with a button or a text field, in design pixels.
+RECENT = 26.0  # Height of a recent path in design pixels.
+LONG = 64.0  # Height of a text field with several lines, in design pixels.
+SHADE_OPACITY = 110  # Opacity of the shade over the page, from 0 to 255.
 STEPS = {pygame.K_TAB: 1, pygame.K_LEFT: 1, pygame.K_DOWN: 1, pygame.K_RIGHT: -1, pygame.K_UP: -1}
 Choices = Mapping[str, Callable[[], object]]
 
 
 class Dialog(Overlay):
-    """A question. Each choice closes the box and is then called; Enter takes the first, Esc calls none.
+    """A question with buttons. Each button closes the dialog and calls its function. Enter presses the first button;
+    Esc only closes.
 
     Arguments:
-        neutral: no choice is marked, none is taken by Enter before the arrows have gone to one, and nothing is seen behind it.
+        neutral: preselect no button, so that Enter has no effect before an arrow key was pressed, and hide the page
+            behind.
 
     Attributes:
-        buttons: by text.
+        buttons: the buttons, by their text.
     """
 
     steps: ClassVar[Mapping[int, int]] = STEPS
-    body = 0.0  # design pixels between the note and the buttons
+    body = 0.0  # Height in design pixels that a subclass needs between the note and the buttons.
 
     def __init__(self, host: Host, title: str, note: str, choices: Choices, neutral: bool = False) -> None:
         self.title, self.note, self.choices, self.neutral = title, note, choices, neutral
@@ -193,7 +197,9 @@ class Dialog(Overlay):
         return paragraphs(self.note, 16 * self.host.unit, (WIDTH - 2 * MARGIN) * self.host.unit)
 
     def make_widgets(self) -> None:
-        """Take a place in the middle of the page and make the buttons: side by side, the first on the right, or in a column."""
+        """Place the dialog in the middle of the page. The buttons form a row, the first one on the right, or a column
+        if they are wide.
+        """
         unit, (page_width, height) = self.host.unit, self.host.size
         widths = [max(90.0 * unit, width(text, 13 * unit) + 26 * unit) for text in self.choices]
         stacked = self.neutral or sum(widths) + 8 * unit * len(widths) > (WIDTH - 2 * MARGIN) * unit
@@ -202,7 +208,8 @@ class Dialog(Overlay):
         self.box.center = (page_width // 2, round(0.4 * height))
         self.box.clamp_ip(pygame.Rect((0, 0), self.host.size))
         self.inner = self.box.inflate(-2 * round(MARGIN * unit), -2 * round(MARGIN * unit))
-        self.head = self.inner.top + round((36.0 + LINE * len(self._lines())) * unit)  # where the body begins
+        # Top edge of the area between the note and the buttons.
+        self.head = self.inner.top + round((36.0 + LINE * len(self._lines())) * unit)
         right, y = self.inner.right, self.inner.bottom - round(ROW * unit) * (len(widths) if stacked else 1)
         for k, (text, command) in enumerate(self.choices.items()):
             wide = self.inner.width if stacked else round(widths[k])
@@ -214,16 +221,16 @@ class Dialog(Overlay):
             right, y = (right, y + round(ROW * unit)) if stacked else (place.left - round(8 * unit), y)
 
     def choose(self, command: Callable[[], object]) -> None:
-        """Close the box and do what was chosen."""
+        """Close the dialog and call the chosen function."""
         self.close()
         command()
 
     def take_choice(self) -> None:
-        """Press the button."""
+        """Press the button that has the focus."""
         self.choose(list(self.choices.values())[self.focus])
 
     def paint(self, surface: pygame.Surface) -> None:
-        """Draw the shade, the box, its widgets, and the ring of the button that Enter presses."""
+        """Draw the shade, the box, its widgets, and the ring around the button that Enter presses."""
         unit = self.host.unit
         paint_box(surface, self.box, unit, hiding=self.neutral)
         x, y = self.inner.topleft
@@ -234,14 +241,14 @@ class Dialog(Overlay):
         self.paint_ring(surface)
 
     def paint_ring(self, surface: pygame.Surface) -> None:
-        """Draw the ring of the button that Enter presses."""
+        """Draw the ring around the button that Enter presses."""
         if self.focus >= 0:
             button = list(self.buttons.values())[self.focus]
             pygame.draw.rect(surface, tones.foreground, button.rect.inflate(6, 6), 2, border_radius=6)
 
 
 def paint_box(surface: pygame.Surface, box: pygame.Rect, unit: float, hiding: bool = False) -> None:
-    """Dim the page, or hide it, and draw a box over it."""
+    """Dim the page (or hide it, if `hiding`) and draw an empty box over it."""
     shade = pygame.Surface(surface.get_size())
     shade.fill(tones.background if hiding else tones.shadow)
     shade.set_alpha(255 if hiding else SHADE_OPACITY)
@@ -251,12 +258,12 @@ def paint_box(surface: pygame.Surface, box: pygame.Rect, unit: float, hiding: bo
 
 
 class EntryDialog(Dialog):
-    """A box with lines to type in; `take` is called with what is in each, by name.
+    """A dialog with text fields. OK calls `take` with the text of each field, by name.
 
     Arguments:
-        fields: what each line begins with, by name; the name of a single one is not shown.
-        recent: paths to choose from, below the lines.
-        more: other choices.
+        fields: initial text of each field, by name. The name of a single field is not shown.
+        recent: paths of recent files, offered below the fields.
+        more: further buttons.
         long: name of the field that has several lines.
     """
 
@@ -280,11 +287,11 @@ class EntryDialog(Dialog):
 
     @property
     def entry(self) -> TextEntry | TextBox:
-        """The line that is typed in."""
+        """The text field that has the focus."""
         return next((one for one in self.entries.values() if one.is_focused), next(iter(self.entries.values())))
 
     def make_widgets(self) -> None:
-        """The buttons, and the lines above them."""
+        """Create the buttons and the text fields above them."""
         super().make_widgets()
         unit, typed = self.host.unit, next((k for k, one in enumerate(self.entries.values()) if one.is_focused), 0)
         names = [width(name, 13 * unit) for name in self.texts]
@@ -311,7 +318,7 @@ class EntryDialog(Dialog):
         self._go_to(typed)
 
     def _go_to(self, k: int) -> None:
-        """Type into line `k`."""
+        """Give the focus to text field `k`."""
         for one in self.entries.values():
             one.unfocus()
         entry = list(self.entries.values())[k % len(self.entries)]
@@ -319,13 +326,15 @@ class EntryDialog(Dialog):
         self.manager.set_focus_set({entry})
 
     def handle(self, event: pygame.Event) -> bool:
-        """Take every key and click."""
+        """Handle every key and click, and keep the typed texts so that rebuilt fields show them again."""
         taken = super().handle(event)
         self.texts = {name: str(entry.get_text()) for name, entry in self.entries.items()}
         return taken
 
     def key(self, event: pygame.Event) -> None:
-        """Type; Enter ends; Tab goes to the next line; arrows up and down put recent files into the line; Esc closes."""
+        """Handle a pressed key. Enter presses OK, Tab goes to the next field, Up and Down insert a recent path, Esc
+        closes.
+        """
         entries = list(self.entries.values())
         if event.key == pygame.K_ESCAPE:
             self.close()
@@ -346,19 +355,21 @@ class EntryDialog(Dialog):
             self.take(found)
 
     def paint(self, surface: pygame.Surface) -> None:
-        """Draw the names of the lines as well."""
+        """Draw the dialog and the names of the fields."""
         super().paint(surface)
         for name, entry in self.entries.items() if self.indent else ():
             place = (self.inner.left, entry.rect.centery)
             write(surface, name, place, 13 * self.host.unit, tones.foreground, align=(0, 0.5))
 
     def paint_ring(self, surface: pygame.Surface) -> None:
-        """The line to type has the focus."""
+        """Draw no ring: the text field has the focus."""
 
 
 @contextmanager
 def _plain_locale() -> Iterator[None]:
-    """The locale C for a while: pygame_gui takes that of the environment, which need not be installed, and leaves it set."""
+    """Use the locale C inside a `with` block. pygame_gui would set the locale of the environment, which may not be
+    installed.
+    """
     used, wished = locale.setlocale(locale.LC_ALL), os.environ.get("LC_ALL")
     os.environ["LC_ALL"] = "C"
     try:
@@ -372,14 +383,14 @@ def _plain_locale() -> Iterator[None]:
 
 
 class FileChooser(Overlay):
-    """The chooser of files of pygame_gui; `take` is called with the path."""
+    """The file dialog of pygame_gui; `take` is called with the chosen path."""
 
     def __init__(self, host: Host, title: str, endings: set[str], take: Callable[[str], None]) -> None:
         self.title, self.endings, self.take = title, endings, take
         super().__init__(host)
 
     def make_widgets(self) -> None:
-        """Take the middle of the page."""
+        """Create the file dialog in the middle of the page."""
         wide, high = self.host.size
         self.box = pygame.Rect(
             0, 0, min(wide - 20, round(640 * self.host.unit)), min(high - 20, round(480 * self.host.unit))
@@ -392,14 +403,14 @@ class FileChooser(Overlay):
             )
 
     def key(self, event: pygame.Event) -> None:
-        """Type a name; Esc closes."""
+        """Handle a pressed key: letters type a file name, Esc closes."""
         if event.key == pygame.K_ESCAPE:
             self.close()
         else:
             self.manager.process_events(event)
 
     def handle(self, event: pygame.Event) -> bool:
-        """Take every key and click, and the end of choosing."""
+        """Handle every key and click, and the events with which the file dialog ends."""
         if event.type == pygame_gui.UI_FILE_DIALOG_PATH_PICKED and event.ui_element is self.window:
             self.close()
             self.take(str(event.text))
@@ -412,11 +423,11 @@ class FileChooser(Overlay):
         return super().handle(event)
 
     def paint(self, surface: pygame.Surface) -> None:
-        """Draw it over the dimmed page."""
+        """Draw the file dialog over the dimmed page."""
         paint_box(surface, self.box, self.host.unit)
         super().paint(surface)
 
 
 def shortened_path(path: str, size: float, room: float) -> str:
-    """`path` without its first letters where it is wider than `room` pixels: its end tells files apart."""
+    """Return `path`, cut at its start if it is wider than `room` pixels. The end of a path distinguishes files."""
     return path if width(path, size) <= room else shortened(path[::-1], size, room)[::-1]

@@ -1,4 +1,4 @@
-"""The display: a window with a title and an icon."""
+"""The display: open a window with title and icon, switch to full screen, and keep the window usable in size."""
 
 from __future__ import annotations
 
@@ -12,18 +12,21 @@ from softcradle.sandbox.files import resource
 from softcradle.sandbox.user_error import UserError
 from softcradle.sandbox.window.widgets import REPEAT
 
-CHOSEN = ("SDL_VIDEODRIVER", "SDL_VIDEO_DRIVER")  # variables that choose a driver on purpose
+# Environment variables with which the user chooses a video driver explicitly.
+CHOSEN = ("SDL_VIDEODRIVER", "SDL_VIDEO_DRIVER")
 DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY")
-UNSEEN = ("offscreen", "dummy")  # drivers whose windows nobody sees
+UNSEEN = ("offscreen", "dummy")  # Video drivers whose windows are invisible.
 
-SMALLEST = (640, 400)  # pixels of a window
-# Room for the title bar of the window and the task bar of the desktop: SDL reports the whole desktop. Pixels, and a share of the
-# height of the desktop, whichever is more: bars of large screens are higher.
+SMALLEST = (640, 400)  # Smallest size of the window in pixels.
+# Height reserved for the title bar and the task bar, because SDL reports the size of the whole desktop. It is the
+# larger of a number of pixels and a fraction of the height of the desktop: bars of large screens are higher.
 BARS, BARS_SHARE = 72, 0.08
 
 
 def require_display() -> None:
-    """Raise UserError where a window would open that nobody could see, which would look as if the program hung."""
+    """Raise UserError if there is no visible display. Otherwise the program would seem to hang, with an invisible
+    window.
+    """
     if any(map(os.environ.get, CHOSEN)):
         return
     unset = sys.platform.startswith("linux") and not any(map(os.environ.get, DISPLAYS))
@@ -36,16 +39,18 @@ def require_display() -> None:
 
 
 def usable_size(size: tuple[int, int], desktop: tuple[int, int]) -> tuple[int, int]:
-    """Return the `size` of a window, reduced to what a `desktop` of that size shows of it with title bar and task bar."""
+    """Return the window size, reduced so that the window, its title bar and the task bar fit on a `desktop` of the
+    given size.
+    """
     width, height = desktop
     bars = max(BARS, round(BARS_SHARE * height))
     return max(SMALLEST[0], min(size[0], width)), max(SMALLEST[1], min(size[1], height - bars))
 
 
 def open_display(size: tuple[int, int]) -> pygame.Surface:
-    """Open a resizable window of `size`, or as large as the desktop allows.
+    """Open a resizable window of `size`, or smaller if the desktop is smaller.
 
-    Only the display and the fonts of pygame are initialised, which is quick.
+    Only the display and the fonts of pygame are initialised, because initialising all of pygame is slow.
     """
     os.environ.setdefault("SDL_VIDEO_CENTERED", "1")
     os.environ.setdefault("SDL_MOUSE_FOCUS_CLICKTHROUGH", "1")
@@ -58,20 +63,20 @@ def open_display(size: tuple[int, int]) -> pygame.Surface:
     surface = pygame.display.set_mode(size, pygame.RESIZABLE)
     pygame.key.set_repeat(*REPEAT)
     with warnings.catch_warnings(), contextlib.suppress(AttributeError, pygame.error):
-        warnings.simplefilter("ignore", DeprecationWarning)  # pygame has no other way yet
+        warnings.simplefilter("ignore", DeprecationWarning)  # pygame offers no other way to set the minimum size yet.
         pygame.Window.from_display_module().minimum_size = SMALLEST
     return surface
 
 
 def toggle_fullscreen(size: tuple[int, int]) -> pygame.Surface:
-    """Fill the screen, or go back to a window of `size`; returns the surface to draw on."""
+    """Switch to full screen, or back to a window of `size`. Return the surface to draw on."""
     if pygame.display.is_fullscreen():
         return pygame.display.set_mode(size, pygame.RESIZABLE)
     return pygame.display.set_mode((0, 0), pygame.FULLSCREEN)
 
 
 def not_too_small(surface: pygame.Surface) -> pygame.Surface:
-    """The surface of a window, made larger where it is smaller than SMALLEST."""
+    """Return the surface of the window, after enlarging the window if it is smaller than SMALLEST."""
     (width, height), (wide, high) = surface.get_size(), SMALLEST
     if width >= wide and height >= high:
         return surface

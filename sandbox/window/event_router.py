@@ -1,4 +1,6 @@
-"""The routing of events: to the window, the help, the messages, the dialog, the widgets in focus or the page, in this order."""
+"""Event routing: each event goes to the window, the help, the messages, the dialog, the widgets or the page, in this
+order.
+"""
 
 from __future__ import annotations
 
@@ -14,27 +16,30 @@ from softcradle.sandbox.window.keys import REPEATED, action_of
 from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.widgets import KEYS, PRESS, Slider
 
-SCROLL = 60.0  # design pixels of the help for a notch of the wheel or an arrow
+SCROLL = 60.0  # Distance in design pixels by which the help scrolls per notch of the wheel or per arrow key.
 SCROLLING = {
     pygame.K_DOWN: SCROLL,
     pygame.K_UP: -SCROLL,
     pygame.K_PAGEDOWN: 6.0 * SCROLL,
     pygame.K_PAGEUP: -6.0 * SCROLL,
 }
-NEAR = 3.0  # pixels: a control that is made anew has its middle so near to the old one
-NOWHERE = (-1, -1)  # a place on no widget
+# Tolerance in pixels within which the centre of a rebuilt control must coincide with that of the old control.
+NEAR = 3.0
+NOWHERE = (-1, -1)  # A position that lies on no widget.
 
 
 class KeyboardFocus:
-    """Which control keys go to; widgets that are made anew at the same place keep it."""
+    """The control that receives keys. The focus is stored as a position, so a control rebuilt at the same position
+    keeps it.
+    """
 
     def __init__(self, host: Host) -> None:
         self.host = host
-        self.place: tuple[int, int] | None = None  # the middle of the control
-        self.pressed = NOWHERE  # where the mouse was pressed, and has been since
+        self.place: tuple[int, int] | None = None  # Centre of the control that was reached with Tab.
+        self.pressed = NOWHERE  # Position at which the mouse was pressed; NOWHERE after the mouse has moved.
 
     def controls(self) -> list[UIElement]:
-        """Every control that can be used, from top to bottom and left to right."""
+        """Return the enabled and visible controls, from top to bottom and from left to right."""
         kinds = (UIButton, Slider, UIDropDownMenu, UITextEntryLine)
         root: Any = self.host.manager.get_root_container()
         usable = [one for one in root.elements if isinstance(one, kinds) and one.visible and one.is_enabled]
@@ -43,7 +48,7 @@ class KeyboardFocus:
 
     @property
     def control(self) -> UIElement | None:
-        """The control that has the focus: a line in which is being typed, wherever Tab has been."""
+        """The control that has the focus. A text field in use has priority over the control reached with Tab."""
         if self.typed is not None:
             return self.typed
         if self.place is None:
@@ -52,18 +57,18 @@ class KeyboardFocus:
 
     @property
     def typed(self) -> UIElement | None:
-        """The line in which is being typed."""
+        """The text field in use, or None."""
         focused = self.host.manager.get_focus_set() or ()
         return next((one for one in focused if isinstance(one, UITextEntryLine)), None)
 
     def follow(self) -> None:
-        """Leave the control that Tab has reached where something else is being typed in."""
+        """Drop the focus set with Tab if the user now types into another text field."""
         typed = self.typed
         if typed is not None and self.place is not None and math.dist(typed.rect.center, self.place) >= NEAR:
             self.place = None
 
     def move(self, by: int) -> None:
-        """Go to the next control (1) or the one before (-1)."""
+        """Move the focus to the next (1) or previous (-1) control."""
         controls, present = self.controls(), self.control
         if not controls:
             return
@@ -73,7 +78,7 @@ class KeyboardFocus:
         self.host.manager.set_focus_set({chosen} if isinstance(chosen, UITextEntryLine) else None)
 
     def handle(self, event: pygame.Event) -> bool:
-        """Give a key to the control; whether it took it."""
+        """Pass a pressed key to the control that has the focus. Return True if the control used it."""
         control = self.control
         if event.type == pygame.MOUSEBUTTONDOWN:
             self.place = None
@@ -92,7 +97,7 @@ class KeyboardFocus:
         return True
 
     def hide_tooltips(self) -> None:
-        """Take away what controls say of themselves; the one that was pressed will say nothing: that is known."""
+        """Remove all tooltips. A control that was just pressed shows no tooltip again while the mouse stays on it."""
         for one in self.controls():
             if one.rect.collidepoint(self.pressed):
                 one.tool_tip_delay = math.inf
@@ -101,7 +106,7 @@ class KeyboardFocus:
                 one.tool_tip = None
 
     def close_list(self) -> bool:
-        """Close the list of a menu; whether one was open."""
+        """Close the open list of a drop-down menu. Return True if a list was open."""
         menus = [one for one in self.controls() if isinstance(one, UIDropDownMenu)]
         for menu in menus:
             if menu.current_state is menu.menu_states["expanded"]:
@@ -110,7 +115,7 @@ class KeyboardFocus:
         return False
 
     def _choose(self, menu: UIDropDownMenu, by: int) -> None:
-        """Choose the next entry of a menu."""
+        """Choose the next or previous entry of a drop-down menu."""
         names = [option[0] if isinstance(option, tuple) else option for option in menu.options_list]
         chosen = names[(names.index(menu.selected_option[0]) + by) % len(names)]
         event = {"text": chosen, "ui_element": menu, "ui_object_id": menu.most_specific_combined_id}
@@ -118,7 +123,7 @@ class KeyboardFocus:
         pygame.event.post(pygame.Event(pygame_gui.UI_DROP_DOWN_MENU_CHANGED, event))
 
     def paint(self, surface: pygame.Surface) -> None:
-        """Draw a ring about the control."""
+        """Draw a ring around the control that has the focus."""
         control = self.control
         if control is not None:
             pygame.draw.rect(surface, tones.foreground, control.rect.inflate(6, 6), 2, border_radius=6)
@@ -129,17 +134,18 @@ FOCUS = frozenset((pygame.WINDOWFOCUSGAINED, pygame.WINDOWFOCUSLOST))
 
 
 class EventRouter:
-    """Passes the events of a window on."""
+    """Passes the events of a window to the part that handles them."""
 
     def __init__(self, app: Host) -> None:
         self.app = app
-        self._held: set[int] = set()  # keys that are down, as far as events tell
-        self._repeated = False  # whether the key of the present event was down already
-        self._pressed = False  # whether the left button is down, as far as events tell
-        self._keyboard: tuple[object, ...] | None = None  # what had the keyboard when the key that is down went down
+        self._held: set[int] = set()  # Keys that are down according to the events received.
+        self._repeated = False  # True if the present event repeats a key that was already down.
+        self._pressed = False  # True if the left button is down according to the events received.
+        # Receiver of typed text at the moment when the current key was pressed.
+        self._keyboard: tuple[object, ...] | None = None
 
     def take(self, event: pygame.Event) -> None:
-        """Pass one event on: to the window, the help, the messages, or the page."""
+        """Pass one event to the window, the help, the messages, or the page."""
         if event.type in AWAY or (event.type == pygame.MOUSEMOTION and self._pressed and not any(event.buttons)):
             self._let_go()
         if event.type in FOCUS:
@@ -170,7 +176,7 @@ class EventRouter:
             self._held.discard(event.key)
             self._keyboard = None
         elif event.type == pygame.TEXTINPUT and self._keyboard not in (None, self._typed_into):
-            return  # its key has opened what would take it
+            return  # The key of this text has just opened the dialog or text field that would receive it.
         if event.type == pygame.MOUSEBUTTONDOWN:
             self.app.focus.handle(event)
             self.app.focus.pressed = event.pos
@@ -188,17 +194,17 @@ class EventRouter:
 
     @property
     def _typed_into(self) -> tuple[object, ...]:
-        """What keys go to: a dialog or menu, a line of the page, or the page."""
+        """The receiver of typed text: an open dialog or menu, and the text field in use."""
         dialog = self.app.dialog
         return (dialog if dialog is not None and dialog.open else None), self.app.focus.typed
 
     def _let_go(self) -> None:
-        """Let go of what is dragged: the button may be let go where no event tells."""
+        """Release a dragged object. The mouse button may be released outside the window, without an event."""
         if self._pressed:
             self._take_input(pygame.Event(pygame.MOUSEBUTTONUP, pos=NOWHERE, button=1))
 
     def _take_in_help(self, event: pygame.Event) -> None:
-        if event.type == pygame.MOUSEBUTTONDOWN and event.button <= 3:  # the wheel turns by 4 and 5
+        if event.type == pygame.MOUSEBUTTONDOWN and event.button <= 3:  # Buttons 4 and 5 are the mouse wheel.
             self.app.help = False
         elif event.type == pygame.MOUSEWHEEL:
             self.app.help_scroll -= SCROLL * event.y * self.app.unit

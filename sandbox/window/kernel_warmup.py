@@ -1,4 +1,4 @@
-"""The warm-up of kernels behind the window: on one thread they are loaded or compiled, then small jobs are done."""
+"""Background thread of the window: it loads or compiles the kernels first, and then runs short jobs."""
 
 from __future__ import annotations
 
@@ -18,22 +18,25 @@ if TYPE_CHECKING:
     from softcradle.sandbox.session.live_lane import LiveLane
 
 COMPILED_AT_ONCE = 2
-LOOKING = 0.1  # seconds between two looks whether machine code has been made
-# seconds for which a thread of Python keeps another waiting; drawing lets Python go some ten times a frame
+LOOKING = 0.1  # Interval in seconds between two checks for finished machine code.
+# Switch interval of the interpreter in seconds: a thread holds the interpreter at most this long while another waits.
+# Drawing a frame releases the interpreter about ten times, so long waits would add up.
 INTERVAL = 2e-4
-PLAIN_FRAME = 100  # steps times contacts of a frame that plain Python computes in some three milliseconds
+PLAIN_FRAME = 100  # Number of steps times contacts per frame that plain Python computes in about 3 ms.
 
 
 class KernelWarmup:
-    """A daemon thread that loads the physics and then does jobs; results are fetched, never pushed.
+    """A daemon thread that loads the kernels and then runs jobs. The window fetches the results; the thread never
+    pushes them.
 
     Attributes:
-        complete: set when every method is loaded.
-        problem: why a method cannot be loaded, or None.
+        complete: event that is set when every method is loaded.
+        problem: reason why a method cannot be loaded, or None.
     """
 
-    _begun: ClassVar[set[KernelWarmup]] = set()  # and not ended: they share the interval of Python
-    _usual: ClassVar[float] = 0.0  # the interval before the first of them
+    # Threads that run at present. They share the switch interval of the interpreter.
+    _begun: ClassVar[set[KernelWarmup]] = set()
+    _usual: ClassVar[float] = 0.0  # Switch interval before the first thread started.
 
     def __init__(self) -> None:
         self.complete = threading.Event()
@@ -43,7 +46,7 @@ class KernelWarmup:
         self._thread = threading.Thread(target=self._run, name="warm-up", daemon=True)
 
     def start(self) -> None:
-        """Begin; the thread that draws does not wait for this one for long whenever it has let Python go."""
+        """Start the thread. A short switch interval of the interpreter lets the drawing thread resume quickly."""
         if not self._begun:
             KernelWarmup._usual = sys.getswitchinterval()
             sys.setswitchinterval(INTERVAL)
@@ -51,7 +54,7 @@ class KernelWarmup:
         self._thread.start()
 
     def stop(self) -> None:
-        """End the thread after its present job."""
+        """End the thread after its current job."""
         if self in self._begun:
             self._begun.remove(self)
             if not self._begun:
@@ -59,11 +62,11 @@ class KernelWarmup:
         self._jobs.put(None)
 
     def submit(self, take: Callable[[Any], None], job: Callable[[], Any]) -> None:
-        """Queue `job`; :meth:`deliver` hands its result, or the exception that it raised, to `take`."""
+        """Queue `job`; :meth:`deliver` passes its result, or the exception that it raised, to `take`."""
         self._jobs.put((take, job))
 
     def deliver(self) -> bool:
-        """Hand over the next result where one is finished; whether there was one. It never waits."""
+        """Pass on the next finished result and return True; return False if there is none. This never waits."""
         try:
             take, result = self._results.get_nowait()
         except queue.Empty:
@@ -72,14 +75,15 @@ class KernelWarmup:
         return True
 
     def is_warm(self, method: str) -> bool:
-        """Whether machine code of that method is in memory; a method without kernels is always warm."""
+        """Return True if the machine code of `method` is in memory. A method without kernels is always ready."""
         kernels = kernels_of(find_method(method))
         return kernels is None or kernels.in_memory
 
     def can_move(self, lanes: Iterable[LiveLane], frame_time: float, method: str | None = None) -> bool:
-        """Whether frames of `frame_time` [s] of all `lanes` can be computed in time, by `method`; None: by their own methods.
+        """Return True if frames of `frame_time` [s] of all `lanes` can be computed in real time.
 
-        Where machine code is still being made, plain Python does for few contacts in few steps.
+        All lanes use `method`, or each its own method if `method` is None. While machine code is still being compiled,
+        plain Python is fast enough for few contacts and few steps.
         """
         return all(
             self.is_warm(name) or _is_light(lane, name, frame_time)
@@ -97,7 +101,9 @@ class KernelWarmup:
                 self.complete.set()
 
     def _load(self, waiting: list[KernelTiers]) -> None:
-        """Load kernels whose machine code has been made; begin to make what has not, two at a time, and look again later."""
+        """Load kernels whose machine code exists. If there are none, start to compile two at a time and check again
+        later.
+        """
         made = next((kernels for kernels in waiting if kernels.in_memory or kernels.on_disk), None)
         first = waiting[:COMPILED_AT_ONCE] if made is None else []
         compiling = [kernels for kernels in first if kernels.compile_behind(YIELDING)]
@@ -112,7 +118,7 @@ class KernelWarmup:
             self.problem = _("method {method} cannot be loaded: {error}", method=chosen.name, error=error)
 
     def _work(self, wait: bool) -> bool:
-        """Do the next job, if there is one; False at the end of all."""
+        """Run the next job, if there is one. Return False when the thread must end."""
         try:
             task = self._jobs.get(block=wait)
         except queue.Empty:
@@ -128,7 +134,7 @@ class KernelWarmup:
 
 
 def _is_light(lane: LiveLane, method: str, frame_time: float) -> bool:
-    """Whether plain Python moves a lane in time."""
+    """Return True if plain Python moves a lane in real time."""
     step = lane.setup.step_for(frame_time)
     if step is None or find_method(method).family is not Family.FIXED_STEP:
         return False

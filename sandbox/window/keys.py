@@ -1,4 +1,4 @@
-"""The one table of keys: pressed keys are looked up in it, and the help overlay is made from it."""
+"""The table of keys. Pressed keys are looked up in it, and the help overlay is generated from it."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _NAMES = {
 
 
 class Key(NamedTuple):
-    """A key with its modifiers (CTRL, SHIFT or both); the command key of a Mac counts as Ctrl."""
+    """A key with its modifiers (CTRL, SHIFT or both). The command key of a Mac counts as Ctrl."""
 
     code: int
     modifiers: int = PLAIN
@@ -45,7 +45,7 @@ class Key(NamedTuple):
 
 
 class Binding(NamedTuple):
-    """What some keys do: the name of the action, the keys, the group and line of the help; whether it repeats while held."""
+    """An action with its keys, its group and text in the help, and if it repeats while the key is held."""
 
     action: str
     keys: tuple[Key, ...]
@@ -133,7 +133,7 @@ _BINDINGS: tuple[Binding, ...] = (
 )
 
 
-# Keys that count as another one.
+# Keys that have the same action as another key.
 SAME = {
     pygame.K_EQUALS: pygame.K_PLUS,
     pygame.K_KP_PLUS: pygame.K_PLUS,
@@ -145,16 +145,17 @@ REPEATED = frozenset(binding.action for binding in _BINDINGS if binding.repeated
 
 
 def bindings() -> tuple[Binding, ...]:
-    """All bindings: those of the plots, and the others."""
+    """Return all bindings: first those that show or hide a plot, then the others."""
     plots = (Binding(kind.name, _keys(kind.key), N_("Plots"), kind.help) for kind in PLOT_KINDS.values())
     return (*plots, *_BINDINGS)
 
 
 def action_of(code: int, modifiers: int, text: str = "") -> str | None:
-    """The action of a pressed key that types `text`, or None.
+    """Return the action of a pressed key that types `text`, or None.
 
-    Keyboards have signs on other keys: + on = or on a key of its own, . on ; with Shift. So where the key has no action, the
-    sign that it types may have one, and signs count with Shift too. Those of the number pad are the same.
+    The key of a sign depends on the keyboard layout: + may share a key with = or have a separate key, and . may need
+    Shift. If the key itself has no action, the typed sign is looked up, with and without Shift. Keys of the number pad
+    count as the same signs.
     """
     held = CTRL if modifiers & (pygame.KMOD_CTRL | pygame.KMOD_META) else PLAIN
     held |= SHIFT if modifiers & pygame.KMOD_SHIFT else PLAIN
@@ -169,31 +170,32 @@ def action_of(code: int, modifiers: int, text: str = "") -> str | None:
 
 
 def binding_of(action: str) -> Binding:
-    """The binding of an action."""
+    """Return the binding of an action."""
     return next(binding for binding in bindings() if binding.action == action)
 
 
 def hint(action: str) -> str:
-    """The text of a tooltip: what the action does, and its first key."""
+    """Return the text of a tooltip: the help text of the action and its first key."""
     binding = binding_of(action)
     return f"{_(binding.text)} ({binding.keys[0]})"
 
 
 def groups() -> dict[str, list[Binding]]:
-    """The bindings by group, in the order of the table."""
+    """Return the bindings by group, in the order of the table."""
     found: dict[str, list[Binding]] = {}
     for binding in bindings():
         found.setdefault(binding.group, []).append(binding)
     return found
 
 
-LINE = 21.0  # design pixels
-KEYS_ROOM = 134.0  # design pixels of the keys
-COLUMN = 374.0  # design pixels
-TITLE = 27.0  # design pixels
-MARGIN = 26.0  # design pixels beside a column
-HEAD, FOOT = 58.0, 20.0  # design pixels above the columns and below them
-LEAST_SHRINKING = 0.85  # of the scale, for which the help need not be scrolled
+LINE = 21.0  # Height of a line in design pixels.
+KEYS_ROOM = 134.0  # Width in design pixels of the area for the names of keys.
+COLUMN = 374.0  # Width of a column in design pixels.
+TITLE = 27.0  # Height of the title of a group in design pixels.
+MARGIN = 26.0  # Distance between columns, and to the edges of the board, in design pixels.
+HEAD, FOOT = 58.0, 20.0  # Heights in design pixels of the areas above and below the columns.
+# Smallest factor by which the help is shrunk to fit into the window. Smaller windows scroll instead.
+LEAST_SHRINKING = 0.85
 MOUSE = (
     (N_("drag a bead"), N_("pull it by a spring; release to throw")),
     (N_("drag it, paused"), N_("place it")),
@@ -208,7 +210,9 @@ ORDER = N_("Time"), N_("Mouse"), N_("Save"), N_("Beads"), N_("Window"), N_("View
 
 
 def paint_help(surface: pygame.Surface, unit: float, scroll: float) -> float:
-    """Draw the overlay over all of `surface`, scrolled down by `scroll` pixels or as far as there is more; returns how far."""
+    """Draw the help over the whole `surface`. Scroll it down by `scroll` pixels, at most to its end, and return that
+    distance.
+    """
     size = surface.get_size()
     shade = pygame.Surface(size)
     shade.fill(tones.shadow)
@@ -246,7 +250,7 @@ def paint_help(surface: pygame.Surface, unit: float, scroll: float) -> float:
 
 
 def _columns(heights: dict[str, float], count: int) -> list[dict[str, float]]:
-    """Blocks in `count` columns about as high, in their order."""
+    """Distribute the blocks in their order over `count` columns of similar height."""
     columns: list[dict[str, float]] = [{}]
     for name, height in heights.items():
         if (
@@ -266,7 +270,7 @@ def _caps(binding: Binding) -> str:
 def _block(
     surface: pygame.Surface, name: str, rows: list[tuple[str, str]], place: tuple[float, float], unit: float
 ) -> float:
-    """Draw one group; returns where the next begins."""
+    """Draw one group. Return the top edge of the next group."""
     x, y = place
     write(surface, _(name), (x, y), 16 * unit, tones.foreground, bold=True)
     surface.fill(tones.faint, (round(x), round(y + 21 * unit), round(COLUMN * unit), max(1, round(unit))))
@@ -279,12 +283,12 @@ def _block(
 
 
 def _cap(surface: pygame.Surface, keys: str, place: tuple[float, float], unit: float) -> None:
-    """Keys, each on a small plate."""
+    """Draw the names of keys, each on a small plate."""
     x, y = place
     for text in keys.split("  "):
         wide = width(text, 13 * unit, bold=True) + 10 * unit
         if x + wide > place[0] + (KEYS_ROOM - 6.0) * unit and x > place[0]:
-            return  # no room for another key that does the same
+            return  # The line is full; the remaining keys do the same.
         plate = pygame.Rect(round(x), round(y), round(wide), round(18 * unit))
         pygame.draw.rect(surface, tones.lane_background, plate, border_radius=round(4 * unit))
         pygame.draw.rect(surface, tones.faint, plate, 1, border_radius=round(4 * unit))

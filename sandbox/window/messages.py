@@ -1,4 +1,4 @@
-"""Messages on screen: what was done, and what went wrong, for as long as it takes to read them."""
+"""Messages on screen: results of actions and warnings, visible as long as it takes to read them."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from softcradle.sandbox.draw.palette import Colour, tones
 from softcradle.sandbox.draw.text import shortened, width, wrapped, write
 from softcradle.sandbox.languages import refusal_words
 
-MOST = 2  # on screen at once
-LONGEST = 1000  # characters that are shown, for which every window has room: a name that was pasted may be any text
-LEAST_SECONDS = 2.5  # that a message stays
-SECONDS_A_WORD = 0.35  # that a message stays
-WARNING_FACTOR = 2.0  # by which a warning stays longer
+MOST = 2  # Largest number of messages on screen.
+LONGEST = 1000  # Largest number of characters shown, which fit into every window. Pasted names can be arbitrarily long.
+LEAST_SECONDS = 2.5  # Shortest time in seconds that a message stays.
+SECONDS_A_WORD = 0.35  # Time in seconds per word that a message stays.
+WARNING_FACTOR = 2.0  # Factor by which a warning stays longer than other messages.
 
 
-DONE, HINT, WARNING = "done", "hint", "warning"  # kinds of messages
+DONE, HINT, WARNING = "done", "hint", "warning"  # Kinds of messages.
 MARKS = {DONE: "✓", HINT: "i", WARNING: "!"}
 
 
@@ -27,8 +27,8 @@ class Message:
     Attributes:
         text: the sentence.
         kind: DONE after an action, HINT if nothing was done, or WARNING.
-        seconds_left: how long it is still shown [s].
-        subject: what it is about; a newer message on the same subject replaces it. Empty: no subject.
+        seconds_left: remaining time on screen [s].
+        subject: topic of the message; a newer message with the same subject replaces it. Empty: no subject.
     """
 
     text: str
@@ -38,28 +38,28 @@ class Message:
 
     @property
     def warning(self) -> bool:
-        """Whether it is a warning."""
+        """True if the message is a warning."""
         return self.kind == WARNING
 
     @property
     def tint(self) -> Colour:
-        """The colour of its border and mark."""
+        """The colour of the border and the mark."""
         return {DONE: tones.good, HINT: tones.muted, WARNING: tones.warning}[self.kind]
 
 
 class Messages:
-    """The messages on screen, the newest lowest."""
+    """The messages on screen; the newest is at the bottom."""
 
     def __init__(self) -> None:
         self.visible: list[Message] = []
         self._places: list[tuple[pygame.Rect, Message]] = []
 
     def show(self, text: str, warning: bool = False, subject: str = "") -> None:
-        """Show that something was done, or a warning. It replaces a message on the same `subject`."""
+        """Show that something was done, or show a warning. It replaces a message on the same `subject`."""
         self._show(text, WARNING if warning else DONE, subject)
 
     def hint(self, text: str, subject: str = "") -> None:
-        """Show why nothing was done, or what to do first: no tick stands before it."""
+        """Show why nothing was done, or what to do first. Such a message has no check mark."""
         self._show(text, HINT, subject)
 
     def _show(self, text: str, kind: str, subject: str) -> None:
@@ -71,11 +71,11 @@ class Messages:
         self.visible.append(Message(text, kind, seconds, subject))
 
     def leave_page(self) -> None:
-        """Remove what was said about the page that is left, but no warning."""
+        """Remove the messages about the page that is being left, but keep warnings."""
         self.visible = [message for message in self.visible if message.warning]
 
     def handle(self, event: pygame.Event) -> bool:
-        """Remove the message that is clicked."""
+        """Remove a message that is clicked. Return True if there was one."""
         if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
             for rect, message in self._places:
                 if rect.collidepoint(event.pos) and message in self.visible:
@@ -84,13 +84,13 @@ class Messages:
         return False
 
     def update(self, seconds: float) -> None:
-        """Let time pass."""
+        """Reduce the remaining time of all messages by `seconds`."""
         for message in self.visible:
             message.seconds_left -= seconds
         self.visible = [message for message in self.visible if message.seconds_left > 0.0]
 
     def paint(self, surface: pygame.Surface, place: pygame.Rect, unit: float) -> None:
-        """Draw those for which `place` has room at its foot, the newest in any case."""
+        """Draw the messages that fit into `place`, from the bottom up. The newest message is always drawn."""
         self._places, bottom = [], place.bottom
         for message in reversed(self.visible):
             room = min(720 * unit, place.width - 40 * unit)

@@ -1,4 +1,4 @@
-"""What the window shows: a page. What most pages do alike stands here once."""
+"""The base class of the window's pages, and the rule by which derived objects such as widgets are kept up to date."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pygame
 if TYPE_CHECKING:
     from softcradle.sandbox.window.app import App
 
-    Host = App  # the window, which imports its pages
+    Host = App  # Imported only for type checks, because the window imports its pages.
 else:
     Host = Any
 
@@ -19,16 +19,17 @@ UNMADE = object()
 
 
 class Derived:
-    """What is made of other things, and made anew once these are others: the one rule by which all that is shown keeps up.
+    """An object that is derived from other values and made again if these change. All visible parts are kept up to date
+    this way.
 
-    Whoever changes something need not know what was made of it.
+    Code that changes a value does not need to know which objects depend on it.
 
     Arguments:
-        of: what it is made of, as values to be compared; cheap, for it is asked at every picture.
-        make: makes it.
+        of: returns the values on which the object depends. They are compared at every frame, so it must be fast.
+        make: makes the object.
 
     Attributes:
-        version: how often it was made.
+        version: number of times that the object was made.
     """
 
     def __init__(self, of: Callable[[], object], make: Callable[[], object]) -> None:
@@ -36,7 +37,7 @@ class Derived:
         self._of: object = UNMADE
 
     def follow(self) -> bool:
-        """Make it where what it is made of has changed; whether it was made."""
+        """Make the object again if its values have changed. Return True if it was made."""
         of = self.of()
         if of == self._of:
             return False
@@ -47,23 +48,23 @@ class Derived:
         return True
 
     def note(self) -> None:
-        """Take it for up to date: it has been made, which may have settled some of what it is made of."""
+        """Mark the object as up to date. Making it may itself have changed some of the values."""
         self._of = self.of()
 
     def forget(self) -> None:
-        """Make it at the next `follow` in any case."""
+        """Force the next `follow` to make the object again."""
         self._of = UNMADE
 
 
 class Page:
-    """One of the window's pages.
+    """Base class of the pages of the window.
 
     Attributes:
-        actions: those of the table of keys that it offers.
-        title: what the frame of the window calls it; empty for the gallery.
-        unsaved: whether leaving it loses edits; it then has the action "save_scene".
-        moving: whether the next picture differs from this one though nobody does anything.
-        typing: whether keys go into a text field.
+        actions: actions of the key table that the page offers.
+        title: title of the page in the title bar of the window; empty for the gallery.
+        unsaved: True if edits are lost when the page is left. The page then has the action "save_scene".
+        moving: True if the next frame differs from the current one without user input.
+        typing: True if keys go into a text field.
     """
 
     actions: Actions
@@ -71,47 +72,49 @@ class Page:
     unsaved = moving = typing = False
 
     def call_unsaved(self) -> None:
-        """Call what it shows unsaved, where that can be."""
+        """Mark the content as unsaved, if the page can be edited."""
 
     def cancel_typing(self) -> None:
-        """Drop what is being typed: keys are keys of the window again."""
+        """Discard the text that is being typed; keys trigger actions again."""
 
     def message_place(self, size: tuple[int, int], unit: float) -> pygame.Rect:
-        """The rectangle for messages in a window of that `size`."""
+        """Return the rectangle for messages in a window of the given `size`."""
         return pygame.Rect(0, 0, size[0], size[1] - round(24 * unit))
 
     def made_of(self) -> object:
-        """What its widgets are made of, besides size, unit, level, theme and language of the window."""
+        """Return the values on which the widgets depend, in addition to size, unit, level, theme and language of the
+        window.
+        """
         return ()
 
     def build(self) -> None:
-        """Make the widgets for the host's size and unit; the old ones are gone."""
+        """Create the widgets for the size and unit of the host. The old widgets have already been removed."""
 
     def follow(self) -> None:
-        """Let what is drawn, besides the widgets, be of the present state."""
+        """Update everything drawn, except the widgets, to the present state."""
 
     def handle(self, event: pygame.Event) -> bool:
-        """Take an event that no widget took; whether the page used it."""
+        """Handle an event that no widget used. Return True if the page used it."""
         return False
 
     def let_go(self) -> None:
-        """Let go of what is dragged: the button was released, be it over what lies over the page."""
+        """Release a dragged object. The mouse button was released, possibly over a dialog above the page."""
 
     def take_file(self, path: str, point: tuple[int, int]) -> bool:
-        """Take a file that was dropped at `point`; False where it is to be opened."""
+        """Use a file that was dropped at `point`. Return False if the window should open the file instead."""
         return False
 
     def update(self, seconds: float) -> None:
-        """Let `seconds` of wall time pass."""
+        """Advance the page by `seconds` of wall time."""
 
     def paint(self, surface: pygame.Surface) -> None:
-        """Draw all but the widgets."""
+        """Draw everything below the widgets."""
 
     def paint_over(self, surface: pygame.Surface) -> None:
-        """Draw what lies above the widgets."""
+        """Draw everything above the widgets."""
 
     def after_frame(self, surface: pygame.Surface, seconds: float) -> None:
-        """Use the finished picture, `seconds` after the last one."""
+        """Use the finished frame, `seconds` after the previous one."""
 
     def close(self) -> None:
-        """Close what is open: the page is being left."""
+        """Release the resources of the page before another page is shown."""

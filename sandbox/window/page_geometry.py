@@ -1,4 +1,6 @@
-"""The geometry of the page on which a scene is played: rectangles in pixels, from sizes and what is shown."""
+"""Layout of the page on which a scene is played: its rectangles in pixels, computed from the window size and the
+visible parts.
+"""
 
 from __future__ import annotations
 
@@ -8,22 +10,25 @@ from dataclasses import dataclass
 from pygame import Rect
 from softcradle.sandbox.window.widgets import split, stack
 
-TOOLBAR = 48.0  # design pixels, its height
-FOOTER = 92.0  # design pixels, its height
-PANEL = 288.0  # design pixels, its width
-INSETS = 84.0  # design pixels, their height
-ENERGY_BARS = 36.0  # design pixels, their height
-GUTTER = 24.0  # design pixels between two plots
-MARGIN = 14.0  # design pixels around beads and plots
-LEAST_LANE = 120.0  # design pixels of a lane, the least: plots, a card, insets and energy bars give way
-# Design pixels of a lane in which bars of forces can be compared, in the Lab and where beads are more than plots: what plots
-# have beyond PLOT_ROW gives way to it.
+TOOLBAR = 48.0  # Height of the toolbar in design pixels.
+FOOTER = 92.0  # Height of the footer in design pixels.
+PANEL = 288.0  # Width of the panel in design pixels.
+INSETS = 84.0  # Height of the insets in design pixels.
+ENERGY_BARS = 36.0  # Height of the energy bars in design pixels.
+GUTTER = 24.0  # Distance between two plots in design pixels.
+MARGIN = 14.0  # Margin around beads and plots in design pixels.
+# Smallest height of a lane in design pixels. Plots, card, insets and energy bars are reduced before a lane becomes
+# lower.
+LEAST_LANE = 120.0
+# Height of a lane in design pixels at which force bars can be compared: in the Lab (False), and in Explore (True),
+# which shows more of the beads. Plots higher than PLOT_ROW are reduced to reach it.
 LANE = {False: 150.0, True: 180.0}
-LANE_GAP = 4.0  # design pixels between two lanes
-PLOT_ROW = 96.0  # design pixels of a row of plots, the least: three labels below each other
-PLOTS_SHARE = {0: 0.0, 1: 0.44, 2: 0.53, 3: 0.6, 4: 0.66}  # of the height, for so many rows of plots
-EXPLORED = 0.85  # of that share, where beads are more than plots
-MOST_PLOTS_SHARE = 0.7  # of the height, for more rows
+LANE_GAP = 4.0  # Distance between two lanes in design pixels.
+PLOT_ROW = 96.0  # Smallest height of a row of plots in design pixels: three labels fit below each other.
+# Height of the plots as a fraction of the main area, for each number of rows.
+PLOTS_SHARE = {0: 0.0, 1: 0.44, 2: 0.53, 3: 0.6, 4: 0.66}
+EXPLORED = 0.85  # Factor on that fraction in Explore, where the beads get more space.
+MOST_PLOTS_SHARE = 0.7  # Fraction of the main area for more than four rows.
 
 
 @dataclass(frozen=True)
@@ -31,13 +36,13 @@ class Geometry:
     """Rectangles of a page.
 
     Attributes:
-        toolbar, footer: above, and the time line and the time controls below.
-        panel: on the right; empty where it is hidden.
-        lanes: beads of each lane.
-        insets: below the only lane; empty where there are more lanes or no room.
-        energy_bars: of the only lane; empty likewise.
-        card: at the end of a motion, between beads and plots; empty where there is none, or no room.
-        plots: rows of rectangles, one for each plot.
+        toolbar, footer: the bar at the top, and the area with timeline and time controls at the bottom.
+        panel: the panel on the right; empty if it is hidden.
+        lanes: the rectangle of the beads of each lane.
+        insets: the area below a single lane; empty if there are more lanes or too little space.
+        energy_bars: the energy bars of a single lane; empty if there are more lanes or too little space.
+        card: the card at the end of a motion, between beads and plots; empty if there is no card or too little space.
+        plots: rows of rectangles, one rectangle for each plot.
     """
 
     toolbar: Rect
@@ -59,9 +64,10 @@ def geometry(
     explore: bool = False,
     card: int = 0,
 ) -> Geometry:
-    """The page for a window of `size`; `plots` is the number of plots in each row; to `explore` there is no more.
+    """Return the layout for a window of `size`. `plots` contains the number of plots in each row.
 
-    A `card` so high [pixels] is between beads and plots, which give way to it. `fitting` says how many rows, and whether it fits.
+    If `explore`, the page has neither insets nor energy bars. A `card` of that height [pixels] lies between beads and
+    plots and reduces the plots. `fitting` returns the possible number of rows and the card height.
     """
     width, height = size
     toolbar = Rect(0, 0, width, round(TOOLBAR * unit))
@@ -85,12 +91,14 @@ def geometry(
 
 
 def _lanes_height(lanes: int, each: float) -> float:
-    """Design pixels of so many lanes, `each` so high."""
+    """Return the total height of `lanes` lanes in design pixels, if each has the height `each`."""
     return lanes * each + (lanes - 1) * LANE_GAP
 
 
 def fitting(size: tuple[int, int], unit: float, lanes: int, explore: bool, card: int) -> tuple[int, int]:
-    """How many rows of plots there is room for, others are scrolled to; and the height of the `card`, 0 where it has none."""
+    """Return how many rows of plots fit (the others are reached by scrolling), and the height of the `card`, or 0 if it
+    does not fit.
+    """
     main = size[1] - (TOOLBAR + FOOTER + MARGIN) * unit
     card = card if card <= main - _lanes_height(lanes, LEAST_LANE) * unit else 0
     low = LANE[True] if card else LANE[False] if explore else LEAST_LANE
@@ -98,12 +106,14 @@ def fitting(size: tuple[int, int], unit: float, lanes: int, explore: bool, card:
 
 
 def plots_width(size: tuple[int, int], unit: float, panel: bool) -> float:
-    """Design pixels of a row of plots."""
+    """Return the width of a row of plots in design pixels."""
     return size[0] / unit - (PANEL if panel else 0.0) - 2.0 * MARGIN
 
 
 def _beads(rect: Rect, unit: float, lanes: int, roomy: bool, explore: bool) -> tuple[tuple[Rect, ...], Rect, Rect]:
-    """Rectangles of the lanes, the insets and the energy bars, which go where the only lane would be too low."""
+    """Return the rectangles of the lanes, the insets and the energy bars. The last two are empty if the lane would
+    become too low.
+    """
     if lanes > 1 or explore:
         none = Rect(rect.left, rect.bottom, rect.width, 0)
         return tuple(stack(rect, [0.0] * lanes, unit, LANE_GAP)), none, none
@@ -115,6 +125,6 @@ def _beads(rect: Rect, unit: float, lanes: int, roomy: bool, explore: bool) -> t
 
 
 def _plots(rect: Rect, unit: float, counts: Sequence[int]) -> tuple[tuple[Rect, ...], ...]:
-    """Rows of rectangles of equal height and, in a row, of equal width."""
+    """Return rows of rectangles. All rows have the same height; the plots in a row have the same width."""
     rows = stack(rect, [0.0] * len(counts), unit, 2.0)
     return tuple(tuple(split(row, [0.0] * count, unit, GUTTER)) for row, count in zip(rows, counts, strict=True))

@@ -1,4 +1,6 @@
-"""The screen reader: messages, dialogs and the control in focus, told to the system by accesskit where it is installed."""
+"""Output for screen readers: messages, dialogs and the control in focus, passed to the system by accesskit if it is
+installed.
+"""
 
 from __future__ import annotations
 
@@ -14,18 +16,20 @@ from softcradle.sandbox.window.keys import binding_of
 from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.widgets import Slider, TextBox, TextEntry
 
-ROOT, STATUS, CONTROL = 1, 2, 3  # numbers of the nodes: the window, what is said, the control that has the focus
+ROOT, STATUS, CONTROL = 1, 2, 3  # Identifiers of the nodes: the window, the status text, and the control in focus.
 
 
 class Spoken(NamedTuple):
-    """What there is to say: the sentence of a dialog or of the last message, and the control that has the focus."""
+    """The texts for a screen reader: the text of a dialog or of the newest message, and the name of the control in
+    focus.
+    """
 
     status: str
     control: str
 
 
 def spoken_by(window: Host) -> Spoken:
-    """What a window has to say now."""
+    """Return the present texts of a window for a screen reader."""
     dialog, visible = window.dialog, window.messages.visible
     if isinstance(dialog, Dialog) and dialog.open:
         focused = list(dialog.choices)[dialog.focus] if dialog.focus >= 0 else ""
@@ -39,7 +43,7 @@ def spoken_by(window: Host) -> Spoken:
 
 
 def control_name(control: UIElement | None) -> str:
-    """Name of a control: its text, or what its tooltip says; of a slider its place, of a line to type in its text as well."""
+    """Return the name of a control: its text or tooltip. A slider adds its position, a text field its text."""
     if control is None:
         return ""
     if isinstance(control, Slider):
@@ -51,10 +55,10 @@ def control_name(control: UIElement | None) -> str:
 
 
 class ScreenReader:
-    """The adapter of accesskit; it is told nothing where there is none.
+    """Adapter to accesskit. It does nothing if accesskit is not installed.
 
     Attributes:
-        spoken: what was said last.
+        spoken: texts that were passed on last.
     """
 
     def __init__(self, title: str) -> None:
@@ -67,20 +71,20 @@ class ScreenReader:
             self._kit = accesskit
             self._adapter = _adapter(accesskit, self._tree)
         except (ImportError, AttributeError, OSError, RuntimeError, pygame.error):
-            self._adapter = None  # none is installed, or this system has none
+            self._adapter = None  # accesskit is not installed or does not support this system.
 
     def tell(self, spoken: Spoken) -> None:
-        """Say what is new."""
+        """Pass the texts to the system if they have changed."""
         if spoken == self.spoken:
             return
         self.spoken = spoken
         if self._adapter is not None:
             events = self._adapter.update_if_active(self._tree)
-            if events is not None:  # Windows and macOS hand the events back to be raised
+            if events is not None:  # On Windows and macOS the caller has to raise the events.
                 events.raise_events()
 
     def take_focus(self, focused: bool) -> None:
-        """Tell the system whether the window has the keyboard."""
+        """Report to the system if the window has the keyboard focus."""
         tell = getattr(self._adapter, "update_window_focus_state", None)
         if tell is not None:
             tell(focused)
@@ -90,7 +94,9 @@ class ScreenReader:
 
 
 def tree_of(kit: Any, title: str, spoken: Spoken) -> Any:
-    """The nodes for a system: a window with a sentence, read out as soon as it changes, and the control in focus."""
+    """Return the accessibility tree: the window, a status text that is read aloud when it changes, and the control in
+    focus.
+    """
     window, status, control = kit.Node(kit.Role.WINDOW), kit.Node(kit.Role.LABEL), kit.Node(kit.Role.BUTTON)
     window.set_label(title)
     window.set_children([STATUS, CONTROL])
@@ -107,7 +113,10 @@ def tree_of(kit: Any, title: str, spoken: Spoken) -> Any:
 
 
 def _adapter(kit: Any, tree: Callable[[], Any]) -> Any:
-    """The adapter of this system. The keys of the window do what a screen reader could ask for: it asks for nothing."""
+    """Return the accesskit adapter of this operating system.
+
+    Requests of a screen reader are ignored: everything that it could request can be done with the keys of the window.
+    """
 
     def ignore(*request: Any) -> None:
         return

@@ -1,4 +1,4 @@
-"""Settings that the window keeps from one start to the next."""
+"""Settings of the window that are kept between sessions."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from softcradle.sandbox.draw.palette import THEMES
 from softcradle.sandbox.languages import ENGLISH, LANGUAGES, VARIABLES, language_of_environment
 
 FILE = "window.json"
-MOST_RECENT = 6  # files that are remembered
-SCALES = (0.7, 0.8, 0.9, 1.0, 1.15, 1.3, 1.5, 1.75, 2.0)  # that keys take
+MOST_RECENT = 6  # Number of recent files that are stored.
+SCALES = (0.7, 0.8, 0.9, 1.0, 1.15, 1.3, 1.5, 1.75, 2.0)  # Scales between which the keys switch.
 
 
 def settings_path() -> Path:
-    """The file of the settings; SOFTCRADLE_CONFIG gives another folder."""
+    """Return the path of the settings file. The variable SOFTCRADLE_CONFIG sets another folder."""
     given = os.environ.get("SOFTCRADLE_CONFIG")
     if given:
         return Path(given) / FILE
@@ -30,15 +30,15 @@ def settings_path() -> Path:
 
 @dataclass
 class Settings:
-    """What is kept.
+    """The stored settings.
 
     Attributes:
-        theme: a name of THEMES.
-        language: a code of LANGUAGES; empty until one is chosen: that of the locale.
-        explore: whether the window is at its first level, with few controls.
-        scale: of everything in the window, relative to the usual size.
-        plots: names of the kinds of plots that are shown; None until they are chosen.
-        recent: paths of files, the one opened or saved last first.
+        theme: a name in THEMES.
+        language: a code in LANGUAGES; empty means the language of the locale.
+        explore: True for Explore (few controls), False for Lab (all controls).
+        scale: size of everything in the window, relative to the usual size.
+        plots: names of the visible kinds of plots; None until the user chooses some.
+        recent: paths of recently opened or saved files, the newest first.
     """
 
     theme: str = "light"
@@ -50,7 +50,7 @@ class Settings:
 
     @classmethod
     def load(cls) -> Settings:
-        """The settings of the last start; the usual ones where there are none, or none that can be read."""
+        """Return the stored settings, or the defaults if the file is missing or cannot be read."""
         try:
             table = json.loads(settings_path().read_text(encoding="utf-8"))
             known = {one.name: table[one.name] for one in fields(cls) if one.name in table}
@@ -66,7 +66,11 @@ class Settings:
         return loaded
 
     def keep(self, **changed: Any) -> None:
-        """Change some and write these, the others as other windows left them; a folder that cannot be written to keeps none."""
+        """Change the given settings and write only these to the file, because another window may have changed the
+        others.
+
+        Nothing is stored if the folder is not writable.
+        """
         vars(self).update(changed)
         path, kept = settings_path(), asdict(replace(Settings.load(), **changed))
         try:
@@ -77,11 +81,11 @@ class Settings:
             return
 
     def remember(self, path: str | Path) -> None:
-        """Put a file at the head of the recent ones, where it is a file."""
+        """Put `path` at the head of the recent files, if it is a file."""
         try:
             found = Path(os.path.expanduser(path))
             whole = str(found.resolve()) if found.is_file() else ""
-        except (OSError, RuntimeError, ValueError):  # a scene as text is longer than any path
+        except (OSError, RuntimeError, ValueError):  # A scene passed as text is longer than any valid path.
             return
         if whole:
             files = dict.fromkeys([whole, *Settings.load().recent, *self.recent])
@@ -89,7 +93,9 @@ class Settings:
 
 
 def system_language() -> str:
-    """A code of LANGUAGES; systems without variables for the locale (Windows, macOS) are asked by SDL."""
+    """Return the code of the system's language, from the environment variables or, if they are not set, from SDL
+    (Windows, macOS).
+    """
     if any(os.environ.get(name) for name in VARIABLES):
         return language_of_environment()
     preferred = [locale["language"] for locale in pygame.system.get_pref_locales()]

@@ -1,4 +1,4 @@
-"""The theme of the widgets: the project's font, the tones in use, every length scaled; and their clean-up."""
+"""The theme of the widgets: font, colours of the current palette and scaled lengths; also the cleanup of their memory."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from softcradle.sandbox.languages import language
 
 
 def collect_garbage() -> None:
-    """Free what nothing refers to; the rest is not searched again in the middle of play.
+    """Free unreachable objects now, and exclude all others from later collections, which would interrupt the motion.
 
-    Python's own collection would come minutes and some 100 MB later, and it never searches frozen objects.
+    Without this call, Python would collect minutes and about 100 MB later, and it never examines frozen objects.
     """
     gc.unfreeze()
     gc.collect()
@@ -28,9 +28,9 @@ def collect_garbage() -> None:
 
 
 def _trim_heap() -> None:
-    """Return holes in the heap to the system: surfaces of many sizes leave some 50 MB of them in an hour.
+    """Return free parts of the heap to the system: surfaces of many sizes leave about 50 MB of them per hour.
 
-    Only glibc has a function for it; other systems do without.
+    Only glibc has a function for it; on other systems nothing happens.
     """
     with contextlib.suppress(AttributeError, OSError, TypeError):
         ctypes.CDLL(None).malloc_trim(0)
@@ -44,7 +44,7 @@ _LENGTHS = (
     "rect_width",
     "text_horiz_alignment_padding",
 )
-SMALLEST_FONT = 6  # pixels
+SMALLEST_FONT = 6  # Smallest font size in pixels.
 TRANSPARENT = "#ffffff00"
 
 
@@ -55,9 +55,9 @@ def _theme() -> dict[str, Any]:
 
 
 def manager(size: tuple[int, int], unit: float) -> pygame_gui.UIManager:
-    """An empty manager of widgets for a window of `size`; `unit` is how many pixels a pixel of the design is."""
+    """Return an empty widget manager for a window of `size`; `unit` is the number of pixels per design pixel."""
     created = pygame_gui.UIManager(size, enable_live_theme_updates=False, starting_language=language())
-    set_default_manager(created)  # pygame_gui would hold the first one, with all its widgets, for ever
+    set_default_manager(created)  # Otherwise pygame_gui would keep the first manager and all its widgets for ever.
     regular, bold = str(resource("Inter-Regular.otf")), str(resource("Inter-SemiBold.otf"))
     created.add_font_paths("inter", regular, bold, regular, bold)
     created.get_theme().load_theme({name: _scaled(block, unit) for name, block in _theme().items()})
@@ -65,7 +65,7 @@ def manager(size: tuple[int, int], unit: float) -> pygame_gui.UIManager:
 
 
 def _scaled(block: dict[str, Any], unit: float) -> dict[str, Any]:
-    """A block of the theme with scaled lengths."""
+    """Return a block of the theme with scaled lengths."""
     scaled = {key: dict(value) for key, value in block.items()}
     for key, value in scaled.get("colours", {}).items():
         scaled["colours"][key] = colour_code(value)
@@ -77,7 +77,10 @@ def _scaled(block: dict[str, Any], unit: float) -> dict[str, Any]:
 
 
 def colour_code(text: str) -> str:
-    """The code of a colour: the name of a tone, or two with the per cent of the second in the first: "grid 20 accent"."""
+    """Return the hexadecimal code of a colour.
+
+    `text` is the name of a tone, or a mixture: "grid 20 accent" is grid with 20 % of accent.
+    """
     if text == "none":
         return TRANSPARENT
     first, *more = text.split()

@@ -1,4 +1,6 @@
-"""The edits of a window that are in no file: a copy on the disk, for the next start where the window crashes or is killed."""
+"""Backup of unsaved edits: a copy of the scene on disk, which the next start offers if the window crashed or was
+killed.
+"""
 
 from __future__ import annotations
 
@@ -13,14 +15,16 @@ from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.settings import settings_path
 
-WAIT = 1.0  # seconds after an edit: less than it takes until a window at rest draws no frames
+# Delay in seconds between an edit and its backup. It must be shorter than the time after which an idle window stops
+# drawing frames.
+WAIT = 1.0
 
 
 class UnsavedFile:
-    """A file beside the settings that one window owns: it alone writes and removes it.
+    """A backup file in the settings folder. It is owned by one window, and only this window writes and removes it.
 
-    Its owner holds a lock of the system, which ends with the process however that ends: no number of a process is asked
-    for, which another may have by then.
+    The owner holds a file lock, which the system releases when the process ends for any reason. A process number would
+    be unreliable, because another process may reuse it.
     """
 
     def __init__(self, path: Path | None = None) -> None:
@@ -28,7 +32,7 @@ class UnsavedFile:
         self._lock: IO[bytes] | None = None
 
     def own(self) -> bool:
-        """Become its owner; False where another window is, or nothing can be written there."""
+        """Acquire the file. Return False if another window owns it or the folder is not writable."""
         if self._lock is None:
             with contextlib.suppress(OSError), contextlib.ExitStack() as kept:
                 self.path.parent.mkdir(parents=True, exist_ok=True)
@@ -39,13 +43,13 @@ class UnsavedFile:
         return self._lock is not None
 
     def write(self, text: str) -> None:
-        """Write it as its owner. OSError where it cannot be written."""
+        """Write `text` to the file, if this window owns it. Raise OSError if it cannot be written."""
         if self.own():
             with output_file(self.path) as temporary:
                 temporary.write_text(text, encoding="utf-8")
 
     def forget(self) -> None:
-        """Remove it, where this window owns it: what it holds was saved, or discarded."""
+        """Remove the file, if this window owns it: its content was saved or discarded."""
         if self._lock is not None:
             with contextlib.suppress(OSError):
                 self.path.unlink(missing_ok=True)
@@ -54,42 +58,43 @@ class UnsavedFile:
                 self._lock_path.unlink(missing_ok=True)
 
     def release(self) -> None:
-        """Leave it, as it is, to the next window."""
+        """Release the file without changing it, so that the next window can open it."""
         if self._lock is not None:
             self._lock.close()
             self._lock = None
 
     @property
     def _lock_path(self) -> Path:
-        """A file of its own: the other one is replaced whenever it is written."""
+        """Path of the lock file. It is separate because the backup itself is replaced at every write."""
         return self.path.with_suffix(".lock")
 
 
 def unsaved_paths() -> list[Path]:
-    """The files of all windows, of those that run too, the newest first."""
+    """Return the backup files of all windows, also of open windows, the newest first."""
     return sorted(settings_path().parent.glob("unsaved*.toml"), key=_changed, reverse=True)
 
 
 def left_over() -> UnsavedFile | None:
-    """The newest of those that no window owns, owned by now; the others are for later starts."""
+    """Acquire and return the newest backup that no open window owns, or None. Older ones are offered at later starts."""
     for found in map(UnsavedFile, unsaved_paths()):
         if found.own():
-            if found.path.exists():  # still: its owner may have removed it
+            if found.path.exists():  # Its owner may have removed it in the meantime.
                 return found
             found.forget()
     return None
 
 
 class UnsavedScene:
-    """Writes the edited scene of a session, while it is in no file, to the UnsavedFile of the window."""
+    """Writes the edited scene of a session to the backup of the window until the scene is saved."""
 
     def __init__(self, host: Host, session: Session) -> None:
         self.host, self.session = host, session
-        self._seen: tuple[object, ...] = (0, None, None)  # number of the last edit, setup and words: noticed last
-        self._age = WAIT + 1.0  # seconds since
+        # Last state that was noticed: number of the last edit, setup, and scene.
+        self._seen: tuple[object, ...] = (0, None, None)
+        self._age = WAIT + 1.0  # Seconds since this state was noticed.
 
     def update(self, seconds: float) -> None:
-        """Write the scene a moment after an edit, and remove the file once it is saved."""
+        """Write the scene shortly after an edit, and remove the backup after the scene has been saved."""
         stack = self.session.undo_stack
         number = (stack.done[-1].number if stack.done else -1) if stack.unsaved else 0
         found = (number, self.session.setup, self.session.scene) if number else (0, None, None)
@@ -100,12 +105,13 @@ class UnsavedScene:
             self._write() if number else self.host.unsaved_file.forget()
 
     def _write(self) -> None:
-        with contextlib.suppress(OSError, ValueError):  # no place to write, or no scene file can say it
+        # The folder is not writable, or the scene cannot be expressed as a scene file.
+        with contextlib.suppress(OSError, ValueError):
             self.host.unsaved_file.write(self.session.to_scene().to_toml())
 
 
 def _changed(path: Path) -> float:
-    """When a file was written last; 0 for one that is gone."""
+    """Return the modification time of a file, or 0 if the file does not exist any more."""
     try:
         return path.stat().st_mtime
     except OSError:
@@ -113,7 +119,7 @@ def _changed(path: Path) -> float:
 
 
 def _lock(file: IO[bytes]) -> None:
-    """Lock an open file until it is closed. OSError where it is locked already."""
+    """Lock an open file until it is closed. Raise OSError if it is already locked."""
     if sys.platform == "win32":
         import msvcrt
 

@@ -1,4 +1,6 @@
-"""Widgets that pygame_gui lacks: a slider that is clicked and stepped, a named line to type in, both for one number; icons."""
+"""Widgets that pygame_gui lacks: a slider with click and key support, a named text field, the pair of both for a
+number, and icons.
+"""
 
 from __future__ import annotations
 
@@ -17,11 +19,11 @@ from softcradle.sandbox.session.editable_numbers import Parameter
 from softcradle.sandbox.story.numbers import MINUS
 from softcradle.sandbox.window.page import Host
 
-STEP = 0.01  # of the range, for an arrow key
-PAGE = 0.1  # of the range, for Page Up and Page Down
-ENTRY = 92.0  # design pixels of the box of a number
-SWEEP = 26.0  # design pixels of the button for a sweep
-PRESS = (pygame.K_RETURN, pygame.K_KP_ENTER, pygame.K_SPACE)  # keys that press the button in focus
+STEP = 0.01  # Fraction of the range by which an arrow key moves.
+PAGE = 0.1  # Fraction of the range by which Page Up and Page Down move.
+ENTRY = 92.0  # Width of the text field of a number in design pixels.
+SWEEP = 26.0  # Width of the button for a sweep in design pixels.
+PRESS = (pygame.K_RETURN, pygame.K_KP_ENTER, pygame.K_SPACE)  # Keys that press the button in focus.
 KEYS = {
     pygame.K_LEFT: -STEP,
     pygame.K_DOWN: -STEP,
@@ -35,12 +37,12 @@ KEYS = {
 
 
 class Slider(UIHorizontalSlider):
-    """A slider from 0 to 1; its `name` is for screen readers."""
+    """A slider from 0 to 1; screen readers read its `name`."""
 
     name = ""
 
     def process_event(self, event: pygame.Event) -> bool:
-        """A press on the track takes the button there; it can then be dragged on."""
+        """Move the button to a press on the track; the user can then drag it on."""
         if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1 and self.is_enabled:
             button, point = self.sliding_button, self.ui_manager.calculate_scaled_mouse_position(event.pos)
             if button is not None and self.rect.collidepoint(point) and not button.rect.collidepoint(point):
@@ -51,7 +53,7 @@ class Slider(UIHorizontalSlider):
         return bool(super().process_event(event))
 
     def move_by(self, step: float) -> None:
-        """Move by a part of the range, as the arrow keys do."""
+        """Move the value by `step`, as a fraction of the range. The arrow keys use this."""
         self._move_to(self.get_current_value() + step)
 
     def _move_to(self, share: float) -> None:
@@ -60,38 +62,38 @@ class Slider(UIHorizontalSlider):
         self._update_data_and_fire_events_when_moved()
 
     def rebuild_button(self) -> None:
-        """Put the button where the value is, at once."""
+        """Move the button to the present value at once."""
         self.scroll_position = round(self.current_percentage * self.scrollable_width)
         if self.sliding_button is not None:
             self.sliding_button.set_relative_position((self.scroll_position + self.arrow_button_width, 0))
 
 
-REPEAT = 350, 45  # milliseconds until a key that is held repeats, and between its repeats
+REPEAT = 350, 45  # Milliseconds until a held key repeats, and between its repeats.
 
 
 class _Typed(UIElement):
-    """What is typed in; its `name` is for screen readers."""
+    """A text field; screen readers read its `name`."""
 
     name = ""
 
     def unfocus(self) -> None:
-        """Leave it; pygame_gui would let no key repeat any more."""
+        """Remove the focus and restore the key repetition, which pygame_gui switches off."""
         super().unfocus()
         pygame.key.set_repeat(*REPEAT)
 
 
 class TextEntry(_Typed, UITextEntryLine):
-    """A line to type in."""
+    """A text field with one line."""
 
 
 class TextBox(_Typed, UITextEntryBox):
-    """Lines to type in."""
+    """A text field with several lines."""
 
 
 Point = tuple[float, float]
 Shape = Sequence[Sequence[Point]]
 
-# Polygons on a square from -1 to 1.
+# Polygons of the icons, in a square from -1 to 1.
 _BAR_LEFT: Sequence[Point] = ((-0.9, -0.9), (-0.62, -0.9), (-0.62, 0.9), (-0.9, 0.9))
 SHAPES: dict[str, Shape] = {
     "play": (((-0.7, -1.0), (1.0, 0.0), (-0.7, 1.0)),),
@@ -116,7 +118,7 @@ SHAPES: dict[str, Shape] = {
 
 
 def _restart(fine: pygame.Surface, colour: Colour, centre: Point, size: float) -> None:
-    """An arrow along a circle."""
+    """Draw an arrow along a circle."""
     box = pygame.Rect(0, 0, round(1.7 * size), round(1.7 * size))
     box.center = (round(centre[0]), round(centre[1]))
     pygame.draw.arc(fine, colour, box, 0.9, 6.6, max(2, round(0.26 * size)))
@@ -131,7 +133,7 @@ _DRAWN: dict[str, Callable[[pygame.Surface, Colour, Point, float], None]] = {"re
 
 @cached_surfaces(1)
 def icon(name: str, size: int, colour: Colour) -> pygame.Surface:
-    """The icon `name`, `size` pixels wide and high, on a transparent surface."""
+    """Return the icon `name`, `size` pixels wide and high, on a transparent surface."""
     fine = pygame.Surface((4 * size, 4 * size), pygame.SRCALPHA, 32)
     fine.fill((*colour, 0))
     half = 2.0 * size
@@ -144,18 +146,20 @@ def icon(name: str, size: int, colour: Colour) -> pygame.Surface:
 
 
 def draw_icon(surface: pygame.Surface, name: str, centre: Point, size: float, colour: Colour) -> None:
-    """Draw it about `centre`."""
+    """Draw the icon `name` with its centre at `centre`."""
     image = icon(name, max(6, round(size)), colour)
     surface.blit(image, image.get_rect(center=(round(centre[0]), round(centre[1]))))
 
 
 def fits(text: str, rect: pygame.Rect, size: float) -> bool:
-    """Whether `rect` has room for all of `text`."""
+    """Return True if the whole `text` fits into `rect`."""
     return not text or 1.4 * size * len(wrapped(text, size, rect.width)) <= rect.height
 
 
 def write_wrapped(surface: pygame.Surface, text: str, rect: pygame.Rect, size: float, tint: Colour) -> float:
-    """Write the lines of `text` for which `rect` has room, with an ellipsis where there are more; returns where they end."""
+    """Draw the lines of `text` that fit into `rect`, and an ellipsis if lines are left out. Return the bottom edge of
+    the text.
+    """
     lines, pitch = wrapped(text, size, rect.width), 1.4 * size
     room = max(0, int(rect.height // pitch))
     for k, line in enumerate(lines[:room]):
@@ -165,7 +169,9 @@ def write_wrapped(surface: pygame.Surface, text: str, rect: pygame.Rect, size: f
 
 
 def paint_whole(surface: pygame.Surface, text: str, corner: tuple[int, int], wide: int, unit: float) -> None:
-    """Draw all of a `text` for which there was no room, in a box whose lower right `corner` is given."""
+    """Draw the complete `text` in a box whose lower right corner is `corner`. It is used for a text that is cut
+    elsewhere.
+    """
     size, room = 13 * unit, wide - 24 * unit
     box = pygame.Rect(0, 0, wide, round(1.4 * size * len(wrapped(text, size, room)) + 20 * unit))
     box.bottomright = corner
@@ -176,7 +182,11 @@ def paint_whole(surface: pygame.Surface, text: str, corner: tuple[int, int], wid
 
 
 def split(rect: pygame.Rect, sizes: Sequence[float], unit: float, gap: float = 8.0) -> list[pygame.Rect]:
-    """Rectangles side by side in `rect`, `sizes` wide and `gap` apart [design pixels]; those of size 0 share what is left."""
+    """Divide `rect` into rectangles side by side.
+
+    `sizes` are their widths and `gap` is their distance [design pixels]. Rectangles of size 0 share the remaining
+    width.
+    """
     spare = rect.width - unit * (sum(sizes) + gap * (len(sizes) - 1))
     share = max(0.0, spare / max(1, list(sizes).count(0)))
     found, x = [], float(rect.left)
@@ -188,15 +198,15 @@ def split(rect: pygame.Rect, sizes: Sequence[float], unit: float, gap: float = 8
 
 
 def stack(rect: pygame.Rect, heights: Sequence[float], unit: float, gap: float = 8.0) -> list[pygame.Rect]:
-    """Rectangles below each other in `rect`, likewise."""
+    """Divide `rect` into rectangles below each other, as `split` does from left to right."""
     turned = split(pygame.Rect(rect.top, rect.left, rect.height, rect.width), heights, unit, gap)
     return [pygame.Rect(one.top, one.left, one.height, one.width) for one in turned]
 
 
 def number(text: str) -> float:
-    """A typed number: 0.1, 1e-3, 1/14, also with a comma or a minus sign of typography.
+    """Return a typed number such as 0.1, 1e-3 or 1/14. A decimal comma and a typographic minus sign are accepted.
 
-    ValueError where it is none, or not finite: a wall is made by its button, not by 1e999.
+    Raise ValueError if the text is not a finite number. (A wall is made with its button, not by typing 1e999.)
     """
     cleaned = text.replace(MINUS, "-").replace(",", ".").strip()
     numerator, slash, denominator = cleaned.partition("/")
@@ -213,8 +223,8 @@ class Control:
     """The widgets of one parameter.
 
     Attributes:
-        shown: the value in the box.
-        typed: whether the box had the focus in the last frame.
+        shown: value in the text field.
+        typed: True if the text field had the focus in the last frame.
     """
 
     parameter: Parameter
@@ -226,21 +236,26 @@ class Control:
 
     @property
     def grabbed(self) -> bool:
-        """Whether the slider is held."""
+        """True while the user holds the slider."""
         return bool(self.slider.sliding_button is not None and self.slider.sliding_button.held)
 
     def left_text(self) -> str | None:
-        """What was typed into the box, if it has been left since the last frame and shows another number."""
+        """Return the typed text if the field has lost the focus since the last frame and its number has changed;
+        otherwise None.
+        """
         left, self.typed = self.typed and not self.entry.is_focused, self.entry.is_focused
         return self.new_text() if left else None
 
     def new_text(self) -> str | None:
-        """What is in the box, if it is not the number that was shown there, which has more digits than can be seen."""
+        """Return the text in the field if it differs from the displayed form of the value, otherwise None.
+
+        The value itself has more digits than the field displays.
+        """
         text = str(self.entry.get_text())
         return text if text != number_text(self.shown) else None
 
     def show(self, parameter: Parameter, force: bool, with_slider: bool) -> None:
-        """Show another value; a number that is being typed, and a slider that is held, are left as they are."""
+        """Show another value. A number that is being typed and a slider that is being held do not change."""
         self.parameter = parameter
         if (number_text(parameter.value) == number_text(self.shown) and not force) or self.entry.is_focused:
             return
@@ -260,7 +275,9 @@ class Control:
 def parameter_control(
     host: Host, rect: pygame.Rect, parameter: Parameter, y: float, sweep: Callable[[], None] | None = None
 ) -> Control:
-    """The widgets of `parameter` in the panel `rect`, from the height `y` on; `sweep` is done by a button of its own, if any."""
+    """Create the widgets of `parameter` in the panel `rect`, below the height `y`. If there is a `sweep`, add a button
+    for it.
+    """
     unit, manager, left, right = host.unit, host.manager, rect.left, rect.right
     place = pygame.Rect(round(right - ENTRY * unit), round(y), round(ENTRY * unit), round(25 * unit))
     entry = TextEntry(place, manager, initial_text=number_text(parameter.value))
@@ -269,7 +286,7 @@ def parameter_control(
     button = None
     if sweep:
         tip = _("{name}: try nine values at once", name=_(parameter.name))
-        top, foot = entry.rect.bottom, round(y + 39 * unit)  # its text is higher than the slider
+        top, foot = entry.rect.bottom, round(y + 39 * unit)  # The text of the button is higher than the slider.
         place = pygame.Rect(right - wide, top, wide, foot - top)
         button = UIButton(place, "…", manager, object_id="#chip", tool_tip_text=tip, command=sweep)
     slider = Slider(bar, parameter.share(), (0.0, 1.0), manager)
@@ -278,5 +295,7 @@ def parameter_control(
 
 
 def number_text(value: float) -> str:
-    """A number as the box shows it; nothing for nan, of several that differ."""
+    """Return a number as the text field displays it. NaN, which stands for several different values, gives an empty
+    text.
+    """
     return "" if math.isnan(value) else localized(f"{value:.5g}")
