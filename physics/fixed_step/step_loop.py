@@ -210,7 +210,7 @@ def log_switches(before, time, graph, motion, log):
         if now:
             closed += 1
             # a coupler couples as soon as it closes
-            if graph.kind.size:
+            if graph.coupled.size:
                 graph.coupled[i] = 1
         if now != (log.closed[i] != 0):
             # extrapolate back along the straight line, but not beyond this step

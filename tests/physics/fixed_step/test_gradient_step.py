@@ -7,12 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, Contact, Coupler, State, draft_gear, hertz, hooke, power_law, step_force
+from softcradle.physics import Chain, Contact, Coupler, OwnLaw, State, draft_gear, hertz, hooke, power_law, step_force
 from softcradle.physics.chain import GRAVITY
 from softcradle.physics.fixed_step import discrete_gradient
 from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS, gradient_step, gradient_steps, single_step
 from softcradle.physics.numerics.contact_solve import BEAD_ROWS, UNKNOWN, row_residual, slide, sweep
 from softcradle.physics.numerics.records import COUNTERS, EVALUATION, UNCONVERGED
+from softcradle.physics.simulation import solve
 
 from tests.helpers.plain_kernels import only_plain, records_of
 from tests.helpers.random_chains import random_collision, random_dissipative
@@ -276,3 +277,13 @@ def test_a_sweep_solves_each_row_alone_from_either_side(off, monkeypatch):
             step(chain, state, h)
     assert len(seen) > 30
     assert max(seen) <= 1e-12
+
+
+@pytest.mark.parametrize("method", ["euler", "verlet", "conserving"])
+def test_a_user_defined_law_writes_no_flag_of_a_coupler(method):
+    """Without couplers the array of these flags is empty. Compiled code would write beyond its end."""
+    own, built_in = (
+        solve(Chain([1.0] * 3, law), [1.0, 0.0, 0.0], duration=0.5, method=method, step=0.05)
+        for law in (OwnLaw(lambda overlap: 10.0 * overlap), hooke(10.0))
+    )
+    assert own.final_velocity == pytest.approx(built_in.final_velocity, rel=1e-9, abs=1e-12)
