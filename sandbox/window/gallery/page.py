@@ -1,4 +1,4 @@
-"""The page of the gallery: sections of scenes, a card for each with thumbnail, title and text, and a search."""
+"""The gallery page: sections of scenes, a card with picture, title and text for each scene, and a search field."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from softcradle.scenes import Scene, SceneError, load, names
 
 
 class Section(NamedTuple):
-    """A title and the names of scenes below it."""
+    """A title and the names of the scenes below it."""
 
     title: str
     names: tuple[str, ...]
@@ -52,13 +52,16 @@ SECTIONS = (
     Section(N_("Cradles"), (HANGING_NAME, "hooke-cradle")),
     Section(N_("Trains"), ("train-solid", "train-cut", "train-starting", "train-braking")),
 )
-REST = N_("More")  # title above scenes that no section names
-MINE = N_("My scenes")  # title above files that were opened or saved last
-FOUND = N_("Found")  # title above what a search has found
+REST = N_("More")  # Title above the scenes that belong to no section.
+MINE = N_("My scenes")  # Title above the files that were opened or saved last.
+FOUND = N_("Found")  # Title above the scenes that match a search.
 
 
 def sections_of(names: Sequence[str], mine: Sequence[str] = ()) -> list[Section]:
-    """The sections of those scenes, files of one's `mine` after the first; scenes of none come last."""
+    """Return the sections that contain the scenes `names`.
+
+    The user's files `mine` follow the first section. Scenes that belong to no section come last.
+    """
     listed = {name for section in SECTIONS for name in section.names} | set(mine)
     rest = Section(REST, tuple(name for name in names if name not in listed))
     order = (SECTIONS[0], Section(MINE, tuple(mine)), *SECTIONS[1:], rest)
@@ -67,8 +70,10 @@ def sections_of(names: Sequence[str], mine: Sequence[str] = ()) -> list[Section]
 
 
 def found(captions: Mapping[str, Sequence[str]], search: str) -> list[str]:
-    """Names of the scenes whose captions, the title first, contain every word of the search; those in whose title they all
-    are come first, then those with words that begin so."""
+    """Return the names of the scenes whose captions contain every word of the search. The title is the first caption.
+
+    Scenes with all words in their title come first, then scenes with words that begin with the searched words.
+    """
     words = search.lower().split()
 
     def rank(name: str) -> tuple[bool, bool]:
@@ -79,22 +84,22 @@ def found(captions: Mapping[str, Sequence[str]], search: str) -> list[str]:
     return sorted((name for name, text in texts.items() if all(word in text for word in words)), key=rank)
 
 
-MARGIN = 34.0  # design pixels on the left and right
-HEADER = 90.0  # design pixels
-GUTTER = 20.0  # design pixels between two cards
-COLUMN = 285.0  # design pixels, the least width of a card
-CAPTION = 82.0  # design pixels below a picture
-SECTION_TITLE = 30.0  # design pixels of the title of a section
-BAR = 10.0  # design pixels, the width of the bar
+MARGIN = 34.0  # Margin on the left and right in design pixels.
+HEADER = 90.0  # Height of the header in design pixels.
+GUTTER = 20.0  # Distance between two cards in design pixels.
+COLUMN = 285.0  # Smallest width of a card in design pixels.
+CAPTION = 82.0  # Height of the caption below a picture in design pixels.
+SECTION_TITLE = 30.0  # Height of a section title in design pixels.
+BAR = 10.0  # Width of the scroll bar in design pixels.
 
 
 class CardGrid:
-    """Where cards are.
+    """Layout of the cards.
 
     Attributes:
         columns: number of cards in a row.
-        picture_size: of each card's picture [pixels].
-        scroll: pixels that are scrolled out of sight above.
+        picture_size: size of the picture on each card [pixels].
+        scroll: distance by which the page is scrolled down [pixels].
     """
 
     def __init__(self) -> None:
@@ -105,7 +110,7 @@ class CardGrid:
         self.dragged = False
 
     def arrange(self, size: tuple[int, int], unit: float, sections: Sequence[Section]) -> None:
-        """Find the places for a window of `size`."""
+        """Place the cards in a window of `size`."""
         self.size, self.unit = size, unit
         inner = size[0] - 2 * MARGIN * unit
         self.columns = max(1, int((inner + GUTTER * unit) // ((COLUMN + GUTTER) * unit)))
@@ -126,21 +131,21 @@ class CardGrid:
         self.scroll_by(0.0)
 
     def place(self, k: int) -> pygame.Rect:
-        """Rectangle of card `k` on screen."""
+        """Return the rectangle of card `k` on screen."""
         return self._cards[k].move(0, -round(self.scroll))
 
     def titles(self) -> list[tuple[str, float]]:
-        """Titles of the sections and where they are on screen."""
+        """Return the titles of the sections and their vertical positions on screen."""
         return [(title, y - self.scroll) for title, y in self._titles]
 
     def card_at(self, point: tuple[int, int]) -> int | None:
-        """The visible card at `point`, or None."""
+        """Return the index of the visible card at `point`, or None."""
         if point[1] < HEADER * self.unit:
             return None
         return next((k for k in range(len(self._cards)) if self.place(k).collidepoint(point)), None)
 
     def neighbour(self, k: int, by: int) -> int:
-        """The card nearest to card `k` in the next row below (1) or above (-1); `k` itself where there is none."""
+        """Return the card nearest to card `k` in the next row below (1) or above (-1), or `k` if there is no such row."""
         here = self._cards[k]
         rows = sorted({card.top for card in self._cards if (card.top - here.top) * by > 0}, reverse=by < 0)
         if not rows:
@@ -149,7 +154,7 @@ class CardGrid:
         return min(row, key=lambda j: abs(self._cards[j].left - here.left))
 
     def show(self, k: int) -> None:
-        """Scroll until card `k` is in sight."""
+        """Scroll until card `k` is visible."""
         card = self.place(k)
         top, bottom = (HEADER + SECTION_TITLE) * self.unit, self.size[1] - 10
         if card.top < top:
@@ -158,11 +163,11 @@ class CardGrid:
             self.scroll_by(card.bottom - bottom)
 
     def scroll_by(self, pixels: float) -> None:
-        """Scroll, as far as there are cards."""
+        """Scroll by `pixels`, at most to the first or last card."""
         self.scroll = min(max(self.scroll + pixels, 0.0), max(0.0, self._full - self.size[1]))
 
     def _bar(self) -> tuple[pygame.Rect, pygame.Rect] | None:
-        """Track and knob of the bar; None where everything is in sight."""
+        """Return the track and knob of the scroll bar, or None if all cards are visible."""
         top, unit = round(HEADER * self.unit), self.unit
         if self._full <= self.size[1]:
             return None
@@ -174,7 +179,7 @@ class CardGrid:
         return track, knob
 
     def handle(self, event: pygame.Event) -> bool:
-        """Drag the knob; a press on the track takes it there."""
+        """Handle events of the scroll bar: the knob can be dragged, and a press on the track moves the knob there."""
         bar = self._bar()
         if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1 and bar is not None:
             track, knob = bar
@@ -191,7 +196,7 @@ class CardGrid:
         return False
 
     def paint_bar(self, surface: pygame.Surface) -> None:
-        """Draw the bar."""
+        """Draw the scroll bar."""
         bar = self._bar()
         if bar is not None:
             track, knob = bar
@@ -199,14 +204,15 @@ class CardGrid:
             pygame.draw.rect(surface, tones.muted if self.dragged else tones.faint, knob, border_radius=5)
 
 
-HOVERED_OPACITY = 24  # of 255, of the tint of the card under the pointer
-PRESSED_OPACITY = 48  # of 255, of the same card while the button is down
+HOVERED_OPACITY = 24  # Opacity of the tint of the card under the pointer, from 0 to 255.
+PRESSED_OPACITY = 48  # Opacity of this tint while the mouse button is down, from 0 to 255.
 
 
 def _beginning(text: str, ends: Sequence[str], size: float, room: float, most: int) -> list[str]:
-    """The lines of `text` up to the last of its parts that `most` lines hold; of the first one at least.
+    """Return the lines of the longest beginning of `text` that fits into `most` lines and ends with a complete part.
 
-    The first of `ends` end its parts, the next ones the parts of a first part that is too long.
+    The first string in `ends` contains the characters that end a part. If even the first part is too long, it is
+    divided at the characters of the next string.
     """
     parts = re.findall(rf".+?(?:[{ends[0]}](?= )|$)", text) or [""]
     wholes = ("".join(parts[: k + 1]).strip(" ;:,") for k in range(len(parts) - 1, -1, -1))
@@ -220,7 +226,7 @@ def _beginning(text: str, ends: Sequence[str], size: float, room: float, most: i
 
 
 def paint_caption(surface: pygame.Surface, caption: tuple[str, str, str], picture: pygame.Rect, unit: float) -> None:
-    """Title, whole sentences of the text and what of the source stands by itself, in four lines below the `picture`."""
+    """Draw the title, whole sentences of the text and the beginning of the source, in four lines below the `picture`."""
     (title, text, source), room = caption, picture.width - 20 * unit
     x, y = picture.left + 10 * unit, picture.bottom + 7 * unit
     first, *rest = wrapped(title, 16 * unit, room, bold=True)
@@ -235,7 +241,10 @@ def paint_caption(surface: pygame.Surface, caption: tuple[str, str, str], pictur
 
 
 def paint_border(surface: pygame.Surface, place: pygame.Rect, hovered: bool, pressed: bool) -> None:
-    """The border, and a tint under the pointer; widgets for it took 100 MB, and a third of a second to make."""
+    """Draw the border of a card, and a tint under the pointer.
+
+    Buttons would need 100 MB for all cards and a third of a second to create.
+    """
     if hovered:
         tint = pygame.Surface(place.size, pygame.SRCALPHA, 32)
         tint.fill((*tones.accent, PRESSED_OPACITY if pressed else HOVERED_OPACITY))
@@ -244,34 +253,34 @@ def paint_border(surface: pygame.Surface, place: pygame.Rect, hovered: bool, pre
 
 
 def _written(paths: Sequence[str]) -> list[tuple[str, int]]:
-    """Each path, and when its file was written [ns since 1970]; 0 where there is none."""
+    """Return each path with the modification time of its file [ns since 1970], or 0 if the file does not exist."""
     return [(path, os.stat(path).st_mtime_ns if os.path.exists(path) else 0) for path in paths]
 
 
-SCROLL = 60.0  # design pixels for a notch of the wheel
-SEARCH = 220.0  # design pixels of the line for the search
+SCROLL = 60.0  # Scroll distance per notch of the wheel, in design pixels.
+SEARCH = 220.0  # Width of the search field in design pixels.
 
 
 class GalleryPage(Page):
-    """All scenes of the catalogue; `choose(name)` is called with the one that is clicked.
+    """All scenes of the catalogue; `choose(name)` is called when a card is clicked.
 
     Attributes:
-        names: of the scenes that are shown, in the order of their cards.
-        selected: number of the card that Enter opens.
-        grid: the places of the cards.
+        names: names of the visible scenes in the order of their cards.
+        selected: index of the card that Enter opens.
+        grid: layout of the cards.
     """
 
     def __init__(self, host: Host, choose: Callable[[str], None]) -> None:
         self.host, self.choose = host, choose
         self.scenes = {name: load(name) for name in names()}
         self.mine: list[str] = []
-        self.recent: list[tuple[str, int]] = []  # paths, and when these files were written
+        self.recent: list[tuple[str, int]] = []  # Paths of recent files, with their modification times.
         self.captions: dict[str, tuple[str, str, str]] = {}
         self._take_language()
         self.pictures: dict[str, pygame.Surface] = {}
-        self.made_for = "", ""  # theme and language of the pictures
-        self.english: list[str] = []  # scenes whose pictures are shown as in English, until they are drawn
-        self.drawing: str | None = None  # one that is
+        self.made_for = "", ""  # Theme and language of the present pictures.
+        self.english: list[str] = []  # Scenes whose English pictures still have to be redrawn.
+        self.drawing: str | None = None  # The scene that is being redrawn.
         self.scaled: dict[tuple[str, tuple[int, int]], pygame.Surface] = {}
         self.selected, self.search = 0, ""
         self.pressed: int | None = None
@@ -292,18 +301,19 @@ class GalleryPage(Page):
         }
 
     def _take_mine(self) -> None:
-        """Take the scene files that were opened or saved last, as they are now."""
+        """Load the recently opened or saved scene files in their present state."""
         for path in self.mine:
             del self.scenes[path]
         self.mine, self.recent = [], _written(self.host.settings.recent)
         for path, _time in self.recent:
-            with contextlib.suppress(SceneError, ValueError, OSError):  # it is gone, or no scene: it has no card
+            # A file that was removed or is not a scene gets no card.
+            with contextlib.suppress(SceneError, ValueError, OSError):
                 if path.lower().endswith(".toml"):
                     self.scenes[path] = load(path)
                     self.mine.append(path)
 
     def _take_language(self) -> None:
-        """Take the captions in the language in use."""
+        """Set the captions in the present language."""
         own = {name: (scene.title, scene.text, scene.source) for name, scene in self.scenes.items()}
         own[HANGING_NAME] = (HANGING_TITLE, HANGING_TEXT, HANGING_SOURCE)
         self.captions = {
@@ -312,7 +322,10 @@ class GalleryPage(Page):
         }
 
     def _take_pictures(self) -> None:
-        """Take the thumbnails of the present theme and language; what has English numbers is shown until it is drawn anew."""
+        """Load the thumbnails for the present theme and language.
+
+        Thumbnails that exist only with English numbers are shown until they are redrawn.
+        """
         self.made_for = theme, code = self.host.settings.theme, language()
         self.pictures, self.english = {HANGING_NAME: hanging_thumbnail(thumbnails.SIZE)}, []
         for name, scene in self.scenes.items():
@@ -327,47 +340,47 @@ class GalleryPage(Page):
                 self.pictures[name] = picture
 
     def _draw(self, name: str) -> None:
-        """Draw the thumbnail of a scene once the thread behind knows its motion."""
+        """Draw the thumbnail of a scene after the background thread has computed its motion."""
         scene = self.scenes[name]
         self.host.warmup.submit(partial(self._take_thumbnail, name, scene), partial(motions_ahead, scene))
 
     def update(self, seconds: float) -> None:
-        """Have the next of the English pictures drawn anew, one at a time, when the thread behind has nothing better to do."""
+        """Redraw the English thumbnails in the present language, one at a time, while the background thread is idle."""
         if self.english and self.drawing is None and self.host.warmup.complete.is_set():
             self.drawing = self.english.pop(0)
             self._draw(self.drawing)
 
     @property
     def typing(self) -> bool:  # type: ignore[override]
-        """Whether keys go into the search."""
+        """True if keys go into the search field."""
         return self.entry is not None and self.entry.is_focused
 
     def cancel_typing(self) -> None:
-        """Show all scenes again."""
+        """Clear the search and show all scenes."""
         self.host.manager.set_focus_set(None)
         if self.entry is not None:
             self.entry.set_text("")
         self._search("")
 
     def leave(self) -> None:
-        """Show all scenes again after a search; else there is nothing to leave."""
+        """Clear the search and show all scenes. Without a search, show how to quit."""
         if self.search:
             self.cancel_typing()
         else:
             self.host.messages.hint(_("Ctrl+Q quits"))
 
     def focus_search(self) -> None:
-        """Let keys go into the search, in place of what was searched for before."""
+        """Give the focus to the search field and select its text, so that typing replaces it."""
         if self.entry is not None:
             self.host.manager.set_focus_set({self.entry})
             self.entry.select_range = [0, len(self.entry.get_text())]
 
     def let_go(self) -> None:
-        """Let go of the bar."""
+        """Release the scroll bar."""
         self.grid.dragged = False
 
     def build(self) -> None:
-        """Make the line for the search, and find the places of the cards for the host's size and unit."""
+        """Create the search field and place the cards for the size and unit of the host."""
         unit, width = self.host.unit, self.host.size[0]
         left = width - round((MARGIN + SEARCH) * unit)
         place = pygame.Rect(left, round(18 * unit), round(SEARCH * unit), round(30 * unit))
@@ -377,7 +390,7 @@ class GalleryPage(Page):
         self.scaled.clear()
         if self.recent != _written(self.host.settings.recent):
             self._take_mine()
-            self.made_for = "", ""  # their pictures are to be made
+            self.made_for = "", ""  # Force the pictures of the changed files to be made.
         self._take_language()
         if self.made_for != (self.host.settings.theme, language()):
             self._take_pictures()
@@ -406,16 +419,16 @@ class GalleryPage(Page):
         self.select(self.selected + by)
 
     def step_row(self, by: int) -> None:
-        """Move the selection to the nearest card of another row."""
+        """Move the selection to the nearest card in the next row below (1) or above (-1)."""
         if self.names:
             self.select(self.grid.neighbour(self.selected, by))
 
     def handle(self, event: pygame.Event) -> bool:
-        """Clicks, wheel, the search, and keys that move or open."""
+        """Handle the search field, the scroll bar, clicks, the wheel, and keys that move the selection or open a scene."""
         return self._typed(event) or self.grid.handle(event) or self._clicked(event) or self._key(event)
 
     def _typed(self, event: pygame.Event) -> bool:
-        """What was typed into the search."""
+        """Handle events of the search field."""
         if event.type == pygame_gui.UI_TEXT_ENTRY_CHANGED and event.ui_element is self.entry:
             self._search(event.text)
             return True
@@ -427,7 +440,7 @@ class GalleryPage(Page):
         return False
 
     def _clicked(self, event: pygame.Event) -> bool:
-        """Clicks on cards, and the wheel."""
+        """Handle clicks on cards and the wheel."""
         if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
             self.pressed = self.grid.card_at(event.pos)
             return self.pressed is not None
@@ -442,7 +455,7 @@ class GalleryPage(Page):
         return False
 
     def _key(self, event: pygame.Event) -> bool:
-        """Keys that move or open."""
+        """Handle keys that move the selection or open a scene."""
         if event.type != pygame.KEYDOWN or self.typing:
             return False
         if event.key in (pygame.K_RETURN, pygame.K_KP_ENTER) and self.names:
@@ -455,7 +468,7 @@ class GalleryPage(Page):
         return True
 
     def _take_thumbnail(self, name: str, scene: Scene, motions: object) -> None:
-        """Draw the thumbnail of a scene whose motion is known now, of its start where that failed; not without a card."""
+        """Draw the thumbnail of a scene from its computed motion, or from its start if the computation failed."""
         if self.drawing == name:
             self.drawing = None
         if self.scenes.get(name) is not scene:
@@ -469,7 +482,7 @@ class GalleryPage(Page):
 
     @property
     def moving(self) -> bool:  # type: ignore[override]
-        """Whether thumbnails are still to come."""
+        """True while thumbnails are missing."""
         return len(self.pictures) < len(self.captions)
 
     def paint(self, surface: pygame.Surface) -> None:
@@ -512,7 +525,7 @@ class GalleryPage(Page):
             pygame.draw.rect(surface, tones.foreground, frame, max(2, round(2 * unit)))
 
     def _image(self, name: str) -> pygame.Surface | None:
-        """The picture of a scene at its present size, or None."""
+        """Return the picture of a scene at its present size, or None."""
         if name not in self.pictures:
             return None
         key = (name, self.grid.picture_size)
@@ -521,6 +534,6 @@ class GalleryPage(Page):
         return self.scaled[key]
 
     def close(self) -> None:
-        """Drop the scaled pictures; where it was scrolled to stays."""
+        """Discard the scaled pictures but keep the scroll position."""
         self.scaled.clear()
         self.pressed = None

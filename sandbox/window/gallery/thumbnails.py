@@ -1,4 +1,4 @@
-"""Thumbnails of scenes, cached on disk under a digest of everything that they are made from."""
+"""Thumbnails of scenes. They are cached on disk under a digest of everything on which they depend."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ from softcradle.sandbox.motion import Motion
 from softcradle.sandbox.window.plots import scales
 from softcradle.scenes import Scene
 
-PICTURES = Path(__file__).parent / "pictures"  # made by `make screenshots`
-SIZE = (578, 250)  # pixels: twice what a gallery at 1280x720 shows
+PICTURES = Path(__file__).parent / "pictures"  # Folder of the thumbnails made by `make screenshots`.
+SIZE = (578, 250)  # Size in pixels: twice the size in a gallery at 1280x720.
 
 
 @lru_cache(maxsize=1)
 def _sources() -> tuple[Path, ...]:
-    """The source files that a thumbnail depends on."""
+    """Return the source files on which a thumbnail depends."""
     drawing = Path(lane_drawing.__file__).parent
     return (*PHYSICS.rglob("*.py"), *drawing.glob("*.py"), Path(scales.__file__), Path(__file__))
 
 
 def cache_folder() -> Path:
-    """The folder of the thumbnails; SOFTCRADLE_CACHE gives another."""
+    """Return the folder of the cached thumbnails. The variable SOFTCRADLE_CACHE sets another folder."""
     given = os.environ.get("SOFTCRADLE_CACHE")
     if given:
         return Path(given)
@@ -41,12 +41,16 @@ def cache_folder() -> Path:
 
 
 def cached_path(scene: Scene, theme: str) -> Path:
-    """The file of the thumbnail of `scene`; another scene, theme, language, drawing or physics has another name."""
+    """Return the path of the thumbnail of `scene`. It changes with the scene, theme, language, drawing code and physics
+    code.
+    """
     return cache_folder() / f"{digest_of(_sources(), theme, language(), scene.model_dump_json())}.png"
 
 
 def shipped(name: str, theme: str) -> pygame.Surface | None:
-    """The thumbnail of a scene of the catalogue in a theme, as it comes with softcradle, with English numbers, or None."""
+    """Return the thumbnail of a catalogue scene that is part of the package, or None. Its numbers are in English
+    notation.
+    """
     try:
         return pygame.image.load(str(PICTURES / theme / f"{name}.png"))
     except (OSError, pygame.error):
@@ -54,7 +58,7 @@ def shipped(name: str, theme: str) -> pygame.Surface | None:
 
 
 def load(scene: Scene, theme: str) -> pygame.Surface | None:
-    """The cached thumbnail, or None."""
+    """Return the cached thumbnail, or None."""
     try:
         return pygame.image.load(str(cached_path(scene, theme)))
     except (OSError, pygame.error):
@@ -62,7 +66,7 @@ def load(scene: Scene, theme: str) -> pygame.Surface | None:
 
 
 def save(scene: Scene, theme: str, thumbnail: pygame.Surface) -> None:
-    """Write `thumbnail` to the cache, if that can be written."""
+    """Write `thumbnail` to the cache, if the folder is writable."""
     from softcradle.physics.atomic_files import output_file
 
     path = cached_path(scene, theme)
@@ -75,7 +79,7 @@ def save(scene: Scene, theme: str, thumbnail: pygame.Surface) -> None:
 
 
 def start_of(scene: Scene) -> list[Motion]:
-    """The start of each lane as a Motion of one row, for a scene whose motion cannot be had."""
+    """Return the start of each lane as a Motion with one row, for a scene whose motion could not be computed."""
     from softcradle.sandbox.session.lane_setup import setup_of
     from softcradle.sandbox.session.live_lane import LiveLane
 
@@ -83,7 +87,7 @@ def start_of(scene: Scene) -> list[Motion]:
 
 
 def paint(scene: Scene, motions: list[Motion]) -> pygame.Surface:
-    """The frame of the greatest force, one lane below the other."""
+    """Draw the frame with the largest force, the lanes below each other."""
     from softcradle.sandbox.film.scene_motion import strongest_row
 
     surface = pygame.Surface(SIZE, 0, 32)

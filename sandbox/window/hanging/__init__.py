@@ -1,1 +1,1 @@
-"""The hanging cradle: soft contacts beside pymunk's rigid ones."""
+"""The hanging cradle, once with soft contacts and once with the rigid contacts of pymunk."""

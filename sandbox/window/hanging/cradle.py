@@ -1,6 +1,6 @@
-"""The hanging cradle: balls on strings in an ordinary pymunk Space, with soft contacts and with pymunk's rigid ones.
+"""The hanging cradle: balls on strings in an ordinary pymunk Space, with soft contacts or with pymunk's rigid contacts.
 
-Both hang from PinJoints under gravity; only the contacts between the balls differ.
+In both cases the balls hang from PinJoints under gravity; only the contacts between the balls differ.
 """
 
 from __future__ import annotations
@@ -17,18 +17,21 @@ from softcradle.physics import Contact, SoftChain, draft_gear, hertz, power_law
 from softcradle.sandbox.languages import N_, NP_, _
 from softcradle.sandbox.story.verdict import BAD, FAIR, GOOD
 
-RADIUS = 0.1  # m, of a ball
-STRING = 1.0  # m
-GRAVITY = 9.81  # m/s^2
-ANGLE = 0.62  # rad, of the strings of the lifted balls
+RADIUS = 0.1  # Radius of a ball [m].
+STRING = 1.0  # Length of a string [m].
+GRAVITY = 9.81  # Gravitational acceleration [m/s^2].
+ANGLE = 0.62  # Initial angle of the strings of the lifted balls [rad].
 BALLS = 5
-FRAME = 1.0 / 60.0  # s, of the model between two pictures at real time
-RATES = (60, 120, 240, 480, 960)  # steps a second; each divides into frames
-RATE = 480  # steps a second at first: at a swing's lowest point a pin joint loses energy in proportion to the step
-MOST_PULL = 60.0  # N, of the pointer on a ball
-LEAST_ENERGY = 1e-9  # J: a cradle with less hangs still
-FAIR_CHANGE = 0.02  # of the energy, the largest that is good: less cannot be seen in the height of a swing
-BAD_CHANGE = 0.10  # of the energy, the largest that is fair
+FRAME = 1.0 / 60.0  # Model time between two pictures at real time [s].
+RATES = (60, 120, 240, 480, 960)  # Selectable numbers of steps per second; each is a multiple of the frame rate.
+# Initial number of steps per second. At the lowest point of a swing, a pin joint loses energy in proportion to the step
+# size.
+RATE = 480
+MOST_PULL = 60.0  # Largest force of the pointer on a ball [N].
+LEAST_ENERGY = 1e-9  # Energy [J] below which a cradle counts as at rest.
+# Relative change of the energy up to which the verdict is good. A smaller change is invisible in the height of a swing.
+FAIR_CHANGE = 0.02
+BAD_CHANGE = 0.10  # Relative change of the energy up to which the verdict is fair.
 
 LAWS: dict[str, Contact] = {
     NP_("button", "steel balls (Hertz)"): hertz(1e6),
@@ -46,12 +49,12 @@ def _pair(vector: Sequence[float]) -> Vector:
 
 
 def anchors() -> list[float]:
-    """Where the strings are fixed [m], such that the balls just touch."""
+    """Return the positions [m] of the upper ends of the strings. Hanging balls just touch."""
     return [2.0 * RADIUS * k for k in range(BALLS)]
 
 
 def start_places(lifted: int) -> list[Vector]:
-    """Centres [m] with the first `lifted` balls pulled aside."""
+    """Return the centres [m] of the balls, with the first `lifted` balls pulled aside."""
     angles = [-ANGLE if k < lifted else 0.0 for k in range(BALLS)]
     return [
         (x + STRING * math.sin(angle), -STRING * math.cos(angle)) for x, angle in zip(anchors(), angles, strict=True)
@@ -59,7 +62,7 @@ def start_places(lifted: int) -> list[Vector]:
 
 
 class EnergyVerdict(NamedTuple):
-    """Level and sentence, and the change of the energy that they follow from (a share)."""
+    """Level and sentence of the energy check, and the relative change of the energy from which they follow."""
 
     level: str
     sentence: str
@@ -68,11 +71,12 @@ class EnergyVerdict(NamedTuple):
 
 @dataclass
 class Cradle:
-    """Balls in a Space of their own.
+    """A cradle in a separate pymunk Space.
 
     Attributes:
-        first, greatest: energy [J] when the pointer last did work on it, and the greatest since.
-        tangled: the left one of the first two balls that have passed each other, or None.
+        first, greatest: energy [J] at the last moment when the pointer did work on the cradle, and the largest energy
+            since then.
+        tangled: index of the left ball of the first two balls that have passed through each other, or None.
     """
 
     space: pymunk.Space
@@ -83,32 +87,34 @@ class Cradle:
 
     @property
     def balls(self) -> list[pymunk.Body]:
-        """From left to right."""
+        """The balls from left to right."""
         return list(self.space.bodies)
 
     @property
     def chain(self) -> SoftChain | None:
-        """The soft contacts; None where pymunk's own act."""
+        """The soft contacts, or None if the cradle uses pymunk's contacts."""
         return next(iter(SoftChain.of(self.space)), None)
 
     def copy(self) -> Cradle:
-        """The same in a Space of its own."""
+        """Return a copy of the cradle in a new Space."""
         made = copy(self)
         made.space = self.space.copy()
         return made
 
     def places(self) -> list[Vector]:
-        """Centres of the balls [m], y upwards from the anchors."""
+        """Return the centres of the balls [m], with y upwards from the anchors."""
         return list(map(_pair, [ball.position for ball in self.balls] if self.chain is None else self.chain.positions))
 
     def energy(self) -> float:
-        """Kinetic, potential and stored energy [J]; 0 for balls that hang at rest."""
+        """Return the kinetic, potential and stored energy [J]; it is 0 if all balls hang at rest."""
         kinetic = sum(0.5 * ball.mass * ball.velocity.length**2 for ball in self.balls)
         heights = (GRAVITY * ball.mass * (STRING + y) for ball, (_x, y) in zip(self.balls, self.places(), strict=True))
         return kinetic + sum(heights) + (0.0 if self.chain is None else self.chain.energy)
 
     def advance(self, steps: int, fresh: bool) -> None:
-        """Move by a frame; a `fresh` one has been pulled at: its energy begins anew."""
+        """Advance by one frame in `steps` steps. If `fresh`, the pointer has done work, so the reference energy is set
+        again.
+        """
         for _step in range(steps):
             self.space.step(FRAME / steps)
         places, energy = self.places(), self.energy()
@@ -117,7 +123,7 @@ class Cradle:
         self.first, self.greatest = (energy, energy) if fresh else (self.first, max(self.greatest, energy))
 
     def verdict(self) -> EnergyVerdict:
-        """How far it can be trusted."""
+        """Return how far the motion can be trusted, judged from the change of its energy."""
         whole = self.first if self.first > LEAST_ENERGY else math.inf
         change, risen = (self.energy() - self.first) / whole, (self.greatest - self.first) / whole
         worst = max(abs(change), risen)
@@ -132,7 +138,9 @@ class Cradle:
 
 
 def make_cradle(law: Contact | None, places: Sequence[Vector]) -> Cradle:
-    """A cradle at rest at `places`; law None: pymunk's own circles of elasticity 1."""
+    """Return a cradle at rest with the balls at `places`. If `law` is None, the contacts are pymunk circles of
+    elasticity 1.
+    """
     space = pymunk.Space()
     space.gravity = (0.0, -GRAVITY)
     balls = tuple(pymunk.Body(mass=1.0, moment=math.inf) for _place in places)
@@ -151,14 +159,14 @@ def make_cradle(law: Contact | None, places: Sequence[Vector]) -> Cradle:
 
 
 class HangingModel:
-    """Both cradles, side by side; they run forwards alone: what is asked of time is asked of the scenes.
+    """Both cradles, side by side. They only run forwards; looking back in time is possible only in scenes.
 
     Attributes:
-        law: name of the soft contacts' law, from LAWS.
-        lifted: how many balls are lifted at the start.
-        rate: steps a second.
+        law: name in LAWS of the law of the soft contacts.
+        lifted: number of balls that are lifted at the start.
+        rate: number of steps per second.
         cradles: (soft, rigid).
-        time: [s].
+        time: model time [s].
     """
 
     def __init__(self, law: str = next(iter(LAWS)), lifted: int = 1, rate: int = RATE) -> None:
@@ -170,16 +178,16 @@ class HangingModel:
         places = start_places(self.lifted)
         self.cradles: tuple[Cradle, ...] = (make_cradle(LAWS[self.law], places), make_cradle(None, places))
         self.time = 0.0
-        self._fresh = False  # whether the pointer has done work since the last frame
+        self._fresh = False  # True if the pointer has done work since the last frame.
         self._pointer: tuple[pymunk.Space, pymunk.Body, Any] | None = None
 
     @property
     def pulled(self) -> bool:
-        """Whether the pointer pulls a ball."""
+        """True while the pointer pulls a ball."""
         return self._pointer is not None
 
     def copy(self) -> HangingModel:
-        """The same motion, which goes on by itself to the last digit; no pointer holds it."""
+        """Return a copy without the pointer, which continues the same motion bitwise."""
         made = copy(self)
         made.cradles, made._pointer = tuple(cradle.copy() for cradle in self.cradles), None
         made._fresh = self._fresh or self.pulled
@@ -188,7 +196,7 @@ class HangingModel:
         return made
 
     def advance(self) -> bool:
-        """Move both by a frame; True, for it always can."""
+        """Advance both cradles by one frame. Always return True."""
         self.time += FRAME
         for cradle in self.cradles:
             cradle.advance(round(self.rate * FRAME), self._fresh or self.pulled)
@@ -196,7 +204,7 @@ class HangingModel:
         return True
 
     def hold(self, cradle: int, ball: int, place: Vector) -> None:
-        """Pull a ball towards `place` [m] with at most MOST_PULL; the string still holds."""
+        """Pull a ball towards `place` [m] with at most MOST_PULL. The string still holds the ball."""
         held = self.cradles[cradle]
         if self._pointer is None:
             pointer = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
@@ -208,7 +216,7 @@ class HangingModel:
         self._pointer[1].position = place
 
     def release(self) -> None:
-        """Release the ball; the energies begin anew, for the pointer has done work."""
+        """Release the ball and reset the reference energies, because the pointer has done work."""
         if self._pointer is not None:
             space, _, joint = self._pointer
             space.remove(joint)

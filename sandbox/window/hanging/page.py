@@ -1,4 +1,6 @@
-"""The page of the hanging cradle: soft contacts beside pymunk's rigid ones, and what became of the energy of each."""
+"""The page of the hanging cradle: one cradle with soft contacts, one with pymunk's rigid contacts, and an energy check
+of each.
+"""
 
 from __future__ import annotations
 
@@ -45,12 +47,12 @@ HANGING_TEXT = N_(
     "are solved. Drag a ball and release it."
 )
 NAMES = (N_("soft contacts"), N_("pymunk's rigid collisions"))
-WIDTH, HEIGHT = 2.3, 1.3  # m of a picture
-MOST_STEPS = 100  # that are undone
-HEAD, FOOT = 29.0, 58.0  # design pixels of the name above a cradle, and of what is said below it
-MENU_ROW = 34.0  # design pixels of a menu in the panel
-MENU = 166.0  # design pixels, the width of a menu
-# Of each menu: the field of the model, its name, and the choices.
+WIDTH, HEIGHT = 2.3, 1.3  # Width and height of the picture in metres.
+MOST_STEPS = 100  # Largest number of steps that can be undone.
+HEAD, FOOT = 29.0, 58.0  # Height in design pixels of the name above a cradle and of the energy check below it.
+MENU_ROW = 34.0  # Height of a menu in the panel in design pixels.
+MENU = 166.0  # Width of a menu in design pixels.
+# For each menu: the attribute of the model, the name, and the choices.
 MENUS: tuple[tuple[str, str, Sequence[str]], ...] = (
     ("law", N_("contacts"), tuple(LAWS)),
     ("lifted", N_("balls lifted"), tuple(str(k) for k in range(1, BALLS))),
@@ -59,7 +61,7 @@ MENUS: tuple[tuple[str, str, Sequence[str]], ...] = (
 
 
 class HangingPage(Page):
-    """Both cradles side by side. `leave` goes back to the gallery."""
+    """The page with both cradles side by side. `leave` returns to the gallery."""
 
     title = HANGING_TITLE
 
@@ -67,8 +69,8 @@ class HangingPage(Page):
         self.host, self.leave, self.model = host, leave, HangingModel()
         self.playing, self.pacer = False, FramePacer(clock=host.clock)
         self.time_controls = TimeControls(host, lambda: N_("playing") if self.playing else N_("paused"))
-        self.done: list[HangingModel] = []  # what undo goes back to, the last one last
-        self.held: tuple[int, int] | None = None  # cradle and ball
+        self.done: list[HangingModel] = []  # Earlier states for undo, the newest last.
+        self.held: tuple[int, int] | None = None  # Indices of the cradle and the ball that the pointer holds.
         self.pointer = (0, 0)
         self.film = WindowFilm(host)
         self.toolbar = Toolbar(host, self.film)
@@ -90,21 +92,21 @@ class HangingPage(Page):
 
     @property
     def moving(self) -> bool:  # type: ignore[override]
-        """Whether it plays, holds a ball or is filmed."""
+        """True while the page plays, holds a ball or records a film."""
         return self.playing or self.held is not None or self.film.recording
 
     def _remember(self) -> None:
-        """Let undo go back to the present state."""
+        """Store the present state for undo."""
         self.done = [*self.done, self.model.copy()][-MOST_STEPS:]
 
     def restart(self) -> None:
-        """Begin anew, where something has moved."""
+        """Restart the motion, if it has started."""
         if self.model.time:
             self._remember()
             self.model.restart()
 
     def undo(self) -> None:
-        """Go back to before the last throw, choice or restart."""
+        """Return to the state before the last throw, choice or restart."""
         if not self.done:
             self.host.messages.hint(_("nothing to undo"))
             return
@@ -117,20 +119,20 @@ class HangingPage(Page):
         self.pacer.restart()
 
     def step(self) -> None:
-        """Pause, and go on by a frame."""
+        """Pause and advance by one frame."""
         self.playing = False
         self.model.advance()
 
     def message_place(self, size: tuple[int, int], unit: float) -> pygame.Rect:
-        """Beside the clock, or on the time line."""
+        """Return the rectangle for messages: next to the clock, or on the timeline."""
         return self.time_controls.beside(self.places.footer)
 
     def made_of(self) -> object:
-        """What the menus show, and whether a film is made: menus do not change by themselves."""
+        """Return the values shown by the menus and if a film is recorded. The menus do not update by themselves."""
         return [getattr(self.model, field) for field, _name, _choices in MENUS], self.film.recording
 
     def build(self) -> None:
-        """Make the widgets, in the places of a scene's page."""
+        """Create the widgets, with the same layout as the page of a scene."""
         host, unit = self.host, self.host.unit
         self.places = places = geometry(host.size, unit, 1, (), True)
         self.toolbar.build(places.toolbar, self.actions, self.leave)
@@ -157,7 +159,7 @@ class HangingPage(Page):
         self.pictures = [pygame.Rect(lane.left, top, half, min(room, high)) for lane in self.lanes]
 
     def handle(self, event: pygame.Event) -> bool:
-        """The slider, the menus, and dragging of balls."""
+        """Handle the slider, the menus, and balls that are dragged."""
         if self.time_controls.handle(event):
             return True
         if event.type == pygame_gui.UI_DROP_DOWN_MENU_CHANGED:
@@ -171,13 +173,13 @@ class HangingPage(Page):
         return False
 
     def let_go(self) -> None:
-        """Let the ball that is held swing."""
+        """Release the ball that is held."""
         if self.held is not None:
             self.held = None
             self.model.release()
 
     def _choose(self, event: pygame.Event) -> bool:
-        """Begin anew with what a menu says."""
+        """Restart with the value chosen in a menu."""
         for field, _name, choices in MENUS:
             if event.ui_element is self.menus[field]:
                 chosen = next(choice for choice in choices if pgettext("button", choice) == event.text)
@@ -188,7 +190,7 @@ class HangingPage(Page):
         return False
 
     def _ball_at(self, point: tuple[int, int]) -> tuple[int, int] | None:
-        """Cradle and ball at `point`."""
+        """Return the indices of the cradle and the ball at `point`, or None."""
         for k, (rect, cradle) in enumerate(zip(self.pictures, self.model.cradles, strict=True)):
             for ball, place in enumerate(cradle.places()):
                 if math.dist(point, to_screen(rect, place)) <= RADIUS * pixels_a_metre(rect) + 3:
@@ -196,7 +198,7 @@ class HangingPage(Page):
         return None
 
     def update(self, seconds: float) -> None:
-        """Let time pass."""
+        """Advance by `seconds` of wall time."""
         if self.held is not None and self.playing:
             if not self.model.pulled:
                 self._remember()
@@ -206,7 +208,7 @@ class HangingPage(Page):
         self.toolbar.update()
 
     def paint(self, surface: pygame.Surface) -> None:
-        """Draw all but the widgets."""
+        """Draw everything below the widgets."""
         unit, places = self.host.unit, self.places
         surface.fill(tones.background)
         self.toolbar.paint_title(surface, _(HANGING_TITLE))
@@ -220,7 +222,7 @@ class HangingPage(Page):
         write_wrapped(surface, _(HANGING_TEXT), self.text, 13 * unit, tones.foreground)
 
     def _paint_side(self, surface: pygame.Surface, side: int) -> None:
-        """Draw the name of a cradle, the cradle, and how far it can be trusted."""
+        """Draw a cradle with its name and its energy check."""
         unit, lane, cradle = self.host.unit, self.lanes[side], self.model.cradles[side]
         surface.fill(tones.lane_background, lane)
         name = _(NAMES[side])
@@ -250,34 +252,34 @@ class HangingPage(Page):
         self.film.record(surface, seconds)
 
     def close(self) -> None:
-        """Close the film."""
+        """Finish the film."""
         self.film.end()
 
 
 def pixels_a_metre(rect: pygame.Rect) -> float:
-    """Scale of the picture."""
+    """Return the scale of the picture in pixels per metre."""
     return min(rect.width / WIDTH, rect.height / HEIGHT)
 
 
 def _origin(rect: pygame.Rect) -> tuple[float, float]:
-    """Pixel of the first string's anchor."""
+    """Return the pixel of the first string's anchor."""
     return rect.centerx - (BALLS - 1) * RADIUS * pixels_a_metre(rect), rect.top + 0.06 * rect.height
 
 
 def to_screen(rect: pygame.Rect, place: tuple[float, float]) -> tuple[float, float]:
-    """Pixel of a place [m]."""
+    """Return the pixel of a position [m]."""
     x, y = _origin(rect)
     return x + place[0] * pixels_a_metre(rect), y - place[1] * pixels_a_metre(rect)
 
 
 def to_model(rect: pygame.Rect, point: tuple[int, int]) -> tuple[float, float]:
-    """Place [m] of a pixel."""
+    """Return the position [m] of a pixel."""
     x, y = _origin(rect)
     return (point[0] - x) / pixels_a_metre(rect), (y - point[1]) / pixels_a_metre(rect)
 
 
 def paint_cradle(surface: pygame.Surface, rect: pygame.Rect, places: Sequence[Vector]) -> None:
-    """A beam, strings and balls."""
+    """Draw the beam, the strings and the balls."""
     ends = [to_screen(rect, (x, 0.0)) for x in anchors()]
     size = 2.0 * RADIUS * pixels_a_metre(rect)
     beam = pygame.Rect(0, 0, round(ends[-1][0] - ends[0][0] + 2 * size), max(4, round(0.1 * size)))
@@ -285,7 +287,7 @@ def paint_cradle(surface: pygame.Surface, rect: pygame.Rect, places: Sequence[Ve
     surface.fill(tones.muted, beam)
     for k, (end, place, colour) in enumerate(zip(ends, places, bead_colours(BALLS), strict=True)):
         centre = to_screen(rect, place)
-        share = 1.0 - 0.5 * size / max(math.dist(end, centre), size)  # of the string, outside the ball
+        share = 1.0 - 0.5 * size / max(math.dist(end, centre), size)  # Fraction of the string outside the ball.
         tip = end[0] + share * (centre[0] - end[0]), end[1] + share * (centre[1] - end[1])
         pygame.draw.aaline(surface, tones.muted, end, tip, 2)
         side, letters = math.ceil(size), 0.38 * size
@@ -296,7 +298,7 @@ def paint_cradle(surface: pygame.Surface, rect: pygame.Rect, places: Sequence[Ve
 
 
 def hanging_thumbnail(size: tuple[int, int]) -> pygame.Surface:
-    """The picture for the gallery."""
+    """Return the thumbnail for the gallery."""
     surface = pygame.Surface(size, 0, 32)
     surface.fill(tones.lane_background)
     paint_cradle(surface, surface.get_rect(), start_places(1))

@@ -1,1 +1,1 @@
-"""Lessons: a question about a scene to predict, and the answer measured."""
+"""Lessons: questions about a scene whose answers the user predicts before they are measured."""

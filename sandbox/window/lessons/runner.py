@@ -1,4 +1,4 @@
-"""Lessons: a question about a scene, a prediction, the motion, and the answer that is measured in it."""
+"""Lessons: a question about a scene, the user's prediction, the motion, and the answer measured in the motion."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ class Lesson:
 
     Attributes:
         scene: name of the scene.
-        question, choices: what is asked.
-        measure: name of what finds the right choice, in MEASURES.
-        why: the reason of each choice, in a sentence.
+        question, choices: text of the question and the possible answers.
+        measure: name in MEASURES of the function that finds the right choice.
+        why: one sentence for each choice that explains it.
     """
 
     scene: str
@@ -44,7 +44,7 @@ class Lesson:
 
 @lru_cache(maxsize=1)
 def lessons() -> tuple[Lesson, ...]:
-    """All lessons, in order."""
+    """Return all lessons in order."""
     tables = tomllib.loads(FILE.read_text(encoding="utf-8"))["lesson"]
     return tuple(Lesson(**{**table, **{key: tuple(table[key]) for key in ("choices", "why")}}) for table in tables)
 
@@ -85,11 +85,12 @@ MEASURES: dict[str, Callable[[Sequence[Outcome]], int | None]] = {
 
 
 class LessonRunner:
-    """Asks the questions about the scene of a page: those of the lessons, or the scene's own, answered in one's own words.
+    """Asks the questions about the scene of a page: multiple-choice lessons, or the scene's own question with a typed
+    answer.
 
     Attributes:
-        predicted: the choice that was made, or the words; None while none is waiting for its answer.
-        answered: whether a motion has come to its end: what the scene says of it may be read.
+        predicted: index of the choice or the typed prediction; None if no prediction waits for its answer.
+        answered: True after a motion has ended; the explanation of the scene is then shown.
     """
 
     def __init__(self, host: Host, session: Session, clock: SceneClock) -> None:
@@ -97,7 +98,7 @@ class LessonRunner:
         self.begin()
 
     def begin(self) -> None:
-        """Find what is asked about the scene: its words may be others now."""
+        """Find the questions about the scene again, because its text may have changed."""
         self.own = [lesson for lesson in lessons() if load(lesson.scene) == self.session.scene]
         self.predicted: int | str | None = None
         self.answered = False
@@ -105,7 +106,7 @@ class LessonRunner:
 
     @property
     def question(self) -> str:
-        """What is asked before the scene is played; empty where nothing is, or where it has been played."""
+        """The question to ask before the scene is played; empty if there is none or the scene has already been played."""
         if self.answered or self.session.edited:
             return ""
         return _(self.own[0].question) if self.own else self.session.scene.question
@@ -124,12 +125,12 @@ class LessonRunner:
 
     @property
     def lesson(self) -> Lesson:
-        """The present one."""
+        """The current lesson."""
         return self.own[self._next % len(self.own)]
 
     @property
     def _edited(self) -> bool:
-        """Whether the scene is another one than the catalogue's, or a bead was pulled while it ran."""
+        """True if the scene differs from the catalogue or a bead was pulled while it ran."""
         return self.session.edited or any(step.number > self._edits for step in self.session.undo_stack.done)
 
     def _predict(self, choice: int | str) -> None:
@@ -151,13 +152,15 @@ class LessonRunner:
             self._answer(predicted)
 
     def _tell(self, words: str, more: Choices | None = None) -> None:
-        """Say what was predicted, and who goes where."""
+        """Show the prediction and the outcome of each bead."""
         said = words if words.endswith((".", "!", "?")) else f"{words}."
         text = _("You predicted: {words} What happened: {outcome}", words=said, outcome=outcome_text(self.session))
         self.host.choose(_("What happened"), text, {_("Close"): lambda: None, **(more or {})})
 
     def _answer(self, predicted: int) -> None:
-        """Say what was measured, and why: choices and reasons are of the scene as it is in the catalogue."""
+        """Show the measured answer and its explanation. An edited scene shows only the outcome, because the texts do
+        not apply to it.
+        """
         lesson = self.lesson
         answer = lesson.answer([session_outcome(self.session, lane) for lane in range(len(self.session.lanes))])
         self._next += 1

@@ -1,1 +1,1 @@
-"""Live plots of a scene that is played."""
+"""Live plots of the scene on screen."""

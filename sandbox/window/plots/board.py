@@ -1,4 +1,4 @@
-"""The plot board: all plots that are shown, in step with the history, and the cursor that reads values from them."""
+"""The plot board: all visible plots, updated with the history, and the readout of values under the pointer."""
 
 from __future__ import annotations
 
@@ -25,12 +25,13 @@ MOST_CURVES = 10
 
 
 def paint_readout(surface: pygame.Surface, plot: Plot, point: tuple[int, int], time: float, values: Array) -> None:
-    """Draw a box beside `point` with `time` [s] and the `values` (k,) of `plot` there, in the unit of its axis."""
+    """Draw a box next to `point` with `time` [s] and the `values` (k,) of `plot` at that time, in the unit of its axis."""
     unit, chosen = plot.unit, _chosen(plot, point, values)
     size, name = plot.span.unit()
     head = f"t = {fixed(time / size, 3)} {name}"
     shown = values / plot.axis.size
-    if not plot.axis.logarithmic:  # a bead at rest has a velocity of 1e-16 m/s, a sum of rates
+    # The velocity of a bead at rest is a sum of increments and can be 1e-16 m/s; such values are shown as 0.
+    if not plot.axis.logarithmic:
         shown = np.where(abs(values) > ROUND_OFF * max(abs(plot.axis.low), abs(plot.axis.high)), shown, 0.0)
     lines = [f"{plot.content.names[k]} = {scientific(float(shown[k]), 2)}" for k in chosen]
     wide = max(width(line, 13 * unit) for line in (head, *lines)) + 34 * unit
@@ -49,7 +50,9 @@ def paint_readout(surface: pygame.Surface, plot: Plot, point: tuple[int, int], t
 
 
 def _chosen(plot: Plot, point: tuple[int, int], values: Array) -> list[int]:
-    """Numbers of the curves that are listed; of many, those nearest to the pointer."""
+    """Return the indices of the curves in the readout. If there are many curves, these are the ones nearest to the
+    pointer.
+    """
     count = min(len(values), len(plot.content.names), len(plot.content.colours))
     if count <= MOST_CURVES:
         return list(range(count))
@@ -57,35 +60,36 @@ def _chosen(plot: Plot, point: tuple[int, int], values: Array) -> list[int]:
     return sorted(np.argsort(abs(heights - point[1]))[:MOST_CURVES].tolist())
 
 
-COLUMNS_AT_ONCE = 8  # of each plot, before the clock is read again
-DRAWING_SECONDS = 0.003  # of a frame, for columns that are missing
-LEAST_WIDTH = 190.0  # design pixels of a plot
+COLUMNS_AT_ONCE = 8  # Number of columns of each plot that are drawn before the clock is read again.
+DRAWING_SECONDS = 0.003  # Time in seconds that each frame spends on drawing missing columns.
+LEAST_WIDTH = 190.0  # Smallest width of a plot in design pixels.
 
 
-Key = tuple[str, int]  # the kind and the lane of a plot
+Key = tuple[str, int]  # Kind and lane of a plot.
 
 
 def _balanced(names: list[Key], most: int) -> list[list[Key]]:
-    """`names` in as few rows as hold at most `most` each, all about as long."""
+    """Distribute `names` over as few rows as possible, with at most `most` in each and about equal lengths."""
     count = -(-len(names) // most)
     ends = [round(k * len(names) / count) for k in range(count + 1)]
     return [names[begin:end] for begin, end in pairwise(ends)]
 
 
 class PlotBoard:
-    """Plots of a session; `clock` [s] ends the drawing of missing columns in a frame.
+    """The plots of a session. `clock` [s] limits the time for drawing missing columns in each frame.
 
     Attributes:
-        chosen: names of the kinds that are wanted, also of those that this session cannot show, in the order of the table.
-        single: name of the only kind that is shown, at the first level; else empty.
-        hidden: whether all plots are hidden for now.
-        logarithmic: whether overlaps have a logarithmic axis.
-        whole: whether the time axis spans all that was played, where that is longer than usual.
-        pair: the signals that a person has chosen for a plot.
-        plots: those on the page.
-        keys: kind and lane of each of them.
-        overlays: what lies over the plots of a kind and lane.
-        span: their time axis.
+        chosen: names of the kinds that the user wants, in the order of the table, even if this session cannot show
+            them.
+        single: name of the only visible kind in Explore; empty in the Lab.
+        hidden: True while all plots are hidden.
+        logarithmic: True if overlaps have a logarithmic axis.
+        whole: True if the time axis spans the complete history, if that is longer than the usual span.
+        pair: the two signals that the user chose for the x-y plot.
+        plots: the plots on the page.
+        keys: kind and lane of each plot.
+        overlays: measured data drawn over the plots, by kind and lane.
+        span: the time axis that the plots share.
     """
 
     def __init__(self, session: Session, clock: Callable[[], float], chosen: Sequence[str] | None = None) -> None:
@@ -97,36 +101,37 @@ class PlotBoard:
         self.keys: list[Key] = []
         self.overlays: dict[Key, list[NumbersOverlay | PictureOverlay]] = {}
         self.span = TimeSpan(SECONDS / session.slow, 100)
-        self._last = -1  # the newest frame that was drawn
+        self._last = -1  # Newest frame that has been drawn.
         self._spanned = Derived(lambda: (session.slow, self.whole, self._width), self._set_span)
         self._branch = Derived(lambda: session.history.branch, self._invalidate_branch)
 
     def available(self) -> list[str]:
-        """Names of the kinds that this session can show."""
+        """Return the names of the kinds that this session can show."""
         counts = [lane.chain.contacts for lane in self.session.lanes]
         comparable = len(counts) == 2 and counts[0] == counts[1]
         return [name for name, kind in PLOT_KINDS.items() if comparable or not kind.two_lanes]
 
     @property
     def shown(self) -> list[str]:
-        """Names of the kinds that are wanted and can be shown."""
+        """Names of the kinds that the user wants and that this session can show."""
         return [name for name in self.available() if name in self.chosen]
 
     @property
     def present(self) -> list[str]:
-        """Names of the kinds that are on screen."""
+        """Names of the kinds on screen."""
         return [] if self.hidden else [self.single] if self.single else self.shown
 
     def rows(self, width: float) -> list[list[Key]]:
-        """The plots of each row, at least LEAST_WIDTH of the `width` [design pixels] wide.
+        """Return the plots of each row. A plot takes at least LEAST_WIDTH of the `width` [design pixels].
 
-        Two lanes have rows of their own, which end with their difference; single plots of them are side by side.
+        Two lanes have separate rows, which end with the difference of the lanes. If each has a single plot, they are
+        side by side.
         """
         most = max(1, int(width / LEAST_WIDTH))
         return [row for keys in self._wanted() for row in _balanced(keys, most)]
 
     def _wanted(self) -> list[list[Key]]:
-        """The plots of each lane; those of the only lane in halves where there are many."""
+        """Return the plots of each lane. Many plots of a single lane are divided into two halves."""
         lanes = range(len(self.session.lanes))
         if self.single and not self.hidden:
             return [[(self.single, lane) for lane in lanes]]
@@ -138,7 +143,7 @@ class PlotBoard:
         return [row for row in wanted if row]
 
     def toggle(self, name: str) -> None:
-        """Show or hide a kind."""
+        """Show or hide a kind of plot."""
         self.hidden = False
         if self.single:
             self.single = name
@@ -147,7 +152,7 @@ class PlotBoard:
         self.chosen = [other for other in PLOT_KINDS if other in chosen]
 
     def show(self, name: str) -> None:
-        """Show a kind."""
+        """Show a kind of plot."""
         self.hidden = False
         if name not in self.present:
             self.toggle(name)
@@ -155,7 +160,9 @@ class PlotBoard:
     def build(
         self, rows: Sequence[Sequence[Key]], rects: Sequence[Sequence[pygame.Rect]], unit: float, scales: Scales
     ) -> None:
-        """Make the plots again. They show the old curves at the new scales until these are drawn, within some frames."""
+        """Create the plots again. Until the curves are redrawn, within some frames, the old curves appear stretched to
+        the new scales.
+        """
         before, span = dict(zip(self.keys, self.plots, strict=True)), replace(self.span)
         self.plots = [
             self._plot(name, lane, rect, unit, scales)
@@ -163,7 +170,7 @@ class PlotBoard:
             for (name, lane), rect in zip(keys, places, strict=True)
         ]
         self.keys = [key for row in rows for key in row]
-        self._spanned.forget()  # all of what was played may be more now
+        self._spanned.forget()  # The complete history may be longer now.
         self._spanned.follow()
         self._last = -1
         for key, plot in zip(self.keys, self.plots, strict=True):
@@ -179,7 +186,7 @@ class PlotBoard:
 
     @property
     def _width(self) -> int:
-        """Pixels of the time axis that all plots have."""
+        """Width in pixels of the time axis that all plots share."""
         return min((plot.area.width for plot in self.plots), default=self.span.width)
 
     def _set_span(self) -> None:
@@ -198,7 +205,7 @@ class PlotBoard:
 
     @property
     def complete(self) -> bool:
-        """Whether every plot shows all of the history."""
+        """True if every plot shows the complete history."""
         return all(plot.complete for plot in self.plots)
 
     def _invalidate(self) -> None:
@@ -211,7 +218,7 @@ class PlotBoard:
             plot.backdrop(surface)
 
     def update(self) -> None:
-        """Draw what is new, then some of what is missing."""
+        """Draw the new part of the curves, then some of the missing columns."""
         last = self.session.history.last
         self._spanned.follow()
         self.span.follow(self.session.time)
@@ -225,7 +232,7 @@ class PlotBoard:
                 plot.update(False, COLUMNS_AT_ONCE)
 
     def _invalidate_branch(self) -> None:
-        """Frames were dropped or replaced: curves later than the frame shown are those of another branch."""
+        """Redraw curves after the current frame. The history was cut or replaced, so they belong to another branch."""
         history = self.session.history
         if history.first == history.last:
             self._invalidate()
@@ -235,18 +242,18 @@ class PlotBoard:
             plot.curves.invalidate_from(column)
 
     def paint(self, surface: pygame.Surface) -> None:
-        """Draw all plots with the cursor at the frame shown."""
+        """Draw all plots with the cursor at the current frame."""
         for key, plot in zip(self.keys, self.plots, strict=True):
             plot.paint(surface, self.session.time, plot.values_at(self.session.frame))
             for laid in self.overlays.get(key, ()):
                 laid.paint(surface, plot)
 
     def plot_at(self, point: tuple[int, int]) -> Plot | None:
-        """The plot whose axes are at `point`."""
+        """Return the plot whose axes contain `point`, or None."""
         return next((plot for plot in self.plots if plot.area.collidepoint(point)), None)
 
     def paint_reading(self, surface: pygame.Surface, point: tuple[int, int]) -> None:
-        """Draw a line through all plots at the pointer's time, and the values of the plot below the pointer."""
+        """Draw a line through all plots at the time of the pointer, and a readout for the plot under the pointer."""
         plot = self.plot_at(point)
         if plot is None or not plot.timed:
             return

@@ -1,4 +1,4 @@
-"""Live plots: axes drawn once, curves on a surface that scrolls with time, a cursor that reads values."""
+"""Live plots: fixed axes, curves on a surface that scrolls with time, and a cursor with the values."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ from softcradle.sandbox.session.frame_history import History
 from softcradle.sandbox.session.history_slices import history_slices, slice_at
 from softcradle.sandbox.story.numbers import fixed, ticks, time_unit, with_prefix
 
-REDRAWN = 4  # columns drawn again at the newest end, where the curve goes on
+REDRAWN = 4  # Columns at the newest end that are drawn again, because the curve continues there.
 
 
 class ScrollingSurface:
-    """The curves of one plot.
+    """The surface with the curves of one plot. Each pixel column is one interval of time.
 
     Arguments:
-        background: what it looks like without curves; the same in every column.
-        draw: gives columns `first` to `last` (not included): `draw(first, last) -> surface` that wide.
+        background: appearance without curves; all its columns are equal.
+        draw: `draw(first, last)` returns a surface with columns `first` to `last` (not included).
 
     Attributes:
-        surface: what is drawn.
-        left: the column at its left edge.
-        low, high: the columns that are drawn: low to high, not included.
-        stale: whether the other columns show the curves at the scales before, until they are drawn.
+        surface: the drawn surface.
+        left: column at the left edge.
+        low, high: range of drawn columns, without `high`.
+        stale: True while the other columns still show the curves at the previous scales.
     """
 
     def __init__(self, background: pygame.Surface, draw: Callable[[int, int], pygame.Surface]) -> None:
@@ -44,7 +44,7 @@ class ScrollingSurface:
 
     @property
     def width(self) -> int:
-        """Pixels."""
+        """Width in pixels."""
         return self.surface.get_width()
 
     def invalidate(self) -> None:
@@ -53,16 +53,18 @@ class ScrollingSurface:
         self.stale = False
 
     def replace(self, picture: pygame.Surface, left: int) -> None:
-        """Show `picture`, whose left edge is column `left`, until the columns are drawn again: curves do not vanish meanwhile."""
+        """Show `picture`, whose left edge is column `left`, until the columns are redrawn. Without it the curves would
+        vanish meanwhile.
+        """
         self.surface.blit(picture, (0, 0))
         self.left, self.low, self.high, self.stale = left, 0, 0, True
 
     def invalidate_from(self, column: int) -> None:
-        """Columns from `column` on are stale."""
+        """Mark the columns from `column` on as not drawn."""
         self.high = max(self.low, min(self.high, column))
 
     def scroll(self, left: int) -> None:
-        """Put column `left` at the left edge."""
+        """Scroll so that column `left` is at the left edge."""
         by, self.left = left - self.left, left
         if abs(by) >= self.width:
             self.invalidate()
@@ -72,9 +74,10 @@ class ScrollingSurface:
             self.low, self.high = max(self.low, left), min(self.high, left + self.width)
 
     def update(self, first: float, last: float, grown: bool, budget: int) -> int:
-        """Draw about `budget` missing columns of `first` to `last`, those of the history; returns how many it drew.
+        """Draw up to about `budget` missing columns between `first` and `last`, the range of the history. Return their
+        number.
 
-        `grown` says whether the newest column has changed since the last call.
+        `grown` is True if the newest column has changed since the last call.
         """
         oldest, newest = max(self.left, math.floor(first)), min(self.left + self.width, math.floor(last) + 1)
         if newest <= oldest:
@@ -116,9 +119,9 @@ class ScrollingSurface:
         self.surface.blit(self.background, place, place)
 
 
-SECONDS = 8.0  # of wall time that a plot spans
-LATEST = 0.92  # rightmost place of the cursor, as a share of the width
-EARLIEST = 0.08  # leftmost place of the cursor, as a share of the width, but at the start of the scene
+SECONDS = 8.0  # Wall time in seconds that a plot spans.
+LATEST = 0.92  # Rightmost position of the cursor as a fraction of the width.
+EARLIEST = 0.08  # Leftmost position of the cursor as a fraction of the width, except at the start of the scene.
 
 
 @dataclass
@@ -126,9 +129,9 @@ class TimeSpan:
     """The time axis.
 
     Attributes:
-        seconds: model time that it spans [s].
-        width: pixels, one a column.
-        left: the column at the left edge; column 0 is t = 0.
+        seconds: model time that the axis spans [s].
+        width: width in pixels; each column is one pixel wide.
+        left: column at the left edge; column 0 is t = 0.
     """
 
     seconds: float
@@ -141,7 +144,7 @@ class TimeSpan:
         return self.seconds / self.width
 
     def follow(self, time: float) -> None:
-        """Scroll by whole columns until `time` is visible; the start of the scene stays as long as it can."""
+        """Scroll by whole columns until `time` is visible. The start of the scene stays visible as long as possible."""
         place = time / self.column - self.left
         if place > LATEST * self.width:
             self.left += round(place - LATEST * self.width)
@@ -149,50 +152,53 @@ class TimeSpan:
             self.left = max(round(time / self.column - EARLIEST * self.width), min(0, round(time / self.column)))
 
     def x(self, time: float) -> float:
-        """Pixel of `time` from the left edge."""
+        """Return the distance in pixels of `time` from the left edge."""
         return time / self.column - self.left
 
     def time(self, x: float) -> float:
-        """The time [s] at pixel `x` from the left edge."""
+        """Return the time [s] at `x` pixels from the left edge."""
         return (x + self.left) * self.column
 
     def unit(self) -> tuple[float, str]:
-        """(seconds in the unit of the labels, its name)."""
+        """Return the size of the unit of the labels in seconds, and its name."""
         return time_unit(self.seconds)
 
     def clock(self, time: float) -> str:
-        """`time` [s] as a clock shows it: in that unit, whatever the time, with digits for a thousandth of the axis."""
+        """Return `time` [s] as the clock displays it: in the unit of the axis, with digits for a thousandth of the
+        axis.
+        """
         size, name = self.unit()
         return f"{fixed(time / size, max(0, 3 - math.floor(math.log10(self.seconds / size))))} {name}"
 
     def ticks(self) -> list[tuple[float, str]]:
-        """(time [s], label) of the round times that are visible."""
+        """Return (time [s], label) of the visible round times."""
         size, _ = self.unit()
         low, high = self.left * self.column / size, (self.left + self.width) * self.column / size
         return [(value * size, text) for value, text in ticks(low, high, 5)]
 
 
-RIGHT = 30.0  # design pixels right of the axes
-MARGINS = 44.0, RIGHT, 22.0, 22.0  # design pixels around the axes
-THICKNESS = 2.0  # design pixels of a curve
-POINTS_A_COLUMN = 3  # frames of the history that a column of pixels takes, where there are more
-SMOOTH_TURN = 0.97  # cosine of the largest turn of a curve that is drawn without a round joint
-MOST_MARKED = 10  # curves that have a marker at the cursor
-MOST_STRETCHED = 6  # times the size of a plot: curves that would be stretched beyond it are drawn again at once instead
-VEIL_OPACITY = 150  # of 255, over what is later than the cursor
+RIGHT = 30.0  # Design pixels to the right of the axes.
+MARGINS = 44.0, RIGHT, 22.0, 22.0  # Margins around the axes in design pixels.
+THICKNESS = 2.0  # Thickness of a curve in design pixels.
+POINTS_A_COLUMN = 3  # Largest number of history frames per pixel column; more frames are thinned out.
+SMOOTH_TURN = 0.97  # Cosine of the largest turn of a curve that is drawn without a round joint.
+MOST_MARKED = 10  # Largest number of curves that get a marker at the cursor.
+# Largest stretched size of old curves relative to the plot. Beyond it the curves are redrawn at once.
+MOST_STRETCHED = 6
+VEIL_OPACITY = 150  # Opacity of the veil over the part after the cursor, from 0 to 255.
 
 
 @dataclass(frozen=True)
 class PlotContent:
-    """What a plot shows.
+    """The content of a plot.
 
     Attributes:
-        title: above the axes.
+        title: title above the axes.
         axis: the vertical axis.
-        names, colours: of the curves.
-        values: (T, k) values of the curves, from a Motion.
-        darkest: value of the darkest shade, in a plot that shades.
-        band: height of the band around each curve, in a plot that has bands.
+        names, colours: names and colours of the curves.
+        values: returns the (T, k) values of the curves from a Motion.
+        darkest: value of the darkest shade, for plots with shades.
+        band: height of the band around each curve, for plots with bands.
     """
 
     title: str
@@ -204,24 +210,24 @@ class PlotContent:
     band: float = 0.0
 
     def labelled(self, label: str) -> PlotContent:
-        """The same content with `label` after its title, if there is one."""
+        """Return the same content with `label` after the title, if `label` is not empty."""
         return replace(self, title=f"{self.title} · {label}") if label else self
 
 
 class Plot(Axes):
-    """One plot of curves. What is drawn depends on the history alone; `paint` adds the cursor.
+    """A plot of curves. The drawn curves depend only on the history; `paint` adds the cursor.
 
     Arguments:
-        rect: of the whole plot; pixels.
-        unit: pixels that a pixel of the design is.
-        content: what it shows.
-        history, lane: where the frames come from.
-        span: the time axis, shared by all plots of a page.
+        rect: rectangle of the whole plot [pixels].
+        unit: number of pixels per design pixel.
+        content: content of the plot.
+        history, lane: source of the frames.
+        span: time axis shared by all plots of a page.
     """
 
-    marked = True  # whether curves have markers at the cursor
-    timed = True  # whether its horizontal axis is the time that all plots share
-    at_values = True  # whether each curve stands at its own values, so that measured ones can be laid beside it
+    marked = True  # True if curves have markers at the cursor.
+    timed = True  # True if the horizontal axis is the common time axis.
+    at_values = True  # True if each curve is drawn at its values, so that measured values can be drawn over it.
 
     def __init__(
         self, rect: pygame.Rect, unit: float, content: PlotContent, history: History, lane: int, span: TimeSpan
@@ -238,33 +244,37 @@ class Plot(Axes):
         return background
 
     def frames(self, first: int, last: int) -> tuple[int, int, int]:
-        """First and last frame of columns `first` to `last`, with a margin, and how many frames to take."""
+        """Return the first and last frame of columns `first` to `last`, with a margin, and the number of frames to use."""
         margin = THICKNESS * self.unit + 1
         low = self.history.frame_at((first - margin) * self.span.column) - 1
         high = self.history.frame_at((last + margin) * self.span.column) + 1
         return low, high, POINTS_A_COLUMN * (last - first + 8)
 
     def samples(self, first: int, last: int) -> list[tuple[Array, Array]]:
-        """Times (T,) and values (T, k) of columns `first` to `last`; a pair for every slice of the history."""
+        """Return times (T,) and values (T, k) of columns `first` to `last`, as one pair for every slice of the history."""
         return self.samples_of_frames(*self.frames(first, last))
 
     def samples_of_frames(self, first: int, last: int, most: int = 0) -> list[tuple[Array, Array]]:
-        """Times (T,) and values (T, k) of frames `first` to `last`, thinned with `most` > 0; see `history_slices`."""
+        """Return times (T,) and values (T, k) of frames `first` to `last`. If `most` > 0, thin them out, see
+        `history_slices`.
+        """
         slices = history_slices(self.history, self.lane, first, last, most)
         return [(part.time, self.content.values(part)) for part in slices]
 
     def values_at(self, frame: int) -> Array:
-        """(k,) values at `frame`."""
+        """Return the (k,) values at `frame`."""
         values: Array = self.content.values(slice_at(self.history, self.lane, frame))[0]
         return values
 
     def enlarged_background(self, first: int, last: int) -> pygame.Surface:
-        """The background of columns `first` to `last`, SUBPIXELS times as large, to be drawn on and averaged down."""
+        """Return the background of columns `first` to `last`, enlarged SUBPIXELS times. Curves drawn on it are then
+        averaged down.
+        """
         size = (last - first) * SUBPIXELS, self.area.height * SUBPIXELS
         return pygame.transform.scale(self.curves.background.subsurface((0, 0, 1, self.area.height)), size)
 
     def draw_columns(self, first: int, last: int) -> pygame.Surface:
-        """Columns `first` to `last` with antialiased curves."""
+        """Return a surface with columns `first` to `last` and antialiased curves."""
         fine = self.enlarged_background(first, last)
         thickness = THICKNESS * self.unit * SUBPIXELS
         for time, values in self.samples(first, last):
@@ -274,9 +284,10 @@ class Plot(Axes):
         return pygame.transform.smoothscale(fine, (last - first, self.area.height))
 
     def take_over(self, before: Plot, span: TimeSpan) -> None:
-        """Show the curves of the plot `before`, whose time axis was `span`, at the scales of this one until it is drawn.
+        """Show the curves of the previous plot `before`, whose time axis was `span`, until this plot is drawn.
 
-        They are stretched to the new axes. Axes that differ in kind, or by too much, leave the plot empty until then.
+        They are stretched to the new axes. If the axes are of another kind or differ too much, the plot stays empty
+        until then.
         """
         old, new = before.axis, self.axis
         known = before.curves.stale or before.curves.high > before.curves.low
@@ -296,14 +307,14 @@ class Plot(Axes):
         self.curves.replace(picture, self.span.left)
 
     def update(self, grown: bool, budget: int) -> int:
-        """Draw what the history has and the surface lacks; see `ScrollingSurface.update`."""
+        """Draw the parts of the history that the surface lacks; see `ScrollingSurface.update`."""
         column = self.span.column
         self.curves.scroll(self.span.left)
         return self.curves.update(self.history.first_time / column, self.history.last_time / column, grown, budget)
 
     @property
     def complete(self) -> bool:
-        """Whether all of the visible history is drawn."""
+        """True if the visible part of the history is completely drawn."""
         return self.curves.low <= max(self.curves.left, math.floor(self.history.first_time / self.span.column))
 
     def backdrop(self, surface: pygame.Surface) -> None:
@@ -312,13 +323,14 @@ class Plot(Axes):
         title = with_prefix(title, self.axis.prefix)
         size, room = TEXT * self.unit, self.title_room()
         if width(title + mark + lane, size) > room:
-            title = title.split(": ")[0]  # what explains it goes, the name of the lane stays, a third at the least
+            # Drop the explanation after the colon, but keep the name of the lane, with at least a third of the width.
+            title = title.split(": ")[0]
             title = shortened(title, size, room - min(width(mark + lane, size), room / 3))
         self.write_title(surface, title + mark + lane)
         self.write_down(surface)
 
     def paint(self, surface: pygame.Surface, time: float, values: Array) -> None:
-        """Draw the curves, the times below them, and the cursor at `time` with the curves' `values` (k,) there."""
+        """Draw the curves, the times below them, and the cursor at `time` with markers at the `values` (k,)."""
         area = self.area
         surface.blit(self.curves.surface, area)
         place = area.left + self.span.x(time)
@@ -332,12 +344,12 @@ class Plot(Axes):
             self._markers(surface, place, values)
 
     def _paint_veil(self, surface: pygame.Surface, x: int) -> None:
-        """Make what is later than the cursor pale: a new branch will drop it."""
+        """Fade the curves after the cursor, because a new branch will replace them."""
         if self.curves.left + x - self.area.left + 2 < self.curves.high:
             surface.blit(veil(self.area.size), (x, self.area.top), (0, 0, self.area.right - x, self.area.height))
 
     def _markers(self, surface: pygame.Surface, x: float, values: Array) -> None:
-        """A marker on every curve at the cursor, and its name beside it, moved apart where curves are close."""
+        """Draw a marker on each curve at the cursor, with the name of the curve. Names of close curves are moved apart."""
         colours = self.content.colours
         heights = np.nan_to_num(self.y(self.axis.on(values[: len(colours)]))).tolist()
         self.mark(surface, x, heights, colours)
@@ -345,7 +357,9 @@ class Plot(Axes):
 
 
 def draw_curves(fine: pygame.Surface, colours: Sequence[Colour], across: Array, down: Array, thickness: float) -> None:
-    """Draw curves through (T,) `across` and (T, k) `down`, the first on top, with round joints where they turn."""
+    """Draw curves through the points (T,) `across` and (T, k) `down`, the first curve on top, with round joints at
+    sharp turns.
+    """
     turns = _turns(across, down)
     xs, line_width = across.tolist(), max(1, round(thickness))
     for k in range(min(down.shape[1], len(colours)) - 1, -1, -1):
@@ -357,7 +371,7 @@ def draw_curves(fine: pygame.Surface, colours: Sequence[Colour], across: Array, 
 
 
 def _turns(across: Array, down: Array) -> NDArray[np.bool_]:
-    """(T, k) points at which a curve turns by more than SMOOTH_TURN, and its last one."""
+    """Return (T, k) flags of the points at which a curve turns by more than SMOOTH_TURN, and of its last point."""
     sharp = np.ones(down.shape, dtype=bool)
     if len(across) > 2:
         dx, dy = np.diff(across)[:, None], np.diff(down, axis=0)
@@ -370,7 +384,7 @@ def _turns(across: Array, down: Array) -> NDArray[np.bool_]:
 
 @cached_surfaces(8)
 def veil(size: tuple[int, int]) -> pygame.Surface:
-    """A surface of the background colour that lets what is below shine through."""
+    """Return a translucent surface in the background colour."""
     surface = pygame.Surface(size, 0, 32)
     surface.fill(tones.background)
     surface.set_alpha(VEIL_OPACITY)

@@ -1,4 +1,4 @@
-"""What is laid over live plots: measured numbers as rings, and the picture of a measured kymograph."""
+"""Overlays on live plots: measured numbers as rings, and a picture of a measured kymograph."""
 
 from __future__ import annotations
 
@@ -19,15 +19,16 @@ from softcradle.sandbox.window.plots.kinds import FORCES, KYMOGRAPH, VELOCITIES
 
 TABLES = (".csv", ".tsv", ".txt")
 PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".webp")
-# The measured quantity that each kind of plot shows. A table with several is laid over the first of these plots.
+# Measured quantity that each kind of plot shows. A table with several quantities is drawn over the first of these
+# plots.
 MEASURED_KINDS = {VELOCITIES: VELOCITY, KYMOGRAPH: POSITION, FORCES: FORCE}
-RING = 3.6  # design pixels, the radius of a ring
-PICTURE_OPACITY = 150  # of 255
+RING = 3.6  # Radius of a ring in design pixels.
+PICTURE_OPACITY = 150  # Opacity of the picture, from 0 to 255.
 
 
 @dataclass(frozen=True, eq=False)
 class NumbersOverlay:
-    """Measured numbers: times (T,) in s and values (T, k) in SI units; column k belongs to curve k."""
+    """Measured numbers: times (T,) [s] and values (T, k) in SI units; column k belongs to curve k."""
 
     time: Array
     values: Array
@@ -38,7 +39,7 @@ class NumbersOverlay:
         return cls(table.time, np.column_stack([column.values for column in table.along_row(quantity)]))
 
     def paint(self, surface: pygame.Surface, plot: Plot) -> None:
-        """Draw a ring for each number that the axes show."""
+        """Draw a ring for each number within the axes."""
         area, unit = plot.area, plot.unit
         surface.set_clip(area)
         across = np.array([plot.span.x(time) for time in self.time.tolist()]) + area.left
@@ -52,10 +53,13 @@ class NumbersOverlay:
         surface.set_clip(None)
 
     def differences(self, plot: Plot) -> Array:
-        """(m,) measured less computed numbers, at all times that the history of the plot has."""
+        """Return the (m,) differences, measured minus computed, at all measured times that the history of the plot
+        covers.
+        """
         samples = plot.samples_of_frames(plot.history.first, plot.history.last)
         found: list[Array] = []
-        for _count, parts in groupby(samples, key=lambda part: part[1].shape[1]):  # of beads, which may come and go
+        # The number of beads may change during the history, so compare parts with equal numbers of columns.
+        for _count, parts in groupby(samples, key=lambda part: part[1].shape[1]):
             time, values = map(np.concatenate, zip(*parts, strict=True))
             inside = (self.time >= time[0]) & (self.time <= time[-1])
             at, measured = self.time[inside], self.values[inside]
@@ -67,13 +71,15 @@ class NumbersOverlay:
 
 @dataclass(frozen=True, eq=False)
 class PictureOverlay:
-    """A picture whose edges are at known times [s] and places on the axis: left, right, top, bottom."""
+    """A picture of a kymograph. Its left and right edges are at known times [s], its top and bottom edges at known
+    positions.
+    """
 
     picture: pygame.Surface
     edges: tuple[float, float, float, float]
 
     def paint(self, surface: pygame.Surface, plot: Plot) -> None:
-        """Draw it pale over the plot, where the axes show it."""
+        """Draw the visible part of the picture translucently over the plot."""
         begin, end, top, bottom = self.edges
         area = plot.area
         left, right = (area.left + plot.span.x(time) for time in (begin, end))
@@ -97,13 +103,13 @@ class PictureOverlay:
 
 
 def _place(plot: Plot, value: float) -> float:
-    """Pixel of a value, also far beyond the axis."""
+    """Return the vertical pixel of a value, even if it is far outside the axis."""
     share = (value - plot.axis.low) / (plot.axis.high - plot.axis.low)
     return (plot.area.height - 1) * (1.0 - share)
 
 
 def load_picture(path: Path) -> pygame.Surface:
-    """A picture. UserError where there is none."""
+    """Return a picture from a file. Raise UserError if it cannot be read."""
     try:
         return pygame.image.load(str(path)).convert()
     except (OSError, pygame.error) as error:
@@ -113,7 +119,10 @@ def load_picture(path: Path) -> pygame.Surface:
 
 
 def edges_of(text: str) -> tuple[float, float, float, float]:
-    """Four numbers that were typed: times at the left and right edge, places at the top and bottom. ValueError else."""
+    """Return the four typed numbers: times at the left and right edge, positions at the top and bottom edge.
+
+    Raise ValueError if the text does not contain four suitable numbers.
+    """
     parts = [part.replace(",", ".").replace(MINUS, "-") for part in text.replace(", ", " ").replace(";", " ").split()]
     if len(parts) == 1:
         parts = text.split(",")

@@ -1,4 +1,4 @@
-"""The table of live plots: their kinds, what each shows, and the signals that a person can choose."""
+"""The table of live plots with their contents, and the signals that the user can choose for the x-y plot."""
 
 from __future__ import annotations
 
@@ -30,25 +30,28 @@ CONTACTS_NUMBERED = N_("{text!r}: the contacts of this lane are numbered 0 to {l
 
 @dataclass(frozen=True)
 class Signal:
-    """One number over time: a letter of QUANTITIES, and the bead or the contact, counted from the left."""
+    """A quantity over time: a letter in QUANTITIES, and the index of the bead or contact, counted from the left."""
 
     letter: str
     index: int = 0
 
     @property
     def quantity(self) -> Quantity:
-        """What it is."""
+        """The quantity of the signal."""
         return QUANTITIES[self.letter]
 
     @property
     def label(self) -> str:
-        """Symbol and unit."""
+        """Symbol and unit of the signal."""
         owner = self.quantity.owner
         index = {BEAD: subscript(self.index), CONTACT: subscript(self.index, self.index + 1), CHAIN: ""}[owner]
         return f"{self.quantity.symbol}{index} ({self.quantity.unit})"
 
     def values(self, motion: Motion, length: float) -> Array:
-        """(T,) its values in a motion of beads `length` long [m]; nan where the motion has no such bead or contact."""
+        """Return the (T,) values of the signal in a motion of beads that are `length` [m] long.
+
+        The values are NaN if the motion has no such bead or contact.
+        """
         columns = self.quantity.values(motion, length)
         if self.index >= columns.shape[1]:
             return np.full(len(motion.time), np.nan)
@@ -60,7 +63,9 @@ class Signal:
 
 
 def signal_of(text: str, beads: int) -> Signal:
-    """The signal that is written as v0, f1 or t, of a lane with so many beads. ValueError in a sentence else."""
+    """Return the signal written as v0, f1 or t, for a lane with `beads` beads. Raise ValueError, with a sentence, if it
+    is unknown.
+    """
     found = re.fullmatch(r"([a-z])_?(\d*)(?:-(\d+))?", text.strip().lower())
     if found is None or found[1] not in QUANTITIES or (found[3] and not _is_contact(*found.groups())):
         known = ", ".join(QUANTITIES)
@@ -78,12 +83,15 @@ def signal_of(text: str, beads: int) -> Signal:
 
 
 def _is_contact(letter: str, left: str, right: str) -> bool:
-    """Whether a signal of a contact has the numbers of its two beads."""
+    """Return True if the signal belongs to a contact and the two numbers are those of neighbouring beads."""
     return QUANTITIES[letter].owner == CONTACT and left != "" and int(right) == int(left) + 1
 
 
 def pair_of(text: str, beads: int) -> tuple[Signal, Signal]:
-    """The signals of "f0 against d0": the vertical one, and the horizontal one. ValueError in a sentence else."""
+    """Return the two signals of a text such as "f0 against d0": the vertical and the horizontal one.
+
+    Raise ValueError, with a sentence for the user, if the text does not contain two signals.
+    """
     between = _("{vertical} against {horizontal}", vertical="", horizontal="").strip()
     parts = re.split(rf"\s+(?:against|{re.escape(between)})\s+|\s*,\s*|\s+", text.strip())
     if len(parts) != 2:
@@ -91,23 +99,25 @@ def pair_of(text: str, beads: int) -> tuple[Signal, Signal]:
     return signal_of(parts[0], beads), signal_of(parts[1], beads)
 
 
-BEAD_HEIGHT = 0.8  # of a bead's length, in a kymograph
-PAIR = Signal("f"), Signal("d")  # until a person has chosen: the loop of the first contact
-_velocity, _force, _overlap = map(attrgetter, ("velocity", "force", "overlap"))  # (T, k) of a Motion
-MOST_ROW_LABELS = 5  # of a space-time strip
+BEAD_HEIGHT = 0.8  # Height of the band of a bead in a kymograph, as a fraction of the length of the bead.
+# Signals before the user chooses some: force over overlap of the first contact, which shows its hysteresis loop.
+PAIR = Signal("f"), Signal("d")
+# Functions that return the (T, k) values of a Motion.
+_velocity, _force, _overlap = map(attrgetter, ("velocity", "force", "overlap"))
+MOST_ROW_LABELS = 5  # Largest number of labels of a space-time strip.
 
 
 @dataclass(frozen=True)
 class PlotSetting:
-    """What the content of a plot is made from.
+    """The values from which the content of a plot is made.
 
     Attributes:
-        scales: those of the page.
+        scales: scales of the page.
         lane: number of the lane.
-        beads: how many it has.
-        length: of a bead [m].
-        logarithmic: whether overlaps have a logarithmic axis.
-        pair: the signals that a person has chosen, the vertical one first.
+        beads: number of beads in the lane.
+        length: length of a bead [m].
+        logarithmic: True if overlaps have a logarithmic axis.
+        pair: the two signals that the user chose, the vertical one first.
     """
 
     scales: Scales
@@ -119,30 +129,31 @@ class PlotSetting:
 
     @property
     def colours(self) -> tuple[Colour, ...]:
-        """Of the beads; a contact has that of the bead on its right."""
+        """Colours of the beads. A contact has the colour of the bead on its right."""
         return bead_colours(self.beads)
 
     def bead_names(self, symbol: str) -> list[str]:
-        """`symbol` with the index of each bead."""
+        """Return `symbol` with the index of each bead."""
         return [symbol + subscript(i) for i in range(self.beads)]
 
     def contact_names(self, symbol: str) -> list[str]:
-        """`symbol` with the indices of each contact."""
+        """Return `symbol` with the indices of each contact."""
         return [symbol + subscript(i, i + 1) for i in range(self.beads - 1)]
 
 
 @dataclass(frozen=True)
 class PlotKind:
-    """One kind of plot.
+    """A kind of plot.
 
     Attributes:
-        name: on its button, where it is translated in the context "button"; also of the action that shows and hides it.
-        key: pygame's code of the key for that.
-        help: the line of the help.
-        content: what it shows: title, axis, curves.
-        plot: the class that draws it.
-        shown: whether a page opens with it.
-        two_lanes: whether it compares two lanes, and only exists beside two of as many beads.
+        name: text on its button, translated in the context "button"; also the name of the action that shows or hides
+            it.
+        key: pygame's code of the key for this action.
+        help: its line in the help.
+        content: returns title, axis and curves.
+        plot: class that draws the plot.
+        shown: True if a new page shows it.
+        two_lanes: True if it compares two lanes, which then must have equal numbers of beads.
     """
 
     name: str
@@ -191,7 +202,10 @@ def _bead_markers(setting: PlotSetting) -> PlotContent:
 
 
 def _difference(setting: PlotSetting) -> PlotContent:
-    """Velocities beside the first lane, forces beside the second; no two values that fit their axes differ by more."""
+    """Return the content of a difference plot: velocities next to the first lane, forces next to the second.
+
+    The axes span the largest difference of two values that fit their own axes.
+    """
     if setting.lane == 0:
         half = setting.scales.velocity[1] - setting.scales.velocity[0]
         axis, names = linear_axis("", -half, half), setting.bead_names("Δv")
@@ -202,7 +216,7 @@ def _difference(setting: PlotSetting) -> PlotContent:
 
 
 def _chosen(setting: PlotSetting) -> PlotContent:
-    """One signal against another, both chosen by a person."""
+    """Return the content of the x-y plot: one signal against another, both chosen by the user."""
     vertical, horizontal = setting.pair
 
     def both(motion: Motion) -> Array:
@@ -210,7 +224,8 @@ def _chosen(setting: PlotSetting) -> PlotContent:
 
     title = _("{vertical} against {horizontal}", vertical=vertical.label, horizontal=horizontal.label)
     names = vertical.label, horizontal.label
-    place = vertical.index + (vertical.quantity.owner == CONTACT)  # curves have the colour of their bead or contact
+    # A curve has the colour of its bead, or of the bead on the right of its contact.
+    place = vertical.index + (vertical.quantity.owner == CONTACT)
     colour = tones.accent if vertical.quantity.owner == CHAIN else setting.colours[min(place, len(setting.colours) - 1)]
     return PlotContent(title, linear_axis("", 0.0, 1.0), names, (colour, colour), both)
 
@@ -220,12 +235,12 @@ def _energy_layers(motion: Motion) -> Array:
 
 
 def _row_axis(names: Sequence[str]) -> VerticalAxis:
-    """A row for each contact, the first on top; some of them are labelled."""
+    """Return an axis with a row for each contact, the first on top; only some rows have labels."""
     step = max(1, (len(names) + MOST_ROW_LABELS - 1) // MOST_ROW_LABELS)
     return VerticalAxis("", float(len(names)), 0.0, tuple((k + 0.5, names[k]) for k in range(0, len(names), step)))
 
 
-# kinds that are asked for by name
+# Names of kinds that other modules need.
 VELOCITIES, FORCES, KYMOGRAPH = NP_("button", "velocities"), NP_("button", "forces"), NP_("button", "kymograph")
 OWN = "x-y"
 

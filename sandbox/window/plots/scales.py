@@ -1,4 +1,6 @@
-"""Scales of a running scene: those of a run ahead, or estimated before there is one, which follow edits and the history."""
+"""Scales of a running scene: taken from a run ahead of time, or estimated before it is available, and adapted to edits
+and history.
+"""
 
 from __future__ import annotations
 
@@ -20,18 +22,21 @@ from softcradle.sandbox.story.numbers import round_step
 from softcradle.sandbox.window.page import Host
 from softcradle.scenes import Scene
 
-ROWS = 240  # of the motion, at least
-ROWS_PER_SECOND = 60.0  # of the scene as it is shown, at least
-IN_PYTHON = (Family.PYMUNK, Family.REFERENCE)  # of which a step takes up to a thousand times as long
-# steps times contacts of a lane, some 0.2 s: a run ahead that the window waits for takes no more
+ROWS = 240  # Smallest number of samples of a motion.
+ROWS_PER_SECOND = 60.0  # Smallest number of samples per second of displayed motion.
+# Families of methods whose steps can take a thousand times as long, because they run in Python.
+IN_PYTHON = (Family.PYMUNK, Family.REFERENCE)
+# Largest number of steps times contacts of a lane, about 0.2 s, for a run that the window waits for.
 MOST_AT_ONCE = 1_000_000
-MOST_BEHIND = 6_000_000  # likewise of one on a thread, some seconds: scales are not worth more
+# The same limit for a run in the background thread, some seconds. Better scales are not worth more time.
+MOST_BEHIND = 6_000_000
 
 
 def motions_ahead(scene: Scene, most: int = MOST_BEHIND) -> list[Motion]:
-    """The motion of each lane, near enough for a picture; its warnings are left to the badges of whoever plays the scene.
+    """Return the motion of each lane, accurate enough for a picture. Warnings are omitted; the badges show them during
+    play.
 
-    Most scenes take some milliseconds. Raises GaveUpError where a lane takes more than `most` steps times contacts.
+    Most scenes take some milliseconds. Raise GaveUpError if a lane needs more than `most` steps times contacts.
     """
     from softcradle.sandbox.film.scene_motion import scene_motions_quietly
 
@@ -43,14 +48,17 @@ def motions_ahead(scene: Scene, most: int = MOST_BEHIND) -> list[Motion]:
     return motions
 
 
-GROWTH = 1.25  # of a scale, relative to the value that was beyond it
-DEEPER = 1.5  # overlap relative to the deepest so far at which magnifications change
-SLACK = 0.02  # of the energy and momentum scales, by which a value may be beyond them
-FEWEST_DECADES = 4  # of an estimated overlap axis
+GROWTH = 1.25  # New limit of a scale, relative to the value that exceeded the old limit.
+DEEPER = 1.5  # Overlap, relative to the largest so far, beyond which the magnification changes.
+SLACK = 0.02  # Fraction of the energy and momentum scales by which a value may exceed them.
+FEWEST_DECADES = 4  # Smallest number of decades of an estimated overlap axis.
 
 
 def estimated_scales(scene: Scene, session: Session) -> Scales:
-    """Scales from the start alone, before the physics can run: energies of single contacts bound forces and overlaps."""
+    """Estimate the scales from the start of the scene, before a simulation is possible.
+
+    The kinetic energy available to a single contact gives bounds for its force and overlap.
+    """
     scales = scales_of(scene, [lane.motion for lane in session.lanes])
     forces, depths = [], []
     for lane in session.lanes:
@@ -69,7 +77,7 @@ def estimated_scales(scene: Scene, session: Session) -> Scales:
 
 
 class LiveScales:
-    """The scales in use: those of the run `ahead`, grown by what is in the history."""
+    """The scales in use: the scales of the run `ahead`, enlarged so that the history fits."""
 
     ahead: Scales
 
@@ -77,12 +85,14 @@ class LiveScales:
         self.session = session
 
     def take(self, ahead: Scales) -> None:
-        """Take those of a run ahead."""
+        """Use the scales of a run ahead of time."""
         self.ahead = ahead
         self.follow_history()
 
     def follow_history(self) -> None:
-        """Begin again with the run ahead, and grow by the frames that there are: others were dropped, or have come back."""
+        """Start again with the scales of the run ahead and enlarge them for the present frames. Frames may have been
+        removed or restored.
+        """
         self.scales, history = self.ahead, self.session.history
         self.reset_lanes(self.session.lanes)
         lanes = (history_slices(history, k, history.first, history.last) for k in range(len(self.session.lanes)))
@@ -90,7 +100,7 @@ class LiveScales:
             self.fit(motions)
 
     def reset_lanes(self, lanes: Sequence[LiveLane]) -> None:
-        """Give every contact of a lane the lane's deepest overlap where the number of beads has changed."""
+        """If the number of beads of a lane has changed, give each of its contacts the largest overlap of the lane."""
         deepest = []
         for lane, depths in zip(lanes, self.scales.deepest, strict=True):
             same = len(depths) == lane.chain.contacts
@@ -98,7 +108,7 @@ class LiveScales:
         self.scales = replace(self.scales, deepest=tuple(deepest))
 
     def fit(self, motions: Sequence[Motion]) -> None:
-        """Grow so that a motion of each lane fits in."""
+        """Enlarge the scales so that the given motion of each lane fits."""
         found, now = reached(motions), self.scales
         (least, most), (low, high) = found.velocity, now.velocity
         (falls, rises), (left, right) = found.momentum, now.momentum
@@ -116,7 +126,7 @@ class LiveScales:
     def _overlaps(self, motions: Sequence[Motion]) -> None:
         pairs = [(m.overlap.max(axis=0), np.array(d)) for m, d in zip(motions, self.scales.deepest, strict=True)]
         if any(len(overlap) != len(depths) for overlap, depths in pairs):
-            return  # frames of another number of beads
+            return  # These frames have another number of beads.
         if all((overlap <= DEEPER * depths).all() for overlap, depths in pairs):
             return
         grown: list[Array] = [np.where(overlap > DEEPER * depths, 2.0 * overlap, depths) for overlap, depths in pairs]
@@ -127,33 +137,33 @@ class LiveScales:
 
 
 def _rounded(value: float) -> float:
-    """A round value beyond `value`, on its side of zero."""
+    """Return a round value with the sign of `value` and a larger magnitude."""
     if value == 0.0:
         return 0.0
     return math.copysign(round_step(GROWTH * abs(value), 4) * 4, value)
 
 
-EDIT_SECONDS = 0.3  # after which no other edit of the gesture is waited for
+EDIT_SECONDS = 0.3  # Seconds after an edit until the gesture counts as finished.
 
 
 class EditFollower:
-    """Gives `scales` of the edited scene."""
+    """Computes new `scales` after edits of the scene."""
 
     def __init__(self, host: Host, session: Session, scales: LiveScales) -> None:
         self.host, self.session, self.scales = host, session, scales
-        self._age: float | None = None  # seconds since the edit that scales are to follow
+        self._age: float | None = None  # Seconds since an edit that the scales do not include yet.
 
     def notice(self) -> None:
-        """There was an edit."""
+        """Note that the scene was edited."""
         self._age = 0.0
 
     @property
     def pending(self) -> bool:
-        """Whether scales are still to follow an edit."""
+        """True if the scales do not yet include the last edit."""
         return self._age is not None
 
     def update(self, seconds: float) -> None:
-        """Begin a run ahead where it is time."""
+        """Start a run ahead of time if the last edit is long enough ago."""
         if self._age is None:
             return
         self._age += seconds
@@ -161,12 +171,14 @@ class EditFollower:
             self._age = None
             try:
                 scene = self.session.to_scene()
-            except ValueError:  # what no scene file can say keeps the scales that it has
+            except ValueError:  # A state that cannot be written as a scene file keeps its present scales.
                 return
             self.host.warmup.submit(partial(self._take, scene), partial(motions_ahead, scene))
 
     def _take(self, scene: Scene, motions: object) -> None:
-        """Take the scales, estimated where the run has failed; where there was another edit, those of that one are to come."""
+        """Use the new scales, or estimates if the run failed. After another edit, wait for the scales of that edit
+        instead.
+        """
         if not self.pending:
             found = scales_of(scene, motions) if isinstance(motions, list) else estimated_scales(scene, self.session)
             self.scales.take(found)

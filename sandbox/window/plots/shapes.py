@@ -1,4 +1,4 @@
-"""Plots of other shapes than curves over time: bands, strips of shades, piles, differences, one signal against another."""
+"""Special plots: kymographs, stacked energies, space-time strips, differences of lanes, and one signal against another."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from softcradle.sandbox.window.plots.curves import RIGHT, THICKNESS, Plot, draw_
 
 
 class DifferencePlot(Plot):
-    """Curves of the second lane minus those of the first, where both have as many beads."""
+    """The curves of the second lane minus the curves of the first; both lanes must have equal numbers of beads."""
 
     def samples_of_frames(self, first: int, last: int, most: int = 0) -> list[tuple[Array, Array]]:
-        """See `Plot.samples_of_frames`; (T, 0) values where the lanes cannot be compared."""
+        """See `Plot.samples_of_frames`. The values are (T, 0) if the lanes cannot be compared."""
         slices = (history_slices(self.history, lane, first, last, most) for lane in (0, 1))
         return [(a.time, self._differences(a, b)) for a, b in zip(*slices, strict=True)]
 
@@ -37,21 +37,22 @@ class DifferencePlot(Plot):
         return differences
 
 
-PALE = 0.45  # share of the background in the colour of a bead
+PALE = 0.45  # Fraction of the background colour in the band of a bead.
 
 
 class KymographPlot(Plot):
-    """A pale band around each curve, and the curve in its middle as the marker."""
+    """A pale band for each bead, with the curve of its centre as a marker."""
 
     marked = False
 
     def draw_columns(self, first: int, last: int) -> pygame.Surface:
-        """Bands with markers in columns `first` to `last`."""
+        """Return a surface with the bands and markers of columns `first` to `last`."""
         fine = self.enlarged_background(first, last)
         colours, half = self.content.colours, 0.5 * self.content.band
         for time, values in self.samples(first, last):
             across = (time / self.span.column - first + 0.5) * SUBPIXELS
-            across[[0, -1]] += -SUBPIXELS, SUBPIXELS  # no gap between slices of the history
+            # Extend each slice of the history by a pixel, so that no gap appears between slices.
+            across[[0, -1]] += -SUBPIXELS, SUBPIXELS
             low, high = ((self.y(values + side * half) + 0.5) * SUBPIXELS for side in (-1.0, 1.0))
             for k in range(min(values.shape[1], len(colours))):
                 edge = np.concatenate((across, across[::-1])), np.concatenate((low[:, k], high[::-1, k]))
@@ -64,34 +65,37 @@ class KymographPlot(Plot):
 
 
 class StackedPlot(Plot):
-    """Energies piled up: the kinetic energy of each bead, and above them what the contacts store."""
+    """Stacked energies: the kinetic energy of each bead, and above them the energy stored in the contacts."""
 
     at_values = False
 
     marked = False
 
     def draw_columns(self, first: int, last: int) -> pygame.Surface:
-        """Piles in columns `first` to `last`."""
+        """Return a surface with the stacked energies of columns `first` to `last`."""
         pixels = pygame.surfarray.array3d(self.curves.background)[:1].repeat(last - first, axis=0)
         middles = np.arange(self.area.height) + 0.5
         for time, values in self.samples(first, last):
-            layers = values.shape[1]  # of these frames: beads may have been added or removed since
+            layers = values.shape[1]  # Number of layers of these frames; beads may have been added or removed since.
             colours = np.array([*_layer_colours(layers), tones.background], dtype=np.uint8)
             tops = self.y(np.cumsum(values, axis=1))
             for column, row in _latest(time / self.span.column, first, last):
-                layer = np.searchsorted(-tops[row], -middles)  # the first layer that reaches as high as the pixel
+                layer = np.searchsorted(-tops[row], -middles)  # The first layer that reaches as high as the pixel.
                 inside = layer < layers
                 pixels[column - first, inside] = colours[layer[inside]]
         return pygame.surfarray.make_surface(pixels)
 
 
 def _layer_colours(count: int) -> tuple[Colour, ...]:
-    """Colours of the layers from below: the beads, and the contacts."""
+    """Return the colours of the layers from bottom to top: the beads, then the contacts."""
     return *bead_colours(count - 1), tones.steel
 
 
 def _latest(places: Array, first: int, last: int) -> list[tuple[int, int]]:
-    """(column, row) for the columns `first` to `last`: the newest row at or before it; `places` (T,) in columns."""
+    """Return (column, row) for columns `first` to `last`, where row is the newest sample at or before the column.
+
+    `places` (T,) are the times of the samples in columns.
+    """
     columns = np.arange(first, last)
     rows = np.searchsorted(places, columns + 1) - 1
     covered = (rows >= 0) & (columns <= places[-1])
@@ -99,18 +103,18 @@ def _latest(places: Array, first: int, last: int) -> list[tuple[int, int]]:
 
 
 SHADES = 256
-SCALE = 7.0  # design pixels, the width of the scale
+SCALE = 7.0  # Width of the scale in design pixels.
 
 
 class StripPlot(Plot):
-    """A strip of shades for each curve, one below the other."""
+    """A horizontal strip of shades for each curve, one below the other."""
 
     at_values = False
 
     marked = False
 
     def draw_columns(self, first: int, last: int) -> pygame.Surface:
-        """Shades in columns `first` to `last`: of each column the darkest."""
+        """Return a surface with the shades of columns `first` to `last`. A column shows the darkest of its samples."""
         image = np.zeros((last - first, self.area.height), dtype=np.uint8)
         for time, values in self.samples(first, last):
             columns = np.floor(time / self.span.column).astype(int) - first
@@ -121,7 +125,7 @@ class StripPlot(Plot):
         return pygame.surfarray.make_surface(_shades()[image])
 
     def backdrop(self, surface: pygame.Surface) -> None:
-        """Draw title and labels, and beside the axes the scale of the shades."""
+        """Draw title and labels, and the scale of the shades to the right of the axes."""
         super().backdrop(surface)
         unit, area = self.unit, self.area
         bar = pygame.Rect(area.right + round(6 * unit), area.top, max(3, round(SCALE * unit)), area.height)
@@ -130,12 +134,12 @@ class StripPlot(Plot):
         column = pygame.surfarray.make_surface(np.broadcast_to(shades[rows], (bar.width, bar.height, 3)))
         surface.blit(column, bar)
         pygame.draw.rect(surface, tones.faint, bar, 1)
-        end = area.right + (RIGHT + 8) * unit  # before the edge of the panel
+        end = area.right + (RIGHT + 8) * unit  # Left of the edge of the panel.
         write(surface, self._darkest(), (end, area.top - 4 * unit), 13 * unit, tones.muted, align=(1, 1))
         write(surface, "0", (bar.right + 3 * unit, bar.bottom - 6 * unit), 13 * unit, tones.muted, align=(0, 0.5))
 
     def title_room(self) -> float:
-        """How wide a title may be beside the number of the scale; pixels."""
+        """Return the width in pixels for the title; the number above the scale needs the rest."""
         return self.area.width + RIGHT * self.unit - width(self._darkest(), 13 * self.unit)
 
     def _darkest(self) -> str:
@@ -144,39 +148,39 @@ class StripPlot(Plot):
 
 
 def _shades() -> Array:
-    """(SHADES, 3) colours from 0 to the darkest."""
+    """Return (SHADES, 3) colours from 0 to the darkest."""
     ramp = tones.shades
     places = np.linspace(0, len(ramp) - 1, SHADES)
     rows = [mix(ramp[int(p)], ramp[min(int(p) + 1, len(ramp) - 1)], float(p) % 1.0) for p in places]
     return np.array(rows, dtype=np.uint8)
 
 
-MOST_POINTS = 1500  # of the curve, evenly thinned
-MARGIN = 0.06  # of the axes beyond the values
-LATER = 0.25  # strength of the curve later than the frame shown
+MOST_POINTS = 1500  # Largest number of points of the curve; more points are evenly thinned out.
+MARGIN = 0.06  # Margin of the axes beyond the values, as a fraction of their range.
+LATER = 0.25  # Fraction of the curve's colour in the part after the current frame.
 
 
 class PhasePlot(Plot):
-    """The whole history as one curve; its axes reach as far as its values. `values` of the content are (T, 2): y, x."""
+    """The complete history as one curve. The axes adapt to the values. `values` of the content are (T, 2): y, x."""
 
     timed = marked = False
 
     def __init__(self, *arguments: object) -> None:
         super().__init__(*arguments)  # type: ignore[arg-type]
-        self._points = np.zeros((0, 3))  # time, y, x
+        self._points = np.zeros((0, 3))  # Columns: time, y, x.
         self._found = Derived(lambda: self.history.version, self._find_points)
 
     def update(self, grown: bool, budget: int) -> int:
-        """Nothing is drawn ahead."""
+        """Return 0: this plot draws nothing ahead of time."""
         return 0
 
     @property
     def complete(self) -> bool:
-        """Nothing is left to be drawn."""
+        """Always True, because no columns are drawn."""
         return True
 
     def points(self) -> Array:
-        """(T, 3) time, y and x of the history."""
+        """Return the (T, 3) times, y and x values of the history."""
         self._found.follow()
         return self._points
 
@@ -187,10 +191,10 @@ class PhasePlot(Plot):
         )
 
     def backdrop(self, surface: pygame.Surface) -> None:
-        """The axes change with the values: nothing stays."""
+        """Draw nothing, because the axes change with the values."""
 
     def paint(self, surface: pygame.Surface, time: float, values: Array) -> None:
-        """Draw axes and curve, strong up to the frame shown, and a marker there."""
+        """Draw the axes, the curve (stronger up to the current frame), and a marker at the current frame."""
         unit, area, points = self.unit, self.area, self.points()
         surface.fill(tones.background, self.rect)
         low, high = (_ends(points[:, column], values[column - 1]) for column in (1, 2))
@@ -224,13 +228,13 @@ class PhasePlot(Plot):
 
 
 def exponent_of(ends: tuple[float, float]) -> int:
-    """Exponent of the power of a thousand that labels of an axis leave out; 0 where they are short anyway."""
+    """Return the exponent of the power of a thousand that the labels of an axis omit; 0 if the labels are short anyway."""
     greatest = math.log10(max(map(abs, ends)))
     return 0 if -2.0 < greatest < 4.0 else 3 * math.floor(greatest / 3.0)
 
 
 def scaled_ticks(ends: tuple[float, float]) -> list[tuple[float, str]]:
-    """(value, label) of an axis, labels without their common power of ten."""
+    """Return (value, label) of an axis; the labels omit their common power of ten."""
     size = 10.0 ** exponent_of(ends)
     return [(value * size, text) for value, text in linear_axis("", ends[0] / size, ends[1] / size).ticks]
 
@@ -241,7 +245,7 @@ def _factor(ends: tuple[float, float]) -> str:
 
 
 def _ends(values: Array, present: float) -> tuple[float, float]:
-    """Ends of an axis on which all values are."""
+    """Return the ends of an axis that contains all values."""
     known = values[np.isfinite(values)]
     low = float(min(known.min(initial=np.inf), present if np.isfinite(present) else np.inf))
     high = float(max(known.max(initial=-np.inf), present if np.isfinite(present) else -np.inf))
