@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 from softcradle.physics import Contact, kernel_records
 from softcradle.physics.contact import hertz, hooke, power_law, step_force
+from softcradle.physics.fixed_step.step_loop import log_switches
 from softcradle.physics.numerics.plain_kernels import plain
+from softcradle.physics.numerics.records import Motion
 from softcradle.physics.numerics.table_kernels import table_inverse, table_slope, table_value
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.notebook.views import html_of
@@ -284,3 +286,15 @@ def test_a_law_that_refuses_some_overlaps_of_an_array_has_the_others():
     assert twice.force(np.array([0.1, 1.0])) == pytest.approx(2.0 * np.expm1([5.0, 50.0]))
     with pytest.raises(ValueError, match="gives the force nan N at an overlap of 293"):
         twice.force(np.array([0.1, 293.0]))
+
+
+def test_a_user_defined_law_closes_without_writing_beyond_its_arrays() -> None:
+    # Only chains with several segments have flags of couplers; plain Python checks the index, machine code does not.
+    chain = Chain([1.0, 1.0], OwnLaw(power(2.0, 1.0)))
+    state = State.at_start(chain, [1.0, 0.0])
+    state.overlap[0] = 0.1
+    log = kernel_records.empty_log(1, 4)
+    graph, motion = kernel_records.graphs_of(chain, state), Motion(*kernel_records.motion_record(state))
+    assert plain(log_switches)(0.0, 0.1, graph, motion, log) == 1
+    assert log.contact[0] == 0
+    assert log.time[0] == 0.0
