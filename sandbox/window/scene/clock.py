@@ -1,4 +1,4 @@
-"""The clock of the page: what plays, pauses, steps and restarts a session or a replay, and the end of a motion."""
+"""The clock of the page: it plays, pauses, steps and restarts a session or a replay, and detects the end of a motion."""
 
 from __future__ import annotations
 
@@ -14,34 +14,35 @@ from softcradle.sandbox.window.scene.editor import PREPARING, SceneEditor
 from softcradle.sandbox.window.scene.time_controls import SceneTimeControls, Timeline, late_note
 from softcradle.sandbox.window.scene.view import SceneView
 
-APART = 2.0  # lengths of a bead: a gap in every lane is that wide when it ends
-LEAST_FRAMES = FRAME_RATE // 2  # that are shown after the last contact has opened
-MOST_FRAMES = 5 * FRAME_RATE  # likewise, where beads part slowly
+# Width of the gaps at the end of a motion, in lengths of a bead. The motion ends when every lane has such a gap.
+APART = 2.0
+LEAST_FRAMES = FRAME_RATE // 2  # Smallest number of frames shown after the last contact has opened.
+MOST_FRAMES = 5 * FRAME_RATE  # The same number if the beads separate slowly.
 
 
 class EndOfMotion:
-    """Pauses a session once at the end of its motion, and calls `ended`. A replay ends where it was recorded to.
+    """Pauses a session once at the end of its motion and calls `ended`. A replay ends where its recording ends.
 
-    A motion without an end goes on, and has reached its end at the duration of the scene.
+    A motion without an end continues; it counts as ended at the duration of the scene.
 
     Attributes:
-        enabled: whether it does.
-        reached: whether the end of this motion has come, paused or not.
+        enabled: True if the session is paused at the end.
+        reached: True if the end of this motion has been reached, paused or not.
     """
 
     def __init__(self, host: Host, session: Session, ended: Callable[[], None]) -> None:
         self.host, self.session, self.ended = host, session, ended
         self.enabled = True
-        self._frames, self.reached = 0, False  # frames for which the motion has been over
+        self._frames, self.reached = 0, False  # Number of frames since the end of the motion.
 
     def toggle(self) -> None:
-        """Pause at the end, or go on."""
+        """Switch between pausing at the end and continuing."""
         self.enabled = not self.enabled
         on, off = _("the clock stops at the end of the motion"), _("the clock goes on after the end of the motion")
         self.host.messages.show(on if self.enabled else off)
 
     def update(self, frames: int, replay: Replay | None) -> None:
-        """After a tick of so many frames in which the clock ran, of a `replay` or not."""
+        """Update after a tick of `frames` frames in which the clock ran, in a `replay` or a normal session."""
         session, replayed = self.session, replay is not None and replay.done
         if not all(lane.over for lane in session.lanes) or session.held.lane >= 0.0:
             lasted = session.time >= session.setup.lanes[0].duration or replayed
@@ -57,18 +58,18 @@ class EndOfMotion:
 
     @property
     def _apart(self) -> bool:
-        """Whether a gap of every lane is wide enough to be seen."""
+        """True if every lane has a gap that is wide enough to be seen."""
         least = -APART * self.session.scene.view.length
         return all(float(lane.state.overlap.min()) <= least for lane in self.session.lanes)
 
 
 class SceneClock:
-    """Moves a session; `replay` runs it where it is a recorded one.
+    """Advances a session, or a `replay` of a recorded session.
 
     Attributes:
         end: pauses at the end of the motion.
-        controls: the slow motion that is applied when the scene plays on.
-        actions: those that have keys.
+        controls: time controls; a changed slow motion is applied when the scene continues.
+        actions: actions with keys.
     """
 
     controls: SceneTimeControls
@@ -101,21 +102,23 @@ class SceneClock:
 
     @property
     def _running(self) -> Replay | None:
-        """The replay that has not ended."""
+        """The replay, if it has not ended."""
         return None if self.replay is None or self.replay.done else self.replay
 
     def may_edit(self) -> bool:
-        """Whether an edit loses nothing: it would end a replay, and drop the frames after an earlier one."""
+        """Return True if an edit loses nothing. It would end a running replay, and in the past it would remove the
+        later frames.
+        """
         return self._running is None and not self.session.scrubbed
 
     def activity(self) -> str:
-        """What the clock does: 'playing', 'replaying' or 'paused'."""
+        """Return the state of the clock: 'playing', 'replaying' or 'paused'."""
         if self._running is not None:
             return N_("replaying") if self._running.playing and not self.session.scrubbed else N_("paused")
         return N_("playing") if self.session.playing else N_("paused")
 
     def note(self) -> tuple[str, bool]:
-        """What is written below the time, and whether it is a warning."""
+        """Return the text below the time, and if it is a warning."""
         late = late_note(self.session.pacer)
         if self.session.playing and late[0]:
             return late
@@ -139,13 +142,13 @@ class SceneClock:
             self.session.play()
 
     def pause(self) -> None:
-        """Pause, be it a replay."""
+        """Pause the session or the replay."""
         if self._running is not None:
             self._running.playing = False
         self.session.pause()
 
     def step(self, by: int) -> None:
-        """Go `by` frames on; the newest frame of a replay is followed by the next that was recorded."""
+        """Move by `by` frames. At the newest frame of a replay, continue with the next recorded frame."""
         running = self._running
         if self.editor.preparing:
             return
@@ -158,12 +161,12 @@ class SceneClock:
             self._show_failure()
 
     def _show_failure(self) -> None:
-        """Say why the session has stopped by itself, if it has."""
+        """Show why the session has stopped by itself, if it has."""
         if self.session.failure:
             self.host.messages.show(self.session.failure, warning=True)
 
     def restart(self) -> None:
-        """Back to the start, with all edits where the scene is no replay; plays on if it was playing."""
+        """Return to the start. A session keeps its edits, and keeps playing if it was playing."""
         playing = self.activity() != "paused"
         self.view.reset_camera()
         if self.replay is not None and not self.replay.left:
@@ -175,7 +178,7 @@ class SceneClock:
             self.session.play()
 
     def tick(self, seconds: float) -> None:
-        """Let time pass."""
+        """Advance by `seconds` of wall time."""
         running, moving = self._running, self.activity() != "paused"
         frames = 0
         if self.replay is None and self.may_edit():

@@ -1,4 +1,4 @@
-"""The scene editor: the selected bead or contact, inputs on their way to the session, and the edits that have keys."""
+"""The scene editor: the selected bead or contact, the inputs passed to the session, and the edits that have keys."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from softcradle.sandbox.window.page import Host
 
 @dataclass(frozen=True)
 class Pick:
-    """Number of the lane, "bead" or "contact", and its index."""
+    """A bead or contact: the number of its lane, "bead" or "contact", and its index."""
 
     lane: int
     kind: str
@@ -25,7 +25,7 @@ class Pick:
 
 
 def pick_title(session: Session, pick: Pick) -> str:
-    """Bead or contact with its number, and with the name of its lane where there are two."""
+    """Return the title of a bead or contact with its number; if there are two lanes, also the label of its lane."""
     if pick.kind == "bead":
         wall = math.isinf(session.lanes[pick.lane].chain.mass[pick.index])
         title = _("Wall {number}", number=pick.index) if wall else _("Bead {number}", number=pick.index)
@@ -35,7 +35,7 @@ def pick_title(session: Session, pick: Pick) -> str:
     return f"{title} · {label}" if len(session.lanes) > 1 and label else title
 
 
-AUTO = "auto"  # the entry of the method menu by which the method is chosen
+AUTO = "auto"  # Entry of the method menu with which the program chooses the method.
 PREPARING = N_("preparing the physics: some seconds, once")
 ALL_NOW = {"power": N_("all contacts are power laws now"), "gear": N_("all contacts are draft gears now")}
 
@@ -44,10 +44,11 @@ class SceneEditor:
     """Edits of one session.
 
     Attributes:
-        selection: the selected bead or contact; None where nothing is selected.
-        refused: how often a method was refused: what has shown it shows another one.
-        preparing: whether kernels are still being loaded: the session can neither move nor be edited yet.
-        actions: the edits that have keys.
+        selection: the selected bead or contact, or None.
+        refused: number of rejected choices of a method. The menu that showed the rejected method is rebuilt when it
+            changes.
+        preparing: True while kernels are being loaded, so that the session can neither move nor be edited.
+        actions: edits that have keys.
     """
 
     def __init__(self, host: Host, session: Session) -> None:
@@ -70,7 +71,7 @@ class SceneEditor:
 
     @property
     def selection(self) -> Pick | None:
-        """The selected bead or contact; where it has been removed, the last one of its kind."""
+        """The selected bead or contact. If it was removed, the last one of its kind."""
         pick = self._selection
         if pick is None:
             return None
@@ -82,21 +83,22 @@ class SceneEditor:
         self._selection = pick
 
     def check_kernels(self) -> None:
-        """Read whether the session's methods can move its lanes in time."""
+        """Update `preparing`: check if the methods of the session can move its lanes in real time."""
         session = self.session
         self.preparing = not self.host.warmup.can_move(session.lanes, session.setup.frame_time)
 
     def apply(self, item: Input, gesture: bool = False) -> bool:
-        """Apply an input to the session; whether it was accepted. The reason of a refusal is shown.
+        """Apply an input to the session and return if it was accepted. The reason for a rejection is shown as a
+        message.
 
-        Inputs of one `gesture` are one undo step.
+        Inputs of one `gesture` form one undo step.
         """
         return self.apply_all([item], gesture)
 
     def apply_all(self, items: Sequence[Input], gesture: bool = False, anew: bool = False, trial: bool = False) -> bool:
-        """Apply inputs as one undo step, or none of them; return whether they were accepted.
+        """Apply all inputs as one undo step, or none of them. Return True if they were accepted.
 
-        They are applied `anew` after a restart, or as a `trial`, see :meth:`Session.apply_all`.
+        With `anew`, restart first; for `trial` see :meth:`Session.apply_all`.
         """
         if self.preparing:
             self.host.messages.hint(_(PREPARING))
@@ -118,11 +120,11 @@ class SceneEditor:
         return name == AUTO or self.host.warmup.can_move(self.session.lanes, frame_time, name)
 
     def _apply_to_lanes(self, edit: Callable[[int], LaneInput]) -> bool:
-        """Apply an edit to every lane; whether that was accepted."""
+        """Apply an edit to every lane and return if it was accepted."""
         return self.apply_all([edit(lane) for lane in range(len(self.session.lanes))])
 
     def _go(self, step: Callable[[], str], done: str, nothing: str) -> None:
-        """Undo or redo, and say what."""
+        """Undo or redo, and show a message about it."""
         name = step()
         if name:
             self.host.messages.show(_(done, edit=_(name)))
@@ -132,7 +134,7 @@ class SceneEditor:
     # ---- edits that have keys
 
     def select_neighbour(self, by: int) -> None:
-        """Select what is beside the selection: beads and contacts in turn."""
+        """Select the neighbour of the selection; beads and contacts alternate."""
         pick = self.selection
         if pick is None:
             self.selection = Pick(0, "bead", 0)
@@ -143,7 +145,9 @@ class SceneEditor:
         self.selection = Pick(pick.lane, "contact" if place % 2 else "bead", place // 2)
 
     def add_bead(self) -> None:
-        """Add a bead like the selected one, or like that on the left of the selected contact, to its right."""
+        """Add a bead to the right of the selected bead, as a copy of it. For a selected contact, copy the bead on its
+        left.
+        """
         pick = self.selection
         if pick is None:
             self.host.messages.hint(_("select a bead: the new one comes to its right"))
@@ -184,7 +188,7 @@ class SceneEditor:
         self.apply(SetKind(pick.lane, pick.index, "power" if kind_of(law) == "gear" else "gear"))
 
     def _contact(self) -> Pick | None:
-        """The selected contact; None where there is none, which is said."""
+        """Return the selected contact. If no contact is selected, show a message and return None."""
         pick = self.selection
         if pick is not None and pick.kind == "contact":
             return pick

@@ -1,4 +1,4 @@
-"""The panel of the first level, with alpha of the whole row, speed and number of beads; and the card at the end of a motion."""
+"""The panel of Explore with softness, speed and number of beads, and the card with the outcome at the end of a motion."""
 
 from __future__ import annotations
 
@@ -37,22 +37,25 @@ from softcradle.sandbox.window.widgets import Control, parameter_control, write_
 from softcradle.scenes import Scene
 
 LEAST_ALPHA, MOST_ALPHA = 1 / 40, 1.5
-ENDS = 14.0  # design pixels of the words below the ends of the slider of alpha
-MOST_BEADS = 12  # that can be chosen here
-OF_BEAD = ("mass", "velocity")  # keys of the numbers of a selected bead that are offered here
-COMPARE = 44.0  # design pixels of the button that compares
-LEAST_TEXT = 76.0  # design pixels for the title and two lines of the text; with less room a button shows the text
-DOT = 6.0  # design pixels, the radius of the badge
-ROUND_OFF = 1e-12  # of the largest velocity: that of a bead at rest is a sum of rates
+ENDS = 14.0  # Height in design pixels of the words below the ends of the softness slider.
+MOST_BEADS = 12  # Largest number of beads that the panel offers.
+OF_BEAD = ("mass", "velocity")  # Keys of the numbers that the panel shows for a selected bead.
+COMPARE = 44.0  # Height of the button for the comparison in design pixels.
+# Height in design pixels of the title and two lines of the text. If less space is left, a button shows the text.
+LEAST_TEXT = 76.0
+DOT = 6.0  # Radius of the badge in design pixels.
+# Fraction of the largest velocity below which a velocity counts as 0. The velocity of a bead at rest is a sum of
+# increments.
+ROUND_OFF = 1e-12
 
 
 class ExplorePanel(Inspector):
-    """Three numbers of the scene and one comparison; for a selected bead its mass and velocity.
+    """The panel with three numbers of the scene and one comparison. For a selected bead it shows mass and velocity.
 
     A change restarts the experiment, so that runs can be compared.
 
     Arguments:
-        health: of the lanes, as it was last read.
+        health: returns the latest verdict on each lane.
     """
 
     def __init__(self, host: Host, session: Session, editor: SceneEditor, health: Callable[[], list[Health]]) -> None:
@@ -81,22 +84,22 @@ class ExplorePanel(Inspector):
         return found
 
     def _bead_parameters(self, pick: Pick) -> list[Parameter]:
-        """Return mass and velocity of a bead, at the start: a change restarts the experiment."""
+        """Return mass and initial velocity of a bead. A change restarts the experiment."""
         found = [one for one in parameters(self.session, pick.lane, BEAD, pick.index) if one.key in OF_BEAD]
         lane = self._newest[pick.lane]
         start = lane.start.velocity(lane.chain)
-        if pick.index >= len(start):  # looking back at a frame with more beads
+        if pick.index >= len(start):  # The current frame is in the past, when there were more beads.
             return found
         return [replace(one, value=float(start[pick.index])) if one.key == "velocity" else one for one in found]
 
     @property
     def _contact(self) -> int | None:
-        """The selected contact of the first lane; None: the whole row."""
+        """Index of the selected contact in the first lane, or None for the whole row."""
         pick = self.editor.selection
         return pick.index if pick is not None and pick.kind == "contact" and pick.lane == 0 else None
 
     def _laws(self) -> list[Contact]:
-        """The laws of the first lane, where all are power laws."""
+        """Return the laws of the first lane if all of them are power laws, otherwise an empty list."""
         laws = [law for law in self.session.lanes[0].chain.contact if isinstance(law, Contact)]
         plain = all(law.preload == 0.0 and law.stiffness > 0.0 for law in laws)
         return laws if plain and len(laws) == self.session.lanes[0].chain.contacts else []
@@ -127,11 +130,11 @@ class ExplorePanel(Inspector):
         if knobs:
             self._row(y, knobs, (0.0, 76.0)[-len(knobs) :] if len(knobs) > 1 else (), COMPARE)
             y += COMPARE * unit
-        y += min(24 * unit, max(0.0, rect.bottom - y - 22 * unit))  # the title of the text has room below
+        y += min(24 * unit, max(0.0, rect.bottom - y - 22 * unit))  # Leave space for the title of the text below.
         self._about = pygame.Rect(rect.left, round(y), rect.width, max(0, round(rect.bottom - y)))
 
     def show_text(self) -> None:
-        """Show the text of the scene, or the question about it, in a dialog."""
+        """Show the text of the scene, or its question, in a dialog."""
         title, *parts = about(self.session, self.question())
         self.host.choose(title, "\n".join(part for part in parts if part), {_("Close"): lambda: None})
 
@@ -149,12 +152,13 @@ class ExplorePanel(Inspector):
         return self._with_alpha(value)
 
     def _at_start(self, parameter: Parameter, scene: Scene) -> Parameter:
-        return parameter  # its numbers are those of the start
+        return parameter  # The numbers of this panel already belong to the start.
 
     def _with_speed(self, speed: float) -> list[Input]:
-        """Another speed of the first lane: all velocities are multiplied alike, those of the scene where that lane rests.
+        """Return the edits for another speed of the first lane. All velocities are multiplied by the same factor.
 
-        A speed > 0 is in the direction of the scene.
+        If the first lane is at rest, the velocities of the scene are used. A speed > 0 has the direction of motion of
+        the scene.
         """
         rows = [lane.start.velocity(lane.chain).tolist() for lane in self._newest]
         if not any(rows[0]):
@@ -167,13 +171,15 @@ class ExplorePanel(Inspector):
         return [SetVelocity(k, bead, speed * part) for k, bead, part in moving if abs(part) > ROUND_OFF]
 
     def _with_alpha(self, alpha: float) -> list[Input]:
-        """Another alpha of the row, or of the selected contact: the blow is stopped within the same depth."""
+        """Return the edits for another exponent of the row or of the selected contact. The depth at which the blow
+        stops is kept.
+        """
         lane, chosen = self._newest[0], self._contact
         contacts = range(lane.chain.contacts) if chosen is None else (min(chosen, lane.chain.contacts - 1),)
         return [SetContact(0, i, at_the_same_depth(lane.chain, i, alpha, lane.speed)) for i in contacts]
 
     def change_beads(self, by: int) -> None:
-        """Add a bead at the right end of every lane, or take the last one away; a wall there stays the end."""
+        """Add a bead at the right end of every lane, or remove the last bead. A wall stays at the end."""
         last = min(lane.chain.contacts for lane in self._newest)
         if not 2 <= last + 1 + by <= MOST_BEADS:
             self.host.messages.hint(_("You can choose 2 to {most} beads here.", most=MOST_BEADS))
@@ -187,11 +193,11 @@ class ExplorePanel(Inspector):
 
     @property
     def _newest(self) -> tuple[LaneSetup, ...]:
-        """The lanes with all edits, later ones than the frame shown too."""
+        """The lanes with all edits, including edits later than the current frame."""
         return self.session.history.newest_setup.lanes
 
     def backdrop(self, surface: pygame.Surface) -> None:
-        """Draw the names and the text of the scene."""
+        """Draw the names of the numbers and the text of the scene."""
         unit, rect = self.host.unit, self.rect
         if rect.width == 0:
             return
@@ -208,7 +214,9 @@ class ExplorePanel(Inspector):
         self._whole = self._about, paint_about(surface, self._about, unit, self.session, self.question())
 
     def paint(self, surface: pygame.Surface) -> None:
-        """Draw the dot of the badge; where all is not well, its sentence in place of the text of the scene."""
+        """Draw the dot of the badge. If a lane has a problem, draw the sentence about it instead of the text of the
+        scene.
+        """
         if self.rect.width == 0:
             return
         unit, states = self.host.unit, self.health()
@@ -223,14 +231,16 @@ class ExplorePanel(Inspector):
 
 
 def _unused(value: float) -> Input:
-    """The panel applies its numbers itself: several inputs at once."""
+    """Raise NotImplementedError. The panel applies its numbers itself, because a change needs several inputs."""
     raise NotImplementedError
 
 
-SIZE, SMALL = 16.0, 13.0  # design pixels of the text, and where two lanes would become too low beside it
-LOW = 560.0  # design pixels of a window in which they would
+# Text sizes in design pixels. The small size is used for two lanes in a low window, where the lanes would become too
+# low.
+SIZE, SMALL = 16.0, 13.0
+LOW = 560.0  # Height of a window, in design pixels, below which this happens.
 MOST_LINES = 4
-MOST_FORCES = 6  # that are named one by one, the greatest among them
+MOST_FORCES = 6  # Number of forces that are listed, including the largest.
 WHY = N_("When the push is strongest, the contacts carry {forces} {unit}.")
 MARKS = N_(
     "The black lines show the forces inside one solid block: each contact only has to move the beads on its other side."
@@ -240,12 +250,12 @@ MARKS = N_(
 class OutcomeCard:
     """The card at the end of a motion. It is hidden as soon as the clock runs or another frame is shown.
 
-    If the page has no room for it, a dialog is shown instead. The card makes and removes its own buttons: the end of a motion,
-    and an edit that hides the card, must not rebuild the widgets that the mouse may be holding.
+    If the page does not have enough space for it, a dialog is shown instead. The card creates and removes its buttons
+    itself: neither the end of a motion nor an edit that hides the card may rebuild widgets that the mouse is holding.
 
     Attributes:
-        text: the text on the card; empty while it is hidden.
-        buttons: by text.
+        text: text on the card; empty while it is hidden.
+        buttons: the buttons by their text.
     """
 
     def __init__(self, host: Host, session: Session, board: PlotBoard, steel: Callable[[], None]) -> None:
@@ -257,7 +267,7 @@ class OutcomeCard:
         self._made = Derived(lambda: (self.text, self._rect), self._remake)
 
     def show_outcome(self) -> None:
-        """Describe what happened, and offer the forces and the same blow among other balls."""
+        """Describe the outcome, and offer to show the forces or the same blow with other balls."""
         pushed = any(part.force.any() for lane in self._rows for part in self._parts(lane))
         choices: dict[str, Callable[[], None]] = {_("Why? The forces"): self.show_forces} if pushed else {}
         if len(self.session.lanes) == 1:
@@ -266,7 +276,10 @@ class OutcomeCard:
         self._show(outcome_text(self.session), choices)
 
     def show_forces(self) -> None:
-        """Show the first row at its greatest force, and explain each row at its own: rows that differ push at different times."""
+        """Show the first row at its largest force and describe the forces of each row.
+
+        Each row is described at the time of its own largest force, because different rows push at different times.
+        """
         if self.host.explore:
             self.board.single = FORCES
         self.session.scrub_frame(self._strongest(0)[0])
@@ -288,13 +301,15 @@ class OutcomeCard:
         return list(history_slices(history, lane, history.first, history.last))
 
     def _strongest(self, lane: int) -> tuple[int, HistorySlice, int]:
-        """Return the frame of the greatest push or pull in a lane, its part of the history, and the row there."""
+        """Return the frame with the largest push or pull in a lane, its slice of the history, and the row in that
+        slice.
+        """
         part = max(self._parts(lane), key=lambda one: float(np.abs(one.force).max()))
         row = int(np.abs(part.force).max(axis=1).argmax())
         return part.first + row, part, row
 
     def _forces(self, lane: int) -> tuple[str, bool]:
-        """Return the sentence about the greatest forces of a lane, and whether marks are drawn there."""
+        """Return the sentence about the largest forces of a lane, and True if marks are drawn on its force bars."""
         frame, part, row = self._strongest(lane)
         forces = part.force[row]
         greatest = int(np.abs(forces).argmax())
@@ -315,17 +330,21 @@ class OutcomeCard:
         self.text, self._choices, self._frame = text, {**choices, _("Close"): self.hide}, self.session.frame
 
     def hide(self) -> None:
-        """Take it away."""
+        """Hide the card."""
         self.text = ""
 
     def height(self, room: int) -> int:
-        """Pixels of the card where it is so wide; 0 where it is not shown, those of the window where its buttons are wider."""
+        """Return the height of the card [pixels] for a width of `room` pixels.
+
+        It is 0 for a hidden card. It is the height of the window if the buttons do not fit, so that a dialog is shown
+        instead.
+        """
         if not self.text or sum(self._widths()) > room:
             return self.host.size[1] if self.text else 0
         return round((1.4 * self._size * min(len(self._lines(room)), MOST_LINES) + 46.0) * self.host.unit)
 
     def _widths(self) -> list[int]:
-        """Pixels of each button with the space beside it."""
+        """Return the width in pixels of each button, including the space next to it."""
         return [round(width(text, 13 * self.host.unit) + 32 * self.host.unit) for text in self._choices]
 
     @property
@@ -333,17 +352,17 @@ class OutcomeCard:
         return SMALL if len(self.session.lanes) > 1 and self.host.size[1] < LOW * self.host.unit else SIZE
 
     def _lines(self, room: int) -> list[str]:
-        """The lines of the text in a card so wide; each lane begins one."""
+        """Return the lines of the text for a card of that width. The text about a lane starts on a new line."""
         return paragraphs(self.text, self._size * self.host.unit, room - 28 * self.host.unit)
 
     def build(self, place: pygame.Rect) -> None:
-        """Make the buttons in `place`, on a page whose old widgets are gone."""
+        """Create the buttons in `place`; the old widgets of the page have already been removed."""
         self.buttons, self._rect = {}, place
         self._make()
         self._made.note()
 
     def follow(self, place: pygame.Rect) -> None:
-        """Make the buttons again if the text or the `place` has changed."""
+        """Create the buttons again if the text or the `place` has changed."""
         self._rect = place
         self._made.follow()
 
@@ -368,12 +387,12 @@ class OutcomeCard:
             left += wide
 
     def update(self) -> None:
-        """Go where the clock runs, or another frame is shown."""
+        """Hide the card if the clock runs or another frame is shown."""
         if self.text and (self.session.playing or self.session.frame != self._frame):
             self.hide()
 
     def paint(self, surface: pygame.Surface) -> None:
-        """Draw it over the plots."""
+        """Draw the card over the plots."""
         if not self.text:
             return
         unit, rect = self.host.unit, self._rect

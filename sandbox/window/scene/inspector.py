@@ -1,4 +1,6 @@
-"""The panel of the selected bead or contact: sliders, typed numbers, buttons, nine values of one side by side; else the text."""
+"""The panel of the selected bead or contact: sliders, text fields and buttons; also the comparison of nine values of a
+parameter.
+"""
 
 from __future__ import annotations
 
@@ -45,20 +47,21 @@ from softcradle.scenes import Scene
 COLUMNS, ROWS = 3, 3
 COUNT = COLUMNS * ROWS
 STEPS = {pygame.K_LEFT: -1, pygame.K_RIGHT: 1, pygame.K_UP: -COLUMNS, pygame.K_DOWN: COLUMNS, pygame.K_TAB: 1}
-HEAD = 46.0  # design pixels above the plots
-MARGIN = 20.0  # design pixels around them
+HEAD = 46.0  # Height above the plots in design pixels.
+MARGIN = 20.0  # Margin around the plots in design pixels.
 
 
 def swept_values(parameter: Parameter) -> list[float]:
-    """COUNT values, evenly spaced on the slider from one of its ends to the other."""
+    """Return COUNT values, evenly spaced on the slider from one end to the other."""
     return [parameter.at(k / (COUNT - 1)) for k in range(COUNT)]
 
 
 class SweepBoard(Overlay):
-    """Small multiples over the page, of runs from the start; a click on one begins it, Esc takes none.
+    """An overlay with small plots of runs with different values. A click on a plot uses its value, Esc closes the
+    overlay.
 
     Attributes:
-        values: of all variants.
+        values: values of all variants.
         found: the variants that are computed, in the order of their values.
     """
 
@@ -95,7 +98,7 @@ class SweepBoard(Overlay):
             self.host.messages.show(_("this cannot be swept: {error}", error=error_words(found)), warning=True)
 
     def make_widgets(self) -> None:
-        """Take a place in the middle of the page, with a button that closes it."""
+        """Place the overlay in the middle of the page and create its Close button."""
         unit, (wide, high) = self.host.unit, self.host.size
         self.box = pygame.Rect(0, 0, min(wide - 8, round(1100 * unit)), min(high - 8, round(640 * unit)))
         self.box.center = wide // 2, high // 2
@@ -110,7 +113,9 @@ class SweepBoard(Overlay):
         self._make_panels()
 
     def _make_panels(self) -> None:
-        """Axes of velocity for all variants alike, so that they can be compared; each lasts as long as its motion."""
+        """Create the plots. All have the same velocity axis, so that they can be compared; each time axis is as long as
+        its motion.
+        """
         motions = [variant.motion for variant in self.found if variant.motion is not None]
         self._panels = []
         if not motions:
@@ -133,7 +138,7 @@ class SweepBoard(Overlay):
             self._panels.append(panel)
 
     def handle(self, event: pygame.Event) -> bool:
-        """A click on a variant takes it, one beside the box closes it."""
+        """Handle an event: a click on a variant uses its value, a click outside the box closes the overlay."""
         if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
             if not self.box.collidepoint(event.pos):
                 self.close()
@@ -143,11 +148,11 @@ class SweepBoard(Overlay):
         return super().handle(event)
 
     def take_choice(self) -> None:
-        """Take the variant in focus."""
+        """Use the value of the variant in focus."""
         self._choose(self.focus)
 
     def _choose(self, k: int) -> None:
-        """Close the board and take the value of variant `k`, once that is computed."""
+        """Close the overlay and use the value of variant `k`, if that variant has been computed."""
         if k < len(self.found):
             self.close()
             self.take(self.values[k])
@@ -168,7 +173,7 @@ class SweepBoard(Overlay):
         super().paint(surface)
 
     def _paint_variant(self, surface: pygame.Surface, variant: Variant, panel: Panel) -> None:
-        """Draw the axes and curves of one variant, or what is wrong with it."""
+        """Draw the axes and curves of one variant, or the error message if it failed."""
         motion, count = variant.motion, len(panel.colours)
         end = np.zeros(count) if motion is None else motion.velocity[-1]
         panel.backdrop(surface, np.zeros(0), np.zeros((0, count)), end, 0.0)
@@ -185,9 +190,10 @@ PREDICT = N_("Predict first (Q), or press Play. The explanation comes afterwards
 
 
 def about(session: Session, question: str) -> tuple[str, str, str]:
-    """Return a title, the text of the scene and where it is from.
+    """Return a title, the text of the scene and its source.
 
-    Before the `question` is answered, it stands in their place; for an edited scene, a note that its text no longer fits.
+    Until the `question` is answered, it is returned instead. For an edited scene, a note says that the text no longer
+    fits.
     """
     scene = session.scene
     if question:
@@ -199,9 +205,9 @@ def about(session: Session, question: str) -> tuple[str, str, str]:
 
 
 def paint_about(surface: pygame.Surface, rect: pygame.Rect, unit: float, session: Session, question: str) -> str:
-    """Write what the scene is about into `rect`, under its title; without room for a line below it, nothing.
+    """Draw the text about the scene into `rect`, below its title. Draw nothing if there is no space for a line.
 
-    Return all of the text if `rect` has no room for it.
+    Return the complete text if it does not fit into `rect`, otherwise an empty string.
     """
     size = 13 * unit
     tips = math.ceil(1.4 * size * len(wrapped(_(TIPS), size, rect.width)) + 1) if rect.height > 150 * unit else 0
@@ -220,8 +226,8 @@ def paint_about(surface: pygame.Surface, rect: pygame.Rect, unit: float, session
     return "" if whole and fits(more, place, size) else f"{text} {more}"
 
 
-ROW = 40.0  # design pixels of a parameter
-SECONDS_BETWEEN_READINGS = 0.15  # numbers that change faster cannot be read
+ROW = 40.0  # Height of a parameter in design pixels.
+SECONDS_BETWEEN_READINGS = 0.15  # Seconds between two updates of the numbers, because faster changes cannot be read.
 KIND_NAMES = {
     "power": NP_("button", "alpha < 1"),
     "gear": NP_("button", "draft gear"),
@@ -229,17 +235,17 @@ KIND_NAMES = {
 }
 
 
-Knob = tuple[str, Callable[[], object], str]  # text, what it does, and its tooltip
+Knob = tuple[str, Callable[[], object], str]  # A button: its text, its function, and its tooltip.
 
 
 class Inspector:
     """The panel of the selection.
 
     Attributes:
-        pick: the bead or contact that the widgets belong to: the selection, a frame later.
-        controls: the widgets of its parameters, by key.
-        buttons: its other widgets.
-        reset_view: shows the part of the line that was shown first.
+        pick: bead or contact of the present widgets; it follows the selection with a delay of one frame.
+        controls: widgets of the parameters, by key.
+        buttons: the other widgets.
+        reset_view: moves the view back to the part of the line that was shown first.
     """
 
     reset_view: Callable[[], None]
@@ -247,23 +253,23 @@ class Inspector:
     def __init__(self, host: Host, session: Session, editor: SceneEditor) -> None:
         self.host, self.session, self.editor = host, session, editor
         self.rect = pygame.Rect(0, 0, 0, 0)
-        self.question: Callable[[], str] = str  # that is asked before the scene is played
+        self.question: Callable[[], str] = str  # Returns the question that is asked before the scene is played.
         self.pick: Pick | None = None
         self.controls: dict[str, Control] = {}
         self.buttons: list[UIButton] = []
-        self._whole = self.rect, ""  # a text for which there is no room, and its place
-        self._seconds = 0.0  # since the numbers were last read
-        self._last = ""  # key of the parameter that was changed last
+        self._whole = self.rect, ""  # A text that is cut, and its rectangle.
+        self._seconds = 0.0  # Seconds since the last update of the numbers.
+        self._last = ""  # Key of the parameter that was changed last.
         self._made = Derived(self._made_of, self._remake)
 
     def build(self, rect: pygame.Rect) -> None:
-        """Make the widgets in a page that is built anew: the old ones are gone."""
+        """Create the widgets on a page that is being rebuilt; the old widgets have already been removed."""
         self.rect, self.controls, self.buttons = rect, {}, []
         self._make()
         self._made.note()
 
     def follow(self) -> None:
-        """Let the widgets be those of the selection and its kind; one that is in use stays."""
+        """Rebuild the widgets if the selection or its kind of contact has changed. A widget in use is kept."""
         self._take_left_entries()
         if self.busy and self.editor.selection == self.pick:
             self._made.note()
@@ -300,18 +306,24 @@ class Inspector:
             self._row(y + (4 + 34 * k) * unit, row)
 
     def _parameters(self) -> list[Parameter]:
-        """The parameters that there are controls for."""
+        """Return the parameters for which there are controls."""
         return [] if self.pick is None else parameters(self.session, self.pick.lane, self.pick.kind, self.pick.index)
 
     def _law(self) -> Contact | None:
-        """The law of the contact selected, if edits can turn it into another: a coupler and a law of one's own keep theirs."""
+        """Return the law of the selected contact if edits can convert it, otherwise None.
+
+        Couplers and user-defined contact laws cannot be converted.
+        """
         if self.pick is None or self.pick.kind != "contact":
             return None
         law = self.session.lanes[self.pick.lane].chain.contact[self.pick.index]
         return law if isinstance(law, Contact) else None
 
     def _make_kinds(self, pick: Pick, y: float) -> None:
-        """Three buttons: a power law below 1, a draft gear, and a power law from 1 on, which is stiff where it was another."""
+        """Create three buttons for the kind of contact: power law below 1, draft gear, and power law from 1 on.
+
+        The last kind makes a contact stiff that was of another kind.
+        """
         present, tip = kind_of(self.session.lanes[pick.lane].chain.contact[pick.index]), _("law of this contact")
         row = [
             (pgettext("button", name), partial(self.editor.apply, SetKind(pick.lane, pick.index, kind)), tip)
@@ -322,7 +334,7 @@ class Inspector:
             buttons[list(KIND_NAMES).index(present)].select()
 
     def _knobs(self, pick: Pick) -> list[list[Knob]]:
-        """Rows of buttons below the parameters."""
+        """Return the rows of buttons below the parameters."""
         lane = self.session.lanes[pick.lane]
         if pick.kind == "contact":
             lock = _("lock piston") if lane.setup.locked[pick.index] is None else _("unlock piston")
@@ -341,7 +353,10 @@ class Inspector:
         height: float = 28.0,
         style: str | None = None,
     ) -> list[UIButton]:
-        """Buttons side by side from the height `y` on, `sizes` wide [design pixels] or all alike; None leaves a place empty."""
+        """Create buttons side by side at the height `y`. None in `row` leaves a gap.
+
+        The buttons are `sizes` wide [design pixels], or all equally wide.
+        """
         unit, first = self.host.unit, len(self.buttons)
         rect = pygame.Rect(self.rect.left, round(y), self.rect.width, round(height * unit))
         for place, knob in zip(split(rect, sizes or [0.0] * len(row), unit), row, strict=True):
@@ -363,7 +378,10 @@ class Inspector:
             self.editor.apply(SetContact(self.pick.lane, None, law))
 
     def sweep(self, key: str = "") -> None:
-        """Show nine values of a parameter side by side: the one with that key, else the one changed last, else the first."""
+        """Show nine values of a parameter side by side.
+
+        The parameter is the one with that key, or else the parameter changed last, or else the first one.
+        """
         found = self._parameters()
         if not found:
             self.host.messages.hint(_("Select a bead or a contact to try values of its sliders."))
@@ -394,7 +412,9 @@ class Inspector:
         return next((one for one in begun if one.key == parameter.key), parameter)
 
     def _begin_anew(self, items: list[Input], gesture: bool = False) -> bool:
-        """Go back to the start, with all edits and these: an input at an earlier frame would drop later ones."""
+        """Return to the start and apply all earlier edits and these. An input at an earlier frame would remove later
+        edits.
+        """
         moved = self.session.frame != 0 or self.session.scrubbed
         taken = self.editor.apply_all(items, gesture, anew=True, trial=self.host.explore)
         if taken and moved:
@@ -402,7 +422,7 @@ class Inspector:
         return taken
 
     def handle(self, event: pygame.Event) -> bool:
-        """Sliders and typed numbers."""
+        """Handle events of the sliders and text fields."""
         if event.type == pygame_gui.UI_HORIZONTAL_SLIDER_MOVED:
             for control in self.controls.values():
                 if event.ui_element is control.slider:
@@ -412,21 +432,21 @@ class Inspector:
             for control in self.controls.values():
                 if event.ui_element is control.entry:
                     control.typed = False
-                    self.host.manager.set_focus_set(None)  # keys are keys of the window again
+                    self.host.manager.set_focus_set(None)  # Keys trigger actions of the window again.
                     if control.new_text() is not None:
                         self._type(control, event.text)
                     return True
         return False
 
     def cancel_typing(self) -> None:
-        """Drop what is being typed."""
+        """Discard the text that is being typed."""
         for control in self.controls.values():
             control.typed = False
         self.host.manager.set_focus_set(None)
         self.refresh(force=True)
 
     def _take_left_entries(self) -> None:
-        """Apply a number whose entry was left by a click elsewhere."""
+        """Apply a number whose text field lost the focus by a click elsewhere."""
         for control in list(self.controls.values()):
             text = control.left_text()
             if text is not None:
@@ -450,22 +470,22 @@ class Inspector:
         except ValueError as error:
             self.host.messages.show(str(error), warning=True)
             accepted = False
-        if control.parameter.key in self.controls:  # the widgets may have been made again
+        if control.parameter.key in self.controls:  # The widgets may have been created again.
             self.refresh(force=True, but=None if typed or not accepted else control)
 
     def _apply(self, control: Control, value: float, gesture: bool) -> bool:
-        """Set a parameter; whether that was accepted. ValueError where it cannot be that number."""
+        """Set a parameter and return if it was accepted. Raise ValueError if the number is invalid."""
         return self.editor.apply_all(self._edits(control.parameter, value), gesture)
 
     def update(self, seconds: float) -> None:
-        """Follow the numbers, slowly enough to be read."""
+        """Update the displayed numbers, slowly enough that they can be read."""
         self._seconds += seconds
         if self._seconds >= SECONDS_BETWEEN_READINGS:
             self._seconds = 0.0
             self.refresh()
 
     def refresh(self, force: bool = False, but: Control | None = None) -> None:
-        """Show the present values; a number that is being typed, and the slider of `but`, are left as they are."""
+        """Show the present values. A number that is being typed and the slider of `but` do not change."""
         for parameter in self._parameters() if self.controls else ():
             control = self.controls.get(parameter.key)
             if control is None:
@@ -474,16 +494,16 @@ class Inspector:
 
     @property
     def typing(self) -> bool:
-        """Whether a number is being typed: keys belong to it."""
+        """True while a number is being typed, so that keys go into its text field."""
         return any(control.entry.is_focused for control in self.controls.values())
 
     @property
     def busy(self) -> bool:
-        """Whether a widget is in use and must not be made again."""
+        """True while a widget is in use and must not be created again."""
         return self.typing or any(control.grabbed for control in self.controls.values())
 
     def backdrop(self, surface: pygame.Surface) -> None:
-        """Draw the title and the names of the parameters; without a selection, the text of the scene."""
+        """Draw the title and the names of the parameters, or the text of the scene if nothing is selected."""
         unit, rect = self.host.unit, self.rect
         if rect.width == 0:
             return
@@ -495,14 +515,14 @@ class Inspector:
         self._names(surface)
 
     def paint_over(self, surface: pygame.Surface, point: tuple[int, int]) -> None:
-        """Draw all of a text for which there is no room, while the pointer is on it."""
+        """Draw the complete text while the pointer is on a text that is cut."""
         unit, (rect, text) = self.host.unit, self._whole
         if text and rect.width and rect.collidepoint(point):
             corner = rect.left - round(14 * unit), rect.bottom
             paint_whole(surface, text, corner, round(1.4 * rect.width), unit)
 
     def _names(self, surface: pygame.Surface) -> None:
-        """Draw names and units of the parameters."""
+        """Draw the names and units of the parameters."""
         unit, rect = self.host.unit, self.rect
         for control in self.controls.values():
             parameter, y = control.parameter, control.entry.rect.centery

@@ -1,4 +1,4 @@
-"""The cards of the lanes: for each the method that moves it, and the badge that says how far it can be trusted."""
+"""The cards of the lanes: each shows the method of its lane and a badge with the reliability of the result."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.scene.editor import AUTO
 from softcradle.sandbox.window.widgets import fits, paint_whole, write_wrapped
 
-HEIGHT = 246.0  # design pixels of the only card
-HEIGHT_COMPACT = 84.0  # design pixels of a card without numbers, as each of two is
-GAP = 8.0  # design pixels below a card
-ROOM = 300.0  # design pixels that the inspector needs below the cards
+HEIGHT = 246.0  # Height of a single card in design pixels.
+HEIGHT_COMPACT = 84.0  # Height in design pixels of a card without numbers, which is used for two lanes.
+GAP = 8.0  # Distance below a card in design pixels.
+ROOM = 300.0  # Height in design pixels that the inspector needs below the cards.
 SECONDS_BETWEEN_READINGS = 0.2
 SUMMARIES = {method.name: method.summary for method in METHODS}
 
@@ -35,13 +35,13 @@ class LaneCards:
     """The cards of all lanes.
 
     Attributes:
-        rects: their rectangles; none where they make room for the selection.
-        menus: their menus of methods.
-        verdicts: their buttons that say what was wrong in the frames kept, and go there.
-        checks: of their velocities.
-        health: what was last read of each lane.
-        tight: whether there is not room for both cards and inspector.
-        crowded_out: whether the cards have made room.
+        rects: rectangles of the cards; empty while the cards are hidden to give space to the selection.
+        menus: method menus of the cards.
+        verdicts: buttons with the worst problem of the stored frames; a click goes to that frame.
+        checks: checks of the velocities of each lane.
+        health: latest verdict on each lane.
+        tight: True if cards and inspector do not both fit.
+        crowded_out: True while the cards are hidden.
     """
 
     def __init__(self, host: Host, session: Session) -> None:
@@ -52,11 +52,14 @@ class LaneCards:
         self.health: list[Health] = []
         self.checks = [VelocityCheck(session, lane) for lane in range(len(session.lanes))]
         self.tight = self.crowded_out = self.compact = False
-        self._cut: list[tuple[pygame.Rect, str]] = []  # places of texts for which there is no room, and all of them
-        self._seconds = math.inf  # since the health was last read
+        self._cut: list[tuple[pygame.Rect, str]] = []  # Rectangles of texts that are cut, with the complete texts.
+        self._seconds = math.inf  # Seconds since the last update of the verdicts.
 
     def build(self, rect: pygame.Rect, selected: bool) -> pygame.Rect:
-        """Make the widgets at the top of `rect`; returns what is left of it, all where something `selected` needs it."""
+        """Create the widgets at the top of `rect` and return the remaining rectangle.
+
+        If something is `selected` and the space is tight, the cards are hidden and the complete `rect` is returned.
+        """
         unit, count = self.host.unit, len(self.session.lanes)
         room = rect.height / unit - ROOM
         self.compact = count > 1 or room < HEIGHT + GAP
@@ -73,7 +76,9 @@ class LaneCards:
         return pygame.Rect(rect.left, rect.top + used, rect.width, rect.height - used)
 
     def made_of(self, selected: bool) -> object:
-        """What the widgets are made of: a menu does not change by itself, and the cards make room for what is selected."""
+        """Return the values on which the widgets depend. Menus do not update by themselves, and a selection may hide
+        the cards.
+        """
         return [self.method(k) for k in range(len(self.session.lanes))], self.tight and selected
 
     def _menu(self, lane: int) -> UIDropDownMenu:
@@ -90,31 +95,31 @@ class LaneCards:
         return UIButton(place, "", self.host.manager, object_id="#flat", tool_tip_text=tip, command=show)
 
     def show_fault(self, lane: int) -> None:
-        """Scrub to where the worst fault of the run begins."""
+        """Scrub to the first frame of the worst problem of the run."""
         worst = _worst(self.session.findings(lane))
         if worst is not None:
             self.session.scrub_frame(max(worst.first, self.session.history.first))
 
     def method(self, lane: int) -> str:
-        """The present entry of the menu."""
+        """Return the present entry of the method menu."""
         setup = self.session.lanes[lane].setup
         return AUTO if setup.automatic else setup.method
 
     def next_method(self) -> str:
-        """The entry after that of the first lane, of those that carry all chains."""
+        """Return the menu entry after the method of the first lane, skipping methods that cannot simulate all chains."""
         names, chains = [AUTO, *SUMMARIES], [lane.chain for lane in self.session.lanes]
         k = names.index(self.method(0)) + 1
         carrying = (n for n in names[k:] + names[:k] if n == AUTO or not any(refusal_of(n, chain) for chain in chains))
         return next(carrying)
 
     def handle(self, event: pygame.Event) -> SetMethod | None:
-        """The input that a chosen entry means."""
+        """Return the input that corresponds to a chosen menu entry, or None."""
         if event.type == pygame_gui.UI_DROP_DOWN_MENU_CHANGED and event.ui_element in self.menus:
             return SetMethod(self.menus.index(event.ui_element), event.text)
         return None
 
     def update(self, seconds: float) -> None:
-        """Read the health of every lane now and then."""
+        """Update the verdict on every lane from time to time."""
         self._seconds += seconds
         if self._seconds < SECONDS_BETWEEN_READINGS:
             return
@@ -129,7 +134,7 @@ class LaneCards:
                 button.tool_tip_text = _("of all frames that are kept") if text == whole else whole
 
     def _check_velocities(self) -> None:
-        """Let an accurate run follow each lane, on the thread behind the window."""
+        """Compare each lane with an accurate run in the background thread."""
         for check in self.checks:
             if self.host.warmup.is_warm(METHOD):
                 job = check.job()
@@ -171,7 +176,7 @@ class LaneCards:
         write(surface, title, (rect.left, rect.top + 12 * unit), 13 * unit, tones.foreground, bold=True)
 
     def _method_lines(self, surface: pygame.Surface, rect: pygame.Rect, number: int) -> float:
-        """The title, method and step, and on the only card a summary; returns where the next line is."""
+        """Draw the title, the method with its step, and its summary. Return the position of the next line."""
         unit, lane = self.host.unit, self.session.lanes[number]
         self._title(surface, rect, number)
         x, y = rect.left, rect.top + 12 * unit
@@ -189,7 +194,7 @@ class LaneCards:
         return y + 20 * unit
 
     def _numbers(self, surface: pygame.Surface, rect: pygame.Rect, numbers: list[tuple[str, str]], y: float) -> float:
-        """One a line; returns where the next line is."""
+        """Draw each number on a separate line. Return the position of the next line."""
         unit = self.host.unit
         for name, text in numbers:
             write(surface, name, (rect.left, y), 13 * unit, tones.muted)
@@ -198,7 +203,7 @@ class LaneCards:
         return y
 
     def _sentence(self, surface: pygame.Surface, rect: pygame.Rect, state: Health, y: float) -> None:
-        """A mark, and what there is room for of the sentence above the button."""
+        """Draw a mark and the part of the sentence that fits above the button."""
         unit, tint, x = self.host.unit, getattr(tones, state.level), rect.left
         mark = "✓" if state.level == verdict.GOOD else "!"
         write(surface, mark, (x, y + 2 * unit), 13 * unit, tint, bold=True)
@@ -209,7 +214,7 @@ class LaneCards:
             self._cut.append((place, state.sentence))
 
     def paint_over(self, surface: pygame.Surface, point: tuple[int, int]) -> None:
-        """Draw all of a text for which there is no room, while the pointer is on it."""
+        """Draw the complete text while the pointer is on a text that is cut."""
         unit = self.host.unit
         for place, text in self._cut:
             if place.collidepoint(point):
@@ -218,13 +223,13 @@ class LaneCards:
 
 
 def _worst(found: list[Finding]) -> Finding | None:
-    """The first of the gravest findings."""
+    """Return the first of the most severe findings, or None."""
     gravest = sorted(found, key=lambda one: (-verdict.LEVELS.index(one.level), one.first))
     return gravest[0] if gravest else None
 
 
 def _numbers(state: Health) -> list[tuple[str, str]]:
-    """Names and values of the badge."""
+    """Return the names and values of the numbers of the badge."""
     chatter = fixed(state.chatter, 1) if state.chatter < 1e4 else scientific(state.chatter)
     return [
         (_("velocity error"), _error(state.velocity_error, _("not known"))),

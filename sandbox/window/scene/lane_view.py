@@ -1,4 +1,6 @@
-"""The beads of one lane on the page: drawn by softcradle.sandbox.draw, found under the pointer, marked when selected."""
+"""The beads of one lane on the page: drawing them, finding them under the pointer, and marking the selected bead or
+contact.
+"""
 
 from __future__ import annotations
 
@@ -20,16 +22,18 @@ from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.scene.editor import Pick
 from softcradle.scenes import View
 
-HANDLE = 7.0  # design pixels: half the diagonal of the handle of a contact
-LEAST_HANDLED = 6.0 * HANDLE  # design pixels of a bead that has room for handles
-REACH = 9.0  # design pixels: half the width in which a click means a contact
-REACH_OF_BEAD = 0.2  # of a bead's length: the same, where it is more
-LEAST_REACH = 5.0  # design pixels: half the width in which a click means a bead, however small
+HANDLE = 7.0  # Half the diagonal of a contact handle in design pixels.
+LEAST_HANDLED = 6.0 * HANDLE  # Smallest size of a bead that gets handles, in design pixels.
+REACH = 9.0  # Half the width in design pixels in which a click selects a contact.
+REACH_OF_BEAD = 0.2  # The same distance as a fraction of the length of a bead; the larger of both applies.
+LEAST_REACH = 5.0  # Half the width in design pixels in which a click selects a bead, even if the bead is smaller.
 
 
 @dataclass(frozen=True)
 class SessionLane:
-    """A live lane as a LaneDrawing takes it, how it went into its collision, and which pistons are locked."""
+    """A lane of a running session in the form that LaneDrawing needs, with its state before the collision and its
+    locked pistons.
+    """
 
     label: str
     approach: tuple[Array, Array]
@@ -42,20 +46,20 @@ class SessionLane:
         return tuple(self.approach[1].tolist())
 
     def chain(self) -> Chain:
-        """The chain, which a Lane of a scene makes."""
+        """Return the chain. (A Lane of a scene creates it; here it already exists.)"""
         return self.live_chain
 
 
 @dataclass(frozen=True)
 class SessionLanes:
-    """The lanes of a session as they are now, as a LaneDrawing takes them."""
+    """The present lanes of a session in the form that LaneDrawing needs."""
 
     lanes: tuple[SessionLane, ...]
     view: View
 
     @classmethod
     def of(cls, session: Session) -> SessionLanes:
-        """The present lanes of a session."""
+        """Return the present lanes of a session."""
         return cls(tuple(_session_lane(session, k) for k in range(len(session.lanes))), session.scene.view)
 
 
@@ -66,11 +70,11 @@ def _session_lane(session: Session, number: int) -> SessionLane:
 
 
 class LaneView:
-    """The beads of lane `number`. Made anew after every edit or change of scale.
+    """The beads of lane `number`. It is created again after every edit or change of scale.
 
     Attributes:
-        edges: (n+1,) left edges of the beads when they were last drawn [pixels].
-        contacts: (n,) places of the contacts when they were last drawn [pixels].
+        edges: (n+1,) left edges of the beads in the last frame [pixels].
+        contacts: (n,) positions of the contacts in the last frame [pixels].
     """
 
     def __init__(
@@ -94,16 +98,16 @@ class LaneView:
         self.contacts: Array = np.zeros(lane.live_chain.contacts)
 
     def take_approach(self, overlap: Array, velocity: Array) -> None:
-        """Take how the beads went into a collision."""
+        """Set the overlaps and velocities with which the beads entered a collision."""
         self.drawing.take_approach(overlap.tolist(), velocity.tolist())
 
     @property
     def marked(self) -> bool:
-        """Whether there are marks of rigid clusters."""
+        """True if the forces of rigid clusters are marked."""
         return has_marks(self.drawing.ends)
 
     def backdrop(self, surface: pygame.Surface) -> None:
-        """Draw what does not change."""
+        """Draw the parts that do not change."""
         self.drawing.backdrop(surface)
         if self.insets is not None:
             self.insets.backdrop(surface)
@@ -111,7 +115,7 @@ class LaneView:
             self.energy_bars.backdrop(surface)
 
     def paint(self, surface: pygame.Surface, motion: Motion, centre: float) -> None:
-        """Draw the one row of `motion`, the camera at `centre` [m]."""
+        """Draw the single row of `motion`, with the camera at `centre` [m]."""
         left = self.drawing.left(centre)
         edges = left_edges(motion.position[0], motion.overlap[0], self.view.length, self.scales.magnify)
         self.edges = left + self.drawing.scale * edges
@@ -124,7 +128,7 @@ class LaneView:
             self.energy_bars.paint(surface, motion, 0)
 
     def _outside(self, surface: pygame.Surface) -> None:
-        """At each end an arrow with the number of beads that are beyond it."""
+        """Draw an arrow at each end with the number of beads outside the view."""
         rect, unit = self.drawing.rect, self.unit
         beyond = int((self.edges + self.drawing.bead < rect.left).sum()), int((self.edges > rect.right).sum())
         y, size = self.drawing.ground - 14 * unit, 7 * unit
@@ -138,7 +142,7 @@ class LaneView:
                 )
 
     def _padlocks(self, surface: pygame.Surface) -> None:
-        """A padlock on the ground below every locked piston."""
+        """Draw a padlock on the ground below every locked piston."""
         size = 9.0 * self.unit
         for x in (float(x) for x, locked in zip(self.contacts, self.locked, strict=False) if locked):
             if self.drawing.rect.left < x < self.drawing.rect.right:
@@ -150,7 +154,7 @@ class LaneView:
                 pygame.draw.arc(surface, tones.foreground, ring, 0.0, math.pi, max(1, round(1.5 * self.unit)))
 
     def paint_grip(self, surface: pygame.Surface, bead: int, pointer: tuple[int, int], spring: bool) -> None:
-        """Draw a line about the bead that the pointer holds, and one to the pointer where a `spring` pulls."""
+        """Draw a line around the bead that the pointer holds. If a `spring` pulls the bead, draw a line to the pointer."""
         centre, thickness = self.centre(bead), max(2, round(2 * self.unit))
         self._outline(surface, bead, tones.warning)
         if spring:
@@ -158,7 +162,7 @@ class LaneView:
             pygame.draw.aacircle(surface, tones.warning, pointer, 4 * self.unit)
 
     def _outline(self, surface: pygame.Surface, bead: int, colour: Colour) -> None:
-        """Draw a line around a body, of the body's own shape."""
+        """Draw a line around a body, in the shape of the body."""
         (rect, corner), gap = self.drawing.body_shape(bead, float(self.edges[bead])), round(4 * self.unit)
         thickness = max(2, round(2 * self.unit))
         if 2.0 * corner >= rect.width:
@@ -184,11 +188,11 @@ class LaneView:
         surface.set_clip(None)
 
     def centre(self, bead: int) -> tuple[float, float]:
-        """Middle of a bead [pixels]."""
+        """Return the centre of a bead [pixels]."""
         return float(self.edges[bead]) + 0.5 * self.drawing.bead, self.drawing.ground - 0.5 * self.drawing.bead
 
     def pick(self, point: tuple[int, int]) -> Pick | None:
-        """The bead or contact at `point`; a contact also at its inset and its force bar."""
+        """Return the bead or contact at `point`, or None. A contact is also found at its inset and its force bar."""
         contact = self._inset(point)
         if contact is not None:
             return Pick(self.number, "contact", contact)
@@ -204,7 +208,7 @@ class LaneView:
         return None if contact is None else Pick(self.number, "contact", contact)
 
     def _inset(self, point: tuple[int, int]) -> int | None:
-        """The contact whose magnified inset is at `point`."""
+        """Return the contact whose magnified inset is at `point`, or None."""
         insets = self.insets
         if insets is None or not insets.rect.collidepoint(point):
             return None
@@ -214,18 +218,20 @@ class LaneView:
         return None
 
     def handles(self) -> list[tuple[float, float]]:
-        """Places of the handles of the contacts, at the touching points; none where beads are too small for them."""
+        """Return the positions of the contact handles, at the touching points. The list is empty if the beads are too
+        small for handles.
+        """
         y = self.drawing.ground - 0.5 * self.drawing.bead
         roomy = self.drawing.bead >= LEAST_HANDLED * self.unit
         return [(x, y) for x in self.contacts.tolist()] if roomy else []
 
     def _handle(self, point: tuple[int, int]) -> int | None:
-        """The contact whose handle is at `point`."""
+        """Return the contact whose handle is at `point`, or None."""
         reach = 1.3 * HANDLE * self.unit
         return next((k for k, place in enumerate(self.handles()) if math.dist(place, point) <= reach), None)
 
     def paint_handles(self, surface: pygame.Surface, point: tuple[int, int]) -> None:
-        """Draw them where the pointer is over the lane, that at the pointer filled."""
+        """Draw the contact handles while the pointer is over the lane. The handle under the pointer is filled."""
         if not self.drawing.rect.collidepoint(point):
             return
         surface.set_clip(self.drawing.rect)
@@ -237,7 +243,7 @@ class LaneView:
         surface.set_clip(None)
 
     def _bead(self, point: tuple[int, int]) -> int | None:
-        """The bead at `point`; of small beads the nearest within LEAST_REACH."""
+        """Return the bead at `point`, or None. For small beads this is the nearest bead within LEAST_REACH."""
         drawing = self.drawing
         if not drawing.ground - drawing.bead - 3 * self.unit <= point[1] <= drawing.rect.bottom:
             return None
@@ -246,7 +252,7 @@ class LaneView:
         return nearest if distance[nearest] <= max(0.5 * drawing.bead, LEAST_REACH * self.unit) else None
 
     def _contact(self, x: int) -> int | None:
-        """The contact at pixel `x`."""
+        """Return the contact at the horizontal pixel `x`, or None."""
         if not len(self.contacts):
             return None
         distance = abs(self.contacts - x)
@@ -254,5 +260,5 @@ class LaneView:
         return nearest if distance[nearest] <= max(REACH * self.unit, REACH_OF_BEAD * self.drawing.bead) else None
 
     def metres(self, pixels: float) -> float:
-        """A length on screen as one of the model."""
+        """Convert a length on screen from pixels to metres."""
         return pixels / self.drawing.scale
