@@ -227,7 +227,7 @@ def _error_anyway(record: Record) -> Array:
     For a motion that several runs finished, the estimate already is the difference between those runs, so it is not
     amplified.
     """
-    # The other run shows all amplification above MOST_GROWN.
+    # The difference from the other run contains all amplification above MOST_GROWN.
     grown = record.growth if record.status != Status.BUDGET_SPENT else 1.0
     return np.maximum(record.velocity_error * (min(grown, MOST_GROWN) / grown), record.unseen)
 

@@ -245,7 +245,7 @@ class _Detached(subprocess.Popen[bytes]):
 
 @cache
 def quiet(kernel: Any) -> Any:
-    """Return the kernel as plain Python, without warnings about infinite results, as in machine code."""
+    """Return the kernel as plain Python. Like machine code, it does not warn about infinite results."""
     return np.errstate(all="ignore")(plain(kernel))
 
 

@@ -34,7 +34,7 @@ LEAST_TIME = 1e-100
 # Largest number of samples times beads, about 3 GB: 1001 samples of the longest lane. More would not fit in memory.
 MOST_SAMPLED = 100_100_000
 FALLBACK_METHOD = "conserving"  # Method that finishes a frame if an adaptive method gives up
-FALLBACK_STEPS = 100  # Number of steps for the rest of that frame
+FALLBACK_STEPS = 100  # Number of steps of FALLBACK_METHOD for the rest of the frame
 
 
 def simulate(

@@ -70,8 +70,8 @@ def nothing_moves(least, chain, regime, motion, velocity):
         if abs(motion.rate[i]) > 2.0 * least:
             return False
     bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], velocity)
-    # Friction can hold a bead if it can balance all other forces. Without friction on a bead, only round-off may
-    # remain.
+    # Friction can hold a bead if it can balance all other forces. On a bead without friction the forces must balance up
+    # to round-off.
     for j in range(velocity.size):
         held = ROUND_OFF * largest_force(j, chain, motion)
         if regime.bed[j] > 0.0:

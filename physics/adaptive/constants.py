@@ -8,7 +8,7 @@ from __future__ import annotations
 
 # Errors, as velocities [m/s]
 # Error bound of one step, as a fraction of the tolerance. The errors of all steps then
-# add up to less than the tolerance. The same fraction of this bound is the velocity that counts as zero. Measured: 100
+# add up to less than the tolerance. A velocity below the same fraction of this bound counts as zero. Measured: 100
 # times the value keeps the errors within the estimate; below a third of it the cost grows by more than a quarter.
 TOLERANCE_PART = 0.1
 # Precision of the stages in Newton's iteration, as a fraction of the error bound of a step. Rates at an event and

@@ -366,8 +366,7 @@ def is_touch(i, h, motion, trial, slow):
     """Return True if the overlap of contact i (of either sign) after a step of length `h` is round-off of a touching
     contact.
 
-    The limit is the distance that a rate of `slow` [m/s], which counts as zero, moves in the step, plus the round-off
-    of the overlaps.
+    The limit is `slow` [m/s], the rate that counts as zero, times the step length, plus the round-off of the overlaps.
     """
     depth = max(abs(trial.overlap[0, i]), abs(trial.overlap[1, i]))
     return abs(motion.overlap[i]) <= slow * h + ROUND_OFF * depth

@@ -154,8 +154,8 @@ def accelerate(first, last, passed, chain, mode, carried, overlap, force, accele
     """Compute forces (n,) and overlap accelerations (n,) in a range from the overlaps of a stage, `passed` [s] after
     now.
 
-    A frozen contact keeps the force that it has `carried` (n,). So does the last one in a series of touching contacts
-    from wall to wall, because a force through all of them does not move anything.
+    A frozen contact keeps the force that it has `carried` (n,). The last contact in a series of touching contacts from
+    wall to wall does the same, because a force through all of them does not move anything.
     """
     law, inverse_mass = chain.law, chain.inverse_mass
     # Forces of contacts that follow their law.
@@ -167,7 +167,8 @@ def accelerate(first, last, passed, chain, mode, carried, overlap, force, accele
         elif mode[i] == LOADED:
             force[i] = curve_force(law, chain.graph, i, overlap[i])
         touching |= mode[i] == TOUCHING
-    if first > 0:  # The edge of a range inside the chain is inactive: the bead beyond would not feel it.
+    # The contact at the edge of a range inside the chain is inactive, and the bead outside would not receive its force.
+    if first > 0:
         force[first] = 0.0
     if last < mode.size:
         force[last - 1] = 0.0

@@ -212,8 +212,8 @@ def directions(h, first, last, chain, mode, trial, scratch):
 def move_stage(k, i, weight, change, chain, mode, trial, scratch):
     """Move contact i at stage k along its curve by a Newton change of z.
 
-    Returns (|dd|, |df|), at least the changes that were wanted, and by how much more than round-off the move differs
-    from both of them.
+    Returns four numbers: the changes |dd| and |df| (or the wanted changes, if these are larger), and the differences of
+    both from the wanted changes, beyond round-off.
     """
     d, f = trial.overlap[k, i], trial.force[k, i]
     by_overlap, by_force = scratch.along[k, i] * change, scratch.across[k, i] * change
@@ -437,7 +437,7 @@ def stage_rates(h, chain, motion, trial):
     overlap, rate, mode = motion.overlap, motion.rate, motion.mode
     stage_overlap, stage_force, stage_rate = trial.overlap, trial.force, trial.rate
     for i in range(overlap.size):
-        # Accelerations at the stages, for the first formula; displacements `moved`, for the second one.
+        # Accelerations at the stages (first formula), and displacements `moved` (second formula).
         a0 = acceleration_of(i, chain, stage_force[0], h * NODES[0])
         a1 = acceleration_of(i, chain, stage_force[1], h * NODES[1])
         a2 = acceleration_of(i, chain, stage_force[2], h * NODES[2])

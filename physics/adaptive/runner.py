@@ -232,7 +232,7 @@ def _note_switches(state: State, log: SwitchLog) -> None:
     """
     contact, time = kept_switches(log)
     more = int(log.counter[SWITCH]) - contact.size
-    # Correct the log where it differs from the state at the end of the frame.
+    # Correct each contact whose log differs from the state at the end of the frame.
     for i in np.flatnonzero(log.closed != state.closed):
         last = np.flatnonzero(contact == i)[-1:]
         if last.size and time[last[0]] == state.time:  # the contact closes at the start of the next frame

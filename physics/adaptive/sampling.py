@@ -71,8 +71,8 @@ def absorb(h, chain, regime, motion, trial, work, taken):
 
 @inlined
 def changing_work(h, chain, regime, motion, trial, work):
-    """Return the work of forces over time, and the dissipation of brakes beyond that of their strength at the start
-    [J], in a step of length `h`.
+    """Return two energies [J] of a step of length `h`: the work of forces over time, and the energy dissipated because
+    brakes change in the step.
 
     A force p + s t does the work p x + s times the integral of t v, where x is the displacement of the bead (first row
     of `work`) and v its velocity. The integral is that of the quintic through both ends of the step.

@@ -40,8 +40,8 @@ from softcradle.physics.numerics.law_curve import (
 from softcradle.physics.numerics.records import LOADED, OPEN, PRELOAD, TOUCHING
 from softcradle.physics.numerics.switches import log_switch
 
-# Part of the push of a steady force, relative to the force against which a contact oscillates at its present speed. If
-# less pushes the contact back, it is not a bounce: the wave has passed on.
+# Least acceleration by other forces at which a return to d = 0 counts as a bounce, as a fraction of the acceleration by
+# the contact at the turning point of its oscillation. If less pushes the beads back, the wave has passed on.
 STEADY = 0.3
 # Row (n+1,) of the work array: which contacts push (PUSHES), or touch and are pressed by a pushing neighbour
 # (IS_PUSHED)
@@ -182,8 +182,8 @@ def grow_errors(row, side, before, chain, regime, motion, wanted, scale, scratch
     """Update the error amplification by the bounces in progress and by returns to d = 0, and count the turns of loaded
     contacts.
 
-    A velocity error e before a flight of duration T delays the closing by T e / u, where u is the closing speed. Other
-    forces that accelerate the beads of the contact by a turn this delay into a velocity error a T e / u. The step began
+    A velocity error e before a flight of duration T delays the closing by T e / u, where u is the closing speed. If
+    other forces accelerate the beads of the contact by a, the delay becomes a velocity error a T e / u. The step began
     at `before` and ended at the event of `row` on that `side`.
     """
     course, slowest = scratch.course, wanted / TOLERANCE_PART

@@ -38,8 +38,8 @@ def _finer(tolerance: float) -> float:
 def _lasting(problem: Problem, time: float) -> int:
     """Return the additional steps of a motion with a duration that has lasted until `time` [s].
 
-    The number is sufficient for contacts that are struck at ``problem.scale`` again and again, up to MOST_LASTING
-    steps.
+    This is enough for contacts that are struck again and again at the speed ``problem.scale``, up to a total of
+    MOST_LASTING steps.
     """
     if problem.duration is None or time == problem.state.time:
         return 0
