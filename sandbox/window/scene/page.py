@@ -1,4 +1,4 @@
-"""The page on which a scene is played: beads, plots, time controls, badges and inspector around one session."""
+"""The page on which a scene is played: beads, plots, time controls, badges and inspector for one session."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from softcradle.scenes import Scene
 
 
 def joined(*tables: Actions) -> Actions:
-    """All actions of some tables, of which no two have the same name."""
+    """Return the union of several tables of actions. Raise ValueError if two actions have the same name."""
     found: Actions = {}
     for table in tables:
         if twice := found.keys() & table.keys():
@@ -40,12 +40,12 @@ def joined(*tables: Actions) -> Actions:
 
 
 class ScenePage(Page):
-    """One session on screen.
+    """The page of one session.
 
     Arguments:
-        leave: goes back to the gallery.
-        replay: runs the session where it is a recorded one.
-        alone: the scene of whose row this one is made, to be compared.
+        leave: returns to the gallery.
+        replay: the replay that drives the session, if the session was recorded.
+        alone: the scene with one row from which this comparison was made, or None.
     """
 
     def __init__(
@@ -103,13 +103,14 @@ class ScenePage(Page):
         self.actions: Actions = joined(own, *(part.actions for part in parts))
 
     def sweep(self) -> None:
-        """Show nine values of a slider of the panel that is shown."""
+        """Show nine values of a slider in the visible panel."""
         (self.explore if self.host.explore else self.inspector).sweep()
 
     def show_scene(self, scene: Scene, alone: Scene | None = None, then: str | None = None) -> None:
-        """Show a scene that was made of the first row of this one in its place, and do the action `then` there.
+        """Replace this page by a scene made from its first row, and perform the action `then` on the new page.
 
-        Edits of that row stay unsaved there; those of other rows alone would be lost, and are asked for first.
+        Unsaved edits of that row stay unsaved on the new page. Edits that exist only in other rows would be lost, so
+        ask first.
         """
 
         def show() -> None:
@@ -117,7 +118,7 @@ class ScenePage(Page):
             if self.unsaved:
                 session.undo_stack.lose_what_was_saved()
             page = ScenePage(self.host, session, self.leave, alone=alone)
-            page.lessons.answered = self.lessons.answered  # its question is not asked again
+            page.lessons.answered = self.lessons.answered  # The question of the scene is not asked again.
             self.host.show(page)
             self.host.act(then)
 
@@ -127,7 +128,7 @@ class ScenePage(Page):
             show()
 
     def ask_words(self) -> None:
-        """Ask for the words of the scene."""
+        """Ask for the title, the texts and the labels of the scene."""
         try:
             scene = self.session.to_scene()
         except ValueError as error:
@@ -151,32 +152,32 @@ class ScenePage(Page):
 
     @property
     def title(self) -> str:  # type: ignore[override]
-        """That of the scene."""
+        """The title of the scene."""
         return self.session.scene.title
 
     @property
     def typing(self) -> bool:  # type: ignore[override]
-        """Whether a number is being typed."""
+        """True while a number is being typed."""
         return any(panel.typing for panel in self.panels)
 
     def cancel_typing(self) -> None:
-        """Drop the number that is being typed."""
+        """Discard the number that is being typed."""
         for panel in self.panels:
             panel.cancel_typing()
 
     @property
     def unsaved(self) -> bool:  # type: ignore[override]
-        """Whether there are edits that are not saved, besides trials of other numbers in Explore."""
+        """True if there are unsaved edits, other than values tried out in Explore."""
         return self.session.undo_stack.unsaved_work
 
     def call_unsaved(self) -> None:
-        """Call the scene unsaved, with all its rows: it is in no file of its own."""
+        """Mark the scene with all its rows as unsaved, because it has no file yet."""
         self.session.undo_stack.lose_what_was_saved()
         self._called_unsaved = True
 
     @property
     def moving(self) -> bool:  # type: ignore[override]
-        """Whether the next picture differs from this one though nobody does anything."""
+        """True if the next frame differs from the current one without user input."""
         return (
             self.clock.activity() != "paused"
             or self.editor.preparing
@@ -187,7 +188,7 @@ class ScenePage(Page):
         )
 
     def escape(self) -> None:
-        """Deselect, or take the card away; with neither, back to the gallery."""
+        """Deselect, or hide the card. If there is neither a selection nor a card, return to the gallery."""
         if self.editor.selection is not None:
             self.editor.selection = None
         elif self.outcome.text:
@@ -196,25 +197,25 @@ class ScenePage(Page):
             self.leave()
 
     def message_place(self, size: tuple[int, int], unit: float) -> pygame.Rect:
-        """Beside the clock, or on the time line."""
+        """Return the rectangle for messages: next to the clock, or on the timeline."""
         return self.time_controls.beside(self.view.places.footer)
 
     def _answered(self) -> bool:
         return self.lessons.answered
 
     def _moved_of(self) -> object:
-        """What decides whether there are kernels that move the lanes in time."""
+        """Return the values that decide if kernels can move the lanes in real time."""
         setup = self.session.setup
         return setup.chains, [(lane.method, lane.step) for lane in setup.lanes], setup.slow
 
     def made_of(self) -> object:
-        """Words, places and choices."""
+        """Return the values on which the widgets depend: scene, visible parts and choices."""
         places = self.view.panel_shown, self.board.present, self.board.single
         selected = self.editor.selection is not None
         return self.session.scene, places, self.film.recording, self.editor.refused, self.cards.made_of(selected)
 
     def build(self) -> None:
-        """Make all widgets for the host's size and unit."""
+        """Create all widgets for the size and unit of the host."""
         unit = self.host.unit
         self.view.arrange()
         places, margin = self.view.places, round(12 * unit)
@@ -232,7 +233,7 @@ class ScenePage(Page):
         self.view.follow()
 
     def handle(self, event: pygame.Event) -> bool:
-        """Take events of the widgets first, then those of the mouse."""
+        """Handle an event: first the widgets, then the mouse on the beads."""
         if event.type == pygame.KEYDOWN:
             self.session.end_gesture()
         chosen = self.cards.handle(event)
@@ -244,11 +245,11 @@ class ScenePage(Page):
         return self.tools.handle(event) or self.timeline.handle(event) or self.pointer.handle(event)
 
     def take_file(self, path: str, point: tuple[int, int]) -> bool:
-        """Tables and pictures are laid over a plot."""
+        """Draw a table or a picture over a plot. Return False for other files."""
         return self.tools.data.take_file(path, point)
 
     def update(self, seconds: float) -> None:
-        """Let time pass."""
+        """Advance by `seconds` of wall time."""
         self._notice_kernels()
         self.pointer.update()
         if not self.editor.preparing:
@@ -267,7 +268,7 @@ class ScenePage(Page):
         self.unsaved_scene.update(seconds)
 
     def _notice_kernels(self) -> None:
-        """Go on where the kernels have been loaded."""
+        """Continue after the kernels have been loaded."""
         if not self.editor.preparing:
             return
         self.editor.check_kernels()
@@ -278,7 +279,7 @@ class ScenePage(Page):
             self.view.follow()
 
     def follow(self) -> None:
-        """Let what is drawn be of the present words and lanes."""
+        """Update everything drawn to the present texts and lanes."""
         self._words.follow()
         self._kernels.follow()
         self._edits.follow()
@@ -290,7 +291,7 @@ class ScenePage(Page):
             panel.follow()
 
     def paint(self, surface: pygame.Surface) -> None:
-        """Draw all but the widgets."""
+        """Draw everything below the widgets."""
         self.view.paint(surface)
         mark = "• " if self.unsaved else ""
         self.toolbar.paint_title(surface, mark + scene_words(self.session.scene.title))
@@ -301,7 +302,7 @@ class ScenePage(Page):
         self.outcome.paint(surface)
 
     def paint_over(self, surface: pygame.Surface) -> None:
-        """Draw what lies above the widgets."""
+        """Draw everything above the widgets."""
         point = self.host.pointer
         self.time_controls.paint_over(surface)
         for lane in self.view.lanes if self.pointer.grip is None else ():
@@ -317,18 +318,18 @@ class ScenePage(Page):
         self.timeline.paint_reading(surface, point)
 
     def after_frame(self, surface: pygame.Surface, seconds: float) -> None:
-        """Record the finished picture, if a film is being made."""
+        """Record the finished frame, if a film is being made."""
         self.film.record(surface, seconds)
 
     def let_go(self) -> None:
-        """Let go of all that is dragged: a slider, the time line, the ruler, the view, a bead that is held."""
+        """Release everything that is dragged: a slider, the timeline, the ruler, the view, or a bead."""
         self.session.end_gesture()
         self.timeline.dragged, self.tools.ruler.dragged, self.pointer.panned = False, None, None
         if self.pointer.pressed is not None:
             self.pointer.release()
 
     def close(self) -> None:
-        """Close the film and the sound."""
+        """Finish the film and stop the sound."""
         if not self.unsaved:
             self.host.unsaved_file.forget()
         self.film.end()

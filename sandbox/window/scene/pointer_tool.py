@@ -1,4 +1,4 @@
-"""The mouse on the lanes: beads are selected, dragged and thrown, the view is moved; the ruler; the stopwatch."""
+"""The mouse on the lanes: it selects, drags and throws beads and moves the view. Also the ruler and the stopwatch."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.scene.editor import Pick, SceneEditor
 from softcradle.sandbox.window.scene.view import SceneView
 
-REACH = 8.0  # design pixels about an end of the ruler that take it
+REACH = 8.0  # Distance from an end of the ruler, in design pixels, within which the mouse takes it.
 
 
 class Stopwatch:
-    """Started, stopped and put away by one key; it measures model time, also while scrubbing."""
+    """A stopwatch for model time. One key starts, stops and removes it; it also works while scrubbing."""
 
     def __init__(self, host: Host, session: Session, clock: Callable[[float], str]) -> None:
-        """`clock` writes a time [s]."""
+        """Make a stopwatch; `clock` formats a time [s]."""
         self.host, self.session, self.clock = host, session, clock
         self.begin: float | None = None
         self.end: float | None = None
 
     def press(self) -> None:
-        """Start; stop; put away."""
+        """Start, stop, or remove the stopwatch, in this order."""
         if self.begin is None:
             self.begin = self.session.time
         elif self.end is None:
@@ -38,7 +38,7 @@ class Stopwatch:
 
     @property
     def elapsed(self) -> float | None:
-        """Model time measured [s]; None where it is put away."""
+        """Measured model time [s], or None if the stopwatch is not in use."""
         if self.begin is None:
             return None
         return (self.session.time if self.end is None else self.end) - self.begin
@@ -52,32 +52,32 @@ class Stopwatch:
 
 
 class Ruler:
-    """A ruler on the line: both ends are dragged, and stay where they are when the view moves."""
+    """A ruler on the line of the beads. Both ends can be dragged; they stay at their position when the view moves."""
 
     def __init__(self, host: Host, session: Session, view: SceneView) -> None:
         self.host, self.session, self.view = host, session, view
-        self.ends: list[float] | None = None  # [m], as the view measures
+        self.ends: list[float] | None = None  # Positions of the ends on the line [m].
         self.dragged: int | None = None
 
     def toggle(self) -> None:
-        """Put the ruler on the ground of the first lane, or away."""
+        """Place the ruler on the ground of the first lane, or remove it."""
         rect = self.view.places.lanes[0]
         places = [(round(rect.left + share * rect.width), 0) for share in (0.3, 0.7)]
         self.ends = [self.view.metres_at(place) for place in places] if self.ends is None else None
 
     @property
     def distance(self) -> float | None:
-        """Between both ends [m]."""
+        """Distance between both ends [m]."""
         return None if self.ends is None else abs(self.ends[1] - self.ends[0])
 
     def points(self) -> list[tuple[int, int]]:
-        """Both ends on screen."""
+        """Return both ends on screen [pixels]."""
         y, zero = round(self.view.lanes[0].drawing.ground), self.view.metres_at((0, 0))
         scale = self.view.metres_at((1000, 0)) - zero
         return [(round((end - zero) / scale * 1000), y) for end in self.ends or ()]
 
     def handle(self, event: pygame.Event) -> bool:
-        """Drag an end."""
+        """Handle an event: an end of the ruler can be dragged."""
         if self.ends is None:
             return False
         if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
@@ -103,27 +103,27 @@ class Ruler:
 
 
 def _tag(surface: pygame.Surface, text: str, place: tuple[float, float], unit: float) -> None:
-    """White text on a dark plate, centred at `place`."""
+    """Draw light text on a dark plate, centred at `place`."""
     box = write(surface, text, place, 13 * unit, tones.background, align=(0.5, 0.5))
     pygame.draw.rect(surface, tones.foreground, box.inflate(14 * unit, 6 * unit), border_radius=5)
     write(surface, text, place, 13 * unit, tones.background, align=(0.5, 0.5))
 
 
-STILL = 4.0  # design pixels: a click may move by so much without becoming a drag
+STILL = 4.0  # Distance in design pixels by which the mouse may move during a click. A longer movement is a drag.
 
 
 class PointerTool:
-    """What the mouse does to the beads of a page."""
+    """The actions of the mouse on the beads of a page."""
 
     def __init__(self, host: Host, session: Session, editor: SceneEditor, view: SceneView) -> None:
         self.host, self.session, self.editor, self.view = host, session, editor, view
-        self.panned: int | None = None  # where the pointer was last while it moves the view
-        self.pressed: Pick | None = None  # the bead on which the button was pressed
+        self.panned: int | None = None  # Last position of the pointer while it moves the view.
+        self.pressed: Pick | None = None  # The bead on which the button was pressed.
         self.dragging = False
         self._start, self._pointer, self._offset, self._beads = (0, 0), (0, 0), 0.0, 0
 
     def handle(self, event: pygame.Event) -> bool:
-        """Press, move, wheel; the page lets go."""
+        """Handle a press, a movement or the wheel. The page handles the release."""
         if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
             return self._press(event.pos)
         if event.type == pygame.MOUSEMOTION and self.panned is not None:
@@ -154,19 +154,19 @@ class PointerTool:
             self.dragging = True
 
     def release(self) -> None:
-        """Release the bead: while running it keeps its velocity."""
+        """Release the bead. In a running scene it keeps its velocity."""
         self.pressed, self.dragging = None, False
         self.session.drop()
 
     @property
     def grip(self) -> Pick | None:
-        """The bead that is held; it is let go when beads are added to or removed from its lane."""
+        """The bead that is held. It is released if the number of beads in its lane changes."""
         if self.pressed is not None and len(self.session.lanes[self.pressed.lane].chain.mass) != self._beads:
             self.release()
         return self.pressed
 
     def update(self) -> None:
-        """Once a frame: drag the bead to the pointer."""
+        """Drag the bead to the pointer; called once per frame."""
         pick = self.grip
         if pick is None or not self.dragging or self.editor.preparing:
             return

@@ -1,4 +1,6 @@
-"""Files of a page: the scene, the session, its history, a page to share, a film, a screenshot; no file is replaced unasked."""
+"""Dialogs for the files of a page: scene, recording, data, web page, film and screenshot. No file is replaced without a
+question.
+"""
 
 from __future__ import annotations
 
@@ -22,12 +24,12 @@ from softcradle.sandbox.window.dialog import MARGIN, WIDTH, shortened_path
 from softcradle.sandbox.window.messages import Messages
 from softcradle.sandbox.window.page import Host
 
-LONGEST_STEM = 40  # characters of a file name that is made from a title
-LONGEST_SHOWN = 60  # characters of a name that no file can have
+LONGEST_STEM = 40  # Largest number of characters of a file name that is made from a title.
+LONGEST_SHOWN = 60  # Largest number of characters that are shown of an invalid name.
 
 
 def free_path(title: str, suffix: str) -> Path:
-    """A path named after a `title`; with a number before its last suffix where there is such a file already."""
+    """Return a path named after `title` that does not exist yet. If necessary, a number precedes the suffix."""
     stem = re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")[:LONGEST_STEM] or "scene"
     path = free = Path(f"{stem}{suffix}")
     number = 1
@@ -38,10 +40,10 @@ def free_path(title: str, suffix: str) -> Path:
 
 
 def typed_path(text: str, endings: Sequence[str]) -> Path:
-    """The path that was typed: ~ is the home folder, and the first of `endings` is added where it has none of them.
+    """Return the typed path, with ~ as the home folder. If it has none of the `endings`, the first one is added.
 
     Raises:
-        UserError: no file can have this name.
+        UserError: a file cannot have this name.
     """
     path = Path(os.path.expanduser(text))
     if path.name in ("", ".."):
@@ -53,7 +55,7 @@ def typed_path(text: str, endings: Sequence[str]) -> Path:
         return path
     except OSError as error:
         raise UserError(_("cannot write {path}: {reason}", path=_shortened(text), reason=reason(error))) from None
-    except ValueError:  # a NUL
+    except ValueError:  # The name contains a NUL character.
         raise UserError(
             _("cannot write {path}: {reason}", path=repr(text), reason=_("no file has such a name"))
         ) from None
@@ -65,23 +67,23 @@ def _shortened(text: str) -> str:
 
 
 def shown_path(path: Path) -> str:
-    """The path with its full folder, the home folder as ~."""
+    """Return the absolute path as text, with the home folder written as ~."""
     full = path.resolve()
-    home = os.path.expanduser("~")  # which stays so where there is none
+    home = os.path.expanduser("~")  # Without a home folder this stays "~".
     return f"~/{full.relative_to(home)}" if full.is_relative_to(home) else str(full)
 
 
 FILM_ENDINGS = (".mp4", ".gif", ".webp")
-FRAME_RATE = 30.0  # frames a second of the film: every other picture of the window
-MOST_DUE = 2.0  # frames: after a late picture the film does not catch up
+FRAME_RATE = 30.0  # Frames per second of the film: every other frame of the window.
+MOST_DUE = 2.0  # Largest number of frames in arrears. After a slow frame the film does not catch up.
 
 
 class WindowFilm:
-    """The film that is being recorded, if there is one.
+    """The film that is being recorded, if any.
 
     Attributes:
-        film: it; None where nothing is recorded.
-        seconds: how long it is.
+        film: the open film, or None if nothing is recorded.
+        seconds: duration of the film so far.
     """
 
     def __init__(self, host: Host) -> None:
@@ -94,11 +96,11 @@ class WindowFilm:
 
     @property
     def recording(self) -> bool:
-        """Whether a film is being recorded."""
+        """True while a film is being recorded."""
         return self.film is not None
 
     def begin(self, path: Path) -> None:
-        """Record from now on, in the window's present size."""
+        """Start recording in the present size of the window."""
         from softcradle.sandbox.film.encoder import open_film
 
         width, height = self.host.size
@@ -112,7 +114,7 @@ class WindowFilm:
         self._stack, self.path, self._due, self.seconds = stack, path, 0.0, 0.0
 
     def end(self) -> None:
-        """Write what was recorded."""
+        """Stop recording and write the film."""
         stack, self._stack, self.film = self._stack, None, None
         if stack is None:
             return
@@ -125,7 +127,7 @@ class WindowFilm:
             self.host.messages.show(text)
 
     def record(self, surface: pygame.Surface, seconds: float) -> None:
-        """Add the finished picture to the film, if one is due after `seconds` more."""
+        """Add the finished frame, `seconds` after the previous one, if the film needs a frame now."""
         if self.film is None:
             return
         self._due = min(self._due + seconds * FRAME_RATE, MOST_DUE)
@@ -143,12 +145,12 @@ class WindowFilm:
 
     @property
     def clock(self) -> str:
-        """How long the film is, as minutes and seconds."""
+        """Duration of the film as minutes and seconds."""
         return f"{int(self.seconds) // 60}:{int(self.seconds) % 60:02d}"
 
 
 def _copy_whole(surface: pygame.Surface, frame: pygame.Surface) -> None:
-    """Copy all of `surface` onto `frame`, scaled into its middle where the window has another size now."""
+    """Copy `surface` onto `frame`. If the window has another size than the film, scale the picture and centre it."""
     (width, height), (wide, high) = surface.get_size(), frame.get_size()
     if width - width % 2 == wide and height - height % 2 == high:
         frame.blit(surface, (0, 0))
@@ -160,9 +162,10 @@ def _copy_whole(surface: pygame.Surface, frame: pygame.Surface) -> None:
 
 
 class Saving(NamedTuple):
-    """One kind of file: what the dialog says, the end of the proposed name, the endings, what writes it, which files.
+    """A kind of file: texts of the dialog, proposed end of the name, endings, the function that writes it, and the
+    resulting files.
 
-    Those that are `reopened` by the window are remembered.
+    If it is `reopened`, the window can open it, so its path is added to the recent files.
     """
 
     title: str
@@ -175,7 +178,7 @@ class Saving(NamedTuple):
 
 
 def session_savings(messages: Messages, session: Session) -> dict[str, Saving]:
-    """The files that come from a session."""
+    """Return the kinds of files that a session can write."""
     savings = {
         "save_scene": Saving(
             N_("Save the scene"),
@@ -220,13 +223,15 @@ def session_savings(messages: Messages, session: Session) -> dict[str, Saving]:
 
 
 def _write_and_tell(messages: Messages, saving: Saving, path: Path) -> None:
-    """Write the files of a kind, and say which."""
+    """Write the files of a kind and show a message with their names."""
     names = _(" and ").join(map(shown_path, saving.files(path)))
     report(messages, partial(saving.write, path), _("saved {path}", path=names))
 
 
 class SaveDialogs:
-    """Dialogs for the files of a page: its own `savings`, a film and a screenshot, named after its title."""
+    """Dialogs for the files of a page: its `savings`, a film and a screenshot. Proposed names come from the title of
+    the page.
+    """
 
     def __init__(self, host: Host, film: WindowFilm, savings: dict[str, Saving]) -> None:
         self.host, self.film = host, film
@@ -245,12 +250,12 @@ class SaveDialogs:
         unit = self.host.unit
         folder = shortened_path(
             shown_path(Path()), 16 * unit, (WIDTH - 2 * MARGIN) * unit
-        )  # it has no place to wrap at
+        )  # A path contains no spaces at which it could be wrapped.
         note = _("{note} Folder: {folder}", note=_(saving.note), folder=folder)
         self.host.ask(_(saving.title), note, proposed, partial(self.save, name))
 
     def save(self, name: str, text: str) -> None:
-        """Write that kind of file to the path `text`; ask first where there is a file already."""
+        """Write a kind of file to the path `text`. If the file exists, ask first."""
         saving = self.savings[name]
         try:
             path = typed_path(text, saving.endings)
@@ -273,20 +278,20 @@ class SaveDialogs:
         )
 
     def _write(self, saving: Saving, path: Path) -> None:
-        """Write it, and remember it among the recent files where it can be opened again."""
+        """Write the file. If the window can open it again, add it to the recent files."""
         saving.write(path)
         if saving.reopened:
             self.host.settings.remember(path)
 
     def toggle_film(self) -> None:
-        """Begin a film, or end the one that is recorded."""
+        """Start recording a film, or stop."""
         if self.film.recording:
             self.film.end()
         else:
             self.ask("film")
 
     def screenshot(self) -> None:
-        """Write the window as it is, as a PNG file in the working folder."""
+        """Write the present window as a PNG file in the working folder."""
         path = free_path(self.host.page.title, ".png")
 
         def work() -> None:
@@ -297,7 +302,9 @@ class SaveDialogs:
 
 
 def share_page(session: Session, path: Path, live: bool = False) -> None:
-    """Write what a session has recorded, up to the frame shown, as a page; `live` or before a run, one in which it lives.
+    """Write a web page with the recorded motion of a session up to the current frame.
+
+    If `live`, or if nothing has been recorded yet, the page simulates the scene instead.
 
     Raises:
         UserError: the page cannot be written.
@@ -307,7 +314,7 @@ def share_page(session: Session, path: Path, live: bool = False) -> None:
         scene = session.to_scene() if live else session.shown_scene()
     except ValueError as error:
         raise UserError(_("this cannot be shared: {error}", error=error_words(error))) from None
-    with english():  # as all else on a page
+    with english():  # Pages are always in English.
         if live or any(trajectory.time.size <= 1 for trajectory in found):
             render_page(scene, path)
         else:
@@ -315,7 +322,7 @@ def share_page(session: Session, path: Path, live: bool = False) -> None:
 
 
 def report(messages: Messages, work: Callable[[], object], done: str) -> None:
-    """Do `work` and show the message `done`, or what went wrong."""
+    """Run `work` and show the message `done`, or the error message if it fails."""
     try:
         work()
     except (UserError, OSError, ValueError) as error:

@@ -1,4 +1,6 @@
-"""The sound of a scene: clicks at impacts and, as an option, tones of the forces, all computed from sines."""
+"""The sound of a scene: clicks at impacts and, optionally, a tone for the force of each contact; all computed from
+sines.
+"""
 
 from __future__ import annotations
 
@@ -10,23 +12,24 @@ from softcradle.sandbox.languages import _
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.page import Host
 
-RATE = 22050  # samples a second
-SECONDS = 0.06  # of a click
-PITCHES = (880.0, 988.0, 1109.0, 1245.0, 1397.0, 1568.0)  # Hz
-OVERTONE = 2.5  # frequency of the second sine, relative to the first
-DECAY = 90.0  # 1/s
-PEAK = 0.6  # of the largest sample
-LEAST_VOLUME = 0.15  # of the slowest impact
-# Hz, of the first contacts: thirds, so that they sound together
+RATE = 22050  # Sample rate in samples per second.
+SECONDS = 0.06  # Duration of a click in seconds.
+PITCHES = (880.0, 988.0, 1109.0, 1245.0, 1397.0, 1568.0)  # Pitches of the clicks in Hz.
+OVERTONE = 2.5  # Frequency of the second sine, relative to the first.
+DECAY = 90.0  # Decay rate of a click in 1/s.
+PEAK = 0.6  # Peak of a click, as a fraction of the largest possible sample.
+LEAST_VOLUME = 0.15  # Volume of the slowest impact, as a fraction of full volume.
+# Pitches of the tones in Hz. They are about a third apart, so that they sound together.
 TONES = 131.0, 165.0, 196.0, 247.0, 294.0, 349.0, 440.0, 523.0
-TONE_SECONDS = 1.0  # of a tone before it begins again: whole periods, for all of TONES are whole numbers
-TONE_VOLUME = 0.3  # of the greatest force, so that all of them together do not clip
-TONE_CURVE = 0.5  # exponent of the loudness over the force: small forces are heard too
-CLICK_CHANNELS = 8  # of the mixer, for impacts
+# Duration in seconds of a tone before it repeats. It contains whole periods, because all TONES are whole numbers.
+TONE_SECONDS = 1.0
+TONE_VOLUME = 0.3  # Volume for the largest force, low enough that the sum of all tones does not clip.
+TONE_CURVE = 0.5  # Exponent of the loudness as a function of the force. A value below 1 makes small forces audible.
+CLICK_CHANNELS = 8  # Channels of the mixer for impacts.
 
 
 class Clicks:
-    """The mixer, opened on demand. pygame.error where there is none."""
+    """The sounds of impacts. Creating it opens the mixer and raises pygame.error if the system has no sound."""
 
     def __init__(self) -> None:
         pygame.mixer.init(frequency=RATE, size=-16, channels=1, buffer=256)
@@ -35,7 +38,7 @@ class Clicks:
         self._sounds = [pygame.mixer.Sound(buffer=click(pitch)) for pitch in PITCHES]
 
     def click(self, loudness: float, contact: int) -> None:
-        """Play the click of a contact; `loudness` 1 is an impact at the scene's own speed."""
+        """Play the click of a contact. An impact at the scene's own speed has `loudness` 1."""
         sound = self._sounds[contact % len(PITCHES)]
         sound.set_volume(min(1.0, LEAST_VOLUME + (1.0 - LEAST_VOLUME) * loudness))
         sound.play()
@@ -45,7 +48,7 @@ class ForceTones:
     """A tone for each of the first contacts, on the reserved channels of the open mixer.
 
     Attributes:
-        volumes: of the tones at present.
+        volumes: present volumes of the tones.
     """
 
     def __init__(self) -> None:
@@ -56,7 +59,7 @@ class ForceTones:
             channel.set_volume(0.0)
 
     def sound(self, shares: Sequence[float]) -> None:
-        """Let each contact sound by its share of the greatest force."""
+        """Set the volume of each tone from the force of its contact, given as a fraction of the largest force."""
         for k, channel in enumerate(self._channels):
             share = min(max(shares[k], 0.0), 1.0) if k < len(shares) else 0.0
             self.volumes[k] = TONE_VOLUME * share**TONE_CURVE
@@ -64,30 +67,32 @@ class ForceTones:
 
 
 def click(pitch: float) -> bytes:
-    """Samples of a click: two sines that decay."""
+    """Return the samples of a click: two decaying sines."""
     time = np.arange(round(RATE * SECONDS)) / RATE
     sines = np.sin(2 * np.pi * pitch * time) + 0.5 * np.sin(2 * np.pi * OVERTONE * pitch * time)
     return (PEAK * 32767 / 1.5 * np.exp(-DECAY * time) * sines).astype(np.int16).tobytes()
 
 
 def tone(pitch: float) -> bytes:
-    """Samples of a tone: whole periods of a sine with a soft octave, so that it can be played on and on."""
+    """Return the samples of a tone: whole periods of a sine with a soft octave, so that it can be repeated without a
+    break.
+    """
     time = np.arange(round(RATE * TONE_SECONDS)) / RATE
     sines = np.sin(2 * np.pi * pitch * time) + 0.3 * np.sin(4 * np.pi * pitch * time)
     return (PEAK * 32767 / 1.3 * sines).astype(np.int16).tobytes()
 
 
-MOST_AT_ONCE = 4  # impacts of one picture that sound
+MOST_AT_ONCE = 4  # Largest number of impacts in one frame that sound.
 
 
 class SceneSound:
-    """The sound of a session, switched by one key from silence to clicks, to clicks and tones, and back.
+    """The sound of a session. One key switches from silence to clicks, to clicks with tones, and back.
 
-    It sounds while the clock runs: `activity` names what that does.
+    It sounds while the clock runs; `activity` returns the state of the clock.
 
     Attributes:
-        clicks: of impacts; None while it is silent.
-        tones: of the forces; None while they are off.
+        clicks: clicks of impacts, or None while the sound is off.
+        tones: tones of the forces, or None while they are off.
     """
 
     def __init__(self, host: Host, session: Session, activity: Callable[[], str]) -> None:
@@ -96,7 +101,7 @@ class SceneSound:
         self.tones: ForceTones | None = None
 
     def toggle(self) -> None:
-        """Go on to the next: clicks, clicks and tones of the forces, silence."""
+        """Switch to the next sound: clicks, clicks and tones of the forces, silence."""
         if self.tones is not None:
             self.close()
             self.host.messages.show(_("sound off"))
@@ -112,7 +117,9 @@ class SceneSound:
             self.host.messages.show(_("there is no sound here: {error}", error=error), warning=True)
 
     def update(self, greatest_force: float) -> None:
-        """Sound the impacts of the last tick, and the forces now relative to the greatest of the scene [N]."""
+        """Play the impacts of the last tick. Set the tones to the present forces relative to the largest force of the
+        scene [N].
+        """
         playing = self.activity() != "paused"
         if self.clicks is not None and playing:
             speed = max(lane.setup.speed for lane in self.session.lanes)

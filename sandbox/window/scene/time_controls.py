@@ -1,4 +1,4 @@
-"""The foot of the page: the time line, which is dragged to look back; buttons of time, slow motion and the clock."""
+"""The foot of the page: the timeline, which is dragged to look back; time buttons, slow motion and the clock."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ from softcradle.sandbox.window.page_geometry import MARGIN
 from softcradle.sandbox.window.plots.board import PlotBoard
 from softcradle.sandbox.window.widgets import Slider, draw_icon
 
-GROWTH = 1.5  # of the frames that the width stands for, relative to the history
-LEAST_FRAMES = 6 * FRAME_RATE  # that the whole width stands for at first
-PICTURES_BETWEEN_READINGS = 12  # a fifth of a second: new events are not searched for more often
+GROWTH = 1.5  # Number of frames that the width represents, relative to the length of the history.
+LEAST_FRAMES = 6 * FRAME_RATE  # Number of frames that the width represents at first.
+PICTURES_BETWEEN_READINGS = 12  # Number of frames between two searches for new events (a fifth of a second).
 
 
 class Timeline:
-    """A bar over the frames of a session's history.
+    """A bar that represents the frames of a session's history.
 
     Attributes:
-        frames: number of frames that the whole width stands for.
-        dragged: whether the pointer scrubs.
-        events: the contact events that are drawn.
+        frames: number of frames that the complete width represents.
+        dragged: True while the pointer scrubs.
+        events: contact events that are drawn.
     """
 
     def __init__(self, session: Session) -> None:
@@ -44,7 +44,7 @@ class Timeline:
         self.frames, self.dragged = LEAST_FRAMES, False
         self.events: ContactEvents | None = None
         self._ticks = pygame.Surface((1, 1), pygame.SRCALPHA, 32)
-        self._last, self._age = -1, 0  # newest frame whose events were read, and pictures since
+        self._last, self._age = -1, 0  # Newest frame whose events were read, and number of frames drawn since then.
         self._read = Derived(self._read_of, self._read_events)
 
     @property
@@ -53,7 +53,7 @@ class Timeline:
         return self.session.history.first, self.session.history.last
 
     def place(self, footer: pygame.Rect, unit: float) -> None:
-        """Take the place at the top of the `footer` of a page."""
+        """Place the timeline at the top of the `footer` of a page."""
         margin = 2 * round((MARGIN - 2.0) * unit)
         self.rect = footer.inflate(-2 * margin, 0)
         self.rect.top, self.rect.height = footer.top + round(12 * unit), round(22 * unit)
@@ -64,16 +64,16 @@ class Timeline:
         return self.session.history.snapshot(frame).time
 
     def x(self, frame: int) -> float:
-        """Pixel of a frame."""
+        """Return the horizontal pixel of a frame."""
         return self.rect.left + (frame - self.bounds[0]) / self.frames * self.rect.width
 
     def frame(self, x: float) -> int:
-        """The frame of the history nearest to pixel `x`."""
+        """Return the frame of the history nearest to the horizontal pixel `x`."""
         first, last = self.bounds
         return min(max(first + round((x - self.rect.left) / self.rect.width * self.frames), first), last)
 
     def handle(self, event: pygame.Event) -> bool:
-        """Scrub while the button is down."""
+        """Handle an event: scrub while the mouse button is down."""
         if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
             self.dragged = self.rect.inflate(0, round(10 * self.unit)).collidepoint(event.pos)
             if self.dragged:
@@ -85,7 +85,7 @@ class Timeline:
         return False
 
     def make_room(self) -> None:
-        """Let the width stand for more frames, or fewer, where the history needs it."""
+        """Change the number of frames that the width represents if the history has become longer or much shorter."""
         first, last = self.bounds
         if not self.frames / GROWTH**2 <= last - first <= self.frames:
             self.frames = max(LEAST_FRAMES, round(GROWTH * (last - first)))
@@ -98,12 +98,12 @@ class Timeline:
             self.session.scrub_frame(int(chosen[0]))
 
     def update(self) -> None:
-        """Make room for more frames."""
+        """Adapt the width to the number of frames; called once per frame."""
         self.make_room()
         self._age += 1
 
     def follow(self) -> None:
-        """Draw the present events, new ones now and then."""
+        """Draw the contact events again if they have changed; new events are added from time to time."""
         self._read.follow()
 
     def _read_of(self) -> object:
@@ -117,7 +117,10 @@ class Timeline:
         self._ticks = self._drawn_ticks(self.events)
 
     def _drawn_ticks(self, events: ContactEvents) -> pygame.Surface:
-        """Ticks on a transparent surface: closings point up from the middle, openings down; one for each pixel."""
+        """Return a transparent surface with a tick for each event, at most one per pixel and kind.
+
+        Ticks of closing contacts point up from the middle, ticks of opening contacts point down.
+        """
         surface = pygame.Surface(self.rect.size, pygame.SRCALPHA, 32)
         colours = bead_colours(max(lane.chain.contacts for lane in self.session.lanes) + 1)
         middle, height = self.rect.height // 2, round(0.42 * self.rect.height)
@@ -134,7 +137,7 @@ class Timeline:
         return surface
 
     def paint(self, surface: pygame.Surface) -> None:
-        """Draw it."""
+        """Draw the timeline."""
         (first, last), unit, rect = self.bounds, self.unit, self.rect
         radius = round(4 * unit)
         pygame.draw.rect(surface, tones.lane_background, rect, border_radius=radius)
@@ -165,25 +168,26 @@ class Timeline:
         write(surface, text, place, 13 * self.unit, tones.background, align=(0.5, 1))
 
 
-SLOWEST = 1000.0  # wall seconds for one second of the model, by keys and the slider
-# by keys
+SLOWEST = 1000.0  # Slowest motion: wall time in seconds for one second of model time.
+# Slow motions between which the keys switch.
 SLOW_MOTIONS = FASTEST, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, SLOWEST
 BUTTONS = ("first", "back", "play_pause", "forward", "last", "restart", "fit")
-FEW = ("play_pause", "restart")  # buttons of the first level
+FEW = ("play_pause", "restart")  # Buttons in Explore.
 
-MOVING = ("playing", "replaying")  # activities that can be paused
-LATE = 0.95  # clock ratio below which the page shows that the clock is slow
-VERY_LATE = 0.70  # clock ratio below which that is a warning: the motion is seen to be slower
-SLOW_ROOM, GAP = 190.0, 24.0  # design pixels of the slider, and between groups
-CLOCK_ROOM = 240.0  # design pixels of the clock and its note
-MESSAGE_ROOM = 260.0  # design pixels beside the clock, the least for messages; else they lie on the time line
+MOVING = ("playing", "replaying")  # States of the clock that can be paused.
+LATE = 0.95  # Speed of the clock relative to the wanted speed, below which the page shows that the clock is slow.
+VERY_LATE = 0.70  # Relative speed below which this is a warning, because the slower motion is visible.
+SLOW_ROOM, GAP = 190.0, 24.0  # Width of the slider, and distance between groups, in design pixels.
+CLOCK_ROOM = 240.0  # Width of the clock and its note in design pixels.
+# Smallest width in design pixels for messages next to the clock. With less space, messages appear on the timeline.
+MESSAGE_ROOM = 260.0
 
 
 class TimeControls:
-    """Buttons of time, the slider of slow motion, and the clock; `activity` names what the clock does.
+    """Time buttons, the slider of the slow motion, and the clock; `activity` returns the state of the clock.
 
     Attributes:
-        slow: wall seconds for one second of the model.
+        slow: wall time in seconds for one second of model time.
     """
 
     def __init__(self, host: Host, activity: Callable[[], str]) -> None:
@@ -192,7 +196,7 @@ class TimeControls:
         self.slider: Slider | None = None
 
     def build(self, rect: pygame.Rect, actions: Mapping[str, Callable[[], None]]) -> None:
-        """Make the widgets inside `rect`; they do the page's `actions`."""
+        """Create the widgets inside `rect`; they perform the page's `actions`."""
         self.rect, unit, x = rect, self.host.unit, rect.left
         self.buttons, side = {}, round(34 * unit)
         for name in FEW if self.host.explore else BUTTONS:
@@ -210,7 +214,7 @@ class TimeControls:
         self.clock_left = place.right + round(GAP * unit)
 
     def beside(self, footer: pygame.Rect) -> pygame.Rect:
-        """The rectangle of the `footer` that is left beside the clock; where it is narrow, that of the time line."""
+        """Return the rectangle of the `footer` next to the clock; if it is too narrow, the rectangle of the timeline."""
         unit = self.host.unit
         left, high = self.clock_left + round(CLOCK_ROOM * unit), round(50 * unit)
         if footer.right - left > MESSAGE_ROOM * unit:
@@ -218,11 +222,11 @@ class TimeControls:
         return pygame.Rect(footer.left, footer.top, footer.width, round(40 * unit))
 
     def _share(self) -> float:
-        """Place of the slow motion on the slider."""
+        """Return the position of the slow motion on the slider, from 0 to 1."""
         return min(max(math.log(self.slow / FASTEST) / math.log(SLOWEST / FASTEST), 0.0), 1.0)
 
     def handle(self, event: pygame.Event) -> bool:
-        """The slider."""
+        """Handle events of the slider."""
         if event.type == pygame_gui.UI_HORIZONTAL_SLIDER_MOVED and event.ui_element is self.slider:
             slow = FASTEST * (SLOWEST / FASTEST) ** event.value
             self.set_slow(float(f"{slow:.3g}"))
@@ -236,7 +240,7 @@ class TimeControls:
             self.slider.set_current_value(self._share())
 
     def step_slow(self, direction: int) -> None:
-        """The next of SLOW_MOTIONS: slower (1) or faster (-1)."""
+        """Switch to the next slower (1) or faster (-1) value in SLOW_MOTIONS."""
         if direction > 0:
             beyond = [slow for slow in SLOW_MOTIONS if slow > self.slow * 1.001]
         else:
@@ -258,7 +262,9 @@ class TimeControls:
 
 
 class SceneTimeControls(TimeControls):
-    """Those of a session, whose slow motion is an input; below the time stands the `note`."""
+    """The time controls of a session. The slow motion is an input of the session, and the `note` is shown below the
+    time.
+    """
 
     def __init__(
         self,
@@ -274,7 +280,9 @@ class SceneTimeControls(TimeControls):
         self._set: float | None = None  # slow motion that is applied when the scene plays on
 
     def set_slow(self, slow: float) -> None:
-        """Set the slow motion, by which a replay is only paced. It is applied once an edit loses nothing."""
+        """Set the slow motion. It is applied as soon as an edit loses nothing; until then it only changes the pace of a
+        replay.
+        """
         super().set_slow(slow)
         self._set = self.slow
         if self.may_edit():
@@ -282,7 +290,7 @@ class SceneTimeControls(TimeControls):
 
     @property
     def wanted(self) -> float:
-        """The slow motion that was set, applied or not."""
+        """The slow motion that was set, even if it is not applied yet."""
         return self.session.slow if self._set is None else self._set
 
     def apply_slow(self) -> None:
@@ -292,13 +300,13 @@ class SceneTimeControls(TimeControls):
             self._set = None
 
     def paint_over(self, surface: pygame.Surface) -> None:
-        """Draw icons and numbers, the slow motion as an undo or a replay has left it."""
+        """Draw icons and numbers. The slow motion is read again because an undo or a replay may have changed it."""
         self.slow = self.wanted
         self.paint_clock(surface, f"t = {self.board.span.clock(self.session.time)}", *self.note())
 
 
 def late_note(pacer: FramePacer) -> tuple[str, bool]:
-    """Return how much slower the clock runs than it says, and whether that is a warning; empty if it is on time."""
+    """Return a text about a slow clock, and if it is a warning. The text is empty if the clock is on time."""
     ratio = pacer.clock_ratio
     text = "" if ratio >= LATE else _("slower than shown: {percent:.0f} %", percent=100 * ratio)
     return text, ratio < VERY_LATE

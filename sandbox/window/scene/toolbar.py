@@ -1,4 +1,4 @@
-"""The toolbar above a page: back to the gallery, undo and redo, and menus of what is asked for less often."""
+"""The toolbar above a page: back to the gallery, undo and redo, and menus with less frequent actions."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.plots.kinds import PLOT_KINDS
 from softcradle.sandbox.window.scene.save_dialogs import WindowFilm
 
-# Text of each button on the right, by action or menu; which are there at the first level; the actions of each menu.
+# Text of each button on the right, by action or menu. FEW lists the buttons in Explore, MENUS the actions of each menu.
 BUTTONS = {
     "film": "",
     "undo": N_("Undo"),
@@ -40,20 +40,20 @@ MENUS: dict[str, tuple[str, ...]] = {
         *("pause_at_end", "sound", "inspector", "larger", "smaller", "fullscreen", "theme", "language"),
     ),
 }
-MARGIN = 20.0  # design pixels of a button beside its text
-SPACE = 4.0  # design pixels between two buttons
-LONGEST_CLOCK = "88:88"  # a film's, for which its button has room from the beginning
-TITLE_LEFT = 110.0  # design pixels
-TITLE = 22.0  # design pixels, the size of the title
+MARGIN = 20.0  # Width of a button beyond its text, in design pixels.
+SPACE = 4.0  # Distance between two buttons in design pixels.
+LONGEST_CLOCK = "88:88"  # Longest duration that the button of a film can show. Its width is fixed from the beginning.
+TITLE_LEFT = 110.0  # Left edge of the title in design pixels.
+TITLE = 22.0  # Size of the title in design pixels.
 
 
 class Toolbar:
-    """The buttons, and how much room they leave for the title.
+    """The buttons, and the space that they leave for the title.
 
     Attributes:
-        buttons: by action or menu.
-        title_room: pixels between the buttons.
-        ticked: names of what is shown at present, marked in the menus.
+        buttons: the buttons by action or menu.
+        title_room: width between the buttons [pixels].
+        ticked: returns the names of the visible parts, which have a check mark in the menus.
     """
 
     def __init__(
@@ -69,14 +69,16 @@ class Toolbar:
         self.actions = {name: partial(self.show_menu, name) for name in MENUS}
 
     def show_menu(self, name: str) -> None:
-        """Show what the page or the window has of a menu, below its button, or below that of the tools where it has none."""
+        """Show the available actions of a menu, below its button. A menu without a button appears below the button
+        "More".
+        """
         known = {**self.host.actions, **self.host.page.actions}
         if names := [one for one in MENUS[name] if one in known]:
             button = self.buttons.get(name, self.buttons["tools"])
             self.host.put_over(Menu(self.host, button.rect.bottomright, names, self.ticked()))
 
     def build(self, rect: pygame.Rect, actions: Mapping[str, Callable[[], None]], leave: Callable[[], None]) -> None:
-        """Make the buttons."""
+        """Create the buttons."""
         self.rect, unit, manager, height = rect, self.host.unit, self.host.manager, round(30 * self.host.unit)
         y = rect.centery - height // 2
         place = pygame.Rect(round(12 * unit), y, round(84 * unit), height)
@@ -101,20 +103,24 @@ class Toolbar:
 
     @property
     def _shown(self) -> dict[str, str]:
-        """Action and text of each button at the present level; that of a film only while there is one."""
+        """Action and text of each button at the present level. The button of a film exists only while a film is
+        recorded.
+        """
         shown = {**{name: BUTTONS[name] for name in FEW}, "level": N_("Lab")} if self.host.explore else BUTTONS
         return {name: text for name, text in shown.items() if name != "film" or self.film.recording}
 
     def _is_known(self, name: str, actions: Mapping[str, object]) -> bool:
-        """Whether the page does it, or something of that menu."""
+        """Return True if the page has this action, or any action of this menu."""
         return name == "tools" or any(one in actions for one in MENUS.get(name, (name,)))
 
     def _stop(self, clock: str) -> str:
-        """The text of the button that ends the film."""
+        """Return the text of the button that stops the film."""
         return _("Stop {time}", time=clock)
 
     def update(self) -> None:
-        """Enable what can be done, and let the button of a film say how long it is: its text changes once a second."""
+        """Enable the possible actions, and show the duration of the film on its button. That text changes once per
+        second.
+        """
         if "film" in self.buttons:
             self.buttons["film"].set_text(self._stop(self.film.clock))
         stack = self.stack
@@ -124,7 +130,7 @@ class Toolbar:
                 (button.enable if steps else button.disable)()
 
     def paint_title(self, surface: pygame.Surface, title: str) -> None:
-        """Write the title of the page between the buttons."""
+        """Draw the title of the page between the buttons."""
         size, place = TITLE * self.host.unit, (TITLE_LEFT * self.host.unit, self.rect.centery)
         shown = shortened(title, size, self.title_room, bold=True)
         write(surface, shown, place, size, tones.foreground, bold=True, align=(0, 0.5))

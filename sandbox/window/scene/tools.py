@@ -1,4 +1,6 @@
-"""The tools of the page: table of values, sharing, comparison, measured data, what is shown and how."""
+"""The tools of the page: table of values, clipboard, comparison with a second row, measured data, and the keys of the
+view.
+"""
 
 from __future__ import annotations
 
@@ -51,14 +53,14 @@ from softcradle.scenes import Scene
 
 
 class DataTool:
-    """Files that are laid over the plots of a page, and its plot of chosen signals."""
+    """Measured data drawn over the plots of a page, and the plot of two chosen signals."""
 
     def __init__(self, host: Host, session: Session, view: SceneView) -> None:
         self.host, self.session, self.view, self.board = host, session, view, view.board
         self.actions = {"data": self.ask, "signals": self.ask_signals}
 
     def ask(self) -> None:
-        """Ask for the path of a file to lay over the plots; nothing typed removes what lies there."""
+        """Ask for the path of a file to draw over the plots. If measured data is already there, remove it instead."""
         if any(self.board.overlays.values()):
             self.board.overlays.clear()
             self.host.messages.show(_("measured data removed"))
@@ -76,7 +78,9 @@ class DataTool:
             self.host.messages.show(wrong, warning=True)
 
     def take_file(self, text: str, point: tuple[int, int]) -> bool:
-        """Lay a file over the plot at `point`, or over the usual one; whether it is a table or a picture."""
+        """Draw a file over the plot at `point`, or over the usual plot. Return True if the file is a table or a
+        picture.
+        """
         path = Path(os.path.expanduser(text))
         ending = path.suffix.lower()
         if ending not in (*TABLES, *PICTURES):
@@ -86,12 +90,12 @@ class DataTool:
                 self._lay_numbers(path, point)
             else:
                 self._ask_edges(path)
-        except (UserError, ValueError) as error:  # no file can have a name with a NUL
+        except (UserError, ValueError) as error:  # For example, the path contains a NUL character.
             self.host.messages.show(str(error), warning=True)
         return True
 
     def _plot(self, kind: str, point: tuple[int, int] = (-1, -1)) -> tuple[tuple[str, int], Plot]:
-        """Return the kind and lane of the plot of that kind at `point`, or else of another, which is shown if necessary."""
+        """Return the key and the plot of a kind: the plot at `point`, or another one, which is shown if necessary."""
         under = self.board.plot_at(point)
         if under is not None and self.board.keys[self.board.plots.index(under)][0] == kind:
             return self.board.keys[self.board.plots.index(under)], under
@@ -125,7 +129,9 @@ class DataTool:
         self.host.messages.show(text)
 
     def _measured_kind(self, path: Path, data: MeasuredTable, point: tuple[int, int]) -> str:
-        """Return the kind of plot for a table: that at `point` if it shows a measured quantity, or else the first that does."""
+        """Return the kind of plot for a table: the plot at `point` if it fits, otherwise the first kind with a measured
+        quantity.
+        """
         kinds = [kind for kind, quantity in MEASURED_KINDS.items() if data.along_row(quantity)]
         if not kinds:
             columns = ", ".join(repr(column.name) for column in data.columns)
@@ -154,7 +160,7 @@ class DataTool:
             self.host.messages.show(str(error), warning=True)
 
     def ask_signals(self) -> None:
-        """Ask which signal is plotted against which."""
+        """Ask which two signals to plot against each other."""
         vertical, horizontal = self.board.pair
         text = _("{vertical} against {horizontal}", vertical=vertical, horizontal=horizontal)
         self.host.ask(_("A signal against another"), _(KEY), text, self._take_signals)
@@ -180,16 +186,18 @@ def _too_many(path: Path, columns: int, curves: int) -> str:
 
 
 STEEL = N_("steel balls")
-OTHER, COMPARED = ", the other", ", compared"  # as in sandbox/languages/translation.py
+OTHER, COMPARED = ", the other", ", compared"  # The same texts are used in sandbox/languages/translation.py.
 
 
 def beside_other_balls(session: Session) -> Scene:
-    """The first lane of a session beside the same blow among steel balls, or among soft beads where they are of steel.
+    """Return the first lane of a session together with a second lane for the same blow with other balls.
 
-    ValueError where contacts are couplers or laws of one's own, or no scene file can say it.
+    The second lane has steel balls, or soft beads if the first lane already has steel balls. Raise ValueError if the
+    contacts are couplers or user-defined, or if the state cannot be written as a scene file.
     """
     scene = beside_itself(session.to_scene())
-    other = Session(scene)  # it has edits that are later than the frame shown too
+    # A new session, because the present one may have edits that are later than the current frame.
+    other = Session(scene)
     chain, speed = other.lanes[0].chain, other.lanes[0].setup.speed
     steel = has_soft_contacts(chain)
     if steel:
@@ -210,16 +218,19 @@ def beside_other_balls(session: Session) -> Scene:
 
 
 def beside_itself(scene: Scene) -> Scene:
-    """The first lane of a scene beside a copy of it, to be edited and compared; what is said of one lane holds for both."""
+    """Return the first lane of a scene together with a copy of it, to be edited and compared. The text applies to both
+    lanes.
+    """
     lane = scene.lanes[0].model_dump()
     words = words_for(scene, scene.lanes[:1])
-    words["title"] = words["title"].removesuffix(COMPARED) + COMPARED  # once, though it is compared again
+    # Add the ending only once if the scene is compared again.
+    words["title"] = words["title"].removesuffix(COMPARED) + COMPARED
     lanes = [lane, {**lane, "label": f"{lane['label']}{OTHER}".removeprefix(", ")}]
     return Scene.model_validate({**scene.model_dump(), **words, "lanes": lanes})
 
 
 class ViewKeys:
-    """Actions that change what is shown, and of the model only the method."""
+    """Actions that change the view; of the model they change only the method."""
 
     def __init__(self, host: Host, editor: SceneEditor, board: PlotBoard, view: SceneView, cards: LaneCards) -> None:
         self.host, self.editor, self.board, self.view, self.cards = host, editor, board, view, cards
@@ -236,7 +247,7 @@ class ViewKeys:
         }
 
     def next_method(self) -> None:
-        """Take the next method, in all lanes."""
+        """Switch all lanes to the next method."""
         self.editor.apply(SetMethod(None, self.cards.next_method()))
 
     def toggle_plot(self, name: str) -> None:
@@ -257,7 +268,7 @@ class ViewKeys:
         self.view.say_if_plots_have_no_room()
 
     def toggle_logarithmic(self) -> None:
-        """Give overlaps a logarithmic axis or a linear one."""
+        """Switch between a logarithmic and a linear axis for overlaps."""
         self.board.logarithmic = not self.board.logarithmic
 
     def toggle_panel(self) -> None:
@@ -266,10 +277,10 @@ class ViewKeys:
 
 
 class SceneTools:
-    """Tools of one page; `open_scene` shows another scene in its place, and does an action there.
+    """Tools of one page. `open_scene` replaces the page by another scene and performs an action there.
 
     Attributes:
-        before: the scene of one row that is compared here, or None.
+        before: the scene with one row from which this comparison was made, or None.
     """
 
     def __init__(
@@ -302,7 +313,7 @@ class SceneTools:
         }
 
     def toggle_values(self) -> None:
-        """Show the table of values in place of the plots, or the plots."""
+        """Switch between the plots and the table of values."""
         self.view.card.hide()
         self.view.plots_covered = not self.view.plots_covered
         self.host.follow()
@@ -312,11 +323,11 @@ class SceneTools:
         self.view.say_if_plots_have_no_room()
 
     def copy_values(self) -> None:
-        """Put all values at the frame shown on the clipboard as CSV."""
+        """Copy all values of the current frame to the clipboard as CSV."""
         self._copy(lambda: values_csv(self.session), _("the values are on the clipboard, as CSV"))
 
     def tell(self) -> None:
-        """Show what has happened in words; it can be copied, to be read aloud."""
+        """Describe the motion in words. The text can be copied, for example to have it read aloud."""
         text = summary_text(self.session)
         self.host.choose(
             _("What happened"),
@@ -325,7 +336,7 @@ class SceneTools:
         )
 
     def copy_scene(self) -> None:
-        """Put the scene with all edits on the clipboard as text."""
+        """Copy the scene with all edits to the clipboard as text."""
         done = _("the scene is on the clipboard, as text: paste it into a message, or into a window with Ctrl+V")
         self._copy(lambda: shared_text(self.session.to_scene()), done)
 
@@ -338,15 +349,15 @@ class SceneTools:
             self.host.messages.show(done)
 
     def compare(self) -> None:
-        """Open the scene beside a copy of itself."""
+        """Open the scene together with a copy of itself."""
         self._open_beside(lambda: beside_itself(self.session.to_scene()))
 
     def compare_balls(self) -> None:
-        """Open the scene beside the same blow among steel balls, or soft beads, and play both."""
+        """Open the scene together with the same blow with steel balls or soft beads, and play both."""
         self._open_beside(lambda: beside_other_balls(self.session), "play_pause")
 
     def _open_beside(self, make: Callable[[], Scene], then: str | None = None) -> None:
-        """Open what `make` gives, where there is something, and do `then`."""
+        """Open the scene that `make` returns and perform the action `then`. Show a message if the scene cannot be made."""
         try:
             scene = make()
         except ValueError as error:
@@ -356,7 +367,7 @@ class SceneTools:
         self.open_scene(scene, one, then)
 
     def alone(self) -> None:
-        """Go back to the first row, with the edits that were made here and what it was called before."""
+        """Return to the first row alone. It keeps the edits made here and gets back its earlier title."""
         if len(self.session.lanes) == 1:
             self.host.messages.hint(_("there is one row"))
             return
@@ -371,26 +382,26 @@ class SceneTools:
         self.open_scene(Scene.model_validate({**scene.model_dump(), **changed}), None, None)
 
     def handle(self, event: pygame.Event) -> bool:
-        """Take an event on the table or the ruler."""
+        """Handle events of the table and the ruler."""
         return self.values.handle(event) or self.ruler.handle(event)
 
     def paint(self, surface: pygame.Surface) -> None:
-        """Draw the table in place of the plots."""
+        """Draw the table of values instead of the plots."""
         area = self.values_area()
         if area is not None:
             self.values.paint(surface, area)
 
     @property
     def covers_plots(self) -> bool:
-        """Whether the table lies on the plots."""
+        """True while the table of values covers the plots."""
         return self.view.plots_covered and bool(self.view.places.plots)
 
     def values_area(self) -> pygame.Rect | None:
-        """The place of the table; None while it is not shown."""
+        """Return the rectangle of the table of values, or None while it is hidden."""
         return self.view.plots_area() if self.covers_plots else None
 
     def paint_over(self, surface: pygame.Surface) -> None:
-        """Draw ruler and stopwatch."""
+        """Draw the ruler and the stopwatch."""
         rect, unit = self.view.places.lanes[0], self.host.unit
         self.ruler.paint(surface)
         self.stopwatch.paint(surface, (rect.left + 120 * unit, rect.bottom - 14 * unit))

@@ -1,4 +1,4 @@
-"""The board of values: tables of beads and contacts in place of the plots, with the columns and rows there is room for."""
+"""The table of values: beads and contacts instead of the plots, with as many columns and rows as fit."""
 
 from __future__ import annotations
 
@@ -18,27 +18,27 @@ from softcradle.sandbox.story.numbers import MINUS, scientific
 from softcradle.sandbox.window.page import Derived, Host
 from softcradle.sandbox.window.scene.editor import Pick, SceneEditor
 
-MARGIN = 6.0  # design pixels between a number and the right end of its cell
-ROWS_A_TURN = 3  # of a table, by which the wheel moves it
-LINE = 20.0  # design pixels of a row
-GAP = 12.0  # design pixels between columns
-HEADING = 34.0  # design pixels above the first row
-BETWEEN = 16.0  # design pixels between the two tables of a lane
-BEADS_SHARE = 0.55  # of the width, for the table of beads
-HEAD, BODY = 13.0, 13.0  # sizes of text, design pixels
-MOST_DIGITS, LEAST_DIGITS = 3, 2  # after the first, of a number
-# Columns that are left out where there is no room, the first of these first; their values are copied with the others.
+MARGIN = 6.0  # Distance in design pixels between a number and the right edge of its cell.
+ROWS_A_TURN = 3  # Number of rows by which a notch of the wheel scrolls.
+LINE = 20.0  # Height of a row in design pixels.
+GAP = 12.0  # Distance between columns in design pixels.
+HEADING = 34.0  # Height above the first row in design pixels.
+BETWEEN = 16.0  # Distance between the two tables of a lane in design pixels.
+BEADS_SHARE = 0.55  # Width of the table of beads as a fraction of the total width.
+HEAD, BODY = 13.0, 13.0  # Text sizes of the heading and the rows in design pixels.
+MOST_DIGITS, LEAST_DIGITS = 3, 2  # Largest and smallest number of digits after the decimal point.
+# Columns that are omitted if there is too little space, in this order. Their values are still copied to the clipboard.
 LESS_NEEDED = (*reversed(SET_COLUMNS), *(quantity.column for quantity in (KINETIC, STORED, MOMENTUM, RATE, MASS)))
 
 
 @dataclass(frozen=True)
 class Columns:
-    """The columns of a table for which there is room.
+    """The columns of a table that fit.
 
     Attributes:
-        shown: their indices.
-        right: right end of each, from that of the table [pixels].
-        digits: of numbers, after the first.
+        shown: indices of the columns.
+        right: right edge of each column, relative to the left edge of the table [pixels].
+        digits: number of digits after the decimal point.
     """
 
     shown: tuple[int, ...]
@@ -47,7 +47,7 @@ class Columns:
 
 
 def fitting(names: Sequence[str], room: float, unit: float) -> Columns:
-    """The columns that fit into `room` pixels whatever their numbers are, with as many digits as may be."""
+    """Return the columns that fit into `room` pixels for all possible numbers, with as many digits as possible."""
     left_out: set[str] = set()
     for digits, drop in [*((digits, None) for digits in range(MOST_DIGITS, LEAST_DIGITS - 1, -1)), *_drops(names)]:
         left_out |= {drop} if drop else set()
@@ -65,29 +65,30 @@ def _drops(names: Sequence[str]) -> list[tuple[int, str]]:
 
 
 def _column_width(name: str, unit: float, digits: int, first: bool) -> float:
-    """Pixels of the widest number and of the name, which is broken before its unit."""
+    """Return the width in pixels of the widest number and of the column name, which is wrapped before its unit."""
     number = "88-88" if first else f"{MINUS}8.{digits * '8'}·10⁻⁸"
     words = [width(part, HEAD * unit) for part in heading(name)]
     return max(*words, width(number, BODY * unit)) + GAP * unit
 
 
 def heading(name: str) -> list[str]:
-    """The lines above a column."""
+    """Return the lines of a column heading."""
     return pgettext("column", name).replace(" (", "\n(").split("\n")
 
 
 @dataclass(frozen=True)
 class TablePlace:
-    """Where the table of the beads or contacts of a lane is.
+    """The layout of the table of the beads or contacts of a lane.
 
     Attributes:
-        lane, kind: "bead" or "contact".
-        rect: all of it.
-        names: of all columns.
-        columns: those that are shown.
-        first, last: the rows that are shown, of `count`; `last` is not.
+        lane, kind: number of the lane; "bead" or "contact".
+        rect: rectangle of the complete table.
+        names: names of all columns.
+        columns: the visible columns.
+        first, last: range of the visible rows, without `last`.
+        count: number of all rows.
         line: height of a row [pixels].
-        top: upper edge of the first row that is shown [pixels].
+        top: upper edge of the first visible row [pixels].
     """
 
     lane: int
@@ -103,24 +104,25 @@ class TablePlace:
 
     @property
     def whole(self) -> bool:
-        """Whether all rows are shown."""
+        """True if all rows are visible."""
         return self.last - self.first == self.count
 
     def strip(self, row: int) -> pygame.Rect:
-        """The rectangle of a row."""
+        """Return the rectangle of a row."""
         return pygame.Rect(self.rect.left, round(self.top + (row - self.first) * self.line), self.rect.width, self.line)
 
     def row_at(self, point: tuple[int, int]) -> int | None:
-        """The row at `point`, or None."""
+        """Return the row at `point`, or None."""
         return next((row for row in range(self.first, self.last) if self.strip(row).collidepoint(point)), None)
 
 
 def table_places(
     lanes: Sequence[LiveLane], area: pygame.Rect, unit: float, first: Mapping[tuple[int, str], int], chosen: int = 0
 ) -> list[TablePlace]:
-    """The tables of lanes, beads and contacts of each side by side; `first` says where they begin.
+    """Return the tables of all lanes, with beads and contacts side by side. `first` contains the first visible row of
+    each table.
 
-    Where there is no room for all lanes, that of the `chosen` one.
+    If there is too little space for all lanes, return only the tables of the lane `chosen`.
     """
     places, roomy = [], area.height >= len(lanes) * (HEADING + 2.0 * LINE) * unit
     for lane, live in enumerate(lanes) if roomy else [(chosen, lanes[chosen])]:
@@ -137,7 +139,9 @@ def table_places(
 def _place(
     end: Pick, rect: pygame.Rect, names: tuple[str, ...], unit: float, first: Mapping[tuple[int, str], int]
 ) -> TablePlace:
-    """A table of `end.index` rows in `rect`; where they do not all fit, the last line says which are shown."""
+    """Return a table with `end.index` rows in `rect`. If the rows do not all fit, the last line is used for a note
+    about it.
+    """
     line, top, count = round(LINE * unit), rect.top + HEADING * unit, end.index
     room = max(0, int((rect.bottom - top) // line))
     shown = count if room >= count else max(1, room - 1)
@@ -147,10 +151,10 @@ def _place(
 
 
 class ValuesBoard:
-    """The tables; `area` is the place for them, None while they are not on screen.
+    """The tables of values. `area` returns their rectangle, or None while they are hidden.
 
     Attributes:
-        places: where the tables are.
+        places: layouts of the tables.
     """
 
     def __init__(
@@ -158,11 +162,11 @@ class ValuesBoard:
     ) -> None:
         self.host, self.session, self.editor, self.area = host, session, editor, area
         self.places: list[TablePlace] = []
-        self._first: dict[tuple[int, str], int] = {}  # rows that tables begin with, by lane and kind
+        self._first: dict[tuple[int, str], int] = {}  # First visible row of each table, by lane and kind.
         self._shown = Derived(lambda: editor.selection, lambda: self.bring_into_view(editor.selection))
 
     def arrange(self) -> None:
-        """Find the places of the tables; the row that is selected comes into view."""
+        """Place the tables and scroll to the selected row."""
         area, pick = self.area(), self.editor.selection
         chosen = 0 if pick is None else pick.lane
         lanes, unit = self.session.lanes, self.host.unit
@@ -183,7 +187,7 @@ class ValuesBoard:
         self.arrange()
 
     def handle(self, event: pygame.Event) -> bool:
-        """A click selects a row; the wheel scrolls."""
+        """Handle an event: a click selects a row, the wheel scrolls."""
         if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
             return self._click(event.pos)
         if event.type == pygame.MOUSEWHEEL:
@@ -235,7 +239,7 @@ class ValuesBoard:
 
 
 def _texts(kind: str, numbers: Sequence[float], digits: int) -> list[str]:
-    """The cells of a row; its first number is that of the bead or contact."""
+    """Return the texts of a row. The first number is the index of the bead or contact."""
     first = int(numbers[0])
     name, none = (str(first), _("wall")) if kind == BEAD else (f"{first}-{first + 1}", MINUS)
     return [name, *(scientific(value, digits) if math.isfinite(value) else none for value in numbers[1:])]

@@ -30,21 +30,26 @@ from softcradle.sandbox.window.scene.explore_panel import OutcomeCard
 from softcradle.sandbox.window.scene.inspector import Inspector
 from softcradle.sandbox.window.scene.lane_view import LaneView, SessionLanes
 
-ZOOM = 1.25  # factor of one step
-MARGIN = 0.04  # of the width beyond the outermost beads, after it has framed them
-SPARE = 1.4  # of the width that would do, so that beads that go on do not leave again at once
-ARROW = 0.36  # of a bead's length, by which the longest arrow of velocity reaches beyond its bead
-OPENING_ROOM = 0.12  # of a bead's length, on each side of the window of a scene: that of scales has no room for arrows
-# Of the row at its start, on each side: the most room that an edited scene opens with. A bead that bounces off a wall flies on
-# for tens of seconds, and a window for all of it would show the row as a dot. Scenes of the catalogue have up to 0.63.
+ZOOM = 1.25  # Zoom factor of one step.
+MARGIN = 0.04  # Margin beyond the outermost beads after framing, as a fraction of the width.
+# Width after automatic widening, relative to the necessary width, so that moving beads do not leave again at once.
+SPARE = 1.4
+# Distance by which the longest velocity arrow extends beyond its bead, as a fraction of the length of a bead.
+ARROW = 0.36
+# Additional margin of the opening view, as a fraction of the length of a bead. The window of the scales has no space
+# for arrows.
+OPENING_ROOM = 0.12
+# Largest margin on each side of the opening view of an edited scene, as a fraction of the initial length of the row. A
+# bead that bounces off a wall flies on for tens of seconds; a window for all of it would show the row as a dot. Scenes
+# of the catalogue have up to 0.63.
 MOST_ROOM = 0.7
 NO_ROOM = N_("there is no room for plots: make the window larger, or the scale smaller")
-NARROWEST, WIDEST = 1e-4, 1e9  # lengths of a bead
+NARROWEST, WIDEST = 1e-4, 1e9  # Limits of the visible width, in lengths of a bead.
 
 
 @dataclass
 class Camera:
-    """Centre [m] and width [m] of what is shown; an `automatic` one keeps all beads in sight."""
+    """Centre [m] and width [m] of the visible part of the line. An `automatic` camera keeps all beads visible."""
 
     centre: float
     width: float
@@ -57,7 +62,7 @@ class Camera:
         return cls(0.5 * (low + high), high - low)
 
     def zoom(self, steps: float, length: float) -> None:
-        """Zoom in by `steps`, out if negative, as far as there is anything to see of beads that are `length` [m] long."""
+        """Zoom in by `steps`, or out if negative, within fixed limits relative to the `length` [m] of the beads."""
         self.width = min(max(self.width * ZOOM**-steps, NARROWEST * length), WIDEST * length)
         self.automatic = False
 
@@ -67,13 +72,13 @@ class Camera:
         self.automatic = False
 
     def fit(self, lanes: Sequence[LiveLane], length: float, spare: float = 1.0) -> None:
-        """Show all beads, which are `length` [m] long, in a window `spare` times as wide as they need."""
+        """Show all beads, which are `length` [m] long, in a window that is `spare` times as wide as necessary."""
         low, high = extent(lanes, length)
         self.centre, self.width = 0.5 * (low + high), (1.0 + 2.0 * MARGIN) * spare * (high - low)
         self.automatic = True
 
     def keep_in_sight(self, lanes: Sequence[LiveLane], length: float, visible: float) -> bool:
-        """Widen where it is automatic and a bead has left the `visible` metres; whether it did."""
+        """Widen an automatic camera if a bead has left the `visible` metres. Return True if the camera has changed."""
         if not self.automatic:
             return False
         low, high = extent(lanes, length)
@@ -83,7 +88,7 @@ class Camera:
         return True
 
     def window(self, scales: Scales) -> Scales:
-        """The scales with this camera's window."""
+        """Return the scales with the window of this camera."""
         return replace(scales, window=(self.centre - 0.5 * self.width, self.centre + 0.5 * self.width))
 
 
@@ -96,18 +101,18 @@ def extent(lanes: Sequence[LiveLane], length: float) -> tuple[float, float]:
 
 
 class SceneView:
-    """What is shown of a session, apart from widgets.
+    """The visible content of a session, except the widgets.
 
     Attributes:
-        scales: of beads and plots.
-        follower: lets scales follow edits.
-        camera: which part of the line is shown.
+        scales: scales of beads and plots.
+        follower: computes new scales after edits.
+        camera: visible part of the line.
         lanes: the beads, a LaneView for each lane.
-        motions: the lanes now, one row each.
+        motions: present state of the lanes, one row each.
         places: rectangles of the page.
-        panel_shown: whether the panel on the right is there.
-        plots_covered: whether something else lies in the place of the plots, which are then not drawn.
-        rows: the plots of each row of plots that is shown: of `row_count`, those from `first_row` on.
+        panel_shown: True if the panel on the right is visible.
+        plots_covered: True if something else covers the plots, so that they are not drawn.
+        rows: plots of each visible row; the visible rows are those of `row_count` rows that begin at `first_row`.
     """
 
     def __init__(
@@ -127,7 +132,7 @@ class SceneView:
         self.first_row = self.row_count = 0
         self.arrows = next(iter(ARROWS))
         self.places: Geometry = self._geometry()
-        self._frame = -1  # whose collision the marks are of
+        self._frame = -1  # Frame whose collision the marks show.
         self._backdrop = pygame.Surface((1, 1))
         self.scales = LiveScales(session)
         self.follower = EditFollower(host, session, self.scales)
@@ -139,12 +144,14 @@ class SceneView:
             0,
             False,
             self.scales.ahead,
-        )  # undone steps, and scales, at the last framing
+        )  # Number of undone steps and scales at the last framing.
         self.drawn = Derived(self._drawn_of, self._draw)
         self.backdrop = Derived(self._backdrop_of, self._draw_backdrop)
 
     def look_ahead(self) -> None:
-        """Take scales and camera from a run ahead, as a film does; estimate them, and run behind, where it would take long."""
+        """Set scales and camera from a run ahead of time, as for a film. If it would take long, estimate them and run
+        it in the background.
+        """
         seen = self._scales_ahead()
         self.scales.take(seen or estimated_scales(self.session.scene, self.session))
         if seen is None:
@@ -153,7 +160,9 @@ class SceneView:
         self.motions = [lane.motion for lane in self.session.lanes]
 
     def _scales_ahead(self) -> Scales | None:
-        """The scales of a run ahead; None where it takes long, or fails: such a scene can still be played."""
+        """Return the scales of a run ahead of time, or None if it takes long or fails. Such a scene can still be
+        played.
+        """
         scene = self.session.scene
         if not self._sees_ahead:
             return None
@@ -164,7 +173,7 @@ class SceneView:
 
     @property
     def _sees_ahead(self) -> bool:
-        """Whether a run ahead takes some milliseconds: its machine code is in memory."""
+        """True if a run ahead of time takes only milliseconds, because its machine code is in memory."""
         methods = {AHEAD, *(lane.setup.method for lane in self.session.lanes)}
         return all(self.host.warmup.is_warm(method) for method in methods)
 
@@ -180,17 +189,17 @@ class SceneView:
         return geometry(size, unit, lanes, [len(row) for row in self.rows], self.panel_shown, explore, card)
 
     def plots_area(self) -> pygame.Rect:
-        """The rectangle of all plots."""
+        """Return the rectangle that contains all plots."""
         places = [rect for row in self.places.plots for rect in row]
         return places[0].unionall(places)
 
     def next_arrows(self) -> None:
-        """Let arrows show the next of ARROWS."""
+        """Switch the arrows to the next quantity in ARROWS."""
         names = list(ARROWS)
         self.arrows = names[(names.index(self.arrows) + 1) % len(names)]
 
     def show_plot(self, kind: str) -> None:
-        """Bring a kind of plot on screen, also from rows that are not, and in place of the card."""
+        """Show a kind of plot. Scroll to its row if necessary and hide the card."""
         self.card.text = ""
         self.board.show(kind)
         self.host.follow()
@@ -201,19 +210,21 @@ class SceneView:
             self.follow()
 
     def say_if_plots_have_no_room(self) -> None:
-        """Say why plots that a person asked for are not there."""
+        """Show a message if the requested plots do not fit."""
         if self.row_count and not self.rows:
             self.host.messages.hint(_(NO_ROOM))
 
     def scroll_plots(self, point: tuple[int, int], by: int) -> bool:
-        """Show the rows of plots that are `by` lower, if `point` is on plots that do not all fit."""
+        """Scroll the plots down by `by` rows if `point` is on plots that do not all fit. Return True if they were
+        scrolled.
+        """
         if len(self.rows) == self.row_count or not self.rows or not self.plots_area().collidepoint(point):
             return False
         self.first_row += by
         return True
 
     def _paint_scroll_bar(self, surface: pygame.Surface) -> None:
-        """A bar beside plots that do not all fit: which of their rows are shown."""
+        """Draw a scroll bar next to plots that do not all fit."""
         if len(self.rows) == self.row_count or not self.rows:
             return
         first, last = self.places.plots[0][0], self.places.plots[-1][-1]
@@ -225,11 +236,11 @@ class SceneView:
         pygame.draw.rect(surface, tones.muted, bar, border_radius=3)
 
     def arrange(self) -> None:
-        """Find the places for the host's size and unit and the plots that are shown."""
+        """Place everything for the size and unit of the host and the visible plots."""
         self.places = self._geometry()
 
     def reset_camera(self) -> None:
-        """Frame the row at its start, with room for the motion ahead, as far as that leaves the beads large enough."""
+        """Show the row at its start, with space for the later motion, unless the beads would become too small."""
         length, (left, right) = self.session.scene.view.length, self.scales.scales.window
         if self.session.edited:
             low, high = extent(beginning(self.session.history.newest_setup).lanes, length)
@@ -239,9 +250,9 @@ class SceneView:
         self.camera = Camera.of((left - room, right + room))
 
     def _frame_again(self) -> None:
-        """Frame the row after a restart, an edit of the start, an undo or a redo, unless a person has moved the view.
+        """Frame the row after a restart, an edit of the start, an undo or a redo, unless the user has moved the view.
 
-        After an undo the scales of the run ahead come later, and the row is framed again by these.
+        After an undo, the scales of the run ahead arrive later. The row is then framed again.
         """
         session, undone = self.session, len(self.session.undo_stack.undone)
         went = undone != self._undone or (self._went and self._seen is not self.scales.ahead)
@@ -251,33 +262,34 @@ class SceneView:
             self.reset_camera()
 
     def zoom(self, steps: float, point: tuple[int, int] | None = None) -> None:
-        """Zoom in by `steps`, out if negative, about `point`."""
+        """Zoom in by `steps`, or out if negative, around `point`."""
         place = None if point is None else self.metres_at(point)
-        self.camera.width = max(self.camera.width, self._visible())  # beads have a greatest size
+        # Beads have a largest size on screen, so the lane may show more than the width of the camera.
+        self.camera.width = max(self.camera.width, self._visible())
         self.camera.zoom(steps, self.session.scene.view.length)
         self.follow()
         if point is not None and place is not None:
             self.camera.centre += place - self.metres_at(point)
 
     def pan(self, pixels: float) -> None:
-        """Move what is shown by so many pixels to the right."""
+        """Move the content by `pixels` to the right."""
         self.camera.pan(-self.lanes[0].metres(pixels))
 
     def fit(self) -> None:
-        """Show all beads, now and later."""
+        """Show all beads, and keep them visible from now on."""
         self.camera.fit(self.session.lanes, self.session.scene.view.length)
 
     def metres_at(self, point: tuple[int, int]) -> float:
-        """The place on the line [m] at `point`."""
+        """Return the position on the line [m] at `point`."""
         lane = self.lanes[0]
         return self.camera.centre + lane.metres(point[0] - lane.drawing.rect.centerx)
 
     def _visible(self) -> float:
-        """Metres that the lanes are wide."""
+        """Return the visible width of a lane [m]."""
         return self.lanes[0].metres(self.lanes[0].drawing.rect.width)
 
     def follow(self) -> None:
-        """Let beads and plots be of the present lanes, scales, camera and places."""
+        """Update beads and plots to the present lanes, scales, camera and layout."""
         self._grown.follow()
         self.drawn.follow()
 
@@ -288,7 +300,7 @@ class SceneView:
         return self.host.look, self.session.scene, lanes, self.session.history.cuts, plots, shown, self.card.text
 
     def _draw(self) -> None:
-        """Make beads and plots anew."""
+        """Create beads and plots again."""
         self.arrange()
         lanes, unit, places = self.session.lanes, self.host.unit, self.places
         self.scales.reset_lanes(lanes)
@@ -304,7 +316,7 @@ class SceneView:
         self.board.build(self.rows, places.plots, unit, scales)
 
     def update(self, seconds: float) -> None:
-        """Follow the lanes."""
+        """Update the view to the present state of the lanes."""
         lanes = self.session.lanes
         if not self.editor.preparing:
             self.follower.update(seconds)
@@ -317,7 +329,7 @@ class SceneView:
         self.follow()
 
     def _follow_collisions(self) -> None:
-        """Let marks of rigid clusters be those of the collision that is under way."""
+        """Update the marks of rigid clusters for the present collision."""
         for k, (view, lane) in enumerate(zip(self.lanes, self.session.lanes, strict=True)):
             same = len(view.drawing.chain.mass) == len(lane.chain.mass)
             new = same and self.session.frame != self._frame and (lane.state.force > 0.0).any()
@@ -326,15 +338,15 @@ class SceneView:
         self._frame = self.session.frame
 
     def on_a_lane(self, point: tuple[int, int]) -> bool:
-        """Whether `point` is where beads are drawn."""
+        """Return True if `point` is in the rectangle of a lane."""
         return any(rect.collidepoint(point) for rect in self.places.lanes)
 
     def pick(self, point: tuple[int, int]) -> Pick | None:
-        """The bead or contact at `point`."""
+        """Return the bead or contact at `point`, or None."""
         return next((pick for lane in self.lanes if (pick := lane.pick(point)) is not None), None)
 
     def paint(self, surface: pygame.Surface) -> None:
-        """Draw it."""
+        """Draw the backdrop, the beads and the plots."""
         pick = self.editor.selection
         self.backdrop.follow()
         surface.blit(self._backdrop, (0, 0))
@@ -349,7 +361,7 @@ class SceneView:
     def _backdrop_of(self) -> object:
         marks = [lane.marked for lane in self.lanes]
         panels = [(panel.rect, panel.pick, tuple(panel.controls)) for panel in self.panels]
-        words = self.answered(), self.session.setup.starts  # the text of a scene that begins otherwise is another
+        words = self.answered(), self.session.setup.starts  # The text of an edited scene is replaced by a note.
         return self.drawn.version, marks, panels, words, self.board.span.seconds, self.plots_covered
 
     def _draw_backdrop(self) -> None:
