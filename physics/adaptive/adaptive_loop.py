@@ -22,9 +22,11 @@ from softcradle.physics.adaptive.step_control import (
 )
 from softcradle.physics.adaptive.step_records import (
     AT_ONCE,
+    CENTRE,
     DOP853,
     LAST,
     LOCAL_SQUARE,
+    MASS,
     NEXT,
     RESTED,
     START,
@@ -102,6 +104,61 @@ def put_to_rest(regime, motion):
 
 
 @inlined
+def centre_from_anchor(regime, anchor_bead, rate):
+    """Return (mass of all beads [kg], velocity of their centre of mass relative to the anchor bead [m/s])."""
+    mass = 1.0 / regime.inverse_mass[anchor_bead]
+    momentum, velocity = 0.0, 0.0
+    for j in range(anchor_bead - 1, -1, -1):
+        velocity += rate[j]
+        mass += 1.0 / regime.inverse_mass[j]
+        momentum += velocity / regime.inverse_mass[j]
+    velocity = 0.0
+    for j in range(anchor_bead, rate.size):
+        velocity -= rate[j]
+        mass += 1.0 / regime.inverse_mass[j + 1]
+        momentum += velocity / regime.inverse_mass[j + 1]
+    return mass, momentum / mass
+
+
+@inlined
+def find_centre(chain, regime, motion, control):
+    """Write the total mass and the velocity of the centre of mass into `control`.
+
+    The mass is 0 if a wall or a bed exerts a force on the beads. Then `keep_momentum` does nothing.
+    """
+    control[MASS] = 0.0
+    for j in range(regime.inverse_mass.size):
+        if regime.inverse_mass[j] == 0.0:
+            return
+    if regime.bed.size == 0:
+        control[MASS], relative = centre_from_anchor(regime, chain.anchor_bead, motion.rate)
+        control[CENTRE] = motion.anchor[1] + relative
+
+
+@inlined
+def push_centre(h, chain, control):
+    """Update the velocity of the centre of mass with the impulse of the external forces in a step of length `h` [s]."""
+    if control[MASS] > 0.0:
+        for j in range(chain.push.size):
+            control[CENTRE] += h * chain.push[j] / control[MASS]
+        for j in range(chain.knots.push_slope.size):
+            control[CENTRE] += 0.5 * h * h * chain.knots.push_slope[j] / control[MASS]
+
+
+@inlined
+def keep_momentum(chain, regime, motion, control):
+    """Set the velocity of the anchor bead so that the total momentum is exact.
+
+    Two errors change the momentum. The contact forces of a step cancel only up to the precision of its stages. An event sets a
+    negligible rate to 0 without the impulse that this takes. The correction adds the same velocity to all beads, so it changes
+    no rate.
+    """
+    if control[MASS] > 0.0:
+        _, relative = centre_from_anchor(regime, chain.anchor_bead, motion.rate)
+        motion.anchor[1] = control[CENTRE] - relative
+
+
+@inlined
 def any_frozen(motion):
     """Return whether a contact is closed between two beads that do not move."""
     found = False
@@ -140,8 +197,10 @@ def integrate(
     if timed:
         acts = put_drive(time, chain, regime)
     if not resumed:
+        find_centre(chain, regime, motion, control)
         begin(time, chain, regime, motion, bounds, scratch, log)
     while True:
+        keep_momentum(chain, regime, motion, control)
         # 1. The end time, and breakpoints of forces over time.
         if time >= end:
             end_within_bounces(end - control[START], chain, motion, wanted, scratch)
@@ -169,7 +228,10 @@ def integrate(
             apart = stop and firm and until == end and not any_frozen(motion)
             if apart and not meets_again(chain, regime.bed, motion, bounds.negligible, scratch.work[0]):
                 return SEPARATED, back_to_opening(time, chain, regime, motion, scratch)
+            before = time
             time, row = fly_to_event(time, until, chain, regime, motion, bounds, scratch, steps, log)
+            if time < math.inf:
+                push_centre(time - before, chain, control)
             if row < 0 and stop and until == end:
                 return SEPARATED, time
             counter[FLIGHT] += 1
@@ -198,6 +260,7 @@ def integrate(
         control[LOCAL_SQUARE] += error * error
         find_openings(h, kind, firm, chain, motion, wanted, trial, look, scratch, log)
         keep_step(time, h, kind, chain, regime, motion, steps, counter)
+        push_centre(h, chain, control)
         absorb(h, chain, regime, motion, trial, scratch.work, motion.taken)
         accept_step(motion, trial)
         before, time = time, time + h if h < until - time else until

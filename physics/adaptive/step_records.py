@@ -38,8 +38,10 @@ CONTINUES = 12  # Nonzero if the error estimate of the previous frame continues,
 CARRIED_SQUARE = 13  # Initial value of LOCAL_SQUARE if the estimate does not continue
 ENDING = 14  # Error amplification by the bounces in progress at the end of the run
 IMPACTS = 15  # Number of contacts that closed at full speed
+MASS = 16  # Total mass [kg]; 0 if a wall or a bed exerts a force on the beads
+CENTRE = 17  # Velocity of the centre of mass [m/s]
 # Number of entries
-CONTROLS = 16
+CONTROLS = 18
 
 STAGES = 12  # Number of stages of dop853
 # Number of rows of `Scratch.work`. Steps of radau, the event search and mode transitions give names to these rows.

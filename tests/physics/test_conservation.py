@@ -10,7 +10,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from softcradle.physics import Chain, State, advance, cluster_on_cluster, simulate
 from softcradle.physics.chain import GRAVITY
-from softcradle.physics.contact import draft_gear, hertz, hooke, power_law
+from softcradle.physics.contact import draft_gear, hertz, hooke, power_law, step_force
 from softcradle.physics.scales import contact_scales, default_step
 
 from tests.helpers import relations
@@ -34,6 +34,22 @@ def test_momentum_is_conserved_to_round_off(method):
     centre = found.position @ mass / mass.sum()
     drift = relations.momentum(MIXED, MIXED_START) / mass.sum()
     assert centre == pytest.approx(centre[0] + drift * found.time, abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", [4, 5])
+def test_rows_of_gears_that_chatter_keep_their_momentum(seed):
+    """Solve rows of 40 step forces, gears and lossy gears, a fifth of them with gaps. Their contacts open and close thousands
+    of times, and many of their rates are set to 0.
+    """
+    n = 40
+    draw = np.random.default_rng([99, seed])
+    mass = 10.0 ** draw.uniform(-0.5, 0.5, n + 1)
+    laws = [step_force(1.0), draft_gear(50.0, 0.02), draft_gear(50.0, 0.02, 0.3)]
+    law = [laws[int(draw.integers(3))] for _ in range(n)]
+    chain = Chain(mass, law, np.where(draw.random(n) < 0.2, 0.01, 0.0))
+    velocity = [1.0] * 3 + [0.0] * (n - 2)
+    found = simulate_quietly(chain, velocity, 6.0, tolerance=1e-4, samples=5)
+    assert found.momentum == pytest.approx(relations.momentum(chain, velocity), rel=1e-11)
 
 
 @pytest.mark.parametrize("method", [one.name for one in relations.FIXED_STEP if not one.set_valued])
