@@ -91,6 +91,8 @@ LIVE = runs(MOVED_LIVE, METHODS)
 LIVE += [(name, "scipy") for name in MOVED_LIVE if name not in ("gears on straws", "between walls")]
 
 
+# Live frames of "a wagon train" and "hertz with gaps" estimate 2e-5 m/s, which is above the guarantee, and warn.
+@pytest.mark.filterwarnings("ignore:velocities may be off:RuntimeWarning")
 @pytest.mark.parametrize(("name", "method"), LIVE)
 def test_live_frames_agree_with_the_whole_run(name, method):
     """Compare live frames of 1/40 s (25 fixed steps, the same as in the whole run) with the whole run."""
