@@ -14,10 +14,12 @@ from softcradle.sandbox.draw.magnified_insets import MagnifiedInsets
 from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.draw.text import shortened, wrapped, write
-from softcradle.sandbox.languages import _, scene_words
+from softcradle.sandbox.languages import _, label_words, scene_words
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.quantities import FORCE, OVERLAP, VELOCITY
+from softcradle.sandbox.story.lane_story import motion_outcome
 from softcradle.sandbox.story.numbers import TIMES, fixed, plain, subscript, time_unit
+from softcradle.sandbox.story.sentences import outcome_words
 from softcradle.scenes import Scene
 
 # Size of a picture in design pixels. A design pixel is 1/DESIGN_HEIGHT of the height of a picture, or 1/DESIGN_WIDTH of
@@ -165,7 +167,11 @@ class Picture:
         """Write the text of the scene above the beads of the first lane and below its key."""
         drawing, unit = self.lanes[0].drawing, self.layout.unit
         size = min(15.5 * unit, drawing.rect.width / 42)
-        lines = wrapped(scene_words(self.scene.text), size, 0.62 * drawing.rect.width)
+        width, room = 0.62 * drawing.rect.width, drawing.bar_base - (KEY + 2) * unit
+        lines = wrapped(scene_words(self.scene.text), size, width)
+        outcome = [line for words in self.outcomes() for line in wrapped(words, size, width)]
+        if 1.4 * size * (len(lines) + len(outcome)) <= room:
+            lines += outcome
         centred = (drawing.rect.top + drawing.bar_base + 10 * unit) / 2 - 0.7 * size * len(lines)
         y = max(centred, drawing.rect.top + (KEY + 2) * unit)
         veil = pygame.Surface((round(0.64 * drawing.rect.width), round(1.4 * size * len(lines))), 0, 32)
@@ -175,6 +181,14 @@ class Picture:
         colour = mix(tones.lane_background, tones.foreground, opacity)
         for k, line in enumerate(lines):
             write(surface, line, (drawing.rect.centerx, y + 1.4 * size * k), size, colour, align=(0.5, 0))
+
+    def outcomes(self) -> list[str]:
+        """Return the outcome of each lane in words, after its label if there are several lanes."""
+        lasts, found = self.scene.duration is not None, []
+        for lane, motion in zip(self.scene.lanes, self.motions, strict=False):
+            words, label = outcome_words(motion_outcome(motion, lasts)), label_words(lane.label)
+            found.append(_("{label}: {words}", label=label, words=words) if len(self.motions) > 1 and label else words)
+        return found
 
     def _write_time(self, surface: pygame.Surface, time: float) -> None:
         header, unit = self.layout.header, self.layout.unit

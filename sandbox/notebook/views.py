@@ -46,10 +46,12 @@ def _picture(trajectory: Trajectory) -> str:
 
 
 def _trajectory_table(trajectory: Trajectory) -> str:
+    from softcradle.sandbox.story.sentences import describe
     from softcradle.sandbox.trajectory_summary import bead_table, contact_table, summarise
 
     summary = summarise("", trajectory)
-    table = "".join(_table(found.titles, found.rows) for found in (bead_table(summary), contact_table(summary)))
+    table = f"<p>{escape(describe('', trajectory))}</p>"
+    table += "".join(_table(found.titles, found.rows) for found in (bead_table(summary), contact_table(summary)))
     if summary.velocity_error is not None:
         table += f"<p>velocities at the end to {summary.velocity_error:.1e} m/s</p>"
     return table + "".join(f"<p>warning: {escape(warning)}</p>" for warning in summary.warnings)

@@ -87,7 +87,8 @@ def _lane_words(session: Session, lane: int) -> str:
     worst = next((item for item in found if item.level == "bad"), None)
     if worst is None:
         return words
-    return f"{words} {_('Do not trust it: {cause} from {time} on.', cause=worst.cause, time=time_text(worst.begin))}"
+    fault = _("Do not trust it: {cause} from {time} on.", cause=worst.cause, time=time_text(worst.begin))
+    return f"{words} {fault}"
 
 
 def session_story(session: Session, lane: int) -> LaneStory:

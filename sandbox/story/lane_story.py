@@ -7,6 +7,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+from softcradle.sandbox.motion import Motion
 from softcradle.sandbox.story.outcome import Outcome, outcome_of
 
 if TYPE_CHECKING:
@@ -84,6 +86,19 @@ def story_of(trajectory: Trajectory) -> LaneStory:
         hit=first_hit(closings, trajectory.chain.mass, speed),
         outcome=outcome_of(trajectory.chain.mass, start.tolist(), end.tolist()),
     )
+
+
+def motion_outcome(motion: Motion, lasts: bool) -> Outcome:
+    """Return the outcome of a motion that is drawn.
+
+    On a bed friction goes on to slow beads that have come apart, so their outcome has the velocities at that moment, unless
+    the scene has a duration (`lasts`).
+    """
+    row = len(motion.time) - 1
+    if motion.chain.on_bed and not lasts:
+        pushed = np.flatnonzero((motion.force != 0.0).any(axis=1))
+        row = min(row, int(pushed[-1]) + 1) if pushed.size else row
+    return outcome_of(motion.chain.mass, motion.velocity[0].tolist(), motion.velocity[row].tolist())
 
 
 def _approach(trajectory: Trajectory, contact: int, time: float) -> float:

@@ -56,9 +56,10 @@ def _group_words(group: Group) -> str:
 
 def ending_words(story: LaneStory) -> str:
     """Return a sentence for each group, and one if friction has stopped groups that moved."""
-    said = outcome_words(story.outcome)
-    moved = any(group.moves for group in story.outcome.groups)
-    return f"{said} {_('Then friction stopped them.')}" if story.stopped and moved else said
+    said = [outcome_words(story.outcome)]
+    if story.stopped and any(group.moves for group in story.outcome.groups):
+        said.append(_("Then friction stopped them."))
+    return " ".join(said)
 
 
 def story_words(story: LaneStory) -> str:

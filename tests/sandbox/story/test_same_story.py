@@ -11,22 +11,27 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+import pygame
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from softcradle.sandbox.draw.scene_picture import Picture
 from softcradle.sandbox.files import resource
+from softcradle.sandbox.film.scene_motion import scene_motions
 from softcradle.sandbox.languages import LANGUAGES, use_language
+from softcradle.sandbox.notebook.views import html_of
 from softcradle.sandbox.page.document import SCRIPTS, page_script_text
 from softcradle.sandbox.page.shared_page import scene_text
 from softcradle.sandbox.scene_runs import run_scene
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.summary_text import outcome_text, session_outcome, session_story
-from softcradle.sandbox.story.lane_story import story_of
+from softcradle.sandbox.story.lane_story import motion_outcome, story_of
 from softcradle.sandbox.story.outcome import MOVES, outcome_of
 from softcradle.sandbox.story.page_script import page_script
 from softcradle.sandbox.story.sentences import MOST_GROUPS, describe, speed_text
 from softcradle.scenes import Scene, load, names, parse
 
+from tests.helpers.drawn_text import colliding, drawn_texts
 from tests.helpers.paths import ROOT
 from tests.sandbox.page.conftest import page_data
 
@@ -146,6 +151,29 @@ def test_page_has_a_sentence_for_each_group_with_its_speed(name):
                 assert str(group["first"]) in sentence
                 assert "undefined" not in sentence
                 assert "{" not in sentence
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_film_and_terminal_tell_the_same_story(name):
+    scene = scene_of(name)
+    motions = scene_motions(scene, 120.0 * scene.view.slow)
+    for motion, story in zip(motions, told(name), strict=True):
+        assert summary(motion_outcome(motion, scene.duration is not None)) == summary(story.outcome)
+
+
+def test_last_frame_of_a_film_shows_the_outcome():
+    scene = load("one-on-four")
+    picture = Picture(scene, scene_motions(scene, 120.0), (1280, 720))
+    with drawn_texts((1280, 720)) as found:
+        picture.paint(pygame.Surface((1280, 720), 0, 32), -1, text_opacity=1.0)
+    said = " ".join(one.text for one in found).replace("\u00a0", " ")
+    assert "Beads 2 to 4 go together to the right at 0.46 m/s." in said
+    assert not colliding(found)
+
+
+def test_notebook_shows_the_story_of_the_terminal():
+    (run,) = run_scene(load("one-on-four"))
+    assert describe("", run) in html_of(run)
 
 
 @pytest.mark.parametrize("name", ["one-on-four", "hertz-cradle", "one-on-49"])
