@@ -1,4 +1,4 @@
-"""The data of a page as JSON: what its lanes start from and look like, and their recorded motion, packed."""
+"""The data of a page as JSON: initial state and appearance of its lanes, and their recorded motion in packed form."""
 
 import base64
 import math
@@ -23,13 +23,13 @@ from softcradle.sandbox.page.played_motion import PlayedMotion
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Lane, Scene
 
-MOST_COMPUTED = 200  # beads of a row that a page computes
-STEEL = 1.5  # exponent of balls whose softness cannot be chosen
-SHOWN = ["forces", "balance", "charts"]  # of a page at first
+MOST_COMPUTED = 200  # Largest number of beads in a row that a page computes.
+STEEL = 1.5  # Exponent of a law that counts as steel: its softness cannot be chosen.
+SHOWN = ["forces", "balance", "charts"]  # Parts that a page shows at first.
 
 
 def can_be_computed(scene: Scene) -> bool:
-    """Whether a page can compute the scene: preloaded power laws, loss, friction and a steady drive."""
+    """Return True if a page can compute the scene itself: power laws with preload, loss, friction and a constant drive."""
     chains = [lane.chain() for lane in scene.lanes]
     return len(chains) <= 2 and all(
         not (chain.piecewise or chain.own_laws or chain.timed or chain.brakes) and chain.contacts < MOST_COMPUTED
@@ -43,7 +43,7 @@ def is_train(mass: Sequence[float]) -> bool:
 
 
 def page_data(played: PlayedMotion, computed: bool) -> dict[str, Any]:
-    """All that the script of a page needs."""
+    """Return all data that the script of a page needs."""
     scene, scales = played.scene, played.scales
     size, name = played.time_unit
     newtons, force_name = played.force_unit
@@ -80,13 +80,15 @@ def _lane(played: PlayedMotion, number: int) -> dict[str, Any]:
         "solid": [[finite_or_none(solid_force(joint, sign)) for sign in (1.0, -1.0)] for joint in chain.contact],
         "ends": ends,
         "dissipative": chain.dissipative,
-        "late": bool(trajectory.time[0] > 0.0),  # how it began is not known
-        "driven": chain.driven or bool(trajectory.given.any()),  # by a hand too
+        "late": bool(trajectory.time[0] > 0.0),  # The record begins later than the motion, so the start is unknown.
+        "driven": chain.driven or bool(trajectory.given.any()),  # True also if the user has pulled a bead.
     }
 
 
 def _closed(played: PlayedMotion, number: int) -> list[list[list[float | None]]]:
-    """When each contact of a lane is closed [s]: begin and end, None for an end that was not seen."""
+    """Return the intervals [s] in which each contact of a lane is closed, as (begin, end). An end that was not reached
+    is None.
+    """
     intervals = played.trajectories[number].contact_intervals
     return [[[_short(begin), finite_or_none(_short(end))] for begin, end in spans] for spans in intervals]
 
@@ -122,7 +124,7 @@ def _experiment(scene: Scene) -> dict[str, Any]:
     starts = [float(np.abs(item.velocity).max()) for item in scene.lanes]
     approach = chain.gap[strikers - 1] if strikers else 0.0
     return {
-        "speed": max(speeds) or 1.0,  # a lane at rest has none
+        "speed": max(speeds) or 1.0,  # A lane at rest has no speed.
         "kernel": {"beadRows": BEAD_ROWS, "workRows": WORK_ROWS, "counters": COUNTERS},
         "soft": bool(soft),
         "uniform": {"mass": mass, "law": row, "approach": approach} if strikers else None,
@@ -136,13 +138,15 @@ def _experiment(scene: Scene) -> dict[str, Any]:
 
 
 def _strength(law: list[float]) -> float | None:
-    """Force [N] that stands for the law's strength: its preload, or that of soft beads at an overlap of 1 m."""
+    """Return a force [N] that characterises the strength of the law: its preload, or the force of soft beads at an
+    overlap of 1 m.
+    """
     preload, stiffness, exponent = law
     return preload or (stiffness if exponent < 1.0 else None)
 
 
 def _strikers(chain: Chain, lane: Lane) -> int:
-    """Number of beads that strike a row at rest of equal beads with equal contacts; 0 for another row."""
+    """Return the number of beads that strike a row at rest, if all beads and all contacts are equal; otherwise 0."""
     speeds, finite = lane.velocity, all(map(math.isfinite, chain.mass))
     strikers = next((k for k, speed in enumerate(speeds) if speed != speeds[0]), 0)
     laws = np.column_stack((chain.law_rows, chain.loss))
@@ -154,7 +158,7 @@ def _strikers(chain: Chain, lane: Lane) -> int:
 
 
 def _texts(played: PlayedMotion) -> dict[str, dict[str, Any]]:
-    """Title, source, text and labels in every language that the page speaks."""
+    """Return title, source, text, question and labels in every language of the page."""
 
     def texts() -> dict[str, Any]:
         words = {key: scene_words(getattr(played.scene, key)) for key in ("title", "source", "text", "question")}
@@ -168,23 +172,29 @@ def _hex(colour: tuple[int, int, int]) -> str:
     return "#" + "".join(f"{part:02x}" for part in colour)
 
 
-# A packed motion has the fewest rows between which straight lines follow every curve, as base64 text of typed arrays.
-USUAL_BYTES = 600_000  # of all packed motions of a page; base64 makes 800 kB of them, and a page stays below 1 MB
-STANDBY_BYTES = 6_000  # usual size of the recording in a computed page, which plays only if WebAssembly is blocked
-MOST_BYTES = 6_000_000  # where the samples of a long chain are as coarse as may be and still need more
-COARSEST = 5  # times that samples are made coarser before curves would look wrong
-CODES = 32767  # the largest code of a velocity or force; 0 is 0
-LINE_ERROR = 2.5e-4  # of an axis: largest distance between a curve and its straight lines; a third of a pixel of 1200
-SAME_DEPTH = 4e-3  # relative error of an overlap between samples, below a change of its label's second digit
-COARSER = 2.0  # factor on both, again and again, for motions that need too many samples
+# A packed motion contains the smallest number of samples between which straight lines follow every curve, as base64
+# text of typed arrays.
+# Size of all packed motions of a page in bytes. As base64 they take 800 kB, and the page stays below 1 MB.
+USUAL_BYTES = 600_000
+# Usual size in bytes of the recording in a page that computes its motion. It is played only if WebAssembly is blocked.
+STANDBY_BYTES = 6_000
+MOST_BYTES = 6_000_000  # Largest size in bytes, for long chains whose samples are as coarse as allowed.
+COARSEST = 5  # Number of times that the accuracy may be reduced; afterwards curves would look wrong.
+CODES = 32767  # Largest code of a velocity or force; 0 stands for 0.
+# Largest distance between a curve and its straight lines, as a fraction of the axis: a third of a pixel of 1200.
+LINE_ERROR = 2.5e-4
+# Largest relative error of an overlap between samples. It does not change the second digit of a label.
+SAME_DEPTH = 4e-3
+COARSER = 2.0  # Factor by which the allowed errors grow each time that a motion needs too many samples.
 Rows = NDArray[np.intp]
 
 
 def packed_lanes(lanes: Sequence[Motion], scales: Scales, usual: int) -> list[dict[str, Any]]:
-    """Return the packed `lanes` of a page: so coarse that they need `usual` bytes together, but at most COARSEST times coarser.
+    """Return the packed motions of all `lanes`. Accuracy is reduced until they need `usual` bytes together, but at most
+    COARSEST times.
 
     Raises:
-        UserError: they then need more than MOST_BYTES.
+        UserError: with the lowest accuracy they still need more than MOST_BYTES.
     """
     choices = zip(*(adaptive_rows(motion, scales) for motion in lanes), strict=True)
     for rows in islice(choices, 1 + COARSEST):
@@ -202,7 +212,10 @@ def _size(motion: Motion, rows: Rows) -> int:
 
 
 def _packed(motion: Motion, rows: Rows, scales: Scales) -> dict[str, Any]:
-    """Columns one after the other: time, anchor, stored, absorbed, overlaps as floats; velocities, forces as codes."""
+    """Pack the columns of a motion one after the other.
+
+    Time, anchor, stored energy, absorbed energy and overlaps are floats; velocities and forces are integer codes.
+    """
     depth = np.maximum(np.abs(motion.overlap).max(axis=0), np.finfo(float).tiny)
     absorbed = motion.absorbed if motion.absorbed.size else np.zeros(len(motion.time))
     floats = [motion.time, motion.anchor[:, 0], motion.stored, absorbed, *(motion.overlap / depth).T]
@@ -216,7 +229,7 @@ def _packed(motion: Motion, rows: Rows, scales: Scales) -> dict[str, Any]:
 
 
 def fastest(scales: Scales) -> float:
-    """The speed [m/s] that has the largest code; a bead at rest has code 0."""
+    """Return the speed [m/s] with the largest code. A bead at rest has code 0."""
     return max(map(abs, scales.velocity))
 
 
@@ -227,9 +240,10 @@ def _base64(floats: Sequence[Array], shares: Sequence[Array]) -> str:
 
 
 def adaptive_rows(motion: Motion, scales: Scales) -> Iterator[Rows]:
-    """Rows of `motion` that draw all its curves on the axes of `scales`: ascending, ends included, at first LINE_ERROR apart.
+    """Yield ever smaller selections of samples of `motion` that still draw all its curves on the axes of `scales`.
 
-    Then fewer and fewer of them, each time COARSER times as far apart.
+    Each selection is ascending and includes both ends. The first one has errors up to LINE_ERROR; every further one
+    allows COARSER times larger errors.
     """
     curves, allowed = _curves(motion, scales)
     rows = needed_rows(motion.time, curves, allowed)
@@ -240,9 +254,9 @@ def adaptive_rows(motion: Motion, scales: Scales) -> Iterator[Rows]:
 
 
 def _curves(motion: Motion, scales: Scales) -> tuple[Array, Array]:
-    """(T, c) all curves, and (T, c) the error allowed for each of their values."""
+    """Return all curves (T, c), and the error (T, c) that is allowed for each of their values."""
     overlap = motion.overlap
-    lens = np.maximum(np.abs(overlap).max(axis=0), np.finfo(float).tiny)  # an inset shows its contact's own scale
+    lens = np.maximum(np.abs(overlap).max(axis=0), np.finfo(float).tiny)  # An inset has the scale of its contact.
     smallest = 10.0 ** (scales.decades[0] - 1)
     depth = np.maximum(SAME_DEPTH * np.abs(overlap), smallest)
     parts = [
@@ -260,9 +274,10 @@ def _curves(motion: Motion, scales: Scales) -> tuple[Array, Array]:
 
 
 def needed_rows(time: Array, curves: Array, allowed: Array) -> Rows:
-    """Rows between which straight lines miss no value of `curves` (T, c) by more than `allowed` (T, c).
+    """Return the samples between which straight lines deviate from `curves` (T, c) by at most `allowed` (T, c).
 
-    Each stretch is cut at the value that its line misses most (Douglas and Peucker), until none is missed.
+    Each section is divided at the value with the largest deviation (Douglas and Peucker), until no deviation is too
+    large.
     """
     kept = {0, len(time) - 1}
     stretches = [(0, len(time) - 1)]

@@ -1,4 +1,4 @@
-"""The document of a page: one HTML file with its style, scripts and kernels inside, which may load nothing; its controls."""
+"""The document of a page: one HTML file that contains its style, scripts, kernels and controls and loads nothing."""
 
 import base64
 import gzip
@@ -16,14 +16,14 @@ SCRIPTS = (
     "story", "words", "numbers", "bodies", "loupes", "stage", "chart", "kernel", "row", "live", "recorded", "address",
     "ending", "page", "controls",
 )  # fmt: skip
-# A browser refuses whatever is not inside the file.
+# The browser refuses to load anything that is not inside the file.
 POLICY = (
     "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; img-src data:; "
     "base-uri 'none'; form-action 'none'"
 )
 
-# The page's script gives each control its work, and its words in the reader's language.
-PACES = (0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 4.0)  # seconds of motion for those of the scene's own pace
+# The script of the page connects the controls and translates their texts into the language of the reader.
+PACES = (0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 4.0)  # Playback speeds relative to the pace of the scene.
 ICONS = {
     "play": "M8 5v14l11-7z",
     "pause": "M7 5h4v14H7zM13 5h4v14h-4z",
@@ -42,7 +42,7 @@ SHOWN = ("forces", "loupes", "balance", "charts")
 
 
 def document(title: str, text: str, parts: Sequence[str], data: object, computed: bool = False) -> str:
-    """Return the whole page with the `data` of its player; empty `parts` of its main content are left out.
+    """Return the complete page with the `data` of its player. Empty `parts` of its main content are left out.
 
     `text` describes the page in the preview of a link. A `computed` page contains the kernels.
     """
@@ -63,8 +63,8 @@ def document(title: str, text: str, parts: Sequence[str], data: object, computed
     )
 
 
-# Matches texts and regular expressions of a script, which stay as they are, and signs with superfluous spaces around them.
-# "a - -b" keeps its spaces. A line break before a sign stays, because it can end a statement.
+# Pattern for string literals and regular expressions of a script, which are kept, and for operators with superfluous
+# spaces. "a - -b" keeps its spaces. A line break before an operator is kept because it can end a statement.
 SPACED = re.compile(
     r"""("(?:[^"\\\n]|\\.)*"|'(?:[^'\\\n]|\\.)*'|`(?:[^`\\]|\\.)*`|(?<=[(,=:])\s?/[^*/ ](?:[^/\\\n]|\\.)*/[gimsuy]*)"""
     r"| *(=>|[{(,;:?=<>*|&\[!%])\s*| *([)}\]]) *|(?<![+-]) ([+-]) (?![+-])"
@@ -72,29 +72,29 @@ SPACED = re.compile(
 
 
 def page_script_text(name: str) -> str:
-    """Return a script without comments and spaces that it does not need: three quarters of its length."""
+    """Return a script without comments and superfluous spaces, which reduces it to three quarters of its length."""
     text = resource(f"page/{name}.js").read_text(encoding="utf-8")
     return shortened(re.sub(r"^\s*(//.*|/\*\*(.|\n)*?\*/)?[ \t]*\n?| +// .*", "", text, flags=re.MULTILINE))
 
 
 def shortened(script: str) -> str:
-    """Return a script without comments also without the spaces around its signs. Texts in it do not change."""
+    """Return a script that has no comments also without the spaces around its operators. String literals do not change."""
     return SPACED.sub(lambda found: found[found.lastindex], script)
 
 
 def _kernels() -> str:
-    """The kernels of fixed steps, as text that the page's script unpacks."""
+    """Return a script element with the compressed fixed-step kernels, which the script of the page unpacks."""
     packed = gzip.compress(resource("page/kernels.wasm").read_bytes(), 9, mtime=0)
     return f'<script type="application/octet-stream" id="kernels">{base64.b64encode(packed).decode()}</script>\n'
 
 
 def note(text: str, warning: bool = False) -> str:
-    """A sentence in small letters."""
+    """Return a sentence in small letters."""
     return f'<p class="note{" warning" if warning else ""}">{escape(text)}</p>'
 
 
 def table(titles: Sequence[str], rows: Sequence[Sequence[str]], caption: str, hints: Sequence[str] = ()) -> str:
-    """A table; the first cell of each row is its heading, `hints` explain these."""
+    """Return a table. The first cell of each row is its heading; `hints` are tooltips of these headings."""
     head = "".join(f'<th scope="col">{escape(title)}</th>' if title else "<td></td>" for title in titles)
     lines = []
     for k, (first, *cells) in enumerate(rows):
@@ -109,17 +109,17 @@ def table(titles: Sequence[str], rows: Sequence[Sequence[str]], caption: str, hi
 
 
 def spoken(language: str, part: str) -> str:
-    """A `part` in one language, which the script shows to those who read it."""
+    """Return `part` in one language. The script shows it if this is the language of the reader."""
     return f'<div lang="{language}"{"" if language == ENGLISH else " hidden"}>{part}</div>'
 
 
 def footer() -> str:
-    """The last line of the page, with the version."""
+    """Return the last line of the page, with the version."""
     return f'<footer><span data-say="made">made with</span> softcradle {escape(version())}</footer>'
 
 
 def json_text(content: Any) -> str:
-    """JSON inside a script element, in which no text may look like markup."""
+    """Return JSON for a script element, in which no text can be mistaken for markup."""
     text = json.dumps(content, separators=(",", ":"), allow_nan=False, ensure_ascii=False)
     return text.replace("<", "\\u003c")
 
@@ -162,7 +162,9 @@ def player(question: str, text: str, uniform: bool, alone: bool, moving: bool) -
 
 
 def numbers(tables: str) -> str:
-    """The values now, as tables that the script fills, and the recorded `tables` below them, in every language."""
+    """Return the section with the numbers: live tables that the script fills, then the recorded `tables` in every
+    language.
+    """
     return (
         '<details id="numbers"><summary data-say="in numbers">In numbers</summary>'
         '<div id="tables" class="scroll" tabindex="0" role="region" data-name="in numbers" aria-label="In numbers"></div>'

@@ -1,4 +1,4 @@
-"""The played motion: recorded trajectories as the player of a page shows them, and the tables of their exact numbers."""
+"""The motion that a page plays: recorded trajectories as the player shows them, and tables with their exact numbers."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,12 +17,13 @@ from softcradle.sandbox.trajectory_summary import bead_table, contact_table, sum
 from softcradle.scenes import Scene
 from softcradle.scenes.contact_text import contact_text
 
-JUST_BEFORE = 1e-6  # of the lead: the last moment of free flight, so that a force may jump at the start
+# Fraction of the free flight before the start. A sample just before the start allows the force to jump there.
+JUST_BEFORE = 1e-6
 
 
 @dataclass(frozen=True)
 class PlayedMotion:
-    """What a page plays: a scene, which gives title and view, and a trajectory and a label for each of its lanes."""
+    """The content of a page: a scene with title and view, and a trajectory and a label for each of its lanes."""
 
     scene: Scene
     trajectories: tuple[Trajectory, ...]
@@ -30,35 +31,38 @@ class PlayedMotion:
 
     @cached_property
     def motions(self) -> list[Motion]:
-        """The motion of every lane, with free flight before a start at t = 0 and after its end."""
+        """The motion of every lane. Free flight is added before a start at t = 0 and after the end."""
         motions = _drawable(self.scene, self.trajectories)
         require_finite(motions)
         return motions
 
     @cached_property
     def scales(self) -> Scales:
-        """The axes of all lanes."""
+        """Common axes of all lanes."""
         return scales_of(self.scene, self.motions)
 
     @cached_property
     def time_unit(self) -> tuple[float, str]:
-        """(seconds in the unit of the time axis, its name)."""
+        """Size of the unit of the time axis in seconds, and its name."""
         return time_unit(self.scales.time[1] - self.scales.time[0])
 
     @cached_property
     def force_unit(self) -> tuple[float, str]:
-        """(newtons in the unit of the force axis, its name)."""
+        """Size of the unit of the force axis in newtons, and its name."""
         return force_unit(self.scales.force)
 
 
 def played_motion(scene: Scene, trajectories: Sequence[Trajectory]) -> PlayedMotion:
-    """The PlayedMotion with the labels of the lanes of `scene`."""
+    """Return the PlayedMotion with the labels of the lanes of `scene`."""
     return PlayedMotion(scene, tuple(trajectories), tuple(lane.label for lane in scene.lanes))
 
 
 def _drawable(scene: Scene, trajectories: Sequence[Trajectory]) -> list[Motion]:
-    """Motions with one begin: the latest, where an edit has let the record of a lane begin anew; with the flight of films
-    before a start at t = 0, and after where all lanes have come apart."""
+    """Return the motions of all lanes over the same time.
+
+    They begin at the latest start of a lane, because an edit may have restarted the record of a lane. Free flight is
+    added as in films: before a start at t = 0, and at the end if all lanes have separated.
+    """
     end = max(float(found.time[-1]) for found in trajectories)
     lead, until = shown_span(scene, end)
     early = lead > 0.0 and all(found.time[0] == 0.0 for found in trajectories)
@@ -71,14 +75,16 @@ def _drawable(scene: Scene, trajectories: Sequence[Trajectory]) -> list[Motion]:
 
 
 def _since(begin: float, motion: Motion) -> Motion:
-    """`motion` from its last row that is not after `begin`."""
+    """Return `motion` from its last sample at or before `begin`."""
     rows = slice(int(np.searchsorted(motion.time, begin, side="right")) - 1, None)
     names = ("time", "overlap", "rate", "anchor", "force", "absorbed", "balance")
     return replace(motion, **{name: getattr(motion, name)[rows] for name in names})
 
 
 def _continued(motion: Motion, status: Status, end: float) -> Motion:
-    """`motion` until `end`, in free flight where it has come apart: one more row, which straight lines lead to."""
+    """Return `motion` until `end`. If the beads have separated, add one sample of free flight, reached by straight
+    lines.
+    """
     span = end - float(motion.time[-1])
     if status is not Status.SEPARATED or span <= 0.0:
         return motion
@@ -97,7 +103,7 @@ def _continued(motion: Motion, status: Status, end: float) -> Motion:
 
 
 def result_tables(played: PlayedMotion) -> str:
-    """Two tables for each lane."""
+    """Return two tables for each lane."""
     parts = []
     for lane, trajectory in enumerate(played.trajectories):
         summary = summarise(played.labels[lane], trajectory)
@@ -110,7 +116,7 @@ def result_tables(played: PlayedMotion) -> str:
 
 
 def result_notes(played: PlayedMotion) -> str:
-    """How the motion of each lane was computed, and what may be wrong with it."""
+    """Return notes about the computation of each lane, and its warnings."""
     parts = []
     for lane, trajectory in enumerate(played.trajectories):
         parts.append(note(_named(played, lane, recorded_sentence(trajectory))))
@@ -119,13 +125,13 @@ def result_notes(played: PlayedMotion) -> str:
 
 
 def _named(played: PlayedMotion, lane: int, text: str) -> str:
-    """`text` behind the label of the lane, where there are several."""
+    """Return `text`, preceded by the label of the lane if there are several lanes."""
     label = label_words(played.labels[lane])
     return f"{label}: {text}" if label and len(played.labels) > 1 else text
 
 
 def recorded_sentence(trajectory: Trajectory) -> str:
-    """By which method a motion was recorded, and with which errors."""
+    """Return the sentence about the method and the errors of a recorded motion."""
     summary = summarise("", trajectory)
     if summary.step:
         fineness = _("step {step} s", step=scientific(summary.step))

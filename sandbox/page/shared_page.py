@@ -1,4 +1,4 @@
-"""The page to share: one HTML file in which a scene is played, computed in the browser, or as it was recorded."""
+"""The page to share: one HTML file that plays a scene, either computed in the browser or recorded."""
 
 import math
 import os
@@ -32,13 +32,18 @@ from softcradle.sandbox.story.ending import quiet_end
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
 
-COARSE = 16.0  # default steps to one of a page
+COARSE = 16.0  # Step of a coarse recording, in default steps.
 COARSE_SAMPLES = 401
-EVEN_SAMPLES = 2001  # over the whole motion, and again while contacts are closed
-ONSET_SAMPLES = 48  # after each switch, closer and closer to it: overlaps begin as powers of the time since
-SHORTEST_ONSET = 1e-9  # of the whole motion: the first of them
-LONGEST_ONSET = 1e-2  # of the whole motion: the last of them
-MOST_SWITCHES = 200  # with such samples; motions with more rattle, and their curves have no room for each
+# Number of evenly spaced samples of the complete motion, and again of the time with closed contacts.
+EVEN_SAMPLES = 2001
+# Number of samples after each contact event, denser near the event, because overlaps begin as powers of the time since
+# then.
+ONSET_SAMPLES = 48
+SHORTEST_ONSET = 1e-9  # Distance of the first of these samples from the event, as a fraction of the motion.
+LONGEST_ONSET = 1e-2  # Distance of the last of these samples from the event, as a fraction of the motion.
+# Largest number of events with such samples. Motions with more events are chattering, and their curves cannot show each
+# event.
+MOST_SWITCHES = 200
 
 
 @dataclass(frozen=True)
@@ -69,21 +74,25 @@ def write_page(
 
 
 def render_page(scene: Scene, output: str | os.PathLike[str], slow: float | None = None, **settings: Any) -> PageReport:
-    """Write the page of `scene`: computed in the browser where it can be, else recorded here.
+    """Write the page of `scene`. The browser computes the motion if possible; otherwise it is recorded here.
 
-    `slow` are seconds for one of motion, None takes the scene's. With `settings`, keywords of `physics.simulate`, the
-    motion is recorded by them. What may be wrong with the motion is a RuntimeWarning.
+    `slow` is the number of seconds in which one second of motion is played; None means the value of the scene. If there
+    are `settings` (keywords of `physics.simulate`), the motion is recorded with them. Problems of the motion are
+    reported as RuntimeWarning.
 
     Raises:
-        UserError: it cannot be written or simulated; nothing is left behind.
+        UserError: the page cannot be written or the scene cannot be simulated; no file is left behind.
     """
-    with output_file(output) as temporary:  # before the runs, so that an unwritable place is refused at once
+    # Open the file before the simulation, so that an unwritable path is reported at once.
+    with output_file(output) as temporary:
         text, computed = scene_text(scene, slow, **settings)
         return PageReport(Path(output), temporary.write_bytes(text.encode()), computed)
 
 
 def scene_text(scene: Scene, slow: float | None = None, **settings: Any) -> tuple[str, bool]:
-    """The page of :func:`render_page` as text, and whether it computes its motion. Raises UserError likewise."""
+    """Return the text of the page of :func:`render_page`, and True if it computes its motion. It raises the same
+    UserError.
+    """
     if slow is not None:
         scene = scene.model_copy(update={"view": scene.view.model_copy(update={"slow": checked_slow(slow)})})
     if can_be_computed(scene) and all(value is None for value in settings.values()):
@@ -128,7 +137,9 @@ def _computed_text(scene: Scene) -> str:
 
 
 def recorded_page(played: PlayedMotion, parts: Sequence[str], title: str = "", tables: str = "") -> str:
-    """The page that plays a recorded motion, as text; `parts` follow below it, `tables` are among its numbers."""
+    """Return the text of a page that plays a recorded motion. `parts` follow at the end; `tables` are added to the
+    numbers.
+    """
     scene, title = played.scene, title or played.scene.title
     first = [
         heading(title, scene.source),
@@ -153,10 +164,11 @@ def _scene_file(played: PlayedMotion) -> str:
 
 
 def recorded(scene: Scene, **settings: Any) -> list[Trajectory]:
-    """The trajectory of every lane of `scene`; `settings` are keywords of `physics.simulate`, None takes the scene's.
+    """Return the trajectory of every lane of `scene`. `settings` are keywords of `physics.simulate`; None means the
+    scene's value.
 
     Raises:
-        UserError: settings that the method does not take.
+        UserError: the method does not support the settings.
     """
     found, coarse = [], run_scene(scene, samples=2, **settings)
     end, said = (math.inf, "") if scene.duration is not None else quiet_end(coarse)
@@ -170,7 +182,9 @@ def recorded(scene: Scene, **settings: Any) -> list[Trajectory]:
 
 
 def recorded_coarsely(scene: Scene) -> list[Trajectory]:
-    """The trajectory of every lane of `scene` in the steps that a page takes: for what it shows where it may not compute.
+    """Return the trajectory of every lane of `scene`, computed with the coarse steps of a page.
+
+    The page plays this recording if the browser does not allow it to compute.
 
     Raises:
         UserError: the scene cannot be simulated.
@@ -184,7 +198,9 @@ def recorded_coarsely(scene: Scene) -> list[Trajectory]:
 
 
 def sample_times(trajectory: Trajectory, latest: float = math.inf) -> Array:
-    """(T,) sample times [s] up to `latest` for the motion of `trajectory`, of which switches and end are known."""
+    """Return sample times (T,) [s] up to `latest` for the motion of `trajectory`, whose contact events and end are
+    known.
+    """
     end = min(float(trajectory.time[-1]), latest)
     found = {time for spans in trajectory.contact_intervals for span in spans for time in span}
     switches = np.array(sorted(time for time in found if math.isfinite(time) and time <= end))

@@ -1,4 +1,6 @@
-"""Charts as inline SVG: curves against time or overlap, and bars of contact states; the page gives the colours."""
+"""Charts as inline SVG: curves over time or overlap, and bars of contact states. The style of the page defines the
+colours.
+"""
 
 import math
 from collections.abc import Sequence
@@ -12,22 +14,22 @@ from softcradle.sandbox.story.numbers import power_of_ten, ticks
 Array = NDArray[np.float64]
 Range = tuple[float, float]
 
-WIDTH = 440.0  # of a chart, in the units of its view box
+WIDTH = 440.0  # Width of a chart in the units of its view box.
 HEIGHT = 230.0
-LEFT = 52.0  # margins around the axes
+LEFT = 52.0  # Margins around the axes.
 RIGHT = 20.0
 TOP = 12.0
 BOTTOM = 38.0
-BAR_PITCH = 24.0  # height of a bar and the space below it
-BAR_SPACE = 7.0  # the space below a bar
-MOST_POINTS = 500  # of a drawn curve, jumps not counted
-JUMP = 0.01  # of the axis: a larger change from one sample to the next is drawn at its own samples
-PLAIN_NUMBERS = (1e-2, 1e4)  # an axis whose largest number lies between these shows no power of ten
+BAR_PITCH = 24.0  # Height of a bar and the space below it.
+BAR_SPACE = 7.0  # Height of the space below a bar.
+MOST_POINTS = 500  # Largest number of points of a curve, without jumps.
+JUMP = 0.01  # Change between two samples, as a fraction of the axis, above which both samples are drawn.
+PLAIN_NUMBERS = (1e-2, 1e4)  # If the largest number of an axis is between these values, the axis shows no power of ten.
 
 
 @dataclass(frozen=True)
 class Curve:
-    """A curve: its name, x and y (T,), and the CSS class that gives its colour."""
+    """A curve: its name, x and y (T,), and the CSS class of its colour."""
 
     name: str
     x: Array
@@ -45,16 +47,16 @@ class ChartAxes:
     y_label: str
 
     def across(self, value: Array) -> Array:
-        """Horizontal positions of `value`."""
+        """Return the horizontal positions of `value`."""
         return LEFT + (WIDTH - LEFT - RIGHT) * (value - self.x[0]) / (self.x[1] - self.x[0])
 
     def down(self, value: Array) -> Array:
-        """Vertical positions of `value`."""
+        """Return the vertical positions of `value`."""
         return HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * (value - self.y[0]) / (self.y[1] - self.y[0])
 
 
 def line_chart(title: str, curves: Sequence[Curve], axes: ChartAxes) -> str:
-    """A figure with the curves, a grid, and a legend where there is more than one."""
+    """Return a figure with the curves, a grid, and a legend if there are several curves."""
     lines = [
         f'<path class="curve {curve.css_class}" d="{_path(curve, axes)}"><title>{escape(curve.name)}</title></path>'
         for curve in reversed(curves)
@@ -66,7 +68,10 @@ def line_chart(title: str, curves: Sequence[Curve], axes: ChartAxes) -> str:
 def bar_chart(
     title: str, rows: Sequence[tuple[str, Sequence[tuple[str, float, float]]]], axes: ChartAxes, unit: str
 ) -> str:
-    """A figure with a bar of intervals (state, begin, end [`unit`]) for each name, above a time axis; `axes.y` has no meaning."""
+    """Return a figure with a row of bars for each name, above a time axis.
+
+    A bar is an interval (state, begin, end [`unit`]). `axes.y` is not used.
+    """
     height = TOP + BAR_PITCH * len(rows) + BOTTOM
     parts = []
     for k, (name, intervals) in enumerate(rows):
@@ -91,7 +96,9 @@ def _path(curve: Curve, axes: ChartAxes) -> str:
 
 
 def _thinned(x: Array, y: Array, axes: ChartAxes) -> NDArray[np.int_]:
-    """Rows inside the axes that draw the same curve: MOST_POINTS evenly in x, and both ends of every jump."""
+    """Return the points inside the axes that draw the same curve: MOST_POINTS evenly spaced in x, and both ends of
+    every jump.
+    """
     inside = np.flatnonzero((x >= axes.x[0]) & (x <= axes.x[1]))
     if not inside.size:
         return inside
