@@ -1,7 +1,7 @@
-// The experiment: what a person can set, its limits, and its place in the address of the page.
+// The experiment: the settings that the user can change, their limits, and their encoding in the address of the page.
 
 /**
- * What a person can set. Lengths of lists and ranges of numbers come from the scene; nothing from an address is ever markup or code.
+ * The settings that the user can change. The scene defines the ranges of numbers. Text from an address is never used as markup or code.
  * @typedef {{law: string, alpha: number, strikers: number, targets: number, speed: number, friction: number, loss: number, pace: number,
  *   beside: string, shown: string[]}} Experiment
  */
@@ -14,7 +14,7 @@ const LEAST_ALPHA = 1 / 40, MOST_ALPHA = 1.5;
 const MOST_STRIKERS = 10, MOST_TARGETS = 49;
 const KEYS = { law: "law", alpha: "a", strikers: "m", targets: "n", speed: "v", friction: "mu", loss: "loss", pace: "pace", beside: "with" };
 
-// Limits of each number for a scene that begins as `own`.
+// Return the limits of each number for a scene with the initial settings `own`.
 function limitsOf(data, own) {
   const slides = data.speed ** 2 / (2 * GRAVITY * data.length);
   return {
@@ -29,7 +29,8 @@ const clamped = (value, [low, high]) => Math.min(Math.max(value, low), high);
 const nearest = (value, list) => list.reduce((best, one) => (Math.abs(one - value) < Math.abs(best - value) ? one : best));
 
 const NUMBER = /^-?(\d{1,9}\.?\d{0,17}|\.\d{1,17})(e-?\d{1,2})?$/;
-const LONGEST_WISH = 24, MOST_WISHES = 6; // a notice repeats this many letters of each entry, and this many entries
+// Largest number of characters that a notice repeats of each entry, and largest number of entries.
+const LONGEST_WISH = 24, MOST_WISHES = 6;
 
 // Read a number written as 0.05, 0,05 or 1/20; NaN for any other text.
 function numberOf(text) {
@@ -50,7 +51,7 @@ function entries(fragment) {
 const settable = (name) => !part(name).closest(".never, body:not(.live) .live-only");
 const hasAlpha = (data, law) => (law === "scene" ? data.soft : law === "soft");
 
-// Return true if a setting differs from that of the scene. An exponent that the law does not use never differs.
+// Return true if a setting differs from the scene. An exponent that the law does not use never differs.
 const differs = (data, experiment, own, name) => experiment[name] !== own[name] && (name !== "alpha" || hasAlpha(data, experiment.law));
 
 /**
@@ -95,7 +96,7 @@ function unmetWishes(fragment, data, experiment, last) {
 }
 
 /**
- * The fragment of an experiment: only what differs from `own`, and a language, if it is to be told.
+ * Return the fragment of an address for an experiment: the settings that differ from `own`, and a language, if given.
  * @param {any} data @param {Experiment} experiment @param {Experiment} own @param {string|null} language
  */
 function writeAddress(data, experiment, own, language) {
@@ -109,18 +110,18 @@ function writeAddress(data, experiment, own, language) {
   return text.toString();
 }
 
-// A language and a moment may stand in an address as well.
+// Return the language and the time in an address.
 const addressLanguage = (fragment) => entries(fragment).get("lang");
 function addressMoment(fragment) {
   const value = numberOf(entries(fragment).get("t"));
   return Number.isNaN(value) ? null : value;
 }
 
-const SOFT_DEPTH = 0.28, STEEL_DEPTH = 0.08; // bead lengths that two beads overlap at the scene's speed
-const STEEL_SHARE = 0.3; // of the overlap of soft beads: steel is harder than they are
-const GEAR_STIFFNESS = 0.5; // of preload² / (mass speed²): rows of up to five yield at their struck contact alone
+const SOFT_DEPTH = 0.28, STEEL_DEPTH = 0.08; // Overlap of two beads at the speed of the scene, in lengths of a bead.
+const STEEL_SHARE = 0.3; // Largest overlap of steel balls as a fraction of the overlap of soft beads, because steel is harder.
+const GEAR_STIFFNESS = 0.5; // Stiffness relative to preload² / (mass speed²). In rows of up to five beads only the struck contact yields.
 
-// Preload, stiffness and exponent of a law for the masses, speeds and lengths of a scene.
+// Return preload, stiffness and exponent of a law for the masses, speeds and lengths of a scene.
 function lawRow(data, law, alpha) {
   const { mass, speed, length, strength } = data.matter, energy = 0.25 * mass * speed ** 2;
   const force = strength ?? energy / (SOFT_DEPTH * length);
@@ -130,7 +131,7 @@ function lawRow(data, law, alpha) {
 }
 
 /**
- * What a lane of the scene starts from in an experiment.
+ * Return the initial state and the laws of a lane of the scene in an experiment.
  * @param {any} data of the page @param {number} lane @param {Experiment} experiment @param {Experiment} own @returns {Spec}
  */
 function specOf(data, lane, experiment, own) {
@@ -149,7 +150,8 @@ function specOf(data, lane, experiment, own) {
   spec.velocity = spec.velocity.map((v) => v * experiment.speed / own.speed);
   if (experiment.friction !== own.friction) spec.friction = experiment.friction;
   if (experiment.loss !== own.loss) spec.loss = Array(n).fill(experiment.loss);
-  spec.speed = (given.velocity.some(Boolean) ? given.speed : data.speed) * experiment.speed / own.speed; // that of a row at rest is that of the page
+  // A row at rest uses the speed of the page.
+  spec.speed = (given.velocity.some(Boolean) ? given.speed : data.speed) * experiment.speed / own.speed;
   return spec;
 }
 
@@ -165,7 +167,7 @@ function compared(data, experiment, own) {
 // Choose the kind of row for the button that compares: steel balls, or soft beads if the first row is of steel.
 const contrastTo = (kinds) => (kinds.includes("steel") ? "steel" : "soft");
 
-// The row that is shown beside the first one: the same masses, places and speeds, another law, nothing lost.
+// Return the row for the comparison with the first one: equal masses, positions and speeds, another law, and no loss.
 function besideSpec(data, first, kind) {
   const n = first.gap.length, row = kind === "soft" ? lawRow(data, "soft", 0.1) : lawRow(data, kind, 0);
   return { ...first, law: Array(n).fill(row).flat(), loss: Array(n).fill(0) };

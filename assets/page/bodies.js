@@ -1,16 +1,16 @@
 // Bodies on a canvas: beads, draft gears, walls, arrows. Lengths are CSS pixels.
 
-const CYLINDER_LENGTH = 0.8, CYLINDER_HEIGHT = 0.66, PLATE_LENGTH = 0.055; // of a draft gear's length
-const WALL_HEIGHT = 1.2; // of a bead's length
+const CYLINDER_LENGTH = 0.8, CYLINDER_HEIGHT = 0.66, PLATE_LENGTH = 0.055; // Sizes of a draft gear, as fractions of its length.
+const WALL_HEIGHT = 1.2; // Height of a wall in lengths of a bead.
 
-// `colour` (#rrggbb) with `share` (0 to 1) of `other` in it.
+// Return `colour` (#rrggbb) mixed with a `share` (0 to 1) of `other`.
 function mixed(colour, other, share) {
   const parts = [1, 3, 5].map((k) => [parseInt(colour.slice(k, k + 2), 16), parseInt(other.slice(k, k + 2), 16)]);
   return `#${parts.map(([a, b]) => Math.round(a + share * (b - a)).toString(16).padStart(2, "0")).join("")}`;
 }
 
 const outlineOf = (colour, theme) => mixed(colour, theme.dark ? "#ffffff" : "#000000", theme.dark ? 0.25 : 0.35);
-const TRANSPARENT = 0.17; // share of the background that shines through a bead: both outlines of an overlap stay visible
+const TRANSPARENT = 0.17; // Transparency of a bead, so that both outlines of an overlap are visible.
 const translucent = (colour) => `${colour}${Math.round(255 * (1 - TRANSPARENT)).toString(16)}`;
 
 // Compute the relative luminance of a colour, and the contrast ratio of two colours (WCAG 2.2).
@@ -24,8 +24,8 @@ function contrastOf(one, other) {
   return (high + 0.05) / (low + 0.05);
 }
 
-const READ = 4.5; // least contrast ratio of text (WCAG 2.2, 1.4.3)
-const DIGITS = ["#ffffff", "#000000"]; // colours of the number on a bead; every fill has enough contrast with one of them
+const READ = 4.5; // Smallest contrast ratio of text (WCAG 2.2, 1.4.3).
+const DIGITS = ["#ffffff", "#000000"]; // Colours of the number on a bead. Every fill colour has enough contrast with one of them.
 
 // Mix ink into `colour` until text of this colour has enough contrast with the paper.
 function textColour(colour, theme) {
@@ -45,7 +45,7 @@ function disc(pen, x, y, radius, colour, rim, theme) {
   pen.stroke();
 }
 
-// A bead with a core whose area is its share of the greatest mass; `core` is the core's radius from 0 to 1.
+// Draw a bead. The radius of its core, `core` times the radius of the bead, shows the mass relative to the largest mass.
 function bead(pen, left, ground, size, colour, core, theme) {
   const radius = size / 2, rim = Math.min(Math.max(1, 0.03 * size), radius);
   disc(pen, left + radius, ground - radius, radius, colour, rim, theme);
@@ -67,7 +67,7 @@ function cylinder(pen, left, ground, size, colour, theme) {
   pen.fillRect(left + wide - head, ground - tall, head, tall);
 }
 
-// Rod and plate of a draft gear; `end` is the face of the plate.
+// Draw rod and plate of a draft gear; `end` is the face of the plate.
 function piston(pen, end, ground, size, theme) {
   const tall = 0.44 * size, top = ground - size * 0.5 * CYLINDER_HEIGHT - tall / 2, plate = Math.max(2, PLATE_LENGTH * size);
   pen.fillStyle = theme.steel;
@@ -115,7 +115,7 @@ function rounded(pen, x, y, wide, tall, radius) {
   pen.fill();
 }
 
-// One line of text; `align` is "left", "center" or "right". Where it is wider than `room`, its letters are narrower.
+// Draw one line of text; `align` is "left", "center" or "right". A text wider than `room` is drawn with narrower letters.
 function write(pen, text, x, y, size, colour, align = "left", bold = false, room = undefined) {
   pen.font = `${bold ? 600 : 400} ${size}px ${FONT}`;
   pen.textAlign = align;

@@ -1,11 +1,12 @@
-// A chart: velocities or forces of a lane over time, each curve with its number at the moment shown.
+// A chart: velocities or forces of a lane over time, with labels of the curves at the current time.
 
 const CHART_LEFT = 44, CHART_RIGHT = 34, CHART_TOP = 26, CHART_BOTTOM = 24;
-const CHART_HEIGHT = 190, MOST_POINTS = 420; // points of a curve; rows of many beads have fewer
-const SPARE = 0.3; // of its length that an axis of time may be off the time that there is, while somebody plays
-const PIECE = 24; // pixels of curves that are put onto the layer at once
-const SPREAD = 5; // pixels that dots and ends of curves reach beyond their place
-const MOST_LABELLED = 7, LABEL_PITCH = 13; // curves with a number at their end, and pixels between two of these
+// Height of a chart, and largest number of points of a curve. In rows of many beads the curves have fewer points.
+const CHART_HEIGHT = 190, MOST_POINTS = 420;
+const SPARE = 0.3; // Largest deviation of the time axis from the known time range while a motion is open-ended, as a fraction of the axis.
+const PIECE = 24; // Length in pixels of the curve pieces that are copied to the layer at once.
+const SPREAD = 5; // Distance in pixels by which dots and ends of curves extend beyond their position.
+const MOST_LABELLED = 7, LABEL_PITCH = 13; // Largest number of curves that have labels, and distance between two labels in pixels.
 
 class Chart {
   /** @param {HTMLCanvasElement} canvas @param {number} lane @param {string} channel "velocity" or "force" */
@@ -13,12 +14,12 @@ class Chart {
     this.canvas = canvas;
     this.lane = lane;
     this.channel = channel;
-    this.first = channel === "velocity" ? 0 : 1; // a contact has the colour of the bead behind it
+    this.first = channel === "velocity" ? 0 : 1; // A contact has the colour of the bead on its right.
     this.low = this.high = this.begin = this.end = this.branch = 0;
-    this.drawn = -Infinity; // up to this time curves are on the layer
-    this.dirty = [0, 0]; // pixels across that are not those of the layer
+    this.drawn = -Infinity; // Time up to which the layer contains the curves.
+    this.dirty = [0, 0]; // Horizontal range in pixels that differs from the layer.
     this.pen = canvas.getContext("2d");
-    this.layer = document.createElement("canvas").getContext("2d"); // what stays from picture to picture
+    this.layer = document.createElement("canvas").getContext("2d"); // The layer keeps everything that does not change from frame to frame.
   }
 
   fit(theme, title) {
@@ -31,7 +32,7 @@ class Chart {
     this.title = title;
     this.right = width - CHART_RIGHT;
     this.foot = CHART_HEIGHT - CHART_BOTTOM;
-    this.branch = NaN; // the layer is empty
+    this.branch = NaN; // NaN marks the layer as empty.
   }
 
   /** @param {any} source @param {any} data of the page @param {any} unit of the values */
@@ -51,7 +52,7 @@ class Chart {
     this.dirty = [Math.min(x, this.across(this.drawn)) - SPREAD, Math.max(x + CHART_RIGHT, end) + SPREAD];
   }
 
-  // Whether the layer is of no more use. The axis of a run whose end is open ends later than it does.
+  // Return true if the layer has to be drawn again, and set its time axis. For an open-ended run the axis extends beyond the known end.
   outlived({ begun, last, open }) {
     const span = this.end - this.begin, late = begun - this.begin, room = this.end - last;
     const holds = open ? late >= 0 && late < SPARE * span && room >= 0 && room < SPARE * span : !late && !room;
@@ -80,7 +81,7 @@ class Chart {
     write(pen, data.unit.name, this.right + CHART_RIGHT - 4, this.foot + 17, 12, theme.muted, "right");
   }
 
-  // Curves on from where the layer has them: onto the layer once they are so long that no one sees where they were joined. Where they end.
+  // Draw the curves from the end of the layer on, and return where they end. Long pieces go to the layer, so that joints are invisible.
   curves(source, count) {
     const most = Math.max(40, Math.min(MOST_POINTS, Math.floor(6000 / count))), points = [];
     source.trace(this.lane, this.channel, most, this.drawn, (time, values, at) => points.push([time, values, at]));
@@ -91,7 +92,7 @@ class Chart {
     return end;
   }
 
-  // The pixels of the layer between two places.
+  // Copy a horizontal range of the layer to the canvas.
   restore(from, to) {
     const { pen, density, layer: { canvas } } = this, left = Math.max(0, Math.floor(from * density));
     const wide = Math.min(canvas.width, Math.ceil(to * density)) - left;
@@ -112,7 +113,7 @@ class Chart {
     }
   }
 
-  // A dot at each curve's end, and its number beside it, apart from one another.
+  // Draw a dot at the end of each curve and its label next to it. Labels that would overlap are moved apart.
   labels(now, x) {
     const { pen, theme, first } = this;
     pen.fillStyle = theme.strong;

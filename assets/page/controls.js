@@ -1,6 +1,6 @@
 // Listeners of pointers and keys on the beads, of sliders and buttons, and the start of the page.
 
-const SIDEWAYS = 8; // pixels that a finger moves before its direction decides: sideways is a drag, up or down is a scroll
+const SIDEWAYS = 8; // Movement of a finger in pixels that decides the gesture: sideways is a drag, up or down scrolls the page.
 
 // Return true if a touch that began at `first` has become a drag, false if it scrolls the page, null if it is not decided.
 function becomesDrag(first, event) {
@@ -99,7 +99,7 @@ function canvasOf(page, lane, parent) {
   canvas.addEventListener("keydown", (event) => beadKey(page, lane, event));
   for (const kind of ["focus", "blur"]) {
     canvas.addEventListener(kind, () => {
-      if (!there()) return; // it is taken out
+      if (!there()) return; // The element is no longer part of the page.
       if (kind === "blur") page.release();
       if (!page.playing) page.show(false);
     });
@@ -107,12 +107,12 @@ function canvasOf(page, lane, parent) {
   return canvas;
 }
 
-// Arrow keys choose a bead, or pull the one in hand, or throw it with Shift; Enter takes it and lets it go.
+// Handle a key on the beads. Arrow keys choose a bead, pull the held bead, or throw it with Shift; Enter takes and releases it.
 function beadKey(page, lane, event) {
   const { source } = page, direction = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
   if (!source.live || event.ctrlKey || event.metaKey || event.altKey || !(direction || event.key === "Enter" || event.key === "Escape")) return;
   event.preventDefault();
-  const { mass } = source.rows[lane]; // that of a wall is 0
+  const { mass } = source.rows[lane]; // The mass of a wall is 0 here.
   const fresh = page.chosen?.lane !== lane || !mass[page.chosen.bead];
   if (fresh) page.chosen = { lane, bead: mass.findIndex(Boolean) };
   if (direction && source.hand) source.hand.place += direction * PULLED * page.data.length;
@@ -141,7 +141,7 @@ function chartCanvas(page, parent) {
   return canvas;
 }
 
-/** Tables of what beads and contacts do now. @param {Page} page @param {Now[]} nows */
+/** Fill the tables with the present values of beads and contacts. @param {Page} page @param {Now[]} nows */
 function fillTables(page, nows) {
   const rows = (titles, lines) => {
     const table = document.createElement("table"), add = (row, tag, text) => { const cell = document.createElement(tag); cell.textContent = text; row.append(cell); };
@@ -200,8 +200,8 @@ function listen(page) {
   }).observe(part("lanes"));
 }
 
-// Copy the address, or show it if the clipboard is not available. The place of a file on this device is of no use to others, so only the
-// part after its name is copied.
+// Copy the address, or show it if the clipboard is not available. The path of a file on this device is useless to others, so only the
+// fragment after the file name is copied.
 async function copyLink(page) {
   const fragment = page.write(), shared = /^https?:$/.test(location.protocol);
   const text = shared ? location.href : fragment && `#${fragment}`, notice = (said) => Object.assign(part("notice"), { textContent: said, hidden: false });
@@ -215,7 +215,7 @@ async function copyLink(page) {
   setTimeout(() => { part("link").textContent = say("link"); }, 1500);
 }
 
-// The kernels of the page, or why it cannot have them.
+// Return the kernels of the page. The promise fails if the browser does not allow them.
 async function kernels(text) {
   const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
   const code = new Response(packed).body.pipeThrough(new DecompressionStream("gzip"));

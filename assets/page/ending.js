@@ -1,12 +1,12 @@
-// What happened, in words: who goes where, and what two rigid bodies would have done. The rule is that of sandbox/story/outcome.py.
+// The outcome in words: which groups move, and what two rigid bodies would have done. The rule is the same as in sandbox/story/outcome.py.
 
 /**
- * A group of beads that move together, or a wall that moves; numbers of its outermost beads and the velocity of its centre of mass.
+ * A group of beads that move together, or a wall that moves: numbers of its outermost beads, and the velocity of its centre of mass.
  * @typedef {{first: number, last: number, velocity: number, state: string, wall: boolean}} Group
  */
 
 /**
- * The groups of a row from left to right. A wall at rest is not among them.
+ * Return the groups of a row from left to right, without walls at rest.
  * @param {(number|null)[]} mass null for a wall @param {ArrayLike<number>} start @param {ArrayLike<number>} velocity
  * @returns {Group[]}
  */
@@ -26,7 +26,8 @@ function groupsOf(mass, start, velocity) {
     const part = now.slice(first, last + 1), allowed = STORY.together * Math.min(...change.slice(first, last + 1));
     if (Math.max(...part) - Math.min(...part) <= Math.max(allowed, finest)) return [{ first, last }];
     const jumps = part.slice(1).map((v, k) => Math.abs(v - part[k])), widest = (1 - STORY.equal) * largest(jumps);
-    const off = (k) => Math.abs(k - 0.5 * (jumps.length - 1)); // of equal jumps the one nearest to the middle
+    // If several differences are equally large, take the one nearest to the middle.
+    const off = (k) => Math.abs(k - 0.5 * (jumps.length - 1));
     const at = first + [...jumps.keys()].filter((k) => jumps[k] >= widest).sort((a, b) => off(a) - off(b))[0];
     return [...split(first, at), ...split(at + 1, last)];
   };
@@ -51,7 +52,7 @@ function groupsOf(mass, start, velocity) {
     const limit = (1 + STORY.equal) * slow[begin].carried, equal = slow.filter((group, k) => k >= begin && group.carried <= limit);
     for (const group of equal) { carried += group.carried; held += sum(work, group.first, group.last); }
     if (carried > STORY.momentum * most(heft) || held > STORY.energy * most(work)) break;
-    for (const group of equal) group.still = true; // those with the same momentum together
+    for (const group of equal) group.still = true; // Groups with the same momentum stand still together or not at all.
     begin += equal.length;
   }
   const joined = [];
@@ -68,7 +69,7 @@ function groupsOf(mass, start, velocity) {
 }
 
 /**
- * The sentences for a row that has come apart.
+ * Return the sentences about a row whose beads have separated.
  * @param {ArrayLike<number>} velocity @param {{mass: (number|null)[], velocity: number[]}} spec
  */
 function whatHappened(velocity, spec) {
@@ -88,13 +89,14 @@ function groupWords({ first, last, velocity, state, wall }) {
 
 const speedText = (v) => plain(v, STORY.digits);
 
-// The velocities of two rigid bodies after they have met, where two clusters of touching beads, each with one velocity, are left alone
-// and do not come nearer by their present `velocity`.
+// Return a sentence with the velocities of two rigid bodies after their collision, or "". It applies to two clusters of touching beads,
+// each with a single velocity, without external forces, that do not approach each other with the present `velocity`.
 function rigidWords(spec, { dissipative, driven, pulls }, length, velocity) {
   const meeting = spec.velocity.findIndex((v, k) => v > (spec.velocity[k + 1] ?? v));
   const before = spec.velocity.slice(0, meeting + 1), after = spec.velocity.slice(meeting + 1);
   if (meeting < 0 || spec.mass.includes(null) || before.some((v) => v !== before[0]) || after.some((v) => v !== after[0])) return "";
-  if (spec.gap.some((wide, k) => (k === meeting ? -wide : Math.abs(wide)) > LEAST_GAP * length)) return ""; // three, or pressed at the start
+  // There are three clusters, or contacts are compressed at the start.
+  if (spec.gap.some((wide, k) => (k === meeting ? -wide : Math.abs(wide)) > LEAST_GAP * length)) return "";
   if (dissipative || driven || pulls || velocity[meeting] - velocity[meeting + 1] > STORY.slow * spec.speed) return "";
   const sum = (masses) => masses.reduce((total, mass) => total + mass, 0);
   const left = sum(spec.mass.slice(0, meeting + 1)), right = sum(spec.mass.slice(meeting + 1));

@@ -1,23 +1,24 @@
-// A chain in the memory of kernels.wasm: arrays laid out once, and the call that moves them on by a frame.
+// A chain in the memory of kernels.wasm: its arrays, and the call that advances it by a frame.
 
-const MOST_STEPS = 100000; // of one call
-const NEVER = 0x40000000; // high word of a count that is never reached: no checkpoint is due
-const DONE = 0; // status of a run that got to its end
-const COUNTER_WORDS = 2; // counters are of 64 bits
+const MOST_STEPS = 100000; // Largest number of steps per call.
+const NEVER = 0x40000000; // High word of a step count that is never reached, so that the kernel makes no checkpoint.
+const DONE = 0; // Status of a run that reached its end.
+const COUNTER_WORDS = 2; // Number of 32-bit words per counter.
 
 class Kernel {
   /**
-   * @param {WebAssembly.Instance} instance of kernels.wasm, of which this chain uses the memory alone
-   * @param {{beadRows: number, workRows: number, counters: number}} sizes of work arrays
+   * @param {WebAssembly.Instance} instance of kernels.wasm whose memory is used only by this chain
+   * @param {{beadRows: number, workRows: number, counters: number}} sizes numbers of rows in the work arrays, and of counters
    * @param {number} n number of contacts
-   * @param {number} anchorBead index of the bead whose position and velocity are kept
+   * @param {number} anchorBead index of the bead whose position and velocity are stored
    */
   constructor(instance, sizes, n, anchorBead) {
     const { memory, __heap_base: base, march, march_lossy: marchLossy } = /** @type {any} */ (instance.exports);
     let at = (base.value + 15) & ~15;
     const place = (Kind, size) => {
       const room = at + size * Kind.BYTES_PER_ELEMENT - memory.buffer.byteLength;
-      if (room > 0) memory.grow(Math.ceil(room / 65536)); // before any array is made: growing detaches them
+      // Enlarge the memory before any array is created, because that detaches existing arrays.
+      if (room > 0) memory.grow(Math.ceil(room / 65536));
       const found = { Kind, at, size };
       at = (at + size * Kind.BYTES_PER_ELEMENT + 7) & ~7;
       return found;
@@ -56,7 +57,7 @@ class Kernel {
     this.time = 0;
   }
 
-  // Move on by `duration` in steps of `step`; `pushed`: the forces in `push` act. Whether it got there.
+  // Advance by `duration` in steps of `step`; if `pushed`, the forces in `push` act. Return true if the end was reached.
   advance(duration, step, pushed) {
     const { n, overlap, force, closed } = this, slides = this.bed.some((value) => value > 0);
     this.counter.fill(0);
@@ -71,7 +72,7 @@ class Kernel {
     return this.result[0] === DONE;
   }
 
-  // Positions or velocities (n+1) from differences of neighbours and the anchor's value, into `found`.
+  // Compute positions or velocities (n+1) from the differences of neighbours and the value of the anchor. Write them to `found`.
   rebuilt(differences, value, found) {
     const b = this.anchorBead;
     found[b] = value;

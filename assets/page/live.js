@@ -1,17 +1,19 @@
-// The live source: rows under one clock, computed frame by frame; it remembers the last minute, so that one can wind back.
+// The live source: rows with a common clock, computed frame by frame. The states of the last minute are stored, so that the user can
+// rewind.
 
-const FRAME_RATE = 120; // model frames in a second of the wall, as in the window
-const LONGEST = 0.1; // wall seconds that are caught up after a pause of the page
-const BUDGET = 10; // wall milliseconds of physics in a picture
-const REMEMBERED = 3600; // kept states, a minute of them
-const FRAMES_KEPT = 2; // frames from one kept state to the next
-const LOOK_AHEAD = 60; // seconds of the wall that a run is followed before it is played
-const MOST_LOOKED = 1.5e6; // contacts times steps for that: half a second on a slow machine
-const MOST_AT_ONCE = 3e5, FRAMES_AT_ONCE = 3600; // the same for a picture on the way to another moment, and frames
-const TAIL = 1.5; // seconds of the wall after the rows have come apart or to rest
-const LONGEST_SLIDE = 30; // longest time of sliding to rest that a run includes, in seconds of the wall
-const LINGER = 6; // the same where the end was not known
-const BEFORE_HIT = 0.25; // of the time from the first hit to the end: the longest flight that is played before it
+const FRAME_RATE = 120; // Model frames per second of wall time, as in the window.
+const LONGEST = 0.1; // Longest pause of the page, in seconds of wall time, that is made up for.
+const BUDGET = 10; // Wall time in milliseconds for the physics of one picture.
+const REMEMBERED = 3600; // Number of stored states, enough for a minute.
+const FRAMES_KEPT = 2; // Number of frames between two stored states.
+const LOOK_AHEAD = 60; // Duration of the run ahead before a motion is played, in seconds of wall time.
+const MOST_LOOKED = 1.5e6; // Largest number of contacts times steps of the run ahead: half a second on a slow computer.
+// Largest number of contacts times steps per picture on the way to another time, and of frames.
+const MOST_AT_ONCE = 3e5, FRAMES_AT_ONCE = 3600;
+const TAIL = 1.5; // Seconds of wall time shown after all rows have separated or stopped.
+const LONGEST_SLIDE = 30; // Longest time until friction stops the beads that a run includes, in seconds of wall time.
+const LINGER = 6; // Seconds of wall time shown after the separation if the end was not known.
+const BEFORE_HIT = 0.25; // Longest free flight that is played before the first hit, as a fraction of the time from the hit to the end.
 
 class Live {
   /** @param {any} data @param {WebAssembly.Module} module */
@@ -25,11 +27,11 @@ class Live {
     this.branch = 0;
   }
 
-  /** Begin anew. @param {Spec[]} specs a row each @param {number} pace seconds of motion for those that the scene plays */
+  /** Start an experiment. @param {Spec[]} specs one per row @param {number} pace playback speed relative to the scene */
   begin(specs, pace) {
     this.rows = specs.map((spec, k) => new Row(this.instances[k], this.data.kernel, spec));
     this.nows = specs.map((spec) => emptyNow(spec.gap.length));
-    this.setPace(1); // how far the run is followed, and where it ends, is the same at every pace
+    this.setPace(1); // Length and end of the run ahead do not depend on the pace.
     this.scales = this.lookAhead();
     for (const row of this.rows) row.begin();
     const flight = Math.max(0, Math.floor((this.hit - BEFORE_HIT * (this.end - this.hit)) / this.frameTime));
@@ -37,8 +39,8 @@ class Live {
     this.setPace(pace);
     const before = this.kept ?? [], rooms = this.rows.map((row) => row.width * REMEMBERED);
     this.kept = rooms.map((room, lane) => (before[lane]?.length === room ? before[lane] : new Float64Array(room)));
-    this.branch += 1; // what charts have drawn of another one is not true of this one
-    this.first = this.count = 0; // of kept states: the oldest is number `first`, the newest `count - 1`
+    this.branch += 1; // Charts have to discard the curves of the previous run.
+    this.first = this.count = 0; // Numbers of the stored states: the oldest is `first`, the newest is `count - 1`.
     this.shown = 0;
     this.touched = false;
     this.hand = null;
@@ -57,10 +59,10 @@ class Live {
 
   get begun() { return this.timeOf(this.first); }
 
-  // Whether the end is not known: somebody has touched the run, or it was not followed so far.
+  // True if the end is unknown, because the user has intervened or the run ahead has not reached it.
   get open() { return this.touched || !(this.followed || this.data.duration); }
 
-  // The end of the run, as far as it is known.
+  // The end of the run, if it is known; otherwise the newest time.
   get last() { return Math.max(this.touched ? 0 : this.end, this.timeOf(this.count - 1)); }
 
   timeOf(number) { return this.kept[0][(number % REMEMBERED) * this.rows[0].width]; }
@@ -69,36 +71,37 @@ class Live {
     this.rows.forEach((row, lane) => row.frame(this.frameTime, this.steps, this.slow, hand && hand.lane === lane ? hand : null));
   }
 
-  // Frames that take so many steps of contacts.
+  // Return the number of frames that need `work` contacts times steps.
   framesOf(work) { return Math.ceil(work / (this.steps * this.rows.reduce((sum, row) => sum + row.kernel.n, 0))); }
 
-  // Follow the run to its end, if patience lasts, for its axes and its length; rows are moved, and begin again afterwards.
+  // Run ahead to find the axes and the length of the motion, within a time limit. The rows move; they have to start again afterwards.
   lookAhead() {
     const { rows, nows } = this, most = Math.min(LOOK_AHEAD * FRAME_RATE, this.framesOf(MOST_LOOKED)), { duration } = this.data;
     const scales = startScales(this.data, rows), limit = duration ? Math.ceil(duration / this.frameTime) : Infinity;
     let apart = 0, k = 0;
     this.hit = -1;
-    /** @type {{time: number, velocity: number[][]}|null} */ this.parted = null; // moment at which rows came apart that friction stops later
+    // State when the rows separated, if friction stops them later.
+    /** @type {{time: number, velocity: number[][]}|null} */ this.parted = null;
     for (; k < limit && k < most && apart < TAIL * FRAME_RATE; k++) {
       this.frame(null);
       rows.forEach((row, lane) => widened(scales, lane, row.mass, row.read(nows[lane]), this.data.length, 0));
       if (this.hit < 0 && nows.some((now) => now.force.some((f) => f > 0))) this.hit = rows[0].kernel.time;
       apart = this.apart ? apart + 1 : 0;
       const sliding = apart && this.slow * Math.max(...rows.map((row) => row.sliding));
-      if (sliding && duration) apart = 0; // beads that friction slows are followed to the duration of the scene
+      if (sliding && duration) apart = 0; // Sliding beads are followed up to the duration of the scene.
       if (!sliding || duration || sliding > LONGEST_SLIDE) continue;
       this.parted ??= { time: rows[0].kernel.time, velocity: nows.map(({ velocity }) => Array.from(velocity)) };
       apart = 0;
     }
     this.hit = Math.max(this.hit, 0);
-    this.followed = k >= limit || apart >= TAIL * FRAME_RATE; // or else patience has ended before the run
+    this.followed = k >= limit || apart >= TAIL * FRAME_RATE; // Otherwise the time limit was reached first.
     this.end = this.followed || !duration ? rows[0].kernel.time : duration;
     shareForces(scales);
     scales.magnify = this.data.magnify ?? magnified(scales, this.data.length);
     return scales;
   }
 
-  // Move on by wall seconds, at most as far as there is time for.
+  // Advance by `seconds` of wall time, or less if the computation takes too long.
   advance(seconds) {
     this.forget();
     this.due += Math.min(seconds, LONGEST) * FRAME_RATE;
@@ -115,7 +118,7 @@ class Live {
     if (this.sinceKept >= FRAMES_KEPT || this.over) this.keep();
   }
 
-  // Whether all rows have come apart or to rest.
+  // True if all rows have separated or stopped.
   get apart() { return this.rows.every((row) => row.apart); }
 
   get over() {
@@ -132,14 +135,14 @@ class Live {
     this.sinceKept = 0;
   }
 
-  // What came after the moment shown is not kept once the motion goes on from there, or is changed.
+  // Discard the states after the current one, because the motion continues from there or is changed.
   forget() {
     if (this.shown >= this.count - 1) return;
     this.count = this.shown + 1;
     this.branch += 1;
   }
 
-  // Show another moment: one that is kept, or computed on the way to it, a part at a time. Whether it is there.
+  // Go to another time. It is restored from the stored states, or computed in parts, one per call. Return true when it is reached.
   go(time) {
     if (time <= this.timeOf(this.count - 1)) { this.restore(this.numberAt(time)); return true; }
     this.restore(this.count - 1);
@@ -149,7 +152,7 @@ class Live {
     return this.time >= end;
   }
 
-  // The number of the last kept state that is not after `time`, or the first one.
+  // Return the number of the last stored state at or before `time`, or of the first one.
   numberAt(time) {
     let low = this.first, high = this.count - 1;
     while (low < high) {
@@ -165,25 +168,25 @@ class Live {
     this.sinceKept = this.apartFor = 0;
   }
 
-  // One kept state on, or back.
+  // Go one stored state forwards or backwards.
   step(direction) {
     if (direction > 0 && this.shown >= this.count - 1) { for (let k = 0; k < FRAMES_KEPT; k++) this.next(); this.keep(); }
     else this.restore(Math.min(Math.max(this.shown + direction, this.first), this.count - 1));
   }
 
-  // Change rows by hand: the future is another one.
+  // Change rows by hand. The later states are discarded.
   change(edit) {
     this.forget();
     edit();
     this.touched = true;
     this.apartFor = 0;
-    this.setPace(this.pace); // in the steps of the laws that hold now
+    this.setPace(this.pace); // Update the number of steps to the present laws.
   }
 
   values(lane) { return this.rows[lane].read(this.nows[lane]); }
 
-  // Times and values of a lane for a chart, at most `most` of them: (time, array, place of the first value in it). The first is the one
-  // at `since`, up to which they are known.
+  // Pass times and values of a lane to a chart by calling `visit(time, array, index of the first value)`, at most `most` times. The first
+  // call is for `since`, the time up to which the chart knows the values.
   trace(lane, channel, most, since, visit) {
     const row = this.rows[lane], { n } = row.kernel, from = HEAD + (channel === "velocity" ? 3 * n : 2 * n), kept = this.kept[lane];
     const every = Math.max(1, Math.ceil((this.count - this.first) / most)), end = this.count - 1, begin = Math.max(this.first, this.numberAt(since));
@@ -194,7 +197,7 @@ class Live {
   }
 }
 
-// Axes before anything has moved.
+// Return the axes before any motion.
 function startScales(data, rows) {
   const speed = Math.max(...rows.map((row) => row.spec.speed));
   const scales = { window: [Infinity, -Infinity], velocity: [0, 0], force: rows.map(() => 0), pull: 0, energy: 0, momentum: [0, 0], magnify: 1,
@@ -205,7 +208,7 @@ function startScales(data, rows) {
   return scales;
 }
 
-// Let the axes of `scales` hold `now`, with `spare` of their length beyond; whether they had to grow.
+// Enlarge the axes of `scales` so that they contain `now`, with a margin of `spare` of their length. Return true if they have changed.
 function widened(scales, lane, mass, now, length, spare) {
   const last = now.position.length - 1, factor = 1 + spare;
   let grown = false, energy = now.stored + now.absorbed, left = 0, right = 0;
@@ -232,14 +235,14 @@ function widened(scales, lane, mass, now, length, spare) {
   return grown;
 }
 
-// Lanes have one axis of forces, but where one would then be too low to be read.
+// Use a common force axis for all lanes, unless the bars of one lane would become too low.
 function shareForces(scales) {
   const most = Math.max(...scales.force), least = Math.min(...scales.force.filter((force) => force > 0), most);
   scales.force = scales.force.map((force) => (most < READABLE * least ? most : force) || 1e-12);
 }
 
-const READABLE = 3; // times as high is another lane's axis at most
-const DRAWN_OVERLAP = 0.22, MOST_MAGNIFIED = 1e6; // of a bead's length; as in films
+const READABLE = 3; // Largest ratio of two force axes up to which they become one.
+const DRAWN_OVERLAP = 0.22, MOST_MAGNIFIED = 1e6; // Largest overlap on screen in lengths of a bead, and largest magnification; as in films.
 
 function magnified(scales, length) {
   const deepest = Math.max(...scales.deepest.flat()), wanted = deepest > 0 ? DRAWN_OVERLAP * length / deepest : 1;

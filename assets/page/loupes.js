@@ -1,10 +1,10 @@
-// Loupes: each contact at a magnification of its own, because overlaps of neighbours differ by decades.
+// Loupes: each contact has a separate magnification, because overlaps of neighbouring contacts differ by orders of magnitude.
 
-// Least distance of loupes with their text beside them, and below them where not all would have room otherwise.
+// Smallest distance of loupes with their text at the side, and with the text below, which is used if not all loupes fit otherwise.
 const LOUPE_PITCH = 196, NARROW_PITCH = 86;
-const GREATEST_DEPTH = 1.05; // radii of a loupe that the greatest overlap fills at most
+const GREATEST_DEPTH = 1.05; // Largest overlap on screen, in radii of the loupe.
 
-// Where the loupes of a lane lie: those that have room, neighbours from the one with the greatest overlap on.
+// Return the layout of the loupes of a lane. If they do not all fit, they begin with the contact of the largest overlap.
 function loupeRow(motion, width) {
   const narrow = width < LOUPE_PITCH * Math.max(motion.contacts, 3), pitch = narrow ? NARROW_PITCH : LOUPE_PITCH;
   const room = Math.max(1, Math.floor(width / pitch)), deepest = motion.deepest;
@@ -63,7 +63,7 @@ function loupe(pen, view, k, depth, x, y, radius) {
   pen.stroke();
 }
 
-// Cylinder head, piston and the face that it meets; dashes mark the piston's face at overlap 0.
+// Draw cylinder head, piston and the opposite face. Dashes mark the face of the piston at overlap 0.
 function gearLoupe(pen, theme, left, right, depth, x, y, r) {
   const box = (colour, from, to, half) => { pen.fillStyle = colour; pen.fillRect(from, y - half, to - from, 2 * half); };
   const head = x - 0.75 * r, face = x + 0.45 * r, pushed = face - Math.max(depth, 0), other = face - depth;

@@ -3,14 +3,14 @@
 const raised = (text) => text.replace(/[-0-9]/g, (sign) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(sign)]);
 const lowered = (text) => text.replace(/[-0-9]/g, (sign) => "₋₀₁₂₃₄₅₆₇₈₉"["-0123456789".indexOf(sign)]);
 
-const numberForm = { mark: "." }; // of the reader's language
+const numberForm = { mark: "." }; // Decimal mark of the reader's language.
 
 function fixed(value, decimals) {
   const text = value.toFixed(decimals);
   return (Number(text) === 0 ? text.replace("-", "") : text).replace("-", "−").replace(".", numberForm.mark);
 }
 
-// `value` with `digits` decimals times a power of ten; without the power between 0.01 and 1000.
+// Return `value` with `digits` decimals times a power of ten; between 0.01 and 1000 without the power.
 function scientific(value, digits = 1) {
   if (value === 0 || !Number.isFinite(value)) return value === 0 ? "0" : "?";
   const size = Math.abs(value);
@@ -25,11 +25,11 @@ function factorText(value) {
   return `×${scientific(value, 0).replace(/^1·/, "")}`;
 }
 
-// `value` with so many digits and no zeros at its end; a tiny one with a power of ten, as sandbox/story/numbers.py writes it.
+// Return `value` with that many significant digits and no trailing zeros. Tiny values get a power of ten, as in sandbox/story/numbers.py.
 const plain = (value, digits) => (value !== 0 && Math.abs(value) < 1e-4 ? scientific(value, digits - 1)
   : String(Number(value.toPrecision(digits))).replace("-", "−").replace(".", numberForm.mark));
 
-// A small exponent as the fraction that it is nearly.
+// Write a small exponent as the nearest unit fraction.
 const alphaText = (alpha) => (alpha < 0.7 ? `1/${plain(1 / alpha, 3)}` : plain(alpha, 3));
 
 // Write an energy [J] in J, kJ or MJ.
@@ -40,13 +40,13 @@ function joules(value) {
 
 const contactName = (k) => lowered(k + 1 > 9 ? `${k}-${k + 1}` : `${k}${k + 1}`);
 
-// The greatest of 1, 2, 5 times a power of ten that is at most `value`.
+// Return the largest of 1, 2, 5 times a power of ten that is at most `value`.
 function roundDown(value) {
   const power = 10 ** Math.floor(Math.log10(value));
   return [10, 5, 2, 1, 0.5].map((k) => k * power).find((round) => round <= value * (1 + 1e-9));
 }
 
-// Round values between `low` and `high`, at most `most` steps of them, with labels that differ; tiny and huge ones with powers of ten.
+// Return round values between `low` and `high`, in at most `most` steps, with distinct labels. Tiny and huge values get powers of ten.
 function ticksOf(low, high, most) {
   const rough = (high - low) / most, power = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].map((k) => k * power).find((k) => k >= rough * (1 - 1e-9)) ?? 10 * power;

@@ -1,20 +1,20 @@
 // The page: its controls, its clock, and the drawing of the motion of its source.
 
-const TEXT_RATE = 8; // times a second that texts and tables change while the motion plays
-const WATCHED = 60; // pictures by whose median it is judged whether they are late
-const LATE = 22; // ms from a picture to the next
-const SOONER = 0.8; // of the time that it was: fewer pixels help
-const SLIDER = 1000; // positions of the slider of time
+const TEXT_RATE = 8; // Updates per second of texts and tables while the motion plays.
+const WATCHED = 60; // Number of pictures whose median interval decides if pictures are late.
+const LATE = 22; // Interval between two pictures, in milliseconds, above which they are late.
+const SOONER = 0.8; // Relative interval below which fewer pixels count as an improvement.
+const SLIDER = 1000; // Number of positions of the time slider.
 // Height [px] below which the window is too low for beads that stay in sight above scrolling settings, as in page.css.
 const SHORT = 560;
 const NARROW = 640; // width [px] below which the settings are below the beads, as in page.css
 const BAR_HEIGHT = 116; // height [px] of the transport bar and of the space between two rows
 const AROUND = 164; // height [px] of the title, the transport bar and the margins in a low window
-const PULLED = 0.3; // bead lengths that a key pulls the hand
+const PULLED = 0.3; // Distance by which a key pulls the hand, in lengths of a bead.
 const part = (id) => /** @type {any} */ (document.getElementById(id));
 
 class Page {
-  /** @param {any} data @param {Live|Recorded} source @param {string} why it does not compute its motion; empty if it does */
+  /** @param {any} data @param {Live|Recorded} source @param {string} why reason why the page does not compute its motion, or "" */
   constructor(data, source, why) {
     this.data = data;
     this.source = source;
@@ -23,7 +23,7 @@ class Page {
     /** @type {Experiment} */ this.own = data.own && { ...data.own, shown: [...data.own.shown] };
     this.limits = source.live ? limitsOf(data, this.own) : {};
     this.playing = false;
-    /** @type {number|null} */ this.goal = null; // the moment to which pictures go as fast as they can
+    /** @type {number|null} */ this.goal = null; // Time to which the page is winding forward as fast as possible.
     this.textsAt = 0;
     this.firstWindow = 0;
     /** @type {{lane: number, bead: number}|null} */ this.chosen = null;
@@ -31,9 +31,9 @@ class Page {
     this.sight = new IntersectionObserver((changes) => {
       for (const { target, isIntersecting } of changes) this.unseen[isIntersecting ? "delete" : "add"](target);
     });
-    this.most = Infinity; // pixels of a canvas to one of the page, at most
-    this.waits = []; // ms from picture to picture
-    this.late = null; // the median of these at which fewer pixels were tried; 0 once that is decided
+    this.most = Infinity; // Largest number of canvas pixels per pixel of the page.
+    this.waits = []; // Intervals between pictures in milliseconds.
+    this.late = null; // Median interval when fewer pixels were tried; 0 after the decision.
     this.specs = data.lanes.map((lane) => lane.spec);
     this.open();
     listen(this);
@@ -43,7 +43,7 @@ class Page {
   open() {
     const moment = addressMoment(location.hash);
     if (this.playing) this.pause();
-    clearTimeout(this.writing); // of what was there before
+    clearTimeout(this.writing); // Cancel the pending update of the previous address.
     this.experiment = readAddress(location.hash, this.own, this.limits, this.data);
     this.speak(languageIn([addressLanguage(location.hash), this.language, ...navigator.languages]) ?? "en");
     this.restart();
@@ -68,7 +68,7 @@ class Page {
     return specs;
   }
 
-  // Begin the experiment anew.
+  // Start the experiment again.
   restart() {
     const { data, experiment, source } = this;
     if (source.live) {
@@ -79,19 +79,20 @@ class Page {
       source.go(source.begun);
     }
     data.scales = source.scales;
-    this.decimals = Math.max(0, 2 - Math.floor(Math.log10((source.last - source.begun) / data.unit.size || 1))); // of the clock
+    // Number of decimals of the clock.
+    this.decimals = Math.max(0, 2 - Math.floor(Math.log10((source.last - source.begun) / data.unit.size || 1)));
     this.firstWindow = 0;
     this.build();
     this.controls();
     this.dress();
   }
 
-  // The looks of each lane, and a canvas for each and its charts.
+  // Compute the appearance of each lane, and create canvases for the lanes and their charts.
   build() {
     const { specs, experiment } = this, lanes = part("lanes"), charts = part("charts");
     this.looks = specs.map((spec, lane) => this.lookOf(spec, lane));
     const gears = this.looks.every((look) => look.gears.every(Boolean)), walls = specs.some(({ mass }) => mass.includes(null));
-    this.data.height = walls ? WALL_HEIGHT : gears ? CYLINDER_HEIGHT : 1; // of the tallest body, in lengths of a bead
+    this.data.height = walls ? WALL_HEIGHT : gears ? CYLINDER_HEIGHT : 1; // Height of the tallest body in lengths of a bead.
     if (useBodies(isTrain(specs[0].mass) ? "wagon" : gears ? "cylinder" : "bead")) this.relabel();
     if (this.stages?.length !== specs.length) {
       this.stages = [];
@@ -116,7 +117,7 @@ class Page {
     return { mass: spec.mass, contacts: n, label: same ? this.texts.labels[lane] : lawName(spec.law), massLabels: massLabels(spec.mass),
       gears: Array.from({ length: n }, (_, i) => (same ? given.gears[i] : gear(i))), pulls: Boolean(whole && given.pulls),
       solid: whole && given.solid ? given.solid : Array.from({ length: n }, () => [null, null]),
-      marks: !source.touched && hasMarks(spec, data.length), // a throw ends the groups
+      marks: !source.touched && hasMarks(spec, data.length), // After a throw by the user there are no initial clusters any more.
       dissipative: source.live ? spec.friction > 0 || spec.loss.some((loss) => loss > 0) : given.dissipative,
       driven: Boolean(given?.driven), drive: spec.drive?.some(Boolean) ? spec.drive : null,
       deepest: this.source.scales.deepest[lane] };
@@ -126,7 +127,8 @@ class Page {
   dress() {
     const { data, stages, looks, experiment } = this, two = stages.length > 1, high = window.innerHeight, wide = window.innerWidth;
     const narrow = part("lanes").clientWidth < NARROW;
-    const shown = narrow && two ? experiment.shown.filter((name) => name !== "balance") : experiment.shown; // no room for both
+    // There is too little space for both.
+    const shown = narrow && two ? experiment.shown.filter((name) => name !== "balance") : experiment.shown;
     const least = two ? (narrow ? clamped(0.33 * high - 0.5 * BAR_HEIGHT, [110, 150]) : 150) : 214, most = two ? 330 : 460;
     const beside = high < SHORT && wide >= NARROW;
     const room = (high - AROUND) / stages.length - (shown.includes("balance") ? BARS_HEIGHT : 0);
@@ -143,14 +145,14 @@ class Page {
       }
     }
     this.show(true, true);
-    const bench = part("bench"); // stays in sight above scrolling settings if it leaves enough of the window for them
+    const bench = part("bench"); // The bench stays visible above scrolling settings if it leaves enough of the window for them.
     bench.classList.remove("still");
     bench.classList.toggle("still", bench.offsetHeight > Number(getComputedStyle(bench).getPropertyValue("--share")) * high);
     // A control that gets the focus is scrolled out from under the bench.
     document.documentElement.style.scrollPaddingTop = !beside && getComputedStyle(bench).position === "sticky" ? `${bench.offsetHeight}px` : "";
   }
 
-  // Draw the moment, with the texts if `texts`, and also canvases outside the window if `whole`.
+  // Draw the current state, also the texts if `texts`, and also canvases outside the window if `whole`.
   show(texts, whole = !this.playing) {
     const { source, data, stages, chosen } = this, { hand } = source;
     const nows = stages.map((_, lane) => source.values(lane)), due = ({ canvas }) => whole || !this.unseen.has(canvas);
@@ -167,7 +169,8 @@ class Page {
     if (texts) this.tell(nows);
   }
 
-  // Axes grow with what nobody has foreseen, the ground to four times its length; then it follows beads that it has room for.
+  // Enlarge the axes for unexpected values, and the ground up to four times its length. Beyond that, move the window with the beads if they
+  // fit into it.
   widen(nows) {
     const { scales } = this.source, { window: [low, high] } = scales;
     this.firstWindow ||= high - low;
@@ -189,7 +192,7 @@ class Page {
     return changed;
   }
 
-  // Texts: the time, the end in words, the energy, the tables. The browser lays the page out anew for each of them.
+  // Update the texts: time, outcome, energy and tables. Each change makes the browser lay out the page again.
   tell(nows) {
     const { source, specs, looks, data } = this, clock = `t = ${fixed(source.time / data.unit.size, this.decimals)} ${data.unit.name}`;
     part("clock").textContent = clock;
@@ -232,7 +235,7 @@ class Page {
     this.next();
   }
 
-  // One picture is due at a time, also where a pause was shorter than a picture.
+  // Request the next picture. Only one request is pending at a time, even after a pause shorter than a picture.
   next() { this.due = requestAnimationFrame((now) => this.picture(now)); }
 
   pause() {
@@ -269,7 +272,7 @@ class Page {
     this.next();
   }
 
-  // Where pictures are late, draw fewer pixels, unless that does not help: a screen may be slow by itself.
+  // If pictures are late, draw fewer pixels. If this does not help, the screen itself is slow, so draw all pixels again.
   spare(wait) {
     if (this.waits.push(wait) < WATCHED) return;
     const usual = this.waits.sort((a, b) => a - b)[WATCHED >> 1], { most } = this;
@@ -279,7 +282,7 @@ class Page {
     if (this.most !== most) this.dress();
   }
 
-  // Show another moment; one that is far is gone to picture by picture, until somebody plays or pauses.
+  // Go to another time. A distant time is reached picture by picture, unless the user plays or pauses.
   go(time) {
     if (this.playing) this.pause();
     const there = this.source.go(time);
@@ -300,7 +303,7 @@ class Page {
     this.play();
   }
 
-  // The hand is where the pointer is, in metres in the place of the bead's position.
+  // Move the hand to the pointer. Its position is given in metres, as for the bead.
   follow() {
     const { hand } = this.source;
     if (!hand || hand.across === null) return;
@@ -322,7 +325,7 @@ class Page {
     this.play();
   }
 
-  // An edit that the motion can take as it runs, or else a new beginning.
+  // Apply an edit, to the running motion if possible; otherwise start again.
   edit(name, value) {
     const { source, experiment, data, own } = this;
     experiment[name] = value;
@@ -375,19 +378,20 @@ class Page {
     }
   }
 
-  // Show the title, source, question and text of the scene, or the title and text of a changed row.
+  // Show the title, source, question and text of the scene. For a changed row, show a title with the changes and a note as the text.
   explain() {
     const { data, experiment, own, texts } = this, other = (name) => differs(data, experiment, own, name), changed = MADE.some(other);
     const counted = data.uniform && ["law", "strikers", "targets"].some(other), { title } = texts;
     const now = !changed ? title : counted ? say("changed from", { now: countedTitle(experiment), title }) : say("changed", { title });
     part("title").textContent = document.title = now;
     part("source").textContent = changed ? "" : texts.source;
-    if (changed) part("text").style.minHeight = `${part("text").offsetHeight}px`; // no slider moves away from under a finger
+    // Keep the height of the text, so that no slider moves away from under a finger.
+    if (changed) part("text").style.minHeight = `${part("text").offsetHeight}px`;
     part("text").textContent = changed ? say("other numbers") : texts.text;
     part("lead").textContent = texts.question || leadWords(this.specs);
   }
 
-  // Controls as the experiment is.
+  // Update the controls to the experiment.
   controls() {
     const { experiment, limits, source, data, own } = this;
     part("pace").value = String(experiment.pace);
@@ -452,7 +456,7 @@ const isTrain = (masses) => masses.every((mass) => mass === null || mass >= HEAV
 const countWord = (n) => say("count").split(" ")[n - 1] ?? String(n);
 const countedTitle = ({ strikers, targets }) => capital(say(strikers > 1 ? "many on" : "one on", { m: countWord(strikers), n: countWord(targets) }));
 
-// Return the question above the beads: for equal bodies that hit equal bodies at rest, else "".
+// Return the question above the beads if equal bodies hit equal bodies at rest, otherwise "".
 function leadWords(specs) {
   const one = specs.find(({ law }) => ["soft", "gear"].includes(lawKind(law))) ?? specs[0];
   const { mass, velocity, gap, drive } = one, m = velocity.findIndex((v) => v !== velocity[0]);
@@ -464,13 +468,13 @@ function leadWords(specs) {
   return [...known, say(asked)].join(" ");
 }
 
-// Whether there can be marks of rigid clusters: a cluster of two beads, and a contact at which it is struck.
+// Return true if forces of rigid clusters can be marked: there is a cluster of two beads and a contact at which it is struck.
 function hasMarks({ gap, velocity, speed }, length) {
   const ends = gap.map((wide, k) => wide > LEAST_GAP * length || Math.abs(velocity[k] - velocity[k + 1]) > ALIKE * speed);
   return ends.length > 1 && ends.includes(true) && ends.includes(false);
 }
 
-// The colours of the style sheet, which knows light and dark; a long row has a ramp of its own.
+// Return the colours of the style sheet for the light or dark theme. A long row has a separate colour ramp.
 function currentTheme(data, beads) {
   const style = getComputedStyle(document.documentElement), colour = (name) => style.getPropertyValue(`--${name}`).trim();
   const dark = matchMedia("(prefers-color-scheme: dark)").matches && !matchMedia("print").matches, few = beads <= data.fewBeads;

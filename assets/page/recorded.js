@@ -1,7 +1,7 @@
-// The recorded source: packed samples of a motion, and its values at any time, by straight lines between two samples.
+// The recorded source: packed samples of a motion. Values between two samples are interpolated linearly.
 
-const LARGEST_CODE = 32767; // of velocities and forces
-const SHOWN_RATE = 240; // steps to a whole motion
+const LARGEST_CODE = 32767; // Largest code of a velocity or force.
+const SHOWN_RATE = 240; // Number of steps in which a whole motion can be stepped through.
 
 class Recorded {
   /** @param {any} data of the page, each of whose lanes has a `recorded` motion */
@@ -45,7 +45,8 @@ class Recorded {
 
   values(lane) { return valuesAt(this.motions[lane], this.time, this.nows[lane]); }
 
-  // Times and values of a lane up to the moment shown, as of a live source; samples are few enough.
+  // Pass times and values of a lane up to the current time to a chart, as the live source does. All samples are used, because there are
+  // few.
   trace(lane, channel, _most, since, visit) {
     const motion = this.motions[lane], { [channel]: columns } = motion, begin = Math.max(since, this.begun);
     const at = (time) => visit(time, Float64Array.from(valuesAt(motion, time, this.nows[lane])[channel]), 0);
@@ -74,7 +75,7 @@ function decoded(lane, scales) {
     velocity: each(beads, (k) => scaled(column(codes, k), fastest)) };
 }
 
-/** Values of a recorded lane at `time`, into `now`. @param {any} motion @param {number} time @param {Now} now */
+/** Write the values of a recorded lane at `time` to `now`. @param {any} motion @param {number} time @param {Now} now */
 function valuesAt(motion, time, now) {
   const { row, share } = placeOf(motion.time, time);
   const at = (column) => column[row] + share * (column[Math.min(row + 1, column.length - 1)] - column[row]);
@@ -96,7 +97,7 @@ function valuesAt(motion, time, now) {
   return now;
 }
 
-// The row at or before `time`, and how far `time` lies on the way to the next one, from 0 to 1.
+// Return the sample at or before `time`, and the position of `time` between this sample and the next one, from 0 to 1.
 function placeOf(times, time) {
   let low = 0, high = times.length - 1;
   if (time >= times[high]) return { row: high, share: 0 };

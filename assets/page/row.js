@@ -1,16 +1,17 @@
-// A row of beads that moves: its law, its energy and what that must be, and the hand that pulls at a bead.
+// A moving row of beads: its laws, its energy balance, and the hand that pulls a bead.
 
-const GRAVITY = 9.80665; // m/s²
-const CONTACT_STEPS = 64; // steps to the shortest contact, as in the window
-const STEP_COST = 0.3, FRAME_COST = 1500; // microseconds of a contact and step, and of a frame: long rows take fewer steps
-const HAND_FREQUENCY = 12; // 1/s of wall time, of the spring from the hand to a bead
-const HAND_SPEED = 2; // closing speeds that the hand's pull can give: with more, soft beads would pass through each other
-const STRUCK = 0.2; // of the closing speed: at contacts that close faster clusters are struck, and end
-const ALIKE = 1e-6; // of the closing speed: neighbours whose velocities differ by less at the start go together
-const HEAD = 9; // numbers of a kept state before its lists
+const GRAVITY = 9.80665; // Gravitational acceleration in m/s².
+const CONTACT_STEPS = 64; // Number of steps per shortest contact duration, as in the window.
+const STEP_COST = 0.3, FRAME_COST = 1500; // Cost in microseconds of a contact and step, and of a frame. Long rows take fewer steps.
+const HAND_FREQUENCY = 12; // Frequency of the spring between the hand and a bead, in 1/s of wall time.
+// Largest speed that the pull of the hand can cause, in closing speeds. At higher speeds soft beads would pass through each other.
+const HAND_SPEED = 2;
+const STRUCK = 0.2; // Fraction of the closing speed above which a closing contact counts as struck, so that a cluster ends there.
+const ALIKE = 1e-6; // Fraction of the closing speed below which the initial velocities of neighbours count as equal.
+const HEAD = 9; // Numbers in a stored state before its lists.
 
 /**
- * What a row starts from; masses, gaps and velocities from left to right.
+ * The initial state and the laws of a row; masses, gaps and velocities from left to right.
  * @typedef {{mass: (number|null)[], gap: number[], velocity: number[], law: number[], loss: number[], friction: number,
  *   drive: number[]|null, speed: number}} Spec
  */
@@ -23,18 +24,19 @@ class Row {
     this.kernel = new Kernel(instance, sizes, n, weights.indexOf(Math.max(...weights)));
     this.kernel.inverseMass.set(weights.map((mass) => 1 / mass));
     this.mass = weights.map((mass) => (mass === Infinity ? 0 : mass));
-    this.balanced = !spec.mass.some((mass, k) => mass === null && spec.velocity[k]); // what a wall that moves gives is not counted
+    // The balance does not include the work of a moving wall.
+    this.balanced = !spec.mass.some((mass, k) => mass === null && spec.velocity[k]);
     this.position = new Float64Array(n + 1);
     this.velocity = new Float64Array(n + 1);
     this.before = new Float64Array(n + 1);
     this.rateBefore = new Float64Array(n);
     this.wasClosed = new Uint8Array(n);
-    this.ends = new Uint8Array(n); // contacts at which a cluster ends: it was struck there
-    this.edits = 0; // of the laws: energy is counted anew in states from before the last one
+    this.ends = new Uint8Array(n); // 1 for contacts at which a cluster ends because it was struck there.
+    this.edits = 0; // Number of changes of the laws. The energy of older states is computed again with the present laws.
     this.begin();
   }
 
-  // At the start of the scene, with the laws of `spec`.
+  // Return to the start, with the laws of `spec`.
   begin() {
     const { kernel, spec } = this, { n, anchorBead } = kernel;
     this.follow(spec);
@@ -50,10 +52,10 @@ class Row {
     kernel.time = 0;
     for (let i = 0; i < n; i++) this.ends[i] = Math.abs(kernel.rate[i]) > ALIKE * spec.speed ? 1 : 0;
     this.begun = this.energy();
-    this.given = this.driven = this.still = 0; // energy by hand, by the drive; frames since anything has moved
+    this.given = this.driven = this.still = 0; // Work of the hand, work of the drive, and number of frames without motion.
   }
 
-  // Have the laws, losses and friction of `spec` from now on.
+  // Use the laws, losses and friction of `spec` from now on.
   follow(spec) {
     const { kernel, mass } = this;
     this.spec = spec;
@@ -66,7 +68,7 @@ class Row {
     }
   }
 
-  // What changes energy without a force over a way, as another law of loaded contacts, is booked as given.
+  // Make a change that changes the energy without work, such as another law for loaded contacts. Count the difference as external work.
   booked(change) {
     const before = this.energy();
     change();
@@ -92,13 +94,13 @@ class Row {
     return sum;
   }
 
-  // Relative error of the energy, of what was there and was given since.
+  // Return the error of the energy balance relative to the initial energy and the external work since.
   energyError() {
     const wanted = this.begun + this.given + this.driven;
     return Math.abs(this.energy() - wanted) / Math.max(Math.abs(wanted), this.begun, Number.MIN_VALUE);
   }
 
-  // Steps to a frame of `duration` for this law at the closing speed, as the window chooses them.
+  // Return the number of steps per frame of `duration` for these laws at the closing speed, as chosen in the window.
   stepsOf(duration) {
     const { n, law, inverseMass } = this.kernel, { speed } = this.spec;
     let shortest = Infinity;
@@ -111,10 +113,10 @@ class Row {
   }
 
   /**
-   * One frame; a hand pulls with a force that stays the same within it.
+   * Advance by one frame. The pull of the hand is constant during the frame.
    * @param {number} duration of the frame [s]
    * @param {number} steps to the frame
-   * @param {number} slow seconds of the wall to one of the motion
+   * @param {number} slow seconds of wall time per second of the motion
    * @param {{bead: number, place: number}|null} hand at `place` [m]
    */
   frame(duration, steps, slow, hand) {
@@ -143,7 +145,7 @@ class Row {
     }
   }
 
-  // Force of the hand's spring, damped critically.
+  // Return the force of the hand's spring, which is critically damped.
   pull({ bead, place }, slow) {
     const { kernel } = this, frequency = HAND_FREQUENCY * slow, reach = 2 * HAND_SPEED * this.spec.speed / frequency;
     kernel.rebuilt(kernel.rate, kernel.anchor[1], this.velocity);
@@ -162,22 +164,23 @@ class Row {
     });
   }
 
-  // Whether no contact is closed and none can close, or nothing moves any more: in one frame alone it may have turned back.
+  // True if no contact is closed or can close, or if nothing moves any more. A single frame without motion may be a turning point.
   get apart() {
     const { n, overlap, rate, force } = this.kernel, least = STORY.atRest * this.spec.speed;
     if (this.still > 1) return true;
-    if (this.spec.drive || (this.spec.friction > 0 && !this.balanced)) return false; // a wall that moves reaches what the bed has stopped
+    // A moving wall catches up with beads that the bed has stopped.
+    if (this.spec.drive || (this.spec.friction > 0 && !this.balanced)) return false;
     for (let i = 0; i < n; i++) if (force[i] > 0 || overlap[i] > 0 || rate[i] > least) return false;
     return true;
   }
 
-  // Time [s] until friction stops a row that has come apart; 0 without friction.
+  // Time [s] until friction stops a row whose beads have separated; 0 without friction.
   get sliding() {
     const { friction } = this.spec, fastest = Math.max(...this.velocity.map((v, k) => (this.mass[k] ? Math.abs(v) : 0)));
     return friction > 0 && this.still < 2 ? fastest / (friction * GRAVITY) : 0;
   }
 
-  /** What is drawn, into `now`. @param {Now} now */
+  /** Write the values for drawing to `now`. @param {Now} now */
   read(now) {
     const { kernel } = this, { n, overlap, force, absorbed } = kernel;
     kernel.rebuilt(overlap, kernel.anchor[0], now.position);
@@ -194,8 +197,8 @@ class Row {
     return now;
   }
 
-  // Numbers of a kept state: HEAD of time, energy given, edits, work of the drive, frames at rest, anchor, absorbed; then overlaps, rates,
-  // forces, velocities, ends of clusters.
+  // Length of a stored state. The HEAD contains time, external work, edits, work of the drive, frames at rest, anchor and absorbed energy;
+  // overlaps, rates, forces, velocities and ends of clusters follow.
   get width() { return 5 * this.kernel.n + HEAD + 1; }
 
   keep(into, at) {
@@ -208,7 +211,7 @@ class Row {
     into.set(this.ends, begin + 4 * n + 1);
   }
 
-  // Go back to a kept state, whose energy is counted by the laws that hold now.
+  // Return to a stored state. Its energy is computed with the present laws.
   restore(from, at) {
     const { kernel } = this, { n } = kernel, begin = at + HEAD, list = (first, count) => from.subarray(first, first + count);
     kernel.time = from[at];
@@ -225,7 +228,7 @@ class Row {
 }
 
 /**
- * The values of a row at a moment.
+ * The values of a row at one time.
  * @typedef {{position: Float64Array, velocity: Float64Array, overlap: Float64Array, force: Float64Array, state: string[], stored: number,
  *   absorbed: number, ends: Uint8Array, contacts?: number[]}} Now
  */

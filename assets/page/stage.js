@@ -1,21 +1,24 @@
 // The stage: the beads of one lane on the ground, a force bar over each contact, loupes below, bars of energy and momentum.
 
-const TALLEST_BEAD = 0.4, LEAST_BEAD = 0.22; // largest bead and least bead if bars need room, as fractions of the height of the drawing
-const CAPTION = 22, CAPTIONS = 40; // height of one line of captions, and of two
-const BAR_NUMBER = 20, BAR_LIFT = 8; // from captions to the highest bar, and from the tallest body to the axis of the bars
-const LEAST_BAR = 18; // least height [px] of the highest bar; beads shrink for it
-const GROUND = 30, LOW_GROUND = 20; // from the ground line to the lower edge of the drawing, and of a low one
-const LOW = 160; // height [px] below which a drawing has one line of captions, so that bars keep some room
-const VISIBLE_FORCE = 0.01; // of the force axis: lower bars have neither a number nor a line for rigid clusters
-const PULL_RIM = 2.5; // pixels of the rim of the hollow bar of a force that pulls
-const FORCE_MARGIN = 1.12; // upper end of the force axis over the greatest force
-const LEAST_GAP = 1e-9; // of a bead's length: neighbours that are nearer touch
-const EQUAL_MASSES = 1.02; // ratio of masses up to which beads look alike and no masses are written
-const HEAVY = 1e4; // kg: masses from here on are written in tonnes
-const BARS_HEIGHT = 46; // height [px] of the bars of energy and momentum
-const LEAST_WIDTH = 200; // also while the page has none, as when it is hidden
+// Largest height of a bead, and smallest height if bars need space, as fractions of the drawing.
+const TALLEST_BEAD = 0.4, LEAST_BEAD = 0.22;
+const CAPTION = 22, CAPTIONS = 40; // Height of one line and of two lines of captions in pixels.
+// Distance in pixels from the captions to the highest bar, and from the tallest body to the axis of the bars.
+const BAR_NUMBER = 20, BAR_LIFT = 8;
+const LEAST_BAR = 18; // Smallest height of the highest bar in pixels; beads become smaller for it.
+// Distance in pixels from the ground line to the lower edge of the drawing; the second value is for low drawings.
+const GROUND = 30, LOW_GROUND = 20;
+const LOW = 160; // Height in pixels below which a drawing has only one line of captions, so that the bars keep some space.
+const VISIBLE_FORCE = 0.01; // Fraction of the force axis below which a bar has neither a number nor a mark for rigid clusters.
+const PULL_RIM = 2.5; // Width in pixels of the rim of the hollow bar of a pulling force.
+const FORCE_MARGIN = 1.12; // Upper end of the force axis, relative to the largest force.
+const LEAST_GAP = 1e-9; // Gap, in lengths of a bead, below which neighbours count as touching.
+const EQUAL_MASSES = 1.02; // Ratio of masses up to which beads look equal and no masses are written.
+const HEAVY = 1e4; // Mass in kg from which masses are written in tonnes.
+const BARS_HEIGHT = 46; // Height of the bars of energy and momentum in pixels.
+const LEAST_WIDTH = 200; // Smallest width in pixels; it is also used while the page is hidden and has no width.
 
-// A label for each bead where masses differ visibly, else none.
+// Return a label for each bead if the masses differ visibly, otherwise an empty list.
 function massLabels(mass) {
   const finite = mass.filter((m) => m !== null), greatest = Math.max(...finite), [size, unit] = greatest < HEAVY ? [1, "kg"] : [1e3, "t"];
   return greatest > EQUAL_MASSES * Math.min(...finite) ? mass.map((m) => (m === null ? say("wall") : `${plain(m / size, 3)} ${unit}`)) : [];
@@ -26,14 +29,14 @@ class Stage {
   constructor(canvas) {
     this.canvas = canvas;
     this.pen = canvas.getContext("2d");
-    this.layer = document.createElement("canvas").getContext("2d"); // what stays from picture to picture
+    this.layer = document.createElement("canvas").getContext("2d"); // The layer keeps everything that does not change from frame to frame.
   }
 
   /**
-   * Take another motion, size or theme.
-   * @param {any} motion what does not move: label, mass, massLabels, gears, solid, pulls, dissipative, contacts, deepest
+   * Use another motion, size or theme.
+   * @param {any} motion constant properties: label, mass, massLabels, gears, solid, pulls, dissipative, contacts, deepest
    * @param {any} data of the page, with its `scales` @param {any} theme
-   * @param {{tall: number, shown: string[], force: number}} options height of the drawing of the beads, what is shown, and its axis of forces
+   * @param {{tall: number, shown: string[], force: number}} options height of the drawing of the beads, visible parts, and force axis
    */
   fit(motion, data, theme, { tall, shown, force }) {
     const { canvas } = this, { density } = theme, width = Math.max(canvas.parentElement.clientWidth, LEAST_WIDTH);
@@ -79,7 +82,7 @@ class Stage {
     if (view.balance) balances(pen, view, data, now, view.tall + view.loupeFit.height);
   }
 
-  // The bead under a point of the canvas, or the nearest one within a finger's width; -1 where there is none.
+  // Return the bead at a point of the canvas, or the nearest bead within the width of a finger, or -1.
   beadAt(x, y) {
     const { view, edges } = this;
     if (y < view.ground - 1.6 * view.size - 24 || y > view.ground + 30) return -1;
@@ -94,7 +97,7 @@ class Stage {
   middle(bead) { return this.edges[bead] + this.view.size / 2; }
 }
 
-// A ring around the bead that is held or chosen, and the string to the hand.
+// Draw a ring around the bead that is held or chosen, and the string to the hand.
 function hold(pen, view, edge, across) {
   const x = edge + view.size / 2, y = view.ground - view.size / 2;
   pen.strokeStyle = pen.fillStyle = view.theme.ink;
@@ -112,7 +115,7 @@ function hold(pen, view, edge, across) {
   pen.fill();
 }
 
-// Where the left edge of each bead is drawn, overlaps as many times too large as the scene says; their mean is not moved.
+// Return the left edges of the beads on screen. Overlaps are magnified as the scene demands, while the mean position is kept.
 function leftEdges(now, view, data) {
   const shift = [0];
   now.overlap.forEach((depth, k) => shift.push(shift[k] + (1 - data.scales.magnify) * Math.max(depth, 0)));
@@ -120,8 +123,8 @@ function leftEdges(now, view, data) {
   return Array.from(now.position, (x, k) => view.origin + view.scale * (x + shift[k] - mean + data.length * k));
 }
 
-// Place the label and the captions of the bars on one or two lines, left of the ruler and of the text below it. Captions without room are
-// left out, and bars end below all of them.
+// Place the label and the captions of the bars on one or two lines, left of the ruler and its text. Captions that do not fit are left out.
+// The bars end below all captions.
 function captionPlaces(pen, motion, data, room, width, forces, lines) {
   const words = (text, weight = 400, size = 12.5) => { pen.font = `${weight} ${size}px ${FONT}`; return pen.measureText(text).width; };
   const stops = motion.solid.flat().some((force) => force !== null), half = words(scaleText(data)) / 2;
@@ -201,8 +204,8 @@ function bodies(pen, view, data, edges, faces) {
 const barTop = (view, data, force) => view.base - view.barRoom * force / (view.force / FORCE_MARGIN);
 
 /**
- * The force that each contact would have if clusters were rigid, as in sandbox/draw/bodies.py: those at the ends of a cluster, each
- * carried on by the share of the mass beyond; 0 where clusters end.
+ * Return the force that each contact would have if clusters were rigid, as in sandbox/draw/bodies.py. The force at an end of a cluster is
+ * passed on in proportion to the mass beyond each contact; it is 0 where clusters end.
  * @param {(number|null)[]} masses @param {Now} now @param {number} length of a bead
  */
 function rigidForces(masses, now, length) {
@@ -225,29 +228,29 @@ function forceBars(pen, view, data, now) {
   const { motion, size, theme } = view, visible = VISIBLE_FORCE * view.force;
   const wide = Math.min(Math.max(0.26 * size, 3), 30), unit = data.forceUnit.size;
   const decimals = Math.max(0, 2 - Math.floor(Math.log10(view.force / unit)));
-  const marked = view.captions.found.some(({ mark }) => mark); // lines are drawn only with their legend
+  const marked = view.captions.found.some(({ mark }) => mark); // Marks are drawn only if their legend fits.
   const rigid = marked ? rigidForces(motion.mass, now, data.length) : [];
   const high = size < 40 ? 11 : 13, numbers = [], text = (value) => (decimals > 4 ? scientific(value) : fixed(value, decimals));
   now.contacts.forEach((x, k) => {
     const force = now.force[k], top = barTop(view, data, Math.abs(force)), expected = rigid[k];
     pen.fillStyle = view.contactColours[k];
     pen.fillRect(x - wide / 2, top, wide, view.base - top);
-    if (force < 0 && view.base - top > 2 * PULL_RIM) { // hollow: it pulls
+    if (force < 0 && view.base - top > 2 * PULL_RIM) { // Hollow, because the contact pulls.
       pen.fillStyle = theme.card;
       pen.fillRect(x - wide / 2 + PULL_RIM, top + PULL_RIM, wide - 2 * PULL_RIM, view.base - top - 2 * PULL_RIM);
     }
     pen.fillStyle = theme.ink;
-    const solid = motion.solid[k][force < 0 ? 1 : 0]; // dark: what is beyond the force at which the gear is solid
+    const solid = motion.solid[k][force < 0 ? 1 : 0]; // The dark part is the force above the value at which the gear becomes solid.
     if (solid !== null && Math.abs(force) > solid) pen.fillRect(x - wide / 2, top, wide, barTop(view, data, solid) - top);
     let above = top;
-    if (expected > visible && Math.abs(force) > visible) { // a line without a bar would look like a bar that is missing
+    if (expected > visible && Math.abs(force) > visible) { // A mark without a bar would look like a missing bar.
       const reach = wide / 2 + (view.narrow ? 3 : 5), line = barTop(view, data, expected);
       pen.fillRect(x - reach, line - 0.75, 2 * reach, 1.5);
-      if (line > top - 20) above = Math.min(top, line); // a number stands above a line that would strike it through
+      if (line > top - 20) above = Math.min(top, line); // The number stands above a mark that would cross it out.
     }
     if (Math.abs(force) > visible && size >= 28) numbers.push({ text: text(force / unit), x, y: above - 5, force: Math.abs(force) });
   });
-  const taken = [view.captions.scale]; // the greatest first; a number that would lie on another text is left out
+  const taken = [view.captions.scale]; // Draw the largest numbers first. A number that would cover another text is left out.
   pen.font = `600 ${high}px ${FONT}`;
   for (const { text, x, y } of numbers.sort((a, b) => b.force - a.force)) {
     const half = pen.measureText(text).width / 2 + 1;
@@ -263,7 +266,7 @@ function inner({ mass, massLabels: labels, gears, contacts }, theme, colour, k) 
   return mixed(labels.length && mass[k] ? mixed(colour, "#000000", 0.22) : colour, theme.card, labels.length ? 0.05 : TRANSPARENT);
 }
 
-// A velocity arrow under each bead, and below it the mass where masses differ.
+// Draw a velocity arrow under each bead, and the mass below it if masses differ.
 function arrows(pen, view, data, edges, now) {
   const fastest = Math.max(...data.scales.velocity.map(Math.abs)), { motion, size, ground, theme } = view;
   edges.forEach((x, k) => {
@@ -295,7 +298,7 @@ function balanceFrames(pen, view, top) {
   for (const x of [0, second]) pen.fillRect(x, top + 23, wide, 11);
 }
 
-// Bars of energy and of momentum: each bead's part, and a total that must not change.
+// Draw the bars of energy and momentum: the part of each bead, and the total, which must not change.
 function balances(pen, view, data, now, top) {
   const { motion, theme } = view, { wide, second } = balancePlaces(view), mass = motion.mass.map((m) => m ?? 0);
   const kinetic = mass.map((m, k) => 0.5 * m * now.velocity[k] ** 2), momentum = mass.map((m, k) => m * now.velocity[k]);
