@@ -80,7 +80,10 @@ def push(chain, motion):
     """Update the contact forces to the present overlaps and rates."""
     loss, force = chain.dissipation.loss, motion.force
     # without dissipation the force depends only on the overlap
-    if loss.size == 0:
+    if loss.size == 0 and chain.graph.kind.size == 0:  # without a branch for each contact
+        for i in range(force.size):
+            force[i] = power_force(chain.law[i, 0], chain.law[i, 1], chain.law[i, 2], motion.overlap[i])
+    elif loss.size == 0:
         for i in range(force.size):
             force[i] = loading_force(chain, i, motion.overlap[i])
     for i in range(loss.size):
