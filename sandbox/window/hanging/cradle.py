@@ -81,7 +81,7 @@ class Cradle:
             since then.
         tangled: index of the left ball of the first two balls that have passed through each other, or None.
         steps: steps in a frame.
-        fastest: largest closing speed of two neighbours so far [m/s].
+        fastest: largest closing speed of two neighbours before a blow so far [m/s].
     """
 
     space: pymunk.Space
@@ -123,11 +123,13 @@ class Cradle:
         again.
         """
         closing = max(left.velocity.x - right.velocity.x for left, right in pairwise(self.balls))
-        self.steps, self.fastest = steps, max(self.fastest, closing)
+        struck = False
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)  # the verdict shows them
             for _step in range(steps):
                 self.space.step(FRAME / steps)
+                struck = struck or (self.chain is not None and self.chain.energy > 0.0)
+        self.steps, self.fastest = steps, max(self.fastest, closing) if struck else self.fastest
         places, energy = self.places(), self.energy()
         passed = (k for k, (left, right) in enumerate(pairwise(places)) if right[0] < left[0])
         self.tangled = next(passed, None) if self.tangled is None else self.tangled

@@ -80,17 +80,17 @@ def test_a_scene_without_lessons_names_those_that_have_some() -> None:
 def test_the_text_of_a_scene_appears_after_its_question(lab: bool) -> None:
     driver = Driver("one-on-four", lab=lab)
     assert "What leaves on the right?" in driver.said()
-    assert "rigid-like" not in driver.said()
+    assert "not quite rigid" not in driver.said()
     driver.key(pygame.K_SPACE)
     driver.until(lambda: driver.page.lessons.answered)
-    assert "rigid-like" in driver.said()
+    assert "not quite rigid" in driver.said()
     driver.key(pygame.K_r)
-    assert "rigid-like" in driver.said()  # The answer is known by now.
+    assert "not quite rigid" in driver.said()  # The answer is known by now.
     before = driver.page.view.backdrop.version
     driver.page.editor.apply(SetVelocity(0, 0, 0.7))
     driver.frames(2)
     assert driver.page.view.backdrop.version == before + 1
-    assert "rigid-like" not in driver.said()
+    assert "not quite rigid" not in driver.said()
     assert "You have changed this scene" in driver.said()
 
 
