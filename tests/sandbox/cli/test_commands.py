@@ -70,7 +70,7 @@ def test_methods_and_scenes_are_listed(softcradle):
     out = softcradle("scenes").out
     for name in scenes.names():
         assert name in out
-        assert scenes.load(name).title in out
+        assert scenes.load(name).title[:30] in out  # The table wraps long titles.
     assert [scene["name"] for scene in json.loads(softcradle("scenes", "--json").out)] == [*scenes.names()]
     assert scenes.parse(softcradle("scenes", "galilean").out) == scenes.load("galilean")
     assert json.loads(softcradle("scenes", "mixed", "--json").out)["title"] == scenes.load("mixed").title
