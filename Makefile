@@ -41,7 +41,7 @@ demo: .venv/.installed
 
 test: .venv/.installed # kernels are compiled first, side by side: test processes would each compile all of them
 	@$(BIN)/python -c "import softcradle; softcradle.warm(['accurate', 'ensemble_ends'])" & \
-	$(BIN)/python -c "import softcradle; softcradle.warm([m.name for m in softcradle.METHODS if not m.adaptive] + ['SoftChain', 'OwnLaw'])"; wait
+	$(BIN)/python -c "import softcradle; softcradle.warm([m.name for m in softcradle.METHODS if not m.adaptive] + ['SoftChain'])"; wait
 	SDL_VIDEODRIVER=dummy SDL_AUDIODRIVER=dummy $(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow"
 
 test-all: check test

@@ -250,7 +250,7 @@ def contact_scales(chain: Chain, velocity: ArrayLike, duration: float | None = N
     return scales_at(chain, speed_scale(chain, velocity, duration))
 
 
-def struck_depth(preload: Array, stiffness: Array, exponent: Array, energy: Array) -> Array:
+def struck_depth(preload: Array, stiffness: Array, exponent: Array, energy: Array | float) -> Array:
     """Return the overlaps [m], any shape, at which contacts store `energy` [J]: the smaller of the two one-term
     solutions.
     """

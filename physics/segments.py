@@ -98,6 +98,11 @@ class PiecewiseContact:
     coupled: bool | None = None
 
     @property
+    def name(self) -> str:
+        """Name in tables and pictures: the name of the class."""
+        return type(self).__name__
+
+    @property
     def segments(self) -> Sequence[Segment]:
         """The segments of the graph from left to right."""
         raise NotImplementedError(f"class {type(self).__name__} must define segments, the pieces of its graph")

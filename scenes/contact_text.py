@@ -79,9 +79,12 @@ def contact_text(contact: AnyLaw | Joint) -> str:
     >>> contact_text(physics.draft_gear(770.0, 0.0177))
     'draft_gear(770, 0.0177)'
     """
-    if isinstance(contact, physics.OwnLaw):
+    if isinstance(contact, AnyLaw):
+        law = contact
+    elif isinstance(contact, physics.Contact | physics.Coupler):
+        law = table_of(contact, ACCURACY)
+    else:  # a user-defined law
         return f"{contact.name}(overlap)"
-    law = contact if isinstance(contact, AnyLaw) else table_of(contact, ACCURACY)
     if isinstance(law, CouplerTable):
         gears = {"push": law.push, "pull": law.pull}
         lengths = {"slack": law.slack, "travel": law.travel, "stop": law.stop}

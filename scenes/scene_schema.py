@@ -179,7 +179,9 @@ class Lane(Table):
     @classmethod
     def of(cls, chain: physics.Chain, velocity: Sequence[float], label: str = "") -> Self:
         """Return the lane of a chain and its start. User-defined contact laws cannot be written to a scene file."""
-        laws = [table_of(contact) for contact in chain.contact if not isinstance(contact, physics.OwnLaw)]
+        laws = [
+            table_of(contact) for contact in chain.contact if isinstance(contact, physics.Contact | physics.Coupler)
+        ]
         table = {name: getattr(chain, name) for name in ("mass", "gap", "drive", "friction")}
         table |= {name: tuple(map(asdict, getattr(chain, name))) for name in ("forces", "brakes")}
         contact = laws[0] if all(law == laws[0] for law in laws) else laws

@@ -41,6 +41,9 @@ REFINEMENTS = 6
 # A largest overlap is located if its rate is below this fraction of the largest rate. Its error is then the square of that.
 LOCATED = 1e-5
 
+# Tolerance argument for fixed-step methods, which ignore it.
+TOLERANCE = 1e-8
+
 # Largest difference of final velocities between the stored and the repeated run, as a fraction of the largest speed.
 SAME_RUN = 1e-5
 
@@ -113,8 +116,8 @@ def _between(knots: Array) -> list[Array]:
 def _repeated(trajectory: Trajectory, times: Array) -> Trajectory:
     """Solve the same motion with samples at `times`."""
     duration = None if trajectory.status is Status.SEPARATED else float(trajectory.time[-1])
-    fineness = {"step": trajectory.step} if trajectory.step else {"tolerance": trajectory.tolerance}
-    run = solve(trajectory.chain, trajectory.velocity[0], duration, trajectory.method, samples=times, **fineness)
+    step, tolerance = trajectory.step or None, trajectory.tolerance or TOLERANCE
+    run = solve(trajectory.chain, trajectory.velocity[0], duration, trajectory.method, step, times, tolerance)
     speed = np.abs(trajectory.velocity).max(initial=0.0, where=np.isfinite(trajectory.velocity))
     known = np.nan_to_num(trajectory.velocity_error).max(initial=0.0)
     if not np.abs(run.final_velocity - trajectory.final_velocity).max() <= max(SAME_RUN * speed, 10.0 * known):

@@ -31,11 +31,19 @@ from softcradle.physics.contact import stored_energy
 from softcradle.physics.ensemble_runs import in_threads, parts, threads_of
 from softcradle.physics.fixed_step import runner as fixed_step
 from softcradle.physics.fixed_step.step_loop import march
-from softcradle.physics.kernel_records import NO_FLAGS
 from softcradle.physics.kernel_tiers import KernelTiers, entry_of
 from softcradle.physics.methods import Family, Method, find_method, refusal_of
 from softcradle.physics.numerics.plain_kernels import plain
-from softcradle.physics.numerics.records import COUNTERS, DONE, EVALUATION, NO_GRAPHS, NO_KNOTS, SEPARATED, STEP
+from softcradle.physics.numerics.records import (
+    COUNTERS,
+    DONE,
+    EVALUATION,
+    NO_FLAGS,
+    NO_GRAPHS,
+    NO_KNOTS,
+    SEPARATED,
+    STEP,
+)
 from softcradle.physics.scales import (
     DEFAULT_STEPS_A_CONTACT,
     DEFAULT_STEPS_A_STOP,

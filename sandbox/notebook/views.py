@@ -12,7 +12,7 @@ from os import PathLike
 from pathlib import Path
 
 import numpy as np
-from softcradle.physics import Chain, OwnLaw, Trajectory, hooke
+from softcradle.physics import Chain, Contact, Coupler, Trajectory, hooke
 from softcradle.physics.extras import needed_for
 from softcradle.physics.notebook_views import InlineFilm
 from softcradle.scenes import Lane, Scene, View, load
@@ -137,7 +137,7 @@ def scene_of(trajectory: Trajectory, slow: float | None) -> Scene:
 
     chain, span = trajectory.chain, float(trajectory.time[-1] - trajectory.time[0])
     usual = LENGTH / span if span > 0.0 else 1.0
-    drawn = tuple(UNDRAWN if isinstance(contact, OwnLaw) else contact for contact in chain.contact)
+    drawn = tuple(contact if isinstance(contact, Contact | Coupler) else UNDRAWN for contact in chain.contact)
     lane = Lane.of(replace(chain, contact=drawn), trajectory.velocity[0].tolist())
     title = f"{chain.contacts + 1} beads, by {trajectory.method}"
     return Scene(

@@ -79,7 +79,7 @@ def page_script_text(name: str) -> str:
 
 def shortened(script: str) -> str:
     """Return a script that has no comments also without the spaces around its operators. String literals do not change."""
-    return SPACED.sub(lambda found: found[found.lastindex], script)
+    return SPACED.sub(lambda found: found[found.lastindex or 0], script)
 
 
 def _kernels() -> str:

@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple
 
-from softcradle.physics.chain import Joint
 from softcradle.physics.contact import Contact
 from softcradle.physics.coupler import Coupler
 from softcradle.physics.scales import scales_at
 from softcradle.sandbox.languages import N_, NP_, error_words
 from softcradle.sandbox.motion import Motion
 from softcradle.sandbox.quantities import BEAD, CONTACT, MASS, OVERLAP, VELOCITY
+from softcradle.sandbox.session.contact_conversion import plain_contact
 from softcradle.sandbox.session.inputs import Input, SetContact, SetDrive, SetFriction, SetGap, SetMass, SetVelocity
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
@@ -152,8 +152,8 @@ def _of_law(field: str, has: Callable[[Contact], bool]) -> Callable[[LiveLane], 
 
 def _set_law(field: str) -> Callable[[Owner, float], Input]:
     def edit(owner: Owner, value: float) -> Input:
-        law: Joint = owner.live.chain.contact[owner.index]
-        return SetContact(owner.lane, owner.index, replace(law, **{field: value}))  # type: ignore[arg-type]
+        law = plain_contact(owner.live.chain, owner.index)
+        return SetContact(owner.lane, owner.index, replace(law, **{field: value}))
 
     return edit
 

@@ -17,7 +17,7 @@ from softcradle.physics.kernel_records import NO_FLAGS
 from softcradle.physics.numerics.contact_solve import BEAD_ROWS, DIAGONAL, END, FREE, SOLVER_ROWS, solve_contacts
 from softcradle.physics.numerics.law_kernels import energy
 from softcradle.physics.numerics.plain_kernels import plain
-from softcradle.physics.numerics.records import NOTHING, ChainData, Motion
+from softcradle.physics.numerics.records import NO_GRAPHS, NOTHING, ChainData, Motion
 from softcradle.physics.numerics.resolvent import resolvent
 from softcradle.physics.problem import Problem
 from softcradle.physics.scales import contact_scales
@@ -165,7 +165,7 @@ def test_the_resolvent_solves_its_equation(law, start, weight, s, guess):
     larger energy.
     """
     start_power = start ** law[2] if start > 0.0 else 0.0
-    end, force, slope = plain(resolvent)(None, -1, *law, start, start_power, weight, s, guess * s)
+    end, force, slope = plain(resolvent)(NO_GRAPHS, -1, *law, start, start_power, weight, s, guess * s)
     round_off = 1e-12 * (abs(start) + abs(s) + weight * force) + 1e-300
     assert end + weight * force == pytest.approx(s, rel=1e-12, abs=round_off)
     assert force >= 0.0
