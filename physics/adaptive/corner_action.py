@@ -395,8 +395,10 @@ def open_passed(row, h, time, chain, regime, motion, trial, bounds, scratch):
                 and closes_inactive(chain, i, inactive, rate, rate, inward)
             ):
                 motion.overlap[i] = 0.0
-            else:  # the step could not end at the event
+            else:  # the step could not end at the event: another event ends it, or round-off decides which one is first
                 motion.mode[i] = LOADED
+                # Estimate when it closed, from its overlap and rate: `log_switches` needs the time since which it pushes.
+                scratch.pressed[i] = time - inward / max(abs(rate), inward / h)
         # A loaded contact has opened without an event: its force vanishes.
         elif motion.mode[i] == LOADED and not is_continued(chain.law, chain.graph, i):
             any_passed = True

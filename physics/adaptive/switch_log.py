@@ -79,7 +79,7 @@ def log_switches(before, time, landed, chain, regime, motion, bounds, scratch, l
         # A coupler without slack can change from pulling to pushing without opening.
         now = not closed or pressed[i] != 0.0 or (motion.mode[i] == LOADED and w > 0.0)
         if now != closed:
-            when = min(before, since[i]) if now else time
+            when = since[i] if now else time
             if not now and time > before and scratch.opening[i] >= 0.0:
                 when = before + scratch.opening[i]
             log_switch(log, i, now, when)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, hooke
+from softcradle.physics import Chain, hooke, power_law, simulate
 from softcradle.physics.status import Status, WarningCode
 
 from tests.helpers.relations import PROMISE, simulate_quietly
@@ -102,3 +102,15 @@ def test_a_budget_that_ends_is_reported_as_a_budget(monkeypatch) -> None:
     assert 0.0 < warning.numbers["time"] < found.time[-1]
     assert warning.numbers["error"] == pytest.approx(found.velocity_error.max())
     assert np.isfinite(found.velocity_error).all()
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10, 3e-12])
+def test_a_bead_between_two_walls_leaves_one_when_it_meets_the_other(tolerance):
+    """One contact closes at the time at which the other opens. The step ends at the event that round-off makes the first."""
+    stiffness, ends = 12.874637388274245, [math.inf, 1.0, math.inf]
+    chain = Chain(ends, [hooke(stiffness), power_law(0.9229452383487167, 1.5)])
+    spring, other = simulate(chain, [0.0, 1.0, 0.0], 8.4601661, tolerance=tolerance, samples=2).contact_intervals
+    half = math.pi / math.sqrt(stiffness)
+    assert [end - start for start, end in spring] == pytest.approx([half, half], abs=10.0 * tolerance)
+    met = [start for start, _ in other]
+    assert met == pytest.approx([0.0, *(end for _, end in spring)], abs=1e-9)
