@@ -79,7 +79,7 @@ class Contact:
             raise ValueError("contact preload and stiffness are both 0: the contact would never push")
         if not 0.0 <= self.loss < 1.0:
             raise ValueError(
-                f"contact loss must be >= 0 and below 1, not {self.loss!r}: at 1 it would never come out again"
+                f"contact loss must be >= 0 and below 1, not {self.loss!r}: at 1 the contact would never open again"
             )
 
     @classmethod

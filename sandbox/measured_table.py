@@ -185,7 +185,7 @@ def read_table(path: str | Path) -> MeasuredTable:
     for k in np.flatnonzero(~(np.diff(time) > 0.0)).tolist():
         first, second = float(time[k]), float(time[k + 1])
         text = _(
-            "times must ascend, but {last:.6g} s comes before {next:.6g} s; export one run", next=second, last=first
+            "the times must increase, but {next:.6g} s follows {last:.6g} s; export one run", next=second, last=first
         )
         raise _wrong(path, at[k + 1], column, text)
     columns = [

@@ -63,13 +63,13 @@ def _read(wanted: str) -> tuple[str, str]:
     try:
         return text_in(wanted), wanted
     except FileNotFoundError:
-        raise SceneError([f"there is no file {wanted}"]) from None
+        raise SceneError([f"cannot find the file {wanted}"]) from None
     except UnicodeDecodeError as error:
         raise SceneError([f"{wanted}: not a text file in UTF-8: {_encoding_hint(error)}"]) from None
     except OSError as error:
         raise SceneError([f"cannot read {wanted}: {(error.strerror or str(error)).lower()}"]) from None
     except ValueError:  # The name is not possible for a file, for example because it contains a null character.
-        raise SceneError([f"there is no file {wanted!r}"]) from None
+        raise SceneError([f"cannot find the file {wanted!r}"]) from None
 
 
 def text_in(path: str) -> str:
@@ -99,4 +99,4 @@ def _encoding_hint(error: UnicodeDecodeError) -> str:
 def _unknown(wanted: str) -> str:
     near = difflib.get_close_matches(wanted, names(), n=3, cutoff=0.5)
     hint = f"; did you mean {' or '.join(near)}?" if near else ""
-    return f"there is no scene {wanted!r}{hint} (softcradle scenes lists them; a file of your own ends in .toml)"
+    return f"unknown scene {wanted!r}{hint} (softcradle scenes lists all scenes; scene files end in .toml)"

@@ -205,17 +205,15 @@ def _law_words(text: str) -> str | None:
 REFUSALS = (
     N_("contact exponent must be from {least} to {most}, not {given}; its limit 0 is step_force(f0)"),
     N_("contact preload and stiffness are both 0: the contact would never push"),
-    N_("contact loss must be >= 0 and below 1, not {given}: at 1 it would never come out again"),
+    N_("contact loss must be >= 0 and below 1, not {given}: at 1 the contact would never open again"),
     N_("{what} must be a finite number {sign} 0, not {given}"),
     N_("{what} must be from {least} to {most}, not {given}: choose other units"),
     N_("two walls side by side: a contact between them could never be solved"),
-    N_("there is no file {path}"),
+    N_("cannot find the file {path}"),
     N_("{path}: not a text file in UTF-8: save it as UTF-8 ({detail})"),
     N_("cannot read {path}: {error}"),
-    N_(
-        "there is no scene {name}; did you mean {near}? (softcradle scenes lists them; a file of your own ends in .toml)"
-    ),
-    N_("there is no scene {name} (softcradle scenes lists them; a file of your own ends in .toml)"),
+    N_("unknown scene {name}; did you mean {near}? (softcradle scenes lists all scenes; scene files end in .toml)"),
+    N_("unknown scene {name} (softcradle scenes lists all scenes; scene files end in .toml)"),
     N_("{path}: not valid TOML: {error}"),
     N_("{path}: the scene: key {key} is missing"),
     N_("{place}: key {key} is missing"),

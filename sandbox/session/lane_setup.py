@@ -145,14 +145,14 @@ class LaneSetup:
     @property
     def finer(self) -> str:
         """Return a sentence on how to make the method of the lane more accurate."""
-        return _("take a smaller step or more slow motion") if self.step_given else _("take more slow motion")
+        return _("use a smaller step or slower motion") if self.step_given else _("use slower motion")
 
     @property
     def remedy(self) -> str:
         """Return advice for an inaccurate method: the method that conserves energy and momentum, unless that one
         failed.
         """
-        return self.finer if self.method == KEEPING else _("take {method} or a smaller step", method=KEEPING)
+        return self.finer if self.method == KEEPING else _("use {method} or a smaller step", method=KEEPING)
 
     def step_for(self, frame_time: float) -> float | None:
         """Return the step [s] in a frame of `frame_time` [s], see `steps_in`; None for an adaptive method."""

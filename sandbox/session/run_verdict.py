@@ -33,11 +33,12 @@ COARSE_STEPS = 2.0  # steps in the shortest contact; with fewer, velocities are 
 ON_TIME = 0.9  # smallest clock ratio that is good
 WINDOW = 120  # frames over which chatter is counted: one second of wall time
 BOUNCING = N_(
-    "contacts bounce {times:.0f} times faster than steps resolve: single beads may be off; take more slow motion"
+    "contacts open and close {times:.0f} times faster than the time step can follow: "
+    "individual beads may be wrong; use slower motion"
 )
 CHATTERING = N_(
-    "contacts that should rest open and close {times:.0f} times faster than beads can: "
-    "{method} is past its limit; take conserving"
+    "contacts at rest open and close {times:.0f} times faster than is possible: "
+    "{method} is beyond its limit; use conserving"
 )
 PASSED = N_("beads passed through each other")
 COARSE = N_("steps were too long for the contacts")
@@ -69,11 +70,9 @@ def criteria(part: HistorySlice, chatter: Array, length: float) -> list[Criterio
     level, text = (FAIR, BOUNCING) if find_method(method).set_valued else (BAD, CHATTERING)
     chattered = _("{method} chattered", method=method)
     found.append(Criterion(level, chatter > MOST_CHATTER, _(text, times=chatter[-1], method=method), chattered))
-    arbitrary = _(
-        "{steps:.1g} steps to a whole contact: velocities are arbitrary; {remedy}", steps=steps, remedy=setup.finer
-    )
+    arbitrary = _("{steps:.1g} steps per contact: velocities are arbitrary; {remedy}", steps=steps, remedy=setup.finer)
     rough = _(
-        "only {steps:.0f} steps to the shortest contact: velocities are rough; {remedy}",
+        "only {steps:.0f} steps in the shortest contact: velocities are inaccurate; {remedy}",
         steps=steps,
         remedy=setup.finer,
     )
@@ -216,13 +215,13 @@ def health_of(
     if warning:
         found.append((BAD, warning))
     if velocity_error is not None and (off := level_of(velocity_error, FAIR_VELOCITY, BAD_VELOCITY)) != GOOD:
-        text = N_("velocities are off by {error} of the closing speed: take more slow motion")
+        text = N_("velocities are wrong by {error} of the closing speed: use slower motion")
         found.append((off, _(text, error=_percent(velocity_error))))
     estimate = float(estimated_error(part)[-1])
     if velocity_error is None and estimate >= 0.0:
         velocity_error = estimate
     if pacer.clock_ratio < ON_TIME:
-        late = N_("{share} of the set speed: a frame takes too long")
+        late = N_("only {share} of the chosen speed: computing a frame takes too long")
         found.append((FAIR, _(late, share=_percent(pacer.clock_ratio))))
     found.append((GOOD, _("accuracy OK ({method})", method=part.setup.method)))
     level, sentence = max(found, key=lambda item: LEVELS.index(item[0]))

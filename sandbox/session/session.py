@@ -79,13 +79,15 @@ def _edited(item: inputs.LaneInput, now: Present, at_start: bool) -> Present:
 def _grasped(item: inputs.Drag, lanes: list[LiveLane]) -> HeldBead:
     beads = _lane(lanes, item.lane).chain.contacts + 1
     if not (0 <= item.bead < beads and abs(item.position) < float("inf")):
-        raise ValueError(_("there is no bead {bead} to hold at {place!r}", bead=item.bead, place=item.position))
+        raise ValueError(_("bead {bead} cannot be held at {place!r}", bead=item.bead, place=item.position))
     return HeldBead(float(item.lane), float(item.bead), float(item.position))
 
 
 def _lane(lanes: list[LiveLane], index: int) -> LiveLane:
     if not 0 <= index < len(lanes):
-        raise ValueError(_("there is no lane {lane}; they are numbered 0 to {last}", lane=index, last=len(lanes) - 1))
+        raise ValueError(
+            _("lane {lane} does not exist; the lanes are numbered 0 to {last}", lane=index, last=len(lanes) - 1)
+        )
     return lanes[index]
 
 
@@ -424,7 +426,7 @@ class Session:
         try:
             text = self.to_scene().to_toml()
         except ValueError as error:
-            raise UserError(_("this cannot be a scene file: {error}", error=error_words(error))) from None
+            raise UserError(_("this cannot be saved as a scene file: {error}", error=error_words(error))) from None
         with output_file(path) as temporary:
             temporary.write_text(text, encoding="utf-8")
         self.undo_stack.mark_saved()
@@ -447,7 +449,7 @@ class Session:
         target = Path(path)
         ending = target.suffix.lower()
         if ending not in (".npz", ".csv"):
-            raise UserError(_("{path}: a history is exported as .npz or .csv", path=target))
+            raise UserError(_("{path}: data can only be exported as .npz or .csv", path=target))
         paths = self.export_paths(target)
         try:
             for lane, file in enumerate(paths):

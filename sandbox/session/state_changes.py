@@ -146,7 +146,7 @@ def check_index(name: str, index: int | None, count: int) -> None:
     if index is not None and not 0 <= index < count:
         raise ValueError(
             gettext(
-                "there is no {name} {index}; they are numbered 0 to {last}",
+                "{name} {index} does not exist; the numbers go from 0 to {last}",
                 name=gettext(name),
                 index=index,
                 last=count - 1,
@@ -167,7 +167,10 @@ def finite(name: str, number: float) -> float:
     if not (math.isfinite(number) and abs(number) <= LARGEST):
         raise ValueError(
             gettext(
-                "{name} must be a number within {most:g}, not {given!r}", name=gettext(name), most=LARGEST, given=number
+                "{name} must be a number of magnitude at most {most:g}, not {given!r}",
+                name=gettext(name),
+                most=LARGEST,
+                given=number,
             )
         )
     return float(number)

@@ -305,7 +305,7 @@ class App:
         self.settings.keep(scale=self.scale)
         shown = self._unit() / self._usual_unit
         if shown < self.scale - 0.005:
-            text = _("scale {percent:.0f} %: there is no room for more in this window", percent=100 * shown)
+            text = _("scale {percent:.0f} %: this window is too small for a larger scale", percent=100 * shown)
             self.messages.hint(text, subject="scale")
         else:
             self.messages.show(_("scale {percent:.0f} %", percent=100 * shown), subject="scale")

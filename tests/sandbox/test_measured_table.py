@@ -169,7 +169,7 @@ def test_table_of_a_run_is_read_back(tmp_path):
         ("", "line 1, column 1: no numbers below a line of names"),
         ("t,v\n0,1\n", "line 2, column 1: a table needs at least two lines of numbers"),
         ("0,1\n1,2\n2,3\n", "line 1, column 1: the numbers need a line of names above them, such as t (s), v1 (m/s)"),
-        ("t,v\n\n0,1\n0,2\n", "line 4, column 1: times must ascend, but 0 s comes before 0 s; export one run"),
+        ("t,v\n\n0,1\n0,2\n", "line 4, column 1: the times must increase, but 0 s follows 0 s; export one run"),
         ("\nt,v\n0,1\n\n1,fast\n", "line 5, column 2: 'v' is 'fast', not a finite number; leave the cell empty"),
         ("t,v\n0,1\n1,inf\n2,3\n", "line 3, column 2: 'v' is 'inf', not a finite number"),
         ("t,v\n0,1\n,2\n", "line 3, column 1: 't' is empty, but the line has numbers"),

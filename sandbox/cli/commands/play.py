@@ -52,5 +52,5 @@ def _require_scene(wanted: str) -> None:
     if wanted in (HANGING_NAME, STANDARD_INPUT) or is_shared_text(wanted) or os.path.exists(wanted):
         return
     if wanted.lower().endswith(".npz"):
-        raise UserError(f"there is no file {wanted}")
+        raise UserError(f"cannot find the file {wanted}")
     load_scene(wanted)

@@ -114,7 +114,7 @@ def load_picture(path: Path) -> pygame.Surface:
         return pygame.image.load(str(path)).convert()
     except (OSError, pygame.error) as error:
         raise UserError(
-            _("{path}: not a picture that can be read ({error})", path=path, error=str(error).lower())
+            _("{path}: cannot be read as a picture ({error})", path=path, error=str(error).lower())
         ) from None
 
 
@@ -131,6 +131,6 @@ def edges_of(text: str) -> tuple[float, float, float, float]:
     except ValueError:
         raise ValueError(_("{text!r}: four numbers are needed: t left, t right, x top, x bottom", text=text)) from None
     if not (np.isfinite([begin, end, top, bottom]).all() and end > begin and top != bottom):
-        wrong = _("{text!r}: t right must be later than t left, and x top another place than x bottom", text=text)
+        wrong = _("{text!r}: t right must be later than t left, and x top must differ from x bottom", text=text)
         raise ValueError(wrong)
     return begin, end, top, bottom

@@ -20,7 +20,8 @@ from softcradle.sandbox.window.plots.curves import Plot, PlotContent
 from softcradle.sandbox.window.plots.shapes import DifferencePlot, KymographPlot, PhasePlot, StackedPlot, StripPlot
 
 KEY = N_(
-    "t time; x v p e and a bead: place, velocity, momentum, energy; d r f and a contact: overlap, rate, force; s stored"
+    "t: time; x, v, p, e with a bead number: position, velocity, momentum, energy; "
+    "d, r, f with a contact number: overlap, rate, force; s: stored energy"
 )
 
 
@@ -209,10 +210,10 @@ def _difference(setting: PlotSetting) -> PlotContent:
     if setting.lane == 0:
         half = setting.scales.velocity[1] - setting.scales.velocity[0]
         axis, names = linear_axis("", -half, half), setting.bead_names("Δv")
-        return PlotContent(_("second less first (m/s)"), axis, names, setting.colours, _velocity)
+        return PlotContent(_("second minus first (m/s)"), axis, names, setting.colours, _velocity)
     half = setting.scales.force - setting.scales.pull
     axis, names = linear_axis("", -half, half), setting.contact_names("Δf")
-    return PlotContent(_("second less first (N)"), axis, names, setting.colours[1:], _force)
+    return PlotContent(_("second minus first (N)"), axis, names, setting.colours[1:], _force)
 
 
 def _chosen(setting: PlotSetting) -> PlotContent:

@@ -38,7 +38,7 @@ class EndOfMotion:
     def toggle(self) -> None:
         """Switch between pausing at the end and continuing."""
         self.enabled = not self.enabled
-        on, off = _("the clock stops at the end of the motion"), _("the clock goes on after the end of the motion")
+        on, off = _("the clock stops at the end of the motion"), _("the clock continues after the end of the motion")
         self.host.messages.show(on if self.enabled else off)
 
     def update(self, frames: int, replay: Replay | None) -> None:

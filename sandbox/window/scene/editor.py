@@ -36,7 +36,7 @@ def pick_title(session: Session, pick: Pick) -> str:
 
 
 AUTO = "auto"  # Entry of the method menu with which the program chooses the method.
-PREPARING = N_("preparing the physics: some seconds, once")
+PREPARING = N_("preparing the physics: takes a few seconds, only once")
 ALL_NOW = {"power": N_("all contacts are power laws now"), "gear": N_("all contacts are draft gears now")}
 
 
@@ -105,7 +105,7 @@ class SceneEditor:
             return False
         for item in items:
             if isinstance(item, SetMethod) and not self._method_is_loaded(item.method):
-                text = _("method {method} is still being prepared: try again in some seconds", method=item.method)
+                text = _("method {method} is still being prepared: try again in a few seconds", method=item.method)
                 self.host.messages.hint(text)
                 return False
         try:
@@ -150,7 +150,7 @@ class SceneEditor:
         """
         pick = self.selection
         if pick is None:
-            self.host.messages.hint(_("select a bead: the new one comes to its right"))
+            self.host.messages.hint(_("select a bead first: the new bead is added to its right"))
             return
         masses = self.session.lanes[pick.lane].chain.mass
         mass = masses[pick.index]
@@ -177,7 +177,9 @@ class SceneEditor:
         lanes = self.session.lanes
         locked = all(law is not None for lane in lanes for law in lane.setup.locked)
         if self._apply_to_lanes(lambda lane: Lock(lane, None, not locked)):
-            self.host.messages.show(_("all pistons unlocked") if locked else _("all pistons locked: the usual cradle"))
+            self.host.messages.show(
+                _("all pistons unlocked") if locked else _("all pistons locked: now an ordinary Newton's cradle")
+            )
 
     def convert(self) -> None:
         """Convert the selected contact into a power law or a draft gear."""

@@ -343,7 +343,7 @@ class Inspector:
         add = (_("add bead"), self.editor.add_bead, hint("add_bead"))
         remove = (_("remove bead"), self.editor.remove_bead, hint("remove_bead"))
         wall = _("back into a bead") if math.isinf(lane.chain.mass[pick.index]) else _("turn into a wall")
-        return [[add, remove], [(wall, self._toggle_wall, _("a wall has no mass to move: it keeps its velocity"))]]
+        return [[add, remove], [(wall, self._toggle_wall, _("a wall has infinite mass: it keeps its velocity"))]]
 
     def _row(
         self,

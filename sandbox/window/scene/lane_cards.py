@@ -91,7 +91,7 @@ class LaneCards:
         unit, rect = self.host.unit, self.rects[lane]
         high, margin = round(24 * unit), round(6 * unit)
         place = pygame.Rect(rect.left + margin, rect.bottom - high - margin // 2, rect.width - 2 * margin, high)
-        show, tip = partial(self.show_fault, lane), _("of all frames that are kept")
+        show, tip = partial(self.show_fault, lane), _("for all stored frames")
         return UIButton(place, "", self.host.manager, object_id="#flat", tool_tip_text=tip, command=show)
 
     def show_fault(self, lane: int) -> None:
@@ -131,7 +131,7 @@ class LaneCards:
             text = shortened(whole, 13 * self.host.unit, self.rects[lane].width - 24 * self.host.unit)
             if button.text != text:
                 button.set_text(text)
-                button.tool_tip_text = _("of all frames that are kept") if text == whole else whole
+                button.tool_tip_text = _("for all stored frames") if text == whole else whole
 
     def _check_velocities(self) -> None:
         """Compare each lane with an accurate run in the background thread."""
@@ -147,7 +147,7 @@ class LaneCards:
             return _("whole run OK")
         size, name = time_unit(max(self.session.span[1], 1e-9))
         if worst is None:
-            return _("no fault since {time} {unit}", time=fixed(self.session.span[0] / size, 2), unit=name)
+            return _("no problem since {time} {unit}", time=fixed(self.session.span[0] / size, 2), unit=name)
         first, last = (fixed(time / size, 2) for time in (worst.begin, worst.end))
         return _("{cause}, {first} to {last} {unit}", cause=worst.cause, first=first, last=last, unit=name)
 
@@ -234,7 +234,7 @@ def _numbers(state: Health) -> list[tuple[str, str]]:
     return [
         (_("velocity error"), _error(state.velocity_error, _("not known"))),
         (_("energy error"), _error(state.energy_error, _("not known"))),
-        (_("momentum error"), _error(state.momentum_error, _("not kept (wall or bed)"))),
+        (_("momentum error"), _error(state.momentum_error, _("not conserved (wall, bed)"))),
         (_("chatter"), chatter),
         (_("time per frame"), f"{fixed(state.milliseconds, 2)} ms"),
     ]

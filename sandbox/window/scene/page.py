@@ -146,7 +146,7 @@ class ScenePage(Page):
                 self.session.set_words(told)
 
         note = _(
-            "They are in the scene file, in the film and on the page; a question is asked before the text is shown."
+            "These words appear in the scene file, in films and on web pages. The question is asked before the text is shown."
         )
         self.host.put_over(EntryDialog(self.host, _("Words of the scene"), note, fields | labels, take, long=_("text")))
 

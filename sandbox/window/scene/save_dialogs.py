@@ -57,7 +57,7 @@ def typed_path(text: str, endings: Sequence[str]) -> Path:
         raise UserError(_("cannot write {path}: {reason}", path=_shortened(text), reason=reason(error))) from None
     except ValueError:  # The name contains a NUL character.
         raise UserError(
-            _("cannot write {path}: {reason}", path=repr(text), reason=_("no file has such a name"))
+            _("cannot write {path}: {reason}", path=repr(text), reason=_("this is not a valid file name"))
         ) from None
     return path
 
@@ -121,7 +121,7 @@ class WindowFilm:
         try:
             stack.close()
         except (UserError, OSError, ValueError) as error:
-            self.host.messages.show(_("the film is lost: {error}", error=error_words(error)), warning=True)
+            self.host.messages.show(_("the film could not be saved: {error}", error=error_words(error)), warning=True)
         else:
             text = _("saved {seconds:.0f} s to {path}", seconds=self.seconds, path=shown_path(self.path))
             self.host.messages.show(text)

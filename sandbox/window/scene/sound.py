@@ -114,7 +114,7 @@ class SceneSound:
                 self.tones = ForceTones()
                 self.host.messages.show(_("clicks at impacts, and a tone for the force of each contact"))
         except pygame.error as error:
-            self.host.messages.show(_("there is no sound here: {error}", error=error), warning=True)
+            self.host.messages.show(_("sound is not available: {error}", error=error), warning=True)
 
     def update(self, greatest_force: float) -> None:
         """Play the impacts of the last tick. Set the tones to the present forces relative to the largest force of the

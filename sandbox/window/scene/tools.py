@@ -150,7 +150,7 @@ class DataTool:
         key, plot = self._plot(KYMOGRAPH)
         begin, end = max(0.0, plot.span.time(0)), plot.span.time(plot.area.width)
         proposed = localized(f"{begin:.4g} {end:.4g} {plot.axis.high:.4g} {plot.axis.low:.4g}")
-        note = _("where its edges lie: time at the left and right [s], place at the top and bottom [m]")
+        note = _("values at its edges: time at the left and right [s], position at the top and bottom [m]")
         self.host.ask(_("A picture over the kymograph"), note, proposed, partial(self._lay_picture, picture, key))
 
     def _lay_picture(self, picture: pygame.Surface, key: tuple[str, int], text: str) -> None:
@@ -163,7 +163,7 @@ class DataTool:
         """Ask which two signals to plot against each other."""
         vertical, horizontal = self.board.pair
         text = _("{vertical} against {horizontal}", vertical=vertical, horizontal=horizontal)
-        self.host.ask(_("A signal against another"), _(KEY), text, self._take_signals)
+        self.host.ask(_("Plot one signal against another"), _(KEY), text, self._take_signals)
 
     def _take_signals(self, text: str) -> None:
         try:
@@ -253,7 +253,9 @@ class ViewKeys:
     def toggle_plot(self, name: str) -> None:
         """Show or hide one kind of plot."""
         if name not in self.board.available():
-            self.host.messages.hint(_("the {name} needs two lanes of as many beads", name=pgettext("button", name)))
+            self.host.messages.hint(
+                _("the plot “{name}” needs two lanes with equal numbers of beads", name=pgettext("button", name))
+            )
             return
         self.board.toggle(name)
         if not self.board.single:

@@ -43,7 +43,7 @@ OPENING_ROOM = 0.12
 # bead that bounces off a wall flies on for tens of seconds; a window for all of it would show the row as a dot. Scenes
 # of the catalogue have up to 0.63.
 MOST_ROOM = 0.7
-NO_ROOM = N_("there is no room for plots: make the window larger, or the scale smaller")
+NO_ROOM = N_("plots do not fit: make the window larger or the scale smaller")
 NARROWEST, WIDEST = 1e-4, 1e9  # Limits of the visible width, in lengths of a bead.
 
 

@@ -75,8 +75,8 @@ REFUSED = [
     ("rnu", "there is no command 'rnu'; did you mean run?"),
     ("list", "did you mean scenes?"),
     ("run", "required: SCENE"),
-    ("run one-on-fuor", "there is no scene 'one-on-fuor'; did you mean one-on-four"),
-    ("run nowhere/own.toml", "there is no file nowhere/own.toml"),
+    ("run one-on-fuor", "unknown scene 'one-on-fuor'; did you mean one-on-four"),
+    ("run nowhere/own.toml", "cannot find the file nowhere/own.toml"),
     ("run .", "cannot read .: "),
     ("run mixed --stepp 1", "unrecognized arguments: --stepp 1 (see softcradle run --help)"),
     ("run mixed --method verlett", "did you mean 'verlet'"),
@@ -118,10 +118,10 @@ REFUSED = [
     ("figures --list --open", "--list computes nothing: --open"),
     ("chart --list one-on-for", "did you mean"),
     ("chart --list --csv", "--list computes nothing: --csv"),
-    ("chart --list no-such", "there is no scene 'no-such'"),
+    ("chart --list no-such", "unknown scene 'no-such'"),
     (f"sweep {STUDY} --workers 0", "must be a whole number from 1"),
     ("compare one-on-four", "has nothing to be compared with"),
-    ("compare one-on-four no-such", "there is no scene 'no-such'"),
+    ("compare one-on-four no-such", "unknown scene 'no-such'"),
     ("compare one-on-four two-on-two --contact hertz(1)", "--contact changes one scene, but 2 are given"),
     ("compare one-on-four --contact hertz(-1)", "stiffness must be greater than 0"),
     (
@@ -181,7 +181,7 @@ def test_check_reports_every_problem_of_every_file(tmp_path, softcradle, refused
     out, err = softcradle("check", str(path), "galilean", "nope", code=2)
     assert out == "galilean: ok, 'Who hits whom?' with 5 and 5 beads\n3 files: 1 ok, 2 with problems\n"
     assert [line.count("mass") for line in err.splitlines()] == [1, 1, 0]
-    assert "there is no scene 'nope'" in err.splitlines()[2]
+    assert "unknown scene 'nope'" in err.splitlines()[2]
 
 
 def test_check_takes_folders_and_patterns(tmp_path, monkeypatch, softcradle, refused):
@@ -198,7 +198,7 @@ def test_check_takes_folders_and_patterns(tmp_path, monkeypatch, softcradle, ref
         assert err.count("\n") == err.count("b.toml") == 1
     (folder / "b.toml").write_text(GOOD, encoding="utf-8")
     assert softcradle("check", "class").out.splitlines()[2] == "2 files: all ok"
-    assert "there is no file *.toml" in refused("check", "*.toml")
+    assert "cannot find the file *.toml" in refused("check", "*.toml")
     (tmp_path / "[1].toml").write_text(GOOD, encoding="utf-8")  # The name of this file is also a pattern.
     assert softcradle("check", "[1].toml").out == "[1].toml: ok, 'one on two' with 3 beads\n"
     (tmp_path / "empty").mkdir()

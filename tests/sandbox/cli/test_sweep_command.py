@@ -120,7 +120,7 @@ def test_samples_of_a_file_and_the_example(tmp_path):
         (changed(VALUES, 'between = [0, "x"], count = 2'), r"velocity.0.between\[1\] must be a number, not 'x'"),
         (changed(VALUES, "values = []"), r"needs either values = \[...\] or between"),
         (changed('"rigidity"', '"rigid"'), "there is no measure 'rigid'"),
-        (changed("one-on-four", "one\\u0000.toml"), r"study.toml: there is no file 'one\\x00.toml'"),
+        (changed("one-on-four", "one\\u0000.toml"), r"study.toml: cannot find the file 'one\\x00.toml'"),
         (changed("one-on-four", "o" * 300 + ".toml"), r"study.toml: cannot read o+.toml: "),
         (changed('contact.alpha" = 1', 'contact.alpha" = -1'), r"contact.alpha must be greater than 0, not -1"),
         (changed('scene = "one-on-four"', ""), "key 'scene' is missing"),

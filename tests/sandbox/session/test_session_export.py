@@ -66,7 +66,9 @@ def test_a_common_method_is_written_with_different_steps():
 
 def test_a_scene_that_cannot_be_written_is_rejected(tmp_path):
     session = opened("one-on-four", inputs.SetContact(0, 0, Contact(0.0, 1e-30, 0.1)))
-    sentence = "this cannot be a scene file: the scene: contact 0-1 would be pressed by .* m; .*: choose other units"
+    sentence = (
+        "this cannot be saved as a scene file: the scene: contact 0-1 would be pressed by .* m; .*: choose other units"
+    )
     with pytest.raises(UserError, match=f"^{sentence}$"):
         session.save_scene(tmp_path / "mine.toml")
     assert not list(tmp_path.iterdir())

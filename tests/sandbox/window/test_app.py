@@ -84,7 +84,7 @@ def test_the_window_is_resized_and_scaled_and_its_panel_hidden(driver: Driver) -
     assert driver.page.view.places.lanes[0].width > wide
     driver.resize((1280, 720))
     driver.key(pygame.K_EQUALS, CTRL, times=3)
-    assert driver.messages == ["scale 144 %: there is no room for more in this window"]
+    assert driver.messages == ["scale 144 %: this window is too small for a larger scale"]
     driver.close()
     assert Driver("one-on-four").app.scale == 1.5  # The scale is stored in the settings.
 
@@ -142,7 +142,7 @@ def test_a_message_about_a_long_name_fits_the_window(size, letters: str) -> None
     with patch.object(text, "width", Mock(wraps=text.width)) as measured:
         driver.frames(2)
     assert measured.call_count < 5000
-    assert driver.messages[0].startswith("there is no scene 'x")
+    assert driver.messages[0].startswith("unknown scene 'x")
     ((rect, _message),) = driver.app.messages._places
     assert pygame.Rect((0, 0), size).contains(rect)
 

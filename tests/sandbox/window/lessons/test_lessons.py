@@ -79,7 +79,7 @@ def test_a_scene_without_lessons_names_those_that_have_some() -> None:
 @pytest.mark.parametrize("lab", [False, True], ids=["explore", "lab"])
 def test_the_text_of_a_scene_appears_after_its_question(lab: bool) -> None:
     driver = Driver("one-on-four", lab=lab)
-    assert "What leaves on the right?" in driver.said()
+    assert "Which beads leave on the right?" in driver.said()
     assert "not quite rigid" not in driver.said()
     driver.key(pygame.K_SPACE)
     driver.until(lambda: driver.page.lessons.answered)

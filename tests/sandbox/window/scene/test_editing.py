@@ -159,15 +159,15 @@ def test_a_verdict_on_stored_frames_names_their_beginning() -> None:
         driver.frames(20)
         said.append(driver.page.cards.verdicts[0].text)
     assert said[:2] == ["whole run OK"] * 2
-    assert said[2] == f"no fault since {driver.session.span[0]:.2f} s"
+    assert said[2] == f"no problem since {driver.session.span[0]:.2f} s"
 
 
 def test_no_badge_advises_the_method_that_failed() -> None:
-    for method, advice in (("conserving", "take more slow motion"), ("euler", "take conserving or a smaller step")):
+    for method, advice in (("conserving", "use slower motion"), ("euler", "use conserving or a smaller step")):
         assert setup_of(scenes.load("one-on-four")).lanes[0].with_method(method).remedy == advice
     session = opened("one-on-four", SetMethod(None, "conserving"), SetMass(0, 1, 1e-30))
     session.step_frames(400)
-    assert "take conserving" not in session.health(0).sentence
+    assert "use conserving" not in session.health(0).sentence
 
 
 def test_one_of_nine_values_is_chosen_by_key_or_click(driver: Driver) -> None:

@@ -199,7 +199,7 @@ def test_the_outcome_is_shown_in_a_dialog_if_the_card_does_not_fit(explorer: Dri
     assert [len(row) for row in explorer.page.view.places.plots] == [1], "it is there without the card"
     press(explorer, "Compare with steel balls")
     explorer.key(pygame.K_2)
-    assert explorer.messages == ["there is no room for plots: make the window larger, or the scale smaller"]
+    assert explorer.messages == ["plots do not fit: make the window larger or the scale smaller"]
 
 
 def test_the_clock_pauses_once_at_the_end_of_the_motion(driver) -> None:
@@ -415,4 +415,4 @@ def test_nothing_disappears_at_the_largest_scale(size: tuple[int, int]) -> None:
     assert [len(row) for row in driver.page.view.places.plots] == [1]
     assert driver.page.view.lanes[0].drawing.bead > 30 * driver.app.unit
     press(driver, "Text")
-    assert "What leaves on the right?" in driver.app.dialog.note
+    assert "Which beads leave on the right?" in driver.app.dialog.note

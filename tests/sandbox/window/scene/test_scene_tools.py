@@ -69,7 +69,7 @@ def test_a_scene_is_copied_as_text_and_pasted(driver: Driver) -> None:
     pygame.scrap.put_text(" ")
     driver.key(pygame.K_v, CTRL)
     driver.app.open("")  # Like an empty input.
-    assert [text[:22] for text in driver.messages[-2:]] == ["the clipboard is empty", "there is no scene '' ("]
+    assert [text[:22] for text in driver.messages[-2:]] == ["the clipboard is empty", "unknown scene '' (soft"]
 
 
 def test_a_scene_is_compared_with_an_edited_copy(driver: Driver) -> None:
