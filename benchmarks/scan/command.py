@@ -34,7 +34,7 @@ from benchmarks.json_lines import append, lines
 from benchmarks.reports import Report
 from benchmarks.scan.chain_points import Entry, chain_numbers, compiled, entries
 from benchmarks.scan.families import FAMILIES, motion
-from benchmarks.scan.verdict import PROMISE, SLOW, RunVerdict
+from benchmarks.scan.verdict import SLOW, RunVerdict
 
 SEEDS_SHOWN = 8  # Largest number of failed chains that a row of the table lists.
 TRUTHS = "truths.jsonl"  # Name of the file in the folder with the reference solutions.
@@ -54,7 +54,7 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument("--fresh", action="store_true", help="judge every chain anew; truths are kept")
     found.add_argument("--keep", action="store_true", help="add the truths of these chains to those of the repository")
     found.add_argument("--markdown", type=Path, metavar="FILE", help="write the table there too, for the documentation")
-    found.add_argument("--require", action="store_true", help="exit with 1 if an error is silent")
+    found.add_argument("--require", action="store_true", help="exit with 1 if an error is undetected")
     return found
 
 
@@ -82,7 +82,7 @@ def main(arguments: list[str]) -> int:
     if args.markdown is not None:
         with output_file(args.markdown) as temporary:
             temporary.write_text(report.markdown(), encoding="utf-8")
-    return int(args.require and any(entry["verdict"] == RunVerdict.SILENT for entry in found))
+    return int(args.require and any(entry["verdict"] == RunVerdict.UNDETECTED for entry in found))
 
 
 def _truths(args: argparse.Namespace) -> dict[str, Entry]:
@@ -144,22 +144,21 @@ def _report(entries: list[Entry], families: Iterable[str], title: str) -> Report
         counts = [sum(entry["verdict"] == verdict for entry in own) for verdict in RunVerdict]
         times = sorted(entry["seconds"] for entry in own)
         slow = sum(entry["slow"] for entry in own)
-        bad = [entry for entry in own if entry["verdict"] in (RunVerdict.SILENT, RunVerdict.GAVE_UP)]
+        bad = [entry for entry in own if entry["verdict"] in (RunVerdict.UNDETECTED, RunVerdict.GAVE_UP)]
         worst = sorted(bad, key=lambda entry: -entry["error"])[:SEEDS_SHOWN] if family != "all" else []
-        seeds = ", ".join(f"{entry['seed']}{'' if entry['verdict'] == RunVerdict.SILENT else '!'}" for entry in worst)
+        seeds = ", ".join(
+            f"{entry['seed']}{'' if entry['verdict'] == RunVerdict.UNDETECTED else '!'}" for entry in worst
+        )
         middle = f"{1e3 * times[len(times) // 2]:.2g}" if times else "-"
         rows.append(
             [family, str(len(own)), *map(str, counts), str(slow), middle, f"{max(times, default=math.nan):.2g}", seeds]
         )
     sources = Counter(entry["truth"] for entry in entries)
     columns = ["family", "chains", *RunVerdict, f"over {SLOW:g} s", "median [ms]", "worst [s]", "seeds (! gave up)"]
+    paths = sum(one["path"] for one in entries)
     notes = [
-        f"within: error of final velocities up to {PROMISE:g} tolerances; stated: within the error that the run states, or "
-        "the run warns; silent: beyond both; unknown: the truth is known less well",
-        f"positions and contact times are judged in {sum(one['path'] for one in entries)} of the chains: errors up to "
-        f"{PROMISE:g} tolerances times the duration are within; errors of contact times count times the rate of the overlap",
-        "truth: two fine runs that `conserving` confirms, else the reference in extended precision, for laws of one's own method "
-        "`scipy`, else the median and spread of fine runs, else those of runs of `conserving`: "
+        f"positions and contact times are judged in {paths} of the {len(entries)} chains",
+        "chains by source of the reference solution: "
         + ", ".join(f"{count} by {source}" for source, count in sources.items()),
     ]
     return Report(f"Random chains, {title}", columns, rows, notes, entries)

@@ -13,7 +13,7 @@ from softcradle.physics.trajectory import Trajectory
 from benchmarks.scan.families import Motion
 from benchmarks.scan.truth import FINE_SPREAD, Path, Truth, off_by
 
-PROMISE = 10.0  # Guaranteed error of final velocities, in tolerances.
+GUARANTEE = 10.0  # Guaranteed error of final velocities, in tolerances.
 SLOW = 1.0  # Time [s] above which a run counts as slow.
 
 
@@ -21,8 +21,8 @@ class RunVerdict(StrEnum):
     """The result of comparing a run with the reference solution."""
 
     WITHIN = "within"  # The error is within the guarantee.
-    STATED = "stated"  # The error is larger, but within the error that the run estimates, or the run warns.
-    SILENT = "silent"  # The error is larger than the run estimates, so it is undetected.
+    REPORTED = "reported"  # The error is larger, but within the error that the run estimates, or the run warns.
+    UNDETECTED = "undetected"  # The error is larger than the run estimates, so it is undetected.
     GAVE_UP = "gave up"
     UNKNOWN = "unknown"  # The reference solution is less precise than the error that would have to be shown.
 
@@ -33,16 +33,16 @@ def judge(motion: Motion, truth: Truth, method: str, tolerance: float) -> dict[s
     found = solve(motion.chain, motion.velocity, motion.duration, method, samples=2, tolerance=tolerance)
     seconds = perf_counter() - began
     apart = np.abs(found.final_velocity - truth.velocity)
-    verdict = _verdict(found, apart, truth, PROMISE * tolerance * motion.speed)
+    verdict = _verdict(found, apart, truth, GUARANTEE * tolerance * motion.speed)
     shift, late = _path_errors(motion, truth, found)
-    if truth.path is not None and verdict in (RunVerdict.WITHIN, RunVerdict.STATED):
-        allowed = PROMISE * tolerance * motion.speed * truth.path.end
+    if truth.path is not None and verdict in (RunVerdict.WITHIN, RunVerdict.REPORTED):
+        allowed = GUARANTEE * tolerance * motion.speed * truth.path.end
         verdict = max(verdict, _path_verdict(found, max(shift, late), truth.path, allowed), key=list(RunVerdict).index)
     return {
         "verdict": verdict.value,
         "error": float(apart.max()),
         "doubt": float(truth.doubt.max()),
-        "stated": float(found.velocity_error.max()),
+        "estimate": float(found.velocity_error.max()),
         "shift": shift,
         "late": late,
         "position_error": float(found.position_error[-1]),
@@ -71,8 +71,8 @@ def _path_verdict(found: Trajectory, error: float, path: Path, allowed: float) -
         return RunVerdict.WITHIN
     bound = float(np.fmax(found.position_error[-1], allowed))
     if found.warnings or error <= bound + min(path.doubt, bound):
-        return RunVerdict.STATED
-    return RunVerdict.SILENT if error > bound + path.doubt else RunVerdict.UNKNOWN
+        return RunVerdict.REPORTED
+    return RunVerdict.UNDETECTED if error > bound + path.doubt else RunVerdict.UNKNOWN
 
 
 def _verdict(found: Trajectory, apart: np.ndarray, truth: Truth, allowed: float) -> RunVerdict:
@@ -82,6 +82,6 @@ def _verdict(found: Trajectory, apart: np.ndarray, truth: Truth, allowed: float)
         return RunVerdict.WITHIN
     bound = np.fmax(found.velocity_error, allowed)  # The estimate is NaN for methods that do not estimate their error.
     if found.warnings or (apart <= bound + np.minimum(truth.doubt, bound)).all():
-        return RunVerdict.STATED
+        return RunVerdict.REPORTED
     known = truth.source == FINE_SPREAD or (apart > bound + truth.doubt).any()
-    return RunVerdict.SILENT if known else RunVerdict.UNKNOWN
+    return RunVerdict.UNDETECTED if known else RunVerdict.UNKNOWN

@@ -78,13 +78,13 @@ def judged(monkeypatch, error, truth=TRUTH, **changes):
 def test_verdicts(monkeypatch):
     warned = (CodedWarning(WarningCode.SENSITIVE, "x"),)
     assert judged(monkeypatch, 9e-6)["verdict"] == "within"
-    assert judged(monkeypatch, 1e-3, warnings=warned)["verdict"] == "stated"
+    assert judged(monkeypatch, 1e-3, warnings=warned)["verdict"] == "reported"
     assert judged(monkeypatch, 1e-3, status=Status.OUT_OF_STEPS)["verdict"] == "gave up"
-    for stated, expected in ((np.nan, "silent"), (1e-4, "silent"), (2e-3, "stated")):
-        assert judged(monkeypatch, 1e-3, velocity_error=np.full(5, stated))["verdict"] == expected
+    for estimate, expected in ((np.nan, "undetected"), (1e-4, "undetected"), (2e-3, "reported")):
+        assert judged(monkeypatch, 1e-3, velocity_error=np.full(5, estimate))["verdict"] == expected
     # A difference between coarse runs does not measure the error. A difference between fine runs shows that the motion
     # is not determined to the estimated error.
-    for source, expected in (("spread", "unknown"), ("spread of fine runs", "silent")):
+    for source, expected in (("spread", "unknown"), ("spread of fine runs", "undetected")):
         truth = Truth(TRUTH.velocity, np.full(5, 1e-2), source)
         assert judged(monkeypatch, 1e-3, truth, velocity_error=np.full(5, 1e-7))["verdict"] == expected
 
@@ -92,8 +92,8 @@ def test_verdicts(monkeypatch):
 @pytest.mark.parametrize(
     ("shift", "late", "doubt", "expected"),
     [
-        (0.0, 0.0, 1e-10, "within"), (1e-6, 1e-6, 1e-10, "within"), (1e-3, 0.0, 1e-10, "silent"),
-        (0.0, 1e-3, 1e-10, "silent"), (1e-3, 0.0, 1e-2, "unknown"),
+        (0.0, 0.0, 1e-10, "within"), (1e-6, 1e-6, 1e-10, "within"), (1e-3, 0.0, 1e-10, "undetected"),
+        (0.0, 1e-3, 1e-10, "undetected"), (1e-3, 0.0, 1e-2, "unknown"),
     ],
 )  # fmt: skip
 def test_positions_and_contact_times_are_judged(monkeypatch, shift, late, doubt, expected):
@@ -108,7 +108,7 @@ def test_a_contact_that_does_not_open_in_the_run_is_an_error(monkeypatch):
     path = Path(run.position[-1], 1e-10, float(run.time[-1]), (Event(0, False, 1.0, 0.5),))
     closed = replace(run, contact_intervals=(((0.0, math.inf),),) * 4)
     monkeypatch.setattr(verdict, "solve", lambda *_, **__: closed)
-    assert verdict.judge(PAPER, replace(TRUTH, path=path), "accurate", 1e-6)["verdict"] == "silent"
+    assert verdict.judge(PAPER, replace(TRUTH, path=path), "accurate", 1e-6)["verdict"] == "undetected"
 
 
 def test_the_path_of_fine_runs_is_that_of_the_reference():
