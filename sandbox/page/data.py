@@ -177,7 +177,7 @@ def _hex(colour: tuple[int, int, int]) -> str:
 # Size of all packed motions of a page in bytes. As base64 they take 800 kB, and the page stays below 1 MB.
 USUAL_BYTES = 600_000
 # Usual size in bytes of the recording in a page that computes its motion. It is played only if WebAssembly is blocked.
-STANDBY_BYTES = 6_000
+STANDBY_BYTES = 5_000
 MOST_BYTES = 6_000_000  # Largest size in bytes, for long chains whose samples are as coarse as allowed.
 COARSEST = 5  # Number of times that the accuracy may be reduced; afterwards curves would look wrong.
 CODES = 32767  # Largest code of a velocity or force; 0 stands for 0.

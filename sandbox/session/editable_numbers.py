@@ -32,7 +32,7 @@ EXPONENTS = 0.01, 3.0  # range of exponents of the slider
 # Exponents at which sliders stop: values of the paper, springs and Hertz.
 ROUND_EXPONENTS = (1 / 40, 1 / 20, 1 / 14, 1 / 10, 1 / 5, 1 / 2, 1.0, 3 / 2)
 # Largest distance from a round value at which a slider stops there, as a fraction of its length. It is less than the step of
-# the arrow keys (0.01), which would not leave a round value otherwise.
+# the arrow keys (0.02), which would not leave a round value otherwise.
 CATCH = 0.008
 FEWEST_STOPS = 50  # fewest stops of a linear slider
 LEAST = 1e-6  # half the range of a slider whose values are all 0

@@ -19,7 +19,7 @@ from softcradle.sandbox.session.editable_numbers import Parameter
 from softcradle.sandbox.story.numbers import MINUS
 from softcradle.sandbox.window.page import Host
 
-STEP = 0.01  # Fraction of the range by which an arrow key moves.
+STEP = 0.02  # Share of a slider that an arrow key moves: more than the distance of two round values of a linear slider.
 PAGE = 0.1  # Fraction of the range by which Page Up and Page Down move.
 ENTRY = 92.0  # Width of the text field of a number in design pixels.
 SWEEP = 26.0  # Width of the button for a sweep in design pixels.

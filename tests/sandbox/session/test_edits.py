@@ -335,7 +335,7 @@ def test_sliders_stop_at_round_numbers():
     session = opened("one-on-four")
     alpha = next(one for one in parameters(session, 0, "contact", 1) if one.key == "exponent")
     for value in (1 / 20, 1 / 10, 1 / 2, 1.0, 3 / 2):
-        assert alpha.at(alpha.share_of(value) + 0.01) == value
+        assert alpha.at(alpha.share_of(value) + 0.007) == value
     velocity = next(one for one in parameters(session, 0, "bead", 0) if one.key == "velocity")
     for parameter in (alpha, velocity):
         assert (parameter.at(0.0), parameter.at(1.0)) == (parameter.low, parameter.high)

@@ -49,7 +49,7 @@ def test_values_and_outcome_are_shown_and_copied(driver: Driver) -> None:
     assert "Bead 0 goes to the right at 1\N{NO-BREAK SPACE}m/s." in driver.app.dialog.note
     driver.key(pygame.K_LEFT)
     driver.key(pygame.K_RETURN)
-    assert pygame.scrap.get_text().startswith("At 0 seconds.")
+    assert pygame.scrap.get_text().startswith("At 0\N{NO-BREAK SPACE}s.")
     for key in (pygame.K_b, pygame.K_t, pygame.K_t):  # Without plots there is no room for the table.
         driver.key(key)
 
