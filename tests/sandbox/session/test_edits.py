@@ -165,17 +165,17 @@ def test_only_an_automatic_step_follows_edits():
         (inputs.SetMass(0, 0, math.nan), "mass"),
         (inputs.SetMass(0, None, np.float64(0.0)), "mass"),
         (inputs.SetVelocity(0, 0, np.float64(1e13)), "velocity"),
-        (inputs.SetVelocity(0, 5, 1.0), "numbered 0 to 4"),
-        (inputs.SetContact(0, 4, hertz(1.0)), "numbered 0 to 3"),
+        (inputs.SetVelocity(0, 5, 1.0), "from 0 to 4"),
+        (inputs.SetContact(0, 4, hertz(1.0)), "from 0 to 3"),
         (inputs.SetKind(0, 0, "rubber"), "power, gear, hard"),
         (inputs.SetGap(0, 0, np.float64(1e13)), "gap"),
         (inputs.SetGap(0, 0, -1.0), "overlap must be below the length of a bead"),
         (inputs.SetMethod(0, "magic"), "unknown method"),
         (inputs.SetStep(0, -1.0), "step"), (inputs.SetFriction(0, np.float64(-0.1)), "friction"),
         ([inputs.SetMethod(0, "scipy"), inputs.SetStep(0, 0.1)], "chooses its own steps"),
-        (inputs.AddBead(0, 9), "numbered 0 to 5"), ([inputs.RemoveBead(0, 0)] * 4, "at least 2 beads"),
-        (inputs.Place(0, 1, np.float64("nan")), "position"), (inputs.Drag(0, 9, 0.0), "no bead 9"),
-        (inputs.SetMass(3, 0, 1.0), "no lane 3"), (inputs.SetSlow(-1.0), "slow motion must be from"),
+        (inputs.AddBead(0, 9), "from 0 to 5"), ([inputs.RemoveBead(0, 0)] * 4, "at least 2 beads"),
+        (inputs.Place(0, 1, np.float64("nan")), "position"), (inputs.Drag(0, 9, 0.0), "bead 9 cannot be held"),
+        (inputs.SetMass(3, 0, 1.0), "lane 3 does not exist"), (inputs.SetSlow(-1.0), "slow motion must be from"),
     ],
 )  # fmt: skip
 def test_a_rejected_edit_changes_nothing(edit, sentence):
@@ -253,7 +253,7 @@ def test_several_inputs_are_one_undo_step(tmp_path):
     before = picture(session)
     session.apply_all([])
     for anew in (False, True):
-        with pytest.raises(ValueError, match="no bead 9"):
+        with pytest.raises(ValueError, match="bead 9 does not exist"):
             session.apply_all([inputs.SetMass(0, 2, 3.0), inputs.SetMass(0, 9, 3.0)], anew=anew)
         assert picture(session) == before
     for mass in (3.0, 4.0):
