@@ -1,7 +1,8 @@
-"""``python -m benchmarks auto``: seeded random collisions; does the choice of `auto` hold the wanted error, at what cost?
+"""``python -m benchmarks auto``: check on seeded random collisions that the choice of `auto` has the wanted error, and
+its cost.
 
-Beside its choice, each collision is computed by `accurate`, `radau` and `conserving` as `auto` would run them for this error. The
-cost is counted as contacts times evaluations, so it does not depend on the machine.
+Each collision is also computed with `accurate`, `radau` and `conserving`, with the settings that `auto` would choose
+for this error. The cost is contacts times evaluations, so it does not depend on the machine.
 """
 
 from __future__ import annotations
@@ -29,11 +30,11 @@ FAMILIES = ("power", "mixed", "hooke-hertz", "gears", "extreme", "one-on-n", "cl
 ERRORS = (1e-2, 1e-3, 1e-4, 1e-6)
 # Range of the factors of the masses of every second chain, in decades: light beads between heavy ones have short contacts.
 UNEVEN = 3.0
-LONGEST = 3.0  # times the collision: durations are drawn up to there, as users give them
-MOST_STEPS = 1_000_000  # of an alternative: one that needs more is not computed to its end
+LONGEST = 3.0  # Durations are drawn up to this multiple of the collision, as users choose them.
+MOST_STEPS = 1_000_000  # Most steps of an alternative; it is not computed to its end if it needs more.
 FINE = 1e-11  # tolerance of the truth
-DOUBTED = 0.1  # of the wanted error: chains whose truth is less certain are not judged
-HELD = 3.0  # times the wanted error: what the tests hold the choice to
+DOUBTED = 0.1  # Fraction of the wanted error. Chains whose reference solution is less certain are not judged.
+HELD = 3.0  # Multiple of the wanted error that the tests allow.
 # Times the evaluations of the cheapest alternative: a choice that takes more, and more than MANY in all, counts as dear.
 DEAR, MANY = 5.0, 20_000
 
@@ -47,7 +48,7 @@ class Judged:
     method: str
     evaluations: float
     others: dict[str, float]
-    error: float  # of the final velocities, relative to the closing speed
+    error: float  # error of the final velocities, relative to the closing speed
 
     @property
     def dear(self) -> bool:
@@ -67,7 +68,7 @@ def collision(number: int) -> tuple[Chain, np.ndarray, float]:
 
 
 def judged(number: int) -> list[Judged]:
-    """Return the choice for each wanted error, beside the alternatives."""
+    """Return the choice for each wanted error, with the alternatives."""
     found = []
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
@@ -78,7 +79,7 @@ def judged(number: int) -> list[Judged]:
         def run(method: str, step: float, tolerance: float) -> tuple[float, float]:
             if step and duration / step > MOST_STEPS:
                 return np.inf, np.inf
-            most = None if method == "accurate" else MOST_STEPS  # which is the only one that confirms its end
+            most = None if method == "accurate" else MOST_STEPS  # only `accurate` confirms its end
             run = solve(chain, velocity, duration, method, step or None, 2, tolerance or 1e-8, most)
             off = float(np.abs(run.final_velocity - truth.final_velocity).max()) / speed
             return (np.inf if run.status.gave_up else float(run.evaluations)), off

@@ -1,6 +1,6 @@
-// What benchmarks/page_play.py runs in a page: a clock of its own, random play, and what a picture costs.
+// Script that benchmarks/page_play.py runs in a page: a separate clock, random play, and the cost of a picture.
 
-// What is due at the next picture by its number, the clock [ms], the bead in hand, and the last exception.
+// Callbacks of the next picture by their number, the clock [ms], the bead in hand, and the last exception.
 const random = { due: new Map(), requests: 0, wall: 0, down: null, thrown: '' };
 
 // The page's clock is the script's; pointers that no hand moves can be captured as well.

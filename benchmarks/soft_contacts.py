@@ -1,7 +1,9 @@
-"""``python -m benchmarks soft-contacts``: the energy of SoftContacts at 60 frames a second, and a seeded scan for silent growth.
+"""``python -m benchmarks soft-contacts``: energy of SoftContacts at 60 frames per second, and a scan for unreported
+energy growth.
 
-The table, which docs/games.md shows, is five balls of 1 kg in a row, the first one at 1 m/s, after three seconds. The scan draws
-laws, masses, speeds, gaps, walls, rates and substeps: where no warning comes, energy stays within what `substeps` says.
+The table in docs/games.md shows five balls of 1 kg in a row after three seconds; the first one starts at 1 m/s. The
+scan draws laws, masses, speeds, gaps, walls, frame rates and substeps with a seed. If no warning appears, the energy
+must stay within the limit of `substeps`.
 """
 
 from __future__ import annotations
@@ -30,15 +32,15 @@ TABLE = {
     "`Contact.by_contact_time(0.05, 0.5, 1)`": Contact.by_contact_time(0.05, 0.5, 1.0),
 }
 COLUMNS = ["law", "energy, 1 step a frame", "4 steps", "`substeps`", "energy then"]
-SAID = 0.03  # of the energy: what a row gains at the most in a second, where no warning comes
+SAID = 0.03  # Largest relative energy gain of a row in a second without a warning.
 
 
 @dataclass(frozen=True)
 class Row:
-    """Balls in a row, between walls where `wall_gap` is a number [m], the first one moving.
+    """Row of balls, between walls if `wall_gap` is set [m]. The first ball moves.
 
     Attributes:
-        law, mass, gap, speed: of the contacts [m] and balls [kg], and of the first one [m/s].
+        law, mass, gap, speed: of the contacts [m] and balls [kg], and of the first ball [m/s].
         step, seconds: of the run [s].
     """
 
@@ -52,7 +54,7 @@ class Row:
     reach: float = 100.0  # touching distance [m]; no ball passes another
 
     def run(self) -> tuple[float, float, bool]:
-        """Largest and last energy over that at the start, and whether there was a warning."""
+        """Return the largest and the last energy relative to the start, and True if there was a warning."""
         space, contacts = self._space()
         start = 0.5 * self.mass[0] * self.speed**2
         largest = energy = 1.0
@@ -84,18 +86,18 @@ class Row:
 
 
 def five_balls(law: Contact, substeps: int) -> float:
-    """Energy after three seconds over that at the start."""
+    """Return the energy after three seconds relative to the start."""
     return Row(law, (1.0,) * 5, (0.0,) * 4, 1.0, FRAME / substeps, SECONDS, reach=1.0).run()[1]
 
 
 def needed(law: Contact) -> int:
-    """Steps a frame that `substeps` gives for the blow of the table."""
+    """Return the steps per frame that `substeps` recommends for the impact of the table."""
     pair = [pymunk.Body(1.0, 1.0), pymunk.Body(1.0, 1.0)]
     return SoftContact(*pair, (0, 0), (0, 0), 1.0, law).substeps(FRAME, 1.0)
 
 
 def table() -> list[list[str]]:
-    """The rows of the table in docs/games.md."""
+    """Return the rows of the table in docs/games.md."""
     rows = []
     for name, law in TABLE.items():
         count = needed(law)
@@ -106,7 +108,7 @@ def table() -> list[list[str]]:
 
 
 def drawn(seed: int) -> Row:
-    """A row of that number."""
+    """Return the random row of that seed."""
     random = np.random.default_rng(seed)
     strength = 10.0 ** random.uniform(0.0, 6.0)
     laws = (
@@ -130,14 +132,14 @@ def drawn(seed: int) -> Row:
 
 
 def silent(seeds: Sequence[int]) -> tuple[int, list[tuple[int, float]]]:
-    """Number of runs with a warning, and (seed, gain of energy) of the others, the worst first."""
+    """Return the number of runs with a warning, and (seed, gain of energy) of the others, the largest first."""
     found = {seed: drawn(seed).run() for seed in seeds}
     gains = [(seed, largest - 1.0) for seed, (largest, _, said) in found.items() if not said]
     return len(found) - len(gains), sorted(gains, key=lambda gain: -gain[1])
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Print the table and the scan; 1 where energy grew in silence."""
+    """Print the table and the scan; return 1 if energy grew without a warning."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks soft-contacts", description=__doc__.splitlines()[0])
     parser.add_argument("--runs", type=int, default=600, help="of the scan; default: %(default)s")
     args = parser.parse_args(arguments)

@@ -23,8 +23,8 @@ from softcradle.scenes.contact_kinds import KINDS
 
 from softcradle import METHODS, one_on, power_law, scenes
 
-STEPS_A_CONTACT = (8, 64, 512)  # of fixed-step methods in the measured table
-ROUND_OFF = 1e-8  # below it a number of order 1 is its error alone
+STEPS_A_CONTACT = (8, 64, 512)  # steps per contact of fixed-step methods in the measured table
+ROUND_OFF = 1e-8  # a number of order 1 below this value is only its error
 GALLERY_PICTURES = Path(gallery.__file__).parent / "pictures" / "light"  # made by `make screenshots`
 CONTACT_TIME = 1.8  # s, that the striker of one on four touches at alpha = 1/10
 
@@ -139,7 +139,7 @@ def errors() -> Iterator[str]:
 
 
 def checked() -> Iterator[str]:
-    """The numbers known from outside, each with its source, beside what softcradle finds; what `softcradle verify` prints."""
+    """Yield the numbers known from other sources, with source and result of softcradle, as `softcradle verify` prints them."""
     rows = [
         [
             row.known.name,

@@ -1,4 +1,4 @@
-"""Pictures of a page on a desktop and on a telephone, for the documentation: python -m tools.page_pictures FOLDER."""
+"""Pictures of a page on a desktop and on a telephone for the documentation: python -m tools.page_pictures FOLDER."""
 
 import os
 import sys

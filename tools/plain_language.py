@@ -23,7 +23,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-LIMITS = Path(__file__).with_name("plain_language.json")  # sentences with a match, for each folder
+LIMITS = Path(__file__).with_name("plain_language.json")  # number of sentences with a match in each folder
 
 # Longest subject of a commit: hosting sites and `git log --oneline` cut it there.
 LONGEST_SUBJECT = 72
@@ -133,7 +133,7 @@ READERS = {
 
 
 def broken(names: Iterable[str]) -> Iterator[tuple[str, int, str, list[str]]]:
-    """Yield file, line, sentence and broken rules, for each sentence of the files `names` that breaks one."""
+    """Yield file, line, sentence and broken rules of each sentence in the files `names` that breaks one."""
     for name in names:
         path = ROOT / name
         read = READERS.get(path.suffix)

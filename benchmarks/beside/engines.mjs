@@ -6,7 +6,7 @@ import RAPIER from "@dimforge/rapier2d-compat";
 import Matter from "matter-js";
 import * as planck from "planck";
 
-const PIXELS = 1000; // of matter-js to a metre: contacts slower than 2 pixels a step do not bounce in it
+const PIXELS = 1000; // pixels of matter-js in a metre; in it contacts slower than 2 pixels per step do not bounce
 const WALL = 0.5; // half the width of a wall
 
 function box2d({ places, speeds, walls, radius, step, rigid }) {
@@ -40,7 +40,7 @@ function rapier({ places, speeds, walls, radius, step, rigid }) {
 function matter({ places, speeds, walls, radius, step, rigid }) {
   const engine = Matter.Engine.create({ gravity: { x: 0, y: 0 }, enableSleeping: false }), milliseconds = 1000 * step;
   const bouncing = { restitution: 1, friction: 0, frictionStatic: 0, frictionAir: 0, slop: 0, isSensor: !rigid };
-  const unit = PIXELS * 1000 / 60 / 1000; // of a speed: pixels in a sixtieth of a second
+  const unit = PIXELS * 1000 / 60 / 1000; // unit of speed: pixels in a sixtieth of a second
   const balls = places.map((x, k) => {
     const ball = Matter.Bodies.circle(PIXELS * x, 0, PIXELS * radius, { ...bouncing, inertia: Infinity });
     Matter.Body.setMass(ball, 1);
