@@ -132,7 +132,7 @@ class SoftContact(pymunk.DampedSpring):
         self._known_overlap = self._known_rate = math.nan
         self._compiled_law: Any = None
         self._was_closed = False
-        self._others = 0.0  # Change of the closing rate by all other forces in the last step, per second [m/s²].
+        self._others = 0.0  # Rate of change of the closing rate due to all other forces in the last step [m/s²].
         # Step [s], speed [m/s] and 1/mass [1/kg] at which the step was last checked.
         self._looked_at: tuple[float, ...]
         self.force_func = SoftContact.contact_force  # type: ignore[assignment]  # its first argument is narrower

@@ -92,8 +92,7 @@ OKABE_ITO: tuple[Colour, ...] = (
     (86, 180, 233),  # sky blue
     (96, 96, 96),  # grey instead of yellow, which is hard to see on white
 )
-# Colours of beads: those of Okabe and Ito, and five more that colour-blind people can tell from them and from each
-# other.
+# Colours of beads: the palette of Okabe and Ito, and five more colours that colour-blind people can distinguish.
 BEAD_COLOURS: tuple[Colour, ...] = (
     *OKABE_ITO,
     (62, 66, 214),  # indigo

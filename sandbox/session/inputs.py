@@ -149,7 +149,10 @@ class SetContact(LaneInput):
 
 @dataclass(frozen=True)
 class SetKind(LaneInput):
-    """Convert a contact (None: all) into a 'power' law, a draft 'gear' or a 'hard' one, alike at this scene's speed."""
+    """Convert a contact (None: all) to the kind 'power', 'gear' (draft gear) or 'hard'.
+
+    It stops an impact at this scene's speed within the same depth.
+    """
 
     undo_name: ClassVar[str] = N_("kind of contact")
     changes_start: ClassVar[bool] = True

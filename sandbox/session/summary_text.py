@@ -36,7 +36,7 @@ def session_outcome(session: Session, lane: int) -> Outcome:
 
 
 def _told_velocity(session: Session, lane: int) -> Array:
-    """Return the velocities now, or on a bed those at the frame in which the last contact opened.
+    """Return the present velocities. On a bed, return the velocities at the frame in which the last contact opened.
 
     The story of a scene with a duration is told at its end.
     """

@@ -116,7 +116,7 @@ class VelocityCheck:
 
 
 def checked(setup: LaneSetup, state: State, frame: int, time: float, velocity: Array) -> CheckedFrame:
-    """Advance `state` accurately to `time` [s] and compare it with the live velocities (n+1,) there.
+    """Advance `state` accurately to `time` [s] and compare it with the live velocities (n+1,) at that time.
 
     The error is the difference plus the error estimate of the accurate run.
     """

@@ -33,8 +33,8 @@ SWING = 1e-5
 
 # warnings of a run that determines nothing
 INCOMPLETE = (WarningCode.GAVE_UP, WarningCode.UNCONVERGED, WarningCode.LOG_FULL)
-KEPT_ENDS = 4096  # cached motions with their final state only, a few numbers each
-KEPT_MOTIONS = 64  # cached motions with samples, up to some megabytes each
+KEPT_ENDS = 4096  # number of cached motions with their final state only
+KEPT_MOTIONS = 64  # number of cached motions with samples; each takes up to some megabytes
 
 
 class NotSolvedError(Exception):
@@ -109,7 +109,7 @@ def _argument(samples: Samples) -> int | Array:
 
 
 def soft_chain(n: int, alpha: float) -> Chain:
-    """Return the homogeneous chain: one on `n`, unit masses and strengths, one exponent."""
+    """Return the homogeneous chain of one bead on `n` beads, with unit masses, unit strengths and one exponent."""
     return one_on(n, power_law(1.0, alpha))
 
 

@@ -22,7 +22,7 @@ CLAIMS: tuple[Claim, ...] = (
     *experiment.CLAIMS,
 )
 
-# a tenth of the total time each, so they are measured first
+# Claims that take a tenth of the total time each. They are measured first.
 LONGEST = ("waves-diverge", "cradle-perturbed", "rigid-like", "second-mode")
 # Number of the paper's own case by the reference, which takes long and is therefore measured first.
 REFERENCE_CASE = -1

@@ -19,8 +19,8 @@ from softcradle.sandbox.studies.paper import (
     start,
 )
 
-STEP_OF_INVERSE = 0.25  # between neighbouring 1/alpha of a curve of the spread
-WINDOW_STEP = 0.5  # between neighbouring 1/alpha of a window
+STEP_OF_INVERSE = 0.25  # step of 1/alpha between two points of a curve of the spread
+WINDOW_STEP = 0.5  # step of 1/alpha between two points of a window
 # width of a window of 1/alpha in which the largest spread is taken: several times the distance of two peaks
 WINDOW = 4.0
 

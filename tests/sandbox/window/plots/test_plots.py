@@ -28,7 +28,7 @@ from tests.helpers.windows import Driver
 
 
 def test_plots_show_frames_with_more_beads_than_now() -> None:
-    """Check frames with more beads than now. There are more values than names, and a plot that opens later also draws
+    """Check frames from before an edit removed beads. There are more values than names, and a plot that opens later also draws
     these beads.
     """
     driver = Driver("one-on-ten")
