@@ -590,7 +590,7 @@ def test_a_recorded_motion_is_shown_as_it_was(browser, tmp_path, own):
     np.testing.assert_allclose(shown, recorded.overlap[k], rtol=0.01)
     assert "This is a recording" in browser.run(NOTICE)
     run_to_the_end(browser)
-    assert browser.run(SAID).startswith("Beads 0 to 2 are almost at rest. " if own else ENDED)
+    assert browser.run(SAID).startswith("Bead 0 moves left at 0.098 m/s. " if own else ENDED)
     assert browser.run("page.looks[0].marks")
     for samples, start in ([0.0, 2.0], "1.000"), ([1.0, 2.0], "-"):  # These samples do not include the start.
         simulate(chain, scene.lanes[0].velocity, samples=samples).to_page(tmp_path / "page.html")
