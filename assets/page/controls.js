@@ -124,7 +124,7 @@ function beadKey(page, lane, event) {
   }
   if (event.key === "Escape" || (event.key === "Enter" && source.hand)) page.release();
   else if (event.key === "Enter") page.grab(lane, page.chosen.bead, null);
-  part("said").textContent = say("chosen", { bead: page.chosen.bead, speed: speedText(source.values(lane).velocity[page.chosen.bead], page.specs[lane].speed) });
+  part("said").textContent = say("chosen", { bead: page.chosen.bead, speed: speedText(source.values(lane).velocity[page.chosen.bead]) });
   if (!page.playing) page.show(false);
 }
 

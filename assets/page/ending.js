@@ -11,8 +11,8 @@
  * @returns {Group[]}
  */
 function groupsOf(mass, start, velocity) {
-  const now = Array.from(velocity), change = now.map((v, k) => Math.abs(v - start[k])), wall = (k) => mass[k] === null;
-  const largest = (values) => Math.max(0, ...values.map(Math.abs)), speed = largest(start) || largest(now);
+  const now = Array.from(velocity), begin = Array.from(start), change = now.map((v, k) => Math.abs(v - begin[k])), wall = (k) => mass[k] === null;
+  const largest = (values) => Math.max(0, ...values.map(Math.abs)), speed = largest(begin) || largest(now);
   const finest = STORY.resolution * Math.max(largest(change.filter((_, k) => !wall(k))), STORY.equal * speed);
   // Add up values of mass and velocity over some beads.
   const sum = (value, first = 0, last = now.length - 1, row = now) => {
@@ -39,7 +39,7 @@ function groupsOf(mass, start, velocity) {
     first = k + 1;
   }
   // The slow groups with the least momentum stand still, as long as their shares are small.
-  const heft = (m, v) => m * Math.abs(v), work = (m, v) => m * v * v, most = (value) => Math.max(sum(value), sum(value, 0, now.length - 1, start));
+  const heft = (m, v) => m * Math.abs(v), work = (m, v) => m * v * v, most = (value) => Math.max(sum(value), sum(value, 0, now.length - 1, begin));
   for (const group of groups) {
     const { first, last } = group;
     group.wall = wall(first);
@@ -48,12 +48,12 @@ function groupsOf(mass, start, velocity) {
   }
   const slow = groups.filter((group) => !group.wall && Math.abs(group.velocity) <= STORY.slow * speed);
   slow.sort((a, b) => a.carried - b.carried);
-  for (let begin = 0, carried = 0, held = 0; begin < slow.length;) {
-    const limit = (1 + STORY.equal) * slow[begin].carried, equal = slow.filter((group, k) => k >= begin && group.carried <= limit);
+  for (let next = 0, carried = 0, held = 0; next < slow.length;) {
+    const limit = (1 + STORY.equal) * slow[next].carried, equal = slow.filter((group, k) => k >= next && group.carried <= limit);
     for (const group of equal) { carried += group.carried; held += sum(work, group.first, group.last); }
     if (carried > STORY.momentum * most(heft) || held > STORY.energy * most(work)) break;
     for (const group of equal) group.still = true; // Groups with the same momentum stand still together or not at all.
-    begin += equal.length;
+    next += equal.length;
   }
   const joined = [];
   for (const group of groups) {
