@@ -438,7 +438,7 @@ def _ledger(problem: Problem, record: Record) -> tuple[float, float]:
     wall_moves = chain.walls > 0 and bool((np.isinf(chain.mass) & (problem.velocity != 0.0)).any())
     if wall_moves or chain.forces or start.external(chain) is not None:
         return 0.0, 0.0
-    before, after = start.energy(chain), end.energy(chain)
+    before, after = start.energy(chain, problem.velocity), end.energy(chain, record.velocity)
     absorbed = float((end.absorbed - start.absorbed).sum()) if chain.dissipative else 0.0
     return before, abs(after + absorbed - before)
 

@@ -127,9 +127,16 @@ class State:
         """Return the (n+1,) bead velocities [m/s]."""
         return from_anchor(self.rate, self.anchor[1], chain.anchor)
 
-    def energy(self, chain: Chain) -> float:
-        """Return the kinetic energy plus the contact energy [J], without walls."""
-        kinetic = 0.5 * (chain.finite_mass * self.velocity(chain) ** 2).sum()
+    def energy(self, chain: Chain, velocity: Array | None = None) -> float:
+        """Return the kinetic energy plus the contact energy [J], without walls.
+
+        `velocity` (n+1,) are the bead velocities [m/s] if they are known already.
+        """
+        moves = self.velocity(chain) if velocity is None else velocity
+        kinetic = 0.5 * (chain.finite_mass * moves**2).sum()
+        # At the start and the end of most motions all contacts are open.
+        if not chain.piecewise and all(overlap <= 0.0 for overlap in self.overlap.tolist()):
+            return float(kinetic)
         return float(kinetic + chain.stored_energy(self.overlap, force=self.force).sum())
 
     def external(self, chain: Chain) -> Array | None:

@@ -31,7 +31,7 @@ from softcradle.physics.adaptive.step_records import (
     empty_trial,
 )
 from softcradle.physics.adaptive.usual_budget import followed_steps, step_budget
-from softcradle.physics.chain import Chain
+from softcradle.physics.chain import Chain, per_chain
 from softcradle.physics.contact import power_law
 from softcradle.physics.kernel_records import (
     FIRST_LOG,
@@ -161,6 +161,21 @@ def rounding_of(mass: Array, velocity: Array) -> Any:
     return np.maximum(own, HALF_DIGIT * np.sqrt(heaviest * (inertia * velocity**2).sum(axis=-1)) / lightest)
 
 
+def rounding_in(chain: Chain, velocity: Array) -> float:
+    """Return :func:`rounding_of` the beads of one chain at `velocity` (n+1,), without the cost of small arrays."""
+    lightest, heaviest = _mass_range(chain)
+    own = SPEED_ROUND_OFF * max(map(abs, velocity.tolist()))
+    of_lightest = HALF_DIGIT * math.sqrt(heaviest * np.add.reduce(chain.finite_mass * velocity**2)) / lightest
+    return own if own > of_lightest else of_lightest  # NaN if a velocity is NaN
+
+
+@per_chain
+def _mass_range(chain: Chain) -> tuple[float, float]:
+    """Return the masses [kg] of the lightest and the heaviest bead."""
+    finite = [mass for mass in chain.mass if mass < math.inf]
+    return min(finite), max(finite)
+
+
 def guaranteed_error(tolerance: float, scale: float) -> float:
     """Return the largest velocity error [m/s] that the tolerance allows at the speed `scale` [m/s]."""
     return GUARANTEED * max(tolerance, LEAST_GUARANTEED) * scale
@@ -174,7 +189,7 @@ def advance(problem: Problem) -> Status:
         memory = state.work["adaptive"] = Memory.of(problem.chain.contacts, FRAME_LOG)
     # The estimate of the last frame continues unless the state was changed meanwhile.
     _carry_estimate(state, memory)
-    before = rounding_of(np.asarray(problem.chain.mass), problem.velocity)
+    before = rounding_in(problem.chain, problem.velocity)
     status, state.time = _integrate(problem, state, memory)
     _note_switches(state, memory.log)
     _update_estimate(problem, memory, before)
@@ -194,14 +209,14 @@ def _carry_estimate(state: State, memory: Memory) -> None:
 
 
 def _update_estimate(problem: Problem, memory: Memory, before: float) -> None:
-    """Put the error after the frame into the state; `before` is the `rounding_of` [m/s] its start.
+    """Put the error after the frame into the state; `before` is the round-off [m/s] at its start.
 
     The local errors of all frames add up as in a single run, and grow by all bounces since the estimate began. Energy
     and momentum bound the error. An unknown error (NaN) stays unknown.
     """
     state, control, counter = problem.state, memory.scratch.control, memory.log.counter
     velocity = state.velocity(problem.chain)
-    rounding = max(before, rounding_of(np.asarray(problem.chain.mass), velocity))
+    rounding = max(before, rounding_in(problem.chain, velocity))
     # Every step of the frame adds a rounding error.
     control[LOCAL_SQUARE] += int(counter[STEP]) * rounding * rounding
     growth = error_growth(control[GROWTH] + control[ENDING], memory.scratch.grown, memory.scratch.turns)
@@ -270,7 +285,7 @@ def one_run(problem: Problem, log_size: int = FIRST_LOG) -> Record:
         counter[EVALUATION], status, _warnings(problem, status, state.time, memory.log), seconds, growth=growth,
         kept=kept,
     )  # fmt: skip
-    rounding = rounding_of(np.asarray(problem.chain.mass), np.array((problem.velocity, record.velocity))).max()
+    rounding = max(rounding_in(problem.chain, record.velocity), rounding_in(problem.chain, problem.velocity))
     error = stated_error(growth, control[LOCAL_SQUARE], counter[STEP] + contacts, rounding)
     record.velocity_error = np.full(contacts + 1, error)
     record.unseen = DOUBT * growth * math.sqrt(control[UNSEEN_SQUARE])

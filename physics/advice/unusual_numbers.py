@@ -39,7 +39,8 @@ def _of_tolerance(tolerance: float) -> Warnings:
 def _of_gears(chain: Chain, velocity: ArrayLike) -> Warnings:
     """Return a warning for the draft gear that yields least, if it hardly yields."""
     usual = _usual_speed_of_gears(chain)
-    if not (usual and 0.0 < np.ptp(np.asarray(velocity)) < usual):
+    speeds = np.asarray(velocity).tolist() if usual else [0.0]
+    if not 0.0 < max(speeds) - min(speeds) < usual:
         return ()
     laws, depth = chain.law_rows.tolist(), contact_scales(chain, velocity)[0].tolist()
     shares = [d * law[1] / law[0] if _is_gear(law) else math.inf for d, law in zip(depth, laws, strict=True)]
