@@ -101,8 +101,8 @@ def report(found: Sequence[Found]) -> Report:
             ]
         )
     notes = [
-        f"steps of {', '.join(f'{part:g}' for part in COARSER)} times the default one, in turn; at most {LONGEST:g} of them",
-        "momentum: of chains without friction and walls, beside the impulse of the drive; energy: what the ledger lacks",
+        f"steps of {', '.join(f'{part:g}' for part in COARSER)} times the default step, in turn; at most {LONGEST:g} steps",
+        "momentum: error in chains without friction and walls, relative to the impulse of the drive; energy: error of the ledger",
         f"made by `python -m benchmarks conserving --count {len(found)}`",
     ]
     columns = ["family", "chains", "steps", "not converged", "momentum off", "energy off", "seeds"]
@@ -166,9 +166,9 @@ def error_report(found: Sequence[Error], options: str = "") -> Report:
                 ]
             )
     notes = [
-        "errors of final velocities, of the closing speed or what the drive gives, beside a step "
-        f"{FINER:g} times finer than the default one",
-        "where contacts rattle, the finer run is no truth either: the error is then how far two runs differ",
+        "error: difference of the final velocities from a run with a step "
+        f"{FINER:g} times finer than the default one, as a fraction of the closing speed or of the speed that the drive reaches",
+        "if contacts chatter, the finer run is not exact either: the error is then the difference of two runs",
         f"made by `python -m benchmarks conserving --errors{options} --count {len(found) // len(STEPS_OF_ERRORS)}`",
     ]
     columns = [
