@@ -1,4 +1,7 @@
-"""The session: lanes on one clock, their history, every input on its way into model and recording, and what a window shows."""
+"""Session: the lanes of a scene on one clock, their history, undo and exports.
+
+Every input changes model and recording through :meth:`Session.apply`, so that a recording can be replayed bitwise.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -25,13 +28,13 @@ from softcradle.sandbox.session.undo import Checkpoint, FrozenSession, UndoStack
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
 
-AUDIBLE = 1e-3  # of the scene's closing speed: slower impacts make no click
-FASTEST = 1e-2  # slow motion: least wall seconds for one second of the model
-SLOWEST = 1e6  # slow motion: most wall seconds for one second of the model
+AUDIBLE = 1e-3  # Closing speed below which an impact is not audible, as a fraction of the closing speed of the scene.
+FASTEST = 1e-2  # Smallest slow motion: wall seconds for one second of the model.
+SLOWEST = 1e6  # Largest slow motion: wall seconds for one second of the model.
 
 
 class Present(NamedTuple):
-    """What inputs change: setup, lanes, and the bead that the pointer holds."""
+    """State that inputs change: the setup, the lanes and the bead that the pointer holds."""
 
     setup: Setup
     lanes: list[LiveLane]
@@ -39,12 +42,15 @@ class Present(NamedTuple):
 
 
 def beginning(setup: Setup) -> Present:
-    """The start of every lane."""
+    """Return the state at the start of every lane."""
     return Present(setup, [LiveLane.at_start(lane) for lane in setup.lanes], NOTHING_HELD)
 
 
 def accepted(item: inputs.Input, now: Present, at_start: bool) -> Present:
-    """The present after `item`; one `at_start` of the session changes the start of the lanes too. ValueError: refused."""
+    """Return the state after an input. If the session is `at_start`, the input also changes the start of the lanes.
+
+    Raises ValueError with a sentence if the input is not valid.
+    """
     if isinstance(item, inputs.Drag):
         return now._replace(held=_grasped(item, now.lanes))
     if isinstance(item, inputs.Drop):
@@ -92,27 +98,27 @@ def _lane(lanes: list[LiveLane], index: int) -> LiveLane:
 
 
 class Session:
-    """A scene that is being played with: lanes on one clock, what is shown of them, their exports.
+    """A scene that is being played: lanes on one clock, the visible frame and exports.
 
     Arguments:
         scene: the Scene.
-        memory: bound of the history [bytes].
-        budget: wall seconds of physics in one tick.
-        clock: what measures them.
+        memory: largest size of the history [bytes].
+        budget: wall time for the physics in one tick [s].
+        clock: function that returns the wall time [s].
 
     Attributes:
-        scene: the Scene it was opened with, and its words as they are now; edits are in `setup`.
+        scene: the Scene that was opened, with its current texts; edits are in `setup`.
         setup: the immutable part: chains, methods, slow motion.
-        lanes: list of LiveLane; while scrubbed they show a frame of the history.
+        lanes: list of LiveLane; after scrubbing they contain a frame of the history.
         held: the bead that the pointer holds.
         playing: whether `tick` moves the model.
-        frame: the frame shown; `history.first` <= frame <= `history.last`.
-        history: the frames.
-        recording: base, inputs and hashes of all that.
-        failure: why the session stopped by itself, in a sentence; empty where it did not.
-        last_tick: the frames before and after the last tick.
+        frame: number of the visible frame, from `history.first` to `history.last`.
+        history: the stored frames.
+        recording: first state, inputs, and hashes of the states.
+        failure: reason why the session stopped, as a sentence; empty if it did not stop.
+        last_tick: numbers of the frames before and after the last tick.
         undo_stack: the edits that can be undone and redone.
-        pacer: clock ratio and physics milliseconds a frame.
+        pacer: ratio of model clock and wall clock, and physics time per frame [ms].
     """
 
     setup: Setup
@@ -130,19 +136,20 @@ class Session:
         self._open(setup_of(scene))
 
     def _open(self, setup: Setup) -> None:
-        """Begin at the start of every lane."""
+        """Start from the start of every lane."""
         lanes = beginning(setup).lanes
         states, ledgers = tuple(lane.state for lane in lanes), tuple(lane.ledger for lane in lanes)
         self.begin(Snapshot(lanes[0].state.time, setup, NOTHING_HELD, states, ledgers), 0)
 
     def begin(self, snapshot: Snapshot, frame: int) -> None:
-        """Begin at `snapshot`, which is frame `frame`, paused: history and recording begin there too."""
+        """Start history and recording at `snapshot` with the number `frame`, paused."""
         self.playing = False
         self.history.start(snapshot, frame)
         self._show(self.history.snapshot(frame), frame)
         self.held = snapshot.held
         self.failure = ""
-        self._from_history = False  # whether the frame shown was read from the history: playing on is a new branch
+        # True if the visible frame was read from the history, so that playing it starts a new branch.
+        self._from_history = False
         self.last_tick = frame, frame
         self.recording = Recording(self.history.snapshot(frame), frame)
 
@@ -150,39 +157,40 @@ class Session:
 
     @property
     def time(self) -> float:
-        """Model time shown [s]."""
+        """Model time of the visible frame [s]."""
         return self.lanes[0].state.time
 
     @property
     def slow(self) -> float:
-        """Wall seconds for one second of the model; the input SetSlow changes it."""
+        """Wall seconds for one second of the model. The input SetSlow changes it."""
         return self.setup.slow
 
     @property
     def span(self) -> tuple[float, float]:
-        """First and last model time [s] that can be scrubbed to."""
+        """First and last model time [s] of the history."""
         return self.history.first_time, self.history.last_time
 
     @property
     def scrubbed(self) -> bool:
-        """Whether an earlier frame than the newest is shown; playing on drops the later ones."""
+        """Whether the visible frame is older than the newest. If it is played from there, the later frames are dropped."""
         return self.frame < self.history.last
 
     def play(self) -> None:
-        """Let the clock run, from the frame shown."""
+        """Start the clock at the visible frame."""
         self.playing = True
         self.pacer.restart()
 
     def pause(self) -> None:
-        """Stop the clock, which is late no more."""
+        """Stop the clock and discard its delay."""
         if self.playing:
             self.pacer.restart()
         self.playing = False
 
     def tick(self, wall_seconds: float) -> int:
-        """Move the model by `wall_seconds` of the wall clock if it plays; returns the frames computed.
+        """Advance the model by `wall_seconds` if the session is playing, and return the number of computed frames.
 
-        Frames beyond the budget slow the clock, never the physics: see ``pacer.clock_ratio``.
+        If the frames cost more than the budget, the clock runs slower, but the physics does not change: see
+        ``pacer.clock_ratio``.
         """
         before = self.frame
         done = self.pacer.run(wall_seconds, self._compute_frame) if self.playing else 0
@@ -190,7 +198,7 @@ class Session:
         return done
 
     def step_frames(self, count: int) -> None:
-        """Pause and go `count` frames forward (those not in the history are computed) or, if negative, back."""
+        """Pause and go `count` frames forward, or back if it is negative. Frames after the history are computed."""
         target = max(self.frame + count, self.history.first)
         self.scrub_frame(min(target, self.history.last))
         for _frame in range(target - self.frame):
@@ -198,43 +206,49 @@ class Session:
                 break
 
     def scrub_frame(self, frame: int) -> None:
-        """Pause and show `frame`; IndexError where it is not in the history."""
+        """Pause and show `frame`. Raises IndexError if the history does not contain it."""
         self.pause()
         if frame != self.frame:
             self._show(self.history.snapshot(frame), frame)
             self._from_history = True
 
     def show_newest(self, present: Present) -> None:
-        """Pause and show the newest frame as `present` left it: no new branch, its bead is held, its methods go on."""
+        """Pause and show the newest frame with the held bead and the methods of `present`. This does not start a new
+        branch.
+        """
         self.pause()
         self.setup, self.lanes, self.held = present
         self.frame, self._from_history = self.history.last, False
 
     def restart(self) -> None:
-        """Back to the start with all edits, later ones than the frame shown too, paused; history and recording begin anew."""
+        """Go back to the start and pause. All edits are kept, also those after the visible frame. History and recording
+        start again.
+        """
         self._open(self.history.newest_setup)
 
     # ---- inputs
 
     @property
     def present(self) -> Present:
-        """What inputs change, as it is."""
+        """Current state that inputs change."""
         return Present(self.setup, self.lanes, self.held)
 
     def apply(self, item: inputs.Input, gesture: bool = False) -> None:
-        """Do what `item` says; it acts from the next frame on. ValueError with a sentence: refused, nothing has changed.
+        """Apply an input from the next frame on. If it is not valid, raise ValueError with a sentence and change
+        nothing.
 
-        Inputs of one `gesture` (a slider or bead that is dragged) are one undo step, until :meth:`end_gesture`.
+        Inputs of one `gesture` (dragging a slider or a bead) form one undo step, until :meth:`end_gesture` is called.
         """
         self.apply_all([item], gesture)
 
     def apply_all(
         self, items: Sequence[inputs.Input], gesture: bool = False, anew: bool = False, trial: bool = False
     ) -> None:
-        """Do what `items` say in turn, as one undo step. ValueError with a sentence: one is refused, nothing has changed.
+        """Apply `items` in turn as one undo step. If one is not valid, raise ValueError with a sentence and change
+        nothing.
 
-        `anew`: after a restart, which is of the same step: an undo brings the motion back as it was. `trial`: the step only tries
-        another number, see :attr:`UndoStack.unsaved_work`.
+        `anew`: the inputs follow a restart, which belongs to the same step, so that undo restores the earlier motion.
+        `trial`: the step only tries another number, see :attr:`UndoStack.unsaved_work`.
         """
         if not items:
             return
@@ -255,31 +269,35 @@ class Session:
         self.history.replace_last(self.snapshot(), lambda: contact_events(self.history, self.frame - 1))
 
     def drag(self, lane: int, bead: int, position: float) -> None:
-        """Drag a bead to the pointer: by a spring while the model runs, by placing it while paused."""
+        """Drag a bead to the pointer: by a spring while the model runs, by moving it while the session is paused."""
         input_class = inputs.Drag if self.playing else inputs.Place
         self.apply(input_class(lane, bead, position), gesture=True)
 
     def drop(self) -> None:
-        """Release the bead that is held."""
+        """Release the bead that the pointer holds."""
         self.end_gesture()
         if self.held != NOTHING_HELD:
             self.apply(inputs.Drop())
 
     def end_gesture(self) -> None:
-        """Let the next input be an undo step of its own: a button or key was let go."""
+        """Finish the gesture, so that the next input is a new undo step."""
         self.undo_stack.end_gesture()
 
     def set_words(self, scene: Scene) -> None:
-        """Take the words of `scene`, which is this one as it begins now: an edit that leaves the motion as it is."""
+        """Take title and texts of `scene`, which starts in the same way as this one. The motion does not change."""
         self.undo_stack.add(scene, False, self._checkpoint())
         self.scene = scene
 
     def undo(self) -> str:
-        """Pause and go back to before the last edit, to its frame and with the motion as it was; its name, '' without one."""
+        """Pause and restore the frame and the motion before the last edit. Return the name of the edit, or "" if there
+        is none.
+        """
         return self._go_to(self.undo_stack.undo(self._checkpoint()))
 
     def redo(self) -> str:
-        """Pause and go back to after the edit that was undone last; its name, '' without one."""
+        """Pause and restore the frame and the motion after the last undone edit. Return its name, or "" if there is
+        none.
+        """
         return self._go_to(self.undo_stack.redo(self._checkpoint()))
 
     def _checkpoint(self) -> FrozenSession:
@@ -304,7 +322,7 @@ class Session:
     # ---- frames
 
     def _compute_frame(self) -> bool:
-        """One frame: every lane moves on by the same model time. False where a method blew up: paused before it."""
+        """Advance every lane by the same model time. If a method fails, pause before this frame and return False."""
         self._renew_recording()
         self._branch()
         try:
@@ -324,7 +342,7 @@ class Session:
         return True
 
     def snapshot(self) -> Snapshot:
-        """The frame shown, all of it; its arrays are those of the lanes."""
+        """Return the visible frame. Its arrays are shared with the lanes."""
         states, ledgers = tuple(lane.state for lane in self.lanes), tuple(lane.ledger for lane in self.lanes)
         return Snapshot(self.time, self.setup, self.held, states, ledgers)
 
@@ -334,10 +352,10 @@ class Session:
         self.lanes = [LiveLane(*lane) for lane in lanes]
 
     def _branch(self) -> None:
-        """Before a frame of the history is played on or edited: drop the later ones, there and in the recording."""
+        """Drop the frames after the visible one from history and recording, before it is played or edited."""
         if self._from_history:
             self._from_history = False
-            if self.history.newest_setup is not self.setup:  # later edits end with their frames
+            if self.history.newest_setup is not self.setup:  # Edits after the dropped frames are dropped with them.
                 self.undo_stack.lose_what_was_saved()
             self.history.drop_after(self.frame)
             self.recording.cut(self.frame)
@@ -346,7 +364,7 @@ class Session:
             self.recording = Recording(self.snapshot().copy(), self.frame)
 
     def _renew_recording(self) -> None:
-        """Begin a new recording at the frame shown where the present one is full."""
+        """Start a new recording at the visible frame if the present one is full."""
         if self.recording.full:
             held = self.held
             self._show(self.snapshot().copy(), self.frame)
@@ -356,16 +374,18 @@ class Session:
     # ---- what is shown
 
     def history_slices(self, lane: int, frames: int) -> list[HistorySlice]:
-        """The last `frames` frames of a lane up to the one shown, ascending."""
+        """Return the last `frames` frames of a lane up to the visible one, in ascending order."""
         return list(history_slices(self.history, lane, self.frame - frames + 1, self.frame))
 
     def contact_events(self) -> ContactEvents:
-        """Contact closings and openings in the whole history."""
+        """Return the contact events of the whole history."""
         return contact_events(self.history)
 
     @property
     def impacts(self) -> tuple[Impact, ...]:
-        """Contacts that closed in the last tick, in order of time; those too slow to hear are left out."""
+        """Return the contacts that closed during the last tick in order of time, without those that are too slow to
+        hear.
+        """
         before, after = self.last_tick
         if after == before or self.history.last <= before:
             return ()
@@ -375,22 +395,24 @@ class Session:
         return tuple(hit for hit in found if hit.speed > AUDIBLE * self.setup.lanes[hit.lane].speed)
 
     def health(self, lane: int, velocity_error: float | None = None) -> Health:
-        """The health of a lane at the frame shown, with the error that a VelocityCheck has found."""
+        """Return the health of a lane at the visible frame, with the error that a VelocityCheck has found."""
         slices, live, length = self.history_slices(lane, WINDOW), self.lanes[lane], self.scene.view.length
         return health_of(slices, self.pacer, live.warning, length, velocity_error)
 
     def findings(self, lane: int) -> list[Finding]:
-        """What was wrong with a lane in the whole run, in order of time."""
+        """Return the faults of a lane in the whole run, in order of time."""
         return run_findings(self.history, lane, self.scene.view.length)
 
     def approach(self, lane: int) -> tuple[Array, Array]:
-        """(n,) overlaps [m] and (n+1,) velocities [m/s] before the collision at the frame shown, or before the next."""
+        """Return (n,) overlaps [m] and (n+1,) velocities [m/s] before the collision of the visible frame, or before the
+        next.
+        """
         found = approach_of(self.history, lane, self.frame)
         live = self.lanes[lane]
         return (live.setup.start.overlap, live.setup.start.velocity(live.chain)) if found is None else found
 
     def label(self, lane: int) -> str:
-        """What is written beside a lane: the scene's label, or what its contacts are after an edit."""
+        """Return the label of a lane: that of the scene, or its contacts after an edit."""
         return self._label(lane, self.setup)
 
     def _label(self, lane: int, setup: Setup) -> str:
@@ -400,14 +422,16 @@ class Session:
     # ---- exports
 
     def to_scene(self) -> Scene:
-        """The scene with all edits, later ones than the frame shown too, as it begins.
+        """Return the scene at its start with all edits, also those after the visible frame.
 
-        ValueError (SceneError) where a scene file cannot say it.
+        Raises ValueError (SceneError) if a scene file cannot express it.
         """
         return self._scene(self.history.newest_setup)
 
     def shown_scene(self) -> Scene:
-        """The scene with the edits up to the frame shown, as it begins. ValueError as of :meth:`to_scene`."""
+        """Return the scene at its start with the edits up to the visible frame. Raises ValueError like
+        :meth:`to_scene`.
+        """
         return self._scene(self.setup)
 
     def _scene(self, setup: Setup) -> Scene:
@@ -415,14 +439,14 @@ class Session:
 
     @property
     def edited(self) -> bool:
-        """Whether its lanes begin otherwise than those of the scene it was opened with: what that says of them may be wrong."""
+        """Whether the lanes start differently from those of the opened scene, so that its text may not describe them."""
         try:
             return self.to_scene().lanes != self.scene.lanes
-        except ValueError:  # no scene file can say it
+        except ValueError:  # A scene file cannot express the session.
             return True
 
     def save_scene(self, path: str | Path) -> None:
-        """Write :meth:`to_scene` to a TOML file, whole or not at all. UserError where that cannot be."""
+        """Write :meth:`to_scene` to a TOML file. If this fails, raise UserError and leave no partial file."""
         try:
             text = self.to_scene().to_toml()
         except ValueError as error:
@@ -432,19 +456,19 @@ class Session:
         self.undo_stack.mark_saved()
 
     def trajectory(self, lane: int) -> Trajectory:
-        """The history of a lane up to the frame shown, from where its chain or method was last changed."""
+        """Return the history of a lane up to the visible frame, from the last change of its chain or method on."""
         part = last_slice(self.history, lane, self.frame)
         return trajectory_of(part, lane, self.contact_events(), self.history.first)
 
     def export_paths(self, target: Path) -> list[Path]:
-        """The files that :meth:`export` writes."""
+        """Return the paths of the files that :meth:`export` writes."""
         several = len(self.lanes) > 1
         return [target.with_stem(f"{target.stem}-{k + 1}") if several else target for k in range(len(self.lanes))]
 
     def export(self, path: str | Path) -> list[Path]:
-        """Write the history as .npz or .csv, one file a lane (name-1, name-2 ...); returns the paths.
+        """Write the history as .npz or .csv, one file for each lane (name-1, name-2 ...), and return the paths.
 
-        UserError for another suffix, or where it cannot be written.
+        Raises UserError if the suffix is not known or a file cannot be written.
         """
         target = Path(path)
         ending = target.suffix.lower()
@@ -460,6 +484,8 @@ class Session:
         return paths
 
     def save_recording(self, path: str | Path) -> None:
-        """Write what `Replay.load` runs again: base, inputs, hashes of the states. UserError where that cannot be."""
+        """Write the base, the inputs and the hashes of states that `Replay.load` runs again. Raises UserError if this
+        fails.
+        """
         self.recording.save(path, self.scene)
         self.undo_stack.mark_saved()
