@@ -3,7 +3,7 @@ PYTHON ?= $(shell for p in python3.14 python3.13 python3.12 python3.11 python3; 
 	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$p; break; }; done)
 BIN := .venv/bin
 
-.PHONY: demo test test-all check scripts release-check coverage docs links play screenshots charts story languages wasm bench over-time clean help
+.PHONY: demo test test-all check scripts release-check coverage docs links play screenshots charts story languages page-script wasm bench over-time clean help
 help:
 	@echo "make demo   render the first scene of the paper to out/, with its table of results"
 	@echo "make check  format, types (of the scripts of pages too, where node is installed), layers, links: a minute at the most"
@@ -18,6 +18,7 @@ help:
 	@echo "make play   open the sandbox window"
 	@echo "make story       write the bounds of the story of a motion for pages"
 	@echo "make languages   update the catalogues of messages, and say what waits for a translation"
+	@echo "make page-script   minify the scripts of pages, after a change of assets/page: assets/page.min.js"
 	@echo "make wasm   compile the kernels for browsers anew, after a change of their digits: assets/page/kernels.wasm"
 	@echo "make screenshots   pictures of the window, of a page and of films, for README and documentation"
 	@echo "make charts   the chart and the maps of stability, for the same"
@@ -116,6 +117,9 @@ story: .venv/.installed
 
 languages: .venv/.installed
 	$(BIN)/python -m tools.update_catalogues
+
+page-script: .venv/.installed # needs node
+	$(BIN)/python -m tools.page_script
 
 wasm: .venv/.installed # a minute; all else reads the file that is kept
 	$(BIN)/python -m pip install --quiet --editable '.[wasm]'

@@ -2,6 +2,7 @@
 
 import base64
 import gzip
+import hashlib
 import json
 import re
 from collections.abc import Sequence
@@ -47,7 +48,6 @@ def document(title: str, text: str, parts: Sequence[str], data: object, computed
     `text` describes the page in the preview of a link. A `computed` page contains the kernels.
     """
     style = re.sub(r"/\*.*?\*/|\s*([{};,])\s*", r"\1", resource("page/page.css").read_text(encoding="utf-8"))
-    script = "\n".join(page_script_text(name) for name in SCRIPTS)
     body = "\n".join(part for part in parts if part)
     return (
         '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
@@ -59,27 +59,33 @@ def document(title: str, text: str, parts: Sequence[str], data: object, computed
         f'<title>{escape(title)}</title>\n<link rel="icon" href="{ICON}">\n<style>\n{style}</style>\n</head>\n'
         f"<body>\n<main>\n{body}\n</main>\n"
         f'<script type="application/json" id="data">{json_text(data)}</script>\n{_kernels() if computed else ""}'
-        f'<script>\n"use strict";\n{script}</script>\n</body>\n</html>\n'
+        f"<script>\n{page_script()}</script>\n</body>\n</html>\n"
     )
 
 
-# Pattern for string literals and regular expressions of a script, which are kept, and for operators with superfluous
-# spaces. "a - -b" keeps its spaces. A line break before an operator is kept because it can end a statement.
-SPACED = re.compile(
-    r"""("(?:[^"\\\n]|\\.)*"|'(?:[^'\\\n]|\\.)*'|`(?:[^`\\]|\\.)*`|(?<=[(,=:])\s?/[^*/ ](?:[^/\\\n]|\\.)*/[gimsuy]*)"""
-    r"| *(=>|[{(,;:?=<>*|&\[!%])\s*| *([)}\]]) *|(?<![+-]) ([+-]) (?![+-])"
-)
+MINIFIED = "page.min.js"  # asset that `python -m tools.page_script` writes
 
 
 def page_script_text(name: str) -> str:
-    """Return a script without comments and superfluous spaces, which reduces it to three quarters of its length."""
-    text = resource(f"page/{name}.js").read_text(encoding="utf-8")
-    return shortened(re.sub(r"^\s*(//.*|/\*\*(.|\n)*?\*/)?[ \t]*\n?| +// .*", "", text, flags=re.MULTILINE))
+    """Return the source of a script."""
+    return resource(f"page/{name}.js").read_text(encoding="utf-8")
 
 
-def shortened(script: str) -> str:
-    """Return a script that has no comments also without the spaces around its operators. String literals do not change."""
-    return SPACED.sub(lambda found: found[found.lastindex or 0], script)
+def page_sources() -> str:
+    """Return the sources of all scripts, in the order in which they depend on each other."""
+    return '"use strict";\n' + "\n".join(map(page_script_text, SCRIPTS))
+
+
+def digest_line(sources: str) -> str:
+    """Return the first line of the minified script of these sources."""
+    return f"// {hashlib.sha256(sources.encode()).hexdigest()[:16]}\n"
+
+
+def page_script() -> str:
+    """Return the minified script, or the sources if they were edited since it was written."""
+    sources = page_sources()
+    head, _, minified = resource(MINIFIED).read_text(encoding="utf-8").partition("\n")
+    return minified if f"{head}\n" == digest_line(sources) else sources
 
 
 def _kernels() -> str:

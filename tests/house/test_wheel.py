@@ -22,7 +22,15 @@ pytestmark = pytest.mark.slow
 PIP = (sys.executable, "-m", "pip", "--disable-pip-version-check", "--quiet")
 BUILD = (*PIP, "wheel", "--no-deps", "--no-index", "--no-build-isolation", "--wheel-dir")
 
-ASSETS = ("theme.json", "icon.png", "Inter-Regular.otf", "Inter-SemiBold.otf", "page/page.css", "page/kernels.wasm")
+ASSETS = (
+    "theme.json",
+    "icon.png",
+    "Inter-Regular.otf",
+    "Inter-SemiBold.otf",
+    "page.min.js",
+    "page/page.css",
+    "page/kernels.wasm",
+)
 
 # The user's game has folders with the same names as the package's folders.
 GAME = """

@@ -10,9 +10,8 @@ import pytest
 from softcradle.physics.state import from_anchor
 from softcradle.sandbox.draw.shared_scales import axis_range
 from softcradle.sandbox.files import resource
-from softcradle.sandbox.page import render_page, scene_text, write_page
+from softcradle.sandbox.page import document, render_page, scene_text, write_page
 from softcradle.sandbox.page.data import LINE_ERROR, SAME_DEPTH, USUAL_BYTES, needed_rows, packed_lanes
-from softcradle.sandbox.page.document import SCRIPTS, shortened
 from softcradle.sandbox.page.played_motion import played_motion, recorded_sentence
 from softcradle.sandbox.page.shared_page import recorded
 from softcradle.sandbox.page.svg_charts import ChartAxes, Curve, line_chart
@@ -42,16 +41,18 @@ def test_a_live_page_is_small_and_loads_nothing(pages, name):
     assert "default-src 'none'" in text
 
 
-@pytest.mark.parametrize("name", SCRIPTS)
-def test_a_script_is_written_without_spaces_that_it_does_not_need_and_with_all_its_texts(name):
-    """Check the removal of spaces. A template string inside another template string would lose spaces."""
-    script, spaces = resource(f"page/{name}.js").read_text(encoding="utf-8"), re.compile(r"\s+")
-    plain = re.sub(r"^\s*(//.*|/\*\*(.|\n)*?\*/)?[ \t]*\n?| +// .*", "", script, flags=re.MULTILINE)
-    short, texts = shortened(plain), re.compile(r'"(?:[^"\\\n]|\\.)*"')
-    assert spaces.sub("", short) == spaces.sub("", plain)
-    assert texts.findall(short) == texts.findall(plain)
-    assert not re.search(r"\$\{[^}`]*`", plain)
-    assert len(short) < len(plain)
+def test_the_minified_script_is_up_to_date_and_small():
+    sources, minified = document.page_sources(), resource(document.MINIFIED).read_text(encoding="utf-8")
+    assert minified.startswith(document.digest_line(sources)), "run: make page-script"
+    assert document.page_script() in minified
+    assert len(minified) < 0.6 * len(sources)
+    shared = re.findall(r"^(?:async )?(?:class|function|const|let) (\w+)", sources, re.MULTILINE)
+    assert [name for name in shared if not re.search(rf"\b{name}\b", minified)] == []
+
+
+def test_edited_scripts_are_used_until_they_are_minified(monkeypatch):
+    monkeypatch.setattr(document, "page_sources", lambda: "edited")
+    assert document.page_script() == "edited"
 
 
 @pytest.mark.parametrize(("losses", "uniform"), [((0.5, 0.5, 0.5), True), ((0.0, 0.0, 0.5), False)])
