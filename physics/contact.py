@@ -6,8 +6,8 @@ overlap d > 0   loaded    f = F + K * d**a
 
 A contact is closed if it touches with a force > 0 or is loaded; otherwise it is open.
 
-A contact with hysteretic loss l returns less energy than it stores. It pushes with f during loading, with (1 - l) f
-during unloading, and with any force between both while its overlap is constant.
+A contact with loss l has hysteresis: it returns less energy than it stores. It pushes with f during loading, with
+(1 - l) f during unloading, and with any force between both while its overlap is constant.
 """
 
 from __future__ import annotations
