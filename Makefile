@@ -3,7 +3,7 @@ PYTHON ?= $(shell for p in python3.14 python3.13 python3.12 python3.11 python3; 
 	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$p; break; }; done)
 BIN := .venv/bin
 
-.PHONY: demo test test-all check scripts release-check coverage docs links play screenshots charts story languages page-script wasm bench over-time clean help
+.PHONY: demo test test-all check scripts release-check coverage docs links play screenshots charts languages page-script wasm bench over-time clean help
 help:
 	@echo "make demo   render the first scene of the paper to out/, with its table of results"
 	@echo "make check  format, types (of the scripts of pages too, where node is installed), layers, links: a minute at the most"
@@ -16,8 +16,7 @@ help:
 	@echo "make bench  measure speed against accuracy, and against peers where installed"
 	@echo "make over-time  the same numbers for each release, by asv: keep those of this commit in benchmarks/releases"
 	@echo "make play   open the sandbox window"
-	@echo "make story       write the bounds of the story of a motion for pages"
-	@echo "make languages   update the catalogues of messages, and say what waits for a translation"
+	@echo "make languages   update the catalogues of messages, for window and pages, and count missing translations"
 	@echo "make page-script   minify the scripts of pages, after a change of assets/page: assets/page.min.js"
 	@echo "make wasm   compile the kernels for browsers anew, after a change of their digits: assets/page/kernels.wasm"
 	@echo "make screenshots   pictures of the window, of a page and of films, for README and documentation"
@@ -111,9 +110,6 @@ charts: .venv/.installed # minutes; other people's integrators are on the chart 
 	$(BIN)/softcradle stability -o out/stability.png
 	$(BIN)/softcradle chart one-on-5 -o out/chart.png
 	cp out/stability.png out/chart.png docs/
-
-story: .venv/.installed
-	$(BIN)/python -m softcradle.sandbox.story.page_script
 
 languages: .venv/.installed
 	$(BIN)/python -m tools.update_catalogues

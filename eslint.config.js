@@ -5,6 +5,8 @@ import { readFileSync, readdirSync } from "node:fs";
 
 const folder = new URL("assets/page/", import.meta.url);
 const files = readdirSync(folder).filter((name) => name.endsWith(".js"));
+// Constants that sandbox/story/page_story.py puts before the scripts.
+const STORY = { STORY: "readonly", WORDS: "readonly" };
 // Names that a script gives to the others: of classes and functions, and of constants, several of which may stand in a line.
 const declared = (name) => readFileSync(new URL(name, folder), "utf8").split("\n").flatMap((line) => {
   const first = line.match(/^(?:async )?(class|function|const|let) (\w+)/);
@@ -16,7 +18,7 @@ const others = (name) => Object.fromEntries(files.filter((file) => file !== name
 
 export default files.map((name) => ({
   files: [`assets/page/${name}`],
-  languageOptions: { ecmaVersion: 2023, sourceType: "script", globals: { ...globals.browser, ...others(name) } },
+  languageOptions: { ecmaVersion: 2023, sourceType: "script", globals: { ...globals.browser, ...STORY, ...others(name) } },
   rules: {
     ...js.configs.recommended.rules,
     "no-unused-vars": ["error", { vars: "local", argsIgnorePattern: "^_" }],

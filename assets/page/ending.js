@@ -82,12 +82,13 @@ function whatHappened(velocity, spec) {
 /** @param {Group} group */
 function groupWords({ first, last, velocity, state, wall }) {
   const count = last - first + 1, kind = wall ? "wall" : count === 1 ? "bead" : "beads";
-  const way = state !== "moves" ? "still" : velocity > 0 ? "right" : "left";
+  const way = state !== "moves" ? state : velocity > 0 ? "right" : "left";
   const beads = count === 1 ? String(first) : say(count === 2 ? "two of" : "row of", { first, last });
   return say(`${kind} ${way}`, { beads, speed: speedText(Math.abs(velocity)) });
 }
 
-const speedText = (v) => plain(v, STORY.digits);
+// Return a speed [m/s] with its unit.
+const speedText = (v) => `${plain(v, STORY.digits)}\u00a0m/s`;
 
 // Return a sentence with the velocities of two rigid bodies after their collision, or "". It applies to two clusters of touching beads,
 // each with a single velocity, without external forces, that do not approach each other with the present `velocity`.

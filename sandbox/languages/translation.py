@@ -116,8 +116,8 @@ def gettext(message: str, **values: object) -> str:
 _ = gettext
 
 
-def ngettext(one: str, many: str, n: int, **values: object) -> str:
-    """Return the form of a message for the number `n`, which replaces {n}."""
+def ngettext(one: str, many: str, n: int, /, **values: object) -> str:
+    """Return the form of a message for the number `n`, which replaces {n} unless `values` contain another n."""
     usual = one if n == 1 else many
     return _filled(_present.catalogue.ngettext(one, many, n) if _present.catalogue else usual, {"n": n, **values})
 

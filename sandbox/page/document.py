@@ -12,9 +12,10 @@ from typing import Any
 from softcradle.physics.version import version
 from softcradle.sandbox.files import resource
 from softcradle.sandbox.languages.translation import ENGLISH, LANGUAGES
+from softcradle.sandbox.story.page_story import story_script
 
 SCRIPTS = (
-    "story", "words", "numbers", "bodies", "loupes", "stage", "chart", "kernel", "row", "live", "recorded", "address",
+    "language", "numbers", "bodies", "loupes", "stage", "chart", "kernel", "row", "live", "recorded", "address",
     "ending", "page", "controls",
 )  # fmt: skip
 # The browser refuses to load anything that is not inside the file.
@@ -59,7 +60,7 @@ def document(title: str, text: str, parts: Sequence[str], data: object, computed
         f'<title>{escape(title)}</title>\n<link rel="icon" href="{ICON}">\n<style>\n{style}</style>\n</head>\n'
         f"<body>\n<main>\n{body}\n</main>\n"
         f'<script type="application/json" id="data">{json_text(data)}</script>\n{_kernels() if computed else ""}'
-        f"<script>\n{page_script()}</script>\n</body>\n</html>\n"
+        f"<script>\n{story_script()}</script>\n<script>\n{page_script()}</script>\n</body>\n</html>\n"
     )
 
 

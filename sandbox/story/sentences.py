@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from softcradle.physics.checked_input import LARGEST
 from softcradle.sandbox.languages import N_, _, ngettext
+from softcradle.sandbox.story.bodies import BODIES, capital
 from softcradle.sandbox.story.lane_story import Hit, LaneStory, story_of
 from softcradle.sandbox.story.numbers import plain
 from softcradle.sandbox.story.outcome import NEARLY_STILL, STILL, Group, Outcome
@@ -19,21 +20,27 @@ MOST_GROUPS = 6
 # Significant digits of a speed.
 SPEED_DIGITS = 2
 
-# The sentences of groups by their key: kind of body and what it does. `words.js` has the same keys for pages.
+# Sentences of groups by their key: kind of body and what it does. {The} and {Those} are words for the bodies (`bodies.py`).
 SENTENCES = {
-    "bead right": N_("Bead {beads} goes to the right at {speed}."),
-    "beads right": N_("Beads {beads} go together to the right at {speed}."),
-    "wall right": N_("Wall {beads} goes to the right at {speed}."),
-    "bead left": N_("Bead {beads} goes to the left at {speed}."),
-    "beads left": N_("Beads {beads} go together to the left at {speed}."),
-    "wall left": N_("Wall {beads} goes to the left at {speed}."),
-    "bead nearly still": N_("Bead {beads} nearly stands still."),
-    "beads nearly still": N_("Beads {beads} nearly stand still."),
-    "bead still": N_("Bead {beads} stands still."),
-    "beads still": N_("Beads {beads} stand still."),
+    "bead right": N_("{The} {beads} moves right at {speed}."),
+    "beads right": N_("{Those} {beads} move right together at {speed}."),
+    "wall right": N_("Wall {beads} moves right at {speed}."),
+    "bead left": N_("{The} {beads} moves left at {speed}."),
+    "beads left": N_("{Those} {beads} move left together at {speed}."),
+    "wall left": N_("Wall {beads} moves left at {speed}."),
+    "bead nearly still": N_("{The} {beads} is almost at rest."),
+    "beads nearly still": N_("{Those} {beads} are almost at rest."),
+    "bead still": N_("{The} {beads} is at rest."),
+    "beads still": N_("{Those} {beads} are at rest."),
     "two of": N_("{first} and {last}"),
     "row of": N_("{first} to {last}"),
+    "stopped": N_("Then friction stopped them."),
 }
+
+
+def more_groups(count: int, **values: object) -> str:
+    """Return the sentence for `count` groups that are not described one by one."""
+    return ngettext("And {n} more group.", "And {n} more groups.", count, **values)
 
 
 def outcome_words(outcome: Outcome) -> str:
@@ -41,7 +48,7 @@ def outcome_words(outcome: Outcome) -> str:
     said = [_group_words(group) for group in outcome.groups[:MOST_GROUPS]]
     rest = len(outcome.groups) - MOST_GROUPS
     if rest > 0:
-        said.append(ngettext("And {n} more group.", "And {n} more groups.", rest))
+        said.append(more_groups(rest))
     return " ".join(said)
 
 
@@ -51,14 +58,17 @@ def _group_words(group: Group) -> str:
     way = group.state if group.state in (STILL, NEARLY_STILL) else "right" if group.velocity > 0.0 else "left"
     between = "two of" if group.count == 2 else "row of"
     beads = str(group.first) if group.count == 1 else _(SENTENCES[between], first=group.first, last=group.last)
-    return _(SENTENCES[f"{kind} {way}"], beads=beads, speed=speed_text(abs(group.velocity)))
+    bodies = BODIES["bead"].words()
+    the, those = capital(bodies["the"]), capital(bodies["those"])
+    speed = speed_text(abs(group.velocity))
+    return _(SENTENCES[f"{kind} {way}"], beads=beads, speed=speed, The=the, Those=those)
 
 
 def ending_words(story: LaneStory) -> str:
     """Return a sentence for each group, and one if friction has stopped groups that moved."""
     said = [outcome_words(story.outcome)]
     if story.stopped and any(group.moves for group in story.outcome.groups):
-        said.append(_("Then friction stopped them."))
+        said.append(_(SENTENCES["stopped"]))
     return " ".join(said)
 
 

@@ -7,11 +7,11 @@ from softcradle.physics.simulation import solve
 from softcradle.sandbox.quantities import FORCE, KINETIC, MASS, MOMENTUM, OVERLAP, POSITION, QUANTITIES, TIME, VELOCITY
 from softcradle.sandbox.session.editable_numbers import NUMBERS
 from softcradle.sandbox.session.values_table import BEAD_COLUMNS, CONTACT_COLUMNS, values_csv
+from softcradle.sandbox.story.page_words import WORDS as WORDS_OF_PAGES
 from softcradle.sandbox.sweeps.measure_table import MEASURES
 from softcradle.sandbox.trajectory_summary import bead_table, contact_table, summarise
 from softcradle.sandbox.window.plots.kinds import signal_of
 
-from tests.helpers.paths import ROOT
 from tests.helpers.sessions import opened
 
 TABLE = (*QUANTITIES.values(), MASS)
@@ -30,8 +30,7 @@ def test_headings_have_the_units_of_the_quantities(tmp_path):
     tables = [title for one in (bead_table(summary), contact_table(summary)) for title in one.titles if "[" in title]
     measures = [f"{one.name.replace('_', ' ')} [{one.unit}]" for one in MEASURES if one.unit]
     numbers = [f"{one.name} ({one.unit})" for one in NUMBERS if one.unit]
-    english = (ROOT / "assets/page/words.js").read_text().partition("  de: {")[0]
-    words = re.findall(r'"([^"{}]*\([A-Za-z/ ]+\))"', english)  # Headings have no parameters in braces.
+    words = [text for text in WORDS_OF_PAGES.values() if re.fullmatch(r"[^{}]*\([A-Za-z/ ]+\)", text)]
     assert len(words) > 4
     wrong = []
     for heading in [*columns, *tables, *measures, *numbers, *words, *(one.title for one in TABLE), "velocity (m)"]:

@@ -111,7 +111,7 @@ def test_large_forces_have_a_unit_prefix(softcradle):
 def test_the_motion_is_described_in_words(softcradle):
     said = softcradle("run", "one-on-four", "--describe").out
     assert "Bead 0 hit bead 1 at 1\u00a0s with 1\u00a0m/s." in said
-    assert "Bead 1 goes to the right at 0.17\u00a0m/s. Beads 2 to 4 go together to the right at 0.46\u00a0m/s." in said
+    assert "Bead 1 moves right at 0.17\u00a0m/s. Beads 2 to 4 move right together at 0.46\u00a0m/s." in said
     assert softcradle("run", "galilean", "--describe").out.startswith("Who hits whom?\n")
 
 

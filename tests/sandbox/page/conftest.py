@@ -16,7 +16,7 @@ from tools.browser import Browser
 SOFT = {"law": "power_law", "f0": 1.0, "alpha": 0.1}
 SCENE = "one-on-four"
 BOOKED = 1e-10  # Largest allowed relative error of the energy.
-SAID = "document.getElementById('words').textContent"
+SAID = "document.getElementById('words').textContent.replaceAll('\u00a0', ' ')"
 LEDGER = "document.getElementById('energy').textContent"
 NOTICE = "document.getElementById('notice').innerText"
 SET = "(() => {{ const e = document.getElementById('{}'); e.value = '{}'; e.dispatchEvent(new Event('{}')); }})()"

@@ -175,11 +175,11 @@ def test_the_reference_plays_trains_with_a_bounded_work_in_a_frame(scene, monkey
 
 def test_a_collision_is_told_in_words():
     session = opened("draft-gear-one-on-three")
-    assert "Bead 0 goes to the right at 0.5\u00a0m/s. Beads 1 to 3 stand still." in summary_text(session)
+    assert "Bead 0 moves right at 0.5\u00a0m/s. Beads 1 to 3 are at rest." in summary_text(session)
     session.step_frames(2000)
     text = summary_text(session)
-    together = re.search(r"Beads 1 to 3 go together to the right at (.*?)\u00a0m/s\.", text)
-    striker = re.search(r"Bead 0 goes to the left at (.*?)\u00a0m/s\.", text)
+    together = re.search(r"Beads 1 to 3 move right together at (.*?)\u00a0m/s\.", text)
+    striker = re.search(r"Bead 0 moves left at (.*?)\u00a0m/s\.", text)
     assert (float(together[1]), float(striker[1])) == pytest.approx((0.25, 0.25), abs=0.005)
     assert re.search(r"Bead 0 hit bead 1 at .* with 0\.5\u00a0m/s", text)
     assert "trust" not in text

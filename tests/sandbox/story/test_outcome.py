@@ -59,7 +59,7 @@ def test_one_on_49_soft_beads_moves():
     last = story_of(run).outcome.groups[-1]
     assert (last.first, last.last, last.state) == (4, 49, MOVES)
     assert last.velocity == pytest.approx(run.final_velocity[4:].mean())
-    assert "Beads 4 to 49 go together to the right at 0.048\u00a0m/s." in describe("", run)
+    assert "Beads 4 to 49 move right together at 0.048\u00a0m/s." in describe("", run)
 
 
 def test_slow_beads_that_together_carry_the_momentum_are_not_still():
@@ -88,14 +88,14 @@ def test_heavy_bead_that_hardly_moves_is_not_still():
 def test_walls_are_groups_of_their_own_if_they_move():
     mass, start = [math.inf, 1.0, 1.0, math.inf], [0.0, 0.0, 0.0, 2.0]
     found = outcome_of(mass, start, [0.0, -1.0, -1.0, 2.0])
-    said = "Beads 1 and 2 go together to the left at 1\u00a0m/s. Wall 3 goes to the right at 2\u00a0m/s."
+    said = "Beads 1 and 2 move left together at 1\u00a0m/s. Wall 3 moves right at 2\u00a0m/s."
     assert outcome_words(found) == said
     assert found.group_of(0) is None
 
 
 def test_beads_at_rest_stand_still():
-    assert outcome_words(outcome_of([1.0] * 2, [0.0] * 2, [0.0] * 2)) == "Beads 0 and 1 stand still."
-    assert outcome_words(outcome_of([1.0] * 2, [1.0, 0.0], [1e-3, 0.0])) == "Beads 0 and 1 nearly stand still."
+    assert outcome_words(outcome_of([1.0] * 2, [0.0] * 2, [0.0] * 2)) == "Beads 0 and 1 are at rest."
+    assert outcome_words(outcome_of([1.0] * 2, [1.0, 0.0], [1e-3, 0.0])) == "Beads 0 and 1 are almost at rest."
 
 
 def test_more_groups_are_counted():

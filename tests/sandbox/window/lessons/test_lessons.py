@@ -46,7 +46,7 @@ def test_a_lesson_is_predicted_run_and_answered(driver: Driver) -> None:
     driver.page.lessons._next = 0
     driver.page.editor.apply(SetContact(0, None, power_law(100.0, 1.0)))
     said = answered(driver, 1)
-    assert said.startswith("What happened. You predicted: the last bead alone. What happened: Bead 0 goes to the left")
+    assert said.startswith("What happened. You predicted: the last bead alone. What happened: Bead 0 moves left")
     assert said.endswith(outcome_text(driver.session))
 
 

@@ -131,8 +131,8 @@ def test_a_row_is_compared_with_steel_balls(explorer: Driver) -> None:
     assert steel.velocity[4] > 0.9
     assert soft.velocity[4] < 0.6
     soft, steel = explorer.page.outcome.text.split("\n")
-    assert "Beads 2 to 4 go together to the right at 0.46\N{NO-BREAK SPACE}m/s." in soft
-    assert steel.startswith("steel balls: Beads 0 to 2 nearly stand still.")
+    assert "Beads 2 to 4 move right together at 0.46\N{NO-BREAK SPACE}m/s." in soft
+    assert steel.startswith("steel balls: Beads 0 to 2 are almost at rest.")
     explorer.enter("speed", "2")
     press(explorer, "Back to one row")
     scene = explorer.session.scene
@@ -207,7 +207,7 @@ def test_the_clock_pauses_once_at_the_end_of_the_motion(driver) -> None:
     overlap, page = driver.session.lanes[0].state.overlap, driver.page
     assert overlap.max() < 0.0
     assert overlap.min() <= -2.0 * driver.session.scene.view.length
-    assert "Beads 2 to 4 go together to the right" in page.outcome.text
+    assert "Beads 2 to 4 move right together" in page.outcome.text
     assert not driver.messages
     driver.until(lambda: page.cards.health[0].velocity_error is not None)
     assert page.cards.health[0].velocity_error < 1e-3

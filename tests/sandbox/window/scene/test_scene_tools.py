@@ -46,7 +46,7 @@ def test_values_and_outcome_are_shown_and_copied(driver: Driver) -> None:
     assert float(table[2][4]) == 1.0  # Velocity of the striker [m/s].
     assert len(table) == 1 + 6 + 5
     driver.key(pygame.K_w)
-    assert "Bead 0 goes to the right at 1\N{NO-BREAK SPACE}m/s." in driver.app.dialog.note
+    assert "Bead 0 moves right at 1\N{NO-BREAK SPACE}m/s." in driver.app.dialog.note
     driver.key(pygame.K_LEFT)
     driver.key(pygame.K_RETURN)
     assert pygame.scrap.get_text().startswith("At 0\N{NO-BREAK SPACE}s.")

@@ -1,0 +1,50 @@
+"""The story for pages: its bounds and words as constants of their scripts.
+
+The document of a page contains this script, so that a page always has the bounds and the words of its version.
+"""
+
+from __future__ import annotations
+
+import json
+from functools import lru_cache
+from typing import Any
+
+from softcradle.sandbox.languages import gettext, in_every_language, pgettext
+from softcradle.sandbox.story import ending, outcome, sentences
+from softcradle.sandbox.story.bodies import BODIES
+from softcradle.sandbox.story.page_words import WORDS, WORDS_IN_CONTEXT
+
+BOUNDS = {
+    "together": outcome.TOGETHER,
+    "resolution": outcome.RESOLUTION,
+    "slow": outcome.SLOW,
+    "momentum": outcome.STILL_MOMENTUM,
+    "energy": outcome.STILL_ENERGY,
+    "stands": outcome.AT_REST,
+    "equal": outcome.EQUAL,
+    "atRest": ending.AT_REST,
+    "groups": sentences.MOST_GROUPS,
+    "digits": sentences.SPEED_DIGITS,
+}
+
+
+@lru_cache
+def story_script() -> str:
+    """Return the script that defines STORY (bounds by name) and WORDS (texts by language and key)."""
+    constants = {"STORY": BOUNDS, "WORDS": in_every_language(page_words)}
+    return "".join(f"const {name} = {_script(value)};\n" for name, value in constants.items())
+
+
+def page_words() -> dict[str, str]:
+    """Return the words of a page in the current language, by key."""
+    found = {key: gettext(text) for key, text in (WORDS | sentences.SENTENCES).items()}
+    for context, words in WORDS_IN_CONTEXT.items():
+        found |= {key: pgettext(context, text) for key, text in words.items()}
+    for kind, body in BODIES.items():
+        found |= {f"{kind} {name}": text for name, text in body.words().items()}
+    return found | {"more group": sentences.more_groups(1, n="{n}"), "more groups": sentences.more_groups(2, n="{n}")}
+
+
+def _script(value: Any) -> str:
+    """Return a constant as JSON in which no text can end a script element."""
+    return json.dumps(value, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")

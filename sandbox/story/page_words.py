@@ -1,0 +1,144 @@
+"""The words of pages by the key that scripts use, `say(key)`, and by the `data-say` attributes of the document.
+
+Translations are in the catalogues, as for the window. {one}, {many}, {the}, {those} and {a} are replaced by words for the
+bodies of the page, with a capital if the name has one. `sandbox/story/page_story.py` puts the words into the page.
+"""
+
+from softcradle.sandbox.languages import N_, NP_
+
+WORDS: dict[str, str] = {
+    # Buttons and the clock.
+    "play": N_("Play"),
+    "pause": N_("Pause"),
+    "again": N_("Restart"),
+    "back": N_("One step back"),
+    "ahead": N_("One step forward"),
+    "time": N_("Time of the motion"),
+    "pace": N_("Playback speed"),
+    "slower": N_("{n} × slower"),
+    "faster": N_("{n} × faster"),
+    "usual": N_("Normal speed"),
+    "link": N_("Copy link"),
+    "copied": N_("Copied"),
+    "language": N_("Language"),
+    "wait": N_("Computing …"),
+    # Settings.
+    "beside": N_("Compare with"),
+    "compare steel": N_("Compare with steel balls"),
+    "compare soft": N_("Compare with soft beads"),
+    "alone": N_("End comparison"),
+    "settings": N_("Settings"),
+    "law": N_("Contacts"),
+    "scene": N_("Original contacts"),
+    "alpha": N_("Exponent α (smaller = softer)"),
+    "alpha upper": N_("Exponent α of the soft row (smaller = softer)"),
+    "softest": N_("soft"),
+    "hardest": N_("like steel"),
+    "strikers": N_("{Those} that hit them"),
+    "targets": N_("{Those} at rest"),
+    "speed": N_("Speed"),
+    "friction": N_("Ground friction"),
+    "loss": N_("Energy lost in each contact"),
+    "show": N_("Show"),
+    "forces": N_("forces"),
+    "loupes": N_("magnifiers"),
+    "balance": N_("energy and momentum bars"),
+    "charts": N_("graphs"),
+    # Names of the laws of a row.
+    "law soft": N_("alpha = {alpha}"),
+    "law one": N_("springs, alpha = 1"),
+    "law gear": N_("draft gears"),
+    "law steel": N_("steel balls"),
+    "law mixed": N_("mixed contacts"),
+    # Stage, magnifiers and graphs.
+    "force": N_("contact force ({unit})"),
+    "hollow": N_("hollow: pulls"),
+    "dark": N_("dark: solid"),
+    "rigid": N_("if each group were one solid block"),
+    "to scale": N_("drawn to scale"),
+    "magnified": N_("overlaps enlarged {factor}"),
+    "energy bar": N_("energy: kinetic (coloured), stored in contacts (grey)"),
+    "energy brief": N_("energy; in contacts: grey"),
+    "energy short": N_("energy"),
+    "energy lossy": N_("energy: kinetic (coloured), stored in contacts (grey), absorbed"),
+    "energy lossy brief": N_("energy; in contacts: grey; absorbed"),
+    "momentum bar": N_("momentum (grey mark: zero, black mark: total)"),
+    "momentum short": N_("momentum"),
+    "overlap of": N_("overlap δ{contact}"),
+    "seen at": N_("magnified {factor}"),
+    "velocities": N_("Velocities (m/s)"),
+    "forces chart": N_("Forces ({unit})"),
+    "chart values": N_("The values are under “In numbers” below."),
+    # States of a contact; apart is in WORDS_IN_CONTEXT.
+    "touching": N_("touching"),
+    "pulled": N_("pulled"),
+    "loaded": N_("pressed"),
+    # Energy balance below the stage.
+    "energy": N_("Total energy {value}"),
+    "absorbed": N_("{value} of it absorbed"),
+    "right": N_("conserved to {digits} digits"),
+    "right lossy": N_("the sum is kept to {digits} digits"),
+    "given": N_("you added {value}"),
+    "units": N_("the units are made up"),
+    # Sentences around the stage. The outcome is in sentences.py.
+    "hint": N_("Try it: drag {a} and let go."),
+    "if rigid": N_("Two solid blocks would move at {left} and {right}."),
+    "followed": N_("The motion is shown up to {time}."),
+    "refused": N_(
+        "Your browser or this website blocks WebAssembly. A recording plays instead; dragging and settings are off."
+    ),
+    "recorded": N_("This is a recording: you can play and rewind it, but not change it."),
+    "unmet": N_("This link asks for {list}, which this page cannot do."),
+    "here": N_(" (here {value})"),
+    "other numbers": N_("You changed the settings, so the original explanation no longer fits. Press play and see."),
+    "changed": N_("{title} (changed)"),
+    "changed from": N_("{now} (changed from: {title})"),
+    "one on": N_("One {one} on {n}"),
+    "many on": N_("{m} {many} on {n}"),
+    "count": N_("one two three four five six seven eight nine ten eleven twelve"),
+    "lead one": N_("In Newton's cradle only the last ball flies off."),
+    "lead many": N_("In Newton's cradle as many balls fly off as came."),
+    "lead soft": N_("What will these soft beads do?"),
+    "lead gear": N_("What will these draft gears do?"),
+    "lead steel": N_("How many of these balls will fly off?"),
+    "send file": N_(
+        "This page is a file on your device. Send the file, and tell others to add this after its name: {text}"
+    ),
+    "send alone": N_("This page is a file on your device. Send the file itself: nothing in it has been changed."),
+    # Tables of numbers.
+    "in numbers": N_("In numbers"),
+    "contact": N_("contact"),
+    "mass": N_("mass (kg)"),
+    "now": N_("now (m/s)"),
+    "before": N_("at the start (m/s)"),
+    "force now": N_("force (N)"),
+    "overlap now": N_("overlap (m)"),
+    "state": N_("state"),
+    "wall": N_("wall"),
+    # Keyboard, touch and the footer.
+    "beads": N_("The {many} of {name}."),
+    "bead keys": N_(
+        "Arrow keys choose one, Enter grabs or releases it; while held, arrows pull it; Shift with an arrow throws it."
+    ),
+    "chosen": N_("{the} {bead}, {speed}"),
+    "keys": N_("Keys and touch"),
+    "help": N_("Space plays and pauses, comma and full stop step, R restarts. The slider below the picture rewinds."),
+    "help live": N_(
+        "Drag {a} sideways, by mouse or finger, and let go to throw it. With the keyboard: Tab to the "
+        "picture, arrow keys to choose one, Enter to grab it, arrow keys to pull, Enter to let go; Shift "
+        "with an arrow key throws it at once. The last minute is kept."
+    ),
+    "file": N_("Scene file (for the softcradle program)"),
+    "made": N_("made with"),
+}
+
+# Words whose translation depends on the context: objects of "Compare with", a contact that is open.
+WORDS_IN_CONTEXT: dict[str, dict[str, str]] = {
+    "compare with": {
+        "none": NP_("compare with", "nothing"),
+        "steel": NP_("compare with", "steel balls"),
+        "soft": NP_("compare with", "soft beads"),
+        "gear": NP_("compare with", "draft gears"),
+    },
+    "contact": {"open": NP_("contact", "apart")},
+}
