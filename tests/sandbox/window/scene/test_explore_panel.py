@@ -191,7 +191,7 @@ def test_the_outcome_is_shown_in_a_dialog_if_the_card_does_not_fit(explorer: Dri
     explorer.run(0)
     assert explorer.app.unit == 2.0
     explorer.until(lambda: explorer.app.dialog, most=900)
-    assert "Beads 2 to 4 go together" in explorer.app.dialog.note
+    assert "Beads 2 to 4 move right together" in explorer.app.dialog.note
     explorer.click(explorer.app.dialog.buttons["Why? The forces"].rect.center)
     assert "one solid block" in explorer.app.dialog.note
     explorer.key(pygame.K_ESCAPE)
