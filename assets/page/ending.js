@@ -101,6 +101,6 @@ function rigidWords(spec, { dissipative, driven, pulls }, length, velocity) {
   if (dissipative || driven || pulls || velocity[meeting] - velocity[meeting + 1] > STORY.slow * spec.speed) return "";
   const sum = (masses) => masses.reduce((total, mass) => total + mass, 0);
   const left = sum(spec.mass.slice(0, meeting + 1)), right = sum(spec.mass.slice(meeting + 1));
-  const centre = (left * before[0] + right * after[0]) / (left + right), reflected = (w) => speedText(2 * centre - w);
-  return say("if rigid", { left: reflected(before[0]), right: reflected(after[0]) });
+  const centre = (left * before[0] + right * after[0]) / (left + right), reflected = (w) => 2 * centre - w;
+  return say("if rigid", { left: plain(reflected(before[0]), STORY.digits), right: speedText(reflected(after[0])) });
 }

@@ -377,7 +377,7 @@ def test_a_link_of_a_web_page_is_copied_whole_and_of_a_file_what_stands_after_it
         (SCENE, "#m=3&n=40", "Three beads on 40 (changed from: One bead on four)"),
         (SCENE, "#a=0.2", "One bead on four (changed)"),
         (SCENE, "#n=9&lang=de", "Eine Kugel auf neun (geändert aus: Eine Kugel auf vier)"),
-        (SCENE, "#n=9&lang=fr", "Une bille contre neuf (modifié à partir de : Une bille contre quatre)"),
+        (SCENE, "#n=9&lang=fr", "Une bille contre neuf (modifié à partir de\u00a0: Une bille contre quatre)"),
         ("hertz-cradle", "#law=soft", "One bead on four (changed from: Newton's cradle: steel balls)"),
         ("galilean", "#mu=0.01", "(changed)"),
     ],
@@ -483,7 +483,7 @@ def test_energy_is_told_for_each_row_and_what_of_it_is_absorbed(pages, browser):
     ("name", "words", "hint"),
     [
         (SCENE, "Bead", "a bead"),
-        ("train-cut", "Wagon", "a wagon"),
+        ("train-shunting", "Wagon", "a wagon"),
         ("draft-gear-one-on-three", "Cylinder", "a cylinder"),
     ],
 )

@@ -176,7 +176,7 @@ def test_a_moving_wall_on_a_bed_hits_again(browser, tmp_path, duration, fragment
 
 
 def test_a_pressed_row_held_by_friction_has_ended(pages, browser):
-    rest = "Beads 0 to 4 are almost at rest."
+    rest = "Beads 0 to 4 are at rest."
     browser.visit(pages(SCENE).output, "#loss=0.9&mu=0.02")
     run_to_the_end(browser)
     assert browser.run("page.source.values(0).force.some((force) => force > 0)")
