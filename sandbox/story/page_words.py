@@ -98,8 +98,8 @@ WORDS: dict[str, str] = {
     "count": N_("one two three four five six seven eight nine ten eleven twelve"),
     "lead one": N_("In Newton's cradle only the last ball flies off."),
     "lead many": N_("In Newton's cradle as many balls fly off as came."),
-    "lead soft": N_("What will these soft beads do?"),
-    "lead gear": N_("What will these draft gears do?"),
+    "lead soft": N_("How will these soft beads move?"),
+    "lead gear": N_("How will these draft gears move?"),
     "lead steel": N_("How many of these balls will fly off?"),
     "send file": N_(
         "This page is a file on your device. Send the file, and tell others to add this after its name: {text}"
