@@ -403,7 +403,10 @@ def test_an_unknown_language_in_a_link_is_that_of_the_reader(pages, browser):
         (SCENE, "In Newton's cradle only the last ball flies off. How will these soft beads move?"),
         ("three-on-five", "In Newton's cradle as many balls fly off as came. How will these soft beads move?"),
         ("steel-and-soft", "In Newton's cradle only the last ball flies off. How will these soft beads move?"),
-        ("draft-gear-one-on-three", "In Newton's cradle only the last ball flies off. How will these draft gears move?"),
+        (
+            "draft-gear-one-on-three",
+            "In Newton's cradle only the last ball flies off. How will these draft gears move?",
+        ),
         ("hertz-cradle", "How many of these balls will fly off?"),
         ("train-shunting", ""),
         ("prestressed", ""),
