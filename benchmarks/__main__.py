@@ -1,8 +1,8 @@
 """All measurements in one run: ``make bench``, or ``python -m benchmarks [--json FILE] [NAME ...]``.
 
-``scan``, ``conserving``, ``mutants``, ``soft-contacts`` and ``two-versions`` are separate commands with their own
-``--help``: random chains against the reference, steps of conserving, changes of a kernel that tests notice,
-SoftContacts, two checkouts.
+``scan``, ``conserving``, ``mutants``, ``soft-contacts``, ``two-versions``, ``fit`` and ``hits`` are separate commands with
+their own ``--help``: random chains against the reference, steps of conserving, changes of a kernel that tests notice,
+SoftContacts, two checkouts, error bars of fits, tables of hits against the reference.
 """
 
 from __future__ import annotations
@@ -39,6 +39,7 @@ COMMANDS = {
     "soft-contacts": "benchmarks.soft_contacts",
     "soft-chains": "benchmarks.soft_chains",
     "two-versions": "benchmarks.two_versions",
+    "fit": "benchmarks.fit",
 }
 
 

@@ -358,7 +358,7 @@ def _headers(path: Path, lines: list[str], layout: Layout) -> list[Header]:
             raise _wrong(path, full[0], len(names) + 1, text)
         names += [""] * (width - len(names))
     owners = _owners(lines, layout, len(names))
-    headers = [_header(path, line, k + 1, name) for k, name in enumerate(names)]
+    headers = [header_of(path, line, k + 1, name) for k, name in enumerate(names)]
     _require_units(path, line, headers)
     # In files of Tracker, v and a are amounts; v_{x} and a_{x} are components.
     if owners and headers[0].quantity == TIME:
@@ -401,7 +401,7 @@ def _owners(lines: list[str], layout: Layout, width: int) -> dict[int, str]:
     return {}
 
 
-def _header(path: Path, line: int, column: int, text: str) -> Header:
+def header_of(path: Path, line: int, column: int, text: str) -> Header:
     """Return the meaning of a name such as ``Velocity (m/s)``. Raise UserError if its unit is unknown or contradicts
     the name.
     """
@@ -412,7 +412,7 @@ def _header(path: Path, line: int, column: int, text: str) -> Header:
         name, unit = text, ""
     else:
         name = f"{match[1]}{match[6]}".strip()
-    quantity, axis = _quantity(name)
+    quantity, axis = quantity_of(name)
     if unit and found is None and (quantity or "/" in unit):
         known = ", ".join(UNITS)
         raise _wrong(
@@ -444,7 +444,7 @@ def _unit(text: str) -> tuple[str, float] | None:
     return EXACT_UNITS.get(plain) or UNITS.get(plain.lower())
 
 
-def _quantity(name: str) -> tuple[str, str]:
+def quantity_of(name: str) -> tuple[str, str]:
     """Return the quantity and the axis of a name without a unit; "" for what the name does not contain."""
     plain = name.strip().lower()
     axis = next((found[1] for found in [AXIS.search(plain)] if found), "")

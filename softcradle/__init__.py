@@ -43,12 +43,18 @@ if TYPE_CHECKING:
     from softcradle.physics import warm as warm
     from softcradle.sandbox.film.encoder import open_film as open_film
     from softcradle.sandbox.notebook.views import play as play
+    from softcradle.sandbox.studies.fitting.fit_scene import fit as fit
     from softcradle.sandbox.sweeps.run_sweep import sweep as sweep
 
     __version__: str
 
 # public names that do not belong to physics
-_OF_SANDBOX = {"open_film": "film.encoder", "play": "notebook.views", "sweep": "sweeps.run_sweep"}
+_OF_SANDBOX = {
+    "fit": "studies.fitting.fit_scene",
+    "open_film": "film.encoder",
+    "play": "notebook.views",
+    "sweep": "sweeps.run_sweep",
+}
 _HERE = os.path.dirname(__file__)
 _CHECKOUT = os.path.dirname(_HERE)
 if not os.path.isdir(f"{_HERE}/physics") and os.path.isfile(f"{_CHECKOUT}/physics/__init__.py"):

@@ -72,6 +72,7 @@ COMMANDS = (
     Command("stability", "map where each method fails, and how"),
     Command("maps", "map where a struck cluster moves like a rigid body"),
     Command("sweep", "compute a study of many points, on this machine or many"),
+    Command("fit", "fit free values of a scene to measured data, or search values for a goal"),
     Command("experiment", "fit bed friction to the losses of the paper's experiment"),
     Command("claims", "measure what the paper claims, and judge each claim"),
     Command("verify", "check numbers that are known from outside, each with its source"),

@@ -55,6 +55,15 @@ class Run:
         spans = self.motion.contact_intervals[self.struck]
         return spans[-1][1] if spans and math.isfinite(spans[-1][1]) else math.nan
 
+    @cached_property
+    def opened(self) -> Trajectory | None:
+        """Trajectory up to the last opening of any contact; None if no contact opens or if one stays closed."""
+        ends = [span[1] for spans in self.motion.contact_intervals for span in spans]
+        if not ends or not all(map(math.isfinite, ends)):
+            return None
+        settings = {**self.start.settings, "duration": max(ends)}
+        return solve(self.start.chain, self.start.velocity, samples=2, **settings)
+
     @property
     def contact_time(self) -> float:
         """Time [s] during which the struck contact was closed; NaN if it does not open for good."""
@@ -80,7 +89,7 @@ class Run:
 
     def runs(self) -> list[Trajectory]:
         """Return all runs that have been computed."""
-        found = [self.__dict__.get(name) for name in ("motion", "detached", "sampled")]
+        found = [self.__dict__.get(name) for name in ("motion", "detached", "opened", "sampled")]
         return [run for run in found if run is not None]
 
     @property
@@ -109,10 +118,10 @@ class RunEnd(NamedTuple):
     warnings: Warnings
 
 
-def ends_of(starts: Sequence[LaneStart]) -> list[RunEnd]:
+def ends_of(starts: Sequence[LaneStart], workers: int | None = 1) -> list[RunEnd]:
     """Compute the ends of runs whose chains have one shape and the same settings. The results are bitwise equal to `solve`.
 
-    Raise ValueError if these runs cannot be computed together.
+    `workers` is the number of threads, None for one a core. Raise ValueError if these runs cannot be computed together.
     """
     from softcradle.physics.batch.chain_batch import ChainBatch
     from softcradle.physics.batch.ends import ensemble_ends
@@ -121,7 +130,7 @@ def ends_of(starts: Sequence[LaneStart]) -> list[RunEnd]:
     if not find_method(settings["method"]).adaptive:
         raise ValueError("warnings of fixed steps are those of each run")
     velocity = np.array([start.velocity for start in starts])
-    found = ensemble_ends(ChainBatch.of([start.chain for start in starts]), velocity, workers=1, **settings)
+    found = ensemble_ends(ChainBatch.of([start.chain for start in starts]), velocity, workers=workers, **settings)
     warned = [unusual_warnings(start.chain, start.velocity, settings["tolerance"]) for start in starts]
     numbers = found.steps.tolist(), found.evaluations.tolist()
     status = [Status(code) for code in found.status.tolist()]
@@ -158,6 +167,18 @@ def _of_contacts(name: str) -> Callable[[Run], Value]:
     return lambda run: [getattr(contact, name) for contact in run.collision.contacts]
 
 
+def _missing(name: str) -> Callable[[Run], Value]:
+    """Return the function for the share of a quantity of the beads that is missing at the last opening of any contact."""
+
+    def share(run: Run) -> float:
+        if run.opened is None:
+            return math.nan
+        values = getattr(run.opened, name)
+        return 1.0 - float(values[-1] / values[0]) if values[0] else math.nan
+
+    return share
+
+
 # Cheap measures. Most need only the run to its end, the last one a second run. The other measures need a run with fine
 # samples.
 CHEAP = (
@@ -172,6 +193,9 @@ CHEAP = (
     Measure("lost_to_bed", "J", "energy that friction took", "", lambda run: run.motion.absorbed_by_bed[-1]),
     Measure("detachment", "s", "time of the last opening of the struck contact", "", lambda run: run.detachment),
     Measure("contact_time", "s", "for how long the struck contact was closed", "", lambda run: run.contact_time),
+    Measure("missing_momentum", "", "share of the momentum at the start that is missing at the last opening of any contact", "",
+            _missing("momentum")),
+    Measure("missing_energy", "", "the same of the kinetic energy", "", _missing("kinetic_energy")),
     Measure("rigidity", "", "spread of the struck cluster's velocities over their mean", "", lambda run: run.spread(run.motion)),
     Measure("rigidity_at_detachment", "", "the same at the detachment", "", lambda run: run.spread(run.detached)),
 )  # fmt: skip

@@ -25,8 +25,8 @@ def test_exactly_these_are_importable_and_documented():
     assert sorted(physics.__all__) == dir(physics) == PUBLIC
     names: dict[str, object] = {}
     exec("from softcradle import *", names)  # `import *` is allowed only at module level, so `exec` runs it.
-    assert sorted(names.keys() - {"__builtins__"}) == sorted([*PUBLIC, "open_film", "play", "sweep"])
-    assert dir(softcradle) == sorted([*PUBLIC, "__version__", "open_film", "play", "sweep"])
+    assert sorted(names.keys() - {"__builtins__"}) == sorted([*PUBLIC, "fit", "open_film", "play", "sweep"])
+    assert dir(softcradle) == sorted([*PUBLIC, "__version__", "fit", "open_film", "play", "sweep"])
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     assert softcradle.__version__ == project["version"]
     for name in PUBLIC:

@@ -1,0 +1,1 @@
+"""Free values of a scene: least squares against measured data or stated numbers, and design for a goal."""
