@@ -124,14 +124,14 @@ def knots_of(chain: Chain, state: State) -> Knots:
 
 
 def chain_and_regime(chain: Chain, state: State) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-    """Return the fields of the effective chain of adaptive steps and of its Regime. Without dissipation they share
-    their arrays.
+    """Return the fields of the effective chain of adaptive steps, and those of its Regime without the graph. Without
+    dissipation they share their arrays.
     """
     law, inverse_mass, push, external, anchor, graph, knots, dissipation = chain_records(chain, state)
     others = graph, knots, NO_DISSIPATION
     # Without dissipation the effective chain never changes.
     if not (chain.dissipative or chain.has_segments):
-        regime = (law, inverse_mass, NOTHING, NOTHING, NO_FLAGS, NO_FLAGS, NO_FLAGS, graph)
+        regime = (law, inverse_mass, NOTHING, NOTHING, NO_FLAGS, NO_FLAGS, NO_FLAGS)
         return (law, inverse_mass, push, external, anchor, *others), regime
     # Empty arrays mark what the chain does not have; kernels skip it then.
     loss = dissipation.loss if dissipation.loss.any() or chain.has_segments else NOTHING
@@ -140,7 +140,7 @@ def chain_and_regime(chain: Chain, state: State) -> tuple[tuple[Any, ...], tuple
     if chain.has_segments:  # Each contact starts on its innermost pushing segment.
         segment = np.array([sum(one.side < 0.0 for one in graph) for graph in chain.graphs], dtype=np.int8)
         law = np.zeros((chain.contacts, 6))
-    regime = (law, inverse_mass, loss, bed, slide, easing, segment, graph)
+    regime = (law, inverse_mass, loss, bed, slide, easing, segment)
     # Kinetic friction is an external acceleration of the effective chain.
     if bed.size and not external.size:
         external = np.zeros(bed.size)

@@ -48,7 +48,16 @@ from softcradle.physics.kernel_records import (
 )
 from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.numerics.plain_kernels import plain
-from softcradle.physics.numerics.records import EVALUATION, OUT_OF_STEPS, PAUSED, REJECTED, STEP, SWITCH, SwitchLog
+from softcradle.physics.numerics.records import (
+    EVALUATION,
+    OUT_OF_STEPS,
+    PAUSED,
+    REJECTED,
+    STEP,
+    SWITCH,
+    ChainData,
+    SwitchLog,
+)
 from softcradle.physics.problem import NO_SAMPLES, Problem, Record, with_ends_as_samples
 from softcradle.physics.scales import SPEED_ROUND_OFF, is_possible, largest_error
 from softcradle.physics.state import State
@@ -339,7 +348,8 @@ def _integrate(problem: Problem, state: State, memory: Memory, kept: KeptSteps |
         if kept:
             kept.take(memory.log)
     # Inside the kernel overlaps count from the origins of segments; the state counts them from touching.
-    plain(count_from_touch)(state.overlap, Regime(*regime))
+    if problem.chain.has_segments:
+        plain(count_from_touch)(state.overlap, Regime(*regime, ChainData(*data).graph))
     return code, time
 
 

@@ -163,7 +163,8 @@ def sample_steps(
     """Fill the rows of all samples before the end of the last of `count` steps; `wanted` [m/s] is the error bound of
     these steps.
     """
-    chain, regime, motion = ChainData(*chain_fields), Regime(*regime_fields), Motion(*motion_fields)
+    chain, motion = ChainData(*chain_fields), Motion(*motion_fields)
+    regime = Regime(*regime_fields, chain.graph)
     trial, scratch, steps = Trial(*trial_fields), Scratch(*scratch_fields), Steps(*steps_fields)
     samples, log = Samples(*sample_fields), SwitchLog(*log_fields)
     counter = log.counter

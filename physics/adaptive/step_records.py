@@ -93,6 +93,8 @@ class Regime(NamedTuple):
     In the effective chain a sticking bead is a wall, the friction of a sliding bead is a steady force, and an unloading
     contact with hysteretic loss has a weaker law. So every step integrates a chain without dissipation; only events
     change the effective chain.
+
+    Python passes the fields without `graph`, which kernels take from the chain: each array costs time in a call.
     """
 
     law: Array  # (n, 3) power laws, or (n, 6) if contacts have several segments: see `row_graphs`
@@ -102,7 +104,7 @@ class Regime(NamedTuple):
     slide: NDArray[np.int8]  # (n+1,) direction in which each bead slides, 0 for a sticking bead; (0,) without friction
     easing: NDArray[np.int8]  # (n,) nonzero if a contact with loss is unloading; (0,) without loss
     segment: NDArray[np.int8]  # (n,) segment of each contact; (0,) if no contact has several segments
-    graph: Graphs  # graphs of the contacts of the chain
+    graph: Graphs  # graphs of the contacts, those of the chain
 
 
 class Scratch(NamedTuple):

@@ -123,7 +123,7 @@ def integrate_arguments(c, accuracy, stop, most_steps, batch_fields, motion_fiel
     # The regime contains the unchanged chain and the directions of sliding and of unloading.
     regime = (
         batch.law[c], batch.inverse_mass[c], loss, bed, slide if braked else slide[:0],
-        easing if lossy else easing[:0], easing[:0], graph,
+        easing if lossy else easing[:0], easing[:0],
     )  # fmt: skip
     motion = moving.overlap[c], moving.rate[c], moving.anchor[c], moving.force[c], taken, mode, held
     log = contact, switch_time, moving.closed[c], moving.counter[c]

@@ -7,8 +7,9 @@ import pytest
 from softcradle.physics import Chain, State
 from softcradle.physics.adaptive.step_records import Regime
 from softcradle.physics.kernel_records import chain_and_regime, chain_records, motion_record
+from softcradle.physics.numerics import law_curve
 from softcradle.physics.numerics.bead_velocities import bead_velocities
-from softcradle.physics.numerics.records import LOADED, ChainData, Motion
+from softcradle.physics.numerics.records import LOADED, NO_GRAPHS, ChainData, Motion
 
 COMPILED = hasattr(bead_velocities, "py_func")
 
@@ -24,7 +25,7 @@ def records_of(chain: Chain, state: State) -> tuple[ChainData, Motion]:
 def effective_records(chain: Chain, state: State) -> tuple[ChainData, Regime, Motion]:
     """Return the effective chain of adaptive steps, the Regime from which it is made, and the Motion."""
     data, regime = chain_and_regime(chain, state)
-    return ChainData(*data), Regime(*regime), records_of(chain, state)[1]
+    return ChainData(*data), Regime(*regime, ChainData(*data).graph), records_of(chain, state)[1]
 
 
 def pressed(chain: Chain, velocity: list[float], overlap: object) -> tuple[ChainData, Motion]:
@@ -37,6 +38,11 @@ def pressed(chain: Chain, velocity: list[float], overlap: object) -> tuple[Chain
     data, motion = records_of(chain, state)
     motion.mode[:] = LOADED
     return data, motion
+
+
+def signed_force(preload: float, stiffness: float, exponent: float, overlap: float) -> float:
+    """Return the force of a loaded power law at any overlap, as the adaptive steps continue it."""
+    return law_curve.curve_force(np.array([[preload, stiffness, exponent]]), NO_GRAPHS, 0, overlap)
 
 
 def row_matrix(chain: Chain) -> np.ndarray:
