@@ -18,7 +18,7 @@ import math
 
 from softcradle.physics.numerics.elementary import power
 from softcradle.physics.numerics.jit import inlined, jit
-from softcradle.physics.numerics.law_kernels import EPSILON, MOST_SCALAR, energy
+from softcradle.physics.numerics.law_kernels import EPSILON, MOST_SCALAR, energy, newton_in_bracket
 from softcradle.physics.numerics.records import (
     BEFORE,
     EXPONENT,
@@ -197,17 +197,8 @@ def search_resolvent(graph, i, start, up, low, high, weight, s):
         g, slope = graph_mean(graph, i, start, x, up)
         # because the slope is at least 1, the root is at most `excess` away: both ends of the bracket move
         excess = x + weight * g - s
-        if excess > 0.0:
-            high = x
-            low = max(low, x - excess)
-        else:
-            low = x
-            high = min(high, x - excess)
-        # Newton step; bisection if it leaves the bracket
-        move = -excess / (1.0 + weight * slope)
-        following = x + move
-        if not low < following < high:
-            following = 0.5 * (low + high)
+        low, high = (max(low, x - excess), high) if excess >= 0.0 else (low, min(high, x - excess))
+        following, low, high = newton_in_bracket(x, excess, 1.0 + weight * slope, low, high)
         if abs(following - x) <= 2.0 * EPSILON * abs(x) or high - low <= 2.0 * EPSILON * max(abs(low), abs(high)):
             x = following
             break

@@ -39,16 +39,16 @@ LAW_BEFORE, LAW_STOP, LAW_SIDE = 3, 4, 5
 
 
 @inlined
-def signed_force(preload, stiffness, exponent, overlap):
-    """Return ``F + K d**a``. For d < 0 it is continued as an odd function if there is a preload or a = 1, else it is 0."""
-    if overlap > 0.0:
-        return preload + stiffness * power(overlap, exponent)
+def signed_force(preload, stiffness, exponent, continued, y):
+    """Return ``F + K y**a``. For y < 0 the power is continued as an odd function if `continued`, else the force is 0."""
+    if y > 0.0:
+        return preload + stiffness * power(y, exponent)
     # no continuation: the force of an open contact is 0
-    if preload == 0.0 and exponent != 1.0:
+    if not continued:
         return 0.0
-    if overlap == 0.0:
+    if y == 0.0:
         return preload
-    return preload - stiffness * power(-overlap, exponent)
+    return preload - stiffness * power(-y, exponent)
 
 
 @inlined
@@ -131,13 +131,17 @@ def is_smooth(law, graph, i):
 
 @inlined
 def curve_force(law, graph, i, overlap):
-    """Return the force of contact i in mode LOADED at any overlap; see `signed_force`, `signed_table` and `signed_segment`."""
+    """Return the force of contact i in mode LOADED at any overlap; see `signed_force` and `signed_table`."""
+    continued = is_continued(law, graph, i)
     if graph.kind.size:
         if overlap != 0.0 and by_table(graph, i, overlap):
             return signed_table(law, graph, i, overlap)
+        # A segment: the power law begins `before` its origin, and a stop without loss acts from the origin on.
         if has_segments(graph, i):
-            return signed_segment(law, i, overlap)
-    return signed_force(law[i, 0], law[i, 1], law[i, 2], overlap)
+            side, x = law[i, LAW_SIDE], law[i, LAW_SIDE] * overlap
+            own = signed_force(law[i, 0], law[i, 1], law[i, 2], continued, x + law[i, LAW_BEFORE])
+            return side * (own + law[i, LAW_STOP] * x)
+    return signed_force(law[i, 0], law[i, 1], law[i, 2], continued, overlap)
 
 
 @inlined
@@ -153,23 +157,8 @@ def curve_slope(law, graph, i, overlap, force):
 
 
 @inlined
-def signed_segment(law, i, overlap):
-    """Return the force of a segment at `overlap` from its origin.
-
-    If a >= 1, the force is continued beyond the origin as an odd function.
-    """
-    x = law[i, LAW_SIDE] * overlap
-    y = x + law[i, LAW_BEFORE]
-    # for a < 1 without preload the force is not continued beyond the origin
-    if y <= 0.0 and law[i, 0] == 0.0 and law[i, 2] < 1.0:
-        return 0.0
-    own = law[i, 1] * power(abs(y), law[i, 2]) if y != 0.0 else 0.0
-    return law[i, LAW_SIDE] * (law[i, 0] + (own if y > 0.0 else -own) + law[i, LAW_STOP] * x)
-
-
-@inlined
 def segment_slope(law, i, overlap):
-    """Return the derivative of `signed_segment` by the overlap if a >= 1."""
+    """Return the derivative of the force of a segment by the overlap if a >= 1."""
     y = abs(law[i, LAW_SIDE] * overlap + law[i, LAW_BEFORE])
     if law[i, 2] == 1.0:
         return law[i, 1] + law[i, LAW_STOP]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from softcradle.physics.numerics.elementary import power
-from softcradle.physics.numerics.jit import jit
+from softcradle.physics.numerics.jit import inlined, jit
 
 # relative spacing of floats at 1
 EPSILON = 2.220446049250313e-16
@@ -19,6 +19,23 @@ def force(preload, stiffness, exponent, overlap):
     if stiffness == 0.0:
         return preload
     return preload + stiffness * power(overlap, exponent)
+
+
+@inlined
+def newton_in_bracket(x, excess, slope, low, high):
+    """Return x after a step of Newton's iteration for the root of a rising function, and the new bracket (low, high).
+
+    The function has the value `excess` and the derivative `slope` >= 0 at x, and its sign changes in the bracket. The
+    sign of `excess` shows which end moves to x. A step out of the bracket is replaced by bisection.
+    """
+    if excess >= 0.0:
+        high = x
+    else:
+        low = x
+    following = x - excess / slope if slope > 0.0 else high
+    if not low < following < high:
+        following = 0.5 * (low + high)
+    return following, low, high
 
 
 @jit

@@ -77,7 +77,8 @@ def mean_on_opening(graph, i, preload, stiffness, exponent, start, start_power):
 def solve_loaded(graph, i, preload, stiffness, exponent, start, start_power, weight, s, guess):
     """Solve d1 + weight g(d1) = s for d1 > 0 by Newton's method with a bracket. Return d1, g and dg/dd1.
 
-    Moves to smaller d1 use the logarithm of d1 as the variable, moves to larger d1 use d1 itself.
+    Moves to smaller d1 use the logarithm of d1 as the variable, moves to larger d1 use d1 itself. So this search has its
+    own bracket and does not use `newton_in_bracket`: the overlap of a soft contact can be many decades smaller than s.
     """
     low, high = 0.0, s
     overlap = guess if 0.0 < guess < s else 0.5 * s

@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.numerics.jit import inlined, jit
-from softcradle.physics.numerics.law_kernels import EPSILON, MOST_SCALAR
+from softcradle.physics.numerics.law_kernels import EPSILON, MOST_SCALAR, newton_in_bracket
 from softcradle.physics.numerics.records import TABLE
 
 Array = NDArray[np.float64]
@@ -111,15 +111,8 @@ def table_inverse(graph, coefficients, p, value):
     # Newton's method with a bracket, in the coordinate [-1, 1] of the piece
     left, right, place, following = -1.0, 1.0, 0.0, 0.0
     for _ in range(MOST_SCALAR):
-        lacks = value - polynomial(row, place)
-        if lacks > 0.0:
-            left = place
-        else:
-            right = place
-        slope = polynomial_slope(row, place)
-        following = place + lacks / slope if slope > 0.0 else right
-        if not left < following < right:
-            following = 0.5 * (left + right)
+        excess, slope = polynomial(row, place) - value, polynomial_slope(row, place)
+        following, left, right = newton_in_bracket(place, excess, slope, left, right)
         if abs(following - place) <= EPSILON or not left < following < right:
             break
         place = following

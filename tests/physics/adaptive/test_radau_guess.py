@@ -8,10 +8,10 @@ from softcradle.physics import Chain, Contact, draft_gear, hertz, hooke, power_l
 from softcradle.physics.adaptive.constants import MOST_GUESSED, ROUND_OFF
 from softcradle.physics.adaptive.radau import SHORT_EXPONENT, exp_near, first_guess, log_grown, time_since_onset
 from softcradle.physics.adaptive.step_records import empty_trial
-from softcradle.physics.numerics.law_curve import NODES, signed_force
+from softcradle.physics.numerics.law_curve import NODES
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING
 
-from tests.helpers.plain_kernels import only_plain, pressed
+from tests.helpers.plain_kernels import only_plain, pressed, signed_force
 
 pytestmark = only_plain
 SOFT = power_law(2.0, 0.5)

@@ -20,10 +20,10 @@ from softcradle.physics.adaptive.radau import (
     stage_rates,
 )
 from softcradle.physics.adaptive.step_records import empty_scratch, empty_trial
-from softcradle.physics.numerics.law_curve import NODES, care, signed_force
+from softcradle.physics.numerics.law_curve import NODES, care
 from softcradle.physics.numerics.records import FROZEN, LOADED, NO_GRAPHS, OPEN, SEGMENTS, TOUCHING, ChainData, Motion
 
-from tests.helpers.plain_kernels import only_plain, pressed, records_of, row_matrix
+from tests.helpers.plain_kernels import only_plain, pressed, records_of, row_matrix, signed_force
 
 pytestmark = only_plain
 _POWERS = np.vander(NODES, 3, increasing=True)

@@ -9,10 +9,10 @@ from softcradle.physics import Chain, Contact, Coupler, OwnLaw, State, hooke
 from softcradle.physics.adaptive.corner_search import halves, stage_cubic
 from softcradle.physics.kernel_records import graphs_of
 from softcradle.physics.numerics import law_curve
-from softcradle.physics.numerics.law_curve import NODES, SMALLEST, care, flow_into, signed_force, slope_at
+from softcradle.physics.numerics.law_curve import NODES, SMALLEST, care, flow_into, slope_at
 from softcradle.physics.numerics.records import FROM, NO_GRAPHS
 
-from tests.helpers.plain_kernels import only_plain, row_matrix
+from tests.helpers.plain_kernels import only_plain, row_matrix, signed_force
 
 pytestmark = only_plain
 LAWS = list(product((0.0, 0.3, 2.0), (1.0, 40.0), (1 / 30, 0.1, 0.5, 1.0, 1.5, 2.0, 3.0)))
@@ -201,16 +201,16 @@ def test_the_segments_of_a_coupler_are_its_graph(push):
             if way < length:
                 force = law_curve.curve_force(row, graph, 0, side * way)
                 assert force == pytest.approx(link.force(origin + side * way), rel=1e-12)
-                low, high = (law_curve.signed_segment(row, 0, side * way + nudge) for nudge in (-1e-6, 1e-6))
+                low, high = (law_curve.curve_force(row, graph, 0, side * way + nudge) for nudge in (-1e-6, 1e-6))
                 slope = law_curve.curve_slope(row, graph, 0, side * way, force)
                 assert slope == pytest.approx(0.5e6 * (high - low), rel=1e-6)
         if not before:  # The segment is an odd function beyond its origin. There, only the stop has a slope.
-            both = law_curve.signed_segment(row, 0, 0.2) + law_curve.signed_segment(row, 0, -0.2)
+            both = law_curve.curve_force(row, graph, 0, 0.2) + law_curve.curve_force(row, graph, 0, -0.2)
             assert both == pytest.approx(2.0 * side * preload)
-            assert law_curve.signed_segment(row, 0, 0.0) == side * preload
+            assert law_curve.curve_force(row, graph, 0, 0.0) == side * preload
             assert law_curve.segment_slope(row, 0, 0.0) == (stiffness if exponent == 1.0 else 0.0) + stop
     soft = np.array([[0.0, 2.0, 0.5, 0.0, 0.0, -1.0]])  # Without a preload the segment is open beyond its origin.
-    assert [law_curve.signed_segment(soft, 0, way) for way in (0.25, -0.25)] == [0.0, -1.0]
+    assert [law_curve.curve_force(soft, graph, 0, way) for way in (0.25, -0.25)] == [0.0, -1.0]
 
 
 def test_the_depth_of_a_stored_energy_is_bounded():
