@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.adaptive.constants import FEW_TRIES, FULL_SPEED, NEWTON_PART, ROUND_OFF, TOLERANCE_PART
+from softcradle.physics.adaptive.constants import FEW_TRIES, ROUND_OFF, TOLERANCE_PART
 from softcradle.physics.adaptive.corner_action import begin, cross, fly_to_event, open_passed, pass_knot
 from softcradle.physics.adaptive.flight import back_to_opening, nothing_pushes
 from softcradle.physics.adaptive.row_graphs import friction_needed, most_friction, put_drive
@@ -31,11 +31,12 @@ from softcradle.physics.adaptive.step_records import (
     RESTED,
     START,
     Accuracy,
-    Bounds,
     Regime,
     Scratch,
+    StepContext,
     Steps,
     Trial,
+    bounds_of,
 )
 from softcradle.physics.adaptive.switch_log import end_within_bounces, find_openings, grow_errors, log_switches
 from softcradle.physics.numerics.bead_velocities import bead_velocities
@@ -188,8 +189,8 @@ def integrate(
     # Limits of velocities that follow from the tolerance, see `Bounds`. The error bound of a step is the unit of the
     # others.
     wanted = TOLERANCE_PART * tolerance * scale
-    least = max(TOLERANCE_PART * wanted, ROUND_OFF * scale)
-    bounds = Bounds(wanted, NEWTON_PART * wanted, least, FULL_SPEED * scale)
+    bounds = bounds_of(wanted, scale)
+    ctx = StepContext(chain, regime, motion, trial, look, bounds, scratch, log, steps)
     control, counter, firm = scratch.control, log.counter, regime.bed.size > 0
     # `until` is the next breakpoint of a force over time, at which a step must end. `acts` is true if beads in free
     # flight do not move along parabolas.
@@ -198,7 +199,7 @@ def integrate(
         acts = put_drive(time, chain, regime)
     if not resumed:
         find_centre(chain, regime, motion, control)
-        begin(time, chain, regime, motion, bounds, scratch, log)
+        begin(time, ctx)
     while True:
         keep_momentum(chain, regime, motion, control)
         # 1. The end time, and breakpoints of forces over time.
@@ -206,7 +207,7 @@ def integrate(
             end_within_bounces(end - control[START], chain, motion, wanted, scratch)
             return DONE, end
         if time >= until:
-            acts = pass_knot(time, chain, regime, motion, bounds, scratch, log)
+            acts = pass_knot(time, ctx)
             until = next_knot(time, end, chain.knots)
         # 2. The budget of steps: give up, or return to Python and be called again.
         spent = counter[STEP] + counter[REJECTED]
@@ -219,7 +220,7 @@ def integrate(
             put_to_rest(regime, motion)
             if until == end:
                 return (SEPARATED, time) if stop else (DONE, end)
-            keep_step(time, until - time, RESTED, chain, regime, motion, steps, counter)
+            keep_step(time, until - time, RESTED, ctx)
             time = until
             continue
         # 4. No contact pushes: overlaps are parabolas, and the time of the next event is a closed form.
@@ -229,7 +230,7 @@ def integrate(
             if apart and not meets_again(chain, regime.bed, motion, bounds.negligible, scratch.work[0]):
                 return SEPARATED, back_to_opening(time, chain, regime, motion, scratch)
             before = time
-            time, row = fly_to_event(time, until, chain, regime, motion, bounds, scratch, steps, log)
+            time, row = fly_to_event(time, until, ctx)
             if time < math.inf:
                 push_centre(time - before, chain, control)
             if row < 0 and stop and until == end:
@@ -242,14 +243,12 @@ def integrate(
         if not math.isfinite(control[NEXT]):
             restart_control(control, first_step(chain, motion, scale))
         kind, proposed, near = propose_step(control, until - time, allowed, chain, motion, wanted)
-        h, error, row, side, rejected = find_step(
-            time, proposed, kind, allowed == DOP853, most_steps, chain, regime, motion, bounds, trial, scratch, log
-        )
+        h, error, row, side, rejected = find_step(time, proposed, kind, allowed == DOP853, most_steps, ctx)
         # Length 0 with an event: the event is at the start. Allow a few such events for each contact and bead; an
         # endless sequence of them (Zeno behaviour) ends the run below.
         if h == 0.0 and row >= 0 and control[AT_ONCE] < FEW_TRIES * (motion.mode.size + regime.bed.size):
             control[AT_ONCE] += 1.0
-            cross(row, side, time, chain, regime, motion, bounds, scratch, log)
+            cross(row, side, time, ctx)
             continue
         # Length 0 without an event: no step converges, or the budget is used up.
         if h == 0.0:
@@ -258,8 +257,8 @@ def integrate(
         update_control(control, h, kind, error, near and h == proposed, row, rejected, wanted)
         control[AT_ONCE] = 0.0
         control[LOCAL_SQUARE] += error * error
-        find_openings(h, kind, firm, chain, motion, wanted, trial, look, scratch, log)
-        keep_step(time, h, kind, chain, regime, motion, steps, counter)
+        find_openings(h, kind, ctx)
+        keep_step(time, h, kind, ctx)
         push_centre(h, chain, control)
         absorb(h, chain, regime, motion, trial, scratch.work, motion.taken)
         accept_step(motion, trial)
@@ -272,9 +271,9 @@ def integrate(
         # 7. Contact modes at the end of the step: openings without an event, the log of switches, error amplification,
         # and the mode transition if the step ended at an event.
         counter[STEP] += 1
-        if open_passed(row, h, time, chain, regime, motion, trial, bounds, scratch):
+        if open_passed(row, h, time, ctx):
             control[LAST] = 0.0
-        log_switches(before, time, row, chain, regime, motion, bounds, scratch, log)
-        grow_errors(row, side, before, chain, regime, motion, wanted, scale, scratch)
+        log_switches(before, time, row, ctx)
+        grow_errors(row, side, before, ctx)
         if row >= 0:
-            cross(row, side, time, chain, regime, motion, bounds, scratch, log)
+            cross(row, side, time, ctx)

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.adaptive.constants import FORCE_PRECISION, MOMENT, ROUND_OFF, TOLERANCE_PART
+from softcradle.physics.adaptive.constants import FORCE_PRECISION, MOMENT, ROUND_OFF
 from softcradle.physics.adaptive.corner_search import closes_inactive
 from softcradle.physics.adaptive.flight import drift, next_event
 from softcradle.physics.adaptive.row_graphs import (
@@ -246,12 +246,13 @@ def make_effective(chain, regime, motion):
 
 
 @piece
-def decide(slipping, chain, regime, motion, slow, scratch):
+def decide(slipping, ctx):
     """Decide the mode of every contact and bead, the forces and the effective chain, from overlaps, rates and
     directions of sliding.
 
-    Rates and velocities below `slow` [m/s] count as zero. Bead `slipping` (-1: none) counts as sliding.
+    Rates and velocities below ``bounds.slow`` count as zero. Bead `slipping` (-1: none) counts as sliding.
     """
+    chain, regime, motion, slow, scratch = ctx.chain, ctx.regime, ctx.motion, ctx.bounds.slow, ctx.scratch
     work, late = scratch.work, moment_of(chain, regime, motion, slow)
     undetermined = classify(late, chain, regime, motion, slow, work)
     # Solve the complementarity problem only if a mode is undetermined.
@@ -285,12 +286,13 @@ def carried(row, chain, regime, motion):
 
 
 @piece
-def cross(row, side, time, chain, regime, motion, bounds, scratch, log):
+def cross(row, side, time, ctx):
     """Carry out the mode transition of a contact or bed at its event, and decide all modes again.
 
     A held constraint yields, unless another constraint has yielded and relieved it.
     """
-    n, control = motion.mode.size, scratch.control
+    chain, regime, motion = ctx.chain, ctx.regime, ctx.motion
+    n, control = motion.mode.size, ctx.scratch.control
     # Put the constraint exactly on its corner, by kind of event. A held constraint is there already: its force is at a
     # bound.
     before, held = carried(row, chain, regime, motion)
@@ -298,7 +300,7 @@ def cross(row, side, time, chain, regime, motion, bounds, scratch, log):
         held *= FORCE_PRECISION
     # A sliding bead has stopped.
     elif row >= n:
-        stop_bead(row - n, chain, regime, motion, scratch.work[VELOCITY])
+        stop_bead(row - n, chain, regime, motion, ctx.scratch.work[VELOCITY])
     # A contact with loss has reached a turning point.
     elif motion.mode[row] == LOADED and side == 1:
         motion.rate[row] = 0.0
@@ -313,8 +315,8 @@ def cross(row, side, time, chain, regime, motion, bounds, scratch, log):
     else:
         motion.overlap[row] = 0.0
         if motion.mode[row] == OPEN:
-            restart_control(control, min(control[NEXT], onset_step(chain, row, motion.rate[row], bounds.wanted)))
-    decide(NO_CONTACT, chain, regime, motion, bounds.slow, scratch)
+            restart_control(control, min(control[NEXT], onset_step(chain, row, motion.rate[row], ctx.bounds.wanted)))
+    decide(NO_CONTACT, ctx)
     # The constraint was at its bound, is still held, and carries the same force as before: the delay was too short to
     # show that it yields. Then force it to slip or yield in the direction of the bound, and decide the others again.
     # Example: a bead whose friction limit is reached by a force that grows very slowly.
@@ -330,8 +332,8 @@ def cross(row, side, time, chain, regime, motion, bounds, scratch, log):
                 ease(row, regime, motion)
             elif regime.easing.size:
                 regime.easing[row] = 0
-        decide(slipping, chain, regime, motion, bounds.slow, scratch)
-    log_switches(time, time, NO_CONTACT, chain, regime, motion, bounds, scratch, log)
+        decide(slipping, ctx)
+    log_switches(time, time, NO_CONTACT, ctx)
 
 
 @piece
@@ -373,13 +375,14 @@ def is_touch(i, h, motion, trial, slow):
 
 
 @inlined
-def open_passed(row, h, time, chain, regime, motion, trial, bounds, scratch):
+def open_passed(row, h, time, ctx):
     """Open the contacts that the step of length `h` (the `trial`) has moved past d = 0. Return True if there are any.
 
     A gap or overlap larger than round-off stays as it is. A force with an exponent above 1 vanishes so smoothly that a
     step can go far past the opening, and the beads may stop there: on a bed they are then at rest, and apart.
     """
-    any_passed, inactive = False, TOLERANCE_PART * bounds.wanted
+    chain, regime, motion, trial = ctx.chain, ctx.regime, ctx.motion, ctx.trial
+    any_passed, inactive, slow, scratch = False, ctx.bounds.inactive, ctx.bounds.slow, ctx.scratch
     for i in range(motion.mode.size):
         # Skip contacts whose mode agrees with their overlap, and the contact whose event ends the step.
         inward = side_of(regime, i) * motion.overlap[i]
@@ -404,7 +407,7 @@ def open_passed(row, h, time, chain, regime, motion, trial, bounds, scratch):
             any_passed = True
             motion.force[i] = 0.0
             bend = acceleration_of(i, chain, motion.force, 0.0)
-            touches = is_touch(i, h, motion, trial, bounds.slow) and abs(motion.rate[i]) <= bounds.slow
+            touches = is_touch(i, h, motion, trial, slow) and abs(motion.rate[i]) <= slow
             if not touches or bend < 0.0:
                 motion.mode[i] = OPEN
             else:  # pushed from both sides, or not at all, and too slow to count: the contact stays at d = 0
@@ -421,27 +424,28 @@ def open_passed(row, h, time, chain, regime, motion, trial, bounds, scratch):
 
 
 @piece
-def fly_to_event(time, end, chain, regime, motion, bounds, scratch, steps, log):
+def fly_to_event(time, end, ctx):
     """Open all loaded contacts, fly to the first event, and carry out its transition. Return the time and the row of
     the event (-1: none).
     """
+    chain, regime, motion, scratch = ctx.chain, ctx.regime, ctx.motion, ctx.scratch
     # Contacts that are still loaded push too little to count: open them.
     for i in range(motion.mode.size):
         if motion.mode[i] == LOADED:
             motion.mode[i], motion.force[i] = OPEN, 0.0
             if side_of(regime, i) < 0.0:
                 put_segment(i, regime.segment[i] + 1, regime, motion)
-    log_switches(time, time, NO_CONTACT, chain, regime, motion, bounds, scratch, log)
+    log_switches(time, time, NO_CONTACT, ctx)
     # After a flight, no earlier step predicts the length of the next one.
     scratch.control[NEXT] = math.inf
-    until, row, side = next_event(time, end, chain, regime, motion, bounds.negligible, scratch.work[0])
+    until, row, side = next_event(time, end, chain, regime, motion, ctx.bounds.negligible, scratch.work[0])
     # Without any further event the beads fly apart forever.
     if until < math.inf:
-        keep_step(time, until - time, FLOWN, chain, regime, motion, steps, log.counter)
+        keep_step(time, until - time, FLOWN, ctx)
         drift(until - time, chain, regime, motion, scratch.work[0])
         time = until
     if row >= 0:
-        cross(row, side, time, chain, regime, motion, bounds, scratch, log)
+        cross(row, side, time, ctx)
     return time, row
 
 
@@ -460,38 +464,39 @@ def find_slides(begins, chain, regime, motion, velocity):
 
 
 @piece
-def begin(time, chain, regime, motion, bounds, scratch, log):
+def begin(time, ctx):
     """Set the modes, the first step length and the log of switches at the start of a run."""
-    first = math.inf
+    chain, regime, motion, scratch, first = ctx.chain, ctx.regime, ctx.motion, ctx.scratch, math.inf
     # Take the law of the segment on which each contact is, and no mode from an earlier run.
     for i in range(motion.mode.size):
         motion.held[i] = 0
         if regime.segment.size:
             put_segment(i, regime.segment[i], regime, motion)
     find_slides(True, chain, regime, motion, scratch.work[0])
-    decide(NO_CONTACT, chain, regime, motion, bounds.slow, scratch)
+    decide(NO_CONTACT, ctx)
     # The first step must resolve the onset of each contact that is about to close.
     for i in range(motion.mode.size):
         if motion.mode[i] == LOADED and motion.overlap[i] == 0.0:
-            first = min(first, onset_step(chain, i, max(motion.rate[i], 0.0), bounds.wanted))
+            first = min(first, onset_step(chain, i, max(motion.rate[i], 0.0), ctx.bounds.wanted))
     restart_control(scratch.control, first)
     scratch.control[AT_ONCE] = 0.0
     begin_estimate(time, motion, scratch)
     for i in range(motion.mode.size):
         scratch.pressed[i] = math.inf
-    log_switches(time, time, NO_CONTACT, chain, regime, motion, bounds, scratch, log)
+    log_switches(time, time, NO_CONTACT, ctx)
 
 
 @piece
-def pass_knot(time, chain, regime, motion, bounds, scratch, log):
+def pass_knot(time, ctx):
     """Continue after a breakpoint of the forces over time: held contacts are decided again. Return what `put_drive`
     returns.
     """
+    chain, regime, motion, scratch = ctx.chain, ctx.regime, ctx.motion, ctx.scratch
     find_slides(False, chain, regime, motion, scratch.work[0])  # with the brakes before the breakpoint
     acts = put_drive(time, chain, regime)
     for i in range(motion.mode.size):
         motion.held[i] = 0
-    decide(NO_CONTACT, chain, regime, motion, bounds.slow, scratch)
+    decide(NO_CONTACT, ctx)
     scratch.control[LAST] = 0.0
-    log_switches(time, time, NO_CONTACT, chain, regime, motion, bounds, scratch, log)
+    log_switches(time, time, NO_CONTACT, ctx)
     return acts

@@ -33,6 +33,7 @@ from softcradle.physics.adaptive.row_graphs import (
     side_of,
     slack_of,
 )
+from softcradle.physics.adaptive.step_records import Event
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined
 from softcradle.physics.numerics.law_curve import NODES, acceleration_of, curve_force, is_continued, is_smooth
@@ -94,14 +95,14 @@ def sides_of(row, chain, regime, motion, slow):
 
 
 @inlined
-def guard_of(row, side, h, chain, regime, motion, trial, slow, work):
-    """Return the Bernstein coefficients (degree 5) of the guard of a row on a side. `work` contains the bead velocities
-    at both ends.
+def guard_of(row, side, h, ctx):
+    """Return the Bernstein coefficients (degree 5) of the guard of a row on a side in the attempted step.
 
-    A contact that starts at an event with zero rate is assumed to move as its mode implies. Violations of at most
-    `slow` are treated as round-off.
+    Rows BEFORE and AFTER of the work array contain the bead velocities at both ends. A contact that starts at an event
+    with zero rate is assumed to move as its mode implies. Violations of at most ``bounds.slow`` are round-off.
     """
-    n, f = motion.mode.size, trial.force
+    chain, regime, motion, trial = ctx.chain, ctx.regime, ctx.motion, ctx.trial
+    n, f, slow, work = motion.mode.size, trial.force, ctx.bounds.slow, ctx.scratch.work
     if row >= n:
         # A sliding bead stops when its velocity changes sign.
         j = row - n
@@ -162,77 +163,108 @@ def rate_guard(h, sign, v0, a0, v1, a1, slow):
 
 
 @inlined
-def stays(row, h, chain, regime, motion, trial, inactive, slow):
+def stays(row, h, ctx):
     """Return True if the contact or bed surely keeps its mode during the step, even if its guard has a root.
 
-    The polynomial through the stages of a held contact can be badly wrong. But friction and multipliers that are well
-    within their range at all nodes do not leave it in between. Without this rule, chains of random clusters, beds and
-    couplers take up to a hundred times as many steps.
+    The polynomial through the stages of a held contact can be badly wrong. Without these rules, chains of random
+    clusters, beds and couplers take up to a hundred times as many steps. They add to the guards, and none of them lets
+    a step pass over an event: each requires that the constraint is well inside its branch at all nodes.
     """
-    n, f = motion.mode.size, trial.force
-    if row >= n:
-        # A sticking bead stays at rest if it needs less than half of the largest friction at all nodes.
-        j = row - n
-        if regime.slide[j] != 0:
-            return False
-        least = min(most_friction(j, chain, regime, 0.0), most_friction(j, chain, regime, h))
-        needed = abs(friction_needed(j, chain, regime, motion.force, 0.0))
-        for k in range(3):
-            needed = max(needed, abs(friction_needed(j, chain, regime, f[k], h * NODES[k])))
-        return needed < 0.5 * least
+    motion = ctx.motion
+    if row >= motion.mode.size:
+        return bed_stays(row - motion.mode.size, h, ctx)
     if motion.mode[row] == OPEN:
-        if motion.rate[row] == 0.0 == trial.rate[2, row] and trial.overlap[2, row] == motion.overlap[row]:
-            return True  # no neighbour moves it
-        return flies_apart(row, chain, regime, motion, trial) or closes_inactive(
-            chain, row, inactive, motion.rate[row], trial.rate[2, row], trial.overlap[2, row]
-        )
-    if motion.mode[row] == TOUCHING:
-        # A touching contact stays if its force at all nodes is in the half of its range that is away from yielding. For
-        # a pushing contact this is the lower half.
-        low, high = multiplier_bounds(chain, regime, row, motion.overlap[row])
-        least, most = min(f[0, row], f[1, row], f[2, row]), max(f[0, row], f[1, row], f[2, row])
-        half = 0.5 * (low + high)
-        if low < 0.0:  # it pulls
-            return least >= half and most <= high - ROUND_OFF * low
-        return least >= low - ROUND_OFF * high and most <= half
-    # A loaded contact that starts at d = 0 with zero rate. It stays if it is pressed in at the end. Its polynomial does
-    # not help here, because the push that a neighbour passes on can start with any power of time.
-    inward, at_start = side_of(regime, row), motion.overlap[row] == 0.0 and abs(motion.rate[row]) <= slow
-    d0, d1, d2 = inward * trial.overlap[0, row], inward * trial.overlap[1, row], inward * trial.overlap[2, row]
-    pressed = 0.0 <= d0 <= d1 <= d2 and inward * trial.rate[2, row] >= 0.0
-    still = abs(trial.overlap[2, row]) <= slow * h and abs(trial.rate[2, row]) <= slow  # no more than round-off
-    return at_start and (still or (pressed and d2 < length_of(regime, row)))
+        return open_stays(row, ctx)
+    return touching_stays(row, ctx) if motion.mode[row] == TOUCHING else onset_stays(row, h, ctx)
 
 
 @inlined
-def first_corner(h, chain, regime, motion, trial, landing, landing_side, inactive, slow, work):
-    """Return the first event within the step as (row, side, fraction of the step, miss [s], near); row -1 without an
-    event.
+def bed_stays(j, h, ctx):
+    """Return True if bead j sticks and needs less than half of the largest friction at all nodes.
 
-    `landing` and `landing_side` are the event at which the step is supposed to end. If its guard decreases at the end
-    of the step, `miss` is the time by which the step is too short, computed from the end slope of the guard. Otherwise
-    `miss` is NaN, and the guard is searched like all others. `near` is the fraction of the step at which a guard comes
-    so close to 0 that its polynomial may be wrong; 1 if no guard does. `inactive` [m/s] is as for `closes_inactive`.
-    Rates and velocities up to `slow` [m/s] at the start of a guard are round-off.
+    Prevents: events of friction that is far below its limit, from a cubic that overshoots between the nodes.
     """
+    chain, regime, f = ctx.chain, ctx.regime, ctx.trial.force
+    if regime.slide[j] != 0:
+        return False
+    least = min(most_friction(j, chain, regime, 0.0), most_friction(j, chain, regime, h))
+    needed = abs(friction_needed(j, chain, regime, ctx.motion.force, 0.0))
+    for k in range(3):
+        needed = max(needed, abs(friction_needed(j, chain, regime, f[k], h * NODES[k])))
+    return needed < 0.5 * least
+
+
+@inlined
+def open_stays(i, ctx):
+    """Return True if open contact i does not move, flies apart, or closes too slowly to matter.
+
+    Prevents: closings by round-off, whose times are arbitrary, and searches for contacts that no force can close.
+    """
+    motion, trial = ctx.motion, ctx.trial
+    if motion.rate[i] == 0.0 == trial.rate[2, i] and trial.overlap[2, i] == motion.overlap[i]:
+        return True
+    if flies_apart(i, ctx.chain, ctx.regime, motion, trial):
+        return True
+    return closes_inactive(ctx.chain, i, ctx.bounds.inactive, motion.rate[i], trial.rate[2, i], trial.overlap[2, i])
+
+
+@inlined
+def touching_stays(i, ctx):
+    """Return True if the force of touching contact i is at all nodes in the half of its range away from yielding.
+
+    For a pushing contact this is the lower half. Prevents: yielding of contacts that barely carry a force.
+    """
+    f = ctx.trial.force
+    low, high = multiplier_bounds(ctx.chain, ctx.regime, i, ctx.motion.overlap[i])
+    least, most = min(f[0, i], f[1, i], f[2, i]), max(f[0, i], f[1, i], f[2, i])
+    half = 0.5 * (low + high)
+    if low < 0.0:  # it pulls
+        return least >= half and most <= high - ROUND_OFF * low
+    return least >= low - ROUND_OFF * high and most <= half
+
+
+@inlined
+def onset_stays(i, h, ctx):
+    """Return True if loaded contact i starts at d = 0 with zero rate and is pressed in at the end, or does not move.
+
+    Prevents: openings at the onset of a force. The push that a neighbour passes on can start with any power of time, so
+    the polynomial through both ends does not help here.
+    """
+    motion, trial, slow = ctx.motion, ctx.trial, ctx.bounds.slow
+    inward, at_start = side_of(ctx.regime, i), motion.overlap[i] == 0.0 and abs(motion.rate[i]) <= slow
+    d0, d1, d2 = inward * trial.overlap[0, i], inward * trial.overlap[1, i], inward * trial.overlap[2, i]
+    pressed = 0.0 <= d0 <= d1 <= d2 and inward * trial.rate[2, i] >= 0.0
+    still = abs(trial.overlap[2, i]) <= slow * h and abs(trial.rate[2, i]) <= slow  # no more than round-off
+    return at_start and (still or (pressed and d2 < length_of(ctx.regime, i)))
+
+
+@inlined
+def first_corner(h, target_row, target_side, ctx):
+    """Return the first Event in the attempted step of length `h`.
+
+    The step should end at the event of `target_row` on `target_side` (-1: at no event). If the guard of this event
+    decreases at the end of the step, ``Event.miss`` is the time by which the step is too short, from the end slope of
+    the guard. Otherwise it is NaN, and this guard is searched like all others.
+    """
+    chain, regime, motion, trial, slow = ctx.chain, ctx.regime, ctx.motion, ctx.trial, ctx.bounds.slow
     row, at, part, miss, near = NO_CONTACT, ZERO, 1.0, math.nan, 1.0
     beds = regime.bed.size
     # The velocities of the beads are needed only for the guards of beds.
     if beds:
-        bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], work[BEFORE])
-        bead_velocities(trial.rate[2], chain.anchor_bead, trial.anchor[1], work[AFTER])
+        bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], ctx.scratch.work[BEFORE])
+        bead_velocities(trial.rate[2], chain.anchor_bead, trial.anchor[1], ctx.scratch.work[AFTER])
     for r in range(motion.mode.size + beds):
         first, end = sides_of(r, chain, regime, motion, slow)
-        if first == end or (r != landing and stays(r, h, chain, regime, motion, trial, inactive, slow)):
+        if first == end or (r != target_row and stays(r, h, ctx)):
             continue
         for side in range(first, end):
             # Side 1 of a loaded contact exists only with loss.
             if side == 1 and r < motion.mode.size and motion.mode[r] == LOADED and not turns(r, regime, motion, slow):
                 continue
-            b = guard_of(r, side, h, chain, regime, motion, trial, slow, work)
-            # The event at which the step is supposed to end: Newton's step for the end time, with the end slope of the
-            # guard (5 (b5 - b4) per unit of the step).
-            if r == landing and side == landing_side and b[5] < b[4]:
+            b = guard_of(r, side, h, ctx)
+            # The event at which the step should end: Newton's step for the end time, with the end slope of the guard
+            # (5 (b5 - b4) per unit of the step).
+            if r == target_row and side == target_side and b[5] < b[4]:
                 miss = 0.2 * h * b[5] / (b[4] - b[5])
                 continue
             # Any other guard: its first root by subdivision. The earliest root of all is the event.
@@ -240,41 +272,56 @@ def first_corner(h, chain, regime, motion, trial, landing, landing_side, inactiv
             if x < part:
                 row, at, part = ZERO + r, ZERO + side, x
             elif x == NONE and r < motion.mode.size and motion.mode[r] != LOADED:
-                near = min(near, nearest(r, side, h, b, chain, regime, motion, trial))
-    return row, at, part, miss, near
+                near = min(near, nearest(r, side, h, b, ctx))
+    return Event(row, at, part, miss, near)
 
 
 @inlined
-def nearest(i, side, h, b, chain, regime, motion, trial):
+def nearest(i, side, h, b, ctx):
     """Return the fraction of the step at which the guard `b` of contact i is closer to 0 than its polynomial is
     accurate; 1 if nowhere.
 
     A step that ends there is checked exactly, so a grazing event is not missed.
     """
-    # The possible error of the polynomial, by the mode of the contact.
-    d0, d1, w0, w1 = motion.overlap[i], trial.overlap[2, i], motion.rate[i], trial.rate[2, i]
-    low, high = multiplier_bounds(chain, regime, i, d0)
-    if motion.mode[i] == TOUCHING and (side == 1) == (low >= 0.0):  # the contact nearly yields
-        margin = (1.0 - SAFETY) * (high - low)
-    # the contact nearly closes: difference of cubic and quintic in the middle
-    elif motion.mode[i] == OPEN and side == 0 and w0 > 0.0 > w1:
-        middle = (b[0] + b[5] + 5.0 * (b[1] + b[4]) + 10.0 * (b[2] + b[3])) / 32.0
-        margin = abs(middle + 0.5 * (d0 + d1) + 0.125 * h * (w0 - w1))
-    else:
-        return 1.0
+    margin = inaccuracy(i, side, h, b, ctx)
     if min(b[1], b[2], b[3], b[4]) >= margin:
         return 1.0
+    part, least = lowest(b)
+    if part >= 1.0:
+        return 1.0
+    # A shallow dip is ignored: the guard must fall by more than it has left.
+    return part if least < min(margin, min(b[0], b[5]) - least) else 1.0
+
+
+@inlined
+def inaccuracy(i, side, h, b, ctx):
+    """Return by how much the guard `b` of contact i can be wrong within the step; 0 if its sign is not in doubt."""
+    motion, trial = ctx.motion, ctx.trial
+    d0, d1, w0, w1 = motion.overlap[i], trial.overlap[2, i], motion.rate[i], trial.rate[2, i]
+    low, high = multiplier_bounds(ctx.chain, ctx.regime, i, d0)
+    # a touching contact nearly yields: the safety margin of its range
+    if motion.mode[i] == TOUCHING and (side == 1) == (low >= 0.0):
+        return (1.0 - SAFETY) * (high - low)
+    # an open contact nearly closes: difference of cubic and quintic in the middle
+    if motion.mode[i] == OPEN and side == 0 and w0 > 0.0 > w1:
+        middle = (b[0] + b[5] + 5.0 * (b[1] + b[4]) + 10.0 * (b[2] + b[3])) / 32.0
+        return abs(middle + 0.5 * (d0 + d1) + 0.125 * h * (w0 - w1))
+    return -math.inf
+
+
+@inlined
+def lowest(b):
+    """Return the fraction of the step at which the guard `b` has its minimum, and its value there; 1 without a minimum
+    inside.
+    """
     # differences of the coefficients: the derivative of the guard, with negative sign
     c0, c1, c2, c3, c4 = b[0] - b[1], b[1] - b[2], b[2] - b[3], b[3] - b[4], b[4] - b[5]
     # The minimum of the guard is the first root of its derivative, raised to degree 5.
     fall = (c0, 0.2 * c0 + 0.8 * c1, 0.4 * c1 + 0.6 * c2, 0.6 * c2 + 0.4 * c3, 0.8 * c3 + 0.2 * c4, c4)
     part = first_root(fall)
     if part >= 1.0:
-        return 1.0
-    left = halves(part, b)[0][5]
-    return (
-        part if left < min(margin, min(b[0], b[5]) - left) else 1.0
-    )  # A shallow dip is ignored: the guard must fall by more than it has left.
+        return 1.0, b[5]
+    return part, halves(part, b)[0][5]
 
 
 NONE = 2.0  # Value of `first_root` for a polynomial without a root

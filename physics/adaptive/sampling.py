@@ -16,7 +16,16 @@ from softcradle.physics.adaptive.row_graphs import (
     side_of,
 )
 from softcradle.physics.adaptive.step_control import take_step
-from softcradle.physics.adaptive.step_records import FLOWN, RESTED, Regime, Scratch, Steps, Trial
+from softcradle.physics.adaptive.step_records import (
+    FLOWN,
+    RESTED,
+    Regime,
+    Scratch,
+    StepContext,
+    Steps,
+    Trial,
+    bounds_of,
+)
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece, whole
 from softcradle.physics.numerics.law_curve import LAW_BEFORE
@@ -134,13 +143,14 @@ def carry_step(keeps, k, chain, regime, motion, steps):
 
 
 @inlined
-def keep_step(time, length, kind, chain, regime, motion, steps, counter):
+def keep_step(time, length, kind, ctx):
     """Store the step or flight from `time` of `length` [s] with the motion at its start, if steps are stored."""
+    steps, counter = ctx.steps, ctx.log.counter
     if steps.time.size:
         k = counter[KEPT]
         counter[KEPT] = k + 1
         steps.time[k], steps.length[k], steps.kind[k] = time, length, kind
-        carry_step(True, k, chain, regime, motion, steps)
+        carry_step(True, k, ctx.chain, ctx.regime, ctx.motion, steps)
 
 
 @inlined
@@ -167,6 +177,8 @@ def sample_steps(
     regime = Regime(*regime_fields, chain.graph)
     trial, scratch, steps = Trial(*trial_fields), Scratch(*scratch_fields), Steps(*steps_fields)
     samples, log = Samples(*sample_fields), SwitchLog(*log_fields)
+    # Samples need no probe steps, and only the limits that follow from the error bound.
+    ctx = StepContext(chain, regime, motion, trial, trial, bounds_of(wanted, 0.0), scratch, log, steps)
     counter = log.counter
     for k in range(count):
         end = steps.time[k] + steps.length[k]
@@ -183,7 +195,7 @@ def sample_steps(
             if steps.kind[k] == FLOWN or passed == 0.0:
                 drift(passed, chain, regime, row, scratch.work[0])
             else:
-                move_inside(passed, steps.kind[k], wanted, chain, regime, motion, trial, scratch, row, log)
+                move_inside(passed, steps.kind[k], ctx, row)
             for i in range(row.force.size):  # Without the continuation of a law beyond d = 0
                 row.force[i] = min(row.force[i], 0.0) if side_of(regime, i) < 0.0 else max(row.force[i], 0.0)
             count_from_touch(row.overlap, regime)
@@ -200,16 +212,15 @@ def count_from_touch(overlap, regime):
 
 
 @piece
-def move_inside(passed, kind, wanted, chain, regime, motion, trial, scratch, row, log):
-    """Move `row`, a copy of the motion at the start of a step, forward by `passed` [s] in it: by a shorter step into
-    `trial`.
+def move_inside(passed, kind, ctx, row):
+    """Move `row`, a copy of the motion at the start of a step, forward by `passed` [s] in it by a shorter step.
 
     If the stages of this step do not converge, a slightly shorter step is taken and the rest is a drift with constant
     velocities.
     """
-    length, firm = passed, regime.bed.size > 0
+    motion, trial, length = ctx.motion, ctx.trial, passed
     # Try the step to the sample, and shorten it a little until its stages converge.
-    while take_step(length, kind, firm, chain, motion, wanted, trial, scratch, log) < 0.0:
+    while take_step(length, kind, ctx, trial) < 0.0:
         length *= SAFETY
         if length < ROUND_OFF * passed:
             break
@@ -219,4 +230,4 @@ def move_inside(passed, kind, wanted, chain, regime, motion, trial, scratch, row
         trial.overlap[2, i] += rest * trial.rate[2, i]
     trial.anchor[0] += rest * trial.anchor[1]
     accept_step(row, trial)
-    absorb(length, chain, regime, motion, trial, scratch.work, row.taken)
+    absorb(length, ctx.chain, ctx.regime, motion, trial, ctx.scratch.work, row.taken)

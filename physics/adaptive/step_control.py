@@ -45,6 +45,7 @@ from softcradle.physics.adaptive.step_records import (
     REACH,
     TRY_EVALUATIONS,
     UNLIMITED,
+    Target,
 )
 from softcradle.physics.numerics.elementary import log, power
 from softcradle.physics.numerics.jit import inlined, piece
@@ -237,16 +238,18 @@ def update_control(control, h, kind, error, near, landing, rejected, wanted):
 
 
 @piece
-def take_step(h, kind, firm, chain, motion, wanted, trial, scratch, log):
-    """Take one step into `trial`. Return -1 if its stages do not converge, else the error of dop853. `firm` is true if
-    beads may stick.
+def take_step(h, kind, ctx, trial):
+    """Take one step into `trial`, that of the context or memory for probe steps.
+
+    Return -1 if its stages do not converge, else the error of dop853.
     """
-    log.counter[EVALUATION] += TRY_EVALUATIONS[kind]
+    chain, motion, bounds, counter = ctx.chain, ctx.motion, ctx.bounds, ctx.log.counter
+    counter[EVALUATION] += TRY_EVALUATIONS[kind]
     if kind == DOP853:
-        return dop853_step(h, TOLERANCE_PART * wanted, firm, chain, motion, trial, scratch)
-    precision = NEWTON_PART * wanted
-    used, tried = radau_step(h, chain, motion, precision, trial, scratch)
-    log.counter[EVALUATION] += 3 * tried
+        may_stick = ctx.regime.bed.size > 0
+        return dop853_step(h, bounds.inactive, may_stick, chain, motion, trial, ctx.scratch)
+    used, tried = radau_step(h, chain, motion, bounds.slow, trial, ctx.scratch)
+    counter[EVALUATION] += 3 * tried
     return 0.0 if used > 0 else -1.0
 
 
@@ -282,84 +285,109 @@ def measured_exponent(exponent, h, error, length_before, error_before):
     return exponent
 
 
+# Outcomes of the event location for an attempted step
+STANDS = 0  # the step ends at its event, or contains none: error control decides on it
+RETRY = 1  # attempt a step of another length, which ends nearer at the event
+AT_START = 2  # the event is now: no step is possible before its transition
+LOST = 3  # no attempt ended at the event, and the step passes over it
+
+
 @inlined
-def find_step(time, h, kind, alone, most_steps, chain, regime, motion, bounds, trial, scratch, log):
+def attempt_step(h, kind, ctx):
+    """Attempt a step and return its error [m/s]; -1 if it does not converge or is not finite."""
+    error = take_step(h, kind, ctx, ctx.trial)
+    if kind == RADAU and error == 0.0:
+        error = embedded_error(h, ctx.chain, ctx.motion, ctx.trial, ctx.scratch.work)
+    return error if math.isfinite(error) else -1.0
+
+
+@inlined
+def locate_event(time, h, least, error, event, target, ctx):
+    """Decide if an attempted step of length `h` ends where it should: at the first event in it, if there is one.
+
+    `event` is the first Event in the step and `target` the Target of the step. A step below `least` [s] has a length of
+    the order of round-off. Return the outcome, the length of the next attempt, and its Target. The end time is found by
+    Newton's iteration on the guard; no step may pass over an event.
+    """
+    wanted, motion = ctx.bounds.wanted, ctx.motion
+    row, side, tries, ceiling, miss = target.row, target.side, target.tries, target.ceiling, event.miss
+    # The step has no target, or the event that a longer step showed has gone.
+    if math.isnan(miss):
+        row, tries, miss = NO_CONTACT, tries + (1 if row >= 0 else 0), 0.0
+    at = event.part * h
+    # An event now: its time is not distinguishable from the start.
+    if event.row >= 0 and row < 0 and time + at <= time and (error <= wanted or h <= least):
+        return AT_START, 0.0, Target(event.row, event.side, tries, ceiling)
+    # The step has a target: shorten it to an earlier event, or move its end by Newton's iteration until the miss is
+    # round-off. A slowly closing contact gets only a few tries, because it hardly matters.
+    if row >= 0:
+        closes = row < motion.mode.size and motion.mode[row] == OPEN
+        is_inactive = closes and abs(ctx.trial.rate[2, row]) <= ctx.bounds.inactive
+        if tries < (FEW_TRIES if is_inactive else MOST_TRIES):
+            if event.row >= 0 and at < h + min(miss, 0.0):
+                return RETRY, at, Target(event.row, event.side, tries + 1, ceiling)
+            if abs(miss) > ROUND_OFF * h and time + miss != time and h > least:
+                return RETRY, min(max(h + miss, LEAST_PART * h), ceiling), Target(row, side, tries + 1, ceiling)
+    # The first attempt with an event in it: let the next one end there. The polynomial of a long step is inaccurate
+    # near its start, so an event there first needs a shorter step.
+    elif event.row >= 0 and tries < MOST_TRIES:
+        if event.part < LEAST_PART and h > least and time + LEAST_PART * h > time:
+            return RETRY, LEAST_PART * h, Target(row, side, tries + 1, h)
+        return RETRY, at, Target(event.row, event.side, tries + 1, h)
+    # The tries are used up, and an event still lies inside the step.
+    if ((event.row >= 0 and at < h + min(miss, 0.0)) or miss < -FIRST_PART * h) and h > least:
+        return LOST, SHRINK * h, Target(NO_CONTACT, side, ZERO, ceiling)
+    # All tries are used up, and the step ends before the event.
+    if miss > FIRST_PART * h:
+        row = NO_CONTACT
+    return STANDS, h, Target(row, side, tries, ceiling)
+
+
+@inlined
+def find_step(time, h, kind, alone, most_steps, ctx):
     """Find a step whose error is small enough and that ends at the first event in it, if there is any.
 
-    Returns the step length, the error, row and side of the event, and the length of the last attempt that was rejected
-    for its error (inf: none). Length 0 with an event: the event is now. Length 0 without an event: the stages do not
-    converge, or the step budget is used up. `alone` is true if dop853 takes every step.
+    Error control: a step whose error is too large is repeated with a shorter length; see `locate_event` for events.
+    `alone` is true if dop853 takes every step. Return the step length, the error, row and side of the event, and the
+    length of the last attempt that was rejected for its error (inf: none). Length 0 with an event: the event is now.
+    Length 0 without an event: the stages do not converge, or the step budget is used up.
     """
-    wanted, counter = bounds.wanted, log.counter
-    # State of the search: `row` and `side` are the event at which the step is supposed to end, `tries` counts the
-    # attempts to end there, `ceiling` is the step that contains the event, `looked` counts the probe steps at near
-    # events, and `least` is a length of the order of round-off.
-    rejected, inactive, length_before, error_before = math.inf, TOLERANCE_PART * wanted, h, 0.0
-    row, side, tries, ceiling, looked, least = NO_CONTACT, ZERO, 0, h, 0, ROUND_OFF * h
-    firm = regime.bed.size > 0
+    wanted, counter = ctx.bounds.wanted, ctx.log.counter
+    # `rejected`, `length_before` and `error_before` are the last attempts that were rejected for their error. `probes`
+    # counts the probe steps at guards that nearly vanish, and `least` is a length of the order of round-off.
+    rejected, length_before, error_before, probes, least = math.inf, h, 0.0, 0, ROUND_OFF * h
+    target = Target(NO_CONTACT, ZERO, ZERO, h)
     while counter[STEP] + counter[REJECTED] < most_steps:
-        # 1. Attempt a step, and estimate its error.
-        error = take_step(h, kind, firm, chain, motion, wanted, trial, scratch, log)
-        if kind == RADAU and error == 0.0:
-            error = embedded_error(h, chain, motion, trial, scratch.work)
-        # It does not converge: try a much shorter step.
-        if error < 0.0 or not math.isfinite(error):
+        error = attempt_step(h, kind, ctx)
+        # 1. It does not converge: try a much shorter step.
+        if error < 0.0:
             counter[REJECTED] += 1
-            row, h = NO_CONTACT, SHRINK * h
+            target, h = Target(NO_CONTACT, target.side, target.tries, target.ceiling), SHRINK * h
             if time + h <= time:
                 return 0.0, 0.0, NO_CONTACT, ZERO, rejected
             continue
-        # 2. Search the first event in the step. `miss` is the time by which the step misses the event at its end.
-        found, its_side, part, miss, near = first_corner(
-            h, chain, regime, motion, trial, row, side, inactive, bounds.slow, scratch.work
-        )
-        # The step is not supposed to end at an event, or the event that a longer step showed has gone.
-        if math.isnan(miss):
-            row, tries, miss = NO_CONTACT, tries + (1 if row >= 0 else 0), 0.0
-        # An event now: its time is not distinguishable from the start.
-        if found >= 0 and row < 0 and time + part * h <= time and (error <= wanted or h <= least):
-            return 0.0, 0.0, found, its_side, rejected
-        # 3a. The step is supposed to end at an event: shorten it to an earlier event, or move its end by Newton's
-        # iteration until the miss is round-off. A slowly closing contact gets only a few tries, because it hardly
-        # matters.
-        if row >= 0:
-            closes = row < motion.mode.size and motion.mode[row] == OPEN
-            is_inactive = closes and abs(trial.rate[2, row]) <= inactive
-            most_tries = FEW_TRIES if is_inactive else MOST_TRIES
-            if tries < most_tries and found >= 0 and part * h < h + min(miss, 0.0):
-                row, side, h = found, its_side, part * h
-                tries += 1
-                continue
-            if tries < most_tries and abs(miss) > ROUND_OFF * h and time + miss != time and h > least:
-                h = min(max(h + miss, LEAST_PART * h), ceiling)
-                tries += 1
-                continue
-        # 3b. The first attempt with an event in it: let the next one end there.
-        elif found >= 0 and tries < MOST_TRIES:
-            ceiling, tries = h, tries + 1
-            if part < LEAST_PART and h > least and time + LEAST_PART * h > time:
-                h *= LEAST_PART  # the polynomial of a long step is inaccurate near its start
-            else:
-                row, side, h = found, its_side, part * h
+        # 2. Event location: the step must end at the first event in it.
+        event = first_corner(h, target.row, target.side, ctx)
+        outcome, end, target = locate_event(time, h, least, error, event, target, ctx)
+        if outcome == AT_START:
+            return 0.0, 0.0, target.row, target.side, rejected
+        if outcome != STANDS:
+            counter[REJECTED] += 1 if outcome == LOST else 0
+            h = end
             continue
-        # 3c. The tries are used up, and an event still lies inside the step. No step may pass over an event.
-        if ((found >= 0 and part * h < h + min(miss, 0.0)) or miss < -FIRST_PART * h) and h > least:
-            counter[REJECTED] += 1
-            row, tries, h = NO_CONTACT, 0, SHRINK * h
-            continue
-        # 4. Error control. A force that ends within the step is an error that the estimate does not show.
-        early = 1.0 if alone else opened_early(h, chain, motion, trial, wanted)
+        # 3. Accept the step if its error is small enough. A force that ends within the step is an error that the
+        # estimate does not show.
+        early = 1.0 if alone else opened_early(h, ctx.chain, ctx.motion, ctx.trial, wanted)
         if (error <= wanted and early == 1.0) or time + h <= time:
             # A guard comes close to 0: end a probe step there, because the end of a step is exact.
-            if near < 1.0 and looked < FEW_TRIES and time + near * h > time:
-                looked, row, tries, h = looked + 1, NO_CONTACT, 0, near * h
+            if event.near < 1.0 and probes < FEW_TRIES and time + event.near * h > time:
+                probes, h = probes + 1, event.near * h
+                target = Target(NO_CONTACT, target.side, ZERO, target.ceiling)
                 continue
-            if miss > FIRST_PART * h:  # All tries are used up, and the step ends before the event.
-                row = NO_CONTACT
-            return h, error, row, side, rejected
-        # 5. The error is too large: shorten the step. A shorter step has other events.
+            return h, error, target.row, target.side, rejected
+        # 4. The error is too large: shorten the step. A shorter step has other events.
         counter[REJECTED] += 1
-        row, tries = NO_CONTACT, 0
+        target = Target(NO_CONTACT, target.side, ZERO, target.ceiling)
         # End just before the early opening if that is the only reason.
         if early < 1.0 and error <= 10.0 * wanted:
             h *= SAFETY * early

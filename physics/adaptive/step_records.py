@@ -6,7 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from softcradle.physics.numerics.records import Graphs
+from softcradle.physics.adaptive.constants import FULL_SPEED, NEWTON_PART, ROUND_OFF, TOLERANCE_PART
+from softcradle.physics.numerics.jit import inlined
+from softcradle.physics.numerics.records import ChainData, Graphs, Motion, SwitchLog
 
 Array = NDArray[np.float64]
 
@@ -57,12 +59,23 @@ class Accuracy(NamedTuple):
 
 
 class Bounds(NamedTuple):
-    """Limits of velocities [m/s] that follow from the tolerance."""
+    """Limits of velocities [m/s] that follow from the tolerance, see `bounds_of`."""
 
     wanted: float  # largest error of one step
     slow: float  # largest rate at an event, or velocity of a bead, that counts as zero
+    # largest rate of a closing contact, and velocity change by a contact in a step, that can be ignored
+    inactive: float
     negligible: float  # largest velocity change or closing rate that counts as zero if no other contact pushes
     full: float  # least closing speed of an impact at full speed
+    round_off: float  # round-off of the fastest velocities
+
+
+@inlined
+def bounds_of(wanted, scale):
+    """Return the Bounds for the error bound `wanted` [m/s] of a step and the speed `scale` [m/s] of the motion."""
+    inactive = TOLERANCE_PART * wanted
+    round_off = ROUND_OFF * scale
+    return Bounds(wanted, NEWTON_PART * wanted, inactive, max(inactive, round_off), FULL_SPEED * scale, round_off)
 
 
 class Trial(NamedTuple):
@@ -134,6 +147,41 @@ class Scratch(NamedTuple):
     work: Array  # (WORK_ROWS, n+1) temporary rows
     bounds: Array  # (2, n+1) bounds of accelerations in `yield_or_slip`
     knots: Array  # (2, 4n+8) breakpoints of a piecewise linear function in `yield_or_slip`
+
+
+class Event(NamedTuple):
+    """First event in an attempted step, and how far the step ends from the event at which it should end."""
+
+    row: int  # contact, or number of contacts plus bead; -1 without an event
+    side: int  # side of the branch on which it is left
+    part: float  # fraction of the step
+    miss: float  # time [s] by which the step ends too early; NaN if the step should not end at an event, or it has gone
+    near: (
+        float  # fraction of the step at which a guard comes so close to 0 that its polynomial may be wrong; 1: nowhere
+    )
+
+
+class Target(NamedTuple):
+    """Event at which the next attempted step should end, and the progress of the search for its time."""
+
+    row: int  # as in `Event`
+    side: int
+    tries: int  # number of attempts that were made to end at an event
+    ceiling: float  # length [s] of the step that was found to contain the event
+
+
+class StepContext(NamedTuple):
+    """All records of an adaptive run: the chain, its modes and motion, the attempted step, limits, memory and logs."""
+
+    chain: ChainData  # effective chain, without dissipation
+    regime: Regime
+    motion: Motion  # at the start of the step
+    trial: Trial  # the attempted step
+    look: Trial  # memory for probe steps
+    bounds: Bounds
+    scratch: Scratch
+    log: SwitchLog
+    steps: Steps
 
 
 def empty_trial(contacts: int) -> Trial:

@@ -51,7 +51,7 @@ AT_REST = -math.inf  # Value in place of a time: the contact touches, and nothin
 
 
 @inlined
-def log_switches(before, time, landed, chain, regime, motion, bounds, scratch, log):
+def log_switches(before, time, landed, ctx):
     """Log the contacts that have begun or ceased to push in the step from `before` to `time`.
 
     A contact closes at the start of a step, because steps end at closings. A contact that touched at rest closes when a
@@ -61,8 +61,9 @@ def log_switches(before, time, landed, chain, regime, motion, bounds, scratch, l
     within one step has nearly no force and is not logged. Flights between bounces, on contacts and on each segment of
     couplers, enter the error amplification, see `grow_errors`.
     """
+    chain, regime, motion, scratch, log = ctx.chain, ctx.regime, ctx.motion, ctx.scratch, ctx.log
     pressed, since = scratch.work[PRESSED], scratch.pressed
-    find_pressed(chain, regime, motion, bounds.slow, since, pressed)
+    find_pressed(chain, regime, motion, ctx.bounds.slow, since, pressed)
     for i in range(motion.mode.size):
         closed = log.closed[i] != 0
         # `since`: time since which the contact pushes or is pressed; AT_REST if it touches and nothing has pushed it
@@ -85,10 +86,10 @@ def log_switches(before, time, landed, chain, regime, motion, bounds, scratch, l
             log_switch(log, i, now, when)
             if now and regime.segment.size:
                 regime.graph.coupled[i] = 1
-            put_bounce(i, now, w, when, regime, bounds, scratch)
+            put_bounce(i, now, w, when, ctx)
         # The contact stays closed but has reached another segment: a bounce on this segment begins.
         elif now and regime.segment.size and regime.segment[i] != scratch.segment[i]:
-            put_bounce(i, now, w, time, regime, bounds, scratch)
+            put_bounce(i, now, w, time, ctx)
 
 
 @inlined
@@ -151,12 +152,13 @@ def rests(i, chain, regime, motion, since):
 
 
 @inlined
-def put_bounce(i, now, speed, when, regime, bounds, scratch):
+def put_bounce(i, now, speed, when, ctx):
     """Start a bounce of contact i on a segment at the time `when`, or end it if `now` is false.
 
     Velocity errors delay a bounce after a flight. For a coupler without slack that changes from pulling to pushing, the
     preloads act with this delay.
     """
+    regime, bounds, scratch = ctx.regime, ctx.bounds, ctx.scratch
     # End the previous bounce or flight: add its error amplification to the sum of the run.
     flight, before = when - scratch.bounced[i], int(scratch.segment[i])
     scratch.control[GROWTH] += scratch.grown[i]
@@ -178,7 +180,7 @@ def put_bounce(i, now, speed, when, regime, bounds, scratch):
 
 
 @inlined
-def grow_errors(row, side, before, chain, regime, motion, wanted, scale, scratch):
+def grow_errors(row, side, before, ctx):
     """Update the error amplification by the bounces in progress and by returns to d = 0, and count the turns of loaded
     contacts.
 
@@ -186,13 +188,14 @@ def grow_errors(row, side, before, chain, regime, motion, wanted, scale, scratch
     other forces accelerate the beads of the contact by a, the delay becomes a velocity error a T e / u. The step began
     at `before` and ended at the event of `row` on that `side`.
     """
-    course, slowest = scratch.course, wanted / TOLERANCE_PART
+    chain, regime, motion, scratch = ctx.chain, ctx.regime, ctx.motion, ctx.scratch
+    course, slowest = scratch.course, ctx.bounds.wanted / TOLERANCE_PART
     for i in range(motion.mode.size):
         inward = side_of(regime, i)
         loaded, rate, overlap = motion.mode[i] == LOADED, inward * motion.rate[i], inward * motion.overlap[i]
         # A contact that was put to rest is pushed again, or has opened.
         if scratch.parting[i] > 0.0 and (not loaded or overlap > 0.0):
-            count_parting(i, before, chain, regime, motion, ROUND_OFF * scale, scratch)
+            count_parting(i, before, ctx)
         fastest = course[i]
         # Skip slow contacts without a bounce in progress.
         quiet = abs(rate) <= slowest if loaded else fastest == 0.0
@@ -232,23 +235,23 @@ def grow_errors(row, side, before, chain, regime, motion, wanted, scale, scratch
 
 
 @inlined
-def count_parting(i, before, chain, regime, motion, least, scratch):
+def count_parting(i, before, ctx):
     """Add the error of contact i, which was put to rest at d = 0 and is pushed again in the step from `before`, to the
     local errors.
 
     At the neglected rate e it would have opened by e T in the time T since then. The acceleration a of its beads closes
-    this gap at the speed sqrt(2 a e T), and a bounce changes velocities by twice as much. If the neglected rate is at
-    most `least` [m/s], finer runs neglect it as well, so the difference between runs does not show this error.
+    this gap at the speed sqrt(2 a e T), and a bounce changes velocities by twice as much. If the neglected rate is
+    round-off, finer runs neglect it as well, so the difference between runs does not show this error.
     """
-    pushed = 0.0
+    chain, motion, scratch, pushed = ctx.chain, ctx.motion, ctx.scratch, 0.0
     if motion.mode[i] == LOADED:
         own = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * motion.force[i]
-        pushed = side_of(regime, i) * (own + acceleration_of(i, chain, motion.force, 0.0))
+        pushed = side_of(ctx.regime, i) * (own + acceleration_of(i, chain, motion.force, 0.0))
         if pushed <= 0.0:
             return
     square = 8.0 * pushed * scratch.parting[i] * (before - scratch.parted[i])
     scratch.control[LOCAL_SQUARE] += square
-    scratch.control[UNSEEN_SQUARE] += square if scratch.parting[i] <= least else 0.0
+    scratch.control[UNSEEN_SQUARE] += square if scratch.parting[i] <= ctx.bounds.round_off else 0.0
     scratch.parting[i] = 0.0
 
 
@@ -352,14 +355,14 @@ def quintic_lacks(i, part, h, chain, motion, trial, look):
 
 
 @inlined
-def find_openings(h, kind, firm, chain, motion, wanted, trial, look, scratch, log):
+def find_openings(h, kind, ctx):
     """Put into `scratch.opening` the time within the step at which contacts open without an event.
 
     The time comes from the quintic through both ends and its estimated error. If that error is large, it comes from
     shorter steps of the method, taken into `look`.
     """
-    doubtful, allowed = False, TOLERANCE_PART * wanted * h
-    opening = scratch.opening
+    chain, motion, trial, look, opening = ctx.chain, ctx.motion, ctx.trial, ctx.look, ctx.scratch.opening
+    wanted, doubtful, allowed = ctx.bounds.wanted, False, ctx.bounds.inactive * h
     for i in range(motion.mode.size):
         opening[i] = -1.0
         opens = motion.mode[i] == LOADED and motion.overlap[i] > 0.0 > trial.overlap[2, i]
@@ -384,7 +387,7 @@ def find_openings(h, kind, firm, chain, motion, wanted, trial, look, scratch, lo
             part = opening[i]
             if part <= 0.0:
                 break
-            if take_step(part, kind, firm, chain, motion, wanted, look, scratch, log) < 0.0:
+            if take_step(part, kind, ctx, look) < 0.0:
                 break
             miss, speed = look.overlap[2, i], look.rate[2, i]
             if speed >= 0.0:

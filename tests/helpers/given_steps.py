@@ -7,12 +7,12 @@ import math
 import numpy as np
 from softcradle.physics import Chain, State, hertz
 from softcradle.physics.adaptive.corner_search import AFTER, BEFORE, first_corner, guard_of
-from softcradle.physics.adaptive.step_records import WORK_ROWS, empty_trial
+from softcradle.physics.adaptive.step_records import Bounds, empty_trial
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.law_curve import NODES
 from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
 
-from tests.helpers.plain_kernels import effective_records, row_matrix
+from tests.helpers.plain_kernels import context_of, effective_records, row_matrix
 
 H = 0.4  # Length of the steps [s].
 NODE_TIMES = H * NODES
@@ -31,7 +31,7 @@ class Step:
         state.force[:] = [force(0.0) for force in self.forces]
         self.data, self.regime, self.motion = effective_records(chain, state)
         self.motion.mode[:], self.regime.slide[:], self.regime.easing[:] = modes, slide, easing
-        self.work, self.trial = np.zeros((WORK_ROWS, chain.contacts + 1)), empty_trial(chain.contacts)
+        self.trial = empty_trial(chain.contacts)
         matrix = row_matrix(chain)
         external = self.data.external[:-1] if self.data.external.size else np.zeros(chain.contacts)
         for k, time in enumerate(NODE_TIMES):
@@ -47,7 +47,12 @@ class Step:
 
     def corner(self, landing=(-1, 0), slow=0.0):
         """Return the result of `first_corner` for this step."""
-        return first_corner(H, self.data, self.regime, self.motion, self.trial, *landing, 0.0, slow, self.work)
+        return first_corner(H, *landing, self.context(slow))
+
+    def context(self, slow=0.0):
+        """Return the context of this step, in which rates up to `slow` count as zero."""
+        bounds = Bounds(0.0, slow, 0.0, 0.0, 0.0, 0.0)
+        return context_of(self.data, self.regime, self.motion, bounds, self.trial)
 
     def find(self, landing=(-1, 0), slow=0.0):
         """Return (contact or bead, name of its first event, fraction of the step)."""
@@ -63,9 +68,11 @@ class Step:
 
     def guard(self, row, side):
         """Return the value of the guard function at the end of the step, and its slope."""
-        bead_velocities(self.motion.rate, self.data.anchor_bead, self.motion.anchor[1], self.work[BEFORE])
-        bead_velocities(self.trial.rate[2], self.data.anchor_bead, self.trial.anchor[1], self.work[AFTER])
-        b = guard_of(row, side, H, self.data, self.regime, self.motion, self.trial, 0.0, self.work)
+        context = self.context()
+        work, anchor_bead = context.scratch.work, self.data.anchor_bead
+        bead_velocities(self.motion.rate, anchor_bead, self.motion.anchor[1], work[BEFORE])
+        bead_velocities(self.trial.rate[2], anchor_bead, self.trial.anchor[1], work[AFTER])
+        b = guard_of(row, side, H, context)
         return b[5], 5.0 * (b[5] - b[4]) / H
 
 

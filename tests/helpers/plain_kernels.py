@@ -5,8 +5,16 @@ test only.
 import numpy as np
 import pytest
 from softcradle.physics import Chain, State
-from softcradle.physics.adaptive.step_records import Regime
-from softcradle.physics.kernel_records import chain_and_regime, chain_records, motion_record
+from softcradle.physics.adaptive.step_records import (
+    Bounds,
+    Regime,
+    StepContext,
+    Trial,
+    empty_scratch,
+    empty_steps,
+    empty_trial,
+)
+from softcradle.physics.kernel_records import chain_and_regime, chain_records, empty_log, motion_record
 from softcradle.physics.numerics import law_curve
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.records import LOADED, NO_GRAPHS, ChainData, Motion
@@ -26,6 +34,15 @@ def effective_records(chain: Chain, state: State) -> tuple[ChainData, Regime, Mo
     """Return the effective chain of adaptive steps, the Regime from which it is made, and the Motion."""
     data, regime = chain_and_regime(chain, state)
     return ChainData(*data), Regime(*regime, ChainData(*data).graph), records_of(chain, state)[1]
+
+
+def context_of(
+    data: ChainData, regime: Regime, motion: Motion, bounds: Bounds, trial: Trial | None = None, log_size: int = 0
+) -> StepContext:
+    """Return the context of adaptive steps with these records and new memory."""
+    n = motion.mode.size
+    step, memory, log = trial or empty_trial(n), empty_scratch(n), empty_log(n, log_size)
+    return StepContext(data, regime, motion, step, empty_trial(n), bounds, memory, log, empty_steps(0, n, False))
 
 
 def pressed(chain: Chain, velocity: list[float], overlap: object) -> tuple[ChainData, Motion]:

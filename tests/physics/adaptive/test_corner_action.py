@@ -7,16 +7,15 @@ from softcradle.physics.adaptive import corner_action
 from softcradle.physics.adaptive.corner_action import cross, decide, ease, open_passed, settle_bead, stop_rate
 from softcradle.physics.adaptive.corner_search import guard_of, stays
 from softcradle.physics.adaptive.row_graphs import of_segment, put_segment
-from softcradle.physics.adaptive.step_records import WORK_ROWS, Bounds, empty_scratch, empty_trial
+from softcradle.physics.adaptive.step_records import Bounds
 from softcradle.physics.adaptive.yield_or_slip import balance
-from softcradle.physics.kernel_records import empty_log
 from softcradle.physics.numerics.records import LOADED, OPEN, ORIGIN, TOUCHING
 
 from tests.helpers.given_steps import H, Step
-from tests.helpers.plain_kernels import effective_records, only_plain, records_of
+from tests.helpers.plain_kernels import context_of, effective_records, only_plain, records_of
 
 pytestmark = only_plain
-BOUNDS = Bounds(1e-9, 1e-10, 1e-11, 1e-2)
+BOUNDS = Bounds(1e-9, 1e-10, 1e-10, 1e-11, 1e-2, 1e-13)
 GEAR = draft_gear(2.0, 0.4)  # The gear touches with forces up to 0.8 N.
 COUPLER = Coupler(hooke(50.0, loss=0.3), pull=hooke(80.0, loss=0.5), slack=0.1, travel=0.05, stop=1e3)
 SOLID_PULL, PULL, PUSH, SOLID_PUSH = range(4)  # Segments of the coupler.
@@ -29,14 +28,15 @@ class Rows:
         n = chain.contacts
         self.state = State.at_start(chain, np.zeros(n + 1) if velocity is None else velocity)
         self.chain, self.regime, self.motion = effective_records(chain, self.state)
-        self.scratch, self.log = empty_scratch(n), empty_log(n, 16)
+        self.context = context_of(self.chain, self.regime, self.motion, BOUNDS, log_size=16)
+        self.scratch = self.context.scratch
 
     def decide(self):
-        decide(-1, self.chain, self.regime, self.motion, BOUNDS.slow, self.scratch)
+        decide(-1, self.context)
         return self
 
     def cross(self, row, side):
-        cross(row, side, 0.0, self.chain, self.regime, self.motion, BOUNDS, self.scratch, self.log)
+        cross(row, side, 0.0, self.context)
 
 
 @pytest.mark.parametrize(
@@ -131,9 +131,8 @@ def test_contacts_that_a_step_has_carried_past_their_corner(mode, overlap, rate,
     motion = rows.motion
     motion.mode[:], motion.overlap[:], motion.force[:] = LOADED, 0.5, push
     motion.mode[1], motion.overlap[1], motion.rate[1], motion.force[1] = mode, overlap, rate, 0.0
-    trial = empty_trial(3)
-    trial.overlap[2] = motion.overlap
-    passed = open_passed(-1, 1.0, 2.0, rows.chain, rows.regime, motion, trial, BOUNDS, rows.scratch)
+    rows.context.trial.overlap[2] = motion.overlap
+    passed = open_passed(-1, 1.0, 2.0, rows.context)
     assert passed == (mode == LOADED)
     assert (motion.mode.tolist(), motion.overlap.tolist()) == ([LOADED, then, LOADED], [0.5, at, 0.5])
     assert motion.rate[1] == (0.0 if then == LOADED and mode == LOADED else rate)
@@ -147,7 +146,7 @@ def test_a_multiplier_well_within_its_range_needs_no_guard(force, found):
     opening.
     """
     step = Step(Chain([1.0, np.inf], GEAR), [0.0, 0.0], [0.0], [TOUCHING], [force])
-    assert stays(0, H, step.data, step.regime, step.motion, step.trial, 0.0, 0.0) == found
+    assert stays(0, H, step.context()) == found
 
 
 def test_a_contact_that_begins_to_leave_by_round_off_begins_at_rest():
@@ -155,9 +154,8 @@ def test_a_contact_that_begins_to_leave_by_round_off_begins_at_rest():
     slope of the rate.
     """
     step = Step(Chain([1.0, np.inf], hertz(1.0)), [1e-12, 0.0], [0.0], [OPEN], [0.0])
-    given = H, step.data, step.regime, step.motion, step.trial
-    assert guard_of(0, 0, *given, 1e-10, np.zeros((WORK_ROWS, 2)))[:3] == (0.0, 0.0, 0.0)
-    assert guard_of(0, 0, *given, 0.0, np.zeros((WORK_ROWS, 2)))[1] == pytest.approx(-1e-12 * H / 5.0)
+    assert guard_of(0, 0, H, step.context(1e-10))[:3] == (0.0, 0.0, 0.0)
+    assert guard_of(0, 0, H, step.context())[1] == pytest.approx(-1e-12 * H / 5.0)
 
 
 @pytest.mark.parametrize(
@@ -174,7 +172,7 @@ def test_a_growing_contact_at_rest_stays_on_its_branch(overlap, rate, found):
     """
     step = Step(Chain([1.0, 1.0], hertz(1.0)), [0.0, 0.0], [0.0], [LOADED], [0.0])
     step.trial.overlap[:, 0], step.trial.rate[2, 0] = overlap, rate
-    assert stays(0, H, step.data, step.regime, step.motion, step.trial, 0.0, 1e-11) == found
+    assert stays(0, H, step.context(1e-11)) == found
 
 
 def random_rows(seed):

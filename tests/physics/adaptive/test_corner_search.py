@@ -90,7 +90,7 @@ def test_a_nearly_touching_contact_is_examined():
     step = thrown(2.0, 0.5 * 4.0 / 9.8 + 1e-6)
     assert step.corner()[4] == 1.0
     step.motion.force[0] = 3.0  # Now the quintic differs from the cubic by h²/64 times this change.
-    guard = guard_of(0, 0, H, step.data, step.regime, step.motion, step.trial, 0.0, step.work)
+    guard = guard_of(0, 0, H, step.context())
     found = step.corner()[4]
     assert 0.0 < found < 1.0
     assert BPoly(np.reshape(guard, (6, 1)), [0.0, 1.0]).derivative()(found) == pytest.approx(0.0, abs=1e-9)
