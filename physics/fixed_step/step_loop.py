@@ -62,7 +62,7 @@ SPACING = 2  # steps between two checkpoints
 # Entries of ``Pause.counts``.
 AT = 0  # step count at which the loop returns to Python; for samples, the number of steps before it returns
 BEGUN = 1  # nonzero: the run was paused and resumes
-LEFT = 2  # steps that were left of the current sequence of steps at the pause; 0: the pause was between two sequences
+LEFT = 2  # steps that were left of the current stretch at the pause; 0: the pause was between two stretches
 LOOK, FLOWN_STEPS, CLOSED, RESTS = 3, 4, 5, 6  # state of the loop at the pause
 NEXT = 7  # for samples: the checkpoint from which to resume
 # Entries of ``Pause.numbers``.
@@ -74,6 +74,53 @@ class Pause(NamedTuple):
 
     counts: NDArray[np.int64]  # (8,)
     numbers: Array  # (5,)
+
+
+class Run(NamedTuple):
+    """All records of a run of fixed steps."""
+
+    h: float  # step [s]
+    extent: Extent
+    chain: ChainData
+    motion: Motion
+    samples: Samples
+    log: SwitchLog
+    kept: Samples  # checkpoints
+    plan: NDArray[np.int64]  # (3,) plan of the checkpoints
+    beads: Array  # (BEAD_ROWS, n+1) scratch memory
+
+
+class Progress(NamedTuple):
+    """State of a run between two stretches, which a pause stores."""
+
+    left: int  # steps that are left of the stretch in which the run paused; 0: it paused between two stretches
+    look: int  # step count from which on closed contacts are tested again if they still push
+    flown: int  # steps of free flight so far
+    closed: int  # number of closed contacts
+    rests: bool  # all beads rest under the present forces
+    still: float  # rates up to which no contact closes [m/s]
+    rates: tuple[float, float]  # exact sum of the rates at the start
+    overlaps: tuple[float, float]  # exact sum of the overlaps at the start
+    calm: float  # time [s] until which the forces of the last stretch were constant; -1: unknown
+
+
+class Forces(NamedTuple):
+    """External forces from the present time on."""
+
+    pushed: bool  # a force acts in the next step
+    steady: float  # time [s] until which all forces are constant
+    waits: bool  # a breakpoint is still to come
+    changing: bool  # a force changes in the next step
+
+
+class Stretch(NamedTuple):
+    """What a run does next: a sample, a number of steps, a flight, or nothing because it has ended."""
+
+    sampling: bool  # one shorter step to the next sample, which does not change the run
+    status: int  # RUNNING, FLOWN, or the status with which the run ends
+    most: int  # largest number of steps
+    length: float  # length of each step [s]
+    last: bool  # the step ends at the end of the run, off the grid
 
 
 def no_pause() -> Pause:
@@ -100,13 +147,29 @@ def keep_checkpoint(time, motion, kept, plan, counter):
 
 
 @inlined
-def keep_pause(pause, left, look, flown, closed, rests, still, rates, overlaps):
-    """Store the state of the loop, `left` steps before the end of the current sequence of steps."""
+def keep_pause(pause, left, progress):
+    """Store the progress of a run, `left` steps before the end of the current stretch."""
     counts, numbers = pause.counts, pause.numbers
-    counts[BEGUN], counts[LEFT], counts[LOOK], counts[FLOWN_STEPS] = 1, left, look, flown
-    counts[CLOSED], counts[RESTS] = closed, 1 if rests else 0
-    numbers[STILL], numbers[RATES], numbers[RATES + 1] = still, rates[0], rates[1]
-    numbers[OVERLAPS], numbers[OVERLAPS + 1] = overlaps[0], overlaps[1]
+    counts[BEGUN], counts[LEFT], counts[LOOK], counts[FLOWN_STEPS] = 1, left, progress.look, progress.flown
+    counts[CLOSED], counts[RESTS] = progress.closed, 1 if progress.rests else 0
+    numbers[STILL], numbers[RATES], numbers[RATES + 1] = progress.still, progress.rates[0], progress.rates[1]
+    numbers[OVERLAPS], numbers[OVERLAPS + 1] = progress.overlaps[0], progress.overlaps[1]
+
+
+@inlined
+def begin_or_resume(pause, run):
+    """Return the Progress of a run that starts now, or that resumes after a pause."""
+    counts, numbers = pause.counts, pause.numbers
+    calm = -1.0 if run.chain.knots.time.size else math.inf
+    if counts[BEGUN] != 0:
+        rates, overlaps = (numbers[RATES], numbers[RATES + 1]), (numbers[OVERLAPS], numbers[OVERLAPS + 1])
+        left, look, flown, closed = counts[LEFT], counts[LOOK], counts[FLOWN_STEPS], counts[CLOSED]
+        return Progress(left, look, flown, closed, counts[RESTS] != 0, numbers[STILL], rates, overlaps, calm)
+    motion, start = run.motion, run.extent.start
+    still, rates, overlaps = STANDSTILL * largest(motion.rate), exact_sum(motion.rate), exact_sum(motion.overlap)
+    settle_graph_forces(run.chain.graph, motion)
+    closed = log_switches(start, start, run.chain.graph, motion, run.log)
+    return Progress(ZERO, ONE * FIRST_LOOK, ZERO, closed, False, still, rates, overlaps, calm)
 
 
 @inlined
@@ -157,46 +220,6 @@ def fly(steps, h, motion):
 
 
 @inlined
-def look_ahead(time, end, until, steady, h, most_steps, over, free, rests, still, chain, motion, counter):
-    """Return how a run continues from `time`. A flight or rest in which no contact closes and no force changes is one step.
-
-    `until` is the next sample or the end, `steady` the time until which forces and brakes do not change. `over` is True
-    if the run ends now, `free` if no force acts, `rests` if all beads rest under the present forces.
-
-    Return four values: a status, RUNNING or FLOWN; the number of steps to take at most, or of steps flown; their
-    length; and True if they end at `end`, off the grid.
-    """
-    # the run is over: end time, end of the collision, or limit of steps
-    if time > end - h * GRID_TOLERANCE:
-        return DONE, ONE, h, True
-    if over:
-        return SEPARATED, ONE, h, True
-    if counter[STEP] >= min(most_steps, NEVER):
-        return OUT_OF_STEPS, ONE, h, True
-    # a chain at rest or in free flight: take the whole steps before the next closing at once
-    ahead = until - time
-    if rests or free:
-        ahead = min(ahead, steady - time)
-        flight = math.inf if rests else flight_time(chain.graph, motion.overlap, motion.rate, still)
-        whole = (
-            0.0
-            if chain.dissipation.bed.size > 0 and not rests
-            else math.floor(min(flight, ahead, MOST_AT_ONCE * h) / h) - 1.0
-        )
-        if whole >= 1.0:
-            fly(whole, h, motion)
-            counter[STEP] += int(whole)
-            return FLOWN, np.int64(whole), h, False
-        # A contact may close and open within one step without a change of its flag, so go at most one step beyond the
-        # closing.
-        ahead = min(ahead, flight + h)
-    # the last step is shorter if the end is not on the grid
-    if is_before(end, time, h):
-        return RUNNING, ONE, end - time, True
-    return RUNNING, np.int64(min(max(1.0, ahead / h), MOST_AT_ONCE, most_steps - counter[STEP])), h, False
-
-
-@inlined
 def log_switches(before, time, graph, motion, log):
     """Log every contact that has changed between open and closed since `before`. Return the number of closed contacts.
 
@@ -231,6 +254,100 @@ def largest(values):
     return found
 
 
+@inlined
+def forces_ahead(time, run):
+    """Put the mean forces over the next step into the chain, and return how long all forces stay constant."""
+    chain, knots, h = run.chain, run.chain.knots, run.h
+    pushed, steady, waits = chain.push.size > 0, math.inf, False
+    if knots.time.size:
+        put_mean(time, h, knots, chain.push, chain.dissipation.bed)
+        steady, waits = steady_until(time, knots), time < knots.time[-1]
+        pushed = steady < time + h or largest(chain.push) > 0.0
+    return Forces(pushed, steady, waits, steady < time + h)
+
+
+@inlined
+def ending(time, over, flown, run):
+    """Return the status with which a run ends at `time`, or RUNNING. `over` is True if nothing more can happen."""
+    if time > run.extent.end - run.h * GRID_TOLERANCE:
+        return DONE
+    if over:
+        return SEPARATED
+    return OUT_OF_STEPS if run.log.counter[STEP] >= min(run.extent.most_steps + flown, NEVER) else RUNNING
+
+
+@inlined
+def steps_ahead(time, steady, free, rests, still, flown, run):
+    """Return the Stretch of steps from `time` on. Take a flight or rest in which nothing changes at once.
+
+    `steady` is the time until which forces and brakes do not change. `free` is True if no force acts, `rests` if all
+    beads rest under the present forces.
+    """
+    chain, motion, counter, h, end = run.chain, run.motion, run.log.counter, run.h, run.extent.end
+    until = end if counter[SAMPLE] == run.samples.time.size else min(end, run.samples.time[counter[SAMPLE]])
+    ahead = until - time
+    # a chain at rest or in free flight: take the whole steps before the next closing at once
+    if rests or free:
+        ahead = min(ahead, steady - time)
+        flight = math.inf if rests else flight_time(chain.graph, motion.overlap, motion.rate, still)
+        whole = (
+            0.0
+            if chain.dissipation.bed.size > 0 and not rests
+            else math.floor(min(flight, ahead, MOST_AT_ONCE * h) / h) - 1.0
+        )
+        if whole >= 1.0:
+            fly(whole, h, motion)
+            counter[STEP] += int(whole)
+            return Stretch(False, FLOWN, np.int64(whole), h, False)
+        # A contact may close and open within one step without a change of its flag, so go at most one step beyond the
+        # closing.
+        ahead = min(ahead, flight + h)
+    # the last step is shorter if the end is not on the grid
+    if is_before(end, time, h):
+        return Stretch(False, RUNNING, ONE, end - time, True)
+    most = np.int64(min(max(1.0, ahead / h), MOST_AT_ONCE, run.extent.most_steps + flown - counter[STEP]))
+    # a stretch ends at the next checkpoint
+    return Stretch(False, RUNNING, min(most, run.plan[DUE] - counter[STEP]), h, False)
+
+
+@inlined
+def next_stretch(time, forces, progress, run):
+    """Decide what a run does from `time` on. Return the Stretch, and the Progress at its end if nothing is logged.
+
+    In this order: a sample before the next grid point, the rest of the stretch in which the run paused, the end of the
+    run, a flight, or steps on the grid.
+    """
+    left, look, flown, closed, rests, still, rates, overlaps, calm = progress
+    chain, motion, counter, wanted = run.chain, run.motion, run.log.counter, run.samples.time
+    brakes, h, stop = chain.dissipation.bed, run.h, run.extent.stop
+    bed = brakes.size > 0
+    # a changed force may end the rest
+    rests = rests and not forces.changing and forces.steady == calm
+    if left == 0 and counter[SAMPLE] < wanted.size and is_before(wanted[counter[SAMPLE]], time, h):
+        stretch = Stretch(True, RUNNING, ONE, wanted[counter[SAMPLE]] - time, False)
+    elif left > 0:
+        stretch = Stretch(False, RUNNING, left, h, False)
+    else:
+        if run.kept.time.size > 0 and time <= run.extent.end - h * GRID_TOLERANCE and counter[STEP] >= run.plan[DUE]:
+            keep_checkpoint(time, motion, run.kept, run.plan, counter)
+        # without closed contacts and forces the beads are in free flight
+        over = free = closed == 0 and not forces.pushed
+        # from time to time test if the closed contacts still push noticeably
+        if stop and not bed and not forces.pushed and counter[STEP] >= look:
+            over, look = pushes_no_more(chain, motion, still), 2 * counter[STEP]
+        may_end = stop and not forces.waits
+        over = may_end and (rests or (over and not meets_again(chain, brakes, motion, still, run.beads[0])))
+        status = ending(time, over, flown, run)
+        stretch = Stretch(False, status, ONE, h, True)
+        if status == RUNNING:
+            stretch = steps_ahead(time, forces.steady, free, rests, still, flown, run)
+        if stretch.status == FLOWN:
+            flown += stretch.most
+        elif stretch.status == RUNNING:
+            rests = bed and not forces.changing and at_rest(motion)
+    return stretch, Progress(ZERO, look, flown, closed, rests, still, rates, overlaps, forces.steady)
+
+
 @jit
 def march(
     stepper, extent_fields, chain_fields, motion_fields, sample_fields, log_fields, checkpoints, pause_fields, memory
@@ -239,110 +356,68 @@ def march(
 
     The status is PAUSED when the step budget in `pause` is used up; call again with the same arguments to resume.
 
-    Records come as plain tuples of their fields. `stepper` holds the drifts and kicks of `explicit_steps`, empty for a
-    discrete gradient, and the step size [s]. `checkpoints` holds Samples and the plan, which gives the number of stored
-    rows and when the next one is due. `memory` is scratch memory of the steps: (BEAD_ROWS, n+1) and (WORK_ROWS, n).
+    Records come as plain tuples of their fields, which are cheap to pass from Python. `stepper` holds the drifts and
+    kicks of `explicit_steps`, empty for a discrete gradient, and the step size [s]. `checkpoints` holds Samples and the
+    plan, which gives the number of stored rows and when the next one is due. `memory` is scratch memory of the steps:
+    (BEAD_ROWS, n+1) and (WORK_ROWS, n).
     """
     (drifts, kicks, h), (beads, work), (kept_fields, plan) = stepper, memory, checkpoints
-    start, end, stop, most_steps = Extent(*extent_fields)
-    chain, samples, log = ChainData(*chain_fields), Samples(*sample_fields), SwitchLog(*log_fields)
-    motion, kept, pause = Motion(*motion_fields), Samples(*kept_fields), Pause(*pause_fields)
-    counter, wanted = log.counter, samples.time
-    brakes = chain.dissipation.bed
-    bed = brakes.size > 0
+    extent, chain, motion = Extent(*extent_fields), ChainData(*chain_fields), Motion(*motion_fields)
+    samples, log, pause = Samples(*sample_fields), SwitchLog(*log_fields), Pause(*pause_fields)
+    run = Run(h, extent, chain, motion, samples, log, Samples(*kept_fields), plan, beads)
+    counter, start, end = log.counter, extent.start, extent.end
     between_walls = kicks.size == 0 and chain.inverse_mass[0] == 0.0 and chain.inverse_mass[-1] == 0.0
-    # Resume the run after a pause, or start it.
-    if pause.counts[BEGUN] != 0:
-        counts, numbers = pause.counts, pause.numbers
-        still, left, rests = numbers[STILL], counts[LEFT], counts[RESTS] != 0
-        rates = numbers[RATES], numbers[RATES + 1]
-        overlaps = numbers[OVERLAPS], numbers[OVERLAPS + 1]
-        closed, flown, look = counts[CLOSED], counts[FLOWN_STEPS], counts[LOOK]
-    else:
-        still, left, rests = STANDSTILL * largest(motion.rate), ZERO, False
-        rates, overlaps = exact_sum(motion.rate), exact_sum(motion.overlap)
-        settle_graph_forces(chain.graph, motion)
-        closed, flown, look = log_switches(start, start, chain.graph, motion, log), ZERO, ONE * FIRST_LOOK
-    time, knots = start + counter[STEP] * h, chain.knots
-    # time until which the forces of the previous step are constant; unknown at first
-    calm = -1.0 if knots.time.size else math.inf
+    progress = begin_or_resume(pause, run)
+    time = start + counter[STEP] * h
     while True:
-        # forces over time: mean over the next step, and how long all forces stay constant
-        pushed, steady, waits = chain.push.size > 0, math.inf, False
-        if knots.time.size:
-            put_mean(time, h, knots, chain.push, brakes)
-            steady, waits = steady_until(time, knots), time < knots.time[-1]
-            pushed = steady < time + h or largest(chain.push) > 0.0
-        changing = steady < time + h  # a force changes in the next step
-        rests = rests and not changing and steady == calm  # a changed force may end the rest
-        calm = steady
-        # the step budget is used up between two sequences of steps
-        if left == 0 and counter[STEP] >= pause.counts[AT]:
-            keep_pause(pause, ZERO, look, flown, closed, rests, still, rates, overlaps)
+        # 1. Decide: the step budget may be used up between two stretches, or the run may end.
+        forces = forces_ahead(time, run)
+        if progress.left == 0 and counter[STEP] >= pause.counts[AT]:
+            keep_pause(pause, ZERO, progress)
             return PAUSED, time
-        sampling = left == 0 and counter[SAMPLE] < wanted.size and is_before(wanted[counter[SAMPLE]], time, h)
-        # next: a sample, the rest of a paused sequence, or a new sequence of steps
-        moved, most, length, last = motion, ONE, 0.0, False
-        if sampling:  # A row of the samples is a motion: the same steps move it.
+        stretch, progress = next_stretch(time, forces, progress, run)
+        # free flight over whole steps: decide again at its end
+        if stretch.status == FLOWN:
+            time = start + counter[STEP] * h
+            continue
+        if stretch.status != RUNNING:
+            return stretch.status, end if stretch.status == DONE else time
+        # 2. Advance. A row of the samples is a motion: the same steps move it.
+        moved, most, taken = motion, stretch.most, ZERO
+        if stretch.sampling:
             moved = row_of(samples, counter[SAMPLE], motion)
             copy_motion(moved, motion)
-            length = wanted[counter[SAMPLE]] - time
-        elif left > 0:
-            most, length = left, h
-        else:
-            # plan the next sequence of steps: checkpoint, end of the collision, length
-            if kept.time.size > 0 and time <= end - h * GRID_TOLERANCE and counter[STEP] >= plan[DUE]:
-                keep_checkpoint(time, motion, kept, plan, counter)
-            until = end if counter[SAMPLE] == wanted.size else min(end, wanted[counter[SAMPLE]])
-            # without closed contacts and forces the beads are in free flight
-            over = free = closed == 0 and not pushed
-            # from time to time test if the closed contacts still push noticeably
-            if stop and not bed and not pushed and counter[STEP] >= look:
-                over, look = pushes_no_more(chain, motion, still), 2 * counter[STEP]
-            over = stop and not waits and (rests or (over and not meets_again(chain, brakes, motion, still, beads[0])))
-            status, most, length, last = look_ahead(
-                time, end, until, steady, h, most_steps + flown, over, free, rests, still, chain, motion, counter
-            )
-            # free flight over whole steps: plan again from its end
-            if status == FLOWN:
-                flown += most
-                time = start + counter[STEP] * h
-                continue
-            if status != RUNNING:
-                return status, end if status == DONE else time
-            # a sequence of steps ends at the next checkpoint
-            if not last:
-                most = min(most, plan[DUE] - counter[STEP])
-            rests = bed and not changing and at_rest(motion)
-        # limit the sequence to the steps that are left before the pause
-        whole, left, taken = most, ZERO, ZERO
-        if not (sampling or last):
+        elif not stretch.last:
+            # limit the stretch to the steps that are left before the pause
             most = min(most, max(pause.counts[AT] - counter[STEP], ONE))
-        # take the steps; on the grid they end early at the first switch
-        if not sampling or length > h * GRID_TOLERANCE:
+        # steps on the grid end early at the first switch
+        if not stretch.sampling or stretch.length > h * GRID_TOLERANCE:
             if kicks.size == 0:
-                taken = gradient_steps(most, time, length, chain, moved, log.closed, beads, work, counter)
+                taken = gradient_steps(most, time, stretch.length, chain, moved, log.closed, beads, work, counter)
             else:
-                taken = split_steps(most, time, length, drifts, kicks, chain, moved, log.closed, beads)
+                taken = split_steps(most, time, stretch.length, drifts, kicks, chain, moved, log.closed, beads)
                 counter[EVALUATION] += taken * kicks.size
         # a sample does not change the run itself
-        if sampling:
+        if stretch.sampling:
             take_no_pull(moved)
             counter[SAMPLE] += 1
             continue
         counter[STEP] += taken
-        # the step budget is used up within a sequence of steps
-        if taken == most and most < whole and not has_stopped(chain, motion, log.closed):
-            keep_pause(pause, whole - taken, look, flown, closed, rests, still, rates, overlaps)
+        # the step budget is used up within a stretch
+        if taken == most and most < stretch.most and not has_stopped(chain, motion, log.closed):
+            keep_pause(pause, stretch.most - taken, progress)
             return PAUSED, start + counter[STEP] * h
-        # end of a sequence: log switches, and correct the sum of overlaps between walls
-        rests = rests and at_rest(motion)
+        # 3. End of a stretch: log switches, and correct the sum of overlaps between walls. A stretch ends with the
+        # first switch.
+        _, look, flown, _, rests, still, rates, overlaps, calm = progress
         before, now = start + (counter[STEP] - 1) * h, min(end, start + counter[STEP] * h)
+        rests = rests and at_rest(motion)
         if between_walls:
             keep_wall_distance(now - start, motion, rates, overlaps)
-        closed = log_switches(before, now, chain.graph, motion, log)  # a sequence of steps ends with the first switch
-        if last:
+        closed = log_switches(before, now, chain.graph, motion, log)
+        if stretch.last:
             return DONE, end
+        progress = Progress(ZERO, look, flown, closed, rests, still, rates, overlaps, calm)
         time = start + counter[STEP] * h
 
 
