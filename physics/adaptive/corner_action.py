@@ -285,21 +285,16 @@ def carried(row, chain, regime, motion):
     return motion.force[row], max(high, -low) if motion.mode[row] == TOUCHING else 0.0
 
 
-@piece
-def cross(row, side, time, ctx):
-    """Carry out the mode transition of a contact or bed at its event, and decide all modes again.
+@inlined
+def put_on_corner(row, side, ctx):
+    """Put a moving contact or bed exactly on the corner of its graph that the event has reached, by kind of event.
 
-    A held constraint yields, unless another constraint has yielded and relieved it.
+    A held constraint is on its corner already: its force is at a bound.
     """
-    chain, regime, motion = ctx.chain, ctx.regime, ctx.motion
-    n, control = motion.mode.size, ctx.scratch.control
-    # Put the constraint exactly on its corner, by kind of event. A held constraint is there already: its force is at a
-    # bound.
-    before, held = carried(row, chain, regime, motion)
-    if held > 0.0:
-        held *= FORCE_PRECISION
+    chain, regime, motion, control = ctx.chain, ctx.regime, ctx.motion, ctx.scratch.control
+    n = motion.mode.size
     # A sliding bead has stopped.
-    elif row >= n:
+    if row >= n:
         stop_bead(row - n, chain, regime, motion, ctx.scratch.work[VELOCITY])
     # A contact with loss has reached a turning point.
     elif motion.mode[row] == LOADED and side == 1:
@@ -315,24 +310,42 @@ def cross(row, side, time, ctx):
     else:
         motion.overlap[row] = 0.0
         if motion.mode[row] == OPEN:
-            restart_control(control, min(control[NEXT], onset_step(chain, row, motion.rate[row], ctx.bounds.wanted)))
+            onset = onset_step(chain, row, motion.rate[row], ctx.bounds.wanted)
+            restart_control(control, min(control[NEXT], onset))
+
+
+@inlined
+def make_yield(row, side, ctx):
+    """Let a held contact yield, or a held bead slip, in the direction of its bound. Return the bead that slips, or -1."""
+    regime, motion = ctx.regime, ctx.motion
+    n = motion.mode.size
+    if row >= n:
+        regime.slide[row - n] = 1 if side == 1 else -1
+        return row - n
+    motion.mode[row], motion.held[row] = LOADED, 1
+    if (side == 0) == (side_of(regime, row) > 0.0):
+        ease(row, regime, motion)
+    elif regime.easing.size:
+        regime.easing[row] = 0
+    return NO_CONTACT
+
+
+@piece
+def cross(row, side, time, ctx):
+    """Carry out the mode transition of a contact or bed at its event, and decide all modes again.
+
+    A held constraint yields, unless another constraint has yielded and relieved it.
+    """
+    before, held = carried(row, ctx.chain, ctx.regime, ctx.motion)
+    if not held > 0.0:
+        put_on_corner(row, side, ctx)
     decide(NO_CONTACT, ctx)
     # The constraint was at its bound, is still held, and carries the same force as before: the delay was too short to
-    # show that it yields. Then force it to slip or yield in the direction of the bound, and decide the others again.
-    # Example: a bead whose friction limit is reached by a force that grows very slowly.
-    after, most = carried(row, chain, regime, motion)
-    if held > 0.0 and most > 0.0 and abs(after - before) <= held:
-        slipping = NO_CONTACT
-        if row >= n:
-            slipping = row - n
-            regime.slide[slipping] = 1 if side == 1 else -1
-        else:
-            motion.mode[row], motion.held[row] = LOADED, 1
-            if (side == 0) == (side_of(regime, row) > 0.0):
-                ease(row, regime, motion)
-            elif regime.easing.size:
-                regime.easing[row] = 0
-        decide(slipping, ctx)
+    # show that it yields. Then force it to yield, and decide the others again. Example: a bead whose friction limit is
+    # reached by a force that grows very slowly.
+    after, most = carried(row, ctx.chain, ctx.regime, ctx.motion)
+    if held > 0.0 and most > 0.0 and abs(after - before) <= FORCE_PRECISION * held:
+        decide(make_yield(row, side, ctx), ctx)
     log_switches(time, time, NO_CONTACT, ctx)
 
 

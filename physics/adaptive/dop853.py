@@ -85,7 +85,11 @@ FIFTH[[0, 5, 6, 7, 8, 9, 10, 11]] = [
 SQUARE = exact_product(_TABLEAU, _TABLEAU)  # A²: overlaps of the stages from the accelerations
 WEIGHTS_SQUARE = exact_product(WEIGHTS, _TABLEAU)  # b A: overlap at the end from the accelerations
 # The same products for the errors of the overlap at the end
-THIRD_SQUARE, FIFTH_SQUARE = exact_product(THIRD, _TABLEAU), exact_product(FIFTH, _TABLEAU)  # and to its errors
+THIRD_SQUARE, FIFTH_SQUARE = exact_product(THIRD, _TABLEAU), exact_product(FIFTH, _TABLEAU)
+
+# Rows (n+1,) of the work array: embedded errors of orders 5 and 3 of the rates and overlaps at the end; the error of
+# each contact [m/s], and its local frequency squared [1/s²]
+FIFTH_RATE, THIRD_RATE, FIFTH_OVERLAP, THIRD_OVERLAP, ERROR, SQUARE_FREQUENCY = range(6)
 
 
 @inlined
@@ -282,10 +286,8 @@ def step_of_range(h, first, last, chain, motion, trial, scratch):
         accelerate(first, last, h * NODES[s], chain, mode, motion.force, stage, force, acceleration[s], upper)
         if moves_anchor:
             scratch.anchor_acceleration[s] = anchor_acceleration(chain, force, h * NODES[s])
-    # Overlap and rate at the end, and their embedded errors of orders 5 and 3. The errors use rows of the trial that
-    # are still free.
-    end_overlap, end_rate, fifth, third = trial.overlap[2], trial.rate[2], trial.overlap[0], trial.overlap[1]
-    fifth_overlap, third_overlap = trial.rate[0], trial.rate[1]
+    # Overlap and rate at the end, and their embedded errors of orders 5 and 3.
+    end_overlap, end_rate, errors = trial.overlap[2], trial.rate[2], scratch.work
     for i in range(first, last):
         d, w, d5, w5, d3, w3 = end_overlap[i], end_rate[i], 0.0, 0.0, 0.0, 0.0
         for k in range(STAGES):
@@ -297,12 +299,13 @@ def step_of_range(h, first, last, chain, motion, trial, scratch):
             d3 += square * THIRD_SQUARE[k] * a
             w3 += h * THIRD[k] * a
         end_overlap[i], end_rate[i] = d, w
-        fifth_overlap[i], fifth[i], third_overlap[i], third[i] = d5, w5, d3, w3
+        errors[FIFTH_OVERLAP, i], errors[FIFTH_RATE, i] = d5, w5
+        errors[THIRD_OVERLAP, i], errors[THIRD_RATE, i] = d3, w3
     # Touching contacts do not move.
     for i in range(first, last):
         if mode[i] == TOUCHING:
             end_overlap[i], end_rate[i] = overlap[i], 0.0
-    worst = error_of_range(h, first, last, chain, motion, trial, force)
+    worst = error_of_range(h, first, last, chain, motion, trial, force, errors)
     # Forces at the end, then the overlaps at the nodes of `radau` by the quintic through both ends.
     accelerate(first, last, h, chain, mode, motion.force, end_overlap, force, stage, upper)
     for i in range(first, last):
@@ -326,20 +329,16 @@ def nearly_opens(h, overlap, rate, end_overlap, end_rate):
 
 
 @inlined
-def error_of_range(h, first, last, chain, motion, trial, force):
-    """Return the error of a step as a velocity [m/s].
+def missed_impulse(h, first, last, chain, motion, trial, force):
+    """Return (rough, error): if the law of a soft contact is not smooth in the step, and the error [m/s] that the
+    embedded errors do not show. `force` (n,) are the forces at the last stage.
 
-    The error of order 5 alone is used if a soft contact begins or ceases to push within the step, or nearly does; the
-    law is not smooth enough for order 8 there. The errors of orders 5 and 3 are in the first two rows of the trial:
-    errors of rates in its overlaps, errors of overlaps in its rates.
+    The nodes of a step miss a part of the impulse of a force that begins or ends between them. For a > 1 this part is a
+    known fraction (see `constants`). For a < 1 the embedded error of order 5 shows it, because the law is not smooth
+    enough for order 8.
     """
     law, inverse_mass, overlap, mode = chain.law, chain.inverse_mass, motion.overlap, motion.mode
-    end_overlap, fifth, third = trial.overlap[2], trial.overlap[0], trial.overlap[1]
-    fifth_overlap, third_overlap = trial.rate[0], trial.rate[1]
-    rough, worst = False, 0.0
-    # Contacts whose force begins or ends within the step. The nodes miss a part of its impulse that the embedded errors
-    # do not show. For a > 1 this part is a known fraction (see `constants`); for a < 1 the embedded error of order 5
-    # must show it.
+    end_overlap, rough, worst = trial.overlap[2], False, 0.0
     for i in range(first, last):
         if mode[i] == LOADED and law[i, 2] != 1.0:
             d0, d1, w0, w1 = overlap[i], end_overlap[i], motion.rate[i], trial.rate[2, i]
@@ -359,27 +358,38 @@ def error_of_range(h, first, last, chain, motion, trial, force):
         if mode[i] == LOADED:
             push = breakpoint_force(chain.graph, i, overlap[i], end_overlap[i])
             worst = larger(worst, KINK * h * (inverse_mass[i] + inverse_mass[i + 1]) * push)
-    # Error of each contact: of its rate, and of its overlap times its local frequency (its energy as a velocity).
-    slowest = math.inf
-    # From here on these rows contain the error and the local frequency squared of each contact.
-    error, frequency = fifth, third
+    return rough, worst
+
+
+@inlined
+def error_of_range(h, first, last, chain, motion, trial, force, work):
+    """Return the error of a step as a velocity [m/s], from the embedded errors in rows of `work`.
+
+    The error of a contact is that of its rate, and that of its overlap times its local frequency (its energy as a
+    velocity). The error of order 5 alone is used if a soft contact begins or ceases to push within the step, or nearly
+    does.
+    """
+    law, inverse_mass, overlap, mode = chain.law, chain.inverse_mass, motion.overlap, motion.mode
+    rough, worst = missed_impulse(h, first, last, chain, motion, trial, force)
+    error, square, slowest = work[ERROR], work[SQUARE_FREQUENCY], math.inf
     for i in range(first, last):
-        error[i] = abs(fifth[i]) if rough else combined(fifth[i], third[i])
-        frequency[i] = 0.0
+        fifth, third = work[FIFTH_RATE, i], work[THIRD_RATE, i]
+        error[i] = abs(fifth) if rough else combined(fifth, third)
+        square[i] = 0.0
         # If a smooth contact begins to push, take the slope at the end of the step: errors of rates alone vanish for
         # some step lengths.
-        at = overlap[i] if overlap[i] > 0.0 or law[i, 2] < 1.0 else end_overlap[i]
+        at = overlap[i] if overlap[i] > 0.0 or law[i, 2] < 1.0 else trial.overlap[2, i]
         if mode[i] == LOADED and (at > 0.0 or (has_segments(chain.graph, i) and law[i, 2] >= 1.0)):
             slope = curve_slope(law, chain.graph, i, at, curve_force(law, chain.graph, i, at))
-            frequency[i] = (inverse_mass[i] + inverse_mass[i + 1]) * slope  # squared [1/s²]
-            of_overlap = abs(fifth_overlap[i]) if rough else combined(fifth_overlap[i], third_overlap[i])
-            error[i] = larger(error[i], math.sqrt(frequency[i]) * of_overlap)
+            square[i] = (inverse_mass[i] + inverse_mass[i + 1]) * slope
+            fifth, third = work[FIFTH_OVERLAP, i], work[THIRD_OVERLAP, i]
+            error[i] = larger(error[i], math.sqrt(square[i]) * (abs(fifth) if rough else combined(fifth, third)))
             if law[i, 2] < 1.0:
-                slowest = min(slowest, frequency[i])
+                slowest = min(slowest, square[i])
     # The largest error counts, weighted for soft contacts that oscillate (see `care`).
     for i in range(first, last):
-        faster = frequency[i] / slowest if math.isfinite(slowest) else 1.0
-        worst = larger(worst, error[i] * care(law[i, 2], h * h * frequency[i], faster))
+        faster = square[i] / slowest if math.isfinite(slowest) else 1.0
+        worst = larger(worst, error[i] * care(law[i, 2], h * h * square[i], faster))
     return worst
 
 

@@ -286,7 +286,7 @@ def measured_exponent(exponent, h, error, length_before, error_before):
 
 
 # Outcomes of the event location for an attempted step
-STANDS = 0  # the step ends at its event, or contains none: error control decides on it
+STANDS = 0  # the step ends at its event, or does not contain an event: error control decides on it
 RETRY = 1  # attempt a step of another length, which ends nearer at the event
 AT_START = 2  # the event is now: no step is possible before its transition
 LOST = 3  # no attempt ended at the event, and the step passes over it
@@ -303,7 +303,7 @@ def attempt_step(h, kind, ctx):
 
 @inlined
 def locate_event(time, h, least, error, event, target, ctx):
-    """Decide if an attempted step of length `h` ends where it should: at the first event in it, if there is one.
+    """Decide if an attempted step of length `h` ends correctly: at the first event in it, if it contains events.
 
     `event` is the first Event in the step and `target` the Target of the step. A step below `least` [s] has a length of
     the order of round-off. Return the outcome, the length of the next attempt, and its Target. The end time is found by
@@ -311,7 +311,7 @@ def locate_event(time, h, least, error, event, target, ctx):
     """
     wanted, motion = ctx.bounds.wanted, ctx.motion
     row, side, tries, ceiling, miss = target.row, target.side, target.tries, target.ceiling, event.miss
-    # The step has no target, or the event that a longer step showed has gone.
+    # The step does not have a target, or the event that a longer step showed has gone.
     if math.isnan(miss):
         row, tries, miss = NO_CONTACT, tries + (1 if row >= 0 else 0), 0.0
     at = event.part * h

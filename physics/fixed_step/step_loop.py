@@ -114,7 +114,7 @@ class Forces(NamedTuple):
 
 
 class Stretch(NamedTuple):
-    """What a run does next: a sample, a number of steps, a flight, or nothing because it has ended."""
+    """Next part of a run: a sample, a number of steps, a flight, or its end."""
 
     sampling: bool  # one shorter step to the next sample, which does not change the run
     status: int  # RUNNING, FLOWN, or the status with which the run ends

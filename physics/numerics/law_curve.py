@@ -34,6 +34,10 @@ LOST = 1e-6
 # Fraction of the overlap. For a smaller relative change, four terms of the binomial series give a power to full
 # precision.
 SHORT_MOVE = 5e-4
+# Ratio of the overlap to `weight` f below which the force decides the motion, see `move_along`.
+DECIDES = 0.1
+# Derivative of d + `weight` f by d below which the overlap decides the motion; 1 without a force.
+NEARLY_FREE = 2.0
 # Further columns of `law`, after preload, stiffness and exponent, if contacts have several segments.
 LAW_BEFORE, LAW_STOP, LAW_SIDE = 3, 4, 5
 
@@ -207,52 +211,83 @@ def short_growth(x, a):
 
 @inlined
 def move_along(law, graph, i, weight, overlap, force, by_overlap, by_force):
-    """Return overlap and force after one Newton move along the curve, in the variable in which the move cannot overshoot.
+    """Return overlap and force after one Newton move along the curve, in the variable in which it cannot overshoot.
 
-    For a < 1 the force is the variable for moves towards d = 0. It is also used for moves away from 0 as long as d is
-    small compared with `weight` f, where `weight` = h² L_ii is the change of the overlap per unit of force in a step.
-    Otherwise the variable is d.
+    `weight` = h² L_ii is the change of the overlap per unit of force in a step. With a >= 1 the curve is flat at d = 0,
+    and the overlap is the variable. With a < 1 it is steep there, and the variable depends on the move:
+
+        short move         the overlap; a series gives the new force
+        outward, d small   the force, while d is small compared with `weight` f: the force decides the motion
+        inward, from far   neither: the solution has an upper bound, see `bounded_point`
+        to or past d = 0   the force
+        otherwise          the overlap
     """
     preload, exponent = law[i, 0], law[i, 2]
-    # Not with a preload: the series would lose the last digits of the small rest of the force.
-    soft = exponent < 1.0 and preload == 0.0 and not has_table(graph, i)
-    if soft and by_overlap != 0.0 and abs(by_overlap) < SHORT_MOVE * overlap:
+    if exponent >= 1.0:
+        return move_in_overlap(law, graph, i, overlap, by_overlap)
+    # Short move. Not with a preload: the series would lose the last digits of the small rest of the force.
+    if preload == 0.0 and by_overlap != 0.0 and abs(by_overlap) < SHORT_MOVE * overlap and not has_table(graph, i):
         return overlap + by_overlap, force + force * short_growth(by_overlap / overlap, exponent)
-    continued = is_continued(law, graph, i)
-    # away from 0, a < 1: the force decides the motion while weight f is much larger than d
+    # Outward while d is small.
     excess = force + by_force - preload
-    if exponent < 1.0 and by_overlap > 0.0 and 0.0 < overlap < 0.1 * weight * excess:
+    if by_overlap > 0.0 and 0.0 < overlap < DECIDES * weight * excess:
         reach = curve_overlap(law, graph, i, excess, 1.0)
-        if reach < 0.1 * weight * excess:
+        if reach < DECIDES * weight * excess:
             return reach, preload + excess
-    # towards 0 from far away, a < 1
-    if exponent < 1.0 and by_overlap < 0.0 and overlap > 0.0:
-        slope = 1.0 + weight * local_exponent(law, graph, i, overlap, force) * (force - preload) / overlap
-        # The point lies far to the right of the solution. The solution satisfies d + weight K d**a = rest, so neither
-        # term exceeds `rest`. This gives a better point than Newton's move.
-        if slope < 2.0 and preload > 0.0:
-            rest = overlap + weight * (force - preload) + slope * by_overlap
-            if rest > 0.0:
-                reach = curve_overlap(law, graph, i, rest, weight)
-                far = 2.0 * min(rest, reach) < overlap
-                if far and rest < reach:
-                    return rest, pressed_force(law, graph, i, rest)
-                if far:
-                    return reach, preload + rest / weight
+    # Inward from far away.
+    if by_overlap < 0.0 and overlap > 0.0 and preload > 0.0:
+        end, pushes = bounded_point(law, graph, i, weight, overlap, force, by_overlap)
+        if end > 0.0:
+            return end, pushes
+    # To d = 0 or past it. If `by_overlap` is 0, the curve is vertical and the force is the only variable.
+    continued = is_continued(law, graph, i)
     towards_zero = (by_overlap < 0.0) == (overlap > 0.0) and (overlap > 0.0 or continued)
-    # Move in the force. If `by_overlap` is 0, the curve is vertical and the force is the only variable.
-    if exponent < 1.0 and (overlap == 0.0 or by_overlap == 0.0 or towards_zero):
-        if excess > 0.0 or (continued and excess < 0.0):
-            reach = curve_overlap(law, graph, i, abs(excess), 1.0)
-            return (reach if excess > 0.0 else -reach), preload + excess
-        # the force has fallen below 0 on a curve that is not continued: the contact has opened
-        if not continued and excess <= 0.0:
-            return min(overlap + by_overlap, -SMALLEST), 0.0
-        return 0.0, preload
-    # move in the overlap
+    if overlap == 0.0 or by_overlap == 0.0 or towards_zero:
+        return move_in_force(law, graph, i, overlap, by_overlap, excess)
+    return move_in_overlap(law, graph, i, overlap, by_overlap)
+
+
+@inlined
+def bounded_point(law, graph, i, weight, overlap, force, by_overlap):
+    """Return a point (d, f) that is nearer to the solution than a Newton move from far to its right; d = 0 without one.
+
+    The move solves d + weight (F + K d**a - F) = rest approximately, so neither term of the solution exceeds `rest`.
+    """
+    excess = force - law[i, 0]
+    slope = 1.0 + weight * local_exponent(law, graph, i, overlap, force) * excess / overlap
+    rest = overlap + weight * excess + slope * by_overlap
+    # Newton's move is good enough if the force decides, or if the bound is not well below the present overlap.
+    if not (slope < NEARLY_FREE and rest > 0.0):
+        return 0.0, 0.0
+    reach = curve_overlap(law, graph, i, rest, weight)
+    if not 2.0 * min(rest, reach) < overlap:
+        return 0.0, 0.0
+    if rest < reach:
+        return rest, pressed_force(law, graph, i, rest)
+    return reach, law[i, 0] + rest / weight
+
+
+@inlined
+def move_in_force(law, graph, i, overlap, by_overlap, excess):
+    """Return overlap and force after a move to the force that exceeds the preload by `excess` [N]."""
+    preload, continued = law[i, 0], is_continued(law, graph, i)
+    if excess > 0.0 or (continued and excess < 0.0):
+        reach = curve_overlap(law, graph, i, abs(excess), 1.0)
+        return (reach if excess > 0.0 else -reach), preload + excess
+    # the force has fallen below 0 on a curve that is not continued: the contact has opened
+    if not continued and excess <= 0.0:
+        return min(overlap + by_overlap, -SMALLEST), 0.0
+    return 0.0, preload
+
+
+@inlined
+def move_in_overlap(law, graph, i, overlap, by_overlap):
+    """Return overlap and force after a move by `by_overlap` [m].
+
+    A table may be flat after a steep beginning. Newton's iteration would oscillate if it could pass d = 0 there.
+    """
     moved = overlap + by_overlap
-    if has_table(graph, i) and moved * overlap < 0.0 and continued:
-        # A table may be flat after a steep beginning. Newton's iteration would oscillate if it could pass d = 0.
+    if has_table(graph, i) and moved * overlap < 0.0 and is_continued(law, graph, i):
         moved = 0.0
     return moved, curve_force(law, graph, i, moved)
 

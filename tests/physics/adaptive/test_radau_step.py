@@ -10,7 +10,7 @@ import pytest
 from softcradle.physics import Chain, Contact, OwnLaw, State, draft_gear, hertz, hooke, power_law
 from softcradle.physics.adaptive import radau
 from softcradle.physics.adaptive.constants import FORCE_PRECISION, KINK, MOST_TRIES, NEWTON_PART, RATIO, ROUND_OFF
-from softcradle.physics.adaptive.dop853 import error_of_range
+from softcradle.physics.adaptive.dop853 import FIFTH_RATE, error_of_range
 from softcradle.physics.adaptive.radau import (
     compliance,
     embedded_error,
@@ -19,7 +19,7 @@ from softcradle.physics.adaptive.radau import (
     radau_step,
     stage_rates,
 )
-from softcradle.physics.adaptive.step_records import empty_scratch, empty_trial
+from softcradle.physics.adaptive.step_records import WORK_ROWS, empty_scratch, empty_trial
 from softcradle.physics.numerics.law_curve import NODES, care
 from softcradle.physics.numerics.records import FROZEN, LOADED, NO_GRAPHS, OPEN, SEGMENTS, TOUCHING, ChainData, Motion
 
@@ -424,5 +424,6 @@ def test_an_error_that_is_no_number_is_none_of_0(row):
     trial = stepped(data, motion, 0.01)[1]
     trial.rate[:, row] = math.nan
     assert math.isnan(embedded_error(0.01, data, motion, trial, np.zeros((4, 4))))
-    trial.rate[:, row], trial.overlap[0, row] = 0.4, math.nan
-    assert math.isnan(error_of_range(0.01, 0, 3, data, motion, trial, np.zeros(3)))
+    trial.rate[:, row], errors = 0.4, np.zeros((WORK_ROWS, 4))
+    errors[FIFTH_RATE, row] = math.nan
+    assert math.isnan(error_of_range(0.01, 0, 3, data, motion, trial, np.zeros(3), errors))
