@@ -28,14 +28,14 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.adaptive import runner as adaptive
 from softcradle.physics.adaptive.constants import ROUND_OFF, TOLERANCE_PART
-from softcradle.physics.adaptive.runner import (
+from softcradle.physics.adaptive.error_estimate import (
     DOUBT,
     GUARANTEED,
     LEAST_GUARANTEED,
     MOST_GROWN,
     guaranteed_error,
-    sampled,
 )
+from softcradle.physics.adaptive.runner import sampled
 from softcradle.physics.adaptive.step_records import ERROR_EXPONENT, RADAU
 from softcradle.physics.adaptive.usual_budget import STEPS_A_CONTACT, usual_steps
 from softcradle.physics.chain import Chain, Joint, per_chain

@@ -12,6 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.adaptive.adaptive_loop import integrate
 from softcradle.physics.adaptive.constants import TOLERANCE_PART
+from softcradle.physics.adaptive.error_estimate import (
+    DOUBT,
+    MOST_GROWN,
+    error_growth,
+    estimated_error,
+    guaranteed_error,
+    rounding_in,
+)
 from softcradle.physics.adaptive.kept_steps import NO_STEPS, KeptSteps
 from softcradle.physics.adaptive.sampling import count_from_touch
 from softcradle.physics.adaptive.step_records import (
@@ -31,7 +39,7 @@ from softcradle.physics.adaptive.step_records import (
     empty_trial,
 )
 from softcradle.physics.adaptive.usual_budget import followed_steps, step_budget
-from softcradle.physics.chain import Chain, per_chain
+from softcradle.physics.chain import Chain
 from softcradle.physics.contact import power_law
 from softcradle.physics.kernel_records import (
     FIRST_LOG,
@@ -59,14 +67,12 @@ from softcradle.physics.numerics.records import (
     SwitchLog,
 )
 from softcradle.physics.problem import NO_SAMPLES, Problem, Record, with_ends_as_samples
-from softcradle.physics.scales import SPEED_ROUND_OFF, is_possible, largest_error
+from softcradle.physics.scales import is_possible, largest_error
 from softcradle.physics.state import State
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
 
 Array = NDArray[np.float64]
 
-# Error amplification by each oscillation of a loaded contact: all earlier errors have shifted its phase.
-TURN_GROWTH = 1.0 / 8.0
 # Steps (including rejected ones) after which a kernel returns to Python, so that Python can handle signals
 PAUSE = 20_000
 LONGER = 1.1  # Growth of the step budget during a run that is worth another call of the kernel
@@ -74,18 +80,6 @@ LONGER = 1.1  # Growth of the step budget during a run that is worth another cal
 PLAIN_PAUSE = 50
 PLAIN_COST = 3.0  # Cost of an adaptive step in plain Python, in fixed steps
 LONGEST_REUSED = 1000  # Largest number of contacts of a chain whose memory a thread keeps for its next run
-# Largest guaranteed velocity error, in tolerances
-GUARANTEED = 10.0
-# Largest relative round-off of one floating-point operation
-HALF_DIGIT = 0.5 * float(np.finfo(np.float64).eps)
-# Smallest tolerance that the guarantee refers to. Below it round-off dominates, and the estimated error shows how much.
-LEAST_GUARANTEED = 1e-11
-# Largest error amplification at which a run needs no confirmation. At an amplification of 10 the chain `mixed` has an
-# error of 40 tolerances. Another run may show the same amplification again up to this limit, because it is the same in
-# both.
-MOST_GROWN = 8.0
-# Safety factor of the estimated error: times the sum of all local errors of a run, or times the difference between runs
-DOUBT = 3.0
 
 
 @dataclass
@@ -143,53 +137,6 @@ def sampled(record: Record, times: Array) -> Record:
     return record.with_samples(sampled(again, times).samples)
 
 
-def error_growth(before: Any, grown: Array, turns: Array) -> Any:
-    """Return the error amplification: by bounces `before`, by the present ones, and by the turns of contacts (..., n)."""
-    return 1.0 + before + grown.sum(axis=-1) + TURN_GROWTH * turns.max(axis=-1)
-
-
-def stated_error(growth: Any, local_square: Any, roundings: Any, rounding: Any) -> Any:
-    """Return the estimated error [m/s]: the sum of local errors and of `roundings` rounding errors of size `rounding`,
-    amplified.
-    """
-    return DOUBT * growth * np.sqrt(local_square + roundings * (rounding * rounding))
-
-
-def rounding_of(mass: Array, velocity: Array) -> Any:
-    """Return the round-off (...) [m/s] of a step for beads of `mass` (..., n+1) at `velocity` (..., n+1).
-
-    A light bead can receive all the kinetic energy. The velocities of heavy beads are then rebuilt from rates as fast
-    as that bead, and their round-off returns to the light bead amplified by the square root of the mass ratio. Walls do
-    not count.
-    """
-    finite = np.isfinite(mass)
-    inertia = np.where(finite, mass, 0.0)
-    lightest, heaviest = np.where(finite, mass, np.inf).min(axis=-1), inertia.max(axis=-1)
-    # Round-off of the fastest bead, and of the lightest one as derived above.
-    own = SPEED_ROUND_OFF * np.abs(velocity).max(axis=-1)
-    return np.maximum(own, HALF_DIGIT * np.sqrt(heaviest * (inertia * velocity**2).sum(axis=-1)) / lightest)
-
-
-def rounding_in(chain: Chain, velocity: Array) -> float:
-    """Return :func:`rounding_of` the beads of one chain at `velocity` (n+1,), without the cost of small arrays."""
-    lightest, heaviest = _mass_range(chain)
-    own = SPEED_ROUND_OFF * max(map(abs, velocity.tolist()))
-    of_lightest = HALF_DIGIT * math.sqrt(heaviest * np.add.reduce(chain.finite_mass * velocity**2)) / lightest
-    return own if own > of_lightest else of_lightest  # NaN if a velocity is NaN
-
-
-@per_chain
-def _mass_range(chain: Chain) -> tuple[float, float]:
-    """Return the masses [kg] of the lightest and the heaviest bead."""
-    finite = [mass for mass in chain.mass if mass < math.inf]
-    return min(finite), max(finite)
-
-
-def guaranteed_error(tolerance: float, scale: float) -> float:
-    """Return the largest velocity error [m/s] that the tolerance allows at the speed `scale` [m/s]."""
-    return GUARANTEED * max(tolerance, LEAST_GUARANTEED) * scale
-
-
 def advance(problem: Problem) -> Status:
     """Move ``problem.state`` forward by the duration in place. The memory of the kernels stays with the state."""
     state = problem.state
@@ -229,7 +176,7 @@ def _update_estimate(problem: Problem, memory: Memory, before: float) -> None:
     # Every step of the frame adds a rounding error.
     control[LOCAL_SQUARE] += int(counter[STEP]) * rounding * rounding
     growth = error_growth(control[GROWTH] + control[ENDING], memory.scratch.grown, memory.scratch.turns)
-    error = float(stated_error(growth, control[LOCAL_SQUARE], problem.chain.contacts, rounding))
+    error = float(estimated_error(growth, control[LOCAL_SQUARE], problem.chain.contacts, rounding))
     memory.scale = max(memory.scale, problem.scale, float(np.ptp(velocity)))
     # No larger error than energy and momentum allow.
     if not is_possible(problem.chain, state, error):
@@ -295,7 +242,7 @@ def one_run(problem: Problem, log_size: int = FIRST_LOG) -> Record:
         kept=kept,
     )  # fmt: skip
     rounding = max(rounding_in(problem.chain, record.velocity), rounding_in(problem.chain, problem.velocity))
-    error = stated_error(growth, control[LOCAL_SQUARE], counter[STEP] + contacts, rounding)
+    error = estimated_error(growth, control[LOCAL_SQUARE], counter[STEP] + contacts, rounding)
     record.velocity_error = np.full(contacts + 1, error)
     record.unseen = DOUBT * growth * math.sqrt(control[UNSEEN_SQUARE])
     # Keep the memory for the next run of this thread, unless it is large.

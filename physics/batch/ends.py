@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.adaptive import usual_budget
 from softcradle.physics.adaptive.adaptive_loop import integrate
-from softcradle.physics.adaptive.runner import MOST_GROWN, error_growth, rounding_of, stated_error
+from softcradle.physics.adaptive.error_estimate import MOST_GROWN, error_growth, estimated_error, rounding_of
 from softcradle.physics.adaptive.step_records import ALLOWED, empty_scratch, empty_steps, empty_trial
 from softcradle.physics.batch.chain_batch import ChainBatch
 from softcradle.physics.batch.run_each import (
@@ -284,7 +284,7 @@ class _Accuracy:
         """
         growth = error_growth(self.control[:, 0], self.grown, self.turns)
         rounding = np.maximum(rounding_of(self.mass, start), rounding_of(self.mass, end))
-        return stated_error(growth, self.control[:, 1], steps + self.grown.shape[1], rounding), growth
+        return estimated_error(growth, self.control[:, 1], steps + self.grown.shape[1], rounding), growth
 
 
 def _of_integrate(accuracy: _Accuracy, run: _Run) -> tuple[Any, ...]:

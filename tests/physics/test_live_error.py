@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from softcradle.physics import Chain, Contact, Coupler, State, advance, one_on, power_law, simulate
-from softcradle.physics.adaptive.runner import error_growth
+from softcradle.physics.adaptive.error_estimate import error_growth
 from softcradle.physics.adaptive.step_records import GROWTH
 from softcradle.physics.simulation import move
 from softcradle.physics.status import WarningCode

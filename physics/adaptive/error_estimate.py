@@ -1,0 +1,80 @@
+"""Error estimate of the adaptive methods: local errors and round-off, times the error amplification along the motion.
+
+The kernels add up the local errors and the amplification (`softcradle.physics.adaptive.switch_log`); the formulas that
+combine them are here, for a run, for a frame of live use and for a batch. docs/error-estimate.md derives them and says
+for each constant what it protects. `softcradle.physics.confirm` compares runs if the amplification is large.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from softcradle.physics.chain import Chain, per_chain
+from softcradle.physics.scales import SPEED_ROUND_OFF
+
+Array = NDArray[np.float64]
+
+# Safety factor of the estimated error: times the sum of all local errors of a run, or times the difference between runs
+DOUBT = 3.0
+# Error amplification by each oscillation of a loaded contact: all earlier errors have shifted its phase.
+TURN_GROWTH = 1.0 / 8.0
+# Largest error amplification at which a run needs no confirmation. At an amplification of 10 the chain `mixed` has an
+# error of 40 tolerances. Another run may show the same amplification again up to this limit, because it is the same in
+# both.
+MOST_GROWN = 8.0
+# Largest guaranteed velocity error, in tolerances
+GUARANTEED = 10.0
+# Smallest tolerance that the guarantee refers to. Below it round-off dominates, and the estimated error shows how much.
+LEAST_GUARANTEED = 1e-11
+# Largest relative round-off of one floating-point operation
+HALF_DIGIT = 0.5 * float(np.finfo(np.float64).eps)
+
+
+def error_growth(before: Any, grown: Array, turns: Array) -> Any:
+    """Return the error amplification: by bounces `before`, by the present ones, and by the turns of contacts (..., n)."""
+    return 1.0 + before + grown.sum(axis=-1) + TURN_GROWTH * turns.max(axis=-1)
+
+
+def estimated_error(growth: Any, local_square: Any, roundings: Any, rounding: Any) -> Any:
+    """Return the estimated error [m/s]: the sum of local errors and of `roundings` rounding errors of size `rounding`,
+    amplified.
+    """
+    return DOUBT * growth * np.sqrt(local_square + roundings * (rounding * rounding))
+
+
+def guaranteed_error(tolerance: float, scale: float) -> float:
+    """Return the largest velocity error [m/s] that the tolerance allows at the speed `scale` [m/s]."""
+    return GUARANTEED * max(tolerance, LEAST_GUARANTEED) * scale
+
+
+def rounding_of(mass: Array, velocity: Array) -> Any:
+    """Return the round-off (...) [m/s] of a step for beads of `mass` (..., n+1) at `velocity` (..., n+1).
+
+    A light bead can receive all the kinetic energy. The velocities of heavy beads are then rebuilt from rates as fast
+    as that bead, and their round-off returns to the light bead amplified by the square root of the mass ratio. Walls do
+    not count.
+    """
+    finite = np.isfinite(mass)
+    inertia = np.where(finite, mass, 0.0)
+    lightest, heaviest = np.where(finite, mass, np.inf).min(axis=-1), inertia.max(axis=-1)
+    # Round-off of the fastest bead, and of the lightest one as derived above.
+    own = SPEED_ROUND_OFF * np.abs(velocity).max(axis=-1)
+    return np.maximum(own, HALF_DIGIT * np.sqrt(heaviest * (inertia * velocity**2).sum(axis=-1)) / lightest)
+
+
+def rounding_in(chain: Chain, velocity: Array) -> float:
+    """Return :func:`rounding_of` the beads of one chain at `velocity` (n+1,), without the cost of small arrays."""
+    lightest, heaviest = _mass_range(chain)
+    own = SPEED_ROUND_OFF * max(map(abs, velocity.tolist()))
+    of_lightest = HALF_DIGIT * math.sqrt(heaviest * np.add.reduce(chain.finite_mass * velocity**2)) / lightest
+    return own if own > of_lightest else of_lightest  # NaN if a velocity is NaN
+
+
+@per_chain
+def _mass_range(chain: Chain) -> tuple[float, float]:
+    """Return the masses [kg] of the lightest and the heaviest bead."""
+    finite = [mass for mass in chain.mass if mass < math.inf]
+    return min(finite), max(finite)
