@@ -29,8 +29,12 @@ from softcradle.physics import Chain, draft_gear, simulate
 from softcradle.physics.analysis.closed_forms import critical_speed
 from softcradle.physics.chain import GRAVITY
 from softcradle.sandbox.scene_runs import KEEPING
+from softcradle.sandbox.studies.fitting.design_scene import design
 from softcradle.sandbox.sweeps import grid
+from softcradle.sandbox.sweeps.measure_table import Run, find_measure
 from softcradle.sandbox.sweeps.run_sweep import Progress, map_points
+from softcradle.sandbox.sweeps.scene_points import LaneStart
+from softcradle.scenes import Lane, Scene
 
 MASS = (0.3945, 0.3980, 0.3967, 0.3938)  # [kg]
 STIFFNESS = 770.0  # [N/m]
@@ -40,6 +44,7 @@ SPEEDS = (0.25, 0.5, 0.75, 1.0)  # launch speeds that the text allows [m/s]
 MOMENTUM_DEFICIT = (0.05, 0.10)  # as stated
 ENERGY_DEFICIT = (0.10, 0.20)  # as stated
 LARGEST_FRICTION = 1.0  # upper end of the search for the coefficient
+FRICTION_GUESS = 0.05  # start of this search
 PISTON = 0.020  # [kg], our assumption
 FRAMES = 2052.0  # frames per second of the camera, as stated
 WINDOWS = (0.01, 0.02, 0.04, 0.08)  # lengths of the fitted line [s]
@@ -70,22 +75,28 @@ class Fit:
 @cache
 def deficits(strikers: int, speed: float, friction: float, loss: float = 0.0, method: str = KEEPING) -> Deficits:
     """Return the deficits if `strikers` at `speed` [m/s] hit the others, which just touch, on a bed with friction."""
+    lane = collision_scene(strikers, speed, friction, loss, method).lanes[0]
+    run = Run(LaneStart(lane.chain(), lane.velocity, {"method": method}))
+    assert run.opened is not None  # the striker leaves
+    momentum, energy = (find_measure(name).function(run) for name in ("missing_momentum", "missing_energy"))
+    return Deficits(momentum, energy, float(run.opened.time[-1]))  # type: ignore[arg-type]
+
+
+def collision_scene(strikers: int, speed: float, friction: float, loss: float = 0.0, method: str = KEEPING) -> Scene:
+    """Return the scene in which `strikers` at `speed` [m/s] hit the others, which just touch, on a bed with friction."""
     chain = Chain(MASS, draft_gear(STIFFNESS, PRECOMPRESSION, loss), friction=friction)
     velocity = [speed] * strikers + [0.0] * (len(MASS) - strikers)
-    whole = simulate(chain, velocity, method=method, samples=2)
-    end = max(opened for intervals in whole.contact_intervals for _, opened in intervals if np.isfinite(opened))
-    found = simulate(chain, velocity, end, method=method, samples=2)
-    momentum, energy = (values[-1] / values[0] for values in (found.momentum, found.kinetic_energy))
-    return Deficits(1.0 - float(momentum), 1.0 - float(energy), end)
+    return Scene(title="the experiment of the paper", lanes=(Lane.of(chain, velocity),), method=method)
 
 
 def friction_for(momentum: float, strikers: int, speed: float) -> float:
-    """Return the friction coefficient at which the collision loses the share `momentum`, with gears without loss."""
-    from scipy.optimize import brentq  # not needed to list the claims
+    """Return the friction coefficient at which the collision loses the share `momentum`, with gears without loss.
 
-    return float(
-        brentq(lambda friction: deficits(strikers, speed, friction).momentum - momentum, 0.0, LARGEST_FRICTION)
-    )
+    The general tool finds it: `softcradle fit SCENE --goal 'missing momentum = ...' --free lanes.0.friction`.
+    """
+    scene = collision_scene(strikers, speed, FRICTION_GUESS)
+    found = design(scene, f"missing momentum = {momentum!r}", [f"lanes.0.friction=0..{LARGEST_FRICTION}"])
+    return float(found.values[0])
 
 
 def fit_friction(speed: float) -> list[Fit]:

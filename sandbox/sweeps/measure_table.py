@@ -57,9 +57,9 @@ class Run:
 
     @cached_property
     def opened(self) -> Trajectory | None:
-        """Trajectory up to the last opening of any contact; None if no contact opens or if one stays closed."""
-        ends = [span[1] for spans in self.motion.contact_intervals for span in spans]
-        if not ends or not all(map(math.isfinite, ends)):
+        """Trajectory up to the last opening of any contact; None if no contact opens."""
+        ends = [end for spans in self.motion.contact_intervals for _, end in spans if math.isfinite(end)]
+        if not ends:
             return None
         settings = {**self.start.settings, "duration": max(ends)}
         return solve(self.start.chain, self.start.velocity, samples=2, **settings)

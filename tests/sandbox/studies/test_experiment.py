@@ -6,6 +6,7 @@ from itertools import product
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 from softcradle.physics import simulate
 from softcradle.sandbox.studies import experiment
 from softcradle.sandbox.studies.experiment import PISTON, PRECOMPRESSION, STIFFNESS, Apparatus, piston_deficits
@@ -29,6 +30,18 @@ def test_scenes_of_the_experiment_have_the_fitted_values():
         assert (found.velocity[-1] == 0.0).all()
         assert np.ptp(found.position[-1, strikers:]) < 1e-6  # The targets came to rest together.
         assert found.absorbed_by_bed[-1] + found.absorbed_by_contacts[-1] == pytest.approx(found.ledger[0], rel=1e-9)
+
+
+def test_the_fit_of_friction_is_the_root_of_the_deficit(softcradle, tmp_path):
+    """Compare the general tool with a root search, in Python and as a command."""
+    root = brentq(lambda friction: experiment.deficits(1, 0.5, friction).momentum - 0.075, 0.0, 1.0, xtol=1e-13)
+    assert experiment.friction_for(0.075, 1, 0.5) == pytest.approx(root, rel=1e-9)
+    (tmp_path / "one.toml").write_text(experiment.collision_scene(1, 0.5, 0.01).to_toml(), encoding="utf-8")
+    words = ("--goal", "missing momentum = 5..10 %", "--free", "lanes.0.friction=0..1", "--json")
+    found = json.loads(softcradle("fit", str(tmp_path / "one.toml"), *words).out)["values"]["lanes.0.friction"]
+    low, high = (experiment.friction_for(part, 1, 0.5) for part in experiment.MOMENTUM_DEFICIT)
+    assert found["value"] == pytest.approx(root, rel=1e-9)
+    assert found["error"] == pytest.approx(0.5 * (high - low), rel=0.02)
 
 
 @pytest.mark.parametrize("name", ["train-shunting", "train-cut"])
