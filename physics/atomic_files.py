@@ -11,6 +11,8 @@ from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
 
+from softcradle.physics.messages import Message
+
 # Number of letters that a temporary name takes from the final one. With the whole name the path could be too long.
 TOLD = 16
 
@@ -28,7 +30,7 @@ def output_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     """
     target = Path(path)
     if os.path.isdir(target):
-        raise IsADirectoryError(f"cannot write {target}: it is a folder")
+        raise IsADirectoryError(Message("is_folder", "cannot write {path}: it is a folder", path=target))
     if os.path.exists(target) and not os.path.isfile(target):
         yield from _written_through(target)
         return
@@ -45,7 +47,7 @@ def output_file(path: str | os.PathLike[str]) -> Iterator[Path]:
 def _written_through(target: Path) -> Iterator[Path]:
     """Yield a temporary path whose content is copied to a pipe or a device when the block ends without an error."""
     if not os.access(target, os.W_OK):
-        raise PermissionError(f"cannot write {target}: permission denied")
+        raise PermissionError(Message("no_permission", "cannot write {path}: permission denied", path=target))
     with tempfile.TemporaryDirectory() as folder:
         temporary = Path(folder, f"part{target.suffix}")
         temporary.touch()
@@ -66,7 +68,9 @@ def output_folder(path: str | os.PathLike[str], replaces: bool = False) -> Itera
     """
     target = Path(path)
     if os.path.exists(target) and not (target.is_dir() and (replaces or not any(target.iterdir()))):
-        raise FileExistsError(f"cannot write {target}: it exists and is not an empty folder")
+        raise FileExistsError(
+            Message("is_not_empty", "cannot write {path}: it exists and is not an empty folder", path=target)
+        )
     place = followed(target)
     temporary = _made_beside(place, target, Path.mkdir)
     try:
@@ -123,7 +127,12 @@ def _refusal(target: Path, place: Path, error: OSError) -> OSError:
     folder = place.absolute().parent
     # A missing folder has its own message.
     if not folder.is_dir():
-        return FileNotFoundError(f"cannot write {target}: there is no folder {folder}")
+        return FileNotFoundError(
+            Message("no_folder", "cannot write {path}: there is no folder {folder}", path=target, folder=folder)
+        )
     if isinstance(error, FileNotFoundError):  # error of file systems such as /proc
-        return PermissionError(f"cannot write {target}: nothing can be written to {folder}")
-    return type(error)(f"cannot write {target}: {(error.strerror or str(error)).lower()}")
+        return PermissionError(
+            Message("unwritable", "cannot write {path}: nothing can be written to {folder}", path=target, folder=folder)
+        )
+    reason = (error.strerror or str(error)).lower()
+    return type(error)(Message("not_written", "cannot write {path}: {reason}", path=target, reason=reason))

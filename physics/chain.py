@@ -22,6 +22,7 @@ from softcradle.physics.checked_input import (
 )
 from softcradle.physics.contact import Contact, stored_energy
 from softcradle.physics.coupler import Coupler
+from softcradle.physics.messages import N_, InputError, Message
 from softcradle.physics.notebook_views import Shown
 from softcradle.physics.own_law import Law, OwnLaw, is_law
 from softcradle.physics.segments import PiecewiseContact, Segment, require_graph
@@ -37,6 +38,7 @@ Laws = OneLaw | Sequence[OneLaw]  # One contact for all neighbours, or one for e
 
 MOST_SHOWN = 4  # Largest number of different values in the text of a chain.
 MOST_BEADS = 10_000_000  # Largest number of beads of a cluster: a typing error must not exhaust the memory.
+ADJACENT_WALLS = Message("adjacent_walls", "two walls side by side: a contact between them could never be solved")
 GRAVITY = 9.80665  # Standard gravity [m/s²]: bed friction is proportional to it.
 
 
@@ -202,10 +204,17 @@ class Chain(Shown):
         Raises:
             ValueError: a contact is a coupler or has a user-defined law.
         """
-        others = [(i, f"has a law of its own, {law.name!r}") for i, law in self.own_contacts]
-        for i, what in [*others, *((i, f"is a {type(one).__name__}") for i, one in self.piecewise)]:
-            raise ValueError(
-                f"contact {i}-{i + 1} {what}: this takes contacts force = preload + stiffness * overlap**exponent only"
+        others = [
+            (i, Message("has_own_law", "has a law of its own, {law!r}", law=law.name)) for i, law in self.own_contacts
+        ]
+        kinds = [(i, Message("is_kind", "is a {kind}", kind=type(one).__name__)) for i, one in self.piecewise]
+        for i, what in [*others, *kinds]:
+            raise InputError(
+                "power_laws_only",
+                "contact {left}-{right} {what}: this takes contacts force = preload + stiffness * overlap**exponent only",
+                left=i,
+                right=i + 1,
+                what=what,
             )
         return tuple(contact for contact in self.contact if isinstance(contact, Contact))
 
@@ -364,27 +373,35 @@ def _shortened(values: Sequence[object]) -> str:
 def _checked_masses(mass: ArrayLike) -> tuple[float, ...]:
     masses = number_array("mass", mass)
     if masses.ndim != 1 or len(masses) < 2:
-        raise ValueError(f"a chain needs a list of at least 2 masses, not {shown(mass)}")
+        raise InputError("masses", "a chain needs a list of at least 2 masses, not {given}", given=shown(mass))
     found = tuple(masses.tolist())
     for value in found:
         if not (SMALLEST <= value <= LARGEST or value == math.inf):
-            magnitude("every mass (inf is a wall)", value)
+            magnitude(N_("every mass (inf is a wall)"), value)
     if math.inf in found and (math.inf, math.inf) in pairwise(found):
-        raise ValueError("two walls side by side: a contact between them could never be solved")
+        raise InputError(ADJACENT_WALLS)
     return found
 
 
 def _checked_contacts(contact: Laws, n: int) -> tuple[Joint, ...]:
     one = isinstance(contact, Joint) or is_law(contact)
     if not (one or isinstance(contact, Sequence)) or isinstance(contact, str):
-        raise ValueError(
-            f"contact must be a Contact or a list of them, such as power_law(1.0, 0.1); not {shown(contact)}"
+        raise InputError(
+            "contact",
+            "contact must be a Contact or a list of them, such as power_law(1.0, 0.1); not {given}",
+            given=shown(contact),
         )
     contacts = (_contact(contact),) * n if one else tuple(map(_contact, cast("Sequence[object]", contact)))
     for law in {id(law): law for law in contacts if isinstance(law, PiecewiseContact)}.values():
-        require_graph(f"contact {type(law).__name__}", law)
+        require_graph(Message("contact_kind", "contact {kind}", kind=type(law).__name__), law)
     if len(contacts) != n:
-        raise ValueError(f"{n + 1} masses need one contact for all or {n} contacts, not {len(contacts)}")
+        raise InputError(
+            "contact_count",
+            "{masses} masses need one contact for all or {needed} contacts, not {given}",
+            masses=n + 1,
+            needed=n,
+            given=len(contacts),
+        )
     return contacts
 
 
@@ -394,7 +411,7 @@ def _contact(item: object) -> Joint:
         return item
     if is_law(item):
         return OwnLaw(cast("Law", item))
-    require_kind("every contact", item, Contact)
+    require_kind(N_("every contact"), item, Contact)
     return cast("Contact", item)
 
 
@@ -403,9 +420,17 @@ def _checked_gaps(gap: ArrayLike, n: int) -> tuple[float, ...]:
         return (0.0,) * n
     gaps = number_array("gap", gap)
     if gaps.ndim > 1 or (gaps.ndim == 1 and len(gaps) != n):
-        raise ValueError(f"{n + 1} masses need one gap for all or {n} gaps, not shape {gaps.shape}")
+        raise InputError(
+            "gap_count",
+            "{masses} masses need one gap for all or {needed} gaps, not shape {given}",
+            masses=n + 1,
+            needed=n,
+            given=str(gaps.shape),
+        )
     if not (np.abs(gaps) <= LARGEST).all():
-        raise ValueError(f"every gap must be a number up to {LARGEST:g}, not {shown(gap)}")
+        raise InputError(
+            "gap", "every gap must be a number up to {most:g}, not {given}", most=LARGEST, given=shown(gap)
+        )
     return tuple(np.broadcast_to(gaps, (n,)).tolist())
 
 
@@ -413,9 +438,21 @@ def bead_forces(what: str, forces: ArrayLike, beads: int) -> Array:
     """Return `forces` as (beads,) finite numbers [N], or raise ValueError."""
     found = number_array(what, forces)
     if found.shape != (beads,):
-        raise ValueError(f"{beads} masses need {beads} {what} forces, not {shown(forces)}")
+        raise InputError(
+            "force_count",
+            "{beads} masses need {beads} {what} forces, not {given}",
+            what=what,
+            beads=beads,
+            given=shown(forces),
+        )
     if not (np.abs(found) <= LARGEST).all():
-        raise ValueError(f"every {what} force must be a number up to {LARGEST:g}, not {shown(forces)}")
+        raise InputError(
+            "force",
+            "every {what} force must be a number up to {most:g}, not {given}",
+            what=what,
+            most=LARGEST,
+            given=shown(forces),
+        )
     return found
 
 
@@ -426,14 +463,21 @@ def one_on(n: int, contact: Laws, mass: ArrayLike = 1.0) -> Chain:
 
 def cluster_on_cluster(m: int, n: int, contact: Laws, mass: ArrayLike = 1.0) -> Chain:
     """Return `m` >= 1 beads that strike `n` >= 1 beads, all just touching; Appendix A (ii). `mass` [kg]: one for all or m+n."""
-    m, n = whole_number("the number of strikers", m), whole_number("the number of targets", n)
+    m, n = whole_number(N_("the number of strikers"), m), whole_number(N_("the number of targets"), n)
     if m < 1 or n < 1:
-        raise ValueError(f"a cluster needs at least one bead, not {min(m, n)}")
+        raise InputError("cluster", "a cluster needs at least one bead, not {given}", given=min(m, n))
     if m + n > MOST_BEADS:
-        raise ValueError(f"a chain has at most {MOST_BEADS} beads, not {m + n}")
+        raise InputError("beads", "a chain has at most {most} beads, not {given}", most=MOST_BEADS, given=m + n)
     masses = number_array("mass", mass)
     if masses.shape not in ((), (m + n,)):
-        raise ValueError(f"{m} on {n} needs one mass for all or {m + n} masses, not {shown(mass)}")
+        raise InputError(
+            "mass_count",
+            "{strikers} on {targets} needs one mass for all or {needed} masses, not {given}",
+            strikers=m,
+            targets=n,
+            needed=m + n,
+            given=shown(mass),
+        )
     return Chain(masses if masses.ndim else masses.repeat(m + n), contact)
 
 

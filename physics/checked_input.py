@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from softcradle.physics.messages import InputError
 
 # Range of a mass, speed, force etc. Products of numbers beyond it would leave the range of floats.
 SMALLEST, LARGEST = 1e-30, 1e30
@@ -22,7 +23,7 @@ def real_number(what: str, value: object) -> float:
             return float(value)  # type: ignore[arg-type]  # what it cannot take is refused below
         except (TypeError, ValueError, OverflowError):
             pass
-    raise ValueError(f"{what} must be a number, not {shown(value)}")
+    raise InputError("number", "{what} must be a number, not {given}", what=what, given=shown(value))
 
 
 def magnitude(what: str, value: object, zero: bool = False) -> float:
@@ -33,8 +34,21 @@ def magnitude(what: str, value: object, zero: bool = False) -> float:
     if (zero and number == 0.0) or SMALLEST <= number <= LARGEST:
         return number
     if number <= 0.0 or not math.isfinite(number):
-        raise ValueError(f"{what} must be a finite number {'>=' if zero else '>'} 0, not {shown(value)}")
-    raise ValueError(f"{what} must be from {SMALLEST:g} to {LARGEST:g}, not {shown(value)}: choose other units")
+        raise InputError(
+            "sign",
+            "{what} must be a finite number {sign} 0, not {given}",
+            what=what,
+            sign=">=" if zero else ">",
+            given=shown(value),
+        )
+    raise InputError(
+        "range",
+        "{what} must be from {least:g} to {most:g}, not {given}: choose other units",
+        what=what,
+        least=SMALLEST,
+        most=LARGEST,
+        given=shown(value),
+    )
 
 
 def number_array(what: str, value: ArrayLike) -> NDArray[np.float64]:
@@ -45,7 +59,9 @@ def number_array(what: str, value: ArrayLike) -> NDArray[np.float64]:
             return np.asarray(found, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         pass
-    raise ValueError(f"{what} must be a number or a list of numbers, not {shown(value)}")
+    raise InputError(
+        "numbers", "{what} must be a number or a list of numbers, not {given}", what=what, given=shown(value)
+    )
 
 
 def whole_number(what: str, value: object) -> int:
@@ -53,14 +69,17 @@ def whole_number(what: str, value: object) -> int:
     try:
         return operator.index(value)  # type: ignore[arg-type]  # what it cannot take is refused below
     except TypeError:
-        raise ValueError(f"{what} must be a whole number, not {shown(value)}") from None
+        raise InputError(
+            "whole_number", "{what} must be a whole number, not {given}", what=what, given=shown(value)
+        ) from None
 
 
 def require_kind(what: str, value: object, kind: type) -> None:
     """Raise ValueError if `value` is not an instance of `kind`."""
     if not isinstance(value, kind):
-        article = "an" if kind.__name__[0] in "AEIOU" else "a"
-        raise ValueError(f"{what} must be {article} {kind.__name__}, not {shown(value)}")
+        raise InputError(
+            "kind", "{what} must be a {kind}, not {given}", what=what, kind=kind.__name__, given=shown(value)
+        )
 
 
 def finite_or_none(value: Any) -> float | None:
@@ -68,8 +87,10 @@ def finite_or_none(value: Any) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
-def shown(value: Any) -> str:
-    """Return `value` as text for a message: numbers without their NumPy type, long texts shortened."""
+def shown(value: Any) -> str | float:
+    """Return `value` for a message: a number without its NumPy type, anything else as text. Long texts are shortened."""
     plain = value.item() if isinstance(value, np.generic) else value
+    if isinstance(plain, float):
+        return plain
     text = " ".join(repr(plain).split())
     return text if len(text) <= 60 else f"{text[:57]}..."

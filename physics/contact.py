@@ -22,6 +22,7 @@ from typing import Any, ParamSpec, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.checked_input import magnitude, real_number, shown
+from softcradle.physics.messages import N_, InputError, Message
 from softcradle.physics.segments import Segment
 
 Numbers = NDArray[np.float64] | float
@@ -32,6 +33,15 @@ LEAST_EXPONENT = 1e-6
 # Largest exponent. The methods were tested up to here; from 16 on, a slightly pressed contact never opens again in
 # floating-point numbers.
 MOST_EXPONENT = 10.0
+
+NO_FORCE = Message("no_force", "contact preload and stiffness are both 0: the contact would never push")
+# Names of the numbers of a contact in messages.
+NUMBERS = {
+    "preload": N_("contact preload"),
+    "stiffness": N_("contact stiffness"),
+    "exponent": N_("contact exponent"),
+    "loss": N_("contact loss"),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,17 +79,24 @@ class Contact:
     def __post_init__(self) -> None:
         # a frozen dataclass can only be changed in this way
         for name in ("preload", "stiffness"):
-            object.__setattr__(self, name, magnitude(f"contact {name}", getattr(self, name), zero=True))
+            object.__setattr__(self, name, magnitude(NUMBERS[name], getattr(self, name), zero=True))
         for name in ("exponent", "loss"):
-            object.__setattr__(self, name, real_number(f"contact {name}", getattr(self, name)))
+            object.__setattr__(self, name, real_number(NUMBERS[name], getattr(self, name)))
         if not LEAST_EXPONENT <= self.exponent <= MOST_EXPONENT:
-            limits = f"from {LEAST_EXPONENT:g} to {MOST_EXPONENT:g}"
-            raise ValueError(f"contact exponent must be {limits}, not {self.exponent!r}; its limit 0 is step_force(f0)")
+            raise InputError(
+                "exponent",
+                "contact exponent must be from {least:g} to {most:g}, not {given}; its limit 0 is step_force(f0)",
+                least=LEAST_EXPONENT,
+                most=MOST_EXPONENT,
+                given=self.exponent,
+            )
         if self.preload + self.stiffness <= 0.0:
-            raise ValueError("contact preload and stiffness are both 0: the contact would never push")
+            raise InputError(NO_FORCE)
         if not 0.0 <= self.loss < 1.0:
-            raise ValueError(
-                f"contact loss must be >= 0 and below 1, not {self.loss!r}: at 1 the contact would never open again"
+            raise InputError(
+                "loss",
+                "contact loss must be >= 0 and below 1, not {given}: at 1 the contact would never open again",
+                given=self.loss,
             )
 
     @classmethod
@@ -168,12 +185,12 @@ class Contact:
         yielding = 0.0
         for modulus, ratio in zip(moduli, ratios, strict=True):
             if not -1.0 <= ratio <= 0.5:
-                raise ValueError(f"poisson must be from -1 to 0.5, not {ratio!r}")
+                raise InputError("poisson", "poisson must be from -1 to 0.5, not {given}", given=ratio)
             yielding += (1.0 - ratio**2) / magnitude("young", modulus)
         # 1/R of both bodies; a flat wall has curvature 0
         curvature = sum(0.0 if size == math.inf else 1.0 / magnitude("radius", size) for size in radii)
         if not curvature or not yielding:
-            raise ValueError("two flat walls, or two bodies with a poisson of -1, have no Hertz contact")
+            raise InputError("no_hertz", "two flat walls, or two bodies with a poisson of -1, have no Hertz contact")
         return cls(0.0, 4.0 / 3.0 / yielding / math.sqrt(curvature), 1.5, loss)
 
     @property
@@ -249,7 +266,7 @@ def _pair(name: str, value: object) -> tuple[float, float]:
     """Return one number for both spheres, or the pair of numbers, as two floats."""
     found = value if isinstance(value, Sequence) and not isinstance(value, str) else (value, value)
     if len(found) != 2:
-        raise ValueError(f"{name} must be one number or a pair, not {shown(value)}")
+        raise InputError("pair", "{what} must be one number or a pair, not {given}", what=name, given=shown(value))
     return real_number(name, found[0]), real_number(name, found[1])
 
 
@@ -289,8 +306,8 @@ def draft_gear(stiffness: float, precompression: float, loss: float = 0.0) -> Co
 
     The arguments are `stiffness` k > 0 [N/m] and `precompression` Delta_0 >= 0 [m].
     """
-    spring = magnitude("draft gear stiffness", stiffness)
-    return Contact(spring * magnitude("draft gear precompression", precompression, zero=True), spring, 1.0, loss)
+    spring = magnitude(N_("draft gear stiffness"), stiffness)
+    return Contact(spring * magnitude(N_("draft gear precompression"), precompression, zero=True), spring, 1.0, loss)
 
 
 @explained

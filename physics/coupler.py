@@ -14,8 +14,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from softcradle.physics.checked_input import magnitude, require_kind
+from softcradle.physics.checked_input import magnitude, require_kind, shown
 from softcradle.physics.contact import Contact
+from softcradle.physics.messages import N_, InputError
 from softcradle.physics.segments import PiecewiseContact, Segment
 
 
@@ -66,23 +67,34 @@ class Coupler(PiecewiseContact):
     coupled: bool | None = None
 
     def __post_init__(self) -> None:
-        require_kind("coupler push", self.push, Contact)
+        require_kind(N_("coupler push"), self.push, Contact)
         if self.pull is not None:
-            require_kind("coupler pull", self.pull, Contact)
-        for name in ("slack", "stop"):
-            object.__setattr__(self, name, magnitude(f"coupler {name}", getattr(self, name), zero=True))
+            require_kind(N_("coupler pull"), self.pull, Contact)
+        for name, what in (("slack", N_("coupler slack")), ("stop", N_("coupler stop"))):
+            object.__setattr__(self, name, magnitude(what, getattr(self, name), zero=True))
         if self.travel != math.inf:
-            object.__setattr__(self, "travel", magnitude("coupler travel", self.travel))
+            object.__setattr__(self, "travel", magnitude(N_("coupler travel"), self.travel))
         # options that need each other
         if self.coupled not in (None, True, False):
-            raise ValueError(f"coupler coupled must be True, False or None, not {self.coupled!r}")
+            raise InputError(
+                "coupled", "coupler coupled must be True, False or None, not {given}", given=shown(self.coupled)
+            )
         if self.coupled is not None and self.pull is None:
-            raise ValueError("a coupler with the option coupled needs a pull: without one it only pushes")
+            raise InputError(
+                "coupled_pull", "a coupler with the option coupled needs a pull: without one it only pushes"
+            )
         if self.slack and self.pull is None:
-            raise ValueError(f"a coupler with slack {self.slack:g} m needs a pull beyond it; a gap is one of the chain")
+            raise InputError(
+                "slack_pull",
+                "a coupler with slack {slack:g} m needs a pull beyond it; a gap is one of the chain",
+                slack=self.slack,
+            )
         if (self.travel == math.inf) != (self.stop == 0.0):
-            raise ValueError(
-                f"a coupler needs both travel and stop, or neither, not travel {self.travel:g} m and stop {self.stop:g} N/m"
+            raise InputError(
+                "travel_stop",
+                "a coupler needs both travel and stop, or neither, not travel {travel:g} m and stop {stop:g} N/m",
+                travel=self.travel,
+                stop=self.stop,
             )
 
     @property

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import GRAVITY, Chain, per_chain
+from softcradle.physics.messages import InputError
 from softcradle.physics.numerics.records import (
     COUNTERS,
     NO_DISSIPATION,
@@ -150,10 +151,13 @@ def chain_and_regime(chain: Chain, state: State) -> tuple[tuple[Any, ...], tuple
 def require_finite_motion(chain: Chain, state: State) -> None:
     """Raise ValueError if a contact has been pressed to an overlap at which its user-defined law is not finite."""
     if chain.own_laws and not (np.isfinite(state.overlap).all() and np.isfinite(state.rate).all()):
-        names = " or ".join(repr(law.name) for law in chain.own_laws)
-        raise ValueError(
-            f"contact law {names} gave no number in the course of the motion, which ended at t = {state.time:.6g} s: "
-            "its force and energy must be finite as far as the contact is pressed"
+        names = ", ".join(repr(law.name) for law in chain.own_laws)
+        raise InputError(
+            "own_law_failed",
+            "contact law {names} gave no number in the course of the motion, which ended at t = {time:.6g} s: "
+            "its force and energy must be finite as far as the contact is pressed",
+            names=names,
+            time=state.time,
         )
 
 

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING
 
+from softcradle.physics.messages import InputError, Message
+
 if TYPE_CHECKING:
     from softcradle.physics.chain import Chain
 
@@ -136,21 +138,28 @@ def refusal_of(method: str, chain: Chain) -> str:
     """
     found = None if method == AUTO else find_method(method)
     if found and chain.piecewise and not found.couplers:
-        return (
-            f"method {method!r} takes contacts that only push, with one law from overlap 0 on, not couplers: "
-            "take 'accurate', 'conserving' or 'scipy'"
+        return Message(
+            "method_couplers",
+            "method {method!r} takes contacts that only push, with one law from overlap 0 on, not couplers: "
+            "take 'accurate', 'conserving' or 'scipy'",
+            method=method,
         )
     # Adaptive methods continue a segment smoothly beyond its ends, which needs an exponent of 1 or more.
     events = found is None or found.family is Family.ADAPTIVE
     if events and not all(coupler.smooth for _, coupler in chain.piecewise):
-        return (
-            f"method {method!r} takes couplers whose gears that pull or go solid have exponents of 1 or more: "
-            "take 'conserving' or 'scipy'"
+        return Message(
+            "method_gears",
+            "method {method!r} takes couplers whose gears that pull or go solid have exponents of 1 or more: "
+            "take 'conserving' or 'scipy'",
+            method=method,
         )
     if found and chain.dissipative and not found.dissipative:
-        return (
-            f"method {method!r} steps back in time, in which friction would feed the motion, and carries neither bed friction "
-            f"nor contacts with loss: take 'conserving' or {'scipy' if chain.piecewise else 'accurate'!r}"
+        return Message(
+            "method_losses",
+            "method {method!r} steps back in time, in which friction would feed the motion, and carries neither bed friction "
+            "nor contacts with loss: take 'conserving' or {other!r}",
+            method=method,
+            other="scipy" if chain.piecewise else "accurate",
         )
     return ""
 
@@ -163,9 +172,13 @@ def refusal_of_fineness(method: str, step: object, tolerance: object) -> str:
     """
     fixed = any(one.name == method and not one.adaptive for one in METHODS)
     if fixed and tolerance is not None:
-        return f"method {method!r} takes a step, not a tolerance"
+        return Message("step_only", "method {method!r} takes a step, not a tolerance", method=method)
     if not fixed and step is not None:
-        return f"method {method!r} chooses its own steps: give a tolerance, the wanted error, instead of a step"
+        return Message(
+            "tolerance_only",
+            "method {method!r} chooses its own steps: give a tolerance, the wanted error, instead of a step",
+            method=method,
+        )
     return ""
 
 
@@ -175,12 +188,21 @@ def find_method(name: str, others: Sequence[str] = (AUTO,)) -> Method:
     Raise ValueError for unknown names, with the nearest name and all names, including `others` that the caller accepts.
     """
     if not isinstance(name, str):
-        raise ValueError(f"method must be a name such as 'accurate', not a {type(name).__name__}")
+        raise InputError(
+            "method_name", "method must be a name such as 'accurate', not a {kind}", kind=type(name).__name__
+        )
     for method in METHODS:
         if method.name == name:
             return method
     known = [*others, *(method.name for method in METHODS)]
     # Suggest the most similar name.
     near = difflib.get_close_matches(name, known, n=1)
-    hint = f"did you mean {near[0]!r}? " if near else ""
-    raise ValueError(f"unknown method {name!r}; {hint}there are {', '.join(known)}")
+    if near:
+        raise InputError(
+            "near_method",
+            "unknown method {given!r}; did you mean {near!r}? there are {known}",
+            given=name,
+            near=near[0],
+            known=", ".join(known),
+        )
+    raise InputError("method", "unknown method {given!r}; there are {known}", given=name, known=", ".join(known))

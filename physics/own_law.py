@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.checked_input import shown
 from softcradle.physics.contact import Contact, Numbers
 from softcradle.physics.law_table import LawTable, law_table
+from softcradle.physics.messages import N_, InputError
 from softcradle.physics.segments import PiecewiseContact, Segment
 
 Array = NDArray[np.float64]
@@ -101,16 +102,26 @@ class OwnLaw:
         self, law: Law | Callable[[float], SupportsFloat], energy: Callable[[float], SupportsFloat] | None = None
     ) -> None:
         if isinstance(law, (Contact, PiecewiseContact)):
-            raise ValueError(f"a chain takes {shown(law)} as it is: a law of your own is something else")
+            raise InputError(
+                "own_law", "a chain takes {given} as it is: a law of your own is something else", given=shown(law)
+            )
         if not is_law(law) or isinstance(law, OwnLaw):
-            raise ValueError(f"a law of your own must be a function or have a method force(overlap), not {shown(law)}")
+            raise InputError(
+                "own_law_force",
+                "a law of your own must be a function or have a method force(overlap), not {given}",
+                given=shown(law),
+            )
         # the energy is optional; both functions must take exactly one argument
         found = getattr(law, "energy", None) if energy is None else energy
         if found is not None and not callable(found):
-            raise ValueError(f"the energy of a law must be a function of the overlap, not {shown(found)}")
-        _require_one_argument("force", law.force if isinstance(law, Law) else law)
+            raise InputError(
+                "own_law_energy",
+                "the energy of a law must be a function of the overlap, not {given}",
+                given=shown(found),
+            )
+        _require_one_argument(N_("force"), law.force if isinstance(law, Law) else law)
         if found is not None:
-            _require_one_argument("energy", found)
+            _require_one_argument(N_("energy"), found)
         object.__setattr__(self, "law", law)
         object.__setattr__(self, "energy_of", found)
 
@@ -255,23 +266,29 @@ class OwnLaw:
 
     def _force(self, overlaps: Array) -> Array:
         """Return the forces (k,) at overlaps (k,) > 0, or raise a ValueError."""
-        return self._checked("force", self.tried(overlaps), overlaps, "N")
+        return self._checked(N_("force"), self.tried(overlaps), overlaps, "N")
 
     def _energy(self, overlaps: Array) -> Array:
         if self.energy_of is None:
-            return self._checked("energy", self.table.values(self.table.energy, overlaps), overlaps, "J")
+            return self._checked(N_("energy"), self.table.values(self.table.energy, overlaps), overlaps, "J")
         found = self._values(self.energy_of, overlaps, self._energy_takes_arrays)
         # an energy computed as a difference may be rounded to below 0
         found = np.where(np.isfinite(found), np.maximum(found, 0.0), found)
-        return self._checked("energy", found, overlaps, "J")
+        return self._checked(N_("energy"), found, overlaps, "J")
 
     def _checked(self, what: str, values: Array, overlaps: Array, unit: str) -> Array:
         wrong = ~(np.isfinite(values) & (values >= 0.0))
         if wrong.any():
             k = int(np.argmax(wrong))
-            raise ValueError(
-                f"contact law {self.name!r} gives the {what} {values[k]:g} {unit} at an overlap of {overlaps[k]:.6g} m: "
-                "a contact only pushes, with a finite number >= 0"
+            raise InputError(
+                "own_law_value",
+                "contact law {law!r} gives the {what} {value:g} {unit} at an overlap of {overlap:.6g} m: "
+                "a contact only pushes, with a finite number >= 0",
+                law=self.name,
+                what=what,
+                value=values[k],
+                unit=unit,
+                overlap=overlaps[k],
             )
         return values
 
@@ -313,9 +330,15 @@ class OwnLaw:
         k = int(np.argmax(apart))
         if apart[k] > TRUE_ENERGY * energies[-1] or energies[0] > 2.0 * least + TRUE_ENERGY * energies[-1]:
             rise = energies[k + 1] - energies[k]
-            raise ValueError(
-                f"contact law {self.name!r}: its energy is not the integral of its force from overlap 0 on; from "
-                f"{low[k]:.3g} to {high[k]:.3g} m it rises by {rise:.3g} J, the force gives {work[k]:.3g} J"
+            raise InputError(
+                "own_law_integral",
+                "contact law {law!r}: its energy is not the integral of its force from overlap 0 on; from "
+                "{low:.3g} to {high:.3g} m it rises by {rise:.3g} J, the force gives {work:.3g} J",
+                law=self.name,
+                low=low[k],
+                high=high[k],
+                rise=rise,
+                work=work[k],
             )
 
     def falls(self, depth: float) -> float:
@@ -358,9 +381,12 @@ def _require_one_argument(what: str, function: Callable[[float], SupportsFloat])
     try:
         taken.bind(0.0)
     except TypeError:
-        raise ValueError(
-            f"the {what} of a contact law must be a function of one number, the overlap; "
-            f"{getattr(function, '__name__', 'it')} takes {taken}"
+        raise InputError(
+            "own_law_argument",
+            "the {what} of a contact law must be a function of one number, the overlap; {function} takes {taken}",
+            what=what,
+            function=getattr(function, "__name__", "?"),
+            taken=str(taken),
         ) from None
 
 

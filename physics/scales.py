@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.chain import Chain, per_chain
 from softcradle.physics.checked_input import SMALLEST
 from softcradle.physics.contact import Contact
+from softcradle.physics.messages import InputError
 from softcradle.physics.numerics.plain_kernels import powers
 from softcradle.physics.state import State, start_of
 
@@ -367,16 +368,35 @@ def require_computable(chain: Chain, velocity: ArrayLike, duration: float | None
     if least < speed < most:
         return
     if not speed >= SMALLEST:
-        raise ValueError(f"the closing speed must be 0 or at least {SMALLEST:g} m/s, not {speed:g}: choose other units")
+        raise InputError(
+            "slow",
+            "the closing speed must be 0 or at least {least:g} m/s, not {given:g}: choose other units",
+            least=SMALLEST,
+            given=speed,
+        )
     # The quick range excludes the motion: check each contact.
     with np.errstate(over="ignore", under="ignore"):
         depth = scales_at(chain, speed)[0]
     for i, law in chain.own_contacts:
         if math.isinf(depth[i]):
-            raise ValueError(f"contact {i}-{i + 1}: the law {law.name!r} never stores the energy of this motion")
+            raise InputError(
+                "weak_law",
+                "contact {left}-{right}: the law {law!r} never stores the energy of this motion",
+                left=i,
+                right=i + 1,
+                law=law.name,
+            )
     for i in np.flatnonzero(~((depth >= LEAST_DEPTH) & (depth <= MOST_DEPTH)))[:1].tolist():
-        range_ = f"from {LEAST_DEPTH:g} to {MOST_DEPTH:g} m can be computed: choose other units"
-        raise ValueError(f"contact {i}-{i + 1} would be pressed by about {depth[i]:.2g} m; depths {range_}")
+        raise InputError(
+            "depth",
+            "contact {left}-{right} would be pressed by about {depth:.2g} m; depths from {least:g} to {most:g} m can be "
+            "computed: choose other units",
+            left=i,
+            right=i + 1,
+            depth=depth[i],
+            least=LEAST_DEPTH,
+            most=MOST_DEPTH,
+        )
     for law in chain.own_laws:
         deepest = max(float(depth[i]) for i, own in chain.own_contacts if own == law)
         law.require_usable(deepest)

@@ -23,6 +23,7 @@ from typing import Any, NamedTuple, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.law_table import LawTable
+from softcradle.physics.messages import InputError
 
 Array = NDArray[np.float64]
 
@@ -208,27 +209,52 @@ def require_graph(what: str, contact: PiecewiseContact) -> None:
     """Raise ValueError if the segments of `contact` do not form one monotone graph; `what` names the contact in the message."""
     # order of the segments
     if not contact.pushing or contact.pushing[0].origin != 0.0:
-        raise ValueError(f"{what} must have a segment that pushes from overlap 0 on")
+        raise InputError("no_push", "{what} must have a segment that pushes from overlap 0 on", what=what)
     if list(contact.segments) != [*contact.pulling[::-1], *contact.pushing]:
-        raise ValueError(f"{what} must have its segments from left to right, those that pull first")
+        raise InputError(
+            "segment_order", "{what} must have its segments from left to right, those that pull first", what=what
+        )
     # each side must be continuous, its force must not decrease, and it must extend to infinity
     for side in (contact.pushing, contact.pulling):
         for inner, outer in pairwise(side):
             if not math.isclose(inner.end, outer.origin, rel_tol=CONTINUOUS):
-                raise ValueError(
-                    f"{what}: a segment ends at {inner.end:g} m, and the next begins at {outer.origin:g} m"
+                raise InputError(
+                    "segment_gap",
+                    "{what}: a segment ends at {end:g} m, and the next begins at {begin:g} m",
+                    what=what,
+                    end=inner.end,
+                    begin=outer.origin,
                 )
             before, after = float(inner.force_at(inner.length)), float(outer.force_at(0.0))
             if after < before * (1.0 - CONTINUOUS):
-                raise ValueError(f"{what}: the force falls from {before:g} to {after:g} N at {outer.origin:g} m")
+                raise InputError(
+                    "falling_force",
+                    "{what}: the force falls from {before:g} to {after:g} N at {place:g} m",
+                    what=what,
+                    before=before,
+                    after=after,
+                    place=outer.origin,
+                )
         if side and side[-1].length != math.inf:
-            raise ValueError(f"{what}: the last segment must have the length inf, not {side[-1].length:g} m")
+            raise InputError(
+                "last_segment",
+                "{what}: the last segment must have the length inf, not {given:g} m",
+                what=what,
+                given=side[-1].length,
+            )
     # restrictions of single segments
     for segment in contact.segments:
         if segment.table is not None and not (segment.is_whole_law and len(contact.segments) == 1 and not segment.loss):
-            raise ValueError(f"{what}: a segment with a table must be the only one, and without loss")
+            raise InputError(
+                "table_segment", "{what}: a segment with a table must be the only one, and without loss", what=what
+            )
         if segment.stop < 0.0 and _stiffness_at_origin(segment) < 0.0:
-            raise ValueError(f"{what}: the force falls on the segment from {segment.origin:g} m on")
+            raise InputError(
+                "falling_segment",
+                "{what}: the force falls on the segment from {place:g} m on",
+                what=what,
+                place=segment.origin,
+            )
 
 
 def _stiffness_at_origin(segment: Segment) -> float:

@@ -15,6 +15,7 @@ from softcradle.physics.advice.stability_limits import coarse_warnings, explicit
 from softcradle.physics.advice.unusual_numbers import unusual_warnings
 from softcradle.physics.chain import Chain, bead_forces
 from softcradle.physics.checked_input import magnitude, number_array, require_kind, shown, whole_number
+from softcradle.physics.messages import N_, InputError, Message
 from softcradle.physics.methods import AUTO, Family, Method, find_method, refusal_of, refusal_of_fineness
 from softcradle.physics.problem import MOST_STEPS, Problem, Record, Runner
 from softcradle.physics.scales import default_step, require_computable
@@ -24,10 +25,13 @@ from softcradle.physics.trajectory import Interval, Trajectory
 
 Array = NDArray[np.float64]
 
-TWO_WALLS = "a chain with two walls may never come apart: give a duration"
-PUSHED_ON_A_BED = "beads on a bed may never come apart from a wall that moves: give a duration"
-DRIVEN = "a driven chain may never come apart: give a duration"
-PULLED = "a chain whose couplers pull never comes apart: give a duration"
+TWO_WALLS = Message("two_walls", "a chain with two walls may never come apart: give a duration")
+PUSHED_ON_A_BED = Message(
+    "pushed_on_bed", "beads on a bed may never come apart from a wall that moves: give a duration"
+)
+DRIVEN = Message("driven", "a driven chain may never come apart: give a duration")
+PULLED = Message("pulled", "a chain whose couplers pull never comes apart: give a duration")
+NO_AUTO = Message("no_auto", "advance takes the name of a method; 'auto' is for simulate, which knows the whole motion")
 LEAST_TOLERANCE = 1e-16  # Smallest tolerance. A smaller error is not distinguishable from round-off.
 # Smallest sample time other than 0 [s]. Overlaps at earlier times underflow, because they are products of such times.
 LEAST_TIME = 1e-100
@@ -165,16 +169,21 @@ def move(
     """Move `state` as :func:`advance` does, with warnings in ``state.warnings`` only."""
     require_kind("chain", chain, Chain)
     require_kind("state", state, State)
-    _require(
-        len(state.overlap) == chain.contacts, f"the state has {len(state.overlap)} contacts, the chain {chain.contacts}"
-    )
-    _require(method != AUTO, "advance takes the name of a method; 'auto' is for simulate, which knows the whole motion")
+    if len(state.overlap) != chain.contacts:
+        raise InputError(
+            "state_contacts",
+            "the state has {given} contacts, the chain {needed}",
+            given=len(state.overlap),
+            needed=chain.contacts,
+        )
+    _require(method != AUTO, NO_AUTO)
     chosen = find_method(method)
     _refuse(refusal_of(method, chain))
     if state.push is not None:
         state.push = bead_forces("push", state.push, chain.contacts + 1)
     duration = magnitude("duration", duration, zero=True)
-    _require(whole_number("most_steps", most_steps) > 0, f"most_steps must be at least 1, not {shown(most_steps)}")
+    if whole_number("most_steps", most_steps) < 1:
+        raise InputError("most_steps", "most_steps must be at least 1, not {given}", given=shown(most_steps))
     length = _step(chain, state, chosen, step)
     fineness = checked_tolerance(tolerance) if chosen.adaptive else 0.0
     problem = Problem(chain, state, method, duration, length, fineness, most_steps=most_steps)
@@ -231,21 +240,23 @@ def _gave_up(method: str, time: float, most_steps: int) -> CodedWarning:
     return CodedWarning(WarningCode.GAVE_UP, sentence, {"time": time, "steps": most_steps})
 
 
-def _require(condition: bool | np.bool_, sentence: str) -> None:
+def _require(condition: bool | np.bool_, message: str) -> None:
     if not condition:
-        raise ValueError(sentence)
+        raise InputError(message)
 
 
 def _refuse(reason: str) -> None:
     if reason:
-        raise ValueError(reason)
+        raise InputError(reason)
 
 
 def checked_tolerance(tolerance: float) -> float:
     """Return the tolerance as a float. Raise ValueError if a method cannot hold it."""
     found = magnitude("tolerance", tolerance)
     if found < LEAST_TOLERANCE:
-        raise ValueError(f"tolerance must be at least {LEAST_TOLERANCE:g}, not {found:g}")
+        raise InputError(
+            "tolerance", "tolerance must be at least {least:g}, not {given:g}", least=LEAST_TOLERANCE, given=found
+        )
     return found
 
 
@@ -316,21 +327,32 @@ def _samples(samples: int | ArrayLike, duration: float | None, chain: Chain, gra
     if isinstance(samples, int) or np.ndim(samples) == 0:
         count = whole_number("samples", samples)
         if not 2 <= count <= most:
-            raise ValueError(f"samples must be from 2 (start and end) to {most} of these beads, not {shown(samples)}")
+            raise InputError(
+                "samples",
+                "samples must be from 2 (start and end) to {most} of these beads, not {given}",
+                most=most,
+                given=shown(samples),
+            )
         return count
     # A list of sample times.
     times = number_array("samples", samples).copy()
-    _require(times.ndim == 1 and 0 < times.size <= most, f"sample times must be a list of 1 to {most} times")
-    _require((np.diff(times) >= 0.0).all() and times[0] >= 0.0, "sample times must be >= 0 and ascending")
+    listed = Message("sample_times", "sample times must be a list of 1 to {most} times", most=most)
+    _require(times.ndim == 1 and 0 < times.size <= most, listed)
+    ascending = Message("sample_order", "sample times must be >= 0 and ascending")
+    _require((np.diff(times) >= 0.0).all() and times[0] >= 0.0, ascending)
     # Raise ValueError for times beyond the range of floats that can be computed with.
-    magnitude("sample times", max(times[-1], 1.0))
+    magnitude(N_("sample times"), max(times[-1], 1.0))
     # adaptive steps resolve an onset down to the first sample
     least = float(times[times > 0.0].min(initial=np.inf))
-    _require(
-        not graded or least >= LEAST_TIME,
-        f"sample times must be 0 or at least {LEAST_TIME:g} s, not {least:g}: overlaps before underflow",
+    underflow = Message(
+        "early_sample",
+        "sample times must be 0 or at least {least:g} s, not {given:g}: overlaps before underflow",
+        least=LEAST_TIME,
+        given=least,
     )
-    _require(duration is None or times[-1] <= duration, f"sample times must lie within the duration {duration}")
+    _require(not graded or least >= LEAST_TIME, underflow)
+    if duration is not None and times[-1] > duration:
+        raise InputError("late_sample", "sample times must lie within the duration {duration}", duration=duration)
     return times
 
 

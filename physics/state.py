@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.chain import Chain, per_chain
 from softcradle.physics.checked_input import LARGEST, number_array, require_kind, shown
 from softcradle.physics.contact import is_closed
+from softcradle.physics.messages import InputError
 from softcradle.physics.status import Status, Warnings
 
 Array = NDArray[np.float64]
@@ -231,11 +232,21 @@ def checked_velocity(chain: Chain, velocity: ArrayLike) -> Array:
     """Return `velocity` as (n+1,) finite floats. Raise ValueError if it has another shape or other values."""
     speeds = number_array("velocity", velocity)
     if speeds.shape != (chain.contacts + 1,):
-        raise ValueError(f"{chain.contacts + 1} beads need {chain.contacts + 1} velocities, not {shown(velocity)}")
+        raise InputError(
+            "velocity_count",
+            "{beads} beads need {beads} velocities, not {given}",
+            beads=chain.contacts + 1,
+            given=shown(velocity),
+        )
     values = speeds.tolist()
     fastest = max(map(abs, values))
     if not all(map(math.isfinite, values)):
-        raise ValueError("every velocity must be finite")
+        raise InputError("velocity", "every velocity must be finite")
     if fastest > LARGEST:
-        raise ValueError(f"every velocity must be at most {LARGEST:g} m/s, not {fastest:g}: choose other units")
+        raise InputError(
+            "fast",
+            "every velocity must be at most {most:g} m/s, not {given:g}: choose other units",
+            most=LARGEST,
+            given=fastest,
+        )
     return speeds

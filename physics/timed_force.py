@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.checked_input import LARGEST, number_array, require_kind, shown, whole_number
+from softcradle.physics.messages import N_, InputError, Message
 
 Array = NDArray[np.float64]
 
@@ -50,14 +51,29 @@ class TimedForce:
         object.__setattr__(self, "beads", _checked_beads(beads))
         times, forces = np.atleast_1d(number_array("time", time)), number_array("force", force)
         if times.ndim != 1 or not times.size or not (times >= 0.0).all() or not (times <= LARGEST).all():
-            raise ValueError(f"times of a force must be a list of numbers from 0 to {LARGEST:g}, not {shown(time)}")
+            raise InputError(
+                "force_times",
+                "times of a force must be a list of numbers from 0 to {most:g}, not {given}",
+                most=LARGEST,
+                given=shown(time),
+            )
         if (np.diff(times) < 0.0).any():
-            raise ValueError(f"times of a force must ascend, not {shown(time)}")
+            raise InputError("ascending_times", "times of a force must ascend, not {given}", given=shown(time))
         # one force for all times, or one for each
         if forces.shape not in ((), times.shape):
-            raise ValueError(f"{times.size} times of a force need {times.size} forces, not {shown(force)}")
+            raise InputError(
+                "timed_force_count",
+                "{count} times of a force need {count} forces, not {given}",
+                count=times.size,
+                given=shown(force),
+            )
         if not (np.abs(forces) <= LARGEST).all():
-            raise ValueError(f"every force over time must be a number up to {LARGEST:g}, not {shown(force)}")
+            raise InputError(
+                "timed_force",
+                "every force over time must be a number up to {most:g}, not {given}",
+                most=LARGEST,
+                given=shown(force),
+            )
         object.__setattr__(self, "time", tuple(times.tolist()))
         object.__setattr__(self, "force", tuple(np.broadcast_to(forces, times.shape).tolist()))
 
@@ -92,9 +108,13 @@ class TimedForce:
 
 def _checked_beads(beads: int | Sequence[int]) -> tuple[int, ...]:
     given = [beads] if np.ndim(beads) == 0 else list(beads)  # type: ignore[arg-type]  # a sequence by its dimension
-    indices = tuple(whole_number("every bead of a force", bead) for bead in given)
+    indices = tuple(whole_number(N_("every bead of a force"), bead) for bead in given)
     if not indices or min(indices) < 0 or len(set(indices)) < len(indices):
-        raise ValueError(f"beads of a force must be one or more indices from 0 on, each once, not {shown(beads)}")
+        raise InputError(
+            "force_beads",
+            "beads of a force must be one or more indices from 0 on, each once, not {given}",
+            given=shown(beads),
+        )
     return indices
 
 
@@ -106,18 +126,33 @@ def checked_forces(what: str, forces: object, mass: Sequence[float], brakes: boo
     beads = len(mass)
     given = (forces,) if isinstance(forces, TimedForce) else forces
     if isinstance(given, str) or not isinstance(given, Sequence):
-        raise ValueError(f"{what} must be a TimedForce or a list of them, not {shown(forces)}")
+        raise InputError(
+            "timed_forces", "{what} must be a TimedForce or a list of them, not {given}", what=what, given=shown(forces)
+        )
     for item in given:
-        require_kind(f"every entry of {what}", item, TimedForce)
+        require_kind(Message("entry", "every entry of {key}", key=what), item, TimedForce)
         if max(item.beads) >= beads:
-            raise ValueError(f"{what} act on bead {max(item.beads)}, but there are only beads 0 to {beads - 1}")
+            raise InputError(
+                "force_on_no_bead",
+                "{what} act on bead {bead}, but there are only beads 0 to {last}",
+                what=what,
+                bead=max(item.beads),
+                last=beads - 1,
+            )
         # no force can move a wall, and a brake never pushes
         walls = [bead for bead in item.beads if mass[bead] == math.inf]
         if walls:
-            raise ValueError(f"{what} act on bead {walls[0]}, but it is a wall (infinite mass), which no force moves")
+            raise InputError(
+                "force_on_wall",
+                "{what} act on bead {bead}, but it is a wall (infinite mass), which no force moves",
+                what=what,
+                bead=walls[0],
+            )
         if brakes and min(item.force) < 0.0:
-            raise ValueError(
-                f"every brake must be >= 0 at all times, not {min(item.force):g}: it acts against the motion"
+            raise InputError(
+                "brake",
+                "every brake must be >= 0 at all times, not {given:g}: it acts against the motion",
+                given=min(item.force),
             )
     return tuple(given)
 

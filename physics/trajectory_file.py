@@ -24,6 +24,7 @@ from softcradle.physics.contact import Contact, hooke
 from softcradle.physics.coupler import Coupler
 from softcradle.physics.extras import needed_for
 from softcradle.physics.law_table import table_of
+from softcradle.physics.messages import InputError
 from softcradle.physics.own_law import OwnLaw, TabledLaw
 from softcradle.physics.segments import PiecewiseContact, Segment, SegmentTable
 from softcradle.physics.status import CodedWarning, Status, WarningCode, Warnings
@@ -103,8 +104,14 @@ def load_motion(path: Path, make: Callable[..., T]) -> T:
         raise
     except Exception:
         # A damaged file can fail in any reader: zip, decompression, arrays, JSON, or `make`.
-        raise ValueError(f"{path}: not a trajectory that softcradle saved") from None
-    raise ValueError(f"{path}: saved in format {found}, this softcradle reads formats up to {FORMAT}")
+        raise InputError("no_trajectory", "{path}: not a trajectory that softcradle saved", path=path) from None
+    raise InputError(
+        "trajectory_format",
+        "{path}: saved in format {found}, this softcradle reads formats up to {most}",
+        path=path,
+        found=found,
+        most=FORMAT,
+    )
 
 
 def _fields(arrays: dict[str, Array], plain: dict[str, Any]) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
 
 from softcradle.physics import atomic_files
+from softcradle.sandbox.languages import _
 from softcradle.sandbox.user_error import UserError, reason
 
 Name = str | os.PathLike[str]
@@ -31,7 +32,9 @@ def _user_errors(opened: AbstractContextManager[Path], path: Name) -> Iterator[P
         with opened as temporary:
             yield temporary
     except OSError as error:  # raised when the file is opened, or when the disk fills up during writing
-        raise UserError(str(error) if error.errno is None else f"cannot write {path}: {reason(error)}") from error
+        if error.errno is None:
+            raise UserError(str(error)) from error
+        raise UserError(_("cannot write {path}: {reason}", path=path, reason=reason(error))) from error
 
 
 @contextmanager
@@ -45,8 +48,9 @@ def filled_folder(path: Name) -> Iterator[Path]:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        told = "nothing can be written there" if isinstance(error, FileNotFoundError) else reason(error)
-        raise UserError(f"cannot write to {path}: {told}") from None
+        missing = isinstance(error, FileNotFoundError)
+        why = _("nothing can be written there") if missing else reason(error)
+        raise UserError(_("cannot write to {path}: {reason}", path=path, reason=why)) from None
     try:
         yield folder
     finally:

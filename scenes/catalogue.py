@@ -6,7 +6,8 @@ import os
 from pathlib import Path
 
 from pydantic import ValidationError
-from softcradle.scenes.scene_errors import SceneError, scene_error
+from softcradle.physics.messages import Message
+from softcradle.scenes.scene_errors import SceneError, at, scene_error
 from softcradle.scenes.scene_schema import Scene
 from softcradle.scenes.toml_mistakes import MOST_SHOWN, read_toml
 
@@ -41,7 +42,7 @@ def parse(text: str, file: str = "scene") -> Scene:
     `file`.
     """
     table, mistakes = read_toml(text)
-    problems = [f"{file}: {mistake}" for mistake in mistakes]
+    problems: list[str] = [at(file, mistake) for mistake in mistakes]
     scene = None
     if table is not None:
         try:
@@ -63,13 +64,14 @@ def _read(wanted: str) -> tuple[str, str]:
     try:
         return text_in(wanted), wanted
     except FileNotFoundError:
-        raise SceneError([f"cannot find the file {wanted}"]) from None
+        raise SceneError([Message("no_file", "cannot find the file {path}", path=wanted)]) from None
     except UnicodeDecodeError as error:
-        raise SceneError([f"{wanted}: not a text file in UTF-8: {_encoding_hint(error)}"]) from None
+        raise SceneError([at(wanted, _encoding_hint(error))]) from None
     except OSError as error:
-        raise SceneError([f"cannot read {wanted}: {(error.strerror or str(error)).lower()}"]) from None
+        reason = (error.strerror or str(error)).lower()
+        raise SceneError([Message("unreadable", "cannot read {path}: {reason}", path=wanted, reason=reason)]) from None
     except ValueError:  # The name is not possible for a file, for example because it contains a null character.
-        raise SceneError([f"cannot find the file {wanted!r}"]) from None
+        raise SceneError([Message("no_file", "cannot find the file {path}", path=repr(wanted))]) from None
 
 
 def text_in(path: str) -> str:
@@ -81,22 +83,39 @@ def text_in(path: str) -> str:
     return text
 
 
-def _encoding_hint(error: UnicodeDecodeError) -> str:
+def _encoding_hint(error: UnicodeDecodeError) -> Message:
     """Return advice about a file in another encoding. If the file has one byte per character, show the line of the
     problem.
     """
     data = bytes(error.object)
-    remedy = "save it as UTF-8"
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        return f"{remedy} (it seems to be UTF-16, which Windows calls Unicode)"
+        return Message(
+            "utf_16",
+            "not a text file in UTF-8: save it as UTF-8 (it seems to be UTF-16, which Windows calls Unicode)",
+        )
     if b"\0" in data:
-        return f"{remedy} (it does not seem to be text)"
+        return Message("no_text", "not a text file in UTF-8: save it as UTF-8 (it does not seem to be text)")
     line = data.count(b"\n", 0, error.start)
     shown = data.split(b"\n")[line].decode("cp1252", "replace").strip()[:MOST_SHOWN]
-    return f"{remedy} (line {line + 1}: {shown})"
+    return Message(
+        "no_utf_8",
+        "not a text file in UTF-8: save it as UTF-8 (line {line}: {text})",
+        line=line + 1,
+        text=shown,
+    )
 
 
-def _unknown(wanted: str) -> str:
+def _unknown(wanted: str) -> Message:
     near = difflib.get_close_matches(wanted, names(), n=3, cutoff=0.5)
-    hint = f"; did you mean {' or '.join(near)}?" if near else ""
-    return f"unknown scene {wanted!r}{hint} (softcradle scenes lists all scenes; scene files end in .toml)"
+    if near:
+        return Message(
+            "near_scene",
+            "unknown scene {name!r}; did you mean {near}? (softcradle scenes lists all scenes; scene files end in .toml)",
+            name=wanted,
+            near=", ".join(near),
+        )
+    return Message(
+        "scene",
+        "unknown scene {name!r} (softcradle scenes lists all scenes; scene files end in .toml)",
+        name=wanted,
+    )

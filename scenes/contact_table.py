@@ -10,6 +10,8 @@ from collections.abc import Callable, Mapping
 from typing import Annotated, Any, NoReturn, Self
 
 from pydantic import BeforeValidator, SerializeAsAny, StrictBool, ValidationError, create_model, model_validator
+from softcradle.physics.checked_input import shown
+from softcradle.physics.messages import Message
 from softcradle.scenes.contact_kinds import KIND_BY_NAME, KINDS, ContactKind
 from softcradle.scenes.other_names import SAME_LAWS
 from softcradle.scenes.toml_table import (
@@ -20,7 +22,7 @@ from softcradle.scenes.toml_table import (
     details_again,
     problem,
     sentence_details,
-    suggestion,
+    unknown_law,
 )
 
 from softcradle import physics
@@ -76,9 +78,15 @@ def _read(table: Any, laws: list[str]) -> AnyLaw:
     if isinstance(table, AnyLaw):
         return table
     if not isinstance(table, Mapping):
-        raise problem(f'must be a table such as {{law = "power_law", f0 = 1.0, alpha = 0.1}}, not {table!r}')
+        raise problem(
+            Message(
+                "contact_table",
+                'must be a table such as {{law = "power_law", f0 = 1.0, alpha = 0.1}}, not {given}',
+                given=shown(table),
+            )
+        )
     if "law" not in table:
-        raise problem(f"key 'law' is missing; allowed: {', '.join(laws)}")
+        raise problem(Message("no_law", "key 'law' is missing; allowed: {laws}", laws=", ".join(laws)))
     law = table["law"]
     if law == COUPLER and COUPLER in laws:
         return CouplerTable.model_validate(table)
@@ -94,9 +102,8 @@ def _raise_unknown_law(law: Any, table: Mapping[str, Any], laws: list[str]) -> N
     """
     meant = SAME_LAWS.get(str(law).lower()) or next(iter(difflib.get_close_matches(str(law), laws, n=1)), "")
     known = str(law).lower() in SAME_LAWS
-    sentence = (
-        f"unknown law {law!r}: it is called {meant!r}" if known else f"unknown law {law!r}{suggestion(str(law), laws)}"
-    )
+    called = Message("same_law", "unknown law {law!r}: it is called {meant!r}", law=law, meant=meant)
+    sentence = called if known else unknown_law(law, laws)
     found = [sentence_details(sentence, table)]
     try:
         if meant:

@@ -8,10 +8,11 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 from softcradle.physics.chain import Joint
+from softcradle.physics.messages import Message
 from softcradle.scenes.contact_kinds import KIND_BY_NAME, KINDS, ContactKind
 from softcradle.scenes.contact_table import AnyLaw, CouplerTable, GearTable, Law, table_of
-from softcradle.scenes.scene_errors import SceneError, scene_error
-from softcradle.scenes.toml_table import suggestion
+from softcradle.scenes.scene_errors import SceneError, at, scene_error
+from softcradle.scenes.toml_table import unknown_law
 
 from softcradle import physics
 
@@ -34,15 +35,28 @@ def contact_from(text: str) -> Law:
     """
     match = CALL.fullmatch(text)
     if match is None:
-        raise SceneError([f"contact {text!r} must be a law with its numbers, such as power_law(1, 1/10)"])
+        raise SceneError(
+            [
+                Message(
+                    "contact_text",
+                    "{what} must be a law with its numbers, such as power_law(1, 1/10)",
+                    what=_named(text),
+                )
+            ]
+        )
     if match[1] not in KIND_BY_NAME:
         laws = [kind.law for kind in KINDS]
-        raise SceneError([f"contact {text!r}: unknown law {match[1]!r}{suggestion(match[1], laws)}"])
+        raise SceneError([at(_named(text), unknown_law(match[1], laws))])
     table = {"law": match[1], **_numbers(text, match[1], match[2])}
     try:
         return TABLE.validate_python(table)
     except ValidationError as error:
-        raise SceneError([scene_error(f"contact {text!r}", error).problems[0].replace(": the scene:", ":")]) from None
+        raise SceneError(scene_error(_named(text), error, whole="").problems[:1]) from None
+
+
+def _named(text: str) -> Message:
+    """Return the name of the contact in messages."""
+    return Message("contact_name", "contact {text!r}", text=text)
 
 
 def _numbers(text: str, law: str, arguments: str) -> dict[str, Any]:
@@ -53,10 +67,14 @@ def _numbers(text: str, law: str, arguments: str) -> dict[str, Any]:
     for position, word in enumerate(words):
         key, equals, number = (part.strip() for part in word.rpartition("="))
         if not equals and position >= len(names):
-            raise SceneError([f"contact {text!r}: the numbers of {law} are {', '.join(names)}, and loss=..."])
+            numbers = ", ".join(names)
+            allowed = Message(
+                "law_numbers", "the numbers of {law} are {numbers}, and loss=...", law=law, numbers=numbers
+            )
+            raise SceneError([at(_named(text), allowed)])
         name = key if equals else names[position]
         if name in found or name == "law":
-            raise SceneError([f"contact {text!r}: {name} is given twice"])
+            raise SceneError([at(_named(text), Message("number_twice", "{key} is given twice", key=name))])
         found[name] = _number(number)
     return found
 

@@ -9,6 +9,8 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
+from softcradle.physics.messages import Message
+
 # Standard acceleration of gravity [m/s^2], used if the value of `gravity` is not a number.
 STANDARD_GRAVITY = 9.81
 # Largest number of forces that a hint writes out. Longer lists are described by a formula.
@@ -71,16 +73,21 @@ def remedy_of(key: str, table: Mapping[str, Any], allowed: Sequence[str]) -> Rem
     """Return advice on the unknown `key` of `table`, or None if its meaning cannot be guessed."""
     name = key.lower()
     if name in RESTITUTION:
-        return Remedy(f"give the contact {_loss(table[key])}")
+        return Remedy(Message("restitution", "give the contact {loss}", loss=_loss(table[key])))
     if name in GRAVITY and "drive" in allowed:
-        return Remedy(f"use drive, the steady force on each bead in N: {_drive(table[key], table)}")
+        drive = _drive(table[key], table)
+        return Remedy(Message("gravity", "use drive, the steady force on each bead in N: {drive}", drive=drive))
     if name in DAMPING:
-        return Remedy("a contact loses energy by its loss, and loss = 1 - e**2 for a restitution of e")
+        return Remedy(
+            Message("damping", "a contact loses energy by its loss, and loss = 1 - e**2 for a restitution of e")
+        )
     if name in SIZE and "slow" not in allowed:
-        return Remedy("the length of a bead is only drawn: give length below [view], or the distances as gap")
+        return Remedy(
+            Message("size", "the length of a bead is only drawn: give length below [view], or the distances as gap")
+        )
     meant = SAME_KEYS.get(name)
     if meant in allowed:
-        return Remedy(f"the key is {meant!r}", None if meant in table else meant)
+        return Remedy(Message("same_key", "the key is {key!r}", key=meant), None if meant in table else meant)
     return None
 
 
@@ -99,10 +106,13 @@ def _loss(value: Any) -> str:
     """Return advice on the loss of a contact with the restitution `value`."""
     restitution = _number(value)
     if restitution is None or not 0.0 <= restitution <= 1.0:
-        return "loss = 1 - e**2, where e is the restitution"
+        return Message("loss_rule", "loss = 1 - e**2, where e is the restitution")
     if restitution == 0.0:
-        return "loss = 1 - e**2, which must be below 1: a restitution of 0 cannot be computed, 0.01 can (loss = 0.9999)"
-    return f"loss = 1 - e**2, here loss = {1.0 - restitution**2:.6g}"
+        return Message(
+            "loss_below_one",
+            "loss = 1 - e**2, which must be below 1: a restitution of 0 cannot be computed, 0.01 can (loss = 0.9999)",
+        )
+    return Message("loss_here", "loss = 1 - e**2, here {key}", key=f"loss = {1.0 - restitution**2:.6g}")
 
 
 def _drive(value: Any, table: Mapping[str, Any]) -> str:
@@ -120,4 +130,5 @@ def _drive(value: Any, table: Mapping[str, Any]) -> str:
     if type(count) is not int or not 2 <= count <= MOST_FORCES or None in masses:
         return rule
     forces = [f"{one * known:.6g}" for one in masses if one is not None]
-    return f"{rule}, here drive = [{', '.join(forces * count if len(forces) == 1 else forces)}]"
+    drive = ", ".join(forces * count if len(forces) == 1 else forces)
+    return Message("drive_here", "{rule}, here {drive}", rule=rule, drive=f"drive = [{drive}]")

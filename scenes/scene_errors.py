@@ -1,4 +1,4 @@
-"""Problems of a scene file as sentences, each with the file, the key, the allowed values and the actual value."""
+"""Problems of a scene file as messages, each with the file, the key, the allowed values and the actual value."""
 
 from __future__ import annotations
 
@@ -6,22 +6,33 @@ from collections.abc import Sequence
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
+from softcradle.physics.checked_input import shown
+from softcradle.physics.messages import N_, Message, message_of
 
-# Requirements for pydantic's types of errors, in terms of TOML. The messages of pydantic use terms of Python.
+# Messages for pydantic's types of errors, in terms of TOML. The messages of pydantic use terms of Python.
 DEMANDS = {
-    "float_type": "must be a number",
-    "int_type": "must be a whole number",
-    "bool_type": "must be true or false",
-    "string_type": "must be text in quotes",
-    "tuple_type": "must be a list in [ ]",
-    "model_type": "must be a table",
-    "too_short": "must not be empty",
+    "float_type": ("must_be_number", N_("{place} must be a number, not {given}")),
+    "int_type": ("must_be_whole", N_("{place} must be a whole number, not {given}")),
+    "bool_type": ("must_be_bool", N_("{place} must be true or false, not {given}")),
+    "string_type": ("must_be_text", N_("{place} must be text in quotes, not {given}")),
+    "tuple_type": ("must_be_list", N_("{place} must be a list in [ ], not {given}")),
+    "model_type": ("must_be_table", N_("{place} must be a table, not {given}")),
+    "string_too_short": ("must_not_be_empty", N_("{place} must not be empty")),
+    "too_short": ("must_not_be_empty", N_("{place} must not be empty")),
+    "finite_number": ("must_be_finite", N_("{place} must be a finite number, not {given}")),
+    "greater_than": ("must_be_greater", N_("{place} must be greater than {gt:g}, not {given}")),
+    "greater_than_equal": ("must_be_at_least", N_("{place} must be greater than or equal to {ge:g}, not {given}")),
+    "less_than": ("must_be_less", N_("{place} must be less than {lt:g}, not {given}")),
+    "less_than_equal": ("must_be_at_most", N_("{place} must be less than or equal to {le:g}, not {given}")),
 }
 
 
+WHOLE = Message("whole_scene", "the scene")  # Place of a problem of a whole scene.
+
+
 class SceneError(ValueError):
-    """Error for a missing or invalid scene. `problems` contains one sentence for each problem; the message is the first
-    one.
+    """Error for a missing or invalid scene. `problems` contains a message for each problem; the text of the error is
+    the first one.
     """
 
     def __init__(self, problems: Sequence[str]) -> None:
@@ -33,24 +44,34 @@ class SceneError(ValueError):
         return type(self), (self.problems,)
 
 
-def scene_error(file: str, error: ValidationError) -> SceneError:
-    """Return a SceneError with the problems that pydantic found in `file`."""
-    return SceneError([f"{file}: {_sentence(detail)}" for detail in error.errors(include_url=False)])
+def at(place: str, problem: str) -> Message:
+    """Return the message of a problem with its place: a file, or a key."""
+    return Message("at", "{place}: {problem}", place=place, problem=problem)
 
 
-def _sentence(detail: ErrorDetails) -> str:
-    place, message = _place(detail["loc"]), detail["msg"]
+def scene_error(file: str, error: ValidationError, whole: str = WHOLE) -> SceneError:
+    """Return a SceneError with the problems that pydantic found in `file`. `whole` is the place of a problem of the
+    whole file.
+    """
+    return SceneError([at(file, _sentence(detail, whole)) for detail in error.errors(include_url=False)])
+
+
+def _sentence(detail: ErrorDetails, whole: str) -> str:
+    place, context = _place(detail["loc"]), detail.get("ctx", {})
+    parent, _, key = place.rpartition(".")
     if detail["type"] == "missing":
-        parent, _, key = place.rpartition(".")
-        return f"{parent or 'the scene'}: key {key!r} is missing"
+        missing = Message("missing_key", "key {key!r} is missing", key=key)
+        parent = parent or whole
+        return at(parent, missing) if parent else missing
     if detail["type"] in ("scene", "value_error"):
-        sentence = message.removeprefix("Value error, ")
-        parent, _, key = place.rpartition(".")
-        if sentence.startswith(f"{key} must be "):  # The sentence already contains the key.
+        sentence = context["sentence"] if detail["type"] == "scene" else message_of(context["error"])
+        if isinstance(sentence, Message) and sentence.values.get("what") == key:  # It already contains the key.
             place = parent
-        return f"{place}{': ' if place else ''}{sentence}"
-    demand = DEMANDS.get(detail["type"]) or message.replace("Input should", "must").replace("String should", "must")
-    return f"{place} {demand}, not {_shown(detail['input'])}"
+        return at(place, sentence) if place else sentence
+    if detail["type"] not in DEMANDS:  # pydantic's own message, in English
+        return at(place, detail["msg"]) if place else detail["msg"]
+    code, template = DEMANDS[detail["type"]]
+    return Message(code, template, place=place, given=shown(detail["input"]), **context)
 
 
 def _place(location: tuple[int | str, ...]) -> str:
@@ -64,8 +85,3 @@ def _place(location: tuple[int | str, ...]) -> str:
         elif not part.startswith("("):
             path += f".{part}" if path else part
     return path
-
-
-def _shown(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."

@@ -8,7 +8,8 @@ from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, Strict, ValidationInfo, field_validator, model_validator
 from softcradle.physics import notebook_views
-from softcradle.physics.checked_input import magnitude
+from softcradle.physics.checked_input import magnitude, shown
+from softcradle.physics.messages import Message
 from softcradle.physics.methods import AUTO, refusal_of, refusal_of_fineness
 from softcradle.physics.scales import require_computable
 from softcradle.physics.simulation import checked_tolerance, endless
@@ -35,6 +36,13 @@ MOST_BEADS = 100_000
 # Largest ratio of film time to motion time, and of motion time to film time. Times of frames must stay valid times of a
 # run.
 MOST_SLOW = 1e20
+# Places of keys in a scene file, after "belongs".
+ABOVE_LANES = Message("above_lanes", "above the first [[lanes]]")
+BELOW_LANES = Message("below_lanes", "to a lane, below [[lanes]]")
+BELOW_VIEW = Message("below_view", "below [view]")
+ONE_VELOCITY = Message(
+    "one_velocity", "one velocity for all strikers needs beads = [strikers, targets]; else give a list of them"
+)
 Count = Annotated[int, Strict(), Field(ge=1, le=MOST_BEADS)]
 Text = Annotated[str, BeforeValidator(lambda text: " ".join(text.split()) if isinstance(text, str) else text)]
 
@@ -126,8 +134,8 @@ class Lane(Table):
     @classmethod
     def keys_elsewhere(cls) -> Mapping[str, str]:
         """Return the keys of the scene and of its view, with their places."""
-        above = dict.fromkeys(set(Scene.model_fields) - set(cls.model_fields), "above the first [[lanes]]")
-        return dict.fromkeys(View.model_fields, "below [view]") | above
+        above = dict.fromkeys(set(Scene.model_fields) - set(cls.model_fields), ABOVE_LANES)
+        return dict.fromkeys(View.model_fields, BELOW_VIEW) | above
 
     @classmethod
     def mistakes(cls, table: dict[str, Any]) -> Iterator[str]:
@@ -136,25 +144,37 @@ class Lane(Table):
         beads, velocity = table.get("beads"), table.get("velocity")
         if isinstance(beads, list | tuple):
             if len(beads) != 2:
-                yield f"beads must be a number or [strikers, targets], not {list(beads)}"
+                yield Message(
+                    "clusters", "beads must be a number or [strikers, targets], not {given}", given=str(list(beads))
+                )
             elif not isinstance(velocity, list | tuple) and is_number(velocity):
                 table["velocity"] = strikers_at(velocity, beads)
         if table.get("approach") is not None and (
             not isinstance(beads, list | tuple) or isinstance(table.get("gap"), list | tuple)
         ):
-            yield "approach needs beads = [strikers, targets] and no list of gaps"
+            yield Message("approach", "approach needs beads = [strikers, targets] and no list of gaps")
         count = count_of(table)
         if count is None:
             return
         if not 2 <= count <= MOST_BEADS:
-            yield f"a chain needs from 2 to {MOST_BEADS} beads, not {count}"
+            yield Message(
+                "lane_beads", "a chain needs from 2 to {most} beads, not {given}", most=MOST_BEADS, given=count
+            )
             return
         expected = {"mass": count, "contact": count - 1, "velocity": count, "gap": count - 1, "drive": count}
         for key, length in expected.items():
             given = table.get(key)
             if isinstance(given, list | tuple) and len(given) != length:
-                comma = "; decimals are written with a point" if len(given) == 2 * length else ""
-                yield f"{key} is a list of {len(given)}, but {count} beads need {length}{comma}"
+                decimals = Message("decimals", "; decimals are written with a point")
+                yield Message(
+                    "list_length",
+                    "{key} is a list of {given}, but {count} beads need {length}{comma}",
+                    key=key,
+                    given=len(given),
+                    count=count,
+                    length=length,
+                    comma=decimals if len(given) == 2 * length else "",
+                )
 
     @field_validator("velocity", mode="before")
     @classmethod
@@ -162,8 +182,15 @@ class Lane(Table):
         if isinstance(value, list | tuple):
             return value
         if not is_number(value):
-            raise problem(f"velocity must be a number or a list of numbers, not {value!r}")
-        raise problem("one velocity for all strikers needs beads = [strikers, targets]; else give a list of them")
+            raise problem(
+                Message(
+                    "numbers",
+                    "{what} must be a number or a list of numbers, not {given}",
+                    what="velocity",
+                    given=shown(value),
+                )
+            )
+        raise problem(ONE_VELOCITY)
 
     @model_validator(mode="after")
     def _check_motion(self) -> Self:
@@ -233,7 +260,16 @@ class View(Table):
     @classmethod
     def _check_slow(cls, slow: float) -> float:
         if not 1.0 / MOST_SLOW <= slow <= MOST_SLOW:
-            raise problem(f"slow must be from {1.0 / MOST_SLOW:g} to {MOST_SLOW:g}, not {slow:g}")
+            raise problem(
+                Message(
+                    "slow_motion",
+                    "{what} must be from {least:g} to {most:g}, not {given:g}",
+                    what="slow",
+                    least=1.0 / MOST_SLOW,
+                    most=MOST_SLOW,
+                    given=slow,
+                )
+            )
         return slow
 
 
@@ -280,8 +316,8 @@ class Scene(notebook_views.Moving, Table):
     @classmethod
     def keys_elsewhere(cls) -> Mapping[str, str]:
         """Return the keys of lanes and of the view, with their places."""
-        lane = dict.fromkeys(set(Lane.model_fields) - {"label"}, "to a lane, below [[lanes]]")
-        return lane | dict.fromkeys(View.model_fields, "below [view]")
+        lane = dict.fromkeys(set(Lane.model_fields) - {"label"}, BELOW_LANES)
+        return lane | dict.fromkeys(View.model_fields, BELOW_VIEW)
 
     @classmethod
     def mistakes(cls, table: dict[str, Any]) -> Iterator[str]:
@@ -289,13 +325,13 @@ class Scene(notebook_views.Moving, Table):
         yield from super().mistakes(table)
         if isinstance(table.get("lanes"), Mapping):
             table["lanes"] = [table["lanes"]]
-            yield "write [[lanes]] in double brackets, also for a single lane"
+            yield Message("single_lane", "write [[lanes]] in double brackets, also for a single lane")
 
     @field_validator("lanes")
     @classmethod
     def _check_lanes(cls, lanes: tuple[Lane, ...]) -> tuple[Lane, ...]:
         if not lanes:
-            raise problem("a scene needs at least one lane")
+            raise problem(Message("no_lane", "a scene needs at least one lane"))
         return lanes
 
     @field_validator("method")
@@ -303,7 +339,8 @@ class Scene(notebook_views.Moving, Table):
     def _check_method(cls, name: str | None) -> str | None:
         known = [AUTO, *(method.name for method in physics.METHODS)]
         if name is not None and name not in known:
-            raise problem(f"unknown method {name!r}{suggestion(name, known)}")
+            words = suggestion(name, known)
+            raise problem(Message("scene_method", "unknown method {name!r}{suggestion}", name=name, suggestion=words))
         return name
 
     @field_validator("duration", "step", "tolerance")

@@ -13,6 +13,8 @@ from collections.abc import Callable, Iterator
 from itertools import islice
 from typing import Any, NamedTuple
 
+from softcradle.physics.messages import Message
+
 # Largest number of syntax errors reported for one file. A file with more is not a scene file.
 MOST_ERRORS = 20
 # Largest number of characters of a line in a message.
@@ -33,7 +35,7 @@ class Repair(NamedTuple):
     """Repaired line with a hint about its error."""
 
     line: str
-    hint: str
+    hint: Message
 
 
 def read_toml(text: str) -> tuple[dict[str, Any] | None, list[str]]:
@@ -49,7 +51,8 @@ def read_toml(text: str) -> tuple[dict[str, Any] | None, list[str]]:
         lines = text.split("\n")
         twice = re.fullmatch(r"Cannot declare \('(\w+)',\) twice", error.words)
         if twice:
-            problems.append(_sentence(f"write [[{twice[1]}]] in double brackets, once for each", lines, error.line))
+            hint = Message("double_brackets", "write [[{table}]] in double brackets, once for each", table=twice[1])
+            problems.append(_sentence(hint, lines, error.line))
             double = re.sub(rf"(?m)^\s*\[\s*{twice[1]}\s*\]", f"[[{twice[1]}]]", text)
             if double == text:
                 break
@@ -74,11 +77,12 @@ class SyntaxProblem(NamedTuple):
     column: int
 
     def plain_hint(self) -> str:
-        """Return the message of the parser, or a clearer hint if there is one."""
+        """Return a hint, or the message of the parser, which is English, if there is no hint."""
         if self.words.startswith("Unclosed"):
-            return f"a closing {'}' if 'inline table' in self.words else ']'} is missing in this line or above it"
+            bracket = "}" if "inline table" in self.words else "]"
+            return Message("open_bracket", "a closing {bracket} is missing in this line or above it", bracket=bracket)
         if self.words == "Cannot overwrite a value":
-            return "a key is given twice in the same table"
+            return Message("key_twice", "a key is given twice in the same table")
         return self.words[:1].lower() + self.words[1:]
 
 
@@ -103,8 +107,17 @@ def _sentence(hint: str, lines: list[str], line: int, column: int | None = None)
     """Return the hint with the number and the text of its line."""
     shown = lines[line].strip()
     shown = shown if len(shown) <= MOST_SHOWN else shown[: MOST_SHOWN - 3] + "..."
-    place = f"line {line + 1}" if column is None else f"line {line + 1}, column {column + 1}"
-    return f"not valid TOML: {hint} ({place}{': ' if shown else ''}{shown})"
+    text = f": {shown}" if shown else ""
+    if column is None:
+        return Message("toml", "not valid TOML: {hint} (line {line}{text})", hint=hint, line=line + 1, text=text)
+    return Message(
+        "toml_column",
+        "not valid TOML: {hint} (line {line}, column {column}{text})",
+        hint=hint,
+        line=line + 1,
+        column=column + 1,
+        text=text,
+    )
 
 
 def _working_repairs(lines: list[str], error: SyntaxProblem) -> Iterator[tuple[int, Repair]]:
@@ -126,9 +139,11 @@ def _possible_repairs(lines: list[str], error: SyntaxProblem) -> Iterator[tuple[
     above = range(error.line, max(-1, error.line - MOST_LINES_UP), -1)
     for at in islice((at for at in above if _open_brackets(lines[at])), 1):
         closing = "".join(BRACKETS[bracket] for bracket in reversed(_open_brackets(lines[at])))
-        yield at, Repair(_before_comment(lines[at], closing), f"a closing {closing} is missing")
+        hint = Message("missing_bracket", "a closing {bracket} is missing", bracket=closing)
+        yield at, Repair(_before_comment(lines[at], closing), hint)
     if error.words == "Cannot overwrite a value":
-        yield error.line, Repair("#" + lines[error.line], "this key is given twice in the same table")
+        twice = Message("this_key_twice", "this key is given twice in the same table")
+        yield error.line, Repair("#" + lines[error.line], twice)
 
 
 def _masked(line: str) -> str:
@@ -165,19 +180,19 @@ def _open_brackets(line: str) -> list[str]:
 def _typographic_quotes(line: str) -> Iterator[Repair]:
     changed, found = _edited(line, "[" + "".join(TYPOGRAPHIC) + "]", lambda match: TYPOGRAPHIC[match[0]])
     if found:
-        yield Repair(changed, 'use straight quotes " instead of typographic ones')
+        yield Repair(changed, Message("straight_quotes", 'use straight quotes " instead of typographic ones'))
 
 
 def _colon(line: str) -> Iterator[Repair]:
     changed, found = _edited(line, r"^(\s*[\w-]+)\s*:\s*", lambda match: f"{match[1]} = ")
     if found:
-        yield Repair(changed, "write key = value, with an equals sign")
+        yield Repair(changed, Message("equals_sign", "write key = value, with an equals sign"))
 
 
 def _capital_bool(line: str) -> Iterator[Repair]:
     changed, found = _edited(line, rf"(=\s*)(True|False){END}", lambda match: match[1] + match[2].lower())
     if found:
-        yield Repair(changed, f"write {found[2].lower()} in small letters")
+        yield Repair(changed, Message("small_letters", "write {value} in small letters", value=found[2].lower()))
 
 
 def _decimal_comma(line: str) -> Iterator[Repair]:
@@ -185,13 +200,14 @@ def _decimal_comma(line: str) -> Iterator[Repair]:
         line, rf"(=\s*[-+]?\d+),(\d+(?:[eE][-+]?\d+)?)\b{END}", lambda match: f"{match[1]}.{match[2]}"
     )
     if found:
-        yield Repair(changed, f"write {found[1].lstrip('= ')}.{found[2]}, with a decimal point")
+        number = f"{found[1].lstrip('= ')}.{found[2]}"
+        yield Repair(changed, Message("decimal_point", "write {number}, with a decimal point", number=number))
 
 
 def _fraction(line: str) -> Iterator[Repair]:
     changed, found = _edited(line, rf"([=,\[]\s*)(\d+\s*/\s*\d+){END}", lambda match: f'{match[1]}"{match[2]}"')
     if found:
-        yield Repair(changed, f'put a fraction in quotes: "{found[2]}"')
+        yield Repair(changed, Message("quoted_fraction", 'put a fraction in quotes: "{fraction}"', fraction=found[2]))
 
 
 def _unit(line: str) -> Iterator[Repair]:
@@ -200,28 +216,39 @@ def _unit(line: str) -> Iterator[Repair]:
     if found:
         number = found[1].lstrip("=,[ ")
         unit = found[0][len(found[1]) :].strip()
-        yield Repair(changed, f"write the number without the unit {unit!r} (all numbers are in kg, m, s, N): {number}")
+        hint = Message(
+            "no_unit",
+            "write the number without the unit {unit!r} (all numbers are in kg, m, s, N): {number}",
+            unit=unit,
+            number=number,
+        )
+        yield Repair(changed, hint)
 
 
 def _missing_comma(line: str) -> Iterator[Repair]:
     pattern = r"""(?<=[\d\w"'\]}])\s+(?=[-+]?[\w"'\[{])"""
     changed, found = _edited(line, pattern, lambda match: ", ")
     if found and re.search(r"[\[{]", _masked(line)):
-        yield Repair(changed, "put a comma between two values")
+        yield Repair(changed, Message("comma", "put a comma between two values"))
+
+
+def _in_quotes(text: str) -> Message:
+    """Return the hint to put `text` in quotes."""
+    return Message("quoted_text", 'put text in quotes: "{text}"', text=text)
 
 
 def _text_without_quotes(line: str) -> Iterator[Repair]:
     whole = re.fullmatch(r"(\s*[\w.-]+\s*=\s*)([^\s\"'\[{#][^\"#]*?)(\s*(?:#.*)?)", line)
     if whole:
-        yield Repair(f'{whole[1]}"{whole[2]}"{whole[3]}', f'put text in quotes: "{whole[2]}"')
+        yield Repair(f'{whole[1]}"{whole[2]}"{whole[3]}', _in_quotes(whole[2]))
     pattern = rf"([=,\[]\s*)([^\W\d][^\"',=\[\]{{}}#]*?){END}"
     changed, found = _edited(line, pattern, lambda match: f'{match[1]}"{match[2]}"')
     if found:
-        yield Repair(changed, f'put text in quotes: "{found[2]}"')
+        yield Repair(changed, _in_quotes(found[2]))
 
 
 def _missing_quote(line: str) -> Iterator[Repair]:
-    hint = "a quote is missing"
+    hint = Message("missing_quote", "a quote is missing")
     rest = re.sub(r'"(?:\\.|[^"\\])*"', lambda found: "_" * len(found[0]), line)
     at = rest.rfind('"')
     if at < 0:

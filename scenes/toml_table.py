@@ -20,6 +20,7 @@ from pydantic import (
     model_validator,
 )
 from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
+from softcradle.physics.messages import Message
 from softcradle.scenes.other_names import remedy_of
 
 Item = TypeVar("Item")
@@ -49,7 +50,7 @@ class Table(BaseModel):
 
     @classmethod
     def keys_elsewhere(cls) -> Mapping[str, str]:
-        """Return the keys that belong to another table of the file, each with the place of that table."""
+        """Return the keys that belong to another table of the file, each with a Message about the place of that table."""
         return {}
 
     @model_validator(mode="wrap")
@@ -77,7 +78,7 @@ def details_again(detail: ErrorDetails) -> InitErrorDetails:
     """Return a problem that pydantic reported, in the form in which it can be raised again."""
     kind: str | PydanticCustomError = detail["type"]
     if kind == "scene":
-        kind = problem(detail["msg"])
+        kind = problem(detail["ctx"]["sentence"])
     return InitErrorDetails(type=kind, loc=detail["loc"], input=detail["input"], ctx=detail.get("ctx", {}))
 
 
@@ -93,13 +94,15 @@ def unknown_key(
 ) -> tuple[str, str | None]:
     """Return the sentence about an unknown key of the table, and the key that was probably meant, or None."""
     if key in elsewhere:
-        return f"key {key!r} belongs {elsewhere[key]}", None
+        return Message("misplaced_key", "key {key!r} belongs {place}", key=key, place=elsewhere[key]), None
     words = list(allowed)
     remedy = remedy_of(key, table, words)
     if remedy is not None:
-        return f"unknown key {key!r}: {remedy.sentence}", remedy.meant
+        remedied = Message("remedied_key", "unknown key {key!r}: {remedy}", key=key, remedy=remedy.sentence)
+        return remedied, remedy.meant
     near = difflib.get_close_matches(key, words, n=1)
-    return f"unknown key {key!r}{suggestion(key, words)}", near[0] if near and near[0] not in table else None
+    sentence = Message("key", "unknown key {key!r}{suggestion}", key=key, suggestion=suggestion(key, words))
+    return sentence, near[0] if near and near[0] not in table else None
 
 
 def problem(sentence: str) -> PydanticCustomError:
@@ -107,11 +110,18 @@ def problem(sentence: str) -> PydanticCustomError:
     return PydanticCustomError("scene", "{sentence}", {"sentence": sentence})
 
 
-def suggestion(word: str, allowed: Iterable[str]) -> str:
+def suggestion(word: str, allowed: Iterable[str]) -> Message:
     """Return the end of a sentence about an unknown `word`: the closest allowed word, then all allowed words."""
     words = list(allowed)
-    near = difflib.get_close_matches(word, words, n=1)
-    return (f" (did you mean {near[0]!r}?)" if near else "") + f"; allowed: {', '.join(words)}"
+    near, allowed = difflib.get_close_matches(word, words, n=1), ", ".join(words)
+    if near:
+        return Message("near", " (did you mean {near!r}?); allowed: {allowed}", near=near[0], allowed=allowed)
+    return Message("allowed", "; allowed: {allowed}", allowed=allowed)
+
+
+def unknown_law(law: object, laws: Iterable[str]) -> Message:
+    """Return the sentence about an unknown law of a contact."""
+    return Message("law", "unknown law {law!r}{suggestion}", law=law, suggestion=suggestion(str(law), laws))
 
 
 def is_number(value: Any) -> bool:
@@ -126,7 +136,7 @@ def _fraction(value: Any) -> Any:
     if match is None:
         return value
     if int(match[2]) == 0:
-        raise problem(f"must not divide by zero, not {value!r}")
+        raise problem(Message("zero_division", "must not divide by zero, not {given!r}", given=value))
     return int(match[1]) / int(match[2])
 
 

@@ -19,7 +19,9 @@ from softcradle.sandbox.languages.translation import DOMAIN, ENGLISH, LANGUAGES,
 if TYPE_CHECKING:
     from babel.messages import Catalog, Message
 
+# Functions whose arguments are messages, as Babel describes them. A message of an error follows its code.
 KEYWORDS = {"_": None, "gettext": None, "N_": None, "ngettext": (1, 2), "pgettext": ((1, "c"), 2), "NP_": ((1, "c"), 2)}
+KEYWORDS |= {"Message": (2,), "InputError": (2,)}
 WIDTH = 120  # length of the lines of a catalogue
 # Header lines that would change with each update, or that name nobody.
 DATED = (
@@ -30,7 +32,8 @@ DATED = (
     b'"Language-Team',
     b'"Generated-By',
 )
-SANDBOX = Path(__file__).parents[1] / "sandbox"
+ROOT = Path(__file__).parents[1]
+FOLDERS = ("sandbox", "scenes", "physics")  # folders with messages; in this order, so that their entries stay together
 Found = tuple[str | tuple[str, str], str, str | None]  # message (and its plural), file, context
 
 
@@ -38,7 +41,7 @@ def messages() -> Iterator[Found]:
     """Yield every message: of the code, of the scenes, of the lessons, and the summaries of methods."""
     yield from _of_code()
     yield from _of_scenes()
-    lessons = SANDBOX / "window" / "lessons" / "lessons.toml"
+    lessons = ROOT / "sandbox" / "window" / "lessons" / "lessons.toml"
     for lesson in tomllib.loads(lessons.read_text(encoding="utf-8"))["lesson"]:
         for text in (lesson["question"], *lesson["choices"], *lesson["why"]):
             yield text, _name(lessons), None
@@ -51,7 +54,7 @@ def messages() -> Iterator[Found]:
 def _of_code() -> Iterator[Found]:
     from babel.messages.extract import extract_from_file
 
-    for path in sorted(SANDBOX.rglob("*.py")):
+    for path in (path for folder in FOLDERS for path in sorted((ROOT / folder).rglob("*.py"))):
         for _line, message, _comments, context in extract_from_file("python", str(path), keywords=KEYWORDS):
             yield message if isinstance(message, str) else (message[0], message[1]), _name(path), context
 
@@ -67,7 +70,7 @@ def _of_scenes() -> Iterator[Found]:
 
 
 def _name(path: Path) -> str:
-    return f"sandbox/{path.relative_to(SANDBOX).as_posix()}"
+    return path.relative_to(ROOT).as_posix()
 
 
 def template() -> Catalog:

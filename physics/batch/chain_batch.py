@@ -8,9 +8,10 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from softcradle.physics.chain import GRAVITY, Chain
+from softcradle.physics.chain import ADJACENT_WALLS, GRAVITY, Chain
 from softcradle.physics.checked_input import LARGEST, SMALLEST, number_array, require_kind, shown
-from softcradle.physics.contact import LEAST_EXPONENT, MOST_EXPONENT, Contact
+from softcradle.physics.contact import LEAST_EXPONENT, MOST_EXPONENT, NO_FORCE, Contact
+from softcradle.physics.messages import InputError
 
 Array = NDArray[np.float64]
 
@@ -194,7 +195,7 @@ class ChainBatch:
             "every mass (inf is a wall)", self.mass, wall | _within(self.mass), f"from {SMALLEST:g} to {LARGEST:g}"
         )
         if (wall[:, :-1] & wall[:, 1:]).any():
-            raise ValueError("two walls side by side: a contact between them could never be solved")
+            raise InputError(ADJACENT_WALLS)
         for name in ("preload", "stiffness", "friction"):
             value = getattr(self, name)
             _require(name, value, (value == 0.0) | _within(value), f"0 or from {SMALLEST:g} to {LARGEST:g}")
@@ -206,7 +207,7 @@ class ChainBatch:
         for name in ("gap", "drive"):
             _require(name, getattr(self, name), np.abs(getattr(self, name)) <= LARGEST, f"up to {LARGEST:g}")
         if not (self.preload + self.stiffness > 0.0).all():
-            raise ValueError("contact preload and stiffness are both 0: the contact would never push")
+            raise InputError(NO_FORCE)
 
 
 def _require_plain(chain: Chain) -> None:

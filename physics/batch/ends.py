@@ -32,6 +32,7 @@ from softcradle.physics.ensemble_runs import in_threads, parts, threads_of
 from softcradle.physics.fixed_step import runner as fixed_step
 from softcradle.physics.fixed_step.step_loop import march
 from softcradle.physics.kernel_tiers import KernelTiers, entry_of
+from softcradle.physics.messages import InputError
 from softcradle.physics.methods import Family, Method, find_method, refusal_of
 from softcradle.physics.numerics.plain_kernels import plain
 from softcradle.physics.numerics.records import (
@@ -393,7 +394,7 @@ def _method(name: str, batch: ChainBatch) -> Method:
     if chosen.family not in (Family.FIXED_STEP, Family.ADAPTIVE):
         raise ValueError(f"ensemble_ends takes methods of fixed steps and adaptive ones, not {name!r}: take ensemble")
     if batch.dissipative.any() and not chosen.dissipative:
-        raise ValueError(refusal_of(name, batch.chain(int(np.argmax(batch.dissipative)))))
+        raise InputError(refusal_of(name, batch.chain(int(np.argmax(batch.dissipative)))))
     return chosen
 
 
@@ -402,11 +403,11 @@ def _require_end(batch: ChainBatch, velocity: Array, duration: ArrayLike | None)
     if duration is not None:
         return
     if (np.isinf(batch.mass).sum(axis=1) > 1).any():
-        raise ValueError(TWO_WALLS)
+        raise InputError(TWO_WALLS)
     if batch.driven.any():
-        raise ValueError(DRIVEN)
+        raise InputError(DRIVEN)
     if pushes_on_a_bed(batch.mass, batch.on_bed, velocity).any():
-        raise ValueError(PUSHED_ON_A_BED)
+        raise InputError(PUSHED_ON_A_BED)
 
 
 def _velocities(batch: ChainBatch, velocity: ArrayLike) -> Array:

@@ -12,6 +12,7 @@ import pygame
 from av.video.reformatter import VideoReformatter
 from numpy.typing import NDArray
 from PIL import Image
+from softcradle.sandbox.languages import _
 from softcradle.sandbox.user_error import UserError
 
 PIXEL_FORMATS = ("yuv420p", "yuv444p")
@@ -114,19 +115,29 @@ def check(
 ) -> Codec | None:
     """Return the codec for `output`, or None for pictures. Raise UserError if `output` cannot be written."""
     if not all(least <= side <= most for side, least, most in zip(size, SMALLEST, LARGEST, strict=True)):
-        limits = f"{SMALLEST[0]}x{SMALLEST[1]} to {LARGEST[0]}x{LARGEST[1]}"
-        raise UserError(f"size {size[0]}x{size[1]} is out of range: allowed are {limits}")
+        given, least, most = (f"{wide}x{high}" for wide, high in (size, SMALLEST, LARGEST))
+        raise UserError(
+            _("size {given} is out of range: allowed are {least} to {most}", given=given, least=least, most=most)
+        )
     codec = _by_name(str(output))
     highest = HIGHEST_RATE if codec is None else codec.highest_rate
     if frame_rate is not None and not LOWEST_RATE <= frame_rate <= highest:
-        kind = "pictures have" if codec is None else f"{codec.suffix} has"
-        raise UserError(f"{kind} {LOWEST_RATE:g} to {highest:g} frames a second, not {frame_rate:g}")
+        raise UserError(
+            _(
+                "{kind}: {least:g} to {most:g} frames a second are possible, not {given:g}",
+                kind=_("pictures") if codec is None else codec.suffix,
+                least=LOWEST_RATE,
+                most=highest,
+                given=frame_rate,
+            )
+        )
     if pixel_format is not None:
         codec = _with_pixel_format(codec, pixel_format)
     if codec is None:
         return None
     if codec.even and (size[0] % 2 or size[1] % 2):
-        raise UserError(f"{codec.suffix} needs an even width and height, not {size[0]}x{size[1]}")
+        given = f"{size[0]}x{size[1]}"
+        raise UserError(_("{kind} needs an even width and height, not {given}", kind=codec.suffix, given=given))
     _require(codec)
     return codec
 
@@ -141,16 +152,21 @@ def _by_name(output: str) -> Codec | None:
     if suffix != ".png":
         known = ", ".join(codec.suffix for codec in CODECS)
         raise UserError(
-            f"cannot write {output}: the name must end in {known}, .png or .html, or in / for a folder of pictures"
+            _(
+                "cannot write {path}: the name must end in {known}, .png or .html, or in / for a folder of pictures",
+                path=output,
+                known=known,
+            )
         )
     return None
 
 
 def _with_pixel_format(codec: Codec | None, pixel_format: str) -> Codec:
     if codec is None or codec.suffix != ".mp4":
-        raise UserError("a pixel format can be chosen for .mp4 only")
+        raise UserError(_("a pixel format can be chosen for .mp4 only"))
     if pixel_format not in PIXEL_FORMATS:
-        raise UserError(f"unknown pixel format {pixel_format!r}; allowed: {', '.join(PIXEL_FORMATS)}")
+        known = ", ".join(PIXEL_FORMATS)
+        raise UserError(_("unknown pixel format {given!r}; allowed: {known}", given=pixel_format, known=known))
     return replace(codec, pixel_format=pixel_format)
 
 
@@ -160,7 +176,11 @@ def _require(codec: Codec) -> None:
         av.format.ContainerFormat(codec.container, "w")
     except ValueError:  # includes FFmpeg's error for an unknown codec and PyAV's for an unknown format
         raise UserError(
-            f"cannot write {codec.suffix}: this PyAV was built without {codec.name}; choose another kind of film"
+            _(
+                "cannot write {kind}: this PyAV was built without {codec}; choose another kind of film",
+                kind=codec.suffix,
+                codec=codec.name,
+            )
         ) from None
 
 

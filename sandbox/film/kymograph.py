@@ -18,6 +18,7 @@ from softcradle.sandbox.film.encoder import open_film
 from softcradle.sandbox.film.formats import check, pixels_of
 from softcradle.sandbox.film.scene_film import RenderReport
 from softcradle.sandbox.film.scene_motion import Frames, after_time, motion_end, scene_motions, shown_span
+from softcradle.sandbox.languages import N_
 from softcradle.sandbox.motion import Motion
 from softcradle.sandbox.story.numbers import plain, round_down, scientific
 from softcradle.scenes import Scene
@@ -87,7 +88,7 @@ def stacked(camera: SlitCamera, motion: Motion) -> Pixels:
 
 
 CAMERA_RATE = 2052.0  # frames per second of the paper's camera
-CAMERA_FRAMES = Frames(of="kymograph", remedy="choose fewer frames a second (--fps)")
+CAMERA_FRAMES = Frames(of=N_("kymograph"), remedy=N_("choose fewer frames a second (--fps)"))
 FEWEST_FRAMES = 120  # fewest frames of a kymograph; a shorter motion gets more frames per second
 
 # Design pixels around the lanes.

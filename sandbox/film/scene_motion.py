@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from softcradle.physics import Trajectory
 from softcradle.sandbox.draw.shared_scales import longest_lead, motion_of
+from softcradle.sandbox.languages import N_, _, gettext
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.scene_runs import SHOWN, run_scene
 from softcradle.sandbox.story.ending import quiet_end
@@ -28,13 +29,13 @@ class Frames:
 
     Attributes:
         rows: rows of the motion for each frame.
-        of: its name.
-        remedy: advice for the user if there would be too many frames.
+        of: its name, marked for translation.
+        remedy: advice for the user if there would be too many frames, marked for translation.
     """
 
     rows: int = 1
-    of: str = "film"
-    remedy: str = "choose less slow motion"
+    of: str = N_("film")
+    remedy: str = N_("choose less slow motion")
 
 
 def scene_motions(
@@ -115,7 +116,7 @@ def _solved(
 ) -> list[Trajectory]:
     usual = SHOWN if scene.step is None else None  # with a step and no method, the scene decides the method
     found = run_scene(scene, most, method=method or scene.method or usual, step=step, **settings)
-    require_whole("a film", found)
+    require_whole(N_("a film"), found)
     return found
 
 
@@ -123,13 +124,21 @@ def require_whole(what: str, trajectories: Sequence[Trajectory]) -> None:
     """Raise GaveUpError if a method gave up before the end of the motion."""
     for trajectory in trajectories:
         if trajectory.status.gave_up:
-            raise GaveUpError(f"{what} needs the whole motion: {'; '.join(map(str, trajectory.warnings))}")
+            warnings = "; ".join(map(str, trajectory.warnings))
+            raise GaveUpError(_("{what} needs the whole motion: {warnings}", what=gettext(what), warnings=warnings))
 
 
 def checked_slow(slow: float) -> float:
     """Return the seconds of film for each second of motion, within the limits of a scene. Raise UserError."""
     if not 1.0 / MOST_SLOW <= slow <= MOST_SLOW:
-        raise UserError(f"slow motion must be from {1.0 / MOST_SLOW:g} to {MOST_SLOW:g}, not {slow:g}")
+        raise UserError(
+            _(
+                "slow motion must be from {least:g} to {most:g}, not {given!r}",
+                least=1.0 / MOST_SLOW,
+                most=MOST_SLOW,
+                given=slow,
+            )
+        )
     return slow
 
 
@@ -140,7 +149,13 @@ def _row_times(scene: Scene, end: float, rate: float, frames: Frames | None) -> 
         rate = MOST_ROWS / (lead + until)
     if frames is not None and (count := (lead + until) * rate / frames.rows) > MOST_FRAMES:
         raise UserError(
-            f"the {frames.of} would have {math.ceil(count):.6g} frames, more than {MOST_FRAMES}: {frames.remedy}"
+            _(
+                "the {picture} would have {count} frames, more than {most}: {remedy}",
+                picture=gettext(frames.of),
+                count=math.ceil(count),
+                most=MOST_FRAMES,
+                remedy=gettext(frames.remedy),
+            )
         )
     first, last = -math.floor(lead * rate), math.ceil(until * rate)
     return np.arange(first, max(last, first + 1) + 1) / rate
@@ -164,7 +179,8 @@ def after_time(scene: Scene, end: float) -> float:
 def require_finite(motions: Sequence[Motion]) -> None:
     """Raise a UserError if a motion is not finite, because a picture cannot show it."""
     if not all(np.isfinite(motion.position).all() and np.isfinite(motion.force).all() for motion in motions):
-        raise UserError(f"the motion by {motions[0].method} did not stay finite: choose a smaller step")
+        method = motions[0].method
+        raise UserError(_("The motion by {method} did not stay finite: choose a smaller step.", method=method))
 
 
 def first_force(motions: Sequence[Motion]) -> int:

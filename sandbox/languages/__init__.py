@@ -17,8 +17,8 @@ from softcradle.sandbox.languages.translation import label_words as label_words
 from softcradle.sandbox.languages.translation import language as language
 from softcradle.sandbox.languages.translation import language_of_environment as language_of_environment
 from softcradle.sandbox.languages.translation import localized as localized
+from softcradle.sandbox.languages.translation import message_words as message_words
 from softcradle.sandbox.languages.translation import ngettext as ngettext
 from softcradle.sandbox.languages.translation import pgettext as pgettext
-from softcradle.sandbox.languages.translation import refusal_words as refusal_words
 from softcradle.sandbox.languages.translation import scene_words as scene_words
 from softcradle.sandbox.languages.translation import use_language as use_language

@@ -16,6 +16,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
+from softcradle.physics.messages import Message, message_of
 from softcradle.sandbox.user_error import GaveUpError
 
 if TYPE_CHECKING:
@@ -200,61 +201,23 @@ def _law_words(text: str) -> str | None:
     return found if found != text else None
 
 
-# Error messages of physics and scenes, which do not depend on the language. They are recognised by their text. The
-# first match is used, so a special sentence must stand before a general one. {least}, {most} and {given} are numbers.
-REFUSALS = (
-    N_("contact exponent must be from {least} to {most}, not {given}; its limit 0 is step_force(f0)"),
-    N_("contact preload and stiffness are both 0: the contact would never push"),
-    N_("contact loss must be >= 0 and below 1, not {given}: at 1 the contact would never open again"),
-    N_("{what} must be a finite number {sign} 0, not {given}"),
-    N_("{what} must be from {least} to {most}, not {given}: choose other units"),
-    N_("two walls side by side: a contact between them could never be solved"),
-    N_("cannot find the file {path}"),
-    N_("{path}: not a text file in UTF-8: save it as UTF-8 ({detail})"),
-    N_("cannot read {path}: {error}"),
-    N_("unknown scene {name}; did you mean {near}? (softcradle scenes lists all scenes; scene files end in .toml)"),
-    N_("unknown scene {name} (softcradle scenes lists all scenes; scene files end in .toml)"),
-    N_("{path}: not valid TOML: {error}"),
-    N_("{path}: the scene: key {key} is missing"),
-    N_("{place}: key {key} is missing"),
-    N_("{place} must be a number, not {value}"),
-    N_("{place} must be a whole number, not {value}"),
-    N_("{place} must be true or false, not {value}"),
-    N_("{place} must be text in quotes, not {value}"),
-    N_("{place} must be a list in [ ], not {value}"),
-    N_("{place} must be a table, not {value}"),
-)
-WHAT = (N_("contact preload"), N_("contact stiffness"), N_("every mass (inf is a wall)"))
-NUMBERS = ("least", "most", "given")
 GAVE_UP = N_("the method gave up before the end: take another one, a larger step or a looser tolerance")
 
 
-def error_words(error: object) -> str:
-    """Return the message of an error in the current language if its translation is known. If a run gave up, return
-    advice.
-    """
-    return gettext(GAVE_UP) if isinstance(error, GaveUpError) else refusal_words(str(error))
+def error_words(error: BaseException) -> str:
+    """Return the message of an error in the current language. If a run gave up, return advice."""
+    return gettext(GAVE_UP) if isinstance(error, GaveUpError) else message_words(message_of(error))
 
 
-def refusal_words(text: str) -> str:
-    """Return `text`, translated if it matches one of the sentences in REFUSALS."""
-    for sentence in REFUSALS:
-        found = _pattern(sentence).fullmatch(text)
-        if found is not None:
-            return gettext(sentence, **{name: _value(name, value) for name, value in found.groupdict().items()})
-    return text
+def message_words(text: str) -> str:
+    """Return a Message in the current language; any other text unchanged."""
+    if not isinstance(text, Message):
+        return text
+    return gettext(text.template, **{name: _value_words(name, value) for name, value in text.values.items()})
 
 
-@lru_cache
-def _pattern(sentence: str) -> re.Pattern[str]:
-    parts = re.split(r"\\{(\w+)\\}", re.escape(sentence))
-    return re.compile("".join(f"(?P<{part}>.+?)" if k % 2 else part for k, part in enumerate(parts)), re.DOTALL)
-
-
-def _value(name: str, text: str) -> str:
-    """Return an inserted value: a number with the decimal mark of the language, a translated name of WHAT, or the text
-    itself.
-    """
-    if name in NUMBERS and re.fullmatch(r"-?[\d.]+(e[-+]?\d+)?", text):
-        return localized(text)
-    return gettext(text) if text in WHAT else text
+def _value_words(name: str, value: object) -> object:
+    """Return a value of a message: a message or the noun `what` is translated."""
+    if isinstance(value, Message):
+        return message_words(value)
+    return gettext(value) if name == "what" and isinstance(value, str) else value

@@ -17,7 +17,7 @@ from softcradle.physics.scales import greatest_speed, speed_scale
 from softcradle.sandbox.draw.bodies import EQUAL_MASSES, HEAVY, cluster_ends, is_gear, solid_force
 from softcradle.sandbox.draw.palette import LIGHT, OKABE_ITO
 from softcradle.sandbox.draw.shared_scales import Scales
-from softcradle.sandbox.languages import in_every_language, label_words, scene_words
+from softcradle.sandbox.languages import _, in_every_language, label_words, scene_words
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.page.played_motion import PlayedMotion
 from softcradle.sandbox.user_error import UserError
@@ -203,7 +203,9 @@ def packed_lanes(lanes: Sequence[Motion], scales: Scales, usual: int) -> list[di
             break
     if size > MOST_BYTES:
         beads = max(motion.chain.contacts + 1 for motion in lanes)
-        raise UserError(f"the motion of {beads} beads is too much for one page: choose a shorter duration or a film")
+        raise UserError(
+            _("the motion of {beads} beads is too much for one page: choose a shorter duration or a film", beads=beads)
+        )
     return [_packed(motion, chosen, scales) for motion, chosen in zip(lanes, rows, strict=True)]
 
 

@@ -14,7 +14,7 @@ from softcradle.physics import Trajectory
 from softcradle.physics.scales import default_step
 from softcradle.sandbox.files import output_file
 from softcradle.sandbox.film.scene_motion import checked_slow, require_whole
-from softcradle.sandbox.languages import in_every_language
+from softcradle.sandbox.languages import N_, _, in_every_language
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.page.data import can_be_computed, is_train, page_data
 from softcradle.sandbox.page.document import (
@@ -67,7 +67,8 @@ def write_page(
     """
     found = (trajectories,) if isinstance(trajectories, Trajectory) else tuple(trajectories)
     if len(found) != len(scene.lanes):
-        raise UserError(f"a page needs a trajectory for each lane: {len(scene.lanes)}, not {len(found)}")
+        needed, given = len(scene.lanes), len(found)
+        raise UserError(_("a page needs a trajectory for each lane: {needed}, not {given}", needed=needed, given=given))
     with output_file(path) as temporary:
         size = temporary.write_bytes(_recorded_text(scene, found).encode())
     return PageReport(Path(path), size, computed=False)
@@ -102,7 +103,7 @@ def scene_text(scene: Scene, slow: float | None = None, **settings: Any) -> tupl
 
 def _recorded(scene: Scene, **settings: Any) -> list[Trajectory]:
     trajectories = recorded(scene, **settings)
-    require_whole("a page", trajectories)
+    require_whole(N_("a page"), trajectories)
     for sentence in dict.fromkeys(str(warning) for found in trajectories for warning in found.warnings):
         warnings.warn(sentence, RuntimeWarning, stacklevel=3)
     return trajectories

@@ -57,7 +57,8 @@ def converted_contact(chain: Chain, index: int, kind: str, speed: float, length:
     through each other. Raise ValueError for an unknown kind.
     """
     if kind not in KINDS:
-        raise ValueError(f"unknown kind of contact {kind!r}; there are {', '.join(KINDS)}")
+        known = ", ".join(KINDS)
+        raise ValueError(gettext("unknown kind of contact {kind!r}; there are {known}", kind=kind, known=known))
     contact = plain_contact(chain, index)
     present = kind_of(contact)
     if present == kind:

@@ -391,7 +391,7 @@ def from_table(table: dict[str, Any]) -> Input:
     input_class = INPUTS.get(str(table.get("input")))
     values = {key: value for key, value in table.items() if key != "input"}
     if input_class is None or set(values) - {field.name for field in fields(input_class)}:
-        raise ValueError(f"not an input of a session: {table}")
+        raise ValueError(gettext("not an input of a session: {table}", table=str(table)))
     if values.get("law") is not None:
         values["law"] = Contact(**values["law"])
     item: Input = input_class(**values)

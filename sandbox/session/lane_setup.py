@@ -13,7 +13,8 @@ from softcradle.physics.advice.auto_method import LIVE_ERROR as ERROR
 from softcradle.physics.advice.auto_method import conserving_step
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import Contact
-from softcradle.physics.methods import find_method, refusal_of
+from softcradle.physics.messages import InputError
+from softcradle.physics.methods import find_method, refusal_of, refusal_of_fineness
 from softcradle.physics.scales import speed_scale, step_at
 from softcradle.physics.state import State
 from softcradle.sandbox.languages import _
@@ -139,7 +140,7 @@ class LaneSetup:
         if step is None:
             return replace(self, step_given=False).with_choice()
         if find_method(self.method).adaptive:
-            raise ValueError(f"method {self.method} chooses its own steps")
+            raise InputError(refusal_of_fineness(self.method, step, None))
         return replace(self, step=step, step_given=True, automatic=False)
 
     @property
@@ -164,7 +165,7 @@ class LaneSetup:
 def _check_carried(chain: Chain, method: str) -> None:
     """Refuse a chain with friction, loss or couplers if the method does not support them."""
     if reason := refusal_of(method, chain):
-        raise ValueError(reason)
+        raise InputError(reason)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import pygame
 from softcradle.sandbox.draw.palette import Colour, tones
 from softcradle.sandbox.draw.text import shortened, width, wrapped, write
-from softcradle.sandbox.languages import refusal_words
+from softcradle.sandbox.languages import message_words
 
 MOST = 2  # Largest number of messages on screen.
 LONGEST = 1000  # Largest number of characters shown, which fit into every window. Pasted names can be arbitrarily long.
@@ -63,7 +63,7 @@ class Messages:
         self._show(text, HINT, subject)
 
     def _show(self, text: str, kind: str, subject: str) -> None:
-        text = refusal_words(text)
+        text = message_words(text)
         text = text if len(text) <= LONGEST else f"{text[: LONGEST - 2]} …"
         kept = (one for one in self.visible if one.text != text and (one.subject != subject or not subject))
         self.visible = list(kept)[-(MOST - 1) :]

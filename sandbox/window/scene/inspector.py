@@ -93,7 +93,7 @@ class SweepBoard(Overlay):
         if isinstance(found, Variant):
             self.found.append(found)
             self._make_panels()
-        elif self.open:
+        elif self.open and isinstance(found, Exception):
             self.close()
             self.host.messages.show(_("this cannot be swept: {error}", error=error_words(found)), warning=True)
 

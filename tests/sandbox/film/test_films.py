@@ -157,7 +157,7 @@ def test_no_text_of_a_film_lies_on_another(name, size):
     [
         ("film.mp4", {"size": (481, 270)}, "even width and height"), ("film.mp4", {"size": (80, 60)}, "out of range"),
         ("film.mp4", {"size": (20000, 1080)}, "out of range"), ("film.mp4", {"fps": 0.5}, "frames a second"),
-        ("film.mp4", {"fps": 1000.0}, "frames a second"), ("film.gif", {"fps": 60.0}, ".gif has 1 to 50 frames a second"),
+        ("film.mp4", {"fps": 1000.0}, "frames a second"), ("film.gif", {"fps": 60.0}, ".gif: 1 to 50 frames a second"),
         ("film.mp4", {"pixel_format": "rgb"}, "unknown pixel format 'rgb'; allowed: yuv420p, yuv444p"),
         ("film.gif", {"pixel_format": "yuv444p"}, ".mp4 only"),
         ("film.mov", {}, "must end in .mp4, .gif, .webp, .avif, .png or .html"), ("missing/film.mp4", {}, "no folder"),

@@ -1,20 +1,16 @@
 """Tests of translations: plural forms, number formats, the locale, texts of scenes, error messages of the physics."""
 
-import math
 import string
-from functools import partial
 
 import pytest
-from softcradle.physics import Chain, Contact, power_law
 from softcradle.sandbox import languages
 from softcradle.sandbox.draw.scene_picture import speed_text
 from softcradle.sandbox.draw.text import font
-from softcradle.sandbox.languages import LANGUAGES, refusal_words, translation, use_language
+from softcradle.sandbox.languages import LANGUAGES, translation, use_language
 from softcradle.sandbox.languages.translation import catalogue_path
 from softcradle.sandbox.session.export import EDITED
 from softcradle.sandbox.story.numbers import MINUS, TIMES, factor, fixed, number_text, prefixed, scientific, ticks
 from softcradle.sandbox.story.sentences import time_text
-from softcradle.scenes import load, parse
 
 from tools.update_catalogues import is_translated, main, read_catalogue, update
 
@@ -64,45 +60,7 @@ def test_words_of_scenes_and_labels():
     assert languages.label_words("version 1.2 and a half") == "version 1.2 and a half"
 
 
-MISTAKES = (
-    lambda: Contact(1.0, 1.0, 95.0),
-    lambda: Contact(0.0, 0.0, 1.0),
-    lambda: Contact(1.0, 1.0, 1.0, loss=1.5),
-    lambda: Contact(-1.0, 1.0, 1.0),
-    lambda: Contact(0.0, 1e40, 1.0),
-    lambda: Chain([1.0, -1.0], power_law(1.0, 0.1)),
-    lambda: Chain([math.inf, math.inf], power_law(1.0, 0.1)),
-    *(partial(load, name) for name in ("one-on-for", "zzz", "zzz.toml", ".")),
-)
-WRONG_SCENES = (
-    "title = ",
-    'title = "x"',
-    "title = 3\nlanes = []",
-    'title = "x"\n[[lanes]]\nbeads = [1, 4]\napproach = "far"\n[lanes.contact]\nlaw = "hertz"',
-    'title = "x"\nlanes = 3',
-    'title = "x"\n[[lanes]]\nbeads = [1, 4]\ncontact = {law = "power_law", f0 = 1.0}',
-    'title = "x"\nview = 3\n[[lanes]]\nbeads = [1, 4]\ncontact = {law = "power_law", f0 = 1.0, alpha = 0.1}',
-    'title = "x"\n[view]\nlabels = 3\n[[lanes]]\nbeads = [1, 4]\ncontact = {law = "power_law", f0 = 1.0, alpha = 0.1}',
-)
-
-
 CODES = [code for code in LANGUAGES if code != "en"]
-
-
-@pytest.mark.parametrize("code", CODES)
-@pytest.mark.parametrize("mistake", [*MISTAKES, *(partial(parse, text, "mine.toml") for text in WRONG_SCENES)])
-def test_refusals_are_translated(code, mistake):
-    with pytest.raises(ValueError, match=r".") as raised:
-        mistake()
-    sentence = str(raised.value)
-    use_language(code)
-    translated = refusal_words(sentence)
-    assert translated != sentence
-    assert not {"must", "key", "there", "be", "not", "two"} & set(translated.split())
-    named = getattr(mistake, "args", ())[-1:]  # Name of a scene or of its file.
-    assert all(name in translated for name in named)
-    # Sentences without a translation stay the same.
-    assert refusal_words("mine.toml: key 'x' is unknown") == "mine.toml: key 'x' is unknown"
 
 
 def fields(text: str) -> set[tuple[str, str, str | None]]:
