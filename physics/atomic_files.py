@@ -128,7 +128,7 @@ def _refusal(target: Path, place: Path, error: OSError) -> OSError:
     # A missing folder has its own message.
     if not folder.is_dir():
         return FileNotFoundError(
-            Message("no_folder", "cannot write {path}: there is no folder {folder}", path=target, folder=folder)
+            Message("no_folder", "cannot write {path}: the folder {folder} does not exist", path=target, folder=folder)
         )
     if isinstance(error, FileNotFoundError):  # error of file systems such as /proc
         return PermissionError(

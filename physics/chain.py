@@ -205,7 +205,8 @@ class Chain(Shown):
             ValueError: a contact is a coupler or has a user-defined law.
         """
         others = [
-            (i, Message("has_own_law", "has a law of its own, {law!r}", law=law.name)) for i, law in self.own_contacts
+            (i, Message("has_own_law", "has the user-defined law {law!r}", law=law.name))
+            for i, law in self.own_contacts
         ]
         kinds = [(i, Message("is_kind", "is a {kind}", kind=type(one).__name__)) for i, one in self.piecewise]
         for i, what in [*others, *kinds]:

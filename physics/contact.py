@@ -190,7 +190,9 @@ class Contact:
         # 1/R of both bodies; a flat wall has curvature 0
         curvature = sum(0.0 if size == math.inf else 1.0 / magnitude("radius", size) for size in radii)
         if not curvature or not yielding:
-            raise InputError("no_hertz", "two flat walls, or two bodies with a poisson of -1, have no Hertz contact")
+            raise InputError(
+                "no_hertz", "two flat walls, or two bodies with a poisson of -1, cannot have a Hertz contact"
+            )
         return cls(0.0, 4.0 / 3.0 / yielding / math.sqrt(curvature), 1.5, loss)
 
     @property

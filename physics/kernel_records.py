@@ -154,8 +154,8 @@ def require_finite_motion(chain: Chain, state: State) -> None:
         names = ", ".join(repr(law.name) for law in chain.own_laws)
         raise InputError(
             "own_law_failed",
-            "contact law {names} gave no number in the course of the motion, which ended at t = {time:.6g} s: "
-            "its force and energy must be finite as far as the contact is pressed",
+            "contact law {names} gave no number in the course of the motion, which ended after {time:.6g} s: "
+            "force and energy must be finite at every overlap of the motion",
             names=names,
             time=state.time,
         )

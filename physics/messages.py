@@ -16,11 +16,11 @@ class Message(str):
     ``str(message)`` is the message itself, so code and values are not lost if an error is raised again with the text of
     another one. A value can be a Message as well.
 
-    >>> message = Message("tolerance", "tolerance must be at least {least:g}, not {given:g}", least=1e-16, given=1e-20)
+    >>> message = Message("depth", "depth must be at least {least:g}, not {given:g}", least=1e-16, given=1e-20)
     >>> print(message)
-    tolerance must be at least 1e-16, not 1e-20
+    depth must be at least 1e-16, not 1e-20
     >>> message.code, message.values["least"]
-    ('tolerance', 1e-16)
+    ('depth', 1e-16)
     """
 
     code: str

@@ -103,12 +103,12 @@ class OwnLaw:
     ) -> None:
         if isinstance(law, (Contact, PiecewiseContact)):
             raise InputError(
-                "own_law", "a chain takes {given} as it is: a law of your own is something else", given=shown(law)
+                "own_law", "a chain takes {given} as it is: it is not a user-defined law", given=shown(law)
             )
         if not is_law(law) or isinstance(law, OwnLaw):
             raise InputError(
                 "own_law_force",
-                "a law of your own must be a function or have a method force(overlap), not {given}",
+                "a user-defined law must be a function or have a method force(overlap), not {given}",
                 given=shown(law),
             )
         # the energy is optional; both functions must take exactly one argument

@@ -212,7 +212,7 @@ def require_graph(what: str, contact: PiecewiseContact) -> None:
         raise InputError("no_push", "{what} must have a segment that pushes from overlap 0 on", what=what)
     if list(contact.segments) != [*contact.pulling[::-1], *contact.pushing]:
         raise InputError(
-            "segment_order", "{what} must have its segments from left to right, those that pull first", what=what
+            "segment_order", "{what} must have its segments from left to right, pulling segments first", what=what
         )
     # each side must be continuous, its force must not decrease, and it must extend to infinity
     for side in (contact.pushing, contact.pulling):

@@ -255,7 +255,11 @@ def checked_tolerance(tolerance: float) -> float:
     found = magnitude("tolerance", tolerance)
     if found < LEAST_TOLERANCE:
         raise InputError(
-            "tolerance", "tolerance must be at least {least:g}, not {given:g}", least=LEAST_TOLERANCE, given=found
+            "tolerance",
+            "{what} must be at least {least:g}, not {given:g}",
+            what="tolerance",
+            least=LEAST_TOLERANCE,
+            given=found,
         )
     return found
 

@@ -53,12 +53,12 @@ class TimedForce:
         if times.ndim != 1 or not times.size or not (times >= 0.0).all() or not (times <= LARGEST).all():
             raise InputError(
                 "force_times",
-                "times of a force must be a list of numbers from 0 to {most:g}, not {given}",
+                "force times must be a list of numbers from 0 to {most:g}, not {given}",
                 most=LARGEST,
                 given=shown(time),
             )
         if (np.diff(times) < 0.0).any():
-            raise InputError("ascending_times", "times of a force must ascend, not {given}", given=shown(time))
+            raise InputError("ascending_times", "force times must ascend, not {given}", given=shown(time))
         # one force for all times, or one for each
         if forces.shape not in ((), times.shape):
             raise InputError(

@@ -106,7 +106,7 @@ def _loss(value: Any) -> str:
     """Return advice on the loss of a contact with the restitution `value`."""
     restitution = _number(value)
     if restitution is None or not 0.0 <= restitution <= 1.0:
-        return Message("loss_rule", "loss = 1 - e**2, where e is the restitution")
+        return Message("loss_rule", "loss = 1 - e**2 with the restitution e")
     if restitution == 0.0:
         return Message(
             "loss_below_one",

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import Annotated, Any, Self
 
-from pydantic import BeforeValidator, Field, Strict, ValidationInfo, field_validator, model_validator
+from pydantic import BeforeValidator, Field, Strict, ValidationInfo, WrapValidator, field_validator, model_validator
 from softcradle.physics import notebook_views
 from softcradle.physics.checked_input import magnitude, shown
 from softcradle.physics.messages import Message
@@ -45,6 +45,8 @@ ONE_VELOCITY = Message(
 )
 Count = Annotated[int, Strict(), Field(ge=1, le=MOST_BEADS)]
 Text = Annotated[str, BeforeValidator(lambda text: " ".join(text.split()) if isinstance(text, str) else text)]
+# A Message keeps its code and values, so that a window can translate it. In a file it is its English text.
+Label = Annotated[Text, WrapValidator(lambda text, check: text if isinstance(text, Message) else check(text))]
 
 
 class ForceTable(Table):
@@ -119,7 +121,7 @@ class Lane(Table):
         brakes: brakes over time on some beads, in addition to the friction of the bed.
     """
 
-    label: Text = ""
+    label: Label = ""
     beads: OneOrMany[Count] | None = None
     mass: OneOrMany[Mass] = 1.0
     contact: OneOrMany[ContactTable]

@@ -77,7 +77,7 @@ class SyntaxProblem(NamedTuple):
     column: int
 
     def plain_hint(self) -> str:
-        """Return a hint, or the message of the parser, which is English, if there is no hint."""
+        """Return a hint. For an unknown problem, return the English message of the parser."""
         if self.words.startswith("Unclosed"):
             bracket = "}" if "inline table" in self.words else "]"
             return Message("open_bracket", "a closing {bracket} is missing in this line or above it", bracket=bracket)

@@ -25,7 +25,7 @@ from softcradle.sandbox.draw.palette import bead_colours, mix, text_on, tones
 from softcradle.sandbox.draw.shared_scales import FORCE_MARGIN, Scales, left_edges
 from softcradle.sandbox.draw.supersampling import blit_sprite, draw_arrow, fill_rectangle
 from softcradle.sandbox.draw.text import shortened, width, write
-from softcradle.sandbox.languages import N_, _, label_words
+from softcradle.sandbox.languages import N_, _, scene_words
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.quantities import FORCE
 from softcradle.sandbox.story.numbers import (
@@ -130,7 +130,7 @@ class LaneDrawing:
     def __init__(self, rect: pygame.Rect, unit: float, scene: DrawnScene, number: int, scales: Scales) -> None:
         self.rect, self.unit, self.scales = rect, unit, scales
         lane = scene.lanes[number]
-        self.label, self.length, self.numbered = label_words(lane.label), scene.view.length, scene.view.labels
+        self.label, self.length, self.numbered = scene_words(lane.label), scene.view.length, scene.view.labels
         self.chain: Chain = lane.chain()
         palette = bead_colours(self.chain.contacts + 1)
         self.contact_colours = palette[1:]  # A contact has the colour of the bead on its right, which it pushes.

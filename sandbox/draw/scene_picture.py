@@ -14,7 +14,7 @@ from softcradle.sandbox.draw.magnified_insets import MagnifiedInsets
 from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.draw.text import shortened, wrapped, write
-from softcradle.sandbox.languages import _, label_words, scene_words
+from softcradle.sandbox.languages import _, scene_words
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.quantities import FORCE, OVERLAP, VELOCITY
 from softcradle.sandbox.story.lane_story import motion_outcome
@@ -186,7 +186,7 @@ class Picture:
         """Return the outcome of each lane in words, after its label if there are several lanes."""
         lasts, found = self.scene.duration is not None, []
         for lane, motion in zip(self.scene.lanes, self.motions, strict=False):
-            words, label = outcome_words(motion_outcome(motion, lasts)), label_words(lane.label)
+            words, label = outcome_words(motion_outcome(motion, lasts)), scene_words(lane.label)
             found.append(_("{label}: {words}", label=label, words=words) if len(self.motions) > 1 and label else words)
         return found
 

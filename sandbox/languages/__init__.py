@@ -13,7 +13,6 @@ from softcradle.sandbox.languages.translation import english as english
 from softcradle.sandbox.languages.translation import error_words as error_words
 from softcradle.sandbox.languages.translation import gettext as gettext
 from softcradle.sandbox.languages.translation import in_every_language as in_every_language
-from softcradle.sandbox.languages.translation import label_words as label_words
 from softcradle.sandbox.languages.translation import language as language
 from softcradle.sandbox.languages.translation import language_of_environment as language_of_environment
 from softcradle.sandbox.languages.translation import localized as localized

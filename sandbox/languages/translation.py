@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import io
 import os
-import re
 import string
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -168,37 +167,12 @@ def _filled(message: str, values: Mapping[str, object]) -> str:
     return _FILLER.vformat(message, (), values)
 
 
-# Labels that sessions give to lanes after edits, and suffixes that they add to labels.
-LABELS = (N_("draft gear"), N_("preloaded contact"), N_("mixed contacts"))
-SUFFIXES = (N_(", edited"), N_(", the other"), N_(", compared"), N_(" ..."))
-AND = N_(" and ")
-
-
 def scene_words(text: str) -> str:
-    """Return the translation of a title, text or source of a scene, or the text itself if the catalogue does not
+    """Return the translation of a title, text, source or label of a scene, or the text itself if the catalogue does not
     contain it.
     """
     words = " ".join(text.split())
-    for suffix in SUFFIXES:
-        if words.endswith(suffix):
-            return scene_words(words.removesuffix(suffix)) + gettext(suffix)
-    return gettext(words)
-
-
-def label_words(label: str) -> str:
-    """Return the translated label of a lane. A label that an edit made from several contacts is translated part by
-    part.
-    """
-    parts = [_law_words(part) for part in label.split(AND)]
-    return scene_words(label) if None in parts else gettext(AND).join(filter(None, parts))
-
-
-def _law_words(text: str) -> str | None:
-    """Return the translated name of a contact law, or None if `text` is not such a name."""
-    found = scene_words(text)
-    if re.fullmatch(r"(Hooke, |Hertz, )?alpha = [\d./]+[^\d.]*", found):
-        return localized(found)
-    return found if found != text else None
+    return message_words(text) if isinstance(text, Message) else gettext(words)
 
 
 GAVE_UP = N_("the method gave up before the end: take another one, a larger step or a looser tolerance")

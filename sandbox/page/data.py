@@ -17,7 +17,7 @@ from softcradle.physics.scales import greatest_speed, speed_scale
 from softcradle.sandbox.draw.bodies import EQUAL_MASSES, HEAVY, cluster_ends, is_gear, solid_force
 from softcradle.sandbox.draw.palette import LIGHT, OKABE_ITO
 from softcradle.sandbox.draw.shared_scales import Scales
-from softcradle.sandbox.languages import _, in_every_language, label_words, scene_words
+from softcradle.sandbox.languages import _, in_every_language, scene_words
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.page.played_motion import PlayedMotion
 from softcradle.sandbox.user_error import UserError
@@ -162,7 +162,7 @@ def _texts(played: PlayedMotion) -> dict[str, dict[str, Any]]:
 
     def texts() -> dict[str, Any]:
         words = {key: scene_words(getattr(played.scene, key)) for key in ("title", "source", "text", "question")}
-        return words | {"labels": list(map(label_words, played.labels))}
+        return words | {"labels": list(map(scene_words, played.labels))}
 
     found = in_every_language(texts)
     return {code: said for code, said in found.items() if code == "en" or said != found["en"]}

@@ -9,7 +9,7 @@ from softcradle.physics import Trajectory
 from softcradle.physics.status import Status
 from softcradle.sandbox.draw.shared_scales import Scales, motion_of, scales_of
 from softcradle.sandbox.film.scene_motion import require_finite, shown_span
-from softcradle.sandbox.languages import N_, _, label_words, ngettext
+from softcradle.sandbox.languages import N_, _, ngettext, scene_words
 from softcradle.sandbox.motion import Motion
 from softcradle.sandbox.page.document import note, table
 from softcradle.sandbox.story.numbers import force_unit, scientific, time_unit
@@ -126,7 +126,7 @@ def result_notes(played: PlayedMotion) -> str:
 
 def _named(played: PlayedMotion, lane: int, text: str) -> str:
     """Return `text`, preceded by the label of the lane if there are several lanes."""
-    label = label_words(played.labels[lane])
+    label = scene_words(played.labels[lane])
     return f"{label}: {text}" if label and len(played.labels) > 1 else text
 
 

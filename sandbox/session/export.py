@@ -15,6 +15,7 @@ from pydantic import ValidationError
 from softcradle.physics.chain import Chain, Joint
 from softcradle.physics.contact import Contact, is_closed
 from softcradle.physics.coupler import Coupler
+from softcradle.physics.messages import Message
 from softcradle.physics.methods import refusal_of_fineness
 from softcradle.physics.simulation import endless
 from softcradle.physics.state import State
@@ -29,7 +30,6 @@ from softcradle.sandbox.session.ledger import BY_BED, BY_CONTACTS, IMPULSE_GIVEN
 from softcradle.scenes import Lane, Scene, load, names, parse
 from softcradle.scenes.scene_errors import scene_error
 
-EDITED = ", edited"  # suffix of the label of a lane whose numbers other than its contacts were edited
 LARGEST_DENOMINATOR = 60  # largest denominator of an exponent that is written as a fraction
 EPSILON = float(np.finfo(float).eps)
 PREFIX = "softcradle:"
@@ -40,7 +40,11 @@ def lane_label(label: str, before: Chain, now: Chain) -> str:
     """Return the label of a lane that was `label` with the chain `before`."""
     if (words := contacts_text(now.contact)) != contacts_text(before.contact):
         return words
-    return label if _differ_by_gaps(before, now) or not label or label.endswith(EDITED) else label + EDITED
+    # The label of a scene file is plain text: do not add the word again.
+    again = label.code == "edited" if isinstance(label, Message) else label.endswith(", edited")
+    if _differ_by_gaps(before, now) or not label or again:
+        return label
+    return Message("edited", "{label}, edited", label=label)
 
 
 def _differ_by_gaps(before: Chain, now: Chain) -> bool:
@@ -51,25 +55,34 @@ def _differ_by_gaps(before: Chain, now: Chain) -> bool:
 def contacts_text(contacts: tuple[Joint, ...]) -> str:
     """Return a short description of contacts, such as "alpha = 1/50" or "draft gear"."""
     laws, kinds = list(dict.fromkeys(map(_law_text, contacts))), set(map(kind_of, contacts))
-    if len(laws) <= 2 or kinds == {"power"}:
-        return " and ".join(laws[:2]) + (" ..." if len(laws) > 2 else "")
-    return "mixed contacts"
+    if len(laws) == 1:
+        return laws[0]
+    two = Message("two_laws", "{first} and {second}", first=laws[0], second=laws[1])
+    if len(laws) == 2:
+        return two
+    return Message("more_laws", "{laws} ...", laws=two) if kinds == {"power"} else Message("mixed", "mixed contacts")
 
 
 def _law_text(law: Joint) -> str:
     if not isinstance(law, Contact):
-        return "coupler" if isinstance(law, Coupler) else law.name
+        return Message("coupler", "coupler") if isinstance(law, Coupler) else law.name
+    if law.preload > 0.0 and law.exponent == 1.0:
+        return Message("draft_gear", "draft gear")
     if law.preload > 0.0:
-        return "draft gear" if law.exponent == 1.0 else "preloaded contact"
-    name = {1.0: "Hooke, ", 1.5: "Hertz, "}.get(law.exponent, "")
-    return f"{name}alpha = {exponent_text(law.exponent)}"
+        return Message("preloaded", "preloaded contact")
+    alpha = exponent_text(law.exponent)
+    if law.exponent == 1.0:
+        return Message("hooke", "Hooke, alpha = {alpha}", alpha=alpha)
+    if law.exponent == 1.5:
+        return Message("hertz", "Hertz, alpha = {alpha}", alpha=alpha)
+    return Message("power", "alpha = {alpha}", alpha=alpha)
 
 
 def exponent_text(exponent: float) -> str:
     """Return the exponent as a simple fraction if possible, else with three digits."""
     fraction = Fraction(exponent).limit_denominator(LARGEST_DENOMINATOR)
     simple = fraction.numerator in (1, 3) and abs(float(fraction) - exponent) < 1e-9 * exponent
-    return str(fraction) if simple else f"{exponent:.3g}"
+    return str(fraction) if simple else Message("digits", "{number:.3g}", number=exponent)
 
 
 def scene_of(scene: Scene, setup: Setup, labels: Sequence[str]) -> Scene:

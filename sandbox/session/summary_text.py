@@ -4,7 +4,7 @@ from collections.abc import Callable
 from itertools import takewhile
 
 from softcradle.physics.contact import is_closed
-from softcradle.sandbox.languages import _, label_words
+from softcradle.sandbox.languages import _, scene_words
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.contact_events import ContactEvents
@@ -75,7 +75,7 @@ def _of_lanes(session: Session, words_of: Callable[[Session, int], str]) -> str:
     """Return the words of each lane in a line of its own, after its label if there are several lanes."""
     parts = []
     for lane in range(len(session.lanes)):
-        label, words = label_words(session.label(lane)), words_of(session, lane)
+        label, words = scene_words(session.label(lane)), words_of(session, lane)
         parts.append(_("{label}: {words}", label=label, words=words) if len(session.lanes) > 1 and label else words)
     return "\n".join(parts)
 

@@ -109,7 +109,7 @@ def test_one_segment_is_the_contact_itself():
 ONE = Segment(1.0, 0.0, 0.0, 2.0, 1.0)
 WRONG = {
     "begins at 1": ([ONE._replace(origin=1.0)], "must have a segment that pushes from overlap 0 on"),
-    "order": ([ONE, ONE._replace(side=-1.0, origin=-1.0)], "from left to right, those that pull first"),
+    "order": ([ONE, ONE._replace(side=-1.0, origin=-1.0)], "from left to right, pulling segments first"),
     "a hole": ([ONE._replace(length=1.0), ONE._replace(origin=2.0)], "ends at 1 m, and the next begins at 2 m"),
     "a fall": ([ONE._replace(length=1.0), ONE._replace(origin=1.0)], "the force falls from 2 to 0 N at 1 m"),
     "no end": ([ONE._replace(length=1.0)], "the last segment must have the length inf, not 1 m"),

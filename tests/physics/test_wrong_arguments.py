@@ -222,7 +222,7 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "own law: a Coupler": (lambda: OwnLaw(Coupler(LAW)), "a chain takes .* as it is"),
     "own law: a class": (lambda: OwnLaw(Spring), "must be a function or have a method force"),
     "own law: no energy": (lambda: OwnLaw(lambda d: d, 3.0), "the energy of a law must be a function"),
-    "own law: power laws": (lambda: one_on(4, Spring()).power_law_rows, "contact 0-1 has a law of its own, 'Spring'"),
+    "own law: power laws": (lambda: one_on(4, Spring()).power_law_rows, "contact 0-1 has the user-defined law 'Spring'"),
 }  # fmt: skip
 
 

@@ -129,8 +129,8 @@ def test_scene_shows_mistakes_beside_those_of_a_lane():
         ("0.8", "loss = 1 - e**2, here loss = 0.36"),
         ("1", "loss = 1 - e**2, here loss = 0"),
         ("0", "loss = 1 - e**2, which must be below 1: a restitution of 0 cannot be computed, 0.01 can"),
-        ("1.5", "loss = 1 - e**2, where e is the restitution"),
-        ('"high"', "loss = 1 - e**2, where e is the restitution"),
+        ("1.5", "loss = 1 - e**2 with the restitution e"),
+        ('"high"', "loss = 1 - e**2 with the restitution e"),
     ],
 )
 @pytest.mark.parametrize("place", ["lane", "contact"])

@@ -12,7 +12,7 @@ from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.draw.supersampling import draw_marker
 from softcradle.sandbox.draw.text import width, write
-from softcradle.sandbox.languages import label_words
+from softcradle.sandbox.languages import scene_words
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.story.numbers import ROUND_OFF, fixed, scientific
@@ -179,7 +179,7 @@ class PlotBoard:
 
     def _plot(self, name: str, lane: int, rect: pygame.Rect, unit: float, scales: Scales) -> Plot:
         kind, live, session = PLOT_KINDS[name], self.session.lanes[lane], self.session
-        label = label_words(session.label(lane)) if len(session.lanes) > 1 and not kind.two_lanes else ""
+        label = scene_words(session.label(lane)) if len(session.lanes) > 1 and not kind.two_lanes else ""
         length = session.scene.view.length
         content = kind.content(PlotSetting(scales, lane, live.chain.contacts + 1, length, self.logarithmic, self.pair))
         return kind.plot(rect, unit, content.labelled(label), session.history, lane, self.span)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from softcradle.sandbox.languages import N_, _, label_words
+from softcradle.sandbox.languages import N_, _, scene_words
 from softcradle.sandbox.session.contact_conversion import kind_of
 from softcradle.sandbox.session.inputs import AddBead, Input, LaneInput, Lock, RemoveBead, SetKind, SetMethod
 from softcradle.sandbox.session.session import Session
@@ -31,7 +31,7 @@ def pick_title(session: Session, pick: Pick) -> str:
         title = _("Wall {number}", number=pick.index) if wall else _("Bead {number}", number=pick.index)
     else:
         title = _("Contact {number}", number=subscript(pick.index, pick.index + 1))
-    label = label_words(session.label(pick.lane))
+    label = scene_words(session.label(pick.lane))
     return f"{title} · {label}" if len(session.lanes) > 1 and label else title
 
 

@@ -15,7 +15,7 @@ from softcradle.sandbox.draw.bodies import cluster_ends, has_marks, visible_mark
 from softcradle.sandbox.draw.lane_drawing import VISIBLE_FORCE
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import paragraphs, shortened, width, write
-from softcradle.sandbox.languages import N_, _, label_words
+from softcradle.sandbox.languages import N_, _, scene_words
 from softcradle.sandbox.quantities import BEAD
 from softcradle.sandbox.session.contact_conversion import at_the_same_depth, has_soft_contacts
 from softcradle.sandbox.session.editable_numbers import MOST_SPEED, ROUND_EXPONENTS, Parameter, parameters
@@ -286,7 +286,7 @@ class OutcomeCard:
         said, marked = [], False
         for lane in self._rows:
             text, marks = self._forces(lane)
-            label, marked = label_words(self.session.label(lane)), marked or marks
+            label, marked = scene_words(self.session.label(lane)), marked or marks
             said.append(_("{label}: {words}", label=label, words=text) if len(self._rows) > 1 and label else text)
         if marked:
             said[-1] = f"{said[-1]} {_(MARKS)}"

@@ -12,7 +12,7 @@ from softcradle.physics import METHODS
 from softcradle.physics.methods import refusal_of
 from softcradle.sandbox.draw.palette import mix, tones
 from softcradle.sandbox.draw.text import shortened, write
-from softcradle.sandbox.languages import _, label_words
+from softcradle.sandbox.languages import _, scene_words
 from softcradle.sandbox.session.inputs import SetMethod
 from softcradle.sandbox.session.run_verdict import Finding, Health
 from softcradle.sandbox.session.session import Session
@@ -170,7 +170,7 @@ class LaneCards:
         self._sentence(surface, rect, state, y)
 
     def _title(self, surface: pygame.Surface, rect: pygame.Rect, number: int) -> None:
-        unit, label = self.host.unit, label_words(self.session.label(number))
+        unit, label = self.host.unit, scene_words(self.session.label(number))
         title = label if len(self.session.lanes) > 1 and label else _("method")
         title = shortened(title, 13 * unit, rect.width - 140 * unit, bold=True)
         write(surface, title, (rect.left, rect.top + 12 * unit), 13 * unit, tones.foreground, bold=True)

@@ -139,7 +139,9 @@ class ScenePage(Page):
 
         def take(found: dict[str, str]) -> None:
             title, text, question, *names = found.values()
-            lanes = [lane.model_copy(update={"label": name}) for lane, name in zip(scene.lanes, names, strict=True)]
+            named = zip(scene.lanes, names, strict=True)
+            # An unchanged label keeps its translation.
+            lanes = [lane if name == lane.label else lane.model_copy(update={"label": name}) for lane, name in named]
             words = {"title": title or scene.title, "text": text, "question": question, "lanes": tuple(lanes)}
             told = scene.model_copy(update=words)
             if told != scene:
@@ -294,7 +296,9 @@ class ScenePage(Page):
         """Draw everything below the widgets."""
         self.view.paint(surface)
         mark = "• " if self.unsaved else ""
-        self.toolbar.paint_title(surface, mark + scene_words(self.session.scene.title))
+        title = scene_words(self.session.scene.title)
+        compared = self.tools.before is not None and len(self.session.lanes) > 1
+        self.toolbar.paint_title(surface, mark + (_("{title}, compared", title=title) if compared else title))
         self.tools.paint(surface)
         self.timeline.paint(surface)
         self.cards.paint(surface)

@@ -11,11 +11,11 @@ from pathlib import Path
 
 import numpy as np
 import pygame
+from softcradle.physics.messages import Message
 from softcradle.sandbox.languages import (
     N_,
     _,
     error_words,
-    label_words,
     localized,
     ngettext,
     pgettext,
@@ -186,7 +186,6 @@ def _too_many(path: Path, columns: int, curves: int) -> str:
 
 
 STEEL = N_("steel balls")
-OTHER, COMPARED = ", the other", ", compared"  # The same texts are used in sandbox/languages/translation.py.
 
 
 def beside_other_balls(session: Session) -> Scene:
@@ -209,7 +208,7 @@ def beside_other_balls(session: Session) -> Scene:
     found = other.to_scene()
     first, second = found.lanes
     second = second.model_copy(update={"label": STEEL if steel else second.label})
-    above, below = (label_words(lane.label) for lane in (first, second))
+    above, below = (scene_words(lane.label) for lane in (first, second))
     said = [_("The same blow twice: above {above}, below {below}.", above=above or _("the row as it was"), below=below)]
     if steel:
         said.append(_("Real steel is much harder: these balls are soft enough to show how they touch."))
@@ -222,10 +221,9 @@ def beside_itself(scene: Scene) -> Scene:
     lanes.
     """
     lane = scene.lanes[0].model_dump()
-    words = words_for(scene, scene.lanes[:1])
-    # Add the ending only once if the scene is compared again.
-    words["title"] = words["title"].removesuffix(COMPARED) + COMPARED
-    lanes = [lane, {**lane, "label": f"{lane['label']}{OTHER}".removeprefix(", ")}]
+    words, label = words_for(scene, scene.lanes[:1]), lane["label"]
+    other = Message("other", "{label}, the other", label=label) if label else Message("other_row", "the other")
+    lanes = [lane, {**lane, "label": other}]
     return Scene.model_validate({**scene.model_dump(), **words, "lanes": lanes})
 
 
@@ -369,7 +367,7 @@ class SceneTools:
         self.open_scene(scene, one, then)
 
     def alone(self) -> None:
-        """Return to the first row alone. It keeps the edits made here and gets back its earlier title."""
+        """Return to the first row alone. It keeps the edits made here."""
         if len(self.session.lanes) == 1:
             self.host.messages.hint(_("there is one row"))
             return
@@ -379,7 +377,6 @@ class SceneTools:
             self.host.messages.show(str(error), warning=True)
             return
         words = words_for(self.before or self.session.scene, scene.lanes[:1])
-        words["title"] = words["title"].removesuffix(COMPARED)
         changed = {**words, "lanes": scene.model_dump()["lanes"][:1]}
         self.open_scene(Scene.model_validate({**scene.model_dump(), **changed}), None, None)
 

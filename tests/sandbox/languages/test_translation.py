@@ -1,16 +1,20 @@
 """Tests of translations: plural forms, number formats, the locale, texts of scenes, error messages of the physics."""
 
 import string
+from dataclasses import replace
 
 import pytest
+from softcradle.physics import draft_gear, one_on, power_law
+from softcradle.physics import hooke as hooke_contact
 from softcradle.sandbox import languages
 from softcradle.sandbox.draw.scene_picture import speed_text
 from softcradle.sandbox.draw.text import font
 from softcradle.sandbox.languages import LANGUAGES, translation, use_language
 from softcradle.sandbox.languages.translation import catalogue_path
-from softcradle.sandbox.session.export import EDITED
+from softcradle.sandbox.session.export import contacts_text, lane_label
 from softcradle.sandbox.story.numbers import MINUS, TIMES, factor, fixed, number_text, prefixed, scientific, ticks
 from softcradle.sandbox.story.sentences import time_text
+from softcradle.scenes import Lane
 
 from tools.update_catalogues import is_translated, main, read_catalogue, update
 
@@ -50,14 +54,34 @@ def test_the_locale_chooses(variables, code):
 def test_words_of_scenes_and_labels():
     use_language("fr")
     assert languages.scene_words("One bead on four") == "Une bille contre quatre"
-    assert languages.scene_words("One bead\n  on four, compared") == "Une bille contre quatre, comparé"
+    assert languages.scene_words("One bead\n  on four") == "Une bille contre quatre"
     assert languages.scene_words("A scene {of mine") == "A scene {of mine"
-    assert languages.label_words("draft gear" + EDITED) == "amortisseur d'attelage, modifié"
-    assert languages.label_words("draft gear and Hooke, alpha = 1") == "amortisseur d'attelage et Hooke, alpha = 1"
-    assert languages.label_words("alpha = 0.123") == "alpha = 0,123"
-    assert languages.label_words("alpha = 1/10 and alpha = 0.12 ...") == "alpha = 1/10 et alpha = 0,12 …"
-    # A label of a user is not translated.
-    assert languages.label_words("version 1.2 and a half") == "version 1.2 and a half"
+    assert languages.scene_words("draft gear") == "amortisseur d'attelage"
+
+
+def test_labels_of_edited_lanes():
+    use_language("fr")
+    gear, hooke, soft, hard = draft_gear(1.0, 1.0), hooke_contact(1.0), power_law(1.0, 0.1), power_law(1.0, 0.123)
+    assert label_of(gear, hooke) == "amortisseur d'attelage et Hooke, alpha = 1"
+    assert label_of(hard) == "alpha = 0,123"
+    assert label_of(soft, hard, power_law(1.0, 0.2)) == "alpha = 1/10 et alpha = 0,123 …"
+    heavy = replace(one_on(1, gear), mass=(1.0, 2.0))
+    edited = lane_label(contacts_text((gear,)), one_on(1, gear), heavy)
+    assert languages.scene_words(edited) == "amortisseur d'attelage, modifié"
+    assert lane_label(edited, one_on(1, gear), heavy) == "draft gear, edited"  # Files are English.
+    assert Lane.of(heavy, (1.0, 0.0), edited).label is edited
+    with languages.english():
+        assert languages.scene_words(edited) == "draft gear, edited"
+
+
+def label_of(*contacts):
+    """Return the words of the label of a lane with these contacts."""
+    return languages.scene_words(contacts_text(contacts))
+
+
+def test_a_label_of_a_user_is_not_translated():
+    use_language("fr")
+    assert languages.scene_words("version 1.2 and a half") == "version 1.2 and a half"
 
 
 CODES = [code for code in LANGUAGES if code != "en"]

@@ -10,7 +10,7 @@ import pygame
 import pytest
 from softcradle.sandbox.draw.axes import linear_axis
 from softcradle.sandbox.draw.palette import bead_colours
-from softcradle.sandbox.languages import LANGUAGES, label_words, use_language
+from softcradle.sandbox.languages import LANGUAGES, scene_words, use_language
 from softcradle.sandbox.session.history_slices import slice_at
 from softcradle.sandbox.session.inputs import AddBead, RemoveBead
 from softcradle.sandbox.window.plots import kinds
@@ -173,7 +173,7 @@ def test_titles_without_room_still_name_their_lanes(code: str) -> None:
     for shown in (3, 4):
         driver.app.rebuild()
         titles = [one.text.split(" · ") for one in driver.texts() if " · " in one.text]
-        starts = [label_words(lane.label)[:2] for lane in driver.session.scene.lanes]
+        starts = [scene_words(lane.label)[:2] for lane in driver.session.scene.lanes]
         assert [title[1][:2] for title in titles] == [start for start in starts for _ in range(shown)], titles
         driver.key(PLOT_KINDS["kymograph"].key)
 
