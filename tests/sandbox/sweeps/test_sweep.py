@@ -402,7 +402,7 @@ def test_every_value_of_a_list_is_checked(scene, over, wrong):
         ((numbers, {"status": [1]}), {}, "a parameter cannot be called 'status'"),
         (("one-on-four", {"lanes.0.mass": [1.0]}), {}, "needs at least one measure"),
         (("one-on-four", {"lanes.0.mass": [1.0, -1.0]}, ["end"]), {}, "mass must be greater than 0, not -1"),
-        ((numbers, GRID), {"output": "nowhere/x.nc"}, r"nowhere does not exist"),
+        ((numbers, GRID), {"output": "nowhere/x.nc"}, "there is no folder"),
         ((numbers, GRID), {"executor": "nobody"}, "executor must be auto, here, threads, processes"),
         ((numbers, GRID), {"workers": 0}, "workers must be at least 1, not 0"),
         ((lambda a, n: {}, GRID), {"executor": "processes"}, "cannot compute this: put the function into a module"),
