@@ -1,10 +1,9 @@
-"""Runner of the adaptive methods: one integration, an error estimate and, if that is not trustworthy, further runs that
+"""Runner of the adaptive methods: one integration, an error estimate and, if that is not sufficient, finer runs that
 confirm it.
 
     one run          estimates DOUBT * amplification * sqrt(sum of squared local errors, neglected bounces and
         round-off)
-    amplification    above MOST_GROWN, another run of a slightly perturbed chain must agree: a coarser run, which is
-                     cheap, or otherwise finer runs
+    amplification    above MOST_GROWN, a finer run of a slightly perturbed chain must agree, see `verdict`
     chattering       if following each bounce does not pay any more, several runs of `conserving` finish the motion
 
 In the random chains of `benchmarks scan`, no run whose errors were amplified by less than MOST_GROWN had an undetected
@@ -18,25 +17,19 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from sys import float_info
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.adaptive import runner as adaptive
 from softcradle.physics.adaptive.constants import ROUND_OFF, TOLERANCE_PART
-from softcradle.physics.adaptive.error_estimate import (
-    DOUBT,
-    GUARANTEED,
-    LEAST_GUARANTEED,
-    MOST_GROWN,
-    guaranteed_error,
-)
+from softcradle.physics.adaptive.error_estimate import DOUBT, GUARANTEED, LEAST_GUARANTEED, MOST_GROWN
 from softcradle.physics.adaptive.runner import sampled
-from softcradle.physics.adaptive.step_records import ERROR_EXPONENT, RADAU
 from softcradle.physics.adaptive.usual_budget import STEPS_A_CONTACT, usual_steps
 from softcradle.physics.chain import Chain, Joint, per_chain
 from softcradle.physics.checked_input import LARGEST, SMALLEST
@@ -52,21 +45,13 @@ from softcradle.physics.status import CodedWarning, Status, WarningCode
 
 Array = NDArray[np.float64]
 
-# Confirmation by other runs
+# Confirmation by finer runs
 FINER = 10.0  # Ratio of the tolerances of successive runs
-# Error amplification, and estimated error as a fraction of the closing speed, above which another run may agree by
-# chance. The difference between runs shows their errors only as long as these are small. Above these limits a coarser
-# run does not confirm anything, and two finer runs must.
-MOST_TRUSTED = FINER**3
-MOST_STATED = 0.3
-# Smallest confirmed error, as a fraction of the estimate of the first run. Another run can agree with the first by
-# chance, or because both damp a motion that neither resolves. None of 1 900 runs with an amplification above MOST_GROWN
-# had an error above the estimate of the first run, but that estimate is often ten times too large.
+# Smallest confirmed error, as a fraction of the estimate of the first run. It protects from two runs that agree by
+# chance or because both damp a motion that neither resolves. The estimate of the first run is often ten times too large.
+# In `benchmarks scan`, three chains would have undetected errors without this bound: `extreme` 855 at 1e-6, `clusters`
+# 76 at 1e-4 and `one-on-n` 1747 at 1e-8.
 LEAST_OF_ESTIMATE = 0.1
-# Ratio of the steps of two successive runs that the order of radau predicts. If a run takes more than this many times
-# the steps of a coarser run, the coarser one may have damped a motion and does not confirm it. A finer run does not
-# confirm either if it takes more than the square of this ratio.
-ALIKE = FINER ** ERROR_EXPONENT[RADAU]
 # Runs of `conserving` that finish a motion
 STEP_PART = 0.25  # Longest step of these runs, as a fraction of the default step
 # The same as a fraction of the elapsed time of the motion; the longer one counts. The number of steps stays bounded.
@@ -122,114 +107,138 @@ def to_its_end(problem: Problem) -> Record:
     return _finished(problem, record) if record.status.gave_up and problem.most_steps is None else record
 
 
-# ---- confirmation by another run
+# ---- confirmation by finer runs
 
 
-def confirmed(problem: Problem, record: Record) -> Record:
-    """Return the confirmed record, with an error of at least a tenth of the estimate of the first run."""
-    least = LEAST_OF_ESTIMATE * record.velocity_error
-    found = _confirmed(problem, record)
-    found.velocity_error = np.maximum(found.velocity_error, least)
-    return found
+class Run(NamedTuple):
+    """The numbers of one run that its confirmation needs.
 
-
-def _confirmed(problem: Problem, record: Record) -> Record:
-    """Return the record if its errors are hardly amplified or another run of a slightly perturbed chain agrees,
-    otherwise a finer one.
-
-    The other run is coarser, because it takes the fewest steps. If it ends within half of the guaranteed error of the
-    record, errors do not grow beyond the estimate. If the two runs disagree, finer runs decide. The same holds if the
-    first run already estimates an error above the guarantee: a coarser run would estimate ten times as much, and the
-    two could agree by chance, or because both damp a motion that neither resolves.
+    Attributes:
+        tolerance: its tolerance.
+        velocity: (n+1,) bead velocities [m/s] at its end.
+        estimate: (n+1,) error [m/s] of these that the run estimates itself.
+        growth: its error amplification.
+        steps: its number of steps.
+        spent: True if its step budget ended before the motion, so that `conserving` finished it.
+        warns: True if the run gave up, or could not log all its switches.
     """
-    # Small amplification: the estimate of the run itself is reliable.
-    if record.growth <= MOST_GROWN or record.warnings:
-        return record
-    # An undetermined motion was finished by several runs from one state. The other run reaches another state, so the
-    # comparison shows the spread of the end.
-    determined = record.status != Status.BUDGET_SPENT
-    promised = guaranteed_error(problem.tolerance, problem.scale)
-    # Large amplification or a large estimate: only finer runs can confirm.
-    if determined and (record.growth > MOST_TRUSTED or record.velocity_error.max() > promised):
-        return _finer(problem, record)
-    most = 2 * record.steps + STEPS_A_CONTACT if determined else None
-    # The steps of `conserving` are not a measure for other runs, because flights that it skips count as steps.
-    budget = min(record.steps, usual_steps(problem, problem.end))
-    coarse = _shaken_run(problem, FINER * problem.tolerance, 0, samples=2, budget=budget, most_steps=most)
-    other = to_its_end(coarse)
-    apart = np.abs(other.velocity - record.velocity)
-    # The coarser run failed, disagrees, or took so few steps that it may have damped what the finer one follows.
-    if determined and (other.warnings or record.steps > ALIKE * other.steps or not apart.max() <= 0.5 * promised):
-        finest = _finer(problem, record)
-        return _beside(finest, other, finest.velocity_error)
-    return _beside(record, other, np.maximum(record.velocity_error, _error_of(apart)))
+
+    tolerance: float
+    velocity: Array
+    estimate: Array
+    growth: float
+    steps: int
+    spent: bool = False
+    warns: bool = False
 
 
-def _finer(problem: Problem, record: Record) -> Record:
-    """Return the first record that a finer run confirms, or the finest record, which is then undetermined.
-
-    The usual budget limits the steps of each finer run, and those of all runs before another one is tried.
+class Aim(NamedTuple):
+    """The wanted accuracy of a motion: the tolerance, the speed scale [m/s] that it is relative to, and the usual step
+    budget.
     """
-    # `confirming` counts consecutive agreements, `chance` is true if the last run may agree by chance, `surprised` if a
-    # run differed by more than it had estimated, and `alone` is the estimate of the last run itself.
-    allowed = max(problem.tolerance, LEAST_GUARANTEED) * problem.scale
-    usual, steps, tolerance = usual_steps(problem, problem.end), record.steps, problem.tolerance
-    runs, confirming, chance = 0, 0, _agrees_by_chance(record, problem)
-    alone, surprised = record.velocity_error, False
-    while not record.warnings:
-        tolerance, runs = max(tolerance / FINER, ROUND_OFF), runs + 1
-        # A run with the same tolerance agrees with this one, whatever error both have.
-        finest = tolerance < 2.0 * ROUND_OFF
-        budget = min(int(FINER * (record.steps + STEPS_A_CONTACT)), usual)
-        finer = to_its_end(_shaken_run(problem, tolerance, runs, budget=budget))
-        apart = np.abs(finer.velocity - record.velocity)
-        error, agrees = _error_of(apart) + _error_anyway(finer), apart.max() <= allowed
-        # The finer run did not reach the end within its budget: the record stays unconfirmed.
-        if finer.status == Status.BUDGET_SPENT:
-            record.status = Status.BUDGET_SPENT
-            return _beside(record, finer, error)
-        # A finer run that takes many more steps than predicted may follow a motion that the other run damped.
-        confirming = confirming + 1 if agrees and finer.steps <= ALIKE**2 * steps else 0
-        # errors are amplified by more than the run has estimated
-        surprised = surprised or (not agrees and apart.max() > alone.max())
-        before, chance = chance, surprised or _agrees_by_chance(finer, problem)
-        # Two agreements are needed if either run may agree by chance.
-        if confirming >= (2 if chance or before else 1):
-            return _beside(record, finer, error)
-        # Continue with the finer run, until round-off limits the tolerance or the budget is used up.
-        alone, steps, record = finer.velocity_error, finer.steps, _beside(finer, record, error)
-        if finest or record.steps + steps > usual:
-            if apart.max() > GUARANTEED * allowed:
-                record.status = Status.UNDETERMINED
-            elif not finest:  # Unconfirmed: the error may be larger than a difference that is small by chance.
-                record.velocity_error = np.maximum(error if agrees else FINER * error, alone if chance else 0.0)
-            return record
-    return record
+
+    tolerance: float
+    scale: float
+    budget: int
 
 
-def _agrees_by_chance(record: Record, problem: Problem) -> bool:
-    """Return whether another run of the same accuracy may agree with the record by chance."""
-    return record.growth > MOST_TRUSTED or float(record.velocity_error.max()) > MOST_STATED * problem.scale
+class Verdict(NamedTuple):
+    """The conclusion from the runs of a motion.
+
+    Attributes:
+        enough: False if a finer run is needed; the other attributes are then unused.
+        run: index of the run that is the result.
+        error: (n+1,) its estimated error [m/s]; None if its own estimate is valid.
+        status: its status; None if its own status is valid.
+    """
+
+    enough: bool
+    run: int = 0
+    error: Array | None = None
+    status: Status | None = None
+
+
+def confirmed(problem: Problem, first: Record) -> Record:
+    """Return the record of the motion that starts with the run `first`. Add finer runs until they are enough.
+
+    The record has the cost of all runs.
+    """
+    aim = Aim(problem.tolerance, problem.scale, usual_steps(problem, problem.end))
+    records, runs = [first], [_run_of(first, problem.tolerance)]
+    while not (found := verdict(aim, runs)).enough:
+        tolerance = finer_tolerance(runs[-1].tolerance)
+        assert tolerance is not None
+        budget = min(int(FINER * (runs[-1].steps + STEPS_A_CONTACT)), aim.budget)
+        records.append(to_its_end(_shaken_run(problem, tolerance, len(runs), budget=budget)))
+        runs.append(_run_of(records[-1], tolerance))
+    chosen = records[found.run]
+    return replace(
+        chosen,
+        steps=sum(record.steps for record in records),
+        evaluations=sum(record.evaluations for record in records),
+        seconds=sum(record.seconds for record in records),
+        velocity_error=chosen.velocity_error if found.error is None else found.error,
+        status=chosen.status if found.status is None else found.status,
+    )
+
+
+def _run_of(record: Record, tolerance: float) -> Run:
+    spent, warns = record.status == Status.BUDGET_SPENT, bool(record.warnings)
+    return Run(tolerance, record.velocity, record.velocity_error, record.growth, record.steps, spent, warns)
+
+
+def finer_tolerance(tolerance: float) -> float | None:
+    """Return the tolerance of the next finer run; None if round-off allows no finer one."""
+    finer = max(tolerance / FINER, ROUND_OFF)
+    # Two runs at about the same tolerance agree, whatever their error is.
+    return finer if finer < 0.5 * tolerance else None
+
+
+def verdict(aim: Aim, runs: Sequence[Run]) -> Verdict:
+    """Decide from the runs of a motion whether another one is needed, and otherwise which one is the result.
+
+    The first run has the tolerance of the `aim`, and each later one is finer than the one before. *Apart* is the largest
+    difference between the final velocities of the last two runs.
+
+    ===========================================  ============================  =====================
+    situation                                    result                        its error
+    ===========================================  ============================  =====================
+    one run, errors hardly amplified             this run                      own estimate
+    one run, with a warning or budget spent      this run                      own estimate
+    one run, errors amplified                    add a finer run
+    the last run spent its budget                the run before, budget spent  from both runs
+    apart by at most the tolerance               the run before                from the difference
+    further apart                                add a finer run
+    no finer run possible, within the guarantee  the last run                  from the difference
+    no finer run possible, beyond the guarantee  the last run, undetermined    from the difference
+    ===========================================  ============================  =====================
+
+    No confirmed error is smaller than LEAST_OF_ESTIMATE times the estimate of the first run. A finer run is possible
+    until round-off limits its tolerance or all runs together have used the usual step budget.
+    """
+    first, last, at = runs[0], runs[-1], len(runs) - 1
+    finer = finer_tolerance(last.tolerance)
+    if at == 0:
+        return Verdict(enough=last.growth <= MOST_GROWN or last.spent or last.warns or finer is None)
+    # The difference shows how much the errors of both runs are amplified.
+    difference, allowed = np.abs(last.velocity - runs[-2].velocity), max(aim.tolerance, LEAST_GUARANTEED) * aim.scale
+    error = np.maximum(_error_of(difference), LEAST_OF_ESTIMATE * first.estimate)
+    if last.spent:
+        return Verdict(True, at - 1, error + last.estimate, Status.BUDGET_SPENT)
+    if difference.max() <= allowed:
+        return Verdict(True, at - 1, error)
+    if finer is not None and not last.warns and sum(run.steps for run in runs) + last.steps <= aim.budget:
+        return Verdict(enough=False)
+    return Verdict(True, at, error, Status.UNDETERMINED if difference.max() > GUARANTEED * allowed else None)
 
 
 def _error_of(apart: Array) -> Array:
-    """Return the estimated error of two runs whose ends differ by `apart` (n+1,) [m/s].
+    """Return the estimated error of runs whose ends differ by `apart` (n+1,) [m/s].
 
-    The difference of one bead may be small by chance, so the largest difference of all beads is a lower limit.
+    The difference of one bead may be small by chance, so the largest difference of all beads is a lower limit. Without
+    it, the estimate of one bead of `clusters` 323 in `benchmarks scan` would be seven times too small at 1e-8.
     """
     return np.maximum(DOUBT * apart, apart.max())
-
-
-def _error_anyway(record: Record) -> Array:
-    """Return the error that a record may have in addition to the difference from another run, which showed its error
-    amplification.
-
-    For a motion that several runs finished, the estimate already is the difference between those runs, so it is not
-    amplified.
-    """
-    # The difference from the other run contains all amplification above MOST_GROWN.
-    grown = record.growth if record.status != Status.BUDGET_SPENT else 1.0
-    return np.maximum(record.velocity_error * (min(grown, MOST_GROWN) / grown), record.unseen)
 
 
 def _shaken_run(problem: Problem, tolerance: float, runs: int, **other: Any) -> Problem:
@@ -244,15 +253,6 @@ def _shaken_run(problem: Problem, tolerance: float, runs: int, **other: Any) -> 
     # Rates are perturbed as well, by a few units of round-off.
     state.rate *= _up_and_down(runs * float_info.epsilon, state.rate.size)
     return replace(problem, tolerance=tolerance, chain=chain, state=state, **other)
-
-
-def _beside(record: Record, other: Record, error: Array) -> Record:
-    """Return the record with the cost of another run added, and with the `error` (n+1,) [m/s] that both together show."""
-    record.steps += other.steps
-    record.evaluations += other.evaluations
-    record.seconds += other.seconds
-    record.velocity_error = error
-    return record
 
 
 def _shaken(chain: Chain, part: float) -> Chain:
@@ -320,7 +320,10 @@ def _finished(problem: Problem, given_up: Record) -> Record:
         ends = list(threads.map(lambda part: _run_on(problem, start, part * step, problem.end, NO_TIMES), PARTS))
     # The spread of their ends, plus rates whose sign is the same in all runs by the nature of the method.
     velocities = np.array([end.velocity for end in ends])
-    error = _error_anyway(given_up) + _error_of(np.ptp(velocities, axis=0) + _rattling(problem.chain, ends[-1].end))
+    spread = _error_of(np.ptp(velocities, axis=0) + _rattling(problem.chain, ends[-1].end))
+    # The error of the run before is reliable if it is hardly amplified, and often ten times too large otherwise.
+    part = 1.0 if given_up.growth <= MOST_GROWN else LEAST_OF_ESTIMATE
+    error = part * given_up.velocity_error + spread
     # Samples before the switch come from the adaptive run, the others from the last run of `conserving`.
     times, last = problem.sample_times(ends[-1].end.time), ends[-1]
     early, late = times[times <= start.time], times[times > start.time]

@@ -98,7 +98,6 @@ class Record:
         velocity_error: (n+1,) estimated error [m/s] of the bead velocities at the end; empty without an estimate.
         growth: error amplification along the motion by its bounces.
         carried_from: time [s] from which `conserving` computed the rest because the step budget ended; NaN otherwise.
-        unseen: part of that error [m/s] that finer runs contain as well, so that it is not a difference between runs.
         kept: stored data of the run, as long as samples are still to be computed.
     """
 
@@ -114,7 +113,6 @@ class Record:
     seconds: float = 0.0
     velocity_error: Array = field(default_factory=lambda: np.zeros(0))
     growth: float = 1.0
-    unseen: float = 0.0
     carried_from: float = np.nan
     kept: KeptRun | None = None
 

@@ -30,7 +30,6 @@ from softcradle.physics.adaptive.step_records import (
     GROWTH,
     IMPACTS,
     LOCAL_SQUARE,
-    UNSEEN_SQUARE,
     Regime,
     Scratch,
     Steps,
@@ -244,7 +243,6 @@ def one_run(problem: Problem, log_size: int = FIRST_LOG) -> Record:
     rounding = max(rounding_in(problem.chain, record.velocity), rounding_in(problem.chain, problem.velocity))
     error = estimated_error(growth, control[LOCAL_SQUARE], counter[STEP] + contacts, rounding)
     record.velocity_error = np.full(contacts + 1, error)
-    record.unseen = DOUBT * growth * math.sqrt(control[UNSEEN_SQUARE])
     # Keep the memory for the next run of this thread, unless it is large.
     _last_run.memory = memory if contacts <= LONGEST_REUSED else None
     return record
