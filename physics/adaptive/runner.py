@@ -37,7 +37,7 @@ from softcradle.physics.adaptive.step_records import (
     empty_scratch,
     empty_trial,
 )
-from softcradle.physics.adaptive.usual_budget import followed_steps, step_budget
+from softcradle.physics.adaptive.usual_budget import GrowingBudget
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import power_law
 from softcradle.physics.kernel_records import (
@@ -74,7 +74,6 @@ Array = NDArray[np.float64]
 
 # Steps (including rejected ones) after which a kernel returns to Python, so that Python can handle signals
 PAUSE = 20_000
-LONGER = 1.1  # Growth of the step budget during a run that is worth another call of the kernel
 # The same limit as PAUSE in plain Python, so that a run switches to machine code as soon as it is available
 PLAIN_PAUSE = 50
 PLAIN_COST = 3.0  # Cost of an adaptive step in plain Python, in fixed steps
@@ -257,7 +256,7 @@ def _integrate(problem: Problem, state: State, memory: Memory, kept: KeptSteps |
     memory.log.counter[:] = 0
     memory.log.closed[:] = 0 if kept else state.closed
     memory.waited = 0.0
-    most, counter, stop = step_budget(problem, state.time), memory.log.counter, problem.duration is None
+    budget, counter, stop = GrowingBudget(problem, state.time), memory.log.counter, problem.duration is None
     code, time, resumed, end = PAUSED, state.time, False, problem.end
     # The kernels change the arrays of the state in place.
     motion = tuple(motion_record(state, memory.mode, memory.held))
@@ -279,16 +278,16 @@ def _integrate(problem: Problem, state: State, memory: Memory, kept: KeptSteps |
             tiers.spent += work
         steps = kept.steps if kept else NO_STEPS
         code, time = kernel(
-            (time, end, stop, most), (resumed, pause), accuracy, *records, tuple(steps), tuple(memory.log)
+            (time, end, stop, budget.steps), (resumed, pause), accuracy, *records, tuple(steps), tuple(memory.log)
         )
         resumed = True
-        # The budget depends on the time reached and on the number of impacts at full speed. If it has grown, continue.
-        if code == OUT_OF_STEPS:
-            growth = error_growth(scratch.control[GROWTH], scratch.grown, scratch.turns)
-            followed = followed_steps(problem, int(scratch.control[IMPACTS])) if growth <= MOST_GROWN else 0
-            allowed = step_budget(problem, time) + followed
-            if allowed > LONGER * most:
-                code, most = PAUSED, allowed
+        # Continue if the budget has grown, but not if a motion that amplifies errors has become too expensive.
+        amplified = error_growth(scratch.control[GROWTH], scratch.grown, scratch.turns) > MOST_GROWN
+        spent, impacts = int(counter[STEP] + counter[REJECTED]), int(scratch.control[IMPACTS])
+        if code == OUT_OF_STEPS and budget.extend(spent, time, impacts, amplified):
+            code = PAUSED
+        if code == PAUSED and budget.exceeds_cost(int(counter[EVALUATION]) * problem.chain.contacts, amplified):
+            code = OUT_OF_STEPS
         require_finite_motion(problem.chain, state)
         if kept:
             kept.take(memory.log)

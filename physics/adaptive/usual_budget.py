@@ -4,6 +4,8 @@ accuracy.
 
 from __future__ import annotations
 
+import math
+
 from softcradle.physics.adaptive.step_records import ALLOWED, DOP853, ERROR_EXPONENT, RADAU
 from softcradle.physics.problem import MOST_STEPS, Problem
 from softcradle.physics.scales import scales_at
@@ -21,6 +23,13 @@ MOST_LASTING = 1e6
 STEPS_AN_IMPACT = 500
 # Largest number of these steps, about ten seconds for a short chain
 MOST_FOLLOWED = 5_000_000
+# Largest number of contact forces evaluated in a run whose errors are amplified, about three seconds. Rows of hundreds
+# of gears with gaps chatter, and each of their steps ends at an event, which takes ten times the usual evaluations.
+MOST_FORCES = 2e8
+# Predicted steps above which a run with a duration ends early, as a multiple of its largest budget. Such a budget would
+# end long before the motion, so it is better to let `conserving` follow the motion from now on.
+MOST_PREDICTED = 3.0
+LONGER = 1.1  # Smallest growth of the budget during a run that is worth another call of the kernel
 USUAL_TOLERANCE = 1e-8  # Tolerance below which the budget grows in proportion to the expected number of steps
 
 
@@ -74,3 +83,35 @@ def step_budget(problem: Problem, time: float) -> int:
     if problem.budget is not None:
         return problem.budget
     return usual_steps(problem, time)
+
+
+class GrowingBudget:
+    """Step budget of one run. It grows with the time reached and with the number of impacts at full speed.
+
+    Attributes:
+        steps: the present budget: number of steps, including rejected ones.
+    """
+
+    def __init__(self, problem: Problem, time: float) -> None:
+        self.problem, self.steps = problem, step_budget(problem, time)
+        self._extended: tuple[int, float] | None = None  # steps and time [s] of the run at the last extension
+
+    def extend(self, steps: int, time: float, impacts: int, amplified: bool) -> bool:
+        """Return True if a run that has used its budget of `steps` at `time` [s] may continue, with a larger budget.
+
+        The budget at most doubles. The steps per time since the last extension then show if the run can reach its end.
+        If its errors are `amplified`, impacts at full speed do not add to the budget.
+        """
+        allowed = step_budget(self.problem, time) + (0 if amplified else followed_steps(self.problem, impacts))
+        left, futile = self.problem.end - time, False
+        if self._extended is not None and math.isfinite(left):
+            rate = (steps - self._extended[0]) / (time - self._extended[1]) if time > self._extended[1] else math.inf
+            futile = rate * left > MOST_PREDICTED * (MOST_LASTING + (0 if amplified else MOST_FOLLOWED))
+        if futile or allowed <= LONGER * self.steps:
+            return False
+        self.steps, self._extended = min(allowed, 2 * self.steps), (steps, time)
+        return True
+
+    def exceeds_cost(self, forces: int, amplified: bool) -> bool:
+        """Return whether a run with amplified errors has evaluated too many contact `forces`."""
+        return amplified and self.problem.most_steps is None and forces > MOST_FORCES

@@ -265,7 +265,7 @@ def test_chattering_from_rest_is_not_followed_bounce_by_bounce():
 @pytest.mark.skipif(threading.current_thread() is not threading.main_thread(), reason="signals reach the main thread")
 def test_a_signal_is_heard_within_a_run(monkeypatch):
     monkeypatch.setattr(runner, "PAUSE", 50)
-    monkeypatch.setattr(runner, "step_budget", lambda *_: 10_000_000)
+    monkeypatch.setattr(usual_budget, "step_budget", lambda *_: 10_000_000)
     before = signal.signal(signal.SIGALRM, Mock(side_effect=InterruptedError("heard")))
     problem = Problem(RATTLES, State.at_start(RATTLES, struck(RATTLES)), "radau", None, 0.0, 1e-8, 2)
     signal.setitimer(signal.ITIMER_REAL, 0.3)
