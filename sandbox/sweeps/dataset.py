@@ -10,11 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 from softcradle.physics.atomic_files import followed, output_file, output_folder
 from softcradle.physics.extras import needed_for
 from softcradle.sandbox.sweeps.measure_table import Measure, find_measure
 from softcradle.sandbox.sweeps.sample_points import Points, kinds_of
-from softcradle.sandbox.sweeps.work import REASON, STATUS, WARNED, Chunk, PointStatus, Work
+from softcradle.sandbox.sweeps.work import REASON, STATUS, WARNED, PointStatus, Work
 from softcradle.sandbox.user_error import StudyError
 
 if TYPE_CHECKING:
@@ -25,43 +26,43 @@ COMPRESSION = 4  # Compression level of numbers in NetCDF, from 1 to 9.
 NO_NUMBERS = (2, 3, 5, 6)  # Values of `status` of points that lack all numbers or those of the end of the run.
 
 
-def dataset_of(chunk: Chunk, work: Work, units: Mapping[str, str], attributes: Mapping[str, str]) -> xr.Dataset:
+def dataset_of(
+    columns: Mapping[str, NDArray[Any]], work: Work, units: Mapping[str, str], attributes: Mapping[str, str]
+) -> xr.Dataset:
     """Return the Dataset of all points. `units` are the units of the numbers that a function returns."""
     import xarray as xr
 
-    points, lanes, columns = work.points, work.lanes, dict(chunk.columns)
-    measures = [find_measure(one) if isinstance(one, str) else one for one in work.measures]
-    known = {one.name: one for one in measures}
+    points, several = work.points, len(work.lanes) > 1
+    known = {one.name: one for one in (find_measure(one) if isinstance(one, str) else one for one in work.measures)}
     inner = {
-        name: _inner_dimensions(name, column.ndim - 1, known.get(name), len(lanes) > 1)
-        for name, column in columns.items()
+        name: _inner_dimensions(name, column.ndim - 1, known.get(name), several) for name, column in columns.items()
     }
     sizes: dict[str, int] = {}
     for name, dimensions in inner.items():
         for dimension, length in zip(dimensions, columns[name].shape[1:], strict=True):
             sizes[dimension] = max(length, sizes.get(dimension, 0))
-    for name in known.keys() - columns.keys():  # Measures that could not be taken at any point.
-        measure, several = known[name], len(lanes) > 1
-        inner[name] = _inner_dimensions(name, several + bool(measure.each), measure, several)
-        lengths = work.lengths | sizes
-        if lengths.keys() >= set(inner[name]):
-            sizes |= {dimension: lengths[dimension] for dimension in inner[name]}
-            columns[name] = np.full((chunk.count, *(sizes[dimension] for dimension in inner[name])), np.nan)
     variables = {}
-    for name in [name for name in dict.fromkeys((*known, *columns)) if name in columns]:
-        column = columns[name]
-        beyond = [
-            (0, sizes[dimension] - length) for dimension, length in zip(inner[name], column.shape[1:], strict=True)
-        ]
-        whole = np.pad(column, [(0, 0), *beyond], constant_values=np.nan) if any(map(any, beyond)) else column
-        whole = whole.reshape(*points.shape, *whole.shape[1:])
-        own, told = known.get(name), OWN_COLUMNS.get(name)
-        told = told or ({"units": own.unit, "long_name": own.meaning} if own else {"units": units.get(name, "")})
-        values = whole.astype(object) if name == REASON else whole
-        variables[name.removeprefix(":")] = (*points.dimensions, *inner[name]), values, told
+    for name in dict.fromkeys((*known, *columns)):
+        own, column = known.get(name), columns.get(name)
+        if column is None and own is not None:  # a measure that could not be taken at any point
+            inner[name] = _inner_dimensions(name, several + bool(own.each), own, several)
+            sizes |= {key: length for key, length in work.lengths.items() if key in inner[name] and key not in sizes}
+            if not sizes.keys() >= set(inner[name]):
+                continue  # The number of beads is unknown.
+        whole = np.full((points.count, *(sizes[dimension] for dimension in inner[name])), np.nan)
+        if column is not None and column.shape == whole.shape:
+            whole = column
+        elif column is not None:
+            whole[(slice(None), *map(slice, column.shape[1:]))] = column
+        texts = {"units": own.unit, "long_name": own.meaning} if own else {"units": units.get(name, "")}
+        variables[name.removeprefix(":")] = (
+            (*points.dimensions, *inner[name]),
+            whole.reshape(*points.shape, *whole.shape[1:]),
+            OWN_COLUMNS.get(name, texts),
+        )
     coordinates: dict[str, Any] = {name: np.arange(sizes[name]) for name in ("bead", "contact") if name in sizes}
     if "lane" in sizes:
-        coordinates["lane"] = np.array([*lanes], dtype=object)
+        coordinates["lane"] = np.array([*work.lanes], dtype=object)
     return xr.Dataset(variables, coordinates | _axis_coordinates(points), dict(attributes))
 
 
@@ -153,9 +154,7 @@ def opened_dataset(path: Path, study: str) -> xr.Dataset:
 
 
 def summary_rows(found: xr.Dataset) -> list[tuple[str, str, str, str, str]]:
-    """Return, for each measure, its name with unit, its least, mean and greatest value, and the number of points
-    without a value.
-    """
+    """Return a row for each measure: name with unit, least, mean and greatest value, number of points without value."""
     rows = []
     for name, variable in found.drop_vars(RESERVED).data_vars.items():
         if variable.dtype.kind != "f":

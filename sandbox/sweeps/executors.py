@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import logging
-import multiprocessing
 import os
 import pickle
 import signal
 import sys
 import threading
+import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterable
 from concurrent.futures import (
@@ -17,14 +17,12 @@ from concurrent.futures import (
     CancelledError,
     Executor,
     Future,
-    ProcessPoolExecutor,
     ThreadPoolExecutor,
     wait,
 )
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache, partial
-from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
@@ -37,11 +35,25 @@ if TYPE_CHECKING:
     from distributed import Client
 
 LOGGER = logging.getLogger("softcradle")
-QUEUED = 2  # Chunks per worker that are submitted at once: one is being computed, one waits.
-MANY = 256  # Assumed number of workers of a caller's executor that does not report its number.
-CONNECT = 15.0  # Time to wait for the scheduler [s].
+# Chunks per worker that are submitted at once: one is being computed, one waits.
+QUEUED = 2
+# Assumed number of workers of a caller's executor that does not report its number.
+MANY = 256
+# Time to wait for the scheduler [s].
+CONNECT = 15.0
+# Time between two checks of the scheduler and of the parent process [s].
+LOOK = 1.0
+# Time without a finished chunk after which a warning is logged [s].
+SILENCE = 60.0
+# Chunks per worker into which the remaining points are cut, so that all workers end at about the same time.
+LAST_SHARES = 4
+# Smallest computing time of these chunks, as a fraction of the wanted time of a chunk. Writing a chunk takes 10 ms.
+LEAST_SHARE = 0.1
+# Number of processes that may die while they compute a single point, until the point is given up.
+MOST_DEATHS = 3
 
 Where = Literal["auto", "here", "threads", "processes"]
+PointRange = tuple[int, int]
 
 
 @dataclass
@@ -51,26 +63,21 @@ class Workplace:
     Attributes:
         call: function that the executor runs.
         make: creates the executor, also after it broke. It raises StudyError if that is impossible.
-        room: returns the number of chunks that the executor can hold at once.
-        close: shuts the executor down. Its second argument is True if the sweep was stopped; then running work ends as
-            well.
-        killed: exceptions of a chunk that killed its workers while the executor survives.
-        gone: exceptions of a chunk whose executor no longer exists.
+        room: returns the number of chunks that the executor can hold at once. It raises StudyError if the executor is
+            lost.
+        close: shuts the executor down and ends running work if the second argument, `stopped`, is True.
+        killed: errors of a chunk whose process died.
+        gone: errors of a chunk whose executor no longer exists.
     """
 
     call: Callable[[int, int, float], Chunk]
     make: Callable[[], Executor]
     room: Callable[[], int]
     close: Callable[[Executor, bool], None] = lambda executor, _: executor.shutdown(wait=False, cancel_futures=True)
-    killed: tuple[type[BaseException], ...] = ()
+    killed: tuple[type[BaseException], ...] = (BrokenExecutor,)
     gone: tuple[type[BaseException], ...] = ()
 
     def __post_init__(self) -> None:
-        self.executor = self.make()
-
-    def renew(self) -> None:
-        """Replace the executor after it broke."""
-        self.executor.shutdown(wait=False, cancel_futures=True)
         self.executor = self.make()
 
 
@@ -93,70 +100,49 @@ def threads(work: Work, workers: int) -> Workplace:
     return Workplace(work.compute, partial(DaemonThreads, workers), lambda: QUEUED * workers)
 
 
-def _of_caller(work: Work, executor: Executor, workers: int | None) -> Workplace:
-    """Return a workplace with an executor of the caller. It stays open at the end and cannot be replaced if it breaks."""
-    given = [executor]
-    # The executor may use other machines, so the cores of this machine do not matter.
-    count = workers or getattr(executor, "_max_workers", None) or MANY
-
-    def make() -> Executor:
-        if not given:
-            raise StudyError("a worker of the executor died, and the executor takes no more work")
-        return given.pop()
-
-    return Workplace(partial(compute_checked, work), make, lambda: QUEUED * count, lambda *_: None)
-
-
 def processes(work: Work, workers: int) -> Workplace:
-    """Return a workplace of `workers` processes on this machine. Raise StudyError if the work cannot be sent to them."""
-    why = unsendable(work)
-    if why:
-        raise StudyError(f"other processes cannot compute this: {why}")
-    context = multiprocessing.get_context("spawn")  # A forked copy of a process with threads can deadlock.
-    make = partial(_Processes, workers, context, _begin_worker)
-    call = partial(_compute_sent, pickle.dumps(work))
-    return Workplace(call, make, lambda: QUEUED * workers, _Processes.end)  # type: ignore[arg-type]
+    """Return a workplace of `workers` processes on this machine. Raise StudyError if the work cannot be pickled."""
+    import cloudpickle
+    import loky
+
+    try:
+        sent = cloudpickle.dumps(work)
+    except (pickle.PicklingError, AttributeError, TypeError, ValueError) as error:
+        raise StudyError(f"other processes cannot compute this: {error}") from None
+    # This thread starts the processes. They inherit its blocked signals, so Ctrl+C cannot interrupt a half-started one.
+    starter = ThreadPoolExecutor(1, initializer=_block_interruptions)
+
+    class Processes(loky.ProcessPoolExecutor):  # type: ignore[misc]
+        """Processes that only the thread `starter` starts."""
+
+        def submit(self, function: Callable[..., Any], /, *args: Any, **keywords: Any) -> Future[Any]:
+            return starter.submit(super().submit, function, *args, **keywords).result()
+
+    def close(executor: Any, stopped: bool) -> None:
+        starter.shutdown()
+        executor.shutdown(wait=True, kill_workers=stopped)
+
+    make = partial(Processes, workers, initializer=_begin_worker, initargs=(os.getpid(),))
+    return Workplace(partial(_compute_sent, sent), make, lambda: QUEUED * workers, close)
 
 
-class _Processes(ProcessPoolExecutor):
-    """Process pool that ignores Ctrl+C.
-
-    A separate thread with blocked signals starts the processes, so an interrupt cannot leave a half-started process.
-    """
-
-    def __init__(self, *args: Any) -> None:
-        super().__init__(*args)
-        self._beginner = ThreadPoolExecutor(1, initializer=_leave_interruptions)
-
-    def submit(self, function: Callable[..., Any], /, *args: Any, **keywords: Any) -> Future[Any]:
-        return self._beginner.submit(super().submit, function, *args, **keywords).result()
-
-    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        self._beginner.shutdown()
-        super().shutdown(wait, cancel_futures=cancel_futures)
-
-    def end(self, stopped: bool) -> None:
-        """End the processes. If the sweep was `stopped`, terminate them at once, because they may run a kernel or wait
-        for one.
-        """
-        self._beginner.shutdown()
-        for process in list((self._processes or {}).values()) if stopped else ():
-            process.terminate()  # Executor.terminate_workers does the same from Python 3.14 on.
-        super().shutdown(wait=True, cancel_futures=True)
-
-
-def _leave_interruptions() -> None:
-    """Block SIGINT in this thread. The processes that it starts inherit the blocked signal."""
+def _block_interruptions() -> None:
+    """Block SIGINT in this thread."""
     if sys.platform != "win32":
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
 
 
-def _begin_worker() -> None:
+def _begin_worker(parent: int) -> None:
     """Initialise a worker process: ignore Ctrl+C, and exit when the parent process ends, even if it was killed."""
+    from loky import process_executor
+
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # for platforms that do not block the signal
+    # loky would replace a process whose memory grows by 100 MB, which the first use of compiled kernels does.
+    process_executor._MEMORY_LEAK_CHECK_DELAY = float("inf")
 
     def end_with_parent() -> None:
-        multiprocessing.parent_process().join()  # type: ignore[union-attr]
+        while os.getppid() == parent:
+            time.sleep(LOOK)
         os._exit(0)
 
     threading.Thread(target=end_with_parent, daemon=True).start()
@@ -173,29 +159,18 @@ def _received(sent: bytes) -> Work:
     return work
 
 
-def unsendable(work: Work) -> str:
-    """Return the reason why other processes on this machine cannot compute the work, or an empty string if they can."""
-    main = sys.modules.get("__main__")
-    script, name = getattr(main, "__file__", None), getattr(getattr(main, "__spec__", None), "name", "")
-    # Started by `python -m`: multiprocessing does not import this module in its processes.
-    of_package = name.endswith(".__main__")
-    function = work.source
-    while isinstance(function, partial):
-        function = function.func
-    if getattr(function, "__module__", "") == "__main__" and script is None:
-        return "the function is of a prompt or a notebook, put it into a module"
-    try:
-        sent = pickle.dumps(work)
-    except (pickle.PicklingError, AttributeError, TypeError) as error:
-        return f"put the function into a module ({error})"
-    if of_package:
-        return "what is of `__main__` cannot be imported there, put it into a module" if b"__main__" in sent else ""
-    # A script that checks its name does not start the sweep again in a worker.
-    with suppress(OSError, UnicodeDecodeError):
-        if script is not None and "__name__" not in Path(script).read_text(encoding="utf-8"):
-            below = "put what begins the sweep below `if __name__ == '__main__':`"
-            return f"each would run all of {Path(script).name}, {below}"
-    return ""
+def _of_caller(work: Work, executor: Executor, workers: int | None) -> Workplace:
+    """Return a workplace with an executor of the caller. It stays open at the end and cannot be replaced if it breaks."""
+    given = [executor]
+    # The executor may use other machines, so the cores of this machine do not matter.
+    count = workers or getattr(executor, "_max_workers", None) or MANY
+
+    def make() -> Executor:
+        if not given:
+            raise StudyError("a worker of the executor died, and the executor takes no more work")
+        return given.pop()
+
+    return Workplace(partial(compute_checked, work), make, lambda: QUEUED * count, lambda *_: None)
 
 
 def dask(work: Work, scheduler: str | Client) -> Workplace:
@@ -240,8 +215,8 @@ def _connected(address: str) -> Any:
     except (OSError, TimeoutError):
         raise StudyError(f"no Dask scheduler answers at {address!r}") from None
     except (TypeError, ValueError, ImportError, RuntimeError) as error:
-        told = str(error).partition("\n")[0]
-        raise StudyError(f"no Dask scheduler at {address!r}: {told}") from None
+        first_line = str(error).partition("\n")[0]
+        raise StudyError(f"no Dask scheduler at {address!r}: {first_line}") from None
 
 
 def place_of(
@@ -269,26 +244,19 @@ def place_of(
 
 
 def processes_or_threads(work: Work, workers: int | None) -> Workplace:
-    """Return processes on this machine, or threads with a logged reason if processes cannot compute the work."""
-    why = unsendable(work)
-    if not why:
+    """Return processes on this machine, or threads with a logged reason if the work cannot be sent to processes."""
+    try:
         return processes(work, workers or cores())
-    LOGGER.warning("computed in threads of this process, one at a time where that is Python: %s", why)
-    return threads(work, workers or cores())
-
-
-LOOK = 1.0  # Time between two checks of the scheduler and its number of workers [s].
-SILENCE = 60.0  # Time without a finished chunk after which a warning is logged [s].
-# Smallest number of chunks per worker into which the remaining points are cut, so that all workers end at about the
-# same time.
-LAST_SHARES = 4
-MOST_DEATHS = 3  # Number of processes that may die while computing a single point, until the point is given up.
-
-PointRange = tuple[int, int]
+    except StudyError as error:
+        LOGGER.warning("computed in threads of this process: %s", error)
+        return threads(work, workers or cores())
 
 
 class ChunkSchedule:
-    """Chunks that remain to be computed.
+    """Points that remain to be computed.
+
+    If a process dies, each of its chunks becomes a suspect. Suspects run one after the other, and a deadly one is halved
+    until its deadly point is found.
 
     Arguments:
         missing: ranges of points to compute.
@@ -298,10 +266,10 @@ class ChunkSchedule:
     """
 
     def __init__(self, missing: Iterable[PointRange], take: Callable[[Chunk], None], seconds: float) -> None:
-        self._todo, self._suspects, self._broken = deque(missing), deque[PointRange](), list[PointRange]()
+        self._todo, self._suspects, self._killed = deque(missing), deque[PointRange](), list[PointRange]()
         self._take, self._seconds = take, seconds
         self._handed: dict[Future[Chunk], PointRange] = {}
-        self._deaths = Counter[int]()  # deaths of processes by the only point that they were computing
+        self._deaths, self._broken = Counter[int](), False
         # Time per point of the fastest chunk [s]. Other load on the machine can only increase the time.
         self._pace = float("inf")
         self.left = sum(end - begin for begin, end in self._todo)
@@ -314,92 +282,74 @@ class ChunkSchedule:
     def run(self, place: Workplace, budget: float = float("inf")) -> None:
         """Compute all remaining points in `place`, or as many as fit into about `budget` seconds."""
         until, heard = perf_counter() + budget, perf_counter()
-        while self._handed or ((self._todo or self._suspects) and perf_counter() < until):
+        while self._handed or self._killed or ((self._todo or self._suspects) and perf_counter() < until):
+            if not self._handed:
+                self._suspect()
+                if self._broken:
+                    place.executor.shutdown(wait=False)
+                    place.executor, self._broken = place.make(), False
             self._hand_out(place, until)
             done, _ = wait(self._handed, LOOK, FIRST_COMPLETED)
             if not done and perf_counter() - heard > SILENCE:
-                told = "kernels are compiled, points take long, or there is no worker"
-                LOGGER.warning("no chunk came back for %g s: %s", SILENCE, told)
+                cause = "kernels are compiled, points take long, or there is no worker"
+                LOGGER.warning("no chunk came back for %g s: %s", SILENCE, cause)
             if done or perf_counter() - heard > SILENCE:
                 heard = perf_counter()
             for future in done:
-                self._came_back(place, future)
-            if self._broken and not self._handed:
-                self._begin_anew(place)
+                begin, end = self._handed.pop(future)
+                try:
+                    self._keep(future.result(), end)
+                except place.killed as error:
+                    self._broken |= isinstance(error, BrokenExecutor)
+                    self._killed.append((begin, end))
+                except place.gone:
+                    self._todo.appendleft((begin, end))
 
     def _hand_out(self, place: Workplace, until: float) -> None:
-        """Submit as many chunks as there is room for.
-
-        Suspect chunks (see `_blame`) are submitted one at a time. No chunk is submitted while a broken executor still
-        returns chunks.
-        """
-        room = place.room()
-        share = self.left // (LAST_SHARES * room if room > 1 else 2)
-        while self._todo and not (self._suspects or self._broken) and len(self._handed) < room:
-            begin, end = self._todo.popleft()
-            last = min(begin + max(1, share), end)
+        """Submit as many chunks as there is room for, or one suspect."""
+        room, waiting, share = place.room(), self._todo, self.left
+        if self._suspects:
+            room, waiting = 1, self._suspects
+        elif room > 1:
+            share = max(1, share // (LAST_SHARES * room), int(LEAST_SHARE * self._seconds / self._pace))
+        while waiting and not (self._killed or self._broken) and len(self._handed) < room:
+            begin, end = waiting.popleft()
+            last = min(begin + share, end)
+            try:
+                future = place.executor.submit(place.call, begin, last, min(self._seconds, until - perf_counter()))
+                self._handed[future] = begin, last
+            except BrokenExecutor:  # A process died, either idle or in a chunk that has not come back yet.
+                last, self._broken = begin, True
             if last < end:
-                self._todo.appendleft((last, end))
-            if not self._submit(place, begin, last, until):
-                return
-        if self._suspects and not self._handed:
-            self._submit(place, *self._suspects.popleft(), until)
-
-    def _submit(self, place: Workplace, begin: int, end: int, until: float) -> bool:
-        """Submit a chunk. Return True if the executor accepted it."""
-        try:
-            future = place.executor.submit(place.call, begin, end, min(self._seconds, until - perf_counter()))
-        except BrokenExecutor:  # A process died, either idle or in a chunk that has not come back yet.
-            self._todo.appendleft((begin, end))
-            if not self._handed:
-                place.renew()
-            return False
-        self._handed[future] = begin, end
-        return True
-
-    def _came_back(self, place: Workplace, future: Future[Chunk]) -> None:
-        begin, end = self._handed.pop(future)
-        try:
-            self._keep(future.result(), end)
-        except place.killed:
-            self._blame(begin, end)
-        except BrokenExecutor:
-            self._broken.append((begin, end))
-        except place.gone:
-            self._todo.appendleft((begin, end))
-
-    def _begin_anew(self, place: Workplace) -> None:
-        """Replace a broken executor. Each of its chunks is computed again separately. A chunk that was already separate
-        caused the failure.
-        """
-        place.renew()
-        count = sum(end - begin for begin, end in self._broken)
-        LOGGER.warning("a worker died: %d points that were handed out are computed again, each chunk alone", count)
-        if len(self._broken) == 1:
-            self._blame(*self._broken[0])
-        else:
-            self._suspects.extend(self._broken)
-        self._broken.clear()
+                waiting.appendleft((last, end))
 
     def _keep(self, chunk: Chunk, end: int) -> None:
         """Pass on a computed chunk, and schedule the points that it did not reach."""
         self._take(chunk)
         if chunk.end < end:
             self._todo.appendleft((chunk.end, end))
-        self._pace = min(self._pace, chunk.seconds / chunk.count)
+        self._pace = min(self._pace, chunk.seconds / chunk.count or self._pace)
         self.left -= chunk.count
 
-    def _blame(self, begin: int, end: int) -> None:
-        """Handle points whose process died while it had no other points. Try the halves separately, and a single point
+    def _suspect(self) -> None:
+        """Schedule the chunks whose process died. A chunk that was computed alone is halved, and a single point is tried
         up to three times.
         """
-        if end - begin > 1:
-            middle = (begin + end) // 2
-            self._suspects.extendleft([(middle, end), (begin, middle)])
-            return
-        self._deaths[begin] += 1
-        if self._deaths[begin] < MOST_DEATHS:
-            self._suspects.appendleft((begin, end))
-        else:
-            LOGGER.warning("point %d is lost: the process that computed it died, %d times", begin, MOST_DEATHS)
-            self._keep(lost(begin, MOST_DEATHS), end)
+        alone = len(self._killed) == 1
+        if len(self._killed) > 1:
+            count = sum(end - begin for begin, end in self._killed)
+            LOGGER.warning("a worker died: %d points that were handed out are computed again, each chunk alone", count)
+        for begin, end in self._killed:
+            if not alone:
+                self._suspects.append((begin, end))
+            elif end - begin > 1:
+                middle = (begin + end) // 2
+                self._suspects.extendleft([(middle, end), (begin, middle)])
+            else:
+                self._deaths[begin] += 1
+                if self._deaths[begin] < MOST_DEATHS:
+                    self._suspects.appendleft((begin, end))
+                else:
+                    LOGGER.warning("point %d is lost: the process that computed it died, %d times", begin, MOST_DEATHS)
+                    self._keep(lost(begin, MOST_DEATHS), end)
+        self._killed.clear()

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import hashlib
 import logging
+import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
@@ -29,8 +30,8 @@ from softcradle.sandbox.sweeps.sample_points import Axis, Points, grid
 from softcradle.sandbox.sweeps.store import (
     Store,
     begun_afresh,
-    kept_ranges,
-    locked,
+    is_locked,
+    kept_count,
     partial_folder,
     study_in,
     study_text,
@@ -75,6 +76,7 @@ def sweep(
     workers: int | None = None,
     units: Mapping[str, str] | None = None,
     title: str = "",
+    version: str | int = "",
     fresh: bool = False,
     progress: Progress | None = None,
     chunk_seconds: float = 1.0,
@@ -116,6 +118,9 @@ def sweep(
         Units of the numbers that a function returns, by name.
     title : str, optional
         Title of the Dataset.
+    version : str or int, optional
+        Version of the function. Change it if other functions or values that the function uses change, so that points of
+        the old version are not used again. A change of the text of the function itself is noticed.
     fresh : bool, optional
         If True, start over, whatever `output` contains. The old output stays until the new one is complete. If such a
         sweep is interrupted, the same call continues it, with or without `fresh`.
@@ -138,11 +143,12 @@ def sweep(
         import xarray  # noqa: F401  # before the work, not after it
     points = over if isinstance(over, Points) else grid(over)
     work = sweep_work(what, points, measures)
-    path, study = None if output is None else checked_output(output, points), study_text(work, title, units)
+    path = None if output is None else checked_output(output, points)
+    study = study_text(work, title, units, version)
     if path is not None and path.exists() and not (fresh or begun_afresh(partial_folder(path), study)):
         LOGGER.info("%s is complete: nothing to compute", path)
         return opened_dataset(path, study)
-    with opened(path, study, fresh) as store:
+    with opened(path, study, points.count, fresh) as store:
         tell = progress or _untold
         place = place_of(work, executor, scheduler, workers)
         check = partial(check_columns, work=work, known={})
@@ -189,11 +195,8 @@ def sweep_status(
         return 0, f"not begun, none of {count} points is computed"
     if known != study:
         raise StudyError(f"{folder} was begun for another study, or by another version")
-    done, lock = sum(end - begin for begin, end in kept_ranges(folder)), locked(folder)
-    if lock is not None:
-        lock.close()
-    busy = "no sweep is at it, the same command goes on" if lock is not None else "a sweep is at it"
-    return 0, f"{done} of {count} points are in {folder}, and {busy}"
+    busy = "a sweep is at it" if is_locked(folder) else "no sweep is at it, the same command goes on"
+    return 0, f"{kept_count(folder)} of {count} points are in {folder}, and {busy}"
 
 
 def map_points(
@@ -233,7 +236,7 @@ def map_points(
     work = sweep_work(function, points, ())
     study = study_text(work, digest_of(SANDBOX.rglob("*.py")))
     fresh = kept is not None and study_in(partial_folder(kept)) not in (None, study)
-    with opened(kept, study, fresh) as store:
+    with opened(kept, study, points.count, fresh) as store:
 
         def take(chunk: Chunk) -> None:
             _refuse_broken(chunk, points)
@@ -247,7 +250,7 @@ def map_points(
 
 def drop_kept(kept: Path) -> None:
     """Delete the points that `map_points` kept."""
-    Store(partial_folder(kept), "", fresh=True).remove()
+    shutil.rmtree(partial_folder(kept), ignore_errors=True)
 
 
 def _rows(chunk: Chunk) -> list[dict[str, Any]]:
@@ -294,7 +297,7 @@ def _compute_missing(
     if store.done and store.folder is not None:
         LOGGER.warning("%d of %d points are in %s and not computed again", store.done, count, store.folder)
     tell("points", store.done, count)
-    schedule = ChunkSchedule(store.missing(count), keep, chunk_seconds)
+    schedule = ChunkSchedule(store.missing(), keep, chunk_seconds)
     stopped = True
     try:
         # If an earlier process was killed, the first point may have killed it, so it is not computed in this process.
@@ -312,16 +315,16 @@ def _compute_missing(
 
 
 @contextmanager
-def opened(path: Path | None, study: str, fresh: bool) -> Iterator[Store]:
+def opened(path: Path | None, study: str, count: int, fresh: bool) -> Iterator[Store]:
     """Open the store of an output. If the sweep ends early, report how many points are stored."""
-    store = Store(None if path is None else partial_folder(path), study, fresh)
+    store = Store(None if path is None else partial_folder(path), study, count, fresh)
     try:
         yield store
     except BaseException as error:
-        done = store.done
+        done = kept_count(store.folder) if store.folder is not None else 0
         if not done and not store.begun:
             store.remove()
-        if store.folder is not None and done:
+        if done:
             points = "1 point is" if done == 1 else f"{done} points are"
             kept = f"{points} kept in {store.folder}; the same sweep goes on from there"
             if isinstance(error, StudyError):

@@ -1,31 +1,43 @@
-"""Store for the finished points of a sweep: one file for each chunk, from which an interrupted sweep continues.
+"""Store for the finished points of a sweep: a Zarr group from which an interrupted sweep continues.
 
-The folder `NAME.partial` contains the study and the chunks, which are .npz files. A file name consists of the first
-point of the chunk and the point after its last one. A file is renamed into place when it is complete and on the disk,
-so a listing of the folder shows which points are finished.
+The folder `NAME.partial` contains a lock and a group. The group has an array for each column of the chunks, with a row
+for each point, and the study as an attribute. The status of a point is written last, so a point with a status is
+complete.
 """
 
+import inspect
 import json
+import math
+import pickle
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import asdict
+from functools import partial
+from hashlib import sha256
 from os import fsync
 from pathlib import Path
-from typing import IO, Any
-from zipfile import BadZipFile
+from types import MethodType
+from typing import Any
+from urllib.parse import quote
 
 import numpy as np
-from softcradle.physics.atomic_files import output_file
-from softcradle.sandbox.sweeps.code_digest import code_digest
+from filelock import FileLock, Timeout
+from softcradle.physics.extras import needed_for
 from softcradle.sandbox.sweeps.scene_points import ScenePoints
-from softcradle.sandbox.sweeps.work import REASON, Chunk, Work, function_name
+from softcradle.sandbox.sweeps.work import REASON, STATUS, UNLIKE, WARNED, Chunk, Work, function_name
 from softcradle.sandbox.user_error import StudyError, reason
 
-STUDY, LOCK, AFRESH = "study.json", "lock", "afresh"  # Names of files in the folder of the chunks.
-# Prefix of column names in an .npz file. Without it, the name of a measure could be that of an argument of np.savez.
-COLUMN = "column "
-MOST_VALUES = 100  # Largest number of values of an axis that are written out.
+# Status of a point that is not stored.
+MISSING = -1
+# Most rows of an array, and most numbers, that one file contains. Each chunk of a sweep rewrites its files.
+MOST_ROWS, MOST_NUMBERS = 4096, 2**18
+# Values of points that are not stored, by column. Other columns contain NaN.
+FILL: dict[str, Any] = {STATUS: MISSING, WARNED: 0, REASON: ""}
+# Largest number of values of an axis that are written out in the study.
+MOST_VALUES = 100
+# Names in the folder.
+LOCK, GROUP = "lock", "points"
 
 
 def partial_folder(path: Path) -> Path:
@@ -34,28 +46,29 @@ def partial_folder(path: Path) -> Path:
 
 
 class Store:
-    """Chunks of a sweep. Only one process can open the store at a time.
+    """Chunks of a sweep, in memory and in a folder. Only one process can open the folder at a time.
 
-    `begun` is True if an earlier process started to compute these chunks and was stopped or killed.
+    Attributes:
+        begun: True if an earlier process started to compute these points and was stopped or killed.
 
     Arguments:
-        folder: folder of the chunks, created if necessary; None keeps them only in memory.
+        folder: folder of the points, created if necessary; None keeps them only in memory.
         study: the study as text. The folder of another study is rejected.
-        fresh: start over, whatever the folder contains. Only a folder of this study that was itself started with
-            `fresh`
-            is continued.
+        count: number of points.
+        fresh: start over, whatever the folder contains, unless it was itself started with `fresh` for this study.
 
     Raises:
-        StudyError: the folder belongs to another study, is in use or cannot be written, or one of its files cannot be
-            read.
+        StudyError: the folder belongs to another study, is in use, cannot be written or cannot be read.
     """
 
-    def __init__(self, folder: Path | None, study: str, fresh: bool = False) -> None:
-        self.folder, self.begun, self._chunks = folder, False, list[Chunk]()
-        self._lock: IO[bytes] | None = None
+    def __init__(self, folder: Path | None, study: str, count: int, fresh: bool = False) -> None:
+        self.folder, self.begun, self._count, self._chunks = folder, False, count, list[Chunk]()
+        self._arrays: dict[str, Any] = {}
+        self._lock: FileLock | None = None
+        if folder is None:
+            return
         try:
-            if folder is not None:
-                self._open(folder, study, fresh)
+            self._open(folder, study, fresh)
         except BaseException as error:
             self.close()
             if isinstance(error, OSError):
@@ -63,41 +76,73 @@ class Store:
             raise
 
     def _open(self, folder: Path, study: str, fresh: bool) -> None:
-        if folder.is_file() and fresh:
-            folder.unlink()
-        elif folder.is_file():
-            raise StudyError(f"{folder} was begun by another version: give another output, or begin afresh")
+        with needed_for("a sweep that continues after an interruption", "sweep"):
+            import zarr
         folder.mkdir(exist_ok=True)
-        self._lock = locked(folder)
-        if self._lock is None:
-            raise StudyError(f"{folder} is being written by another sweep")
+        self._lock = FileLock(folder / LOCK)
+        try:
+            self._lock.acquire(timeout=0)
+        except Timeout:
+            raise StudyError(f"{folder} is being written by another sweep") from None
         known = study_in(folder)
         if known not in (None, study) and not fresh:
             raise StudyError(
                 f"{folder} was begun for another study, or by another version: give another output, or begin afresh"
             )
         self.begun = begun_afresh(folder, study) if fresh else known is not None
+        self._group = zarr.open_group(folder / GROUP, mode="a" if self.begun else "w", zarr_format=2)
         if not self.begun:
-            for file in folder.glob("*.npz"):
-                file.unlink()
-            with output_file(folder / STUDY) as temporary:
-                temporary.write_text(study, encoding="utf-8")
-            if fresh:
-                (folder / AFRESH).touch()
-        self._chunks = [_read(folder, *kept) for kept in kept_ranges(folder)]
+            self._group.attrs.put({"study": study, "fresh": fresh, "columns": []})
+        self._arrays = {name: self._group[quote(name, safe="")] for name in self._group.attrs["columns"]}
+        if STATUS in self._arrays:
+            self._chunks = list(self._stored())
+
+    def _stored(self) -> Iterator[Chunk]:
+        """Yield the stored points as chunks."""
+        try:
+            columns = {name: array[:] for name, array in self._arrays.items()}
+            columns = {name: np.full(self._count, FILL[name]) for name in (WARNED, REASON)} | columns
+        except Exception as error:  # Zarr raises errors of many kinds for a damaged file.
+            raise StudyError(f"cannot read {self.folder} ({error}): delete it to compute its points again") from None
+        there = np.concatenate([[False], columns[STATUS] != MISSING, [False]])
+        for begin, end in np.flatnonzero(there[1:] != there[:-1]).reshape(-1, 2).tolist():
+            yield Chunk(begin, end, {name: column[begin:end] for name, column in columns.items()})
 
     def keep(self, chunk: Chunk) -> None:
         """Add a chunk. Raise StudyError if the disk is full; chunks stored before stay intact."""
         if self.folder is not None:
-            columns = {COLUMN + name: column for name, column in chunk.columns.items()}
             try:
-                with output_file(_file_of(self.folder, chunk.begin, chunk.end)) as path, path.open("wb") as file:
-                    np.savez(file, **columns)  # type: ignore[arg-type]
-                    file.flush()
-                    fsync(file.fileno())
+                files = [file for name in chunk.columns if name != STATUS for file in self._written(name, chunk)]
+                _sync(files)  # The status must not reach the disk before the numbers.
+                _sync(self._written(STATUS, chunk))
             except OSError as error:
                 raise StudyError(f"cannot write {self.folder}: {reason(error)}") from None
         self._chunks.append(chunk)
+
+    def _written(self, name: str, chunk: Chunk) -> Iterator[Path]:
+        """Write a column of a chunk, and yield the files that contain it."""
+        values, key = chunk.columns[name], quote(name, safe="")
+        inner = values.shape[1:]
+        if name in (WARNED, REASON) and not values.any():
+            return  # Zarr fills in these values.
+        if name not in self._arrays:
+            rows = max(1, min(MOST_ROWS, MOST_NUMBERS // max(1, math.prod(inner))))
+            self._arrays[name] = self._group.create_array(
+                key, shape=(self._count, *inner), chunks=(rows, *(max(1, length) for length in inner)),
+                dtype=str if name == REASON else values.dtype, fill_value=FILL.get(name, math.nan),
+                chunk_key_encoding={"name": "v2", "separator": "/"}, overwrite=True,
+            )  # fmt: skip
+            self._group.attrs["columns"] = list(self._arrays)
+        array = self._arrays[name]
+        if array.ndim != values.ndim:
+            raise StudyError(UNLIKE)
+        shape = (self._count, *map(max, array.shape[1:], inner))
+        if array.shape != shape:
+            array.resize(shape)
+        array[(slice(chunk.begin, chunk.end), *map(slice, inner))] = values
+        for block in range(chunk.begin // array.chunks[0], (chunk.end - 1) // array.chunks[0] + 1):
+            path = self.folder / GROUP / key / str(block)  # type: ignore[operator]
+            yield from [path] if path.is_file() else filter(Path.is_file, path.rglob("*"))
 
     @property
     def done(self) -> int:
@@ -108,20 +153,18 @@ class Store:
         """Return all chunks in the order of their points."""
         return sorted(self._chunks, key=lambda chunk: chunk.begin)
 
-    def missing(self, count: int) -> Iterator[tuple[int, int]]:
-        """Yield the ranges of points below `count` that are not stored."""
+    def missing(self) -> Iterator[tuple[int, int]]:
+        """Yield the ranges of points that are not stored."""
         reached = 0
-        for chunk in self.chunks():
-            if chunk.begin > reached:
-                yield reached, chunk.begin
-            reached = chunk.end
-        if reached < count:
-            yield reached, count
+        for begin, end in [*((chunk.begin, chunk.end) for chunk in self.chunks()), (self._count, self._count)]:
+            if begin > reached:
+                yield reached, begin
+            reached = end
 
     def close(self) -> None:
-        """Release the lock, so that another sweep can open the store."""
+        """Release the lock, so that another sweep can open the folder."""
         if self._lock is not None:
-            self._lock.close()
+            self._lock.release()
 
     def remove(self) -> None:
         """Delete the folder."""
@@ -130,83 +173,92 @@ class Store:
             shutil.rmtree(self.folder, ignore_errors=True)
 
 
-def locked(folder: Path) -> IO[bytes] | None:
-    """Return the lock file of the folder, locked, or None if another process has locked it."""
-    file = (folder / LOCK).open("ab")
-    with suppress(ImportError):  # On Windows, two sweeps that write into one folder are not detected.
-        import fcntl
+def _sync(files: Iterable[Path]) -> None:
+    """Wait until the files are on the disk."""
+    for path in files:
+        with path.open("r+b") as file:
+            fsync(file.fileno())
 
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            file.close()
-            return None
-    return file
+
+def is_locked(folder: Path) -> bool:
+    """Return True if a sweep is writing into the folder."""
+    lock = FileLock(folder / LOCK)
+    with suppress(Timeout):
+        lock.acquire(timeout=0)
+        lock.release()
+        return False
+    return True
+
+
+def kept_count(folder: Path) -> int:
+    """Return the number of points that the folder contains."""
+    import zarr
+
+    path = folder / GROUP / quote(STATUS, safe="")
+    return int((zarr.open_array(path, mode="r")[:] != MISSING).sum()) if path.exists() else 0
+
+
+def _attributes(folder: Path) -> dict[str, Any]:
+    with suppress(OSError, ValueError):
+        return dict(json.loads((folder / GROUP / ".zattrs").read_text(encoding="utf-8")))
+    return {}
 
 
 def study_in(folder: Path) -> str | None:
     """Return the study of the folder, or None if it does not contain one."""
-    with suppress(OSError, UnicodeDecodeError):
-        return (folder / STUDY).read_text(encoding="utf-8")
-    return None
+    return _attributes(folder).get("study")
 
 
 def begun_afresh(folder: Path, study: str) -> bool:
     """Return True if a sweep with `fresh` started this folder for this study. It then takes precedence over the
     existing output.
     """
-    return (folder / AFRESH).exists() and study_in(folder) == study
+    known = _attributes(folder)
+    return known.get("study") == study and known["fresh"]
 
 
-def kept_ranges(folder: Path) -> list[tuple[int, int]]:
-    """Return the stored points of the folder as ranges (begin, end)."""
-    names = [path.stem.split("-") for path in folder.glob("[0-9]*-[0-9]*.npz")]
-    return sorted((int(begin), int(end)) for begin, end in names)
-
-
-def _file_of(folder: Path, begin: int, end: int) -> Path:
-    return folder / f"{begin}-{end}.npz"
-
-
-def _read(folder: Path, begin: int, end: int) -> Chunk:
-    path = _file_of(folder, begin, end)
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            columns = {name.removeprefix(COLUMN): file[name] for name in (COLUMN + REASON, *file.files)}
-    except (OSError, ValueError, EOFError, KeyError, BadZipFile):
-        raise StudyError(f"cannot read {path}: delete it, and the same sweep computes its points again") from None
-    return Chunk(begin, end, columns)
-
-
-def study_text(work: Work, title: str, units: Mapping[str, str] | None = None) -> str:
+def study_text(work: Work, title: str, units: Mapping[str, str] | None = None, version: str | int = "") -> str:
     """Return everything that determines the Dataset of a sweep, as one line of JSON. Long lists of values are replaced
     by digests.
     """
     axes = [asdict(axis) | {"values": _shortened(axis.values)} for axis in work.points.axes]
+    measures = [
+        item if isinstance(item, str) else [item.name, item.unit, item.meaning, item.each, *identity(item.function)]
+        for item in work.measures
+    ]
     if isinstance(work.source, ScenePoints):
-        source = work.source.scene.model_dump(mode="json", exclude={"view", "text", "question", "source"})
+        source: Any = work.source.scene.model_dump(mode="json", exclude={"view", "text", "question", "source"})
     else:
-        source = {"function": function_name(work.source), "code": code_digest(work.source)}
+        source = identity(work.source)
     found = {
-        "title": title,
-        "units": dict(units or {}),
-        "design": work.points.design,
-        "count": work.points.count,
-        "seed": work.points.seed,
-        "axes": axes,
-        "of": source,
-        "measures": [
-            item
-            if isinstance(item, str)
-            else [item.name, item.unit, item.meaning, item.each, code_digest(item.function)]
-            for item in work.measures
-        ],
+        "title": title, "units": dict(units or {}), "version": version, "design": work.points.design,
+        "count": work.points.count, "seed": work.points.seed, "axes": axes, "of": source, "measures": measures,
         "versions": dict(work.versions),
-    }
-    return json.dumps(found, default=code_digest)
+    }  # fmt: skip
+    return json.dumps(found)
+
+
+def identity(function: Any) -> tuple[str, str]:
+    """Return the name of a function, and a digest of its source text and of the values that are bound to it.
+
+    Other functions that it calls and values that it closes over do not count. `version` of a sweep stands for them.
+    """
+    bound: list[Any] = []
+    name = function_name(function)
+    while isinstance(function, (partial, MethodType)):
+        bound.append((function.args, function.keywords) if isinstance(function, partial) else function.__self__)
+        function = function.func if isinstance(function, partial) else function.__func__
+    function = inspect.unwrap(function)
+    code = getattr(function, "__code__", None)
+    source = b"" if code is None else code.co_code + repr(code.co_names).encode()
+    with suppress(OSError, TypeError):  # A function of a prompt, or an instance of a class.
+        source = inspect.getsource(function).encode()
+    with suppress(pickle.PicklingError, AttributeError, TypeError):
+        source += pickle.dumps(bound if source else [function, *bound])
+    return name, sha256(source).hexdigest()[:16]
 
 
 def _shortened(values: tuple[Any, ...]) -> Any:
     if len(values) <= MOST_VALUES:
         return list(values)
-    return {"number": len(values), "digest": code_digest(values)}
+    return {"number": len(values), "digest": sha256(repr(values).encode()).hexdigest()[:16]}

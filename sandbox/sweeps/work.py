@@ -297,22 +297,22 @@ def packed(begin: int, outcomes: Sequence[Outcome], seconds: float = 0.0) -> Chu
     return Chunk(begin, begin + len(outcomes), columns, seconds)
 
 
-def merged(chunks: Sequence[Chunk], count: int) -> Chunk:
-    """Return all chunks, in the order of their points, as one. Raise StudyError if a measure is a number in one and a
-    list in another.
+def merged(chunks: Sequence[Chunk], count: int) -> dict[str, NDArray[Any]]:
+    """Return the columns of all chunks together, with NaN for missing numbers. Raise StudyError if a measure is a number
+    in one chunk and a list in another.
     """
     columns: dict[str, NDArray[Any]] = {}
     for name in dict.fromkeys(name for chunk in chunks for name in chunk.columns):
-        found = [chunk.columns.get(name) for chunk in chunks]
-        shapes = {None if column is None else column.shape[1:] for column in found}
-        if len(shapes) == 1:
-            columns[name] = np.concatenate(found)  # type: ignore[arg-type]
-        else:
-            rows = zip(chunks, found, strict=True)
-            columns[name] = stacked(
-                [row for c, column in rows for row in ([None] * c.count if column is None else column)]
-            )
-    return Chunk(0, count, columns)
+        parts = {chunk.begin: chunk.columns[name] for chunk in chunks if name in chunk.columns}
+        first = next(iter(parts.values()))
+        if any(part.ndim != first.ndim for part in parts.values()):
+            raise StudyError(UNLIKE)
+        shape = [max(lengths) for lengths in zip(*(part.shape[1:] for part in parts.values()), strict=True)]
+        kind, empty = (object, "") if name == REASON else (first.dtype, 0 if name in (STATUS, WARNED) else np.nan)
+        columns[name] = np.full((count, *shape), empty, kind)
+        for begin, part in parts.items():
+            columns[name][(slice(begin, begin + len(part)), *map(slice, part.shape[1:]))] = part
+    return columns
 
 
 def lost(begin: int, times: int) -> Chunk:

@@ -5,15 +5,17 @@ killed.
 from __future__ import annotations
 
 import contextlib
-import sys
 from pathlib import Path
 from secrets import token_hex
-from typing import IO
+from typing import TYPE_CHECKING
 
 from softcradle.physics.atomic_files import output_file
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.settings import settings_path
+
+if TYPE_CHECKING:
+    from filelock import BaseFileLock
 
 # Delay in seconds between an edit and its backup. It must be shorter than the time after which an idle window stops
 # drawing frames.
@@ -29,17 +31,18 @@ class UnsavedFile:
 
     def __init__(self, path: Path | None = None) -> None:
         self.path = path or settings_path().with_name(f"unsaved-{token_hex(4)}.toml")
-        self._lock: IO[bytes] | None = None
+        self._lock: BaseFileLock | None = None
 
     def own(self) -> bool:
         """Acquire the file. Return False if another window owns it or the folder is not writable."""
         if self._lock is None:
-            with contextlib.suppress(OSError), contextlib.ExitStack() as kept:
+            from filelock import FileLock  # Most windows start and end without a backup.
+
+            with contextlib.suppress(OSError):  # A lock that another window holds raises TimeoutError.
                 self.path.parent.mkdir(parents=True, exist_ok=True)
-                file = kept.enter_context(self._lock_path.open("ab"))
-                _lock(file)
-                kept.pop_all()
-                self._lock = file
+                lock = FileLock(self._lock_path)
+                lock.acquire(timeout=0)
+                self._lock = lock
         return self._lock is not None
 
     def write(self, text: str) -> None:
@@ -60,7 +63,7 @@ class UnsavedFile:
     def release(self) -> None:
         """Release the file without changing it, so that the next window can open it."""
         if self._lock is not None:
-            self._lock.close()
+            self._lock.release()
             self._lock = None
 
     @property
@@ -116,15 +119,3 @@ def _changed(path: Path) -> float:
         return path.stat().st_mtime
     except OSError:
         return 0.0
-
-
-def _lock(file: IO[bytes]) -> None:
-    """Lock an open file until it is closed. Raise OSError if it is already locked."""
-    if sys.platform == "win32":
-        import msvcrt
-
-        msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
-    else:
-        import fcntl
-
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)

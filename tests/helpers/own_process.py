@@ -53,7 +53,12 @@ INSIDE = "SOFTCRADLE_OWN_PROCESS"  # Environment variable that is set in the pro
 LONGEST = 900.0
 # Processes that outlive a test on purpose: Python keeps one of each of the first two, and the third one compiles
 # kernels for later tests.
-SHARED = ("multiprocessing.resource_tracker", "multiprocessing.forkserver", "compile_and_unlock")
+SHARED = (
+    "multiprocessing.resource_tracker",
+    "loky.backend.resource_tracker",
+    "multiprocessing.forkserver",
+    "compile_and_unlock",
+)
 
 
 def descriptors() -> set[str]:

@@ -125,7 +125,7 @@ def test_a_sweep_keeps_its_points_and_says_so(executor, tmp_path):
     (tmp_path / "study.toml").write_text(STUDY.replace("step = 1e-7", "step = 1e-3"))
     process = begin("-m", "softcradle", "sweep", "study.toml", "--chunk", "0.1", *executor, folder=tmp_path)
     kept = tmp_path / "out" / "study.zarr.partial"
-    until(lambda: list(kept.glob("[0-9]*.npz")), process)
+    until(lambda: list(kept.glob("points/%3Astatus/0")), process)
     lines = told(process, signal.SIGINT)
     assert process.returncode == 130, "\n".join(lines)
     assert lines[-1] == "softcradle: interrupted"

@@ -6,24 +6,20 @@ import signal
 import sys
 from concurrent.futures import Executor, ThreadPoolExecutor
 from functools import partial
-from importlib.machinery import ModuleSpec
 from itertools import product
-from multiprocessing.context import SpawnProcess
 from threading import Lock, current_thread, main_thread
-from types import ModuleType
 from unittest.mock import Mock
 
 import numpy as np
 import pytest
-from softcradle.physics import Chain, OwnLaw, one_on, power_law, simulate
+from loky.backend.process import LokyProcess
+from softcradle.physics import Chain, one_on, power_law, simulate
 from softcradle.physics.analysis.collision import collide, measured
-from softcradle.physics.scales import require_computable
 from softcradle.sandbox.sweeps import Measure, grid, listed, run_sweep, store, sweep
-from softcradle.sandbox.sweeps.code_digest import code_digest
 from softcradle.sandbox.sweeps.dataset import reasons_of, write_dataset
-from softcradle.sandbox.sweeps.executors import MANY, QUEUED, here, place_of, unsendable
+from softcradle.sandbox.sweeps.executors import MANY, QUEUED, here, place_of
 from softcradle.sandbox.sweeps.run_sweep import drop_kept, map_points, sweep_status
-from softcradle.sandbox.sweeps.store import Store, partial_folder
+from softcradle.sandbox.sweeps.store import Store, identity, partial_folder
 from softcradle.sandbox.sweeps.work import Outcome, PointStatus, Work, packed, sweep_work
 from softcradle.sandbox.user_error import StudyError
 
@@ -38,12 +34,6 @@ pytest.importorskip("h5netcdf")
 A = np.linspace(0.0, 1.0, 21)
 GRID = grid({"a": A, "n": [1, 2, 3]})
 ONE_BY_ONE = {"executor": "here", "chunk_seconds": 0.0}
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _loop_of_zarr(tmp_path_factory):
-    """Use Zarr once. From its first use it keeps a thread with two sockets."""
-    zarr.create_group(tmp_path_factory.mktemp("zarr"))
 
 
 @pytest.fixture(scope="module")
@@ -98,13 +88,13 @@ def test_no_process_is_begun_in_the_thread_that_hears_an_interruption(monkeypatc
     """Check that no process starts in the main thread. An interruption would leave it half started, with a traceback. A
     process must also ignore interruptions while it starts.
     """
-    begun, start = [], SpawnProcess.start
+    begun, start = [], LokyProcess.start
 
     def noted(process):
         begun.append((current_thread() is main_thread(), signal.pthread_sigmask(signal.SIG_BLOCK, ())))
         start(process)
 
-    monkeypatch.setattr(SpawnProcess, "start", noted)
+    monkeypatch.setattr(LokyProcess, "start", noted)
     sweep(numbers, {"a": [0.5], "n": [1]}, executor="processes", workers=1)
     assert begun == [(False, {signal.SIGINT})]
 
@@ -141,7 +131,7 @@ def test_a_fresh_sweep_keeps_the_old_output_until_it_is_done(replaced, fresh, tm
     output, before, points = tmp_path / "x.zarr", {"a": replaced, "n": [1]}, {"a": [0.5, 0.6], "n": [1]}
     sweep(logged, before, output=output, executor="here").close()
     log.unlink()
-    other = Store(partial_folder(output), "a study that was given up")
+    other = Store(partial_folder(output), "a study that was given up", 1)
     other.keep(packed(0, [Outcome({"y": 1.0})]))
     other.close()
     with pytest.raises(KeyboardInterrupt):
@@ -225,63 +215,67 @@ class Holder:
     def __init__(self, held: object) -> None:
         self.held = held
 
-    def __call__(self, a: float) -> dict[str, object]:
+    def call(self, a: float) -> dict[str, object]:
         return {"y": self.held}
 
 
 @pytest.mark.parametrize(
     "make",
     [
-        lambda n: eval(f"lambda a, n={n}: n"),
-        lambda n: eval(f"lambda a: [lambda: 1, lambda: {n}]"),
-        lambda n: eval("lambda a: N", {"N": n, "__name__": "own"}),
         lambda n: partial(numbers, np.array([1.0 + 1e-10 * n, 2.0])),
-        lambda n: lambda a: n,
-        lambda n: Holder(n).__call__,
-        lambda n: Holder([one_on(n, power_law(1.0, 0.5))]),
-        lambda n: OwnLaw(lambda overlap: n * overlap),
+        lambda n: partial(partial(numbers, n), 1),
+        lambda n: Holder(n).call,
+        lambda n: Holder([one_on(n, power_law(1.0, 0.5))]).call,
+        lambda n: eval(f"lambda a: {'a' * n}"),  # no source text, as at a prompt
+        lambda n: numbers if n == 4 else logged,
     ],
 )
-def test_functions_with_other_values_are_other_studies(make):
-    assert code_digest(make(4)) == code_digest(make(4)) != code_digest(make(8))
+def test_functions_with_other_text_or_other_bound_values_are_other_studies(make):
+    assert identity(make(4)) == identity(make(4)) != identity(make(8))
 
 
-def test_how_values_came_about_makes_no_other_study(caplog):
-    assert [*{0, 8}] != [*{8, 0}]  # Like sets of texts, whose order differs between processes.
-    assert code_digest({0, 8}) == code_digest({8, 0})
-    used = one_on(4, power_law(1.0, 0.5))
-    require_computable(used, [1.0] * 5)
-    assert code_digest(used) == code_digest(one_on(4, power_law(1.0, 0.5)))
-    lock = Lock()
-    assert code_digest(lock) != code_digest(lock)
-    why = "it holds what cannot be compared (TypeError: cannot pickle '_thread.lock'"
-    assert f"is not taken up again: {why}" in caplog.text
+def test_another_version_of_a_function_is_another_study(tmp_path):
+    factor, output = [1.0], tmp_path / "x.zarr"
+
+    def scaled(a):
+        return {"y": factor[0] * a}
+
+    for version, factor[0], expected in ((1, 1.0, 3.0), (1, 2.0, 3.0), (2, 2.0, 6.0)):
+        with sweep(scaled, {"a": [3.0]}, output=output, executor="here", version=version, fresh=version == 2) as found:
+            assert found["y"].item() == expected
+    with pytest.raises(StudyError, match="holds another study, or one by another version"):
+        sweep(scaled, {"a": [3.0]}, output=output, executor="here", version=3)
 
 
-@pytest.mark.skipif(os.name == "nt", reason="files are locked otherwise there")
 def test_one_sweep_at_a_time(tmp_path):
-    first = Store(tmp_path / "kept", "study")
+    first = Store(tmp_path / "kept", "study", 3)
     with pytest.raises(StudyError, match="kept is being written by another sweep"):
-        Store(tmp_path / "kept", "study")
+        Store(tmp_path / "kept", "study", 3)
     first.close()
-    Store(tmp_path / "kept", "study").close()
-    (tmp_path / "kept" / "0-3.npz").write_bytes(b"no chunk")
-    with pytest.raises(StudyError, match=r"cannot read .*0-3.npz: delete it"):
-        Store(tmp_path / "kept", "study")
+    Store(tmp_path / "kept", "study", 3).close()
+
+
+def test_a_damaged_store_is_reported(tmp_path):
+    first = Store(tmp_path / "kept", "study", 3)
+    first.keep(packed(0, [Outcome({"y": 1.0})]))
+    first.close()
+    (tmp_path / "kept" / "points" / "y" / "0").write_bytes(b"no chunk")
+    with pytest.raises(StudyError, match=r"cannot read .*kept .*: delete it"):
+        Store(tmp_path / "kept", "study", 3)
 
 
 def test_a_full_disk_loses_no_points(tmp_path, monkeypatch, alone, caplog):
     output = tmp_path / "x.zarr"
     options = {"executor": "here", "output": output, "units": {"product": "m"}}
     full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-    monkeypatch.setattr(store, "fsync", Mock(side_effect=[None, None, full, *[None] * 99]))
+    monkeypatch.setattr(store, "fsync", Mock(side_effect=[*[None] * 7, full, *[None] * 999]))  # The third point fails.
     with pytest.raises(StudyError, match=r"cannot write .*x.zarr.partial: no space left on device; 2 points are kept"):
         sweep(numbers, GRID, chunk_seconds=0.0, **options)
     assert [path.name for path in tmp_path.iterdir()] == ["x.zarr.partial"]
     for over, units in ({"a": [0.1], "n": [1]}, {"product": "m"}), (GRID, {"product": "mm"}):
         with pytest.raises(StudyError, match=r"x.zarr.partial was begun for another study"):
             sweep(numbers, over, executor="here", output=output, units=units)
-    (tmp_path / "x.zarr.partial" / ".2-9.123.part.npz").write_bytes(b"1234")  # A chunk whose writing was interrupted.
+    (tmp_path / "x.zarr.partial" / "points" / "product" / "0.123.partial").write_bytes(b"1234")  # An interrupted write.
     begun: list[int] = []
     options["executor"] = "threads"
     with sweep(numbers, GRID, progress=lambda _, done, __: begun.append(done), **options) as found:
@@ -405,7 +399,11 @@ def test_every_value_of_a_list_is_checked(scene, over, wrong):
         ((numbers, GRID), {"output": "nowhere/x.nc"}, "there is no folder"),
         ((numbers, GRID), {"executor": "nobody"}, "executor must be auto, here, threads, processes"),
         ((numbers, GRID), {"workers": 0}, "workers must be at least 1, not 0"),
-        ((lambda a, n: {}, GRID), {"executor": "processes"}, "cannot compute this: put the function into a module"),
+        (
+            (partial(numbers, n=Lock()), GRID),
+            {"executor": "processes"},
+            "cannot compute this: cannot pickle '_thread.lock",
+        ),
         ((numbers, {"a": [True, 2]}), {"output": "x.nc"}, "a: an output takes .* or all texts, not bool, int"),
         ((lambda a: {"v/c": a}, {"a": [1]}), {"output": "x.zarr"}, "a measure cannot be called 'v/c'"),
         ((lambda a: {"a": a}, {"a": [1]}), {"output": "x.zarr"}, "a measure cannot be called 'a'"),
@@ -433,46 +431,33 @@ def test_an_executor_of_the_caller_is_given_as_much_as_it_has_workers():
             assert place.room() == QUEUED * room
 
 
-def test_a_command_that_is_a_package_gets_processes(tmp_path, monkeypatch):
-    """Check `python -m package`. Child processes do not run it again, so they cannot import names of its `__main__`."""
-    main = ModuleType("__main__")
-    main.__file__, main.__spec__ = str(tmp_path / "__main__.py"), ModuleSpec("package.__main__", None)
-    (tmp_path / "__main__.py").write_text("main()")
-    exec("def own(*_): return {}", vars(main))
-    monkeypatch.setitem(sys.modules, "__main__", main)
-    assert unsendable(sweep_work(numbers, GRID, ())) == ""
-    own = Measure("own", "", "of the package", "", main.own)
-    for work in (sweep_work(main.own, GRID, ()), sweep_work(numbers, GRID, [own])):
-        assert unsendable(work) == "what is of `__main__` cannot be imported there, put it into a module"
-
-
 SCRIPT = """
 import os
 from softcradle.sandbox.sweeps import sweep
 def where(k):
-    return {"process": os.getpid()}
-if GUARD:
-    found = sweep(where, {"k": range(8)}, executor="processes", workers=2)
-    print(os.getpid() in found["process"].values.tolist())
+    return {"process": os.getpid(), "helped": helper(k)}
+helper = lambda k: 2 * k
+found = sweep(where, {"k": range(8)}, executor="processes", workers=2)
+print(os.getpid() in found["process"].values.tolist(), found["helped"].values.tolist())
 """
 
 
 @pytest.mark.slow
-def test_a_function_of_the_script_itself_gets_processes(tmp_path):
-    refused = "each would run all of script.py, put what begins the sweep below `if __name__"
-    for guard, code, told in (('__name__ == "__main__"', 0, "False\n"), ("True", 1, refused)):
-        (tmp_path / "script.py").write_text(SCRIPT.replace("GUARD", guard))
-        done = python("script.py", check=False, cwd=tmp_path, timeout=300)
-        assert done.returncode == code, done.stderr
-        assert told in done.stdout + done.stderr
+@pytest.mark.parametrize("words", [["script.py"], ["-m", "script"], ["-c", SCRIPT]], ids=["script", "module", "prompt"])
+def test_a_function_of_the_script_itself_gets_processes(words, tmp_path):
+    (tmp_path / "script.py").write_text(SCRIPT)
+    done = python(*words, check=False, cwd=tmp_path, timeout=300, PYTHONPATH=str(ROOT))
+    assert done.stdout == "False [0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0]\n", done.stderr
 
 
-def test_threads_in_place_of_processes_are_told_of(monkeypatch, caplog):
+def test_a_function_that_cannot_be_sent_gets_threads(monkeypatch, caplog):
     monkeypatch.setattr(run_sweep, "WORTH_PROCESSES", 0.0)
     monkeypatch.setattr(run_sweep, "TRIED_HERE", 0.0)
-    found = sweep(lambda k: {"double": 2 * k}, {"k": range(5)}, workers=2)
+    lock = Lock()
+    found = sweep(lambda k: {"double": 2 * k + lock.locked()}, {"k": range(5)}, workers=2)
     assert found["double"].values.tolist() == [0, 2, 4, 6, 8]
-    assert "computed in threads of this process, one at a time where that is Python: put the function" in caplog.text
+    why = "other processes cannot compute this: cannot pickle '_thread.lock' object"
+    assert f"computed in threads of this process: {why}" in caplog.text
 
 
 SPEED = "lanes.0.velocity.0"
