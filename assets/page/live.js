@@ -1,7 +1,6 @@
 // The live source: rows with a common clock, computed frame by frame. The states of the last minute are stored, so that the user can
 // rewind.
 
-const FRAME_RATE = 120; // Model frames per second of wall time, as in the window.
 const LONGEST = 0.1; // Longest pause of the page, in seconds of wall time, that is made up for.
 const BUDGET = 10; // Wall time in milliseconds for the physics of one picture.
 const REMEMBERED = 3600; // Number of stored states, enough for a minute.
@@ -51,7 +50,7 @@ class Live {
   setPace(pace) {
     this.pace = pace;
     this.slow = this.data.slow / pace;
-    this.frameTime = 1 / (FRAME_RATE * this.slow);
+    this.frameTime = 1 / (STORY.frameRate * this.slow);
     this.steps = Math.max(...this.rows.map((row) => row.stepsOf(this.frameTime)));
   }
 
@@ -76,13 +75,13 @@ class Live {
 
   // Run ahead to find the axes and the length of the motion, within a time limit. The rows move; they have to start again afterwards.
   lookAhead() {
-    const { rows, nows } = this, most = Math.min(LOOK_AHEAD * FRAME_RATE, this.framesOf(MOST_LOOKED)), { duration } = this.data;
+    const { rows, nows } = this, most = Math.min(LOOK_AHEAD * STORY.frameRate, this.framesOf(MOST_LOOKED)), { duration } = this.data;
     const scales = startScales(this.data, rows), limit = duration ? Math.ceil(duration / this.frameTime) : Infinity;
     let apart = 0, k = 0;
     this.hit = -1;
     // State when the rows separated, if friction stops them later.
     /** @type {{time: number, velocity: number[][]}|null} */ this.parted = null;
-    for (; k < limit && k < most && apart < TAIL * FRAME_RATE; k++) {
+    for (; k < limit && k < most && apart < TAIL * STORY.frameRate; k++) {
       this.frame(null);
       rows.forEach((row, lane) => widened(scales, lane, row.mass, row.read(nows[lane]), this.data.length, 0));
       if (this.hit < 0 && nows.some((now) => now.force.some((f) => f > 0))) this.hit = rows[0].kernel.time;
@@ -94,7 +93,7 @@ class Live {
       apart = 0;
     }
     this.hit = Math.max(this.hit, 0);
-    this.followed = k >= limit || apart >= TAIL * FRAME_RATE; // Otherwise the time limit was reached first.
+    this.followed = k >= limit || apart >= TAIL * STORY.frameRate; // Otherwise the time limit was reached first.
     this.end = this.followed || !duration ? rows[0].kernel.time : duration;
     shareForces(scales);
     scales.magnify = this.data.magnify ?? magnified(scales, this.data.length);
@@ -104,7 +103,7 @@ class Live {
   // Advance by `seconds` of wall time, or less if the computation takes too long.
   advance(seconds) {
     this.forget();
-    this.due += Math.min(seconds, LONGEST) * FRAME_RATE;
+    this.due += Math.min(seconds, LONGEST) * STORY.frameRate;
     const count = Math.round(this.due), started = performance.now();
     this.due -= count;
     for (let k = 0; k < count && !this.over && (k === 0 || performance.now() - started < BUDGET); k++) this.next();
@@ -114,7 +113,7 @@ class Live {
     this.frame(this.hand);
     if (this.hand) this.touched = true;
     this.sinceKept += 1;
-    this.apartFor = this.apart && !this.hand ? this.apartFor + 1 / FRAME_RATE : 0;
+    this.apartFor = this.apart && !this.hand ? this.apartFor + 1 / STORY.frameRate : 0;
     if (this.sinceKept >= FRAMES_KEPT || this.over) this.keep();
   }
 

@@ -1,11 +1,6 @@
 // A moving row of beads: its laws, its energy balance, and the hand that pulls a bead.
 
 const GRAVITY = 9.80665; // Gravitational acceleration in m/s².
-const CONTACT_STEPS = 64; // Number of steps per shortest contact duration, as in the window.
-const STEP_COST = 0.3, FRAME_COST = 1500; // Cost in microseconds of a contact and step, and of a frame. Long rows take fewer steps.
-const HAND_FREQUENCY = 12; // Frequency of the spring between the hand and a bead, in 1/s of wall time.
-// Largest speed that the pull of the hand can cause, in closing speeds. At higher speeds soft beads would pass through each other.
-const HAND_SPEED = 2;
 const STRUCK = 0.2; // Fraction of the closing speed above which a closing contact counts as struck, so that a cluster ends there.
 const ALIKE = 1e-6; // Fraction of the closing speed below which the initial velocities of neighbours count as equal.
 const HEAD = 9; // Numbers in a stored state before its lists.
@@ -108,8 +103,8 @@ class Row {
       const [F, K, a] = law.subarray(3 * i, 3 * i + 3), energy = 0.5 * speed ** 2 / (inverseMass[i] + inverseMass[i + 1]);
       shortest = Math.min(shortest, 2 * Math.min(energy / F, ((1 + a) * energy / K) ** (1 / (1 + a))) / speed);
     }
-    const most = Math.max(1, Math.floor(FRAME_COST / (STEP_COST * n)));
-    return Math.max(1, Math.min(Math.ceil(duration * CONTACT_STEPS / shortest - 1e-9), most));
+    const most = Math.max(1, Math.floor(STORY.frameCost / (STORY.stepCost * n)));
+    return Math.max(1, Math.min(Math.ceil(duration * STORY.contactSteps / shortest - 1e-9), most));
   }
 
   /**
@@ -147,7 +142,7 @@ class Row {
 
   // Return the force of the hand's spring, which is critically damped.
   pull({ bead, place }, slow) {
-    const { kernel } = this, frequency = HAND_FREQUENCY * slow, reach = 2 * HAND_SPEED * this.spec.speed / frequency;
+    const { kernel } = this, frequency = STORY.handFrequency * slow, reach = 2 * STORY.handSpeed * this.spec.speed / frequency;
     kernel.rebuilt(kernel.rate, kernel.anchor[1], this.velocity);
     const stretch = Math.min(Math.max(place - this.position[bead], -reach), reach);
     return (frequency * frequency * stretch - 2 * frequency * this.velocity[bead]) * this.mass[bead];

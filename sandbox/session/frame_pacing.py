@@ -5,7 +5,7 @@ down.
 from collections.abc import Callable
 from time import perf_counter
 
-from softcradle.sandbox.session.lane_setup import FRAME_RATE
+from softcradle.sandbox.story.live_rules import FRAME_RATE
 
 BUDGET = 0.010  # wall seconds of physics in one tick; the rest of a 60th of a second is for drawing
 LONGEST_TICK = 0.25  # longest tick in wall seconds; the model does not catch up after a pause of the whole program

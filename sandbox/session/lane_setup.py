@@ -19,12 +19,11 @@ from softcradle.physics.scales import speed_scale, step_at
 from softcradle.physics.state import State
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.scene_runs import KEEPING, SHOWN
+from softcradle.sandbox.story.live_rules import CONSERVING_COST, FRAME_COST, FRAME_RATE
 from softcradle.scenes import Lane, Scene
 
 # microseconds per contact and step
-STEP_COST = {"euler": 0.015, "verlet": 0.015, "yoshida4": 0.045, "conserving": 0.3, "pymunk": 2.0}
-# largest cost of a frame [us] with a chosen step: a picture needs two frames and the time to draw it
-FRAME_COST = 1500.0
+STEP_COST = {"euler": 0.015, "verlet": 0.015, "yoshida4": 0.045, "conserving": CONSERVING_COST, "pymunk": 2.0}
 # largest cost of a frame [us] with an entered step; beyond it a dragged bead lags behind the pointer
 TYPED_STEP_FRAME_COST = 30_000.0
 
@@ -54,7 +53,6 @@ def steps_in(frame_time: float, method: str, step: float, contacts: int, given: 
     return max(1, min(math.ceil(frame_time / step - 1e-9), int(most)))
 
 
-FRAME_RATE = 120  # model frames in a second of wall time; at 60 pictures per second, each picture takes two
 TOLERANCE = 1e-8  # default tolerance of adaptive methods
 DURATION = 10.0  # duration [s] of a scene that no longer ends by itself after an edit
 

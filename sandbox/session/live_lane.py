@@ -29,10 +29,7 @@ from softcradle.sandbox.session.ledger import (
     new_ledger,
 )
 from softcradle.sandbox.story.ending import is_endless, is_over
-
-FREQUENCY = 12.0  # 1/s of wall time; the bead follows the pointer within about a sixth of a second
-MOST_SPEED = 10.0  # largest speed of the pull, relative to the scene's closing speed
-
+from softcradle.sandbox.story.live_rules import HAND_FREQUENCY, HAND_SPEED
 
 Array = NDArray[np.float64]
 LARGEST = 1e15  # m, m/s, N; beyond it energies would overflow
@@ -140,7 +137,7 @@ class LiveLane:
         chain, state, setup, duration = self.chain, self.state, self.setup, whole.frame_time
         before, closed, switches = self.position, state.closed, state.switches
         state.taken[:] = 0.0  # for this frame only, because differences of sums would depend on their start
-        state.push = self._push(bead, pointer, FREQUENCY * whole.slow) if bead >= 0 else None
+        state.push = self._push(bead, pointer, HAND_FREQUENCY * whole.slow) if bead >= 0 else None
         # after these steps of a frame `conserving` finishes it, so that no method freezes the window
         most = REFERENCE_STEPS if find_method(setup.method).family is Family.REFERENCE else LIVE_STEPS
         move(chain, state, duration, setup.method, setup.step_for(duration), setup.tolerance, most)
@@ -174,7 +171,7 @@ class LiveLane:
         push, mass = np.zeros(self.chain.contacts + 1), self.chain.mass[bead]
         if math.isfinite(mass):
             offset, velocity = pointer - float(self.position[bead]), float(self.velocity[bead])
-            reach = 2.0 * MOST_SPEED * self.setup.speed / frequency
+            reach = 2.0 * HAND_SPEED * self.setup.speed / frequency
             stretch = min(max(offset, -reach), reach)
             push[bead] = mass * (frequency * frequency * stretch - 2.0 * frequency * velocity)
         return push

@@ -10,7 +10,7 @@ from functools import lru_cache
 from typing import Any
 
 from softcradle.sandbox.languages import gettext, in_every_language, pgettext
-from softcradle.sandbox.story import ending, outcome, sentences
+from softcradle.sandbox.story import ending, live_rules, outcome, sentences
 from softcradle.sandbox.story.bodies import BODIES
 from softcradle.sandbox.story.page_words import WORDS, WORDS_IN_CONTEXT
 
@@ -25,6 +25,12 @@ BOUNDS = {
     "atRest": ending.AT_REST,
     "groups": sentences.MOST_GROUPS,
     "digits": sentences.SPEED_DIGITS,
+    "frameRate": live_rules.FRAME_RATE,
+    "stepCost": live_rules.CONSERVING_COST,
+    "frameCost": live_rules.FRAME_COST,
+    "contactSteps": live_rules.CONTACT_STEPS,
+    "handFrequency": live_rules.HAND_FREQUENCY,
+    "handSpeed": live_rules.HAND_SPEED,
 }
 
 

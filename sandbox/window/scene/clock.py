@@ -6,9 +6,9 @@ from collections.abc import Callable
 from functools import partial
 
 from softcradle.sandbox.languages import N_, _
-from softcradle.sandbox.session.lane_setup import FRAME_RATE
 from softcradle.sandbox.session.replay import Replay
 from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.story.live_rules import FRAME_RATE
 from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.scene.editor import PREPARING, SceneEditor
 from softcradle.sandbox.window.scene.time_controls import SceneTimeControls, Timeline, late_note

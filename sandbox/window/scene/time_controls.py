@@ -15,8 +15,8 @@ from softcradle.sandbox.languages import _
 from softcradle.sandbox.session.contact_events import ContactEvents
 from softcradle.sandbox.session.frame_pacing import FramePacer
 from softcradle.sandbox.session.inputs import SetSlow
-from softcradle.sandbox.session.lane_setup import FRAME_RATE
 from softcradle.sandbox.session.session import FASTEST, Session
+from softcradle.sandbox.story.live_rules import FRAME_RATE
 from softcradle.sandbox.story.numbers import fixed, time_unit
 from softcradle.sandbox.window.keys import hint
 from softcradle.sandbox.window.page import Derived, Host

@@ -12,6 +12,7 @@ from softcradle.sandbox.languages import use_language
 from softcradle.sandbox.scene_runs import run_scene
 from softcradle.sandbox.session.frame_pacing import FramePacer
 from softcradle.sandbox.session.inputs import (
+    Drag,
     RemoveBead,
     SetContact,
     SetDrive,
@@ -22,10 +23,11 @@ from softcradle.sandbox.session.inputs import (
     SetStep,
     SetVelocity,
 )
-from softcradle.sandbox.session.lane_setup import DURATION, FRAME_RATE
+from softcradle.sandbox.session.lane_setup import DURATION
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.snapshots import snapshot_table
 from softcradle.sandbox.session.summary_text import summary_text
+from softcradle.sandbox.story.live_rules import FRAME_RATE, HAND_SPEED
 from softcradle.sandbox.story.sentences import describe
 from softcradle.sandbox.trajectory_summary import summarise
 from softcradle.scenes import Lane, Scene
@@ -242,3 +244,11 @@ def test_no_fault_is_told_before_it_comes():
     assert "Do not trust it" not in summary_text(session)
     session.scrub_frame(fault.first)
     assert "Do not trust it" in summary_text(session)
+
+
+def test_the_hand_gives_a_bead_at_most_its_speed():
+    session = Session(scenes.load("one-on-four"))
+    lane = session.lanes[0]
+    session.apply(Drag(0, 4, 1000.0))
+    session.step_frames(240)
+    assert lane.velocity[4] == pytest.approx(HAND_SPEED * lane.setup.speed, rel=0.01)
