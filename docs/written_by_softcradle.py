@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import tomllib
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import fields
@@ -26,6 +27,8 @@ from softcradle import METHODS, one_on, power_law, scenes
 STEPS_A_CONTACT = (8, 64, 512)  # steps per contact of fixed-step methods in the measured table
 ROUND_OFF = 1e-8  # a number of order 1 below this value is only its error
 GALLERY_PICTURES = Path(gallery.__file__).parent / "pictures" / "light"  # made by `make screenshots`
+PROJECT = tomllib.loads((Path(__file__).parent.parent / "pyproject.toml").read_text(encoding="utf-8"))
+SITE = PROJECT["tool"]["softcradle"]["release"]["site"]  # empty until the site has an address
 CONTACT_TIME = 1.8  # s, that the striker of one on four touches at alpha = 1/10
 
 
@@ -50,7 +53,10 @@ def write_all(folder: Path) -> None:
     live = folder / "static" / "live"
     live.mkdir(exist_ok=True)
     for scene in scenes.names():
-        render_page(scenes.load(scene), live / f"{scene}.html")
+        address = f"{SITE}/_static/live/{scene}.html" if SITE else ""
+        render_page(scenes.load(scene), live / f"{scene}.html", address=address)
+        if SITE:  # the picture in previews of links
+            copyfile(GALLERY_PICTURES / f"{scene}.png", live / f"{scene}.png")
     pictures = folder / "static" / "pictures"
     pictures.mkdir(exist_ok=True)
     for picture in GALLERY_PICTURES.glob("*.png"):

@@ -15,6 +15,7 @@ EXTRA_OF = {  # Package: extra of pyproject.toml that installs it
     "pandas": "notebook",
     "xarray": "notebook",
     "IPython": "notebook",
+    "anywidget": "widget",
     "zarr": "sweep",
     "h5netcdf": "sweep",
     "h5py": "sweep",

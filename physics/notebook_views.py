@@ -53,6 +53,12 @@ class InlinePage:
         """Write the page to the .html file `path`."""
         Path(path).write_text(self.text, encoding="utf-8")
 
+    @property
+    def state(self) -> Any:
+        """The state of the page. Python can read it only with anywidget, so this raises an ImportError."""
+        with needed_for("live().state", "widget"):
+            raise ModuleNotFoundError(name="anywidget")
+
 
 class Shown:
     """Object that a notebook shows as a table, with a picture if something moves and matplotlib is installed."""
@@ -94,9 +100,15 @@ class Moving(Shown):
         _module("views").write_page_of(self, path, slow)
 
 
-def live_of(shown: object, slow: float | None) -> InlinePage:
-    """Return the page of a Scene for a cell of a notebook."""
-    return InlinePage(import_module("softcradle.sandbox.page").scene_text(shown, slow)[0])
+def live_of(shown: object, slow: float | None) -> Any:
+    """Return the page of a Scene for a cell of a notebook: a LiveWidget if anywidget is installed, else an InlinePage."""
+    text = import_module("softcradle.sandbox.page").scene_text(shown, slow)[0]
+    try:
+        return _module("live_widget").LiveWidget(text=text)
+    except ModuleNotFoundError as error:
+        if error.name != "anywidget":
+            raise
+        return InlinePage(text)
 
 
 def _module(name: str) -> Any:

@@ -399,6 +399,9 @@ class Scene(notebook_views.Moving, Table):
 
     __str__ = __repr__
 
-    def live(self, slow: float | None = None) -> notebook_views.InlinePage:
-        """Return the page with the live simulation of the scene, for a cell of a notebook."""
+    def live(self, slow: float | None = None) -> Any:
+        """Return the page with the live simulation of the scene, for a cell of a notebook.
+
+        With the extra [widget], its attribute `state` follows the page, and its method `set` changes the settings.
+        """
         return notebook_views.live_of(self, slow)

@@ -70,7 +70,8 @@ function readAddress(fragment, own, limits, data) {
     if (name === "pace") found.pace = nearest(value, PACES);
     else found[name] = clamped(name === "strikers" || name === "targets" ? Math.round(value) : value, limits[name]);
   }
-  if (!compared(data, found, own).includes(found.beside)) found.beside = "none";
+  const kinds = compared(data, found, own);
+  if (!kinds.includes(found.beside)) found.beside = given.has(KEYS.beside) || kinds.length === 1 ? "none" : contrastTo(kinds);
   if (shown !== undefined) found.shown = SHOWN.filter((name) => shown.toLowerCase().split(".").includes(name));
   return found;
 }
@@ -88,7 +89,7 @@ function unmetWishes(fragment, data, experiment, last) {
     const late = key === "t" && numberOf(value) > last;
     const met = known ? (typeof has === "number" ? Math.abs(Number(asked) - has) <= 1e-5 * Math.abs(has) : asked === has)
       : key === "show" ? asked === "" || asked === "nothing" || String(asked).split(".").every((one) => SHOWN.includes(one))
-        : key === "lang" ? languageIn([value]) !== undefined : key === "t" && numberOf(value) >= 0 && !late;
+        : key === "embed" ? true : key === "lang" ? languageIn([value]) !== undefined : key === "t" && numberOf(value) >= 0 && !late;
     const wish = `${key}${value && " = "}${value}`, here = late ? last : known && typeof has === "number" && !Number.isNaN(asked) ? has : null;
     if (!met) found.push((wish.length > LONGEST_WISH ? `${wish.slice(0, LONGEST_WISH)}…` : wish) + (here === null ? "" : say("here", { value: plain(here, 4) })));
   }
@@ -97,9 +98,9 @@ function unmetWishes(fragment, data, experiment, last) {
 
 /**
  * Return the fragment of an address for an experiment: the settings that differ from `own`, and a language, if given.
- * @param {any} data @param {Experiment} experiment @param {Experiment} own @param {string|null} language
+ * @param {any} data @param {Experiment} experiment @param {Experiment} own @param {string|null} language @param {boolean} [embedded]
  */
-function writeAddress(data, experiment, own, language) {
+function writeAddress(data, experiment, own, language, embedded = false) {
   const text = new URLSearchParams();
   for (const [name, key] of Object.entries(KEYS)) {
     const value = experiment[name];
@@ -107,10 +108,12 @@ function writeAddress(data, experiment, own, language) {
   }
   if (String(experiment.shown) !== String(own.shown)) text.set("show", experiment.shown.join(".") || "nothing");
   if (language) text.set("lang", language);
+  if (embedded) text.set("embed", "1");
   return text.toString();
 }
 
-// Return the language and the time in an address.
+// Return true if an address asks for an embedded page; and return its language and time.
+const isEmbedded = (fragment) => entries(fragment).has("embed") && entries(fragment).get("embed") !== "0";
 const addressLanguage = (fragment) => entries(fragment).get("lang");
 function addressMoment(fragment) {
   const value = numberOf(entries(fragment).get("t"));
@@ -157,11 +160,13 @@ function specOf(data, lane, experiment, own) {
 
 const isSoft = (law, i) => law[3 * i] === 0 && law[3 * i + 1] > 0 && law[3 * i + 2] !== 1.5;
 
-// List the kinds of rows that the first row can be compared with: those with another contact law, and always "none".
+// List the kinds of rows that the first row can be compared with: rows with another contact law, the kind that the scene itself is compared
+// with, and always "none".
 function compared(data, experiment, own) {
   if (!settable("beside")) return ["none"];
   const spec = specOf(data, 0, experiment, own), named = ({ law }) => `${lawKind(law)} ${law[2]}`;
-  return BESIDE.filter((kind) => kind === "none" || named(besideSpec(data, spec, kind)) !== named(spec));
+  const first = (kind) => kind === own.beside && experiment.law === own.law;
+  return BESIDE.filter((kind) => kind === "none" || first(kind) || named(besideSpec(data, spec, kind)) !== named(spec));
 }
 
 // Choose the kind of row for the button that compares: steel balls, or soft beads if the first row is of steel.

@@ -22,7 +22,8 @@ class Chart {
     this.layer = document.createElement("canvas").getContext("2d"); // The layer keeps everything that does not change from frame to frame.
   }
 
-  fit(theme, title) {
+  /** @param {any} theme @param {string} title @param {number[][]} ghost time and values of each point of the previous run */
+  fit(theme, title, ghost = []) {
     const { canvas } = this, { density } = theme, width = Math.max(canvas.parentElement.clientWidth, LEAST_WIDTH);
     canvas.width = this.layer.canvas.width = Math.round(width * density);
     canvas.height = this.layer.canvas.height = Math.round(CHART_HEIGHT * density);
@@ -30,6 +31,9 @@ class Chart {
     this.density = density;
     this.theme = theme;
     this.title = title;
+    this.ghost = ghost;
+    this.ghostRange = [0, 0];
+    for (const [, ...values] of ghost) this.ghostRange = [Math.min(this.ghostRange[0], ...values), Math.max(this.ghostRange[1], ...values)];
     this.right = width - CHART_RIGHT;
     this.foot = CHART_HEIGHT - CHART_BOTTOM;
     this.branch = NaN; // NaN marks the layer as empty.
@@ -38,18 +42,33 @@ class Chart {
   /** @param {any} source @param {any} data of the page @param {any} unit of the values */
   draw(source, data, unit) {
     const { layer, density } = this, { scales } = source;
-    const [low, high] = this.channel === "velocity" ? padded(scales.velocity) : [scales.pull, scales.force[this.lane]];
+    const known = this.channel === "velocity" ? padded(scales.velocity) : [scales.pull, scales.force[this.lane]];
+    const low = Math.min(known[0], this.ghostRange[0]), high = Math.max(known[1], this.ghostRange[1]);
     if (this.outlived(source) || low !== this.low || high !== this.high || this.branch !== source.branch) {
       Object.assign(this, { low, high, branch: source.branch, drawn: -Infinity });
       layer.setTransform(density, 0, 0, density, 0, 0);
       layer.clearRect(0, 0, this.right + CHART_RIGHT, CHART_HEIGHT);
       this.grid(data, unit);
+      if (this.ghost.length) this.haunt();
       this.dirty = [0, this.right + CHART_RIGHT];
     }
     const now = source.values(this.lane)[this.channel], x = Math.min(this.across(source.time), this.right);
     const end = this.curves(source, now.length);
     this.labels(now, x);
     this.dirty = [Math.min(x, this.across(this.drawn)) - SPREAD, Math.max(x + CHART_RIGHT, end) + SPREAD];
+  }
+
+  // Draw the curves of the previous run in grey.
+  haunt() {
+    const { layer: pen, theme, right } = this, inside = this.ghost.filter(([time]) => time >= this.begin && time <= this.end);
+    pen.lineWidth = 1.2;
+    pen.strokeStyle = theme.strong;
+    for (let k = 1; k < this.ghost[0].length; k++) {
+      pen.beginPath();
+      for (const point of inside) pen.lineTo(this.across(point[0]), this.down(point[k]));
+      pen.stroke();
+    }
+    write(pen, say("ghost"), right + CHART_RIGHT - 4, 15, 12, theme.muted, "right");
   }
 
   // Return true if the layer has to be drawn again, and set its time axis. For an open-ended run the axis extends beyond the known end.
@@ -81,7 +100,7 @@ class Chart {
     write(pen, data.unit.name, this.right + CHART_RIGHT - 4, this.foot + 17, 12, theme.muted, "right");
   }
 
-  // Draw the curves from the end of the layer on, and return where they end. Long pieces go to the layer, so that joints are invisible.
+  // Draw the curves from the end of the layer on, and return their end. Long pieces go to the layer, so that joints are invisible.
   curves(source, count) {
     const most = Math.max(40, Math.min(MOST_POINTS, Math.floor(6000 / count))), points = [];
     source.trace(this.lane, this.channel, most, this.drawn, (time, values, at) => points.push([time, values, at]));

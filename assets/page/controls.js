@@ -165,6 +165,8 @@ function fillTables(page, nows) {
 /** @param {Page} page */
 function listen(page) {
   const { source, limits } = page, on = (id, kind, work) => part(id).addEventListener(kind, work);
+  for (const kind of GUESSES) on(`guess-${kind}`, "click", () => page.answer(kind));
+  on("explain", "click", () => page.reveal());
   on("toggle", "click", () => page.toggle());
   on("again", "click", () => page.again());
   on("back", "click", () => page.step(-1));
@@ -182,12 +184,14 @@ function listen(page) {
       const { data, experiment, own } = page;
       page.edit("beside", experiment.beside === "none" ? contrastTo(compared(data, experiment, own)) : "none");
     });
-    on("link", "click", () => copyLink(page));
   }
+  listenShare(page);
+  part("full").href = location.href; // An element without address gets no focus.
+  on("full", "click", () => { part("full").href = addressWith(page, "").replace(/[#&]embed=1/, ""); });
   const keys = { " ": () => page.toggle(), ",": () => page.step(-1), ".": () => page.step(1), r: () => page.again() };
   document.addEventListener("keydown", (event) => {
     const target = /** @type {HTMLElement} */ (event.target);
-    if (event.ctrlKey || event.metaKey || event.altKey || target.closest("select, summary, button, input:not([type=range])")) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || target.closest("select, summary, button, input:not([type=range]), textarea, dialog, a")) return;
     if (!keys[event.key]) return;
     keys[event.key]();
     event.preventDefault();
@@ -198,21 +202,6 @@ function listen(page) {
     const now = `${part("lanes").clientWidth} ${window.innerHeight}`;
     if (now !== size) { size = now; page.dress(); }
   }).observe(part("lanes"));
-}
-
-// Copy the address, or show it if the clipboard is not available. The path of a file on this device is useless to others, so only the
-// fragment after the file name is copied.
-async function copyLink(page) {
-  const fragment = page.write(), shared = /^https?:$/.test(location.protocol);
-  const text = shared ? location.href : fragment && `#${fragment}`, notice = (said) => Object.assign(part("notice"), { textContent: said, hidden: false });
-  if (!shared) notice(text ? say("send file", { text }) : say("send alone"));
-  if (!text) return;
-  try { await navigator.clipboard.writeText(text); } catch {
-    if (shared) notice(text);
-    return;
-  }
-  part("link").textContent = say("copied");
-  setTimeout(() => { part("link").textContent = say("link"); }, 1500);
 }
 
 // Return the kernels of the page. The promise fails if the browser does not allow them.
@@ -243,3 +232,4 @@ async function start() {
 }
 
 const started = start();
+listenHost(started);

@@ -76,6 +76,7 @@ class Live {
   // Run ahead to find the axes and the length of the motion, within a time limit. The rows move; they have to start again afterwards.
   lookAhead() {
     const { rows, nows } = this, most = Math.min(LOOK_AHEAD * STORY.frameRate, this.framesOf(MOST_LOOKED)), { duration } = this.data;
+    this.peaks = rows.map((row) => ({ force: 0, state: new Float64Array(row.width) }));
     const scales = startScales(this.data, rows), limit = duration ? Math.ceil(duration / this.frameTime) : Infinity;
     let apart = 0, k = 0;
     this.hit = -1;
@@ -83,7 +84,11 @@ class Live {
     /** @type {{time: number, velocity: number[][]}|null} */ this.parted = null;
     for (; k < limit && k < most && apart < TAIL * STORY.frameRate; k++) {
       this.frame(null);
-      rows.forEach((row, lane) => widened(scales, lane, row.mass, row.read(nows[lane]), this.data.length, 0));
+      rows.forEach((row, lane) => {
+        const now = row.read(nows[lane]), peak = this.peaks[lane], force = Math.max(...now.force);
+        widened(scales, lane, row.mass, now, this.data.length, 0);
+        if (force > peak.force) { peak.force = force; row.keep(peak.state, 0); }
+      });
       if (this.hit < 0 && nows.some((now) => now.force.some((f) => f > 0))) this.hit = rows[0].kernel.time;
       apart = this.apart ? apart + 1 : 0;
       const sliding = apart && this.slow * Math.max(...rows.map((row) => row.sliding));
@@ -183,6 +188,36 @@ class Live {
   }
 
   values(lane) { return this.rows[lane].read(this.nows[lane]); }
+
+  // Return the state of a row at the largest force that the run ahead has found.
+  peak(lane) {
+    const row = this.rows[lane], now = emptyNow(row.kernel.n);
+    this.aside(row, () => {
+      row.restore(this.peaks[lane].state, 0);
+      row.read(now);
+      now.time = row.kernel.time;
+    });
+    return now;
+  }
+
+  // Visit at most `most` of the stored states of a row by calling `visit(time, now)`.
+  each(lane, most, visit) {
+    const row = this.rows[lane], every = Math.ceil((this.count - this.first) / most);
+    this.aside(row, () => {
+      for (let k = this.first; k < this.count; k += every) {
+        row.restore(this.kept[lane], (k % REMEMBERED) * row.width);
+        visit(row.kernel.time, row.read(this.nows[lane]));
+      }
+    });
+  }
+
+  // Do some work that moves a row, and return it to its present state.
+  aside(row, work) {
+    const present = new Float64Array(row.width);
+    row.keep(present, 0);
+    work();
+    row.restore(present, 0);
+  }
 
   // Pass times and values of a lane to a chart by calling `visit(time, array, index of the first value)`, at most `most` times. The first
   // call is for `since`, the time up to which the chart knows the values.

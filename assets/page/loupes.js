@@ -4,32 +4,35 @@
 const LOUPE_PITCH = 196, NARROW_PITCH = 86;
 const GREATEST_DEPTH = 1.05; // Largest overlap on screen, in radii of the loupe.
 
-// Return the layout of the loupes of a lane. If they do not all fit, they begin with the contact of the largest overlap.
-function loupeRow(motion, width) {
-  const narrow = width < LOUPE_PITCH * Math.max(motion.contacts, 3), pitch = narrow ? NARROW_PITCH : LOUPE_PITCH;
-  const room = Math.max(1, Math.floor(width / pitch)), deepest = motion.deepest;
-  const count = Math.min(room, deepest.length);
-  const first = Math.max(0, Math.min(deepest.indexOf(Math.max(...deepest)), deepest.length - room));
-  return { narrow, count, first, radius: narrow ? 27 : 38, height: narrow ? 122 : 96, pitch: Math.min(width / count, 1.5 * pitch) };
+// Return the layout of the loupes of a lane. If they do not all fit, they begin with the contact of the largest overlap, unless the
+// `contacts` to show are given. A `brief` text below a loupe omits the name of its contact,
+// and `small` loupes fit into a low window.
+function loupeRow(motion, width, contacts = null, brief = false, small = false) {
+  const wanted = contacts?.length ?? motion.contacts, narrow = brief || width < LOUPE_PITCH * Math.max(wanted, 3);
+  const pitch = narrow ? NARROW_PITCH : LOUPE_PITCH, room = Math.max(1, Math.floor(width / pitch)), deepest = motion.deepest;
+  const count = Math.min(room, wanted), first = Math.max(0, Math.min(deepest.indexOf(Math.max(...deepest)), wanted - room));
+  const shown = contacts ? contacts.slice(0, count) : Array.from({ length: count }, (_, k) => first + k);
+  const radius = small ? 18 : narrow ? 27 : 38, height = brief ? 2 * radius + 44 : narrow ? 122 : 96;
+  return { narrow, brief, contacts: shown, radius, height, pitch: Math.min(width / count, 1.5 * pitch) };
 }
 
 function loupes(pen, row, view, now, top) {
   const { motion, theme } = view, largest = Math.max(...motion.deepest);
-  for (let slot = 0; slot < row.count; slot++) {
-    const k = row.first + slot, aside = row.narrow ? 0 : -52;
-    const x = view.width / 2 + (slot - (row.count - 1) / 2) * row.pitch + aside, y = top + row.radius + 8;
+  row.contacts.forEach((k, slot) => {
+    const aside = row.narrow ? 0 : -52, x = view.width / 2 + (slot - (row.contacts.length - 1) / 2) * row.pitch + aside, y = top + row.radius + 8;
     const magnify = roundDown(GREATEST_DEPTH * row.radius / (view.scale * (motion.deepest[k] || largest || 1)));
     leader(pen, view, now.contacts[k], x, y - row.radius);
     loupe(pen, view, k, now.overlap[k] * view.scale * magnify, x, y, row.radius);
-    const depth = now.overlap[k], text = depth > 0 ? `${scientific(depth)} m` : say(now.state[k]);
+    const depth = now.overlap[k], text = depth > 0 ? lengthText(depth, 2) : say(now.state[k]);
     const lines = [[say("overlap of", { contact: contactName(k) }), theme.muted, false], [text, depth > 0 ? theme.ink : theme.muted, depth > 0],
       [say("seen at", { factor: factorText(magnify) }), theme.muted, false]];
     if (row.narrow) { lines[0][0] = `δ${contactName(k)}`; lines[2][0] = factorText(magnify); }
+    if (row.brief) lines.shift();
     lines.forEach(([line, colour, bold], n) => {
       if (row.narrow) write(pen, line, x, y + row.radius + 16 + 15 * n, 12, colour, "center", bold);
       else write(pen, line, x + row.radius + 11, y - 15 + 20 * n, bold ? 15 : 13, colour, "left", bold);
     });
-  }
+  });
 }
 
 function leader(pen, view, contact, x, y) {

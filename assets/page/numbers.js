@@ -29,6 +29,33 @@ function factorText(value) {
 const plain = (value, digits) => (value !== 0 && Math.abs(value) < 1e-4 ? scientific(value, digits - 1)
   : String(Number(value.toPrecision(digits))).replace("-", "−").replace(".", numberForm.mark));
 
+// Write a length [m] with a unit that leaves few digits: m, cm, mm, µm or nm; below, a power of ten.
+function lengthText(value, digits) {
+  const [size, unit] = [[1, "m"], [1e-2, "cm"], [1e-4, "mm"], [1e-7, "µm"], [1e-10, "nm"]].find(([least]) => value >= least) ?? [0, ""];
+  if (!size) return value > 0 ? `${scientific(value, digits - 1)}\u00a0m` : "0";
+  const scaled = value / { m: 1, cm: 1e-2, mm: 1e-3, "µm": 1e-6, nm: 1e-9 }[unit];
+  return `${plain(scaled, Math.max(digits, Math.floor(Math.log10(scaled)) + 1))}\u00a0${unit}`;
+}
+
+// Simple fractions, from which an explanation takes the nearest one.
+const FRACTIONS = [[1, 1], [4, 5], [3, 4], [2, 3], [3, 5], [1, 2], [2, 5],
+  ...[3, 4, 5, 6, 7, 8, 9, 10, 12, 15, 20, 25, 30, 40, 50].map((under) => [1, under])];
+const LEAST_SHARE = 0.01; // Smallest share that is not written as 0.
+
+// Write a share of 1 as the nearest simple fraction.
+function shareText(share) {
+  if (share < LEAST_SHARE) return "0";
+  const off = (one) => Math.abs(Math.log(share * one[1] / one[0]));
+  const [over, under] = FRACTIONS.reduce((best, one) => (off(one) < off(best) ? one : best));
+  return under === 1 ? String(over) : `${over}/${under}`;
+}
+
+// Join words as in "1, 2 and 3" in the language of the reader.
+function listed(words) {
+  const { lang } = document.documentElement;
+  return new Intl.ListFormat(lang === "en" ? "en-GB" : lang).format(words);
+}
+
 // Write a small exponent as the nearest unit fraction.
 const alphaText = (alpha) => (alpha < 0.7 ? `1/${plain(1 / alpha, 3)}` : plain(alpha, 3));
 

@@ -9,7 +9,12 @@ const SLIDER = 1000; // Number of positions of the time slider.
 const SHORT = 560;
 const NARROW = 640; // width [px] below which the settings are below the beads, as in page.css
 const BAR_HEIGHT = 116; // height [px] of the transport bar and of the space between two rows
-const AROUND = 164; // height [px] of the title, the transport bar and the margins in a low window
+const LEAST_ROW = 110; // smallest height [px] of a row of beads
+const LANE_SPACE = 9; // height [px] of the space below a row
+// Heights [px] of a row with magnifiers below which their texts are brief, and below which they are small.
+const LOW_ROW = 240, LOWEST_ROW = 170;
+const LEAST_GHOST = 0.2; // Smallest part of a run whose curves remain as ghosts of the previous run.
+const GHOST_POINTS = 200; // Largest number of points of such a curve.
 const PULLED = 0.3; // Distance by which a key pulls the hand, in lengths of a bead.
 const part = (id) => /** @type {any} */ (document.getElementById(id));
 
@@ -22,7 +27,17 @@ class Page {
     this.asked = ""; // fragment that the page was opened with; empty after a change by hand
     /** @type {Experiment} */ this.own = data.own && { ...data.own, shown: [...data.own.shown] };
     this.limits = source.live ? limitsOf(data, this.own) : {};
+    if (data.uniform) { // Soft and steel rows appear side by side at first.
+      const kinds = compared(data, this.own, this.own);
+      if (kinds.length > 1) this.own.beside = contrastTo(kinds);
+    }
     this.playing = false;
+    this.asking = false; // true while the question waits for an answer
+    this.guess = ""; // answer of the user, one of GUESSES
+    /** @type {number[][]|null} */ this.after = null; // velocities of the rows after the collision, once they are known
+    /** @type {Now[]|null} */ this.peaks = null; // states of the rows at their largest forces while they are explained
+    this.ghosts = []; // curves of the previous run for each chart
+    /** @type {(() => void)|null} */ this.report = null; // reports each change of the state to a host
     /** @type {number|null} */ this.goal = null; // Time to which the page is winding forward as fast as possible.
     this.textsAt = 0;
     this.firstWindow = 0;
@@ -39,17 +54,32 @@ class Page {
     listen(this);
   }
 
-  // Start the experiment of the address.
-  open() {
-    const moment = addressMoment(location.hash);
+  // Start the experiment of an address. If it has a question, wait for the answer.
+  open(fragment = location.hash) {
+    const moment = addressMoment(fragment);
     if (this.playing) this.pause();
+    this.guess = "";
+    this.ghosts = [];
+    this.asking = moment === null;
     clearTimeout(this.writing); // Cancel the pending update of the previous address.
-    this.experiment = readAddress(location.hash, this.own, this.limits, this.data);
-    this.speak(languageIn([addressLanguage(location.hash), this.language, ...navigator.languages]) ?? "en");
+    document.body.classList.toggle("embed", isEmbedded(fragment));
+    this.experiment = readAddress(fragment, this.own, this.limits, this.data);
+    this.speak(languageIn([addressLanguage(fragment), this.language, ...navigator.languages]) ?? "en");
     this.restart();
-    this.asked = location.hash;
+    this.asked = fragment;
     this.notify();
-    if (moment !== null) this.go(moment); else if (!reduced()) this.play();
+    this.asking &&= !this.texts.question && Boolean(leadWords(this.specs)); // The answers fit only the question of the page.
+    if (moment !== null) this.go(moment); else if (!this.asking && !reduced()) this.play();
+    this.story();
+  }
+
+  // Use settings of a host, named as in an address, on top of the present ones.
+  obey(settings, play) {
+    const present = new URLSearchParams(this.write());
+    for (const [key, value] of Object.entries(settings)) present.set(key.toLowerCase(), String(value));
+    this.open(`#${present}`);
+    this.write();
+    if (play) this.play(); else if (play === false && this.playing) this.pause();
   }
 
   // Show one line: the motion is a recording, and the entries of the address that the page cannot follow.
@@ -82,6 +112,7 @@ class Page {
     // Number of decimals of the clock.
     this.decimals = Math.max(0, 2 - Math.floor(Math.log10((source.last - source.begun) / data.unit.size || 1)));
     this.firstWindow = 0;
+    this.after = this.peaks = null;
     this.build();
     this.controls();
     this.dress();
@@ -93,7 +124,7 @@ class Page {
     this.looks = specs.map((spec, lane) => this.lookOf(spec, lane));
     const gears = this.looks.every((look) => look.gears.every(Boolean)), walls = specs.some(({ mass }) => mass.includes(null));
     this.data.height = walls ? WALL_HEIGHT : gears ? CYLINDER_HEIGHT : 1; // Height of the tallest body in lengths of a bead.
-    if (useBodies(isTrain(specs[0].mass) ? "wagon" : gears ? "cylinder" : "bead")) this.relabel();
+    if (useBodies(this.looks[subjectOf(specs)].body)) this.relabel();
     if (this.stages?.length !== specs.length) {
       this.stages = [];
       lanes.replaceChildren();
@@ -111,13 +142,16 @@ class Page {
 
   lookOf(spec, lane) {
     const { data, experiment, own, source } = this, given = data.lanes[lane], n = spec.gap.length;
+    const compares = this.specs.length > data.lanes.length;
     const whole = given && given.spec.mass.length === spec.mass.length;
     const same = whole && experiment.law === own.law && (lane > 0 || !differs(data, experiment, own, "alpha"));
     const gear = (i) => spec.law[3 * i] > 0 && spec.law[3 * i + 1] > 0;
-    return { mass: spec.mass, contacts: n, label: same ? this.texts.labels[lane] : lawName(spec.law), massLabels: massLabels(spec.mass),
-      gears: Array.from({ length: n }, (_, i) => (same ? given.gears[i] : gear(i))), pulls: Boolean(whole && given.pulls),
+    const gears = Array.from({ length: n }, (_, i) => (same ? given.gears[i] : gear(i)));
+    const body = isTrain(spec.mass) ? "wagon" : gears.every(Boolean) ? "cylinder" : "bead";
+    const label = same && !compares ? this.texts.labels[lane] : lawName(spec.law);
+    return { mass: spec.mass, contacts: n, body, label, massLabels: massLabels(spec.mass), gears, pulls: Boolean(whole && given.pulls),
       solid: whole && given.solid ? given.solid : Array.from({ length: n }, () => [null, null]),
-      marks: !source.touched && hasMarks(spec, data.length), // After a throw by the user there are no initial clusters any more.
+      marks: !source.touched && hasMarks(spec, data.length), // A throw by the user changes the initial clusters.
       dissipative: source.live ? spec.friction > 0 || spec.loss.some((loss) => loss > 0) : given.dissipative,
       driven: Boolean(given?.driven), drive: spec.drive?.some(Boolean) ? spec.drive : null,
       deepest: this.source.scales.deepest[lane] };
@@ -125,22 +159,27 @@ class Page {
 
   // Redraw everything after a change of experiment, size or theme.
   dress() {
-    const { data, stages, looks, experiment } = this, two = stages.length > 1, high = window.innerHeight, wide = window.innerWidth;
-    const narrow = part("lanes").clientWidth < NARROW;
-    // There is too little space for both.
-    const shown = narrow && two ? experiment.shown.filter((name) => name !== "balance") : experiment.shown;
-    const least = two ? (narrow ? clamped(0.33 * high - 0.5 * BAR_HEIGHT, [110, 150]) : 150) : 214, most = two ? 330 : 460;
-    const beside = high < SHORT && wide >= NARROW;
-    const room = (high - AROUND) / stages.length - (shown.includes("balance") ? BARS_HEIGHT : 0);
-    const tall = beside ? clamped(room, [110, most]) : high < SHORT ? clamped(0.45 * high, [110, least])
-      : clamped((two ? (narrow ? 0.19 : 0.25) : narrow ? 0.28 : 0.4) * high, [least, most]);
+    const { data, looks, experiment, peaks } = this, two = looks.length > 1, high = window.innerHeight, wide = window.innerWidth;
+    const narrow = part("lanes").clientWidth < NARROW, beside = high < SHORT && wide >= NARROW;
+    document.body.classList.toggle("why", peaks !== null);
+    this.story();
     const density = Math.min(window.devicePixelRatio || 1, this.most);
     this.theme = { ...currentTheme(data, Math.max(...looks.map(({ mass }) => mass.length))), density };
-    stages.forEach((stage, lane) => stage.fit(looks[lane], data, this.theme, { tall, shown, force: data.scales.force[lane] }));
+    if (peaks) this.dressPeaks(narrow); else {
+      const room = this.room(), usual = two ? (narrow ? clamped(0.33 * high - 0.5 * BAR_HEIGHT, [LEAST_ROW, 150]) : 150) : 214;
+      // There is too little space for both.
+      const small = two && (narrow || room < usual + BARS_HEIGHT), most = two ? 330 : 460;
+      const shown = small ? experiment.shown.filter((name) => name !== "balance") : experiment.shown;
+      const free = room - (shown.includes("balance") ? BARS_HEIGHT : 0);
+      const least = two ? clamped(free, [LEAST_ROW, usual]) : usual;
+      const tall = beside ? clamped(free, [LEAST_ROW, most]) : high < SHORT ? clamped(0.45 * high, [LEAST_ROW, usual])
+        : clamped((two ? (narrow ? 0.19 : 0.25) : narrow ? 0.28 : 0.4) * high, [least, most]);
+      this.stages.forEach((stage, lane) => stage.fit(looks[lane], data, this.theme, { tall, shown, force: data.scales.force[lane] }));
+    }
     if (experiment.shown.includes("charts")) {
-      for (const chart of this.charts) {
+      for (const [k, chart] of this.charts.entries()) {
         const name = chart.channel === "velocity" ? say("velocities") : say("forces chart", { unit: data.forceUnit.name });
-        chart.fit(this.theme, two && looks[chart.lane].label ? `${name}: ${looks[chart.lane].label}` : name);
+        chart.fit(this.theme, two && looks[chart.lane].label ? `${name}: ${looks[chart.lane].label}` : name, this.ghosts[k]);
         chart.canvas.setAttribute("aria-label", `${chart.title}. ${say("chart values")}`);
       }
     }
@@ -152,12 +191,30 @@ class Page {
     document.documentElement.style.scrollPaddingTop = !beside && getComputedStyle(bench).position === "sticky" ? `${bench.offsetHeight}px` : "";
   }
 
+  // Return the height of the first screen that is left for each row between the story and the transport bar.
+  room() {
+    const top = part("lanes").getBoundingClientRect().top + window.scrollY, below = document.body.classList.contains("embed") && window.innerWidth < NARROW;
+    const settings = below ? part("settings").offsetHeight : 0;
+    return (window.innerHeight - top - part("transport").offsetHeight - settings) / this.looks.length - LANE_SPACE;
+  }
+
+  // Fit the explanation into the window: each row with magnifiers, on its own scale, below the sentences.
+  dressPeaks(narrow) {
+    const { data, looks, peaks, specs } = this, lanes = part("lanes"), room = this.room();
+    this.stages.forEach((stage, lane) => {
+      const { force, time } = peaks[lane], { contacts } = explanationOf(specs[lane], peaks[lane]), { label } = looks[lane];
+      const lenses = loupeRow(looks[lane], Math.max(lanes.clientWidth, LEAST_WIDTH), contacts, narrow || room < LOW_ROW, room < LOWEST_ROW);
+      const look = { ...looks[lane], label: `${label && `${label}, `}${this.clock(time)}` };
+      stage.fit(look, data, this.theme, { tall: clamped(room - lenses.height, [56, 330]), shown: ["forces"], lenses, force: FORCE_MARGIN * Math.max(...force) });
+    });
+  }
+
   // Draw the current state, also the texts if `texts`, and also canvases outside the window if `whole`.
   show(texts, whole = !this.playing) {
     const { source, data, stages, chosen } = this, { hand } = source;
-    const nows = stages.map((_, lane) => source.values(lane)), due = ({ canvas }) => whole || !this.unseen.has(canvas);
+    const nows = this.peaks ?? stages.map((_, lane) => source.values(lane)), due = ({ canvas }) => whole || !this.unseen.has(canvas);
     if (source.touched && this.looks.some(({ marks }) => marks)) { this.build(); this.dress(); return; }
-    if ((source.touched || !source.followed) && this.widen(nows)) { this.dress(); return; }
+    if (!this.peaks && (source.touched || !source.followed) && this.widen(nows)) { this.dress(); return; }
     stages.forEach((stage, lane) => {
       if (!due(stage)) return;
       const mine = hand && hand.lane === lane ? hand : document.activeElement === stage.canvas && chosen?.lane === lane ? chosen : null;
@@ -194,17 +251,23 @@ class Page {
 
   // Update the texts: time, outcome, energy and tables. Each change makes the browser lay out the page again.
   tell(nows) {
-    const { source, specs, looks, data } = this, clock = `t = ${fixed(source.time / data.unit.size, this.decimals)} ${data.unit.name}`;
+    const { source, specs, looks, data } = this, clock = this.clock(source.time);
     part("clock").textContent = clock;
     part("time").value = String(Math.round(SLIDER * (source.time - source.begun) / (source.last - source.begun || 1)));
     part("time").setAttribute("aria-valuetext", clock);
     const { parted } = source, left = !source.touched && parted && source.time >= parted.time ? parted.velocity : null;
     const ended = (source.apart && (source.over || source.open || left !== null)) && !source.hand;
+    if (ended && !source.touched && !this.after && !this.peaks && strikersOf(specs[subjectOf(specs)])) {
+      this.after = nows.map((now, lane) => Array.from(left?.[lane] ?? now.velocity));
+      this.story();
+    }
     const said = nows.map((now, lane) => {
+      useBodies(looks[lane].body);
       const name = looks.length > 1 && looks[lane].label ? `${looks[lane].label}: ` : "", velocity = left?.[lane] ?? now.velocity;
       const rigid = lane || source.touched ? "" : ` ${rigidWords(specs[lane], looks[lane], data.length, velocity)}`;
       return name + whatHappened(velocity, specs[lane]) + rigid;
     });
+    useBodies(looks[subjectOf(specs)].body);
     if (left && source.over) said.push(say("stopped"));
     const cut = source.over && !ended, text = ended ? said.join("\n") : cut ? say("followed", { time: `${plain(source.last / data.unit.size, 3)} ${data.unit.name}` })
       : source.live ? say("hint") : "";
@@ -212,6 +275,49 @@ class Page {
     part("words").classList.toggle("ended", ended);
     if (source.live) part("energy").textContent = source.rows.map((row, lane) => this.ledger(row, lane)).join("\n");
     if (part("numbers").open) fillTables(this, nows);
+    this.report?.();
+  }
+
+  clock(time) { return `t = ${fixed(time / this.data.unit.size, this.decimals)} ${this.data.unit.name}`; }
+
+  // Update the story above the beads: the question with its answers, the verdict, or the explanation of each row.
+  story() {
+    const { specs, looks, texts, source, after, peaks, guess } = this, m = strikersOf(specs[subjectOf(specs)]);
+    const named = (lane) => (looks.length > 1 && looks[lane].label ? `${looks[lane].label}: ` : "");
+    const said = peaks ? peaks.map((now, lane) => named(lane) + explanationOf(specs[lane], now).words).join("\n")
+      : after && !source.touched && !texts.question ? verdictWords(specs, after, guess) : texts.question || leadWords(specs);
+    if (part("lead").textContent !== said) part("lead").textContent = said;
+    part("guesses").hidden = !this.asking;
+    for (const kind of GUESSES) part(`guess-${kind}`).textContent = say(`guess ${kind}${kind === "last" && m > 1 ? " many" : ""}`);
+    part("explain").hidden = !after || source.touched;
+    part("explain").setAttribute("aria-pressed", String(peaks !== null));
+  }
+
+  // Store the answer to the question and start.
+  answer(kind) {
+    this.guess = kind;
+    this.play();
+    part("toggle").focus({ preventScroll: true });
+  }
+
+  // Stop each row at its largest force and explain it, or go on.
+  reveal() {
+    if (this.peaks) { this.leave(); return; }
+    if (this.playing) this.pause();
+    const { source, specs } = this, peaks = specs.map((_, lane) => source.peak(lane)), { time } = peaks[subjectOf(specs)];
+    if (time <= source.time) source.go(time);
+    this.peaks = peaks;
+    this.asking = false;
+    window.scrollTo(0, 0);
+    this.dress();
+  }
+
+  // End the question or the explanation, because the motion goes on.
+  leave() {
+    if (!this.peaks && !this.asking) return;
+    this.peaks = null;
+    this.asking = false;
+    this.dress();
   }
 
   // Describe the energy of a row: total, absorbed part, digits of the balance, and work of the hand.
@@ -226,6 +332,7 @@ class Page {
   }
 
   play() {
+    this.leave();
     this.goal = null;
     if (this.playing) return;
     if (this.source.over) this.restart();
@@ -284,6 +391,7 @@ class Page {
 
   // Go to another time. A distant time is reached picture by picture, unless the user plays or pauses.
   go(time) {
+    this.leave();
     if (this.playing) this.pause();
     const there = this.source.go(time);
     this.show(true);
@@ -291,6 +399,7 @@ class Page {
   }
 
   step(direction) {
+    this.leave();
     if (this.playing) this.pause();
     this.source.step(direction);
     this.show(true);
@@ -298,6 +407,7 @@ class Page {
 
   grab(lane, bead, across) {
     const source = /** @type {Live} */ (this.source), offset = across === null ? 0 : across - this.stages[lane].middle(bead);
+    this.leave();
     source.forget();
     source.hand = { lane, bead, place: source.values(lane).position[bead], across, offset };
     this.play();
@@ -325,31 +435,42 @@ class Page {
     this.play();
   }
 
-  // Apply an edit, to the running motion if possible; otherwise start again.
+  // Apply an edit. A change of the row starts the motion again, with the curves of the previous run behind the new ones.
   edit(name, value) {
     const { source, experiment, data, own } = this;
     experiment[name] = value;
     const kinds = source.live ? compared(data, experiment, own) : [];
     if (name === "law" && !kinds.includes(experiment.beside)) experiment.beside = contrastTo(kinds);
-    const running = source.live && !source.over && source.time > source.begun;
     this.asked = "";
     this.notify();
     if (name === "pace") source.setPace(value);
     else if (name === "shown") { this.build(); this.dress(); }
-    else if (source.live && running && LIVE_EDITS.includes(name)) {
-      this.specs = this.made();
-      source.change(() => source.rows.forEach((row, lane) => row.booked(() => row.follow(this.specs[lane]))));
-      this.build();
-      this.dress();
-    } else { this.restart(); if (!reduced()) this.play(); }
+    else {
+      this.asking = false;
+      this.haunt();
+      this.restart();
+      if (!reduced()) this.play();
+    }
     this.controls();
     clearTimeout(this.writing);
     this.writing = setTimeout(() => this.write(), 250);
   }
 
+  // Keep the curves of the present run as ghosts, if it is long enough to be seen. A dragged slider keeps those before the drag.
+  haunt() {
+    const { source } = this;
+    if (source.time - source.begun < LEAST_GHOST * (source.last - source.begun)) return;
+    this.ghosts = this.charts.map(({ lane, channel }) => {
+      const points = [], count = source.values(lane)[channel].length;
+      source.trace(lane, channel, GHOST_POINTS, -Infinity, (time, values, at) => points.push([time, ...values.slice(at, at + count)]));
+      return points;
+    });
+  }
+
   // Write the experiment into the address and return its fragment.
   write() {
-    const fragment = writeAddress(this.data, this.experiment, this.own, addressLanguage(location.hash) && this.language);
+    const embedded = document.body.classList.contains("embed");
+    const fragment = writeAddress(this.data, this.experiment, this.own, addressLanguage(location.hash) && this.language, embedded);
     clearTimeout(this.writing);
     try {
       history.replaceState(null, "", fragment ? `#${fragment}` : location.pathname + location.search);
@@ -388,7 +509,6 @@ class Page {
     // Keep the height of the text, so that no slider moves away from under a finger.
     if (changed) part("text").style.minHeight = `${part("text").offsetHeight}px`;
     part("text").textContent = changed ? say("other numbers") : texts.text;
-    part("lead").textContent = texts.question || leadWords(this.specs);
   }
 
   // Update the controls to the experiment.
@@ -417,7 +537,6 @@ class Page {
 }
 
 const MADE = ["law", "alpha", "strikers", "targets", "speed", "friction", "loss"]; // settings that change the row of the scene
-const LIVE_EDITS = ["alpha", "friction", "loss"]; // settings that can change while the motion runs
 
 // Exponents that the slider offers: unit fractions for soft beads, tenths up to steel.
 const ALPHAS = [...[40, 35, 30, 25, 20, 18, 16, 14, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2.5, 2].map((under) => 1 / under),
@@ -455,18 +574,6 @@ const isTrain = (masses) => masses.every((mass) => mass === null || mass >= HEAV
 // Write a number of bodies as a word, or as digits above twelve.
 const countWord = (n) => say("count").split(" ")[n - 1] ?? String(n);
 const countedTitle = ({ strikers, targets }) => capital(say(strikers > 1 ? "many on" : "one on", { m: countWord(strikers), n: countWord(targets) }));
-
-// Return the question above the beads if equal bodies hit equal bodies at rest, otherwise "".
-function leadWords(specs) {
-  const one = specs.find(({ law }) => ["soft", "gear"].includes(lawKind(law))) ?? specs[0];
-  const { mass, velocity, gap, drive } = one, m = velocity.findIndex((v) => v !== velocity[0]);
-  const alike = Math.max(...mass) <= EQUAL_MASSES * Math.min(...mass) && !mass.includes(null) && !isTrain(mass);
-  if (!alike || m < 1 || velocity[0] <= 0 || drive || gap.some((wide) => wide < 0) || velocity.slice(m).some(Boolean)) return "";
-  const kind = lawKind(one.law), asked = { soft: "lead soft", gear: "lead gear", steel: "lead steel" }[kind];
-  if (!asked || mass.length - m < 2) return "";
-  const known = kind === "steel" ? [] : [say(m === 1 ? "lead one" : "lead many")];
-  return [...known, say(asked)].join(" ");
-}
 
 // Return true if forces of rigid clusters can be marked: there is a cluster of two beads and a contact at which it is struck.
 function hasMarks({ gap, velocity, speed }, length) {

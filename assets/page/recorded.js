@@ -45,6 +45,21 @@ class Recorded {
 
   values(lane) { return valuesAt(this.motions[lane], this.time, this.nows[lane]); }
 
+  // Return the values of a lane at the sample with the largest force.
+  peak(lane) {
+    const motion = this.motions[lane], { force, time } = motion;
+    const largest = Array.from(time, (_, row) => Math.max(...force.map((column) => column[row])));
+    const now = valuesAt(motion, time[largest.indexOf(Math.max(...largest))], emptyNow(motion.contacts));
+    now.time = time[largest.indexOf(Math.max(...largest))];
+    return now;
+  }
+
+  // Visit at most `most` samples of a lane by calling `visit(time, now)`.
+  each(lane, most, visit) {
+    const motion = this.motions[lane], every = Math.ceil(motion.time.length / most), now = emptyNow(motion.contacts);
+    for (let row = 0; row < motion.time.length; row += every) visit(motion.time[row], valuesAt(motion, motion.time[row], now));
+  }
+
   // Pass times and values of a lane up to the current time to a chart, as the live source does. All samples are used, because there are
   // few.
   trace(lane, channel, _most, since, visit) {

@@ -3,7 +3,7 @@
 const GRAVITY = 9.80665; // Gravitational acceleration in m/s².
 const STRUCK = 0.2; // Fraction of the closing speed above which a closing contact counts as struck, so that a cluster ends there.
 const ALIKE = 1e-6; // Fraction of the closing speed below which the initial velocities of neighbours count as equal.
-const HEAD = 9; // Numbers in a stored state before its lists.
+const HEAD = 8; // Numbers in a stored state before its lists.
 
 /**
  * The initial state and the laws of a row; masses, gaps and velocities from left to right.
@@ -27,14 +27,15 @@ class Row {
     this.rateBefore = new Float64Array(n);
     this.wasClosed = new Uint8Array(n);
     this.ends = new Uint8Array(n); // 1 for contacts at which a cluster ends because it was struck there.
-    this.edits = 0; // Number of changes of the laws. The energy of older states is computed again with the present laws.
     this.begin();
   }
 
-  // Return to the start, with the laws of `spec`.
+  // Return to the start.
   begin() {
-    const { kernel, spec } = this, { n, anchorBead } = kernel;
-    this.follow(spec);
+    const { kernel, spec, mass } = this, { n, anchorBead } = kernel;
+    kernel.law.set(spec.law);
+    kernel.loss.set(spec.loss);
+    kernel.bed.set(mass.map((m) => (m > 0 ? spec.friction * GRAVITY : 0)));
     const place = new Float64Array(n + 1);
     for (let i = 0; i < n; i++) {
       place[i + 1] = place[i] + spec.gap[i];
@@ -48,27 +49,6 @@ class Row {
     for (let i = 0; i < n; i++) this.ends[i] = Math.abs(kernel.rate[i]) > ALIKE * spec.speed ? 1 : 0;
     this.begun = this.energy();
     this.given = this.driven = this.still = 0; // Work of the hand, work of the drive, and number of frames without motion.
-  }
-
-  // Use the laws, losses and friction of `spec` from now on.
-  follow(spec) {
-    const { kernel, mass } = this;
-    this.spec = spec;
-    this.edits += 1;
-    kernel.law.set(spec.law);
-    kernel.loss.set(spec.loss);
-    kernel.bed.set(mass.map((m) => (m > 0 ? spec.friction * GRAVITY : 0)));
-    for (let i = 0; i < kernel.n; i++) {
-      if (kernel.overlap[i] > 0) kernel.force[i] = this.lawForce(i) * (kernel.rate[i] < 0 ? 1 - spec.loss[i] : 1);
-    }
-  }
-
-  // Make a change that changes the energy without work, such as another law for loaded contacts. Count the difference as external work.
-  booked(change) {
-    const before = this.energy();
-    change();
-    this.given += this.energy() - before;
-    this.still = 0;
   }
 
   lawForce(i) {
@@ -148,15 +128,14 @@ class Row {
     return (frequency * frequency * stretch - 2 * frequency * this.velocity[bead]) * this.mass[bead];
   }
 
-  // Throw a bead: give it another velocity at once.
+  // Throw a bead: give it another velocity at once, by external work.
   throwBead(bead, velocity) {
-    const { kernel } = this;
-    this.booked(() => {
-      const change = velocity - kernel.rebuilt(kernel.rate, kernel.anchor[1], this.velocity)[bead];
-      if (bead > 0) kernel.rate[bead - 1] -= change;
-      if (bead < kernel.n) kernel.rate[bead] += change;
-      if (bead === kernel.anchorBead) kernel.anchor[1] += change;
-    });
+    const { kernel } = this, before = this.energy(), change = velocity - kernel.rebuilt(kernel.rate, kernel.anchor[1], this.velocity)[bead];
+    if (bead > 0) kernel.rate[bead - 1] -= change;
+    if (bead < kernel.n) kernel.rate[bead] += change;
+    if (bead === kernel.anchorBead) kernel.anchor[1] += change;
+    this.given += this.energy() - before;
+    this.still = 0;
   }
 
   // True if no contact is closed or can close, or if nothing moves any more. A single frame without motion may be a turning point.
@@ -192,13 +171,13 @@ class Row {
     return now;
   }
 
-  // Length of a stored state. The HEAD contains time, external work, edits, work of the drive, frames at rest, anchor and absorbed energy;
+  // Length of a stored state. The HEAD contains time, external work, work of the drive, frames at rest, anchor and absorbed energy;
   // overlaps, rates, forces, velocities and ends of clusters follow.
   get width() { return 5 * this.kernel.n + HEAD + 1; }
 
   keep(into, at) {
     const { kernel } = this, { n } = kernel, begin = at + HEAD;
-    into.set([kernel.time, this.given, this.edits, this.driven, this.still, ...kernel.anchor, ...kernel.absorbed], at);
+    into.set([kernel.time, this.given, this.driven, this.still, ...kernel.anchor, ...kernel.absorbed], at);
     into.set(kernel.overlap, begin);
     into.set(kernel.rate, begin + n);
     into.set(kernel.force, begin + 2 * n);
@@ -206,26 +185,23 @@ class Row {
     into.set(this.ends, begin + 4 * n + 1);
   }
 
-  // Return to a stored state. Its energy is computed with the present laws.
+  // Return to a stored state.
   restore(from, at) {
     const { kernel } = this, { n } = kernel, begin = at + HEAD, list = (first, count) => from.subarray(first, first + count);
-    kernel.time = from[at];
-    this.driven = from[at + 3];
-    this.still = from[at + 4];
-    kernel.anchor.set(list(at + 5, 2));
-    kernel.absorbed.set(list(at + 7, 2));
+    [kernel.time, this.given, this.driven, this.still] = list(at, 4);
+    kernel.anchor.set(list(at + 4, 2));
+    kernel.absorbed.set(list(at + 6, 2));
     kernel.overlap.set(list(begin, n));
     kernel.rate.set(list(begin + n, n));
     kernel.force.set(list(begin + 2 * n, n));
     this.ends.set(list(begin + 4 * n + 1, n));
-    this.given = this.edits === from[at + 2] ? from[at + 1] : this.energy() - this.begun - this.driven;
   }
 }
 
 /**
  * The values of a row at one time.
  * @typedef {{position: Float64Array, velocity: Float64Array, overlap: Float64Array, force: Float64Array, state: string[], stored: number,
- *   absorbed: number, ends: Uint8Array, contacts?: number[]}} Now
+ *   absorbed: number, ends: Uint8Array, time?: number, contacts?: number[]}} Now
  */
 const emptyNow = (n) => ({ position: new Float64Array(n + 1), velocity: new Float64Array(n + 1), overlap: new Float64Array(n),
   force: new Float64Array(n), state: new Array(n).fill("open"), stored: 0, absorbed: 0, ends: new Uint8Array(n) });

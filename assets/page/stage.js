@@ -16,7 +16,7 @@ const LEAST_GAP = 1e-9; // Gap, in lengths of a bead, below which neighbours cou
 const EQUAL_MASSES = 1.02; // Ratio of masses up to which beads look equal and no masses are written.
 const HEAVY = 1e4; // Mass in kg from which masses are written in tonnes.
 const BARS_HEIGHT = 46; // Height of the bars of energy and momentum in pixels.
-const LEAST_WIDTH = 200; // Smallest width in pixels; it is also used while the page is hidden and has no width.
+const LEAST_WIDTH = 200; // Smallest width in pixels; also the width of a hidden page.
 
 // Return a label for each bead if the masses differ visibly, otherwise an empty list.
 function massLabels(mass) {
@@ -36,16 +36,17 @@ class Stage {
    * Use another motion, size or theme.
    * @param {any} motion constant properties: label, mass, massLabels, gears, solid, pulls, dissipative, contacts, deepest
    * @param {any} data of the page, with its `scales` @param {any} theme
-   * @param {{tall: number, shown: string[], force: number}} options height of the drawing of the beads, visible parts, and force axis
+   * @param {{tall: number, shown: string[], force: number, lenses?: any}} options height of the drawing of the beads, visible parts, force
+   *   axis, and loupes of an explanation
    */
-  fit(motion, data, theme, { tall, shown, force }) {
+  fit(motion, data, theme, { tall, shown, force, lenses = null }) {
     const { canvas } = this, { density } = theme, width = Math.max(canvas.parentElement.clientWidth, LEAST_WIDTH);
     const narrow = width < 640, [low, high] = data.scales.window;
     const lines = tall < LOW ? 1 : 2, below = lines === 1 ? LOW_GROUND : GROUND;
     const room = Math.max(tall - (lines === 1 ? CAPTION : CAPTIONS) - BAR_NUMBER - LEAST_BAR - BAR_LIFT - below, LEAST_BEAD * tall);
     const tallest = Math.min(TALLEST_BEAD * tall, room), scale = Math.min(width / (high - low), tallest / (data.height * data.length));
     const size = data.length * scale;
-    const loupeFit = shown.includes("loupes") ? loupeRow(motion, width) : { height: 0, count: 0 };
+    const loupeFit = lenses ?? (shown.includes("loupes") ? loupeRow(motion, width) : { height: 0, contacts: [] });
     const balance = shown.includes("balance") ? BARS_HEIGHT : 0, height = tall + loupeFit.height + balance;
     canvas.width = this.layer.canvas.width = Math.round(width * density);
     canvas.height = this.layer.canvas.height = Math.round(height * density);
@@ -78,7 +79,7 @@ class Stage {
     arrows(pen, view, data, edges, now);
     if (view.motion.drive) drives(pen, view, edges);
     if (held) hold(pen, view, edges[held.bead], held.across);
-    if (view.loupeFit.count) loupes(pen, view.loupeFit, view, now, view.tall);
+    if (view.loupeFit.contacts.length) loupes(pen, view.loupeFit, view, now, view.tall);
     if (view.balance) balances(pen, view, data, now, view.tall + view.loupeFit.height);
   }
 

@@ -47,7 +47,8 @@ def page_data(played: PlayedMotion, computed: bool) -> dict[str, Any]:
     scene, scales = played.scene, played.scales
     size, name = played.time_unit
     newtons, force_name = played.force_unit
-    packed = packed_lanes(played.motions, scales, STANDBY_BYTES if computed else USUAL_BYTES)
+    size_limit = (STANDBY_BYTES, STANDBY_COARSEST) if computed else (USUAL_BYTES, COARSEST)
+    packed = packed_lanes(played.motions, scales, *size_limit)
     axes = ("window", "velocity", "force", "pull", "magnify", "energy", "momentum")
     data = {
         "slow": scene.view.slow,
@@ -177,7 +178,7 @@ def _hex(colour: tuple[int, int, int]) -> str:
 # Size of all packed motions of a page in bytes. As base64 they take 800 kB, and the page stays below 1 MB.
 USUAL_BYTES = 600_000
 # Usual size in bytes of the recording in a page that computes its motion. It is played only if WebAssembly is blocked.
-STANDBY_BYTES = 5_000
+STANDBY_BYTES = 4_000
 MOST_BYTES = 6_000_000  # Largest size in bytes, for long chains whose samples are as coarse as allowed.
 COARSEST = 5  # Number of times that the accuracy may be reduced; afterwards curves would look wrong.
 CODES = 32767  # Largest code of a velocity or force; 0 stands for 0.
@@ -185,19 +186,20 @@ CODES = 32767  # Largest code of a velocity or force; 0 stands for 0.
 LINE_ERROR = 2.5e-4
 # Largest relative error of an overlap between samples. It does not change the second digit of a label.
 SAME_DEPTH = 4e-3
+STANDBY_COARSEST = 7  # the same for a recording that is played only if WebAssembly is blocked
 COARSER = 2.0  # Factor by which the allowed errors grow each time that a motion needs too many samples.
 Rows = NDArray[np.intp]
 
 
-def packed_lanes(lanes: Sequence[Motion], scales: Scales, usual: int) -> list[dict[str, Any]]:
+def packed_lanes(lanes: Sequence[Motion], scales: Scales, usual: int, coarsest: int = COARSEST) -> list[dict[str, Any]]:
     """Return the packed motions of all `lanes`. Accuracy is reduced until they need `usual` bytes together, but at most
-    COARSEST times.
+    `coarsest` times.
 
     Raises:
         UserError: with the lowest accuracy they still need more than MOST_BYTES.
     """
     choices = zip(*(adaptive_rows(motion, scales) for motion in lanes), strict=True)
-    for rows in islice(choices, 1 + COARSEST):
+    for rows in islice(choices, 1 + coarsest):
         size = sum(map(_size, lanes, rows))
         if size <= usual:
             break

@@ -16,7 +16,7 @@ from softcradle.sandbox.story.page_story import story_script
 
 SCRIPTS = (
     "language", "numbers", "bodies", "loupes", "stage", "chart", "kernel", "row", "live", "recorded", "address",
-    "ending", "page", "controls",
+    "ending", "explain", "qr", "share", "host", "page", "controls",
 )  # fmt: skip
 # The browser refuses to load anything that is not inside the file.
 POLICY = (
@@ -40,6 +40,7 @@ ICON = (
 )
 LAWS = ("scene", "soft", "gear", "steel")
 BESIDE = ("none", "steel", "soft", "gear")
+GUESSES = ("last", "together", "spread")
 SHOWN = ("forces", "loupes", "balance", "charts")
 
 
@@ -48,7 +49,7 @@ def document(title: str, text: str, parts: Sequence[str], data: object, computed
 
     `text` describes the page in the preview of a link. A `computed` page contains the kernels.
     """
-    style = re.sub(r"/\*.*?\*/|\s*([{};,])\s*", r"\1", resource("page/page.css").read_text(encoding="utf-8"))
+    style = re.sub(r"/\*.*?\*/|\s*([{};,])\s*|(?<=:) +", r"\1", resource("page/page.css").read_text(encoding="utf-8"))
     body = "\n".join(part for part in parts if part)
     return (
         '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
@@ -62,6 +63,16 @@ def document(title: str, text: str, parts: Sequence[str], data: object, computed
         f'<script type="application/json" id="data">{json_text(data)}</script>\n{_kernels() if computed else ""}'
         f"<script>\n{story_script()}</script>\n<script>\n{page_script()}</script>\n</body>\n</html>\n"
     )
+
+
+def with_preview(text: str, address: str) -> str:
+    """Return a page with the address of itself and of its picture, which has the same name, for previews of links."""
+    picture = f"{address.rpartition('.')[0]}.png"
+    tags = "".join(
+        f'<meta property="og:{name}" content="{escape(value)}">\n'
+        for name, value in (("url", address), ("image", picture))
+    )
+    return text.replace("<title>", f"{tags}<title>", 1)
 
 
 MINIFIED = "page.min.js"  # asset that `python -m tools.page_script` writes
@@ -136,8 +147,8 @@ def heading(title: str, source: str) -> str:
     names = "".join(f'<option value="{code}">{escape(entry.name)}</option>' for code, entry in LANGUAGES.items())
     return (
         f'<header class="top"><div><h1 id="title">{escape(title)}</h1><p class="source" id="source">{escape(source)}</p></div>'
-        f'<div class="tools"><button type="button" id="link" class="quiet live-only" data-say="link">Copy link</button>'
-        f'<select id="language" class="quiet" data-name="language" aria-label="Language">{names}</select></div></header>'
+        f'<div class="tools"><button id="link" class="quiet" data-say="share">Share</button>'
+        f'<select id="language" class="quiet" data-name="language">{names}</select></div></header>'
         '<p id="notice" class="notice" role="status" hidden></p>'
         '<p id="wait" class="notice">This site blocks the page: download it and open it from your device.</p>'
         "<noscript><p>This page needs JavaScript.</p></noscript>"
@@ -159,12 +170,15 @@ def player(question: str, text: str, uniform: bool, alone: bool, moving: bool) -
         The row has a speed at the start.
     """
     return (
-        f'<div class="play" id="play"><p class="lead" id="lead">{escape(question)}</p>'
+        '<div class="play" id="play"><div class="tale">'
+        f'<p class="lead" id="lead" role="status">{escape(question)}</p>{_guesses()}</div>'
         f'<section class="hero"><div class="bench" id="bench"><div id="lanes" class="lanes"></div>{_transport()}</div>'
         f'{_more(alone)}<p id="words" role="status"></p><p class="text" id="text">{escape(text)}</p>'
         '<p class="ledger" id="energy"></p><div id="charts" class="charts"></div></section>'
-        f'<section class="settings"><h2 class="live-only" data-say="settings">Settings</h2>{_settings(uniform, alone, moving)}'
-        f'{_shown()}</section></div><p id="said" class="unseen" role="status"></p>'
+        '<section class="settings" id="settings"><h2 class="live-only" data-say="settings">Settings</h2>'
+        f"{_settings(uniform, alone, moving)}"
+        f'{_shown()}<a id="full" target="_blank" rel="noopener" data-say="full"></a></section></div>'
+        f'<p id="said" class="unseen" role="status"></p>{_share()}'
     )
 
 
@@ -174,7 +188,7 @@ def numbers(tables: str) -> str:
     """
     return (
         '<details id="numbers"><summary data-say="in numbers">In numbers</summary>'
-        '<div id="tables" class="scroll" tabindex="0" role="region" data-name="in numbers" aria-label="In numbers"></div>'
+        '<div id="tables" class="scroll" tabindex="0" role="region" data-name="in numbers"></div>'
         f"{tables}</details>"
     )
 
@@ -185,15 +199,46 @@ def keys() -> str:
     return f'<details><summary data-say="keys">Keys and touch</summary>{parts}</details>'
 
 
+def _guesses() -> str:
+    """Return the buttons that answer the question above the beads."""
+    buttons = "".join(f'<button id="guess-{kind}" class="wide"></button>' for kind in GUESSES)
+    return f'<div id="guesses" class="guesses" role="group" aria-labelledby="lead" hidden>{buttons}</div>'
+
+
 def _transport() -> str:
     return (
-        '<div class="transport"><input type="range" id="time" min="0" max="1000" step="1" value="0" data-name="time" '
-        'aria-label="Time of the motion"><div class="buttons">'
+        '<div class="transport" id="transport">'
+        '<input type="range" id="time" min="0" max="1000" step="1" value="0" data-name="time"><div class="buttons">'
         + _button("again", "again", "again")
         + _button("toggle", "play", "play", "pause")
         + _button("back", "back", "back")
         + _button("ahead", "ahead", "ahead")
-        + '<span id="clock" role="timer"></span></div></div>'
+        + '<span id="clock" role="timer"></span><button id="explain" class="wide" data-say="explain" '
+        'aria-pressed="false" hidden></button></div></div>'
+    )
+
+
+def _share() -> str:
+    """Return the dialog with the link, the QR code and the code for an embedding site, and with the files to hand in."""
+
+    def copied(name: str, word: str, tag: str, kind: str) -> str:
+        return (
+            f'<label for="{name}" data-say="{word}"></label><{tag} id="{name}" readonly></{tag}>'.replace(
+                "></input>", ">"
+            )
+            + f'<button id="copy-{kind}" class="wide" data-say="copy" aria-describedby="{name}"></button>'
+        )
+
+    return (
+        '<dialog id="share" aria-labelledby="share-title"><div id="share-part"><h2 id="share-title" data-say="share"></h2>'
+        f'<div id="share-link-part">{copied("share-link", "share link", "input", "link")}</div><p id="share-note"></p>'
+        '<canvas id="qr" role="img" data-name="qr"></canvas>'
+        f"{copied('share-code', 'share code', 'textarea', 'code')}</div>"
+        '<h2 data-say="hand in"></h2><div class="buttons"><button id="save-csv" class="wide" '
+        'data-say="save csv"></button><button id="save-png" class="wide" data-say="save png"></button></div>'
+        '<details id="csv"><summary data-say="csv text"></summary><textarea id="csv-text" readonly data-name="csv text">'
+        '</textarea><button id="copy-csv" class="wide" data-say="copy" aria-describedby="csv-text"></button>'
+        '</details><button id="close" class="wide" data-say="close"></button></dialog>'
     )
 
 
@@ -201,18 +246,15 @@ def _more(alone: bool) -> str:
     paces = "".join(f'<option value="{pace:g}"></option>' for pace in PACES)
     there = "live-only" if alone else "never"
     return (
-        f'<div class="more"><select id="pace" data-name="pace" aria-label="Playback speed">{paces}</select>'
-        f'<button type="button" id="contrast" class="wide {there}" aria-pressed="false"></button></div>'
+        f'<div class="more"><select id="pace" data-name="pace">{paces}</select>'
+        f'<button id="contrast" class="wide {there}" aria-pressed="false"></button></div>'
     )
 
 
 def _button(name: str, word: str, icon: str, second: str = "") -> str:
     """Return a button with an icon. A `second` icon replaces the first one while the motion plays."""
     paths = f'<path class="one" d="{ICONS[icon]}"/>' + (f'<path class="two" d="{ICONS[second]}"/>' if second else "")
-    return (
-        f'<button type="button" id="{name}" data-name="{word}" aria-label="{word}">'
-        f'<svg viewBox="0 0 24 24" aria-hidden="true">{paths}</svg></button>'
-    )
+    return f'<button id="{name}" data-name="{word}"><svg viewBox="0 0 24 24" aria-hidden="true">{paths}</svg></button>'
 
 
 def _settings(uniform: bool, alone: bool, moving: bool) -> str:
@@ -234,8 +276,9 @@ def _slider(name: str, word: str, there: bool = True) -> str:
     ends = (
         '<span class="ends" aria-hidden="true"><span data-say="softest"></span><span data-say="hardest"></span></span>'
     )
+    kind = "field" + ("" if there else " never") + (" main" if name == "alpha" else "")
     return (
-        f'<div class="{"field" if there else "field never"}"><label for="{name}" data-say="{word}"></label>'
+        f'<div class="{kind}"><label for="{name}" data-say="{word}"></label>'
         f'<span id="{name}-value" class="value" aria-hidden="true"></span><input type="range" id="{name}" step="1">'
         f"{ends if name == 'alpha' else ''}</div>"
     )

@@ -25,6 +25,7 @@ from softcradle.sandbox.page.document import (
     numbers,
     player,
     spoken,
+    with_preview,
 )
 from softcradle.sandbox.page.played_motion import PlayedMotion, played_motion, result_notes, result_tables
 from softcradle.sandbox.scene_runs import SHOWN, run_scene
@@ -74,12 +75,14 @@ def write_page(
     return PageReport(Path(path), size, computed=False)
 
 
-def render_page(scene: Scene, output: str | os.PathLike[str], slow: float | None = None, **settings: Any) -> PageReport:
+def render_page(
+    scene: Scene, output: str | os.PathLike[str], slow: float | None = None, address: str = "", **settings: Any
+) -> PageReport:
     """Write the page of `scene`. The browser computes the motion if possible; otherwise it is recorded here.
 
-    `slow` is the number of seconds in which one second of motion is played; None means the value of the scene. If there
-    are `settings` (keywords of `physics.simulate`), the motion is recorded with them. Problems of the motion are
-    reported as RuntimeWarning.
+    `address` is the address (URL) at which the page will be published, for previews of links. `slow` is the number of
+    seconds in which one second of motion is played; None means the value of the scene. If there are `settings` (keywords
+    of `physics.simulate`), the motion is recorded with them. Problems of the motion are reported as RuntimeWarning.
 
     Raises:
         UserError: the page cannot be written or the scene cannot be simulated; no file is left behind.
@@ -87,6 +90,7 @@ def render_page(scene: Scene, output: str | os.PathLike[str], slow: float | None
     # Open the file before the simulation, so that an unwritable path is reported at once.
     with output_file(output) as temporary:
         text, computed = scene_text(scene, slow, **settings)
+        text = with_preview(text, address) if address else text
         return PageReport(Path(output), temporary.write_bytes(text.encode()), computed)
 
 

@@ -15,6 +15,7 @@ from tools.browser import Browser
 
 SOFT = {"law": "power_law", "f0": 1.0, "alpha": 0.1}
 SCENE = "one-on-four"
+ALONE = "#with=none"  # Fragment of a page without the row for comparison.
 BOOKED = 1e-10  # Largest allowed relative error of the energy.
 SAID = "document.getElementById('words').textContent.replaceAll('\u00a0', ' ')"
 LEDGER = "document.getElementById('energy').textContent"
@@ -75,8 +76,8 @@ def browser(process):
 
 @pytest.fixture
 def live(pages, browser):
-    """Return the browser with the page of one bead on four."""
-    browser.visit(pages(SCENE).output, "")
+    """Return the browser with the page of one bead on four, without the row for comparison."""
+    browser.visit(pages(SCENE).output, ALONE)
     return browser
 
 
@@ -106,8 +107,11 @@ def run_to_the_end(browser):
     browser.until("!page.playing")
 
 
-def visit_row(browser, folder, duration=None, fragment="", method=None, **lane):
-    """Open the page of a row, with soft contacts by default. With a `method`, the page plays a recorded motion."""
+def visit_row(browser, folder, duration=None, fragment=ALONE, method=None, **lane):
+    """Open the page of a row, with soft contacts and without a row for comparison by default.
+
+    With a `method`, the page plays a recorded motion.
+    """
     scene = Scene(title="a row", lanes=(Lane(**{"contact": SOFT} | lane),), duration=duration)
     browser.visit(render_page(scene, folder / "page.html", method=method).output, fragment)
     browser.run("page.pause()")

@@ -1,9 +1,5 @@
 """Tests of the controls of the page: names, roles and keys, touch, contrast, sizes, and requests of links."""
 
-import http.server
-import threading
-from functools import partial
-
 import numpy as np
 import pytest
 from PIL import Image, ImageColor
@@ -12,6 +8,7 @@ from softcradle.scenes import Lane, Scene
 
 from tests.helpers.drawn_text import contrast
 from tests.sandbox.page.conftest import (
+    ALONE,
     LEDGER,
     NOTICE,
     PLACE,
@@ -38,7 +35,8 @@ CONTROLS = [
     ("combobox", "Contacts"), ("slider", "Exponent \N{GREEK SMALL LETTER ALPHA} (smaller = softer)"), ("slider", "Beads at rest"),
     ("slider", "Beads that hit them"), ("slider", "Speed"), ("combobox", "Compare with"), ("slider", "Ground friction"),
     ("slider", "Energy lost in each contact"), ("checkbox", "forces"), ("checkbox", "magnifiers"),
-    ("checkbox", "energy and momentum bars"), ("checkbox", "graphs"), ("button", "Copy link"), ("combobox", "Language"),
+    ("checkbox", "energy and momentum bars"), ("checkbox", "graphs"), ("button", "Share"), ("combobox", "Language"),
+    ("button", "Only the last one flies off"), ("button", "All move off together"), ("button", "Each goes at its own speed"),
 ]  # fmt: skip
 SLIDERS = {  # Key to press, and the text of the value after it.
     "alpha": [("ArrowRight", "1/9"), ("Home", "1/40"), ("ArrowRight", "1/35"), ("End", "1.5")],
@@ -119,7 +117,8 @@ def test_every_control_is_reached_and_works_by_keys(live):
     for _ in range(40):
         live.key("Tab")
         reached.append(live.run("document.activeElement.id || document.activeElement.tagName"))
-    expected = ["link", "language", "CANVAS", "time", "again", "toggle", "back", "ahead", "pace", "contrast", "law", "alpha",
+    expected = ["link", "language", "guess-last", "guess-together", "guess-spread", "CANVAS",
+                "time", "again", "toggle", "back", "ahead", "pace", "contrast", "law", "alpha",
                 "targets", "strikers", "speed", "beside", "friction", "loss", "show-forces"]  # fmt: skip
     assert reached[: len(expected)] == expected
     works = {
@@ -158,12 +157,12 @@ def test_nothing_that_is_read_aloud_changes_while_the_motion_plays(live):
 
 
 @pytest.mark.parametrize("size", SIZES)
-@pytest.mark.parametrize("fragment", ["", "#with=steel"])
+@pytest.mark.parametrize("fragment", [ALONE, "#with=steel"])
 def test_beads_and_softness_are_seen_together(pages, browser, size, fragment):
     browser.device(*size)
     browser.visit(pages(SCENE).output, fragment)
     browser.run("page.pause(), part('alpha').focus(), part('alpha').scrollIntoView({block: 'nearest'})")
-    for lane in range(2 if fragment else 1):
+    for lane in range(1 if fragment == ALONE else 2):
         seen = f"""(() => {{ const stage = page.stages[{lane}], box = stage.canvas.getBoundingClientRect();
           return document.elementFromPoint(box.left + stage.middle(2), box.top + stage.view.ground - 5) === stage.canvas; }})()"""
         assert browser.run(seen)
@@ -176,7 +175,7 @@ def test_beads_and_softness_are_seen_together(pages, browser, size, fragment):
 def test_the_first_screen_shows_beads_and_no_bar_lies_on_them(pages, browser, size):
     """Check small screens: 320 by 256 is a screen of 1280 by 1024 at a zoom of 400 %."""
     browser.device(*size)
-    browser.visit(pages(SCENE).output, "")
+    browser.visit(pages(SCENE).output, ALONE)
     x, y, high = browser.run(PLACE % 2)
     assert y + high / 2 < size[1]
     assert browser.run(f"document.elementFromPoint({x}, {y}) === page.stages[0].canvas")
@@ -191,7 +190,7 @@ def test_the_first_screen_shows_beads_and_no_bar_lies_on_them(pages, browser, si
 @pytest.mark.parametrize("width", [320, 390, 1280])
 def test_targets_are_large_enough_for_fingers(pages, browser, width):
     browser.device(width, 844)
-    browser.visit(pages(SCENE).output, "")
+    browser.visit(pages(SCENE).output, ALONE)
     small = """[...document.querySelectorAll('button, input, select, summary')].filter((e) => e.offsetParent)
       .map((e) => [e.id || e.textContent, (e.type === 'checkbox' ? e.closest('label') : e).getBoundingClientRect().height])
       .filter(([, high]) => high < 44)"""
@@ -226,7 +225,7 @@ def test_texts_of_canvases_and_edges_of_controls_stand_out(pages, browser, name,
 def test_tracks_of_sliders_are_seen_in_forced_colours(pages, browser, tmp_path):
     browser.call("Emulation.setEmulatedMedia", features=[{"name": "forced-colors", "value": "active"}])
     browser.device(1280, 800)
-    browser.visit(pages(SCENE).output, "")
+    browser.visit(pages(SCENE).output, ALONE)
     browser.run("page.pause()")
     x, y, wide, high = browser.run(AT % "alpha")
     browser.picture(tmp_path / "page.png")
@@ -241,7 +240,7 @@ TOUCHED = f"[page.source.touched, page.source.time, page.source.count, page.expe
 
 def test_a_finger_that_scrolls_throws_no_bead_and_moves_no_slider(pages, browser):
     browser.device(390, 664)
-    browser.visit(pages(SCENE).output, "")
+    browser.visit(pages(SCENE).output, ALONE)
     run_to_the_end(browser)
     before = browser.run(TOUCHED)
     x, y, _ = browser.run(PLACE % 1)
@@ -266,7 +265,7 @@ def test_a_finger_that_scrolls_throws_no_bead_and_moves_no_slider(pages, browser
 
 def test_a_finger_that_moves_sideways_or_taps_moves_a_slider_and_winds_a_chart(pages, browser):
     browser.device(390, 664)
-    browser.visit(pages(SCENE).output, "")
+    browser.visit(pages(SCENE).output, ALONE)
     browser.run("page.pause(), page.go(1.5), part('alpha').scrollIntoView({block: 'end'})")
     x, y, wide, high = browser.run(AT % "alpha")
     start = browser.run("page.experiment.alpha")
@@ -302,7 +301,7 @@ def test_shift_and_an_arrow_throw_at_the_first_press(live):
         (SCENE, "#a=1/0&m=1/2/3", {}, "This link asks for a = 1/0, m = 1/2/3, which this page cannot do."),
         (SCENE, "#n=100&v=3&pace=3", {"targets": 49, "speed": 1.4, "pace": 2},
          "This link asks for n = 100 (here 49), v = 3 (here 1.4), pace = 3 (here 2), which this page cannot do."),
-        (SCENE, "#law=steel&with=steel&lang=xx&speed=2", {"law": "steel"},
+        (SCENE, "#law=steel&with=steel&lang=xx&speed=2", {"law": "steel", "beside": "none"},
          "This link asks for with = steel, lang = xx, speed = 2, which this page cannot do."),
         (SCENE, "#show=forces.bars&t=-1", {"shown": ["forces"]},
          "This link asks for show = forces.bars, t = -1, which this page cannot do."),
@@ -338,36 +337,6 @@ def test_what_a_link_asks_is_named_once_if_webassembly_is_refused(pages, browser
     assert "n = 9 (hier 4), with = steel" in browser.run(NOTICE)
 
 
-def test_a_link_of_a_web_page_is_copied_whole_and_of_a_file_what_stands_after_its_name(pages, process):
-    page = pages(SCENE).output
-    handler = partial(http.server.SimpleHTTPRequestHandler, directory=page.parent)
-    handler.log_message = lambda *_: None
-    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
-        threading.Thread(target=server.serve_forever, daemon=True).start()
-        try:
-            process.fresh()
-            address = f"http://127.0.0.1:{server.server_address[1]}/{page.name}"
-            process.call("Page.navigate", url=f"{address}#n=2")
-            process.until(
-                "location.protocol === 'http:' && document.readyState === 'complete' && typeof started === 'object'"
-            )
-            process.run("started.then((found) => { window.page = found; return 0; })")
-            process.run(
-                "const value = {writeText: async (text) => { window.copied = text; }};"
-                "Object.defineProperty(navigator, 'clipboard', {value, configurable: true})"
-            )
-            assert process.until("document.getElementById('link').click(), window.copied") == f"{address}#n=2"
-            assert process.run(NOTICE) == ""
-            process.run("Object.defineProperty(navigator, 'clipboard', {value: undefined}), part('link').click()")
-            assert process.until(NOTICE) == f"{address}#n=2"  # The user can copy this text by hand.
-        finally:
-            server.shutdown()
-    process.fresh()
-    process.visit(page, "")
-    process.run("document.getElementById('link').click()")
-    assert "Send the file itself" in process.until(f"{NOTICE}")
-
-
 @pytest.mark.parametrize(
     ("name", "fragment", "title"),
     [
@@ -398,22 +367,24 @@ def test_an_unknown_language_in_a_link_is_that_of_the_reader(pages, browser):
 
 
 @pytest.mark.parametrize(
-    ("name", "lead"),
+    ("name", "fragment", "lead"),
     [
-        (SCENE, "In Newton's cradle only the last ball flies off. How will these soft beads move?"),
-        ("three-on-five", "In Newton's cradle as many balls fly off as came. How will these soft beads move?"),
-        ("steel-and-soft", "In Newton's cradle only the last ball flies off. How will these soft beads move?"),
+        (SCENE, "", "In Newton's cradle only the last ball flies off. How will these soft beads move?"),
+        ("three-on-five", "", "In Newton's cradle as many balls fly off as came. How will these soft beads move?"),
+        ("steel-and-soft", "", "In Newton's cradle only the last ball flies off. How will these soft beads move?"),
         (
             "draft-gear-one-on-three",
+            "",
             "In Newton's cradle only the last ball flies off. How will these draft gears move?",
         ),
-        ("hertz-cradle", "How many of these balls will fly off?"),
-        ("train-shunting", ""),
-        ("prestressed", ""),
+        ("hertz-cradle", "", "In Newton's cradle only the last ball flies off. How will these soft beads move?"),
+        ("hertz-cradle", ALONE, "How many of these balls will fly off?"),
+        ("train-shunting", "", ""),
+        ("prestressed", "", ""),
     ],
 )
-def test_a_question_stands_above_the_beads_and_the_text_below(pages, browser, name, lead):
-    browser.visit(pages(name).output, "")
+def test_a_question_stands_above_the_beads_and_the_text_below(pages, browser, name, fragment, lead):
+    browser.visit(pages(name).output, fragment)
     assert browser.run("part('lead').textContent") == lead
     tops = browser.run("['lead', 'lanes', 'words', 'text', 'energy'].map((id) => part(id).getBoundingClientRect().top)")
     assert tops[not lead :] == sorted(tops[not lead :])
@@ -440,11 +411,11 @@ def test_lines_of_rigid_groups_are_drawn_with_their_legend_only_and_until_a_hand
     legend = "page.stages[0].view.captions.found.some(({mark}) => mark)"
     for width, shown in ((1280, True), (320, False)):
         browser.device(width, 640)
-        browser.visit(pages(SCENE).output, "#t=1.9")
+        browser.visit(pages(SCENE).output, "#with=none&t=1.9")
         assert browser.run(legend) is shown
         assert (browser.run(lines) > 0) is shown
     browser.device(1280, 800)
-    browser.visit(pages(SCENE).output, "#t=1.9")
+    browser.visit(pages(SCENE).output, "#with=none&t=1.9")
     browser.run("page.chosen = {lane: 0, bead: 4}, page.throwChosen(-1), page.pause()")
     assert browser.run(f"[{legend}, {lines}]") == [False, 0]
     browser.visit(pages("train-shunting").output, "#t=0.5")
@@ -477,7 +448,7 @@ def test_energy_is_told_for_each_row_and_what_of_it_is_absorbed(pages, browser):
     browser.visit(pages(SCENE).output, "#with=steel")
     lines = browser.run(LEDGER).split("\n")
     assert [line.split(" · ")[0] for line in lines] == [
-        "alpha = 1/10: Total energy 0.5 J",
+        "soft beads, alpha = 1/10: Total energy 0.5 J",
         "steel balls: Total energy 0.5 J",
     ]
 
@@ -512,7 +483,7 @@ def test_a_host_that_forbids_scripts_gets_a_sentence_and_no_dead_controls(pages,
         process.run("[...document.querySelectorAll('button, input, select')].filter((one) => one.offsetParent).length")
         == 0
     )
-    process.visit(pages(SCENE).output, "")
+    process.visit(pages(SCENE).output, ALONE)
     assert process.run("document.getElementById('wait').offsetParent") is None
 
 

@@ -17,6 +17,7 @@ from softcradle.sandbox.story.numbers import MINUS
 from softcradle import one_on, scenes, simulate
 from tests.helpers.drawn_text import contrast
 from tests.sandbox.page.conftest import (
+    ALONE,
     BOOKED,
     LEDGER,
     NOTICE,
@@ -108,13 +109,14 @@ def test_the_rows_end_as_simulate_says(pages, browser, fragment, name, apart):
 
 
 def test_a_page_plays_to_the_same_end_at_every_pace(pages, browser):
-    browser.visit(pages(SCENE).output, "#pace=4")
+    browser.visit(pages(SCENE).output, "#with=none&pace=4")
+    browser.run("page.play()")
     browser.until("!page.playing")
     said, last = browser.run(f"[{SAID}, page.source.last]")
     assert said == ENDED
     again = "document.getElementById('toggle').click(), [page.playing, page.source.time === page.source.begun]"
     assert browser.run(again) == [True, True]
-    for fragment in ("", "#pace=0.05"):
+    for fragment in (ALONE, "#with=none&pace=0.05"):
         browser.visit(pages(SCENE).output, fragment)
         run_to_the_end(browser)
         assert browser.run(f"[{SAID}, page.source.last]") == [ENDED, pytest.approx(last, abs=0.01)]
@@ -209,7 +211,7 @@ def test_a_pause_within_a_picture_leaves_one_clock(live):
 
 def test_nobody_who_wants_less_motion_gets_some(pages, browser):
     browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-reduced-motion", "value": "reduce"}])
-    browser.visit(pages(SCENE).output, "")
+    browser.visit(pages(SCENE).output, ALONE)
     before = browser.run("[page.playing, page.source.time]")
     time.sleep(0.2)
     assert browser.run("[page.playing, page.source.time]") == before == [False, before[1]]
@@ -218,7 +220,7 @@ def test_nobody_who_wants_less_motion_gets_some(pages, browser):
 @pytest.mark.parametrize(("device", "bead", "pull"), [("desk", 4, -0.1), ("telephone", 0, 0.2)])
 def test_a_bead_is_thrown_by_mouse_and_finger(pages, browser, device, bead, pull):
     browser.device(*DEVICES[device])
-    browser.visit(pages(SCENE).output, "")
+    browser.visit(pages(SCENE).output, ALONE)
     hold_the_clock(browser)
     pointer = browser.mouse if device == "desk" else browser.finger
     down, move, up = ("Pressed", "Moved", "Released") if device == "desk" else ("Start", "Move", "End")
@@ -337,13 +339,18 @@ def test_the_slider_tells_the_alpha_that_acts(pages, browser):
     assert "solid block" in browser.run(text)
 
 
-def test_edits_of_a_paused_page_are_shown_at_once(live, pages, browser):
-    assert not live.run("page.source.apart")  # The beads just touch, and the first one approaches.
-    live.run("page.pause(), page.go(1.5), page.show(false)")
-    forces = "[page.source.rows[0].kernel.force[3], page.source.rows[0].lawForce(3)]"
-    before, _ = live.run(forces)
-    live.run(SET.format("alpha", 23, "input"))
-    assert live.run(forces) == [pytest.approx(live.run(forces)[1])] * 2 != [before] * 2
+def test_a_change_starts_the_run_again_with_the_previous_one_as_a_ghost(live, pages, browser):
+    for name, place in (("alpha", 23), ("speed", 5), ("targets", 6), ("loss", 20)):
+        run_to_the_end(live)
+        live.run(SET.format(name, place, "input"))
+        begins = "[page.playing, page.source.time < 0.3 * page.source.last, page.source.touched, page.after]"
+        assert live.run(begins) == [True, True, False, None]
+        assert min(live.run("page.charts.map(({ghost}) => ghost.length)")) > 50
+        live.run("page.pause(), window.kept = page.ghosts")
+        live.run(SET.format(name, place - 1, "input"))
+        assert live.run("page.pause(), page.ghosts === kept")  # A run that has just begun leaves no ghost.
+    drawn = np.array(live.run(f"page.dress(), {CHART}"))
+    assert (drawn != np.array(live.run(f"page.ghosts = [], page.dress(), {CHART}"))).sum() > 1000
     browser.visit(pages("one-on-ten").output, "#n=5")
     assert "1/n" not in browser.run("page.looks[0].label")
 
@@ -353,7 +360,7 @@ def test_the_law_and_the_compared_row_are_changed(live):
     assert live.run("page.stages.length") == 2
     run_to_the_end(live)
     soft, steel = live.run(SAID).split("\n")
-    assert soft.startswith("alpha = 1/10: ")
+    assert soft.startswith("soft beads, alpha = 1/10: ")
     assert steel.startswith("steel balls: Beads 0 to 2 are almost at rest. ")
     assert len(set(live.run("page.source.rows.map((row) => row.kernel.time)"))) == 1
     beside = velocities(live, 1)
@@ -370,11 +377,11 @@ def test_the_law_and_the_compared_row_are_changed(live):
 @pytest.mark.parametrize(
     ("name", "fragment", "offered", "contrast"),
     [
-        (SCENE, "", ["none", "steel", "gear"], "Compare with steel balls"),
-        (SCENE, "#a=1/20&n=2", ["none", "steel", "soft", "gear"], "Compare with steel balls"),
-        (SCENE, "#law=steel", ["none", "soft", "gear"], "Compare with soft beads"),
-        ("hertz-cradle", "#n=2", ["none", "soft", "gear"], "Compare with soft beads"),
-        ("draft-gear-one-on-three", "#n=2", ["none", "steel", "soft"], "Compare with steel balls"),
+        (SCENE, ALONE, ["none", "steel", "gear"], "Compare with steel balls"),
+        (SCENE, "#a=1/20&n=2&with=none", ["none", "steel", "soft", "gear"], "Compare with steel balls"),
+        (SCENE, "#law=steel&with=none", ["none", "soft", "gear"], "Compare with soft beads"),
+        ("hertz-cradle", "#n=2&with=none", ["none", "soft", "gear"], "Compare with soft beads"),
+        ("draft-gear-one-on-three", "#n=2&with=none", ["none", "steel", "soft"], "Compare with steel balls"),
         ("train-shunting", "", None, None),
     ],
 )
@@ -428,7 +435,7 @@ def test_a_frame_changes_only_canvases(pages, browser):
     """Check that a frame changes nothing that makes the browser compute the layout again. Captions, axes and the ground
     stay.
     """
-    browser.visit(pages(SCENE).output, "#t=1.5")
+    browser.visit(pages(SCENE).output, "#with=none&t=1.5")
     browser.run(SPY)
     browser.run("page.play(), page.pause(), page.playing = true, window.still = new MutationObserver(() => 0), 0")
     browser.run("still.observe(document, {subtree: true, childList: true, characterData: true, attributes: true})")
@@ -476,26 +483,6 @@ def test_the_state_of_each_contact_is_described(pages, browser, name, moment, ex
     assert expected[-1] in browser.run("texts.map(([text]) => text)")
 
 
-def test_what_is_copied_of_a_file_opens_the_experiment(pages, browser):
-    page = pages(SCENE).output
-    browser.visit(page, "")
-    allowed = ["clipboardReadWrite", "clipboardSanitizedWrite"]
-    browser.call("Browser.grantPermissions", permissions=allowed, browserContextId=browser.context)
-    for name, value in (("targets", 15), ("speed", 5), ("loss", 50)):
-        browser.run(SET.format(name, value, "input"))
-    browser.run(SET.format("beside", "gear", "change"))
-    experiment = browser.run("document.getElementById('link').click(), page.experiment")
-    link = browser.until("navigator.clipboard.readText().then((text) => text.includes('#') && text)")
-    assert link.startswith("#")  # The path of the file on this device is useless to other people.
-    assert link in browser.run(NOTICE)
-    browser.visit(page, f"#{link.removeprefix('#')}")
-    opened = browser.run("page.experiment")
-    assert opened == {name: pytest.approx(one) if isinstance(one, float) else one for name, one in experiment.items()}
-    assert opened["targets"] == 15
-    assert opened["loss"] == 0.5
-    assert opened["beside"] == "gear"
-
-
 def test_the_address_follows_the_settings_and_back(live):
     live.run("location.hash = '#n=2&t=1.2&lang=de'")
     live.until("page.specs[0].mass.length === 3")
@@ -504,7 +491,7 @@ def test_the_address_follows_the_settings_and_back(live):
     assert live.until("!location.hash.includes('t=') && location.hash") == "#n=2&v=0.5&lang=de"
     live.run("location.hash = '#n=3'")
     live.until("page.specs[0].mass.length === 4")
-    assert live.run("[page.language, document.getElementById('toggle').title]") == ["de", "Anhalten"]
+    assert live.run("[page.language, document.getElementById('toggle').title]") == ["de", "Abspielen"]
 
 
 @pytest.mark.parametrize(
@@ -561,7 +548,7 @@ def test_a_recorded_page_offers_only_what_can_be_changed(pages, browser):
         "[...document.querySelectorAll('#numbers > [lang]:not([hidden])')].map((one) => one.textContent)"
     )
     assert all(word in tables for word in ("Aufgezeichnete Bewegung", "größte Kraft [MN]", "noch geschlossen", "2,"))
-    browser.visit(pages(SCENE).output, "")
+    browser.visit(pages(SCENE).output, ALONE)
     assert all("hrow" in str(browser.run(said)) for said in promised)
 
 
@@ -605,7 +592,7 @@ def test_a_recorded_motion_is_shown_as_it_was(browser, tmp_path, own):
 def test_it_speaks_the_language_of_its_reader(pages, browser, code, title):
     agent = browser.run("navigator.userAgent")
     browser.call("Emulation.setUserAgentOverride", userAgent=agent, acceptLanguage=code)
-    browser.visit(pages(SCENE).output, "")
+    browser.visit(pages(SCENE).output, ALONE)
     assert browser.run("[document.title, document.getElementById('title').textContent]") == [title, title]
     run_to_the_end(browser)
     assert ("0.46" if code == "sv" else "0,46") in browser.run(SAID)
@@ -616,7 +603,7 @@ def test_it_speaks_the_language_of_its_reader(pages, browser, code, title):
     expected = [f"{MINUS}5·10⁻⁷", "0", "5·10⁻⁷", "1,0·10⁻⁶", "1,5·10⁻⁶", "0", "1·10⁵", "2·10⁵"]
     assert browser.run(axis) == expected
     assert browser.run("massLabels([1500, 0.25, null])") == ["1500 kg", "0,25 kg", "mur"]
-    around = "[...document.querySelectorAll('.source, details:last-of-type summary, footer')].map((e) => e.textContent)"
+    around = "[...document.querySelectorAll('.source, main > details:last-of-type summary, footer')].map((e) => e.textContent)"
     for word, text in zip(("éqs.", "Fichier de la scène", "fait avec softcradle"), browser.run(around), strict=True):
         assert word in text
 
@@ -643,7 +630,7 @@ def test_it_fits(pages, browser, width, fragment):
 def test_the_page_is_drawn_accessibly(pages, browser, tmp_path, device, scheme):
     browser.device(*DEVICES[device])
     browser.media("screen", scheme)
-    browser.visit(pages(SCENE).output, "#t=1.9")
+    browser.visit(pages(SCENE).output, "#with=none&t=1.9")
     picture = seen(browser, tmp_path)
     ground = np.median(picture, axis=(0, 1))
     assert (ground > 230).all() if scheme == "light" else (ground < 40).all()
@@ -674,7 +661,7 @@ def covering(one, other):
 def test_no_text_of_the_drawing_covers_another_or_leaves_it(pages, browser, name, width, language):
     """Check overlaps of texts. Bead numbers are left out because they move across each other with the beads."""
     browser.device(width, 844)
-    browser.visit(pages(name).output, f"#t=0&lang={language}")
+    browser.visit(pages(name).output, f"#t=0&with=none&lang={language}")
     browser.run(SPY)
     room = browser.run("document.querySelector('.stage').clientWidth")
     for share in np.linspace(0.0, 1.0, 9):

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from PIL import Image
 from softcradle.physics.state import from_anchor
 from softcradle.sandbox.draw.shared_scales import axis_range
 from softcradle.sandbox.files import resource
@@ -117,6 +118,22 @@ def test_the_command_reports_the_page(softcradle, tmp_path, command):
     printed = softcradle(command, "two-on-two", "-o", str(tmp_path / "two.html")).out
     assert printed.startswith(f"written: {tmp_path / 'two.html'}, a page of ")
     assert [path.name for path in tmp_path.iterdir()] == ["two.html"]
+
+
+def test_a_page_with_an_address_has_a_picture_for_previews_of_links(softcradle, tmp_path):
+    address = "https://example.org/a/two.html"
+    softcradle("page", "two-on-two", "-o", str(tmp_path / "two.html"), "--address", address)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["two.html", "two.png"]
+    with Image.open(tmp_path / "two.png") as picture:
+        assert picture.size == (1200, 630)
+    text = (tmp_path / "two.html").read_text(encoding="utf-8")
+    tags = dict(re.findall(r'<meta property="og:(\w+)" content="([^"]*)">', text))
+    assert tags["url"] == address
+    assert tags["image"] == "https://example.org/a/two.png"
+    assert tags["title"] == "Two beads on two"
+    assert len(tags["description"]) > 50
+    wrong = softcradle("page", "two-on-two", "-o", str(tmp_path / "two.html"), "--address", "example.org", code=2)
+    assert "must begin with https://" in wrong.err
 
 
 def played(name):

@@ -14,6 +14,8 @@ from tests.helpers.paths import ROOT
 # Beginnings of keys that scripts complete: the state of a contact, laws, groups, the second row of a comparison.
 COMPLETED = (
     "law ",
+    "guess ",
+    "verdict ",
     "lead ",
     "compare ",
     "bead ",
