@@ -30,7 +30,6 @@ from softcradle.sandbox.window.kernel_warmup import KernelWarmup
 from softcradle.sandbox.window.keys import paint_help
 from softcradle.sandbox.window.messages import Messages
 from softcradle.sandbox.window.page import Derived, Page
-from softcradle.sandbox.window.screen_reader import ScreenReader, spoken_by
 from softcradle.sandbox.window.settings import SCALES, Settings, system_language
 from softcradle.sandbox.window.theme import collect_garbage
 from softcradle.sandbox.window.unsaved_scene import UnsavedFile, left_over
@@ -70,7 +69,6 @@ class App:
     ) -> None:
         self.clock = clock
         self.surface = open_display(size)
-        self.reader = ScreenReader("softcradle")
         self.size = self._window_size = self.surface.get_size()
         self.running, self.help, self.help_scroll = True, False, 0.0
         self.messages, self.warmup, self.settings = Messages(), KernelWarmup(), Settings.load()
@@ -375,7 +373,6 @@ class App:
             self.manager.update(seconds)
         self.focus.follow()
         self.paint()
-        self.reader.tell(spoken_by(self))
         pygame.display.flip()
         self.page.after_frame(self.surface, seconds)
         self.frames += 1

@@ -150,7 +150,6 @@ class EventRouter:
             self._let_go()
         if event.type in FOCUS:
             self._held.clear()
-            self.app.reader.take_focus(event.type == pygame.WINDOWFOCUSGAINED)
         if event.type == pygame.QUIT:
             self.app.act("quit")
         elif event.type in (pygame.WINDOWMINIMIZED, pygame.WINDOWHIDDEN):

@@ -37,9 +37,7 @@ KEYS = {
 
 
 class Slider(UIHorizontalSlider):
-    """A slider from 0 to 1; screen readers read its `name`."""
-
-    name = ""
+    """A slider from 0 to 1."""
 
     def process_event(self, event: pygame.Event) -> bool:
         """Move the button to a press on the track; the user can then drag it on."""
@@ -72,9 +70,7 @@ REPEAT = 350, 45  # Milliseconds until a held key repeats, and between its repea
 
 
 class _Typed(UIElement):
-    """A text field; screen readers read its `name`."""
-
-    name = ""
+    """A text field."""
 
     def unfocus(self) -> None:
         """Remove the focus and restore the key repetition, which pygame_gui switches off."""
@@ -290,7 +286,6 @@ def parameter_control(
         place = pygame.Rect(right - wide, top, wide, foot - top)
         button = UIButton(place, "…", manager, object_id="#chip", tool_tip_text=tip, command=sweep)
     slider = Slider(bar, parameter.share(), (0.0, 1.0), manager)
-    slider.name = entry.name = f"{_(parameter.name)} {parameter.unit}".strip()
     return Control(parameter, slider, entry, button, parameter.value)
 
 

@@ -386,7 +386,6 @@ class GalleryPage(Page):
         place = pygame.Rect(left, round(18 * unit), round(SEARCH * unit), round(30 * unit))
         text = _("search (Ctrl+F)")
         self.entry = TextEntry(place, self.host.manager, initial_text=self.search, placeholder_text=text)
-        self.entry.name = text
         self.scaled.clear()
         if self.recent != _written(self.host.settings.recent):
             self._take_mine()

@@ -210,7 +210,6 @@ class TimeControls:
         self.slow_left = x + round((GAP - 8.0) * unit)
         place = pygame.Rect(self.slow_left, rect.centery + round(2 * unit), round(SLOW_ROOM * unit), round(14 * unit))
         self.slider = Slider(place, self._share(), (0.0, 1.0), self.host.manager)
-        self.slider.name = _("slow motion")
         self.clock_left = place.right + round(GAP * unit)
 
     def beside(self, footer: pygame.Rect) -> pygame.Rect:

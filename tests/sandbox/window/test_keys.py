@@ -1,16 +1,11 @@
-"""Tests of the table of keys, of using every control without a mouse, and of the text for a screen reader."""
-
-from unittest.mock import Mock, patch
+"""Tests of the table of keys, and of using every control without a mouse."""
 
 import pygame
 import pytest
 from pygame_gui.elements import UIButton, UIDropDownMenu, UITextEntryLine
 from softcradle.sandbox.draw.text import width
 from softcradle.sandbox.languages import LANGUAGES, gettext, use_language
-from softcradle.sandbox.session.summary_text import summary_text
-from softcradle.sandbox.window import screen_reader
 from softcradle.sandbox.window.keys import COLUMN, CTRL, KEYS_ROOM, MOUSE, ORDER, SHIFT, action_of, bindings, groups
-from softcradle.sandbox.window.screen_reader import CONTROL, ROOT, STATUS, ScreenReader, Spoken, control_name
 from softcradle.sandbox.window.widgets import KEYS, REPEAT
 
 from tests.helpers.windows import FRAME, Driver, pressed
@@ -152,46 +147,8 @@ def test_tab_reaches_every_control(name: str) -> None:
     for _ in controls:
         driver.key(pygame.K_TAB)
         reached.append(driver.app.focus.control)
-        assert control_name(reached[-1]), reached[-1]
     assert set(reached) == set(controls)
     driver.key(pygame.K_TAB, SHIFT)
     assert driver.app.focus.control is reached[-2]
     driver.click((400, 300))
     assert driver.app.focus.control is None
-
-
-def test_messages_dialogs_and_controls_are_said_once(driver: Driver, monkeypatch: pytest.MonkeyPatch) -> None:
-    kit, adapter = pytest.importorskip("accesskit"), Mock(update_if_active=Mock(return_value=None))
-    monkeypatch.setattr(screen_reader, "_adapter", lambda kit, tree: adapter)
-    driver.app.reader = ScreenReader("softcradle")
-
-    def said() -> Spoken:
-        """Return the contents of the tree that accesskit gets."""
-        update = adapter.update_if_active.call_args.args[0]()
-        nodes = dict(update.nodes)
-        assert list(nodes[ROOT].children) == [STATUS, CONTROL]
-        assert nodes[STATUS].live == kit.Live.POLITE
-        assert update.focus == (CONTROL if nodes[CONTROL].label else ROOT)
-        return Spoken(nodes[STATUS].value, nodes[CONTROL].label)
-
-    driver.key(pygame.K_z, CTRL)
-    assert said().status == "nothing to undo"
-    count = adapter.update_if_active.call_count
-    driver.frames(5)
-    assert adapter.update_if_active.call_count == count
-    driver.key(pygame.K_w)
-    assert said() == (f"What happened. {summary_text(driver.session)}", "Close")
-    driver.key(pygame.K_ESCAPE)
-    driver.key(pygame.K_TAB)
-    assert said().control == "← Scenes"
-    for event, focused in ((pygame.WINDOWFOCUSGAINED, True), (pygame.WINDOWFOCUSLOST, False)):
-        driver.post(event)
-        adapter.update_window_focus_state.assert_called_with(focused)
-
-
-@patch.dict("sys.modules", accesskit=None)
-def test_without_accesskit_nothing_is_told():
-    reader = ScreenReader("softcradle")
-    reader.tell(Spoken("a", "b"))
-    reader.take_focus(True)
-    assert reader.spoken == Spoken("a", "b")
