@@ -6,14 +6,12 @@ The module of a subcommand is imported only when the subcommand runs. The parser
 from __future__ import annotations
 
 import argparse
-import codecs
 import difflib
 import io
 import logging
 import os
 import signal
 import sys
-import unicodedata
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -149,14 +147,6 @@ class _Version(argparse.Action):
         parser.exit()
 
 
-PLAIN = {
-    "\N{SUPERSCRIPT MINUS}": "-",
-    "\N{SUBSCRIPT MINUS}": "-",
-    "\N{MINUS SIGN}": "-",
-    "\N{CHECK MARK}": "*",
-    "\N{MIDDLE DOT}": "*",
-    "\N{MULTIPLICATION SIGN}": "x",
-}
 ERASE_LINE = "\r\x1b[K"
 OTHER_WORDS = {"list": "scenes", "open": "play", "show": "play", "view": "play", "video": "render", "film": "render"}
 
@@ -173,9 +163,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for number in (getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)):
             if signal.getsignal(number) != signal.SIG_IGN:  # Ignored signals stay ignored, for example under nohup.
                 signal.signal(number, lambda number, _: sys.exit(128 + number))
-        open_closed_streams()
-        sys.stderr = ErrorOutput(cast(io.TextIOWrapper, sys.stderr))
-        use_plain_characters()
+        for stream in (sys.stdout, sys.stderr):  # Their encoding may lack subscripts and Greek letters.
+            if isinstance(stream, io.TextIOWrapper):
+                stream.reconfigure(errors="replace")
     try:
         return _flushed(list(sys.argv[1:] if arguments is None else arguments))
     except UserError as error:
@@ -266,59 +256,6 @@ def _module(name: str) -> CommandModule:
     near = [OTHER_WORDS[name]] if name in OTHER_WORDS else difflib.get_close_matches(name, names, n=1)
     hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(names)}"
     raise UserError(f"there is no command {name!r}; {hint}")
-
-
-def open_closed_streams() -> None:
-    """Replace standard streams that the caller has closed by null devices.
-
-    Python sets such streams to None, and the next opened file would get their file descriptor.
-    """
-    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
-        if getattr(sys, name) is None:
-            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115 - for as long as it runs
-
-
-class ErrorOutput(io.TextIOWrapper):
-    """Standard error that ignores write errors. If the disk is full or the pipe is closed, only the exit code reports
-    an error.
-    """
-
-    def __init__(self, stream: io.TextIOWrapper) -> None:
-        super().__init__(stream.buffer, stream.encoding, stream.errors, line_buffering=True)
-        self._stream = stream  # A reference keeps the stream alive; its finalizer would close the shared buffer.
-
-    def write(self, text: str) -> int:
-        """Write `text` and return its length, even if it cannot be written."""
-        try:
-            return super().write(text)
-        except OSError:
-            discard(self)
-            return len(text)
-
-
-def use_plain_characters() -> None:
-    """Make both output streams replace characters that their encoding lacks by ASCII characters."""
-    codecs.register_error("softcradle-plain", _plain)
-    for stream in (sys.stdout, sys.stderr):
-        if hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="softcradle-plain")
-
-
-def _plain(error: UnicodeError) -> tuple[str, int]:
-    """Handle an encoding error: return ASCII characters for the failed ones, and the position at which encoding
-    continues.
-    """
-    if not isinstance(error, UnicodeEncodeError):
-        raise error
-    return "".join(map(_plain_character, error.object[error.start : error.end])), error.end
-
-
-def _plain_character(character: str) -> str:
-    """Return `character` in ASCII: a digit for a subscript, the name of a Greek letter, otherwise a question mark."""
-    decomposed = unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode()
-    name = unicodedata.name(character, "")
-    greek = name.rpartition(" ")[2].lower() if name.startswith("GREEK") else "?"
-    return PLAIN.get(character) or decomposed or greek
 
 
 def discard(stream: TextIO) -> None:
