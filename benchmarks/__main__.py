@@ -1,8 +1,7 @@
 """All measurements in one run: ``make bench``, or ``python -m benchmarks [--json FILE] [NAME ...]``.
 
-``scan``, ``conserving``, ``mutants``, ``soft-contacts``, ``two-versions``, ``fit`` and ``hits`` are separate commands with
-their own ``--help``: random chains against the reference, steps of conserving, changes of a kernel that tests notice,
-SoftContacts, two checkouts, error bars of fits, tables of hits against the reference.
+Other names are separate commands with their own ``--help``: ``scan`` and ``conserving`` (random chains against the
+reference), ``mutants`` (changes of a kernel that tests notice), ``auto``, ``soft-contacts``, ``soft-chains`` and ``fit``.
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ BENCHMARKS = {
     name: f"benchmarks.{name.replace('-', '_')}"
     for name in (
         "steps", "many-chains", "long-chains", "work-precision", "tolerances",
-        "callbacks", "render", "window", "sweeps", "cold-start",
+        "render", "window", "sweeps", "cold-start",
     )
 }  # fmt: skip
 COMMANDS = {
@@ -38,7 +37,6 @@ COMMANDS = {
     "auto": "benchmarks.auto_choice",
     "soft-contacts": "benchmarks.soft_contacts",
     "soft-chains": "benchmarks.soft_chains",
-    "two-versions": "benchmarks.two_versions",
     "fit": "benchmarks.fit",
 }
 
