@@ -1,7 +1,6 @@
-"""Coverage of the error bars of `softcradle fit`: synthetic data with noise from random scenes of all kinds of contact.
+"""``python -m benchmarks fit [--cases N] [--seed N]``: coverage of the error bars of `softcradle fit`.
 
-    python -m benchmarks fit [--cases N] [--seed N]
-
+The data are synthetic, with noise, from random scenes of all kinds of contact.
 In the ordinary cases the fitted values must lie within two error bars of the truth in 93 to 97 % of the cases. In the other
 cases the data cannot determine a value by construction, and the fit must report this value.
 """
