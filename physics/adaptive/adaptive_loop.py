@@ -30,6 +30,7 @@ from softcradle.physics.adaptive.step_records import (
     NEXT,
     RESTED,
     START,
+    VELOCITY,
     Accuracy,
     Regime,
     Scratch,
@@ -177,7 +178,8 @@ def integrate(
 
     `pause` contains whether the run is resumed, and the number of steps (including rejected ones) after which control
     returns to Python. Then, or when no row for another stored step is left, the status is PAUSED; a resumed call
-    continues at that time. Records are passed as plain tuples of their fields; `look` is a second Trial for probe steps
+    continues at that time. Each record is an argument, a plain tuple of its fields, because tuples are cheap to pass from
+    Python; `look` is a second Trial for probe steps
     inside a step. Returns the status and the time reached. Overlaps of contacts with several segments are counted from
     the origins of their segments.
     """
@@ -216,7 +218,7 @@ def integrate(
         if spent >= budget or (steps.time.size > 0 and counter[KEPT] == steps.time.size):
             return PAUSED, time
         # 3. Friction holds all beads: nothing changes until the next breakpoint.
-        if firm and not acts and nothing_moves(bounds.negligible, chain, regime, motion, scratch.work[0]):
+        if firm and not acts and nothing_moves(bounds.negligible, chain, regime, motion, scratch.work[VELOCITY]):
             put_to_rest(regime, motion)
             if until == end:
                 return (SEPARATED, time) if stop else (DONE, end)
@@ -227,7 +229,7 @@ def integrate(
         if not acts and nothing_pushes(chain, regime, motion, bounds.negligible):
             # a closed contact between fixed beads does not separate
             apart = stop and firm and until == end and not any_frozen(motion)
-            if apart and not meets_again(chain, regime.bed, motion, bounds.negligible, scratch.work[0]):
+            if apart and not meets_again(chain, regime.bed, motion, bounds.negligible, scratch.work[VELOCITY]):
                 return SEPARATED, back_to_opening(time, chain, regime, motion, scratch)
             before = time
             time, row = fly_to_event(time, until, ctx)

@@ -34,22 +34,26 @@ from softcradle.physics.adaptive.row_graphs import (
 from softcradle.physics.adaptive.sampling import keep_step
 from softcradle.physics.adaptive.step_control import onset_step, restart_control
 from softcradle.physics.adaptive.step_records import (
+    ACCELERATION,
     AT_ONCE,
+    CANDIDATE,
+    CARRIED,
     FLOWN,
+    HIGH,
     LAST,
+    LOAD,
+    LOW,
     NEXT,
+    STATIC_FRICTION,
+    VELOCITY,
 )
 from softcradle.physics.adaptive.switch_log import begin_estimate, log_switches
 from softcradle.physics.adaptive.yield_or_slip import balance
-from softcradle.physics.numerics.bead_velocities import bead_velocities
+from softcradle.physics.numerics.bead_velocities import bead_velocities, put_impulse
 from softcradle.physics.numerics.graph_kernels import has_segments
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.law_curve import acceleration_of, is_continued, is_smooth
 from softcradle.physics.numerics.records import FROZEN, LOADED, NO_CONTACT, OPEN, TOUCHING
-
-# Rows (n+1,) of the work array: velocities of the beads; known forces on them, and static friction of beads at rest;
-# bounds of the contact forces; accelerations and forces that solve the problem; 1 for contacts that may be held
-VELOCITY, LOAD, GIVE, LOW, HIGH, ACCELERATION, CARRIED, CANDIDATE = 0, 5, 6, 7, 8, 9, 10, 11
 
 
 @inlined
@@ -124,7 +128,7 @@ def load_beads(late, slipping, chain, regime, motion, slow, work):
 
     Bead `slipping` counts as sliding, however slow it is.
     """
-    load, give, resting, knots = work[LOAD], work[GIVE], False, chain.knots
+    load, give, resting, knots = work[LOAD], work[STATIC_FRICTION], False, chain.knots
     if regime.bed.size:
         bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], work[VELOCITY])
     for j in range(regime.inverse_mass.size):
@@ -259,7 +263,7 @@ def decide(slipping, ctx):
     if load_beads(late, slipping, chain, regime, motion, slow, work) or undetermined:
         n = motion.mode.size
         balance(
-            regime.inverse_mass, work[LOAD], work[GIVE], work[LOW, :n], work[HIGH, :n], work[ACCELERATION],
+            regime.inverse_mass, work[LOAD], work[STATIC_FRICTION], work[LOW, :n], work[HIGH, :n], work[ACCELERATION],
             work[CARRIED, :n], scratch.bounds, scratch.knots,
         )  # fmt: skip
         # The signs of the relative accelerations give the modes, see `settle_contact` and `settle_bead`.
@@ -267,7 +271,7 @@ def decide(slipping, ctx):
             if work[CANDIDATE, i] != 0.0:
                 settle_contact(i, regime, motion, work)
         for j in range(regime.slide.size):
-            if work[GIVE, j] > 0.0:
+            if work[STATIC_FRICTION, j] > 0.0:
                 settle_bead(j, chain, regime, motion, work)
     make_effective(chain, regime, motion)
 
@@ -364,15 +368,8 @@ def stop_rate(i, chain, motion):
             return
     # The impulse between the two beads also changes the rates of the neighbours and the velocity of the anchor bead.
     weight = inverse_mass[i] + inverse_mass[i + 1]
-    impulse = rate[i] / weight if weight > 0.0 else 0.0
-    if i > 0:
-        rate[i - 1] += impulse * inverse_mass[i]
-    if i + 1 < motion.mode.size:
-        rate[i + 1] += impulse * inverse_mass[i + 1]
-    if chain.anchor_bead == i:
-        motion.anchor[1] -= impulse * inverse_mass[i]
-    elif chain.anchor_bead == i + 1:
-        motion.anchor[1] += impulse * inverse_mass[i + 1]
+    if weight > 0.0:
+        put_impulse(i, rate[i] / weight, weight, inverse_mass, chain, motion)
     rate[i] = 0.0
 
 
@@ -451,11 +448,11 @@ def fly_to_event(time, end, ctx):
     log_switches(time, time, NO_CONTACT, ctx)
     # After a flight, no earlier step predicts the length of the next one.
     scratch.control[NEXT] = math.inf
-    until, row, side = next_event(time, end, chain, regime, motion, ctx.bounds.negligible, scratch.work[0])
+    until, row, side = next_event(time, end, chain, regime, motion, ctx.bounds.negligible, scratch.work[VELOCITY])
     # Without any further event the beads fly apart forever.
     if until < math.inf:
         keep_step(time, until - time, FLOWN, ctx)
-        drift(until - time, chain, regime, motion, scratch.work[0])
+        drift(until - time, chain, regime, motion, scratch.work[VELOCITY])
         time = until
     if row >= 0:
         cross(row, side, time, ctx)
@@ -485,7 +482,7 @@ def begin(time, ctx):
         motion.held[i] = 0
         if regime.segment.size:
             put_segment(i, regime.segment[i], regime, motion)
-    find_slides(True, chain, regime, motion, scratch.work[0])
+    find_slides(True, chain, regime, motion, scratch.work[VELOCITY])
     decide(NO_CONTACT, ctx)
     # The first step must resolve the onset of each contact that is about to close.
     for i in range(motion.mode.size):
@@ -505,7 +502,7 @@ def pass_knot(time, ctx):
     returns.
     """
     chain, regime, motion, scratch = ctx.chain, ctx.regime, ctx.motion, ctx.scratch
-    find_slides(False, chain, regime, motion, scratch.work[0])  # with the brakes before the breakpoint
+    find_slides(False, chain, regime, motion, scratch.work[VELOCITY])  # with the brakes before the breakpoint
     acts = put_drive(time, chain, regime)
     for i in range(motion.mode.size):
         motion.held[i] = 0

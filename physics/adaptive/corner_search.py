@@ -33,13 +33,15 @@ from softcradle.physics.adaptive.row_graphs import (
     side_of,
     slack_of,
 )
-from softcradle.physics.adaptive.step_records import Event
+from softcradle.physics.adaptive.step_records import (
+    VELOCITY_AFTER,
+    VELOCITY_BEFORE,
+    Event,
+)
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined
 from softcradle.physics.numerics.law_curve import NODES, acceleration_of, curve_force, is_continued, is_smooth
 from softcradle.physics.numerics.records import LOADED, NO_CONTACT, OPEN, TOUCHING, ZERO
-
-BEFORE, AFTER = 5, 6  # Rows (n+1,) of the work array: velocities of the beads at the start and at the end of a step
 
 
 @inlined
@@ -98,7 +100,7 @@ def sides_of(row, chain, regime, motion, slow):
 def guard_of(row, side, h, ctx):
     """Return the Bernstein coefficients (degree 5) of the guard of a row on a side in the attempted step.
 
-    Rows BEFORE and AFTER of the work array contain the bead velocities at both ends. A contact that starts at an event
+    Two rows of the work array contain the bead velocities at both ends. A contact that starts at an event
     with zero rate is assumed to move as its mode implies. Violations of at most ``bounds.slow`` are round-off.
     """
     chain, regime, motion, trial = ctx.chain, ctx.regime, ctx.motion, ctx.trial
@@ -107,7 +109,7 @@ def guard_of(row, side, h, ctx):
         # A sliding bead stops when its velocity changes sign.
         j = row - n
         if regime.slide[j] != 0:
-            sign, v0, v1 = float(regime.slide[j]), work[BEFORE, j], work[AFTER, j]
+            sign, v0, v1 = float(regime.slide[j]), work[VELOCITY_BEFORE, j], work[VELOCITY_AFTER, j]
             a0 = bead_acceleration(j, chain, regime, motion.force, 0.0)
             a1 = bead_acceleration(j, chain, regime, f[2], h)
             return rate_guard(h, sign, v0, a0, v1, a1, slow)
@@ -251,8 +253,8 @@ def first_corner(h, target_row, target_side, ctx):
     beds = regime.bed.size
     # The velocities of the beads are needed only for the guards of beds.
     if beds:
-        bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], ctx.scratch.work[BEFORE])
-        bead_velocities(trial.rate[2], chain.anchor_bead, trial.anchor[1], ctx.scratch.work[AFTER])
+        bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], ctx.scratch.work[VELOCITY_BEFORE])
+        bead_velocities(trial.rate[2], chain.anchor_bead, trial.anchor[1], ctx.scratch.work[VELOCITY_AFTER])
     for r in range(motion.mode.size + beds):
         first, end = sides_of(r, chain, regime, motion, slow)
         if first == end or (r != target_row and stays(r, h, ctx)):

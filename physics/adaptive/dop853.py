@@ -18,7 +18,15 @@ import math
 import numpy as np
 from softcradle.physics.adaptive.constants import BEGINS, ENDS, GRAZE, KINK, MARGIN, ROUND_OFF
 from softcradle.physics.adaptive.corner_search import halves, hermite_quintic
-from softcradle.physics.adaptive.step_records import STAGES
+from softcradle.physics.adaptive.step_records import (
+    CONTACT_ERROR,
+    FIFTH_OVERLAP,
+    FIFTH_RATE,
+    SQUARE_FREQUENCY,
+    STAGES,
+    THIRD_OVERLAP,
+    THIRD_RATE,
+)
 from softcradle.physics.numerics.exact_matrices import exact_product
 from softcradle.physics.numerics.graph_kernels import has_segments
 from softcradle.physics.numerics.jit import inlined, piece
@@ -86,10 +94,6 @@ SQUARE = exact_product(_TABLEAU, _TABLEAU)  # A²: overlaps of the stages from t
 WEIGHTS_SQUARE = exact_product(WEIGHTS, _TABLEAU)  # b A: overlap at the end from the accelerations
 # The same products for the errors of the overlap at the end
 THIRD_SQUARE, FIFTH_SQUARE = exact_product(THIRD, _TABLEAU), exact_product(FIFTH, _TABLEAU)
-
-# Rows (n+1,) of the work array: embedded errors of orders 5 and 3 of the rates and overlaps at the end; the error of
-# each contact [m/s], and its local frequency squared [1/s²]
-FIFTH_RATE, THIRD_RATE, FIFTH_OVERLAP, THIRD_OVERLAP, ERROR, SQUARE_FREQUENCY = range(6)
 
 
 @inlined
@@ -159,7 +163,8 @@ def accelerate(first, last, passed, chain, mode, carried, overlap, force, accele
     now.
 
     A frozen contact keeps the force that it has `carried` (n,). The last contact in a series of touching contacts from
-    wall to wall does the same, because a force through all of them does not move anything.
+    wall to wall does the same, because a force through all of them does not move anything. Each array is an argument,
+    because stages, output nodes and the end of a step use different ones.
     """
     law, inverse_mass = chain.law, chain.inverse_mass
     # Forces of contacts that follow their law.
@@ -371,7 +376,7 @@ def error_of_range(h, first, last, chain, motion, trial, force, work):
     """
     law, inverse_mass, overlap, mode = chain.law, chain.inverse_mass, motion.overlap, motion.mode
     rough, worst = missed_impulse(h, first, last, chain, motion, trial, force)
-    error, square, slowest = work[ERROR], work[SQUARE_FREQUENCY], math.inf
+    error, square, slowest = work[CONTACT_ERROR], work[SQUARE_FREQUENCY], math.inf
     for i in range(first, last):
         fifth, third = work[FIFTH_RATE, i], work[THIRD_RATE, i]
         error[i] = abs(fifth) if rough else combined(fifth, third)

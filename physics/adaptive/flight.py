@@ -8,6 +8,7 @@ import math
 
 from softcradle.physics.adaptive.constants import ROUND_OFF
 from softcradle.physics.adaptive.row_graphs import bead_push, side_of, slack_of
+from softcradle.physics.adaptive.step_records import VELOCITY
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at
@@ -127,7 +128,7 @@ def back_to_opening(time, chain, regime, motion, scratch):
         if scratch.opening[i] >= 0.0:
             last = max(last, scratch.bounced[i])
     if -math.inf < last < time:
-        drift(last - time, chain, regime, motion, scratch.work[0])
+        drift(last - time, chain, regime, motion, scratch.work[VELOCITY])
         return last
     return time
 

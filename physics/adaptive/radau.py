@@ -24,6 +24,7 @@ from softcradle.physics.adaptive.constants import (
     RATIO,
     ROUND_OFF,
 )
+from softcradle.physics.adaptive.step_records import COARSE_ERROR, COMPLIANCE, FINE_ERROR, UPPER
 from softcradle.physics.numerics.elementary import exp, log
 from softcradle.physics.numerics.exact_matrices import exact_inverse, exact_product
 from softcradle.physics.numerics.jit import inlined, piece
@@ -500,7 +501,7 @@ def compliance(chain, mode, i, overlap, force):
 @inlined
 def embedded_error(h, chain, motion, trial, work):
     """Return the error of the step as a velocity [m/s] from two embedded quadratures, of orders h**4 and h**3. `work`
-    has 4 or more rows (n+1,).
+    (WORK_ROWS, n+1) is scratch memory.
 
     Both are filtered through (I - h gamma J)^-1, so that stiff contacts do not make the estimate too large (Hairer &
     Wanner, IV.8). With the compliance C = dd/df and the force error phi: (C + (h gamma)² L) phi = e_d + h gamma e_w.
@@ -511,7 +512,8 @@ def embedded_error(h, chain, motion, trial, work):
     overlap, rate, force, mode = motion.overlap, motion.rate, motion.force, motion.mode
     stage_overlap, stage_rate, stage_force = trial.overlap, trial.rate, trial.force
     n = overlap.size
-    fine, coarse, upper, gives, slowest = work[0, :n], work[1, :n], work[2, :n], work[3, :n], math.inf
+    fine, coarse, upper, gives = work[FINE_ERROR, :n], work[COARSE_ERROR, :n], work[UPPER, :n], work[COMPLIANCE, :n]
+    slowest = math.inf
     # h gamma, the length in the filter (I - h gamma J)^-1.
     reach = h * GAMMA
     # These rows are free now: the end of the step is the third row.

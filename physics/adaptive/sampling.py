@@ -17,8 +17,13 @@ from softcradle.physics.adaptive.row_graphs import (
 )
 from softcradle.physics.adaptive.step_control import take_step
 from softcradle.physics.adaptive.step_records import (
+    DISPLACEMENT,
     FLOWN,
+    OVERLAP_CHANGE,
     RESTED,
+    VELOCITY,
+    VELOCITY_AFTER,
+    VELOCITY_BEFORE,
     Regime,
     Scratch,
     StepContext,
@@ -29,7 +34,7 @@ from softcradle.physics.adaptive.step_records import (
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece, whole
 from softcradle.physics.numerics.law_curve import LAW_BEFORE
-from softcradle.physics.numerics.law_kernels import energy
+from softcradle.physics.numerics.law_kernels import energy_fall
 from softcradle.physics.numerics.records import (
     FROZEN,
     KEPT,
@@ -50,22 +55,21 @@ def absorb(h, chain, regime, motion, trial, work, taken):
     of forces over time.
 
     `trial` is the end of the step. The modes are those during the step, so the dissipated energy is a difference of
-    potentials. `work` (3 or more rows, n+1) is scratch memory.
+    potentials. `work` (WORK_ROWS, n+1) is scratch memory.
     """
-    by_contacts, by_bed, moved, law = 0.0, 0.0, work[0], regime.law
+    by_contacts, by_bed, moved, law = 0.0, 0.0, work[DISPLACEMENT], regime.law
     # An unloading contact dissipates the fraction `loss` of the energy that its power law releases.
     for i in range(regime.easing.size):
         if regime.easing[i] != 0:
             side, way = side_of(regime, i), law[i, LAW_BEFORE] if regime.segment.size else 0.0
-            fall = energy(law[i, 0], law[i, 1], law[i, 2], way + side * motion.overlap[i])
-            fall -= energy(law[i, 0], law[i, 1], law[i, 2], way + side * trial.overlap[2, i])
+            fall = energy_fall(law[i], way + side * motion.overlap[i], way + side * trial.overlap[2, i])
             by_contacts += regime.loss[i] * fall
     # Displacements of the beads, from the changes of the overlaps and of the anchor bead.
     if regime.bed.size or chain.knots.time.size:
         n = motion.mode.size
         for i in range(n):
-            work[1, i] = trial.overlap[2, i] - motion.overlap[i]
-        bead_velocities(work[1, :n], chain.anchor_bead, trial.anchor[0] - motion.anchor[0], moved)
+            work[OVERLAP_CHANGE, i] = trial.overlap[2, i] - motion.overlap[i]
+        bead_velocities(work[OVERLAP_CHANGE, :n], chain.anchor_bead, trial.anchor[0] - motion.anchor[0], moved)
     # Kinetic friction is steady within a step: its work is force times displacement.
     for j in range(regime.bed.size):
         if regime.bed[j] > 0.0:
@@ -83,10 +87,10 @@ def changing_work(h, chain, regime, motion, trial, work):
     """Return two energies [J] of a step of length `h`: the work of forces over time, and the energy dissipated because
     brakes change in the step.
 
-    A force p + s t does the work p x + s times the integral of t v, where x is the displacement of the bead (first row
-    of `work`) and v its velocity. The integral is that of the quintic through both ends of the step.
+    A force p + s t does the work p x + s times the integral of t v, with the displacement x of the bead and its velocity
+    v. The integral is that of the quintic through both ends of the step.
     """
-    moved, v0, v1, knots = work[0], work[1], work[2], chain.knots
+    moved, v0, v1, knots = work[DISPLACEMENT], work[VELOCITY_BEFORE], work[VELOCITY_AFTER], chain.knots
     bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], v0)
     bead_velocities(trial.rate[2], chain.anchor_bead, trial.anchor[1], v1)
     given, braked = 0.0, 0.0
@@ -171,7 +175,7 @@ def sample_steps(
     log_fields,
 ):  # fmt: skip
     """Fill the rows of all samples before the end of the last of `count` steps; `wanted` [m/s] is the error bound of
-    these steps.
+    these steps. Each record is an argument, a plain tuple of its fields, because tuples are cheap to pass from Python.
     """
     chain, motion = ChainData(*chain_fields), Motion(*motion_fields)
     regime = Regime(*regime_fields, chain.graph)
@@ -193,7 +197,7 @@ def sample_steps(
             # Move a copy of this motion forward to the sample time.
             passed = 0.0 if steps.kind[k] == RESTED else max(samples.time[counter[SAMPLE]] - steps.time[k], 0.0)
             if steps.kind[k] == FLOWN or passed == 0.0:
-                drift(passed, chain, regime, row, scratch.work[0])
+                drift(passed, chain, regime, row, scratch.work[VELOCITY])
             else:
                 move_inside(passed, steps.kind[k], ctx, row)
             for i in range(row.force.size):  # Without the continuation of a law beyond d = 0

@@ -46,8 +46,23 @@ CENTRE = 17  # Velocity of the centre of mass [m/s]
 CONTROLS = 18
 
 STAGES = 12  # Number of stages of dop853
-# Number of rows of `Scratch.work`. Steps of radau, the event search and mode transitions give names to these rows.
-WORK_ROWS = 12
+# Rows (n+1,) of `Scratch.work`. Each row has one use, so none of them can be overwritten by another part of a step.
+VELOCITY = 0  # velocities of the beads [m/s], for a single function
+# Error of a step of radau: force errors by both estimates, eliminated upper diagonal, and compliance of each contact
+FINE_ERROR, COARSE_ERROR, UPPER, COMPLIANCE = range(1, 5)
+# Error of a step of dop853: embedded errors of orders 5 and 3 of the rates and overlaps at the end; the error of each
+# contact [m/s], and its local frequency squared [1/s²]
+FIFTH_RATE, THIRD_RATE, FIFTH_OVERLAP, THIRD_OVERLAP, CONTACT_ERROR, SQUARE_FREQUENCY = range(5, 11)
+# Velocities of the beads [m/s] at the start and at the end of a step
+VELOCITY_BEFORE, VELOCITY_AFTER = 11, 12
+# Mode transition: known forces on the beads, and static friction of beads at rest; bounds of the contact forces;
+# accelerations and forces that solve the complementarity problem; 1 for contacts that may be held
+LOAD, STATIC_FRICTION, LOW, HIGH, ACCELERATION, CARRIED, CANDIDATE = range(13, 20)
+# Which contacts push (PUSHES in `switch_log`), or touch and are pressed by a pushing neighbour (IS_PUSHED)
+PRESSED = 20
+# Energy balance of a step: displacements of the beads, and changes of the overlaps [m]
+DISPLACEMENT, OVERLAP_CHANGE = 21, 22
+WORK_ROWS = 23  # number of rows
 
 
 class Accuracy(NamedTuple):

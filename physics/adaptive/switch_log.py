@@ -23,6 +23,7 @@ from softcradle.physics.adaptive.step_records import (
     GROWTH,
     IMPACTS,
     LOCAL_SQUARE,
+    PRESSED,
     START,
     UNSEEN_SQUARE,
 )
@@ -43,9 +44,7 @@ from softcradle.physics.numerics.switches import log_switch
 # Least acceleration by other forces at which a return to d = 0 counts as a bounce, as a fraction of the acceleration by
 # the contact at the turning point of its oscillation. If less pushes the beads back, the wave has passed on.
 STEADY = 0.3
-# Row (n+1,) of the work array: which contacts push (PUSHES), or touch and are pressed by a pushing neighbour
-# (IS_PUSHED)
-PRESSED = 5
+# Entries of the row PRESSED of the work array: the contact pushes, or touches and is pressed by a pushing neighbour
 PUSHES, IS_PUSHED = 1.0, 2.0
 AT_REST = -math.inf  # Value in place of a time: the contact touches, and nothing has pushed it
 

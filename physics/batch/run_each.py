@@ -71,7 +71,10 @@ def march_arguments(c, stepper, stop, most_steps, batch_fields, motion_fields, m
 
 @jit
 def march_each(entry, which, stepper, stop, most_steps, batch_fields, motion_fields, memory, nothing):
-    """Run `march`, whose entry point is `entry`, for each of the chains `which`."""
+    """Run `march`, whose entry point is `entry`, for each of the chains `which`.
+
+    The other arguments are those of `march_arguments`.
+    """
     moving = BatchMotion(*motion_fields)
     for k in range(which.size):
         c = which[k]
@@ -137,9 +140,9 @@ def integrate_arguments(c, accuracy, stop, most_steps, batch_fields, motion_fiel
 def integrate_each(entry, which, accuracy, stop, most_steps, batch_fields, motion_fields, memory, nothing, errors):
     """Run `integrate`, whose entry point is `entry`, for each of the chains `which`.
 
-    `errors` are three arrays for the error estimate. The first (C, n) receives the error amplification by the last
-    bounces. The second (C, n) receives the turns of oscillations. The third (C, 2) receives the error amplification by
-    other bounces and the sum of the squared errors of the steps.
+    The other arguments are those of `integrate_arguments`. `errors` are three arrays for the error estimate. The first
+    (C, n) receives the error amplification by the last bounces. The second (C, n) receives the turns of oscillations.
+    The third (C, 2) receives the error amplification by other bounces and the sum of the squared errors of the steps.
     """
     moving, scratch = BatchMotion(*motion_fields), Scratch(*memory[3][2])
     grown, turns, control = errors

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 
-from softcradle.physics.numerics.bead_velocities import bead_velocities
+from softcradle.physics.numerics.bead_velocities import bead_velocities, put_impulse
 from softcradle.physics.numerics.contact_solve import (
     DIAGONAL,
     END,
@@ -36,11 +36,11 @@ from softcradle.physics.numerics.contact_solve import (
 from softcradle.physics.numerics.graph_kernels import graph_fall, has_segments, settle_graph_forces
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.knots import add_half_work, put_mean
-from softcradle.physics.numerics.law_kernels import energy
+from softcradle.physics.numerics.law_kernels import energy_fall
 from softcradle.physics.numerics.records import EVALUATION, UNCONVERGED
 from softcradle.physics.numerics.resolvent import SMALLEST
 from softcradle.physics.numerics.switches import copy_into, has_stopped
-from softcradle.physics.numerics.touching import TOUCHES, put_impulse, settle_touching
+from softcradle.physics.numerics.touching import TOUCHES, settle_touching
 
 # Row (n,) of the work array after those of the solver: the forces before a step that may be cut.
 FIRST_FORCE = SOLVER_ROWS
@@ -128,9 +128,7 @@ def absorb(h, chain, motion, beads, work):
             fall = graph_fall(chain.graph, i, overlap[i], end[i], False)
             motion.taken[0] += motion.force[i] * (end[i] - overlap[i]) + fall
         elif loses(chain.dissipation.loss[i], overlap[i], motion.rate[i]):
-            fall = energy(law[i, 0], law[i, 1], law[i, 2], overlap[i])
-            fall -= energy(law[i, 0], law[i, 1], law[i, 2], end[i])
-            motion.taken[0] += motion.force[i] * (end[i] - overlap[i]) + fall
+            motion.taken[0] += motion.force[i] * (end[i] - overlap[i]) + energy_fall(law[i], overlap[i], end[i])
     # braking force times the mean velocity of the bead times the step
     for j in range(bed.size):
         if bed[j] > 0.0:
@@ -341,7 +339,8 @@ def gradient_steps(most, time, h, chain, motion, closed, beads, work, counter):
     """Take up to `most` steps from `time` on in place. Return the number of steps taken.
 
     Stop earlier if a contact leaves the state in `closed` or, with dissipation, if all beads rest. Evaluations and
-    steps that did not converge are counted in `counter`.
+    steps that did not converge are counted in `counter`. Arrays are arguments and not records, so that a call from the
+    loop stays cheap.
     """
     for step in range(most):
         # forces over time act with their mean over the step

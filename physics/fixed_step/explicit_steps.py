@@ -29,7 +29,7 @@ from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.graph_kernels import graph_fall, graph_force, has_segments, settle_graph_forces
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.knots import add_half_work, put_mean
-from softcradle.physics.numerics.law_kernels import energy
+from softcradle.physics.numerics.law_kernels import energy_fall
 from softcradle.physics.numerics.law_kernels import force as power_force
 from softcradle.physics.numerics.switches import has_stopped
 from softcradle.physics.numerics.table_kernels import has_table, table_value
@@ -61,9 +61,7 @@ def drift(part, chain, motion):
         if has_segments(chain.graph, i):
             motion.taken[0] += graph_fall(chain.graph, i, before, overlap[i], True)
         elif loss[i] > 0.0 and rate[i] < 0.0 and before > 0.0:
-            fall = energy(law[i, 0], law[i, 1], law[i, 2], before)
-            fall -= energy(law[i, 0], law[i, 1], law[i, 2], overlap[i])
-            motion.taken[0] += loss[i] * fall
+            motion.taken[0] += loss[i] * energy_fall(law[i], before, overlap[i])
     motion.anchor[0] += part * motion.anchor[1]
 
 
@@ -150,7 +148,7 @@ def split_steps(most, time, h, drifts, kicks, chain, motion, closed, beads):
 
     Stop earlier if a contact leaves the state in `closed` or, with dissipation, if all beads rest. `drifts` and `kicks`
     are those of the method; with dissipation none may be negative. Each kick gives the impulse that forces over time
-    have in its part of the step.
+    have in its part of the step. Arrays are arguments and not records, so that a call from the loop stays cheap.
     """
     stages, timed, dissipates = kicks.size, chain.knots.time.size > 0, chain.dissipation.loss.size > 0
     for step in range(most):

@@ -1,4 +1,6 @@
-"""Velocities or displacements of all beads, computed from the overlaps and the anchor bead; test for a chain at rest."""
+"""Velocities or displacements of all beads, computed from the overlaps and the anchor bead; impulses between two beads;
+test for a chain at rest.
+"""
 
 from __future__ import annotations
 
@@ -26,6 +28,26 @@ def bead_velocities(rate, anchor_bead, anchor_velocity, velocity):
     for j in range(velocity.size):
         if abs(velocity[j]) <= 2.0 * EPSILON * terms:
             velocity[j] = 0.0
+
+
+@jit
+def put_impulse(i, impulse, weight, coupling, chain, motion):
+    """Apply an impulse [N s] that separates the beads of contact i.
+
+    It changes the rate of the contact by `weight` per impulse, and the rates of its neighbours by `coupling`.
+    """
+    rate, anchor = motion.rate, motion.anchor
+    # the contact itself, then both neighbours
+    rate[i] -= impulse * weight
+    if i > 0:
+        rate[i - 1] += coupling[i] * impulse
+    if i < rate.size - 1:
+        rate[i + 1] += coupling[i + 1] * impulse
+    # the velocity of the anchor bead is stored separately
+    if anchor.size and chain.anchor_bead == i:
+        anchor[1] -= coupling[i] * impulse
+    elif anchor.size and chain.anchor_bead == i + 1:
+        anchor[1] += coupling[i + 1] * impulse
 
 
 @inlined

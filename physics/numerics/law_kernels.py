@@ -44,3 +44,11 @@ def energy(preload, stiffness, exponent, overlap):
     if overlap <= 0.0:
         return 0.0
     return (preload + stiffness * power(overlap, exponent) / (1.0 + exponent)) * overlap
+
+
+@inlined
+def energy_fall(law, start, end):
+    """Return by how much the stored energy [J] of a power law, a row (F, K, a, ...), falls from overlap `start` to `end`."""
+    fall = energy(law[0], law[1], law[2], start)
+    fall -= energy(law[0], law[1], law[2], end)
+    return fall

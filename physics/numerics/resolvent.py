@@ -126,7 +126,8 @@ def resolvent_slope(slope, weight):
 def resolvent(graph, i, preload, stiffness, exponent, start, start_power, weight, s, guess):
     """Return the unique (d1, g) of contact i with d1 + weight g = s, and dg/ds.
 
-    `start` is d0, and `guess` is a first approximation of d1.
+    `start` is d0, and `guess` is a first approximation of d1. The numbers of the law are arguments, because hysteretic loss
+    makes them differ from the row of the chain.
     """
     if abs(start) < SMALLEST:
         start = 0.0

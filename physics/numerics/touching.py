@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import math
 
+from softcradle.physics.numerics.bead_velocities import put_impulse
 from softcradle.physics.numerics.graph_kernels import graph_force, has_segments
 from softcradle.physics.numerics.jit import inlined, jit
 
@@ -39,26 +40,6 @@ def rate_left(h, rate, load, full, least, weight):
     # duration of the infinite sequence of bounces, a geometric series
     bounces = part * rate / weight * (2.0 / load + in_and_out) / (1.0 - part)
     return part * rate * max(0.0, 1.0 - h / bounces)
-
-
-@jit
-def put_impulse(i, impulse, weight, coupling, chain, motion):
-    """Apply an impulse [N s] that separates the beads of contact i.
-
-    It changes the rate of the contact by `weight` per impulse, and the rates of its neighbours by `coupling`.
-    """
-    rate, anchor = motion.rate, motion.anchor
-    # the contact itself, then both neighbours
-    rate[i] -= impulse * weight
-    if i > 0:
-        rate[i - 1] += coupling[i] * impulse
-    if i < rate.size - 1:
-        rate[i + 1] += coupling[i + 1] * impulse
-    # the velocity of the anchor bead is stored separately
-    if anchor.size and chain.anchor_bead == i:
-        anchor[1] -= coupling[i] * impulse
-    elif anchor.size and chain.anchor_bead == i + 1:
-        anchor[1] += coupling[i + 1] * impulse
 
 
 @jit

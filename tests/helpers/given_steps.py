@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 from softcradle.physics import Chain, State, hertz
-from softcradle.physics.adaptive.corner_search import AFTER, BEFORE, first_corner, guard_of
-from softcradle.physics.adaptive.step_records import Bounds, empty_trial
+from softcradle.physics.adaptive.corner_search import first_corner, guard_of
+from softcradle.physics.adaptive.step_records import VELOCITY_AFTER, VELOCITY_BEFORE, Bounds, empty_trial
 from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.law_curve import NODES
 from softcradle.physics.numerics.records import LOADED, OPEN, TOUCHING
@@ -70,8 +70,8 @@ class Step:
         """Return the value of the guard function at the end of the step, and its slope."""
         context = self.context()
         work, anchor_bead = context.scratch.work, self.data.anchor_bead
-        bead_velocities(self.motion.rate, anchor_bead, self.motion.anchor[1], work[BEFORE])
-        bead_velocities(self.trial.rate[2], anchor_bead, self.trial.anchor[1], work[AFTER])
+        bead_velocities(self.motion.rate, anchor_bead, self.motion.anchor[1], work[VELOCITY_BEFORE])
+        bead_velocities(self.trial.rate[2], anchor_bead, self.trial.anchor[1], work[VELOCITY_AFTER])
         b = guard_of(row, side, H, context)
         return b[5], 5.0 * (b[5] - b[4]) / H
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from softcradle.physics import Chain, Coupler, State, draft_gear, hertz, hooke, power_law
-from softcradle.physics.adaptive import corner_action
+from softcradle.physics.adaptive import step_records
 from softcradle.physics.adaptive.corner_action import cross, decide, ease, open_passed, settle_bead, stop_rate
 from softcradle.physics.adaptive.corner_search import guard_of, stays
 from softcradle.physics.adaptive.row_graphs import of_segment, put_segment
-from softcradle.physics.adaptive.step_records import Bounds
+from softcradle.physics.adaptive.step_records import ACCELERATION, Bounds
 from softcradle.physics.adaptive.yield_or_slip import balance
 from softcradle.physics.numerics.records import LOADED, OPEN, ORIGIN, TOUCHING
 
@@ -62,7 +62,7 @@ def test_only_an_accelerated_bead_starts_to_slide(acceleration, slide, bead):
     velocity = np.array([0.3, -0.2, 0.1])
     rows = Rows(Chain([1.0, 2.0, 1.0], hertz(1.0), gap=0.1, friction=0.1), velocity)
     work = rows.scratch.work
-    work[corner_action.ACCELERATION, bead], work[corner_action.VELOCITY] = acceleration, velocity
+    work[ACCELERATION, bead], work[step_records.VELOCITY] = acceleration, velocity
     settle_bead(bead, rows.chain, rows.regime, rows.motion, work)
     wanted = np.where((np.arange(3) == bead) & (slide == 0), 0.0, velocity)
     assert rows.regime.slide[bead] == slide

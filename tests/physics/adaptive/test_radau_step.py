@@ -10,7 +10,7 @@ import pytest
 from softcradle.physics import Chain, Contact, OwnLaw, State, draft_gear, hertz, hooke, power_law
 from softcradle.physics.adaptive import radau
 from softcradle.physics.adaptive.constants import FORCE_PRECISION, KINK, MOST_TRIES, NEWTON_PART, RATIO, ROUND_OFF
-from softcradle.physics.adaptive.dop853 import FIFTH_RATE, error_of_range
+from softcradle.physics.adaptive.dop853 import error_of_range
 from softcradle.physics.adaptive.radau import (
     compliance,
     embedded_error,
@@ -19,7 +19,7 @@ from softcradle.physics.adaptive.radau import (
     radau_step,
     stage_rates,
 )
-from softcradle.physics.adaptive.step_records import WORK_ROWS, empty_scratch, empty_trial
+from softcradle.physics.adaptive.step_records import FIFTH_RATE, WORK_ROWS, empty_scratch, empty_trial
 from softcradle.physics.numerics.law_curve import NODES, care
 from softcradle.physics.numerics.records import FROZEN, LOADED, NO_GRAPHS, OPEN, SEGMENTS, TOUCHING, ChainData, Motion
 
@@ -372,7 +372,7 @@ def test_a_bend_of_a_law_that_is_passed_counts_as_an_error(mode, part, sign):
     data, motion = pressed(Chain([3.0, 2.0, 0.5], [hooke(1.0), law]), [2.0 * rate, rate, 0.0], 0.1 - 0.3 * h * rate)
     motion.force[:], motion.mode[:] = 0.0, (OPEN, mode)
     trial.overlap[:], trial.rate[:] = motion.overlap + h * rate * NODES[:, None], rate
-    found = embedded_error(h, data, motion, trial, np.zeros((4, 3)))
+    found = embedded_error(h, data, motion, trial, np.zeros((WORK_ROWS, 3)))
     assert found == pytest.approx(part * h * (0.5 + 2.0) * 40.0 * 0.7 * h * 0.5, rel=1e-3, abs=1e-15)
 
 
@@ -423,7 +423,7 @@ def test_an_error_that_is_no_number_is_none_of_0(row):
     data, motion = pressed(Chain([1.0] * 4, [hooke(3.0), hertz(5.0), power_law(1.0, 0.5)]), [1.0, 0.5, 0.0, -0.5], 0.4)
     trial = stepped(data, motion, 0.01)[1]
     trial.rate[:, row] = math.nan
-    assert math.isnan(embedded_error(0.01, data, motion, trial, np.zeros((4, 4))))
+    assert math.isnan(embedded_error(0.01, data, motion, trial, np.zeros((WORK_ROWS, 4))))
     trial.rate[:, row], errors = 0.4, np.zeros((WORK_ROWS, 4))
     errors[FIFTH_RATE, row] = math.nan
     assert math.isnan(error_of_range(0.01, 0, 3, data, motion, trial, np.zeros(3), errors))
