@@ -106,20 +106,28 @@ def put_to_rest(regime, motion):
 
 
 @inlined
-def centre_from_anchor(regime, anchor_bead, rate):
-    """Return (mass of all beads [kg], velocity of their centre of mass relative to the anchor bead [m/s])."""
+def total_mass(regime, anchor_bead):
+    """Return the mass of all beads [kg], summed from the anchor bead outwards."""
     mass = 1.0 / regime.inverse_mass[anchor_bead]
+    for j in range(anchor_bead - 1, -1, -1):
+        mass += 1.0 / regime.inverse_mass[j]
+    for j in range(anchor_bead + 1, regime.inverse_mass.size):
+        mass += 1.0 / regime.inverse_mass[j]
+    return mass
+
+
+@inlined
+def centre_from_anchor(regime, anchor_bead, rate, mass):
+    """Return the velocity [m/s] of the centre of mass relative to the anchor bead; `mass` [kg] is that of all beads."""
     momentum, velocity = 0.0, 0.0
     for j in range(anchor_bead - 1, -1, -1):
         velocity += rate[j]
-        mass += 1.0 / regime.inverse_mass[j]
         momentum += velocity / regime.inverse_mass[j]
     velocity = 0.0
     for j in range(anchor_bead, rate.size):
         velocity -= rate[j]
-        mass += 1.0 / regime.inverse_mass[j + 1]
         momentum += velocity / regime.inverse_mass[j + 1]
-    return mass, momentum / mass
+    return momentum / mass
 
 
 @inlined
@@ -133,8 +141,9 @@ def find_centre(chain, regime, motion, control):
         if regime.inverse_mass[j] == 0.0:
             return
     if regime.bed.size == 0:
-        control[MASS], relative = centre_from_anchor(regime, chain.anchor_bead, motion.rate)
-        control[CENTRE] = motion.anchor[1] + relative
+        mass = total_mass(regime, chain.anchor_bead)
+        control[MASS] = mass
+        control[CENTRE] = motion.anchor[1] + centre_from_anchor(regime, chain.anchor_bead, motion.rate, mass)
 
 
 @inlined
@@ -156,7 +165,7 @@ def keep_momentum(chain, regime, motion, control):
     no rate.
     """
     if control[MASS] > 0.0:
-        _, relative = centre_from_anchor(regime, chain.anchor_bead, motion.rate)
+        relative = centre_from_anchor(regime, chain.anchor_bead, motion.rate, control[MASS])
         motion.anchor[1] = control[CENTRE] - relative
 
 
