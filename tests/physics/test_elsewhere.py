@@ -30,8 +30,8 @@ PLACES = {
     "plain Python": (
         {"NUMBA_DISABLE_JIT": "1"},
         [
-            "adaptive/test_corner_search.py", "adaptive/test_corner_action.py", "test_contact.py", "test_chain.py",
-            "pymunk_contacts/test_contact_constraint.py",
+            "adaptive/test_corner_search.py", "adaptive/test_corner_action.py", "adaptive/test_step_control.py",
+            "test_contact.py", "test_chain.py", "pymunk_contacts/test_contact_constraint.py",
         ],
     ),
 }  # fmt: skip
