@@ -19,6 +19,7 @@ EXTRA_OF = {  # Package: extra of pyproject.toml that installs it
     "zarr": "sweep",
     "h5netcdf": "sweep",
     "h5py": "sweep",
+    "babel": "dev",
     "dask": "dask",
     "distributed": "dask",
 }

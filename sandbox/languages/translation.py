@@ -15,6 +15,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
+from softcradle.physics.extras import needed_for
 from softcradle.physics.messages import Message, message_of
 from softcradle.sandbox.user_error import GaveUpError
 
@@ -90,12 +91,24 @@ def catalogue_path(code: str) -> Path:
 
 @lru_cache
 def catalogue(code: str) -> NullTranslations:
-    """Return the translations into a language. They are read directly from the .po file, so no build step is needed."""
+    """Return the translations into a language: the compiled ones of an installed package, or those of the .po file.
+
+    A checkout compiles its .po files when it reads them, so that no build step is needed. This needs Babel.
+    """
     from gettext import GNUTranslations
 
-    import polib
-
-    return GNUTranslations(io.BytesIO(polib.pofile(str(catalogue_path(code))).to_binary()))
+    path = catalogue_path(code)
+    compiled = path.with_suffix(".mo")
+    if compiled.exists() and not (path.exists() and path.stat().st_mtime > compiled.stat().st_mtime):
+        with compiled.open("rb") as file:
+            return GNUTranslations(file)
+    with needed_for("a checkout in another language than English", "dev"):
+        from babel.messages.mofile import write_mo
+        from babel.messages.pofile import read_po
+    found = io.BytesIO()
+    with path.open("rb") as file:
+        write_mo(found, read_po(file, locale=code))
+    return GNUTranslations(io.BytesIO(found.getvalue()))
 
 
 def language_of_environment(environment: Mapping[str, str] = os.environ) -> str:
