@@ -27,7 +27,6 @@ from softcradle.sandbox.draw.supersampling import blit_sprite, draw_arrow, fill_
 from softcradle.sandbox.draw.text import shortened, width, write
 from softcradle.sandbox.languages import N_, _, scene_words
 from softcradle.sandbox.motion import Array, Motion
-from softcradle.sandbox.quantities import FORCE
 from softcradle.sandbox.story.numbers import (
     axis_prefix,
     beside,
@@ -37,6 +36,7 @@ from softcradle.sandbox.story.numbers import (
     ticks,
     with_prefix,
 )
+from softcradle.sandbox.story.terms import FORCE
 from softcradle.scenes import View
 
 Shares = Callable[[Motion, int, Scales], Array]

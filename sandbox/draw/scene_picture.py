@@ -16,10 +16,10 @@ from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.draw.text import shortened, wrapped, write
 from softcradle.sandbox.languages import _, scene_words
 from softcradle.sandbox.motion import Array, Motion
-from softcradle.sandbox.quantities import FORCE, OVERLAP, VELOCITY
 from softcradle.sandbox.story.lane_story import motion_outcome
 from softcradle.sandbox.story.numbers import TIMES, fixed, plain, subscript, time_unit
 from softcradle.sandbox.story.sentences import outcome_words
+from softcradle.sandbox.story.terms import FORCE, OVERLAP, VELOCITY
 from softcradle.scenes import Scene
 
 # Size of a picture in design pixels. A design pixel is 1/DESIGN_HEIGHT of the height of a picture, or 1/DESIGN_WIDTH of

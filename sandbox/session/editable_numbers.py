@@ -15,11 +15,11 @@ from softcradle.physics.coupler import Coupler
 from softcradle.physics.scales import scales_at
 from softcradle.sandbox.languages import N_, NP_, error_words
 from softcradle.sandbox.motion import Motion
-from softcradle.sandbox.quantities import BEAD, CONTACT, MASS, OVERLAP, VELOCITY
 from softcradle.sandbox.session.contact_conversion import plain_contact
 from softcradle.sandbox.session.inputs import Input, SetContact, SetDrive, SetFriction, SetGap, SetMass, SetVelocity
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.story.terms import BEAD, CONTACT, MASS, OVERLAP, VELOCITY
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
 

@@ -11,7 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from softcradle.sandbox.languages import NP_
-from softcradle.sandbox.quantities import (
+from softcradle.sandbox.session.editable_numbers import NUMBERS
+from softcradle.sandbox.session.live_lane import LiveLane
+from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.story.terms import (
     BEAD,
     CONTACT,
     FORCE,
@@ -25,9 +28,6 @@ from softcradle.sandbox.quantities import (
     TIME,
     VELOCITY,
 )
-from softcradle.sandbox.session.editable_numbers import NUMBERS
-from softcradle.sandbox.session.live_lane import LiveLane
-from softcradle.sandbox.session.session import Session
 
 OF_BEADS, OF_CONTACTS = (MASS, POSITION, VELOCITY, MOMENTUM, KINETIC), (OVERLAP, RATE, FORCE)
 BEAD_COLUMNS = (NP_("column", "bead"), *(one.column for one in OF_BEADS))

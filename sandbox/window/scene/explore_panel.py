@@ -16,7 +16,6 @@ from softcradle.sandbox.draw.lane_drawing import VISIBLE_FORCE
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import paragraphs, shortened, width, write
 from softcradle.sandbox.languages import N_, _, scene_words
-from softcradle.sandbox.quantities import BEAD
 from softcradle.sandbox.session.contact_conversion import at_the_same_depth, has_soft_contacts
 from softcradle.sandbox.session.editable_numbers import MOST_SPEED, ROUND_EXPONENTS, Parameter, parameters
 from softcradle.sandbox.session.history_slices import HistorySlice, approach_of, history_slices
@@ -26,6 +25,7 @@ from softcradle.sandbox.session.run_verdict import Health
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.summary_text import outcome_text
 from softcradle.sandbox.story.numbers import MINUS, axis_prefix, beside
+from softcradle.sandbox.story.terms import BEAD
 from softcradle.sandbox.story.verdict import GOOD, LEVELS
 from softcradle.sandbox.window.keys import hint
 from softcradle.sandbox.window.page import Derived, Host

@@ -20,12 +20,12 @@ from softcradle.sandbox.draw.palette import bead_colours, tones
 from softcradle.sandbox.draw.supersampling import draw_marker
 from softcradle.sandbox.draw.text import shortened, wrapped, write
 from softcradle.sandbox.languages import N_, NP_, _, error_words, pgettext, scene_words
-from softcradle.sandbox.quantities import VELOCITY
 from softcradle.sandbox.session.contact_conversion import kind_of
 from softcradle.sandbox.session.editable_numbers import Parameter, Variant, parameters, variant_of
 from softcradle.sandbox.session.inputs import Input, SetContact, SetKind, SetMass
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.story.numbers import subscript
+from softcradle.sandbox.story.terms import VELOCITY
 from softcradle.sandbox.window.dialog import Overlay, paint_box
 from softcradle.sandbox.window.keys import hint
 from softcradle.sandbox.window.page import Derived, Host

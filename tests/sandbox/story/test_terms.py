@@ -4,10 +4,10 @@ import re
 
 from softcradle.physics import one_on, power_law
 from softcradle.physics.simulation import solve
-from softcradle.sandbox.quantities import FORCE, KINETIC, MASS, MOMENTUM, OVERLAP, POSITION, QUANTITIES, TIME, VELOCITY
 from softcradle.sandbox.session.editable_numbers import NUMBERS
 from softcradle.sandbox.session.values_table import BEAD_COLUMNS, CONTACT_COLUMNS, values_csv
 from softcradle.sandbox.story.page_words import WORDS as WORDS_OF_PAGES
+from softcradle.sandbox.story.terms import FORCE, KINETIC, MASS, MOMENTUM, OVERLAP, POSITION, QUANTITIES, TIME, VELOCITY
 from softcradle.sandbox.sweeps.measure_table import MEASURES
 from softcradle.sandbox.trajectory_summary import bead_table, contact_table, summarise
 from softcradle.sandbox.window.plots.kinds import signal_of

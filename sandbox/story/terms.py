@@ -1,5 +1,6 @@
-"""Table of the quantities of a motion with name, unit, symbol, owner and values, for plots, pictures, tables and
-notebooks.
+"""Terms: the quantities of a motion with key, name, unit, symbol, owner and values.
+
+Plots, pictures, tables, notebooks, files and pages read this table.
 """
 
 from collections.abc import Callable
@@ -46,7 +47,9 @@ class Quantity(NamedTuple):
 
 
 TIME = Quantity(N_("time (s)"), "time (s)", "t", CHAIN, lambda motion, _: motion.time[:, None])
-MASS = Quantity("mass (kg)", NP_("column", "mass (kg)"), "m", BEAD, lambda motion, _: np.array(motion.chain.mass)[None])
+MASS = Quantity(
+    N_("mass (kg)"), NP_("column", "mass (kg)"), "m", BEAD, lambda motion, _: np.array(motion.chain.mass)[None]
+)
 POSITION = Quantity(
     N_("position (m)"), NP_("column", "position (m)"), "x", BEAD, lambda motion, length: motion.middles(length)
 )
