@@ -163,8 +163,11 @@ def confirmed(problem: Problem, first: Record) -> Record:
 
     The record has the cost of all runs.
     """
-    aim = Aim(problem.tolerance, problem.scale, usual_steps(problem, problem.end))
     records, runs = [first], [_run_of(first, problem.tolerance)]
+    # Most motions need a single run, for which a budget would cost as much as some steps.
+    if _is_enough(runs[0]):
+        return first
+    aim = Aim(problem.tolerance, problem.scale, usual_steps(problem, problem.end))
     while not (found := verdict(aim, runs)).enough:
         tolerance = finer_tolerance(runs[-1].tolerance)
         assert tolerance is not None
@@ -219,7 +222,7 @@ def verdict(aim: Aim, runs: Sequence[Run]) -> Verdict:
     first, last, at = runs[0], runs[-1], len(runs) - 1
     finer = finer_tolerance(last.tolerance)
     if at == 0:
-        return Verdict(enough=last.growth <= MOST_GROWN or last.spent or last.warns or finer is None)
+        return Verdict(enough=_is_enough(last))
     # The difference shows how much the errors of both runs are amplified.
     difference, allowed = np.abs(last.velocity - runs[-2].velocity), max(aim.tolerance, LEAST_GUARANTEED) * aim.scale
     error = np.maximum(_error_of(difference), LEAST_OF_ESTIMATE * first.estimate)
@@ -230,6 +233,11 @@ def verdict(aim: Aim, runs: Sequence[Run]) -> Verdict:
     if finer is not None and not last.warns and sum(run.steps for run in runs) + last.steps <= aim.budget:
         return Verdict(enough=False)
     return Verdict(True, at, error, Status.UNDETERMINED if difference.max() > GUARANTEED * allowed else None)
+
+
+def _is_enough(first: Run) -> bool:
+    """Return True if the first run of a motion needs no other run."""
+    return first.growth <= MOST_GROWN or first.spent or first.warns or finer_tolerance(first.tolerance) is None
 
 
 def _error_of(apart: Array) -> Array:

@@ -282,12 +282,13 @@ def _integrate(problem: Problem, state: State, memory: Memory, kept: KeptSteps |
         )
         resumed = True
         # Continue if the budget has grown, but not if a motion that amplifies errors has become too expensive.
-        amplified = error_growth(scratch.control[GROWTH], scratch.grown, scratch.turns) > MOST_GROWN
-        spent, impacts = int(counter[STEP] + counter[REJECTED]), int(scratch.control[IMPACTS])
-        if code == OUT_OF_STEPS and budget.extend(spent, time, impacts, amplified):
-            code = PAUSED
-        if code == PAUSED and budget.exceeds_cost(int(counter[EVALUATION]) * problem.chain.contacts, amplified):
-            code = OUT_OF_STEPS
+        if code in (OUT_OF_STEPS, PAUSED):
+            amplified = error_growth(scratch.control[GROWTH], scratch.grown, scratch.turns) > MOST_GROWN
+            spent, impacts = int(counter[STEP] + counter[REJECTED]), int(scratch.control[IMPACTS])
+            if code == OUT_OF_STEPS and budget.extend(spent, time, impacts, amplified):
+                code = PAUSED
+            if code == PAUSED and budget.exceeds_cost(int(counter[EVALUATION]) * problem.chain.contacts, amplified):
+                code = OUT_OF_STEPS
         require_finite_motion(problem.chain, state)
         if kept:
             kept.take(memory.log)
