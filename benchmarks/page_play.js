@@ -7,6 +7,7 @@ const random = { due: new Map(), requests: 0, wall: 0, down: null, thrown: '' };
 const prelude = () => {
   window.requestAnimationFrame = (work) => { random.due.set(++random.requests, work); return random.requests; };
   window.cancelAnimationFrame = (number) => { random.due.delete(number); };
+  HTMLAnchorElement.prototype.click = () => {}; // no downloads
   HTMLCanvasElement.prototype.setPointerCapture = () => {};
   HTMLCanvasElement.prototype.hasPointerCapture = () => true;
   window.addEventListener('error', (event) => { random.thrown = String(event.error?.stack ?? event.message); });
@@ -39,7 +40,8 @@ const play = (seed, count) => {
     [0.002, () => input('pace', String(pick(PACES)), 'change')],
     [0.002, () => input('time', Math.floor(1000 * chance()), 'input')],
     [0.002, () => document.getElementById('show-' + pick(SHOWN)).click()],
-    [0.002, () => document.getElementById(pick(['back', 'ahead', 'again', 'contrast', 'toggle', 'link'])).click()],
+    [0.002, () => document.getElementById(pick(['back', 'ahead', 'again', 'contrast', 'toggle', 'explain', 'guess-last'])).click()],
+    [0.0005, () => { for (const id of ['link', 'save-csv', 'save-png', 'close']) document.getElementById(id).click(); }],
     [0.0003, () => input('language', pick(['en', 'de', 'fr']), 'change')],
     [0.0005, () => { location.hash = pick(['#n=3&a=0.05', '#law=gear&with=soft', '#mu=0.02&v=0.5', '#', '#loss=0.5&n=12&m=2']); }],
   ];
@@ -64,7 +66,7 @@ const play = (seed, count) => {
 };
 
 // The physics of `count` pictures.
-const steps = (count) => { for (let k = 0; k < 2 * count; k++) page.source.next(); };
+const marched = (count) => { for (let k = 0; k < 2 * count; k++) page.source.next(); };
 
 // `count` pictures of a motion that begins again and again, and the median of milliseconds from one to the next.
 const shown = (count) => new Promise((done) => {

@@ -27,12 +27,12 @@ MOST_GROWN = 8e6  # bytes of memory that an hour may add: texts and caches of th
 MEASURED = 240  # pictures whose cost is measured
 DESK, TELEPHONE = (1280, 900, 1.0), (390, 844, 3.0)  # width and height [CSS pixels], and device pixels per CSS pixel
 COSTS = (
-    ("", 1, DESK),
-    ("", 4, DESK),
+    ("#with=none", 1, DESK),
+    ("#with=none", 4, DESK),
     ("#with=steel", 4, DESK),
-    ("", 4, TELEPHONE),
+    ("#with=none", 4, TELEPHONE),
     ("#with=steel", 4, TELEPHONE),
-    ("#n=49", 1, DESK),
+    ("#n=49&with=none", 1, DESK),
 )  # experiment, throttling factor of the processor, and screen
 SCRIPTS = Path(__file__).with_suffix(".js").read_text(encoding="utf-8")
 
@@ -79,10 +79,10 @@ def costs(browser: Browser, page: Path) -> None:
         browser.device(*screen)
         browser.visit(page, fragment)
         browser.call("Performance.enable", timeDomain="threadTicks")
-        browser.run(f"steps({PICTURES}), shown({PICTURES})")  # compiles
+        browser.run(f"marched({PICTURES}), shown({PICTURES})")  # compiles
         browser.call("Emulation.setCPUThrottlingRate", rate=rate)
         browser.run("page.again(), page.pause()")
-        physics = spent(browser, f"steps({MEASURED})")["TaskDuration"]
+        physics = spent(browser, f"marched({MEASURED})")["TaskDuration"]
         found = spent(browser, f"shown({MEASURED})")
         browser.call("Emulation.setCPUThrottlingRate", rate=1)
         beads = browser.run("page.specs.map((spec) => spec.mass.length).join(' and ')")

@@ -32,7 +32,7 @@ CONTROLS = [
      "pull it; Shift with an arrow throws it."),
     ("slider", "Time of the motion"), ("button", "Restart"), ("button", "Play"), ("button", "One step back"),
     ("button", "One step forward"), ("timer", ""), ("combobox", "Playback speed"), ("button", "Compare with steel balls"),
-    ("combobox", "Contacts"), ("slider", "Exponent \N{GREEK SMALL LETTER ALPHA} (smaller = softer)"), ("slider", "Beads at rest"),
+    ("combobox", "Contacts"), ("slider", "Softness (exponent \N{GREEK SMALL LETTER ALPHA})"), ("slider", "Beads at rest"),
     ("slider", "Beads that hit them"), ("slider", "Speed"), ("combobox", "Compare with"), ("slider", "Ground friction"),
     ("slider", "Energy lost in each contact"), ("checkbox", "forces"), ("checkbox", "magnifiers"),
     ("checkbox", "energy and momentum bars"), ("checkbox", "graphs"), ("button", "Share"), ("combobox", "Language"),
