@@ -219,7 +219,7 @@ def open_film(
     Parameters
     ----------
     output : path
-        Name that ends in .mp4, .gif, .webp or .avif; in .png for one picture; or a folder, with a final ``/``, for numbered
+        Name that ends in .mp4 or .gif; in .png for one picture; or a folder, with a final ``/``, for numbered
         pictures.
     size : (int, int)
         Width and height of a frame [pixels]. They must be even numbers for an mp4.

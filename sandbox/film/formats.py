@@ -23,11 +23,9 @@ HIGHEST_RATE = 240.0  # most frames per second
 
 # FFmpeg's numbers of colour spaces and of the range of values.
 BT709 = 1
-BT601 = 6
 LIMITED = 1
 GLOBAL_HEADER = 1 << 22  # FFmpeg's flag: data for all frames are stored once in the file
 
-os.environ.setdefault("SVT_LOG", "1")  # errors only; the AVIF encoder would print its settings to standard error
 Pixels = NDArray[np.uint8]
 
 
@@ -42,7 +40,6 @@ class Codec:
         frame_rate: default frames per second.
         highest_rate: most frames per second that the format can show.
         even: True if width and height must be even.
-        matrix: ITU709, or ITU601 if the format supports no other.
         options, container_options: settings of the encoder and of the file format.
         segmented: True if segments of a film can be encoded in parallel and joined.
     """
@@ -54,7 +51,6 @@ class Codec:
     frame_rate: float = 30.0
     highest_rate: float = HIGHEST_RATE
     even: bool = False
-    matrix: str = "ITU709"
     options: tuple[tuple[str, str], ...] = ()
     container_options: tuple[tuple[str, str], ...] = ()
     segmented: bool = False
@@ -67,9 +63,8 @@ class Codec:
     def tag(self, context: Any) -> None:
         """Write the colour space into the file; otherwise players guess it and shift the colours."""
         if not self.indexed:
-            number = BT709 if self.matrix == "ITU709" else BT601
-            context.color_range, context.colorspace = LIMITED, number
-            context.color_primaries, context.color_trc = BT709, BT709
+            context.color_range = LIMITED
+            context.colorspace = context.color_primaries = context.color_trc = BT709
 
     def context(self, size: tuple[int, int], rate: Fraction) -> Any:
         """Return an encoder with one thread. Its output can be joined with the output of another such encoder."""
@@ -97,16 +92,6 @@ CODECS: tuple[Codec, ...] = (
     ),
     # A GIF counts in hundredths of a second, and viewers slow down frames that are shorter than two of them.
     Codec(".gif", "gif", "gif", "pal8", frame_rate=25.0, highest_rate=50.0, container_options=REPEAT),
-    Codec(
-        ".webp",
-        "libwebp_anim",
-        "webp",
-        "yuv420p",
-        matrix="ITU601",
-        options=(("quality", "85"), ("compression_level", "2")),
-        container_options=REPEAT,
-    ),
-    Codec(".avif", "libsvtav1", "avif", "yuv420p", options=(("preset", "9"), ("crf", "22")), container_options=REPEAT),
 )
 
 
@@ -215,7 +200,7 @@ class FrameMaker:
     def __call__(self, surface: pygame.Surface) -> av.VideoFrame:
         """Return the surface as a frame."""
         frame = av.VideoFrame.from_numpy_buffer(pixels_of(surface), format="bgra")
-        settings: Any = {"dst_colorspace": self._codec.matrix, "dst_color_range": "MPEG", "threads": 1}
+        settings: Any = {"dst_colorspace": "ITU709", "dst_color_range": "MPEG", "threads": 1}
         return self._reformatter.reformat(frame, format=self._codec.pixel_format, **settings)
 
 

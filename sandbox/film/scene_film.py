@@ -64,7 +64,7 @@ def render_scene(
 
     Arguments:
         scene: the Scene.
-        output: .mp4, .gif, .webp or .avif; .png for one picture at the largest force; a folder (ends in /) for numbered
+        output: .mp4 or .gif; .png for one picture at the largest force; a folder (ends in /) for numbered
             PNG files.
         size: (width, height) [pixels].
         fps: frames per second; None: 60 for mp4 and folders, 25 for GIF, 30 for WebP and AVIF.

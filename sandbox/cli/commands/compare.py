@@ -32,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "-o", "--output", action="append", default=[], metavar="OUT",
-        help="report .html (which plays the motion), film .mp4 .gif .webp .avif, or numbers .json; may be given several "
+        help="report .html (which plays the motion), film .mp4 .gif, or numbers .json; may be given several "
         f"times (default: {DEFAULT_OUTPUT}, nothing with --json)",
     )  # fmt: skip
     parser.add_argument("--json", action="store_true", help="print the numbers as JSON instead of tables")

@@ -27,14 +27,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_scene(parser)
     parser.add_argument(
         "-o", "--output", required=True, metavar="OUT",
-        help="film .mp4 .gif .webp .avif, one picture .png, FOLDER/ for one picture a frame, .kymograph.png for "
+        help="film .mp4 .gif, one picture .png, FOLDER/ for one picture a frame, .kymograph.png for "
         "the beads over time: a line of pixels of each frame of a camera, or .html for a page in which the beads live",
     )  # fmt: skip
     parser.add_argument("--size", type=picture_size, metavar="WxH", help="pixels (default: {}x{})".format(*SIZE))
     parser.add_argument(
         "--fps",
         type=positive_number,
-        help="frames a second (default: 60 for .mp4, 25 to 30 for .gif, .webp and .avif); of a kymograph: camera frames "
+        help="frames a second (default: 60 for .mp4, 25 for .gif); of a kymograph: camera frames "
         "for a second of motion (default: the paper's 2052 in SI units)",
     )
     parser.add_argument(

@@ -207,7 +207,7 @@ FILM_LEAST_HEIGHT = 720  # [pixels]
 FILM_MARGIN = 96  # [pixels] above and below all rows
 FILM_ROW = 300  # [pixels] height of one side
 LONGEST_FILM = 20.0  # longest film [s] without a given slow motion
-FILM_SUFFIXES = (".mp4", ".gif", ".webp", ".avif")
+FILM_SUFFIXES = (".mp4", ".gif")
 PLAYED_SUFFIXES = (".html", *FILM_SUFFIXES)
 SUFFIXES = (".json", *PLAYED_SUFFIXES)
 

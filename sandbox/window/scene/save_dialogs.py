@@ -73,7 +73,7 @@ def shown_path(path: Path) -> str:
     return f"~/{full.relative_to(home)}" if full.is_relative_to(home) else str(full)
 
 
-FILM_ENDINGS = (".mp4", ".gif", ".webp")
+FILM_ENDINGS = (".mp4", ".gif")
 FRAME_RATE = 30.0  # Frames per second of the film: every other frame of the window.
 MOST_DUE = 2.0  # Largest number of frames in arrears. After a slow frame the film does not catch up.
 
@@ -235,7 +235,7 @@ class SaveDialogs:
 
     def __init__(self, host: Host, film: WindowFilm, savings: dict[str, Saving]) -> None:
         self.host, self.film = host, film
-        note = N_("A .mp4, .gif or .webp file. Records until you press Stop.")
+        note = N_("A .mp4 or .gif file. Records until you press Stop.")
         self.savings = {**savings, "film": Saving(N_("Record a video"), note, ".mp4", FILM_ENDINGS, film.begin)}
         self.actions: dict[str, Callable[[], None]] = {
             **{name: partial(self.ask, name) for name in self.savings},

@@ -132,7 +132,7 @@ REFUSED = [
     ("compare one-on-four two-on-two -o no/such/folder/x.html", "no/such/folder"),
     ("compare one-on-four two-on-two -o x.json -o x.json", "given twice"),
     ("compare one-on-four two-on-two -o x.mp4 --size 10x10", "out of range"),
-    ("compare one-on-four two-on-two --size 640x480", "--size is for .mp4, .gif, .webp, .avif: give"),
+    ("compare one-on-four two-on-two --size 640x480", "--size is for .mp4, .gif: give"),
     ("compare one-on-four two-on-two -o x.json --slow 2", "--slow is for .html, .mp4"),
     ("compare one-on-four two-on-two --json --open", "give one with -o"),
     ("run mixed --open", "--open opens the file that is written: give one with -o, too"),
