@@ -8,26 +8,18 @@ import itertools
 import math
 from collections.abc import Sequence
 
-from softcradle.physics import Chain, Contact, Coupler
+from softcradle.physics import Chain, Coupler
 from softcradle.physics.chain import Joint
 from softcradle.sandbox.languages import _
+from softcradle.sandbox.story.bodies import HEAVY, is_gear
 from softcradle.sandbox.story.numbers import plain
 
 CYLINDER_LENGTH = 0.80  # Length of the cylinder, relative to the length of the draft gear. The piston takes the rest.
 CYLINDER_HEIGHT = 0.66  # Height of the cylinder, relative to the length of the draft gear.
 WALL_HEIGHT = 1.2  # Height of a wall, relative to the length of a bead.
-HEAVY = 1e4  # Mass [kg] from which all masses of a chain are written in tonnes.
 EQUAL_MASSES = (
     1.02  # Ratio of the largest to the smallest mass up to which beads look the same and their masses are not written.
 )
-
-
-def is_gear(joint: Joint) -> bool:
-    """Return True if the contact is drawn as a piston, because it is a preloaded spring or a coupler that pushes with
-    one.
-    """
-    contact = joint.push if isinstance(joint, Coupler) else joint
-    return isinstance(contact, Contact) and contact.preload > 0.0 and contact.stiffness > 0.0
 
 
 def solid_force(joint: Joint, force: float) -> float:
@@ -49,6 +41,13 @@ def body_height(chains: Sequence[Chain]) -> float:
         return WALL_HEIGHT
     all_gears = all(is_gear(contact) for chain in chains for contact in chain.contact)
     return CYLINDER_HEIGHT if all_gears else 1.0
+
+
+def locomotives(chain: Chain) -> tuple[bool, ...]:
+    """Return (n+1,) True for each body of a train that is drawn as a locomotive: the heaviest ones, if masses differ."""
+    finite = [mass for mass in chain.mass if math.isfinite(mass)]
+    differ = max(finite) > EQUAL_MASSES * min(finite)
+    return tuple(differ and math.isfinite(mass) and mass * EQUAL_MASSES > max(finite) for mass in chain.mass)
 
 
 def mass_labels(chain: Chain) -> tuple[str, ...]:

@@ -16,10 +16,11 @@ from softcradle.sandbox.draw.shared_scales import Scales, scales_of
 from softcradle.sandbox.draw.text import shortened, wrapped, write
 from softcradle.sandbox.languages import _, scene_words
 from softcradle.sandbox.motion import Array, Motion
+from softcradle.sandbox.quantities import FORCE, OVERLAP, VELOCITY
+from softcradle.sandbox.story.bodies import body_word
 from softcradle.sandbox.story.lane_story import motion_outcome
 from softcradle.sandbox.story.numbers import TIMES, fixed, plain, subscript, time_unit
 from softcradle.sandbox.story.sentences import outcome_words
-from softcradle.sandbox.story.terms import FORCE, OVERLAP, VELOCITY
 from softcradle.scenes import Scene
 
 # Size of a picture in design pixels. A design pixel is 1/DESIGN_HEIGHT of the height of a picture, or 1/DESIGN_WIDTH of
@@ -186,7 +187,10 @@ class Picture:
         """Return the outcome of each lane in words, after its label if there are several lanes."""
         lasts, found = self.scene.duration is not None, []
         for lane, motion in zip(self.scene.lanes, self.motions, strict=False):
-            words, label = outcome_words(motion_outcome(motion, lasts)), scene_words(lane.label)
+            words, label = (
+                outcome_words(motion_outcome(motion, lasts), body_word(motion.chain)),
+                scene_words(lane.label),
+            )
             found.append(_("{label}: {words}", label=label, words=words) if len(self.motions) > 1 and label else words)
         return found
 

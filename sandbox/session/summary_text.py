@@ -10,6 +10,7 @@ from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.contact_events import ContactEvents
 from softcradle.sandbox.session.history_slices import slice_at
 from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.story.bodies import body_word
 from softcradle.sandbox.story.lane_story import LaneStory, first_hit
 from softcradle.sandbox.story.outcome import Outcome, outcome_of
 from softcradle.sandbox.story.sentences import ending_words, story_words, time_text
@@ -18,6 +19,11 @@ from softcradle.sandbox.story.sentences import ending_words, story_words, time_t
 def summary_text(session: Session) -> str:
     """Return some sentences about each lane."""
     return " ".join([_("At {time}.", time=time_text(session.time)), _of_lanes(session, _lane_words)])
+
+
+def outcome_texts(session: Session) -> list[str]:
+    """Return how all beads of each lane move."""
+    return [ending_words(session_story(session, lane)) for lane in range(len(session.lanes))]
 
 
 def outcome_text(session: Session) -> str:
@@ -104,4 +110,5 @@ def session_story(session: Session, lane: int) -> LaneStory:
         hit=first_hit(zip(*columns, strict=True), live.chain.mass, live.setup.speed),
         outcome=session_outcome(session, lane),
         stopped=bool(live.chain.on_bed and not live.velocity.any()),
+        body=body_word(live.chain),
     )

@@ -2,6 +2,8 @@
 
 from typing import NamedTuple
 
+from softcradle.physics import Chain, Contact, Coupler
+from softcradle.physics.chain import Joint
 from softcradle.sandbox.languages import N_, NP_, gettext, pgettext
 
 THE, DRAG = "with article", "drag"
@@ -27,6 +29,27 @@ class Body(NamedTuple):
         found = {name: gettext(getattr(self, name)) for name in ("one", "many")}
         found |= {name: pgettext(THE, getattr(self, name)) for name in ("the", "those")}
         return found | {"a": pgettext(DRAG, self.a)}
+
+
+# Mass [kg] from which on bodies are wagons, and all masses of a chain are written in tonnes.
+HEAVY = 1e4
+
+
+def is_gear(joint: Joint) -> bool:
+    """Return True if the contact is drawn as a piston, because it is a preloaded spring or a coupler that pushes with
+    one.
+    """
+    contact = joint.push if isinstance(joint, Coupler) else joint
+    return isinstance(contact, Contact) and contact.preload > 0.0 and contact.stiffness > 0.0
+
+
+def body_word(chain: Chain) -> str:
+    """Return the word for the bodies of a chain, a key of BODIES: wagon if all are as heavy as wagons, cylinder if all
+    contacts are draft gears, otherwise bead. Pages have the same rule.
+    """
+    if min(chain.mass) >= HEAVY:
+        return "wagon"
+    return "cylinder" if all(map(is_gear, chain.contact)) else "bead"
 
 
 def capital(text: str) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from softcradle.sandbox.motion import Motion
+from softcradle.sandbox.story.bodies import body_word
 from softcradle.sandbox.story.outcome import Outcome, outcome_of
 
 if TYPE_CHECKING:
@@ -43,6 +44,7 @@ class LaneStory:
         hit: the first hit, or None.
         outcome: the groups of beads.
         stopped: True if friction of the bed has stopped all beads since.
+        body: word for the bodies, a key of :data:`softcradle.sandbox.story.bodies.BODIES`.
     """
 
     time: float
@@ -52,6 +54,7 @@ class LaneStory:
     hit: Hit | None
     outcome: Outcome
     stopped: bool = False
+    body: str = "bead"
 
 
 def first_hit(closings: Iterable[tuple[float, float, int]], mass: Sequence[float], speed: float) -> Hit | None:
@@ -85,6 +88,7 @@ def story_of(trajectory: Trajectory) -> LaneStory:
         opened=max((time for time in openings if math.isfinite(time)), default=None),
         hit=first_hit(closings, trajectory.chain.mass, speed),
         outcome=outcome_of(trajectory.chain.mass, start.tolist(), end.tolist()),
+        body=body_word(trajectory.chain),
     )
 
 

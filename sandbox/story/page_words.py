@@ -5,7 +5,6 @@ bodies of the page, with a capital if the name has one. `sandbox/story/page_stor
 """
 
 from softcradle.sandbox.languages import N_, NP_
-from softcradle.sandbox.story.terms import FORCE, MASS, OVERLAP
 
 WORDS: dict[str, str] = {
     # Buttons and the clock.
@@ -143,10 +142,11 @@ WORDS: dict[str, str] = {
     # Tables of numbers.
     "in numbers": N_("In numbers"),
     "contact": N_("contact"),
-    "mass": MASS.title,
+    "mass": N_("mass (kg)"),
     "now": N_("now (m/s)"),
     "before": N_("at the start (m/s)"),
-    "overlap now": OVERLAP.title,
+    "force now": N_("force (N)"),
+    "overlap now": N_("overlap (m)"),
     "state": N_("state"),
     "wall": N_("wall"),
     # Keyboard, touch and the footer.
@@ -166,7 +166,7 @@ WORDS: dict[str, str] = {
     "made": N_("made with"),
 }
 
-# Words whose translation depends on the context: objects of "Compare with", a contact that is open, columns of a table.
+# Words whose translation depends on the context: objects of "Compare with", a contact that is open.
 WORDS_IN_CONTEXT: dict[str, dict[str, str]] = {
     "compare with": {
         "none": NP_("compare with", "nothing"),
@@ -175,5 +175,4 @@ WORDS_IN_CONTEXT: dict[str, dict[str, str]] = {
         "gear": NP_("compare with", "draft gears"),
     },
     "contact": {"open": NP_("contact", "apart")},
-    "column": {"force now": FORCE.column},
 }

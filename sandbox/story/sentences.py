@@ -43,30 +43,34 @@ def more_groups(count: int, **values: object) -> str:
     return ngettext("And {n} more group.", "And {n} more groups.", count, **values)
 
 
-def outcome_words(outcome: Outcome) -> str:
-    """Return a sentence for each group."""
-    said = [_group_words(group) for group in outcome.groups[:MOST_GROUPS]]
+def outcome_words(outcome: Outcome, body: str = "bead") -> str:
+    """Return a sentence for each group. `body` is the word for the bodies, a key of BODIES."""
+    said = [_group_words(group, body) for group in outcome.groups[:MOST_GROUPS]]
     rest = len(outcome.groups) - MOST_GROUPS
     if rest > 0:
         said.append(more_groups(rest))
     return " ".join(said)
 
 
-def _group_words(group: Group) -> str:
+def _group_words(group: Group, body: str) -> str:
     """Return the sentence for a group."""
     kind = "wall" if group.wall else "bead" if group.count == 1 else "beads"
     way = group.state if group.state in (STILL, NEARLY_STILL) else "right" if group.velocity > 0.0 else "left"
     between = "two of" if group.count == 2 else "row of"
     beads = str(group.first) if group.count == 1 else _(SENTENCES[between], first=group.first, last=group.last)
-    bodies = BODIES["bead"].words()
-    the, those = capital(bodies["the"]), capital(bodies["those"])
     speed = speed_text(abs(group.velocity))
-    return _(SENTENCES[f"{kind} {way}"], beads=beads, speed=speed, The=the, Those=those)
+    return _(SENTENCES[f"{kind} {way}"], beads=beads, speed=speed, **_named(body))
+
+
+def _named(body: str) -> dict[str, str]:
+    """Return the words for a kind of body that sentences contain."""
+    words = BODIES[body].words()
+    return {"the": words["the"], "The": capital(words["the"]), "Those": capital(words["those"])}
 
 
 def ending_words(story: LaneStory) -> str:
     """Return a sentence for each group, and one if friction has stopped groups that moved."""
-    said = [outcome_words(story.outcome)]
+    said = [outcome_words(story.outcome, story.body)]
     if story.stopped and any(group.moves for group in story.outcome.groups):
         said.append(_(SENTENCES["stopped"]))
     return " ".join(said)
@@ -74,30 +78,32 @@ def ending_words(story: LaneStory) -> str:
 
 def story_words(story: LaneStory) -> str:
     """Return the first hit, the contacts and the outcome, a sentence each."""
-    found = (_hit_words(story.hit), _contact_words(story), ending_words(story))
+    found = (_hit_words(story.hit, story.body), _contact_words(story), ending_words(story))
     return " ".join(sentence for sentence in found if sentence)
 
 
-def _hit_words(hit: Hit | None) -> str:
+def _hit_words(hit: Hit | None, body: str) -> str:
     """Return the sentence for the first hit, or an empty text."""
     if hit is None:
         return ""
     when, how_fast, pair = time_text(hit.time), speed_text(hit.speed), (hit.contact, hit.contact + 1)
     if not any(hit.walls):
         return _(
-            "Bead {left} hit bead {right} at {time} with {speed}.",
+            "{The} {left} hit {the} {right} at {time} with {speed}.",
             left=pair[0],
             right=pair[1],
             time=when,
             speed=how_fast,
+            **_named(body),
         )
     wall, bead = pair if hit.walls[0] else pair[::-1]
     return _(
-        "Bead {bead} and wall {wall} hit each other at {time} with {speed}.",
+        "{The} {bead} and wall {wall} hit each other at {time} with {speed}.",
         bead=bead,
         wall=wall,
         time=when,
         speed=how_fast,
+        **_named(body),
     )
 
 

@@ -57,7 +57,6 @@ CONCLUSIONS = {
 LISTED = N_("{some} and {one}")
 LAST = {
     "bead": NP_("object", "the last bead"),
-    "ball": NP_("object", "the last ball"),
     "wagon": NP_("object", "the last wagon"),
     "cylinder": NP_("object", "the last cylinder"),
 }

@@ -89,7 +89,7 @@ def test_a_pull_has_no_explanation_by_overlaps() -> None:
 def test_a_single_contact_is_compared_with_nothing() -> None:
     push = why.push_of([1.0, 1.0], [0.002], [3.0])
     assert push is not None
-    assert why.why_words(push, "ball").replace(SPACE, " ") == "The contact is squeezed by 2 mm."
+    assert why.why_words(push, "wagon").replace(SPACE, " ") == "The contact is squeezed by 2 mm."
 
 
 def test_a_row_between_soft_and_hard_is_partly_a_wave() -> None:
