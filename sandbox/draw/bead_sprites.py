@@ -1,4 +1,4 @@
-"""Sprites of a bead, of a draft gear (cylinder and piston), of a wall and of the number of a bead."""
+"""Sprites of a bead, a draft gear (cylinder and piston), a wagon, a wall and the number of a bead."""
 
 import math
 
@@ -9,8 +9,12 @@ from softcradle.sandbox.draw.supersampling import SUBPIXELS, Sprites, make_sprit
 from softcradle.sandbox.draw.surfaces import cached_surfaces
 from softcradle.sandbox.draw.text import write
 
-# Opacity of a bead, of 255. Two overlapping beads show both outlines and a darker lens between them.
+# Opacity of a bead in a magnified inset, of 255. Two overlapping beads show both outlines and a darker lens between them.
 BEAD_OPACITY = 212
+# Number of discs of the shading of a ball, share of black at its rim, and share of white at its highlight.
+SHADES, SHADOW, HIGHLIGHT = 18, 0.2, 0.3
+# Place of the highlight of a ball, relative to its centre and in radii.
+LIGHT = (-0.28, -0.34)
 PLATE_LENGTH = 0.055  # Thickness of the plate at the end of a piston, as a fraction of the length of the draft gear.
 
 
@@ -21,7 +25,7 @@ def outline_colour(colour: Colour) -> Colour:
 
 @cached_surfaces(24)
 def bead_sprite(diameter: float, colour: Colour, core: float) -> Sprites:
-    """Draw a disc with a dark core of radius `core`, relative to the disc (0 to 1). The core shows the mass of the
+    """Draw a shaded ball with a dark core of radius `core`, relative to the ball (0 to 1). The core shows the mass of the
     bead.
     """
     side = math.ceil(diameter)
@@ -30,11 +34,58 @@ def bead_sprite(diameter: float, colour: Colour, core: float) -> Sprites:
         centre, radius = (diameter / 2 * SUBPIXELS + shift, side / 2 * SUBPIXELS), diameter / 2 * SUBPIXELS
         rim = max(1.0, 0.03 * diameter) * SUBPIXELS
         pygame.draw.circle(fine, outline_colour(colour), centre, radius)
-        pygame.draw.circle(fine, (*colour, BEAD_OPACITY), centre, radius - rim)
+        _shaded_disc(fine, colour, centre, radius - rim)
         if core:
-            pygame.draw.circle(fine, (*mix(colour, (0, 0, 0), 0.22), BEAD_OPACITY), centre, core * (radius - rim))
+            _shaded_disc(fine, mix(colour, (0, 0, 0), 0.22), centre, core * (radius - rim))
 
     return make_sprites((side, side), outline_colour(colour), paint)
+
+
+def _shaded_disc(fine: pygame.Surface, colour: Colour, centre: tuple[float, float], radius: float) -> None:
+    """Draw a disc that is dark at its rim and light at its highlight, like a ball in the light."""
+    for k in range(SHADES):
+        share = k / (SHADES - 1)
+        if share < 0.4:
+            tint = mix(colour, (0, 0, 0), SHADOW * (1.0 - share / 0.4) ** 2)
+        else:
+            tint = mix(colour, (255, 255, 255), HIGHLIGHT * (share - 0.4) / 0.6)
+        place = centre[0] + 0.9 * share * LIGHT[0] * radius, centre[1] + 0.9 * share * LIGHT[1] * radius
+        pygame.draw.circle(fine, tint, place, (1.0 - 0.85 * share) * radius)
+
+
+# Heights of the floor and of the hood of a locomotive, and radius of a wheel, as fractions of the height of a wagon.
+FLOOR, HOOD, WHEEL = 0.80, 0.36, 0.15
+
+
+@cached_surfaces(16)
+def wagon_sprite(length: float, height: float, colour: Colour, locomotive: bool) -> Sprites:
+    """Draw a wagon with wheels, or a locomotive with a cab."""
+    wide, tall = CYLINDER_LENGTH * length, CYLINDER_HEIGHT * height
+    dark = mix(colour, (0, 0, 0), 0.6)
+
+    def paint(fine: pygame.Surface, shift: float) -> None:
+        across, high = wide * SUBPIXELS, tall * SUBPIXELS
+        corner, rim = round(0.08 * high), max(SUBPIXELS, round(0.03 * height * SUBPIXELS))
+        for x in (0.2, 0.8) if not locomotive else (0.17, 0.5, 0.83):
+            place = shift + x * across, (1.0 - WHEEL) * high
+            pygame.draw.circle(fine, dark, place, WHEEL * high)
+            pygame.draw.circle(fine, mix(dark, (255, 255, 255), 0.45), place, 0.45 * WHEEL * high)
+        tops = ((0.0, 1.0, 0.0),) if not locomotive else ((0.0, 0.42, 0.0), (0.3, 1.0, HOOD))
+        for left, right, top in tops:
+            place = shift + left * across, top * high, (right - left) * across, (FLOOR - top) * high
+            body = pygame.Rect(*map(round, place))
+            pygame.draw.rect(fine, outline_colour(colour), body, border_radius=corner)
+            inner = body.inflate(-2 * rim, -2 * rim)
+            pygame.draw.rect(fine, colour, inner, border_radius=corner)
+            light = pygame.Rect(inner.left, inner.top, inner.width, max(1, round(0.18 * high)))
+            pygame.draw.rect(fine, mix(colour, (255, 255, 255), 0.3), light, border_radius=corner)
+        if locomotive:
+            window = pygame.Rect(*map(round, (shift + 0.09 * across, 0.14 * high, 0.22 * across, 0.24 * high)))
+            pygame.draw.rect(fine, mix(tones.background, colour, 0.15), window, border_radius=corner // 2)
+            funnel = pygame.Rect(*map(round, (shift + 0.78 * across, 0.14 * high, 0.09 * across, 0.28 * high)))
+            pygame.draw.rect(fine, outline_colour(colour), funnel)
+
+    return make_sprites((math.ceil(wide), math.ceil(tall)), outline_colour(colour), paint)
 
 
 @cached_surfaces(16)

@@ -7,7 +7,15 @@ from typing import Protocol
 import numpy as np
 import pygame
 from softcradle.physics import Chain
-from softcradle.sandbox.draw.bead_sprites import bead_sprite, cylinder_sprite, number_sprite, piston_sprite, wall_sprite
+from softcradle.sandbox.draw.bead_sprites import (
+    bead_sprite,
+    cylinder_sprite,
+    number_sprite,
+    outline_colour,
+    piston_sprite,
+    wagon_sprite,
+    wall_sprite,
+)
 from softcradle.sandbox.draw.bodies import (
     CYLINDER_HEIGHT,
     CYLINDER_LENGTH,
@@ -17,6 +25,7 @@ from softcradle.sandbox.draw.bodies import (
     cluster_ends,
     has_marks,
     is_gear,
+    locomotives,
     mass_labels,
     solid_force,
     visible_marks,
@@ -27,6 +36,8 @@ from softcradle.sandbox.draw.supersampling import blit_sprite, draw_arrow, fill_
 from softcradle.sandbox.draw.text import shortened, width, write
 from softcradle.sandbox.languages import N_, _, scene_words
 from softcradle.sandbox.motion import Array, Motion
+from softcradle.sandbox.quantities import FORCE
+from softcradle.sandbox.story.bodies import body_word
 from softcradle.sandbox.story.numbers import (
     axis_prefix,
     beside,
@@ -36,7 +47,6 @@ from softcradle.sandbox.story.numbers import (
     ticks,
     with_prefix,
 )
-from softcradle.sandbox.story.terms import FORCE
 from softcradle.scenes import View
 
 Shares = Callable[[Motion, int, Scales], Array]
@@ -132,6 +142,7 @@ class LaneDrawing:
         lane = scene.lanes[number]
         self.label, self.length, self.numbered = scene_words(lane.label), scene.view.length, scene.view.labels
         self.chain: Chain = lane.chain()
+        self.train, self.locomotives = body_word(self.chain) == "wagon", locomotives(self.chain)
         palette = bead_colours(self.chain.contacts + 1)
         self.contact_colours = palette[1:]  # A contact has the colour of the bead on its right, which it pushes.
         self.colours = tuple(tones.muted if math.isinf(m) else c for m, c in zip(self.chain.mass, palette, strict=True))
@@ -262,17 +273,50 @@ class LaneDrawing:
                 top = self.ground - self.bead * (0.5 * CYLINDER_HEIGHT + 0.22)
                 blit_sprite(surface, piston_sprite(self.bead, self.bead), end - 0.5 * self.bead, top)
         for i in on_screen:
+            self._cut(surface, i, edges)
             self._body(surface, i, edges[i])
+        surface.set_clip(self.rect)
+        for i in on_screen:
+            self._face(surface, i, edges)
         if self.numbered and self.number_size >= SMALLEST_NUMBER:
             for i in on_screen:
                 self._number(surface, i, edges[i])
+
+    def _pressed(self, contact: int, edges: list[float]) -> float:
+        """Return the overlap [pixels] of two balls, or 0 if they are apart or if one of them is not a ball."""
+        if not 0 <= contact < len(edges) - 1:
+            return 0.0
+        if any(math.isinf(self.chain.mass[i]) or self._is_gear(i) for i in (contact, contact + 1)):
+            return 0.0
+        overlap = edges[contact] + self.bead - edges[contact + 1]
+        return overlap if 0.0 < overlap < self.bead else 0.0
+
+    def _cut(self, surface: pygame.Surface, bead: int, edges: list[float]) -> None:
+        """Clip the surface to the part of a ball between the flat faces where it touches its neighbours."""
+        left, right = self.rect.left, self.rect.right
+        if overlap := self._pressed(bead - 1, edges):
+            left = max(left, round(edges[bead] + overlap / 2))
+        if overlap := self._pressed(bead, edges):
+            right = min(right, round(edges[bead + 1] + overlap / 2))
+        surface.set_clip((left, self.rect.top, max(1, right - left), self.rect.height))
+
+    def _face(self, surface: pygame.Surface, contact: int, edges: list[float]) -> None:
+        """Draw the flat face between two balls that are pressed together."""
+        overlap = self._pressed(contact, edges)
+        if not overlap:
+            return
+        x, radius = edges[contact + 1] + overlap / 2, self.bead / 2
+        half, wide = math.sqrt(radius**2 - (radius - overlap / 2) ** 2), max(1.0, 0.03 * self.bead)
+        colour = outline_colour(self.colours[contact + 1])
+        fill_rectangle(surface, colour, (x - wide / 2, self.ground - radius - half, wide, 2 * half))
 
     def _body(self, surface: pygame.Surface, bead: int, x: float) -> None:
         size = self.bead
         if math.isinf(self.chain.mass[bead]):
             blit_sprite(surface, wall_sprite(size, WALL_HEIGHT * size), x, self.ground - WALL_HEIGHT * size)
         elif self._is_gear(bead):
-            image = cylinder_sprite(size, size, self.colours[bead])
+            colour, gear = self.colours[bead], cylinder_sprite
+            image = wagon_sprite(size, size, colour, self.locomotives[bead]) if self.train else gear(size, size, colour)
             blit_sprite(surface, image, x, self.ground - CYLINDER_HEIGHT * size)
         else:
             image = bead_sprite(size, self.colours[bead], self._core(bead))

@@ -1,6 +1,7 @@
 """Magnified insets: each contact has its own magnification, because the overlaps of neighbours differ by decades."""
 
 import math
+from collections.abc import Mapping
 
 import pygame
 from softcradle.sandbox.draw.bead_sprites import BEAD_OPACITY, outline_colour
@@ -18,6 +19,8 @@ CAP_RADIUS = 1.5  # Radius of the two discs of a contact, relative to the radius
 GREATEST_DEPTH = 1.05  # Upper limit of the drawn overlap, relative to the radius of the inset.
 SMALLEST_RADIUS = 8.0  # Smallest radius of an inset that is still readable [design pixels]. Smaller insets are omitted.
 TEXT_ROOM = 100.0  # Room for the text beside an inset [design pixels].
+# Largest radius of an inset with captions, largest distance of two of them, and height of three captions [design pixels].
+LARGEST_RADIUS, WIDEST_PITCH, CAPTION = 44.0, 190.0, 58.0
 # Limits if insets of full size do not fit [design pixels]: room for shorter text, and radius down to which the insets
 # shrink.
 LEAST_TEXT_ROOM, LEAST_RADIUS = 86.0, 20.0
@@ -143,6 +146,64 @@ class MagnifiedInsets:
         fill_rectangle(inset, colours[1], (other + 2.0, middle - 0.8 * r, self.side - other, 1.6 * r))
         for k in range(-4, 5, 2):
             fill_rectangle(inset, tones.foreground, (face - 0.5, middle + (k - 0.5) * 0.1 * r, 1.0, 0.1 * r))
+
+
+class CaptionedInsets(MagnifiedInsets):
+    """Insets with captions below them, for chosen contacts at one moment.
+
+    Arguments:
+        rect: rectangle of the insets and their captions [pixels].
+        unit: pixels per design pixel.
+        drawing: the drawing of the lane.
+        overlaps: overlap [m] of each contact that is shown.
+        captions: two lines of text for each of these contacts.
+        leaders: True if a line leads from each contact to its inset.
+    """
+
+    def __init__(
+        self,
+        rect: pygame.Rect,
+        unit: float,
+        drawing: LaneDrawing,
+        overlaps: Mapping[int, float],
+        captions: Mapping[int, tuple[str, str]],
+        leaders: bool,
+    ) -> None:
+        self.rect, self.unit, self.drawing = rect, unit, drawing
+        self.captions, self.leaders = captions, leaders
+        self.shown = tuple(sorted(overlaps))
+        self.pitch = min(rect.width / len(self.shown), WIDEST_PITCH * unit)
+        room = min(rect.height - CAPTION * unit, self.pitch - 8 * unit)
+        self.radius = min(max(0.5 * room - 3.0, SMALLEST_RADIUS * unit), LARGEST_RADIUS * unit)
+        self.side, self.text_room = self._side, 0.0
+        depth, largest = GREATEST_DEPTH * self.radius, max(overlaps.values())
+        self.magnify = {k: _magnification(depth, drawing.scale * (overlaps[k] or largest)) for k in self.shown}
+
+    def centre(self, slot: int) -> tuple[float, float]:
+        """Return the centre [pixels] of the inset number `slot`, counted from the left."""
+        x = self.rect.centerx + (slot - (len(self.shown) - 1) / 2) * self.pitch
+        return x, self.rect.top + self.radius + 2.0
+
+    def backdrop(self, surface: pygame.Surface) -> None:
+        """Write the captions and the magnifications of the insets."""
+        for slot, contact in enumerate(self.shown):
+            (x, y), (first, second) = self.centre(slot), self.captions[contact]
+            top = y + self.radius + 4 * self.unit
+            write(surface, first, (x, top), 16 * self.unit, bold=True, align=(0.5, 0))
+            write(surface, second, (x, top + 19 * self.unit), 13 * self.unit, align=(0.5, 0))
+            magnification = factor(self.magnify[contact])
+            write(surface, magnification, (x, top + 36 * self.unit), 13 * self.unit, tones.muted, align=(0.5, 0))
+
+    def paint(self, surface: pygame.Surface, motion: Motion, row: int, contacts: Array) -> None:
+        """Draw the insets for the sample `row` of `motion`, see :meth:`MagnifiedInsets.paint`."""
+        for slot, contact in enumerate(self.shown):
+            x, y = self.centre(slot)
+            if self.leaders:
+                self._leader(surface, float(contacts[contact]), (x, y))
+            inset = self._inset(
+                contact, float(motion.overlap[row, contact]) * self.drawing.scale * self.magnify[contact]
+            )
+            surface.blit(inset, (round(x) - self.side // 2, round(y) - self.side // 2))
 
 
 def _shown(deepest: tuple[float, ...], room: int) -> tuple[int, ...]:
